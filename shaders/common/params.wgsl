@@ -1,0 +1,32 @@
+// What stays the same from step to step. Lengths are in local coordinates: world minus the scene's origin.
+
+struct Params {
+    box_size: vec3f,              // m, periodic box of air, [0, box_size)
+    step: f32,                    // s, of one engine step (substeps already divided out)
+    wind: vec3f,                  // m/s, the mean wind after the ramp
+    ramp: f32,                    // s, 0: the wind is there at once
+    gravity: vec3f,               // m/s^2, on hair only
+    fringe: f32,                  // m, thickness
+    cells: vec3i,                 // of the box, each at least a kernel radius wide; 0 without air
+    kernel_radius: f32,           // m
+    cell_size: vec3f,             // m
+    air_volume: f32,              // m^3
+    particles: u32,               // hair points first, then air
+    hair_points: u32,
+    segments: u32,
+    strands: u32,
+    box_cells: u32,               // product of cells
+    hashed_cells: u32,            // for hair outside the box, a power of two
+    neighbour_capacity: u32,      // entries of the list
+    rod_iterations: u32,
+    air_inverse_mass: f32,        // 1/kg
+    relaxation: f32,
+    tension: f32,
+    density_softening: f32,       // alpha of the multiplier, 1/(kg m^2)
+    viscosity_hair: f32,          // c of eq. 7, for one engine step
+    viscosity_air: f32,
+    damping: f32,                 // 1/s
+    bad_strand_limit: u32,        // more than this in one step end the run
+}
+
+@group(0) @binding(0) var<uniform> params: Params;

@@ -1,0 +1,43 @@
+// Smoothing kernels (Mueller et al. 2003): Poly6 for densities, Spiky's gradient for corrections.
+import package::common::params::params;
+
+const PI: f32 = 3.14159265358979;
+
+// W(r) = 315/(64 pi h^9) (h^2 - r^2)^3, written so that nothing leaves the range of f32.
+fn poly6(squared: f32) -> f32 {
+    let h = params.kernel_radius;
+    let q = max(1.0 - squared / (h * h), 0.0);
+    return 315.0 / (64.0 * PI * h * h * h) * q * q * q;
+}
+
+// |grad W| = 45/(pi h^6) (h - r)^2; the gradient points from i to j: grad_i W = -|grad W| (x_i - x_j)/r.
+fn spiky_slope(r: f32) -> f32 {
+    let h = params.kernel_radius;
+    let q = max(1.0 - r / h, 0.0);
+    return 45.0 / (PI * h * h * h * h) * q * q;
+}
+
+fn pcg(x: u32) -> u32 {
+    let state = x * 747796405u + 2891336453u;
+    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    return (word >> 22u) ^ word;
+}
+
+// Unit vector from j to i; for coincident particles a random one, opposite for (j, i), so that they separate.
+fn direction(i: u32, j: u32, gap: vec3f, r: f32) -> vec3f {
+    if r >= 1e-6 * params.kernel_radius {
+        return gap / r;
+    }
+    let first = pcg(min(i, j) ^ pcg(max(i, j)));
+    let second = pcg(first);
+    let z = 2.0 * f32(first) / 4294967296.0 - 1.0;
+    let angle = 2.0 * PI * f32(second) / 4294967296.0;
+    let ring = sqrt(max(1.0 - z * z, 0.0));
+    let random = vec3f(ring * cos(angle), ring * sin(angle), z);
+    return select(-random, random, i < j);
+}
+
+fn spiky_gradient(i: u32, j: u32, gap: vec3f) -> vec3f {
+    let r = length(gap);
+    return -spiky_slope(r) * direction(i, j, gap, r);
+}

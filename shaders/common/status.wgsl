@@ -1,0 +1,50 @@
+// The status word and the counters that travel with the state. A cause that freezes keeps the last pass from
+// committing; the host reads the causes after each submit, mends what it can and replays from the same state.
+
+const NEIGHBOUR_OVERFLOW: u32 = 1u;   // the list is too short: grow and replay
+const NON_FINITE_AIR: u32 = 2u;       // the run ends
+const TOO_MANY_BAD_STRANDS: u32 = 4u; // the run ends
+
+const STRAND_RESET: u32 = 0u;    // a non-finite strand goes back to its rest pose
+const MOVE_CAPPED: u32 = 1u;     // a point would have moved too far in one step
+const OVER_STRAINED: u32 = 2u;   // a strand stretched by half for 50 steps on end
+const COUNTERS: u32 = 3u;
+
+struct Status {
+    causes: atomic<u32>,              // bits above
+    step: u32,                        // committed engine steps
+    neighbours: atomic<u32>,          // entries the list needs in this step
+    bad_strands: atomic<u32>,         // non-finite in this step
+    first_bad_strand: atomic<u32>,    // smallest index, in the whole run
+    first_bad_air: atomic<u32>,       // smallest index
+    max_stretch: atomic<u32>,         // max |l/l0 - 1| over the run, the bits of a positive f32
+    counted: array<u32, 3>,           // by cause, committed steps
+    counting: array<atomic<u32>, 3>,  // by cause, this step
+}
+
+@group(0) @binding(1) var<storage, read_write> status: Status;
+
+fn frozen() -> bool {
+    return atomicLoad(&status.causes) != 0u;
+}
+
+fn freeze(cause: u32) {
+    atomicOr(&status.causes, cause);
+}
+
+fn count(cause: u32) {
+    atomicAdd(&status.counting[cause], 1u);
+}
+
+// IEEE 754 exponent all ones. `x != x` may be optimised away.
+fn finite(x: f32) -> bool {
+    return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
+}
+
+fn finite3(v: vec3f) -> bool {
+    return finite(v.x) && finite(v.y) && finite(v.z);
+}
+
+fn finite4(v: vec4f) -> bool {
+    return finite3(v.xyz) && finite(v.w);
+}

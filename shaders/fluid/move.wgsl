@@ -1,0 +1,14 @@
+// Applies an iteration's shift, and remembers it: air's velocity changes by the sum of its shifts over the step.
+import package::common::{params::params, dispatch::{invocation, WORKGROUP}, status::frozen};
+
+@group(0) @binding(2) var<storage, read>       shift:      array<vec4f>;
+@group(0) @binding(3) var<storage, read_write> predicted:  array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> correction: array<vec4f>;
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = invocation(id, groups);
+    if i >= params.particles || frozen() { return; }
+    predicted[i] += shift[i];
+    correction[i] += shift[i];
+}

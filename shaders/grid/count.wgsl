@@ -1,0 +1,12 @@
+// Counts the particles of each cell: the first of the counting sort's four passes.
+import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cells::bucket_of, status::frozen};
+
+@group(0) @binding(2) var<storage, read>       predicted:  array<vec4f>;
+@group(0) @binding(3) var<storage, read_write> cell_count: array<atomic<u32>>;
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = invocation(id, groups);
+    if i >= params.particles || frozen() { return; }
+    atomicAdd(&cell_count[bucket_of(i, predicted[i].xyz)], 1u);
+}

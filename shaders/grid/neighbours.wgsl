@@ -1,0 +1,117 @@
+// Lists who is nearer than the kernel radius, for every particle, in cell order.
+//
+// Air meets air through the periodic faces; air and hair, hair and hair meet directly. The number of entries that the
+// step needs is summed in the status; when the list is too short the step freezes and the host grows it.
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP},
+    cells::{cell_of, air_cell_of, in_box, box_bucket, hashed_bucket},
+    status::{status, frozen, freeze, NEIGHBOUR_OVERFLOW},
+};
+
+@group(0) @binding(2) var<storage, read>       cell_start:      array<u32>;
+@group(0) @binding(3) var<storage, read>       sorted:          array<u32>;
+@group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> neighbour_range: array<vec2u>;   // first entry, number
+@group(0) @binding(6) var<storage, read_write> neighbour_list:  array<u32>;
+
+const HELD: u32 = 64u;   // entries kept while searching; a particle with more is searched a second time
+
+var<private> own_entry: u32;
+var<private> own: vec4f;
+var<private> found: u32;
+var<private> held: array<u32, HELD>;
+var<private> writing: bool;      // second search: straight into the list
+var<private> first: u32;
+
+fn take(j: u32) {
+    if writing {
+        if found >= HELD { neighbour_list[first + found] = j; }
+    } else if found < HELD {
+        held[found] = j;
+    }
+    found++;
+}
+
+fn look(begin: u32, end: u32) {
+    let reach = params.kernel_radius * params.kernel_radius;
+    for (var e = begin; e < end; e++) {
+        let other = sorted_position[e];
+        var gap = own.xyz - other.xyz;
+        if own.w * other.w > 0.0 {
+            gap -= params.box_size * round(gap / params.box_size);
+        }
+        if dot(gap, gap) < reach && e != own_entry {
+            take(sorted[e]);
+        }
+    }
+}
+
+// Hair outside the box: other cells may share the bucket.
+fn look_outside(cell: vec3i) {
+    let bucket = hashed_bucket(cell);
+    let reach = params.kernel_radius * params.kernel_radius;
+    for (var e = cell_start[bucket]; e < cell_start[bucket + 1u]; e++) {
+        let other = sorted_position[e];
+        let gap = own.xyz - other.xyz;
+        if dot(gap, gap) < reach && e != own_entry && all(cell_of(other.xyz) == cell) {
+            take(sorted[e]);
+        }
+    }
+}
+
+fn search() {
+    found = 0u;
+    let air = own.w > 0.0;
+    var home = cell_of(own.xyz);
+    if air { home = air_cell_of(own.xyz); }
+    for (var z = -1; z <= 1; z++) {
+        for (var y = -1; y <= 1; y++) {
+            let row = home + vec3i(-1, y, z);
+            if in_box(row) && in_box(row + vec3i(2, 0, 0)) {
+                // Three cells in a row are neighbours in memory too.
+                let bucket = box_bucket(row);
+                look(cell_start[bucket], cell_start[bucket + 3u]);
+                continue;
+            }
+            for (var x = 0; x <= 2; x++) {
+                let cell = row + vec3i(x, 0, 0);
+                if in_box(cell) {
+                    let bucket = box_bucket(cell);
+                    look(cell_start[bucket], cell_start[bucket + 1u]);
+                    continue;
+                }
+                if air {
+                    let image = box_bucket((cell + params.cells) % params.cells);
+                    look(cell_start[image], cell_start[image + 1u]);
+                }
+                look_outside(cell);
+            }
+        }
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    own_entry = invocation(id, groups);
+    if own_entry >= params.particles || frozen() { return; }
+    own = sorted_position[own_entry];
+    let i = sorted[own_entry];
+
+    writing = false;
+    search();
+    let total = found;
+    first = atomicAdd(&status.neighbours, total);
+    if total > params.neighbour_capacity || first > params.neighbour_capacity - total {
+        neighbour_range[i] = vec2u(0u, 0u);
+        freeze(NEIGHBOUR_OVERFLOW);
+        return;
+    }
+    neighbour_range[i] = vec2u(first, total);
+    for (var n = 0u; n < min(total, HELD); n++) {
+        neighbour_list[first + n] = held[n];
+    }
+    if total > HELD {
+        writing = true;
+        search();
+    }
+}

@@ -1,0 +1,26 @@
+// Commits the step: positions, velocities, the counters and the step's number. A frozen step leaves all as it was.
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, wrap}, status::{status, frozen, COUNTERS},
+};
+
+@group(0) @binding(2) var<storage, read>       predicted:      array<vec4f>;
+@group(0) @binding(3) var<storage, read>       final_velocity: array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> position:       array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> velocity:       array<vec4f>;
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = invocation(id, groups);
+    if i >= params.particles || frozen() { return; }
+    var x = predicted[i];
+    if is_air(i) { x = vec4f(wrap(x.xyz), x.w); }
+    position[i] = x;
+    velocity[i] = final_velocity[i];
+    if i == 0u {
+        status.step += 1u;
+        atomicStore(&status.bad_strands, 0u);
+        for (var cause = 0u; cause < COUNTERS; cause++) {
+            status.counted[cause] += atomicExchange(&status.counting[cause], 0u);
+        }
+    }
+}
