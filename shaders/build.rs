@@ -50,8 +50,8 @@ fn build() -> Result<(), Box<dyn error::Error>> {
             let name = format!("{folder}/{stem}");
             let text = link(&root, &name)?;
             let module = validate(&name, &text)?;
-            let target = out.join(format!("{folder}_{stem}.wgsl"));
-            fs::write(&target, &text)?;
+            let target = format!("/{folder}_{stem}.wgsl");
+            fs::write(out.join(&target[1..]), &text)?;
             write_pass(&mut table, &name, stem, file, &target, &module)?;
             collect_layouts(&module, &mut layouts);
         }
@@ -79,7 +79,7 @@ fn validate(name: &str, text: &str) -> Result<Module, String> {
     Ok(module)
 }
 
-fn write_pass(table: &mut String, name: &str, stem: &str, file: &Path, target: &Path, module: &Module) -> Result<(), Box<dyn error::Error>> {
+fn write_pass(table: &mut String, name: &str, stem: &str, file: &Path, target: &str, module: &Module) -> Result<(), Box<dyn error::Error>> {
     let [entry] = module.entry_points.as_slice() else {
         return Err(format!("shaders/{name}.wgsl: a pass has exactly one entry point").into());
     };
@@ -112,8 +112,8 @@ fn write_pass(table: &mut String, name: &str, stem: &str, file: &Path, target: &
     let first = fs::read_to_string(file)?;
     let title = first.lines().next().unwrap_or_default().trim_start_matches("// ").replace(['[', ']'], "|");
     writeln!(table, "    /// {title}")?;
-    writeln!(table, "    pub const {}: Pass = Pass {{", stem.to_uppercase())?;
-    writeln!(table, "        name: {name:?}, workgroup: {workgroup}, source: include_str!({target:?}),\n        bindings: &[")?;
+    writeln!(table, "    pub static {}: Pass = Pass {{", stem.to_uppercase())?;
+    writeln!(table, "        name: {name:?}, workgroup: {workgroup}, source: include_str!(concat!(env!(\"OUT_DIR\"), {target:?})),\n        bindings: &[")?;
     for (binding, (buffer, access, stride)) in &bindings {
         writeln!(table, "            Binding {{ binding: {binding}, name: {buffer:?}, access: Access::{access}, stride: {stride} }},")?;
     }

@@ -1,11 +1,12 @@
 // Lists who is nearer than the kernel radius, for every particle, in cell order.
 //
 // Air meets air through the periodic faces; air and hair, hair and hair meet directly. The number of entries that the
-// step needs is summed in the status; when the list is too short the step freezes and the host grows it.
+// step needs is summed in the status, all of it even when the list is too short: then the step is frozen and the host
+// grows the list.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP},
     cells::{cell_of, air_cell_of, in_box, box_bucket, hashed_bucket},
-    status::{status, frozen, freeze, NEIGHBOUR_OVERFLOW},
+    status::{status, frozen_before},
 };
 
 @group(0) @binding(2) var<storage, read>       cell_start:      array<u32>;
@@ -93,7 +94,7 @@ fn search() {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     own_entry = invocation(id, groups);
-    if own_entry >= params.particles || frozen() { return; }
+    if own_entry >= params.particles || frozen_before() { return; }
     own = sorted_position[own_entry];
     let i = sorted[own_entry];
 
@@ -103,7 +104,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     first = atomicAdd(&status.neighbours, total);
     if total > params.neighbour_capacity || first > params.neighbour_capacity - total {
         neighbour_range[i] = vec2u(0u, 0u);
-        freeze(NEIGHBOUR_OVERFLOW);
         return;
     }
     neighbour_range[i] = vec2u(first, total);

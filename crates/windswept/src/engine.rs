@@ -1,0 +1,193 @@
+//! State on a device, and any recording of passes run over it. [`crate::Simulation`] is an engine that runs whole steps;
+//! tests and single-pass work use it directly.
+
+use bytemuck::Pod;
+use windswept_scene::{InitialState, Scene};
+
+use crate::{
+    error::{GpuError, RunError},
+    gpu::{Gpu, Memory, Profile, Program, wgpu},
+    params::Params,
+    recorder::Recording,
+    rods::{self, quat, vec4},
+    state::{Array, Sizes, State},
+    status::Status,
+};
+
+/// Entries of the neighbour list per particle, at first: the lattice has 26 (h/d = 1.92), clumps more.
+const NEIGHBOURS_PER_PARTICLE: u64 = 36;
+
+/// The buffers of a scene on a device.
+#[derive(Debug)]
+pub struct Engine {
+    gpu: Gpu,
+    params: Params,
+    state: State,
+    memory: Memory,
+}
+
+impl Engine {
+    /// Allocates and fills the buffers of an initial state.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`] before anything is allocated, if a buffer exceeds what the adapter binds.
+    pub fn new(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Self, GpuError> {
+        let mut params = Params::new(scene, initial, 0);
+        params.neighbour_capacity = first_capacity(gpu, &params);
+        let state = State::new(&params.sizes());
+        let memory = Memory::new(gpu, &state)?;
+        let engine = Self { gpu: gpu.clone(), params, state, memory };
+        engine.write_initial(initial)?;
+        Ok(engine)
+    }
+
+    fn write_initial(&self, initial: &InitialState) -> Result<(), GpuError> {
+        let (s, hair, air) = (&self.state, &initial.hair, &initial.air);
+        let local = |&x: &glam::DVec3| x - initial.origin;
+        let hair_positions = hair.positions.iter().map(local).zip(&hair.volume).map(|(x, &volume)| vec4(x, volume));
+        let air_positions = air.positions.iter().map(local).map(|x| vec4(x, air.volume));
+        let positions: Vec<_> = hair_positions.chain(air_positions).collect();
+        let velocities: Vec<_> = hair.velocities.iter().chain(&air.velocities).map(|&v| vec4(v, 0.0)).collect();
+        let orientations: Vec<_> = hair.orientations.iter().map(|&q| quat(q)).collect();
+        let spins: Vec<_> = hair.angular_velocities.iter().map(|&w| vec4(w, 0.0)).collect();
+        let inverse_mass: Vec<f32> = hair.inverse_mass.iter().map(|&w| w as f32).collect();
+        let moves = rods::largest_moves(hair);
+        let rest: Vec<_> = hair.positions.iter().map(local).zip(moves).map(|(x, far)| vec4(x, far)).collect();
+        self.write(&s.params, &[self.params])?;
+        self.write(&s.status, &[Status::start()])?;
+        self.write(&s.position, &positions)?;
+        self.write(&s.velocity, &velocities)?;
+        self.write(&s.orientation, &orientations)?;
+        self.write(&s.angular_velocity, &spins)?;
+        self.write(&s.inverse_mass, &inverse_mass)?;
+        self.write(&s.strands, &rods::strands(hair))?;
+        self.write(&s.segments, &rods::segments(hair))?;
+        self.write(&s.rest_position, &rest)?;
+        self.write(&s.rest_orientation, &orientations)
+    }
+
+    /// The device.
+    #[must_use]
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Counts of everything.
+    #[must_use]
+    pub fn sizes(&self) -> Sizes {
+        self.params.sizes()
+    }
+
+    /// The buffers' descriptions.
+    #[must_use]
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// A buffer, to draw from or to bind beside one's own.
+    #[must_use]
+    pub fn buffer(&self, array: &Array) -> &wgpu::Buffer {
+        self.memory.buffer(array)
+    }
+
+    /// Bytes of all buffers.
+    #[must_use]
+    pub fn memory_bytes(&self) -> u64 {
+        self.state.arrays().iter().map(|array| array.bytes()).sum()
+    }
+
+    /// Longest neighbour list that the adapter allows, entries.
+    #[must_use]
+    pub fn largest_list(&self) -> u64 {
+        (self.gpu.largest_binding() / self.state.neighbour_list.stride).min(u32::MAX.into())
+    }
+
+    /// Runs a recording once and waits for it.
+    ///
+    /// # Errors
+    /// [`GpuError`] with the driver's words.
+    pub fn replay(&self, recording: &Recording) -> Result<(), GpuError> {
+        self.run(&self.program(recording)?, 1)?;
+        self.gpu.wait()
+    }
+
+    /// Overwrites the first elements of an array.
+    ///
+    /// # Errors
+    /// [`GpuError`] when they do not fit or the device is lost.
+    pub fn write<T: Pod>(&self, array: &Array, data: &[T]) -> Result<(), GpuError> {
+        self.memory.write(&self.gpu, array, data)
+    }
+
+    /// Reads an array as elements of `T`.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the device is lost.
+    pub fn read<T: Pod>(&self, array: &Array) -> Result<Vec<T>, GpuError> {
+        Ok(self.memory.read(&self.gpu, &[array])?.pop().unwrap_or_default())
+    }
+
+    pub(crate) fn read_vec4<const N: usize>(&self, arrays: [&Array; N]) -> Result<[Vec<[f32; 4]>; N], GpuError> {
+        let mut read = self.memory.read(&self.gpu, &arrays)?.into_iter();
+        Ok(std::array::from_fn(|_| read.next().unwrap_or_default()))
+    }
+
+    /// Status word and counters.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the device is lost.
+    pub fn status(&self) -> Result<Status, GpuError> {
+        let status: Vec<Status> = self.read(&self.state.status)?;
+        status.first().copied().ok_or_else(|| GpuError::Lost("the status could not be read".to_owned()))
+    }
+
+    pub fn set_status(&self, status: &Status) -> Result<(), GpuError> {
+        self.write(&self.state.status, &[*status])
+    }
+
+    pub(crate) fn program(&self, recording: &Recording) -> Result<Program, GpuError> {
+        Program::new(&self.gpu, &self.memory, recording)
+    }
+
+    /// Submits `n` replays, without waiting.
+    pub(crate) fn run(&self, program: &Program, n: u64) -> Result<(), GpuError> {
+        self.gpu.checked(|| format!("running {n} steps"), || {
+            let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("steps") });
+            for _ in 0..n {
+                program.encode(&mut encoder);
+            }
+            self.gpu.queue.submit([encoder.finish()]);
+        })
+    }
+
+    pub(crate) fn run_profiled(&self, program: &Program, profile: &mut Profile) -> Result<(), RunError> {
+        Ok(program.run_profiled(&self.gpu, profile)?)
+    }
+
+    /// Puts the committed positions where a step's predicted ones stand, for headings 2 and 3 on their own.
+    ///
+    /// # Errors
+    /// [`GpuError`] with the driver's words.
+    pub fn copy_state_to_prediction(&self) -> Result<(), GpuError> {
+        let s = &self.state;
+        self.gpu.checked(|| "copying positions".to_owned(), || {
+            let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("positions") });
+            encoder.copy_buffer_to_buffer(self.buffer(&s.position), 0, self.buffer(&s.predicted), 0, None);
+            self.gpu.queue.submit([encoder.finish()]);
+        })
+    }
+
+    /// A longer neighbour list. Programs made before bind the old one.
+    pub fn grow_neighbours(&mut self, capacity: u32) -> Result<(), GpuError> {
+        self.params.neighbour_capacity = capacity;
+        self.state = State::new(&self.params.sizes());
+        let list = self.state.neighbour_list.clone();
+        self.memory.reallocate(&self.gpu, &list)?;
+        self.write(&self.state.params, &[self.params])
+    }
+}
+
+fn first_capacity(gpu: &Gpu, params: &Params) -> u32 {
+    let wanted = u64::from(params.particles) * NEIGHBOURS_PER_PARTICLE;
+    wanted.min(gpu.largest_binding() / size_of::<u32>() as u64).min(u32::MAX.into()) as u32
+}

@@ -1,0 +1,113 @@
+//! What can go wrong, made where the cause is known.
+
+use windswept_scene::SceneError;
+
+/// No adapter, no device, or a device that refuses.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum GpuError {
+    /// No adapter matched.
+    #[error("no adapter found: looked for {wanted} among {found}\n{help}")]
+    NoAdapter {
+        /// What was asked for.
+        wanted: String,
+        /// What there is.
+        found: String,
+        /// What to do about it.
+        help: String,
+    },
+    /// The adapter gave no device.
+    #[error("adapter {adapter} gave no device: {reason}")]
+    NoDevice {
+        /// Its name.
+        adapter: String,
+        /// The driver's words.
+        reason: String,
+    },
+    /// A buffer would be larger than the adapter allows.
+    #[error("{array} needs {bytes} bytes, the adapter binds at most {limit}; about {fits} particles would fit")]
+    TooLarge {
+        /// The buffer.
+        array: &'static str,
+        /// What it needs \[bytes\].
+        bytes: u64,
+        /// What the adapter allows \[bytes\].
+        limit: u64,
+        /// How many particles would fit.
+        fits: u64,
+    },
+    /// A limit of the device is below what the engine needs.
+    #[error("the device allows {limit} = {has}, {needs} are needed")]
+    Limit {
+        /// Its name in wgpu.
+        limit: &'static str,
+        /// What the device has.
+        has: u64,
+        /// What the engine needs.
+        needs: u64,
+    },
+    /// The driver rejected a call, or is out of memory.
+    #[error("{doing}: {reason}")]
+    Driver {
+        /// What was being done.
+        doing: String,
+        /// The driver's words.
+        reason: String,
+    },
+    /// The device is gone.
+    #[error("the device was lost: {0}")]
+    Lost(String),
+}
+
+/// A run that cannot go on.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// An air particle became non-finite.
+    #[error("air particle {particle} became non-finite in step {step} (t = {time:.6} s): the run ends; a smaller time.step may help")]
+    NonFiniteAir {
+        /// Stable id of the first.
+        particle: u32,
+        /// The step that failed; the state is that before it.
+        step: u64,
+        /// Its time \[s\].
+        time: f64,
+    },
+    /// More strands than max(3, 1 %) became non-finite in one step.
+    #[error("{count} strands became non-finite in the rod solve of step {step} (t = {time:.6} s), strand {first} among them: the run ends; a smaller time.step or more rods.iterations may help")]
+    TooManyBadStrands {
+        /// How many.
+        count: u32,
+        /// The smallest index of a bad strand in the run.
+        first: u32,
+        /// The step that failed; the state is that before it.
+        step: u64,
+        /// Its time \[s\].
+        time: f64,
+    },
+    /// The neighbour list cannot grow as far as the step needs.
+    #[error("step {step} needs a neighbour list of {needed} entries, the adapter allows {limit}: particles are crowded or too many")]
+    TooManyNeighbours {
+        /// Entries.
+        needed: u64,
+        /// Entries that fit a binding.
+        limit: u64,
+        /// The step.
+        step: u64,
+    },
+    /// The GPU.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
+/// A simulation that could not be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The GPU.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}

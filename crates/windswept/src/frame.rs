@@ -1,0 +1,36 @@
+//! What a run hands out: plain f32 arrays in world coordinates.
+
+/// The state at one time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Frame {
+    /// Steps since the start.
+    pub step: u64,
+    /// Time since the start [s].
+    pub time: f64,
+    /// The strands.
+    pub hair: HairFrame,
+    /// The air; empty without air particles.
+    pub air: AirFrame,
+}
+
+/// Strands: points root to tip, one after the other.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct HairFrame {
+    /// First point of each strand, and the number of points: strands + 1.
+    pub offsets: Vec<u32>,
+    /// Per point [m].
+    pub positions: Vec<[f32; 3]>,
+    /// Per point [m/s].
+    pub velocities: Vec<[f32; 3]>,
+    /// Per segment: (x, y, z, w), material frame to world; a strand of n points has n - 1.
+    pub orientations: Vec<[f32; 4]>,
+}
+
+/// Air particles in the order of their stable ids.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct AirFrame {
+    /// Per particle [m], wrapped into the box.
+    pub positions: Vec<[f32; 3]>,
+    /// Per particle [m/s].
+    pub velocities: Vec<[f32; 3]>,
+}

@@ -1,0 +1,156 @@
+//! The GPU: adapters, devices, memory, recorded steps. The only module that shows wgpu's types; it re-exports wgpu.
+
+mod adapter;
+mod memory;
+mod program;
+
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+pub use adapter::{AdapterChoice, AdapterInfo, adapters};
+pub(crate) use memory::Memory;
+pub(crate) use program::{Profile, Program};
+pub use wgpu;
+use windswept_shaders::{Access, Pass};
+
+use crate::error::GpuError;
+
+/// A device with its queue and the pipelines made so far. Cheap to clone; simulations may share it.
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    info: AdapterInfo,
+    pipelines: Arc<Mutex<HashMap<&'static str, wgpu::ComputePipeline>>>,
+}
+
+impl Gpu {
+    /// A device of our own on the chosen adapter.
+    ///
+    /// # Errors
+    /// [`GpuError::NoAdapter`] says what was looked for, what there is and what to install.
+    pub fn new(choice: &AdapterChoice) -> Result<Self, GpuError> {
+        let adapter = adapter::choose(choice)?;
+        let info = AdapterInfo::new(&adapter.get_info());
+        let wanted = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+        let has = adapter.limits();
+        let limits = wgpu::Limits {
+            max_storage_buffer_binding_size: has.max_storage_buffer_binding_size,
+            max_buffer_size: has.max_buffer_size,
+            ..wgpu::Limits::default()
+        };
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("windswept"),
+            required_features: adapter.features() & wanted,
+            required_limits: limits,
+            ..Default::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|error| GpuError::NoDevice { adapter: info.name.clone(), reason: error.to_string() })?;
+        Self::from_device(&adapter, device, queue)
+    }
+
+    /// The caller's device. Errors on it are caught in error scopes; its handlers are left alone.
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] when the device's limits are below WebGPU's defaults in what the passes need.
+    pub fn from_device(adapter: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, GpuError> {
+        let (has, needs) = (device.limits(), wgpu::Limits::default());
+        let checks = [
+            ("max_storage_buffers_per_shader_stage", has.max_storage_buffers_per_shader_stage, needs.max_storage_buffers_per_shader_stage),
+            ("max_compute_invocations_per_workgroup", has.max_compute_invocations_per_workgroup, needs.max_compute_invocations_per_workgroup),
+            ("max_compute_workgroup_size_x", has.max_compute_workgroup_size_x, needs.max_compute_workgroup_size_x),
+            ("max_compute_workgroups_per_dimension", has.max_compute_workgroups_per_dimension, needs.max_compute_workgroups_per_dimension),
+        ];
+        for (limit, has, needs) in checks {
+            if has < needs {
+                return Err(GpuError::Limit { limit, has: has.into(), needs: needs.into() });
+            }
+        }
+        let info = AdapterInfo::new(&adapter.get_info());
+        tracing::debug!(adapter = info.name, backend = info.backend, driver = info.driver, "device");
+        Ok(Self { device, queue, info, pipelines: Arc::default() })
+    }
+
+    /// The adapter.
+    #[must_use]
+    pub fn info(&self) -> &AdapterInfo {
+        &self.info
+    }
+
+    /// The largest buffer that a pass can bind \[bytes\].
+    #[must_use]
+    pub fn largest_binding(&self) -> u64 {
+        let limits = self.device.limits();
+        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
+    }
+
+    /// Runs `work` and turns what the driver says of it into an error.
+    pub(crate) fn checked<T>(&self, doing: impl Fn() -> String, work: impl FnOnce() -> T) -> Result<T, GpuError> {
+        let filters = [wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal];
+        let scopes = filters.map(|filter| self.device.push_error_scope(filter));
+        let result = work();
+        let mut first = None;
+        for scope in scopes.into_iter().rev() {
+            let error = pollster::block_on(scope.pop());
+            first = first.or(error);
+        }
+        match first {
+            Some(error) => Err(GpuError::Driver { doing: doing(), reason: error.to_string() }),
+            None => Ok(result),
+        }
+    }
+
+    /// Waits until the queue is empty.
+    pub(crate) fn wait(&self) -> Result<(), GpuError> {
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| GpuError::Lost(error.to_string()))?;
+        Ok(())
+    }
+
+    /// The pipeline of a pass, made at its first use.
+    fn pipeline(&self, pass: &'static Pass) -> Result<wgpu::ComputePipeline, GpuError> {
+        let mut pipelines = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(pipeline) = pipelines.get(pass.name) {
+            return Ok(pipeline.clone());
+        }
+        let pipeline = self.checked(|| format!("making the pipeline of {}", pass.name), || {
+            let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(pass.name),
+                source: wgpu::ShaderSource::Wgsl(pass.source.into()),
+            });
+            let entries: Vec<_> = pass.bindings.iter().map(layout_entry).collect();
+            let group = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(pass.name), entries: &entries });
+            let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(pass.name),
+                bind_group_layouts: &[Some(&group)],
+                immediate_size: 0,
+            });
+            self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(pass.name),
+                layout: Some(&layout),
+                module: &module,
+                entry_point: Some("main"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            })
+        })?;
+        pipelines.insert(pass.name, pipeline.clone());
+        Ok(pipeline)
+    }
+}
+
+fn layout_entry(binding: &windswept_shaders::Binding) -> wgpu::BindGroupLayoutEntry {
+    let kind = match binding.access {
+        Access::Uniform => wgpu::BufferBindingType::Uniform,
+        Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
+        Access::ReadWrite => wgpu::BufferBindingType::Storage { read_only: false },
+    };
+    wgpu::BindGroupLayoutEntry {
+        binding: binding.binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer { ty: kind, has_dynamic_offset: false, min_binding_size: None },
+        count: None,
+    }
+}

@@ -1,0 +1,114 @@
+//! The buffers behind [`State`]'s descriptions: allocated after a check, written and read as plain data.
+
+use std::sync::mpsc;
+
+use bytemuck::Pod;
+
+use crate::{
+    error::GpuError,
+    gpu::Gpu,
+    state::{Array, State},
+};
+
+/// One buffer per array, by slot.
+#[derive(Debug)]
+pub(crate) struct Memory {
+    buffers: Vec<wgpu::Buffer>,
+}
+
+impl Memory {
+    /// Allocates everything, zeroed, after checking each size.
+    pub(crate) fn new(gpu: &Gpu, state: &State) -> Result<Self, GpuError> {
+        let arrays = state.arrays();
+        for array in &arrays {
+            check_size(gpu, state, array)?;
+        }
+        let buffers = arrays.iter().map(|array| allocate(gpu, array)).collect::<Result<_, _>>()?;
+        Ok(Self { buffers })
+    }
+
+    /// Gives an array that has grown a new, zeroed buffer.
+    pub(crate) fn reallocate(&mut self, gpu: &Gpu, array: &Array) -> Result<(), GpuError> {
+        self.buffers[array.slot] = allocate(gpu, array)?;
+        Ok(())
+    }
+
+    pub(crate) fn buffer(&self, array: &Array) -> &wgpu::Buffer {
+        &self.buffers[array.slot]
+    }
+
+    /// Replaces the first elements of an array.
+    pub(crate) fn write<T: Pod>(&self, gpu: &Gpu, array: &Array, data: &[T]) -> Result<(), GpuError> {
+        if data.is_empty() {
+            return Ok(());
+        }
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        gpu.checked(|| format!("writing {}", array.name), || gpu.queue.write_buffer(self.buffer(array), 0, bytes))
+    }
+
+    /// Reads whole arrays, in one submission.
+    pub(crate) fn read<T: Pod>(&self, gpu: &Gpu, arrays: &[&Array]) -> Result<Vec<Vec<T>>, GpuError> {
+        let sizes: Vec<u64> = arrays.iter().map(|array| array.stride * array.len).collect();
+        let total: u64 = sizes.iter().sum();
+        if total == 0 {
+            return Ok(arrays.iter().map(|_| Vec::new()).collect());
+        }
+        let doing = || format!("reading {}", arrays.iter().map(|array| array.name).collect::<Vec<_>>().join(", "));
+        let (sender, receiver) = mpsc::channel();
+        let staging = gpu.checked(doing, || {
+            let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("readback"),
+                size: total,
+                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("readback") });
+            let mut offset = 0;
+            for (array, size) in arrays.iter().zip(&sizes) {
+                if *size > 0 {
+                    encoder.copy_buffer_to_buffer(self.buffer(array), 0, &staging, offset, Some(*size));
+                }
+                offset += size;
+            }
+            gpu.queue.submit([encoder.finish()]);
+            staging.map_async(wgpu::MapMode::Read, .., move |result| {
+                // The receiver is gone only if we returned early.
+                let _ = sender.send(result);
+            });
+            staging
+        })?;
+        gpu.wait()?;
+        let mapped = receiver.recv().map_err(|_| GpuError::Lost("a readback was never answered".to_owned()))?;
+        mapped.map_err(|error| GpuError::Lost(format!("{}: {error}", doing())))?;
+        let view = staging.get_mapped_range(..).map_err(|error| GpuError::Lost(format!("{}: {error}", doing())))?;
+        let mut offset = 0;
+        let read = sizes.iter().map(|size| {
+            let bytes = &view[offset..offset + *size as usize];
+            offset += *size as usize;
+            bytemuck::pod_collect_to_vec(bytes)
+        });
+        Ok(read.collect())
+    }
+}
+
+fn check_size(gpu: &Gpu, state: &State, array: &Array) -> Result<(), GpuError> {
+    let limit = gpu.largest_binding();
+    if array.bytes() <= limit {
+        return Ok(());
+    }
+    let particles = state.position.len;
+    let fits = (particles as f64 * limit as f64 / array.bytes() as f64) as u64;
+    Err(GpuError::TooLarge { array: array.name, bytes: array.bytes(), limit, fits })
+}
+
+fn allocate(gpu: &Gpu, array: &Array) -> Result<wgpu::Buffer, GpuError> {
+    let kind = if array.name == "params" { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
+    gpu.checked(|| format!("allocating {} bytes for {}", array.bytes(), array.name), || {
+        gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(array.name),
+            size: array.bytes().next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT),
+            usage: kind | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
+    })
+}

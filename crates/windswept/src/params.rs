@@ -1,0 +1,152 @@
+//! What the shaders get told once: the uniform, from the scene and its initial state.
+
+use std::{f64::consts::PI, mem::offset_of};
+
+use bytemuck::{Pod, Zeroable};
+use windswept_scene::{InitialState, Scene};
+use windswept_shaders::layout;
+
+use crate::state::Sizes;
+
+/// Asserts that a Rust struct is laid out as naga lays out its namesake.
+macro_rules! assert_layout {
+    ($name:ident { $($field:ident),* $(,)? }) => {
+        const _: () = {
+            assert!(std::mem::size_of::<$name>() == layout::$name::SIZE);
+            $(assert!(offset_of!($name, $field) == layout::$name::$field);)*
+        };
+    };
+}
+pub(crate) use assert_layout;
+
+/// `shaders/common/params.wgsl`, field by field.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[allow(missing_docs)]
+pub struct Params {
+    pub box_size: [f32; 3],
+    pub step: f32,
+    pub wind: [f32; 3],
+    pub ramp: f32,
+    pub gravity: [f32; 3],
+    pub fringe: f32,
+    pub cells: [i32; 3],
+    pub kernel_radius: f32,
+    pub cell_size: [f32; 3],
+    pub air_volume: f32,
+    pub particles: u32,
+    pub hair_points: u32,
+    pub segments: u32,
+    pub strands: u32,
+    pub box_cells: u32,
+    pub hashed_cells: u32,
+    pub neighbour_capacity: u32,
+    pub rod_iterations: u32,
+    pub air_inverse_mass: f32,
+    pub relaxation: f32,
+    pub tension: f32,
+    pub density_softening: f32,
+    pub viscosity_hair: f32,
+    pub viscosity_air: f32,
+    pub damping: f32,
+    pub bad_strand_limit: u32,
+}
+
+assert_layout!(Params {
+    box_size, step, wind, ramp, gravity, fringe, cells, kernel_radius, cell_size, air_volume, particles, hair_points,
+    segments, strands, box_cells, hashed_cells, neighbour_capacity, rod_iterations, air_inverse_mass, relaxation,
+    tension, density_softening, viscosity_hair, viscosity_air, damping, bad_strand_limit,
+});
+
+/// Fewest buckets for hair outside the box.
+const SMALLEST_TABLE: u32 = 64;
+/// α over D0: softens λ where a particle has hardly a neighbour (design 3.1).
+const SOFTENING: f64 = 1e-3;
+/// Strands that may go bad in one step before the run ends: 3, or 1 %.
+const BAD_STRANDS: u32 = 3;
+
+impl Params {
+    /// The uniform of a scene; `neighbour_capacity` is the list's length.
+    #[must_use]
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    pub fn new(scene: &Scene, initial: &InitialState, neighbour_capacity: u32) -> Self {
+        let substeps = f64::from(scene.time.substeps);
+        let hair_points = initial.hair.positions.len() as u32;
+        let strands = initial.hair.len() as u32;
+        let air_particles = initial.air.positions.len() as u32;
+        let mut params = Self {
+            step: (scene.time.step / substeps) as f32,
+            gravity: scene.gravity.map(|g| g as f32),
+            kernel_radius: 1.0,
+            cell_size: [1.0; 3],
+            particles: hair_points + air_particles,
+            hair_points,
+            segments: initial.hair.orientations.len() as u32,
+            strands,
+            hashed_cells: if hair_points > 0 { hair_points.next_power_of_two().max(SMALLEST_TABLE) } else { 1 },
+            neighbour_capacity,
+            rod_iterations: scene.rods.iterations,
+            relaxation: scene.fluid.relaxation as f32,
+            tension: scene.fluid.tension as f32,
+            viscosity_hair: (scene.viscosity.hair / substeps) as f32,
+            viscosity_air: (scene.viscosity.air / substeps) as f32,
+            damping: scene.rods.damping as f32,
+            bad_strand_limit: BAD_STRANDS.max(strands / 100),
+            ..Self::zeroed()
+        };
+        if let Some(air) = &scene.air {
+            params.wind = air.wind.map(|u| u as f32);
+            params.ramp = air.ramp as f32;
+            params.fringe = air.fringe as f32;
+            params.kernel_radius = air.kernel_radius as f32;
+            params.cell_size = [air.kernel_radius as f32; 3];
+            if air_particles > 0 {
+                let size = initial.air.size.to_array();
+                let cells = size.map(|side| (side / air.kernel_radius).floor().max(3.0));
+                params.box_size = size.map(|side| side as f32);
+                params.cells = cells.map(|n| n as i32);
+                params.cell_size = [0, 1, 2].map(|axis| (size[axis] / cells[axis]) as f32);
+                params.box_cells = cells.iter().product::<f64>() as u32;
+                params.air_volume = initial.air.volume as f32;
+                params.air_inverse_mass = (1.0 / initial.air.mass) as f32;
+                params.density_softening =
+                    (SOFTENING * lattice_gradients(air.kernel_radius, initial.air.volume, 1.0 / initial.air.mass)) as f32;
+            }
+        }
+        params
+    }
+
+    /// The sizes of the buffers.
+    #[must_use]
+    pub fn sizes(&self) -> Sizes {
+        Sizes {
+            particles: self.particles,
+            hair_points: self.hair_points,
+            segments: self.segments,
+            strands: self.strands,
+            buckets: self.box_cells + self.hashed_cells,
+            neighbours: self.neighbour_capacity,
+        }
+    }
+}
+
+/// D0 = Σ_k w |∇_k C|² of air on its rest lattice, simple cubic of spacing V^(1/3) \[1/(kg m²)\].
+///
+/// The particle's own gradient vanishes there, what remains is Σ_j w V² |∇W|².
+fn lattice_gradients(radius: f64, volume: f64, inverse_mass: f64) -> f64 {
+    let spacing = volume.cbrt();
+    let reach = (radius / spacing).ceil() as i32;
+    let slope = |r: f64| 45.0 / (PI * radius.powi(6)) * (radius - r).max(0.0).powi(2);
+    let mut sum = 0.0;
+    for x in -reach..=reach {
+        for y in -reach..=reach {
+            for z in -reach..=reach {
+                let r = spacing * f64::from(x * x + y * y + z * z).sqrt();
+                if r > 0.0 {
+                    sum += slope(r).powi(2);
+                }
+            }
+        }
+    }
+    inverse_mass * volume * volume * sum
+}

@@ -1,0 +1,90 @@
+//! What a run reports: `report.json`.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::gpu::AdapterInfo;
+
+/// The report of a run so far. What was not measured is left out, never null.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// Version of this schema.
+    pub schema: u32,
+    /// Version of windswept.
+    pub windswept: String,
+    /// Commit that it was built from, where the build knew it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub commit: Option<String>,
+    /// Title of the scene.
+    pub scene: String,
+    /// `accurate` or `published`.
+    pub method: String,
+    /// The adapter that ran.
+    pub adapter: AdapterInfo,
+    /// Counts.
+    pub particles: Particles,
+    /// Steps since t = 0.
+    pub steps: u64,
+    /// Time reached \[s\].
+    pub time_s: f64,
+    /// Median wall time of a step, stepping alone, first step excluded \[ms\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ms_per_step: Option<f64>,
+    /// Wall time of the first step, pipelines' compilation included \[ms\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ms_first_step: Option<f64>,
+    /// GPU time per pass and step, of the timed steps.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub passes: Vec<PassReport>,
+    /// What the scene does not need.
+    pub skipped: Vec<SkippedReport>,
+    /// max |l/l0 − 1| over the run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_stretch: Option<f64>,
+    /// rms of ρ/ρ0 − 1 over the air.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density_error_rms: Option<f64>,
+    /// rms of max(ρ/ρ0 − 1, 0) over the air.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub over_density_rms: Option<f64>,
+    /// Σ m v over hair and air; clamped roots left out.
+    pub momentum_kg_m_per_s: [f64; 3],
+    /// Bytes of the engine's buffers.
+    pub memory_bytes: u64,
+    /// How often each cause acted.
+    pub warnings: BTreeMap<String, u64>,
+}
+
+/// Counts.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Particles {
+    /// Points of all strands.
+    pub hair: u64,
+    /// Air particles.
+    pub air: u64,
+    /// Hair points outside the box of air, now.
+    pub hair_outside_box: u64,
+}
+
+/// GPU time of a pass.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PassReport {
+    /// Its label.
+    pub name: String,
+    /// The pass, `folder/name`.
+    pub pass: String,
+    /// Mean time in a step, all its runs in the step together \[ms\].
+    pub ms: f64,
+    /// Runs in a step.
+    pub runs: u64,
+}
+
+/// A pass that the scene does not need.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct SkippedReport {
+    /// Its label.
+    pub name: String,
+    /// The reason.
+    pub why: String,
+}

@@ -1,0 +1,172 @@
+//! Every buffer of the engine, in one table. Descriptions only; [`crate::gpu`] owns the memory.
+//!
+//! Hair points come first, root to tip and strand by strand, then air in the order of its stable ids. Positions are
+//! local: world minus the scene's origin. Only the guard's passes write what is committed (and `rods/reset`).
+
+use std::mem::size_of;
+
+use crate::{
+    params::Params,
+    rods::{Segment, Strand},
+    status::Status,
+};
+
+/// A buffer: its name in the shaders, its element and its length.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Array {
+    /// Name in the shaders.
+    pub name: &'static str,
+    /// Bytes of an element.
+    pub stride: u64,
+    /// Elements.
+    pub len: u64,
+    /// Index in the engine's memory.
+    pub slot: usize,
+}
+
+impl Array {
+    /// Size \[bytes\]; an empty array still has one element, as a binding cannot be empty.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.stride * self.len.max(1)
+    }
+
+    /// The same memory under the name that a pass knows it by.
+    #[must_use]
+    pub fn named(&self, name: &'static str) -> Self {
+        Self { name, ..self.clone() }
+    }
+}
+
+/// How many of everything.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Sizes {
+    /// Hair points and air.
+    pub particles: u32,
+    /// Points of all strands.
+    pub hair_points: u32,
+    /// Segments of all strands, and joints.
+    pub segments: u32,
+    /// Strands.
+    pub strands: u32,
+    /// Cells of the grid, hashed ones included.
+    pub buckets: u32,
+    /// Entries of the neighbour list.
+    pub neighbours: u32,
+}
+
+impl Sizes {
+    /// Air particles.
+    #[must_use]
+    pub fn air(&self) -> u32 {
+        self.particles - self.hair_points
+    }
+}
+
+const VEC4: usize = 16;
+const WORD: usize = 4;
+
+macro_rules! state {
+    ($($(#[$doc:meta])* $name:ident: $stride:expr, $len:expr;)*) => {
+        /// Every buffer: element size \[bytes\], elements; unit and meaning in its doc.
+        #[derive(Debug, Clone, PartialEq, Eq)]
+        pub struct State {
+            $($(#[$doc])* pub $name: Array,)*
+        }
+
+        impl State {
+            /// The buffers of a scene of these sizes.
+            #[must_use]
+            pub fn new(sizes: &Sizes) -> Self {
+                let mut slots = 0..;
+                $(let $name = {
+                    let len: fn(&Sizes) -> u32 = $len;
+                    Array {
+                        name: stringify!($name),
+                        stride: $stride as u64,
+                        len: u64::from(len(sizes)),
+                        slot: slots.next().unwrap_or_default(),
+                    }
+                };)*
+                Self { $($name,)* }
+            }
+
+            /// All of them, in the order of their slots.
+            #[must_use]
+            pub fn arrays(&self) -> Vec<&Array> {
+                vec![$(&self.$name,)*]
+            }
+        }
+    };
+}
+
+state! {
+    /// What stays the same from step to step.
+    params: size_of::<Params>(), |_| 1;
+    /// Causes that freeze, counters, the step's number.
+    status: size_of::<Status>(), |_| 1;
+
+    // Committed: the state between steps.
+    /// xyz \[m\], w: the particle's volume \[m³\].
+    position: VEC4, |s| s.particles;
+    /// \[m/s\]
+    velocity: VEC4, |s| s.particles;
+    /// Per segment, (x, y, z, w), material frame to world.
+    orientation: VEC4, |s| s.segments;
+    /// Per segment \[rad/s\], world frame.
+    angular_velocity: VEC4, |s| s.segments;
+    /// Per strand: to be reset (bit 0), steps of over-strain on end.
+    health: WORD, |s| s.strands;
+
+    // Constant.
+    /// Per hair point \[1/kg\]; 0 where clamped.
+    inverse_mass: WORD, |s| s.hair_points;
+    /// Per strand: root frame, first point and segment, points.
+    strands: size_of::<Strand>(), |s| s.strands;
+    /// Per segment: rest shape and compliances.
+    segments: size_of::<Segment>(), |s| s.segments;
+    /// Per hair point: xyz \[m\] of the initial shape, w: the largest move in a step \[m\].
+    rest_position: VEC4, |s| s.hair_points;
+    /// Per segment, of the initial shape.
+    rest_orientation: VEC4, |s| s.segments;
+
+    // Scratch: means something within a step only.
+    /// Positions of this step, before they are committed \[m\], w: volume \[m³\].
+    predicted: VEC4, |s| s.particles;
+    /// Orientations of this step.
+    predicted_orientation: VEC4, |s| s.segments;
+    /// Velocities of this step \[m/s\].
+    new_velocity: VEC4, |s| s.particles;
+    /// After XSPH \[m/s\].
+    viscous_velocity: VEC4, |s| s.particles;
+    /// What the wind adds to air in this step \[m/s\].
+    wind_change: VEC4, |s| s.particles;
+    /// What the density constraint moved in this step \[m\].
+    correction: VEC4, |s| s.particles;
+    /// The same, in this iteration \[m\].
+    shift: VEC4, |s| s.particles;
+    /// ρ/ρ0
+    density: WORD, |s| s.particles;
+    /// λ of the density constraint \[kg m²\].
+    multiplier: WORD, |s| s.particles;
+    /// S of the XSPH limiter.
+    exchange: WORD, |s| s.particles;
+    /// Per segment: λ of stretch-shear and of the joint before it \[J\].
+    multipliers: 2 * VEC4, |s| s.segments;
+
+    // Grid.
+    /// Particles per cell.
+    cell_count: WORD, |s| s.buckets;
+    /// First entry per cell, and the end.
+    cell_start: WORD, |s| s.buckets + 1;
+    /// Particles by cell, in any order.
+    scattered: WORD, |s| s.particles;
+    /// Particles by cell, ordered by index.
+    sorted: WORD, |s| s.particles;
+    /// Their positions \[m\]; w: 1 for air, 0 for hair.
+    sorted_position: VEC4, |s| s.particles;
+    /// Per particle: first entry in the list, number of entries.
+    neighbour_range: 2 * WORD, |s| s.particles;
+    /// Indices of neighbours.
+    neighbour_list: WORD, |s| s.neighbours;
+}

@@ -1,0 +1,65 @@
+//! The status word and counters that the GPU keeps (`shaders/common/status.wgsl`), and what the host makes of them.
+
+use std::{collections::BTreeMap, mem::offset_of};
+
+use bytemuck::{Pod, Zeroable};
+use windswept_shaders::layout;
+
+use crate::params::assert_layout;
+
+/// The neighbour list is too short (`neighbours` exceeds its capacity): the host grows it and replays.
+pub const NEIGHBOUR_OVERFLOW: u32 = 1;
+/// Air became non-finite: the run ends.
+pub const NON_FINITE_AIR: u32 = 2;
+/// Too many strands became non-finite in one step: the run ends.
+pub const TOO_MANY_BAD_STRANDS: u32 = 4;
+
+/// Names of the counters, in the order of `counted`; the keys of the report's `warnings`.
+pub const COUNTERS: [&str; 3] = ["strand_reset", "move_capped", "over_strained"];
+
+/// `Status`, field by field.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[allow(missing_docs)]
+pub struct Status {
+    pub causes: u32,
+    pub step: u32,
+    pub neighbours: u32,
+    pub bad_strands: u32,
+    pub first_bad_strand: u32,
+    pub first_bad_air: u32,
+    pub max_stretch: u32,
+    pub counted: [u32; 3],
+    pub counting: [u32; 3],
+}
+
+assert_layout!(Status {
+    causes, step, neighbours, bad_strands, first_bad_strand, first_bad_air, max_stretch, counted, counting,
+});
+
+impl Status {
+    /// At the start.
+    #[must_use]
+    pub fn start() -> Self {
+        Self { first_bad_strand: u32::MAX, first_bad_air: u32::MAX, ..Self::zeroed() }
+    }
+
+    /// The same step again, thawed.
+    #[must_use]
+    pub fn thawed(self) -> Self {
+        Self { causes: 0, neighbours: 0, bad_strands: 0, counting: [0; 3], ..self }
+    }
+
+    /// max |l/l0 − 1| over the run.
+    #[must_use]
+    pub fn max_stretch(&self) -> f32 {
+        f32::from_bits(self.max_stretch)
+    }
+
+    /// What was counted, by cause; causes that never acted are left out.
+    #[must_use]
+    pub fn warnings(&self) -> BTreeMap<String, u64> {
+        let counted = COUNTERS.iter().zip(self.counted).filter(|(_, count)| *count > 0);
+        counted.map(|(cause, count)| ((*cause).to_owned(), u64::from(count))).collect()
+    }
+}

@@ -1,0 +1,20 @@
+//! 9. Commit, or freeze and report.
+
+use windswept_shaders::guard;
+
+use crate::{plan::Plan, recorder::Recorder, state::State};
+
+pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
+    r.heading("9. guard");
+    let n = &plan.sizes;
+    let velocity = plan.final_velocity(s);
+    r.run(&guard::CHECK, "is all finite", n.particles, &[&s.params, &s.status, &s.predicted, &velocity]);
+    r.when(&plan.hair, |r| {
+        r.run(&guard::COMMIT_FRAMES, "commit orientations", n.segments, &[
+            &s.params, &s.status, &s.predicted_orientation, &s.orientation, &s.angular_velocity,
+        ]);
+    });
+    r.run(&guard::COMMIT, "commit positions and velocities", n.particles, &[
+        &s.params, &s.status, &s.predicted, &velocity, &s.position, &s.velocity,
+    ]);
+}

@@ -1,0 +1,7 @@
+//! Every pass does what its f64 twin does, on awkward sizes.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod grid;

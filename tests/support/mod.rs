@@ -1,0 +1,162 @@
+//! What the tests share: the software adapter, scenes made in code, particles in awkward numbers.
+#![allow(dead_code, clippy::unwrap_used, missing_docs)]
+
+use std::sync::OnceLock;
+
+use glam::{DQuat, DVec3};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use windswept::{AdapterChoice, Gpu};
+use windswept_scene::*;
+
+/// The adapter that every test runs on: the one that WGPU_ADAPTER_NAME asks for, a software one without it.
+/// No adapter is a failure, and so is another than the one asked for.
+pub fn gpu() -> Gpu {
+    static GPU: OnceLock<Gpu> = OnceLock::new();
+    GPU.get_or_init(|| {
+        let asked = std::env::var("WGPU_ADAPTER_NAME").ok();
+        let choice = asked.as_ref().map_or(AdapterChoice::Software, |_| AdapterChoice::from_flag(None));
+        let gpu = Gpu::new(&choice).unwrap_or_else(|error| panic!("tests need an adapter: {error}"));
+        println!("adapter: {}", gpu.info());
+        match asked {
+            Some(name) if name != "software" => assert!(gpu.info().name.to_lowercase().contains(&name.to_lowercase()), "asked for {name}, got {}", gpu.info()),
+            _ => assert_eq!(gpu.info().kind, "software"),
+        }
+        gpu
+    })
+    .clone()
+}
+
+/// The paper's particle volume: 0.146 mg at 1.29 kg/m³ [m³].
+pub const VOLUME: f64 = 1.46e-7 / 1.29;
+/// The paper's kernel radius [m].
+pub const RADIUS: f64 = 9.3e-3;
+
+/// The paper's parameters, without hair, in still air.
+pub fn scene() -> Scene {
+    Scene {
+        title: "test".into(),
+        method: Method::Accurate,
+        gravity: [0.0, -9.81, 0.0],
+        seed: 1,
+        time: Time { step: 1.38e-3, substeps: 1, duration: 1.0, frame_rate: 60.0 },
+        hair: Vec::new(),
+        air: Some(Air {
+            bounds: None,
+            rest_density: 1.29,
+            particle_mass: 1.46e-7,
+            kernel_radius: RADIUS,
+            wind: [0.0; 3],
+            fringe: 4.0 * RADIUS,
+            ramp: 0.05,
+            margin: None,
+            kinematic_viscosity: 1.5e-5,
+        }),
+        model: Model::Particles,
+        fluid: Fluid { iterations: 2, relaxation: 0.5, tension: 0.0 },
+        turbulence: Turbulence { bands: Vec::new(), speed: 0.0, law: Law::Band, filter: Filter::Direct, cutoff: 4.5, normalise: false },
+        viscosity: Viscosity { hair: 1.4, air: 0.014, form: ViscosityForm::Limited },
+        rods: Rods {
+            solver: Solver::GaussSeidel,
+            integrator: Integrator::Euler,
+            iterations: 10,
+            inextensible: false,
+            damping: 0.0,
+            sleep: false,
+        },
+        camera: None,
+    }
+}
+
+/// `n` strands of two points each are no rods to speak of: hair for tests of particles, `n` points in strands of 3.
+/// Positions are where the caller puts them; rest lengths are those of the positions.
+pub fn strands(positions: &[DVec3], points_per_strand: usize) -> Strands {
+    let mut hair = Strands { point_offsets: vec![0], ..Strands::default() };
+    for points in positions.chunks(points_per_strand).filter(|points| points.len() >= 2) {
+        for (k, x) in points.iter().enumerate() {
+            hair.positions.push(*x);
+            hair.velocities.push(DVec3::ZERO);
+            hair.inverse_mass.push(if k == 0 { 0.0 } else { 1.0 / 1.46e-7 });
+            hair.volume.push(VOLUME);
+        }
+        for pair in points.windows(2) {
+            let gap = pair[1] - pair[0];
+            let l = gap.length().max(1e-6);
+            hair.orientations.push(DQuat::from_rotation_arc(DVec3::Z, (gap / l).normalize()));
+            hair.angular_velocities.push(DVec3::ZERO);
+            hair.rest_length.push(l);
+            hair.inverse_inertia.push(1.0 / (0.5 * 1.46e-7 * l * l));
+            hair.stretch_compliance.push(DVec3::new(1.0 / (7.3 * l), 1.0 / (7.3 * l), 1.0 / (20.1 * l)));
+            hair.bend_compliance.push(DVec3::new(l / (4.0 * 8.04e-9), l / (4.0 * 8.04e-9), l / (4.0 * 5.8e-9)));
+        }
+        for k in 0..points.len() - 1 {
+            let own = hair.orientations.len() - (points.len() - 1) + k;
+            let before = if k == 0 { hair.orientations[own] } else { hair.orientations[own - 1] };
+            hair.rest_rotation.push(before.conjugate() * hair.orientations[own]);
+        }
+        hair.root_frame.push(hair.orientations[hair.orientations.len() - (points.len() - 1)]);
+        hair.group.push(0);
+        hair.point_offsets.push(hair.positions.len() as u32);
+    }
+    hair
+}
+
+/// How particles stand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Layout {
+    /// Anywhere in the box.
+    Random,
+    /// In a few tight clumps.
+    Clustered,
+    /// On a simple cubic lattice.
+    Lattice,
+    /// All within one cell.
+    OneCell,
+}
+
+/// `n` particles, `hair` of them hair points (rounded down to strands of 3), in a box that holds them at rest density,
+/// but at least 4 kernel radii wide. Some hair stands outside the box.
+pub fn particles(n: usize, hair: usize, layout: Layout, seed: u64) -> InitialState {
+    let mut rng = Pcg64::seed_from_u64(seed);
+    let side = (n as f64 * VOLUME).cbrt().max(4.0 * RADIUS);
+    let count = (n as f64).cbrt().ceil() as usize;
+    let centres: Vec<DVec3> = (0..20).map(|_| DVec3::from_array(rng.random()) * side).collect();
+    let mut place = |i: usize| match layout {
+        Layout::Random => DVec3::from_array(rng.random()) * side,
+        Layout::Clustered => {
+            let jitter = DVec3::from_array(rng.random()) - 0.5;
+            (centres[i % centres.len()] + 2.0 * RADIUS * jitter).rem_euclid(DVec3::splat(side))
+        }
+        Layout::Lattice => {
+            let cell = DVec3::new((i % count) as f64, (i / count % count) as f64, (i / count / count) as f64);
+            (cell + 0.5) * side / count as f64
+        }
+        Layout::OneCell => DVec3::splat(0.1 * RADIUS) + 0.5 * RADIUS * DVec3::from_array(rng.random()),
+    };
+    let mut all: Vec<DVec3> = (0..n).map(&mut place).collect();
+    let hair_points = if hair < 2 { 0 } else { hair - usize::from(hair % 3 == 1) };
+    let mut hair = all[..hair_points].to_vec();
+    for (i, x) in hair.iter_mut().enumerate() {
+        // Every fifth stands outside the box, near it or far from it.
+        if i % 5 == 0 {
+            *x += DVec3::new(side, 0.0, -0.3 * side) * (1 + i % 3) as f64;
+        }
+    }
+    let air = all.split_off(hair_points);
+    InitialState {
+        origin: DVec3::ZERO,
+        hair: strands(&hair, 3),
+        air: AirParticles {
+            min: DVec3::ZERO,
+            size: DVec3::splat(side),
+            velocities: vec![DVec3::ZERO; air.len()],
+            positions: air,
+            volume: VOLUME,
+            mass: 1.46e-7,
+        },
+        warnings: Vec::new(),
+    }
+}
+
+/// The awkward sizes: one, a workgroup less one, a workgroup, one more, many.
+pub const SIZES: [usize; 5] = [1, 63, 64, 65, 15_071];
