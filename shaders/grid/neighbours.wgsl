@@ -33,15 +33,14 @@ fn take(j: u32) {
     found++;
 }
 
-fn look(begin: u32, end: u32) {
+// Entries of cells in the box; `image` moves them by whole boxes, and then only air meets.
+fn look(begin: u32, end: u32, image: vec3f, imaged: bool) {
     let reach = params.kernel_radius * params.kernel_radius;
+    let here = own.xyz - image;
     for (var e = begin; e < end; e++) {
         let other = sorted_position[e];
-        var gap = own.xyz - other.xyz;
-        if own.w * other.w > 0.0 {
-            gap -= params.box_size * round(gap / params.box_size);
-        }
-        if dot(gap, gap) < reach && e != own_entry {
+        let gap = here - other.xyz;
+        if dot(gap, gap) < reach && e != own_entry && (other.w > 0.0 || !imaged) {
             take(sorted[e]);
         }
     }
@@ -71,19 +70,20 @@ fn search() {
             if in_box(row) && in_box(row + vec3i(2, 0, 0)) {
                 // Three cells in a row are neighbours in memory too.
                 let bucket = box_bucket(row);
-                look(cell_start[bucket], cell_start[bucket + 3u]);
+                look(cell_start[bucket], cell_start[bucket + 3u], vec3f(0.0), false);
                 continue;
             }
             for (var x = 0; x <= 2; x++) {
                 let cell = row + vec3i(x, 0, 0);
                 if in_box(cell) {
                     let bucket = box_bucket(cell);
-                    look(cell_start[bucket], cell_start[bucket + 1u]);
+                    look(cell_start[bucket], cell_start[bucket + 1u], vec3f(0.0), false);
                     continue;
                 }
                 if air {
-                    let image = box_bucket((cell + params.cells) % params.cells);
-                    look(cell_start[image], cell_start[image + 1u]);
+                    let turns = vec3i(floor(vec3f(cell) / vec3f(params.cells)));
+                    let bucket = box_bucket(cell - turns * params.cells);
+                    look(cell_start[bucket], cell_start[bucket + 1u], params.box_size * vec3f(turns), true);
                 }
                 look_outside(cell);
             }

@@ -2,7 +2,7 @@
 //! tests and single-pass work use it directly.
 
 use bytemuck::Pod;
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{InitialState, Scene, SceneError};
 
 use crate::{
     error::{GpuError, RunError},
@@ -33,7 +33,7 @@ impl Engine {
     /// [`GpuError::TooLarge`] before anything is allocated, if a buffer exceeds what the adapter binds.
     pub fn new(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Self, GpuError> {
         let mut params = Params::new(scene, initial, 0);
-        params.neighbour_capacity = first_capacity(gpu, &params);
+        params.neighbour_capacity = first_capacity(gpu.largest_binding(), &params);
         let state = State::new(&params.sizes());
         let memory = Memory::new(gpu, &state)?;
         let engine = Self { gpu: gpu.clone(), params, state, memory };
@@ -187,7 +187,25 @@ impl Engine {
     }
 }
 
-fn first_capacity(gpu: &Gpu, params: &Params) -> u32 {
+/// The limits that a device of the caller's own must have for this scene: WebGPU's defaults, and room for the largest
+/// buffer. The neighbour list may still have to grow; more room lets it.
+///
+/// # Errors
+/// [`SceneError`] when the initial state cannot be made.
+pub fn required_limits(scene: &Scene) -> Result<wgpu::Limits, SceneError> {
+    let initial = InitialState::new(scene)?;
+    let mut params = Params::new(scene, &initial, 0);
+    params.neighbour_capacity = first_capacity(u64::MAX, &params);
+    let largest = State::new(&params.sizes()).arrays().iter().map(|array| array.bytes()).max().unwrap_or_default();
+    let defaults = wgpu::Limits::default();
+    Ok(wgpu::Limits {
+        max_storage_buffer_binding_size: defaults.max_storage_buffer_binding_size.max(largest),
+        max_buffer_size: defaults.max_buffer_size.max(largest),
+        ..defaults
+    })
+}
+
+fn first_capacity(largest_binding: u64, params: &Params) -> u32 {
     let wanted = u64::from(params.particles) * NEIGHBOURS_PER_PARTICLE;
-    wanted.min(gpu.largest_binding() / size_of::<u32>() as u64).min(u32::MAX.into()) as u32
+    wanted.min(largest_binding / size_of::<u32>() as u64).min(u32::MAX.into()) as u32
 }

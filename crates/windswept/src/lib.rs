@@ -18,7 +18,7 @@ pub mod state;
 pub mod status;
 pub mod step;
 
-pub use engine::Engine;
+pub use engine::{Engine, required_limits};
 pub use error::{Error, GpuError, RunError};
 pub use frame::{AirFrame, Frame, HairFrame};
 pub use gpu::{AdapterChoice, AdapterInfo, Gpu, adapters};

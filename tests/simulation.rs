@@ -1,0 +1,220 @@
+//! Whole steps: same bits every time, frozen and replayed when the neighbour list is short, momentum, bad strands.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod support;
+
+use glam::{DQuat, DVec3};
+use support::{RADIUS, VOLUME};
+use windswept::{Engine, Frame, Simulation};
+use windswept_scene::{AirParticles, InitialState, Scene, Strands};
+
+/// `n` x `n` straight strands of 0.06 m along +x in a box of 0.10 x 0.06 x 0.06 m, filled with air at rest.
+fn brush(n: usize) -> InitialState {
+    let size = DVec3::new(0.10, 0.06, 0.06);
+    let points = 7;
+    let l = 0.06 / (points - 1) as f64;
+    let mass = 1.46e-7;
+    let mut hair = Strands { point_offsets: vec![0], ..Strands::default() };
+    for s in 0..n * n {
+        let root = DVec3::new(0.02, 0.02 + 0.006 * (s % n) as f64, 0.02 + 0.006 * (s / n) as f64);
+        let frame = DQuat::from_rotation_arc(DVec3::Z, DVec3::X);
+        for k in 0..points {
+            hair.positions.push(root + DVec3::X * l * k as f64);
+            hair.velocities.push(DVec3::ZERO);
+            hair.inverse_mass.push(if k == 0 { 0.0 } else { 1.0 / mass });
+            hair.volume.push(VOLUME);
+        }
+        for k in 0..points - 1 {
+            let joint = if k == 0 { 0.5 * l } else { l };
+            hair.orientations.push(frame);
+            hair.angular_velocities.push(DVec3::ZERO);
+            hair.rest_length.push(l);
+            hair.inverse_inertia.push(2.0 / (mass * l * l));
+            hair.stretch_compliance.push(DVec3::new(1.0 / (7.3 * l), 1.0 / (7.3 * l), 1.0 / (20.1 * l)));
+            hair.bend_compliance.push(joint * DVec3::new(1.0 / (4.0 * 8.04e-9), 1.0 / (4.0 * 8.04e-9), 1.0 / (4.0 * 5.83e-9)));
+            hair.rest_rotation.push(DQuat::IDENTITY);
+        }
+        hair.root_frame.push(frame);
+        hair.group.push(0);
+        hair.point_offsets.push(hair.positions.len() as u32);
+    }
+    let cells = (size / VOLUME.cbrt()).round();
+    let spacing = size / cells;
+    let mut positions = Vec::new();
+    for z in 0..cells.z as usize {
+        for y in 0..cells.y as usize {
+            for x in 0..cells.x as usize {
+                let at = spacing * (DVec3::new(x as f64, y as f64, z as f64) + 0.5);
+                if hair.positions.iter().all(|p| p.distance(at) > 0.62 * VOLUME.cbrt()) {
+                    positions.push(at);
+                }
+            }
+        }
+    }
+    let volume = (size.element_product() - hair.volume.iter().sum::<f64>()) / positions.len() as f64;
+    let velocities = vec![DVec3::ZERO; positions.len()];
+    InitialState {
+        hair,
+        air: AirParticles { min: DVec3::ZERO, size, positions, velocities, volume, mass: 1.29 * volume },
+        ..InitialState::default()
+    }
+}
+
+fn windy() -> Scene {
+    let mut scene = support::scene();
+    if let Some(air) = &mut scene.air {
+        air.wind = [3.0, 0.0, 0.0];
+        air.fringe = 2.0 * RADIUS;
+    }
+    scene
+}
+
+fn run(scene: &Scene, initial: &InitialState, steps: &[u64]) -> (Frame, Simulation) {
+    let mut simulation = Simulation::with_state(&support::gpu(), scene, initial.clone()).unwrap();
+    for &n in steps {
+        simulation.step(n).unwrap();
+    }
+    (simulation.frame().unwrap(), simulation)
+}
+
+/// The same scene gives the same bits, however its steps are cut into submits.
+#[test]
+fn two_runs_give_the_same_bits() {
+    let (first, _) = run(&windy(), &brush(4), &[120]);
+    let (second, _) = run(&windy(), &brush(4), &[1, 30, 7, 82]);
+    assert_eq!(first.step, 120);
+    assert!(first == second, "the runs differ");
+    let moved = first.hair.velocities.iter().flatten().any(|v| *v != 0.0);
+    assert!(moved, "nothing happened");
+}
+
+/// A list that is too short freezes the step; it is replayed with a longer one and gives the bits of a run that had
+/// room from the start.
+#[test]
+fn a_short_neighbour_list_is_grown_and_the_step_replayed() {
+    // 36 entries a particle are reserved; 6 particles in each 0.3 mm clump of 600 have far more.
+    let scene = support::scene();
+    let initial = support::particles(600, 60, support::Layout::OneCell, 5);
+    let (frame, simulation) = run(&scene, &initial, &[3]);
+    let grown = simulation.engine().sizes().neighbours;
+    let first = Engine::new(&support::gpu(), &scene, &initial).unwrap().sizes().neighbours;
+    println!("neighbour list: {first} entries at first, {grown} after");
+    assert!(grown > first, "the list did not have to grow");
+    assert_eq!(frame.step, 3);
+    let (again, _) = run(&scene, &initial, &[1, 1, 1]);
+    assert!(frame == again);
+    assert!(frame.air.positions.iter().flatten().all(|x| x.is_finite()));
+}
+
+/// Air alone in a steady wind stays the wind: the lattice melts, the mean does not change.
+#[test]
+fn wind_without_hair_stays_uniform() {
+    let mut initial = brush(1);
+    initial.hair = Strands { point_offsets: vec![0], ..Strands::default() };
+    let (frame, _) = run(&windy(), &initial, &[300]);
+    let n = frame.air.velocities.len() as f64;
+    let mean = frame.air.velocities.iter().map(|v| f64::from(v[0])).sum::<f64>() / n;
+    let noise = frame.air.velocities.iter().map(|v| (f64::from(v[0]) - mean).powi(2) + f64::from(v[1]).powi(2) + f64::from(v[2]).powi(2));
+    let noise = (noise.sum::<f64>() / n).sqrt();
+    println!("mean wind {mean:.4} m/s, noise {noise:.4} m/s rms");
+    assert!((mean / 3.0 - 1.0).abs() < 1e-3, "mean wind {mean}");
+    assert!(noise < 0.02, "noise {noise}");
+}
+
+/// A strand that becomes non-finite is held for the step, reset to its rest pose in the next, and counted; its
+/// neighbours never see it.
+#[test]
+fn a_non_finite_strand_is_reset_and_counted() {
+    let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(4)).unwrap();
+    simulation.step(20).unwrap();
+    let engine = simulation.engine();
+    let mut velocity: Vec<[f32; 4]> = engine.read(&engine.state().velocity).unwrap();
+    let victim = simulation.initial().hair.points(5).start + 3;
+    velocity[victim][1] = f32::NAN;
+    engine.write(&engine.state().velocity, &velocity).unwrap();
+    simulation.step(1).unwrap();
+    assert_eq!(simulation.warnings().get("strand_reset"), Some(&1));
+    simulation.step(1).unwrap();
+    assert_eq!(simulation.warnings().get("strand_reset"), Some(&1), "it was reset once");
+    let frame = simulation.frame().unwrap();
+    let finite = |values: &[[f32; 3]]| values.iter().flatten().all(|x| x.is_finite());
+    assert!(finite(&frame.hair.positions) && finite(&frame.hair.velocities) && finite(&frame.air.velocities));
+    // One step after its reset it is still where it started, to the fall of one step.
+    for p in simulation.initial().hair.points(5) {
+        let gap = DVec3::from_array(frame.hair.positions[p].map(f64::from)) - simulation.initial().hair.positions[p];
+        assert!(gap.length() < 1e-3, "point {p} is {} m from its rest pose", gap.length());
+    }
+}
+
+/// Non-finite air ends the run with the particle and the step; the state stays that of the last good step.
+#[test]
+fn non_finite_air_ends_the_run() {
+    let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(4)).unwrap();
+    simulation.step(7).unwrap();
+    let engine = simulation.engine();
+    let mut velocity: Vec<[f32; 4]> = engine.read(&engine.state().velocity).unwrap();
+    let hair = engine.sizes().hair_points as usize;
+    velocity[hair + 11][0] = f32::INFINITY;
+    engine.write(&engine.state().velocity, &velocity).unwrap();
+    let error = simulation.step(5).unwrap_err().to_string();
+    println!("{error}");
+    assert!(error.contains("air particle") && error.contains("step 7"), "{error}");
+    assert_eq!(simulation.steps(), 7);
+}
+
+/// Strands that go bad in numbers end the run with their count and the first of them.
+#[test]
+fn many_non_finite_strands_end_the_run() {
+    let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(4)).unwrap();
+    simulation.step(3).unwrap();
+    let engine = simulation.engine();
+    let mut velocity: Vec<[f32; 4]> = engine.read(&engine.state().velocity).unwrap();
+    for s in 6..10 {
+        velocity[simulation.initial().hair.points(s).end - 1][2] = f32::NAN;
+    }
+    engine.write(&engine.state().velocity, &velocity).unwrap();
+    let error = simulation.step(1).unwrap_err().to_string();
+    println!("{error}");
+    assert!(error.contains("4 strands") && error.contains("strand 6") && error.contains("step 3"), "{error}");
+}
+
+/// A point faster than a rod could follow is capped and counted, and the strand recovers.
+#[test]
+fn a_violent_point_is_capped() {
+    let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(2)).unwrap();
+    let engine = simulation.engine();
+    let mut velocity: Vec<[f32; 4]> = engine.read(&engine.state().velocity).unwrap();
+    velocity[6] = [0.0, 1000.0, 0.0, 0.0];
+    engine.write(&engine.state().velocity, &velocity).unwrap();
+    simulation.step(300).unwrap();
+    assert!(simulation.warnings().get("move_capped").is_some_and(|&n| n >= 1), "{:?}", simulation.warnings());
+    let frame = simulation.frame().unwrap();
+    let strand: Vec<DVec3> = frame.hair.positions[..7].iter().map(|x| DVec3::from_array(x.map(f64::from))).collect();
+    let stretch = strand.windows(2).map(|p| (p[0].distance(p[1]) / 0.01 - 1.0).abs()).fold(0.0, f64::max);
+    println!("stretch after 300 steps {stretch:.4}");
+    assert!(stretch < 0.1, "stretch {stretch}");
+}
+
+/// On a device of the caller's own, recorded into the caller's encoder: the same bits as `step`.
+#[test]
+fn a_callers_device_and_encoder_give_the_same_bits() {
+    use windswept::{Gpu, gpu::wgpu};
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = wgpu::Backends::VULKAN;
+    let instance = wgpu::Instance::new(descriptor);
+    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN));
+    let adapter = adapters.into_iter().find(|adapter| adapter.get_info().name == support::gpu().info().name).unwrap();
+    let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).unwrap();
+    let gpu = Gpu::from_device(&adapter, device.clone(), queue.clone()).unwrap();
+
+    let mut simulation = Simulation::with_state(&gpu, &windy(), brush(3)).unwrap();
+    for _ in 0..4 {
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        simulation.record(&mut encoder, 5);
+        queue.submit([encoder.finish()]);
+        simulation.settle().unwrap();
+    }
+    let (frame, _) = run(&windy(), &brush(3), &[20]);
+    assert_eq!(simulation.steps(), 20);
+    assert!(simulation.frame().unwrap() == frame);
+}
