@@ -1,0 +1,85 @@
+//! Air particles on their lattice, and the mean wind.
+
+use glam::DVec3;
+
+use crate::{
+    initial::{AirParticles, Strands},
+    scene::{Air, Bounds},
+};
+
+/// Air nearer than this to a hair point, in particle spacings, is left out: a sphere of one particle's volume.
+const CLEARANCE: f64 = 0.62;
+
+impl Air {
+    /// Part of the wind that has risen at `time` \[s\]: 0 to 1.
+    #[must_use]
+    pub fn risen(&self, time: f64) -> f64 {
+        if self.ramp > 0.0 { (time / self.ramp).clamp(0.0, 1.0) } else { 1.0 }
+    }
+
+    /// Mean wind at `time` \[s\], in m/s.
+    #[must_use]
+    pub fn wind_at(&self, time: f64) -> [f64; 3] {
+        self.wind.map(|u| u * self.risen(time))
+    }
+
+    /// V of a particle before the count is rounded \[m³\].
+    #[must_use]
+    pub fn parcel(&self) -> f64 {
+        self.particle_mass / self.rest_density
+    }
+}
+
+/// Fills the box: a simple cubic lattice with the hair's own parcels left out, and a volume that makes the box's mean
+/// density exact.
+pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands) -> AirParticles {
+    let min = DVec3::from_array(bounds.min);
+    let size = DVec3::from_array(bounds.max) - min;
+    let spacing = air.parcel().cbrt();
+    let counts = (size / spacing).round().max(DVec3::splat(3.0));
+    let pitch = size / counts;
+    let [nx, ny, nz] = counts.to_array().map(|n| n as usize);
+
+    let mut taken = vec![false; nx * ny * nz];
+    let mut inside = 0.0;
+    let reach = CLEARANCE * spacing;
+    for (point, volume) in hair.positions.iter().zip(&hair.volume) {
+        let x = *point - min;
+        if x.cmpge(DVec3::ZERO).all() && x.cmplt(size).all() {
+            inside += volume;
+        }
+        let first = ((x - reach) / pitch - 0.5).ceil().max(DVec3::ZERO);
+        let last = ((x + reach) / pitch - 0.5).floor().min(counts - 1.0);
+        if first.cmpgt(last).any() {
+            continue;
+        }
+        for k in first.z as usize..=last.z as usize {
+            for j in first.y as usize..=last.y as usize {
+                for i in first.x as usize..=last.x as usize {
+                    let site = pitch * (DVec3::new(i as f64, j as f64, k as f64) + 0.5);
+                    if site.distance(x) < reach {
+                        taken[i + nx * (j + ny * k)] = true;
+                    }
+                }
+            }
+        }
+    }
+
+    let wind = DVec3::from_array(air.wind_at(0.0));
+    let mut positions = Vec::with_capacity(taken.len());
+    for (index, taken) in taken.iter().enumerate() {
+        if !taken {
+            let site = DVec3::new((index % nx) as f64, (index / nx % ny) as f64, (index / nx / ny) as f64);
+            positions.push(min + pitch * (site + 0.5));
+        }
+    }
+    let volume = if positions.is_empty() { 0.0 } else { (size.element_product() - inside) / positions.len() as f64 };
+    AirParticles {
+        min,
+        size,
+        velocities: vec![wind; positions.len()],
+        positions,
+        volume,
+        mass: air.rest_density * volume,
+    }
+}

@@ -1,0 +1,237 @@
+//! Every key of a scene file, in one table: type, default, unit, meaning. The reader checks against it, `explain` prints
+//! it, and a piece that is not built yet is marked here and nowhere else.
+
+use Kind::{Bool, Choice, Count, Direction, Fraction, Length, NonNegative, Number, Positive, Table, Tables, Text, Vector};
+
+/// What a key takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Kind {
+    /// A string.
+    Text,
+    /// `true` or `false`.
+    Bool,
+    /// A whole number of at least this.
+    Count(u32),
+    /// A length in metres greater than 0.
+    Length,
+    /// A number greater than 0.
+    Positive,
+    /// A number of at least 0.
+    NonNegative,
+    /// A number.
+    Number,
+    /// A number from 0 to below 1.
+    Fraction,
+    /// Three numbers.
+    Vector,
+    /// Three numbers, not all 0.
+    Direction,
+    /// One of these words.
+    Choice(&'static [&'static str]),
+    /// A table.
+    Table,
+    /// An array of tables.
+    Tables,
+}
+
+/// What a key is when the file does not say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fallback {
+    /// The file must say.
+    Needed,
+    /// This TOML value.
+    Value(&'static str),
+    /// From the method: accurate, published; the best of them that is built.
+    Method(&'static str, &'static str),
+    /// Nothing; the text says what then happens.
+    Absent(&'static str),
+}
+
+/// A key.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Key {
+    /// Dotted, without indices and names: `turbulence.bands.scale`.
+    pub path: &'static str,
+    /// What it takes.
+    pub kind: Kind,
+    /// Without it.
+    pub default: Fallback,
+    /// Unit; empty for none.
+    pub unit: &'static str,
+    /// One line.
+    pub help: &'static str,
+}
+
+/// `(key, value)` pairs that a scene may name but this version has not built; an empty value is any value.
+/// When a piece lands, its line goes.
+pub const NOT_BUILT: &[(&str, &str)] = &[
+    ("rods.solver", "direct"),
+    ("rods.integrator", "bdf2"),
+    ("rods.sleep", "true"),
+    ("rods.internal_damping", ""),
+    ("interaction.model", "drag"),
+    ("interaction.lift", ""),
+    ("turbulence.bands", ""),
+    ("turbulence.speed", ""),
+    ("turbulence.law", ""),
+    ("turbulence.filter", ""),
+    ("turbulence.cutoff", ""),
+    ("turbulence.normalise", "true"),
+    ("air.margin", ""),
+    ("air.kinematic_viscosity", ""),
+    ("air.gust", ""),
+    ("hair.file", ""),
+    ("hair.motion", ""),
+    ("body", ""),
+];
+
+const fn key(path: &'static str, kind: Kind, default: Fallback, unit: &'static str, help: &'static str) -> Key {
+    Key { path, kind, default, unit, help }
+}
+
+use Fallback::{Absent, Method, Needed, Value};
+
+/// The table.
+pub const KEYS: &[Key] = &[
+    key("title", Text, Value("\"\""), "", "free text, shown in reports"),
+    key("method", Choice(&["accurate", "published"]), Value("\"accurate\""), "", "sets the defaults of six keys: rods.solver, rods.integrator, turbulence.law, .filter, .cutoff, viscosity.form"),
+    key("gravity", Vector, Value("[0.0, -9.81, 0.0]"), "m/s²", "on hair only"),
+    key("seed", Count(0), Value("1"), "", "draws root positions, length variation, curl phase"),
+    key("time", Table, Needed, "", "step, duration, frames"),
+    key("time.step", Positive, Needed, "s", "Δt"),
+    key("time.substeps", Count(1), Value("1"), "", "whole steps of Δt/n per Δt"),
+    key("time.duration", Positive, Needed, "s", "length of the run"),
+    key("time.frame_rate", Positive, Value("60.0"), "1/s", "exported frames per second"),
+    key("hair", Tables, Absent("no hair: a groom must be given"), "", "a group of strands; several as [[hair]], each with a name"),
+    key("hair.name", Text, Value("\"hair\""), "", "for dotted keys and reports"),
+    key("hair.strands", Count(1), Needed, "", "number of strands"),
+    key("hair.points", Count(2), Needed, "", "per strand, root included"),
+    key("hair.length", Length, Needed, "m", "of a strand, along its curl"),
+    key("hair.length_variation", Fraction, Value("0.0"), "", "strands are shorter by up to this fraction, at random"),
+    key("hair.radius", Length, Value("4.0e-5"), "m", "of a fibre, at the root"),
+    key("hair.taper", Fraction, Value("0.0"), "", "the tip's radius is radius (1 - taper)"),
+    key("hair.density", Positive, Value("1320.0"), "kg/m³", "of a fibre"),
+    key("hair.fibres_per_strand", Positive, Value("1.0"), "", "real hairs that a strand stands for"),
+    key("hair.youngs_modulus", Positive, Value("4.0e9"), "Pa", "E of the fibre; not with the three stiffnesses"),
+    key("hair.poissons_ratio", Fraction, Value("0.38"), "", "G = E/(2 (1 + ν)), GA = EA/(2 (1 + ν))"),
+    key("hair.stretch_stiffness", Positive, Absent("from youngs_modulus"), "N", "EA of the strand; the three stiffnesses go together"),
+    key("hair.bend_stiffness", Positive, Absent("from youngs_modulus"), "N m²", "EI of the strand"),
+    key("hair.twist_stiffness", Positive, Absent("from youngs_modulus"), "N m²", "GJ of the strand"),
+    key("hair.point_mass", Positive, Absent("half of each adjoining segment's mass"), "kg", "of every point; the paper: 1.46e-7"),
+    key("hair.curl", Table, Absent("straight"), "", "helical rest shape, right-handed about the strand's axis"),
+    key("hair.curl.radius", Length, Needed, "m", "of the helix"),
+    key("hair.curl.pitch", Length, Needed, "m", "advance per turn"),
+    key("hair.curl_phase", NonNegative, Value("1.0"), "turns", "spread of the helices' phases over the strands"),
+    key("hair.roots", Table, Needed, "", "where the strands are rooted"),
+    key("hair.roots.shape", Choice(&["disc", "sphere_cap", "line"]), Value("\"disc\""), "", "roots are drawn on it"),
+    key("hair.roots.center", Vector, Needed, "m", "of the shape"),
+    key("hair.roots.radius", Length, Needed, "m", "of the disc or cap; half length of the line"),
+    key("hair.roots.direction", Direction, Value("[0.0, -1.0, 0.0]"), "", "strands start along it; the disc is normal to it"),
+    key("hair.file", Text, Absent("strands are drawn"), "", "a groom from a file"),
+    key("hair.motion", Tables, Absent("roots rest"), "", "keyframes of the roots"),
+    key("body", Tables, Absent("no bodies"), "", "spheres, capsules, meshes"),
+    key("air", Table, Absent("with model none only"), "", "wind and air particles"),
+    key("air.box", Table, Absent("needed with model particles"), "", "periodic box of air"),
+    key("air.box.min", Vector, Needed, "m", "lower corner"),
+    key("air.box.max", Vector, Needed, "m", "upper corner"),
+    key("air.rest_density", Positive, Value("1.29"), "kg/m³", "ρ0"),
+    key("air.particle_mass", Positive, Value("1.46e-7"), "kg", "the count is rounded, and this adjusted so that the mean density is exact"),
+    key("air.kernel_radius", Length, Value("9.3e-3"), "m", "h"),
+    key("air.wind", Vector, Absent("needed with models particles and drag"), "m/s", "mean wind U"),
+    key("air.fringe", Length, Absent("4 kernel radii"), "m", "thickness in which entering air is conditioned"),
+    key("air.ramp", NonNegative, Value("0.05"), "s", "the wind rises over this; 0: at once"),
+    key("air.margin", Length, Absent("the whole box"), "m", "cut the box to the hair's reach plus this"),
+    key("air.kinematic_viscosity", Positive, Value("1.5e-5"), "m²/s", "of the drag model"),
+    key("air.gust", Tables, Absent("no gusts"), "", "keyframes of the wind"),
+    key("interaction", Table, Absent("model particles"), "", "how hair and air meet"),
+    key("interaction.model", Choice(&["particles", "drag", "none"]), Value("\"particles\""), "", "one fluid of particles; lift and drag; hair alone"),
+    key("interaction.lift", NonNegative, Absent("0"), "", "lift coefficient of the drag model"),
+    key("fluid", Table, Absent("its defaults"), "", "density constraint (eq. 1)"),
+    key("fluid.iterations", Count(0), Value("2"), "", "Jacobi iterations"),
+    key("fluid.relaxation", Positive, Value("0.5"), "", "fraction of a Jacobi step"),
+    key("fluid.tension", NonNegative, Value("0.0"), "", "share of negative C let through"),
+    key("turbulence", Table, Absent("no confinement"), "", "vorticity confinement (eqs. 2-6)"),
+    key("turbulence.bands", Tables, Absent("no confinement"), "", "bands to strengthen"),
+    key("turbulence.bands.scale", Length, Needed, "m", "s of the Mexican hat"),
+    key("turbulence.bands.strength", NonNegative, Value("3.0"), "", "S"),
+    key("turbulence.bands.intensity", Positive, Value("0.3"), "", "the band's largest speed over the wind speed"),
+    key("turbulence.speed", NonNegative, Absent("the largest wind"), "m/s", "U of the law"),
+    key("turbulence.law", Choice(&["band", "published"]), Method("\"band\"", "\"published\""), "", "the confinement law"),
+    key("turbulence.filter", Choice(&["grid", "direct"]), Method("\"grid\"", "\"direct\""), "", "how the band velocity is found"),
+    key("turbulence.cutoff", Positive, Method("4.5", "3.0"), "s", "of the direct filter, in units of the scale"),
+    key("turbulence.normalise", Bool, Value("false"), "", "divide by the blurred volume fraction"),
+    key("viscosity", Table, Absent("its defaults"), "", "XSPH (eqs. 7, 8)"),
+    key("viscosity.hair", NonNegative, Value("1.4"), "", "c of hair, per step as written"),
+    key("viscosity.air", NonNegative, Value("0.014"), "", "c of air, per step as written"),
+    key("viscosity.kinematic_hair", NonNegative, Absent("from viscosity.hair"), "m²/s", "instead of hair: c = 22 ν Δt/h²"),
+    key("viscosity.kinematic_air", NonNegative, Absent("from viscosity.air"), "m²/s", "instead of air: c = 22 ν Δt/h²"),
+    key("viscosity.form", Choice(&["limited", "published"]), Method("\"limited\"", "\"published\""), "", "with or without the symmetric limiter"),
+    key("rods", Table, Absent("its defaults"), "", "Cosserat rods"),
+    key("rods.solver", Choice(&["direct", "gauss-seidel"]), Method("\"direct\"", "\"gauss-seidel\""), "", "the solver"),
+    key("rods.integrator", Choice(&["bdf2", "euler"]), Method("\"bdf2\"", "\"euler\""), "", "the time integration"),
+    key("rods.iterations", Count(1), Value("10"), "", "sweeps; gauss-seidel only"),
+    key("rods.inextensible", Bool, Value("false"), "", "no stretch compliance"),
+    key("rods.damping", NonNegative, Value("0.0"), "1/s", "of absolute linear and angular velocity"),
+    key("rods.internal_damping", NonNegative, Absent("0"), "s", "Kelvin-Voigt"),
+    key("rods.sleep", Bool, Value("true"), "", "strands at rest sleep, once that is built"),
+    key("camera", Table, Absent("frames the hair"), "", "where pictures are taken from"),
+    key("camera.eye", Vector, Needed, "m", "where it stands"),
+    key("camera.target", Vector, Needed, "m", "what it looks at"),
+    key("camera.fov", Positive, Value("35.0"), "°", "vertical field of view"),
+    key("camera.width", Count(16), Value("960"), "px", "of a picture"),
+    key("camera.height", Count(16), Value("540"), "px", "of a picture"),
+];
+
+impl Key {
+    /// The key of a dotted path without indices and names.
+    #[must_use]
+    pub fn find(path: &str) -> Option<&'static Self> {
+        KEYS.iter().find(|key| key.path == path)
+    }
+
+    /// Whether this version has not built what the value asks for.
+    #[must_use]
+    pub fn not_built(path: &str, value: &str) -> bool {
+        NOT_BUILT.iter().any(|(key, unbuilt)| *key == path && (unbuilt.is_empty() || *unbuilt == value))
+    }
+}
+
+impl Kind {
+    /// What was expected, for an error.
+    #[must_use]
+    pub fn expected(self) -> String {
+        match self {
+            Text => "a string".to_owned(),
+            Bool => "true or false".to_owned(),
+            Count(least) => format!("a whole number of at least {least}"),
+            Length => "a length in metres greater than 0".to_owned(),
+            Positive => "a number greater than 0".to_owned(),
+            NonNegative => "a number of at least 0".to_owned(),
+            Number => "a number".to_owned(),
+            Fraction => "a number from 0 to below 1".to_owned(),
+            Vector => "three numbers, [x, y, z]".to_owned(),
+            Direction => "three numbers, [x, y, z], not all 0".to_owned(),
+            Choice(words) => format!("one of {}", words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ")),
+            Table => "a table".to_owned(),
+            Tables => "an array of tables".to_owned(),
+        }
+    }
+}
+
+/// Every key with its kind, unit, default and meaning, a line each.
+#[must_use]
+pub fn explain() -> String {
+    let mut text = String::new();
+    for key in KEYS.iter().filter(|key| !matches!(key.kind, Table | Tables)) {
+        let default = match key.default {
+            Needed => "needed".to_owned(),
+            Value(value) => value.to_owned(),
+            Method(accurate, published) => format!("{accurate} (accurate), {published} (published)"),
+            Absent(without) => format!("- ({without})"),
+        };
+        let unit = if key.unit.is_empty() { String::new() } else { format!(" [{}]", key.unit) };
+        let unbuilt = if Key::not_built(key.path, "") { "; not in this version" } else { "" };
+        text.push_str(&format!("{:<28} {default}\n{:<28} {}{unit}; {}{unbuilt}\n", key.path, "", key.help, key.kind.expected()));
+    }
+    text
+}

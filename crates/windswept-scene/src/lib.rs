@@ -1,0 +1,16 @@
+//! What the user says, in SI: scene file, groom, checks, initial state. No GPU.
+//!
+//! Data flows one way: text → [`Scene`] (every key checked, see [`keys`]) → [`InitialState`] (arrays).
+
+mod air;
+mod build;
+mod document;
+mod error;
+mod groom;
+mod initial;
+pub mod keys;
+mod scene;
+
+pub use error::SceneError;
+pub use initial::{AirParticles, InitialState, Strands};
+pub use scene::*;

@@ -1,0 +1,315 @@
+//! A checked scene: every key has its value, every value is in range, SI throughout.
+
+/// A whole scene, checked. Made by [`crate::Scene::parse`] or [`crate::Scene::load`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// The text it was read from; empty for a scene made in code.
+    pub text: String,
+    /// Free text, shown in reports.
+    pub title: String,
+    /// Sets the defaults of six keys and nothing else.
+    pub method: Method,
+    /// Acceleration on hair only [m/s²].
+    pub gravity: [f64; 3],
+    /// Draws root positions, length variation, curl phase.
+    pub seed: u64,
+    /// Step, duration, frames.
+    pub time: Time,
+    /// Groups of strands; empty when a groom is to be given.
+    pub hair: Vec<Hair>,
+    /// Wind and air particles; `None` with model `none` and no `[air]`.
+    pub air: Option<Air>,
+    /// How hair and air meet.
+    pub model: Model,
+    /// The density constraint (eq. 1).
+    pub fluid: Fluid,
+    /// Vorticity confinement (eqs. 2-6).
+    pub turbulence: Turbulence,
+    /// XSPH (eqs. 7, 8).
+    pub viscosity: Viscosity,
+    /// Cosserat rods.
+    pub rods: Rods,
+    /// Where pictures are taken from; `None` frames the hair automatically.
+    pub camera: Option<Camera>,
+}
+
+/// The paper as corrected, or as printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// The best that exists (default).
+    Accurate,
+    /// The paper as printed, with the readings of ARCHITECTURE.md.
+    Published,
+}
+
+/// `[time]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Time {
+    /// Δt as written [s]; the engine runs `substeps` whole steps of `step / substeps`.
+    pub step: f64,
+    /// Whole steps per Δt.
+    pub substeps: u32,
+    /// Length of the run [s].
+    pub duration: f64,
+    /// Exported frames per second.
+    pub frame_rate: f64,
+}
+
+/// One `[[hair]]`: a group of strands that share everything.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hair {
+    /// Name, for dotted keys and reports.
+    pub name: String,
+    /// Number of strands.
+    pub strands: u32,
+    /// Points per strand, root included; at least 2.
+    pub points: u32,
+    /// Length of a strand [m].
+    pub length: f64,
+    /// Strands are shorter by up to this fraction, drawn at random; 0 to below 1.
+    pub length_variation: f64,
+    /// Fibre radius at the root [m].
+    pub radius: f64,
+    /// The tip's radius is `radius * (1 - taper)`; 0 to below 1.
+    pub taper: f64,
+    /// Fibre density [kg/m³].
+    pub density: f64,
+    /// How many real hairs a strand stands for; scales mass, stiffness, drag area.
+    pub fibres_per_strand: f64,
+    /// Elastic moduli, or stiffnesses given directly.
+    pub stiffness: Stiffness,
+    /// Mass of every point [kg]; `None`: from density, radius and length, halved at both ends.
+    pub point_mass: Option<f64>,
+    /// Helical rest shape; `None` is straight.
+    pub curl: Option<Curl>,
+    /// Where the strands are rooted.
+    pub roots: Roots,
+}
+
+/// What bends, twists and stretches a strand back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stiffness {
+    /// Of the fibre's material; times `fibres_per_strand`.
+    Moduli {
+        /// E [Pa].
+        youngs_modulus: f64,
+        /// ν; G = E / (2 (1 + ν)).
+        poissons_ratio: f64,
+    },
+    /// Of the whole strand, given directly.
+    Direct {
+        /// EA [N].
+        stretch: f64,
+        /// EI [N m²].
+        bend: f64,
+        /// GJ [N m²].
+        twist: f64,
+        /// ν, for GA = EA / (2 (1 + ν)).
+        poissons_ratio: f64,
+    },
+}
+
+/// A right-handed helix about the strand's axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Curl {
+    /// Radius of the helix [m].
+    pub radius: f64,
+    /// Advance along the axis per turn [m].
+    pub pitch: f64,
+    /// Spread of the helix's phase about the strand's axis over the strands, fraction of a turn, 0 to 1.
+    pub phase: f64,
+}
+
+/// Where the strands of a group are rooted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Roots {
+    /// Shape on which roots are drawn.
+    pub shape: RootShape,
+    /// Centre of the shape [m].
+    pub center: [f64; 3],
+    /// Radius of the disc or cap, half length of the line [m].
+    pub radius: f64,
+    /// Strands start along it (unit); the disc is normal to it, the line too.
+    pub direction: [f64; 3],
+}
+
+/// `hair.roots.shape`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RootShape {
+    /// A flat disc, normal to `direction`.
+    Disc,
+    /// The half sphere of `radius` facing `direction`; strands start along its normals.
+    SphereCap,
+    /// A line of half length `radius`, normal to `direction`, horizontal where it can be.
+    Line,
+}
+
+/// `[air]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Air {
+    /// The periodic box of air particles; `None` with models `drag` and `none`.
+    pub bounds: Option<Bounds>,
+    /// ρ0 [kg/m³].
+    pub rest_density: f64,
+    /// m [kg], before the count is rounded.
+    pub particle_mass: f64,
+    /// h [m].
+    pub kernel_radius: f64,
+    /// Mean wind U [m/s].
+    pub wind: [f64; 3],
+    /// Thickness of the fringe on the faces the wind enters through [m].
+    pub fringe: f64,
+    /// The wind rises linearly over this time [s]; 0: at once.
+    pub ramp: f64,
+    /// Cut the box at load to the hair's reach plus this on all sides [m].
+    pub margin: Option<f64>,
+    /// ν of the drag model [m²/s].
+    pub kinematic_viscosity: f64,
+}
+
+/// An axis-aligned box in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// Lower corner [m].
+    pub min: [f64; 3],
+    /// Upper corner [m].
+    pub max: [f64; 3],
+}
+
+/// `interaction.model`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Model {
+    /// Hair and air as one particle fluid.
+    Particles,
+    /// Lift and drag on each segment, no air particles.
+    Drag,
+    /// Hair alone.
+    None,
+}
+
+/// `[fluid]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fluid {
+    /// Jacobi iterations of the density constraint; 0 leaves it out.
+    pub iterations: u32,
+    /// Fraction of a Jacobi step taken.
+    pub relaxation: f64,
+    /// Share of negative C that is let through; 0 clamps, 1 pulls voids together.
+    pub tension: f64,
+}
+
+/// `[turbulence]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Turbulence {
+    /// Bands to strengthen; empty: no confinement.
+    pub bands: Vec<Band>,
+    /// U of the law [m/s].
+    pub speed: f64,
+    /// The confinement law.
+    pub law: Law,
+    /// How the band velocity is found.
+    pub filter: Filter,
+    /// Of the direct filter, in units of s.
+    pub cutoff: f64,
+    /// Divide by the blurred volume fraction, for air with holes.
+    pub normalise: bool,
+}
+
+/// One of `turbulence.bands`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// s of the Mexican hat [m].
+    pub scale: f64,
+    /// S, dimensionless.
+    pub strength: f64,
+    /// I: the band's largest speed over the wind speed.
+    pub intensity: f64,
+}
+
+/// `turbulence.law`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Law {
+    /// Vorticity of the band, self-limiting.
+    Band,
+    /// Eqs. 2-6 as printed.
+    Published,
+}
+
+/// `turbulence.filter`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Filter {
+    /// Three Gaussian passes on a grid.
+    Grid,
+    /// The sum of eq. 5.
+    Direct,
+}
+
+/// `[viscosity]`: c of eqs. 7 and 8 for the step as written (`time.step`).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Viscosity {
+    /// c of hair.
+    pub hair: f64,
+    /// c of air.
+    pub air: f64,
+    /// With or without the symmetric limiter.
+    pub form: ViscosityForm,
+}
+
+/// `viscosity.form`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ViscosityForm {
+    /// c w / max(1, S_i, S_j): stable at any c.
+    Limited,
+    /// c w.
+    Published,
+}
+
+/// `[rods]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rods {
+    /// The solver.
+    pub solver: Solver,
+    /// The time integration.
+    pub integrator: Integrator,
+    /// Sweeps of Gauss-Seidel.
+    pub iterations: u32,
+    /// Zero stretch compliance.
+    pub inextensible: bool,
+    /// Damping of absolute linear and angular velocity [1/s].
+    pub damping: f64,
+    /// Whether strands at rest sleep.
+    pub sleep: bool,
+}
+
+/// `rods.solver`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Solver {
+    /// Direct block-tridiagonal dual solve.
+    Direct,
+    /// Gauss-Seidel with compliance.
+    GaussSeidel,
+}
+
+/// `rods.integrator`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Integrator {
+    /// Second order, with the Euler fallback.
+    Bdf2,
+    /// Implicit Euler.
+    Euler,
+}
+
+/// `[camera]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Camera {
+    /// Where it stands [m].
+    pub eye: [f64; 3],
+    /// What it looks at [m].
+    pub target: [f64; 3],
+    /// Vertical field of view [degree].
+    pub fov: f64,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+}
