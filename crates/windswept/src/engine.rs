@@ -141,6 +141,10 @@ impl Engine {
         status.first().copied().ok_or_else(|| GpuError::Lost("the status could not be read".to_owned()))
     }
 
+    /// Overwrites status word and counters, to thaw a frozen state.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the device is lost.
     pub fn set_status(&self, status: &Status) -> Result<(), GpuError> {
         self.write(&self.state.status, &[*status])
     }
@@ -177,7 +181,10 @@ impl Engine {
         })
     }
 
-    /// A longer neighbour list. Programs made before bind the old one.
+    /// A neighbour list of `capacity` entries. Programs made before bind the old one.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the adapter has no room.
     pub fn grow_neighbours(&mut self, capacity: u32) -> Result<(), GpuError> {
         self.params.neighbour_capacity = capacity;
         self.state = State::new(&self.params.sizes());

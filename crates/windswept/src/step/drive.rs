@@ -4,6 +4,7 @@ use windswept_shaders::{fluid, rods, wind};
 
 use crate::{plan::Plan, recorder::Recorder, state::State};
 
+/// Records the passes of this heading.
 pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     r.heading("1. drive");
     let n = &plan.sizes;

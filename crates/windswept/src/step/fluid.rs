@@ -4,6 +4,7 @@ use windswept_shaders::fluid;
 
 use crate::{plan::Plan, recorder::Recorder, state::State};
 
+/// Records the passes of this heading.
 pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     r.heading("3. fluid");
     let n = &plan.sizes;
@@ -22,6 +23,7 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     r.when(&plan.density_alone, |r| density(r, s, plan));
 }
 
+/// Records one evaluation of the density.
 pub fn record_density(r: &mut Recorder, s: &State, plan: &Plan) {
     r.heading("3. fluid");
     r.when(&plan.neighbours, |r| density(r, s, plan));

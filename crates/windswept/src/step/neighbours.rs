@@ -7,6 +7,7 @@ use crate::{plan::Plan, recorder::Recorder, state::State};
 /// Invocations of `grid/scan`: one workgroup.
 const ONE_WORKGROUP: u32 = 1;
 
+/// Records the passes of this heading.
 pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     r.heading("2. neighbours");
     let n = &plan.sizes;

@@ -4,6 +4,7 @@ use windswept_shaders::rods;
 
 use crate::{plan::Plan, recorder::Recorder, state::State};
 
+/// Records the passes of this heading.
 pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     r.heading("4. rods");
     r.when(&plan.hair, |r| {

@@ -2,6 +2,7 @@
 
 use crate::{plan::Plan, recorder::Recorder, state::State};
 
+/// Records the passes of this heading.
 pub fn record(r: &mut Recorder, _: &State, _: &Plan) {
     r.heading("7. turbulence");
 }

@@ -4,6 +4,7 @@ use windswept_shaders::fluid;
 
 use crate::{plan::Plan, recorder::Recorder, state::State};
 
+/// Records the passes of this heading.
 pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     r.heading("8. viscosity");
     let n = &plan.sizes;

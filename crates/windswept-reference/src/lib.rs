@@ -1,0 +1,17 @@
+//! The f64 twin of the step on the CPU: same names, same nine headings, no GPU.
+//!
+//! Written from the equations, with other data structures than the engine's (no sort, no cells, no cut-off grid), so that
+//! the two cannot share a mistake. Pure functions over slices; [`step::step`] puts them in order.
+
+pub mod fluid;
+pub mod grid;
+pub mod guard;
+pub mod parameters;
+pub mod rods;
+pub mod sph_kernels;
+pub mod state;
+pub mod step;
+pub mod wind;
+
+pub use parameters::Parameters;
+pub use state::State;

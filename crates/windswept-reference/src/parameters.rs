@@ -1,0 +1,108 @@
+//! What stays the same from step to step.
+
+use glam::{DVec3, IVec3};
+use windswept_scene::{InitialState, Model, Scene, ViscosityForm};
+
+use crate::sph_kernels::spiky_slope;
+
+/// The scene's numbers, per engine step (substeps divided out).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameters {
+    /// Δt of a step \[s\].
+    pub step: f64,
+    /// On hair only \[m/s²\].
+    pub gravity: DVec3,
+    /// Mean wind after the ramp \[m/s\].
+    pub wind: DVec3,
+    /// \[s\]
+    pub ramp: f64,
+    /// \[m\]
+    pub fringe: f64,
+    /// Periodic box of the air, from the origin \[m\].
+    pub box_size: DVec3,
+    /// h \[m\].
+    pub kernel_radius: f64,
+    /// Air particles there are, and they meet hair.
+    pub air: bool,
+    /// Jacobi iterations.
+    pub fluid_iterations: u32,
+    /// Part of a Jacobi step.
+    pub relaxation: f64,
+    /// Share of negative C let through.
+    pub tension: f64,
+    /// α of the multiplier \[1/(kg m²)\].
+    pub density_softening: f64,
+    /// c of hair, per step.
+    pub viscosity_hair: f64,
+    /// c of air, per step.
+    pub viscosity_air: f64,
+    /// With the symmetric limiter.
+    pub limited: bool,
+    /// Gauss-Seidel sweeps.
+    pub rod_iterations: u32,
+    /// \[1/s\]
+    pub damping: f64,
+    /// Hair points: particles below this index are hair.
+    pub hair_points: usize,
+}
+
+impl Parameters {
+    /// The parameters of a scene and its initial state.
+    #[must_use]
+    pub fn new(scene: &Scene, initial: &InitialState) -> Self {
+        let substeps = f64::from(scene.time.substeps);
+        let air = scene.air.as_ref();
+        let kernel_radius = air.map_or(1.0, |air| air.kernel_radius);
+        let particles = scene.model == Model::Particles && !initial.air.positions.is_empty();
+        Self {
+            step: scene.time.step / substeps,
+            gravity: DVec3::from_array(scene.gravity),
+            wind: air.map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind)),
+            ramp: air.map_or(0.0, |air| air.ramp),
+            fringe: air.map_or(0.0, |air| air.fringe),
+            box_size: initial.air.size,
+            kernel_radius,
+            air: particles,
+            fluid_iterations: scene.fluid.iterations,
+            relaxation: scene.fluid.relaxation,
+            tension: scene.fluid.tension,
+            density_softening: if particles { 1e-3 * lattice_gradients(kernel_radius, initial.air.volume, 1.0 / initial.air.mass) } else { 0.0 },
+            viscosity_hair: scene.viscosity.hair / substeps,
+            viscosity_air: scene.viscosity.air / substeps,
+            limited: scene.viscosity.form == ViscosityForm::Limited,
+            rod_iterations: scene.rods.iterations,
+            damping: scene.rods.damping,
+            hair_points: initial.hair.positions.len(),
+        }
+    }
+
+    /// Whether particle `i` is air.
+    #[must_use]
+    pub fn is_air(&self, i: usize) -> bool {
+        i >= self.hair_points
+    }
+
+    /// x_i − x_j: air meets air through the periodic faces, everything else directly (design 3.2).
+    #[must_use]
+    pub fn separation(&self, i: usize, j: usize, a: DVec3, b: DVec3) -> DVec3 {
+        let gap = a - b;
+        if self.is_air(i) && self.is_air(j) { gap - self.box_size * (gap / self.box_size).round() } else { gap }
+    }
+
+    /// c of a pair (eq. 8).
+    #[must_use]
+    pub fn viscosity(&self, i: usize, j: usize) -> f64 {
+        let own = |i| if self.is_air(i) { self.viscosity_air } else { self.viscosity_hair };
+        own(i).min(own(j))
+    }
+}
+
+/// Σ_j w V² |∇W|² over the simple cubic lattice of one particle per V: the own gradient vanishes there.
+fn lattice_gradients(radius: f64, volume: f64, inverse_mass: f64) -> f64 {
+    let spacing = volume.cbrt();
+    let reach = (radius / spacing).ceil() as i32;
+    let axis = -reach..=reach;
+    let sites = axis.clone().flat_map(|x| axis.clone().flat_map(move |y| (-reach..=reach).map(move |z| IVec3::new(x, y, z))));
+    let slopes = sites.filter(|site| *site != IVec3::ZERO).map(|site| spiky_slope(spacing * site.as_dvec3().length(), radius).powi(2));
+    inverse_mass * volume * volume * slopes.sum::<f64>()
+}

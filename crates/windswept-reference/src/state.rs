@@ -1,0 +1,59 @@
+//! The state between steps: local coordinates, hair points first, then air.
+
+use glam::{DQuat, DVec3};
+use windswept_scene::{InitialState, Strands};
+
+/// Positions, velocities and frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// Steps since the start.
+    pub steps: u64,
+    /// Per particle \[m\].
+    pub position: Vec<DVec3>,
+    /// Per particle \[m/s\].
+    pub velocity: Vec<DVec3>,
+    /// Per segment.
+    pub orientation: Vec<DQuat>,
+    /// Per segment \[rad/s\].
+    pub angular_velocity: Vec<DVec3>,
+    /// Per strand: non-finite in the step before, to be reset.
+    pub bad: Vec<bool>,
+    /// Strands that went bad so far.
+    pub resets: usize,
+    /// Moves that were capped so far.
+    pub capped: usize,
+    /// max |l/l0 − 1| so far.
+    pub max_stretch: f64,
+    /// Per particle \[m³\].
+    pub volume: Vec<f64>,
+    /// Per particle \[1/kg\].
+    pub inverse_mass: Vec<f64>,
+    /// Rods: rest shape, compliances; positions and orientations are those of the rest pose, local.
+    pub hair: Strands,
+}
+
+impl State {
+    /// The start.
+    #[must_use]
+    pub fn new(initial: &InitialState) -> Self {
+        let local = |x: &DVec3| *x - initial.origin;
+        let mut hair = initial.hair.clone();
+        hair.positions = hair.positions.iter().map(local).collect();
+        let air = initial.air.positions.len();
+        let each = |hair: &[f64], air_value: f64| hair.iter().copied().chain(std::iter::repeat_n(air_value, air)).collect();
+        Self {
+            steps: 0,
+            position: hair.positions.iter().copied().chain(initial.air.positions.iter().map(local)).collect(),
+            velocity: hair.velocities.iter().chain(&initial.air.velocities).copied().collect(),
+            orientation: hair.orientations.clone(),
+            angular_velocity: hair.angular_velocities.clone(),
+            bad: vec![false; hair.len()],
+            resets: 0,
+            capped: 0,
+            max_stretch: 0.0,
+            volume: each(&hair.volume, initial.air.volume),
+            inverse_mass: each(&hair.inverse_mass, 1.0 / initial.air.mass),
+            hair,
+        }
+    }
+}
