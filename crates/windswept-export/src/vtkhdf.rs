@@ -1,0 +1,292 @@
+//! VTKHDF PolyData, streamed: the file is laid out once, then every frame is written into its place.
+//!
+//! ```text
+//! /VTKHDF                        Version (2, 0), Type "PolyData"
+//!   NumberOfPoints (1)           n, the points of one frame
+//!   Points (frames n, 3)         f32 [m]
+//!   Vertices, Lines, Strips, Polygons    where one is missing, even an empty one, readers see no points
+//!     NumberOfCells (1), NumberOfConnectivityIds (1), Offsets (cells + 1), Connectivity (n)
+//!   PointData
+//!     Velocity (frames n, 3)     f32 [m/s]
+//!     Orientation (frames n, 4)  f32, hair only: of the segment that starts at the point; the tip, where none starts,
+//!                                repeats the last. (x, y, z, w), material frame to world
+//!   CellData
+//!     StrandId (strands)         i32, hair only
+//!   Steps                        NSteps: how many frames are finished
+//!     Values (NSteps)            [s]
+//!     PointOffsets, PointDataOffsets/*    where a frame starts: k n
+//!     PartOffsets, CellOffsets, ConnectivityIdOffsets, CellDataOffsets/*    0: one part, whose cells never change
+//!     NumberOfParts              1
+//! /windswept                     version, adapter, seed; scene: its text as run
+//! ```
+//!
+//! Everything but `Values` has its final size before frame 0, and its place in the file. What describes the file changes
+//! with a frame in two numbers only, `NSteps` and the length of `Values`, which are written at once, after the frame. So a
+//! killed run leaves a file that opens and shows the frames it finished. While a run goes on HDF5 locks its file; a copy
+//! can be opened.
+//!
+//! Source: VTK's "VTKHDF format specification", version 2.0.
+
+mod layout;
+
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use windswept::{Frame, HairFrame};
+
+use crate::ExportError;
+use layout::{Layout, Rows};
+
+/// Which part of a frame a file holds. Two files, because readers mix up cells of different kinds in one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Strands: one polyline each, root to tip.
+    Hair,
+    /// Air particles: one vertex each, in the order of their stable ids.
+    Air,
+}
+
+/// Where a file comes from; stored in its group `/windswept`.
+#[derive(Debug, Clone, Copy)]
+pub struct Provenance<'a> {
+    /// The text of the scene as run.
+    pub scene: &'a str,
+    /// Version of windswept.
+    pub version: &'a str,
+    /// Name of the adapter that ran.
+    pub adapter: &'a str,
+    /// The scene's seed.
+    pub seed: u64,
+}
+
+/// Writes one file, frame by frame, and keeps no frame in memory.
+///
+/// Every frame that [`VtkHdfWriter::append`] returned from is in the file, whatever becomes of the process.
+#[derive(Debug)]
+pub struct VtkHdfWriter {
+    path: PathBuf,
+    kind: Kind,
+    layout: Layout,
+    points: usize,
+    /// First point of each strand; of no use for air.
+    strands: Vec<u32>,
+    frames: usize,
+    written: usize,
+    last_time: f64,
+    /// Per point, the same memory for every frame.
+    orientations: Vec<[f32; 4]>,
+}
+
+impl VtkHdfWriter {
+    /// Lays out a file for up to `frames` frames with the strands or the number of air particles of `frame`, which is
+    /// not yet appended. Fewer frames are a correct file too.
+    ///
+    /// Replaces a file at `path`; a program that has the old one open keeps it. The new one has its final size,
+    /// [`VtkHdfWriter::bytes`], at once; on a file system with sparse files it fills its room as frames come in.
+    ///
+    /// # Errors
+    /// [`ExportError::Frame`] if `frame` has nothing of this kind or its strands make no sense, or if so many frames fit
+    /// into no file; [`ExportError::File`] if the file cannot be written.
+    pub fn create(
+        path: impl AsRef<Path>,
+        kind: Kind,
+        frame: &Frame,
+        frames: usize,
+        provenance: &Provenance<'_>,
+    ) -> Result<Self, ExportError> {
+        let path = path.as_ref().to_path_buf();
+        let points = arrays(kind, frame).0.len();
+        let misfit = |problem: String| ExportError::Frame {
+            path: path.clone(),
+            problem,
+        };
+        if points == 0 {
+            let what = match kind {
+                Kind::Hair => "strands",
+                Kind::Air => "air particles",
+            };
+            return Err(misfit(format!("the frame has no {what}")));
+        }
+        if Self::bytes(kind, frame, frames) > isize::MAX as u64 {
+            return Err(misfit(format!("{frames} frames fit into no file")));
+        }
+        let strands = match kind {
+            Kind::Hair => checked_strands(&frame.hair).map_err(misfit)?,
+            Kind::Air => Vec::new(),
+        };
+        let cells: Vec<i64> = match kind {
+            Kind::Hair => strands.iter().map(|&first| first.into()).collect(),
+            Kind::Air => (0..).take(points + 1).collect(),
+        };
+        // HDF5 would empty the file under the hands of whoever has it open.
+        match std::fs::remove_file(&path) {
+            Err(e) if e.kind() != ErrorKind::NotFound => {
+                return Err(ExportError::File {
+                    path,
+                    doing: "could not be replaced",
+                    reason: e.to_string(),
+                });
+            }
+            _ => {}
+        }
+        let layout = Layout::create(&path, kind, &cells, points, frames, provenance)
+            .map_err(|e| failed(&path, "could not be created", &e))?;
+        Ok(Self {
+            path,
+            kind,
+            layout,
+            points,
+            strands,
+            frames,
+            written: 0,
+            last_time: f64::NEG_INFINITY,
+            orientations: Vec::new(),
+        })
+    }
+
+    /// Writes the next frame. Once this returns, readers of the file find it.
+    ///
+    /// # Errors
+    /// [`ExportError::Frame`] if its strands or its number of particles differ from those of the file, its time is
+    /// before that of the last frame, or the file is full; [`ExportError::File`] if it cannot be written. The file keeps
+    /// the frames it had.
+    pub fn append(&mut self, frame: &Frame) -> Result<(), ExportError> {
+        self.check(frame).map_err(|problem| ExportError::Frame {
+            path: self.path.clone(),
+            problem: format!("frame {} {problem}", self.written),
+        })?;
+        let (positions, velocities) = arrays(self.kind, frame);
+        per_point(&frame.hair, &self.strands, &mut self.orientations);
+        let rows = Rows {
+            positions,
+            velocities,
+            orientations: &self.orientations,
+        };
+        self.layout
+            .write(self.written, &rows)
+            .and_then(|()| self.layout.show(self.written, frame.time))
+            .map_err(|e| failed(&self.path, "a frame could not be written", &e))?;
+        self.written += 1;
+        self.last_time = frame.time;
+        Ok(())
+    }
+
+    /// Closes the file. Dropping the writer does the same without a word about errors.
+    ///
+    /// # Errors
+    /// [`ExportError::File`] if what is left in memory cannot be written.
+    pub fn finish(self) -> Result<(), ExportError> {
+        self.layout
+            .flush()
+            .map_err(|e| failed(&self.path, "could not be closed", &e))
+    }
+
+    /// Size of the file \[bytes\] for this many frames like this one, without its headers, about 30 kB, and the text of
+    /// the scene. `u64::MAX` stands for all that is larger.
+    #[must_use]
+    pub fn bytes(kind: Kind, frame: &Frame, frames: usize) -> u64 {
+        let points = arrays(kind, frame).0.len() as u64;
+        // Per point and frame; per frame (Values and the numbers in Steps); the cells, once.
+        let (point, step, cells) = match kind {
+            Kind::Hair => (
+                4 * (3 + 3 + 4),
+                8 * (7 + 2 * 4),
+                frame.hair.offsets.len() as u64 * 12,
+            ),
+            Kind::Air => (4 * (3 + 3), 8 * (5 + 2 * 4), points * 8),
+        };
+        let per_frame = points.saturating_mul(point).saturating_add(step);
+        (frames as u64)
+            .saturating_mul(per_frame)
+            .saturating_add(cells + points * 8)
+    }
+
+    /// Whether this frame is the file's next, else what is wrong with it.
+    fn check(&self, frame: &Frame) -> Result<(), String> {
+        let (positions, velocities) = arrays(self.kind, frame);
+        if self.written == self.frames {
+            return Err(format!("is one more than the {} announced", self.frames));
+        }
+        if positions.len() != self.points || velocities.len() != self.points {
+            return Err(format!(
+                "has {} positions and {} velocities, the file {} points",
+                positions.len(),
+                velocities.len(),
+                self.points
+            ));
+        }
+        if self.kind == Kind::Hair {
+            if frame.hair.offsets != self.strands {
+                return Err("has strands of other lengths than the file".into());
+            }
+            let segments = self.points + 1 - self.strands.len();
+            if frame.hair.orientations.len() != segments {
+                let has = frame.hair.orientations.len();
+                return Err(format!(
+                    "has {has} orientations, the file {segments} segments"
+                ));
+            }
+        }
+        // Equal times are fine: at a frame rate above 1/Δt a step is exported more than once.
+        if !(frame.time.is_finite() && frame.time >= self.last_time) {
+            return Err(format!(
+                "is at {} s, the one before at {} s",
+                frame.time, self.last_time
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Positions [m] and velocities [m/s].
+fn arrays(kind: Kind, frame: &Frame) -> (&[[f32; 3]], &[[f32; 3]]) {
+    match kind {
+        Kind::Hair => (&frame.hair.positions, &frame.hair.velocities),
+        Kind::Air => (&frame.air.positions, &frame.air.velocities),
+    }
+}
+
+/// The strands' offsets, if they start at 0, end with the points, and give every strand a segment.
+fn checked_strands(hair: &HairFrame) -> Result<Vec<u32>, String> {
+    let (first, last) = (hair.offsets.first(), hair.offsets.last());
+    if first != Some(&0) || last.map(|&last| last as usize) != Some(hair.positions.len()) {
+        return Err(format!(
+            "the strands' offsets go from {first:?} to {last:?}, not from 0 to the {} points",
+            hair.positions.len()
+        ));
+    }
+    match hair
+        .offsets
+        .windows(2)
+        .position(|w| w[1] < w[0].saturating_add(2))
+    {
+        Some(strand) => Err(format!("strand {strand} has fewer than two points")),
+        None => Ok(hair.offsets.clone()),
+    }
+}
+
+/// From orientations per segment to orientations per point: that of the segment that starts there, and at the tip that
+/// of the last segment.
+fn per_point(hair: &HairFrame, strands: &[u32], orientations: &mut Vec<[f32; 4]>) {
+    orientations.clear();
+    for (strand, ends) in strands.windows(2).enumerate() {
+        let (root, tip) = (ends[0] as usize - strand, ends[1] as usize - 1 - strand);
+        orientations.extend_from_slice(&hair.orientations[root..tip]);
+        orientations.push(hair.orientations[tip - 1]);
+    }
+}
+
+fn failed(path: &Path, doing: &'static str, reason: &hdf5::Error) -> ExportError {
+    // HDF5 wraps the system's words in its own, with time stamps and addresses.
+    let words = reason.to_string();
+    let system = words
+        .split_once("error message = '")
+        .and_then(|(_, rest)| rest.split_once('\''));
+    ExportError::File {
+        path: path.to_path_buf(),
+        doing,
+        reason: system
+            .map_or(words.as_str(), |(system, _)| system)
+            .to_string(),
+    }
+}

@@ -1,0 +1,213 @@
+//! The datasets of a file, and a frame's rows in them.
+
+use std::path::Path;
+use std::str::FromStr;
+
+use hdf5::dataset::{AllocTime, FillTime};
+use hdf5::types::{FixedAscii, VarLenUnicode};
+use hdf5::{Attribute, Dataset, Extents, File, Group, H5Type, Result};
+
+use super::{Kind, Provenance};
+
+/// What a frame is written to.
+#[derive(Debug)]
+pub(super) struct Layout {
+    file: File,
+    finished: Attribute,
+    times: Dataset,
+    positions: Dataset,
+    velocities: Dataset,
+    /// Hair only.
+    orientations: Option<Dataset>,
+    /// One number per frame: its value in frame 0 and what it grows by.
+    steps: Vec<(Dataset, usize, usize)>,
+    /// One number per frame and cell group, 0.
+    group_steps: [Dataset; 2],
+}
+
+/// A frame without its time, everything per point.
+pub(super) struct Rows<'a> {
+    pub(super) positions: &'a [[f32; 3]],
+    pub(super) velocities: &'a [[f32; 3]],
+    pub(super) orientations: &'a [[f32; 4]],
+}
+
+impl Layout {
+    /// Makes all of the file but the frames. Cell i has the points `cells[i]..cells[i + 1]`.
+    pub(super) fn create(
+        path: &Path,
+        kind: Kind,
+        cells: &[i64],
+        points: usize,
+        frames: usize,
+        provenance: &Provenance<'_>,
+    ) -> Result<Self> {
+        // The earliest format has no mark for "open for writing", which would make readers refuse a killed run's file.
+        // Without the sieve buffer a number is written as 8 bytes, not as the 64 kB around it.
+        let file = File::with_options()
+            .with_fapl(|access| access.libver_earliest().sieve_buf_size(0))
+            .create(path)?;
+        let root = file.create_group("VTKHDF")?;
+        let steps_group = root.create_group("Steps")?;
+        let finished = steps_group.new_attr::<i64>().create("NSteps")?;
+        // VTK reads all of Values into an array of NSteps numbers; one row more and it crashes. So Values is the only
+        // dataset that grows, within a chunk that is there from the start, filled, so that a full disk cannot come between
+        // the two. (It has a first row, never read, before there is a frame, because without a row the chunk would be
+        // given up; and no cache, which would write the whole chunk for every row.) Made right after NSteps and before
+        // all else, its header lies right behind that number in the file, and HDF5 writes both at once: nor can a kill.
+        let times = steps_group
+            .new_dataset::<f64>()
+            .chunk(frames.max(1))
+            .chunk_cache(0, 0, 1.0)
+            .alloc_time(Some(AllocTime::Early))
+            .fill_time(FillTime::Alloc)
+            .shape(1..)
+            .create("Values")?;
+
+        root.new_attr::<i64>()
+            .shape(2)
+            .create("Version")?
+            .write(&[2, 0])?;
+        let name = FixedAscii::<8>::from_ascii("PolyData").map_err(|e| e.to_string())?;
+        root.new_attr::<FixedAscii<8>>()
+            .create("Type")?
+            .write_scalar(&name)?;
+        table(&root, "NumberOfPoints", &[points as i64])?;
+        for group in ["Vertices", "Lines", "Strips", "Polygons"] {
+            let own = match kind {
+                Kind::Hair => "Lines",
+                Kind::Air => "Vertices",
+            };
+            write_cells(
+                &root.create_group(group)?,
+                if group == own { cells } else { &[0] },
+            )?;
+        }
+
+        // Flat, as a frame is a run of rows: those of frame k start at k points.
+        let vectors = |name, width| empty::<f32>(&root, name, [frames * points, width]);
+        let number = |name: &str| empty::<i64>(&root, &format!("Steps/{name}"), frames);
+        let per_group = |name| empty::<i64>(&root, name, [frames, 4]);
+        let mut steps = vec![
+            (number("PartOffsets")?, 0, 0),
+            (number("NumberOfParts")?, 1, 0),
+            (number("PointOffsets")?, 0, points),
+            (number("PointDataOffsets/Velocity")?, 0, points),
+        ];
+        let mut orientations = None;
+        if kind == Kind::Hair {
+            let ids: Vec<i32> = (0..).take(cells.len() - 1).collect();
+            table(&root, "CellData/StrandId", &ids)?;
+            steps.push((number("CellDataOffsets/StrandId")?, 0, 0));
+            steps.push((number("PointDataOffsets/Orientation")?, 0, points));
+            orientations = Some(vectors("PointData/Orientation", 4)?);
+        }
+        let layout = Self {
+            times,
+            positions: vectors("Points", 3)?,
+            velocities: vectors("PointData/Velocity", 3)?,
+            orientations,
+            steps,
+            group_steps: [
+                per_group("Steps/CellOffsets")?,
+                per_group("Steps/ConnectivityIdOffsets")?,
+            ],
+            finished,
+            file,
+        };
+        write_provenance(&layout.file, provenance)?;
+        layout.finished.write_scalar(&0_i64)?;
+        layout.flush()?;
+        Ok(layout)
+    }
+
+    /// Writes frame k, where no reader looks for it before [`Layout::show`].
+    pub(super) fn write(&self, k: usize, rows: &Rows<'_>) -> Result<()> {
+        write_rows(&self.positions, k, rows.positions)?;
+        write_rows(&self.velocities, k, rows.velocities)?;
+        if let Some(orientations) = &self.orientations {
+            write_rows(orientations, k, rows.orientations)?;
+        }
+        for (dataset, first, growth) in &self.steps {
+            dataset.write_slice(&[(first + k * growth) as i64], k..k + 1)?;
+        }
+        for dataset in &self.group_steps {
+            write_rows(dataset, k, &[[0_i64; 4]])?;
+        }
+        self.flush()
+    }
+
+    /// Makes readers see frame k: its time, and that there are k + 1.
+    pub(super) fn show(&self, k: usize, time: f64) -> Result<()> {
+        self.times.resize(k + 1)?;
+        self.times.write_slice(&[time], k..k + 1)?;
+        self.finished.write_scalar(&(k as i64 + 1))?;
+        self.flush()
+    }
+
+    /// Hands all to the operating system.
+    pub(super) fn flush(&self) -> Result<()> {
+        self.file.flush()
+    }
+}
+
+fn write_provenance(file: &File, provenance: &Provenance<'_>) -> Result<()> {
+    let group = file.create_group("windswept")?;
+    let text = |text| VarLenUnicode::from_str(text).map_err(|e| e.to_string());
+    for (name, value) in [
+        ("version", provenance.version),
+        ("adapter", provenance.adapter),
+    ] {
+        group
+            .new_attr::<VarLenUnicode>()
+            .create(name)?
+            .write_scalar(&text(value)?)?;
+    }
+    group
+        .new_attr::<u64>()
+        .create("seed")?
+        .write_scalar(&provenance.seed)?;
+    // A dataset, because an attribute ends at 64 kB.
+    group
+        .new_dataset::<VarLenUnicode>()
+        .create("scene")?
+        .write_scalar(&text(provenance.scene)?)
+}
+
+/// One group of cells; the points are used in their order, each once.
+fn write_cells(group: &Group, offsets: &[i64]) -> Result<()> {
+    let connectivity: Vec<i64> = (0..offsets[offsets.len() - 1]).collect();
+    table(group, "NumberOfCells", &[offsets.len() as i64 - 1])?;
+    table(
+        group,
+        "NumberOfConnectivityIds",
+        &[connectivity.len() as i64],
+    )?;
+    table(group, "Offsets", offsets)?;
+    table(group, "Connectivity", &connectivity)
+}
+
+/// A dataset that does not change.
+fn table<T: H5Type>(group: &Group, name: &str, values: &[T]) -> Result<()> {
+    empty::<T>(group, name, values.len())?.write(values)
+}
+
+/// A dataset with its final size and place in the file, whose values are written later and only once.
+fn empty<T: H5Type>(group: &Group, name: &str, shape: impl Into<Extents>) -> Result<Dataset> {
+    group
+        .new_dataset::<T>()
+        .no_chunk()
+        .alloc_time(Some(AllocTime::Early))
+        .fill_time(FillTime::Never)
+        .shape(shape)
+        .create(name)
+}
+
+/// Writes the k-th run of rows of this length.
+fn write_rows<T: H5Type, const N: usize>(
+    dataset: &Dataset,
+    k: usize,
+    rows: &[[T; N]],
+) -> Result<()> {
+    dataset.write_slice::<_, T, _, _>(rows, (k * rows.len()..(k + 1) * rows.len(), ..))
+}

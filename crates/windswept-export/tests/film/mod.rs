@@ -1,0 +1,121 @@
+//! A film whose every number is different, and the numbers of a file.
+
+#![allow(dead_code, clippy::unwrap_used)] // each test program uses a part of it, and may panic
+
+use std::path::Path;
+
+use windswept::{AirFrame, Frame, HairFrame};
+use windswept_export::{Kind, Provenance, VtkHdfWriter};
+
+pub(crate) const KINDS: [Kind; 2] = [Kind::Hair, Kind::Air];
+
+pub(crate) const PROVENANCE: Provenance<'_> = Provenance {
+    scene: "title = \"wind, 3 m/s — ρ₀\"\nseed = 18446744073709551615\n",
+    version: "0.1.0",
+    adapter: "llvmpipe (LLVM 15.0.6, 256 bits) é",
+    seed: u64::MAX,
+};
+
+/// Strands of 2, 5 and 3 points and 7 air particles; -0.0, the smallest subnormal and the largest f32 among the numbers.
+pub(crate) fn frame(k: usize) -> Frame {
+    let mut state = k as u32 + 1;
+    let mut number = move || {
+        state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        (state >> 8) as f32 / 1e6 - 8.0
+    };
+    let mut rows = move |n: usize| {
+        (0..n)
+            .map(|_| [number(), number(), number()])
+            .collect::<Vec<_>>()
+    };
+    let mut velocities = rows(10);
+    velocities[3] = [-0.0, f32::from_bits(1), f32::MAX];
+    Frame {
+        step: 12 * k as u64,
+        time: 12.0 * 1.38e-3 * k as f64,
+        hair: HairFrame {
+            offsets: vec![0, 2, 7, 10],
+            positions: rows(10),
+            velocities,
+            orientations: rows(7).iter().map(|&[x, y, z]| [x, y, z, x + y]).collect(),
+        },
+        air: AirFrame {
+            positions: rows(7),
+            velocities: rows(7),
+        },
+    }
+}
+
+pub(crate) fn film(frames: usize) -> Vec<Frame> {
+    (0..frames).map(frame).collect()
+}
+
+/// Writes these frames into a file laid out for `announced`.
+pub(crate) fn write(path: &Path, kind: Kind, film: &[Frame], announced: usize) {
+    let mut writer = VtkHdfWriter::create(path, kind, &film[0], announced, &PROVENANCE).unwrap();
+    for frame in film {
+        writer.append(frame).unwrap();
+    }
+    writer.finish().unwrap();
+}
+
+/// How many frames the file shows.
+pub(crate) fn finished(path: &Path) -> usize {
+    let steps = hdf5::File::open(path)
+        .unwrap()
+        .group("VTKHDF/Steps")
+        .unwrap();
+    steps.attr("NSteps").unwrap().read_scalar::<i64>().unwrap() as usize
+}
+
+/// Asserts that the file shows exactly these frames, bit by bit.
+pub(crate) fn assert_holds(path: &Path, kind: Kind, film: &[Frame]) {
+    assert_eq!(finished(path), film.len(), "frames in {}", path.display());
+    let root = hdf5::File::open(path).unwrap().group("VTKHDF").unwrap();
+    let start = |name: &str, k: usize| {
+        let offsets = root.dataset(&format!("Steps/{name}")).unwrap();
+        offsets.read_slice_1d::<i64, _>(k..k + 1).unwrap()[0] as usize
+    };
+    // Not one more than NSteps, or VTK crashes; a row before there is a frame does no harm.
+    assert_eq!(
+        root.dataset("Steps/Values").unwrap().size(),
+        film.len().max(1)
+    );
+    for (k, frame) in film.iter().enumerate() {
+        let time = root
+            .dataset("Steps/Values")
+            .unwrap()
+            .read_slice_1d::<f64, _>(k..k + 1)
+            .unwrap()[0];
+        assert_eq!(time.to_bits(), frame.time.to_bits(), "time of frame {k}");
+        let (positions, velocities) = match kind {
+            Kind::Hair => (&frame.hair.positions, &frame.hair.velocities),
+            Kind::Air => (&frame.air.positions, &frame.air.velocities),
+        };
+        for (name, start, expected) in [
+            ("Points", start("PointOffsets", k), positions),
+            (
+                "PointData/Velocity",
+                start("PointDataOffsets/Velocity", k),
+                velocities,
+            ),
+        ] {
+            let rows = (start..start + expected.len(), ..);
+            let found = root
+                .dataset(name)
+                .unwrap()
+                .read_slice_2d::<f32, _>(rows)
+                .unwrap();
+            assert!(
+                same_bits(found.as_slice().unwrap(), expected.as_flattened()),
+                "{name} of frame {k}"
+            );
+        }
+    }
+}
+
+pub(crate) fn same_bits(a: &[f32], b: &[f32]) -> bool {
+    a.iter()
+        .map(|x| x.to_bits())
+        .eq(b.iter().map(|x| x.to_bits()))
+}

@@ -1,0 +1,117 @@
+//! Frames and files that must be refused, in words that name the file and the number.
+
+#![cfg(feature = "vtkhdf")]
+#![allow(clippy::unwrap_used)] // a test may panic
+
+mod film;
+
+use windswept::Frame;
+use windswept_export::{ExportError, Kind, VtkHdfWriter};
+
+use film::{PROVENANCE, assert_holds, film, frame, write};
+
+/// Makes a frame one that does not fit.
+type Spoil = fn(&mut Frame);
+
+/// A frame that differs from the file in any count is refused, and the file keeps the frames it had.
+#[test]
+fn frames_of_another_size_are_refused() {
+    let faults: [(Kind, &str, Spoil); 9] = [
+        (Kind::Hair, "9 positions", |f| f.hair.positions.truncate(9)),
+        (Kind::Hair, "9 velocities", |f| {
+            f.hair.velocities.truncate(9)
+        }),
+        (Kind::Hair, "6 orientations", |f| {
+            f.hair.orientations.truncate(6)
+        }),
+        (Kind::Hair, "other lengths", |f| f.hair.offsets[1] = 3),
+        (Kind::Hair, "other lengths", |f| {
+            f.hair.offsets = vec![0, 7, 10]
+        }),
+        (Kind::Air, "6 positions", |f| f.air.positions.truncate(6)),
+        (Kind::Air, "8 velocities", |f| {
+            f.air.velocities.push([0.0; 3])
+        }),
+        (Kind::Air, "at NaN s", |f| f.time = f64::NAN),
+        (Kind::Air, "at 0.01 s, the one before at 0.01656 s", |f| {
+            f.time = 0.01
+        }),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    for (kind, words, spoil) in faults {
+        let path = folder.path().join("film.vtkhdf");
+        let mut writer = VtkHdfWriter::create(&path, kind, &frame(0), 3, &PROVENANCE).unwrap();
+        writer.append(&frame(0)).unwrap();
+        writer.append(&frame(1)).unwrap();
+        let mut spoilt = frame(2);
+        spoil(&mut spoilt);
+        expect(writer.append(&spoilt), &["film.vtkhdf", "frame 2", words]);
+        writer.append(&frame(2)).unwrap();
+        expect(
+            writer.append(&frame(3)),
+            &["film.vtkhdf", "frame 3", "the 3 announced"],
+        );
+        writer.finish().unwrap();
+        assert_holds(&path, kind, &film(3));
+    }
+}
+
+/// What cannot be laid out is refused before the file is touched.
+#[test]
+fn senseless_layouts_are_refused() {
+    let faults: [(Kind, usize, &str, Spoil); 8] = [
+        (Kind::Hair, 2, "no strands", |f| f.hair = Default::default()),
+        (Kind::Air, 2, "no air particles", |f| {
+            f.air = Default::default()
+        }),
+        (Kind::Hair, 2, "to the 10 points", |f| {
+            f.hair.offsets = Vec::new()
+        }),
+        (Kind::Hair, 2, "to the 10 points", |f| {
+            f.hair.offsets = vec![1, 10]
+        }),
+        (Kind::Hair, 2, "to the 10 points", |f| {
+            f.hair.offsets = vec![0, 11]
+        }),
+        (Kind::Hair, 2, "strand 1 has fewer", |f| {
+            f.hair.offsets = vec![0, 5, 6, 10]
+        }),
+        (Kind::Hair, 2, "strand 1 has fewer", |f| {
+            f.hair.offsets = vec![0, 12, 2, 10]
+        }),
+        (Kind::Air, usize::MAX, "fit into no file", |_| ()),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("film.vtkhdf");
+    write(&path, Kind::Air, &film(2), 2);
+    for (kind, frames, words, spoil) in faults {
+        let mut spoilt = frame(0);
+        spoil(&mut spoilt);
+        let refused = VtkHdfWriter::create(&path, kind, &spoilt, frames, &PROVENANCE);
+        expect(refused.map(drop), &["film.vtkhdf", words]);
+        assert_holds(&path, Kind::Air, &film(2));
+    }
+}
+
+/// A path that cannot be written is an error that names it and the system's reason.
+#[test]
+fn unwritable_paths_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    for (path, reason) in [
+        ("missing/film.vtkhdf", "No such file"),
+        ("", "Is a directory"),
+    ] {
+        let path = folder.path().join(path);
+        let refused = VtkHdfWriter::create(&path, Kind::Hair, &frame(0), 2, &PROVENANCE);
+        assert!(matches!(refused, Err(ExportError::File { .. })));
+        expect(refused.map(drop), &[&path.display().to_string(), reason]);
+    }
+}
+
+/// Asserts that it failed with a message that holds these words.
+fn expect(result: Result<(), ExportError>, words: &[&str]) {
+    let message = result.expect_err("must be refused").to_string();
+    for word in words {
+        assert!(message.contains(word), "{word:?} is missing in {message:?}");
+    }
+}
