@@ -4,4 +4,9 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod fluid;
 mod grid;
+mod guard;
+mod rods;
+mod stage;
+mod wind;

@@ -35,6 +35,7 @@ pub const RADIUS: f64 = 9.3e-3;
 /// The paper's parameters, without hair, in still air.
 pub fn scene() -> Scene {
     Scene {
+        text: String::new(),
         title: "test".into(),
         method: Method::Accurate,
         gravity: [0.0, -9.81, 0.0],

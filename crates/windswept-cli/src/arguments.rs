@@ -1,0 +1,140 @@
+//! What can be typed.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use windswept_scene::Scene;
+
+use crate::failure::Failure;
+
+/// Hair in turbulent wind, simulated on the GPU: a scene file in, frames out.
+#[derive(Debug, Parser)]
+#[command(name = "windswept", version, after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  windswept run scene.toml --out out/wind
+      simulate; write frames and a report into out/wind
+  windswept run scene.toml --out out/wind6 --set 'air.wind=[6, 0, 0]' --set time.duration=0.5
+      the same with other values
+  windswept run scene.toml --out out/try --steps 100 --adapter software --overwrite
+      a short look, on the CPU
+  windswept check scene.toml --explain
+      every key there is, with its default and its meaning
+  windswept plan scene.toml
+      the passes of a step, and why some are skipped
+
+Exit status: 0 done, 1 the run failed, 2 bad input (nothing was written), 130 stopped by Ctrl-C.";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Simulate a scene and write what happens into a folder
+    Run(RunOptions),
+    /// Read a scene, say what was understood, and write nothing
+    Check {
+        #[command(flatten)]
+        scene: SceneOptions,
+        /// Print every key there is: its default, meaning and unit
+        #[arg(long)]
+        explain: bool,
+    },
+    /// Print the passes of one step: how often each runs, or why it is skipped (needs no GPU)
+    Plan {
+        #[command(flatten)]
+        scene: SceneOptions,
+    },
+    /// List the GPUs that a run can use, the one it would take first
+    Adapters,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SceneOptions {
+    /// Scene file (TOML)
+    #[arg(value_name = "SCENE")]
+    pub(crate) path: PathBuf,
+    /// Change a key of the scene by its dotted path, e.g. air.wind=[6,0,0]; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+}
+
+impl SceneOptions {
+    /// The scene with its `--set`s, checked.
+    pub(crate) fn load(&self) -> Result<Scene, Failure> {
+        let scene = Scene::load_with(&self.path, &self.sets)?;
+        if scene.hair.is_empty() {
+            // Code may give a groom instead; the command has none.
+            return Err(Failure::Input(format!(
+                "{}: hair: is missing, expected a table [hair]",
+                self.path.display()
+            )));
+        }
+        Ok(scene)
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RunOptions {
+    #[command(flatten)]
+    pub(crate) scene: SceneOptions,
+    /// Folder for hair.vtkhdf, air.vtkhdf, report.json and scene.toml; made if it is not there
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Stop after this many steps since t = 0, whatever time.duration says
+    #[arg(long, value_name = "N")]
+    pub(crate) steps: Option<u64>,
+    /// Part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else the best]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) adapter: Option<String>,
+    /// What to write per frame: vtkhdf or none
+    #[arg(long, value_delimiter = ',', default_value = "vtkhdf", value_parser = format)]
+    formats: Vec<Format>,
+    /// Write the report to this file too
+    #[arg(long, value_name = "FILE")]
+    pub(crate) report: Option<PathBuf>,
+    /// Replace what an earlier run left in DIR; other files there stay
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+    #[arg(long, hide = true, value_name = "K")]
+    checkpoint_every: Option<u64>,
+    #[arg(long, hide = true)]
+    resume: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Vtkhdf,
+    None,
+}
+
+fn format(word: &str) -> Result<Format, String> {
+    match word {
+        "vtkhdf" => Ok(Format::Vtkhdf),
+        "none" => Ok(Format::None),
+        "png" => Err("not in this version; it writes vtkhdf".into()),
+        _ => Err("expected vtkhdf or none".into()),
+    }
+}
+
+impl RunOptions {
+    /// Whether frames are written at all; refuses what is reserved for later versions.
+    pub(crate) fn writes_frames(&self) -> Result<bool, Failure> {
+        let reserved = [
+            ("--checkpoint-every", self.checkpoint_every.is_some()),
+            ("--resume", self.resume),
+        ];
+        if let Some((flag, _)) = reserved.iter().find(|(_, given)| *given) {
+            return Err(Failure::Input(format!("{flag}: not in this version")));
+        }
+        match self.formats[..] {
+            [Format::None] => Ok(false),
+            _ if self.formats.contains(&Format::None) => {
+                Err(Failure::Input("--formats: none stands alone".into()))
+            }
+            _ => Ok(true),
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! The two streams: results to the first, everything about the run to the second.
+
+use std::fmt::Display;
+use std::io::Write;
+
+use crate::failure::Failure;
+
+pub(crate) struct Console<'a> {
+    out: &'a mut dyn Write,
+    err: &'a mut dyn Write,
+    /// Whether `err` is a terminal.
+    pub(crate) terminal: bool,
+}
+
+impl<'a> Console<'a> {
+    pub(crate) fn new(out: &'a mut dyn Write, err: &'a mut dyn Write, terminal: bool) -> Self {
+        Self { out, err, terminal }
+    }
+
+    /// A line of the result. A reader that has gone away (`| head`) has seen what it wanted.
+    pub(crate) fn print(&mut self, line: impl Display) {
+        let _ = writeln!(self.out, "{line}");
+    }
+
+    /// A line about the run; there is nobody left to tell if it cannot be written.
+    pub(crate) fn note(&mut self, line: impl Display) {
+        let _ = writeln!(self.err, "{line}");
+    }
+
+    pub(crate) fn warn(&mut self, what: impl Display) {
+        self.note(format_args!("warning: {what}"));
+    }
+
+    pub(crate) fn failure(&mut self, failure: &Failure) {
+        let text = failure.render(self.terminal);
+        self.note(text.trim_end());
+    }
+
+    /// Help, version or a mistyped command, as clap words them; returns the exit status.
+    pub(crate) fn usage(&mut self, usage: &clap::Error) -> u8 {
+        let text = usage.render();
+        if usage.use_stderr() {
+            let _ = if self.terminal {
+                write!(self.err, "{}", text.ansi())
+            } else {
+                write!(self.err, "{text}")
+            };
+        } else {
+            let _ = write!(self.out, "{text}");
+        }
+        u8::try_from(usage.exit_code()).unwrap_or(2)
+    }
+}

@@ -1,0 +1,52 @@
+//! Ctrl-C: the first ends the run between two steps, a second ends the process at once.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use signal_hook::SigId;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+
+/// Exit status of a run that was interrupted: 128 + SIGINT, as shells have it.
+pub(crate) const STATUS: u8 = 130;
+
+/// Listens for Ctrl-C and a polite kill until it is dropped.
+pub(crate) struct Interrupt {
+    asked: Arc<AtomicBool>,
+    handlers: Vec<SigId>,
+}
+
+impl Interrupt {
+    pub(crate) fn listen() -> io::Result<Self> {
+        let mut interrupt = Self {
+            asked: Arc::default(),
+            handlers: Vec::new(),
+        };
+        for signal in [SIGINT, SIGTERM] {
+            // In this order: the first signal finds the flag unset, goes past the exit and sets it.
+            let exit = flag::register_conditional_shutdown(
+                signal,
+                STATUS.into(),
+                interrupt.asked.clone(),
+            )?;
+            interrupt.handlers.push(exit);
+            interrupt
+                .handlers
+                .push(flag::register(signal, interrupt.asked.clone())?);
+        }
+        Ok(interrupt)
+    }
+
+    pub(crate) fn asked(&self) -> bool {
+        self.asked.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for Interrupt {
+    fn drop(&mut self) {
+        for handler in self.handlers.drain(..) {
+            signal_hook::low_level::unregister(handler);
+        }
+    }
+}

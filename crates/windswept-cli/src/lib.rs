@@ -1,0 +1,79 @@
+//! The `windswept` command: `run`, `check`, `plan`, `adapters`.
+//!
+//! [`run`] is the whole command. Exit status 0: done; 1: the run failed; 2: bad input, and nothing was written;
+//! 130: stopped by Ctrl-C, and the files hold every frame finished until then.
+
+mod arguments;
+mod console;
+mod failure;
+mod inspect;
+mod interrupt;
+mod output;
+mod progress;
+mod run;
+mod schedule;
+
+use std::ffi::OsString;
+use std::io::{IsTerminal, Write, stderr, stdout};
+use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::arguments::{Arguments, Command};
+use crate::console::Console;
+use crate::failure::Failure;
+
+/// Runs the command with these arguments, the program's name first, on the standard streams.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    // A defect of ours still ends in a sentence and a status, not in a backtrace.
+    set_hook(Box::new(|defect| {
+        let _ = writeln!(
+            stderr(),
+            "error: windswept has a defect, please report this: {defect}"
+        );
+    }));
+    let terminal = stderr().is_terminal();
+    let status = catch_unwind(AssertUnwindSafe(|| {
+        run_on(arguments, &mut stdout(), &mut stderr(), terminal)
+    }));
+    ExitCode::from(status.unwrap_or(1))
+}
+
+/// The same on streams of the caller's; returns the exit status.
+///
+/// `terminal` says whether `err` is one: a progress bar and drawn diagnostics then, else plain lines. The bar always
+/// goes to the process's own standard error.
+pub fn run_on(
+    arguments: impl IntoIterator<Item = OsString>,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+    terminal: bool,
+) -> u8 {
+    let mut console = Console::new(out, err, terminal);
+    let done = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => dispatch(&arguments.command, &mut console),
+        Err(usage) => return console.usage(&usage),
+    };
+    match done {
+        Ok(()) => 0,
+        Err(failure) => {
+            console.failure(&failure);
+            failure.status()
+        }
+    }
+}
+
+fn dispatch(command: &Command, console: &mut Console<'_>) -> Result<(), Failure> {
+    match command {
+        Command::Run(options) => run::run(options, console),
+        Command::Check { scene, explain } => inspect::check(scene, *explain, console),
+        Command::Plan { scene } => inspect::plan(scene, console),
+        Command::Adapters => inspect::adapters(console),
+    }
+}
+
+/// Keeps the README's Rust compiling.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

@@ -1,0 +1,101 @@
+//! The folder that a run writes into.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use crate::failure::Failure;
+
+/// Everything that a run writes, and all that `--overwrite` removes.
+const HAIR: &str = "hair.vtkhdf";
+const AIR: &str = "air.vtkhdf";
+const REPORT: &str = "report.json";
+const SCENE: &str = "scene.toml";
+
+/// A folder that may be written to; nothing is touched before [`Output::create`].
+pub(crate) struct Output {
+    dir: PathBuf,
+    /// A second place for the report.
+    report: Option<PathBuf>,
+}
+
+impl Output {
+    /// Refuses a folder that holds something already (unless it may be overwritten), and paths that cannot be.
+    pub(crate) fn check(
+        dir: &Path,
+        overwrite: bool,
+        report: Option<&Path>,
+    ) -> Result<Self, Failure> {
+        let refuse =
+            |path: &Path, why: &str| Err(Failure::Input(format!("{}: {why}", path.display())));
+        match fs::read_dir(dir).map(|mut entries| entries.next().is_some()) {
+            Ok(true) if !overwrite => {
+                return refuse(
+                    dir,
+                    "not empty; --overwrite replaces what an earlier run left there",
+                );
+            }
+            Ok(_) => {}
+            Err(error) if error.kind() == ErrorKind::NotFound => {}
+            Err(error) => return refuse(dir, &error.to_string()),
+        }
+        if let Some(report) = report {
+            let folder = report
+                .parent()
+                .filter(|p| !p.as_os_str().is_empty())
+                .unwrap_or(Path::new("."));
+            if report.is_dir() {
+                return refuse(report, "is a folder; --report takes a file");
+            }
+            if !folder.is_dir() && folder != dir {
+                return refuse(folder, "no such folder (for --report)");
+            }
+        }
+        Ok(Self {
+            dir: dir.into(),
+            report: report.map(PathBuf::from),
+        })
+    }
+
+    /// Makes the folder, clears away an earlier run's files, and writes the scene as it runs.
+    pub(crate) fn create(&self, scene: &str) -> Result<(), Failure> {
+        fs::create_dir_all(&self.dir)
+            .map_err(|e| Failure::Input(format!("{}: {e}", self.dir.display())))?;
+        for name in [HAIR, AIR, REPORT, SCENE] {
+            let path = self.dir.join(name);
+            match fs::remove_file(&path) {
+                Err(e) if e.kind() != ErrorKind::NotFound => {
+                    return Err(cannot("removed", &path, &e));
+                }
+                _ => {}
+            }
+        }
+        write(&self.dir.join(SCENE), scene)
+    }
+
+    /// Where the strands go.
+    pub(crate) fn hair(&self) -> PathBuf {
+        self.dir.join(HAIR)
+    }
+
+    /// Where the air goes.
+    pub(crate) fn air(&self) -> PathBuf {
+        self.dir.join(AIR)
+    }
+
+    /// Writes report.json, and the copy that was asked for.
+    pub(crate) fn write_report(&self, report: &str) -> Result<(), Failure> {
+        write(&self.dir.join(REPORT), report)?;
+        self.report
+            .as_deref()
+            .map_or(Ok(()), |path| write(path, report))
+    }
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    fs::write(path, text).map_err(|e| cannot("written", path, &e))
+}
+
+fn cannot(be: &str, path: &Path, error: &std::io::Error) -> Failure {
+    Failure::Run(format!("{} cannot be {be}: {error}", path.display()))
+}

@@ -1,0 +1,116 @@
+//! `cargo xtask demo` and `cargo xtask test`: set up what a clean clone lacks, then run it.
+//!
+//! Everything it fetches is either a system package, announced before it is installed, or lies in `target/venv`.
+
+mod system;
+mod tests;
+mod venv;
+mod vulkan;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+const USAGE: &str = "\
+Usage: cargo xtask <COMMAND>
+
+Commands:
+  demo   build windswept and run examples/scenes/quick.toml into out/quick
+  test   check formatting and lints, then run every test on the software adapter
+
+Both look for a Vulkan driver and CMake first, and get them where they are missing.";
+
+/// What went wrong, as the user reads it; it ends with what to do.
+type Error = String;
+type Result<T = ()> = std::result::Result<T, Error>;
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let done = match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["demo"] => demo(),
+        ["test"] => tests::run(),
+        ["help" | "-h" | "--help"] => {
+            println!("{USAGE}");
+            return ExitCode::SUCCESS;
+        }
+        _ => {
+            eprintln!("{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("\nerror: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// A clean clone to frames: a driver, CMake, the command, a run.
+fn demo() -> Result {
+    vulkan::any_driver()?;
+    let mut cargo = cargo();
+    venv::provide_cmake(&mut cargo)?;
+    say("Building windswept and running examples/scenes/quick.toml");
+    cargo.args(["run", "--release", "--package", "windswept-cli", "--"]);
+    cargo.args([
+        "run",
+        "examples/scenes/quick.toml",
+        "--out",
+        "out/quick",
+        "--overwrite",
+    ]);
+    run(&mut cargo)?;
+    println!(
+        "
+The results are in out/quick:
+  hair.vtkhdf   the strands, every frame: open it in ParaView, Apply, press play
+  air.vtkhdf    the air, every frame: the same; colour by velocity
+  report.json   what ran, on what, how fast, how accurate
+  scene.toml    the scene as it ran
+Next: target/release/windswept --help"
+    );
+    Ok(())
+}
+
+/// The cargo that runs us, in the root of the workspace.
+fn cargo() -> Command {
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.current_dir(root());
+    cargo
+}
+
+/// The root of the workspace.
+fn root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.ancestors().nth(2).unwrap_or(here).to_path_buf()
+}
+
+/// Runs a command to its end; anything but success is an error that names it.
+fn run(command: &mut Command) -> Result {
+    let status = command
+        .status()
+        .map_err(|e| format!("{} did not start: {e}", line(command)))?;
+    if status.success() {
+        Ok(())
+    } else {
+        Err(format!("{} ended with {status}", line(command)))
+    }
+}
+
+/// A command as it would be typed.
+fn line(command: &Command) -> String {
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    format!(
+        "`{}`",
+        words
+            .map(|w| w.to_string_lossy())
+            .collect::<Vec<_>>()
+            .join(" ")
+    )
+}
+
+/// Announces a part of the work.
+fn say(what: &str) {
+    eprintln!("==> {what}");
+}
