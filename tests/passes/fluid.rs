@@ -13,6 +13,8 @@ use crate::{
     support,
 };
 
+const MICROMETRE: f64 = 1e-6;
+
 fn stirred(n: usize) -> Vec<DVec3> {
     let mut rng = Pcg64::seed_from_u64(11);
     (0..n).map(|_| (6.0 * DVec3::from_array(rng.random()) - 3.0).as_vec3().as_dvec3()).collect()
@@ -57,11 +59,13 @@ fn density_is_that_of_the_twin() {
             stage.run(step::fluid::record_density);
             let s = stage.engine.state();
             let twin = &stage.twin;
+            // A millionth of density error, at the stiffness of the lattice.
+            let softest = 1e-6 / (1e3 * stage.parameters.density_softening);
             let (theta, lambda) = fluid::density(&stage.parameters, &twin.position, &twin.inverse_mass, &twin.volume, &near);
-            let errors = (relative_numbers(&stage.numbers(&s.density), &theta), relative_numbers(&stage.numbers(&s.multiplier), &lambda));
+            let errors = (relative_numbers(&stage.numbers(&s.density), &theta, 0.1), relative_numbers(&stage.numbers(&s.multiplier), &lambda, softest));
             println!("{what}, tension {tension}: density {:.1e}, multiplier {:.1e}", errors.0, errors.1);
-            // Measured at most 1.2e-6 and 3e-6; margin 3.
-            assert!(errors.0 < 4e-6 && errors.1 < 1e-5, "{what}: {errors:?}");
+            // Measured at most 7.9e-7 and 9.2e-6; margin 4.
+            assert!(errors.0 < 3e-6 && errors.1 < 4e-5, "{what}: {errors:?}");
         });
     }
 }
@@ -78,12 +82,12 @@ fn correct_and_move_shift_as_the_twin() {
         let (_, lambda) = fluid::density(p, &twin.position, &twin.inverse_mass, &twin.volume, &near);
         let wanted = fluid::correct(p, &twin.position, &twin.inverse_mass, &twin.volume, &near, &lambda);
         let moved: Vec<DVec3> = twin.position.iter().zip(&wanted).map(|(x, dx)| *x + *dx).collect();
-        let error = relative(&stage.vectors(&s.shift), &wanted);
+        let error = relative(&stage.vectors(&s.shift), &wanted, MICROMETRE);
         println!("{what}: shift {error:.1e}");
-        // Measured at most 3e-6; margin 3.
-        assert!(error < 1e-5, "{what}: {error}");
-        assert!(relative(&stage.vectors(&s.predicted), &moved) < 1e-6, "{what}: positions");
-        assert!(relative(&stage.vectors(&s.correction), &wanted) < 1e-5, "{what}: correction");
+        // Measured at most 1.5e-6; margin 4.
+        assert!(error < 6e-6, "{what}: {error}");
+        assert!(relative(&stage.vectors(&s.predicted), &moved, MICROMETRE) < 1e-6, "{what}: positions");
+        assert!(relative(&stage.vectors(&s.correction), &wanted, MICROMETRE) < 1e-5, "{what}: correction");
     });
 }
 
@@ -100,7 +104,7 @@ fn velocity_is_the_move_over_the_step() {
         stage.run(step::velocity::record);
         let after: Vec<DVec3> = after.iter().map(|x| DVec3::new(x[0].into(), x[1].into(), x[2].into())).collect();
         let wanted: Vec<DVec3> = (0..n).map(|i| fluid::velocity(p, p.is_air(i), stage.twin.position[i], after[i], v[i], shift[i])).collect();
-        let error = relative(&stage.vectors(&s.new_velocity), &wanted);
+        let error = relative(&stage.vectors(&s.new_velocity), &wanted, 1e-3);
         // Measured at most 1.1e-7; margin 5.
         assert!(error < 5e-7, "{what}: {error}");
     });
@@ -123,10 +127,10 @@ fn viscosity_and_its_limiter_are_those_of_the_twin() {
             let (theta, _) = fluid::density(p, &twin.position, &twin.inverse_mass, &twin.volume, &near);
             let exchange = fluid::limit(p, &twin.position, &twin.volume, &near, &theta);
             let wanted = fluid::viscosity(p, &twin.position, &v, &twin.inverse_mass, &twin.volume, &near, &theta, &exchange);
-            let errors = (relative_numbers(&stage.numbers(&s.exchange), &exchange), relative(&stage.vectors(&s.viscous_velocity), &wanted));
+            let errors = (relative_numbers(&stage.numbers(&s.exchange), &exchange, 1e-3), relative(&stage.vectors(&s.viscous_velocity), &wanted, 1e-3));
             println!("{what}, {form:?}: exchange {:.1e}, velocity {:.1e}", errors.0, errors.1);
-            // Measured at most 1.5e-6 and 1.5e-6; margin 3.
-            assert!(errors.0 < 5e-6 && errors.1 < 5e-6, "{what}: {errors:?}");
+            // Measured at most 6.4e-7 and 7.5e-7; margin 4.
+            assert!(errors.0 < 3e-6 && errors.1 < 3e-6, "{what}: {errors:?}");
         });
     }
 }

@@ -2,7 +2,7 @@
 
 use windswept::step;
 
-use crate::{stage::Stage, support};
+use crate::stage::Stage;
 
 /// Ten steps of hair and air: engine and twin agree. If they do not, the first step and quantity that differ are named.
 #[test]
@@ -31,11 +31,11 @@ fn ten_steps_are_those_of_the_twin() {
         let status = stage.engine.status().unwrap();
         assert_eq!(u64::from(status.step), stage.twin.steps);
         assert!((f64::from(status.max_stretch()) - stage.twin.max_stretch).abs() < 1e-4, "step {number}: stretch");
-        for (what, error, bound) in [("position", position, 5e-6), ("velocity", velocity, 2e-3), ("frames", frames, 1e-3), ("spin", spin, 0.5)] {
+        // Measured at most 1.3e-7 m, 3.2e-5 m/s, 2e-6 and 1.1e-3 1/s; margin 5.
+        for (what, error, bound) in [("position", position, 6e-7), ("velocity", velocity, 1.6e-4), ("frames", frames, 1e-5), ("spin", spin, 6e-3)] {
             assert!(error < bound, "step {number}: {what} differs by {error} (bound {bound})");
         }
     }
     let speed = stage.twin.velocity.iter().map(|v| v.x).sum::<f64>() / stage.twin.velocity.len() as f64;
     assert!(speed > 0.5, "the wind did not rise: {speed}");
-    let _ = support::gpu();
 }

@@ -1,5 +1,5 @@
 //! Every pass does what its f64 twin does, on awkward sizes.
-#![allow(clippy::unwrap_used, missing_docs)]
+#![allow(unreachable_pub, clippy::unwrap_used, missing_docs)]
 
 #[path = "../support/mod.rs"]
 mod support;

@@ -52,7 +52,7 @@ fn predict_and_turn_are_free_and_damped() {
         let moved = |i: usize| rods::predict(p, initial.hair.inverse_mass[i], stage.twin.position[i], v[i], largest[i]);
         let wanted: Vec<_> = (0..p.hair_points).map(moved).collect();
         let positions: Vec<DVec3> = wanted.iter().map(|(x, _)| *x).collect();
-        let error = relative(&stage.vectors(&s.predicted), &positions);
+        let error = relative(&stage.vectors(&s.predicted), &positions, 1e-3);
         let capped = wanted.iter().filter(|(_, capped)| *capped).count() as u32;
         let counted = stage.engine.status().unwrap().counting[1];
         println!("{n} strands: positions {error:.1e}, {capped} capped");
@@ -81,7 +81,7 @@ fn gauss_seidel_is_that_of_the_twin() {
             let errors = stage.vectors(&s.predicted).iter().zip(&x).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
             let turns = stage.quaternions(&s.predicted_orientation).iter().zip(&q).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
             println!("{n} strands, {iterations} sweeps: positions {errors:.1e} m, frames {turns:.1e}");
-            // Measured at most 4e-7 m of moves of 1e-3 m, and 2e-5; margin 3.
+            // Measured at most 3.8e-7 m of moves of 1e-3 m, and 1.3e-5; margin 4.
             assert!(errors < 1.5e-6 && turns < 6e-5, "{n} strands: {errors} m, {turns}");
         }
     }
@@ -98,8 +98,8 @@ fn rods_at_rest_stay_at_rest() {
     }
     let moved = stage.vectors(&stage.engine.state().position).iter().zip(&stage.twin.position).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
     println!("moved {moved:.1e} m in 20 steps");
-    // Positions of up to 3 m are good to 2.4e-7 m in f32, and every step rounds them: measured 2e-6; margin 2.
-    assert!(moved < 4e-6, "{moved}");
+    // Positions of up to 3 m are good to 2.4e-7 m in f32, and every step rounds them: measured 7e-7; margin 4.
+    assert!(moved < 3e-6, "{moved}");
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn finish_measures_stretch_and_finds_bad_strands() {
         let health: Vec<u32> = stage.engine.read(&s.health).unwrap();
         assert!(health.iter().enumerate().all(|(strand, h)| (h & 1 == 1) == (strand == victim)));
         let held = stage.vectors(&s.predicted)[hair.points(victim)].to_vec();
-        assert!(relative(&held, &stage.twin.position[hair.points(victim)]) < 1e-6, "{n}: not held");
+        assert!(relative(&held, &stage.twin.position[hair.points(victim)], 1e-3) < 1e-6, "{n}: not held");
         assert_eq!(status::COUNTERS[0], "strand_reset");
     }
 }

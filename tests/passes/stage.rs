@@ -78,19 +78,16 @@ pub fn crowds() -> impl Iterator<Item = (String, InitialState)> {
     })
 }
 
-/// Below this a value is rounding: pairs exactly a kernel radius apart.
-const NOTHING: f64 = 1e-9;
-
-/// Largest |a − b| over largest |b|.
-pub fn relative(got: &[DVec3], wanted: &[DVec3]) -> f64 {
+/// Largest |a − b| over largest |b|; below `floor` a value is rounding (pairs exactly a kernel radius apart).
+pub fn relative(got: &[DVec3], wanted: &[DVec3], floor: f64) -> f64 {
     assert_eq!(got.len(), wanted.len());
-    let scale = wanted.iter().map(|v| v.length()).fold(NOTHING, f64::max);
+    let scale = wanted.iter().map(|v| v.length()).fold(floor, f64::max);
     assert!(got.iter().all(|v| v.is_finite()), "not finite");
     got.iter().zip(wanted).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max) / scale
 }
 
 /// The same for numbers.
-pub fn relative_numbers(got: &[f64], wanted: &[f64]) -> f64 {
+pub fn relative_numbers(got: &[f64], wanted: &[f64], floor: f64) -> f64 {
     let vectors = |values: &[f64]| values.iter().map(|x| DVec3::X * *x).collect::<Vec<_>>();
-    relative(&vectors(got), &vectors(wanted))
+    relative(&vectors(got), &vectors(wanted), floor)
 }

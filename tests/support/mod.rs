@@ -1,5 +1,5 @@
 //! What the tests share: the software adapter, scenes made in code, particles in awkward numbers.
-#![allow(dead_code, clippy::unwrap_used, missing_docs)]
+#![allow(dead_code, unreachable_pub, clippy::unwrap_used, missing_docs)]
 
 use std::sync::OnceLock;
 

@@ -233,8 +233,14 @@ fn no_adapter_is_told() {
 #[test]
 fn a_failed_run_keeps_its_frames() {
     let folder = folder();
-    // A step of 1e25 s moves hair beyond what f32 squares.
-    let sets = ["--set", "time.step=1e25", "--set", "time.duration=1e26"];
+    // A fall of g dt^2 = 1e48 m is infinite in f32.
+    let broken = [
+        "gravity=[0, -1e18, 0]",
+        "time.step=1e15",
+        "time.duration=1e16",
+        "time.frame_rate=1e-15",
+    ];
+    let sets = broken.map(|set| ["--set", set]).concat();
     let failed = run(folder.path(), &sets);
     let said = String::from_utf8_lossy(&failed.stderr).into_owned();
     assert_eq!(failed.status.code(), Some(1), "{said}");

@@ -11,6 +11,7 @@ pub mod rods;
 pub mod sph_kernels;
 pub mod state;
 pub mod step;
+pub mod tables;
 pub mod wind;
 
 pub use parameters::Parameters;

@@ -3,7 +3,22 @@
 use glam::{DMat3, DQuat, DVec3};
 use windswept_scene::Strands;
 
-use crate::Parameters;
+use crate::{Parameters, State};
+
+/// A strand is strained where a segment is stretched or crushed by more than this.
+pub const STRAINED: f64 = 0.5;
+/// So many steps of it on end are a warning (design 4).
+pub const STRAINED_STEPS: u32 = 50;
+
+/// A strand that went bad in the step before starts again: in its rest pose at the root, at rest.
+pub fn reset(s: &mut State, strand: usize) {
+    for point in s.hair.points(strand) {
+        (s.position[point], s.velocity[point]) = (s.hair.positions[point], DVec3::ZERO);
+    }
+    for k in s.hair.segments(strand) {
+        (s.orientation[k], s.angular_velocity[k]) = (s.hair.orientations[k], DVec3::ZERO);
+    }
+}
 
 /// A free, damped fall of a point: v* = (v + g Δt)/(1 + c Δt), the move Δt v* capped at `largest` \[m\]. Returns the new
 /// position and whether it was capped.
@@ -109,6 +124,13 @@ pub fn finish(hair: &Strands, s: usize, positions: &[DVec3], orientations: &[DQu
     let finite = positions[points.clone()].iter().all(|x| x.is_finite()) && orientations[segments.clone()].iter().all(|q| q.is_finite());
     let stretches = points.zip(segments).map(|(point, k)| ((positions[point + 1] - positions[point]).length() / hair.rest_length[k] - 1.0).abs());
     finite.then(|| stretches.fold(0.0, f64::max))
+}
+
+/// A bad strand stays where it was for this step, so that it spoils no neighbour.
+pub fn hold(s: &State, strand: usize, positions: &mut [DVec3], orientations: &mut [DQuat]) {
+    let (points, segments) = (s.hair.points(strand), s.hair.segments(strand));
+    positions[points.clone()].copy_from_slice(&s.position[points]);
+    orientations[segments.clone()].copy_from_slice(&s.orientation[segments]);
 }
 
 /// ω = 2 Im(q* q̄)/Δt \[rad/s\].

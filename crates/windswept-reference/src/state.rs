@@ -20,6 +20,10 @@ pub struct State {
     pub bad: Vec<bool>,
     /// Strands that went bad so far.
     pub resets: usize,
+    /// Per strand: steps on end with a segment stretched or crushed by more than half.
+    pub strained_steps: Vec<u32>,
+    /// How often a strand was over-strained for [`crate::rods::STRAINED_STEPS`] steps on end so far.
+    pub over_strained: usize,
     /// Moves that were capped so far.
     pub capped: usize,
     /// max |l/l0 − 1| so far.
@@ -49,6 +53,8 @@ impl State {
             angular_velocity: hair.angular_velocities.clone(),
             bad: vec![false; hair.len()],
             resets: 0,
+            strained_steps: vec![0; hair.len()],
+            over_strained: 0,
             capped: 0,
             max_stretch: 0.0,
             volume: each(&hair.volume, initial.air.volume),

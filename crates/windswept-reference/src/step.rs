@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::{
     Parameters, State, fluid, grid,
-    guard::{Frozen, bad_strand_limit},
+    guard::{self, Frozen},
     rods, wind,
 };
 
@@ -14,28 +14,24 @@ use crate::{
 /// [`Frozen`] says why the step was not committed; the state is as it was before.
 pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     let mut s = state.clone();
-    let n = s.position.len();
-    let hair = s.hair.clone();
+    let all = 0..s.position.len();
+    let air = p.hair_points..s.position.len();
 
     // 1. Bad strands are reset; wind enters, gravity pulls; predict positions.
-    for strand in (0..hair.len()).filter(|&strand| state.bad[strand]) {
-        for point in hair.points(strand) {
-            (s.position[point], s.velocity[point]) = (hair.positions[point], DVec3::ZERO);
-        }
-        for k in hair.segments(strand) {
-            (s.orientation[k], s.angular_velocity[k]) = (hair.orientations[k], DVec3::ZERO);
-        }
+    for strand in (0..s.hair.len()).filter(|&strand| state.bad[strand]) {
+        rods::reset(&mut s, strand);
     }
     let mut predicted = s.position.clone();
-    let largest = rods::largest_moves(&hair);
+    let mut velocity = s.velocity.clone();
+    let largest = rods::largest_moves(&s.hair);
     for i in 0..p.hair_points {
         let (x, capped) = rods::predict(p, s.inverse_mass[i], s.position[i], s.velocity[i], largest[i]);
         predicted[i] = x;
         s.capped += usize::from(capped);
     }
-    let mut frames: Vec<_> = s.orientation.iter().zip(&s.angular_velocity).map(|(q, w)| rods::turn(p, *q, *w)).collect();
-    let mut velocity = s.velocity.clone();
-    for i in p.hair_points..n {
+    let spinning = s.orientation.iter().zip(&s.angular_velocity);
+    let mut frames: Vec<_> = spinning.map(|(q, omega)| rods::turn(p, *q, *omega)).collect();
+    for i in air {
         velocity[i] += wind::fringe(p, s.steps, s.position[i], s.velocity[i]);
         predicted[i] = fluid::predict(p, s.position[i], velocity[i]);
     }
@@ -43,16 +39,16 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     // 2. List who is near whom.
     let near = if p.air { grid::neighbours(p, &predicted) } else { grid::Neighbours::default() };
 
-    // 3. Hair and air share one density constraint (eq. 1).
-    let mut correction = vec![DVec3::ZERO; n];
+    // 3. Hair and air share one density constraint (eq. 1). Viscosity needs the density even where nothing is solved.
+    let mut correction = vec![DVec3::ZERO; predicted.len()];
     let mut theta = Vec::new();
     if p.air {
         for iteration in 0..p.fluid_iterations.max(1) {
-            let (ratio, lambda) = fluid::density(p, &predicted, &s.inverse_mass, &s.volume, &near);
-            theta = ratio;
+            let lambda;
+            (theta, lambda) = fluid::density(p, &predicted, &s.inverse_mass, &s.volume, &near);
             if iteration < p.fluid_iterations {
                 let shift = fluid::correct(p, &predicted, &s.inverse_mass, &s.volume, &near, &lambda);
-                for i in 0..n {
+                for i in all.clone() {
                     predicted[i] += shift[i];
                     correction[i] += shift[i];
                 }
@@ -61,25 +57,24 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     }
 
     // 4. Strands keep their length and shape; a non-finite one is held.
-    rods::gauss_seidel(p, &hair, &mut predicted[..p.hair_points], &mut frames);
-    for strand in 0..hair.len() {
-        let stretch = rods::finish(&hair, strand, &predicted, &frames);
+    rods::gauss_seidel(p, &s.hair, &mut predicted[..p.hair_points], &mut frames);
+    for strand in 0..s.hair.len() {
+        let stretch = rods::finish(&s.hair, strand, &predicted, &frames);
         s.bad[strand] = stretch.is_none();
-        match stretch {
-            Some(stretch) => s.max_stretch = s.max_stretch.max(stretch),
-            None => {
-                predicted[hair.points(strand)].copy_from_slice(&s.position[hair.points(strand)]);
-                frames[hair.segments(strand)].copy_from_slice(&s.orientation[hair.segments(strand)]);
-            }
+        if s.bad[strand] {
+            rods::hold(&s, strand, &mut predicted, &mut frames);
+            s.resets += 1;
         }
+        let stretch = stretch.unwrap_or(0.0);
+        s.max_stretch = s.max_stretch.max(stretch);
+        s.strained_steps[strand] = if stretch > rods::STRAINED { s.strained_steps[strand] + 1 } else { 0 };
+        s.over_strained += usize::from(s.strained_steps[strand] == rods::STRAINED_STEPS);
     }
-    let bad = s.bad.iter().filter(|bad| **bad).count();
-    s.resets += bad;
 
     // 5. Nothing enters a body: there are none yet.
 
     // 6. Velocities from positions.
-    for i in 0..n {
+    for i in all {
         velocity[i] = fluid::velocity(p, p.is_air(i), s.position[i], predicted[i], velocity[i], correction[i]);
     }
 
@@ -92,22 +87,8 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     }
 
     // 9. Commit, or freeze and report.
-    if bad > bad_strand_limit(hair.len()) {
-        return Err(Frozen::BadStrands(bad));
-    }
-    if let Some(i) = (p.hair_points..n).find(|&i| !predicted[i].is_finite() || !velocity[i].is_finite()) {
-        return Err(Frozen::NonFiniteAir(i - p.hair_points));
-    }
-    for (k, frame) in frames.iter().enumerate() {
-        s.angular_velocity[k] = rods::angular_velocity(p, s.orientation[k], *frame);
-    }
-    for x in &mut predicted[p.hair_points..] {
-        *x = fluid::wrap(p, *x);
-    }
-    s.orientation = frames;
-    s.position = predicted;
-    s.velocity = velocity;
-    s.steps += 1;
+    guard::check(p, &s.bad, &predicted, &velocity)?;
+    guard::commit(p, &mut s, predicted, velocity, frames);
     *state = s;
     Ok(())
 }

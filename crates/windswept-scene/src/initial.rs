@@ -6,17 +6,18 @@ use crate::{
     air,
     error::SceneError,
     groom,
-    scene::{Air, Model, Scene},
+    scene::{Model, Scene},
+    warnings,
 };
 
 /// Everything a run starts from. Points are in strand order, root to tip.
 ///
-/// Segment `k` of strand `s` has index `point_offsets[s] - s + k`; a strand of n points has n - 1 segments.
+/// Segment `k` of strand `s` has index `point_offsets\[s\] - s + k`; a strand of n points has n - 1 segments.
 /// Joint `k` precedes segment `k` and has the same index: joint 0 is the clamp, between the ghost frame behind the
 /// root and segment 0, with half a segment's length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct InitialState {
-    /// Origin of the engine's local coordinates in the world [m]: the box's lower corner, else the mean of the roots.
+    /// Origin of the engine's local coordinates in the world \[m\]: the box's lower corner, else the mean of the roots.
     pub origin: DVec3,
     /// The strands.
     pub hair: Strands,
@@ -33,25 +34,25 @@ pub struct Strands {
     pub point_offsets: Vec<u32>,
     /// Index into `Scene::hair`, per strand.
     pub group: Vec<u32>,
-    /// Per point [m].
+    /// Per point \[m\].
     pub positions: Vec<DVec3>,
-    /// Per point [m/s].
+    /// Per point \[m/s\].
     pub velocities: Vec<DVec3>,
-    /// Per point [1/kg]; 0 at a clamped root.
+    /// Per point \[1/kg\]; 0 at a clamped root.
     pub inverse_mass: Vec<f64>,
-    /// Per point, the parcel of hair and air around it [m³].
+    /// Per point, the parcel of hair and air around it \[m³\].
     pub volume: Vec<f64>,
     /// Per segment: rotates material frame to world; the third director is the tangent.
     pub orientations: Vec<DQuat>,
-    /// Per segment, world frame [rad/s].
+    /// Per segment, world frame \[rad/s\].
     pub angular_velocities: Vec<DVec3>,
-    /// Per segment, rest length l [m].
+    /// Per segment, rest length l \[m\].
     pub rest_length: Vec<f64>,
-    /// Per segment, 1/I [1/(kg m²)], I = ½ m_s l².
+    /// Per segment, 1/I \[1/(kg m²)\], I = ½ m_s l².
     pub inverse_inertia: Vec<f64>,
-    /// Per segment: compliance of shear along d1, shear along d2, stretch along d3: 1/(GA l), 1/(GA l), 1/(EA l) [1/(N m)].
+    /// Per segment: compliance of shear along d1, shear along d2, stretch along d3: 1/(GA l), 1/(GA l), 1/(EA l) \[1/(N m)\].
     pub stretch_compliance: Vec<DVec3>,
-    /// Per joint: compliance of bend about d1, bend about d2, twist about d3: l̄/(4EI), l̄/(4EI), l̄/(4GJ) [1/(N m)].
+    /// Per joint: compliance of bend about d1, bend about d2, twist about d3: l̄/(4EI), l̄/(4EI), l̄/(4GJ) \[1/(N m)\].
     pub bend_compliance: Vec<DVec3>,
     /// Per joint: the rest rotation exp(½ κ l̄) from the frame before to the frame after.
     pub rest_rotation: Vec<DQuat>,
@@ -62,17 +63,17 @@ pub struct Strands {
 /// Air particles, in the order of their stable ids.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AirParticles {
-    /// Box lower corner [m]; meaningless without particles.
+    /// Box lower corner \[m\]; meaningless without particles.
     pub min: DVec3,
-    /// Box sides [m].
+    /// Box sides \[m\].
     pub size: DVec3,
-    /// Per particle [m], inside the box.
+    /// Per particle \[m\], inside the box.
     pub positions: Vec<DVec3>,
-    /// Per particle [m/s].
+    /// Per particle \[m/s\].
     pub velocities: Vec<DVec3>,
-    /// V of every particle [m³], adjusted so that the mean density of the box is exact.
+    /// V of every particle \[m³\], adjusted so that the mean density of the box is exact.
     pub volume: f64,
-    /// m of every particle [kg], ρ0 V.
+    /// m of every particle \[kg\], ρ0 V.
     pub mass: f64,
 }
 
@@ -100,70 +101,96 @@ impl Strands {
     pub fn segments(&self, s: usize) -> std::ops::Range<usize> {
         self.point_offsets[s] as usize - s..self.point_offsets[s + 1] as usize - s - 1
     }
+
+    /// Position of each strand's root \[m\].
+    pub fn roots(&self) -> impl Iterator<Item = DVec3> + '_ {
+        self.point_offsets[..self.len()]
+            .iter()
+            .map(|&point| self.positions[point as usize])
+    }
+
+    /// Whether `f32` holds what the strands are made of, with room for the squares of a step.
+    fn representable(&self, scene: &Scene) -> Result<(), SceneError> {
+        let held = |x: f64| x == 0.0 || (1e-30..=1e30).contains(&x.abs());
+        for s in 0..self.len() {
+            let points = self
+                .points(s)
+                .map(|i| ("inverse mass of a point, 1/kg", self.inverse_mass[i]));
+            let segments = self.segments(s).flat_map(|k| {
+                [
+                    ("length of a segment, m", self.rest_length[k]),
+                    (
+                        "inverse inertia of a segment, 1/(kg m²)",
+                        self.inverse_inertia[k],
+                    ),
+                    ("shear compliance, 1/(N m)", self.stretch_compliance[k].x),
+                    ("stretch compliance, 1/(N m)", self.stretch_compliance[k].z),
+                    ("bend compliance, 1/(N m)", self.bend_compliance[k].x),
+                    ("twist compliance, 1/(N m)", self.bend_compliance[k].z),
+                ]
+            });
+            if let Some((what, value)) = points.chain(segments).find(|(_, value)| !held(*value)) {
+                let name = &scene.hair[self.group[s] as usize].name;
+                return Err(SceneError::new(format!(
+                    "{what}, is {value:e}; expected 1e-30 to 1e30, which single precision can work with"
+                )).at(format!("hair.{name}"), None));
+            }
+        }
+        Ok(())
+    }
 }
 
-/// Volume of a parcel and kernel radius without `[air]`: the paper's \[m³\], \[m\].
+/// Volume of a parcel without `\[air\]`: the paper's \[m³\].
 const PARCEL: f64 = 1.46e-7 / 1.29;
-const KERNEL_RADIUS: f64 = 9.3e-3;
+/// Kernel radius without `\[air\]`: the paper's \[m\].
+pub(crate) const KERNEL_RADIUS: f64 = 9.3e-3;
 
 impl InitialState {
     /// The state at t = 0 of a scene: strands in their rest shape, air on its lattice.
     ///
     /// # Errors
-    /// [`SceneError`] when the scene has neither hair nor air, or hair fills the box of air.
+    /// [`SceneError`] when the scene has neither hair nor air, when hair fills the box of air, and when a strand's masses
+    /// or compliances are beyond what `f32` holds. It has a key but no line: a scene may have been made in code.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let mut warnings = Vec::new();
-        let (parcel, radius) = scene.air.as_ref().map_or((PARCEL, KERNEL_RADIUS), |air| (air.parcel(), air.kernel_radius));
+        let (parcel, radius) = scene.air.as_ref().map_or((PARCEL, KERNEL_RADIUS), |air| {
+            (air.parcel(), air.kernel_radius)
+        });
         let hair = groom::strands(scene, parcel, radius, &mut warnings);
+        hair.representable(scene)?;
         let filled = match &scene.air {
             Some(air) if scene.model == Model::Particles => air.bounds.map(|bounds| (air, bounds)),
             _ => None,
         };
         if hair.is_empty() && filled.is_none() {
-            return Err(SceneError::new("is missing: the scene has neither hair nor air particles").at("hair", None));
+            return Err(SceneError::new(
+                "is missing: the scene has neither hair nor air particles",
+            )
+            .at("hair", None));
         }
-        let mut state = Self { hair, warnings, ..Self::default() };
+        let mut state = Self {
+            hair,
+            warnings,
+            ..Self::default()
+        };
         if let Some((air, bounds)) = filled {
             state.air = air::particles(air, &bounds, &state.hair);
             state.origin = state.air.min;
             if state.air.positions.is_empty() || state.air.volume <= 0.0 {
-                return Err(SceneError::new("hair fills the whole box: expected room for air").at("air.box", None));
+                return Err(
+                    SceneError::new("hair fills the whole box: expected room for air")
+                        .at("air.box", None),
+                );
             }
-            state.warn(scene, air);
+            state
+                .warnings
+                .extend(warnings::of_air(scene, air, &state.air));
+            state
+                .warnings
+                .extend(warnings::of_hair(&state.hair, &state.air, air.wind()));
         } else {
-            let roots = state.hair.point_offsets[..state.hair.len()].iter().map(|&p| state.hair.positions[p as usize]);
-            state.origin = roots.sum::<DVec3>() / state.hair.len() as f64;
+            state.origin = state.hair.roots().sum::<DVec3>() / state.hair.len() as f64;
         }
         Ok(state)
-    }
-
-    fn warn(&mut self, scene: &Scene, air: &Air) {
-        let spacing = air.parcel().cbrt();
-        let wind = DVec3::from_array(air.wind);
-        let step = scene.time.step / f64::from(scene.time.substeps);
-        if wind.length() * step > spacing {
-            self.warnings.push(format!("air moves {:.1} particle spacings in a step; a time.step below {:.2e} s leaves fewer voids", wind.length() * step / spacing, spacing / wind.length()));
-        }
-        for band in &scene.turbulence.bands {
-            if band.scale < 1.03 * spacing {
-                self.warnings.push(format!("turbulence scale {} m is below what particles {:.2e} m apart can carry, {:.2e} m", band.scale, spacing, 1.03 * spacing));
-            }
-        }
-        let size = self.air.size;
-        let local = self.hair.positions.iter().map(|x| *x - self.air.min);
-        let outside = local.filter(|x| x.cmplt(DVec3::ZERO).any() || x.cmpge(size).any()).count();
-        if outside > 0 {
-            self.warnings.push(format!("{outside} of {} hair points start outside the box of air and feel no wind there", self.hair.positions.len()));
-        }
-        let roots = || self.hair.point_offsets[..self.hair.len()].iter().map(|&p| self.hair.positions[p as usize]);
-        let low = roots().fold(DVec3::INFINITY, DVec3::min);
-        let high = roots().fold(DVec3::NEG_INFINITY, DVec3::max);
-        for axis in 0..3 {
-            let along = wind[axis].abs() >= 0.9 * wind.length();
-            if !self.hair.is_empty() && !along && wind != DVec3::ZERO && (high - low)[axis] > 0.5 * size[axis] {
-                let name = ["x", "y", "z"][axis];
-                self.warnings.push(format!("the roots span {:.0} % of the box in {name}: the air beside the hair is sped up", 100.0 * (high - low)[axis] / size[axis]));
-            }
-        }
     }
 }

@@ -1,7 +1,11 @@
 //! Every key of a scene file, in one table: type, default, unit, meaning. The reader checks against it, `explain` prints
 //! it, and a piece that is not built yet is marked here and nowhere else.
 
-use Kind::{Bool, Choice, Count, Direction, Fraction, Length, NonNegative, Number, Positive, Table, Tables, Text, Vector};
+use Fallback::{Absent, Method, Needed, Value};
+use Kind::{
+    Bool, Choice, Count, Direction, Fraction, Length, NonNegative, Positive, Table, Tables, Text,
+    Vector,
+};
 
 /// What a key takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,7 +14,7 @@ pub enum Kind {
     Text,
     /// `true` or `false`.
     Bool,
-    /// A whole number of at least this.
+    /// A whole number of at least this, of 32 bits.
     Count(u32),
     /// A length in metres greater than 0.
     Length,
@@ -18,8 +22,6 @@ pub enum Kind {
     Positive,
     /// A number of at least 0.
     NonNegative,
-    /// A number.
-    Number,
     /// A number from 0 to below 1.
     Fraction,
     /// Three numbers.
@@ -74,7 +76,8 @@ pub const NOT_BUILT: &[(&str, &str)] = &[
     ("turbulence.bands", ""),
     ("turbulence.speed", ""),
     ("turbulence.law", ""),
-    ("turbulence.filter", ""),
+    ("turbulence.filter", "grid"),
+    ("turbulence.filter", "direct"),
     ("turbulence.cutoff", ""),
     ("turbulence.normalise", "true"),
     ("air.margin", ""),
@@ -85,13 +88,24 @@ pub const NOT_BUILT: &[(&str, &str)] = &[
     ("body", ""),
 ];
 
-const fn key(path: &'static str, kind: Kind, default: Fallback, unit: &'static str, help: &'static str) -> Key {
-    Key { path, kind, default, unit, help }
+const fn key(
+    path: &'static str,
+    kind: Kind,
+    default: Fallback,
+    unit: &'static str,
+    help: &'static str,
+) -> Key {
+    Key {
+        path,
+        kind,
+        default,
+        unit,
+        help,
+    }
 }
 
-use Fallback::{Absent, Method, Needed, Value};
-
 /// The table.
+#[rustfmt::skip] // a key a line
 pub const KEYS: &[Key] = &[
     key("title", Text, Value("\"\""), "", "free text, shown in reports"),
     key("method", Choice(&["accurate", "published"]), Value("\"accurate\""), "", "sets the defaults of six keys: rods.solver, rods.integrator, turbulence.law, .filter, .cutoff, viscosity.form"),
@@ -158,7 +172,7 @@ pub const KEYS: &[Key] = &[
     key("turbulence.speed", NonNegative, Absent("the largest wind"), "m/s", "U of the law"),
     key("turbulence.law", Choice(&["band", "published"]), Method("\"band\"", "\"published\""), "", "the confinement law"),
     key("turbulence.filter", Choice(&["grid", "direct"]), Method("\"grid\"", "\"direct\""), "", "how the band velocity is found"),
-    key("turbulence.cutoff", Positive, Method("4.5", "3.0"), "s", "of the direct filter, in units of the scale"),
+    key("turbulence.cutoff", Positive, Method("4.5", "3.0"), "", "of the direct filter, in units of the scale"),
     key("turbulence.normalise", Bool, Value("false"), "", "divide by the blurred volume fraction"),
     key("viscosity", Table, Absent("its defaults"), "", "XSPH (eqs. 7, 8)"),
     key("viscosity.hair", NonNegative, Value("1.4"), "", "c of hair, per step as written"),
@@ -192,7 +206,38 @@ impl Key {
     /// Whether this version has not built what the value asks for.
     #[must_use]
     pub fn not_built(path: &str, value: &str) -> bool {
-        NOT_BUILT.iter().any(|(key, unbuilt)| *key == path && (unbuilt.is_empty() || *unbuilt == value))
+        NOT_BUILT
+            .iter()
+            .any(|(key, unbuilt)| *key == path && (unbuilt.is_empty() || *unbuilt == value))
+    }
+
+    /// The TOML value that a file without the key has; `None` where there is none. Of the two methods' defaults the
+    /// accurate one gives way to the published while it is not built.
+    #[must_use]
+    pub fn default_of(&self, accurate: bool) -> Option<&'static str> {
+        match self.default {
+            Needed | Absent(_) => None,
+            Value(text) => Some(text),
+            Method(best, _) if accurate && !self.lacks(best.trim_matches('"')) => Some(best),
+            Method(_, published) => Some(published),
+        }
+    }
+
+    /// Whether just this value is not built.
+    fn lacks(&self, value: &str) -> bool {
+        NOT_BUILT.contains(&(self.path, value))
+    }
+
+    /// What was expected, for an error.
+    #[must_use]
+    pub fn expected(&self) -> String {
+        let expected = self.kind.expected();
+        // A length says that it is in metres.
+        if self.unit.is_empty() || self.kind == Length {
+            expected
+        } else {
+            format!("{expected} [{}]", self.unit)
+        }
     }
 }
 
@@ -203,35 +248,68 @@ impl Kind {
         match self {
             Text => "a string".to_owned(),
             Bool => "true or false".to_owned(),
-            Count(least) => format!("a whole number of at least {least}"),
+            Count(least) => format!("a whole number of at least {least}, at most {}", u32::MAX),
             Length => "a length in metres greater than 0".to_owned(),
             Positive => "a number greater than 0".to_owned(),
             NonNegative => "a number of at least 0".to_owned(),
-            Number => "a number".to_owned(),
             Fraction => "a number from 0 to below 1".to_owned(),
             Vector => "three numbers, [x, y, z]".to_owned(),
             Direction => "three numbers, [x, y, z], not all 0".to_owned(),
-            Choice(words) => format!("one of {}", words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ")),
+            Choice(words) => format!(
+                "one of {}",
+                words
+                    .iter()
+                    .map(|word| format!("\"{word}\""))
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            ),
             Table => "a table".to_owned(),
-            Tables => "an array of tables".to_owned(),
+            Tables => "a table or an array of tables".to_owned(),
         }
     }
 }
 
-/// Every key with its kind, unit, default and meaning, a line each.
+/// Every key: type and unit, default, meaning, and what of it this version has not built.
 #[must_use]
 pub fn explain() -> String {
-    let mut text = String::new();
-    for key in KEYS.iter().filter(|key| !matches!(key.kind, Table | Tables)) {
-        let default = match key.default {
-            Needed => "needed".to_owned(),
-            Value(value) => value.to_owned(),
-            Method(accurate, published) => format!("{accurate} (accurate), {published} (published)"),
-            Absent(without) => format!("- ({without})"),
-        };
-        let unit = if key.unit.is_empty() { String::new() } else { format!(" [{}]", key.unit) };
-        let unbuilt = if Key::not_built(key.path, "") { "; not in this version" } else { "" };
-        text.push_str(&format!("{:<28} {default}\n{:<28} {}{unit}; {}{unbuilt}\n", key.path, "", key.help, key.kind.expected()));
+    KEYS.iter().map(explained).collect()
+}
+
+fn explained(key: &Key) -> String {
+    let default = match key.default {
+        Needed => "needed".to_owned(),
+        Value(value) => format!("default {value}"),
+        Absent(without) => format!("without it: {without}"),
+        Method(accurate, published) => {
+            let by_method = format!("default {accurate} (accurate), {published} (published)");
+            match key.default_of(true) {
+                Some(now) if now != accurate => format!("{by_method}; now {now}"),
+                _ => by_method,
+            }
+        }
+    };
+    let unbuilt: Vec<_> = NOT_BUILT
+        .iter()
+        .filter(|(path, _)| *path == key.path)
+        .map(|(_, value)| *value)
+        .collect();
+    let unbuilt = match unbuilt[..] {
+        [] => String::new(),
+        [""] => "; not in this version".to_owned(),
+        _ => format!("; not in this version: {}", unbuilt.join(", ")),
+    };
+    match key.kind {
+        Table | Tables => format!(
+            "\n{:<27} {}; {default}{unbuilt}\n",
+            format!("[{}]", key.path),
+            key.help
+        ),
+        _ => format!(
+            "{:<27} {}; {default}{unbuilt}\n{:<29} {}\n",
+            key.path,
+            key.expected(),
+            "",
+            key.help
+        ),
     }
-    text
 }

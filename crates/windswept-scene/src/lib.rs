@@ -3,13 +3,18 @@
 //! Data flows one way: text → [`Scene`] (every key checked, see [`keys`]) → [`InitialState`] (arrays).
 
 mod air;
+mod assign;
 mod build;
 mod document;
 mod error;
 mod groom;
 mod initial;
 pub mod keys;
+mod load;
+mod reader;
 mod scene;
+mod warnings;
+mod write;
 
 pub use error::SceneError;
 pub use initial::{AirParticles, InitialState, Strands};

@@ -1,23 +1,24 @@
 //! A checked scene: every key has its value, every value is in range, SI throughout.
 
-/// A whole scene, checked. Made by [`crate::Scene::parse`] or [`crate::Scene::load`].
-#[derive(Debug, Clone, PartialEq)]
+/// A whole scene, checked. Made by [`Scene::parse`] or [`Scene::load`]. Two are equal when they mean the same, however
+/// their texts spell it.
+#[derive(Debug, Clone)]
 pub struct Scene {
-    /// The text it was read from; empty for a scene made in code.
+    /// The text it was read from, assignments included; empty for a scene made in code.
     pub text: String,
     /// Free text, shown in reports.
     pub title: String,
     /// Sets the defaults of six keys and nothing else.
     pub method: Method,
-    /// Acceleration on hair only [m/s²].
+    /// Acceleration on hair only \[m/s²\].
     pub gravity: [f64; 3],
-    /// Draws root positions, length variation, curl phase.
+    /// Draws root positions, length variation, curl phase. A file takes 32 bits.
     pub seed: u64,
     /// Step, duration, frames.
     pub time: Time,
     /// Groups of strands; empty when a groom is to be given.
     pub hair: Vec<Hair>,
-    /// Wind and air particles; `None` with model `none` and no `[air]`.
+    /// Wind and air particles; `None` with model `none` and no `\[air\]`.
     pub air: Option<Air>,
     /// How hair and air meet.
     pub model: Model,
@@ -33,6 +34,47 @@ pub struct Scene {
     pub camera: Option<Camera>,
 }
 
+impl PartialEq for Scene {
+    fn eq(&self, other: &Self) -> bool {
+        // Taken apart, so that a new field cannot be forgotten.
+        let Self {
+            text: _,
+            title,
+            method,
+            gravity,
+            seed,
+            time,
+            hair,
+            air,
+            model,
+            fluid,
+            turbulence,
+            viscosity,
+            rods,
+            camera,
+        } = self;
+        (title, method, gravity, seed, time, hair, air)
+            == (
+                &other.title,
+                &other.method,
+                &other.gravity,
+                &other.seed,
+                &other.time,
+                &other.hair,
+                &other.air,
+            )
+            && (model, fluid, turbulence, viscosity, rods, camera)
+                == (
+                    &other.model,
+                    &other.fluid,
+                    &other.turbulence,
+                    &other.viscosity,
+                    &other.rods,
+                    &other.camera,
+                )
+    }
+}
+
 /// The paper as corrected, or as printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
@@ -42,20 +84,20 @@ pub enum Method {
     Published,
 }
 
-/// `[time]`.
+/// `\[time\]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Time {
-    /// Δt as written [s]; the engine runs `substeps` whole steps of `step / substeps`.
+    /// Δt as written \[s\]; the engine runs `substeps` whole steps of `step / substeps`.
     pub step: f64,
     /// Whole steps per Δt.
     pub substeps: u32,
-    /// Length of the run [s].
+    /// Length of the run \[s\].
     pub duration: f64,
     /// Exported frames per second.
     pub frame_rate: f64,
 }
 
-/// One `[[hair]]`: a group of strands that share everything.
+/// One `[\[hair\]]`: a group of strands that share everything.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hair {
     /// Name, for dotted keys and reports.
@@ -64,21 +106,21 @@ pub struct Hair {
     pub strands: u32,
     /// Points per strand, root included; at least 2.
     pub points: u32,
-    /// Length of a strand [m].
+    /// Length of a strand \[m\].
     pub length: f64,
     /// Strands are shorter by up to this fraction, drawn at random; 0 to below 1.
     pub length_variation: f64,
-    /// Fibre radius at the root [m].
+    /// Fibre radius at the root \[m\].
     pub radius: f64,
     /// The tip's radius is `radius * (1 - taper)`; 0 to below 1.
     pub taper: f64,
-    /// Fibre density [kg/m³].
+    /// Fibre density \[kg/m³\].
     pub density: f64,
     /// How many real hairs a strand stands for; scales mass, stiffness, drag area.
     pub fibres_per_strand: f64,
     /// Elastic moduli, or stiffnesses given directly.
     pub stiffness: Stiffness,
-    /// Mass of every point [kg]; `None`: from density, radius and length, halved at both ends.
+    /// Mass of every point \[kg\]; `None`: from density, radius and length, halved at both ends.
     pub point_mass: Option<f64>,
     /// Helical rest shape; `None` is straight.
     pub curl: Option<Curl>,
@@ -91,18 +133,18 @@ pub struct Hair {
 pub enum Stiffness {
     /// Of the fibre's material; times `fibres_per_strand`.
     Moduli {
-        /// E [Pa].
+        /// E \[Pa\].
         youngs_modulus: f64,
         /// ν; G = E / (2 (1 + ν)).
         poissons_ratio: f64,
     },
     /// Of the whole strand, given directly.
     Direct {
-        /// EA [N].
+        /// EA \[N\].
         stretch: f64,
-        /// EI [N m²].
+        /// EI \[N m²\].
         bend: f64,
-        /// GJ [N m²].
+        /// GJ \[N m²\].
         twist: f64,
         /// ν, for GA = EA / (2 (1 + ν)).
         poissons_ratio: f64,
@@ -112,9 +154,9 @@ pub enum Stiffness {
 /// A right-handed helix about the strand's axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Curl {
-    /// Radius of the helix [m].
+    /// Radius of the helix \[m\].
     pub radius: f64,
-    /// Advance along the axis per turn [m].
+    /// Advance along the axis per turn \[m\].
     pub pitch: f64,
     /// Spread of the helix's phase about the strand's axis over the strands, fraction of a turn, 0 to 1.
     pub phase: f64,
@@ -125,9 +167,9 @@ pub struct Curl {
 pub struct Roots {
     /// Shape on which roots are drawn.
     pub shape: RootShape,
-    /// Centre of the shape [m].
+    /// Centre of the shape \[m\].
     pub center: [f64; 3],
-    /// Radius of the disc or cap, half length of the line [m].
+    /// Radius of the disc or cap, half length of the line \[m\].
     pub radius: f64,
     /// Strands start along it (unit); the disc is normal to it, the line too.
     pub direction: [f64; 3],
@@ -144,35 +186,35 @@ pub enum RootShape {
     Line,
 }
 
-/// `[air]`.
+/// `\[air\]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Air {
     /// The periodic box of air particles; `None` with models `drag` and `none`.
     pub bounds: Option<Bounds>,
-    /// ρ0 [kg/m³].
+    /// ρ0 \[kg/m³\].
     pub rest_density: f64,
-    /// m [kg], before the count is rounded.
+    /// m \[kg\], before the count is rounded.
     pub particle_mass: f64,
-    /// h [m].
+    /// h \[m\].
     pub kernel_radius: f64,
-    /// Mean wind U [m/s].
+    /// Mean wind U \[m/s\].
     pub wind: [f64; 3],
-    /// Thickness of the fringe on the faces the wind enters through [m].
+    /// Thickness of the fringe on the faces the wind enters through \[m\].
     pub fringe: f64,
-    /// The wind rises linearly over this time [s]; 0: at once.
+    /// The wind rises linearly over this time \[s\]; 0: at once.
     pub ramp: f64,
-    /// Cut the box at load to the hair's reach plus this on all sides [m].
+    /// Cut the box at load to the hair's reach plus this on all sides \[m\].
     pub margin: Option<f64>,
-    /// ν of the drag model [m²/s].
+    /// ν of the drag model \[m²/s\].
     pub kinematic_viscosity: f64,
 }
 
 /// An axis-aligned box in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
-    /// Lower corner [m].
+    /// Lower corner \[m\].
     pub min: [f64; 3],
-    /// Upper corner [m].
+    /// Upper corner \[m\].
     pub max: [f64; 3],
 }
 
@@ -187,7 +229,7 @@ pub enum Model {
     None,
 }
 
-/// `[fluid]`.
+/// `\[fluid\]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fluid {
     /// Jacobi iterations of the density constraint; 0 leaves it out.
@@ -198,12 +240,12 @@ pub struct Fluid {
     pub tension: f64,
 }
 
-/// `[turbulence]`.
+/// `\[turbulence\]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Turbulence {
     /// Bands to strengthen; empty: no confinement.
     pub bands: Vec<Band>,
-    /// U of the law [m/s].
+    /// U of the law \[m/s\].
     pub speed: f64,
     /// The confinement law.
     pub law: Law,
@@ -218,7 +260,7 @@ pub struct Turbulence {
 /// One of `turbulence.bands`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
-    /// s of the Mexican hat [m].
+    /// s of the Mexican hat \[m\].
     pub scale: f64,
     /// S, dimensionless.
     pub strength: f64,
@@ -244,7 +286,7 @@ pub enum Filter {
     Direct,
 }
 
-/// `[viscosity]`: c of eqs. 7 and 8 for the step as written (`time.step`).
+/// `\[viscosity\]`: c of eqs. 7 and 8 for the step as written (`time.step`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Viscosity {
     /// c of hair.
@@ -264,7 +306,7 @@ pub enum ViscosityForm {
     Published,
 }
 
-/// `[rods]`.
+/// `\[rods\]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rods {
     /// The solver.
@@ -275,7 +317,7 @@ pub struct Rods {
     pub iterations: u32,
     /// Zero stretch compliance.
     pub inextensible: bool,
-    /// Damping of absolute linear and angular velocity [1/s].
+    /// Damping of absolute linear and angular velocity \[1/s\].
     pub damping: f64,
     /// Whether strands at rest sleep.
     pub sleep: bool,
@@ -299,17 +341,52 @@ pub enum Integrator {
     Euler,
 }
 
-/// `[camera]`.
+/// `\[camera\]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
-    /// Where it stands [m].
+    /// Where it stands \[m\].
     pub eye: [f64; 3],
-    /// What it looks at [m].
+    /// What it looks at \[m\].
     pub target: [f64; 3],
-    /// Vertical field of view [degree].
+    /// Vertical field of view \[°\].
     pub fov: f64,
     /// Pixels.
     pub width: u32,
     /// Pixels.
     pub height: u32,
 }
+
+/// Ties the words of a choice to its variants, both ways.
+macro_rules! words {
+    ($name:ident: $($variant:ident = $word:literal),+) => {
+        impl $name {
+            /// As a scene file spells it.
+            #[must_use]
+            pub fn word(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $word),+
+                }
+            }
+        }
+
+        impl std::str::FromStr for $name {
+            type Err = ();
+
+            fn from_str(word: &str) -> Result<Self, ()> {
+                match word {
+                    $($word => Ok(Self::$variant),)+
+                    _ => Err(()),
+                }
+            }
+        }
+    };
+}
+
+words!(Method: Accurate = "accurate", Published = "published");
+words!(RootShape: Disc = "disc", SphereCap = "sphere_cap", Line = "line");
+words!(Model: Particles = "particles", Drag = "drag", None = "none");
+words!(Law: Band = "band", Published = "published");
+words!(Filter: Grid = "grid", Direct = "direct");
+words!(ViscosityForm: Limited = "limited", Published = "published");
+words!(Solver: Direct = "direct", GaussSeidel = "gauss-seidel");
+words!(Integrator: Bdf2 = "bdf2", Euler = "euler");

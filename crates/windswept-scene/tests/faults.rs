@@ -1,8 +1,7 @@
 //! Each fault names its line and key and says what was expected.
-#![allow(clippy::unwrap_used, missing_docs)]
+#![allow(clippy::unwrap_used)]
 
-use proptest::prelude::*;
-use windswept_scene::{InitialState, Scene, keys};
+use windswept_scene::{InitialState, Scene, SceneError};
 
 const QUICK: &str = include_str!("../../../examples/scenes/quick.toml");
 
@@ -23,43 +22,79 @@ wind = [3.0, 0.0, 0.0]
 ";
 
 /// Replaced text, its replacement, then line, key and words of the error.
+#[rustfmt::skip] // a fault a line
 const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
-    ("length = 0.1", "lenght = 0.1", 7, "hair.lenght", &["unknown key", "did you mean hair.length?"]),
+    ("length = 0.1", "lenght = 0.1", 7, "hair.lenght", &["unknown key; did you mean hair.length?"]),
     ("[hair.roots]", "[hair.root]", 8, "hair.root", &["unknown key", "hair.roots"]),
     ("[time]", "[timing]", 1, "timing", &["unknown key"]),
-    ("length = 0.1", "length = \"long\"", 7, "hair.length", &["expected a length in metres greater than 0", "\"long\""]),
-    ("length = 0.1", "length = -0.1", 7, "hair.length", &["greater than 0", "found -0.1"]),
+    ("[time]", "zzzzzzzzzz = 1\n[time]", 1, "zzzzzzzzzz", &["unknown key", "--explain"]),
+    ("[time]", "time.step = 1\n[time.step.more]", 2, "", &["not TOML"]),
+    ("length = 0.1", "length = \"long\"", 7, "hair.length", &["expected a length in metres greater than 0, found \"long\""]),
+    ("length = 0.1", "length = -0.1", 7, "hair.length", &["expected a length in metres greater than 0, found -0.1"]),
     ("length = 0.1", "length = 0.0", 7, "hair.length", &["greater than 0", "found 0.0"]),
     ("length = 0.1", "length = nan", 7, "hair.length", &["greater than 0", "found nan"]),
-    ("length = 0.1", "length = inf", 7, "hair.length", &["found inf"]),
-    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, nan, 0.0]", 13, "air.wind", &["three numbers"]),
+    ("length = 0.1", "length = -inf", 7, "hair.length", &["found -inf"]),
+    ("length = 0.1", "length = 1e-300", 7, "hair.length", &["found 1e-300, a magnitude outside 1e-18 to 1e18"]),
+    ("length = 0.1", "length = { m = 1 }", 7, "hair.length", &["found { m = 1 }"]),
+    ("[hair.roots]", "[hair.radius]\n[hair.roots]", 8, "hair.radius", &["expected a length", "found a table"]),
+    ("[hair.roots]", "[[hair.radius]]\n[hair.roots]", 8, "hair.radius", &["found an array of tables"]),
+    ("[time]", "fluid = 3\n[time]", 1, "fluid", &["expected a table, found 3"]),
+    ("[time]", "[[fluid]]\n[time]", 1, "fluid", &["expected a table, found an array of tables"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, nan, 0.0]", 13, "air.wind", &["expected three numbers, [x, y, z] [m/s]", "nan"]),
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0]", 13, "air.wind", &["three numbers", "[3.0, 0.0]"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, \"a\", 0.0]", 13, "air.wind", &["three numbers"]),
     ("wind = [3.0, 0.0, 0.0]", "", 11, "air.wind", &["is missing"]),
+    ("box = {", "box2 = {", 12, "air.box2", &["did you mean air.box?"]),
+    ("box = { min = [0.0, 0.0, 0.0], max = [0.1, 0.1, 0.1] }\n", "", 11, "air.box", &["is missing", "particles"]),
+    ("min = [0.0, 0.0, 0.0], ", "", 12, "air.box.min", &["is missing", "three numbers"]),
     ("points = 4", "points = 1", 6, "hair.points", &["whole number of at least 2", "found 1"]),
     ("points = 4", "points = 4.5", 6, "hair.points", &["whole number", "4.5"]),
+    ("points = 4", "", 4, "hair.points", &["is missing", "whole number"]),
     ("strands = 3", "strands = 0", 5, "hair.strands", &["at least 1"]),
-    ("strands = 3", "strands = 99999999999", 5, "hair.strands", &["whole number"]),
-    ("strands = 3", "strands = 4000000000", 5, "hair.strands", &["hair points", "at most"]),
+    ("strands = 3", "strands = 99999999999", 5, "hair.strands", &["whole number", "at most 4294967295"]),
+    ("strands = 3", "strands = 4000000000", 5, "hair.strands", &["makes 16000000000 hair points", "at most 16777216"]),
+    ("[hair.roots]\ncenter = [0.05, 0.05, 0.05]\nradius = 0.01\n", "", 4, "hair.roots.center", &["is missing"]),
     ("max = [0.1, 0.1, 0.1]", "max = [0.1, 0.02, 0.1]", 12, "air.box", &["at least 3 kernel radii", "0.02 m in y"]),
     ("max = [0.1, 0.1, 0.1]", "max = [0.1, -0.1, 0.1]", 12, "air.box", &["max above min", "in y"]),
-    ("max = [0.1, 0.1, 0.1]", "max = [100.0, 100.0, 100.0]", 12, "air.box", &["particles", "at most"]),
-    ("step = 1.38e-3", "", 1, "time.step", &["is missing", "greater than 0"]),
+    ("max = [0.1, 0.1, 0.1]", "max = [100.0, 100.0, 100.0]", 12, "air.box", &["would hold 8.836e12 particles", "at most 100000000"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nparticle_mass = 1e-3", 12, "air.box", &["would hold 1.290 particles", "at least 27"]),
+    ("step = 1.38e-3", "", 1, "time.step", &["is missing", "greater than 0 [s]"]),
     ("duration = 1.0", "duration = true", 3, "time.duration", &["greater than 0", "true"]),
     ("duration = 1.0", "duration = 2026-01-01", 3, "time.duration", &["a date"]),
+    ("duration = 1.0", "duration = 1e9", 3, "time.duration", &["7.246e11 steps", "at most"]),
+    ("duration = 1.0", "duration = 1.0\nframe_rate = 1e12", 4, "time.frame_rate", &["1.000e12 frames", "at most"]),
+    ("duration = 1.0", "duration = 1.0\nsubsteps = 0", 4, "time.substeps", &["at least 1"]),
     ("step = 1.38e-3", "step = ", 2, "", &["not TOML"]),
     ("duration = 1.0", "step = 2.0", 3, "", &["not TOML", "duplicate"]),
     ("radius = 0.01", "radius = 0.01\ndirection = [0, 0, 0]", 11, "hair.roots.direction", &["not all 0"]),
     ("radius = 0.01", "radius = 0.01\nshape = \"square\"", 11, "hair.roots.shape", &["\"disc\", \"sphere_cap\", \"line\"", "square"]),
-    ("length = 0.1", "length = 0.1\nfile = \"a.npz\"", 8, "hair.file", &["not in this version"]),
+    ("length = 0.1", "length = 0.1\ntaper = 1.0", 8, "hair.taper", &["from 0 to below 1"]),
+    ("length = 0.1", "length = 0.1\nlength_variation = -0.1", 8, "hair.length_variation", &["from 0 to below 1"]),
     ("length = 0.1", "length = 0.1\nstretch_stiffness = 20.0", 4, "hair.bend_stiffness", &["go together"]),
     ("length = 0.1", "length = 0.1\nyoungs_modulus = 4e9\nstretch_stiffness = 20.0", 8, "hair.youngs_modulus", &["the modulus or the three stiffnesses"]),
     ("length = 0.1", "length = 0.1\ncurl = { radius = 0.0, pitch = 0.1 }", 8, "hair.curl.radius", &["greater than 0"]),
-    ("[air]", "[rods]\nsolver = \"direct\"\n[air]", 12, "rods.solver", &["direct: not in this version"]),
-    ("[air]", "[interaction]\nmodel = \"drag\"\n[air]", 12, "interaction.model", &["drag: not in this version"]),
-    ("[air]", "[turbulence]\nbands = [{ scale = 0.006 }]\n[air]", 12, "turbulence.bands", &["not in this version"]),
-    ("[air]", "[[body]]\n[air]", 11, "body", &["not in this version"]),
+    ("length = 0.1", "length = 0.1\ncurl = { radius = 0.1, pitch = -0.1 }", 8, "hair.curl.pitch", &["greater than 0"]),
+    ("length = 0.1", "length = 0.1\ncurl = { radius = 0.1 }", 8, "hair.curl.pitch", &["is missing"]),
     ("[air]", "[viscosity]\nair = 0.1\nkinematic_air = 1e-5\n[air]", 13, "viscosity.kinematic_air", &["expected one of them"]),
+    ("[air]", "[viscosity]\nkinematic_hair = 1e-5\nhair = 0.1\n[air]", 12, "viscosity.kinematic_hair", &["expected one of them"]),
     ("[air]", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nfov = 190\n[air]", 14, "camera.fov", &["below 180"]),
+    ("[air]", "[camera]\neye = [0, 0, 1]\n[air]", 11, "camera.target", &["is missing"]),
+    // Reserved, or asked for by name and not built.
+    ("length = 0.1", "length = 0.1\nfile = \"a.npz\"", 8, "hair.file", &["not in this version"]),
+    ("[air]", "[[hair.motion]]\ntime = 1\n[air]", 11, "hair.motion", &["not in this version"]),
+    ("[air]", "[rods]\nsolver = \"direct\"\n[air]", 12, "rods.solver", &["direct: not in this version"]),
+    ("[air]", "[rods]\nintegrator = \"bdf2\"\n[air]", 12, "rods.integrator", &["bdf2: not in this version"]),
+    ("[air]", "[rods]\nsleep = true\n[air]", 12, "rods.sleep", &["true: not in this version"]),
+    ("[air]", "[rods]\ninternal_damping = 0.1\n[air]", 12, "rods.internal_damping", &["not in this version"]),
+    ("[air]", "[interaction]\nmodel = \"drag\"\n[air]", 12, "interaction.model", &["drag: not in this version"]),
+    ("[air]", "[interaction]\nlift = 2\n[air]", 12, "interaction.lift", &["not in this version"]),
+    ("[air]", "[turbulence]\nbands = [{ scale = 0.006 }]\n[air]", 12, "turbulence.bands", &["not in this version"]),
+    ("[air]", "[[turbulence.bands]]\nscale = 0.006\n[air]", 11, "turbulence.bands", &["not in this version"]),
+    ("[air]", "[turbulence]\nbands = [3]\n[air]", 12, "turbulence.bands", &["array of tables", "found 3 in it"]),
+    ("[air]", "[turbulence]\nfilter = \"grid\"\n[air]", 12, "turbulence.filter", &["grid: not in this version"]),
+    ("[air]", "[air]\nmargin = 0.1", 12, "air.margin", &["not in this version"]),
+    ("[air]", "[[air.gust]]\n[air]", 11, "air.gust", &["not in this version"]),
+    ("[air]", "[[body]]\n[air]", 11, "body", &["not in this version"]),
 ];
 
 #[test]
@@ -72,104 +107,291 @@ fn each_fault_names_its_line_and_key() {
         let shown = error.to_string();
         assert_eq!(error.line(), Some(*line), "{new}: {shown}");
         assert_eq!(error.key().unwrap_or_default(), *key, "{new}: {shown}");
-        assert!(shown.starts_with(&format!("bad.toml:{line}:")), "{shown}");
+        assert!(
+            shown.starts_with(&format!("bad.toml:{line}: {key}")),
+            "{shown}"
+        );
         for word in *words {
             assert!(shown.contains(word), "{new}: no \"{word}\" in: {shown}");
         }
+        assert_eq!(
+            (error.source_name(), error.source_text()),
+            ("bad.toml", text.as_str())
+        );
+        assert!(
+            error.span().is_some_and(|span| text.get(span).is_some()),
+            "{new}"
+        );
     }
 }
 
+/// No [air] at all: there is no line to point at.
 #[test]
-fn names_of_groups_are_their_own() {
-    let text = SMALL.replace("[hair]", "[[hair]]\nname = \"a\"").replace("[air]", "[[hair]]\nname = \"a\"\nstrands = 1\npoints = 2\nlength = 0.1\nroots = { center = [0, 0, 0], radius = 0.1 }\n[air]");
-    let error = Scene::parse(&text).unwrap_err();
-    assert_eq!((error.key(), error.line()), (Some("hair.1.name"), Some(13)), "{error}");
+fn models_say_what_they_need() {
+    let (airless, _) = SMALL.split_once("[air]").unwrap();
+    let error = Scene::parse_named("bad.toml", airless).unwrap_err();
+    assert_eq!((error.key(), error.line()), (Some("air"), None));
+    assert!(
+        error
+            .to_string()
+            .contains("\"particles\" needs air.box and air.wind"),
+        "{error}"
+    );
+    Scene::parse_with("s", airless, &["interaction.model=none".to_owned()]).unwrap();
+}
+
+/// `group` replaces [hair], and a second one stands before [air].
+fn two_groups(first: &str, second: &str) -> Result<Scene, SceneError> {
+    let roots = "roots = { center = [0, 0, 0], radius = 0.1 }";
+    let first = SMALL.replace("[hair]", &format!("[[hair]]\n{first}"));
+    Scene::parse(&first.replace(
+        "[air]",
+        &format!("[[hair]]\n{second}\npoints = 2\nlength = 0.1\n{roots}\n[air]"),
+    ))
 }
 
 #[test]
-fn an_assignment_changes_its_key_and_is_named_when_it_is_at_fault() {
-    let set = |assignment: &str| Scene::parse_with("quick.toml", QUICK, &[assignment.to_owned()]);
-    assert_eq!(set("hair.length=0.2").unwrap().hair[0].length, 0.2);
-    assert_eq!(set("hair.0.length=0.2").unwrap().hair[0].length, 0.2);
-    assert_eq!(set("air.box.max=[0.2,0.12,0.07]").unwrap().air.unwrap().bounds.unwrap().max[0], 0.2);
-    assert_eq!(set("method=published").unwrap().method, windswept_scene::Method::Published);
-    assert!(set("hair.length=0.2").unwrap().text().contains("# m, along the curl"), "comments are kept");
-    for (assignment, words) in [
-        ("hair.lenght=0.2", ["--set", "did you mean hair.length?"]),
-        ("hair.length=-1", ["--set", "greater than 0"]),
-        ("hair.length", ["--set", "expected key=value"]),
-        ("hair.length=[1,", ["--set", "not a TOML value"]),
-        ("rods.solver=direct", ["--set", "not in this version"]),
+fn groups_have_names_and_faults_of_their_own() {
+    let scene = two_groups("name = \"a\"", "name = \"b\"\nstrands = 1").unwrap();
+    assert_eq!(
+        scene
+            .hair
+            .iter()
+            .map(|hair| hair.name.as_str())
+            .collect::<Vec<_>>(),
+        ["a", "b"]
+    );
+    for (first, second, key, line, word) in [
+        (
+            "name = \"a\"",
+            "name = \"a\"\nstrands = 1",
+            "hair.1.name",
+            13,
+            "\"a\" a second time",
+        ),
+        (
+            "",
+            "strands = 1",
+            "hair.1.name",
+            12,
+            "a name of its own for each [[hair]]",
+        ),
+        (
+            "name = \"a\"",
+            "name = \"b\"",
+            "hair.1.strands",
+            12,
+            "is missing",
+        ),
+        (
+            "name = \"a\"",
+            "name = \"b\"\nstrand = 1",
+            "hair.1.strand",
+            14,
+            "did you mean hair.strands?",
+        ),
+        (
+            "radius = 0",
+            "strands = 1",
+            "hair.0.radius",
+            5,
+            "greater than 0",
+        ),
     ] {
-        let shown = set(assignment).unwrap_err().to_string();
-        assert!(words.iter().all(|word| shown.contains(word)), "{assignment}: {shown}");
+        let error = two_groups(first, second).unwrap_err();
+        assert_eq!(
+            (error.key(), error.line()),
+            (Some(key), Some(line)),
+            "{error}"
+        );
+        assert!(error.to_string().contains(word), "{error}");
     }
+    // A lone [[hair]] needs no index.
+    let error = Scene::parse(
+        &SMALL
+            .replace("[hair]", "[[hair]]")
+            .replace("points = 4", "points = 1"),
+    )
+    .unwrap_err();
+    assert_eq!(error.key(), Some("hair.points"));
+}
+
+fn set(text: &str, assignments: &[&str]) -> Result<Scene, SceneError> {
+    let assignments: Vec<String> = assignments.iter().map(|&set| set.to_owned()).collect();
+    Scene::parse_with("quick.toml", text, &assignments)
 }
 
 #[test]
-fn a_named_group_is_addressed_by_its_name() {
-    let text = SMALL.replace("[hair]", "[[hair]]\nname = \"fringe\"");
-    let scene = Scene::parse_with("s", &text, &["hair.fringe.radius=5e-5".to_owned()]).unwrap();
-    assert_eq!(scene.hair[0].radius, 5e-5);
+fn an_assignment_changes_its_key() {
+    assert_eq!(
+        set(QUICK, &["hair.length=0.2"]).unwrap().hair[0].length,
+        0.2
+    );
+    assert_eq!(
+        set(QUICK, &["hair.0.length = 0.2"]).unwrap().hair[0].length,
+        0.2
+    );
+    assert_eq!(
+        set(QUICK, &["hair.length=0.2", "hair.length=0.3"])
+            .unwrap()
+            .hair[0]
+            .length,
+        0.3
+    );
+    assert_eq!(
+        set(QUICK, &["air.box.max=[0.2,0.12,0.07]"])
+            .unwrap()
+            .air
+            .unwrap()
+            .bounds
+            .unwrap()
+            .max[0],
+        0.2
+    );
+    assert_eq!(
+        set(QUICK, &["method=published"]).unwrap().method,
+        windswept_scene::Method::Published
+    );
+    assert_eq!(set(QUICK, &["title=\"a = b\""]).unwrap().title, "a = b");
+    assert_eq!(
+        set(QUICK, &["camera.eye=[0,0,1]", "camera.target=[0,0,0]"])
+            .unwrap()
+            .camera
+            .unwrap()
+            .width,
+        960
+    );
+    let text = set(QUICK, &["hair.length=0.2"]).unwrap().text().to_owned();
+    assert_eq!(text.lines().count(), QUICK.lines().count());
+    assert!(
+        text.contains("length = 0.2                       # m, along the curl"),
+        "comments are kept: {text}"
+    );
 }
 
 #[test]
-fn method_sets_six_defaults_and_a_spelled_key_wins() {
-    let published = Scene::parse_with("s", SMALL, &["method=published".to_owned()]).unwrap();
-    let accurate = Scene::parse(SMALL).unwrap();
-    assert_eq!((published.viscosity.form, accurate.viscosity.form), (windswept_scene::ViscosityForm::Published, windswept_scene::ViscosityForm::Limited));
-    assert_eq!((published.turbulence.cutoff, accurate.turbulence.cutoff), (3.0, 4.5));
-    assert_eq!(accurate.rods.solver, windswept_scene::Solver::GaussSeidel, "the best that is built");
-    let spelled = Scene::parse_with("s", SMALL, &["method=published".to_owned(), "viscosity.form=limited".to_owned()]).unwrap();
-    assert_eq!(spelled.viscosity.form, windswept_scene::ViscosityForm::Limited);
+fn a_group_is_addressed_by_its_name() {
+    let one = SMALL.replace("[hair]", "[[hair]]\nname = \"fringe\"");
+    assert_eq!(
+        set(&one, &["hair.fringe.radius=5e-5"]).unwrap().hair[0].radius,
+        5e-5
+    );
+    assert_eq!(
+        set(&one, &["hair.radius=5e-5"]).unwrap().hair[0].radius,
+        5e-5
+    );
+    let two = two_groups("name = \"a\"", "name = \"b\"\nstrands = 1")
+        .unwrap()
+        .text()
+        .to_owned();
+    let scene = set(&two, &["hair.b.radius=5e-5", "hair.0.radius=6e-5"]).unwrap();
+    assert_eq!(
+        scene
+            .hair
+            .iter()
+            .map(|hair| hair.radius)
+            .collect::<Vec<_>>(),
+        [6e-5, 5e-5]
+    );
+    assert!(
+        set(&two, &["hair.radius=5e-5"])
+            .unwrap_err()
+            .to_string()
+            .contains("leads nowhere")
+    );
 }
 
-/// c = 22 ν Δt/h²: 0.014 is 3.99e-5 m²/s in the paper's scene.
+/// A fault that comes with an assignment names the assignment; one that the file has, the file.
 #[test]
-fn kinematic_viscosity_becomes_a_coefficient() {
-    let scene = Scene::parse_with("s", SMALL, &["viscosity.kinematic_air=3.99e-5".to_owned()]).unwrap();
-    assert!((scene.viscosity.air / 0.014 - 1.0).abs() < 1e-3, "{}", scene.viscosity.air);
-}
-
-/// The example is the documentation of the format: every key of the table occurs in it.
-#[test]
-fn quick_names_every_key() {
-    let scene = Scene::parse_named("quick.toml", QUICK).unwrap();
-    assert!(scene.text() == QUICK);
-    for key in keys::KEYS {
-        let name = key.path.rsplit('.').next().unwrap();
-        let shown = QUICK.lines().any(|line| {
-            let line = line.trim_start_matches(['#', ' ', '[']);
-            line.starts_with(name) || line.starts_with(key.path) || line.contains(&format!("{name} ="))
-        });
-        assert!(shown, "{} does not occur", key.path);
+fn the_guilty_assignment_is_named() {
+    let harmless = "title=x";
+    for (guilty, words) in [
+        (
+            "hair.lenght=0.2",
+            "hair.lenght: unknown key; did you mean hair.length?",
+        ),
+        ("hair.length=-1", "greater than 0, found -1"),
+        ("hair.length", "expected key=value"),
+        ("=3", "expected a dotted key"),
+        ("hair..radius=3", "expected a dotted key"),
+        ("hair.length=[1,", "[1, is not a TOML value"),
+        ("title=it's", "it's is not a TOML value"),
+        ("rods.solver=direct", "not in this version"),
+        ("method=exact", "one of \"accurate\", \"published\""),
+        ("hair.nobody.radius=1e-5", "hair.nobody: unknown key"),
+        ("hair.5.radius=1e-5", "hair.5: unknown key"),
+        ("turbulence.bands.0.scale=0.006", "not in this version"),
+        ("air.box.max.0=3", "leads nowhere"),
+        // The key at fault is another than the one that was set.
+        (
+            "air.kernel_radius=0.1",
+            "air.box: expected sides of at least 3 kernel radii",
+        ),
+        ("air.particle_mass=1e-12", "air.box: would hold"),
+        ("time.step=1e-12", "time.duration: would take"),
+    ] {
+        let error = set(QUICK, &[harmless, guilty, harmless]).unwrap_err();
+        let shown = error.to_string();
+        assert!(
+            shown.starts_with(&format!("--set {guilty}: ")) && shown.contains(words),
+            "{guilty}: {shown}"
+        );
+        assert_eq!(
+            (error.line(), error.source_text()),
+            (None, guilty),
+            "{shown}"
+        );
+        assert_eq!(error.span(), Some(0..guilty.len()));
     }
-    let explained = Scene::explain();
-    assert!(keys::KEYS.iter().filter(|key| !matches!(key.kind, keys::Kind::Table | keys::Kind::Tables)).all(|key| explained.contains(key.path)));
+    let broken = QUICK.replace("points = 11", "points = 1");
+    let line = broken
+        .lines()
+        .position(|line| line.starts_with("points = 1 "))
+        .unwrap()
+        + 1;
+    let shown = set(&broken, &[harmless, "hair.length=0.2"])
+        .unwrap_err()
+        .to_string();
+    assert!(
+        shown.starts_with(&format!("quick.toml:{line}: hair.points: ")),
+        "{shown}"
+    );
+    let garbage = set("[time", &[harmless]).unwrap_err().to_string();
+    assert!(garbage.starts_with("quick.toml:1: not TOML"), "{garbage}");
+}
+
+#[test]
+fn files_that_cannot_be_read_are_named() {
+    let folder = std::env::temp_dir().join(format!("windswept-scene-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let (binary, windows) = (folder.join("binary.toml"), folder.join("windows.toml"));
+    std::fs::write(&binary, [0xff, 0xfe, 0x00]).unwrap();
+    std::fs::write(&windows, format!("\u{feff}{}", SMALL.replace('\n', "\r\n"))).unwrap();
+    for path in [&binary, &folder, &folder.join("absent.toml")] {
+        let shown = Scene::load(path).unwrap_err().to_string();
+        assert!(
+            shown.starts_with(&format!("{}: cannot be read: ", path.display())),
+            "{shown}"
+        );
+    }
+    assert_eq!(Scene::load(&windows).unwrap(), Scene::parse(SMALL).unwrap());
+    let shown = Scene::load_with(&windows, &["points=3".to_owned()])
+        .unwrap_err()
+        .to_string();
+    assert!(
+        shown.starts_with("--set points=3: points: unknown key"),
+        "{shown}"
+    );
+    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 #[test]
 fn a_scene_without_hair_parses_and_one_with_nothing_cannot_start() {
-    let air = SMALL.replace("[hair]\nstrands = 3\npoints = 4\nlength = 0.1\n[hair.roots]\ncenter = [0.05, 0.05, 0.05]\nradius = 0.01\n", "");
-    assert!(InitialState::new(&Scene::parse(&air).unwrap()).unwrap().hair.is_empty());
-    let nothing = Scene::parse("interaction = { model = \"none\" }\n[time]\nstep = 1e-3\nduration = 1.0\n").unwrap();
+    let (head, rest) = SMALL.split_once("[hair]").unwrap();
+    let (_, air) = rest.split_once("[air]").unwrap();
+    let bald = Scene::parse(&format!("{head}[air]{air}")).unwrap();
+    assert!(InitialState::new(&bald).unwrap().hair.is_empty());
+    let nothing = Scene::parse(&format!("interaction.model = \"none\"\n{head}")).unwrap();
     let error = InitialState::new(&nothing).unwrap_err();
     assert_eq!(error.key(), Some("hair"), "{error}");
-}
-
-proptest! {
-    /// Garbage, and the example with a piece replaced by garbage: an error or a scene, never a panic.
-    #[test]
-    fn garbage_never_panics(junk in ".{0,60}", at in 0..QUICK.len(), length in 0..40usize, set in "[a-z.0-9]{0,20}=.{0,12}") {
-        let _ = Scene::parse(&junk);
-        let mut text = QUICK.as_bytes().to_vec();
-        let end = (at + length).min(text.len());
-        text.splice(at..end, junk.bytes());
-        if let Ok(text) = String::from_utf8(text) {
-            if let Err(error) = Scene::parse(&text) {
-                let _ = error.to_string();
-            }
-        }
-        let _ = Scene::parse_with("quick", QUICK, &[set]);
-    }
 }

@@ -1,99 +1,235 @@
-//! What a scene starts from: rest shapes that are at rest, roots, masses, air at its density.
-#![allow(clippy::unwrap_used, missing_docs)]
+//! What a scene starts from: air at its density, with its wind; where coordinates begin; what the user is warned of.
+#![allow(clippy::unwrap_used)]
 
+mod common;
+
+use common::{BRUSH, assert_close, brush, scene_of};
 use glam::DVec3;
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{Band, InitialState};
 
 const QUICK: &str = include_str!("../../../examples/scenes/quick.toml");
-
-fn quick(sets: &[&str]) -> (Scene, InitialState) {
-    let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
-    let scene = Scene::parse_with("quick.toml", QUICK, &sets).unwrap();
-    let state = InitialState::new(&scene).unwrap();
-    (scene, state)
-}
-
+/// The example is as large as the issue says, and there is nothing to warn of.
 #[test]
 fn quick_is_what_it_says() {
-    let (scene, state) = quick(&[]);
-    let air = scene.air.unwrap();
-    println!("{} air particles, {} hair points", state.air.positions.len(), state.hair.positions.len());
-    assert!((11_000..13_000).contains(&state.air.positions.len()));
-    assert_eq!(state.hair.len(), 60);
+    let scene = scene_of(QUICK, &[]);
+    let state = InitialState::new(&scene).unwrap();
+    assert!(
+        (11_000..13_000).contains(&state.air.positions.len()),
+        "{} particles",
+        state.air.positions.len()
+    );
+    assert_eq!((state.hair.len(), state.hair.positions.len()), (60, 660));
     assert!(state.warnings.is_empty(), "{:?}", state.warnings);
-    // The mean density of the box, air and hair together, is exact.
-    let volume = state.air.volume * state.air.positions.len() as f64 + state.hair.volume.iter().sum::<f64>();
-    let whole = state.air.size.element_product();
-    assert!((volume / whole - 1.0).abs() < 1e-12, "{volume} of {whole}");
-    assert!((state.air.mass / (air.rest_density * state.air.volume) - 1.0).abs() < 1e-12);
-    // The count was rounded and hair's parcels left out: the volume hardly changes.
-    assert!((state.air.volume / air.parcel() - 1.0).abs() < 0.05, "{}", state.air.volume / air.parcel());
-    // No two roots coincide, and each is on the disc.
-    let roots: Vec<DVec3> = (0..60).map(|s| state.hair.positions[state.hair.points(s).start]).collect();
-    let nearest = (0..60).flat_map(|a| (0..a).map(move |b| (a, b))).map(|(a, b)| roots[a].distance(roots[b])).fold(f64::INFINITY, f64::min);
-    assert!(nearest > 1e-3, "roots {nearest} m apart");
-    let centre = DVec3::from_array(scene.hair[0].roots.center);
-    assert!(roots.iter().all(|root| root.distance(centre) < 0.020));
-    // The same seed gives the same state, another does not.
-    assert!(quick(&[]).1 == state);
-    assert!(quick(&["seed=2"]).1 != state);
+    // The strands stand in the box, clear of the fringe.
+    let air = scene.air.unwrap();
+    assert!(
+        state.hair.roots().all(|root| root.x > air.fringe),
+        "roots stand in the fringe"
+    );
+    let size = state.air.size;
+    assert!(
+        state
+            .hair
+            .positions
+            .iter()
+            .all(|x| x.cmpgt(DVec3::ZERO).all() && x.cmplt(size).all())
+    );
+    // They fill less than half of the cross-section: 113 mm³ over 10 mm each.
+    let filled = state.hair.len() as f64 * air.parcel() / 0.01;
+    assert!(filled < 0.5 * size.y * size.z, "{filled} m²");
+    assert_eq!(state.origin, state.air.min);
 }
 
-/// Stretch-shear and bend-twist of the initial shape vanish: a curl starts at rest. Its axis runs along the direction.
+/// The same seed gives the same state, another does not.
 #[test]
-fn curled_strands_start_in_their_rest_shape() {
-    let (scene, state) = quick(&["hair.curl={radius=0.004,pitch=0.02}", "hair.points=101", "hair.length_variation=0.3", "hair.taper=0.5"]);
-    let hair = &state.hair;
-    let direction = DVec3::from_array(scene.hair[0].roots.direction);
-    for s in 0..hair.len() {
-        let (points, segments) = (hair.points(s), hair.segments(s));
-        let mut before = hair.root_frame[s];
-        for (p, k) in points.clone().zip(segments.clone()) {
-            let along = (hair.positions[p + 1] - hair.positions[p]) / hair.rest_length[k];
-            assert!((along - hair.orientations[k] * DVec3::Z).length() < 1e-12, "stretch of strand {s}");
-            let joint = before.conjugate() * hair.orientations[k];
-            assert!((joint.xyz() - hair.rest_rotation[k].xyz()).length() < 1e-12, "bend of strand {s}");
-            before = hair.orientations[k];
+fn the_seed_decides() {
+    assert!(brush(&[]).1 == brush(&["seed=1"]).1);
+    assert!(brush(&[]).1 != brush(&["seed=2"]).1);
+}
+
+/// The box's mean density, air and hair together, is exact, whatever the counts are rounded to.
+#[test]
+fn air_has_its_density_and_leaves_room_for_hair() {
+    for (sets, counts) in [
+        (&[][..], [33, 25, 14]),
+        (
+            &["air.box={min=[-1.0, 2.0, 3.0], max=[-0.84, 2.12, 3.07]}"],
+            [33, 25, 14],
+        ),
+        (
+            &["air.box={min=[0.02, 0.0, 0.0], max=[0.1, 0.1, 0.033]}"],
+            [17, 21, 7],
+        ),
+        // At least three along each axis.
+        (
+            &[
+                "air.particle_mass=1.46e-5",
+                "air.box={min=[0,0,0],max=[0.2,0.03,0.1]}",
+            ],
+            [9, 3, 4],
+        ),
+    ] {
+        let (scene, state) = brush(sets);
+        let air = &state.air;
+        let bounds = scene.air.as_ref().unwrap().bounds.unwrap();
+        assert_eq!(air.min, DVec3::from_array(bounds.min));
+        assert_eq!(air.size, DVec3::from_array(bounds.max) - air.min);
+        let within = |x: &DVec3| {
+            (*x - air.min).cmpge(DVec3::ZERO).all() && (*x - air.min).cmplt(air.size).all()
+        };
+        assert!(air.positions.iter().all(within));
+        let parcels: f64 = state
+            .hair
+            .positions
+            .iter()
+            .zip(&state.hair.volume)
+            .filter(|(x, _)| within(x))
+            .map(|(_, v)| v)
+            .sum();
+        assert_close(
+            air.volume * air.positions.len() as f64 + parcels,
+            air.size.element_product(),
+            "volume of the box",
+        );
+        assert_close(air.mass, 1.29 * air.volume, "mass");
+        // On the lattice, all of it but what is nearer than 0.62 d to a hair point.
+        let pitch = air.size / DVec3::from_array(counts.map(f64::from));
+        let reach = 0.62 * scene.air.as_ref().unwrap().parcel().cbrt();
+        let near = |x: DVec3| {
+            state
+                .hair
+                .positions
+                .iter()
+                .any(|hair| hair.distance(x) < reach)
+        };
+        let mut left_out = 0;
+        for x in &air.positions {
+            let site = (*x - air.min) / pitch - 0.5;
+            assert!(
+                (site - site.round()).length() < 1e-9,
+                "{x} is off the lattice"
+            );
+            assert!(!near(*x), "{x} is inside hair");
         }
-        // Two whole turns apart, points lie along the axis; the arc of a turn is sqrt((2 pi r)^2 + pitch^2).
-        let turn = ((std::f64::consts::TAU * 0.004_f64).powi(2) + 0.02_f64.powi(2)).sqrt();
-        let l = hair.rest_length[segments.start];
-        let step = (2.0 * turn / l).round() as usize;
-        let gap = hair.positions[points.start + step] - hair.positions[points.start];
-        let tilt = gap.normalize().dot(direction).acos();
-        assert!(tilt < 0.05, "strand {s}: the axis is {tilt} rad off");
-        // Advance per arc: pitch / turn.
-        assert!((gap.length() / (l * step as f64) / (0.02 / turn) - 1.0).abs() < 0.02, "strand {s}: pitch");
+        let [nx, ny, nz] = counts;
+        for (i, j, k) in
+            (0..nx).flat_map(|i| (0..ny).flat_map(move |j| (0..nz).map(move |k| (i, j, k))))
+        {
+            let site = DVec3::from_array([i, j, k].map(f64::from)) + 0.5;
+            left_out += usize::from(near(air.min + pitch * site));
+        }
+        assert_eq!(air.positions.len() + left_out, (nx * ny * nz) as usize);
     }
-    // Right-handed: seen along the axis, it turns clockwise as it goes away: (t x dt) . axis > 0.
-    let tangents: Vec<DVec3> = hair.segments(0).map(|k| hair.orientations[k] * DVec3::Z).collect();
-    assert!(tangents[0].cross(tangents[1]).dot(direction) > 0.0);
 }
 
+/// U rises linearly over `air.ramp`, and the air starts with what has risen at t = 0.
 #[test]
-fn masses_and_stiffnesses_are_those_of_a_fibre() {
-    let (_, state) = quick(&[]);
-    assert!(state.hair.inverse_mass[1..11].iter().all(|w| (w * 1.46e-7 - 1.0).abs() < 1e-12));
-    assert_eq!(state.hair.inverse_mass[0], 0.0);
-    let text = QUICK.replace("point_mass", "# point_mass");
-    let scene = Scene::parse(&text).unwrap();
-    let hair = InitialState::new(&scene).unwrap().hair;
-    // A hair of 40 µm and 1320 kg/m³ has 6.64e-6 kg/m: half a segment's at the tip.
-    let segment = 6.635e-6 * 0.01;
-    assert!((hair.inverse_mass[5] * segment - 1.0).abs() < 1e-3, "{}", 1.0 / hair.inverse_mass[5]);
-    assert!((hair.inverse_mass[10] * 0.5 * segment - 1.0).abs() < 1e-3);
-    // EI = 8.04e-9 N m²: l̄/(4EI), half of it at the clamp.
-    assert!((hair.bend_compliance[1].x / (0.01 / (4.0 * 8.042e-9)) - 1.0).abs() < 1e-3);
-    assert!((hair.bend_compliance[0].x / hair.bend_compliance[1].x - 0.5).abs() < 1e-12);
-    assert!((hair.stretch_compliance[1].z * (4e9 * std::f64::consts::PI * 1.6e-9 * 0.01) - 1.0).abs() < 1e-9);
+fn air_starts_with_the_wind_that_has_risen() {
+    let (scene, state) = brush(&[]);
+    let air = scene.air.unwrap();
+    assert!(state.air.velocities.iter().all(|v| *v == DVec3::ZERO));
+    assert_eq!(
+        [-1.0, 0.0, 0.025, 0.05, 9.0].map(|t| air.wind_at(t)[0]),
+        [0.0, 0.0, 1.5, 3.0, 3.0]
+    );
+    let (scene, state) = brush(&["air.ramp=0", "air.wind=[1,2,-3]"]);
+    assert_eq!(state.air.velocities.len(), state.air.positions.len());
+    assert!(
+        state
+            .air
+            .velocities
+            .iter()
+            .all(|v| *v == DVec3::new(1.0, 2.0, -3.0))
+    );
+    assert_eq!(scene.air.unwrap().risen(0.0), 1.0);
 }
 
+/// Without particles local coordinates start at the mean of the roots.
 #[test]
-fn every_root_shape_seats_its_strands() {
-    for shape in ["disc", "sphere_cap", "line"] {
-        let (scene, state) = quick(&[&format!("hair.roots.shape={shape}"), "hair.roots.direction=[0.0, -1.0, 0.0]"]);
-        let centre = DVec3::from_array(scene.hair[0].roots.center);
-        let far = (0..60).map(|s| state.hair.positions[state.hair.points(s).start].distance(centre)).fold(0.0, f64::max);
-        assert!((0.015..0.020).contains(&far), "{shape}: {far}");
+fn the_origin_is_among_the_roots() {
+    let (_, state) = brush(&["interaction.model=none"]);
+    assert!(state.air.positions.is_empty());
+    let mean = state.hair.roots().sum::<DVec3>() / 60.0;
+    assert!(state.origin.distance(mean) < 1e-15);
+}
+
+/// Each cause gives its warning, with the numbers; `quick_is_what_it_says` sees that there is none without a cause.
+#[test]
+fn a_user_is_warned() {
+    for (sets, words) in [
+        (
+            &["time.step=2e-3"][..],
+            "air moves 1.2 particle spacings in a step",
+        ),
+        (
+            &["time.step=1e-2", "time.substeps=4"],
+            "air moves 1.6 particle spacings",
+        ),
+        (
+            &["hair.roots.direction=[-1,0,0]"],
+            "hair points start outside the box",
+        ),
+        (
+            &["hair.roots.radius=0.025"],
+            "of the box in z: the air beside the hair is sped up",
+        ),
+        (
+            &["air.fringe=0.09"],
+            "air.fringe of 0.09 m takes more than half of the box in x",
+        ),
+        (
+            &["air.kernel_radius=5e-3"],
+            "air.kernel_radius is 1.03 particle spacings",
+        ),
+        (
+            &["hair.curl={radius=1e-3,pitch=0.01}"],
+            "hair hair: the curl turns by 305 degrees per segment",
+        ),
+    ] {
+        let warnings = brush(sets).1.warnings;
+        assert!(
+            warnings.len() == 1 && warnings[0].contains(words),
+            "{sets:?}: {warnings:?}"
+        );
     }
+    assert!(
+        brush(&["time.step=2e-3", "time.substeps=2"])
+            .1
+            .warnings
+            .is_empty()
+    );
+    let mut scene = scene_of(BRUSH, &[]);
+    scene.turbulence.bands = [0.0049, 0.006]
+        .map(|scale| Band {
+            scale,
+            strength: 3.0,
+            intensity: 0.3,
+        })
+        .to_vec();
+    let warnings = InitialState::new(&scene).unwrap().warnings;
+    assert!(
+        warnings.len() == 1 && warnings[0].contains("turbulence scale 0.0049 m is below"),
+        "{warnings:?}"
+    );
+}
+
+/// Masses and compliances that single precision cannot hold are the scene's fault, not a NaN later; so is hair without
+/// room for air.
+#[test]
+fn states_that_cannot_be_computed_are_refused() {
+    let refused = |sets: &[&str]| InitialState::new(&scene_of(BRUSH, sets)).unwrap_err();
+    for (set, words) in [
+        ("hair.radius=1e-12", "hair.hair: bend compliance"),
+        (
+            "hair.length=1e-15",
+            "hair.hair: inverse inertia of a segment",
+        ),
+        ("hair.youngs_modulus=1e-18", "hair.hair: bend compliance"),
+        ("hair.length=1e18", "hair.hair: inverse inertia"),
+    ] {
+        let error = refused(&[set]);
+        assert!(error.to_string().starts_with(words), "{set}: {error}");
+    }
+    let error = refused(&["hair.strands=20000", "hair.points=50"]);
+    assert_eq!(error.key(), Some("air.box"), "{error}");
 }

@@ -1,0 +1,93 @@
+//! `--set key=value`: assignments written into a scene's text, comments kept.
+
+use toml_edit::{DocumentMut, InlineTable, Item, TableLike, Value};
+
+use crate::{document, error::SceneError};
+
+/// No key of a scene is deeper: `turbulence.bands.0.scale`. Walking and printing recurse, and stacks end.
+const DEEPEST: usize = 8;
+
+/// The text with `key = value` set in it.
+///
+/// # Errors
+/// What is not `key=value`, or a path that leads nowhere; a text that is not TOML.
+pub(crate) fn set(text: &str, assignment: &str) -> Result<String, SceneError> {
+    let fault = |message: String| SceneError::new(message).of_assignment(assignment);
+    let (key, value) = assignment
+        .split_once('=')
+        .ok_or_else(|| fault("expected key=value".to_owned()))?;
+    let path: Vec<&str> = key.split('.').map(str::trim).collect();
+    if path.iter().any(|name| name.is_empty()) {
+        return Err(fault("expected a dotted key before the =".to_owned()));
+    }
+    let value = parse(value.trim()).ok_or_else(|| {
+        let value = document::short(value.trim());
+        fault(format!("{value} is not a TOML value"))
+    })?;
+    let mut document: DocumentMut = text.parse().map_err(|error| document::syntax(&error))?;
+    Some(())
+        .filter(|()| path.len() <= DEEPEST)
+        .and_then(|()| assign(document.as_table_mut(), &path, value))
+        .ok_or_else(|| {
+            fault(format!(
+                "{} leads nowhere in this scene",
+                document::short(key.trim())
+            ))
+        })?;
+    Ok(document.to_string())
+}
+
+/// A TOML value; words are a string: `method=published`.
+fn parse(text: &str) -> Option<Value> {
+    let word = |c: char| c.is_alphanumeric() || "-_./ ".contains(c);
+    match text.parse() {
+        Ok(value) => Some(value),
+        Err(_) if !text.is_empty() && text.chars().all(word) => Some(text.into()),
+        Err(_) => None,
+    }
+}
+
+/// Walks to the table that `path` names, making tables that are missing, and sets the last name.
+fn assign(table: &mut dyn TableLike, path: &[&str], value: Value) -> Option<()> {
+    let (&name, rest) = path.split_first()?;
+    let Some(&next) = rest.first() else {
+        match table.get_mut(name) {
+            Some(Item::Value(old)) => {
+                let decor = old.decor().clone();
+                *old = value;
+                *old.decor_mut() = decor;
+            }
+            _ => {
+                table.insert(name, Item::Value(value));
+            }
+        }
+        return Some(());
+    };
+    let item = table
+        .entry(name)
+        .or_insert_with(|| Item::Value(Value::InlineTable(InlineTable::new())));
+    match item {
+        Item::ArrayOfTables(array) => {
+            let named = array.iter().position(|table| is_named(table, next));
+            match named.or_else(|| next.parse().ok()) {
+                Some(index) => assign(array.get_mut(index)?, &rest[1..], value),
+                None if array.len() == 1 => assign(array.get_mut(0)?, rest, value),
+                None => None,
+            }
+        }
+        Item::Value(Value::Array(array)) => {
+            let element = array.get_mut(next.parse().ok()?)?.as_inline_table_mut()?;
+            assign(element, &rest[1..], value)
+        }
+        item => {
+            let table = item.as_table_like_mut()?;
+            // A lone `[hair]` answers to its index and its name too.
+            let itself = rest.len() > 1 && (next == "0" || is_named(table, next));
+            assign(table, if itself { &rest[1..] } else { rest }, value)
+        }
+    }
+}
+
+fn is_named(table: &dyn TableLike, name: &str) -> bool {
+    table.get("name").and_then(Item::as_str) == Some(name)
+}

@@ -1,0 +1,109 @@
+//! A scene from text or a file, with assignments.
+
+use std::{fs, path::Path};
+
+use crate::{assign, build, document::Document, error::SceneError, keys, scene::Scene};
+
+impl Scene {
+    /// Reads a scene from text.
+    ///
+    /// # Errors
+    /// [`SceneError`] names the line and the key, says what was expected and suggests the nearest key.
+    pub fn parse(text: &str) -> Result<Self, SceneError> {
+        Self::parse_named("scene", text)
+    }
+
+    /// Reads a scene from text that came from `name`.
+    ///
+    /// # Errors
+    /// As [`Self::parse`].
+    pub fn parse_named(name: &str, text: &str) -> Result<Self, SceneError> {
+        Self::parse_with(name, text, &[])
+    }
+
+    /// Reads a scene file.
+    ///
+    /// # Errors
+    /// As [`Self::parse`], and when the file cannot be read.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        Self::load_with(path, &[])
+    }
+
+    /// Reads a scene file and sets `key=value` in it; keys are dotted (`turbulence.bands.0.scale`, `hair.NAME.radius`),
+    /// values are TOML, a bare word is a string.
+    ///
+    /// # Errors
+    /// As [`Self::load`]; a fault in an assignment names the assignment.
+    pub fn load_with(path: impl AsRef<Path>, sets: &[String]) -> Result<Self, SceneError> {
+        let path = path.as_ref();
+        let name = path.display().to_string();
+        let text = fs::read_to_string(path)
+            .map_err(|error| SceneError::new(format!("cannot be read: {error}")).of(&name, ""))?;
+        Self::parse_with(&name, &text, sets)
+    }
+
+    /// Reads a scene from text with assignments, as [`Self::load_with`].
+    ///
+    /// # Errors
+    /// As [`Self::load_with`].
+    pub fn parse_with(name: &str, text: &str, sets: &[String]) -> Result<Self, SceneError> {
+        let mut changed = text.to_owned();
+        for assignment in sets {
+            let set = assign::set(&changed, assignment);
+            changed = set.map_err(|error| {
+                if error.source_name().is_empty() {
+                    error.of(name, text)
+                } else {
+                    error
+                }
+            })?;
+        }
+        match read(&changed) {
+            Ok(scene) => Ok(Self {
+                text: changed,
+                ..scene
+            }),
+            Err(error) => Err(match guilty(&error, text, sets) {
+                Some(assignment) => error.of_assignment(assignment),
+                None => error.of(name, &changed),
+            }),
+        }
+    }
+
+    /// The text it was read from, assignments included: what `scene.toml` in a run's folder holds.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Every key with its kind, unit, default and meaning, a line each.
+    #[must_use]
+    pub fn explain() -> String {
+        keys::explain()
+    }
+}
+
+fn read(text: &str) -> Result<Scene, SceneError> {
+    let document = Document::parse(text)?;
+    build::scene(&document).map_err(|error| document.shown(error))
+}
+
+/// The assignment with which the fault appears; `None` if the file has it already.
+fn guilty<'a>(error: &SceneError, text: &str, sets: &'a [String]) -> Option<&'a String> {
+    let faulty = |text: &str| {
+        read(text)
+            .is_err_and(|other| (other.key(), other.message()) == (error.key(), error.message()))
+    };
+    let mut changed = text.to_owned();
+    if faulty(&changed) {
+        return None;
+    }
+    sets.iter()
+        .find(|assignment| match assign::set(&changed, assignment) {
+            Ok(set) => {
+                changed = set;
+                faulty(&changed)
+            }
+            Err(_) => false,
+        })
+}

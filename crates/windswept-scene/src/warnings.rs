@@ -1,0 +1,70 @@
+//! What a scene may do but its user should know.
+
+use glam::DVec3;
+
+use crate::{
+    initial::{AirParticles, Strands},
+    scene::{Air, Scene},
+};
+
+/// Kernel radii in particle spacings between which the density constraint was tried; the paper's is 1.92.
+const TRIED: std::ops::RangeInclusive<f64> = 1.5..=3.0;
+/// Eddies below this, in particle spacings, are passed at the particles' Nyquist wave number with a gain above 7.5 %.
+const SMALLEST_EDDY: f64 = 1.03;
+
+/// Warnings about step, wind, particles and bands.
+pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let (spacing, wind) = (air.parcel().cbrt(), air.wind());
+    let move_of_a_step = wind.length() * scene.time.step / f64::from(scene.time.substeps);
+    if move_of_a_step > spacing {
+        warnings.push(format!("air moves {:.1} particle spacings in a step; a time.step below {:.2e} s leaves fewer voids", move_of_a_step / spacing, spacing / wind.length()));
+    }
+    let ratio = air.kernel_radius / spacing;
+    if !TRIED.contains(&ratio) {
+        warnings.push(format!("air.kernel_radius is {ratio:.2} particle spacings of {spacing:.2e} m; {:.1} to {:.1} are tried", TRIED.start(), TRIED.end()));
+    }
+    for band in &scene.turbulence.bands {
+        let smallest = SMALLEST_EDDY * spacing;
+        if band.scale < smallest {
+            warnings.push(format!("turbulence scale {} m is below what particles {spacing:.2e} m apart can carry, {smallest:.2e} m", band.scale));
+        }
+    }
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        if wind[axis] != 0.0 && air.fringe > 0.5 * particles.size[axis] {
+            warnings.push(format!(
+                "air.fringe of {} m takes more than half of the box in {name}, {} m",
+                air.fringe, particles.size[axis]
+            ));
+        }
+    }
+    warnings
+}
+
+/// Warnings about where the hair stands in its box.
+pub(crate) fn of_hair(hair: &Strands, air: &AirParticles, wind: DVec3) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let local = hair.positions.iter().map(|x| *x - air.min);
+    let outside = local
+        .filter(|x| x.cmplt(DVec3::ZERO).any() || x.cmpge(air.size).any())
+        .count();
+    if outside > 0 {
+        warnings.push(format!(
+            "{outside} of {} hair points start outside the box of air and feel no wind there",
+            hair.positions.len()
+        ));
+    }
+    let low = hair.roots().fold(DVec3::INFINITY, DVec3::min);
+    let high = hair.roots().fold(DVec3::NEG_INFINITY, DVec3::max);
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        let across = wind != DVec3::ZERO && wind[axis].abs() < 0.9 * wind.length();
+        let part = (high - low)[axis] / air.size[axis];
+        if across && part > 0.5 {
+            warnings.push(format!(
+                "the roots span {:.0} % of the box in {name}: the air beside the hair is sped up",
+                100.0 * part
+            ));
+        }
+    }
+    warnings
+}

@@ -1,0 +1,198 @@
+//! A scene written out in full.
+
+use std::fmt::Write as _;
+
+use toml_edit::Value;
+
+use crate::{keys::Key, scene::*};
+
+impl Scene {
+    /// The scene as TOML with every key resolved, as it stands: [`Scene::parse`] of it is an equal scene.
+    ///
+    /// A key that this version refuses is left out; its value is the default that parsing gives it again.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        let mut text = Writer::default();
+        text.pair("title", self.title.as_str());
+        text.pair("method", self.method.word());
+        text.vector("gravity", self.gravity);
+        text.pair("seed", i64::try_from(self.seed).unwrap_or(i64::MAX));
+        text.heading("[time]", "time");
+        text.number("step", self.time.step);
+        text.count("substeps", self.time.substeps);
+        text.number("duration", self.time.duration);
+        text.number("frame_rate", self.time.frame_rate);
+        for hair in &self.hair {
+            text.hair(hair);
+        }
+        if let Some(air) = &self.air {
+            text.air(air);
+        }
+        text.heading("[interaction]", "interaction");
+        text.pair("model", self.model.word());
+        text.heading("[fluid]", "fluid");
+        text.count("iterations", self.fluid.iterations);
+        text.number("relaxation", self.fluid.relaxation);
+        text.number("tension", self.fluid.tension);
+        text.turbulence(&self.turbulence);
+        text.heading("[viscosity]", "viscosity");
+        text.number("hair", self.viscosity.hair);
+        text.number("air", self.viscosity.air);
+        text.pair("form", self.viscosity.form.word());
+        text.heading("[rods]", "rods");
+        text.pair("solver", self.rods.solver.word());
+        text.pair("integrator", self.rods.integrator.word());
+        text.count("iterations", self.rods.iterations);
+        text.pair("inextensible", self.rods.inextensible);
+        text.number("damping", self.rods.damping);
+        text.pair("sleep", self.rods.sleep);
+        if let Some(camera) = &self.camera {
+            text.heading("[camera]", "camera");
+            text.vector("eye", camera.eye);
+            text.vector("target", camera.target);
+            text.number("fov", camera.fov);
+            text.count("width", camera.width);
+            text.count("height", camera.height);
+        }
+        text.out
+    }
+}
+
+/// As short as reads back to the same bits: 1.46e-7, not 0.000000146.
+fn number(x: f64) -> Value {
+    format!("{x:?}").parse().unwrap_or_else(|_| x.into())
+}
+
+#[derive(Default)]
+struct Writer {
+    out: String,
+    /// Of the table that is being written, without indices.
+    path: &'static str,
+}
+
+impl Writer {
+    fn heading(&mut self, heading: &str, path: &'static str) {
+        self.path = path;
+        self.line(format_args!("\n{heading}"));
+    }
+
+    fn line(&mut self, line: std::fmt::Arguments<'_>) {
+        // Writing to a string cannot fail.
+        let _ = writeln!(self.out, "{line}");
+    }
+
+    fn pair(&mut self, name: &str, value: impl Into<Value>) {
+        let value = value.into();
+        let path = if self.path.is_empty() {
+            name.to_owned()
+        } else {
+            format!("{}.{name}", self.path)
+        };
+        let word = value
+            .as_str()
+            .map_or_else(|| value.to_string(), str::to_owned);
+        if !Key::not_built(&path, &word) {
+            self.line(format_args!("{name} = {value}"));
+        }
+    }
+
+    fn number(&mut self, name: &str, x: f64) {
+        self.pair(name, number(x));
+    }
+
+    fn count(&mut self, name: &str, count: u32) {
+        self.pair(name, i64::from(count));
+    }
+
+    fn vector(&mut self, name: &str, v: [f64; 3]) {
+        self.pair(name, Value::from_iter(v.map(number)));
+    }
+
+    fn maybe(&mut self, name: &str, value: Option<f64>) {
+        if let Some(value) = value {
+            self.number(name, value);
+        }
+    }
+
+    fn hair(&mut self, hair: &Hair) {
+        self.heading("[[hair]]", "hair");
+        self.pair("name", hair.name.as_str());
+        self.count("strands", hair.strands);
+        self.count("points", hair.points);
+        self.number("length", hair.length);
+        self.number("length_variation", hair.length_variation);
+        self.number("radius", hair.radius);
+        self.number("taper", hair.taper);
+        self.number("density", hair.density);
+        self.number("fibres_per_strand", hair.fibres_per_strand);
+        let ratio = match hair.stiffness {
+            Stiffness::Moduli {
+                youngs_modulus,
+                poissons_ratio,
+            } => {
+                self.number("youngs_modulus", youngs_modulus);
+                poissons_ratio
+            }
+            Stiffness::Direct {
+                stretch,
+                bend,
+                twist,
+                poissons_ratio,
+            } => {
+                self.number("stretch_stiffness", stretch);
+                self.number("bend_stiffness", bend);
+                self.number("twist_stiffness", twist);
+                poissons_ratio
+            }
+        };
+        self.number("poissons_ratio", ratio);
+        self.maybe("point_mass", hair.point_mass);
+        if let Some(curl) = hair.curl {
+            self.number("curl_phase", curl.phase);
+            self.heading("[hair.curl]", "hair.curl");
+            self.number("radius", curl.radius);
+            self.number("pitch", curl.pitch);
+        }
+        self.heading("[hair.roots]", "hair.roots");
+        self.pair("shape", hair.roots.shape.word());
+        self.vector("center", hair.roots.center);
+        self.number("radius", hair.roots.radius);
+        self.vector("direction", hair.roots.direction);
+    }
+
+    fn air(&mut self, air: &Air) {
+        self.heading("[air]", "air");
+        self.number("rest_density", air.rest_density);
+        self.number("particle_mass", air.particle_mass);
+        self.number("kernel_radius", air.kernel_radius);
+        self.vector("wind", air.wind);
+        self.number("fringe", air.fringe);
+        self.number("ramp", air.ramp);
+        self.maybe("margin", air.margin);
+        self.number("kinematic_viscosity", air.kinematic_viscosity);
+        if let Some(bounds) = air.bounds {
+            self.heading("[air.box]", "air.box");
+            self.vector("min", bounds.min);
+            self.vector("max", bounds.max);
+        }
+    }
+
+    fn turbulence(&mut self, turbulence: &Turbulence) {
+        self.heading("[turbulence]", "turbulence");
+        self.number("speed", turbulence.speed);
+        self.pair("law", turbulence.law.word());
+        self.pair("filter", turbulence.filter.word());
+        self.number("cutoff", turbulence.cutoff);
+        self.pair("normalise", turbulence.normalise);
+        for band in turbulence
+            .bands
+            .iter()
+            .filter(|_| !Key::not_built("turbulence.bands", ""))
+        {
+            self.heading("[[turbulence.bands]]", "turbulence.bands");
+            self.number("scale", band.scale);
+            self.number("strength", band.strength);
+            self.number("intensity", band.intensity);
+        }
+    }
+}
