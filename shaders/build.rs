@@ -5,7 +5,9 @@
 
 use std::{
     collections::BTreeMap,
-    env, error, fmt::Write as _, fs,
+    env, error,
+    fmt::Write as _,
+    fs,
     path::{Path, PathBuf},
     process::ExitCode,
 };
@@ -21,6 +23,9 @@ const FOLDERS: [&str; 5] = ["grid", "fluid", "rods", "wind", "guard"];
 const STORAGE_BUFFERS: usize = 8;
 /// Structs shared with Rust, which asserts their layout.
 const SHARED: [&str; 4] = ["Params", "Status", "Strand", "Segment"];
+
+/// Per struct: size, and fields with their offsets [bytes].
+type Layouts = BTreeMap<String, (u32, Vec<(String, u32)>)>;
 
 fn main() -> ExitCode {
     match build() {
@@ -39,11 +44,15 @@ fn build() -> Result<(), Box<dyn error::Error>> {
     println!("cargo::rerun-if-changed=common");
 
     let mut table = String::new();
-    let mut layouts = BTreeMap::new();
+    let mut layouts = Layouts::new();
     for folder in FOLDERS {
         println!("cargo::rerun-if-changed={folder}");
-        writeln!(table, "/// Passes of `shaders/{folder}/`.\npub mod {folder} {{\n    use crate::{{Access, Binding, Pass}};")?;
-        let mut files: Vec<_> = fs::read_dir(root.join(folder))?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>()?;
+        writeln!(
+            table,
+            "/// Passes of `shaders/{folder}/`.\npub mod {folder} {{\n    use crate::{{Access, Binding, Pass}};"
+        )?;
+        let mut files: Vec<_> =
+            fs::read_dir(root.join(folder))?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>()?;
         files.sort();
         for file in files.iter().filter(|file| file.extension().is_some_and(|e| e == "wgsl")) {
             let stem = file.file_stem().and_then(|s| s.to_str()).ok_or("a shader's name is not UTF-8")?;
@@ -72,14 +81,22 @@ fn link(root: &Path, name: &str) -> Result<String, Box<dyn error::Error>> {
 }
 
 fn validate(name: &str, text: &str) -> Result<Module, String> {
-    let module = naga::front::wgsl::parse_str(text).map_err(|error| format!("shaders/{name}.wgsl:\n{}", error.emit_to_string(text)))?;
+    let module = naga::front::wgsl::parse_str(text)
+        .map_err(|error| format!("shaders/{name}.wgsl:\n{}", error.emit_to_string(text)))?;
     Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(&module)
         .map_err(|error| format!("shaders/{name}.wgsl:\n{}", error.emit_to_string(text)))?;
     Ok(module)
 }
 
-fn write_pass(table: &mut String, name: &str, stem: &str, file: &Path, target: &str, module: &Module) -> Result<(), Box<dyn error::Error>> {
+fn write_pass(
+    table: &mut String,
+    name: &str,
+    stem: &str,
+    file: &Path,
+    target: &str,
+    module: &Module,
+) -> Result<(), Box<dyn error::Error>> {
     let [entry] = module.entry_points.as_slice() else {
         return Err(format!("shaders/{name}.wgsl: a pass has exactly one entry point").into());
     };
@@ -109,20 +126,32 @@ fn write_pass(table: &mut String, name: &str, stem: &str, file: &Path, target: &
     if bindings.values().filter(|(_, access, _)| *access != "Uniform").count() > STORAGE_BUFFERS {
         return Err(format!("shaders/{name}.wgsl: more than {STORAGE_BUFFERS} storage buffers").into());
     }
-    let first = fs::read_to_string(file)?;
-    let title = first.lines().next().unwrap_or_default().trim_start_matches("// ").replace(['[', ']'], "|");
+    let head = fs::read_to_string(file)?;
+    let head: Vec<_> = head.lines().map_while(|line| line.strip_prefix("// ")).collect();
+    let title = head
+        .join(" ")
+        .split_inclusive(['.', ':'])
+        .next()
+        .unwrap_or_default()
+        .replace(':', ".")
+        .replace(['[', ']'], "|");
     writeln!(table, "    /// {title}")?;
     writeln!(table, "    pub static {}: Pass = Pass {{", stem.to_uppercase())?;
-    writeln!(table, "        name: {name:?}, workgroup: {workgroup}, source: include_str!(concat!(env!(\"OUT_DIR\"), {target:?})),\n        bindings: &[")?;
+    writeln!(
+        table,
+        "        name: {name:?}, workgroup: {workgroup}, source: include_str!(concat!(env!(\"OUT_DIR\"), {target:?})),\n        bindings: &["
+    )?;
     for (binding, (buffer, access, stride)) in &bindings {
-        writeln!(table, "            Binding {{ binding: {binding}, name: {buffer:?}, access: Access::{access}, stride: {stride} }},")?;
+        writeln!(
+            table,
+            "            Binding {{ binding: {binding}, name: {buffer:?}, access: Access::{access}, stride: {stride} }},"
+        )?;
     }
     writeln!(table, "        ],\n    }};")?;
     Ok(())
 }
 
-/// (name, size, fields with offsets) of the structs that Rust fills.
-fn collect_layouts(module: &Module, layouts: &mut BTreeMap<String, (u32, Vec<(String, u32)>)>) {
+fn collect_layouts(module: &Module, layouts: &mut Layouts) {
     for (_, kind) in module.types.iter() {
         let (Some(name), TypeInner::Struct { members, span }) = (&kind.name, &kind.inner) else { continue };
         if SHARED.contains(&name.as_str()) {
@@ -132,12 +161,21 @@ fn collect_layouts(module: &Module, layouts: &mut BTreeMap<String, (u32, Vec<(St
     }
 }
 
-fn write_layouts(table: &mut String, layouts: &BTreeMap<String, (u32, Vec<(String, u32)>)>) -> std::fmt::Result {
-    writeln!(table, "/// Sizes and offsets \\[bytes\\] of the structs that Rust and WGSL share, as naga lays them out.\npub mod layout {{")?;
+fn write_layouts(table: &mut String, layouts: &Layouts) -> std::fmt::Result {
+    writeln!(
+        table,
+        "/// Sizes and offsets \\[bytes\\] of the structs that Rust and WGSL share, as naga lays them out.\npub mod layout {{"
+    )?;
     for (name, (span, fields)) in layouts {
-        writeln!(table, "    /// `{name}`.\n    #[allow(non_snake_case)]\n    pub mod {name} {{\n        /// Size.\n        pub const SIZE: usize = {span};")?;
+        writeln!(
+            table,
+            "    /// `{name}`.\n    #[allow(non_snake_case)]\n    pub mod {name} {{\n        /// Size.\n        pub const SIZE: usize = {span};"
+        )?;
         for (field, offset) in fields {
-            writeln!(table, "        /// Offset.\n        #[allow(non_upper_case_globals)]\n        pub const {field}: usize = {offset};")?;
+            writeln!(
+                table,
+                "        /// Offset.\n        #[allow(non_upper_case_globals)]\n        pub const {field}: usize = {offset};"
+            )?;
         }
         writeln!(table, "    }}")?;
     }

@@ -57,7 +57,11 @@ fn density(initial: &InitialState) -> Vec<f32> {
 fn lattice_densities_are_the_known_sums() {
     let body = [[0.0; 3], [0.5; 3]];
     let face = [[0.0; 3], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]];
-    let cases = [("simple", lattice([8; 3], &SIMPLE), 1.00138), ("body-centred", lattice([6; 3], &body), 1.02301), ("face-centred", lattice([5; 3], &face), 1.02071)];
+    let cases = [
+        ("simple", lattice([8; 3], &SIMPLE), 1.00138),
+        ("body-centred", lattice([6; 3], &body), 1.02301),
+        ("face-centred", lattice([5; 3], &face), 1.02071),
+    ];
     for (name, initial, expected) in cases {
         let ratios = density(&initial);
         let worst = ratios.iter().map(|&ratio| (f64::from(ratio) - expected).abs()).fold(0.0, f64::max);
@@ -97,7 +101,9 @@ fn xsph_damps_a_shear_wave_as_the_lattice_sum_says() {
         let after: Vec<[f32; 4]> = engine.read(&engine.state().viscous_velocity).unwrap();
         let inside = |x: &DVec3| x.x > RADIUS && x.x < initial.air.size.x - RADIUS;
         let (mut product, mut square) = (0.0, 0.0);
-        for ((x, before), after) in initial.air.positions.iter().zip(&velocities).zip(&after).filter(|((x, _), _)| inside(x)) {
+        for ((x, before), after) in
+            initial.air.positions.iter().zip(&velocities).zip(&after).filter(|((x, _), _)| inside(x))
+        {
             let _ = x;
             product += f64::from(before[1]) * f64::from(after[1]);
             square += f64::from(before[1]).powi(2);

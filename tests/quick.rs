@@ -16,7 +16,8 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 
 fn finite(frame: &Frame) -> bool {
     let arrays = [&frame.hair.positions, &frame.hair.velocities, &frame.air.positions, &frame.air.velocities];
-    arrays.iter().all(|array| array.iter().flatten().all(|x| x.is_finite())) && frame.hair.orientations.iter().flatten().all(|x| x.is_finite())
+    arrays.iter().all(|array| array.iter().flatten().all(|x| x.is_finite()))
+        && frame.hair.orientations.iter().flatten().all(|x| x.is_finite())
 }
 
 #[test]
@@ -38,7 +39,9 @@ fn quick_runs_to_its_end_as_it_should() {
         let air = || ratios[hair..].iter().map(|ratio| f64::from(*ratio) - 1.0);
         error = error.max(rms(air()));
         over = over.max(rms(air().map(|e| e.max(0.0))));
-        wind.push(frame.air.velocities.iter().map(|v| f64::from(v[0])).sum::<f64>() / frame.air.velocities.len() as f64);
+        wind.push(
+            frame.air.velocities.iter().map(|v| f64::from(v[0])).sum::<f64>() / frame.air.velocities.len() as f64,
+        );
     }
     let report = simulation.report().unwrap();
     let stretch = report.max_stretch.unwrap();

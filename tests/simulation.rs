@@ -5,7 +5,7 @@ mod support;
 
 use glam::{DQuat, DVec3};
 use support::{RADIUS, VOLUME};
-use windswept::{Engine, Frame, Simulation};
+use windswept::{Engine, Frame, Gpu, Simulation, gpu::wgpu};
 use windswept_scene::{AirParticles, InitialState, Scene, Strands};
 
 /// `n` x `n` straight strands of 0.06 m along +x in a box of 0.10 x 0.06 x 0.06 m, filled with air at rest.
@@ -31,7 +31,8 @@ fn brush(n: usize) -> InitialState {
             hair.rest_length.push(l);
             hair.inverse_inertia.push(2.0 / (mass * l * l));
             hair.stretch_compliance.push(DVec3::new(1.0 / (7.3 * l), 1.0 / (7.3 * l), 1.0 / (20.1 * l)));
-            hair.bend_compliance.push(joint * DVec3::new(1.0 / (4.0 * 8.04e-9), 1.0 / (4.0 * 8.04e-9), 1.0 / (4.0 * 5.83e-9)));
+            hair.bend_compliance
+                .push(joint * DVec3::new(1.0 / (4.0 * 8.04e-9), 1.0 / (4.0 * 8.04e-9), 1.0 / (4.0 * 5.83e-9)));
             hair.rest_rotation.push(DQuat::IDENTITY);
         }
         hair.root_frame.push(frame);
@@ -114,9 +115,16 @@ fn wind_without_hair_stays_uniform() {
     let (frame, _) = run(&windy(), &initial, &[300]);
     let n = frame.air.velocities.len() as f64;
     let mean = frame.air.velocities.iter().map(|v| f64::from(v[0])).sum::<f64>() / n;
-    let noise = frame.air.velocities.iter().map(|v| (f64::from(v[0]) - mean).powi(2) + f64::from(v[1]).powi(2) + f64::from(v[2]).powi(2));
+    let noise = frame
+        .air
+        .velocities
+        .iter()
+        .map(|v| (f64::from(v[0]) - mean).powi(2) + f64::from(v[1]).powi(2) + f64::from(v[2]).powi(2));
     let noise = (noise.sum::<f64>() / n).sqrt();
     println!("mean wind {mean:.4} m/s, noise {noise:.4} m/s rms");
+    let size = initial.air.size.as_vec3().to_array();
+    let inside = |x: &[f32; 3]| (0..3).all(|axis| (0.0..=size[axis]).contains(&x[axis]));
+    assert!(frame.air.positions.iter().all(inside), "air is handed out wrapped into its box");
     assert!((mean / 3.0 - 1.0).abs() < 1e-3, "mean wind {mean}");
     assert!(noise < 0.02, "noise {noise}");
 }
@@ -198,15 +206,7 @@ fn a_violent_point_is_capped() {
 /// On a device of the caller's own, recorded into the caller's encoder: the same bits as `step`.
 #[test]
 fn a_callers_device_and_encoder_give_the_same_bits() {
-    use windswept::{Gpu, gpu::wgpu};
-    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-    descriptor.backends = wgpu::Backends::VULKAN;
-    let instance = wgpu::Instance::new(descriptor);
-    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN));
-    let adapter = adapters.into_iter().find(|adapter| adapter.get_info().name == support::gpu().info().name).unwrap();
-    let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).unwrap();
-    let gpu = Gpu::from_device(&adapter, device.clone(), queue.clone()).unwrap();
-
+    let (gpu, device, queue) = callers_device();
     let mut simulation = Simulation::with_state(&gpu, &windy(), brush(3)).unwrap();
     for _ in 0..4 {
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -217,4 +217,33 @@ fn a_callers_device_and_encoder_give_the_same_bits() {
     let (frame, _) = run(&windy(), &brush(3), &[20]);
     assert_eq!(simulation.steps(), 20);
     assert!(simulation.frame().unwrap() == frame);
+}
+
+/// Steps that were recorded behind one that froze do nothing: the list grows to what that one step needs.
+#[test]
+fn steps_behind_a_frozen_one_do_nothing() {
+    let (gpu, device, queue) = callers_device();
+    let initial = support::particles(600, 60, support::Layout::OneCell, 5);
+    let grown = |steps| {
+        let mut simulation = Simulation::with_state(&gpu, &support::scene(), initial.clone()).unwrap();
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        simulation.record(&mut encoder, steps);
+        queue.submit([encoder.finish()]);
+        simulation.settle().unwrap();
+        assert_eq!(simulation.steps(), 0, "a frozen step was committed");
+        simulation.engine().sizes().neighbours
+    };
+    assert_eq!(grown(5), grown(1));
+}
+
+/// A device that an application would own, on the adapter of the tests.
+fn callers_device() -> (Gpu, wgpu::Device, wgpu::Queue) {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = wgpu::Backends::VULKAN;
+    let instance = wgpu::Instance::new(descriptor);
+    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN));
+    let adapter = adapters.into_iter().find(|adapter| adapter.get_info().name == support::gpu().info().name).unwrap();
+    let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).unwrap();
+    let gpu = Gpu::from_device(&adapter, device.clone(), queue.clone()).unwrap();
+    (gpu, device, queue)
 }

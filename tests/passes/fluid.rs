@@ -33,7 +33,21 @@ fn predict_moves_air_through_the_faces() {
         let s = stage.engine.state();
         stage.write_vectors(&s.velocity, &v);
         stage.run(|r, s, plan| {
-            r.run(&passes::PREDICT, "air moves", plan.sizes.air(), &[&s.params, &s.status, &s.position, &s.velocity, &s.wind_change, &s.predicted, &s.new_velocity, &s.correction]);
+            r.run(
+                &passes::PREDICT,
+                "air moves",
+                plan.sizes.air(),
+                &[
+                    &s.params,
+                    &s.status,
+                    &s.position,
+                    &s.velocity,
+                    &s.wind_change,
+                    &s.predicted,
+                    &s.new_velocity,
+                    &s.correction,
+                ],
+            );
         });
         let first = stage.parameters.hair_points;
         let size = stage.parameters.box_size;
@@ -61,8 +75,12 @@ fn density_is_that_of_the_twin() {
             let twin = &stage.twin;
             // A millionth of density error, at the stiffness of the lattice.
             let softest = 1e-6 / (1e3 * stage.parameters.density_softening);
-            let (theta, lambda) = fluid::density(&stage.parameters, &twin.position, &twin.inverse_mass, &twin.volume, &near);
-            let errors = (relative_numbers(&stage.numbers(&s.density), &theta, 0.1), relative_numbers(&stage.numbers(&s.multiplier), &lambda, softest));
+            let (theta, lambda) =
+                fluid::density(&stage.parameters, &twin.position, &twin.inverse_mass, &twin.volume, &near);
+            let errors = (
+                relative_numbers(&stage.numbers(&s.density), &theta, 0.1),
+                relative_numbers(&stage.numbers(&s.multiplier), &lambda, softest),
+            );
             println!("{what}, tension {tension}: density {:.1e}, multiplier {:.1e}", errors.0, errors.1);
             // Measured at most 7.9e-7 and 9.2e-6; margin 4.
             assert!(errors.0 < 3e-6 && errors.1 < 4e-5, "{what}: {errors:?}");
@@ -97,13 +115,15 @@ fn velocity_is_the_move_over_the_step() {
         let n = stage.twin.position.len();
         let (s, p) = (stage.engine.state(), &stage.parameters);
         let (v, shift) = (stirred(n), stirred(n).iter().map(|v| *v * 1e-3).collect::<Vec<_>>());
-        let after: Vec<[f32; 4]> = stage.twin.position.iter().zip(&shift).map(|(x, dx)| (*x + *dx).as_vec3().extend(0.0).to_array()).collect();
+        let after: Vec<[f32; 4]> =
+            stage.twin.position.iter().zip(&shift).map(|(x, dx)| (*x + *dx).as_vec3().extend(0.0).to_array()).collect();
         stage.engine.write(&s.predicted, &after).unwrap();
         stage.write_vectors(&s.new_velocity, &v);
         stage.write_vectors(&s.correction, &shift);
         stage.run(step::velocity::record);
         let after: Vec<DVec3> = after.iter().map(|x| DVec3::new(x[0].into(), x[1].into(), x[2].into())).collect();
-        let wanted: Vec<DVec3> = (0..n).map(|i| fluid::velocity(p, p.is_air(i), stage.twin.position[i], after[i], v[i], shift[i])).collect();
+        let wanted: Vec<DVec3> =
+            (0..n).map(|i| fluid::velocity(p, p.is_air(i), stage.twin.position[i], after[i], v[i], shift[i])).collect();
         let error = relative(&stage.vectors(&s.new_velocity), &wanted, 1e-3);
         // Measured at most 1.1e-7; margin 5.
         assert!(error < 5e-7, "{what}: {error}");
@@ -112,7 +132,9 @@ fn velocity_is_the_move_over_the_step() {
 
 #[test]
 fn viscosity_and_its_limiter_are_those_of_the_twin() {
-    for (form, coefficient) in [(windswept_scene::ViscosityForm::Limited, 5.0), (windswept_scene::ViscosityForm::Published, 0.3)] {
+    for (form, coefficient) in
+        [(windswept_scene::ViscosityForm::Limited, 5.0), (windswept_scene::ViscosityForm::Published, 0.3)]
+    {
         let mut scene = support::scene();
         scene.viscosity = windswept_scene::Viscosity { hair: coefficient, air: 0.4 * coefficient, form };
         each(&scene, |what, stage, _| {
@@ -126,8 +148,12 @@ fn viscosity_and_its_limiter_are_those_of_the_twin() {
             });
             let (theta, _) = fluid::density(p, &twin.position, &twin.inverse_mass, &twin.volume, &near);
             let exchange = fluid::limit(p, &twin.position, &twin.volume, &near, &theta);
-            let wanted = fluid::viscosity(p, &twin.position, &v, &twin.inverse_mass, &twin.volume, &near, &theta, &exchange);
-            let errors = (relative_numbers(&stage.numbers(&s.exchange), &exchange, 1e-3), relative(&stage.vectors(&s.viscous_velocity), &wanted, 1e-3));
+            let wanted =
+                fluid::viscosity(p, &twin.position, &v, &twin.inverse_mass, &twin.volume, &near, &theta, &exchange);
+            let errors = (
+                relative_numbers(&stage.numbers(&s.exchange), &exchange, 1e-3),
+                relative(&stage.vectors(&s.viscous_velocity), &wanted, 1e-3),
+            );
             println!("{what}, {form:?}: exchange {:.1e}, velocity {:.1e}", errors.0, errors.1);
             // Measured at most 6.4e-7 and 7.5e-7; margin 4.
             assert!(errors.0 < 3e-6 && errors.1 < 3e-6, "{what}: {errors:?}");

@@ -62,7 +62,9 @@ fn assert_same_pairs(initial: &InitialState, lists: &[Vec<u32>], what: &str) {
 #[test]
 fn neighbours_are_those_of_the_pair_test() {
     for n in SIZES {
-        for (hair, layout) in [(0, Layout::Random), (n / 3, Layout::Random), (n / 3, Layout::Lattice), (n / 4, Layout::Clustered)] {
+        for (hair, layout) in
+            [(0, Layout::Random), (n / 3, Layout::Random), (n / 3, Layout::Lattice), (n / 4, Layout::Clustered)]
+        {
             let initial = support::particles(n, hair, layout, n as u64);
             assert_same_pairs(&initial, &neighbours(&initial), &format!("{n} particles, {hair} of hair, {layout:?}"));
         }

@@ -70,7 +70,8 @@ impl Stage {
 
 /// The layouts and the share of hair that passes over particles are tried on, for each of the awkward sizes.
 pub fn crowds() -> impl Iterator<Item = (String, InitialState)> {
-    let cases = |n: usize| [(0, Layout::Random), (n / 3, Layout::Random), (n / 3, Layout::Lattice), (n / 4, Layout::Clustered)];
+    let cases =
+        |n: usize| [(0, Layout::Random), (n / 3, Layout::Random), (n / 3, Layout::Lattice), (n / 4, Layout::Clustered)];
     support::SIZES.into_iter().flat_map(move |n| {
         cases(n).into_iter().map(move |(hair, layout)| {
             (format!("{n} particles, {hair} of hair, {layout:?}"), support::particles(n, hair, layout, n as u64 + 1))

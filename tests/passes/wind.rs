@@ -28,7 +28,10 @@ fn fringe_is_that_of_the_twin() {
             stage.write_vectors(&s.velocity, &v);
             stage.run(step::drive::record);
             let air = stage.parameters.hair_points..stage.twin.position.len();
-            let wanted: Vec<DVec3> = air.clone().map(|i| wind::fringe(&stage.parameters, steps.into(), stage.twin.position[i], v[i])).collect();
+            let wanted: Vec<DVec3> = air
+                .clone()
+                .map(|i| wind::fringe(&stage.parameters, steps.into(), stage.twin.position[i], v[i]))
+                .collect();
             let error = relative(&stage.vectors(&s.wind_change)[air], &wanted, 1e-3);
             println!("wind {wind_speed:?}, step {steps}, {n} particles: {error:.1e}");
             // Measured at most 1e-6; margin 4.

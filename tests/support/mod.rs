@@ -19,7 +19,11 @@ pub fn gpu() -> Gpu {
         let gpu = Gpu::new(&choice).unwrap_or_else(|error| panic!("tests need an adapter: {error}"));
         println!("adapter: {}", gpu.info());
         match asked {
-            Some(name) if name != "software" => assert!(gpu.info().name.to_lowercase().contains(&name.to_lowercase()), "asked for {name}, got {}", gpu.info()),
+            Some(name) if name != "software" => assert!(
+                gpu.info().name.to_lowercase().contains(&name.to_lowercase()),
+                "asked for {name}, got {}",
+                gpu.info()
+            ),
             _ => assert_eq!(gpu.info().kind, "software"),
         }
         gpu
@@ -55,7 +59,14 @@ pub fn scene() -> Scene {
         }),
         model: Model::Particles,
         fluid: Fluid { iterations: 2, relaxation: 0.5, tension: 0.0 },
-        turbulence: Turbulence { bands: Vec::new(), speed: 0.0, law: Law::Band, filter: Filter::Direct, cutoff: 4.5, normalise: false },
+        turbulence: Turbulence {
+            bands: Vec::new(),
+            speed: 0.0,
+            law: Law::Band,
+            filter: Filter::Direct,
+            cutoff: 4.5,
+            normalise: false,
+        },
         viscosity: Viscosity { hair: 1.4, air: 0.014, form: ViscosityForm::Limited },
         rods: Rods {
             solver: Solver::GaussSeidel,
@@ -77,8 +88,9 @@ pub fn strands(positions: &[DVec3], points_per_strand: usize) -> Strands {
         for (k, x) in points.iter().enumerate() {
             hair.positions.push(*x);
             hair.velocities.push(DVec3::ZERO);
-            hair.inverse_mass.push(if k == 0 { 0.0 } else { 1.0 / 1.46e-7 });
-            hair.volume.push(VOLUME);
+            // Masses and volumes differ from air's and from one another.
+            hair.inverse_mass.push(if k == 0 { 0.0 } else { 1.0 / (1.46e-7 * (1 + k % 4) as f64) });
+            hair.volume.push(VOLUME / (1 + k % 3) as f64);
         }
         for pair in points.windows(2) {
             let gap = pair[1] - pair[0];

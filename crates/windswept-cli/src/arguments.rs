@@ -67,10 +67,7 @@ impl SceneOptions {
         let scene = Scene::load_with(&self.path, &self.sets)?;
         if scene.hair.is_empty() {
             // Code may give a groom instead; the command has none.
-            return Err(Failure::Input(format!(
-                "{}: hair: is missing, expected a table [hair]",
-                self.path.display()
-            )));
+            return Err(Failure::Input(format!("{}: hair: is missing, expected a table [hair]", self.path.display())));
         }
         Ok(scene)
     }
@@ -122,18 +119,13 @@ fn format(word: &str) -> Result<Format, String> {
 impl RunOptions {
     /// Whether frames are written at all; refuses what is reserved for later versions.
     pub(crate) fn writes_frames(&self) -> Result<bool, Failure> {
-        let reserved = [
-            ("--checkpoint-every", self.checkpoint_every.is_some()),
-            ("--resume", self.resume),
-        ];
+        let reserved = [("--checkpoint-every", self.checkpoint_every.is_some()), ("--resume", self.resume)];
         if let Some((flag, _)) = reserved.iter().find(|(_, given)| *given) {
             return Err(Failure::Input(format!("{flag}: not in this version")));
         }
         match self.formats[..] {
             [Format::None] => Ok(false),
-            _ if self.formats.contains(&Format::None) => {
-                Err(Failure::Input("--formats: none stands alone".into()))
-            }
+            _ if self.formats.contains(&Format::None) => Err(Failure::Input("--formats: none stands alone".into())),
             _ => Ok(true),
         }
     }

@@ -40,11 +40,7 @@ impl<'a> Console<'a> {
     pub(crate) fn usage(&mut self, usage: &clap::Error) -> u8 {
         let text = usage.render();
         if usage.use_stderr() {
-            let _ = if self.terminal {
-                write!(self.err, "{}", text.ansi())
-            } else {
-                write!(self.err, "{text}")
-            };
+            let _ = if self.terminal { write!(self.err, "{}", text.ansi()) } else { write!(self.err, "{text}") };
         } else {
             let _ = write!(self.out, "{text}");
         }

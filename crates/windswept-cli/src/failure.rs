@@ -87,18 +87,13 @@ struct Drawing<'a> {
 
 impl<'a> Drawing<'a> {
     fn of(error: &'a SceneError) -> Self {
-        Self {
-            error,
-            text: NamedSource::new(error.source_name(), error.source_text().to_owned()),
-        }
+        Self { error, text: NamedSource::new(error.source_name(), error.source_text().to_owned()) }
     }
 }
 
 impl Display for Drawing<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.error
-            .key()
-            .map_or(Ok(()), |key| write!(f, "{key}: "))?;
+        self.error.key().map_or(Ok(()), |key| write!(f, "{key}: "))?;
         f.write_str(self.error.message())
     }
 }
@@ -116,8 +111,6 @@ impl Diagnostic for Drawing<'_> {
     }
 
     fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
-        self.error
-            .help()
-            .map(|help| Box::new(help) as Box<dyn Display>)
+        self.error.help().map(|help| Box::new(help) as Box<dyn Display>)
     }
 }

@@ -11,11 +11,7 @@ use crate::failure::Failure;
 use crate::schedule::Schedule;
 
 /// `windswept check`: what was understood, and what a run would take.
-pub(crate) fn check(
-    options: &SceneOptions,
-    explain: bool,
-    console: &mut Console<'_>,
-) -> Result<(), Failure> {
+pub(crate) fn check(options: &SceneOptions, explain: bool, console: &mut Console<'_>) -> Result<(), Failure> {
     let scene = options.load()?;
     let initial = InitialState::new(&scene)?;
     if explain {
@@ -25,12 +21,7 @@ pub(crate) fn check(
     for (what, value) in summary(&scene, &initial) {
         console.print(format_args!("{what:<9} {value}"));
     }
-    for warning in initial
-        .warnings
-        .iter()
-        .cloned()
-        .chain(Schedule::warning(&scene.time))
-    {
+    for warning in initial.warnings.iter().cloned().chain(Schedule::warning(&scene.time)) {
         console.warn(warning);
     }
     Ok(())
@@ -39,10 +30,7 @@ pub(crate) fn check(
 fn summary(scene: &Scene, initial: &InitialState) -> Vec<(&'static str, String)> {
     let schedule = Schedule::new(&scene.time, None);
     let (hair, air) = (&initial.hair, &initial.air);
-    let mut rows = vec![
-        ("scene", scene.title.clone()),
-        ("method", method(scene.method).into()),
-    ];
+    let mut rows = vec![("scene", scene.title.clone()), ("method", method(scene.method).into())];
     rows.push((
         "time",
         format!(
@@ -50,18 +38,11 @@ fn summary(scene: &Scene, initial: &InitialState) -> Vec<(&'static str, String)>
             scene.time.duration,
             schedule.steps,
             scene.time.step * 1e3,
-            if scene.time.substeps > 1 {
-                format!(" in {} substeps", scene.time.substeps)
-            } else {
-                String::new()
-            },
+            if scene.time.substeps > 1 { format!(" in {} substeps", scene.time.substeps) } else { String::new() },
             schedule.frames,
         ),
     ));
-    rows.push((
-        "hair",
-        format!("{} strands, {} points", hair.len(), hair.positions.len()),
-    ));
+    rows.push(("hair", format!("{} strands, {} points", hair.len(), hair.positions.len())));
     rows.push((
         "air",
         match (&scene.air, air.positions.len()) {
@@ -69,10 +50,7 @@ fn summary(scene: &Scene, initial: &InitialState) -> Vec<(&'static str, String)>
             (Some(settings), n) => format!(
                 "{n} particles {:.3} mm apart in {} m, kernel radius {:.3} mm, {:.4} mg each",
                 air.volume.cbrt() * 1e3,
-                air.size
-                    .to_array()
-                    .map(|side| format!("{side:.4}"))
-                    .join(" x "),
+                air.size.to_array().map(|side| format!("{side:.4}")).join(" x "),
                 settings.kernel_radius * 1e3,
                 air.mass * 1e6,
             ),
@@ -81,22 +59,12 @@ fn summary(scene: &Scene, initial: &InitialState) -> Vec<(&'static str, String)>
     if let Some(settings) = &scene.air {
         rows.push((
             "wind",
-            format!(
-                "({}) m/s, over {} s",
-                settings.wind.map(|u| u.to_string()).join(", "),
-                settings.ramp
-            ),
+            format!("({}) m/s, over {} s", settings.wind.map(|u| u.to_string()).join(", "), settings.ramp),
         ));
     }
     let engine = State::new(&Params::new(scene, initial, 0).sizes());
     let bytes: u64 = engine.arrays().iter().map(|array| array.bytes()).sum();
-    rows.push((
-        "memory",
-        format!(
-            "{:.1} MB on the GPU, and the neighbour list",
-            bytes as f64 * 1e-6
-        ),
-    ));
+    rows.push(("memory", format!("{:.1} MB on the GPU, and the neighbour list", bytes as f64 * 1e-6)));
     rows
 }
 
@@ -110,9 +78,7 @@ fn method(method: Method) -> &'static str {
 /// `windswept plan`: the passes of a step in order, under the step's headings.
 pub(crate) fn plan(options: &SceneOptions, console: &mut Console<'_>) -> Result<(), Failure> {
     let rows = windswept::plan::table(&options.load()?)?;
-    let width = |of: fn(&windswept::PlanRow) -> &str| {
-        rows.iter().map(|row| of(row).len()).max().unwrap_or(0)
-    };
+    let width = |of: fn(&windswept::PlanRow) -> &str| rows.iter().map(|row| of(row).len()).max().unwrap_or(0);
     let (pass, label) = (width(|row| row.pass), width(|row| row.label));
     let mut heading = "";
     for row in &rows {
@@ -124,10 +90,7 @@ pub(crate) fn plan(options: &SceneOptions, console: &mut Console<'_>) -> Result<
             Some(why) => format!("skipped: {why}"),
             None => format!("runs {} x", row.runs),
         };
-        console.print(format_args!(
-            "  {:<pass$}  {:<label$}  {does}",
-            row.pass, row.label
-        ));
+        console.print(format_args!("  {:<pass$}  {:<label$}  {does}", row.pass, row.label));
     }
     Ok(())
 }

@@ -19,21 +19,12 @@ pub(crate) struct Interrupt {
 
 impl Interrupt {
     pub(crate) fn listen() -> io::Result<Self> {
-        let mut interrupt = Self {
-            asked: Arc::default(),
-            handlers: Vec::new(),
-        };
+        let mut interrupt = Self { asked: Arc::default(), handlers: Vec::new() };
         for signal in [SIGINT, SIGTERM] {
             // In this order: the first signal finds the flag unset, goes past the exit and sets it.
-            let exit = flag::register_conditional_shutdown(
-                signal,
-                STATUS.into(),
-                interrupt.asked.clone(),
-            )?;
+            let exit = flag::register_conditional_shutdown(signal, STATUS.into(), interrupt.asked.clone())?;
             interrupt.handlers.push(exit);
-            interrupt
-                .handlers
-                .push(flag::register(signal, interrupt.asked.clone())?);
+            interrupt.handlers.push(flag::register(signal, interrupt.asked.clone())?);
         }
         Ok(interrupt)
     }

@@ -28,15 +28,10 @@ use crate::failure::Failure;
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     // A defect of ours still ends in a sentence and a status, not in a backtrace.
     set_hook(Box::new(|defect| {
-        let _ = writeln!(
-            stderr(),
-            "error: windswept has a defect, please report this: {defect}"
-        );
+        let _ = writeln!(stderr(), "error: windswept has a defect, please report this: {defect}");
     }));
     let terminal = stderr().is_terminal();
-    let status = catch_unwind(AssertUnwindSafe(|| {
-        run_on(arguments, &mut stdout(), &mut stderr(), terminal)
-    }));
+    let status = catch_unwind(AssertUnwindSafe(|| run_on(arguments, &mut stdout(), &mut stderr(), terminal)));
     ExitCode::from(status.unwrap_or(1))
 }
 

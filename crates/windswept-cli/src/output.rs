@@ -21,29 +21,18 @@ pub(crate) struct Output {
 
 impl Output {
     /// Refuses a folder that holds something already (unless it may be overwritten), and paths that cannot be.
-    pub(crate) fn check(
-        dir: &Path,
-        overwrite: bool,
-        report: Option<&Path>,
-    ) -> Result<Self, Failure> {
-        let refuse =
-            |path: &Path, why: &str| Err(Failure::Input(format!("{}: {why}", path.display())));
+    pub(crate) fn check(dir: &Path, overwrite: bool, report: Option<&Path>) -> Result<Self, Failure> {
+        let refuse = |path: &Path, why: &str| Err(Failure::Input(format!("{}: {why}", path.display())));
         match fs::read_dir(dir).map(|mut entries| entries.next().is_some()) {
             Ok(true) if !overwrite => {
-                return refuse(
-                    dir,
-                    "not empty; --overwrite replaces what an earlier run left there",
-                );
+                return refuse(dir, "not empty; --overwrite replaces what an earlier run left there");
             }
             Ok(_) => {}
             Err(error) if error.kind() == ErrorKind::NotFound => {}
             Err(error) => return refuse(dir, &error.to_string()),
         }
         if let Some(report) = report {
-            let folder = report
-                .parent()
-                .filter(|p| !p.as_os_str().is_empty())
-                .unwrap_or(Path::new("."));
+            let folder = report.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
             if report.is_dir() {
                 return refuse(report, "is a folder; --report takes a file");
             }
@@ -51,16 +40,12 @@ impl Output {
                 return refuse(folder, "no such folder (for --report)");
             }
         }
-        Ok(Self {
-            dir: dir.into(),
-            report: report.map(PathBuf::from),
-        })
+        Ok(Self { dir: dir.into(), report: report.map(PathBuf::from) })
     }
 
     /// Makes the folder, clears away an earlier run's files, and writes the scene as it runs.
     pub(crate) fn create(&self, scene: &str) -> Result<(), Failure> {
-        fs::create_dir_all(&self.dir)
-            .map_err(|e| Failure::Input(format!("{}: {e}", self.dir.display())))?;
+        fs::create_dir_all(&self.dir).map_err(|e| Failure::Input(format!("{}: {e}", self.dir.display())))?;
         for name in [HAIR, AIR, REPORT, SCENE] {
             let path = self.dir.join(name);
             match fs::remove_file(&path) {
@@ -86,9 +71,7 @@ impl Output {
     /// Writes report.json, and the copy that was asked for.
     pub(crate) fn write_report(&self, report: &str) -> Result<(), Failure> {
         write(&self.dir.join(REPORT), report)?;
-        self.report
-            .as_deref()
-            .map_or(Ok(()), |path| write(path, report))
+        self.report.as_deref().map_or(Ok(()), |path| write(path, report))
     }
 }
 

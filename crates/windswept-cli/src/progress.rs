@@ -22,18 +22,10 @@ impl Progress {
         let bar = terminal.then(|| {
             let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr());
             // A template that does not parse leaves the default bar.
-            bar.set_style(
-                ProgressStyle::with_template(style)
-                    .unwrap_or_else(|_| ProgressStyle::default_bar()),
-            );
+            bar.set_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()));
             bar
         });
-        Self {
-            bar,
-            steps,
-            started: Instant::now(),
-            last_line: Instant::now(),
-        }
+        Self { bar, steps, started: Instant::now(), last_line: Instant::now() }
     }
 
     /// `time` is the simulated time [s].

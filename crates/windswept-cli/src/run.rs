@@ -19,33 +19,18 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     let scene = options.scene.load()?;
     let initial = InitialState::new(&scene)?;
     let output = Output::check(&options.out, options.overwrite, options.report.as_deref())?;
-    for warning in initial
-        .warnings
-        .iter()
-        .cloned()
-        .chain(Schedule::warning(&scene.time))
-    {
+    for warning in initial.warnings.iter().cloned().chain(Schedule::warning(&scene.time)) {
         console.warn(warning);
     }
     let gpu = Gpu::new(&AdapterChoice::from_flag(options.adapter.as_deref()))?;
     console.note(format_args!("running on {}", gpu.info()));
     let simulation = Simulation::with_state(&gpu, &scene, initial)?;
     let schedule = Schedule::new(&scene.time, options.steps);
-    let interrupt = Interrupt::listen()
-        .map_err(|e| Failure::Run(format!("Ctrl-C cannot be listened to: {e}")))?;
+    let interrupt = Interrupt::listen().map_err(|e| Failure::Run(format!("Ctrl-C cannot be listened to: {e}")))?;
 
     output.create(scene.text())?;
-    let films = if writes_frames {
-        Films::start(&output, &simulation, &schedule)?
-    } else {
-        Films::default()
-    };
-    let mut run = Run {
-        simulation,
-        schedule,
-        films,
-        next_frame: 0,
-    };
+    let films = if writes_frames { Films::start(&output, &simulation, &schedule)? } else { Films::default() };
+    let mut run = Run { simulation, schedule, films, next_frame: 0 };
     let started = Instant::now();
     let mut progress = Progress::new(schedule.steps, console.terminal);
     let stepped = run.step_to_the_end(&interrupt, &mut progress, console);
@@ -59,11 +44,7 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     output.write_report(&json(&report)?)?;
     // The scene's own warnings were given at the start.
     let given = &run.simulation.initial().warnings;
-    for (cause, count) in report
-        .warnings
-        .iter()
-        .filter(|(cause, _)| !given.contains(cause))
-    {
+    for (cause, count) in report.warnings.iter().filter(|(cause, _)| !given.contains(cause)) {
         console.warn(format_args!("{cause}: {count}"));
     }
     let done = format!(
@@ -73,10 +54,7 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
         report.steps,
         schedule.steps,
         started.elapsed().as_secs_f64(),
-        report
-            .ms_per_step
-            .map(|ms| format!(" ({ms:.1} ms a step)"))
-            .unwrap_or_default(),
+        report.ms_per_step.map(|ms| format!(" ({ms:.1} ms a step)")).unwrap_or_default(),
     );
     if report.steps < schedule.steps {
         return Err(Failure::Interrupted(format!("interrupted; {done}")));
@@ -103,8 +81,7 @@ impl Run {
         // Steps at a time: one that stays short enough for Ctrl-C and the bar to feel immediate.
         let mut batch = 1;
         loop {
-            if self.next_frame < self.schedule.frames
-                && self.schedule.step(self.next_frame) == self.simulation.steps()
+            if self.next_frame < self.schedule.frames && self.schedule.step(self.next_frame) == self.simulation.steps()
             {
                 self.films.append(&self.simulation)?;
                 self.next_frame += 1;
@@ -132,33 +109,20 @@ const BATCH: Duration = Duration::from_millis(250);
 struct Films(Vec<VtkHdfWriter>);
 
 impl Films {
-    fn start(
-        output: &Output,
-        simulation: &Simulation,
-        schedule: &Schedule,
-    ) -> Result<Self, Failure> {
+    fn start(output: &Output, simulation: &Simulation, schedule: &Schedule) -> Result<Self, Failure> {
         let frame = simulation.frame()?;
         let scene = simulation.scene();
         let adapter = simulation.engine().gpu().info().to_string();
-        let provenance = Provenance {
-            scene: scene.text(),
-            version: env!("CARGO_PKG_VERSION"),
-            adapter: &adapter,
-            seed: scene.seed,
-        };
+        let provenance =
+            Provenance { scene: scene.text(), version: env!("CARGO_PKG_VERSION"), adapter: &adapter, seed: scene.seed };
         let wanted = [
             (output.hair(), Kind::Hair, frame.hair.positions.is_empty()),
             (output.air(), Kind::Air, frame.air.positions.is_empty()),
         ];
         // More frames than memory can count fit into no file, and the writer says so.
         let frames = usize::try_from(schedule.frames).unwrap_or(usize::MAX);
-        let create =
-            |(path, kind, _)| VtkHdfWriter::create(path, kind, &frame, frames, &provenance);
-        let films = wanted
-            .into_iter()
-            .filter(|(_, _, empty)| !empty)
-            .map(create)
-            .collect::<Result<_, _>>()?;
+        let create = |(path, kind, _)| VtkHdfWriter::create(path, kind, &frame, frames, &provenance);
+        let films = wanted.into_iter().filter(|(_, _, empty)| !empty).map(create).collect::<Result<_, _>>()?;
         Ok(Self(films))
     }
 
@@ -167,17 +131,11 @@ impl Films {
             return Ok(());
         }
         let frame = simulation.frame()?;
-        self.0
-            .iter_mut()
-            .try_for_each(|film| film.append(&frame))
-            .map_err(Failure::from)
+        self.0.iter_mut().try_for_each(|film| film.append(&frame)).map_err(Failure::from)
     }
 
     fn finish(self) -> Result<(), Failure> {
-        self.0
-            .into_iter()
-            .map(VtkHdfWriter::finish)
-            .collect::<Result<Vec<()>, _>>()?;
+        self.0.into_iter().map(VtkHdfWriter::finish).collect::<Result<Vec<()>, _>>()?;
         Ok(())
     }
 }
@@ -187,12 +145,8 @@ fn json(report: &Report) -> Result<String, Failure> {
     let defect = |e: serde_json::Error| Failure::Run(format!("the report cannot be written: {e}"));
     let value = serde_json::to_value(report).map_err(defect)?;
     match not_finite(&value) {
-        Some(key) => Err(Failure::Run(format!(
-            "the run ended with a {key} that is not finite"
-        ))),
-        None => serde_json::to_string_pretty(&value)
-            .map(|text| text + "\n")
-            .map_err(defect),
+        Some(key) => Err(Failure::Run(format!("the run ended with a {key} that is not finite"))),
+        None => serde_json::to_string_pretty(&value).map(|text| text + "\n").map_err(defect),
     }
 }
 
@@ -200,20 +154,11 @@ fn json(report: &Report) -> Result<String, Failure> {
 fn not_finite(value: &serde_json::Value) -> Option<String> {
     use serde_json::Value::{Array, Null, Object};
     let inside = |key: String, value| {
-        not_finite(value).map(|rest| {
-            if rest.is_empty() {
-                key.clone()
-            } else {
-                format!("{key}.{rest}")
-            }
-        })
+        not_finite(value).map(|rest| if rest.is_empty() { key.clone() } else { format!("{key}.{rest}") })
     };
     match value {
         Null => Some(String::new()),
-        Array(items) => items
-            .iter()
-            .enumerate()
-            .find_map(|(i, item)| inside(i.to_string(), item)),
+        Array(items) => items.iter().enumerate().find_map(|(i, item)| inside(i.to_string(), item)),
         Object(map) => map.iter().find_map(|(key, item)| inside(key.clone(), item)),
         _ => None,
     }
@@ -228,13 +173,9 @@ mod tests {
     /// What serde writes for a NaN is found and named, however deep.
     #[test]
     fn a_number_that_is_not_finite_is_named() {
-        let report =
-            json!({ "steps": 3, "momentum": [0.0, f64::NAN, 0.0], "passes": [{ "ms": 1.0 }] });
+        let report = json!({ "steps": 3, "momentum": [0.0, f64::NAN, 0.0], "passes": [{ "ms": 1.0 }] });
         assert_eq!(not_finite(&report).as_deref(), Some("momentum.1"));
-        assert_eq!(
-            not_finite(&json!({ "passes": [{ "ms": f64::INFINITY }] })).as_deref(),
-            Some("passes.0.ms")
-        );
+        assert_eq!(not_finite(&json!({ "passes": [{ "ms": f64::INFINITY }] })).as_deref(), Some("passes.0.ms"));
         assert_eq!(not_finite(&json!({ "steps": 3, "warnings": {} })), None);
     }
 }

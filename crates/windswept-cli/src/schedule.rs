@@ -18,18 +18,11 @@ impl Schedule {
     pub(crate) fn new(time: &Time, steps: Option<u64>) -> Self {
         let steps = steps.unwrap_or_else(|| (time.duration / time.step).round() as u64);
         let steps_per_frame = (1.0 / (time.frame_rate * time.step)).max(1.0);
-        let mut schedule = Self {
-            steps,
-            frames: 1,
-            steps_per_frame,
-        };
+        let mut schedule = Self { steps, frames: 1, steps_per_frame };
         // The largest k with step(k) <= steps, and frame 0; a float quotient is at most one off.
         let guess = ((steps as f64 + 0.5) / steps_per_frame) as u64;
-        schedule.frames = (guess.saturating_sub(1)..=guess + 1)
-            .rev()
-            .find(|k| schedule.step(*k) <= steps)
-            .unwrap_or(0)
-            + 1;
+        schedule.frames =
+            (guess.saturating_sub(1)..=guess + 1).rev().find(|k| schedule.step(*k) <= steps).unwrap_or(0) + 1;
         schedule
     }
 
@@ -54,12 +47,7 @@ mod tests {
     use super::*;
 
     fn time(step: f64, duration: f64, frame_rate: f64) -> Time {
-        Time {
-            step,
-            substeps: 1,
-            duration,
-            frame_rate,
-        }
+        Time { step, substeps: 1, duration, frame_rate }
     }
 
     /// The paper's step at 60 frames a second: 725 steps in a second, frame 1 after round(12.077) = 12 steps.
@@ -67,10 +55,7 @@ mod tests {
     fn frames_fall_on_the_nearest_steps() {
         let schedule = Schedule::new(&time(1.38e-3, 1.0, 60.0), None);
         assert_eq!((schedule.steps, schedule.frames), (725, 61));
-        assert_eq!(
-            [0, 1, 2, 30, 60].map(|k| schedule.step(k)),
-            [0, 12, 24, 362, 725]
-        );
+        assert_eq!([0, 1, 2, 30, 60].map(|k| schedule.step(k)), [0, 12, 24, 362, 725]);
     }
 
     /// A frame rate above the step rate exports each step once.
@@ -90,14 +75,8 @@ mod tests {
         for steps in 0..2000 {
             for rate in [1.0, 24.0, 60.0, 724.0, 725.0, 3000.0] {
                 let schedule = Schedule::new(&time(1.38e-3, 9.0, rate), Some(steps));
-                assert!(
-                    schedule.step(schedule.frames - 1) <= steps,
-                    "{steps} steps at {rate}/s"
-                );
-                assert!(
-                    schedule.step(schedule.frames) > steps,
-                    "{steps} steps at {rate}/s"
-                );
+                assert!(schedule.step(schedule.frames - 1) <= steps, "{steps} steps at {rate}/s");
+                assert!(schedule.step(schedule.frames) > steps, "{steps} steps at {rate}/s");
             }
         }
     }

@@ -96,10 +96,7 @@ impl VtkHdfWriter {
     ) -> Result<Self, ExportError> {
         let path = path.as_ref().to_path_buf();
         let points = arrays(kind, frame).0.len();
-        let misfit = |problem: String| ExportError::Frame {
-            path: path.clone(),
-            problem,
-        };
+        let misfit = |problem: String| ExportError::Frame { path: path.clone(), problem };
         if points == 0 {
             let what = match kind {
                 Kind::Hair => "strands",
@@ -121,11 +118,7 @@ impl VtkHdfWriter {
         // HDF5 would empty the file under the hands of whoever has it open.
         match std::fs::remove_file(&path) {
             Err(e) if e.kind() != ErrorKind::NotFound => {
-                return Err(ExportError::File {
-                    path,
-                    doing: "could not be replaced",
-                    reason: e.to_string(),
-                });
+                return Err(ExportError::File { path, doing: "could not be replaced", reason: e.to_string() });
             }
             _ => {}
         }
@@ -157,11 +150,7 @@ impl VtkHdfWriter {
         })?;
         let (positions, velocities) = arrays(self.kind, frame);
         per_point(&frame.hair, &self.strands, &mut self.orientations);
-        let rows = Rows {
-            positions,
-            velocities,
-            orientations: &self.orientations,
-        };
+        let rows = Rows { positions, velocities, orientations: &self.orientations };
         self.layout
             .write(self.written, &rows)
             .and_then(|()| self.layout.show(self.written, frame.time))
@@ -176,9 +165,7 @@ impl VtkHdfWriter {
     /// # Errors
     /// [`ExportError::File`] if what is left in memory cannot be written.
     pub fn finish(self) -> Result<(), ExportError> {
-        self.layout
-            .flush()
-            .map_err(|e| failed(&self.path, "could not be closed", &e))
+        self.layout.flush().map_err(|e| failed(&self.path, "could not be closed", &e))
     }
 
     /// Size of the file \[bytes\] for this many frames like this one, without its headers, about 30 kB, and the text of
@@ -188,17 +175,11 @@ impl VtkHdfWriter {
         let points = arrays(kind, frame).0.len() as u64;
         // Per point and frame; per frame (Values and the numbers in Steps); the cells, once.
         let (point, step, cells) = match kind {
-            Kind::Hair => (
-                4 * (3 + 3 + 4),
-                8 * (7 + 2 * 4),
-                frame.hair.offsets.len() as u64 * 12,
-            ),
+            Kind::Hair => (4 * (3 + 3 + 4), 8 * (7 + 2 * 4), frame.hair.offsets.len() as u64 * 12),
             Kind::Air => (4 * (3 + 3), 8 * (5 + 2 * 4), points * 8),
         };
         let per_frame = points.saturating_mul(point).saturating_add(step);
-        (frames as u64)
-            .saturating_mul(per_frame)
-            .saturating_add(cells + points * 8)
+        (frames as u64).saturating_mul(per_frame).saturating_add(cells + points * 8)
     }
 
     /// Whether this frame is the file's next, else what is wrong with it.
@@ -222,17 +203,12 @@ impl VtkHdfWriter {
             let segments = self.points + 1 - self.strands.len();
             if frame.hair.orientations.len() != segments {
                 let has = frame.hair.orientations.len();
-                return Err(format!(
-                    "has {has} orientations, the file {segments} segments"
-                ));
+                return Err(format!("has {has} orientations, the file {segments} segments"));
             }
         }
         // Equal times are fine: at a frame rate above 1/Δt a step is exported more than once.
         if !(frame.time.is_finite() && frame.time >= self.last_time) {
-            return Err(format!(
-                "is at {} s, the one before at {} s",
-                frame.time, self.last_time
-            ));
+            return Err(format!("is at {} s, the one before at {} s", frame.time, self.last_time));
         }
         Ok(())
     }
@@ -255,11 +231,7 @@ fn checked_strands(hair: &HairFrame) -> Result<Vec<u32>, String> {
             hair.positions.len()
         ));
     }
-    match hair
-        .offsets
-        .windows(2)
-        .position(|w| w[1] < w[0].saturating_add(2))
-    {
+    match hair.offsets.windows(2).position(|w| w[1] < w[0].saturating_add(2)) {
         Some(strand) => Err(format!("strand {strand} has fewer than two points")),
         None => Ok(hair.offsets.clone()),
     }
@@ -279,14 +251,10 @@ fn per_point(hair: &HairFrame, strands: &[u32], orientations: &mut Vec<[f32; 4]>
 fn failed(path: &Path, doing: &'static str, reason: &hdf5::Error) -> ExportError {
     // HDF5 wraps the system's words in its own, with time stamps and addresses.
     let words = reason.to_string();
-    let system = words
-        .split_once("error message = '")
-        .and_then(|(_, rest)| rest.split_once('\''));
+    let system = words.split_once("error message = '").and_then(|(_, rest)| rest.split_once('\''));
     ExportError::File {
         path: path.to_path_buf(),
         doing,
-        reason: system
-            .map_or(words.as_str(), |(system, _)| system)
-            .to_string(),
+        reason: system.map_or(words.as_str(), |(system, _)| system).to_string(),
     }
 }

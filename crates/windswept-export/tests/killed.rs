@@ -45,10 +45,7 @@ fn killed_while_writing() {
         std::thread::sleep(Duration::from_micros(13 * moment as u64));
         victim.kill();
         let finished = finished(&path);
-        assert!(
-            (moment..FRAMES).contains(&finished),
-            "{finished} frames, {moment} reported, {FRAMES} announced"
-        );
+        assert!((moment..FRAMES).contains(&finished), "{finished} frames, {moment} reported, {FRAMES} announced");
         assert_holds(&path, Kind::Hair, &film(finished));
     }
 }
@@ -75,18 +72,9 @@ impl Victim {
         let mut output = BufReader::new(process.stdout.take().unwrap()).lines();
         let sign = format!("appended {reported}");
         // libtest's own "test … " stands before the first in the same line.
-        let found = output
-            .by_ref()
-            .map_while(Result::ok)
-            .any(|line| line.ends_with(&sign));
-        assert!(
-            found,
-            "the victim ended before it had appended {reported} frames"
-        );
-        Self {
-            process,
-            _output: output,
-        }
+        let found = output.by_ref().map_while(Result::ok).any(|line| line.ends_with(&sign));
+        assert!(found, "the victim ended before it had appended {reported} frames");
+        Self { process, _output: output }
     }
 
     fn kill(mut self) {
@@ -97,8 +85,7 @@ impl Victim {
 
 fn write_until_killed(orders: &str) -> ! {
     let (appended, path) = orders.split_once(' ').unwrap();
-    let mut writer =
-        VtkHdfWriter::create(path, Kind::Hair, &frame(0), FRAMES, &PROVENANCE).unwrap();
+    let mut writer = VtkHdfWriter::create(path, Kind::Hair, &frame(0), FRAMES, &PROVENANCE).unwrap();
     println!("appended 0");
     for k in 0..appended.parse().unwrap() {
         writer.append(&frame(k)).unwrap();

@@ -11,17 +11,9 @@ use windswept_export::{Kind, Provenance, VtkHdfWriter};
 fn memory_does_not_grow_with_the_film() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("air.vtkhdf");
-    let provenance = Provenance {
-        scene: "",
-        version: "",
-        adapter: "",
-        seed: 1,
-    };
+    let provenance = Provenance { scene: "", version: "", adapter: "", seed: 1 };
     let mut frame = Frame {
-        air: AirFrame {
-            positions: vec![[0.1; 3]; 2000],
-            velocities: vec![[3.0, 0.0, 0.0]; 2000],
-        },
+        air: AirFrame { positions: vec![[0.1; 3]; 2000], velocities: vec![[3.0, 0.0, 0.0]; 2000] },
         ..Frame::default()
     };
     let mut writer = VtkHdfWriter::create(&path, Kind::Air, &frame, 2100, &provenance).unwrap();
@@ -36,18 +28,12 @@ fn memory_does_not_grow_with_the_film() {
     writer.finish().unwrap();
     let grown = after.saturating_sub(before);
     // Measured 0 kB; a writer that keeps its frames adds 96 000.
-    assert!(
-        grown < 2048,
-        "{before} kB after 100 frames, {grown} kB more after 2100"
-    );
+    assert!(grown < 2048, "{before} kB after 100 frames, {grown} kB more after 2100");
 }
 
 /// Memory of this process that is in RAM [kB].
 fn resident() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
-    let line = status
-        .lines()
-        .find(|line| line.starts_with("VmRSS:"))
-        .unwrap();
+    let line = status.lines().find(|line| line.starts_with("VmRSS:")).unwrap();
     line.split_whitespace().nth(1).unwrap().parse().unwrap()
 }

@@ -18,24 +18,14 @@ type Spoil = fn(&mut Frame);
 fn frames_of_another_size_are_refused() {
     let faults: [(Kind, &str, Spoil); 9] = [
         (Kind::Hair, "9 positions", |f| f.hair.positions.truncate(9)),
-        (Kind::Hair, "9 velocities", |f| {
-            f.hair.velocities.truncate(9)
-        }),
-        (Kind::Hair, "6 orientations", |f| {
-            f.hair.orientations.truncate(6)
-        }),
+        (Kind::Hair, "9 velocities", |f| f.hair.velocities.truncate(9)),
+        (Kind::Hair, "6 orientations", |f| f.hair.orientations.truncate(6)),
         (Kind::Hair, "other lengths", |f| f.hair.offsets[1] = 3),
-        (Kind::Hair, "other lengths", |f| {
-            f.hair.offsets = vec![0, 7, 10]
-        }),
+        (Kind::Hair, "other lengths", |f| f.hair.offsets = vec![0, 7, 10]),
         (Kind::Air, "6 positions", |f| f.air.positions.truncate(6)),
-        (Kind::Air, "8 velocities", |f| {
-            f.air.velocities.push([0.0; 3])
-        }),
+        (Kind::Air, "8 velocities", |f| f.air.velocities.push([0.0; 3])),
         (Kind::Air, "at NaN s", |f| f.time = f64::NAN),
-        (Kind::Air, "at 0.01 s, the one before at 0.01656 s", |f| {
-            f.time = 0.01
-        }),
+        (Kind::Air, "at 0.01 s, the one before at 0.01656 s", |f| f.time = 0.01),
     ];
     let folder = tempfile::tempdir().unwrap();
     for (kind, words, spoil) in faults {
@@ -47,10 +37,7 @@ fn frames_of_another_size_are_refused() {
         spoil(&mut spoilt);
         expect(writer.append(&spoilt), &["film.vtkhdf", "frame 2", words]);
         writer.append(&frame(2)).unwrap();
-        expect(
-            writer.append(&frame(3)),
-            &["film.vtkhdf", "frame 3", "the 3 announced"],
-        );
+        expect(writer.append(&frame(3)), &["film.vtkhdf", "frame 3", "the 3 announced"]);
         writer.finish().unwrap();
         assert_holds(&path, kind, &film(3));
     }
@@ -61,24 +48,12 @@ fn frames_of_another_size_are_refused() {
 fn senseless_layouts_are_refused() {
     let faults: [(Kind, usize, &str, Spoil); 8] = [
         (Kind::Hair, 2, "no strands", |f| f.hair = Default::default()),
-        (Kind::Air, 2, "no air particles", |f| {
-            f.air = Default::default()
-        }),
-        (Kind::Hair, 2, "to the 10 points", |f| {
-            f.hair.offsets = Vec::new()
-        }),
-        (Kind::Hair, 2, "to the 10 points", |f| {
-            f.hair.offsets = vec![1, 10]
-        }),
-        (Kind::Hair, 2, "to the 10 points", |f| {
-            f.hair.offsets = vec![0, 11]
-        }),
-        (Kind::Hair, 2, "strand 1 has fewer", |f| {
-            f.hair.offsets = vec![0, 5, 6, 10]
-        }),
-        (Kind::Hair, 2, "strand 1 has fewer", |f| {
-            f.hair.offsets = vec![0, 12, 2, 10]
-        }),
+        (Kind::Air, 2, "no air particles", |f| f.air = Default::default()),
+        (Kind::Hair, 2, "to the 10 points", |f| f.hair.offsets = Vec::new()),
+        (Kind::Hair, 2, "to the 10 points", |f| f.hair.offsets = vec![1, 10]),
+        (Kind::Hair, 2, "to the 10 points", |f| f.hair.offsets = vec![0, 11]),
+        (Kind::Hair, 2, "strand 1 has fewer", |f| f.hair.offsets = vec![0, 5, 6, 10]),
+        (Kind::Hair, 2, "strand 1 has fewer", |f| f.hair.offsets = vec![0, 12, 2, 10]),
         (Kind::Air, usize::MAX, "fit into no file", |_| ()),
     ];
     let folder = tempfile::tempdir().unwrap();
@@ -97,10 +72,7 @@ fn senseless_layouts_are_refused() {
 #[test]
 fn unwritable_paths_are_named() {
     let folder = tempfile::tempdir().unwrap();
-    for (path, reason) in [
-        ("missing/film.vtkhdf", "No such file"),
-        ("", "Is a directory"),
-    ] {
+    for (path, reason) in [("missing/film.vtkhdf", "No such file"), ("", "Is a directory")] {
         let path = folder.path().join(path);
         let refused = VtkHdfWriter::create(&path, Kind::Hair, &frame(0), 2, &PROVENANCE);
         assert!(matches!(refused, Err(ExportError::File { .. })));

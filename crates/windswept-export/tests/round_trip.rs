@@ -27,21 +27,14 @@ fn orientations_go_to_the_segments_first_points() {
     let path = folder.path().join("film.vtkhdf");
     write(&path, Kind::Hair, &film(2), 2);
     let file = hdf5::File::open(&path).unwrap();
-    let found = file
-        .dataset("VTKHDF/PointData/Orientation")
-        .unwrap()
-        .read_raw::<f32>()
-        .unwrap();
+    let found = file.dataset("VTKHDF/PointData/Orientation").unwrap().read_raw::<f32>().unwrap();
     // Strands of 2, 5 and 3 points have 1, 4 and 2 segments.
     let segment_of_point = [0, 0, 1, 2, 3, 4, 4, 5, 6, 6];
     for (k, frame) in film(2).iter().enumerate() {
         for (point, segment) in segment_of_point.iter().enumerate() {
             let row = 4 * (10 * k + point);
             let expected = &frame.hair.orientations[*segment];
-            assert!(
-                same_bits(&found[row..row + 4], expected),
-                "frame {k}, point {point}"
-            );
+            assert!(same_bits(&found[row..row + 4], expected), "frame {k}, point {point}");
         }
     }
 }
@@ -88,15 +81,9 @@ fn size_is_known_up_front() {
             let path = folder.path().join("film.vtkhdf");
             write(&path, kind, &film(1), frames);
             let announced = VtkHdfWriter::bytes(kind, &film(1)[0], frames);
-            let more = std::fs::metadata(&path)
-                .unwrap()
-                .len()
-                .checked_sub(announced);
+            let more = std::fs::metadata(&path).unwrap().len().checked_sub(announced);
             // Measured 26 to 31 kB; margin 1.5.
-            assert!(
-                more.is_some_and(|more| more < 48 * 1024),
-                "{kind:?}, {frames} frames: {more:?} bytes more"
-            );
+            assert!(more.is_some_and(|more| more < 48 * 1024), "{kind:?}, {frames} frames: {more:?} bytes more");
         }
     }
 }

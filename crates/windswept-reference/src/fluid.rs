@@ -24,7 +24,13 @@ pub fn wrap(p: &Parameters, position: DVec3) -> DVec3 {
 ///
 /// C = ρ/ρ0 − 1; negative C counts with `tension`. `volume` in m³, `inverse_mass` in 1/kg.
 #[must_use]
-pub fn density(p: &Parameters, x: &[DVec3], inverse_mass: &[f64], volume: &[f64], near: &Neighbours) -> (Vec<f64>, Vec<f64>) {
+pub fn density(
+    p: &Parameters,
+    x: &[DVec3],
+    inverse_mass: &[f64],
+    volume: &[f64],
+    near: &Neighbours,
+) -> (Vec<f64>, Vec<f64>) {
     let h = p.kernel_radius;
     let each = |i: usize| {
         let mut ratio = volume[i] * poly6(0.0, h);
@@ -47,7 +53,14 @@ pub fn density(p: &Parameters, x: &[DVec3], inverse_mass: &[f64], volume: &[f64]
 
 /// Δx_i = relaxation w_i Σ_j (λ_i V_j + λ_j V_i) ∇_i W \[m\]: equal and opposite in m Δx for a pair.
 #[must_use]
-pub fn correct(p: &Parameters, x: &[DVec3], inverse_mass: &[f64], volume: &[f64], near: &Neighbours, lambda: &[f64]) -> Vec<DVec3> {
+pub fn correct(
+    p: &Parameters,
+    x: &[DVec3],
+    inverse_mass: &[f64],
+    volume: &[f64],
+    near: &Neighbours,
+    lambda: &[f64],
+) -> Vec<DVec3> {
     let pair = |i: usize, j: usize| {
         let gap = p.separation(i, j, x[i], x[j]);
         (lambda[i] * volume[j] + lambda[j] * volume[i]) * spiky_gradient(i, j, gap, p.kernel_radius)

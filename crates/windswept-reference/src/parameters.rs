@@ -66,7 +66,11 @@ impl Parameters {
             fluid_iterations: scene.fluid.iterations,
             relaxation: scene.fluid.relaxation,
             tension: scene.fluid.tension,
-            density_softening: if particles { 1e-3 * lattice_gradients(kernel_radius, initial.air.volume, 1.0 / initial.air.mass) } else { 0.0 },
+            density_softening: if particles {
+                1e-3 * lattice_gradients(kernel_radius, initial.air.volume, 1.0 / initial.air.mass)
+            } else {
+                0.0
+            },
             viscosity_hair: scene.viscosity.hair / substeps,
             viscosity_air: scene.viscosity.air / substeps,
             limited: scene.viscosity.form == ViscosityForm::Limited,
@@ -102,7 +106,10 @@ fn lattice_gradients(radius: f64, volume: f64, inverse_mass: f64) -> f64 {
     let spacing = volume.cbrt();
     let reach = (radius / spacing).ceil() as i32;
     let axis = -reach..=reach;
-    let sites = axis.clone().flat_map(|x| axis.clone().flat_map(move |y| (-reach..=reach).map(move |z| IVec3::new(x, y, z))));
-    let slopes = sites.filter(|site| *site != IVec3::ZERO).map(|site| spiky_slope(spacing * site.as_dvec3().length(), radius).powi(2));
+    let sites =
+        axis.clone().flat_map(|x| axis.clone().flat_map(move |y| (-reach..=reach).map(move |z| IVec3::new(x, y, z))));
+    let slopes = sites
+        .filter(|site| *site != IVec3::ZERO)
+        .map(|site| spiky_slope(spacing * site.as_dvec3().length(), radius).powi(2));
     inverse_mass * volume * volume * slopes.sum::<f64>()
 }

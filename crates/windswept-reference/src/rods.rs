@@ -28,7 +28,11 @@ pub fn predict(p: &Parameters, inverse_mass: f64, position: DVec3, velocity: DVe
         return (position, false);
     }
     let shift = p.step * (velocity + p.step * p.gravity) / (1.0 + p.damping * p.step);
-    if shift.length() > largest { (position + shift * (largest / shift.length()), true) } else { (position + shift, false) }
+    if shift.length() > largest {
+        (position + shift * (largest / shift.length()), true)
+    } else {
+        (position + shift, false)
+    }
 }
 
 /// A segment turns freely, damped: q* = normalize(q + ½ Δt ω q).
@@ -84,7 +88,9 @@ fn bend_twist(p: &Parameters, hair: &Strands, q: &mut [DQuat], k: usize, clamp: 
     let rest = hair.rest_rotation[k];
     let sign = if (joint - rest).length_squared() <= (joint + rest).length_squared() { 1.0 } else { -1.0 };
     let constraint = joint.xyz() - sign * rest.xyz();
-    let a = (DMat3::from_diagonal(DVec3::splat(joint.w)) - cross_matrix(joint.xyz())) * DMat3::from_quat(before).transpose() * 0.5;
+    let a = (DMat3::from_diagonal(DVec3::splat(joint.w)) - cross_matrix(joint.xyz()))
+        * DMat3::from_quat(before).transpose()
+        * 0.5;
     let compliance = hair.bend_compliance[k] / (p.step * p.step);
     let system = a * a.transpose() * (own_w + before_w) + DMat3::from_diagonal(compliance);
     let change = system.inverse() * -(constraint + compliance * *lambda);
@@ -97,7 +103,15 @@ fn bend_twist(p: &Parameters, hair: &Strands, q: &mut [DQuat], k: usize, clamp: 
 }
 
 /// C = (x₁ − x₀)/l − d₃; dC = (δx₁ − δx₀)/l + [d₃]× θ. Stiffness, multiplier and system in the material frame.
-fn stretch_shear(p: &Parameters, hair: &Strands, x: &mut [DVec3], q: &mut [DQuat], k: usize, point: usize, lambda: &mut DVec3) {
+fn stretch_shear(
+    p: &Parameters,
+    hair: &Strands,
+    x: &mut [DVec3],
+    q: &mut [DQuat],
+    k: usize,
+    point: usize,
+    lambda: &mut DVec3,
+) {
     let l = hair.rest_length[k];
     let (w0, w1, wq) = (hair.inverse_mass[point], hair.inverse_mass[point + 1], hair.inverse_inertia[k]);
     let tangent = q[k] * DVec3::Z;
@@ -121,8 +135,11 @@ fn cross_matrix(v: DVec3) -> DMat3 {
 #[must_use]
 pub fn finish(hair: &Strands, s: usize, positions: &[DVec3], orientations: &[DQuat]) -> Option<f64> {
     let (points, segments) = (hair.points(s), hair.segments(s));
-    let finite = positions[points.clone()].iter().all(|x| x.is_finite()) && orientations[segments.clone()].iter().all(|q| q.is_finite());
-    let stretches = points.zip(segments).map(|(point, k)| ((positions[point + 1] - positions[point]).length() / hair.rest_length[k] - 1.0).abs());
+    let finite = positions[points.clone()].iter().all(|x| x.is_finite())
+        && orientations[segments.clone()].iter().all(|q| q.is_finite());
+    let stretches = points
+        .zip(segments)
+        .map(|(point, k)| ((positions[point + 1] - positions[point]).length() / hair.rest_length[k] - 1.0).abs());
     finite.then(|| stretches.fold(0.0, f64::max))
 }
 

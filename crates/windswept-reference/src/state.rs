@@ -44,7 +44,8 @@ impl State {
         let mut hair = initial.hair.clone();
         hair.positions = hair.positions.iter().map(local).collect();
         let air = initial.air.positions.len();
-        let each = |hair: &[f64], air_value: f64| hair.iter().copied().chain(std::iter::repeat_n(air_value, air)).collect();
+        let each =
+            |hair: &[f64], air_value: f64| hair.iter().copied().chain(std::iter::repeat_n(air_value, air)).collect();
         Self {
             steps: 0,
             position: hair.positions.iter().copied().chain(initial.air.positions.iter().map(local)).collect(),

@@ -93,11 +93,7 @@ pub struct ShearWave {
 #[must_use]
 pub fn shear_waves() -> Vec<ShearWave> {
     rows(include_str!("../data/shear_wave.csv"))
-        .map(|[wavelength, simple_cubic, continuum]| ShearWave {
-            wavelength,
-            simple_cubic,
-            continuum,
-        })
+        .map(|[wavelength, simple_cubic, continuum]| ShearWave { wavelength, simple_cubic, continuum })
         .collect()
 }
 
@@ -119,20 +115,14 @@ pub const DENSITY_ERROR_ITERATIONS: [u32; 5] = [0, 1, 2, 4, 10];
 #[must_use]
 pub fn density_errors() -> Vec<DensityError> {
     rows(include_str!("../data/density_error.csv"))
-        .map(|[tension, relaxation, rms @ ..]: [f64; 7]| DensityError {
-            tension,
-            relaxation,
-            rms,
-        })
+        .map(|[tension, relaxation, rms @ ..]: [f64; 7]| DensityError { tension, relaxation, rms })
         .collect()
 }
 
 /// Gain of the Mexican hat: (k s, gain relative to the peak).
 #[must_use]
 pub fn mexican_hat() -> Vec<(f64, f64)> {
-    rows(include_str!("../data/mexican_hat.csv"))
-        .map(|[k_s, gain]| (k_s, gain))
-        .collect()
+    rows(include_str!("../data/mexican_hat.csv")).map(|[k_s, gain]| (k_s, gain)).collect()
 }
 
 /// The lines of numbers; comments and the heading start with neither a digit nor a point.
@@ -158,7 +148,11 @@ mod tests {
         let (waves, errors, hat) = (shear_waves(), density_errors(), mexican_hat());
         assert_eq!((waves.len(), errors.len(), hat.len()), (3, 3, 7));
         assert_eq!((waves[2].continuum, errors[2].rms[4], hat[6].1), (0.999_849_79, 0.106, 0.0073));
-        assert!(cantilever.iter().all(|row| (row.gamma + row.tip + row.drop + row.root_curvature + row.tip_angle).is_finite()));
+        assert!(
+            cantilever
+                .iter()
+                .all(|row| (row.gamma + row.tip + row.drop + row.root_curvature + row.tip_angle).is_finite())
+        );
         assert!(errors.iter().flat_map(|row| row.rms).all(f64::is_finite));
     }
 

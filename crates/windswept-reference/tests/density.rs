@@ -99,7 +99,10 @@ fn a_translation_changes_nothing() {
         let (moved_shift, moved_theta) = solve(&crowd);
         let largest = shift.iter().map(|dx| dx.length()).fold(0.0, f64::max);
         let density = theta.iter().zip(&moved_theta).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        println!("{hair} of hair: shift {:.1e} of the largest, density {density:.1e}", apart(&shift, &moved_shift) / largest);
+        println!(
+            "{hair} of hair: shift {:.1e} of the largest, density {density:.1e}",
+            apart(&shift, &moved_shift) / largest
+        );
         // Measured 1e-13 and 1e-13: positions are rounded anew.
         assert!(largest > 1e-4 && apart(&shift, &moved_shift) < 1e-11 * largest);
         assert!(density < 1e-11, "{density}");

@@ -106,7 +106,8 @@ fn pairs_exchange_by_the_smaller_coefficient() {
     };
     let (own, cross) = (VOLUME * poly6(0.0, RADIUS), VOLUME * poly6(0.003, RADIUS));
     let share = cross / (own + cross);
-    let close = |a: (f64, f64), b: (f64, f64)| assert!((a.0 - b.0).abs() < 1e-15 && (a.1 - b.1).abs() < 1e-15, "{a:?} {b:?}");
+    let close =
+        |a: (f64, f64), b: (f64, f64)| assert!((a.0 - b.0).abs() < 1e-15 && (a.1 - b.1).abs() < 1e-15, "{a:?} {b:?}");
     close(pair(2, [1.0, 1.0]), (0.5 * share, 0.5 * share));
     close(pair(1, [1.0, 1.0]), (0.1 * share, 0.1 * share));
     close(pair(0, [3.0, 1.0]), (0.15 * share, 0.05 * share));

@@ -14,11 +14,7 @@ impl Air {
     /// Part of the wind that has risen at `time` \[s\]: 0 to 1.
     #[must_use]
     pub fn risen(&self, time: f64) -> f64 {
-        if self.ramp > 0.0 {
-            (time / self.ramp).clamp(0.0, 1.0)
-        } else {
-            1.0
-        }
+        if self.ramp > 0.0 { (time / self.ramp).clamp(0.0, 1.0) } else { 1.0 }
     }
 
     /// Mean wind at `time` \[s\], in m/s.
@@ -78,19 +74,11 @@ pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands) -> AirPartic
     let mut positions = Vec::with_capacity(taken.len());
     for (index, taken) in taken.iter().enumerate() {
         if !taken {
-            let site = DVec3::new(
-                (index % nx) as f64,
-                (index / nx % ny) as f64,
-                (index / nx / ny) as f64,
-            );
+            let site = DVec3::new((index % nx) as f64, (index / nx % ny) as f64, (index / nx / ny) as f64);
             positions.push(min + pitch * (site + 0.5));
         }
     }
-    let volume = if positions.is_empty() {
-        0.0
-    } else {
-        (size.element_product() - inside) / positions.len() as f64
-    };
+    let volume = if positions.is_empty() { 0.0 } else { (size.element_product() - inside) / positions.len() as f64 };
     AirParticles {
         min,
         size,

@@ -13,9 +13,7 @@ const DEEPEST: usize = 8;
 /// What is not `key=value`, or a path that leads nowhere; a text that is not TOML.
 pub(crate) fn set(text: &str, assignment: &str) -> Result<String, SceneError> {
     let fault = |message: String| SceneError::new(message).of_assignment(assignment);
-    let (key, value) = assignment
-        .split_once('=')
-        .ok_or_else(|| fault("expected key=value".to_owned()))?;
+    let (key, value) = assignment.split_once('=').ok_or_else(|| fault("expected key=value".to_owned()))?;
     let path: Vec<&str> = key.split('.').map(str::trim).collect();
     if path.iter().any(|name| name.is_empty()) {
         return Err(fault("expected a dotted key before the =".to_owned()));
@@ -28,12 +26,7 @@ pub(crate) fn set(text: &str, assignment: &str) -> Result<String, SceneError> {
     Some(())
         .filter(|()| path.len() <= DEEPEST)
         .and_then(|()| assign(document.as_table_mut(), &path, value))
-        .ok_or_else(|| {
-            fault(format!(
-                "{} leads nowhere in this scene",
-                document::short(key.trim())
-            ))
-        })?;
+        .ok_or_else(|| fault(format!("{} leads nowhere in this scene", document::short(key.trim()))))?;
     Ok(document.to_string())
 }
 
@@ -63,9 +56,7 @@ fn assign(table: &mut dyn TableLike, path: &[&str], value: Value) -> Option<()> 
         }
         return Some(());
     };
-    let item = table
-        .entry(name)
-        .or_insert_with(|| Item::Value(Value::InlineTable(InlineTable::new())));
+    let item = table.entry(name).or_insert_with(|| Item::Value(Value::InlineTable(InlineTable::new())));
     match item {
         Item::ArrayOfTables(array) => {
             let named = array.iter().position(|table| is_named(table, next));

@@ -2,10 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{
-    document::Document, error::SceneError, initial::KERNEL_RADIUS, keys::Key, reader::Reader,
-    scene::*,
-};
+use crate::{document::Document, error::SceneError, initial::KERNEL_RADIUS, keys::Key, reader::Reader, scene::*};
 
 /// Indices are 32 bits, and a neighbour list has some 30 entries a particle.
 const MOST_PARTICLES: u32 = 100_000_000;
@@ -25,9 +22,7 @@ impl Reader<'_> {
         let time = self.time()?;
         let model = self.choice("interaction.model")?;
         let air = self.air(model)?;
-        let wind = air.as_ref().map_or(0.0, |air| {
-            air.wind.iter().map(|u| u * u).sum::<f64>().sqrt()
-        });
+        let wind = air.as_ref().map_or(0.0, |air| air.wind.iter().map(|u| u * u).sum::<f64>().sqrt());
         let radius = air.as_ref().map_or(KERNEL_RADIUS, |air| air.kernel_radius);
         Ok(Scene {
             text: String::new(),
@@ -71,17 +66,13 @@ impl Reader<'_> {
         };
         let (steps, most) = (time.duration / time.step, u32::MAX);
         if steps > f64::from(most) {
-            return Err(self.fault(
-                "time.duration",
-                format!("would take {steps:.3e} steps; expected at most {most}"),
-            ));
+            return Err(self.fault("time.duration", format!("would take {steps:.3e} steps; expected at most {most}")));
         }
         let frames = time.duration.max(time.step) * time.frame_rate;
         if frames > f64::from(most) {
-            return Err(self.fault(
-                "time.frame_rate",
-                format!("would give {frames:.3e} frames; expected at most {most}"),
-            ));
+            return Err(
+                self.fault("time.frame_rate", format!("would give {frames:.3e} frames; expected at most {most}"))
+            );
         }
         Ok(time)
     }
@@ -89,11 +80,7 @@ impl Reader<'_> {
     fn turbulence(&self, wind: f64) -> Result<Turbulence, SceneError> {
         let bands = (0..self.tables("turbulence.bands")).map(|i| {
             let at = |name: &str| self.number(&format!("turbulence.bands.{i}.{name}"));
-            Ok(Band {
-                scale: at("scale")?,
-                strength: at("strength")?,
-                intensity: at("intensity")?,
-            })
+            Ok(Band { scale: at("scale")?, strength: at("strength")?, intensity: at("intensity")? })
         });
         Ok(Turbulence {
             bands: bands.collect::<Result<_, _>>()?,
@@ -107,15 +94,11 @@ impl Reader<'_> {
 
     /// c, or from ν: c = 22 ν Δt/h² (design 3.5).
     fn viscosity(&self, who: &str, radius: f64, step: f64) -> Result<f64, SceneError> {
-        let (plain, kinematic) = (
-            format!("viscosity.{who}"),
-            format!("viscosity.kinematic_{who}"),
-        );
+        let (plain, kinematic) = (format!("viscosity.{who}"), format!("viscosity.kinematic_{who}"));
         match self.maybe_number(&kinematic)? {
-            Some(_) if self.has(&plain) => Err(self.fault(
-                &kinematic,
-                format!("{plain} is given too: expected one of them"),
-            )),
+            Some(_) if self.has(&plain) => {
+                Err(self.fault(&kinematic, format!("{plain} is given too: expected one of them")))
+            }
             Some(nu) => Ok(22.0 * nu * step / (radius * radius)),
             None => self.number(&plain),
         }
@@ -127,10 +110,7 @@ impl Reader<'_> {
         }
         let fov = self.number("camera.fov")?;
         if fov >= 180.0 {
-            return Err(self.fault(
-                "camera.fov",
-                format!("expected an angle below 180 degrees, found {fov}"),
-            ));
+            return Err(self.fault("camera.fov", format!("expected an angle below 180 degrees, found {fov}")));
         }
         Ok(Some(Camera {
             eye: self.vector("camera.eye")?,
@@ -144,54 +124,33 @@ impl Reader<'_> {
     fn air(&self, model: Model) -> Result<Option<Air>, SceneError> {
         let particles = model == Model::Particles;
         if !self.has("air") {
-            let needs = if particles {
-                "air.box and air.wind"
-            } else {
-                "air.wind"
-            };
-            let missing = || {
-                self.fault(
-                    "air",
-                    format!(
-                        "is missing: interaction.model = \"{}\" needs {needs}",
-                        model.word()
-                    ),
-                )
-            };
-            return if model == Model::None {
-                Ok(None)
-            } else {
-                Err(missing())
-            };
+            let needs = if particles { "air.box and air.wind" } else { "air.wind" };
+            let missing =
+                || self.fault("air", format!("is missing: interaction.model = \"{}\" needs {needs}", model.word()));
+            return if model == Model::None { Ok(None) } else { Err(missing()) };
         }
         let wind = match self.spelled("air.wind") {
             Some(_) => self.vector("air.wind")?,
             None if model == Model::None => [0.0; 3],
             None => {
-                return Err(self.fault(
-                    "air.wind",
-                    "is missing: expected three numbers, [x, y, z] [m/s]",
-                ));
+                return Err(self.fault("air.wind", "is missing: expected three numbers, [x, y, z] [m/s]"));
             }
         };
         if particles && !self.has("air.box") {
-            return Err(self.fault("air.box", "is missing: interaction.model = \"particles\" needs { min = [x, y, z], max = [x, y, z] }"));
+            return Err(self.fault(
+                "air.box",
+                "is missing: interaction.model = \"particles\" needs { min = [x, y, z], max = [x, y, z] }",
+            ));
         }
         let kernel_radius = self.number("air.kernel_radius")?;
-        let bounds = if self.has("air.box") && particles {
-            Some(self.bounds(kernel_radius)?)
-        } else {
-            None
-        };
+        let bounds = if self.has("air.box") && particles { Some(self.bounds(kernel_radius)?) } else { None };
         Ok(Some(Air {
             bounds,
             rest_density: self.number("air.rest_density")?,
             particle_mass: self.number("air.particle_mass")?,
             kernel_radius,
             wind,
-            fringe: self
-                .maybe_number("air.fringe")?
-                .unwrap_or(4.0 * kernel_radius),
+            fringe: self.maybe_number("air.fringe")?.unwrap_or(4.0 * kernel_radius),
             ramp: self.number("air.ramp")?,
             margin: self.maybe_number("air.margin")?,
             kinematic_viscosity: self.number("air.kinematic_viscosity")?,
@@ -206,30 +165,29 @@ impl Reader<'_> {
             if side <= 0.0 {
                 return Err(self.fault(
                     "air.box",
-                    format!(
-                        "expected max above min, found {} and {} in {name}",
-                        max[axis], min[axis]
-                    ),
+                    format!("expected max above min, found {} and {} in {name}", max[axis], min[axis]),
                 ));
             }
             if side < 3.0 * radius {
                 return Err(self.fault(
                     "air.box",
-                    format!(
-                        "expected sides of at least 3 kernel radii, {} m; found {side} m in {name}",
-                        3.0 * radius
-                    ),
+                    format!("expected sides of at least 3 kernel radii, {} m; found {side} m in {name}", 3.0 * radius),
                 ));
             }
         }
-        let count = (0..3).map(|axis| max[axis] - min[axis]).product::<f64>()
-            * self.number("air.rest_density")?
+        let count = (0..3).map(|axis| max[axis] - min[axis]).product::<f64>() * self.number("air.rest_density")?
             / self.number("air.particle_mass")?;
         if count < LEAST_PARTICLES {
-            return Err(self.fault("air.box", format!("would hold {count:.3} particles of air.particle_mass; expected at least {LEAST_PARTICLES}")));
+            return Err(self.fault(
+                "air.box",
+                format!("would hold {count:.3} particles of air.particle_mass; expected at least {LEAST_PARTICLES}"),
+            ));
         }
         if count > f64::from(MOST_PARTICLES) {
-            return Err(self.fault("air.box", format!("would hold {count:.3e} particles of air.particle_mass; expected at most {MOST_PARTICLES}")));
+            return Err(self.fault(
+                "air.box",
+                format!("would hold {count:.3e} particles of air.particle_mass; expected at most {MOST_PARTICLES}"),
+            ));
         }
         Ok(Bounds { min, max })
     }
@@ -244,10 +202,7 @@ impl Reader<'_> {
             if let Some(other) = all.iter().find(|other| other.name == hair.name) {
                 return Err(self.fault(
                     &format!("{at}.name"),
-                    format!(
-                        "expected a name of its own for each [[hair]], found \"{}\" a second time",
-                        other.name
-                    ),
+                    format!("expected a name of its own for each [[hair]], found \"{}\" a second time", other.name),
                 ));
             }
             points += u64::from(hair.strands) * u64::from(hair.points);
@@ -300,10 +255,7 @@ impl Reader<'_> {
         let direct = ["stretch_stiffness", "bend_stiffness", "twist_stiffness"].map(at);
         let poissons_ratio = self.number(&at("poissons_ratio"))?;
         if !direct.iter().any(|real| self.has(real)) {
-            return Ok(Stiffness::Moduli {
-                youngs_modulus: self.number(&at("youngs_modulus"))?,
-                poissons_ratio,
-            });
+            return Ok(Stiffness::Moduli { youngs_modulus: self.number(&at("youngs_modulus"))?, poissons_ratio });
         }
         if self.has(&at("youngs_modulus")) {
             return Err(self.fault(
@@ -312,10 +264,9 @@ impl Reader<'_> {
             ));
         }
         if let Some(missing) = direct.iter().find(|real| !self.has(real)) {
-            return Err(self.fault(
-                missing,
-                "is missing: stretch_stiffness, bend_stiffness and twist_stiffness go together",
-            ));
+            return Err(
+                self.fault(missing, "is missing: stretch_stiffness, bend_stiffness and twist_stiffness go together")
+            );
         }
         let [stretch, bend, twist] = direct;
         Ok(Stiffness::Direct {
@@ -331,9 +282,5 @@ impl Reader<'_> {
 /// reading it again gives the same.
 fn unit(v: [f64; 3]) -> [f64; 3] {
     let v = DVec3::from_array(v);
-    if (v.length_squared() - 1.0).abs() < 4.0 * f64::EPSILON {
-        v.to_array()
-    } else {
-        v.normalize().to_array()
-    }
+    if (v.length_squared() - 1.0).abs() < 4.0 * f64::EPSILON { v.to_array() } else { v.normalize().to_array() }
 }

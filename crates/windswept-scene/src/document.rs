@@ -47,19 +47,14 @@ impl Document {
     pub(crate) fn parse(text: &str) -> Result<Self, SceneError> {
         let toml = Toml::parse(text).map_err(|error| syntax(&error))?;
         let mut document = Self::default();
-        document
-            .table(toml.as_table(), "", "")
-            .map_err(|error| document.shown(error))?;
+        document.table(toml.as_table(), "", "").map_err(|error| document.shown(error))?;
         Ok(document)
     }
 
     /// The error with its key as the user spells it.
     pub(crate) fn shown(&self, error: SceneError) -> SceneError {
         match self.entries.get("hair") {
-            Some(Entry {
-                datum: Datum::Tables(1),
-                ..
-            }) => error.of_lone_group(),
+            Some(Entry { datum: Datum::Tables(1), .. }) => error.of_lone_group(),
             _ => error,
         }
     }
@@ -68,10 +63,7 @@ impl Document {
     fn table(&mut self, table: &dyn TableLike, path: &str, real: &str) -> Result<(), SceneError> {
         for (name, item) in table.iter() {
             let (path, real) = (join(path, name), join(real, name));
-            let place = table
-                .key(name)
-                .and_then(toml_edit::Key::span)
-                .or_else(|| item.span());
+            let place = table.key(name).and_then(toml_edit::Key::span).or_else(|| item.span());
             let Some(key) = Key::find(&path) else {
                 return Err(unknown(&path, &real).with_span(place));
             };
@@ -88,8 +80,7 @@ impl Document {
         span: Option<Range<usize>>,
     ) -> Result<(), SceneError> {
         let wrong = |found: String| {
-            SceneError::new(format!("expected {}, found {found}", key.expected()))
-                .at(real, span.clone())
+            SceneError::new(format!("expected {}, found {found}", key.expected())).at(real, span.clone())
         };
         if !matches!(key.kind, Kind::Table | Kind::Tables) {
             let Item::Value(value) = item else {
@@ -103,10 +94,9 @@ impl Document {
         let tables: Vec<Place<'a>> = match (key.kind, item) {
             (_, Item::Table(table)) => vec![(table, span.clone())],
             (_, Item::Value(Value::InlineTable(table))) => vec![(table, span.clone())],
-            (Kind::Tables, Item::ArrayOfTables(array)) => array
-                .iter()
-                .map(|table| (table as _, table.span()))
-                .collect(),
+            (Kind::Tables, Item::ArrayOfTables(array)) => {
+                array.iter().map(|table| (table as _, table.span())).collect()
+            }
             (Kind::Tables, Item::Value(Value::Array(array))) => {
                 let inline = |value: &'a Value| {
                     let table = value.as_inline_table();
@@ -127,13 +117,7 @@ impl Document {
             let mut element = real.to_owned();
             if key.kind == Kind::Tables {
                 element = format!("{real}.{index}");
-                self.entries.insert(
-                    element.clone(),
-                    Entry {
-                        datum: Datum::Tables(1),
-                        span,
-                    },
-                );
+                self.entries.insert(element.clone(), Entry { datum: Datum::Tables(1), span });
             }
             self.table(table, key.path, &element)?;
         }
@@ -142,12 +126,7 @@ impl Document {
 }
 
 /// A piece that is asked for by name but not built.
-fn built(
-    key: &Key,
-    datum: &Datum,
-    real: &str,
-    span: Option<Range<usize>>,
-) -> Result<(), SceneError> {
+fn built(key: &Key, datum: &Datum, real: &str, span: Option<Range<usize>>) -> Result<(), SceneError> {
     let value = match datum {
         Datum::Text(text) => text.clone(),
         Datum::Bool(flag) => flag.to_string(),
@@ -156,63 +135,42 @@ fn built(
     if !Key::not_built(key.path, &value) {
         return Ok(());
     }
-    let what = if value.is_empty() {
-        value
-    } else {
-        format!("{value}: ")
-    };
-    Err(SceneError::new(format!("{what}not in this version"))
-        .at(real, span)
-        .with_help("leave the key out"))
+    let what = if value.is_empty() { value } else { format!("{value}: ") };
+    Err(SceneError::new(format!("{what}not in this version")).at(real, span).with_help("leave the key out"))
 }
 
 fn join(path: &str, name: &str) -> String {
-    if path.is_empty() {
-        name.to_owned()
-    } else {
-        format!("{path}.{name}")
-    }
+    if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") }
 }
 
 /// The value as what the key takes; `None` for another type or a value out of range.
 pub(crate) fn datum(kind: Kind, value: &Value) -> Option<Datum> {
     let vector = |value: &Value| {
-        let values: Vec<f64> = value
-            .as_array()?
-            .iter()
-            .map(number)
-            .collect::<Option<_>>()?;
+        let values: Vec<f64> = value.as_array()?.iter().map(number).collect::<Option<_>>()?;
         <[f64; 3]>::try_from(values).ok()
     };
     let ranged = |range: fn(f64) -> bool| number(value).filter(|x| range(*x)).map(Datum::Number);
     match kind {
         Kind::Text => value.as_str().map(|text| Datum::Text(text.to_owned())),
         Kind::Bool => value.as_bool().map(Datum::Bool),
-        Kind::Count(least) => value
-            .as_integer()
-            .and_then(|n| u32::try_from(n).ok())
-            .filter(|n| *n >= least)
-            .map(Datum::Count),
+        Kind::Count(least) => {
+            value.as_integer().and_then(|n| u32::try_from(n).ok()).filter(|n| *n >= least).map(Datum::Count)
+        }
         Kind::Length | Kind::Positive => ranged(|x| x > 0.0),
         Kind::NonNegative => ranged(|x| x >= 0.0),
         Kind::Fraction => ranged(|x| (0.0..1.0).contains(&x)),
         Kind::Vector => vector(value).map(Datum::Vector),
-        Kind::Direction => vector(value)
-            .filter(|v| v.iter().any(|x| *x != 0.0))
-            .map(Datum::Vector),
-        Kind::Choice(words) => value
-            .as_str()
-            .filter(|word| words.contains(word))
-            .map(|word| Datum::Text(word.to_owned())),
+        Kind::Direction => vector(value).filter(|v| v.iter().any(|x| *x != 0.0)).map(Datum::Vector),
+        Kind::Choice(words) => {
+            value.as_str().filter(|word| words.contains(word)).map(|word| Datum::Text(word.to_owned()))
+        }
         Kind::Table | Kind::Tables => None,
     }
 }
 
 /// A number that can be computed with.
 fn number(value: &Value) -> Option<f64> {
-    let number = value
-        .as_float()
-        .or_else(|| value.as_integer().map(|n| n as f64))?;
+    let number = value.as_float().or_else(|| value.as_integer().map(|n| n as f64))?;
     (number == 0.0 || (SMALLEST..=LARGEST).contains(&number.abs())).then_some(number)
 }
 
@@ -220,13 +178,8 @@ fn describe(item: &Item) -> String {
     match item {
         Item::Value(Value::Datetime(_)) => "a date".to_owned(),
         Item::Value(Value::Float(x)) if x.value().is_nan() => "nan".to_owned(),
-        Item::Value(value @ Value::Float(x))
-            if x.value().is_finite() && number(value).is_none() =>
-        {
-            format!(
-                "{:?}, a magnitude outside {SMALLEST:e} to {LARGEST:e}",
-                x.value()
-            )
+        Item::Value(value @ Value::Float(x)) if x.value().is_finite() && number(value).is_none() => {
+            format!("{:?}, a magnitude outside {SMALLEST:e} to {LARGEST:e}", x.value())
         }
         Item::Value(Value::Float(x)) => format!("{:?}", x.value()),
         Item::Value(value) => short(value.clone().decorated("", "").to_string().trim()),
@@ -257,10 +210,7 @@ fn unknown(path: &str, real: &str) -> SceneError {
         whole.max(0.9 * strsim::normalized_damerau_levenshtein(&last(path), &last(key.path)))
     };
     // Comparing costs the product of the lengths.
-    let nearest = KEYS
-        .iter()
-        .filter(|_| path.len() < 200)
-        .map(|key| (near(key), key));
+    let nearest = KEYS.iter().filter(|_| path.len() < 200).map(|key| (near(key), key));
     let error = SceneError::new("unknown key").at(short(real), None);
     match nearest.max_by(|a, b| a.0.total_cmp(&b.0)) {
         Some((near, key)) if near > 0.6 => error.with_help(format!("did you mean {}?", key.path)),

@@ -22,10 +22,7 @@ struct Fault {
 impl SceneError {
     pub(crate) fn new(message: impl Into<String>) -> Self {
         let message = message.into();
-        Self(Box::new(Fault {
-            message,
-            ..Fault::default()
-        }))
+        Self(Box::new(Fault { message, ..Fault::default() }))
     }
 
     pub(crate) fn at(mut self, key: impl Into<String>, span: Option<Range<usize>>) -> Self {
@@ -36,12 +33,7 @@ impl SceneError {
 
     /// Of a lone group, `hair.0.length` is `hair.length`.
     pub(crate) fn of_lone_group(mut self) -> Self {
-        if let Some(rest) = self
-            .0
-            .key
-            .as_deref()
-            .and_then(|key| key.strip_prefix("hair.0"))
-        {
+        if let Some(rest) = self.0.key.as_deref().and_then(|key| key.strip_prefix("hair.0")) {
             self.0.key = Some(format!("hair{rest}"));
         }
         self
@@ -67,8 +59,7 @@ impl SceneError {
     /// In the argument `--set key=value`.
     pub(crate) fn of_assignment(mut self, assignment: &str) -> Self {
         self.0.argument = true;
-        self.of(&format!("--set {assignment}"), assignment)
-            .with_span(Some(0..assignment.len()))
+        self.of(&format!("--set {assignment}"), assignment).with_span(Some(0..assignment.len()))
     }
 
     /// What is wrong, and what was expected.
@@ -98,20 +89,8 @@ impl SceneError {
     /// The line of the file, from 1; `None` for a fault in a `--set`.
     #[must_use]
     pub fn line(&self) -> Option<usize> {
-        let start = self
-            .0
-            .span
-            .as_ref()
-            .filter(|_| !self.0.argument)?
-            .start
-            .min(self.0.source_text.len());
-        Some(
-            self.0.source_text.as_bytes()[..start]
-                .iter()
-                .filter(|byte| **byte == b'\n')
-                .count()
-                + 1,
-        )
+        let start = self.0.span.as_ref().filter(|_| !self.0.argument)?.start.min(self.0.source_text.len());
+        Some(self.0.source_text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count() + 1)
     }
 
     /// Name of the file, of what the text came from, or `--set key=value`.

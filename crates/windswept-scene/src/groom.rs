@@ -21,44 +21,25 @@ const COARSE_TURN: f64 = PI / 2.0;
 /// The strands of every group. `parcel` is the volume of an air particle \[m³\], `kernel_radius` in m.
 ///
 /// Chance is PCG XSL 128/64 (`rand_pcg`), seeded by the scene's seed and the group's index: the same on every machine.
-pub(crate) fn strands(
-    scene: &Scene,
-    parcel: f64,
-    kernel_radius: f64,
-    warnings: &mut Vec<String>,
-) -> Strands {
-    let mut all = Strands {
-        point_offsets: vec![0],
-        ..Strands::default()
-    };
+pub(crate) fn strands(scene: &Scene, parcel: f64, kernel_radius: f64, warnings: &mut Vec<String>) -> Strands {
+    let mut all = Strands { point_offsets: vec![0], ..Strands::default() };
     for (group, hair) in scene.hair.iter().enumerate() {
-        let mut rng = Pcg64::seed_from_u64(
-            scene
-                .seed
-                .wrapping_mul(0x9e37_79b9)
-                .wrapping_add(group as u64),
-        );
+        let mut rng = Pcg64::seed_from_u64(scene.seed.wrapping_mul(0x9e37_79b9).wrapping_add(group as u64));
         for i in 0..hair.strands {
             let (root, axis) = seat(&hair.roots, i, hair.strands, &mut rng);
             let length = hair.length * (1.0 - hair.length_variation * rng.random::<f64>());
             let phase = rng.random::<f64>();
-            let strand = Strand {
-                hair,
-                root,
-                axis,
-                length,
-                phase,
-                inextensible: scene.rods.inextensible,
-            };
-            strand.append(
-                &mut all,
-                parcel * (strand.segment() / kernel_radius).min(1.0),
-            );
+            let strand = Strand { hair, root, axis, length, phase, inextensible: scene.rods.inextensible };
+            strand.append(&mut all, parcel * (strand.segment() / kernel_radius).min(1.0));
             all.group.push(group as u32);
         }
         let turn = darboux(hair.curl).length() * hair.length / f64::from(hair.points - 1);
         if turn > COARSE_TURN {
-            warnings.push(format!("hair {}: the curl turns by {:.0} degrees per segment; more points would follow it better", hair.name, turn.to_degrees()));
+            warnings.push(format!(
+                "hair {}: the curl turns by {:.0} degrees per segment; more points would follow it better",
+                hair.name,
+                turn.to_degrees()
+            ));
         }
     }
     all
@@ -67,40 +48,23 @@ pub(crate) fn strands(
 /// Position and direction of root `i` of `n`: a jittered sunflower on disc and cap, equal parts of a line. A lone root
 /// is in the middle.
 fn seat(roots: &Roots, i: u32, n: u32, rng: &mut Pcg64) -> (DVec3, DVec3) {
-    let (center, axis) = (
-        DVec3::from_array(roots.center),
-        DVec3::from_array(roots.direction),
-    );
+    let (center, axis) = (DVec3::from_array(roots.center), DVec3::from_array(roots.direction));
     if n == 1 {
-        let height = if roots.shape == RootShape::SphereCap {
-            roots.radius
-        } else {
-            0.0
-        };
+        let height = if roots.shape == RootShape::SphereCap { roots.radius } else { 0.0 };
         return (center + height * axis, axis);
     }
     let level = DVec3::Y.cross(axis);
-    let across = if level.length() > 1e-6 {
-        level.normalize()
-    } else {
-        DVec3::X
-    };
+    let across = if level.length() > 1e-6 { level.normalize() } else { DVec3::X };
     let up = axis.cross(across);
     let part = (f64::from(i) + 0.5) / f64::from(n);
     let jitter = [rng.random::<f64>() - 0.5, rng.random::<f64>() - 0.5].map(|u| 2.0 * JITTER * u);
     match roots.shape {
-        RootShape::Line => (
-            center + roots.radius * (2.0 * part - 1.0 + 2.0 * jitter[0] / f64::from(n)) * across,
-            axis,
-        ),
+        RootShape::Line => (center + roots.radius * (2.0 * part - 1.0 + 2.0 * jitter[0] / f64::from(n)) * across, axis),
         RootShape::Disc => {
             let spacing = roots.radius * (PI / f64::from(n)).sqrt();
             let angle = TAU * GOLDEN_TURN * f64::from(i);
             let seat = roots.radius * part.sqrt() * (angle.cos() * across + angle.sin() * up);
-            (
-                center + seat + spacing * (jitter[0] * across + jitter[1] * up),
-                axis,
-            )
+            (center + seat + spacing * (jitter[0] * across + jitter[1] * up), axis)
         }
         RootShape::SphereCap => {
             let angle = TAU * (GOLDEN_TURN * f64::from(i) + jitter[0] / f64::from(n).sqrt());
@@ -122,11 +86,7 @@ fn darboux(curl: Option<Curl>) -> DVec3 {
 
 /// d3 along `axis`, d1 by the smallest rotation from +x, from +z if that is parallel.
 fn frame(axis: DVec3) -> DQuat {
-    let from = if axis.cross(DVec3::X).length() > 1e-6 {
-        DVec3::X
-    } else {
-        DVec3::Z
-    };
+    let from = if axis.cross(DVec3::X).length() > 1e-6 { DVec3::X } else { DVec3::Z };
     let d1 = (from - from.dot(axis) * axis).normalize();
     DQuat::from_mat3(&DMat3::from_cols(d1, axis.cross(d1), axis)).normalize()
 }
@@ -159,9 +119,8 @@ impl Strand<'_> {
         let l = self.segment();
         let kappa = darboux(hair.curl);
         let root_frame = self.root_frame(kappa);
-        let masses: Vec<f64> = (0..segments)
-            .map(|k| hair.density * self.area(k as f64 + 0.5) * l * hair.fibres_per_strand)
-            .collect();
+        let masses: Vec<f64> =
+            (0..segments).map(|k| hair.density * self.area(k as f64 + 0.5) * l * hair.fibres_per_strand).collect();
 
         let mut frame = root_frame;
         let mut x = self.root;
@@ -182,20 +141,14 @@ impl Strand<'_> {
             x += l * (frame * DVec3::Z);
             let (stretch, shear) = self.stretch(k as f64 + 0.5);
             let (bend, twist) = self.bend(k as f64);
-            let loose = if self.inextensible {
-                0.0
-            } else {
-                1.0 / (stretch * l)
-            };
+            let loose = if self.inextensible { 0.0 } else { 1.0 / (stretch * l) };
             let inertia = 0.5 * hair.point_mass.unwrap_or(masses[k]) * l * l;
             all.orientations.push(frame);
             all.angular_velocities.push(DVec3::ZERO);
             all.rest_length.push(l);
             all.inverse_inertia.push(1.0 / inertia);
-            all.stretch_compliance
-                .push(DVec3::new(1.0 / (shear * l), 1.0 / (shear * l), loose));
-            all.bend_compliance
-                .push(0.25 * joint * DVec3::new(1.0 / bend, 1.0 / bend, 1.0 / twist));
+            all.stretch_compliance.push(DVec3::new(1.0 / (shear * l), 1.0 / (shear * l), loose));
+            all.bend_compliance.push(0.25 * joint * DVec3::new(1.0 / bend, 1.0 / bend, 1.0 / twist));
             all.rest_rotation.push(rest);
         }
         all.root_frame.push(root_frame);
@@ -224,35 +177,21 @@ impl Strand<'_> {
     /// EA and GA \[N\].
     fn stretch(&self, at: f64) -> (f64, f64) {
         match self.hair.stiffness {
-            Stiffness::Moduli {
-                youngs_modulus,
-                poissons_ratio,
-            } => {
+            Stiffness::Moduli { youngs_modulus, poissons_ratio } => {
                 let stretch = youngs_modulus * self.area(at) * self.hair.fibres_per_strand;
                 (stretch, stretch / (2.0 * (1.0 + poissons_ratio)))
             }
-            Stiffness::Direct {
-                stretch,
-                poissons_ratio,
-                ..
-            } => (stretch, stretch / (2.0 * (1.0 + poissons_ratio))),
+            Stiffness::Direct { stretch, poissons_ratio, .. } => (stretch, stretch / (2.0 * (1.0 + poissons_ratio))),
         }
     }
 
     /// EI and GJ \[N m²\].
     fn bend(&self, at: f64) -> (f64, f64) {
         match self.hair.stiffness {
-            Stiffness::Moduli {
-                youngs_modulus,
-                poissons_ratio,
-            } => {
-                let second_moment =
-                    0.25 * PI * self.radius(at).powi(4) * self.hair.fibres_per_strand;
+            Stiffness::Moduli { youngs_modulus, poissons_ratio } => {
+                let second_moment = 0.25 * PI * self.radius(at).powi(4) * self.hair.fibres_per_strand;
                 let shear_modulus = youngs_modulus / (2.0 * (1.0 + poissons_ratio));
-                (
-                    youngs_modulus * second_moment,
-                    shear_modulus * 2.0 * second_moment,
-                )
+                (youngs_modulus * second_moment, shear_modulus * 2.0 * second_moment)
             }
             Stiffness::Direct { bend, twist, .. } => (bend, twist),
         }

@@ -12,7 +12,7 @@ use crate::{
 
 /// Everything a run starts from. Points are in strand order, root to tip.
 ///
-/// Segment `k` of strand `s` has index `point_offsets\[s\] - s + k`; a strand of n points has n - 1 segments.
+/// Segment `k` of strand `s` has index `point_offsets[s] - s + k`; a strand of n points has n - 1 segments.
 /// Joint `k` precedes segment `k` and has the same index: joint 0 is the clamp, between the ghost frame behind the
 /// root and segment 0, with half a segment's length.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -104,25 +104,18 @@ impl Strands {
 
     /// Position of each strand's root \[m\].
     pub fn roots(&self) -> impl Iterator<Item = DVec3> + '_ {
-        self.point_offsets[..self.len()]
-            .iter()
-            .map(|&point| self.positions[point as usize])
+        self.point_offsets[..self.len()].iter().map(|&point| self.positions[point as usize])
     }
 
     /// Whether `f32` holds what the strands are made of, with room for the squares of a step.
     fn representable(&self, scene: &Scene) -> Result<(), SceneError> {
         let held = |x: f64| x == 0.0 || (1e-30..=1e30).contains(&x.abs());
         for s in 0..self.len() {
-            let points = self
-                .points(s)
-                .map(|i| ("inverse mass of a point, 1/kg", self.inverse_mass[i]));
+            let points = self.points(s).map(|i| ("inverse mass of a point, 1/kg", self.inverse_mass[i]));
             let segments = self.segments(s).flat_map(|k| {
                 [
                     ("length of a segment, m", self.rest_length[k]),
-                    (
-                        "inverse inertia of a segment, 1/(kg m²)",
-                        self.inverse_inertia[k],
-                    ),
+                    ("inverse inertia of a segment, 1/(kg m²)", self.inverse_inertia[k]),
                     ("shear compliance, 1/(N m)", self.stretch_compliance[k].x),
                     ("stretch compliance, 1/(N m)", self.stretch_compliance[k].z),
                     ("bend compliance, 1/(N m)", self.bend_compliance[k].x),
@@ -133,16 +126,17 @@ impl Strands {
                 let name = &scene.hair[self.group[s] as usize].name;
                 return Err(SceneError::new(format!(
                     "{what}, is {value:e}; expected 1e-30 to 1e30, which single precision can work with"
-                )).at(format!("hair.{name}"), None));
+                ))
+                .at(format!("hair.{name}"), None));
             }
         }
         Ok(())
     }
 }
 
-/// Volume of a parcel without `\[air\]`: the paper's \[m³\].
+/// Volume of a parcel without `[air]`: the paper's \[m³\].
 const PARCEL: f64 = 1.46e-7 / 1.29;
-/// Kernel radius without `\[air\]`: the paper's \[m\].
+/// Kernel radius without `[air]`: the paper's \[m\].
 pub(crate) const KERNEL_RADIUS: f64 = 9.3e-3;
 
 impl InitialState {
@@ -153,9 +147,8 @@ impl InitialState {
     /// or compliances are beyond what `f32` holds. It has a key but no line: a scene may have been made in code.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let mut warnings = Vec::new();
-        let (parcel, radius) = scene.air.as_ref().map_or((PARCEL, KERNEL_RADIUS), |air| {
-            (air.parcel(), air.kernel_radius)
-        });
+        let (parcel, radius) =
+            scene.air.as_ref().map_or((PARCEL, KERNEL_RADIUS), |air| (air.parcel(), air.kernel_radius));
         let hair = groom::strands(scene, parcel, radius, &mut warnings);
         hair.representable(scene)?;
         let filled = match &scene.air {
@@ -163,31 +156,17 @@ impl InitialState {
             _ => None,
         };
         if hair.is_empty() && filled.is_none() {
-            return Err(SceneError::new(
-                "is missing: the scene has neither hair nor air particles",
-            )
-            .at("hair", None));
+            return Err(SceneError::new("is missing: the scene has neither hair nor air particles").at("hair", None));
         }
-        let mut state = Self {
-            hair,
-            warnings,
-            ..Self::default()
-        };
+        let mut state = Self { hair, warnings, ..Self::default() };
         if let Some((air, bounds)) = filled {
             state.air = air::particles(air, &bounds, &state.hair);
             state.origin = state.air.min;
             if state.air.positions.is_empty() || state.air.volume <= 0.0 {
-                return Err(
-                    SceneError::new("hair fills the whole box: expected room for air")
-                        .at("air.box", None),
-                );
+                return Err(SceneError::new("hair fills the whole box: expected room for air").at("air.box", None));
             }
-            state
-                .warnings
-                .extend(warnings::of_air(scene, air, &state.air));
-            state
-                .warnings
-                .extend(warnings::of_hair(&state.hair, &state.air, air.wind()));
+            state.warnings.extend(warnings::of_air(scene, air, &state.air));
+            state.warnings.extend(warnings::of_hair(&state.hair, &state.air, air.wind()));
         } else {
             state.origin = state.hair.roots().sum::<DVec3>() / state.hair.len() as f64;
         }

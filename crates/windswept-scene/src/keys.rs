@@ -2,10 +2,7 @@
 //! it, and a piece that is not built yet is marked here and nowhere else.
 
 use Fallback::{Absent, Method, Needed, Value};
-use Kind::{
-    Bool, Choice, Count, Direction, Fraction, Length, NonNegative, Positive, Table, Tables, Text,
-    Vector,
-};
+use Kind::{Bool, Choice, Count, Direction, Fraction, Length, NonNegative, Positive, Table, Tables, Text, Vector};
 
 /// What a key takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,20 +85,8 @@ pub const NOT_BUILT: &[(&str, &str)] = &[
     ("body", ""),
 ];
 
-const fn key(
-    path: &'static str,
-    kind: Kind,
-    default: Fallback,
-    unit: &'static str,
-    help: &'static str,
-) -> Key {
-    Key {
-        path,
-        kind,
-        default,
-        unit,
-        help,
-    }
+const fn key(path: &'static str, kind: Kind, default: Fallback, unit: &'static str, help: &'static str) -> Key {
+    Key { path, kind, default, unit, help }
 }
 
 /// The table.
@@ -206,9 +191,7 @@ impl Key {
     /// Whether this version has not built what the value asks for.
     #[must_use]
     pub fn not_built(path: &str, value: &str) -> bool {
-        NOT_BUILT
-            .iter()
-            .any(|(key, unbuilt)| *key == path && (unbuilt.is_empty() || *unbuilt == value))
+        NOT_BUILT.iter().any(|(key, unbuilt)| *key == path && (unbuilt.is_empty() || *unbuilt == value))
     }
 
     /// The TOML value that a file without the key has; `None` where there is none. Of the two methods' defaults the
@@ -233,11 +216,7 @@ impl Key {
     pub fn expected(&self) -> String {
         let expected = self.kind.expected();
         // A length says that it is in metres.
-        if self.unit.is_empty() || self.kind == Length {
-            expected
-        } else {
-            format!("{expected} [{}]", self.unit)
-        }
+        if self.unit.is_empty() || self.kind == Length { expected } else { format!("{expected} [{}]", self.unit) }
     }
 }
 
@@ -255,14 +234,9 @@ impl Kind {
             Fraction => "a number from 0 to below 1".to_owned(),
             Vector => "three numbers, [x, y, z]".to_owned(),
             Direction => "three numbers, [x, y, z], not all 0".to_owned(),
-            Choice(words) => format!(
-                "one of {}",
-                words
-                    .iter()
-                    .map(|word| format!("\"{word}\""))
-                    .collect::<Vec<_>>()
-                    .join(", ")
-            ),
+            Choice(words) => {
+                format!("one of {}", words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", "))
+            }
             Table => "a table".to_owned(),
             Tables => "a table or an array of tables".to_owned(),
         }
@@ -288,28 +262,14 @@ fn explained(key: &Key) -> String {
             }
         }
     };
-    let unbuilt: Vec<_> = NOT_BUILT
-        .iter()
-        .filter(|(path, _)| *path == key.path)
-        .map(|(_, value)| *value)
-        .collect();
+    let unbuilt: Vec<_> = NOT_BUILT.iter().filter(|(path, _)| *path == key.path).map(|(_, value)| *value).collect();
     let unbuilt = match unbuilt[..] {
         [] => String::new(),
         [""] => "; not in this version".to_owned(),
         _ => format!("; not in this version: {}", unbuilt.join(", ")),
     };
     match key.kind {
-        Table | Tables => format!(
-            "\n{:<27} {}; {default}{unbuilt}\n",
-            format!("[{}]", key.path),
-            key.help
-        ),
-        _ => format!(
-            "{:<27} {}; {default}{unbuilt}\n{:<29} {}\n",
-            key.path,
-            key.expected(),
-            "",
-            key.help
-        ),
+        Table | Tables => format!("\n{:<27} {}; {default}{unbuilt}\n", format!("[{}]", key.path), key.help),
+        _ => format!("{:<27} {}; {default}{unbuilt}\n{:<29} {}\n", key.path, key.expected(), "", key.help),
     }
 }

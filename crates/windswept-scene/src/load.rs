@@ -50,19 +50,10 @@ impl Scene {
         let mut changed = text.to_owned();
         for assignment in sets {
             let set = assign::set(&changed, assignment);
-            changed = set.map_err(|error| {
-                if error.source_name().is_empty() {
-                    error.of(name, text)
-                } else {
-                    error
-                }
-            })?;
+            changed = set.map_err(|error| if error.source_name().is_empty() { error.of(name, text) } else { error })?;
         }
         match read(&changed) {
-            Ok(scene) => Ok(Self {
-                text: changed,
-                ..scene
-            }),
+            Ok(scene) => Ok(Self { text: changed, ..scene }),
             Err(error) => Err(match guilty(&error, text, sets) {
                 Some(assignment) => error.of_assignment(assignment),
                 None => error.of(name, &changed),
@@ -90,20 +81,17 @@ fn read(text: &str) -> Result<Scene, SceneError> {
 
 /// The assignment with which the fault appears; `None` if the file has it already.
 fn guilty<'a>(error: &SceneError, text: &str, sets: &'a [String]) -> Option<&'a String> {
-    let faulty = |text: &str| {
-        read(text)
-            .is_err_and(|other| (other.key(), other.message()) == (error.key(), error.message()))
-    };
+    let faulty =
+        |text: &str| read(text).is_err_and(|other| (other.key(), other.message()) == (error.key(), error.message()));
     let mut changed = text.to_owned();
     if faulty(&changed) {
         return None;
     }
-    sets.iter()
-        .find(|assignment| match assign::set(&changed, assignment) {
-            Ok(set) => {
-                changed = set;
-                faulty(&changed)
-            }
-            Err(_) => false,
-        })
+    sets.iter().find(|assignment| match assign::set(&changed, assignment) {
+        Ok(set) => {
+            changed = set;
+            faulty(&changed)
+        }
+        Err(_) => false,
+    })
 }

@@ -43,32 +43,21 @@ impl<'a> Reader<'a> {
         if let Some(datum) = self.spelled(real) {
             return Ok(Some(datum.clone()));
         }
-        let path: String = real
-            .split('.')
-            .filter(|part| part.parse::<usize>().is_err())
-            .collect::<Vec<_>>()
-            .join(".");
+        let path: String = real.split('.').filter(|part| part.parse::<usize>().is_err()).collect::<Vec<_>>().join(".");
         let key = Key::find(&path).ok_or_else(|| self.fault(real, "unknown key"))?;
-        let published =
-            self.spelled("method") == Some(&Datum::Text(Method::Published.word().to_owned()));
+        let published = self.spelled("method") == Some(&Datum::Text(Method::Published.word().to_owned()));
         let Some(text) = key.default_of(!published) else {
             return match key.default {
-                Fallback::Needed => {
-                    Err(self.fault(real, format!("is missing: expected {}", key.expected())))
-                }
+                Fallback::Needed => Err(self.fault(real, format!("is missing: expected {}", key.expected()))),
                 _ => Ok(None),
             };
         };
-        let value = text
-            .parse::<toml_edit::Value>()
-            .ok()
-            .and_then(|value| document::datum(key.kind, &value));
+        let value = text.parse::<toml_edit::Value>().ok().and_then(|value| document::datum(key.kind, &value));
         Ok(value)
     }
 
     fn needed(&self, real: &str) -> Result<Datum, SceneError> {
-        self.optional(real)?
-            .ok_or_else(|| self.fault(real, "is missing"))
+        self.optional(real)?.ok_or_else(|| self.fault(real, "is missing"))
     }
 
     pub(crate) fn number(&self, real: &str) -> Result<f64, SceneError> {
@@ -112,9 +101,7 @@ impl<'a> Reader<'a> {
 
     /// One of the words of a choice.
     pub(crate) fn choice<T: FromStr>(&self, real: &str) -> Result<T, SceneError> {
-        self.text(real)?
-            .parse()
-            .map_err(|_| self.fault(real, "expected another word"))
+        self.text(real)?.parse().map_err(|_| self.fault(real, "expected another word"))
     }
 
     pub(crate) fn has(&self, real: &str) -> bool {

@@ -18,7 +18,7 @@ pub struct Scene {
     pub time: Time,
     /// Groups of strands; empty when a groom is to be given.
     pub hair: Vec<Hair>,
-    /// Wind and air particles; `None` with model `none` and no `\[air\]`.
+    /// Wind and air particles; `None` with model `none` and no `[air]`.
     pub air: Option<Air>,
     /// How hair and air meet.
     pub model: Model,
@@ -54,24 +54,9 @@ impl PartialEq for Scene {
             camera,
         } = self;
         (title, method, gravity, seed, time, hair, air)
-            == (
-                &other.title,
-                &other.method,
-                &other.gravity,
-                &other.seed,
-                &other.time,
-                &other.hair,
-                &other.air,
-            )
+            == (&other.title, &other.method, &other.gravity, &other.seed, &other.time, &other.hair, &other.air)
             && (model, fluid, turbulence, viscosity, rods, camera)
-                == (
-                    &other.model,
-                    &other.fluid,
-                    &other.turbulence,
-                    &other.viscosity,
-                    &other.rods,
-                    &other.camera,
-                )
+                == (&other.model, &other.fluid, &other.turbulence, &other.viscosity, &other.rods, &other.camera)
     }
 }
 
@@ -84,7 +69,7 @@ pub enum Method {
     Published,
 }
 
-/// `\[time\]`.
+/// `[time]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Time {
     /// Δt as written \[s\]; the engine runs `substeps` whole steps of `step / substeps`.
@@ -97,7 +82,7 @@ pub struct Time {
     pub frame_rate: f64,
 }
 
-/// One `[\[hair\]]`: a group of strands that share everything.
+/// One `[[hair]]`: a group of strands that share everything.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hair {
     /// Name, for dotted keys and reports.
@@ -186,7 +171,7 @@ pub enum RootShape {
     Line,
 }
 
-/// `\[air\]`.
+/// `[air]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Air {
     /// The periodic box of air particles; `None` with models `drag` and `none`.
@@ -229,7 +214,7 @@ pub enum Model {
     None,
 }
 
-/// `\[fluid\]`.
+/// `[fluid]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fluid {
     /// Jacobi iterations of the density constraint; 0 leaves it out.
@@ -240,7 +225,7 @@ pub struct Fluid {
     pub tension: f64,
 }
 
-/// `\[turbulence\]`.
+/// `[turbulence]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Turbulence {
     /// Bands to strengthen; empty: no confinement.
@@ -286,7 +271,7 @@ pub enum Filter {
     Direct,
 }
 
-/// `\[viscosity\]`: c of eqs. 7 and 8 for the step as written (`time.step`).
+/// `[viscosity]`: c of eqs. 7 and 8 for the step as written (`time.step`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Viscosity {
     /// c of hair.
@@ -306,7 +291,7 @@ pub enum ViscosityForm {
     Published,
 }
 
-/// `\[rods\]`.
+/// `[rods]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rods {
     /// The solver.
@@ -341,7 +326,7 @@ pub enum Integrator {
     Euler,
 }
 
-/// `\[camera\]`.
+/// `[camera]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     /// Where it stands \[m\].

@@ -18,16 +18,27 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<
     let (spacing, wind) = (air.parcel().cbrt(), air.wind());
     let move_of_a_step = wind.length() * scene.time.step / f64::from(scene.time.substeps);
     if move_of_a_step > spacing {
-        warnings.push(format!("air moves {:.1} particle spacings in a step; a time.step below {:.2e} s leaves fewer voids", move_of_a_step / spacing, spacing / wind.length()));
+        warnings.push(format!(
+            "air moves {:.1} particle spacings in a step; a time.step below {:.2e} s leaves fewer voids",
+            move_of_a_step / spacing,
+            spacing / wind.length()
+        ));
     }
     let ratio = air.kernel_radius / spacing;
     if !TRIED.contains(&ratio) {
-        warnings.push(format!("air.kernel_radius is {ratio:.2} particle spacings of {spacing:.2e} m; {:.1} to {:.1} are tried", TRIED.start(), TRIED.end()));
+        warnings.push(format!(
+            "air.kernel_radius is {ratio:.2} particle spacings of {spacing:.2e} m; {:.1} to {:.1} are tried",
+            TRIED.start(),
+            TRIED.end()
+        ));
     }
     for band in &scene.turbulence.bands {
         let smallest = SMALLEST_EDDY * spacing;
         if band.scale < smallest {
-            warnings.push(format!("turbulence scale {} m is below what particles {spacing:.2e} m apart can carry, {smallest:.2e} m", band.scale));
+            warnings.push(format!(
+                "turbulence scale {} m is below what particles {spacing:.2e} m apart can carry, {smallest:.2e} m",
+                band.scale
+            ));
         }
     }
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
@@ -45,9 +56,7 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<
 pub(crate) fn of_hair(hair: &Strands, air: &AirParticles, wind: DVec3) -> Vec<String> {
     let mut warnings = Vec::new();
     let local = hair.positions.iter().map(|x| *x - air.min);
-    let outside = local
-        .filter(|x| x.cmplt(DVec3::ZERO).any() || x.cmpge(air.size).any())
-        .count();
+    let outside = local.filter(|x| x.cmplt(DVec3::ZERO).any() || x.cmpge(air.size).any()).count();
     if outside > 0 {
         warnings.push(format!(
             "{outside} of {} hair points start outside the box of air and feel no wind there",

@@ -83,14 +83,8 @@ impl Writer {
 
     fn pair(&mut self, name: &str, value: impl Into<Value>) {
         let value = value.into();
-        let path = if self.path.is_empty() {
-            name.to_owned()
-        } else {
-            format!("{}.{name}", self.path)
-        };
-        let word = value
-            .as_str()
-            .map_or_else(|| value.to_string(), str::to_owned);
+        let path = if self.path.is_empty() { name.to_owned() } else { format!("{}.{name}", self.path) };
+        let word = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
         if !Key::not_built(&path, &word) {
             self.line(format_args!("{name} = {value}"));
         }
@@ -126,19 +120,11 @@ impl Writer {
         self.number("density", hair.density);
         self.number("fibres_per_strand", hair.fibres_per_strand);
         let ratio = match hair.stiffness {
-            Stiffness::Moduli {
-                youngs_modulus,
-                poissons_ratio,
-            } => {
+            Stiffness::Moduli { youngs_modulus, poissons_ratio } => {
                 self.number("youngs_modulus", youngs_modulus);
                 poissons_ratio
             }
-            Stiffness::Direct {
-                stretch,
-                bend,
-                twist,
-                poissons_ratio,
-            } => {
+            Stiffness::Direct { stretch, bend, twist, poissons_ratio } => {
                 self.number("stretch_stiffness", stretch);
                 self.number("bend_stiffness", bend);
                 self.number("twist_stiffness", twist);
@@ -184,11 +170,7 @@ impl Writer {
         self.pair("filter", turbulence.filter.word());
         self.number("cutoff", turbulence.cutoff);
         self.pair("normalise", turbulence.normalise);
-        for band in turbulence
-            .bands
-            .iter()
-            .filter(|_| !Key::not_built("turbulence.bands", ""))
-        {
+        for band in turbulence.bands.iter().filter(|_| !Key::not_built("turbulence.bands", "")) {
             self.heading("[[turbulence.bands]]", "turbulence.bands");
             self.number("scale", band.scale);
             self.number("strength", band.strength);

@@ -107,21 +107,12 @@ fn each_fault_names_its_line_and_key() {
         let shown = error.to_string();
         assert_eq!(error.line(), Some(*line), "{new}: {shown}");
         assert_eq!(error.key().unwrap_or_default(), *key, "{new}: {shown}");
-        assert!(
-            shown.starts_with(&format!("bad.toml:{line}: {key}")),
-            "{shown}"
-        );
+        assert!(shown.starts_with(&format!("bad.toml:{line}: {key}")), "{shown}");
         for word in *words {
             assert!(shown.contains(word), "{new}: no \"{word}\" in: {shown}");
         }
-        assert_eq!(
-            (error.source_name(), error.source_text()),
-            ("bad.toml", text.as_str())
-        );
-        assert!(
-            error.span().is_some_and(|span| text.get(span).is_some()),
-            "{new}"
-        );
+        assert_eq!((error.source_name(), error.source_text()), ("bad.toml", text.as_str()));
+        assert!(error.span().is_some_and(|span| text.get(span).is_some()), "{new}");
     }
 }
 
@@ -131,12 +122,7 @@ fn models_say_what_they_need() {
     let (airless, _) = SMALL.split_once("[air]").unwrap();
     let error = Scene::parse_named("bad.toml", airless).unwrap_err();
     assert_eq!((error.key(), error.line()), (Some("air"), None));
-    assert!(
-        error
-            .to_string()
-            .contains("\"particles\" needs air.box and air.wind"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("\"particles\" needs air.box and air.wind"), "{error}");
     Scene::parse_with("s", airless, &["interaction.model=none".to_owned()]).unwrap();
 }
 
@@ -144,75 +130,26 @@ fn models_say_what_they_need() {
 fn two_groups(first: &str, second: &str) -> Result<Scene, SceneError> {
     let roots = "roots = { center = [0, 0, 0], radius = 0.1 }";
     let first = SMALL.replace("[hair]", &format!("[[hair]]\n{first}"));
-    Scene::parse(&first.replace(
-        "[air]",
-        &format!("[[hair]]\n{second}\npoints = 2\nlength = 0.1\n{roots}\n[air]"),
-    ))
+    Scene::parse(&first.replace("[air]", &format!("[[hair]]\n{second}\npoints = 2\nlength = 0.1\n{roots}\n[air]")))
 }
 
 #[test]
 fn groups_have_names_and_faults_of_their_own() {
     let scene = two_groups("name = \"a\"", "name = \"b\"\nstrands = 1").unwrap();
-    assert_eq!(
-        scene
-            .hair
-            .iter()
-            .map(|hair| hair.name.as_str())
-            .collect::<Vec<_>>(),
-        ["a", "b"]
-    );
+    assert_eq!(scene.hair.iter().map(|hair| hair.name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
     for (first, second, key, line, word) in [
-        (
-            "name = \"a\"",
-            "name = \"a\"\nstrands = 1",
-            "hair.1.name",
-            13,
-            "\"a\" a second time",
-        ),
-        (
-            "",
-            "strands = 1",
-            "hair.1.name",
-            12,
-            "a name of its own for each [[hair]]",
-        ),
-        (
-            "name = \"a\"",
-            "name = \"b\"",
-            "hair.1.strands",
-            12,
-            "is missing",
-        ),
-        (
-            "name = \"a\"",
-            "name = \"b\"\nstrand = 1",
-            "hair.1.strand",
-            14,
-            "did you mean hair.strands?",
-        ),
-        (
-            "radius = 0",
-            "strands = 1",
-            "hair.0.radius",
-            5,
-            "greater than 0",
-        ),
+        ("name = \"a\"", "name = \"a\"\nstrands = 1", "hair.1.name", 13, "\"a\" a second time"),
+        ("", "strands = 1", "hair.1.name", 12, "a name of its own for each [[hair]]"),
+        ("name = \"a\"", "name = \"b\"", "hair.1.strands", 12, "is missing"),
+        ("name = \"a\"", "name = \"b\"\nstrand = 1", "hair.1.strand", 14, "did you mean hair.strands?"),
+        ("radius = 0", "strands = 1", "hair.0.radius", 5, "greater than 0"),
     ] {
         let error = two_groups(first, second).unwrap_err();
-        assert_eq!(
-            (error.key(), error.line()),
-            (Some(key), Some(line)),
-            "{error}"
-        );
+        assert_eq!((error.key(), error.line()), (Some(key), Some(line)), "{error}");
         assert!(error.to_string().contains(word), "{error}");
     }
     // A lone [[hair]] needs no index.
-    let error = Scene::parse(
-        &SMALL
-            .replace("[hair]", "[[hair]]")
-            .replace("points = 4", "points = 1"),
-    )
-    .unwrap_err();
+    let error = Scene::parse(&SMALL.replace("[hair]", "[[hair]]").replace("points = 4", "points = 1")).unwrap_err();
     assert_eq!(error.key(), Some("hair.points"));
 }
 
@@ -223,82 +160,27 @@ fn set(text: &str, assignments: &[&str]) -> Result<Scene, SceneError> {
 
 #[test]
 fn an_assignment_changes_its_key() {
-    assert_eq!(
-        set(QUICK, &["hair.length=0.2"]).unwrap().hair[0].length,
-        0.2
-    );
-    assert_eq!(
-        set(QUICK, &["hair.0.length = 0.2"]).unwrap().hair[0].length,
-        0.2
-    );
-    assert_eq!(
-        set(QUICK, &["hair.length=0.2", "hair.length=0.3"])
-            .unwrap()
-            .hair[0]
-            .length,
-        0.3
-    );
-    assert_eq!(
-        set(QUICK, &["air.box.max=[0.2,0.12,0.07]"])
-            .unwrap()
-            .air
-            .unwrap()
-            .bounds
-            .unwrap()
-            .max[0],
-        0.2
-    );
-    assert_eq!(
-        set(QUICK, &["method=published"]).unwrap().method,
-        windswept_scene::Method::Published
-    );
+    assert_eq!(set(QUICK, &["hair.length=0.2"]).unwrap().hair[0].length, 0.2);
+    assert_eq!(set(QUICK, &["hair.0.length = 0.2"]).unwrap().hair[0].length, 0.2);
+    assert_eq!(set(QUICK, &["hair.length=0.2", "hair.length=0.3"]).unwrap().hair[0].length, 0.3);
+    assert_eq!(set(QUICK, &["air.box.max=[0.2,0.12,0.07]"]).unwrap().air.unwrap().bounds.unwrap().max[0], 0.2);
+    assert_eq!(set(QUICK, &["method=published"]).unwrap().method, windswept_scene::Method::Published);
     assert_eq!(set(QUICK, &["title=\"a = b\""]).unwrap().title, "a = b");
-    assert_eq!(
-        set(QUICK, &["camera.eye=[0,0,1]", "camera.target=[0,0,0]"])
-            .unwrap()
-            .camera
-            .unwrap()
-            .width,
-        960
-    );
+    assert_eq!(set(QUICK, &["camera.eye=[0,0,1]", "camera.target=[0,0,0]"]).unwrap().camera.unwrap().width, 960);
     let text = set(QUICK, &["hair.length=0.2"]).unwrap().text().to_owned();
     assert_eq!(text.lines().count(), QUICK.lines().count());
-    assert!(
-        text.contains("length = 0.2                       # m, along the curl"),
-        "comments are kept: {text}"
-    );
+    assert!(text.contains("length = 0.2                       # m, along the curl"), "comments are kept: {text}");
 }
 
 #[test]
 fn a_group_is_addressed_by_its_name() {
     let one = SMALL.replace("[hair]", "[[hair]]\nname = \"fringe\"");
-    assert_eq!(
-        set(&one, &["hair.fringe.radius=5e-5"]).unwrap().hair[0].radius,
-        5e-5
-    );
-    assert_eq!(
-        set(&one, &["hair.radius=5e-5"]).unwrap().hair[0].radius,
-        5e-5
-    );
-    let two = two_groups("name = \"a\"", "name = \"b\"\nstrands = 1")
-        .unwrap()
-        .text()
-        .to_owned();
+    assert_eq!(set(&one, &["hair.fringe.radius=5e-5"]).unwrap().hair[0].radius, 5e-5);
+    assert_eq!(set(&one, &["hair.radius=5e-5"]).unwrap().hair[0].radius, 5e-5);
+    let two = two_groups("name = \"a\"", "name = \"b\"\nstrands = 1").unwrap().text().to_owned();
     let scene = set(&two, &["hair.b.radius=5e-5", "hair.0.radius=6e-5"]).unwrap();
-    assert_eq!(
-        scene
-            .hair
-            .iter()
-            .map(|hair| hair.radius)
-            .collect::<Vec<_>>(),
-        [6e-5, 5e-5]
-    );
-    assert!(
-        set(&two, &["hair.radius=5e-5"])
-            .unwrap_err()
-            .to_string()
-            .contains("leads nowhere")
-    );
+    assert_eq!(scene.hair.iter().map(|hair| hair.radius).collect::<Vec<_>>(), [6e-5, 5e-5]);
+    assert!(set(&two, &["hair.radius=5e-5"]).unwrap_err().to_string().contains("leads nowhere"));
 }
 
 /// A fault that comes with an assignment names the assignment; one that the file has, the file.
@@ -306,10 +188,7 @@ fn a_group_is_addressed_by_its_name() {
 fn the_guilty_assignment_is_named() {
     let harmless = "title=x";
     for (guilty, words) in [
-        (
-            "hair.lenght=0.2",
-            "hair.lenght: unknown key; did you mean hair.length?",
-        ),
+        ("hair.lenght=0.2", "hair.lenght: unknown key; did you mean hair.length?"),
         ("hair.length=-1", "greater than 0, found -1"),
         ("hair.length", "expected key=value"),
         ("=3", "expected a dotted key"),
@@ -323,39 +202,20 @@ fn the_guilty_assignment_is_named() {
         ("turbulence.bands.0.scale=0.006", "not in this version"),
         ("air.box.max.0=3", "leads nowhere"),
         // The key at fault is another than the one that was set.
-        (
-            "air.kernel_radius=0.1",
-            "air.box: expected sides of at least 3 kernel radii",
-        ),
+        ("air.kernel_radius=0.1", "air.box: expected sides of at least 3 kernel radii"),
         ("air.particle_mass=1e-12", "air.box: would hold"),
         ("time.step=1e-12", "time.duration: would take"),
     ] {
         let error = set(QUICK, &[harmless, guilty, harmless]).unwrap_err();
         let shown = error.to_string();
-        assert!(
-            shown.starts_with(&format!("--set {guilty}: ")) && shown.contains(words),
-            "{guilty}: {shown}"
-        );
-        assert_eq!(
-            (error.line(), error.source_text()),
-            (None, guilty),
-            "{shown}"
-        );
+        assert!(shown.starts_with(&format!("--set {guilty}: ")) && shown.contains(words), "{guilty}: {shown}");
+        assert_eq!((error.line(), error.source_text()), (None, guilty), "{shown}");
         assert_eq!(error.span(), Some(0..guilty.len()));
     }
     let broken = QUICK.replace("points = 11", "points = 1");
-    let line = broken
-        .lines()
-        .position(|line| line.starts_with("points = 1 "))
-        .unwrap()
-        + 1;
-    let shown = set(&broken, &[harmless, "hair.length=0.2"])
-        .unwrap_err()
-        .to_string();
-    assert!(
-        shown.starts_with(&format!("quick.toml:{line}: hair.points: ")),
-        "{shown}"
-    );
+    let line = broken.lines().position(|line| line.starts_with("points = 1 ")).unwrap() + 1;
+    let shown = set(&broken, &[harmless, "hair.length=0.2"]).unwrap_err().to_string();
+    assert!(shown.starts_with(&format!("quick.toml:{line}: hair.points: ")), "{shown}");
     let garbage = set("[time", &[harmless]).unwrap_err().to_string();
     assert!(garbage.starts_with("quick.toml:1: not TOML"), "{garbage}");
 }
@@ -369,19 +229,11 @@ fn files_that_cannot_be_read_are_named() {
     std::fs::write(&windows, format!("\u{feff}{}", SMALL.replace('\n', "\r\n"))).unwrap();
     for path in [&binary, &folder, &folder.join("absent.toml")] {
         let shown = Scene::load(path).unwrap_err().to_string();
-        assert!(
-            shown.starts_with(&format!("{}: cannot be read: ", path.display())),
-            "{shown}"
-        );
+        assert!(shown.starts_with(&format!("{}: cannot be read: ", path.display())), "{shown}");
     }
     assert_eq!(Scene::load(&windows).unwrap(), Scene::parse(SMALL).unwrap());
-    let shown = Scene::load_with(&windows, &["points=3".to_owned()])
-        .unwrap_err()
-        .to_string();
-    assert!(
-        shown.starts_with("--set points=3: points: unknown key"),
-        "{shown}"
-    );
+    let shown = Scene::load_with(&windows, &["points=3".to_owned()]).unwrap_err().to_string();
+    assert!(shown.starts_with("--set points=3: points: unknown key"), "{shown}");
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

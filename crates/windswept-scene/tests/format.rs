@@ -30,31 +30,14 @@ fn scene(text: &str, sets: &[&str]) -> Scene {
 fn paths(text: &str) -> BTreeMap<String, Option<Value>> {
     fn walk(table: &dyn TableLike, path: &str, all: &mut BTreeMap<String, Option<Value>>) {
         for (name, item) in table.iter() {
-            let path = if path.is_empty() {
-                name.to_owned()
-            } else {
-                format!("{path}.{name}")
-            };
-            all.insert(
-                path.clone(),
-                item.as_value()
-                    .filter(|value| !value.is_inline_table())
-                    .cloned(),
-            );
+            let path = if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+            all.insert(path.clone(), item.as_value().filter(|value| !value.is_inline_table()).cloned());
             match item {
-                Item::ArrayOfTables(array) => {
-                    array.iter().for_each(|table| walk(table, &path, all))
-                }
+                Item::ArrayOfTables(array) => array.iter().for_each(|table| walk(table, &path, all)),
                 Item::Value(Value::Array(array)) => {
-                    array
-                        .iter()
-                        .filter_map(Value::as_inline_table)
-                        .for_each(|table| walk(table, &path, all));
+                    array.iter().filter_map(Value::as_inline_table).for_each(|table| walk(table, &path, all));
                 }
-                item => item
-                    .as_table_like()
-                    .into_iter()
-                    .for_each(|table| walk(table, &path, all)),
+                item => item.as_table_like().into_iter().for_each(|table| walk(table, &path, all)),
             }
         }
     }
@@ -70,11 +53,7 @@ fn uncommented() -> String {
         let key = line.contains(" = ") && name.chars().all(|c| c.is_ascii_lowercase() || c == '_');
         key || line.starts_with('[')
     };
-    let lines = QUICK.lines().map(|line| {
-        line.strip_prefix("# ")
-            .filter(|line| key(line))
-            .unwrap_or(line)
-    });
+    let lines = QUICK.lines().map(|line| line.strip_prefix("# ").filter(|line| key(line)).unwrap_or(line));
     lines.collect::<Vec<_>>().join("\n")
 }
 
@@ -82,10 +61,7 @@ fn uncommented() -> String {
 /// comment stands there with its default.
 #[test]
 fn quick_names_every_key() {
-    assert_eq!(
-        Scene::parse_named("quick.toml", QUICK).unwrap().text(),
-        QUICK
-    );
+    assert_eq!(Scene::parse_named("quick.toml", QUICK).unwrap().text(), QUICK);
     let (spelled, named) = (paths(QUICK), paths(&uncommented()));
     assert_eq!(named.keys().map(String::as_str).collect::<Vec<_>>(), {
         let mut keys: Vec<_> = KEYS.iter().map(|key| key.path).collect();
@@ -104,18 +80,10 @@ fn quick_names_every_key() {
         assert!(same, "{}: {shown} is not {default}", key.path);
     }
     // One on a line.
-    for name in [
-        "hair.point_mass",
-        "air.fringe",
-        "rods.solver",
-        "camera.fov",
-        "turbulence.cutoff",
-    ] {
+    for name in ["hair.point_mass", "air.fringe", "rods.solver", "camera.fov", "turbulence.cutoff"] {
         let last = name.rsplit('.').next().unwrap();
         let pattern = format!("{last} = ");
-        let lines = QUICK
-            .lines()
-            .filter(|line| line.trim_start_matches("# ").starts_with(&pattern));
+        let lines = QUICK.lines().filter(|line| line.trim_start_matches("# ").starts_with(&pattern));
         assert_eq!(lines.count(), 1, "{name}");
     }
 }
@@ -125,9 +93,8 @@ fn explain_lists_every_key_with_type_unit_default_and_help() {
     let text = Scene::explain();
     for key in KEYS {
         let heading = format!("[{}] ", key.path);
-        let at = text.lines().position(|line| {
-            line.starts_with(&format!("{} ", key.path)) || line.starts_with(&heading)
-        });
+        let at =
+            text.lines().position(|line| line.starts_with(&format!("{} ", key.path)) || line.starts_with(&heading));
         let at = at.unwrap_or_else(|| panic!("{} is not explained", key.path));
         let shown = text.lines().skip(at).take(2).collect::<Vec<_>>().join("\n");
         assert!(shown.contains(key.help), "{shown}");
@@ -145,10 +112,7 @@ fn explain_lists_every_key_with_type_unit_default_and_help() {
         }
     }
     for (key, words) in [
-        (
-            "rods.solver",
-            "\"gauss-seidel\" (published); now \"gauss-seidel\"; not in this version: direct",
-        ),
+        ("rods.solver", "\"gauss-seidel\" (published); now \"gauss-seidel\"; not in this version: direct"),
         ("air.margin", "not in this version"),
         ("[body]", "not in this version"),
         ("time.step", "a number greater than 0 [s]; needed"),
@@ -161,17 +125,9 @@ fn explain_lists_every_key_with_type_unit_default_and_help() {
 /// Every default of the table is a value that the key takes.
 #[test]
 fn defaults_can_be_spelled() {
-    for key in KEYS
-        .iter()
-        .filter(|key| !key.path.starts_with("hair.") && !key.path.contains("bands."))
-    {
-        for default in [true, false]
-            .into_iter()
-            .filter_map(|accurate| key.default_of(accurate))
-        {
-            if !Key::not_built(key.path, default.trim_matches('"'))
-                && !key.path.starts_with("camera")
-            {
+    for key in KEYS.iter().filter(|key| !key.path.starts_with("hair.") && !key.path.contains("bands.")) {
+        for default in [true, false].into_iter().filter_map(|accurate| key.default_of(accurate)) {
+            if !Key::not_built(key.path, default.trim_matches('"')) && !key.path.starts_with("camera") {
                 scene(QUICK, &[&format!("{}={default}", key.path)]);
             }
         }
@@ -187,55 +143,15 @@ fn what_a_file_leaves_out_has_its_default() {
         (Method::Accurate, Model::Particles, 1, [0.0, -9.81, 0.0])
     );
     assert_eq!((scene.time.substeps, scene.time.frame_rate), (1, 60.0));
-    assert_eq!(
-        (
-            hair.radius,
-            hair.density,
-            hair.fibres_per_strand,
-            hair.taper
-        ),
-        (4e-5, 1320.0, 1.0, 0.0)
-    );
-    assert_eq!(
-        hair.stiffness,
-        Stiffness::Moduli {
-            youngs_modulus: 4e9,
-            poissons_ratio: 0.38
-        }
-    );
-    assert_eq!(
-        (hair.point_mass, hair.curl, hair.roots.direction),
-        (None, None, [0.0, -1.0, 0.0])
-    );
-    assert_eq!(
-        (air.rest_density, air.particle_mass, air.kernel_radius),
-        (1.29, 1.46e-7, 9.3e-3)
-    );
-    assert_eq!(
-        (air.fringe, air.ramp, air.kinematic_viscosity),
-        (4.0 * 9.3e-3, 0.05, 1.5e-5)
-    );
-    assert_eq!(
-        (
-            scene.fluid.iterations,
-            scene.fluid.relaxation,
-            scene.fluid.tension
-        ),
-        (2, 0.5, 0.0)
-    );
-    assert_eq!(
-        (scene.turbulence.bands.len(), scene.turbulence.speed),
-        (0, 5.0)
-    );
+    assert_eq!((hair.radius, hair.density, hair.fibres_per_strand, hair.taper), (4e-5, 1320.0, 1.0, 0.0));
+    assert_eq!(hair.stiffness, Stiffness::Moduli { youngs_modulus: 4e9, poissons_ratio: 0.38 });
+    assert_eq!((hair.point_mass, hair.curl, hair.roots.direction), (None, None, [0.0, -1.0, 0.0]));
+    assert_eq!((air.rest_density, air.particle_mass, air.kernel_radius), (1.29, 1.46e-7, 9.3e-3));
+    assert_eq!((air.fringe, air.ramp, air.kinematic_viscosity), (4.0 * 9.3e-3, 0.05, 1.5e-5));
+    assert_eq!((scene.fluid.iterations, scene.fluid.relaxation, scene.fluid.tension), (2, 0.5, 0.0));
+    assert_eq!((scene.turbulence.bands.len(), scene.turbulence.speed), (0, 5.0));
     assert_eq!((scene.viscosity.hair, scene.viscosity.air), (1.4, 0.014));
-    assert_eq!(
-        (
-            scene.rods.iterations,
-            scene.rods.damping,
-            scene.rods.inextensible
-        ),
-        (10, 0.0, false)
-    );
+    assert_eq!((scene.rods.iterations, scene.rods.damping, scene.rods.inextensible), (10, 0.0, false));
     // Not built: strands do not sleep, whatever the default says.
     assert!(!scene.rods.sleep);
     assert_eq!(scene.camera, None);
@@ -245,40 +161,13 @@ fn what_a_file_leaves_out_has_its_default() {
 fn method_sets_six_defaults_and_a_spelled_key_wins() {
     let six = |scene: Scene| {
         let (turbulence, rods) = (scene.turbulence, scene.rods);
-        (
-            rods.solver,
-            rods.integrator,
-            turbulence.law,
-            turbulence.filter,
-            turbulence.cutoff,
-            scene.viscosity.form,
-        )
+        (rods.solver, rods.integrator, turbulence.law, turbulence.filter, turbulence.cutoff, scene.viscosity.form)
     };
     // Of the accurate ones, solver, integrator and filter are the best that is built.
     let (rods, built) = (Solver::GaussSeidel, (Law::Band, Filter::Direct, 4.5));
-    assert_eq!(
-        six(scene(LEAST, &[])),
-        (
-            rods,
-            Integrator::Euler,
-            built.0,
-            built.1,
-            built.2,
-            ViscosityForm::Limited
-        )
-    );
+    assert_eq!(six(scene(LEAST, &[])), (rods, Integrator::Euler, built.0, built.1, built.2, ViscosityForm::Limited));
     let published = six(scene(LEAST, &["method=published"]));
-    assert_eq!(
-        published,
-        (
-            rods,
-            Integrator::Euler,
-            Law::Published,
-            Filter::Direct,
-            3.0,
-            ViscosityForm::Published
-        )
-    );
+    assert_eq!(published, (rods, Integrator::Euler, Law::Published, Filter::Direct, 3.0, ViscosityForm::Published));
     let spelled = scene(LEAST, &["method=published", "viscosity.form=limited"]);
     assert_eq!(spelled.viscosity.form, ViscosityForm::Limited);
     // And nothing else.
@@ -292,15 +181,11 @@ fn method_sets_six_defaults_and_a_spelled_key_wins() {
 /// c = 22 ν Δt/h², Δt as written: 0.014 and 1.4 are 3.99e-5 and 3.99e-3 m²/s in the paper's scene (design 3.5).
 #[test]
 fn kinematic_viscosity_becomes_a_coefficient() {
-    let text = QUICK
-        .replace("hair = 1.4 ", "kinematic_hair = 3.99e-3")
-        .replace("air = 0.014", "kinematic_air = 3.99e-5");
+    let text =
+        QUICK.replace("hair = 1.4 ", "kinematic_hair = 3.99e-3").replace("air = 0.014", "kinematic_air = 3.99e-5");
     let viscosity = scene(&text, &["time.substeps=3"]).viscosity;
     // Measured 4e-4: ν has three digits. Margin 2.5.
-    assert!(
-        (viscosity.hair / 1.4 - 1.0).abs() < 1e-3 && (viscosity.air / 0.014 - 1.0).abs() < 1e-3,
-        "{viscosity:?}"
-    );
+    assert!((viscosity.hair / 1.4 - 1.0).abs() < 1e-3 && (viscosity.air / 0.014 - 1.0).abs() < 1e-3, "{viscosity:?}");
 }
 
 /// Written out, read again: the same scene, and every key that has a value is there.
@@ -312,23 +197,12 @@ fn a_scene_written_out_is_the_same_scene() {
          roots = {{ center = [0.1, 0.2, 0.3], radius = 0.01, shape = \"sphere_cap\", direction = [1.0, 2.0, -0.3] }}\n",
         LEAST.replace("[hair]", "[[hair]]"),
     );
-    let camera = [
-        "camera.eye=[1,2,3]",
-        "camera.target=[0,0,0.1]",
-        "camera.fov=40",
-    ];
+    let camera = ["camera.eye=[1,2,3]", "camera.target=[0,0,0.1]", "camera.fov=40"];
     for (text, sets) in [
         (QUICK, &[][..]),
         (LEAST, &["method=published"][..]),
         (LEAST, &["interaction.model=none"][..]),
-        (
-            QUICK,
-            &[
-                "title=\"two\\nlines\"",
-                "seed=4294967295",
-                "viscosity.hair=0.1",
-            ][..],
-        ),
+        (QUICK, &["title=\"two\\nlines\"", "seed=4294967295", "viscosity.hair=0.1"][..]),
         (&groups, &camera),
     ] {
         let scene = scene(text, sets);
@@ -337,25 +211,14 @@ fn a_scene_written_out_is_the_same_scene() {
         assert_eq!(again, scene, "{written}");
         assert_eq!(again.to_toml(), written);
         let written = paths(&written);
-        for key in paths(text)
-            .into_keys()
-            .filter(|key| !key.starts_with("air.box") || scene.model == Model::Particles)
+        for key in paths(text).into_keys().filter(|key| !key.starts_with("air.box") || scene.model == Model::Particles)
         {
-            assert!(
-                written.contains_key(&key),
-                "{key} is missing in {written:?}"
-            );
+            assert!(written.contains_key(&key), "{key} is missing in {written:?}");
         }
     }
     // What differs is not equal.
     let mut other = scene(QUICK, &[]);
-    other.camera = Some(Camera {
-        eye: [1.0; 3],
-        target: [0.0; 3],
-        fov: 30.0,
-        width: 100,
-        height: 100,
-    });
+    other.camera = Some(Camera { eye: [1.0; 3], target: [0.0; 3], fov: 30.0, width: 100, height: 100 });
     assert_ne!(other, scene(QUICK, &[]));
     assert_eq!(Scene::parse(&other.to_toml()).unwrap(), other);
 }

@@ -10,9 +10,7 @@ const DEEP: usize = 100_000;
 
 /// The error of a scene that must not parse, and its text is no novel.
 fn refused(text: &str, sets: &[String]) -> String {
-    let shown = Scene::parse_with("deep.toml", text, sets)
-        .unwrap_err()
-        .to_string();
+    let shown = Scene::parse_with("deep.toml", text, sets).unwrap_err().to_string();
     let named: String = sets.iter().map(|set| format!("--set {set}")).collect();
     assert!(shown.len() < named.len() + 400, "{} bytes", shown.len());
     shown

@@ -13,31 +13,17 @@ const QUICK: &str = include_str!("../../../examples/scenes/quick.toml");
 fn quick_is_what_it_says() {
     let scene = scene_of(QUICK, &[]);
     let state = InitialState::new(&scene).unwrap();
-    assert!(
-        (11_000..13_000).contains(&state.air.positions.len()),
-        "{} particles",
-        state.air.positions.len()
-    );
+    assert!((11_000..13_000).contains(&state.air.positions.len()), "{} particles", state.air.positions.len());
     assert_eq!((state.hair.len(), state.hair.positions.len()), (60, 660));
     assert!(state.warnings.is_empty(), "{:?}", state.warnings);
     // The strands stand in the box, clear of the fringe.
     let air = scene.air.unwrap();
-    assert!(
-        state.hair.roots().all(|root| root.x > air.fringe),
-        "roots stand in the fringe"
-    );
+    assert!(state.hair.roots().all(|root| root.x > air.fringe), "roots stand in the fringe");
     let size = state.air.size;
-    assert!(
-        state
-            .hair
-            .positions
-            .iter()
-            .all(|x| x.cmpgt(DVec3::ZERO).all() && x.cmplt(size).all())
-    );
+    assert!(state.hair.positions.iter().all(|x| x.cmpgt(DVec3::ZERO).all() && x.cmplt(size).all()));
     // They fill less than half of the cross-section: 113 mm³ over 10 mm each.
     let filled = state.hair.len() as f64 * air.parcel() / 0.01;
     assert!(filled < 0.5 * size.y * size.z, "{filled} m²");
-    assert_eq!(state.origin, state.air.min);
 }
 
 /// The same seed gives the same state, another does not.
@@ -52,40 +38,21 @@ fn the_seed_decides() {
 fn air_has_its_density_and_leaves_room_for_hair() {
     for (sets, counts) in [
         (&[][..], [33, 25, 14]),
-        (
-            &["air.box={min=[-1.0, 2.0, 3.0], max=[-0.84, 2.12, 3.07]}"],
-            [33, 25, 14],
-        ),
-        (
-            &["air.box={min=[0.02, 0.0, 0.0], max=[0.1, 0.1, 0.033]}"],
-            [17, 21, 7],
-        ),
+        (&["air.box={min=[-1.0, 2.0, 3.0], max=[-0.84, 2.12, 3.07]}"], [33, 25, 14]),
+        (&["air.box={min=[0.02, 0.0, 0.0], max=[0.1, 0.1, 0.033]}"], [17, 21, 7]),
         // At least three along each axis.
-        (
-            &[
-                "air.particle_mass=1.46e-5",
-                "air.box={min=[0,0,0],max=[0.2,0.03,0.1]}",
-            ],
-            [9, 3, 4],
-        ),
+        (&["air.particle_mass=1.46e-5", "air.box={min=[0,0,0],max=[0.2,0.03,0.1]}"], [9, 3, 4]),
     ] {
         let (scene, state) = brush(sets);
         let air = &state.air;
         let bounds = scene.air.as_ref().unwrap().bounds.unwrap();
         assert_eq!(air.min, DVec3::from_array(bounds.min));
+        assert_eq!(state.origin, air.min);
         assert_eq!(air.size, DVec3::from_array(bounds.max) - air.min);
-        let within = |x: &DVec3| {
-            (*x - air.min).cmpge(DVec3::ZERO).all() && (*x - air.min).cmplt(air.size).all()
-        };
+        let within = |x: &DVec3| (*x - air.min).cmpge(DVec3::ZERO).all() && (*x - air.min).cmplt(air.size).all();
         assert!(air.positions.iter().all(within));
-        let parcels: f64 = state
-            .hair
-            .positions
-            .iter()
-            .zip(&state.hair.volume)
-            .filter(|(x, _)| within(x))
-            .map(|(_, v)| v)
-            .sum();
+        let parcels: f64 =
+            state.hair.positions.iter().zip(&state.hair.volume).filter(|(x, _)| within(x)).map(|(_, v)| v).sum();
         assert_close(
             air.volume * air.positions.len() as f64 + parcels,
             air.size.element_product(),
@@ -95,26 +62,15 @@ fn air_has_its_density_and_leaves_room_for_hair() {
         // On the lattice, all of it but what is nearer than 0.62 d to a hair point.
         let pitch = air.size / DVec3::from_array(counts.map(f64::from));
         let reach = 0.62 * scene.air.as_ref().unwrap().parcel().cbrt();
-        let near = |x: DVec3| {
-            state
-                .hair
-                .positions
-                .iter()
-                .any(|hair| hair.distance(x) < reach)
-        };
+        let near = |x: DVec3| state.hair.positions.iter().any(|hair| hair.distance(x) < reach);
         let mut left_out = 0;
         for x in &air.positions {
             let site = (*x - air.min) / pitch - 0.5;
-            assert!(
-                (site - site.round()).length() < 1e-9,
-                "{x} is off the lattice"
-            );
+            assert!((site - site.round()).length() < 1e-9, "{x} is off the lattice");
             assert!(!near(*x), "{x} is inside hair");
         }
         let [nx, ny, nz] = counts;
-        for (i, j, k) in
-            (0..nx).flat_map(|i| (0..ny).flat_map(move |j| (0..nz).map(move |k| (i, j, k))))
-        {
+        for (i, j, k) in (0..nx).flat_map(|i| (0..ny).flat_map(move |j| (0..nz).map(move |k| (i, j, k)))) {
             let site = DVec3::from_array([i, j, k].map(f64::from)) + 0.5;
             left_out += usize::from(near(air.min + pitch * site));
         }
@@ -128,19 +84,10 @@ fn air_starts_with_the_wind_that_has_risen() {
     let (scene, state) = brush(&[]);
     let air = scene.air.unwrap();
     assert!(state.air.velocities.iter().all(|v| *v == DVec3::ZERO));
-    assert_eq!(
-        [-1.0, 0.0, 0.025, 0.05, 9.0].map(|t| air.wind_at(t)[0]),
-        [0.0, 0.0, 1.5, 3.0, 3.0]
-    );
+    assert_eq!([-1.0, 0.0, 0.025, 0.05, 9.0].map(|t| air.wind_at(t)[0]), [0.0, 0.0, 1.5, 3.0, 3.0]);
     let (scene, state) = brush(&["air.ramp=0", "air.wind=[1,2,-3]"]);
     assert_eq!(state.air.velocities.len(), state.air.positions.len());
-    assert!(
-        state
-            .air
-            .velocities
-            .iter()
-            .all(|v| *v == DVec3::new(1.0, 2.0, -3.0))
-    );
+    assert!(state.air.velocities.iter().all(|v| *v == DVec3::new(1.0, 2.0, -3.0)));
     assert_eq!(scene.air.unwrap().risen(0.0), 1.0);
 }
 
@@ -157,60 +104,22 @@ fn the_origin_is_among_the_roots() {
 #[test]
 fn a_user_is_warned() {
     for (sets, words) in [
-        (
-            &["time.step=2e-3"][..],
-            "air moves 1.2 particle spacings in a step",
-        ),
-        (
-            &["time.step=1e-2", "time.substeps=4"],
-            "air moves 1.6 particle spacings",
-        ),
-        (
-            &["hair.roots.direction=[-1,0,0]"],
-            "hair points start outside the box",
-        ),
-        (
-            &["hair.roots.radius=0.025"],
-            "of the box in z: the air beside the hair is sped up",
-        ),
-        (
-            &["air.fringe=0.09"],
-            "air.fringe of 0.09 m takes more than half of the box in x",
-        ),
-        (
-            &["air.kernel_radius=5e-3"],
-            "air.kernel_radius is 1.03 particle spacings",
-        ),
-        (
-            &["hair.curl={radius=1e-3,pitch=0.01}"],
-            "hair hair: the curl turns by 305 degrees per segment",
-        ),
+        (&["time.step=2e-3"][..], "air moves 1.2 particle spacings in a step"),
+        (&["time.step=1e-2", "time.substeps=4"], "air moves 1.6 particle spacings"),
+        (&["hair.roots.direction=[-1,0,0]"], "hair points start outside the box"),
+        (&["hair.roots.radius=0.025"], "of the box in z: the air beside the hair is sped up"),
+        (&["air.fringe=0.09"], "air.fringe of 0.09 m takes more than half of the box in x"),
+        (&["air.kernel_radius=5e-3"], "air.kernel_radius is 1.03 particle spacings"),
+        (&["hair.curl={radius=1e-3,pitch=0.01}"], "hair hair: the curl turns by 305 degrees per segment"),
     ] {
         let warnings = brush(sets).1.warnings;
-        assert!(
-            warnings.len() == 1 && warnings[0].contains(words),
-            "{sets:?}: {warnings:?}"
-        );
+        assert!(warnings.len() == 1 && warnings[0].contains(words), "{sets:?}: {warnings:?}");
     }
-    assert!(
-        brush(&["time.step=2e-3", "time.substeps=2"])
-            .1
-            .warnings
-            .is_empty()
-    );
+    assert!(brush(&["time.step=2e-3", "time.substeps=2"]).1.warnings.is_empty());
     let mut scene = scene_of(BRUSH, &[]);
-    scene.turbulence.bands = [0.0049, 0.006]
-        .map(|scale| Band {
-            scale,
-            strength: 3.0,
-            intensity: 0.3,
-        })
-        .to_vec();
+    scene.turbulence.bands = [0.0049, 0.006].map(|scale| Band { scale, strength: 3.0, intensity: 0.3 }).to_vec();
     let warnings = InitialState::new(&scene).unwrap().warnings;
-    assert!(
-        warnings.len() == 1 && warnings[0].contains("turbulence scale 0.0049 m is below"),
-        "{warnings:?}"
-    );
+    assert!(warnings.len() == 1 && warnings[0].contains("turbulence scale 0.0049 m is below"), "{warnings:?}");
 }
 
 /// Masses and compliances that single precision cannot hold are the scene's fault, not a NaN later; so is hair without
@@ -220,10 +129,7 @@ fn states_that_cannot_be_computed_are_refused() {
     let refused = |sets: &[&str]| InitialState::new(&scene_of(BRUSH, sets)).unwrap_err();
     for (set, words) in [
         ("hair.radius=1e-12", "hair.hair: bend compliance"),
-        (
-            "hair.length=1e-15",
-            "hair.hair: inverse inertia of a segment",
-        ),
+        ("hair.length=1e-15", "hair.hair: inverse inertia of a segment"),
         ("hair.youngs_modulus=1e-18", "hair.hair: bend compliance"),
         ("hair.length=1e18", "hair.hair: inverse inertia"),
     ] {

@@ -17,15 +17,8 @@ fn constraints(hair: &Strands) -> (f64, f64) {
         for (p, k) in hair.points(s).zip(hair.segments(s)) {
             let along = (hair.positions[p + 1] - hair.positions[p]) / hair.rest_length[k];
             stretch = stretch.max((along - hair.orientations[k] * DVec3::Z).length());
-            let (joint, rest) = (
-                before.conjugate() * hair.orientations[k],
-                hair.rest_rotation[k],
-            );
-            let sign = if (joint - rest).length() <= (joint + rest).length() {
-                1.0
-            } else {
-                -1.0
-            };
+            let (joint, rest) = (before.conjugate() * hair.orientations[k], hair.rest_rotation[k]);
+            let sign = if (joint - rest).length() <= (joint + rest).length() { 1.0 } else { -1.0 };
             bend = bend.max((joint.xyz() - sign * rest.xyz()).length());
             before = hair.orientations[k];
         }
@@ -37,41 +30,18 @@ fn constraints(hair: &Strands) -> (f64, f64) {
 fn every_strand_starts_in_its_rest_shape() {
     for sets in [
         &[][..],
-        &[
-            "hair.roots.direction=[0,1,0]",
-            "hair.roots.shape=sphere_cap",
-        ],
+        &["hair.roots.direction=[0,1,0]", "hair.roots.shape=sphere_cap"],
         &["hair.roots.center=[1000,-2000,300]"],
-        &[
-            "hair.curl={radius=0.004,pitch=0.02}",
-            "hair.points=101",
-            "hair.length_variation=0.3",
-            "hair.taper=0.5",
-        ],
-        &[
-            "hair.curl={radius=0.02,pitch=0.001}",
-            "hair.roots.direction=[-1,0,0]",
-        ],
+        &["hair.curl={radius=0.004,pitch=0.02}", "hair.points=101", "hair.length_variation=0.3", "hair.taper=0.5"],
+        &["hair.curl={radius=0.02,pitch=0.001}", "hair.roots.direction=[-1,0,0]"],
     ] {
         let hair = fibres(sets);
         let (stretch, bend) = constraints(&hair);
         // Measured 1.3e-14 and 2.2e-16, and a stretch of 6.4e-12 at 2 km from the origin (round-off of positions);
         // margin 5.
-        let round_off = if sets.iter().any(|set| set.contains("1000")) {
-            3e-11
-        } else {
-            7e-14
-        };
-        assert!(
-            stretch < round_off && bend < 1.1e-15,
-            "{sets:?}: stretch {stretch:e}, bend {bend:e}"
-        );
-        assert!(
-            hair.velocities
-                .iter()
-                .chain(&hair.angular_velocities)
-                .all(|v| *v == DVec3::ZERO)
-        );
+        let round_off = if sets.iter().any(|set| set.contains("1000")) { 3e-11 } else { 7e-14 };
+        assert!(stretch < round_off && bend < 1.1e-15, "{sets:?}: stretch {stretch:e}, bend {bend:e}");
+        assert!(hair.velocities.iter().chain(&hair.angular_velocities).all(|v| *v == DVec3::ZERO));
     }
 }
 
@@ -80,11 +50,7 @@ fn every_strand_starts_in_its_rest_shape() {
 #[test]
 fn curls_wind_about_the_direction() {
     let (a, b) = (0.004_f64, 0.02 / TAU);
-    let hair = fibres(&[
-        "hair.curl={radius=0.004,pitch=0.02}",
-        "hair.points=401",
-        "hair.roots.direction=[1,2,-0.5]",
-    ]);
+    let hair = fibres(&["hair.curl={radius=0.004,pitch=0.02}", "hair.points=401", "hair.roots.direction=[1,2,-0.5]"]);
     let axis = DVec3::new(1.0, 2.0, -0.5).normalize();
     let mut phases = Vec::new();
     for s in 0..hair.len() {
@@ -98,15 +64,8 @@ fn curls_wind_about_the_direction() {
         let centre = flat[..whole].iter().sum::<DVec3>() / whole as f64;
         for (x, y) in flat.iter().zip(&flat[1..]) {
             // Measured 1.2e-3: turns are no whole numbers of points, and points lie inside the arc; margin 3.
-            assert!(
-                (x.distance(centre) / a - 1.0).abs() < 4e-3,
-                "strand {s}: radius {}",
-                x.distance(centre)
-            );
-            assert!(
-                (*x - centre).cross(*y - centre).dot(axis) > 0.0,
-                "strand {s} is left-handed"
-            );
+            assert!((x.distance(centre) / a - 1.0).abs() < 4e-3, "strand {s}: radius {}", x.distance(centre));
+            assert!((*x - centre).cross(*y - centre).dot(axis) > 0.0, "strand {s} is left-handed");
         }
         let advance = (points[400] - points[0]).dot(axis) / (400.0 * l);
         // Exact: d3 keeps its angle to the Darboux vector.
@@ -116,14 +75,9 @@ fn curls_wind_about_the_direction() {
     // With curl_phase = 1 the helices start all around; with 0 all the same way.
     assert!(phases.iter().any(|phase| phase.dot(phases[0]) < -0.5));
     let same = fibres(&["hair.curl={radius=0.004,pitch=0.02}", "hair.curl_phase=0"]);
-    assert!(
-        same.root_frame
-            .iter()
-            .all(|frame| frame.angle_between(same.root_frame[0]) < 1e-12)
-    );
+    assert!(same.root_frame.iter().all(|frame| frame.angle_between(same.root_frame[0]) < 1e-12));
     // Half a joint at the clamp: the rest rotations turn by |κ| l/2, then |κ| l, |κ| = 1/√(a² + b²).
-    let angle =
-        |joint: usize| 2.0 * hair.rest_rotation[joint].xyz().length().asin() / hair.rest_length[0];
+    let angle = |joint: usize| 2.0 * hair.rest_rotation[joint].xyz().length().asin() / hair.rest_length[0];
     assert_close(angle(0), 0.5 / a.hypot(b), "turn of the clamp");
     assert_close(angle(1), 1.0 / a.hypot(b), "turn of a joint");
 }
@@ -138,26 +92,14 @@ fn straight_strands_have_the_default_frame() {
         ("[-3,0,0]", DVec3::Z),
         ("[1,1,0]", DVec3::new(1.0, -1.0, 0.0) / 2.0_f64.sqrt()),
     ] {
-        let (scene, state) = brush(&[
-            "interaction.model=none",
-            &format!("hair.roots.direction={direction}"),
-        ]);
+        let (scene, state) = brush(&["interaction.model=none", &format!("hair.roots.direction={direction}")]);
         let d3 = DVec3::from_array(scene.hair[0].roots.direction);
         for frame in state.hair.root_frame.iter().chain(&state.hair.orientations) {
             assert!((frame.length() - 1.0).abs() < 1e-14);
             let error = DMat3::from_quat(*frame) - DMat3::from_cols(d1, d3.cross(d1), d3);
-            assert!(
-                error.to_cols_array().iter().all(|x| x.abs() < 1e-14),
-                "{direction}: {error}"
-            );
+            assert!(error.to_cols_array().iter().all(|x| x.abs() < 1e-14), "{direction}: {error}");
         }
-        assert!(
-            state
-                .hair
-                .rest_rotation
-                .iter()
-                .all(|rest| *rest == DQuat::IDENTITY)
-        );
+        assert!(state.hair.rest_rotation.iter().all(|rest| *rest == DQuat::IDENTITY));
     }
 }
 
@@ -171,16 +113,8 @@ fn masses_and_compliances_are_those_of_a_fibre() {
         let segment = 1320.0 * area * l;
         assert_eq!(hair.inverse_mass[0], 0.0, "the root is clamped");
         assert_close(1.0 / hair.inverse_mass[5], segment, "mass of a point");
-        assert_close(
-            1.0 / hair.inverse_mass[10],
-            0.5 * segment,
-            "mass of the tip",
-        );
-        assert_close(
-            1.0 / hair.inverse_inertia[3],
-            0.5 * segment * l * l,
-            "inertia",
-        );
+        assert_close(1.0 / hair.inverse_mass[10], 0.5 * segment, "mass of the tip");
+        assert_close(1.0 / hair.inverse_inertia[3], 0.5 * segment * l * l, "inertia");
         let (stretch, second_moment) = (4e9 * area, PI * r.powi(4) / 4.0 * fibres_per_strand);
         assert_close(hair.stretch_compliance[3].z, 1.0 / (stretch * l), "stretch");
         let shear = stretch / (2.0 * 1.38);
@@ -191,30 +125,14 @@ fn masses_and_compliances_are_those_of_a_fibre() {
         assert_close(hair.bend_compliance[3].y, l / (4.0 * bend), "bend");
         assert_close(hair.bend_compliance[3].z, l / (4.0 * bend / 1.38), "twist");
         // Half a joint at the clamp.
-        assert_close(
-            hair.bend_compliance[0].x,
-            0.5 * l / (4.0 * bend),
-            "the clamp's bend",
-        );
-        assert_close(
-            hair.bend_compliance[10].x,
-            0.5 * l / (4.0 * bend),
-            "the next strand's clamp",
-        );
+        assert_close(hair.bend_compliance[0].x, 0.5 * l / (4.0 * bend), "the clamp's bend");
+        assert_close(hair.bend_compliance[10].x, 0.5 * l / (4.0 * bend), "the next strand's clamp");
     }
     // One mass for every point, and for inertia.
     let (_, state) = brush(&["hair.point_mass=1.46e-7"]);
     assert_eq!(state.hair.inverse_mass[0], 0.0);
-    assert!(
-        state.hair.inverse_mass[1..11]
-            .iter()
-            .all(|w| *w == 1.0 / 1.46e-7)
-    );
-    assert_close(
-        state.hair.inverse_inertia[0],
-        2.0 / (1.46e-7 * l * l),
-        "inertia with point_mass",
-    );
+    assert!(state.hair.inverse_mass[1..11].iter().all(|w| *w == 1.0 / 1.46e-7));
+    assert_close(state.hair.inverse_inertia[0], 2.0 / (1.46e-7 * l * l), "inertia with point_mass");
 }
 
 #[test]
@@ -222,31 +140,11 @@ fn a_taper_thins_every_segment_by_its_middle() {
     let hair = fibres(&["hair.taper=0.6"]);
     let radius = |at: f64| 4e-5 * (1.0 - 0.6 * at / 10.0);
     let mass = |k: f64| 1320.0 * PI * radius(k + 0.5).powi(2) * 0.01;
-    assert_close(
-        1.0 / hair.inverse_mass[4],
-        0.5 * (mass(3.0) + mass(4.0)),
-        "mass of a point",
-    );
-    assert_close(
-        1.0 / hair.inverse_mass[10],
-        0.5 * mass(9.0),
-        "mass of the tip",
-    );
-    assert_close(
-        1.0 / hair.inverse_inertia[9],
-        0.5 * mass(9.0) * 1e-4,
-        "inertia",
-    );
-    assert_close(
-        hair.stretch_compliance[9].z,
-        1.0 / (4e9 * PI * radius(9.5).powi(2) * 0.01),
-        "stretch",
-    );
-    assert_close(
-        hair.bend_compliance[9].x,
-        0.01 / (PI * 4e9 * radius(9.0).powi(4)),
-        "bend of the joint at point 9",
-    );
+    assert_close(1.0 / hair.inverse_mass[4], 0.5 * (mass(3.0) + mass(4.0)), "mass of a point");
+    assert_close(1.0 / hair.inverse_mass[10], 0.5 * mass(9.0), "mass of the tip");
+    assert_close(1.0 / hair.inverse_inertia[9], 0.5 * mass(9.0) * 1e-4, "inertia");
+    assert_close(hair.stretch_compliance[9].z, 1.0 / (4e9 * PI * radius(9.5).powi(2) * 0.01), "stretch");
+    assert_close(hair.bend_compliance[9].x, 0.01 / (PI * 4e9 * radius(9.0).powi(4)), "bend of the joint at point 9");
 }
 
 /// Stiffnesses given directly are the strand's, whatever the fibres.
@@ -260,69 +158,35 @@ fn direct_stiffnesses_are_taken_as_they_are() {
         "hair.poissons_ratio=0.25",
     ]);
     assert_close(hair.stretch_compliance[1].z, 1.0 / 0.2, "stretch");
-    assert_close(
-        hair.stretch_compliance[1].x,
-        2.5 / 0.2,
-        "shear, GA = EA/(2 (1 + ν))",
-    );
+    assert_close(hair.stretch_compliance[1].x, 2.5 / 0.2, "shear, GA = EA/(2 (1 + ν))");
     assert_close(hair.bend_compliance[1].x, 0.01 / 12e-9, "bend");
     assert_close(hair.bend_compliance[1].z, 0.01 / 8e-9, "twist");
     let hair = fibres(&["rods.inextensible=true"]);
-    assert!(
-        hair.stretch_compliance
-            .iter()
-            .all(|c| c.z == 0.0 && c.x > 0.0)
-    );
+    assert!(hair.stretch_compliance.iter().all(|c| c.z == 0.0 && c.x > 0.0));
 }
 
 /// A hair point's parcel: V_air min(1, l/h).
 #[test]
 fn parcels_shrink_with_the_spacing() {
     let volume = 1.46e-7 / 1.29;
-    assert!(
-        fibres(&[]).volume.iter().all(|v| *v == volume),
-        "10 mm is above h"
-    );
+    assert!(fibres(&[]).volume.iter().all(|v| *v == volume), "10 mm is above h");
     let hair = fibres(&["hair.points=101"]);
-    hair.volume
-        .iter()
-        .for_each(|v| assert_close(*v, volume * 1e-3 / 9.3e-3, "1 mm apart"));
-    let hair = fibres(&[
-        "hair.points=101",
-        "air.kernel_radius=0.02",
-        "air.particle_mass=1e-6",
-    ]);
-    hair.volume
-        .iter()
-        .for_each(|v| assert_close(*v, 1e-6 / 1.29 * 1e-3 / 0.02, "of the scene's air"));
+    hair.volume.iter().for_each(|v| assert_close(*v, volume * 1e-3 / 9.3e-3, "1 mm apart"));
+    let hair = fibres(&["hair.points=101", "air.kernel_radius=0.02", "air.particle_mass=1e-6"]);
+    hair.volume.iter().for_each(|v| assert_close(*v, 1e-6 / 1.29 * 1e-3 / 0.02, "of the scene's air"));
 }
 
 /// Roots are on their shape and keep apart; a lone one is in the middle.
 #[test]
 fn roots_are_spread_over_their_shape() {
-    let (centre, radius, axis) = (
-        DVec3::new(0.045, 0.065, 0.035),
-        0.017,
-        DVec3::new(1.0, 0.1, 0.0).normalize(),
-    );
-    for (shape, strands, spacing) in [
-        ("disc", 550, PI),
-        ("disc", 7, PI),
-        ("sphere_cap", 550, TAU),
-        ("sphere_cap", 7, TAU),
-        ("line", 50, 4.0),
-    ] {
-        let hair = fibres(&[
-            &format!("hair.roots.shape={shape}"),
-            &format!("hair.strands={strands}"),
-        ]);
+    let (centre, radius, axis) = (DVec3::new(0.045, 0.065, 0.035), 0.017, DVec3::new(1.0, 0.1, 0.0).normalize());
+    for (shape, strands, spacing) in
+        [("disc", 550, PI), ("disc", 7, PI), ("sphere_cap", 550, TAU), ("sphere_cap", 7, TAU), ("line", 50, 4.0)]
+    {
+        let hair = fibres(&[&format!("hair.roots.shape={shape}"), &format!("hair.strands={strands}")]);
         // Side of a root's share of the surface, or its part of the line.
         let n = f64::from(strands);
-        let spacing = if shape == "line" {
-            2.0 * radius / n
-        } else {
-            radius * (spacing / n).sqrt()
-        };
+        let spacing = if shape == "line" { 2.0 * radius / n } else { radius * (spacing / n).sqrt() };
         let roots: Vec<DVec3> = hair.roots().collect();
         assert_eq!(roots.len(), strands as usize);
         for (i, root) in roots.iter().enumerate() {
@@ -332,79 +196,33 @@ fn roots_are_spread_over_their_shape() {
                     assert_close(from.length(), radius, "on the sphere");
                     assert!(from.dot(axis) > 0.0);
                     let along = hair.orientations[hair.segments(i).start] * DVec3::Z;
-                    assert!(
-                        along.distance(from.normalize()) < 1e-12,
-                        "strands start along its normals"
-                    );
+                    assert!(along.distance(from.normalize()) < 1e-12, "strands start along its normals");
                 }
                 _ => {
-                    assert!(
-                        from.dot(axis).abs() < 1e-15 && from.length() < radius + 0.15 * spacing,
-                        "{from}"
-                    );
-                    assert!(
-                        shape == "disc" || from.y.abs() < 1e-15,
-                        "the line is level: {from}"
-                    );
+                    assert!(from.dot(axis).abs() < 1e-15 && from.length() < radius + 0.15 * spacing, "{from}");
+                    assert!(shape == "disc" || from.y.abs() < 1e-15, "the line is level: {from}");
                 }
             }
-            let nearest = roots[..i]
-                .iter()
-                .map(|other| other.distance(*root))
-                .fold(f64::INFINITY, f64::min);
+            let nearest = roots[..i].iter().map(|other| other.distance(*root)).fold(f64::INFINITY, f64::min);
             // Measured 0.60 of the spacing on disc and cap, 0.73 on the line; margin 1.2.
-            assert!(
-                nearest > 0.5 * spacing,
-                "{shape} {strands}: {} of the spacing",
-                nearest / spacing
-            );
+            assert!(nearest > 0.5 * spacing, "{shape} {strands}: {} of the spacing", nearest / spacing);
         }
-        let farthest = roots
-            .iter()
-            .map(|root| root.distance(centre))
-            .fold(0.0, f64::max);
-        assert!(
-            farthest > 0.9 * radius,
-            "{shape}: the rim is empty, {farthest}"
-        );
+        let farthest = roots.iter().map(|root| root.distance(centre)).fold(0.0, f64::max);
+        assert!(farthest > 0.9 * radius, "{shape}: the rim is empty, {farthest}");
         let mean = roots.iter().sum::<DVec3>() / n;
-        let middle = if shape == "sphere_cap" {
-            centre + 0.5 * radius * axis
-        } else {
-            centre
-        };
+        let middle = if shape == "sphere_cap" { centre + 0.5 * radius * axis } else { centre };
         // Measured 0.15 of the radius with 7 roots on the cap, less otherwise; margin 1.3.
-        assert!(
-            mean.distance(middle) < 0.2 * radius,
-            "{shape} {strands}: mean {} off",
-            mean.distance(middle) / radius
-        );
+        assert!(mean.distance(middle) < 0.2 * radius, "{shape} {strands}: mean {} off", mean.distance(middle) / radius);
         let lone = fibres(&[&format!("hair.roots.shape={shape}"), "hair.strands=1"]);
-        let expected = if shape == "sphere_cap" {
-            centre + radius * axis
-        } else {
-            centre
-        };
-        assert!(
-            lone.roots().all(|root| root.distance(expected) < 1e-15),
-            "{shape}"
-        );
+        let expected = if shape == "sphere_cap" { centre + radius * axis } else { centre };
+        assert!(lone.roots().all(|root| root.distance(expected) < 1e-15), "{shape}");
     }
 }
 
 #[test]
 fn lengths_vary_within_their_part() {
     let hair = fibres(&["hair.length_variation=0.4", "hair.strands=500"]);
-    let lengths: Vec<f64> = (0..500)
-        .map(|s| hair.rest_length[hair.segments(s)].iter().sum())
-        .collect();
-    let (low, high) = lengths
-        .iter()
-        .fold((f64::INFINITY, 0.0_f64), |(low, high), l| {
-            (low.min(*l), high.max(*l))
-        });
-    assert!(
-        (0.06..0.061).contains(&low) && (0.099..=0.1 + 1e-12).contains(&high),
-        "{low} to {high}"
-    );
+    let lengths: Vec<f64> = (0..500).map(|s| hair.rest_length[hair.segments(s)].iter().sum()).collect();
+    let (low, high) = lengths.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), l| (low.min(*l), high.max(*l)));
+    assert!((0.06..0.061).contains(&low) && (0.099..=0.1 + 1e-12).contains(&high), "{low} to {high}");
 }

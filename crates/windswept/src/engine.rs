@@ -155,13 +155,17 @@ impl Engine {
 
     /// Submits `n` replays, without waiting.
     pub(crate) fn run(&self, program: &Program, n: u64) -> Result<(), GpuError> {
-        self.gpu.checked(|| format!("running {n} steps"), || {
-            let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("steps") });
-            for _ in 0..n {
-                program.encode(&mut encoder);
-            }
-            self.gpu.queue.submit([encoder.finish()]);
-        })
+        self.gpu.checked(
+            || format!("running {n} steps"),
+            || {
+                let mut encoder =
+                    self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("steps") });
+                for _ in 0..n {
+                    program.encode(&mut encoder);
+                }
+                self.gpu.queue.submit([encoder.finish()]);
+            },
+        )
     }
 
     pub(crate) fn run_profiled(&self, program: &Program, profile: &mut Profile) -> Result<(), RunError> {
@@ -174,11 +178,17 @@ impl Engine {
     /// [`GpuError`] with the driver's words.
     pub fn copy_state_to_prediction(&self) -> Result<(), GpuError> {
         let s = &self.state;
-        self.gpu.checked(|| "copying positions".to_owned(), || {
-            let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("positions") });
-            encoder.copy_buffer_to_buffer(self.buffer(&s.position), 0, self.buffer(&s.predicted), 0, None);
-            self.gpu.queue.submit([encoder.finish()]);
-        })
+        self.gpu.checked(
+            || "copying positions".to_owned(),
+            || {
+                let mut encoder = self
+                    .gpu
+                    .device
+                    .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("positions") });
+                encoder.copy_buffer_to_buffer(self.buffer(&s.position), 0, self.buffer(&s.predicted), 0, None);
+                self.gpu.queue.submit([encoder.finish()]);
+            },
+        )
     }
 
     /// A neighbour list of `capacity` entries. Programs made before bind the old one.

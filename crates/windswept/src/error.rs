@@ -64,7 +64,9 @@ pub enum GpuError {
 #[non_exhaustive]
 pub enum RunError {
     /// An air particle became non-finite.
-    #[error("air particle {particle} became non-finite in step {step} (t = {time:.6} s): the run ends; a smaller time.step may help")]
+    #[error(
+        "air particle {particle} became non-finite in step {step} (t = {time:.6} s): the run ends; a smaller time.step may help"
+    )]
     NonFiniteAir {
         /// Stable id of the first.
         particle: u32,
@@ -74,7 +76,9 @@ pub enum RunError {
         time: f64,
     },
     /// More strands than max(3, 1 %) became non-finite in one step.
-    #[error("{count} strands became non-finite in the rod solve of step {step} (t = {time:.6} s), strand {first} among them: the run ends; a smaller time.step or more rods.iterations may help")]
+    #[error(
+        "{count} strands became non-finite in the rod solve of step {step} (t = {time:.6} s), strand {first} among them: the run ends; a smaller time.step or more rods.iterations may help"
+    )]
     TooManyBadStrands {
         /// How many.
         count: u32,
@@ -86,7 +90,9 @@ pub enum RunError {
         time: f64,
     },
     /// The neighbour list cannot grow as far as the step needs.
-    #[error("step {step} needs a neighbour list of {needed} entries, the adapter allows {limit}: particles are crowded or too many")]
+    #[error(
+        "step {step} needs a neighbour list of {needed} entries, the adapter allows {limit}: particles are crowded or too many"
+    )]
     TooManyNeighbours {
         /// Entries.
         needed: u64,

@@ -34,7 +34,9 @@ impl Gpu {
     pub fn new(choice: &AdapterChoice) -> Result<Self, GpuError> {
         let adapter = adapter::choose(choice)?;
         let info = AdapterInfo::new(&adapter.get_info());
-        let wanted = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+        let wanted = wgpu::Features::TIMESTAMP_QUERY
+            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES
+            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
         let has = adapter.limits();
         let limits = wgpu::Limits {
             max_storage_buffer_binding_size: has.max_storage_buffer_binding_size,
@@ -59,10 +61,22 @@ impl Gpu {
     pub fn from_device(adapter: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, GpuError> {
         let (has, needs) = (device.limits(), wgpu::Limits::default());
         let checks = [
-            ("max_storage_buffers_per_shader_stage", has.max_storage_buffers_per_shader_stage, needs.max_storage_buffers_per_shader_stage),
-            ("max_compute_invocations_per_workgroup", has.max_compute_invocations_per_workgroup, needs.max_compute_invocations_per_workgroup),
+            (
+                "max_storage_buffers_per_shader_stage",
+                has.max_storage_buffers_per_shader_stage,
+                needs.max_storage_buffers_per_shader_stage,
+            ),
+            (
+                "max_compute_invocations_per_workgroup",
+                has.max_compute_invocations_per_workgroup,
+                needs.max_compute_invocations_per_workgroup,
+            ),
             ("max_compute_workgroup_size_x", has.max_compute_workgroup_size_x, needs.max_compute_workgroup_size_x),
-            ("max_compute_workgroups_per_dimension", has.max_compute_workgroups_per_dimension, needs.max_compute_workgroups_per_dimension),
+            (
+                "max_compute_workgroups_per_dimension",
+                has.max_compute_workgroups_per_dimension,
+                needs.max_compute_workgroups_per_dimension,
+            ),
         ];
         for (limit, has, needs) in checks {
             if has < needs {
@@ -115,27 +129,33 @@ impl Gpu {
         if let Some(pipeline) = pipelines.get(pass.name) {
             return Ok(pipeline.clone());
         }
-        let pipeline = self.checked(|| format!("making the pipeline of {}", pass.name), || {
-            let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(pass.name),
-                source: wgpu::ShaderSource::Wgsl(pass.source.into()),
-            });
-            let entries: Vec<_> = pass.bindings.iter().map(layout_entry).collect();
-            let group = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(pass.name), entries: &entries });
-            let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some(pass.name),
-                bind_group_layouts: &[Some(&group)],
-                immediate_size: 0,
-            });
-            self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(pass.name),
-                layout: Some(&layout),
-                module: &module,
-                entry_point: Some("main"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            })
-        })?;
+        let pipeline = self.checked(
+            || format!("making the pipeline of {}", pass.name),
+            || {
+                let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                    label: Some(pass.name),
+                    source: wgpu::ShaderSource::Wgsl(pass.source.into()),
+                });
+                let entries: Vec<_> = pass.bindings.iter().map(layout_entry).collect();
+                let group = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                    label: Some(pass.name),
+                    entries: &entries,
+                });
+                let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                    label: Some(pass.name),
+                    bind_group_layouts: &[Some(&group)],
+                    immediate_size: 0,
+                });
+                self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                    label: Some(pass.name),
+                    layout: Some(&layout),
+                    module: &module,
+                    entry_point: Some("main"),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    cache: None,
+                })
+            },
+        )?;
         pipelines.insert(pass.name, pipeline.clone());
         Ok(pipeline)
     }

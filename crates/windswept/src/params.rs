@@ -53,9 +53,32 @@ pub struct Params {
 }
 
 assert_layout!(Params {
-    box_size, step, wind, ramp, gravity, fringe, cells, kernel_radius, cell_size, air_volume, particles, hair_points,
-    segments, strands, box_cells, hashed_cells, neighbour_capacity, rod_iterations, air_inverse_mass, relaxation,
-    tension, density_softening, viscosity_hair, viscosity_air, damping, bad_strand_limit,
+    box_size,
+    step,
+    wind,
+    ramp,
+    gravity,
+    fringe,
+    cells,
+    kernel_radius,
+    cell_size,
+    air_volume,
+    particles,
+    hair_points,
+    segments,
+    strands,
+    box_cells,
+    hashed_cells,
+    neighbour_capacity,
+    rod_iterations,
+    air_inverse_mass,
+    relaxation,
+    tension,
+    density_softening,
+    viscosity_hair,
+    viscosity_air,
+    damping,
+    bad_strand_limit,
 });
 
 /// Fewest buckets for hair outside the box.
@@ -109,8 +132,9 @@ impl Params {
                 params.box_cells = cells.iter().product::<f64>() as u32;
                 params.air_volume = initial.air.volume as f32;
                 params.air_inverse_mass = (1.0 / initial.air.mass) as f32;
-                params.density_softening =
-                    (SOFTENING * lattice_gradients(air.kernel_radius, initial.air.volume, 1.0 / initial.air.mass)) as f32;
+                params.density_softening = (SOFTENING
+                    * lattice_gradients(air.kernel_radius, initial.air.volume, 1.0 / initial.air.mass))
+                    as f32;
             }
         }
         params

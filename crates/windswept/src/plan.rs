@@ -48,7 +48,8 @@ impl Plan {
         let wind = air.and(Decision::when(!still, "air.wind is zero"));
         let viscous = scene.viscosity.hair > 0.0 || scene.viscosity.air > 0.0;
         let solved = scene.fluid.iterations > 0;
-        let neighbours = air.and(Decision::when(solved || viscous, "neither density nor viscosity asks for neighbours"));
+        let neighbours =
+            air.and(Decision::when(solved || viscous, "neither density nor viscosity asks for neighbours"));
         let fluid = air.and(Decision::when(solved, "fluid.iterations is 0"));
         let viscosity = air.and(Decision::when(viscous, "viscosity.hair and viscosity.air are 0"));
         let density_alone = viscosity.and(Decision::when(!solved, "the density constraint has it already"));

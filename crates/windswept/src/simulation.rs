@@ -213,7 +213,8 @@ impl Simulation {
     /// [`RunError::Gpu`] when the device is lost.
     pub fn frame(&self) -> Result<Frame, RunError> {
         let s = self.engine.state();
-        let [positions, velocities, orientations] = self.engine.read_vec4([&s.position, &s.velocity, &s.orientation])?;
+        let [positions, velocities, orientations] =
+            self.engine.read_vec4([&s.position, &s.velocity, &s.orientation])?;
         let hair = self.engine.sizes().hair_points as usize;
         let origin = self.initial.origin;
         let world = |p: &[f32; 4]| (DVec3::new(p[0].into(), p[1].into(), p[2].into()) + origin).as_vec3().to_array();

@@ -34,7 +34,15 @@ pub struct Status {
 }
 
 assert_layout!(Status {
-    causes, step, neighbours, bad_strands, first_bad_strand, first_bad_air, max_stretch, counted, counting,
+    causes,
+    step,
+    neighbours,
+    bad_strands,
+    first_bad_strand,
+    first_bad_air,
+    max_stretch,
+    counted,
+    counting,
 });
 
 impl Status {

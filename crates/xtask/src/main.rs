@@ -53,13 +53,7 @@ fn demo() -> Result {
     venv::provide_cmake(&mut cargo)?;
     say("Building windswept and running examples/scenes/quick.toml");
     cargo.args(["run", "--release", "--package", "windswept-cli", "--"]);
-    cargo.args([
-        "run",
-        "examples/scenes/quick.toml",
-        "--out",
-        "out/quick",
-        "--overwrite",
-    ]);
+    cargo.args(["run", "examples/scenes/quick.toml", "--out", "out/quick", "--overwrite"]);
     run(&mut cargo)?;
     println!(
         "
@@ -88,26 +82,14 @@ fn root() -> PathBuf {
 
 /// Runs a command to its end; anything but success is an error that names it.
 fn run(command: &mut Command) -> Result {
-    let status = command
-        .status()
-        .map_err(|e| format!("{} did not start: {e}", line(command)))?;
-    if status.success() {
-        Ok(())
-    } else {
-        Err(format!("{} ended with {status}", line(command)))
-    }
+    let status = command.status().map_err(|e| format!("{} did not start: {e}", line(command)))?;
+    if status.success() { Ok(()) } else { Err(format!("{} ended with {status}", line(command))) }
 }
 
 /// A command as it would be typed.
 fn line(command: &Command) -> String {
     let words = std::iter::once(command.get_program()).chain(command.get_args());
-    format!(
-        "`{}`",
-        words
-            .map(|w| w.to_string_lossy())
-            .collect::<Vec<_>>()
-            .join(" ")
-    )
+    format!("`{}`", words.map(|w| w.to_string_lossy()).collect::<Vec<_>>().join(" "))
 }
 
 /// Announces a part of the work.

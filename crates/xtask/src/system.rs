@@ -18,11 +18,7 @@ pub(crate) struct Package {
 /// Whether `program arguments` runs and succeeds.
 pub(crate) fn succeeds(program: &str, arguments: &[&str]) -> bool {
     let mut command = Command::new(program);
-    command
-        .args(arguments)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null());
+    command.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     command.status().is_ok_and(|status| status.success())
 }
 
@@ -47,10 +43,7 @@ pub(crate) fn install(lacking: &str, package: Package) -> Result {
     as_root.arg("DEBIAN_FRONTEND=noninteractive").arg("apt-get");
     let apt_get = |arguments: &[&str]| {
         let mut command = Command::new(as_root.get_program());
-        command
-            .args(as_root.get_args())
-            .args(arguments)
-            .stdin(Stdio::null());
+        command.args(as_root.get_args()).args(arguments).stdin(Stdio::null());
         say(&format!("{lacking}: {}", line(&command)));
         run(&mut command)
     };
@@ -76,18 +69,8 @@ fn what_to_type(lacking: &str, package: Package) -> String {
         ("dnf", format!("sudo dnf install {}", package.dnf)),
         ("pacman", format!("sudo pacman -S {}", package.pacman)),
     ];
-    let here: Vec<&str> = lines
-        .iter()
-        .filter(|(manager, _)| succeeds(manager, &["--version"]))
-        .map(|(_, l)| l.as_str())
-        .collect();
-    let lines = if here.is_empty() {
-        lines.iter().map(|(_, l)| l.as_str()).collect()
-    } else {
-        here
-    };
-    format!(
-        "{lacking}. Type this, then run the same command again:\n\n    {}\n",
-        lines.join("\n    ")
-    )
+    let here: Vec<&str> =
+        lines.iter().filter(|(manager, _)| succeeds(manager, &["--version"])).map(|(_, l)| l.as_str()).collect();
+    let lines = if here.is_empty() { lines.iter().map(|(_, l)| l.as_str()).collect() } else { here };
+    format!("{lacking}. Type this, then run the same command again:\n\n    {}\n", lines.join("\n    "))
 }

@@ -18,25 +18,14 @@ pub(crate) fn run() -> Result {
     say("Lints");
     let mut clippy = cargo();
     venv::provide_cmake(&mut clippy)?;
-    crate::run(clippy.args([
-        "clippy",
-        "--workspace",
-        "--all-targets",
-        "--",
-        "--deny",
-        "warnings",
-    ]))?;
+    crate::run(clippy.args(["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"]))?;
 
     say("Tests");
     let mut tests = cargo();
     venv::provide_cmake(&mut tests)?;
-    tests
-        .args(["test", "--workspace", "--no-fail-fast"])
-        .env("WINDSWEPT_PYTHON", python);
+    tests.args(["test", "--workspace", "--no-fail-fast"]).env("WINDSWEPT_PYTHON", python);
     if let Some(manifest) = driver {
-        tests
-            .env("VK_DRIVER_FILES", manifest)
-            .env("WGPU_ADAPTER_NAME", "llvmpipe");
+        tests.env("VK_DRIVER_FILES", manifest).env("WGPU_ADAPTER_NAME", "llvmpipe");
     }
     let total = run_and_count(&mut tests);
     let (passed, failed, ok) = total?;
@@ -53,10 +42,7 @@ pub(crate) fn run() -> Result {
 /// Returns passed, failed, and whether cargo succeeded.
 fn run_and_count(tests: &mut Command) -> Result<(u64, u64, bool)> {
     let failed_to = |what: &str, e: std::io::Error| format!("{what}: {e}");
-    let mut child = tests
-        .stdout(Stdio::piped())
-        .spawn()
-        .map_err(|e| failed_to(&line(tests), e))?;
+    let mut child = tests.stdout(Stdio::piped()).spawn().map_err(|e| failed_to(&line(tests), e))?;
     let (mut passed, mut failed) = (0, 0);
     if let Some(stdout) = child.stdout.take() {
         for row in BufReader::new(stdout).lines() {
@@ -74,10 +60,7 @@ fn run_and_count(tests: &mut Command) -> Result<(u64, u64, bool)> {
 
 /// The number that stands right before a word, in "ok. 12 passed; 0 failed; …".
 fn before(text: &str, word: &str) -> u64 {
-    let number = text
-        .split(word)
-        .next()
-        .and_then(|t| t.split(' ').next_back());
+    let number = text.split(word).next().and_then(|t| t.split(' ').next_back());
     number.and_then(|n| n.parse().ok()).unwrap_or(0)
 }
 
@@ -88,15 +71,7 @@ mod check {
     /// The closing line of libtest is what the total is added up from.
     #[test]
     fn closing_line_is_read() {
-        let line =
-            "FAILED. 12 passed; 3 failed; 0 ignored; 0 measured; 1 filtered out; finished in 0.00s";
-        assert_eq!(
-            (
-                before(line, " passed"),
-                before(line, " failed"),
-                before(line, " absent")
-            ),
-            (12, 3, 0)
-        );
+        let line = "FAILED. 12 passed; 3 failed; 0 ignored; 0 measured; 1 filtered out; finished in 0.00s";
+        assert_eq!((before(line, " passed"), before(line, " failed"), before(line, " absent")), (12, 3, 0));
     }
 }

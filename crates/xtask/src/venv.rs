@@ -6,11 +6,7 @@ use std::process::Command;
 use crate::system::{self, Package};
 use crate::{Result, root, run, say};
 
-const PYTHON: Package = Package {
-    apt: "python3 python3-venv",
-    dnf: "python3",
-    pacman: "python",
-};
+const PYTHON: Package = Package { apt: "python3 python3-venv", dnf: "python3", pacman: "python" };
 
 /// HDF5 is built with CMake; this puts one on the command's PATH where the machine has none.
 pub(crate) fn provide_cmake(command: &mut Command) -> Result {
@@ -31,41 +27,21 @@ pub(crate) fn provide_cmake(command: &mut Command) -> Result {
 /// A list of what was installed makes the second call quick: pip alone takes a second to find that nothing is to be done.
 pub(crate) fn provide(packages: &[&str]) -> Result<PathBuf> {
     let venv = root().join("target/venv");
-    let python = if cfg!(windows) {
-        venv.join("Scripts/python.exe")
-    } else {
-        venv.join("bin/python")
-    };
+    let python = if cfg!(windows) { venv.join("Scripts/python.exe") } else { venv.join("bin/python") };
     let list = venv.join("installed.txt");
     if !system::succeeds(&python.to_string_lossy(), &["-m", "pip", "--version"]) {
         create(&venv.to_string_lossy())?;
     }
     let mut installed = std::fs::read_to_string(&list).unwrap_or_default();
-    let missing: Vec<&str> = packages
-        .iter()
-        .copied()
-        .filter(|p| !installed.lines().any(|i| i == *p))
-        .collect();
+    let missing: Vec<&str> = packages.iter().copied().filter(|p| !installed.lines().any(|i| i == *p)).collect();
     if missing.is_empty() {
         return Ok(python);
     }
-    say(&format!(
-        "Installing {} into target/venv",
-        missing.join(", ")
-    ));
+    say(&format!("Installing {} into target/venv", missing.join(", ")));
     let mut pip = Command::new(&python);
-    run(pip
-        .args([
-            "-m",
-            "pip",
-            "install",
-            "--quiet",
-            "--disable-pip-version-check",
-        ])
-        .args(&missing))?;
+    run(pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]).args(&missing))?;
     installed.extend(missing.iter().flat_map(|p| [*p, "\n"]));
-    std::fs::write(&list, installed)
-        .map_err(|e| format!("{} cannot be written: {e}", list.display()))?;
+    std::fs::write(&list, installed).map_err(|e| format!("{} cannot be written: {e}", list.display()))?;
     Ok(python)
 }
 

@@ -18,11 +18,7 @@ pub(crate) fn any_driver() -> Result {
         return Ok(());
     }
     system::install("No Vulkan driver found", MESA)?;
-    if has_loader() && !manifests().is_empty() {
-        Ok(())
-    } else {
-        Err(not_there_yet())
-    }
+    if has_loader() && !manifests().is_empty() { Ok(()) } else { Err(not_there_yet()) }
 }
 
 /// Makes sure that there is lavapipe, Mesa's driver that runs on the CPU, and returns its manifest.
@@ -35,11 +31,7 @@ pub(crate) fn software_driver() -> Result<Option<PathBuf>> {
     if !has_loader() || lavapipe().is_none() {
         system::install("No software Vulkan driver (lavapipe) found", MESA)?;
     }
-    if has_loader() {
-        lavapipe().map(Some).ok_or_else(not_there_yet)
-    } else {
-        Err(not_there_yet())
-    }
+    if has_loader() { lavapipe().map(Some).ok_or_else(not_there_yet) } else { Err(not_there_yet()) }
 }
 
 fn not_there_yet() -> String {
@@ -49,18 +41,14 @@ fn not_there_yet() -> String {
 }
 
 fn lavapipe() -> Option<PathBuf> {
-    let is_lavapipe = |m: &PathBuf| {
-        m.file_name()
-            .is_some_and(|n| n.to_string_lossy().starts_with("lvp_icd"))
-    };
+    let is_lavapipe = |m: &PathBuf| m.file_name().is_some_and(|n| n.to_string_lossy().starts_with("lvp_icd"));
     manifests().into_iter().find(is_lavapipe)
 }
 
 /// Whether libvulkan.so.1 is in a folder that the dynamic linker searches.
 fn has_loader() -> bool {
     let mut folders = paths("LD_LIBRARY_PATH", "");
-    for parent in ["/usr/lib", "/lib", "/usr/local/lib", "/usr/lib64", "/lib64"].map(PathBuf::from)
-    {
+    for parent in ["/usr/lib", "/lib", "/usr/local/lib", "/usr/lib64", "/lib64"].map(PathBuf::from) {
         // Debian keeps libraries one level down, by architecture.
         folders.extend(children(&parent).filter(|p| p.to_string_lossy().contains("-linux-gnu")));
         folders.push(parent);
@@ -70,11 +58,8 @@ fn has_loader() -> bool {
 
 /// The drivers' manifests, where the Vulkan loader looks for them ("Driver Discovery" in its LoaderDriverInterface.md).
 fn manifests() -> Vec<PathBuf> {
-    let named: Vec<PathBuf> = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"]
-        .iter()
-        .flat_map(|v| paths(v, ""))
-        .filter(|p| p.is_file())
-        .collect();
+    let named: Vec<PathBuf> =
+        ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"].iter().flat_map(|v| paths(v, "")).filter(|p| p.is_file()).collect();
     if !named.is_empty() {
         return named;
     }
@@ -82,40 +67,22 @@ fn manifests() -> Vec<PathBuf> {
     let mut folders = paths("XDG_CONFIG_HOME", &home.join(".config").to_string_lossy());
     folders.extend(paths("XDG_CONFIG_DIRS", "/etc/xdg"));
     folders.push("/etc".into());
-    folders.extend(paths(
-        "XDG_DATA_HOME",
-        &home.join(".local/share").to_string_lossy(),
-    ));
+    folders.extend(paths("XDG_DATA_HOME", &home.join(".local/share").to_string_lossy()));
     folders.extend(paths("XDG_DATA_DIRS", "/usr/local/share:/usr/share"));
     let is_manifest = |p: &PathBuf| p.extension() == Some(OsStr::new("json"));
-    folders
-        .iter()
-        .flat_map(|f| {
-            children(&f.join("vulkan/icd.d"))
-                .filter(is_manifest)
-                .collect::<Vec<_>>()
-        })
-        .collect()
+    folders.iter().flat_map(|f| children(&f.join("vulkan/icd.d")).filter(is_manifest).collect::<Vec<_>>()).collect()
 }
 
 /// What a folder holds, sorted; nothing where it cannot be read.
 fn children(folder: &Path) -> impl Iterator<Item = PathBuf> + use<> {
-    let mut found: Vec<PathBuf> = std::fs::read_dir(folder)
-        .into_iter()
-        .flatten()
-        .flatten()
-        .map(|entry| entry.path())
-        .collect();
+    let mut found: Vec<PathBuf> =
+        std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
     found.sort();
     found.into_iter()
 }
 
 /// The list of paths in an environment variable, or the default where it is unset or empty.
 fn paths(variable: &str, default: &str) -> Vec<PathBuf> {
-    let value = std::env::var_os(variable)
-        .filter(|v| !v.is_empty())
-        .unwrap_or_else(|| default.into());
-    std::env::split_paths(&value)
-        .filter(|p| !p.as_os_str().is_empty())
-        .collect()
+    let value = std::env::var_os(variable).filter(|v| !v.is_empty()).unwrap_or_else(|| default.into());
+    std::env::split_paths(&value).filter(|p| !p.as_os_str().is_empty()).collect()
 }

@@ -44,9 +44,7 @@ impl Layout {
     ) -> Result<Self> {
         // The earliest format has no mark for "open for writing", which would make readers refuse a killed run's file.
         // Without the sieve buffer a number is written as 8 bytes, not as the 64 kB around it.
-        let file = File::with_options()
-            .with_fapl(|access| access.libver_earliest().sieve_buf_size(0))
-            .create(path)?;
+        let file = File::with_options().with_fapl(|access| access.libver_earliest().sieve_buf_size(0)).create(path)?;
         let root = file.create_group("VTKHDF")?;
         let steps_group = root.create_group("Steps")?;
         let finished = steps_group.new_attr::<i64>().create("NSteps")?;
@@ -64,24 +62,16 @@ impl Layout {
             .shape(1..)
             .create("Values")?;
 
-        root.new_attr::<i64>()
-            .shape(2)
-            .create("Version")?
-            .write(&[2, 0])?;
+        root.new_attr::<i64>().shape(2).create("Version")?.write(&[2, 0])?;
         let name = FixedAscii::<8>::from_ascii("PolyData").map_err(|e| e.to_string())?;
-        root.new_attr::<FixedAscii<8>>()
-            .create("Type")?
-            .write_scalar(&name)?;
+        root.new_attr::<FixedAscii<8>>().create("Type")?.write_scalar(&name)?;
         table(&root, "NumberOfPoints", &[points as i64])?;
         for group in ["Vertices", "Lines", "Strips", "Polygons"] {
             let own = match kind {
                 Kind::Hair => "Lines",
                 Kind::Air => "Vertices",
             };
-            write_cells(
-                &root.create_group(group)?,
-                if group == own { cells } else { &[0] },
-            )?;
+            write_cells(&root.create_group(group)?, if group == own { cells } else { &[0] })?;
         }
 
         // Flat, as a frame is a run of rows: those of frame k start at k points.
@@ -108,10 +98,7 @@ impl Layout {
             velocities: vectors("PointData/Velocity", 3)?,
             orientations,
             steps,
-            group_steps: [
-                per_group("Steps/CellOffsets")?,
-                per_group("Steps/ConnectivityIdOffsets")?,
-            ],
+            group_steps: [per_group("Steps/CellOffsets")?, per_group("Steps/ConnectivityIdOffsets")?],
             finished,
             file,
         };
@@ -154,35 +141,19 @@ impl Layout {
 fn write_provenance(file: &File, provenance: &Provenance<'_>) -> Result<()> {
     let group = file.create_group("windswept")?;
     let text = |text| VarLenUnicode::from_str(text).map_err(|e| e.to_string());
-    for (name, value) in [
-        ("version", provenance.version),
-        ("adapter", provenance.adapter),
-    ] {
-        group
-            .new_attr::<VarLenUnicode>()
-            .create(name)?
-            .write_scalar(&text(value)?)?;
+    for (name, value) in [("version", provenance.version), ("adapter", provenance.adapter)] {
+        group.new_attr::<VarLenUnicode>().create(name)?.write_scalar(&text(value)?)?;
     }
-    group
-        .new_attr::<u64>()
-        .create("seed")?
-        .write_scalar(&provenance.seed)?;
+    group.new_attr::<u64>().create("seed")?.write_scalar(&provenance.seed)?;
     // A dataset, because an attribute ends at 64 kB.
-    group
-        .new_dataset::<VarLenUnicode>()
-        .create("scene")?
-        .write_scalar(&text(provenance.scene)?)
+    group.new_dataset::<VarLenUnicode>().create("scene")?.write_scalar(&text(provenance.scene)?)
 }
 
 /// One group of cells; the points are used in their order, each once.
 fn write_cells(group: &Group, offsets: &[i64]) -> Result<()> {
     let connectivity: Vec<i64> = (0..offsets[offsets.len() - 1]).collect();
     table(group, "NumberOfCells", &[offsets.len() as i64 - 1])?;
-    table(
-        group,
-        "NumberOfConnectivityIds",
-        &[connectivity.len() as i64],
-    )?;
+    table(group, "NumberOfConnectivityIds", &[connectivity.len() as i64])?;
     table(group, "Offsets", offsets)?;
     table(group, "Connectivity", &connectivity)
 }
@@ -204,10 +175,6 @@ fn empty<T: H5Type>(group: &Group, name: &str, shape: impl Into<Extents>) -> Res
 }
 
 /// Writes the k-th run of rows of this length.
-fn write_rows<T: H5Type, const N: usize>(
-    dataset: &Dataset,
-    k: usize,
-    rows: &[[T; N]],
-) -> Result<()> {
+fn write_rows<T: H5Type, const N: usize>(dataset: &Dataset, k: usize, rows: &[[T; N]]) -> Result<()> {
     dataset.write_slice::<_, T, _, _>(rows, (k * rows.len()..(k + 1) * rows.len(), ..))
 }

@@ -23,11 +23,7 @@ pub(crate) fn frame(k: usize) -> Frame {
         state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
         (state >> 8) as f32 / 1e6 - 8.0
     };
-    let mut rows = move |n: usize| {
-        (0..n)
-            .map(|_| [number(), number(), number()])
-            .collect::<Vec<_>>()
-    };
+    let mut rows = move |n: usize| (0..n).map(|_| [number(), number(), number()]).collect::<Vec<_>>();
     let mut velocities = rows(10);
     velocities[3] = [-0.0, f32::from_bits(1), f32::MAX];
     Frame {
@@ -39,10 +35,7 @@ pub(crate) fn frame(k: usize) -> Frame {
             velocities,
             orientations: rows(7).iter().map(|&[x, y, z]| [x, y, z, x + y]).collect(),
         },
-        air: AirFrame {
-            positions: rows(7),
-            velocities: rows(7),
-        },
+        air: AirFrame { positions: rows(7), velocities: rows(7) },
     }
 }
 
@@ -61,10 +54,7 @@ pub(crate) fn write(path: &Path, kind: Kind, film: &[Frame], announced: usize) {
 
 /// How many frames the file shows.
 pub(crate) fn finished(path: &Path) -> usize {
-    let steps = hdf5::File::open(path)
-        .unwrap()
-        .group("VTKHDF/Steps")
-        .unwrap();
+    let steps = hdf5::File::open(path).unwrap().group("VTKHDF/Steps").unwrap();
     steps.attr("NSteps").unwrap().read_scalar::<i64>().unwrap() as usize
 }
 
@@ -77,16 +67,9 @@ pub(crate) fn assert_holds(path: &Path, kind: Kind, film: &[Frame]) {
         offsets.read_slice_1d::<i64, _>(k..k + 1).unwrap()[0] as usize
     };
     // Not one more than NSteps, or VTK crashes; a row before there is a frame does no harm.
-    assert_eq!(
-        root.dataset("Steps/Values").unwrap().size(),
-        film.len().max(1)
-    );
+    assert_eq!(root.dataset("Steps/Values").unwrap().size(), film.len().max(1));
     for (k, frame) in film.iter().enumerate() {
-        let time = root
-            .dataset("Steps/Values")
-            .unwrap()
-            .read_slice_1d::<f64, _>(k..k + 1)
-            .unwrap()[0];
+        let time = root.dataset("Steps/Values").unwrap().read_slice_1d::<f64, _>(k..k + 1).unwrap()[0];
         assert_eq!(time.to_bits(), frame.time.to_bits(), "time of frame {k}");
         let (positions, velocities) = match kind {
             Kind::Hair => (&frame.hair.positions, &frame.hair.velocities),
@@ -94,28 +77,15 @@ pub(crate) fn assert_holds(path: &Path, kind: Kind, film: &[Frame]) {
         };
         for (name, start, expected) in [
             ("Points", start("PointOffsets", k), positions),
-            (
-                "PointData/Velocity",
-                start("PointDataOffsets/Velocity", k),
-                velocities,
-            ),
+            ("PointData/Velocity", start("PointDataOffsets/Velocity", k), velocities),
         ] {
             let rows = (start..start + expected.len(), ..);
-            let found = root
-                .dataset(name)
-                .unwrap()
-                .read_slice_2d::<f32, _>(rows)
-                .unwrap();
-            assert!(
-                same_bits(found.as_slice().unwrap(), expected.as_flattened()),
-                "{name} of frame {k}"
-            );
+            let found = root.dataset(name).unwrap().read_slice_2d::<f32, _>(rows).unwrap();
+            assert!(same_bits(found.as_slice().unwrap(), expected.as_flattened()), "{name} of frame {k}");
         }
     }
 }
 
 pub(crate) fn same_bits(a: &[f32], b: &[f32]) -> bool {
-    a.iter()
-        .map(|x| x.to_bits())
-        .eq(b.iter().map(|x| x.to_bits()))
+    a.iter().map(|x| x.to_bits()).eq(b.iter().map(|x| x.to_bits()))
 }

@@ -45,7 +45,12 @@ impl Crowd {
         let n = positions.len();
         let initial = air(size, positions);
         let parameters = Parameters::new(&windy(DVec3::ZERO), &initial);
-        Self { parameters, positions: initial.air.positions, inverse_mass: vec![1.0 / MASS; n], volume: vec![VOLUME; n] }
+        Self {
+            parameters,
+            positions: initial.air.positions,
+            inverse_mass: vec![1.0 / MASS; n],
+            volume: vec![VOLUME; n],
+        }
     }
 
     /// A third of hair at random, masses over a decade, volumes over a factor of two.
@@ -149,7 +154,8 @@ impl Rod {
         let (twist, stretch, shear) = (bend / 1.38, 4e9 * area, 4e9 * area / 2.76);
         let l = self.length / self.segments as f64;
         let mass = line_density * l;
-        let mut hair = Strands { point_offsets: vec![0, self.segments as u32 + 1], group: vec![0], ..Strands::default() };
+        let mut hair =
+            Strands { point_offsets: vec![0, self.segments as u32 + 1], group: vec![0], ..Strands::default() };
         let (mut x, mut frame) = (root, self.root_frame);
         hair.positions.push(x);
         hair.inverse_mass.push(0.0);

@@ -37,8 +37,5 @@ pub(crate) fn fibres(sets: &[&str]) -> Strands {
 
 /// Relative to the expected; round-off is below 1e-14, the margin 100.
 pub(crate) fn assert_close(found: f64, expected: f64, what: &str) {
-    assert!(
-        (found / expected - 1.0).abs() < 1e-12,
-        "{what}: {found:e}, expected {expected:e}"
-    );
+    assert!((found / expected - 1.0).abs() < 1e-12, "{what}: {found:e}, expected {expected:e}");
 }

@@ -62,7 +62,8 @@ impl Memory {
                 usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             });
-            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("readback") });
+            let mut encoder =
+                gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("readback") });
             let mut offset = 0;
             for (array, size) in arrays.iter().zip(&sizes) {
                 if *size > 0 {
@@ -103,12 +104,15 @@ fn check_size(gpu: &Gpu, state: &State, array: &Array) -> Result<(), GpuError> {
 
 fn allocate(gpu: &Gpu, array: &Array) -> Result<wgpu::Buffer, GpuError> {
     let kind = if array.name == "params" { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
-    gpu.checked(|| format!("allocating {} bytes for {}", array.bytes(), array.name), || {
-        gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(array.name),
-            size: array.bytes().next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT),
-            usage: kind | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        })
-    })
+    gpu.checked(
+        || format!("allocating {} bytes for {}", array.bytes(), array.name),
+        || {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(array.name),
+                size: array.bytes().next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT),
+                usage: kind | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        },
+    )
 }

@@ -45,7 +45,8 @@ impl Program {
 
     /// Encodes the recording once.
     pub(crate) fn encode(&self, encoder: &mut wgpu::CommandEncoder) {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("step"), timestamp_writes: None });
+        let mut pass =
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("step"), timestamp_writes: None });
         for dispatch in &self.dispatches {
             pass.push_debug_group(dispatch.label);
             dispatch.encode(&mut pass);
@@ -55,7 +56,8 @@ impl Program {
 
     /// Encodes the recording once, with a timer around each dispatch.
     fn encode_profiled(&self, profiler: &GpuProfiler, encoder: &mut wgpu::CommandEncoder) {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("step"), timestamp_writes: None });
+        let mut pass =
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("step"), timestamp_writes: None });
         for dispatch in &self.dispatches {
             let query = profiler.begin_query(dispatch.label, &mut pass);
             dispatch.encode(&mut pass);
@@ -65,15 +67,22 @@ impl Program {
 
     /// Runs the recording once and adds the passes' times to `profile`; without timestamps it runs all the same.
     pub(crate) fn run_profiled(&self, gpu: &Gpu, profile: &mut Profile) -> Result<(), GpuError> {
-        let failed = |error: &dyn std::fmt::Display| GpuError::Driver { doing: "timing the passes".to_owned(), reason: error.to_string() };
+        let failed = |error: &dyn std::fmt::Display| GpuError::Driver {
+            doing: "timing the passes".to_owned(),
+            reason: error.to_string(),
+        };
         let settings = GpuProfilerSettings::default();
         let mut profiler = GpuProfiler::new(&gpu.device, settings).map_err(|error| failed(&error))?;
-        gpu.checked(|| "running a timed step".to_owned(), || {
-            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("timed step") });
-            self.encode_profiled(&profiler, &mut encoder);
-            profiler.resolve_queries(&mut encoder);
-            gpu.queue.submit([encoder.finish()]);
-        })?;
+        gpu.checked(
+            || "running a timed step".to_owned(),
+            || {
+                let mut encoder =
+                    gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("timed step") });
+                self.encode_profiled(&profiler, &mut encoder);
+                profiler.resolve_queries(&mut encoder);
+                gpu.queue.submit([encoder.finish()]);
+            },
+        )?;
         profiler.end_frame().map_err(|error| failed(&error))?;
         gpu.wait()?;
         let times = profiler.process_finished_frame(gpu.queue.get_timestamp_period()).unwrap_or_default();
@@ -112,13 +121,16 @@ fn dispatch(gpu: &Gpu, memory: &Memory, command: &Command) -> Result<Dispatch, G
             resource: memory.buffer(array).as_entire_binding(),
         })
         .collect();
-    let group = gpu.checked(|| format!("binding {} ({})", command.pass.name, command.label), || {
-        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(command.label),
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &entries,
-        })
-    })?;
+    let group = gpu.checked(
+        || format!("binding {} ({})", command.pass.name, command.label),
+        || {
+            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some(command.label),
+                layout: &pipeline.get_bind_group_layout(0),
+                entries: &entries,
+            })
+        },
+    )?;
     let row = gpu.device.limits().max_compute_workgroups_per_dimension;
     let workgroups = command.invocations.div_ceil(command.pass.workgroup);
     // More workgroups than a dimension holds fold into rows (`shaders/common/dispatch.wgsl`).

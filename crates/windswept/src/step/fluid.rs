@@ -11,13 +11,27 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     r.when(&plan.fluid, |r| {
         r.repeat(plan.fluid_iterations, |r| {
             density(r, s, plan);
-            r.run(&fluid::CORRECT, "shift toward rest density", n.particles, &[
-                &s.params, &s.status, &s.inverse_mass, &s.predicted, &s.neighbour_range, &s.neighbour_list,
-                &s.multiplier, &s.shift,
-            ]);
-            r.run(&fluid::MOVE, "apply the shift", n.particles, &[
-                &s.params, &s.status, &s.shift, &s.predicted, &s.correction,
-            ]);
+            r.run(
+                &fluid::CORRECT,
+                "shift toward rest density",
+                n.particles,
+                &[
+                    &s.params,
+                    &s.status,
+                    &s.inverse_mass,
+                    &s.predicted,
+                    &s.neighbour_range,
+                    &s.neighbour_list,
+                    &s.multiplier,
+                    &s.shift,
+                ],
+            );
+            r.run(
+                &fluid::MOVE,
+                "apply the shift",
+                n.particles,
+                &[&s.params, &s.status, &s.shift, &s.predicted, &s.correction],
+            );
         });
     });
     r.when(&plan.density_alone, |r| density(r, s, plan));
@@ -30,8 +44,19 @@ pub fn record_density(r: &mut Recorder, s: &State, plan: &Plan) {
 }
 
 fn density(r: &mut Recorder, s: &State, plan: &Plan) {
-    r.run(&fluid::DENSITY, "density and its multiplier", plan.sizes.particles, &[
-        &s.params, &s.status, &s.inverse_mass, &s.predicted, &s.neighbour_range, &s.neighbour_list,
-        &s.density, &s.multiplier,
-    ]);
+    r.run(
+        &fluid::DENSITY,
+        "density and its multiplier",
+        plan.sizes.particles,
+        &[
+            &s.params,
+            &s.status,
+            &s.inverse_mass,
+            &s.predicted,
+            &s.neighbour_range,
+            &s.neighbour_list,
+            &s.density,
+            &s.multiplier,
+        ],
+    );
 }

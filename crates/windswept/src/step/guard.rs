@@ -11,11 +11,17 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     let velocity = plan.final_velocity(s);
     r.run(&guard::CHECK, "is all finite", n.particles, &[&s.params, &s.status, &s.predicted, &velocity]);
     r.when(&plan.hair, |r| {
-        r.run(&guard::COMMIT_FRAMES, "commit orientations", n.segments, &[
-            &s.params, &s.status, &s.predicted_orientation, &s.orientation, &s.angular_velocity,
-        ]);
+        r.run(
+            &guard::COMMIT_FRAMES,
+            "commit orientations",
+            n.segments,
+            &[&s.params, &s.status, &s.predicted_orientation, &s.orientation, &s.angular_velocity],
+        );
     });
-    r.run(&guard::COMMIT, "commit positions and velocities", n.particles, &[
-        &s.params, &s.status, &s.predicted, &velocity, &s.position, &s.velocity,
-    ]);
+    r.run(
+        &guard::COMMIT,
+        "commit positions and velocities",
+        n.particles,
+        &[&s.params, &s.status, &s.predicted, &velocity, &s.position, &s.velocity],
+    );
 }

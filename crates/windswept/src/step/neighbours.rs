@@ -13,18 +13,38 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     let n = &plan.sizes;
     r.when(&plan.neighbours, |r| {
         r.run(&grid::CLEAR, "empty the cells", n.buckets, &[&s.params, &s.status, &s.cell_count]);
-        r.run(&grid::COUNT, "count particles per cell", n.particles, &[
-            &s.params, &s.status, &s.predicted, &s.cell_count,
-        ]);
+        r.run(
+            &grid::COUNT,
+            "count particles per cell",
+            n.particles,
+            &[&s.params, &s.status, &s.predicted, &s.cell_count],
+        );
         r.run(&grid::SCAN, "first entry of each cell", ONE_WORKGROUP, &[&s.params, &s.cell_count, &s.cell_start]);
-        r.run(&grid::SCATTER, "particles into cells", n.particles, &[
-            &s.params, &s.status, &s.predicted, &s.cell_start, &s.cell_count, &s.scattered,
-        ]);
-        r.run(&grid::ORDER, "order within cells", n.particles, &[
-            &s.params, &s.status, &s.predicted, &s.cell_start, &s.scattered, &s.sorted, &s.sorted_position,
-        ]);
-        r.run(&grid::NEIGHBOURS, "who is near whom", n.particles, &[
-            &s.params, &s.status, &s.cell_start, &s.sorted, &s.sorted_position, &s.neighbour_range, &s.neighbour_list,
-        ]);
+        r.run(
+            &grid::SCATTER,
+            "particles into cells",
+            n.particles,
+            &[&s.params, &s.status, &s.predicted, &s.cell_start, &s.cell_count, &s.scattered],
+        );
+        r.run(
+            &grid::ORDER,
+            "order within cells",
+            n.particles,
+            &[&s.params, &s.status, &s.predicted, &s.cell_start, &s.scattered, &s.sorted, &s.sorted_position],
+        );
+        r.run(
+            &grid::NEIGHBOURS,
+            "who is near whom",
+            n.particles,
+            &[
+                &s.params,
+                &s.status,
+                &s.cell_start,
+                &s.sorted,
+                &s.sorted_position,
+                &s.neighbour_range,
+                &s.neighbour_list,
+            ],
+        );
     });
 }

@@ -8,13 +8,36 @@ use crate::{plan::Plan, recorder::Recorder, state::State};
 pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     r.heading("4. rods");
     r.when(&plan.hair, |r| {
-        r.run(&rods::GAUSS_SEIDEL, "Cosserat rods by Gauss-Seidel", plan.sizes.strands, &[
-            &s.params, &s.status, &s.inverse_mass, &s.strands, &s.segments, &s.predicted, &s.predicted_orientation,
-            &s.multipliers,
-        ]);
-        r.run(&rods::FINISH, "health of each strand", plan.sizes.strands, &[
-            &s.params, &s.status, &s.strands, &s.segments, &s.position, &s.orientation, &s.predicted,
-            &s.predicted_orientation, &s.health,
-        ]);
+        r.run(
+            &rods::GAUSS_SEIDEL,
+            "Cosserat rods by Gauss-Seidel",
+            plan.sizes.strands,
+            &[
+                &s.params,
+                &s.status,
+                &s.inverse_mass,
+                &s.strands,
+                &s.segments,
+                &s.predicted,
+                &s.predicted_orientation,
+                &s.multipliers,
+            ],
+        );
+        r.run(
+            &rods::FINISH,
+            "health of each strand",
+            plan.sizes.strands,
+            &[
+                &s.params,
+                &s.status,
+                &s.strands,
+                &s.segments,
+                &s.position,
+                &s.orientation,
+                &s.predicted,
+                &s.predicted_orientation,
+                &s.health,
+            ],
+        );
     });
 }

@@ -1,0 +1,175 @@
+//! Wind: the fringe formula, and whole steps of air and of air with hair.
+
+mod support;
+
+use glam::{DMat3, DQuat, DVec3};
+use support::{Rod, SIMPLE, air, apart, jittered, lattice, windy};
+use windswept_reference::{Parameters, State, fluid, guard::Frozen, step::step, wind};
+use windswept_scene::InitialState;
+
+fn still_box(wind: DVec3) -> Parameters {
+    let mut p = Parameters::new(&windy(wind), &air(DVec3::new(0.2, 0.1, 0.1), vec![DVec3::ZERO]));
+    p.fringe = 0.04;
+    p
+}
+
+/// What the fringe adds to air at rest, with the formula's numbers put in by hand.
+#[test]
+fn fringe_drives_air_where_the_wind_enters() {
+    let gain = |rate: f64| 1.0 - (-rate * 1.38e-3_f64).exp();
+    let close = |p: &Parameters, x: DVec3, wanted: DVec3| {
+        let got = wind::fringe(p, 0, x, DVec3::ZERO);
+        assert!((got - wanted).length() < 1e-14, "at {x}: {got} instead of {wanted}");
+    };
+    // Half way: sin² = 1, so 10 · 3 m/s / 40 mm = 750 1/s; a quarter in: half of it; outside: nothing.
+    let p = still_box(DVec3::X * 3.0);
+    close(&p, DVec3::new(0.02, 0.05, 0.05), DVec3::X * 3.0 * gain(750.0));
+    close(&p, DVec3::new(0.01, 0.05, 0.05), DVec3::X * 3.0 * gain(375.0));
+    close(&p, DVec3::new(0.05, 0.05, 0.05), DVec3::ZERO);
+    close(&p, DVec3::new(0.18, 0.02, 0.02), DVec3::ZERO);
+    // A wind the other way enters through the high face; a breath of 0.1 m/s counts as 0.3 m/s in the rate.
+    close(&still_box(DVec3::X * -3.0), DVec3::new(0.18, 0.05, 0.05), DVec3::X * -3.0 * gain(750.0));
+    close(&still_box(DVec3::X * 0.1), DVec3::new(0.02, 0.05, 0.05), DVec3::X * 0.1 * gain(75.0));
+    // Oblique: each face counts with its cosine, 0.6 and 0.8.
+    let oblique = DVec3::new(1.8, 0.0, -2.4);
+    close(&still_box(oblique), DVec3::new(0.02, 0.05, 0.08), oblique * gain(0.6 * 750.0 + 0.8 * 750.0));
+    close(&still_box(oblique), DVec3::new(0.02, 0.05, 0.05), oblique * gain(0.6 * 750.0));
+    close(&still_box(DVec3::ZERO), DVec3::new(0.02, 0.05, 0.05), DVec3::ZERO);
+    // Air that moves with the wind is left alone.
+    assert_eq!(wind::fringe(&p, 0, DVec3::new(0.02, 0.05, 0.05), p.wind), DVec3::ZERO);
+}
+
+/// The ramp adds its rise to all air alike, and no more once the wind blows.
+#[test]
+fn ramp_adds_its_rise_everywhere() {
+    let mut p = still_box(DVec3::X * 3.0);
+    p.ramp = 10.5 * p.step;
+    let outside = DVec3::new(0.1, 0.05, 0.05);
+    let rises: Vec<f64> = (0..14).map(|n| wind::fringe(&p, n, outside, DVec3::ZERO).x).collect();
+    let full = 3.0 / 10.5;
+    let wanted = |n: usize| {
+        if n < 10 {
+            full
+        } else if n == 10 {
+            0.5 * full
+        } else {
+            0.0
+        }
+    };
+    assert!(rises.iter().enumerate().all(|(n, rise)| (rise - wanted(n)).abs() < 1e-14), "{rises:?}");
+    assert!((rises.iter().sum::<f64>() - 3.0).abs() < 1e-13);
+}
+
+/// A lattice in uniform wind stays a lattice in uniform wind, over fringe and faces: nothing in a step disturbs it.
+#[test]
+fn a_lattice_drifts_with_the_wind() {
+    let wind = DVec3::new(3.0, 0.5, -1.0);
+    let (size, positions) = lattice([12, 8, 8], &SIMPLE);
+    let mut initial = air(size, positions);
+    initial.air.velocities.fill(wind);
+    let p = Parameters::new(&windy(wind), &initial);
+    let mut state = State::new(&initial);
+    let steps = 30;
+    for _ in 0..steps {
+        step(&mut state, &p).unwrap();
+    }
+    let drift = wind * p.step * f64::from(steps);
+    let off = |(x, start): (&DVec3, &DVec3)| {
+        let gap = *x - *start - drift;
+        (gap - size * (gap / size).round()).length()
+    };
+    let moved = state.position.iter().zip(&initial.air.positions).map(off).fold(0.0, f64::max);
+    let changed = apart(&state.velocity, &vec![wind; state.velocity.len()]);
+    println!("positions {moved:.1e} m, velocities {changed:.1e} m/s");
+    // Measured 1e-16 m and 1e-14 m/s per step, which the density constraint amplifies.
+    assert!(moved < 1e-12 && changed < 1e-9, "{moved} m, {changed} m/s");
+    assert!(state.position.iter().all(|x| x.cmpge(DVec3::ZERO).all() && x.cmplt(size).all()));
+}
+
+/// A disturbed box without fringe keeps its momentum over whole steps, and what the constraint moves shows as velocity.
+#[test]
+fn a_box_of_air_keeps_its_momentum() {
+    let (size, positions) = jittered(8, 0.2, 5);
+    let mut initial = air(size, positions);
+    initial.air.velocities = support::stirred(512, 6);
+    let p = Parameters::new(&windy(DVec3::ZERO), &initial);
+    let mut state = State::new(&initial);
+    let momentum = |state: &State| state.velocity.iter().sum::<DVec3>();
+    let (before, whole) = (momentum(&state), state.velocity.iter().map(|v| v.length()).sum::<f64>());
+    for _ in 0..10 {
+        step(&mut state, &p).unwrap();
+    }
+    let change = (momentum(&state) - before).length() / whole;
+    println!("momentum changed by {change:.1e} of the sum of |m v|");
+    // Measured 1e-16.
+    assert!(change < 1e-13, "{change}");
+    assert!(apart(&state.velocity, &initial.air.velocities) > 0.5, "nothing happened");
+}
+
+/// Non-finite air freezes the state as it was, and names the particle.
+#[test]
+fn non_finite_air_ends_the_run() {
+    let (size, positions) = lattice([6; 3], &SIMPLE);
+    let initial = air(size, positions);
+    let p = Parameters::new(&windy(DVec3::X), &initial);
+    let mut state = State::new(&initial);
+    state.velocity[17].z = f64::NAN;
+    let before = state.position.clone();
+    assert_eq!(step(&mut state, &p), Err(Frozen::NonFiniteAir(17)));
+    assert_eq!((state.steps, state.position), (0, before));
+}
+
+/// A strand across the wind is blown downwind, and takes from the air what it gains: hair and air meet.
+#[test]
+fn wind_bends_a_strand() {
+    let (size, positions) = lattice([14, 12, 8], &SIMPLE);
+    let root = DVec3::new(0.5, 0.95, 0.5) * size;
+    let root_frame = DQuat::from_mat3(&DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y));
+    let rod = Rod { segments: 8, length: 0.04, gamma: 0.05, darboux: DVec3::ZERO, root_frame };
+    let wind = DVec3::X * 2.0;
+    let mut initial = InitialState { hair: rod.strand(root), ..air(size, positions) };
+    initial.air.velocities.fill(wind);
+    let mut p = Parameters::new(&windy(wind), &initial);
+    (p.gravity, p.fringe) = (DVec3::ZERO, 0.0);
+    let mut state = State::new(&initial);
+    for _ in 0..20 {
+        step(&mut state, &p).unwrap();
+    }
+    let tip = state.position[8] - initial.hair.positions[8];
+    let air: DVec3 = state.velocity[p.hair_points..].iter().map(|v| *v - wind).sum();
+    println!("tip moved {tip} m, air lost {air} m/s particles");
+    assert!(tip.x > 1e-3 && tip.x > 3.0 * tip.z.abs(), "{tip}");
+    assert!(air.x < -0.1, "{air}");
+    assert_eq!(state.position[0], root);
+}
+
+/// No iterations of the density constraint leave positions alone, and viscosity still has its densities.
+#[test]
+fn viscosity_works_without_the_density_constraint() {
+    let (size, positions) = jittered(6, 0.2, 7);
+    let mut initial = air(size, positions);
+    initial.air.velocities = support::stirred(216, 8);
+    let mut p = Parameters::new(&windy(DVec3::ZERO), &initial);
+    p.fluid_iterations = 0;
+    let mut state = State::new(&initial);
+    step(&mut state, &p).unwrap();
+    let free = initial.air.positions.iter().zip(&initial.air.velocities).map(|(x, v)| fluid::predict(&p, *x, *v));
+    assert_eq!(state.position, free.collect::<Vec<_>>());
+    let changed = apart(&state.velocity, &initial.air.velocities);
+    assert!(changed > 1e-3 && changed < 0.5, "{changed}");
+}
+
+/// Two half steps count as substeps: the step is halved, and so is c.
+#[test]
+fn substeps_divide_the_step_and_the_coefficients() {
+    let initial = air(DVec3::ONE, vec![DVec3::ZERO]);
+    let mut scene = windy(DVec3::X);
+    let whole = Parameters::new(&scene, &initial);
+    scene.time.substeps = 2;
+    let half = Parameters::new(&scene, &initial);
+    assert_eq!(
+        (half.step, half.viscosity_hair, half.viscosity_air),
+        (whole.step / 2.0, whole.viscosity_hair / 2.0, whole.viscosity_air / 2.0)
+    );
+    assert_eq!((whole.step, whole.viscosity_air, half.wind), (1.38e-3, 0.014, whole.wind));
+}

@@ -1,0 +1,230 @@
+//! rods: rest shapes, free fall, and strands that hang like their boundary-value problems.
+
+mod support;
+
+use glam::{DMat3, DQuat, DVec3};
+use support::{Rod, airless, alone, apart, bundle};
+use windswept_reference::{Parameters, State, rods, step::step, tables};
+use windswept_scene::{InitialState, Strands};
+
+/// d1 = +x, d2 = +z, d3 = −y.
+fn hanging_frame() -> DQuat {
+    DQuat::from_mat3(&DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y))
+}
+
+/// d3 = +x, d1 = −y: horizontal.
+fn horizontal_frame() -> DQuat {
+    DQuat::from_mat3(&DMat3::from_cols(DVec3::NEG_Y, DVec3::NEG_Z, DVec3::X))
+}
+
+fn curled(gamma: f64, root_frame: DQuat) -> Rod {
+    Rod { segments: 34, length: 0.35, gamma, darboux: DVec3::new(1.0, 10.0, 5.0), root_frame }
+}
+
+fn run(state: &mut State, p: &Parameters, steps: u32) {
+    for _ in 0..steps {
+        step(state, p).unwrap();
+    }
+}
+
+/// Without weight a curled strand keeps its rest shape.
+#[test]
+fn a_strand_in_its_rest_shape_stays() {
+    let (mut state, mut p) = alone(curled(10.0, horizontal_frame()).strand(DVec3::ZERO));
+    p.gravity = DVec3::ZERO;
+    let start = state.clone();
+    run(&mut state, &p, 100);
+    let moved = apart(&state.position, &start.position);
+    println!("moved {moved:.1e} m, stretch {:.1e}", state.max_stretch);
+    // Measured 4e-14 m and 3e-13 of a length of 0.35 m; margin 20.
+    assert!(moved < 1e-12 && state.max_stretch < 1e-11, "{moved}, {}", state.max_stretch);
+}
+
+/// The rest shape may also be reached with quaternions of the other sign: the same rotations.
+#[test]
+fn the_sign_of_a_quaternion_does_not_matter() {
+    let (mut state, p) = alone(curled(10.0, horizontal_frame()).strand(DVec3::ZERO));
+    let mut other = state.clone();
+    for q in other.orientation.iter_mut().step_by(2) {
+        *q = -*q;
+    }
+    run(&mut state, &p, 20);
+    run(&mut other, &p, 20);
+    // Only signs differ, which rounding does not see.
+    assert_eq!(state.position, other.position);
+    assert!(apart(&state.position, &state.hair.positions) > 1e-3, "nothing moved");
+}
+
+/// Moved as a whole, a strand does the same.
+#[test]
+fn a_translation_changes_nothing() {
+    let shift = DVec3::new(0.1, -0.2, 0.3);
+    let hung = |root| {
+        let (mut state, p) = alone(curled(10.0, horizontal_frame()).strand(root));
+        run(&mut state, &p, 50);
+        state.position
+    };
+    let back: Vec<DVec3> = hung(shift).iter().map(|x| *x - shift).collect();
+    let error = apart(&back, &hung(DVec3::ZERO));
+    println!("{error:.1e} m apart");
+    // Measured 2e-13 m.
+    assert!(error < 1e-11, "{error}");
+}
+
+/// Loose strands fall as symplectic Euler says, damped or not: every point alike, x_n = −Δt Σ v_k.
+#[test]
+fn free_fall() {
+    for damping in [0.0, 8.0] {
+        let mut hair = Rod { darboux: DVec3::ZERO, ..curled(10.0, horizontal_frame()) }.strand(DVec3::ZERO);
+        hair.inverse_mass[0] = hair.inverse_mass[34];
+        let (mut state, mut p) = alone(hair);
+        p.damping = damping;
+        run(&mut state, &p, 20);
+        let (mut speed, mut height) = (0.0, 0.0);
+        for _ in 0..20 {
+            speed = (speed - 9.81 * p.step) / (1.0 + damping * p.step);
+            height += speed * p.step;
+        }
+        let wanted: Vec<DVec3> = state.hair.positions.iter().map(|x| *x + height * DVec3::Y).collect();
+        // Measured 1e-16 m of 4 mm.
+        assert!(apart(&state.position, &wanted) < 1e-14, "{}", apart(&state.position, &wanted));
+        assert!(height < -1e-3 && state.velocity.iter().all(|v| (v.y - speed).abs() < 1e-12), "{height}");
+    }
+}
+
+/// A move longer than a segment and 3 % of the strand is cut to the longer of the two, and counted.
+#[test]
+fn moves_are_capped() {
+    let (mut state, mut p) = alone(Rod { segments: 100, ..curled(10.0, horizontal_frame()) }.strand(DVec3::ZERO));
+    (p.rod_iterations, p.gravity) = (0, DVec3::ZERO);
+    let largest = rods::largest_moves(&state.hair);
+    assert!(largest[1..].iter().all(|l| (l - 0.03 * 0.35).abs() < 1e-15), "{largest:?}");
+    state.velocity[50] = DVec3::new(0.0, 100.0, 0.0);
+    state.velocity[51] = DVec3::new(0.0, 1.0, 0.0);
+    let start = state.clone();
+    step(&mut state, &p).unwrap();
+    let moved = |i: usize| state.position[i] - start.position[i];
+    assert!((moved(50) - 0.0105 * DVec3::Y).length() < 1e-15, "{}", moved(50));
+    assert!((moved(51) - p.step * DVec3::Y).length() < 1e-15, "{}", moved(51));
+    assert_eq!(state.capped, 1);
+    let few = rods::largest_moves(&curled(10.0, horizontal_frame()).strand(DVec3::ZERO));
+    assert!((few[5] - 0.35 / 34.0).abs() < 1e-15 && (few[0] - 0.03 * 0.35).abs() < 1e-15, "{few:?}");
+}
+
+/// A segment spins freely at its angular velocity, about its own or any other axis.
+#[test]
+fn a_loose_segment_spins() {
+    let (_, p) = alone(curled(10.0, horizontal_frame()).strand(DVec3::ZERO));
+    let (omega, start) = (DVec3::new(3.0, -20.0, 7.0), horizontal_frame());
+    let next = rods::turn(&p, start, omega);
+    // q + ½ Δt ω q turns by 2 atan(½ |ω| Δt).
+    let angle = 2.0 * (0.5 * omega.length() * p.step).atan();
+    let wanted = DQuat::from_axis_angle(omega.normalize(), angle) * start;
+    assert!((next - wanted).length() < 1e-14, "{next} {wanted}");
+    let measured = rods::angular_velocity(&p, start, -next);
+    let short = 2.0 * (0.5 * angle).sin() / p.step;
+    assert!((measured - omega.normalize() * short).length() < 1e-10, "{measured}");
+}
+
+/// Where a strand comes to rest under its weight, tip from root over its length: 200 sweeps a step, damped.
+fn hang(rod: &Rod, damping: f64, steps: u32) -> (DVec3, State) {
+    let (mut state, mut p) = alone(rod.strand(DVec3::ZERO));
+    (p.rod_iterations, p.damping) = (200, damping);
+    run(&mut state, &p, steps);
+    (state.position[rod.segments] / rod.length, state)
+}
+
+#[test]
+fn a_cantilever_hangs_like_the_elastica() {
+    let row = tables::cantilever().into_iter().find(|row| row.gamma == 10.0).unwrap();
+    let rod = Rod { darboux: DVec3::ZERO, ..curled(row.gamma, horizontal_frame()) };
+    let (tip, state) = hang(&rod, 12.0, 1_500);
+    let error = (tip - DVec3::new(row.tip, -row.drop, 0.0)).length();
+    let speed = state.velocity.iter().map(|v| v.length()).fold(0.0, f64::max);
+    println!("tip {tip}, {error:.1e} L off the elastica, speed {speed:.1e} m/s");
+    // The discretisation alone is 8.2e-4 at 34 segments.
+    assert!(error < 1.5e-3, "{error}");
+    assert!(tip.z.abs() < 1e-12, "out of its plane: {tip}");
+}
+
+#[test]
+fn a_helix_hangs_like_its_boundary_value_problem() {
+    let row = tables::helix().into_iter().find(|row| row.gamma == 20.0).unwrap();
+    let rod = Rod { darboux: row.darboux, ..curled(row.gamma, hanging_frame()) };
+    let (tip, state) = hang(&rod, 12.0, 1_500);
+    let error = (tip - row.tip).length();
+    let speed = state.velocity.iter().map(|v| v.length()).fold(0.0, f64::max);
+    println!("tip {tip}, {error:.1e} L off the helix, speed {speed:.1e} m/s");
+    // The discretisation alone is 6.1e-4 at 34 segments.
+    assert!(error < 1.5e-3, "{error}");
+}
+
+fn row_of_strands(n: usize) -> Strands {
+    let strands: Vec<Strands> = (0..n).map(|k| curled(10.0, horizontal_frame()).strand(DVec3::Z * k as f64)).collect();
+    bundle(&strands)
+}
+
+/// A strand that becomes non-finite is held for the step and back in its rest pose, at rest, for the next. No other
+/// strand notices.
+#[test]
+fn a_bad_strand_is_held_and_reset() {
+    let (mut healthy, p) = alone(row_of_strands(5));
+    run(&mut healthy, &p, 3);
+    let mut state = healthy.clone();
+    let points = state.hair.points(2);
+    state.velocity[points.start + 9].y = f64::NAN;
+    let before = state.clone();
+
+    step(&mut state, &p).unwrap();
+    step(&mut healthy, &p).unwrap();
+    assert_eq!((state.bad.clone(), state.resets), (vec![false, false, true, false, false], 1));
+    assert_eq!(state.position[points.clone()], before.position[points.clone()]);
+    assert!(state.velocity[points.clone()].iter().all(|v| *v == DVec3::ZERO));
+    assert!(state.angular_velocity[state.hair.segments(2)].iter().all(|w| *w == DVec3::ZERO));
+
+    step(&mut state, &p).unwrap();
+    step(&mut healthy, &p).unwrap();
+    let (mut fresh, _) = alone(row_of_strands(5));
+    step(&mut fresh, &p).unwrap();
+    assert_eq!(state.position[points.clone()], fresh.position[points.clone()]);
+    assert_eq!((state.bad.contains(&true), state.resets), (false, 1));
+    for strand in [0, 1, 3, 4] {
+        assert_eq!(state.position[state.hair.points(strand)], healthy.position[state.hair.points(strand)]);
+    }
+}
+
+/// More than three bad strands of a few end the run and leave the state as it was.
+#[test]
+fn many_bad_strands_end_the_run() {
+    use windswept_reference::guard::{Frozen, bad_strand_limit};
+    assert_eq!([0, 300, 400, 1_000].map(bad_strand_limit), [3, 3, 4, 10]);
+    for (bad, expected) in [(3, Ok(())), (4, Err(Frozen::BadStrands(4)))] {
+        let (mut state, p) = alone(row_of_strands(6));
+        for strand in 0..bad {
+            let tip = state.hair.points(strand).end - 1;
+            state.velocity[tip].x = f64::INFINITY;
+        }
+        let before = state.clone();
+        assert_eq!(step(&mut state, &p), expected);
+        assert_eq!(state.steps == before.steps, expected.is_err());
+        assert_eq!(state.position == before.position && state.bad == before.bad, expected.is_err());
+    }
+}
+
+/// Over-strain is counted once, when it has lasted 50 steps on end.
+#[test]
+fn lasting_strain_is_counted_once() {
+    let hair = curled(10.0, horizontal_frame()).strand(DVec3::ZERO);
+    let initial = InitialState { hair, ..InitialState::default() };
+    let mut p = Parameters::new(&airless(), &initial);
+    (p.rod_iterations, p.gravity) = (0, DVec3::ZERO);
+    let mut state = State::new(&initial);
+    state.position[34] += DVec3::X * 0.1;
+    run(&mut state, &p, 49);
+    assert_eq!((state.over_strained, state.strained_steps[0]), (0, 49));
+    run(&mut state, &p, 51);
+    assert_eq!((state.over_strained, state.strained_steps[0]), (1, 100));
+    state.position[34] -= DVec3::X * 0.1;
+    run(&mut state, &p, 1);
+    assert_eq!(state.strained_steps[0], 0);
+}
