@@ -116,6 +116,10 @@ fn a_user_is_warned() {
         assert!(warnings.len() == 1 && warnings[0].contains(words), "{sets:?}: {warnings:?}");
     }
     assert!(brush(&["time.step=2e-3", "time.substeps=2"]).1.warnings.is_empty());
+    // Roots in a line along the wind block nothing.
+    let along = ["hair.roots.shape=line", "hair.roots.direction=[0,0,1]", "hair.roots.radius=0.05", "hair.length=0.03"];
+    let warnings = brush(&[&along[..], &["hair.roots.center=[0.08,0.06,0.01]"]].concat()).1.warnings;
+    assert!(warnings.is_empty(), "{warnings:?}");
     let mut scene = scene_of(BRUSH, &[]);
     scene.turbulence.bands = [0.0049, 0.006].map(|scale| Band { scale, strength: 3.0, intensity: 0.3 }).to_vec();
     let warnings = InitialState::new(&scene).unwrap().warnings;
