@@ -203,6 +203,20 @@ fn a_violent_point_is_capped() {
     assert!(stretch < 0.1, "stretch {stretch}");
 }
 
+/// Hair that stays outside the box of air for more than 0.1 s is counted, a step at a time.
+#[test]
+fn hair_outside_the_box_is_counted_after_a_while() {
+    let mut initial = brush(2);
+    for x in &mut initial.hair.positions {
+        x.x += 0.05;
+    }
+    let (_, simulation) = run(&windy(), &initial, &[100]);
+    // 0.1 s are 72.5 steps: the 73rd is the first that counts.
+    assert_eq!(simulation.warnings().get("hair_outside_box"), Some(&28), "{:?}", simulation.warnings());
+    let (_, inside) = run(&windy(), &brush(2), &[100]);
+    assert_eq!(inside.warnings().get("hair_outside_box"), None);
+}
+
 /// On a device of the caller's own, recorded into the caller's encoder: the same bits as `step`.
 #[test]
 fn a_callers_device_and_encoder_give_the_same_bits() {

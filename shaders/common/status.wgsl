@@ -9,7 +9,8 @@ const TOO_MANY_BAD_STRANDS: u32 = 4u; // the run ends
 const STRAND_RESET: u32 = 0u;    // a non-finite strand goes back to its rest pose
 const MOVE_CAPPED: u32 = 1u;     // a point would have moved too far in one step
 const OVER_STRAINED: u32 = 2u;   // a strand stretched by half for 50 steps on end
-const COUNTERS: u32 = 3u;
+const HAIR_OUTSIDE: u32 = 3u;    // a step behind 0.1 s on end with more than a twentieth of the hair outside the box
+const COUNTERS: u32 = 4u;
 
 struct Status {
     causes: atomic<u32>,              // bits above
@@ -19,8 +20,10 @@ struct Status {
     first_bad_strand: atomic<u32>,    // smallest index, in the whole run
     first_bad_air: atomic<u32>,       // smallest index
     max_stretch: atomic<u32>,         // max |l/l0 - 1| over the run, the bits of a positive f32
-    counted: array<u32, 3>,           // by cause, committed steps
-    counting: array<atomic<u32>, 3>,  // by cause, this step
+    hair_outside: atomic<u32>,        // hair points outside the box of air, this step
+    outside_steps: u32,               // steps on end with many of them
+    counted: array<u32, 4>,           // by cause, committed steps
+    counting: array<atomic<u32>, 4>,  // by cause, this step
 }
 
 @group(0) @binding(1) var<storage, read_write> status: Status;

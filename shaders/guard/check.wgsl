@@ -1,6 +1,7 @@
-// Freezes the state when the neighbour list was too short, air is non-finite or too many strands were reset.
+// Freezes the state when the neighbour list was too short, air is non-finite or too many strands were reset; counts the
+// hair points outside the box of air.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::is_air,
+    params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, cell_of, in_box},
     status::{
         status, list_too_short, freeze, finite3, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, TOO_MANY_BAD_STRANDS,
     },
@@ -20,6 +21,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     if i == 0u && atomicLoad(&status.bad_strands) > params.bad_strand_limit {
         freeze(TOO_MANY_BAD_STRANDS);
+    }
+    if !is_air(i) && params.box_cells > 0u && !in_box(cell_of(predicted[i].xyz)) {
+        atomicAdd(&status.hair_outside, 1u);
     }
     if is_air(i) && !(finite3(predicted[i].xyz) && finite3(final_velocity[i].xyz)) {
         freeze(NON_FINITE_AIR);

@@ -1,7 +1,10 @@
 // Commits the step: positions, velocities, the counters and the step's number. A frozen step leaves all as it was.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, wrap}, status::{status, frozen, COUNTERS},
+    params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, wrap}, status::{status, frozen, COUNTERS, HAIR_OUTSIDE},
 };
+
+const MANY: u32 = 20u;          // one in 20 of the hair's points
+const LONG: f32 = 0.1;          // s
 
 @group(0) @binding(2) var<storage, read>       predicted:      array<vec4f>;
 @group(0) @binding(3) var<storage, read>       final_velocity: array<vec4f>;
@@ -21,6 +24,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         atomicStore(&status.bad_strands, 0u);
         for (var cause = 0u; cause < COUNTERS; cause++) {
             status.counted[cause] += atomicExchange(&status.counting[cause], 0u);
+        }
+        let many = atomicExchange(&status.hair_outside, 0u) * MANY > params.hair_points;
+        status.outside_steps = select(0u, status.outside_steps + 1u, many);
+        if f32(status.outside_steps) * params.step > LONG {
+            status.counted[HAIR_OUTSIDE] += 1u;
         }
     }
 }

@@ -30,6 +30,7 @@ fn density_error_falls_as_in_the_table() {
             let rms = errors(row.tension, row.relaxation, seed);
             let off = rms.iter().zip(row.rms).map(|(got, wanted)| (got / wanted - 1.0).abs()).fold(0.0, f64::max);
             println!("tension {}, relaxation {}: {rms:.4?}, {:.1} % off", row.tension, row.relaxation, 100.0 * off);
+            // Measured up to 9.7 % off, of which draws of the jitter make 3 %; margin 1.2.
             assert!(off < 0.12, "tension {}: {rms:.4?} instead of {:.4?}", row.tension, row.rms);
         }
     }
@@ -46,8 +47,8 @@ fn correct_keeps_the_centre_of_mass() {
     let (sum, whole) = (moments().sum::<DVec3>().length(), moments().map(DVec3::length).sum::<f64>());
     println!("|sum m dx| / sum |m dx| = {:.1e}", sum / whole);
     assert!(whole > 1e-3 * 3_000.0 * MASS * VOLUME.cbrt(), "hardly anything moved: {whole} kg m");
-    // Measured 1e-16.
-    assert!(sum < 1e-12 * whole, "{}", sum / whole);
+    // Measured 3e-17; the design asks for 1e-6 in f32.
+    assert!(sum < 1e-15 * whole, "{}", sum / whole);
 }
 
 /// A clamped point stays and still counts.
@@ -74,8 +75,8 @@ fn coincident_particles_separate() {
     let shift = crowd.correct(&near, &crowd.density(&near).1);
     let gap = (shift[101] - shift[100]).length();
     println!("one iteration moves them {:.3} spacings apart", gap / VOLUME.cbrt());
-    // Measured 0.05; half of it.
-    assert!(gap > 0.02 * VOLUME.cbrt(), "{gap}");
+    // Measured 0.111; half of it.
+    assert!(gap > 0.05 * VOLUME.cbrt(), "{gap}");
 }
 
 /// Air that is moved as a whole through the periodic faces, and hair that is moved as a whole, keep their densities and
@@ -103,8 +104,8 @@ fn a_translation_changes_nothing() {
             "{hair} of hair: shift {:.1e} of the largest, density {density:.1e}",
             apart(&shift, &moved_shift) / largest
         );
-        // Measured 1e-13 and 1e-13: positions are rounded anew.
-        assert!(largest > 1e-4 && apart(&shift, &moved_shift) < 1e-11 * largest);
-        assert!(density < 1e-11, "{density}");
+        // Measured 4e-14 and 2e-15, positions being rounded anew; margin 20.
+        assert!(largest > 1e-4 && apart(&shift, &moved_shift) < 1e-12 * largest);
+        assert!(density < 5e-14, "{density}");
     }
 }

@@ -37,9 +37,9 @@ fn a_shear_wave_decays_as_in_the_table() {
         let inner: Vec<usize> = (0..before.len()).filter(inside).collect();
         let product: f64 = inner.iter().map(|&i| before[i].dot(after[i])).sum();
         let factor = product / inner.iter().map(|&i| before[i].length_squared()).sum::<f64>();
-        println!("{} m: factor {factor:.8}, table {:.8}", wave.wavelength, wave.simple_cubic);
-        // The table is rounded to 5e-9.
-        assert!((factor - wave.simple_cubic).abs() < 1e-8, "{} m: {factor}", wave.wavelength);
+        println!("{} m: factor {factor:.9}, table {:.8}", wave.wavelength, wave.simple_cubic);
+        // Measured up to 8e-9; the table is rounded to 5e-9.
+        assert!((factor - wave.simple_cubic).abs() < 2e-8, "{} m: {factor}", wave.wavelength);
         assert!((factor - (1.0 - 0.014 * lattice_damping(k))).abs() < 1e-14, "{} m: {factor}", wave.wavelength);
         let worst = inner.iter().map(|&i| (after[i] - factor * before[i]).length()).fold(0.0, f64::max);
         assert!(worst < 1e-13, "{} m: not one factor, {worst}", wave.wavelength);
@@ -57,8 +57,8 @@ fn momentum_is_kept() {
         let (sum, whole) = (changes().sum::<DVec3>().length(), changes().map(DVec3::length).sum::<f64>());
         println!("limited {limited}: largest S {exchange:.2}, |sum m dv| / sum |m dv| = {:.1e}", sum / whole);
         assert_eq!(exchange > 1.0, limited, "S = {exchange}");
-        // Measured 1e-16.
-        assert!(whole > 0.0 && sum < 1e-12 * whole, "{}", sum / whole);
+        // Measured 3e-17.
+        assert!(whole > 0.0 && sum < 1e-15 * whole, "{}", sum / whole);
     }
 }
 

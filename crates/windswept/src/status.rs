@@ -15,7 +15,7 @@ pub const NON_FINITE_AIR: u32 = 2;
 pub const TOO_MANY_BAD_STRANDS: u32 = 4;
 
 /// Names of the counters, in the order of `counted`; the keys of the report's `warnings`.
-pub const COUNTERS: [&str; 3] = ["strand_reset", "move_capped", "over_strained"];
+pub const COUNTERS: [&str; 4] = ["strand_reset", "move_capped", "over_strained", "hair_outside_box"];
 
 /// `Status`, field by field.
 #[repr(C)]
@@ -29,8 +29,10 @@ pub struct Status {
     pub first_bad_strand: u32,
     pub first_bad_air: u32,
     pub max_stretch: u32,
-    pub counted: [u32; 3],
-    pub counting: [u32; 3],
+    pub hair_outside: u32,
+    pub outside_steps: u32,
+    pub counted: [u32; 4],
+    pub counting: [u32; 4],
 }
 
 assert_layout!(Status {
@@ -41,6 +43,8 @@ assert_layout!(Status {
     first_bad_strand,
     first_bad_air,
     max_stretch,
+    hair_outside,
+    outside_steps,
     counted,
     counting,
 });
@@ -55,7 +59,7 @@ impl Status {
     /// The same step again, thawed.
     #[must_use]
     pub fn thawed(self) -> Self {
-        Self { causes: 0, neighbours: 0, bad_strands: 0, counting: [0; 3], ..self }
+        Self { causes: 0, neighbours: 0, bad_strands: 0, hair_outside: 0, counting: [0; 4], ..self }
     }
 
     /// max |l/l0 − 1| over the run.
