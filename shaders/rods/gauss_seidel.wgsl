@@ -2,7 +2,7 @@
 //
 //   joint k:    C = Im(conj(q_(k-1)) q_k) - s Im(rest),  dC = A (theta_k - theta_(k-1)),  A = 1/2 (p_w - [p_v]x) R_(k-1)^T
 //   segment k:  C = (x_(k+1) - x_k)/l - d3(q_k),         dC = (dx_(k+1) - dx_k)/l + [d3]x theta_k
-//   (J W J^T + alpha/dt^2) dlambda = -C - alpha/dt^2 lambda,  in the material frame
+//   (J W J^T + a) dlambda = -C - a lambda,  a = alpha (1 + c dt)/dt^2,  in the material frame
 //
 // One invocation per strand, root to tip, `rod_iterations` sweeps. Multipliers persist over the sweeps of a step.
 // J W J^T of a segment is diagonal in its own frame; of a joint it is w/4 (I - p_v p_v^T) for a unit p.
@@ -18,6 +18,12 @@ import package::common::{
 @group(0) @binding(6) var<storage, read_write> predicted_orientation: array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> multipliers:           array<Multipliers>;
 
+// Compliance of a step per compliance: (1 + c dt)/dt^2. Implicit damping divides every force's share of the velocity by
+// 1 + c dt; `predict` does it for gravity, this for the rod's own forces.
+fn softening() -> f32 {
+    return (1.0 + params.damping * params.step) / (params.step * params.step);
+}
+
 // x of M x = b, M symmetric positive definite, by the adjugate.
 fn solve(m: mat3x3f, b: vec3f) -> vec3f {
     let c0 = cross(m[1], m[2]);
@@ -32,7 +38,7 @@ fn bend_twist(k: u32, before: vec4f, before_inverse_inertia: f32) -> vec3f {
     let p = product(conjugate(before), predicted_orientation[k]);
     let same = dot(p, segment.rest_rotation) >= 0.0;
     let constraint = p.xyz - select(-segment.rest_rotation.xyz, segment.rest_rotation.xyz, same);
-    let compliance = segment.bend_compliance / (params.step * params.step);
+    let compliance = segment.bend_compliance * softening();
     let w = 0.25 * (before_inverse_inertia + segment.inverse_inertia);
     // Scaled by w, so that the determinant stays in the range of f32.
     let v = p.xyz;
@@ -55,7 +61,7 @@ fn stretch_shear(k: u32, point: u32) {
     let start_mass = inverse_mass[point];
     let end_mass = inverse_mass[point + 1u];
     let constraint = rotate(conjugate(q), (end.xyz - start.xyz) / segment.rest_length) - vec3f(0.0, 0.0, 1.0);
-    let compliance = segment.stretch_compliance / (params.step * params.step);
+    let compliance = segment.stretch_compliance * softening();
     let along = (start_mass + end_mass) / (segment.rest_length * segment.rest_length);
     let matrix = vec3f(along) + vec3f(segment.inverse_inertia, segment.inverse_inertia, 0.0) + compliance;
     let lambda = multipliers[k].stretch.xyz;

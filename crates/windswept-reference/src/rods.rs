@@ -78,6 +78,11 @@ pub fn gauss_seidel(p: &Parameters, hair: &Strands, positions: &mut [DVec3], ori
     }
 }
 
+/// α̃/α = (1 + c Δt)/Δt²: damping c, integrated implicitly, divides every force's share of the velocity by 1 + c Δt.
+fn softening(p: &Parameters) -> f64 {
+    (1.0 + p.damping * p.step) / (p.step * p.step)
+}
+
 /// C = Im(q̄₀ q₁) − s Im(rest), s the sign that is nearer in 4-D; dC = A (θ₁ − θ₀), A = ½(p_w I − [p_v]×) R₀ᵀ.
 /// `clamp` is the ghost frame that a first joint hangs on.
 fn bend_twist(p: &Parameters, hair: &Strands, q: &mut [DQuat], k: usize, clamp: Option<DQuat>, lambda: &mut DVec3) {
@@ -91,7 +96,7 @@ fn bend_twist(p: &Parameters, hair: &Strands, q: &mut [DQuat], k: usize, clamp: 
     let a = (DMat3::from_diagonal(DVec3::splat(joint.w)) - cross_matrix(joint.xyz()))
         * DMat3::from_quat(before).transpose()
         * 0.5;
-    let compliance = hair.bend_compliance[k] / (p.step * p.step);
+    let compliance = hair.bend_compliance[k] * softening(p);
     let system = a * a.transpose() * (own_w + before_w) + DMat3::from_diagonal(compliance);
     let change = system.inverse() * -(constraint + compliance * *lambda);
     *lambda += change;
@@ -116,7 +121,7 @@ fn stretch_shear(
     let (w0, w1, wq) = (hair.inverse_mass[point], hair.inverse_mass[point + 1], hair.inverse_inertia[k]);
     let tangent = q[k] * DVec3::Z;
     let constraint = q[k].conjugate() * ((x[point + 1] - x[point]) / l - tangent);
-    let compliance = hair.stretch_compliance[k] / (p.step * p.step);
+    let compliance = hair.stretch_compliance[k] * softening(p);
     let system = DVec3::splat((w0 + w1) / (l * l)) + wq * DVec3::new(1.0, 1.0, 0.0) + compliance;
     let wanted = -(constraint + compliance * *lambda) / system;
     let change = DVec3::select(system.cmpgt(DVec3::ZERO), wanted, DVec3::ZERO);

@@ -104,7 +104,7 @@ pub struct DensityError {
     pub tension: f64,
     /// Part of a Jacobi step.
     pub relaxation: f64,
-    /// rms of ρ/ρ0 − 1 after each number of [`DENSITY_ERROR_ITERATIONS`]; one draw of the jitter.
+    /// rms of ρ/ρ0 − 1 after each number of [`DENSITY_ERROR_ITERATIONS`]; another jitter is 3 % off.
     pub rms: [f64; 5],
 }
 
