@@ -47,8 +47,8 @@ fn engine(scene: &Scene, initial: &InitialState) -> (Engine, Plan) {
 /// ρ/ρ0 at the initial positions.
 fn density(initial: &InitialState) -> Vec<f32> {
     let (engine, plan) = engine(&support::scene(), initial);
-    engine.copy_state_to_prediction().unwrap();
-    engine.replay(&Recorder::record(|r| step::record_density(r, engine.state(), &plan))).unwrap();
+    engine.copy_state_to_scratch().unwrap();
+    engine.replay(&Recorder::record(|r| step::record_quantity(r, engine.state(), &plan, step::Quantity::Density))).unwrap();
     engine.read(&engine.state().density).unwrap()
 }
 
@@ -91,10 +91,10 @@ fn xsph_damps_a_shear_wave_as_the_lattice_sum_says() {
         let (engine, plan) = engine(&scene, &initial);
         let wave = |x: &DVec3| (TAU * x.x / wavelength).sin();
         let velocities: Vec<[f32; 4]> = initial.air.positions.iter().map(|x| [0.0, wave(x) as f32, 0.0, 0.0]).collect();
-        engine.copy_state_to_prediction().unwrap();
+        engine.copy_state_to_scratch().unwrap();
         engine.write(&engine.state().new_velocity, &velocities).unwrap();
         let recording = Recorder::record(|r| {
-            step::record_density(r, engine.state(), &plan);
+            step::record_quantity(r, engine.state(), &plan, step::Quantity::Density);
             step::viscosity::record(r, engine.state(), &plan);
         });
         engine.replay(&recording).unwrap();
@@ -136,11 +136,11 @@ fn density_error_falls_as_jacobi_should() {
             scene.fluid.relaxation = relaxation;
             scene.fluid.iterations = iterations;
             let (engine, plan) = engine(&scene, &initial);
-            engine.copy_state_to_prediction().unwrap();
+            engine.copy_state_to_scratch().unwrap();
             let recording = Recorder::record(|r| {
                 step::neighbours::record(r, engine.state(), &plan);
                 step::fluid::record(r, engine.state(), &plan);
-                step::record_density(r, engine.state(), &plan);
+                step::record_quantity(r, engine.state(), &plan, step::Quantity::Density);
             });
             engine.replay(&recording).unwrap();
             let ratios: Vec<f32> = engine.read(&engine.state().density).unwrap();
@@ -165,7 +165,7 @@ fn density_correction_keeps_momentum() {
     }
     let scene = support::scene();
     let (engine, plan) = engine(&scene, &initial);
-    engine.copy_state_to_prediction().unwrap();
+    engine.copy_state_to_scratch().unwrap();
     let recording = Recorder::record(|r| {
         step::neighbours::record(r, engine.state(), &plan);
         step::fluid::record(r, engine.state(), &plan);

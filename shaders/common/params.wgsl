@@ -27,6 +27,10 @@ struct Params {
     viscosity_air: f32,
     damping: f32,                 // 1/s
     bad_strand_limit: u32,        // more than this in one step end the run
+    air_density: f32,             // kg/m^3
+    kinematic_viscosity: f32,     // m^2/s, of the drag on segments
+    lift: f32,                    // C_l
+    published_law: u32,           // confinement as printed, else the band law
 }
 
 @group(0) @binding(0) var<uniform> params: Params;

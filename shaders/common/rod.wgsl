@@ -17,6 +17,8 @@ struct Segment {
     rest_length: f32,            // m
     bend_compliance: vec3f,      // of the joint before it: bend d1, bend d2, twist d3 [1/(N m)]
     inverse_inertia: f32,        // 1/(kg m^2)
+    radius: f32,                 // m, of a fibre
+    fibres: f32,                 // that the strand stands for
 }
 
 struct Multipliers {

@@ -11,7 +11,7 @@ fn neighbours(initial: &InitialState) -> Vec<Vec<u32>> {
     let scene = support::scene();
     let mut engine = Engine::new(&support::gpu(), &scene, initial).unwrap();
     let plan = Plan::new(&scene, initial, engine.sizes());
-    engine.copy_state_to_prediction().unwrap();
+    engine.copy_state_to_scratch().unwrap();
     engine.replay(&Recorder::record(|r| step::neighbours::record(r, engine.state(), &plan))).unwrap();
     let mut state = engine.status().unwrap();
     if state.neighbours > engine.sizes().neighbours {

@@ -57,7 +57,7 @@ impl Stage {
 
     /// Positions where a step's predicted ones stand, neighbours listed; the twin's neighbours.
     pub fn meet(&self) -> Neighbours {
-        self.engine.copy_state_to_prediction().unwrap();
+        self.engine.copy_state_to_scratch().unwrap();
         self.run(windswept::step::neighbours::record);
         windswept_reference::grid::neighbours(&self.parameters, &self.twin.position)
     }

@@ -58,6 +58,7 @@ pub fn scene() -> Scene {
             kinematic_viscosity: 1.5e-5,
         }),
         model: Model::Particles,
+        lift: 0.0,
         fluid: Fluid { iterations: 2, relaxation: 0.5, tension: 0.0 },
         turbulence: Turbulence {
             bands: Vec::new(),
@@ -98,6 +99,8 @@ pub fn strands(positions: &[DVec3], points_per_strand: usize) -> Strands {
             hair.orientations.push(DQuat::from_rotation_arc(DVec3::Z, (gap / l).normalize()));
             hair.angular_velocities.push(DVec3::ZERO);
             hair.rest_length.push(l);
+            hair.radius.push(4e-5);
+            hair.fibres.push(1.0 + (hair.radius.len() % 2) as f64);
             hair.inverse_inertia.push(1.0 / (0.5 * 1.46e-7 * l * l));
             hair.stretch_compliance.push(DVec3::new(1.0 / (7.3 * l), 1.0 / (7.3 * l), 1.0 / (20.1 * l)));
             hair.bend_compliance.push(DVec3::new(l / (4.0 * 8.04e-9), l / (4.0 * 8.04e-9), l / (4.0 * 5.8e-9)));

@@ -32,6 +32,7 @@ impl Reader<'_> {
             seed: self.count("seed")?.into(),
             hair: self.hair()?,
             model,
+            lift: self.number("interaction.lift")?,
             fluid: Fluid {
                 iterations: self.count("fluid.iterations")?,
                 relaxation: self.number("fluid.relaxation")?,

@@ -146,6 +146,8 @@ impl Strand<'_> {
             all.orientations.push(frame);
             all.angular_velocities.push(DVec3::ZERO);
             all.rest_length.push(l);
+            all.radius.push(self.radius(k as f64 + 0.5));
+            all.fibres.push(hair.fibres_per_strand);
             all.inverse_inertia.push(1.0 / inertia);
             all.stretch_compliance.push(DVec3::new(1.0 / (shear * l), 1.0 / (shear * l), loose));
             all.bend_compliance.push(0.25 * joint * DVec3::new(1.0 / bend, 1.0 / bend, 1.0 / twist));

@@ -48,6 +48,10 @@ pub struct Strands {
     pub angular_velocities: Vec<DVec3>,
     /// Per segment, rest length l \[m\].
     pub rest_length: Vec<f64>,
+    /// Per segment: radius of a fibre r \[m\].
+    pub radius: Vec<f64>,
+    /// Per segment: real hairs that it stands for.
+    pub fibres: Vec<f64>,
     /// Per segment, 1/I \[1/(kg m²)\], I = ½ m_s l².
     pub inverse_inertia: Vec<f64>,
     /// Per segment: compliance of shear along d1, shear along d2, stretch along d3: 1/(GA l), 1/(GA l), 1/(EA l) \[1/(N m)\].

@@ -22,6 +22,8 @@ pub struct Scene {
     pub air: Option<Air>,
     /// How hair and air meet.
     pub model: Model,
+    /// C_l of a segment in the wind: lift across wind and segment (models `drag` and `particles`, outside the box).
+    pub lift: f64,
     /// The density constraint (eq. 1).
     pub fluid: Fluid,
     /// Vorticity confinement (eqs. 2-6).
@@ -47,6 +49,7 @@ impl PartialEq for Scene {
             hair,
             air,
             model,
+            lift,
             fluid,
             turbulence,
             viscosity,
@@ -55,8 +58,8 @@ impl PartialEq for Scene {
         } = self;
         (title, method, gravity, seed, time, hair, air)
             == (&other.title, &other.method, &other.gravity, &other.seed, &other.time, &other.hair, &other.air)
-            && (model, fluid, turbulence, viscosity, rods, camera)
-                == (&other.model, &other.fluid, &other.turbulence, &other.viscosity, &other.rods, &other.camera)
+            && (model, lift, fluid, turbulence, viscosity, rods, camera)
+                == (&other.model, &other.lift, &other.fluid, &other.turbulence, &other.viscosity, &other.rods, &other.camera)
     }
 }
 
@@ -208,7 +211,7 @@ pub struct Bounds {
 pub enum Model {
     /// Hair and air as one particle fluid.
     Particles,
-    /// Lift and drag on each segment, no air particles.
+    /// Lift and drag on each segment from the mean wind, no air particles.
     Drag,
     /// Hair alone.
     None,

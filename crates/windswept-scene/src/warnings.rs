@@ -59,7 +59,7 @@ pub(crate) fn of_hair(hair: &Strands, air: &AirParticles, wind: DVec3) -> Vec<St
     let outside = local.filter(|x| x.cmplt(DVec3::ZERO).any() || x.cmpge(air.size).any()).count();
     if outside > 0 {
         warnings.push(format!(
-            "{outside} of {} hair points start outside the box of air and feel no wind there",
+            "{outside} of {} hair points start outside the box of air, where the mean wind drags them",
             hair.positions.len()
         ));
     }

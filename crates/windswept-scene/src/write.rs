@@ -30,6 +30,7 @@ impl Scene {
         }
         text.heading("[interaction]", "interaction");
         text.pair("model", self.model.word());
+        text.number("lift", self.lift);
         text.heading("[fluid]", "fluid");
         text.count("iterations", self.fluid.iterations);
         text.number("relaxation", self.fluid.relaxation);
@@ -170,7 +171,7 @@ impl Writer {
         self.pair("filter", turbulence.filter.word());
         self.number("cutoff", turbulence.cutoff);
         self.pair("normalise", turbulence.normalise);
-        for band in turbulence.bands.iter().filter(|_| !Key::not_built("turbulence.bands", "")) {
+        for band in &turbulence.bands {
             self.heading("[[turbulence.bands]]", "turbulence.bands");
             self.number("scale", band.scale);
             self.number("strength", band.strength);

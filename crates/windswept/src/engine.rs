@@ -5,6 +5,7 @@ use bytemuck::Pod;
 use windswept_scene::{InitialState, Scene, SceneError};
 
 use crate::{
+    bands::Bands,
     error::{GpuError, RunError},
     gpu::{Gpu, Memory, Profile, Program, wgpu},
     params::Params,
@@ -22,6 +23,7 @@ const NEIGHBOURS_PER_PARTICLE: u64 = 36;
 pub struct Engine {
     gpu: Gpu,
     params: Params,
+    band_tasks: usize,
     state: State,
     memory: Memory,
 }
@@ -34,10 +36,13 @@ impl Engine {
     pub fn new(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Self, GpuError> {
         let mut params = Params::new(scene, initial, 0);
         params.neighbour_capacity = first_capacity(gpu.largest_binding(), &params);
-        let state = State::new(&params.sizes());
+        let bands = Bands::new(scene, initial, &params);
+        let band_tasks = bands.tasks.len();
+        let state = State::new(&params.sizes(band_tasks));
         let memory = Memory::new(gpu, &state)?;
-        let engine = Self { gpu: gpu.clone(), params, state, memory };
+        let engine = Self { gpu: gpu.clone(), params, band_tasks, state, memory };
         engine.write_initial(initial)?;
+        engine.write(&engine.state.band, &bands.tasks)?;
         Ok(engine)
     }
 
@@ -75,7 +80,7 @@ impl Engine {
     /// Counts of everything.
     #[must_use]
     pub fn sizes(&self) -> Sizes {
-        self.params.sizes()
+        self.params.sizes(self.band_tasks)
     }
 
     /// The buffers' descriptions.
@@ -172,20 +177,20 @@ impl Engine {
         Ok(program.run_profiled(&self.gpu, profile)?)
     }
 
-    /// Puts the committed positions where a step's predicted ones stand, for headings 2 and 3 on their own.
+    /// Puts the committed positions and velocities where a step's own stand, for headings on their own.
     ///
     /// # Errors
     /// [`GpuError`] with the driver's words.
-    pub fn copy_state_to_prediction(&self) -> Result<(), GpuError> {
+    pub fn copy_state_to_scratch(&self) -> Result<(), GpuError> {
         let s = &self.state;
         self.gpu.checked(
-            || "copying positions".to_owned(),
+            || "copying the state".to_owned(),
             || {
-                let mut encoder = self
-                    .gpu
-                    .device
-                    .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("positions") });
-                encoder.copy_buffer_to_buffer(self.buffer(&s.position), 0, self.buffer(&s.predicted), 0, None);
+                let mut encoder =
+                    self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("state") });
+                for (committed, scratch) in [(&s.position, &s.predicted), (&s.velocity, &s.new_velocity)] {
+                    encoder.copy_buffer_to_buffer(self.buffer(committed), 0, self.buffer(scratch), 0, None);
+                }
                 self.gpu.queue.submit([encoder.finish()]);
             },
         )
@@ -197,7 +202,7 @@ impl Engine {
     /// [`GpuError`] when the adapter has no room.
     pub fn grow_neighbours(&mut self, capacity: u32) -> Result<(), GpuError> {
         self.params.neighbour_capacity = capacity;
-        self.state = State::new(&self.params.sizes());
+        self.state = State::new(&self.sizes());
         let list = self.state.neighbour_list.clone();
         self.memory.reallocate(&self.gpu, &list)?;
         self.write(&self.state.params, &[self.params])
@@ -213,7 +218,8 @@ pub fn required_limits(scene: &Scene) -> Result<wgpu::Limits, SceneError> {
     let initial = InitialState::new(scene)?;
     let mut params = Params::new(scene, &initial, 0);
     params.neighbour_capacity = first_capacity(u64::MAX, &params);
-    let largest = State::new(&params.sizes()).arrays().iter().map(|array| array.bytes()).max().unwrap_or_default();
+    let sizes = Sizes { neighbours: params.neighbour_capacity, ..Sizes::of(scene, &initial) };
+    let largest = State::new(&sizes).arrays().iter().map(|array| array.bytes()).max().unwrap_or_default();
     let defaults = wgpu::Limits::default();
     Ok(wgpu::Limits {
         max_storage_buffer_binding_size: defaults.max_storage_buffer_binding_size.max(largest),

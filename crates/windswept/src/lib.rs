@@ -4,6 +4,7 @@
 //! [`Simulation`] takes a checked [`windswept_scene::Scene`] and a [`Gpu`], steps, and hands out [`Frame`]s and a
 //! [`Report`]. `step.rs` reads as the step, top to bottom.
 
+mod bands;
 mod engine;
 pub mod error;
 pub mod frame;

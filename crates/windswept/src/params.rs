@@ -3,7 +3,7 @@
 use std::{f64::consts::PI, mem::offset_of};
 
 use bytemuck::{Pod, Zeroable};
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{InitialState, Law, Scene};
 use windswept_shaders::layout;
 
 use crate::state::Sizes;
@@ -50,6 +50,10 @@ pub struct Params {
     pub viscosity_air: f32,
     pub damping: f32,
     pub bad_strand_limit: u32,
+    pub air_density: f32,
+    pub kinematic_viscosity: f32,
+    pub lift: f32,
+    pub published_law: u32,
 }
 
 assert_layout!(Params {
@@ -79,6 +83,10 @@ assert_layout!(Params {
     viscosity_air,
     damping,
     bad_strand_limit,
+    air_density,
+    kinematic_viscosity,
+    lift,
+    published_law,
 });
 
 /// Fewest buckets for hair outside the box.
@@ -115,12 +123,16 @@ impl Params {
             viscosity_air: (scene.viscosity.air / substeps) as f32,
             damping: scene.rods.damping as f32,
             bad_strand_limit: BAD_STRANDS.max(strands / 100),
+            lift: scene.lift as f32,
+            published_law: u32::from(scene.turbulence.law == Law::Published),
             ..Self::zeroed()
         };
         if let Some(air) = &scene.air {
             params.wind = air.wind.map(|u| u as f32);
             params.ramp = air.ramp as f32;
             params.fringe = air.fringe as f32;
+            params.air_density = air.rest_density as f32;
+            params.kinematic_viscosity = air.kinematic_viscosity as f32;
             params.kernel_radius = air.kernel_radius as f32;
             params.cell_size = [air.kernel_radius as f32; 3];
             if air_particles > 0 {
@@ -140,9 +152,9 @@ impl Params {
         params
     }
 
-    /// The sizes of the buffers.
+    /// The sizes of the buffers, with uniforms for so many dispatches of the band filter.
     #[must_use]
-    pub fn sizes(&self) -> Sizes {
+    pub(crate) fn sizes(&self, band_tasks: usize) -> Sizes {
         Sizes {
             particles: self.particles,
             hair_points: self.hair_points,
@@ -150,6 +162,7 @@ impl Params {
             strands: self.strands,
             buckets: self.box_cells + self.hashed_cells,
             neighbours: self.neighbour_capacity,
+            band_tasks: band_tasks as u32,
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Which passes a scene needs, and why. Decided once, from the scene; `windswept plan` prints it.
 
-use windswept_scene::{InitialState, Model, Scene, SceneError, ViscosityForm};
+use windswept_scene::{InitialState, Law, Model, Scene, SceneError, ViscosityForm};
 
 use crate::{
+    bands::{Bands, invocations},
     params::Params,
     recorder::{Decision, Recorder},
     state::{Array, Sizes, State},
@@ -28,10 +29,27 @@ pub struct Plan {
     pub fluid: Decision,
     /// Is density needed although the constraint is not solved?
     pub density_alone: Decision,
+    /// Does the mean wind push segments?
+    pub drag: Decision,
+    /// Is any band strengthened?
+    pub turbulence: Decision,
+    /// Is the confinement that of the paper as printed?
+    pub published_law: bool,
+    /// Bands of eddies, in the order of the file.
+    pub bands: Vec<BandPlan>,
     /// XSPH.
     pub viscosity: Decision,
     /// Can XSPH overshoot?
     pub limiter: Decision,
+}
+
+/// A band of eddies: whether it is strengthened, and the dispatches of its filter.
+#[derive(Debug, Clone)]
+pub struct BandPlan {
+    /// Does it run?
+    pub runs: Decision,
+    /// Per dispatch: the element of `band`, and the invocations.
+    pub filter: Vec<(usize, u32)>,
 }
 
 impl Plan {
@@ -48,8 +66,17 @@ impl Plan {
         let wind = air.and(Decision::when(!still, "air.wind is zero"));
         let viscous = scene.viscosity.hair > 0.0 || scene.viscosity.air > 0.0;
         let solved = scene.fluid.iterations > 0;
-        let neighbours =
-            air.and(Decision::when(solved || viscous, "neither density nor viscosity asks for neighbours"));
+        let bands = bands(scene, initial);
+        let turbulence = air.and(turbulence(scene, &bands));
+        let drag = hair.and(match scene.model {
+            Model::Drag => Decision::when(true, ""),
+            Model::Particles => Decision::when(air.runs, "no air moves"),
+            Model::None => Decision::when(false, "interaction.model is none: hair alone"),
+        });
+        let neighbours = air.and(Decision::when(
+            solved || viscous || turbulence.runs,
+            "neither density nor viscosity nor turbulence asks for neighbours",
+        ));
         let fluid = air.and(Decision::when(solved, "fluid.iterations is 0"));
         let viscosity = air.and(Decision::when(viscous, "viscosity.hair and viscosity.air are 0"));
         let density_alone = viscosity.and(Decision::when(!solved, "the density constraint has it already"));
@@ -63,6 +90,10 @@ impl Plan {
             neighbours,
             fluid,
             density_alone,
+            drag,
+            turbulence,
+            published_law: scene.turbulence.law == Law::Published,
+            bands,
             viscosity,
             limiter,
         }
@@ -74,6 +105,22 @@ impl Plan {
         let last = if self.viscosity.runs { &s.viscous_velocity } else { &s.new_velocity };
         last.named("final_velocity")
     }
+}
+
+fn bands(scene: &Scene, initial: &InitialState) -> Vec<BandPlan> {
+    let cut = Bands::new(scene, initial, &Params::new(scene, initial, 0));
+    let each = scene.turbulence.bands.iter().enumerate().map(|(i, band)| BandPlan {
+        runs: Decision::when(band.strength > 0.0, format!("turbulence.bands.{i}.strength is 0")),
+        filter: cut.ranges.get(i).into_iter().cloned().flatten().map(|k| (k, invocations(&cut.tasks[k]))).collect(),
+    });
+    each.collect()
+}
+
+fn turbulence(scene: &Scene, bands: &[BandPlan]) -> Decision {
+    let still = scene.turbulence.law == Law::Band && scene.turbulence.speed == 0.0;
+    Decision::when(!bands.is_empty(), "the scene names no turbulence.bands")
+        .and(Decision::when(bands.iter().any(|band| band.runs.runs), "all turbulence.bands have strength 0"))
+        .and(Decision::when(!still, "turbulence.speed is 0: nothing to measure the bands against"))
 }
 
 /// S_i = Σ c_ij w_ij ≤ 2 c √(V_max/V_min), since Σ_j V_j W ≤ θ_i: below 1 the limiter can never act.
@@ -115,15 +162,17 @@ pub struct PlanRow {
 /// [`SceneError`] when the initial state cannot be made.
 pub fn table(scene: &Scene) -> Result<Vec<PlanRow>, SceneError> {
     let initial = InitialState::new(scene)?;
-    let sizes = Params::new(scene, &initial, 0).sizes();
+    let sizes = Sizes::of(scene, &initial);
     let plan = Plan::new(scene, &initial, sizes);
     let state = State::new(&sizes);
     let recording = Recorder::record(|r| step::record(r, &state, &plan));
     let mut rows: Vec<PlanRow> = Vec::new();
     for command in &recording.commands {
-        let known = rows.iter_mut().find(|row| row.pass == command.pass.name && row.label == command.label);
-        match known {
-            Some(row) => row.runs += 1,
+        let same = |row: &&mut PlanRow| {
+            (row.pass, row.label, &row.skipped) == (command.pass.name, command.label, &command.skipped)
+        };
+        match rows.iter_mut().find(same) {
+            Some(row) => row.runs += u32::from(command.skipped.is_none()),
             None => rows.push(PlanRow {
                 heading: command.heading,
                 pass: command.pass.name,

@@ -50,6 +50,9 @@ pub struct Report {
     pub over_density_rms: Option<f64>,
     /// Σ m v over hair and air; clamped roots left out.
     pub momentum_kg_m_per_s: [f64; 3],
+    /// What confinement has given the air in the whole run, its mean taken out; without bands left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub confinement_impulse_kg_m_per_s: Option<[f64; 3]>,
     /// Bytes of the engine's buffers.
     pub memory_bytes: u64,
     /// How often each cause acted.

@@ -33,9 +33,12 @@ pub(crate) struct Segment {
     pub rest_length: f32,
     pub bend_compliance: [f32; 3],
     pub inverse_inertia: f32,
+    pub radius: f32,
+    pub fibres: f32,
+    pub _unused: [u32; 2],
 }
 
-assert_layout!(Segment { rest_rotation, stretch_compliance, rest_length, bend_compliance, inverse_inertia });
+assert_layout!(Segment { rest_rotation, stretch_compliance, rest_length, bend_compliance, inverse_inertia, radius, fibres });
 
 /// A point may not move farther than this part of its strand in one step (design 3.6).
 const LARGEST_MOVE: f64 = 0.03;
@@ -76,6 +79,9 @@ pub(crate) fn segments(hair: &Strands) -> Vec<Segment> {
             rest_length: hair.rest_length[k] as f32,
             bend_compliance: vec3(hair.bend_compliance[k]),
             inverse_inertia: hair.inverse_inertia[k] as f32,
+            radius: hair.radius[k] as f32,
+            fibres: hair.fibres[k] as f32,
+            _unused: [0; 2],
         })
         .collect()
 }

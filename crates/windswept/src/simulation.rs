@@ -13,8 +13,9 @@ use crate::{
     plan::Plan,
     recorder::{Recorder, Recording},
     report::{Particles, PassReport, Report, SkippedReport},
+    state::Array,
     status::{self, Status},
-    step,
+    step::{self, Quantity},
 };
 
 /// A submit should take about this long: short enough for progress bars, Ctrl-C and GPU watchdogs.
@@ -240,23 +241,56 @@ impl Simulation {
     /// # Errors
     /// [`RunError`] when the neighbour list cannot grow or the device is lost.
     pub fn density(&mut self) -> Result<Vec<f32>, RunError> {
-        if !self.plan.neighbours.runs {
+        self.measure(Quantity::Density)?;
+        let density = self.engine.state().density.clone();
+        if self.plan.neighbours.runs { Ok(self.engine.read(&density)?) } else { Ok(Vec::new()) }
+    }
+
+    /// |ω| of the air now, plain SPH sum \[1/s\]; empty when the scene's particles do not meet.
+    ///
+    /// # Errors
+    /// As [`Self::density`].
+    pub fn air_vorticity(&mut self) -> Result<Vec<f32>, RunError> {
+        self.measure(Quantity::Vorticity)?;
+        self.read_air(self.plan.neighbours.runs, &self.engine.state().vorticity, |omega| omega[3])
+    }
+
+    /// ½ |û|² of the first of `turbulence.bands` at the air now \[m²/s²\]; empty when no band is strengthened.
+    ///
+    /// # Errors
+    /// As [`Self::density`].
+    pub fn band_energy(&mut self) -> Result<Vec<f32>, RunError> {
+        self.measure(Quantity::BandVelocity)?;
+        let runs = self.plan.turbulence.runs;
+        self.read_air(runs, &self.engine.state().band_velocity, |u| 0.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]))
+    }
+
+    fn read_air(&self, runs: bool, array: &Array, value: impl Fn([f32; 4]) -> f32) -> Result<Vec<f32>, RunError> {
+        if !runs {
             return Ok(Vec::new());
+        }
+        let [values] = self.engine.read_vec4([array])?;
+        Ok(values.into_iter().skip(self.engine.sizes().hair_points as usize).map(value).collect())
+    }
+
+    /// Runs the passes of a quantity over the committed state.
+    fn measure(&mut self, quantity: Quantity) -> Result<(), RunError> {
+        if !self.plan.neighbours.runs {
+            return Ok(());
         }
         loop {
             let length = self.engine.sizes().neighbours;
-            let recording = Recorder::record(|r| step::record_density(r, self.engine.state(), &self.plan));
+            let recording =
+                Recorder::record(|r| step::record_quantity(r, self.engine.state(), &self.plan, quantity));
             let program = self.engine.program(&recording)?;
-            self.engine.copy_state_to_prediction()?;
+            self.engine.copy_state_to_scratch()?;
             self.engine.run(&program, 1)?;
             self.settle()?;
             // A list that had to grow was not filled: once more.
             if self.engine.sizes().neighbours == length {
-                break;
+                return Ok(());
             }
         }
-        let density = self.engine.state().density.clone();
-        Ok(self.engine.read(&density)?)
     }
 
     /// The report of the run so far.
@@ -295,6 +329,7 @@ impl Simulation {
             density_error_rms: rms(&mut air_errors.clone()),
             over_density_rms: rms(&mut air_errors.map(|e| e.max(0.0))),
             momentum_kg_m_per_s: self.momentum(&velocities),
+            confinement_impulse_kg_m_per_s: self.confinement_impulse()?,
             memory_bytes: self.engine.memory_bytes(),
             warnings: self.warnings(),
         })
@@ -328,6 +363,12 @@ impl Simulation {
             sum += mass(i) * DVec3::new(v[0].into(), v[1].into(), v[2].into());
         }
         sum.to_array()
+    }
+
+    fn confinement_impulse(&self) -> Result<Option<[f64; 3]>, RunError> {
+        let [impulse] = self.engine.read_vec4([&self.engine.state().confinement_impulse])?;
+        let sum = impulse.first().map(|p| [p[0], p[1], p[2]].map(f64::from));
+        Ok(sum.filter(|_| self.plan.turbulence.runs))
     }
 
     fn pass_times(&self) -> Vec<PassReport> {

@@ -5,7 +5,10 @@
 
 use std::mem::size_of;
 
+use windswept_scene::{InitialState, Scene};
+
 use crate::{
+    bands::{Band, Bands},
     params::Params,
     rods::{Segment, Strand},
     status::Status,
@@ -22,6 +25,8 @@ pub struct Array {
     pub len: u64,
     /// Index in the engine's memory.
     pub slot: usize,
+    /// Just this element of it, bound as a uniform.
+    pub element: Option<u64>,
 }
 
 impl Array {
@@ -29,6 +34,12 @@ impl Array {
     #[must_use]
     pub fn bytes(&self) -> u64 {
         self.stride * self.len.max(1)
+    }
+
+    /// One element of an array of uniforms.
+    #[must_use]
+    pub fn at(&self, element: usize) -> Self {
+        Self { element: Some(element as u64), ..self.clone() }
     }
 
     /// The same memory under the name that a pass knows it by.
@@ -53,13 +64,28 @@ pub struct Sizes {
     pub buckets: u32,
     /// Entries of the neighbour list.
     pub neighbours: u32,
+    /// Dispatches of the band filter.
+    pub band_tasks: u32,
 }
 
 impl Sizes {
+    /// Of a scene, without a neighbour list.
+    #[must_use]
+    pub fn of(scene: &Scene, initial: &InitialState) -> Self {
+        let params = Params::new(scene, initial, 0);
+        params.sizes(Bands::new(scene, initial, &params).tasks.len())
+    }
+
     /// Air particles.
     #[must_use]
     pub fn air(&self) -> u32 {
         self.particles - self.hair_points
+    }
+
+    /// Particles that turbulence has to do with: all, or none without bands.
+    #[must_use]
+    pub fn turbulent(&self) -> u32 {
+        if self.band_tasks > 0 { self.particles } else { 0 }
     }
 }
 
@@ -86,6 +112,7 @@ macro_rules! state {
                         stride: $stride as u64,
                         len: u64::from(len(sizes)),
                         slot: slots.next().unwrap_or_default(),
+                        element: None,
                     }
                 };)*
                 Self { $($name,)* }
@@ -103,6 +130,8 @@ macro_rules! state {
 state! {
     /// What stays the same from step to step.
     params: size_of::<Params>(), |_| 1;
+    /// Per dispatch of the band filter: scale, law and the stretch of the box; uniforms too.
+    band: size_of::<Band>(), |s| s.band_tasks;
     /// Causes that freeze, counters, the step's number.
     status: size_of::<Status>(), |_| 1;
 
@@ -117,6 +146,9 @@ state! {
     angular_velocity: VEC4, |s| s.segments;
     /// Per strand: to be reset (bit 0), steps of over-strain on end.
     health: WORD, |s| s.strands;
+
+    /// What confinement has given the air in the whole run \[kg m/s\].
+    confinement_impulse: VEC4, |_| 1;
 
     // Constant.
     /// Per hair point \[1/kg\]; 0 where clamped.
@@ -141,6 +173,8 @@ state! {
     viscous_velocity: VEC4, |s| s.particles;
     /// What the wind adds to air in this step \[m/s\].
     wind_change: VEC4, |s| s.particles;
+    /// What drag adds to hair in this step \[m/s\]; 0 where the air is particles.
+    drag_change: VEC4, |s| s.hair_points;
     /// What the density constraint moved in this step \[m\].
     correction: VEC4, |s| s.particles;
     /// The same, in this iteration \[m\].
@@ -153,6 +187,22 @@ state! {
     exchange: WORD, |s| s.particles;
     /// Per segment: λ of stretch-shear and of the joint before it \[J\].
     multipliers: 2 * VEC4, |s| s.segments;
+
+    // Turbulence; empty without bands.
+    /// In cell order: xyz \[m\], w: 1 for air, 0 for hair.
+    flow_position: VEC4, |s| s.turbulent();
+    /// In cell order, what the filter sums: V (v − U) \[m⁴/s\]; as printed v \[m/s\].
+    flow: VEC4, |s| s.turbulent();
+    /// û of a band \[m/s\], as printed \[mm/s\]; hair has none.
+    band_velocity: VEC4, |s| s.turbulent();
+    /// ω \[1/s\], w: its length.
+    vorticity: VEC4, |s| if s.air() > 0 { s.particles } else { 0 };
+    /// What confinement adds in this step, all bands \[m/s\].
+    confinement: VEC4, |s| s.turbulent();
+    /// Sums of it over 64 particles each \[m/s\].
+    partial_sum: VEC4, |s| s.turbulent().div_ceil(64);
+    /// Its mean over the air, to be taken out \[m/s\].
+    mean_confinement: VEC4, |_| 1;
 
     // Grid.
     /// Particles per cell.

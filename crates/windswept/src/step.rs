@@ -14,7 +14,7 @@ use crate::{plan::Plan, recorder::Recorder, state::State};
 
 /// Records one step.
 pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
-    drive::record(r, s, plan); //      1. Bad strands are reset; wind enters, gravity pulls; predict positions.
+    drive::record(r, s, plan); //      1. Bad strands are reset; wind enters and drags, gravity pulls; predict positions.
     neighbours::record(r, s, plan); // 2. Sort particles into cells, list who is near whom.
     fluid::record(r, s, plan); //      3. Hair and air share one density constraint (eq. 1).
     rods::record(r, s, plan); //       4. Strands keep their length and shape.
@@ -25,8 +25,24 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     guard::record(r, s, plan); //      9. Commit, or freeze and report.
 }
 
-/// Records the density of the committed state, for reports: headings 2 and 3 over positions copied to `predicted`.
-pub fn record_density(r: &mut Recorder, s: &State, plan: &Plan) {
+/// A quantity of the committed state, for reports and pictures: its passes, over the state copied to `predicted` and
+/// `new_velocity`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// ρ/ρ0.
+    Density,
+    /// ω of the velocity.
+    Vorticity,
+    /// û of the first band.
+    BandVelocity,
+}
+
+/// Records the passes that a quantity takes.
+pub fn record_quantity(r: &mut Recorder, s: &State, plan: &Plan, quantity: Quantity) {
     neighbours::record(r, s, plan);
-    fluid::record_density(r, s, plan);
+    match quantity {
+        Quantity::Density => fluid::record_density(r, s, plan),
+        Quantity::Vorticity => turbulence::record_vorticity(r, s, plan),
+        Quantity::BandVelocity => turbulence::record_band(r, s, plan),
+    }
 }

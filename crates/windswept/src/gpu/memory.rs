@@ -1,6 +1,6 @@
 //! The buffers behind [`State`]'s descriptions: allocated after a check, written and read as plain data.
 
-use std::sync::mpsc;
+use std::{num::NonZero, sync::mpsc};
 
 use bytemuck::Pod;
 
@@ -35,6 +35,12 @@ impl Memory {
 
     pub(crate) fn buffer(&self, array: &Array) -> &wgpu::Buffer {
         &self.buffers[array.slot]
+    }
+
+    /// What a pass binds: the whole buffer, or one element of it.
+    pub(crate) fn binding(&self, array: &Array) -> wgpu::BindingResource<'_> {
+        let (offset, size) = array.element.map_or((0, None), |k| (k * array.stride, NonZero::new(array.stride)));
+        wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: self.buffer(array), offset, size })
     }
 
     /// Replaces the first elements of an array.
@@ -103,7 +109,8 @@ fn check_size(gpu: &Gpu, state: &State, array: &Array) -> Result<(), GpuError> {
 }
 
 fn allocate(gpu: &Gpu, array: &Array) -> Result<wgpu::Buffer, GpuError> {
-    let kind = if array.name == "params" { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
+    let uniform = matches!(array.name, "params" | "band");
+    let kind = if uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
     gpu.checked(
         || format!("allocating {} bytes for {}", array.bytes(), array.name),
         || {

@@ -118,7 +118,7 @@ fn dispatch(gpu: &Gpu, memory: &Memory, command: &Command) -> Result<Dispatch, G
         .zip(&command.arrays)
         .map(|(binding, array)| wgpu::BindGroupEntry {
             binding: binding.binding,
-            resource: memory.buffer(array).as_entire_binding(),
+            resource: memory.binding(array),
         })
         .collect();
     let group = gpu.checked(

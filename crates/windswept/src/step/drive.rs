@@ -25,11 +25,37 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
                 &s.angular_velocity,
             ],
         );
+        r.when(&plan.drag, |r| {
+            r.run(
+                &wind::DRAG,
+                "wind drags hair",
+                n.strands,
+                &[
+                    &s.params,
+                    &s.status,
+                    &s.inverse_mass,
+                    &s.strands,
+                    &s.segments,
+                    &s.position,
+                    &s.velocity,
+                    &s.drag_change,
+                ],
+            );
+        });
         r.run(
             &rods::PREDICT,
             "hair falls",
             n.hair_points,
-            &[&s.params, &s.status, &s.inverse_mass, &s.position, &s.velocity, &s.rest_position, &s.predicted],
+            &[
+                &s.params,
+                &s.status,
+                &s.inverse_mass,
+                &s.position,
+                &s.velocity,
+                &s.rest_position,
+                &s.drag_change,
+                &s.predicted,
+            ],
         );
         r.run(
             &rods::TURN,

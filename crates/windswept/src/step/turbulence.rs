@@ -1,8 +1,137 @@
-//! 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only. Not in this version: the heading has no pass yet.
+//! 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
 
-use crate::{plan::Plan, recorder::Recorder, state::State};
+use windswept_shaders::turbulence;
+
+use crate::{
+    plan::{BandPlan, Plan},
+    recorder::Recorder,
+    state::{Array, State},
+};
+
+/// Invocations of `turbulence/mean`: one workgroup.
+const ONE_WORKGROUP: u32 = 1;
 
 /// Records the passes of this heading.
-pub fn record(r: &mut Recorder, _: &State, _: &Plan) {
+pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     r.heading("7. turbulence");
+    let n = &plan.sizes;
+    r.when(&plan.turbulence, |r| {
+        weigh(r, s, plan);
+        if plan.published_law {
+            vorticity(r, s, plan, &s.new_velocity);
+        }
+        for band in &plan.bands {
+            r.when(&band.runs, |r| {
+                filter(r, s, band);
+                if !plan.published_law {
+                    vorticity(r, s, plan, &s.band_velocity);
+                }
+                confine(r, s, plan, band);
+            });
+        }
+        r.run(&turbulence::SUM, "sum of the changes", n.air(), &[&s.params, &s.confinement, &s.partial_sum]);
+        r.run(
+            &turbulence::MEAN,
+            "mean change of the air",
+            ONE_WORKGROUP,
+            &[&s.params, &s.status, &s.partial_sum, &s.mean_confinement, &s.confinement_impulse],
+        );
+        r.run(
+            &turbulence::STRENGTHEN,
+            "eddies are strengthened",
+            n.air(),
+            &[&s.params, &s.status, &s.confinement, &s.mean_confinement, &s.new_velocity],
+        );
+    });
+}
+
+/// Records the vorticity of the air's velocity, for pictures.
+pub fn record_vorticity(r: &mut Recorder, s: &State, plan: &Plan) {
+    r.heading("7. turbulence");
+    r.when(&plan.neighbours, |r| vorticity(r, s, plan, &s.new_velocity));
+}
+
+/// Records the velocity of the first band, for pictures.
+pub fn record_band(r: &mut Recorder, s: &State, plan: &Plan) {
+    r.heading("7. turbulence");
+    r.when(&plan.turbulence, |r| {
+        weigh(r, s, plan);
+        plan.bands.iter().take(1).for_each(|band| filter(r, s, band));
+    });
+}
+
+fn weigh(r: &mut Recorder, s: &State, plan: &Plan) {
+    r.run(
+        &turbulence::WEIGH,
+        "what the filter sums",
+        plan.sizes.particles,
+        &[
+            &s.params,
+            &s.status,
+            &s.sorted,
+            &s.predicted,
+            &s.new_velocity,
+            &s.flow_position,
+            &s.flow,
+            &s.confinement,
+        ],
+    );
+}
+
+fn filter(r: &mut Recorder, s: &State, band: &BandPlan) {
+    for &(task, invocations) in &band.filter {
+        r.run(
+            &turbulence::BAND,
+            "band velocity by direct sum",
+            invocations,
+            &[
+                &s.params,
+                &s.status,
+                &s.band.at(task),
+                &s.cell_start,
+                &s.sorted,
+                &s.sorted_position,
+                &s.flow_position,
+                &s.flow,
+                &s.band_velocity,
+            ],
+        );
+    }
+}
+
+fn vorticity(r: &mut Recorder, s: &State, plan: &Plan, field: &Array) {
+    r.run(
+        &turbulence::VORTICITY,
+        "vorticity",
+        plan.sizes.particles,
+        &[
+            &s.params,
+            &s.status,
+            &s.predicted,
+            &s.neighbour_range,
+            &s.neighbour_list,
+            &field.named("field"),
+            &s.vorticity,
+        ],
+    );
+}
+
+fn confine(r: &mut Recorder, s: &State, plan: &Plan, band: &BandPlan) {
+    let Some(&(task, _)) = band.filter.first() else { return };
+    r.run(
+        &turbulence::CONFINE,
+        "vorticity confinement",
+        plan.sizes.air(),
+        &[
+            &s.params,
+            &s.status,
+            &s.band.at(task),
+            &s.predicted,
+            &s.neighbour_range,
+            &s.neighbour_list,
+            &s.band_velocity,
+            &s.vorticity,
+            &s.confinement,
+        ],
+    );
 }

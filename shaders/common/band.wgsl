@@ -1,0 +1,13 @@
+// One band of eddies, and the stretch of the box that one dispatch of the filter covers.
+
+struct Band {
+    scale: f32,            // m, s of the Mexican hat
+    reach: f32,            // m, the filter's cut
+    gain: f32,             // before the filter's sum: 1/m^3, published mm^(-3/2) * mm/m
+    strength: f32,         // S; published: 1/2 epsilon m, so that the acceleration is strength |u|^2 (N x omega)
+    largest_speed: f32,    // m/s, I U: the band is not strengthened beyond
+    first_block: u32,      // of this dispatch
+    end_block: u32,
+    blocks_in_row: u32,
+    @size(224) cells_in_block: i32,   // uniforms are bound at multiples of 256 bytes
+}

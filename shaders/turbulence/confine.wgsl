@@ -1,0 +1,53 @@
+// Vorticity confinement of one band (Fedkiw et al. 2001; design 3.3), air only, none within the fringe.
+//
+//   eta_i = sum_j V_j (|omega_j| - |omega_i|) grad_i W,  N = eta/(|eta| + 1e-3 |omega_i|/h)
+//   a_i = S |u_i| max(0, 1 - |u_i|^2/(I U)^2) (N x omega_i),  |dt a| <= 0.1 |u_i|
+//   as printed (eqs. 2, 4): a_i = epsilon 1/2 m |u_i|^2 (N x omega_i) in mg, mm, s; omega of v, hair in the sum
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, separation}, status::frozen,
+    sph_kernels::spiky_gradient, wind::in_fringe, band::Band,
+};
+
+const SOFTENING: f32 = 1e-3;   // of |omega|/h: no direction where vorticity is uniform
+const LARGEST: f32 = 0.1;      // part of its speed that a band may gain in a step
+
+@group(0) @binding(2) var<uniform>             band:            Band;
+@group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;
+@group(0) @binding(4) var<storage, read>       neighbour_range: array<vec2u>;
+@group(0) @binding(5) var<storage, read>       neighbour_list:  array<u32>;
+@group(0) @binding(6) var<storage, read>       band_velocity:   array<vec4f>;
+@group(0) @binding(7) var<storage, read>       vorticity:       array<vec4f>;   // w: its length [1/s]
+@group(0) @binding(8) var<storage, read_write> confinement:     array<vec4f>;   // m/s, of this step, all bands
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = params.hair_points + invocation(id, groups);
+    if i >= params.particles || frozen() { return; }
+    let own = predicted[i].xyz;
+    if in_fringe(own) { return; }
+    let omega = vorticity[i];
+    let published = params.published_law != 0u;
+    let range = neighbour_range[i];
+    var eta = vec3f(0.0);
+    for (var n = range.x; n < range.x + range.y; n++) {
+        let j = neighbour_list[n];
+        if published || is_air(j) {
+            let other = predicted[j];
+            eta += other.w * (vorticity[j].w - omega.w) * spiky_gradient(i, j, separation(i, j, own, other.xyz));
+        }
+    }
+    let size = length(eta) + SOFTENING * omega.w / params.kernel_radius;
+    if size <= 0.0 { return; }
+
+    let along = cross(eta / size, omega.xyz);
+    let speed = length(band_velocity[i].xyz);
+    if published {
+        confinement[i] += vec4f(params.step * band.strength * speed * speed * along, 0.0);
+        return;
+    }
+    let part = speed / band.largest_speed;
+    var change = params.step * band.strength * speed * max(0.0, 1.0 - part * part) * along;
+    let length = length(change);
+    if length > LARGEST * speed { change *= LARGEST * speed / length; }
+    confinement[i] += vec4f(change, 0.0);
+}

@@ -1,0 +1,13 @@
+// The air takes the change of all bands, less its mean.
+import package::common::{params::params, dispatch::{invocation, WORKGROUP}, status::frozen};
+
+@group(0) @binding(2) var<storage, read>       confinement:      array<vec4f>;
+@group(0) @binding(3) var<storage, read>       mean_confinement: array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> new_velocity:     array<vec4f>;
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = params.hair_points + invocation(id, groups);
+    if i >= params.particles || frozen() { return; }
+    new_velocity[i] += confinement[i] - mean_confinement[0];
+}

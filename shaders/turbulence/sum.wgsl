@@ -1,0 +1,24 @@
+// Sum of the changes, a workgroup at a time, in a fixed order.
+import package::common::{params::params, dispatch::{invocation, WORKGROUP}};
+
+@group(0) @binding(2) var<storage, read>       confinement: array<vec4f>;
+@group(0) @binding(3) var<storage, read_write> partial_sum: array<vec4f>;   // per workgroup [m/s]
+
+var<workgroup> sums: array<vec3f, WORKGROUP>;
+
+@compute @workgroup_size(WORKGROUP)
+fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_id) lane: vec3u, @builtin(workgroup_id) group: vec3u,
+) {
+    let i = params.hair_points + invocation(id, groups);
+    sums[lane.x] = vec3f(0.0);
+    if i < params.particles { sums[lane.x] = confinement[i].xyz; }
+    workgroupBarrier();
+    for (var reach = WORKGROUP / 2u; reach > 0u; reach /= 2u) {
+        if lane.x < reach { sums[lane.x] += sums[lane.x + reach]; }
+        workgroupBarrier();
+    }
+    let g = group.y * groups.x + group.x;
+    if lane.x == 0u && g < arrayLength(&partial_sum) { partial_sum[g] = vec4f(sums[0], 0.0); }
+}
