@@ -8,35 +8,9 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use support::{RADIUS, VOLUME};
+use support::{RADIUS, SIMPLE, VOLUME, air, lattice};
 use windswept::{Engine, Plan, Simulation, recorder::Recorder, step};
-use windswept_scene::{AirParticles, InitialState, Scene, Strands};
-
-/// Air alone in a periodic box.
-fn air(size: DVec3, positions: Vec<DVec3>) -> InitialState {
-    let velocities = vec![DVec3::ZERO; positions.len()];
-    InitialState {
-        air: AirParticles { min: DVec3::ZERO, size, positions, velocities, volume: VOLUME, mass: 1.46e-7 },
-        ..InitialState::default()
-    }
-}
-
-/// `cells` copies of a cubic unit cell that holds `basis` (fractions), at one particle per `VOLUME`.
-fn lattice(cells: [usize; 3], basis: &[[f64; 3]]) -> InitialState {
-    let side = (basis.len() as f64 * VOLUME).cbrt();
-    let mut positions = Vec::new();
-    for z in 0..cells[2] {
-        for y in 0..cells[1] {
-            for x in 0..cells[0] {
-                let corner = DVec3::new(x as f64, y as f64, z as f64);
-                positions.extend(basis.iter().map(|&at| side * (corner + DVec3::from_array(at) + 0.125)));
-            }
-        }
-    }
-    air(side * DVec3::from_array(cells.map(|n| n as f64)), positions)
-}
-
-const SIMPLE: [[f64; 3]; 1] = [[0.0; 3]];
+use windswept_scene::{InitialState, Scene, Strands};
 
 fn engine(scene: &Scene, initial: &InitialState) -> (Engine, Plan) {
     let engine = Engine::new(&support::gpu(), scene, initial).unwrap();

@@ -9,5 +9,8 @@ struct Band {
     first_block: u32,      // of this dispatch
     end_block: u32,
     blocks_in_row: u32,
-    @size(224) cells_in_block: i32,   // uniforms are bound at multiples of 256 bytes
+    cells_in_block: i32,
+    layers: i32,           // of cells on either side of a block that the filter reaches
+    first_layer: i32,      // of this dispatch, relative to the block
+    @size(212) end_layer: i32,   // uniforms are bound at multiples of 256 bytes
 }

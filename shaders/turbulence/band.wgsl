@@ -2,14 +2,15 @@
 //
 //   u_i = gain sum_j f_j (3 - q^2) exp(-q^2/2),  q = |x_i - x_j|/s,  f from `weigh`, self included
 //
-// A workgroup takes the particles of a block of cells in a row, eight to a lane: what is read of a particle j serves
-// eight sums.
+// A workgroup takes particles of a block of cells in a row, eight to a lane: what is read of a particle j serves eight
+// sums. One dispatch looks at a few layers of cells in z and adds to what those before it found.
 import package::common::{
     params::params, cells::{cell_of, in_box, box_bucket, hashed_bucket}, status::frozen, band::Band,
 };
 
 const LANES: u32 = 8u;
-const SUMS: u32 = 8u;   // of a lane
+const SUMS: u32 = 8u;      // of a lane
+const SHARES: u32 = 4u;    // workgroups of a block: 256 particles at once, more than it holds unless they clump
 
 @group(0) @binding(2) var<uniform>             band:            Band;
 @group(0) @binding(3) var<storage, read>       cell_start:      array<u32>;
@@ -88,7 +89,10 @@ fn four_from(e: vec4u) -> Four {
 }
 
 fn write(e: u32, end: u32, sum: vec3f) {
-    if e < end && flow_position[e].w > 0.0 { band_velocity[sorted[e]] = vec4f(band.gain * sum, 0.0); }
+    if e >= end || flow_position[e].w == 0.0 { return; }
+    let i = sorted[e];
+    let before = select(vec4f(0.0), band_velocity[i], band.first_layer > -band.layers);
+    band_velocity[i] = before + vec4f(band.gain * sum, 0.0);
 }
 
 fn write_four(e: vec4u, end: u32, sum: Four) {
@@ -103,7 +107,8 @@ fn main(
     @builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_id) lane: vec3u,
 ) {
-    let block = band.first_block + group.y * groups.x + group.x;
+    let workgroup = group.y * groups.x + group.x;
+    let block = band.first_block + workgroup / SHARES;
     if block >= band.end_block || frozen() { return; }
     let row = i32(block / band.blocks_in_row);
     let home = vec3i(i32(block % band.blocks_in_row) * band.cells_in_block, row % params.cells.y, row / params.cells.y);
@@ -113,16 +118,17 @@ fn main(
 
     // Particles have moved since they were sorted, by less than a fifth of a cell.
     let reach = band.reach / params.cell_size + vec3f(0.2);
-    let most = vec3i(ceil(reach));
-    for (var batch = first; batch < end; batch += LANES * SUMS) {
+    let rows = i32(ceil(reach.y));
+    let batches = LANES * SUMS;
+    for (var batch = first + workgroup % SHARES * batches; batch < end; batch += SHARES * batches) {
         let near = vec4u(batch + lane.x) + LANES * vec4u(0u, 1u, 2u, 3u);
         let far = near + 4u * LANES;
         near_own = four_from(min(near, vec4u(end - 1u)));
         far_own = four_from(min(far, vec4u(end - 1u)));
         near_sum = Four();
         far_sum = Four();
-        for (var z = -most.z; z <= most.z; z++) {
-            for (var y = -most.y; y <= most.y; y++) {
+        for (var z = band.first_layer; z < band.end_layer; z++) {
+            for (var y = -rows; y <= rows; y++) {
                 // Nearest that cells of this row come, in parts of the reach.
                 let gap = max(vec2f(abs(vec2i(y, z))) - 1.0, vec2f(0.0)) / reach.yz;
                 let left = 1.0 - dot(gap, gap);

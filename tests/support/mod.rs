@@ -176,3 +176,30 @@ pub fn particles(n: usize, hair: usize, layout: Layout, seed: u64) -> InitialSta
 
 /// The awkward sizes: one, a workgroup less one, a workgroup, one more, many.
 pub const SIZES: [usize; 5] = [1, 63, 64, 65, 15_071];
+
+/// Air alone in a periodic box.
+pub fn air(size: DVec3, positions: Vec<DVec3>) -> InitialState {
+    let velocities = vec![DVec3::ZERO; positions.len()];
+    InitialState {
+        air: AirParticles { min: DVec3::ZERO, size, positions, velocities, volume: VOLUME, mass: 1.46e-7 },
+        ..InitialState::default()
+    }
+}
+
+/// `cells` copies of a cubic unit cell that holds `basis` (fractions), at one particle per `VOLUME`.
+pub fn lattice(cells: [usize; 3], basis: &[[f64; 3]]) -> InitialState {
+    let side = (basis.len() as f64 * VOLUME).cbrt();
+    let mut positions = Vec::new();
+    for z in 0..cells[2] {
+        for y in 0..cells[1] {
+            for x in 0..cells[0] {
+                let corner = DVec3::new(x as f64, y as f64, z as f64);
+                positions.extend(basis.iter().map(|&at| side * (corner + DVec3::from_array(at) + 0.125)));
+            }
+        }
+    }
+    air(side * DVec3::from_array(cells.map(|n| n as f64)), positions)
+}
+
+/// The basis of a simple cubic lattice.
+pub const SIMPLE: [[f64; 3]; 1] = [[0.0; 3]];

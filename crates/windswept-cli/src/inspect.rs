@@ -1,7 +1,6 @@
 //! The commands that only look: `check`, `plan`, `adapters`.
 
-use windswept::params::Params;
-use windswept::state::State;
+use windswept::state::{Sizes, State};
 use windswept::{AdapterChoice, Gpu};
 use windswept_scene::{InitialState, Method, Scene};
 
@@ -62,7 +61,7 @@ fn summary(scene: &Scene, initial: &InitialState) -> Vec<(&'static str, String)>
             format!("({}) m/s, over {} s", settings.wind.map(|u| u.to_string()).join(", "), settings.ramp),
         ));
     }
-    let engine = State::new(&Params::new(scene, initial, 0).sizes());
+    let engine = State::new(&Sizes::of(scene, initial));
     let bytes: u64 = engine.arrays().iter().map(|array| array.bytes()).sum();
     rows.push(("memory", format!("{:.1} MB on the GPU, and the neighbour list", bytes as f64 * 1e-6)));
     rows

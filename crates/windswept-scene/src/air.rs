@@ -10,6 +10,9 @@ use crate::{
 /// Air nearer than this to a hair point, in particle spacings, is left out: a sphere of one particle's volume.
 const CLEARANCE: f64 = 0.62;
 
+/// Part of the box that hair may take, at most; more would leave air without mass.
+const LARGEST_SHARE: f64 = 0.5;
+
 impl Air {
     /// Part of the wind that has risen at `time` \[s\]: 0 to 1.
     #[must_use]
@@ -36,7 +39,7 @@ impl Air {
 }
 
 /// Fills the box: a simple cubic lattice with the hair's own parcels left out, and a volume that makes the box's mean
-/// density exact.
+/// density exact once all hair streams in it: strands that hang out of it at the start are blown in.
 pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands) -> AirParticles {
     let min = DVec3::from_array(bounds.min);
     let size = DVec3::from_array(bounds.max) - min;
@@ -46,13 +49,9 @@ pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands) -> AirPartic
     let [nx, ny, nz] = counts.to_array().map(|n| n as usize);
 
     let mut taken = vec![false; nx * ny * nz];
-    let mut inside = 0.0;
     let reach = CLEARANCE * spacing;
-    for (point, volume) in hair.positions.iter().zip(&hair.volume) {
+    for point in &hair.positions {
         let x = *point - min;
-        if x.cmpge(DVec3::ZERO).all() && x.cmplt(size).all() {
-            inside += volume;
-        }
         let first = ((x - reach) / pitch - 0.5).ceil().max(DVec3::ZERO);
         let last = ((x + reach) / pitch - 0.5).floor().min(counts - 1.0);
         if first.cmpgt(last).any() {
@@ -78,7 +77,9 @@ pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands) -> AirPartic
             positions.push(min + pitch * (site + 0.5));
         }
     }
-    let volume = if positions.is_empty() { 0.0 } else { (size.element_product() - inside) / positions.len() as f64 };
+    let whole = size.element_product();
+    let hair = hair.volume.iter().sum::<f64>().min(LARGEST_SHARE * whole);
+    let volume = if positions.is_empty() { 0.0 } else { (whole - hair) / positions.len() as f64 };
     AirParticles {
         min,
         size,

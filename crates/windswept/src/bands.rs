@@ -26,18 +26,40 @@ pub(crate) struct Band {
     pub end_block: u32,
     pub blocks_in_row: u32,
     pub cells_in_block: u32,
-    pub _unused: [u32; 55],
+    pub layers: i32,
+    pub first_layer: i32,
+    pub end_layer: i32,
+    pub _unused: [u32; 52],
 }
 
-assert_layout!(Band { scale, reach, gain, strength, largest_speed, first_block, end_block, blocks_in_row, cells_in_block });
+assert_layout!(Band {
+    scale,
+    reach,
+    gain,
+    strength,
+    largest_speed,
+    first_block,
+    end_block,
+    blocks_in_row,
+    cells_in_block,
+    layers,
+    first_layer,
+    end_layer,
+});
 
 /// Cells of a block, at most: with 7 air particles in a cell about as many particles as a workgroup of the filter takes.
 const LARGEST_BLOCK: u32 = 8;
-/// Particles that a lane of the filter takes: `SUMS` of `turbulence/band.wgsl`.
+/// Particles that a lane of the filter takes, and workgroups of a block: `SUMS` and `SHARES` of `turbulence/band.wgsl`.
 const SUMS: f64 = 8.0;
+const SHARES: u32 = 4;
 /// Pairs that one dispatch of the filter looks at, at most: a software adapter does some 4e8 a second on two cores, and
 /// no dispatch may take 2 s.
 const PAIRS: f64 = 2e8;
+/// Particles that one invocation of the filter walks over, at most, where they are spread evenly: Mesa's software adapter
+/// ends the loops of an invocation after 65 535 rounds in all, without a word.
+const ROUNDS: f64 = 16e3;
+/// Slack of the filter's reach in cells: particles have moved since they were sorted (`turbulence/band.wgsl`).
+const MOVED: f32 = 0.2;
 /// C0 of eq. 6 with the radical over 15 only: 2/(√15 π^(3/4)).
 const MEXICAN_HAT: f64 = 0.218_837_609;
 /// ε of eq. 2, read as an acceleration in mm, mg and s (design 3.3).
@@ -62,14 +84,20 @@ impl Bands {
             let whole = of(scene, initial, band);
             let blocks = Blocks::new(params, whole.reach);
             let first = bands.tasks.len();
-            let share = blocks.per_dispatch();
-            bands.tasks.extend((0..blocks.count).step_by(share as usize).map(|block| Band {
-                first_block: block,
-                end_block: (block + share).min(blocks.count),
-                blocks_in_row: blocks.in_row,
-                cells_in_block: blocks.cells,
-                ..whole
-            }));
+            for (first_block, end_block) in cuts(0, blocks.count, blocks.per_dispatch()) {
+                for (first_layer, end_layer) in cuts(-blocks.layers, blocks.layers + 1, blocks.layers_per_dispatch) {
+                    bands.tasks.push(Band {
+                        first_block,
+                        end_block,
+                        blocks_in_row: blocks.in_row,
+                        cells_in_block: blocks.cells,
+                        layers: blocks.layers,
+                        first_layer,
+                        end_layer,
+                        ..whole
+                    });
+                }
+            }
             bands.ranges.push(first..bands.tasks.len());
         }
         bands
@@ -105,6 +133,9 @@ struct Blocks {
     in_row: u32,
     cells: u32,
     count: u32,
+    layers: i32,
+    layers_per_dispatch: i32,
+    /// Pairs that a block looks at in one dispatch.
     pairs_each: f64,
 }
 
@@ -112,15 +143,20 @@ impl Blocks {
     fn new(params: &Params, reach: f32) -> Self {
         let [nx, ny, nz] = params.cells.map(|n| n.max(1) as u32);
         let in_row = nx.div_ceil(LARGEST_BLOCK);
-        let in_block = nx.div_ceil(in_row);
-        let side = |axis: usize| f64::from(2.0 * (reach / params.cell_size[axis]).ceil() + 1.0);
-        let cells = (side(0) + f64::from(in_block - 1)) * side(1) * side(2);
+        let cells = nx.div_ceil(in_row);
         let in_a_cell = f64::from(params.particles) / f64::from(params.box_cells);
+        let [x, y, z] = params.cell_size.map(|size| (reach / size + MOVED).ceil());
+        let in_a_layer = f64::from(2.0 * x + cells as f32) * f64::from(2.0 * y + 1.0) * in_a_cell;
+        let layers = z as i32;
+        let layers_per_dispatch = ((ROUNDS / in_a_layer) as i32).clamp(1, 2 * layers + 1);
+        let targets = (f64::from(cells) * in_a_cell).max(SUMS * f64::from(turbulence::BAND.workgroup));
         Self {
             in_row,
-            cells: in_block,
+            cells,
             count: in_row * ny * nz,
-            pairs_each: SUMS * f64::from(turbulence::BAND.workgroup) * cells * in_a_cell,
+            layers,
+            layers_per_dispatch,
+            pairs_each: targets * in_a_layer * f64::from(layers_per_dispatch),
         }
     }
 
@@ -129,7 +165,52 @@ impl Blocks {
     }
 }
 
-/// Invocations of the dispatch that does a task: a workgroup per block.
+/// `first..end` in stretches of `share`, at least 1.
+fn cuts<T>(first: T, end: T, share: T) -> impl Iterator<Item = (T, T)>
+where
+    T: Copy + Ord + std::ops::Add<Output = T>,
+{
+    std::iter::successors(Some(first), move |&at| Some(at + share))
+        .take_while(move |&at| at < end)
+        .map(move |at| (at, end.min(at + share)))
+}
+
+/// Invocations of the dispatch that does a task.
 pub(crate) fn invocations(task: &Band) -> u32 {
-    (task.end_block - task.first_block) * turbulence::BAND.workgroup
+    (task.end_block - task.first_block) * SHARES * turbulence::BAND.workgroup
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever the box and the reach, blocks cover each row once, the dispatches all blocks and layers once, and none
+    /// looks at more pairs or runs longer loops than it may unless it is as small as can be.
+    #[test]
+    fn dispatches_cover_every_block_once() {
+        for (cells, particles) in [([3, 3, 3], 27), ([17, 12, 7], 11_000), ([58, 23, 22], 219_000), ([100, 1, 2], 10)] {
+            let params = Params {
+                cells,
+                cell_size: [9.3e-3; 3],
+                box_cells: cells.iter().product::<i32>() as u32,
+                particles,
+                ..Params::zeroed()
+            };
+            for reach in [0.027_f32, 0.081, 0.5] {
+                let blocks = Blocks::new(&params, reach);
+                assert_eq!(blocks.count, blocks.in_row * (cells[1] * cells[2]) as u32);
+                assert!(blocks.in_row * blocks.cells >= cells[0] as u32 && blocks.cells <= LARGEST_BLOCK);
+                assert!((blocks.in_row - 1) * blocks.cells < cells[0] as u32, "a block beyond the row");
+                assert!((blocks.layers as f32) * 9.3e-3 >= reach, "{} layers for {reach} m", blocks.layers);
+                let share = blocks.per_dispatch();
+                assert!(share == 1 || f64::from(share) * blocks.pairs_each <= PAIRS);
+                assert!(blocks.layers_per_dispatch >= 1);
+            }
+        }
+        for (first, end, share) in [(0, 1, 1), (0, 10, 3), (-4, 5, 2), (-4, 5, 9), (0, 0, 1)] {
+            let all: Vec<i32> = cuts(first, end, share).flat_map(|(a, b)| a..b).collect();
+            assert_eq!(all, (first..end).collect::<Vec<_>>());
+            assert!(cuts(first, end, share).all(|(a, b)| a < b && b - a <= share));
+        }
+    }
 }
