@@ -62,8 +62,8 @@ fn the_filter_has_the_gain_of_the_mexican_hat() {
         let both = filtered.iter().zip(&initial.air.velocities);
         let gain = both.clone().map(|(u, v)| u.dot(*v)).sum::<f64>() / both.map(|(_, v)| v.length_squared()).sum::<f64>();
         println!("ks = {ks:.3}: gain {gain:.4}, table {wanted:.4}, off by {:+.1e}", gain - wanted);
-        // The cut at 4.5 s costs up to 0.4 % of the peak. Measured at most 4.0e-3.
-        assert!((gain - wanted).abs() < 6e-3, "gain {gain} at ks = {ks}, the table says {wanted}");
+        // The cut at 4.5 s costs up to 0.4 % of the peak. Measured at most 1.1e-3 here.
+        assert!((gain - wanted).abs() < 4e-3, "gain {gain} at ks = {ks}, the table says {wanted}");
     }
 }
 
@@ -103,6 +103,7 @@ fn a_rigid_rotation_has_twice_its_rate() {
             // Away from the faces, where the rotation is not periodic.
             if (*x - center).abs().max_element() < 0.25 * initial.air.size.x {
                 let part = got.dot(omega) / (2.0 * omega.length_squared());
+                // Measured 0.9449.
                 assert!((part - 0.945).abs() < 1e-3, "{part} of 2 omega at {x}");
                 assert!((got - part * 2.0 * omega).length() < 1e-4 * omega.length(), "{got} is not along {omega}");
             }
@@ -154,7 +155,8 @@ fn confinement_feeds_its_band_and_keeps_momentum() {
     let (fed, fed_report, _) = run(&weak(3.0));
     let (stronger, _, _) = run(&weak(30.0));
     println!("band energy: {calm:.2e} without, {fed:.2e} at S = 3, {stronger:.2e} at S = 30 m²/s²");
-    assert!(fed > 1.5 * calm && stronger > 2.0 * fed, "{calm} {fed} {stronger}");
+    // Measured 1.7 and 710 times.
+    assert!(fed > 1.4 * calm && stronger > 100.0 * fed, "{calm} {fed} {stronger}");
     // It saturates: ½ (I U)² = 0.045 m²/s² is never passed.
     assert!(stronger < 0.045, "{stronger}");
 
@@ -162,8 +164,8 @@ fn confinement_feeds_its_band_and_keeps_momentum() {
     let impulse = DVec3::from_array(fed_report.confinement_impulse_kg_m_per_s.unwrap());
     let air = initial.air.positions.len() as f64 * initial.air.mass;
     println!("momentum: {:.1e} m/s of the air, booked {:.1e}", gained.length() / air, impulse.length() / air);
-    // Measured 2e-7 m/s of rounding over 100 steps; margin 5.
-    assert!(gained.length() < 1e-6 * air && impulse.length() < 1e-6 * air, "{gained} {impulse}");
+    // Measured 5e-10 and 7e-14 m/s; margin 20.
+    assert!(gained.length() < 1e-8 * air && impulse.length() < 2e-12 * air, "{gained} {impulse}");
 
     let same = |scene: &Scene| {
         let (_, report, other) = run(scene);
@@ -185,15 +187,15 @@ fn any_strength_is_stable() {
     let fastest = initial.air.velocities.iter().map(|v| v.length()).fold(0.0, f64::max);
     for law in [Law::Band, Law::Published] {
         let mut scene = scene(0.006, 1e4);
-        scene.turbulence.bands.push(Band { scale: 0.012, strength: 1e4, intensity: 0.3 });
+        scene.turbulence.bands.push(Band { scale: 0.009, strength: 1e4, intensity: 0.3 });
         scene.turbulence.law = law;
         scene.turbulence.filter = Filter::Direct;
         let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial.clone()).unwrap();
-        simulation.step(200).unwrap();
+        simulation.step(100).unwrap();
         let velocities = simulation.frame().unwrap().air.velocities;
         let speed = velocities.iter().map(|v| DVec3::from_array(v.map(f64::from)).length()).fold(0.0, f64::max);
         println!("{law:?}: fastest {fastest:.2} m/s before, {speed:.2} m/s after");
-        // Two bands of I U = 0.9 m/s each on what was there; measured 2.1 and 1.2 m/s.
+        // Two bands of I U = 0.9 m/s each on what was there; measured 2.4 and 0.1 m/s.
         assert!(speed < fastest + 2.0 * 0.9 * 1.5, "{law:?}: {speed} m/s");
     }
 }

@@ -9,4 +9,5 @@ mod grid;
 mod guard;
 mod rods;
 mod stage;
+mod turbulence;
 mod wind;

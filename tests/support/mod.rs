@@ -78,6 +78,7 @@ pub fn scene() -> Scene {
             sleep: false,
         },
         camera: None,
+        picture: Picture { hairs: 20_000, air: AirPicture::None },
     }
 }
 

@@ -1,0 +1,107 @@
+//! weigh, band, vorticity, confine, sum, mean, strengthen.
+
+use glam::DVec3;
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use windswept::step;
+use windswept_reference::{turbulence, wind};
+use windswept_scene::{Band, Law, Scene};
+
+use crate::{
+    stage::{Stage, crowds, relative},
+    support,
+};
+
+/// Steps since the start: half of the ramp.
+const STEPS: u32 = 18;
+
+/// A law with two bands in a wind on two axes that has not fully risen, with a thin fringe.
+fn scene(law: Law, cutoff: f64) -> Scene {
+    let mut scene = support::scene();
+    scene.turbulence.law = law;
+    scene.turbulence.cutoff = cutoff;
+    scene.turbulence.speed = 3.0;
+    scene.turbulence.bands = vec![
+        Band { scale: 0.006, strength: 20.0, intensity: 0.3 },
+        Band { scale: 0.009, strength: 1.0, intensity: 2.0 },
+    ];
+    if let Some(air) = &mut scene.air {
+        air.wind = [2.0, 0.0, -1.0];
+        air.fringe = 0.004;
+    }
+    scene
+}
+
+/// Velocities about the wind: eddies of many sizes and noise.
+fn stirred(positions: &[DVec3]) -> Vec<DVec3> {
+    let mut rng = Pcg64::seed_from_u64(23);
+    let eddy = |x: &DVec3| DVec3::new((180.0 * x.y).sin(), (210.0 * x.z).cos(), (170.0 * x.x).sin());
+    let noise = |rng: &mut Pcg64| DVec3::from_array(rng.random()) - 0.5;
+    positions.iter().map(|x| (DVec3::X + eddy(x) + noise(&mut rng)).as_vec3().as_dvec3()).collect()
+}
+
+/// Heading 7 on the engine and in the twin, pass by pass: each pass of the twin takes what the engine's pass before it
+/// left, so that an error is that pass's own.
+fn compare(law: Law, cutoff: f64, bounds: [f64; 4]) {
+    let mut worst = [0.0_f64; 4];
+    // The twin looks at every pair and image: of the large crowds one of each kind.
+    let large = |what: &str| what.starts_with("15071") && !what.contains("5023 of hair, Random");
+    for (what, initial) in crowds().filter(|(what, _)| !large(what) || what.contains("Clustered")) {
+        let scene = scene(law, cutoff);
+        let stage = Stage::new(&scene, &initial);
+        let (p, twin, s) = (&stage.parameters, &stage.twin, stage.engine.state());
+        let mut status = stage.engine.status().unwrap();
+        status.step = STEPS;
+        stage.engine.set_status(&status).unwrap();
+        let v = stirred(&twin.position);
+        stage.write_vectors(&s.velocity, &v);
+        let near = stage.meet();
+        stage.run(step::turbulence::record);
+
+        let x = &twin.position;
+        let blowing = p.wind * wind::risen(p, u64::from(STEPS) + 1);
+        // What is left of the last band, the changes of both.
+        let mut change = vec![DVec3::ZERO; x.len()];
+        for band in &scene.turbulence.bands {
+            let eddies = turbulence::band(p, band, blowing, x, &v, &twin.volume);
+            let omega = turbulence::vorticity(p, x, if law == Law::Band { &eddies } else { &v }, &twin.volume, &near);
+            let add = turbulence::confine(p, band, x, &eddies, &omega, &twin.volume, &twin.inverse_mass, &near);
+            change.iter_mut().zip(add).for_each(|(sum, add)| *sum += add);
+            if band == &scene.turbulence.bands[1] {
+                worst[0] = worst[0].max(relative(&air(&stage, &s.band_velocity), &eddies[p.hair_points..], 1e-3));
+                let got = stage.vectors(&s.vorticity);
+                let from = if law == Law::Band { p.hair_points } else { 0 };
+                worst[1] = worst[1].max(relative(&got[from..], &omega[from..], 1.0));
+            }
+        }
+        let got = air(&stage, &s.confinement);
+        let error = relative(&got, &change[p.hair_points..], 1e-3);
+        worst[2] = worst[2].max(error);
+        let mean = if law == Law::Band { turbulence::mean(p, &change) } else { DVec3::ZERO };
+        let stronger = turbulence::strengthen(p, &v, &change, mean);
+        worst[3] = worst[3].max(relative(&stage.vectors(&s.new_velocity), &stronger, 1.0));
+
+        let largest = change.iter().map(|dv| dv.length()).fold(0.0, f64::max);
+        println!("{law:?}, {what}: largest change {largest:.1e} m/s, worst so far {worst:?}");
+        assert!(worst.iter().zip(bounds).all(|(error, bound)| *error < bound), "{law:?}, {what}: {worst:?}");
+        let impulse = stage.vectors(&s.confinement_impulse)[0];
+        let wanted = turbulence::impulse(p, &twin.inverse_mass, &v, &stronger);
+        let scale: f64 = (p.hair_points..x.len()).map(|i| change[i].length() / twin.inverse_mass[i]).sum();
+        assert!((impulse - wanted).length() <= 1e-5 * scale + 1e-20, "{what}: impulse {impulse}, expected {wanted} of {scale:e}");
+    }
+}
+
+fn air(stage: &Stage, array: &windswept::state::Array) -> Vec<DVec3> {
+    stage.vectors(array).split_off(stage.parameters.hair_points)
+}
+
+#[test]
+fn the_band_law_is_that_of_the_twin() {
+    // Measured 4e-6, 5e-6, 1.6e-4 (of clumps, where neighbours nearly coincide), 2.8e-5; margin 4.
+    compare(Law::Band, 4.5, [2e-5, 2e-5, 6e-4, 1.2e-4]);
+}
+
+#[test]
+fn the_published_law_is_that_of_the_twin() {
+    compare(Law::Published, 3.0, [1e-4, 1e-4, 1e-4, 1e-4]);
+}
