@@ -1,11 +1,13 @@
 //! What can be typed.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use windswept_scene::Scene;
 
 use crate::failure::Failure;
+use crate::render::Range;
 
 /// Hair in turbulent wind, simulated on the GPU: a scene file in, frames out.
 #[derive(Debug, Parser)]
@@ -23,6 +25,10 @@ Examples:
       the same with other values
   windswept run scene.toml --out out/try --steps 100 --adapter software --overwrite
       a short look, on the CPU
+  windswept render out/wind --overwrite --set picture.hairs=50000
+      new pictures of that run, with more hairs
+  windswept render out/wind --contact-sheet 0,0.5,1,1.5
+      four moments of it in one picture
   windswept check scene.toml --explain
       every key there is, with its default and its meaning
   windswept plan scene.toml
@@ -34,6 +40,8 @@ Exit status: 0 done, 1 the run failed, 2 bad input (nothing was written), 130 st
 pub(crate) enum Command {
     /// Simulate a scene and write what happens into a folder
     Run(RunOptions),
+    /// Make pictures of a run that is over or was stopped, from its hair.vtkhdf and scene.toml
+    Render(RenderOptions),
     /// Read a scene, say what was understood, and write nothing
     Check {
         #[command(flatten)]
@@ -77,7 +85,8 @@ impl SceneOptions {
 pub(crate) struct RunOptions {
     #[command(flatten)]
     pub(crate) scene: SceneOptions,
-    /// Folder for hair.vtkhdf, air.vtkhdf, report.json and scene.toml; made if it is not there
+    /// Folder for frames/0000.png and so on, preview.gif, hair.vtkhdf, air.vtkhdf, report.json and scene.toml; made if
+    /// it is not there
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// Stop after this many steps since t = 0, whatever time.duration says
@@ -86,8 +95,8 @@ pub(crate) struct RunOptions {
     /// Part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else the best]
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
-    /// What to write per frame: vtkhdf or none
-    #[arg(long, value_delimiter = ',', default_value = "vtkhdf", value_parser = format)]
+    /// What to write per frame: png (pictures and preview.gif), vtkhdf, or none
+    #[arg(long, value_delimiter = ',', default_value = "png,vtkhdf", value_parser = format)]
     formats: Vec<Format>,
     /// Write the report to this file too
     #[arg(long, value_name = "FILE")]
@@ -103,6 +112,7 @@ pub(crate) struct RunOptions {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
+    Png,
     Vtkhdf,
     None,
 }
@@ -111,22 +121,63 @@ fn format(word: &str) -> Result<Format, String> {
     match word {
         "vtkhdf" => Ok(Format::Vtkhdf),
         "none" => Ok(Format::None),
-        "png" => Err("not in this version; it writes vtkhdf".into()),
-        _ => Err("expected vtkhdf or none".into()),
+        "png" => Ok(Format::Png),
+        _ => Err("expected png, vtkhdf or none".into()),
     }
 }
 
+/// What a run writes per frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Formats {
+    pub(crate) png: bool,
+    pub(crate) vtkhdf: bool,
+}
+
 impl RunOptions {
-    /// Whether frames are written at all; refuses what is reserved for later versions.
-    pub(crate) fn writes_frames(&self) -> Result<bool, Failure> {
+    /// What is written per frame; refuses what is reserved for later versions.
+    pub(crate) fn formats(&self) -> Result<Formats, Failure> {
         let reserved = [("--checkpoint-every", self.checkpoint_every.is_some()), ("--resume", self.resume)];
         if let Some((flag, _)) = reserved.iter().find(|(_, given)| *given) {
             return Err(Failure::Input(format!("{flag}: not in this version")));
         }
-        match self.formats[..] {
-            [Format::None] => Ok(false),
-            _ if self.formats.contains(&Format::None) => Err(Failure::Input("--formats: none stands alone".into())),
-            _ => Ok(true),
+        let has = |format| self.formats.contains(&format);
+        if has(Format::None) && self.formats.len() > 1 {
+            return Err(Failure::Input("--formats: none stands alone".into()));
         }
+        Ok(Formats { png: has(Format::Png), vtkhdf: has(Format::Vtkhdf) })
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RenderOptions {
+    /// Folder of the run; gets frames/0000.png and so on, and preview.gif
+    #[arg(value_name = "DIR")]
+    pub(crate) dir: PathBuf,
+    /// Part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else the best]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) adapter: Option<String>,
+    /// Only the frames from A to before B; A.. and ..B will do [default: all]
+    #[arg(long, value_name = "A..B")]
+    pub(crate) frames: Option<Range>,
+    /// Only every N-th of them
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub(crate) every: NonZeroUsize,
+    /// Change a key of camera or picture, e.g. picture.hairs=50000; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub(crate) sets: Vec<String>,
+    /// One picture of the frames at these times [s] instead
+    #[arg(long, value_name = "T,T,...", value_delimiter = ',', conflicts_with_all = ["frames", "every"])]
+    pub(crate) contact_sheet: Option<Vec<f64>>,
+    /// File for the contact sheet [default: DIR/contact-sheet.png]
+    #[arg(long, value_name = "FILE", requires = "contact_sheet")]
+    out: Option<PathBuf>,
+    /// Replace the pictures that are there
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+}
+
+impl RenderOptions {
+    pub(crate) fn sheet_path(&self) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| self.dir.join("contact-sheet.png"))
     }
 }

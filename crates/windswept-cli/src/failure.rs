@@ -31,6 +31,14 @@ impl Failure {
         }
     }
 
+    /// The failure in words, on a line of the caller's.
+    pub(crate) fn what(&self) -> String {
+        match self {
+            Self::Scene(error) => error.to_string(),
+            Self::Input(what) | Self::Run(what) | Self::Interrupted(what) => what.clone(),
+        }
+    }
+
     pub(crate) fn render(&self, terminal: bool) -> String {
         match self {
             Self::Scene(error) if terminal => drawn(error),
@@ -65,7 +73,12 @@ impl From<RunError> for Failure {
 
 impl From<ExportError> for Failure {
     fn from(error: ExportError) -> Self {
-        Self::Run(error.to_string())
+        match error {
+            // The camera or the number of hairs: found before anything is written.
+            ExportError::Picture { .. } => Self::Input(error.to_string()),
+            ExportError::Gpu(error) => error.into(),
+            _ => Self::Run(error.to_string()),
+        }
     }
 }
 

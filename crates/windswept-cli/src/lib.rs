@@ -1,4 +1,4 @@
-//! The `windswept` command: `run`, `check`, `plan`, `adapters`.
+//! The `windswept` command: `run`, `render`, `check`, `plan`, `adapters`.
 //!
 //! [`run`] is the whole command. Exit status 0: done; 1: the run failed; 2: bad input, and nothing was written;
 //! 130: stopped by Ctrl-C, and the files hold every frame finished until then.
@@ -6,10 +6,13 @@
 mod arguments;
 mod console;
 mod failure;
+mod films;
 mod inspect;
 mod interrupt;
 mod output;
+mod pictures;
 mod progress;
+mod render;
 mod run;
 mod schedule;
 
@@ -62,6 +65,7 @@ pub fn run_on(
 fn dispatch(command: &Command, console: &mut Console<'_>) -> Result<(), Failure> {
     match command {
         Command::Run(options) => run::run(options, console),
+        Command::Render(options) => render::render(options, console),
         Command::Check { scene, explain } => inspect::check(scene, *explain, console),
         Command::Plan { scene } => inspect::plan(scene, console),
         Command::Adapters => inspect::adapters(console),

@@ -6,11 +6,14 @@ use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
 
-/// Everything that a run writes, and all that `--overwrite` removes.
+/// Everything that a run or its pictures write, and all that `--overwrite` removes.
 const HAIR: &str = "hair.vtkhdf";
 const AIR: &str = "air.vtkhdf";
 const REPORT: &str = "report.json";
 const SCENE: &str = "scene.toml";
+const PREVIEW: &str = "preview.gif";
+const SHEET: &str = "contact-sheet.png";
+const FRAMES: &str = "frames";
 
 /// A folder that may be written to; nothing is touched before [`Output::create`].
 pub(crate) struct Output {
@@ -43,19 +46,60 @@ impl Output {
         Ok(Self { dir: dir.into(), report: report.map(PathBuf::from) })
     }
 
+    /// The folder of a run that is over.
+    pub(crate) fn of_run(dir: &Path) -> Self {
+        Self { dir: dir.into(), report: None }
+    }
+
     /// Makes the folder, clears away an earlier run's files, and writes the scene as it runs.
     pub(crate) fn create(&self, scene: &str) -> Result<(), Failure> {
         fs::create_dir_all(&self.dir).map_err(|e| Failure::Input(format!("{}: {e}", self.dir.display())))?;
-        for name in [HAIR, AIR, REPORT, SCENE] {
-            let path = self.dir.join(name);
-            match fs::remove_file(&path) {
-                Err(e) if e.kind() != ErrorKind::NotFound => {
-                    return Err(cannot("removed", &path, &e));
-                }
-                _ => {}
-            }
+        for name in [HAIR, AIR, REPORT, SCENE, SHEET] {
+            remove(&self.dir.join(name))?;
         }
+        self.remove_pictures()?;
         write(&self.dir.join(SCENE), scene)
+    }
+
+    /// Removes frames/NNNN.png, frames/ if nothing else is in it, and preview.gif.
+    pub(crate) fn remove_pictures(&self) -> Result<(), Failure> {
+        remove(&self.preview())?;
+        for path in self.pictures() {
+            remove(&path)?;
+        }
+        // It stays if it holds something of the user's.
+        let _ = fs::remove_dir(self.frames());
+        Ok(())
+    }
+
+    /// Whether there are pictures already.
+    pub(crate) fn has_pictures(&self) -> bool {
+        self.preview().exists() || !self.pictures().is_empty()
+    }
+
+    /// Files in frames/ that are named like ours.
+    fn pictures(&self) -> Vec<PathBuf> {
+        let ours = |path: &PathBuf| {
+            let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            name.strip_suffix(".png").is_some_and(|n| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit()))
+        };
+        let entries = fs::read_dir(self.frames()).into_iter().flatten();
+        entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).filter(ours).collect()
+    }
+
+    /// The scene as it ran.
+    pub(crate) fn scene(&self) -> PathBuf {
+        self.dir.join(SCENE)
+    }
+
+    /// Where the pictures go.
+    pub(crate) fn frames(&self) -> PathBuf {
+        self.dir.join(FRAMES)
+    }
+
+    /// The short film.
+    pub(crate) fn preview(&self) -> PathBuf {
+        self.dir.join(PREVIEW)
     }
 
     /// Where the strands go.
@@ -72,6 +116,13 @@ impl Output {
     pub(crate) fn write_report(&self, report: &str) -> Result<(), Failure> {
         write(&self.dir.join(REPORT), report)?;
         self.report.as_deref().map_or(Ok(()), |path| write(path, report))
+    }
+}
+
+fn remove(path: &Path) -> Result<(), Failure> {
+    match fs::remove_file(path) {
+        Err(e) if e.kind() != ErrorKind::NotFound => Err(cannot("removed", path, &e)),
+        _ => Ok(()),
     }
 }
 

@@ -11,36 +11,38 @@ const PAUSE: Duration = Duration::from_secs(5);
 
 pub(crate) struct Progress {
     bar: Option<ProgressBar>,
-    steps: u64,
+    /// Of what, in the plural.
+    what: &'static str,
+    all: u64,
     started: Instant,
     last_line: Instant,
 }
 
 impl Progress {
-    pub(crate) fn new(steps: u64, terminal: bool) -> Self {
-        let style = "{bar:32} {pos}/{len} steps  t = {msg} s  {per_sec}  {eta} left";
+    pub(crate) fn new(what: &'static str, all: u64, terminal: bool) -> Self {
+        let style = format!("{{bar:32}} {{pos}}/{{len}} {what}  t = {{msg}} s  {{per_sec}}  {{eta}} left");
         let bar = terminal.then(|| {
-            let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr());
+            let bar = ProgressBar::with_draw_target(Some(all), ProgressDrawTarget::stderr());
             // A template that does not parse leaves the default bar.
-            bar.set_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar.set_style(ProgressStyle::with_template(&style).unwrap_or_else(|_| ProgressStyle::default_bar()));
             bar
         });
-        Self { bar, steps, started: Instant::now(), last_line: Instant::now() }
+        Self { bar, what, all, started: Instant::now(), last_line: Instant::now() }
     }
 
     /// `time` is the simulated time [s].
-    pub(crate) fn show(&mut self, step: u64, time: f64, console: &mut Console<'_>) {
+    pub(crate) fn show(&mut self, done: u64, time: f64, console: &mut Console<'_>) {
         if let Some(bar) = &self.bar {
             bar.set_message(format!("{time:.3}"));
-            bar.set_position(step);
-        } else if self.last_line.elapsed() >= PAUSE && step > 0 {
+            bar.set_position(done);
+        } else if self.last_line.elapsed() >= PAUSE && done > 0 {
             self.last_line = Instant::now();
             let elapsed = self.started.elapsed().as_secs_f64();
-            let left = elapsed / step as f64 * (self.steps - step) as f64;
-            let speed = step as f64 / elapsed;
+            let left = elapsed / done as f64 * (self.all - done) as f64;
+            let speed = done as f64 / elapsed;
             console.note(format_args!(
-                "step {step} of {}, t = {time:.3} s, {speed:.1} steps/s, {left:.0} s left",
-                self.steps
+                "{done} of {} {}, t = {time:.3} s, {speed:.1} a second, {left:.0} s left",
+                self.all, self.what
             ));
         }
     }

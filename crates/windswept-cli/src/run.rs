@@ -3,19 +3,19 @@
 use std::time::{Duration, Instant};
 
 use windswept::{AdapterChoice, Gpu, Report, Simulation};
-use windswept_export::{Kind, Provenance, VtkHdfWriter};
 use windswept_scene::InitialState;
 
 use crate::arguments::RunOptions;
 use crate::console::Console;
 use crate::failure::Failure;
+use crate::films::Films;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::schedule::Schedule;
 
 pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(), Failure> {
-    let writes_frames = options.writes_frames()?;
+    let formats = options.formats()?;
     let scene = options.scene.load()?;
     let initial = InitialState::new(&scene)?;
     let output = Output::check(&options.out, options.overwrite, options.report.as_deref())?;
@@ -24,15 +24,18 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     }
     let gpu = Gpu::new(&AdapterChoice::from_flag(options.adapter.as_deref()))?;
     console.note(format_args!("running on {}", gpu.info()));
-    let simulation = Simulation::with_state(&gpu, &scene, initial)?;
+    let mut simulation = Simulation::with_state(&gpu, &scene, initial)?;
     let schedule = Schedule::new(&scene.time, options.steps);
     let interrupt = Interrupt::listen().map_err(|e| Failure::Run(format!("Ctrl-C cannot be listened to: {e}")))?;
 
+    let mut films = Films::check(&output, &mut simulation, formats)?;
     output.create(scene.text())?;
-    let films = if writes_frames { Films::start(&output, &simulation, &schedule)? } else { Films::default() };
+    if formats.vtkhdf {
+        films.start(&output, &mut simulation, &schedule)?;
+    }
     let mut run = Run { simulation, schedule, films, next_frame: 0 };
     let started = Instant::now();
-    let mut progress = Progress::new(schedule.steps, console.terminal);
+    let mut progress = Progress::new("steps", schedule.steps, console.terminal);
     let stepped = run.step_to_the_end(&interrupt, &mut progress, console);
     progress.finish();
     // Whatever ended the run, the frames it finished stay readable.
@@ -60,7 +63,7 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
         return Err(Failure::Interrupted(format!("interrupted; {done}")));
     }
     console.print(done);
-    Ok(())
+    run.films.failure().map_or(Ok(()), Err)
 }
 
 struct Run {
@@ -83,7 +86,7 @@ impl Run {
         loop {
             if self.next_frame < self.schedule.frames && self.schedule.step(self.next_frame) == self.simulation.steps()
             {
-                self.films.append(&self.simulation)?;
+                self.films.append(&mut self.simulation, console)?;
                 self.next_frame += 1;
             }
             let step = self.simulation.steps();
@@ -103,42 +106,6 @@ impl Run {
 
 /// How long the engine may be out of reach.
 const BATCH: Duration = Duration::from_millis(250);
-
-/// The files that grow by a frame at a time; none with `--formats none`.
-#[derive(Default)]
-struct Films(Vec<VtkHdfWriter>);
-
-impl Films {
-    fn start(output: &Output, simulation: &Simulation, schedule: &Schedule) -> Result<Self, Failure> {
-        let frame = simulation.frame()?;
-        let scene = simulation.scene();
-        let adapter = simulation.engine().gpu().info().to_string();
-        let provenance =
-            Provenance { scene: scene.text(), version: env!("CARGO_PKG_VERSION"), adapter: &adapter, seed: scene.seed };
-        let wanted = [
-            (output.hair(), Kind::Hair, frame.hair.positions.is_empty()),
-            (output.air(), Kind::Air, frame.air.positions.is_empty()),
-        ];
-        // More frames than memory can count fit into no file, and the writer says so.
-        let frames = usize::try_from(schedule.frames).unwrap_or(usize::MAX);
-        let create = |(path, kind, _)| VtkHdfWriter::create(path, kind, &frame, frames, &provenance);
-        let films = wanted.into_iter().filter(|(_, _, empty)| !empty).map(create).collect::<Result<_, _>>()?;
-        Ok(Self(films))
-    }
-
-    fn append(&mut self, simulation: &Simulation) -> Result<(), Failure> {
-        if self.0.is_empty() {
-            return Ok(());
-        }
-        let frame = simulation.frame()?;
-        self.0.iter_mut().try_for_each(|film| film.append(&frame)).map_err(Failure::from)
-    }
-
-    fn finish(self) -> Result<(), Failure> {
-        self.0.into_iter().map(VtkHdfWriter::finish).collect::<Result<Vec<()>, _>>()?;
-        Ok(())
-    }
-}
 
 /// report.json. JSON has no NaN and would say null: a run that reports one has failed.
 fn json(report: &Report) -> Result<String, Failure> {

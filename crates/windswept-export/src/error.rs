@@ -1,8 +1,8 @@
-//! What can go wrong on the way out.
+//! What can go wrong on the way out, or on the way back in.
 
 use std::path::PathBuf;
 
-/// A file that could not be written, or a frame that does not belong into it.
+/// A file that could not be written or read, a frame that does not belong into it, a picture that cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
@@ -24,4 +24,13 @@ pub enum ExportError {
         /// What does not fit, with both numbers.
         problem: String,
     },
+    /// A picture cannot be made of this frame or with this camera.
+    #[error("{problem}")]
+    Picture {
+        /// Why not, and what was expected.
+        problem: String,
+    },
+    /// The GPU that draws.
+    #[error(transparent)]
+    Gpu(#[from] windswept::GpuError),
 }

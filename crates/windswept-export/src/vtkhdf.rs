@@ -8,6 +8,7 @@
 //!     NumberOfCells (1), NumberOfConnectivityIds (1), Offsets (cells + 1), Connectivity (n)
 //!   PointData
 //!     Velocity (frames n, 3)     f32 [m/s]
+//!     Vorticity, BandEnergy (frames n)    f32 [1/s], [m²/s²], air only, where the frames have them
 //!     Orientation (frames n, 4)  f32, hair only: of the segment that starts at the point; the tip, where none starts,
 //!                                repeats the last. (x, y, z, w), material frame to world
 //!   CellData
@@ -28,6 +29,7 @@
 //! Source: VTK's "VTKHDF format specification", version 2.0.
 
 mod layout;
+mod reader;
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -36,6 +38,10 @@ use windswept::{Frame, HairFrame};
 
 use crate::ExportError;
 use layout::{Layout, Rows};
+pub use reader::VtkHdfReader;
+
+const VORTICITY: &str = "Vorticity";
+const BAND_ENERGY: &str = "BandEnergy";
 
 /// Which part of a frame a file holds. Two files, because readers mix up cells of different kinds in one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,6 +76,8 @@ pub struct VtkHdfWriter {
     points: usize,
     /// First point of each strand; of no use for air.
     strands: Vec<u32>,
+    /// Names of the scalars per point.
+    scalars: Vec<&'static str>,
     frames: usize,
     written: usize,
     last_time: f64,
@@ -122,7 +130,8 @@ impl VtkHdfWriter {
             }
             _ => {}
         }
-        let layout = Layout::create(&path, kind, &cells, points, frames, provenance)
+        let scalars: Vec<_> = scalars(kind, frame).into_iter().map(|(name, _)| name).collect();
+        let layout = Layout::create(&path, kind, &cells, points, &scalars, frames, provenance)
             .map_err(|e| failed(&path, "could not be created", &e))?;
         Ok(Self {
             path,
@@ -130,6 +139,7 @@ impl VtkHdfWriter {
             layout,
             points,
             strands,
+            scalars,
             frames,
             written: 0,
             last_time: f64::NEG_INFINITY,
@@ -150,7 +160,8 @@ impl VtkHdfWriter {
         })?;
         let (positions, velocities) = arrays(self.kind, frame);
         per_point(&frame.hair, &self.strands, &mut self.orientations);
-        let rows = Rows { positions, velocities, orientations: &self.orientations };
+        let scalars: Vec<_> = scalars(self.kind, frame).into_iter().map(|(_, values)| values).collect();
+        let rows = Rows { positions, velocities, orientations: &self.orientations, scalars: &scalars };
         self.layout
             .write(self.written, &rows)
             .and_then(|()| self.layout.show(self.written, frame.time))
@@ -178,6 +189,8 @@ impl VtkHdfWriter {
             Kind::Hair => (4 * (3 + 3 + 4), 8 * (7 + 2 * 4), frame.hair.offsets.len() as u64 * 12),
             Kind::Air => (4 * (3 + 3), 8 * (5 + 2 * 4), points * 8),
         };
+        let scalars = scalars(kind, frame).len() as u64;
+        let (point, step) = (point + 4 * scalars, step + 8 * scalars);
         let per_frame = points.saturating_mul(point).saturating_add(step);
         (frames as u64).saturating_mul(per_frame).saturating_add(cells + points * 8)
     }
@@ -206,6 +219,17 @@ impl VtkHdfWriter {
                 return Err(format!("has {has} orientations, the file {segments} segments"));
             }
         }
+        let scalars = scalars(self.kind, frame);
+        if !scalars.iter().map(|(name, _)| *name).eq(self.scalars.iter().copied()) {
+            return Err(format!(
+                "has the scalars {:?}, the file {:?}",
+                scalars.iter().map(|s| s.0).collect::<Vec<_>>(),
+                self.scalars
+            ));
+        }
+        if let Some((name, values)) = scalars.iter().find(|(_, values)| values.len() != self.points) {
+            return Err(format!("has {} values of {name}, the file {} points", values.len(), self.points));
+        }
         // Equal times are fine: at a frame rate above 1/Δt a step is exported more than once.
         if !(frame.time.is_finite() && frame.time >= self.last_time) {
             return Err(format!("is at {} s, the one before at {} s", frame.time, self.last_time));
@@ -220,6 +244,12 @@ fn arrays(kind: Kind, frame: &Frame) -> (&[[f32; 3]], &[[f32; 3]]) {
         Kind::Hair => (&frame.hair.positions, &frame.hair.velocities),
         Kind::Air => (&frame.air.positions, &frame.air.velocities),
     }
+}
+
+/// Per particle of air, what the frame has.
+fn scalars(kind: Kind, frame: &Frame) -> Vec<(&'static str, &[f32])> {
+    let all = [(VORTICITY, &frame.air.vorticity[..]), (BAND_ENERGY, &frame.air.band_energy[..])];
+    all.into_iter().filter(|(_, values)| kind == Kind::Air && !values.is_empty()).collect()
 }
 
 /// The strands' offsets, if they start at 0, end with the points, and give every strand a segment.

@@ -13,7 +13,11 @@ fn memory_does_not_grow_with_the_film() {
     let path = folder.path().join("air.vtkhdf");
     let provenance = Provenance { scene: "", version: "", adapter: "", seed: 1 };
     let mut frame = Frame {
-        air: AirFrame { positions: vec![[0.1; 3]; 2000], velocities: vec![[3.0, 0.0, 0.0]; 2000] },
+        air: AirFrame {
+            positions: vec![[0.1; 3]; 2000],
+            velocities: vec![[3.0, 0.0, 0.0]; 2000],
+            ..AirFrame::default()
+        },
         ..Frame::default()
     };
     let mut writer = VtkHdfWriter::create(&path, Kind::Air, &frame, 2100, &provenance).unwrap();

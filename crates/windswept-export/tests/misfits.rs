@@ -6,7 +6,7 @@
 mod film;
 
 use windswept::Frame;
-use windswept_export::{ExportError, Kind, VtkHdfWriter};
+use windswept_export::{ExportError, Kind, VtkHdfReader, VtkHdfWriter};
 
 use film::{PROVENANCE, assert_holds, film, frame, write};
 
@@ -16,7 +16,7 @@ type Spoil = fn(&mut Frame);
 /// A frame that differs from the file in any count is refused, and the file keeps the frames it had.
 #[test]
 fn frames_of_another_size_are_refused() {
-    let faults: [(Kind, &str, Spoil); 9] = [
+    let faults: [(Kind, &str, Spoil); 11] = [
         (Kind::Hair, "9 positions", |f| f.hair.positions.truncate(9)),
         (Kind::Hair, "9 velocities", |f| f.hair.velocities.truncate(9)),
         (Kind::Hair, "6 orientations", |f| f.hair.orientations.truncate(6)),
@@ -24,6 +24,8 @@ fn frames_of_another_size_are_refused() {
         (Kind::Hair, "other lengths", |f| f.hair.offsets = vec![0, 7, 10]),
         (Kind::Air, "6 positions", |f| f.air.positions.truncate(6)),
         (Kind::Air, "8 velocities", |f| f.air.velocities.push([0.0; 3])),
+        (Kind::Air, "6 values of Vorticity", |f| f.air.vorticity.truncate(6)),
+        (Kind::Air, "the scalars [\"Vorticity\"], the file", |f| f.air.band_energy.clear()),
         (Kind::Air, "at NaN s", |f| f.time = f64::NAN),
         (Kind::Air, "at 0.01 s, the one before at 0.01656 s", |f| f.time = 0.01),
     ];
@@ -78,6 +80,34 @@ fn unwritable_paths_are_named() {
         assert!(matches!(refused, Err(ExportError::File { .. })));
         expect(refused.map(drop), &[&path.display().to_string(), reason]);
     }
+}
+
+/// A file that is not ours, or not whole, is refused in words.
+#[test]
+fn foreign_files_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("film.vtkhdf");
+    let read = || VtkHdfReader::open(&path).and_then(|reader| reader.frame(0)).map(drop);
+    expect(read(), &["film.vtkhdf", "No such file"]);
+    for text in [&b""[..], b"not HDF5 at all", &[0xff; 4096]] {
+        std::fs::write(&path, text).unwrap();
+        expect(read(), &["film.vtkhdf", "could not be read"]);
+    }
+    std::fs::remove_file(&path).unwrap();
+    drop(hdf5::File::create(&path).unwrap());
+    expect(read(), &["film.vtkhdf", "could not be read"]);
+    for kind in [Kind::Hair, Kind::Air] {
+        write(&path, kind, &film(3), 3);
+        let whole = std::fs::read(&path).unwrap();
+        // Cut anywhere: an error or the right frames, never a panic.
+        for part in [0.05, 0.3, 0.6, 0.9, 0.999] {
+            std::fs::write(&path, &whole[..(part * whole.len() as f64) as usize]).unwrap();
+            expect(read(), &["film.vtkhdf"]);
+        }
+    }
+    write(&path, Kind::Hair, &film(2), 9);
+    let reader = VtkHdfReader::open(&path).unwrap();
+    expect(reader.frame(2).map(drop), &["film.vtkhdf", "frame 2 was asked for, the file has 2"]);
 }
 
 /// Asserts that it failed with a message that holds these words.

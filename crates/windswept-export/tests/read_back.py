@@ -22,6 +22,11 @@ offsets = np.fromfile(folder / "offsets.u32", np.uint32).astype(np.int64)
 positions = np.fromfile(folder / "positions.f32", np.float32).reshape(steps, -1, 3)
 velocities = np.fromfile(folder / "velocities.f32", np.float32).reshape(steps, -1, 3)
 points = positions.shape[1]
+if kind == "air":
+    scalars = {
+        name: np.fromfile(folder / file, np.float32).reshape(steps, -1)
+        for name, file in [("Vorticity", "vorticity.f32"), ("BandEnergy", "band_energy.f32")]
+    }
 if kind == "hair":
     segments = np.fromfile(folder / "orientations.f32", np.float32).reshape(steps, -1, 4)
     strands = len(offsets) - 1
@@ -61,6 +66,9 @@ def check_vtk():
         equal(vtk_to_numpy(polydata.GetPoints().GetData()), positions[k], f"{what}, points")
         equal(vtk_to_numpy(data.GetArray("Velocity")), velocities[k], f"{what}, Velocity")
         check_cells(polydata, what)
+        if kind == "air":
+            for name, expected in scalars.items():
+                equal(vtk_to_numpy(data.GetArray(name)), expected[k], f"{what}, {name}")
         if kind == "hair":
             equal(vtk_to_numpy(data.GetArray("Orientation")), orientations[k], f"{what}, Orientation")
             ids = polydata.GetCellData().GetArray("StrandId")

@@ -39,6 +39,8 @@ fn read_back(kind: Kind, folder: &Path, film: &[Frame]) {
         Kind::Air => {
             dump("positions.f32", floats(|f| f.air.positions.as_flattened()));
             dump("velocities.f32", floats(|f| f.air.velocities.as_flattened()));
+            dump("vorticity.f32", floats(|f| &f.air.vorticity));
+            dump("band_energy.f32", floats(|f| &f.air.band_energy));
         }
     }
     dump("scene.toml", PROVENANCE.scene.into());

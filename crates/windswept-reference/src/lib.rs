@@ -6,12 +6,14 @@
 pub mod fluid;
 pub mod grid;
 pub mod guard;
+mod parallel;
 pub mod parameters;
 pub mod rods;
 pub mod sph_kernels;
 pub mod state;
 pub mod step;
 pub mod tables;
+pub mod turbulence;
 pub mod wind;
 
 pub use parameters::Parameters;

@@ -1,7 +1,7 @@
 //! What stays the same from step to step.
 
 use glam::{DVec3, IVec3};
-use windswept_scene::{InitialState, Model, Scene, ViscosityForm};
+use windswept_scene::{Band, InitialState, Law, Model, Scene, ViscosityForm};
 
 use crate::sph_kernels::spiky_slope;
 
@@ -24,6 +24,14 @@ pub struct Parameters {
     pub kernel_radius: f64,
     /// Air particles there are, and they meet hair.
     pub air: bool,
+    /// How hair and air meet.
+    pub model: Model,
+    /// ρ0 \[kg/m³\].
+    pub rest_density: f64,
+    /// ν of the drag model \[m²/s\].
+    pub kinematic_viscosity: f64,
+    /// C_l of a segment in the wind.
+    pub lift: f64,
     /// Jacobi iterations.
     pub fluid_iterations: u32,
     /// Part of a Jacobi step.
@@ -32,6 +40,14 @@ pub struct Parameters {
     pub tension: f64,
     /// α of the multiplier \[1/(kg m²)\].
     pub density_softening: f64,
+    /// Bands of eddies to strengthen; none without air, without strength, or where the law is off.
+    pub bands: Vec<Band>,
+    /// U of the confinement law \[m/s\].
+    pub turbulence_speed: f64,
+    /// The confinement law.
+    pub law: Law,
+    /// Of the band's sum, in units of s.
+    pub cutoff: f64,
     /// c of hair, per step.
     pub viscosity_hair: f64,
     /// c of air, per step.
@@ -54,6 +70,9 @@ impl Parameters {
         let air = scene.air.as_ref();
         let kernel_radius = air.map_or(1.0, |air| air.kernel_radius);
         let particles = scene.model == Model::Particles && !initial.air.positions.is_empty();
+        // The band law saturates at a part of U: at 0 it is off. The published law knows no U.
+        let law_at_work = scene.turbulence.law == Law::Published || scene.turbulence.speed > 0.0;
+        let at_work = |band: &Band| particles && law_at_work && band.strength > 0.0;
         Self {
             step: scene.time.step / substeps,
             gravity: DVec3::from_array(scene.gravity),
@@ -63,6 +82,10 @@ impl Parameters {
             box_size: initial.air.size,
             kernel_radius,
             air: particles,
+            model: scene.model,
+            rest_density: air.map_or(0.0, |air| air.rest_density),
+            kinematic_viscosity: air.map_or(0.0, |air| air.kinematic_viscosity),
+            lift: scene.lift,
             fluid_iterations: scene.fluid.iterations,
             relaxation: scene.fluid.relaxation,
             tension: scene.fluid.tension,
@@ -71,6 +94,10 @@ impl Parameters {
             } else {
                 0.0
             },
+            bands: scene.turbulence.bands.iter().copied().filter(at_work).collect(),
+            turbulence_speed: scene.turbulence.speed,
+            law: scene.turbulence.law,
+            cutoff: scene.turbulence.cutoff,
             viscosity_hair: scene.viscosity.hair / substeps,
             viscosity_air: scene.viscosity.air / substeps,
             limited: scene.viscosity.form == ViscosityForm::Limited,
@@ -91,6 +118,14 @@ impl Parameters {
     pub fn separation(&self, i: usize, j: usize, a: DVec3, b: DVec3) -> DVec3 {
         let gap = a - b;
         if self.is_air(i) && self.is_air(j) { gap - self.box_size * (gap / self.box_size).round() } else { gap }
+    }
+
+    /// Whether some axis alone tells that no image is within `reach`, `gap` the difference of two positions: most pairs
+    /// need no distance.
+    #[must_use]
+    pub fn far_apart(&self, gap: DVec3, reach: f64) -> bool {
+        let gap = gap.abs();
+        (gap.cmpgt(DVec3::splat(reach)) & gap.cmplt(self.box_size - reach)).any()
     }
 
     /// c of a pair (eq. 8).

@@ -28,6 +28,8 @@ pub struct State {
     pub capped: usize,
     /// max |l/l0 − 1| so far.
     pub max_stretch: f64,
+    /// What confinement gave the air so far \[kg m/s\].
+    pub confinement_impulse: DVec3,
     /// Per particle \[m³\].
     pub volume: Vec<f64>,
     /// Per particle \[1/kg\].
@@ -58,6 +60,7 @@ impl State {
             over_strained: 0,
             capped: 0,
             max_stretch: 0.0,
+            confinement_impulse: DVec3::ZERO,
             volume: each(&hair.volume, initial.air.volume),
             inverse_mass: each(&hair.inverse_mass, 1.0 / initial.air.mass),
             hair,

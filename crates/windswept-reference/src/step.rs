@@ -1,11 +1,12 @@
 //! One step, in execution order: the twin of the engine's `step.rs`.
 
 use glam::DVec3;
+use windswept_scene::Law;
 
 use crate::{
     Parameters, State, fluid, grid,
     guard::{self, Frozen},
-    rods, wind,
+    rods, turbulence, wind,
 };
 
 /// One step of `parameters.step`.
@@ -17,15 +18,17 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     let all = 0..s.position.len();
     let air = p.hair_points..s.position.len();
 
-    // 1. Bad strands are reset; wind enters, gravity pulls; predict positions.
+    // 1. Bad strands are reset; wind enters and drags, gravity pulls; predict positions.
     for strand in (0..s.hair.len()).filter(|&strand| state.bad[strand]) {
         rods::reset(&mut s, strand);
     }
+    let blowing = p.wind * wind::risen(p, s.steps + 1);
+    let drag = wind::drag(p, &s.hair, blowing, &s.position, &s.velocity, &s.inverse_mass);
     let mut predicted = s.position.clone();
     let mut velocity = s.velocity.clone();
     let largest = rods::largest_moves(&s.hair);
     for i in 0..p.hair_points {
-        let (x, capped) = rods::predict(p, s.inverse_mass[i], s.position[i], s.velocity[i], largest[i]);
+        let (x, capped) = rods::predict(p, s.inverse_mass[i], s.position[i], s.velocity[i] + drag[i], largest[i]);
         predicted[i] = x;
         s.capped += usize::from(capped);
     }
@@ -78,7 +81,21 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
         velocity[i] = fluid::velocity(p, p.is_air(i), s.position[i], predicted[i], velocity[i], correction[i]);
     }
 
-    // 7. Turbulence comes with its own passes.
+    // 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
+    if !p.bands.is_empty() {
+        let mut change = vec![DVec3::ZERO; predicted.len()];
+        for band in &p.bands {
+            let eddies = turbulence::band(p, band, blowing, &predicted, &velocity, &s.volume);
+            let curled = if p.law == Law::Band { &eddies } else { &velocity };
+            let omega = turbulence::vorticity(p, &predicted, curled, &s.volume, &near);
+            let own = turbulence::confine(p, band, &predicted, &eddies, &omega, &s.volume, &s.inverse_mass, &near);
+            change.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        }
+        let mean = if p.law == Law::Band { turbulence::mean(p, &change) } else { DVec3::ZERO };
+        let stronger = turbulence::strengthen(p, &velocity, &change, mean);
+        s.confinement_impulse += turbulence::impulse(p, &s.inverse_mass, &velocity, &stronger);
+        velocity = stronger;
+    }
 
     // 8. Neighbours share velocity (eqs. 7, 8).
     if p.air && (p.viscosity_hair > 0.0 || p.viscosity_air > 0.0) {

@@ -8,6 +8,8 @@ use crate::{document::Document, error::SceneError, initial::KERNEL_RADIUS, keys:
 const MOST_PARTICLES: u32 = 100_000_000;
 /// Strands take 216 B a point at the start: 3.6 GB.
 const MOST_HAIR_POINTS: u32 = 1 << 24;
+/// Ten heads of hair.
+const MOST_HAIRS: u32 = 1_000_000;
 /// Three along each axis: with fewer a particle would meet its own image.
 const LEAST_PARTICLES: f64 = 27.0;
 
@@ -53,6 +55,7 @@ impl Reader<'_> {
                 sleep: self.flag("rods.sleep")? && !Key::not_built("rods.sleep", "true"),
             },
             camera: self.camera()?,
+            picture: Picture { hairs: self.hairs()?, air: self.choice("picture.air")? },
             time,
             air,
         })
@@ -120,6 +123,14 @@ impl Reader<'_> {
             width: self.count("camera.width")?,
             height: self.count("camera.height")?,
         }))
+    }
+
+    fn hairs(&self) -> Result<u32, SceneError> {
+        let hairs = self.count("picture.hairs")?;
+        if hairs > MOST_HAIRS {
+            return Err(self.fault("picture.hairs", format!("expected at most {MOST_HAIRS}, found {hairs}")));
+        }
+        Ok(hairs)
     }
 
     fn air(&self, model: Model) -> Result<Option<Air>, SceneError> {

@@ -171,6 +171,9 @@ pub const KEYS: &[Key] = &[
     key("camera.fov", Positive, Value("35.0"), "°", "vertical field of view"),
     key("camera.width", Count(16), Value("960"), "px", "of a picture"),
     key("camera.height", Count(16), Value("540"), "px", "of a picture"),
+    key("picture", Table, Absent("its defaults"), "", "what pictures show"),
+    key("picture.hairs", Count(1), Value("20000"), "", "hairs drawn in all, interpolated from the strands"),
+    key("picture.air", Choice(&["none", "vorticity", "band_energy"]), Value("\"none\""), "", "air particles, coloured by what"),
 ];
 
 impl Key {

@@ -34,6 +34,8 @@ pub struct Scene {
     pub rods: Rods,
     /// Where pictures are taken from; `None` frames the hair automatically.
     pub camera: Option<Camera>,
+    /// What pictures show.
+    pub picture: Picture,
 }
 
 impl PartialEq for Scene {
@@ -55,11 +57,13 @@ impl PartialEq for Scene {
             viscosity,
             rods,
             camera,
+            picture,
         } = self;
         (title, method, gravity, seed, time, hair, air)
             == (&other.title, &other.method, &other.gravity, &other.seed, &other.time, &other.hair, &other.air)
-            && (model, lift, fluid, turbulence, viscosity, rods, camera)
-                == (&other.model, &other.lift, &other.fluid, &other.turbulence, &other.viscosity, &other.rods, &other.camera)
+            && (model, lift, fluid, turbulence, viscosity, rods)
+                == (&other.model, &other.lift, &other.fluid, &other.turbulence, &other.viscosity, &other.rods)
+            && (camera, picture) == (&other.camera, &other.picture)
     }
 }
 
@@ -344,6 +348,26 @@ pub struct Camera {
     pub height: u32,
 }
 
+/// `[picture]`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Picture {
+    /// Hairs drawn in all, interpolated from the strands; at least every strand is drawn.
+    pub hairs: u32,
+    /// How air particles are drawn.
+    pub air: AirPicture,
+}
+
+/// `picture.air`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AirPicture {
+    /// Not at all.
+    None,
+    /// Coloured by |curl v|.
+    Vorticity,
+    /// Coloured by ½ |û|² of the first band.
+    BandEnergy,
+}
+
 /// Ties the words of a choice to its variants, both ways.
 macro_rules! words {
     ($name:ident: $($variant:ident = $word:literal),+) => {
@@ -373,6 +397,7 @@ macro_rules! words {
 words!(Method: Accurate = "accurate", Published = "published");
 words!(RootShape: Disc = "disc", SphereCap = "sphere_cap", Line = "line");
 words!(Model: Particles = "particles", Drag = "drag", None = "none");
+words!(AirPicture: None = "none", Vorticity = "vorticity", BandEnergy = "band_energy");
 words!(Law: Band = "band", Published = "published");
 words!(Filter: Grid = "grid", Direct = "direct");
 words!(ViscosityForm: Limited = "limited", Published = "published");

@@ -55,6 +55,9 @@ impl Scene {
             text.count("width", camera.width);
             text.count("height", camera.height);
         }
+        text.heading("[picture]", "picture");
+        text.count("hairs", self.picture.hairs);
+        text.pair("air", self.picture.air.word());
         text.out
     }
 }

@@ -33,4 +33,8 @@ pub struct AirFrame {
     pub positions: Vec<[f32; 3]>,
     /// Per particle [m/s].
     pub velocities: Vec<[f32; 3]>,
+    /// Per particle, |curl v| [1/s]; empty unless asked for.
+    pub vorticity: Vec<f32>,
+    /// Per particle, ½ |û|² of the first band [m²/s²]; empty unless asked for.
+    pub band_energy: Vec<f32>,
 }

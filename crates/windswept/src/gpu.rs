@@ -88,6 +88,18 @@ impl Gpu {
         Ok(Self { device, queue, info, pipelines: Arc::default() })
     }
 
+    /// The device, for drawing beside the engine.
+    #[must_use]
+    pub fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    /// The device's queue.
+    #[must_use]
+    pub fn queue(&self) -> &wgpu::Queue {
+        &self.queue
+    }
+
     /// The adapter.
     #[must_use]
     pub fn info(&self) -> &AdapterInfo {
@@ -102,7 +114,10 @@ impl Gpu {
     }
 
     /// Runs `work` and turns what the driver says of it into an error.
-    pub(crate) fn checked<T>(&self, doing: impl Fn() -> String, work: impl FnOnce() -> T) -> Result<T, GpuError> {
+    ///
+    /// # Errors
+    /// [`GpuError::Driver`] with what was being done and the driver's words.
+    pub fn checked<T>(&self, doing: impl Fn() -> String, work: impl FnOnce() -> T) -> Result<T, GpuError> {
         let filters = [wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal];
         let scopes = filters.map(|filter| self.device.push_error_scope(filter));
         let result = work();
@@ -118,7 +133,10 @@ impl Gpu {
     }
 
     /// Waits until the queue is empty.
-    pub(crate) fn wait(&self) -> Result<(), GpuError> {
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`].
+    pub fn wait(&self) -> Result<(), GpuError> {
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| GpuError::Lost(error.to_string()))?;
         Ok(())
     }

@@ -48,7 +48,7 @@ pub struct Plan {
 pub struct BandPlan {
     /// Does it run?
     pub runs: Decision,
-    /// Per dispatch: the element of `band`, and the invocations.
+    /// Per dispatch, at least one: the element of `band`, and the invocations.
     pub filter: Vec<(usize, u32)>,
 }
 
@@ -107,18 +107,27 @@ impl Plan {
     }
 }
 
+const NO_BANDS: &str = "the scene names no turbulence.bands";
+
+/// At least one, so that the plan always names the passes of a band.
 fn bands(scene: &Scene, initial: &InitialState) -> Vec<BandPlan> {
     let cut = Bands::new(scene, initial, &Params::new(scene, initial, 0));
+    let filter = |i: usize| match cut.ranges.get(i) {
+        Some(range) => range.clone().map(|k| (k, invocations(&cut.tasks[k]))).collect(),
+        // Never run: so that the plan can say of every pass why.
+        None => vec![(0, 0)],
+    };
     let each = scene.turbulence.bands.iter().enumerate().map(|(i, band)| BandPlan {
         runs: Decision::when(band.strength > 0.0, format!("turbulence.bands.{i}.strength is 0")),
-        filter: cut.ranges.get(i).into_iter().cloned().flatten().map(|k| (k, invocations(&cut.tasks[k]))).collect(),
+        filter: filter(i),
     });
-    each.collect()
+    let all: Vec<_> = each.collect();
+    if all.is_empty() { vec![BandPlan { runs: Decision::when(false, NO_BANDS), filter: filter(0) }] } else { all }
 }
 
 fn turbulence(scene: &Scene, bands: &[BandPlan]) -> Decision {
     let still = scene.turbulence.law == Law::Band && scene.turbulence.speed == 0.0;
-    Decision::when(!bands.is_empty(), "the scene names no turbulence.bands")
+    Decision::when(!scene.turbulence.bands.is_empty(), NO_BANDS)
         .and(Decision::when(bands.iter().any(|band| band.runs.runs), "all turbulence.bands have strength 0"))
         .and(Decision::when(!still, "turbulence.speed is 0: nothing to measure the bands against"))
 }

@@ -232,6 +232,7 @@ impl Simulation {
             air: AirFrame {
                 positions: positions[hair..].iter().map(world).collect(),
                 velocities: velocities[hair..].iter().map(xyz).collect(),
+                ..AirFrame::default()
             },
         })
     }

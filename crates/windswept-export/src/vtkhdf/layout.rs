@@ -19,6 +19,7 @@ pub(super) struct Layout {
     velocities: Dataset,
     /// Hair only.
     orientations: Option<Dataset>,
+    scalars: Vec<Dataset>,
     /// One number per frame: its value in frame 0 and what it grows by.
     steps: Vec<(Dataset, usize, usize)>,
     /// One number per frame and cell group, 0.
@@ -30,6 +31,8 @@ pub(super) struct Rows<'a> {
     pub(super) positions: &'a [[f32; 3]],
     pub(super) velocities: &'a [[f32; 3]],
     pub(super) orientations: &'a [[f32; 4]],
+    /// As many as the file was laid out for.
+    pub(super) scalars: &'a [&'a [f32]],
 }
 
 impl Layout {
@@ -39,6 +42,7 @@ impl Layout {
         kind: Kind,
         cells: &[i64],
         points: usize,
+        scalars: &[&str],
         frames: usize,
         provenance: &Provenance<'_>,
     ) -> Result<Self> {
@@ -92,11 +96,17 @@ impl Layout {
             steps.push((number("PointDataOffsets/Orientation")?, 0, points));
             orientations = Some(vectors("PointData/Orientation", 4)?);
         }
+        let mut per_particle = Vec::new();
+        for name in scalars {
+            steps.push((number(&format!("PointDataOffsets/{name}"))?, 0, points));
+            per_particle.push(empty::<f32>(&root, &format!("PointData/{name}"), frames * points)?);
+        }
         let layout = Self {
             times,
             positions: vectors("Points", 3)?,
             velocities: vectors("PointData/Velocity", 3)?,
             orientations,
+            scalars: per_particle,
             steps,
             group_steps: [per_group("Steps/CellOffsets")?, per_group("Steps/ConnectivityIdOffsets")?],
             finished,
@@ -114,6 +124,9 @@ impl Layout {
         write_rows(&self.velocities, k, rows.velocities)?;
         if let Some(orientations) = &self.orientations {
             write_rows(orientations, k, rows.orientations)?;
+        }
+        for (dataset, values) in self.scalars.iter().zip(rows.scalars) {
+            dataset.write_slice(*values, k * values.len()..(k + 1) * values.len())?;
         }
         for (dataset, first, growth) in &self.steps {
             dataset.write_slice(&[(first + k * growth) as i64], k..k + 1)?;

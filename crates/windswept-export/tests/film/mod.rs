@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use windswept::{AirFrame, Frame, HairFrame};
-use windswept_export::{Kind, Provenance, VtkHdfWriter};
+use windswept_export::{Kind, Provenance, VtkHdfReader, VtkHdfWriter};
 
 pub(crate) const KINDS: [Kind; 2] = [Kind::Hair, Kind::Air];
 
@@ -35,7 +35,12 @@ pub(crate) fn frame(k: usize) -> Frame {
             velocities,
             orientations: rows(7).iter().map(|&[x, y, z]| [x, y, z, x + y]).collect(),
         },
-        air: AirFrame { positions: rows(7), velocities: rows(7) },
+        air: AirFrame {
+            positions: rows(7),
+            velocities: rows(7),
+            vorticity: rows(7).iter().map(|row| row[0]).collect(),
+            band_energy: rows(7).iter().map(|row| row[1]).collect(),
+        },
     }
 }
 
@@ -58,8 +63,9 @@ pub(crate) fn finished(path: &Path) -> usize {
     steps.attr("NSteps").unwrap().read_scalar::<i64>().unwrap() as usize
 }
 
-/// Asserts that the file shows exactly these frames, bit by bit.
+/// Asserts that the file shows exactly these frames, bit by bit, to HDF5 and to our own reader.
 pub(crate) fn assert_holds(path: &Path, kind: Kind, film: &[Frame]) {
+    assert_reads(path, kind, film);
     assert_eq!(finished(path), film.len(), "frames in {}", path.display());
     let root = hdf5::File::open(path).unwrap().group("VTKHDF").unwrap();
     let start = |name: &str, k: usize| {
@@ -84,6 +90,40 @@ pub(crate) fn assert_holds(path: &Path, kind: Kind, film: &[Frame]) {
             assert!(same_bits(found.as_slice().unwrap(), expected.as_flattened()), "{name} of frame {k}");
         }
     }
+}
+
+fn assert_reads(path: &Path, kind: Kind, film: &[Frame]) {
+    let reader = VtkHdfReader::open(path).unwrap();
+    assert_eq!(reader.kind(), kind);
+    assert!(reader.times().iter().map(|t| t.to_bits()).eq(film.iter().map(|f| f.time.to_bits())));
+    // Backwards, as frames can be read in any order.
+    for (k, expected) in film.iter().enumerate().rev() {
+        let found = reader.frame(k).unwrap();
+        assert_eq!(found.time.to_bits(), expected.time.to_bits());
+        let bits = |frame: &Frame| {
+            let rows = match kind {
+                Kind::Hair => {
+                    let hair = &frame.hair;
+                    [
+                        hair.positions.as_flattened(),
+                        hair.velocities.as_flattened(),
+                        hair.orientations.as_flattened(),
+                        &[],
+                    ]
+                }
+                Kind::Air => {
+                    let air = &frame.air;
+                    [air.positions.as_flattened(), air.velocities.as_flattened(), &air.vorticity[..], &air.band_energy]
+                }
+            };
+            rows.map(|row| row.iter().map(|x| x.to_bits()).collect::<Vec<_>>())
+        };
+        assert!(bits(&found) == bits(expected), "frame {k} as read");
+        if kind == Kind::Hair {
+            assert_eq!(found.hair.offsets, expected.hair.offsets);
+        }
+    }
+    assert!(reader.frame(film.len()).is_err());
 }
 
 pub(crate) fn same_bits(a: &[f32], b: &[f32]) -> bool {

@@ -168,6 +168,8 @@ impl Rod {
             hair.inverse_mass.push(if k + 1 == self.segments { 2.0 / mass } else { 1.0 / mass });
             hair.orientations.push(frame);
             hair.rest_length.push(l);
+            hair.radius.push(4e-5);
+            hair.fibres.push(1.0);
             hair.inverse_inertia.push(1.0 / (0.5 * mass * l * l));
             hair.stretch_compliance.push(DVec3::new(1.0 / shear, 1.0 / shear, 1.0 / stretch) / l);
             hair.bend_compliance.push(0.25 * joint * DVec3::new(1.0 / bend, 1.0 / bend, 1.0 / twist));
@@ -195,6 +197,8 @@ pub fn bundle(strands: &[Strands]) -> Strands {
         all.orientations.extend(one.orientations);
         all.angular_velocities.extend(one.angular_velocities);
         all.rest_length.extend(one.rest_length);
+        all.radius.extend(one.radius);
+        all.fibres.extend(one.fibres);
         all.inverse_inertia.extend(one.inverse_inertia);
         all.stretch_compliance.extend(one.stretch_compliance);
         all.bend_compliance.extend(one.bend_compliance);

@@ -117,7 +117,7 @@ fn vorticity(r: &mut Recorder, s: &State, plan: &Plan, field: &Array) {
 }
 
 fn confine(r: &mut Recorder, s: &State, plan: &Plan, band: &BandPlan) {
-    let Some(&(task, _)) = band.filter.first() else { return };
+    let (task, _) = band.filter[0];
     r.run(
         &turbulence::CONFINE,
         "vorticity confinement",

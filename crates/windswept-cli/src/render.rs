@@ -1,0 +1,228 @@
+//! `windswept render`: pictures of a run that is over, or was stopped.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use windswept::{AdapterChoice, Frame, Gpu};
+use windswept_export::{Kind, Renderer, VtkHdfReader, contact_sheet, write_png};
+use windswept_scene::{AirPicture, Scene};
+
+use crate::arguments::RenderOptions;
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::output::Output;
+use crate::pictures::Pictures;
+use crate::progress::Progress;
+
+pub(crate) fn render(options: &RenderOptions, console: &mut Console<'_>) -> Result<(), Failure> {
+    let run = FinishedRun::open(options)?;
+    let output = Output::of_run(&options.dir);
+    match &options.contact_sheet {
+        Some(times) => sheet(&run, times, &options.sheet_path(), options, console),
+        None => film(&run, &output, options, console),
+    }
+}
+
+/// frames/ and preview.gif.
+fn film(run: &FinishedRun, output: &Output, options: &RenderOptions, console: &mut Console<'_>) -> Result<(), Failure> {
+    let chosen = run.choose(options)?;
+    if !options.overwrite && output.has_pictures() {
+        let dir = options.dir.display();
+        return Err(Failure::Input(format!("{dir}: has pictures already; --overwrite replaces them")));
+    }
+    let gpu = gpu(options, console)?;
+    let mut pictures = Pictures::new(output, &gpu, &run.scene, &run.frame(0)?)?;
+    let interrupt = Interrupt::listen().map_err(|e| Failure::Run(format!("Ctrl-C cannot be listened to: {e}")))?;
+    output.remove_pictures()?;
+    let mut progress = Progress::new("pictures", chosen.len() as u64, console.terminal);
+    let mut drawn = || {
+        for &k in &chosen {
+            if interrupt.asked() {
+                return Ok(());
+            }
+            let frame = run.frame(k)?;
+            pictures.add(k as u64, &frame)?;
+            progress.show(pictures.made, frame.time, console);
+        }
+        Ok(())
+    };
+    let drawn: Result<(), Failure> = drawn();
+    progress.finish();
+    let finished = pictures.finish();
+    drawn?;
+    finished?;
+    let done = format!(
+        "{}: {} of {} pictures, {}",
+        output.frames().display(),
+        pictures.made,
+        chosen.len(),
+        output.preview().display()
+    );
+    if pictures.made < chosen.len() as u64 {
+        return Err(Failure::Interrupted(format!("interrupted; {done}")));
+    }
+    console.print(done);
+    Ok(())
+}
+
+/// Some frames in one picture.
+fn sheet(
+    run: &FinishedRun,
+    times: &[f64],
+    path: &Path,
+    options: &RenderOptions,
+    console: &mut Console<'_>,
+) -> Result<(), Failure> {
+    let chosen = times.iter().map(|&time| run.nearest(time)).collect::<Result<Vec<_>, _>>()?;
+    if path.exists() && !options.overwrite {
+        return Err(Failure::Input(format!("{}: is there already; --overwrite replaces it", path.display())));
+    }
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+    if folder.is_some_and(|folder| !folder.is_dir()) || path.is_dir() {
+        return Err(Failure::Input(format!("{}: expected a file in a folder that is there", path.display())));
+    }
+    let gpu = gpu(options, console)?;
+    let renderer = Renderer::new(&gpu, &run.scene, &run.frame(0)?.hair)?;
+    let draw = |&k: &usize| Ok(renderer.render(&run.frame(k)?)?);
+    let pictures = chosen.iter().map(draw).collect::<Result<Vec<_>, Failure>>()?;
+    write_png(path, &contact_sheet(&pictures)?)?;
+    let shown: Vec<_> = chosen.iter().map(|&k| format!("{:.3}", run.times()[k])).collect();
+    console.print(format_args!("{}: t = {} s", path.display(), shown.join(", ")));
+    Ok(())
+}
+
+fn gpu(options: &RenderOptions, console: &mut Console<'_>) -> Result<Gpu, Failure> {
+    let gpu = Gpu::new(&AdapterChoice::from_flag(options.adapter.as_deref()))?;
+    console.note(format_args!("drawing on {}", gpu.info()));
+    Ok(gpu)
+}
+
+/// What a run left in its folder.
+struct FinishedRun {
+    dir: PathBuf,
+    scene: Scene,
+    hair: VtkHdfReader,
+    /// Only if it is drawn.
+    air: Option<VtkHdfReader>,
+}
+
+impl FinishedRun {
+    fn open(options: &RenderOptions) -> Result<Self, Failure> {
+        let dir = &options.dir;
+        let there = |path: PathBuf, comes_from: &str| {
+            if path.is_file() {
+                return Ok(path);
+            }
+            Err(Failure::Input(format!("{}: is missing; {comes_from}", path.display())))
+        };
+        if !dir.is_dir() {
+            return Err(Failure::Input(format!("{}: no such folder; expected that of a run", dir.display())));
+        }
+        if let Some(set) = options.sets.iter().find(|set| !set.starts_with("camera.") && !set.starts_with("picture.")) {
+            return Err(Failure::Input(format!("--set {set}: only keys of camera and picture change a picture")));
+        }
+        let output = Output::of_run(dir);
+        let scene = there(output.scene(), "`windswept run` writes it")?;
+        let hair = there(output.hair(), "a run with `--formats vtkhdf` writes it")?;
+        let scene = Scene::load_with(scene, &options.sets)?;
+        let air = match scene.picture.air {
+            AirPicture::None => None,
+            _ => Some(open(
+                &there(output.air(), "picture.air needs it; a run with air particles writes it")?,
+                Kind::Air,
+            )?),
+        };
+        let run = Self { dir: dir.clone(), scene, hair: open(&hair, Kind::Hair)?, air };
+        if run.times().is_empty() {
+            return Err(Failure::Input(format!("{}: no frame was finished", hair.display())));
+        }
+        Ok(run)
+    }
+
+    /// Of the frames that all its files have [s].
+    fn times(&self) -> &[f64] {
+        let times = self.hair.times();
+        let air = self.air.as_ref().map_or(times.len(), |air| air.times().len());
+        &times[..times.len().min(air)]
+    }
+
+    fn frame(&self, k: usize) -> Result<Frame, Failure> {
+        let mut frame = self.hair.frame(k)?;
+        if let Some(air) = &self.air {
+            frame.air = air.frame(k)?.air;
+        }
+        Ok(frame)
+    }
+
+    /// Which frames `--frames` and `--every` ask for.
+    fn choose(&self, options: &RenderOptions) -> Result<Vec<usize>, Failure> {
+        let there = self.times().len();
+        let Range { from, to } = options.frames.unwrap_or(Range { from: 0, to: None });
+        let chosen: Vec<_> = (from..to.unwrap_or(there).min(there)).step_by(options.every.get()).collect();
+        if chosen.is_empty() {
+            let dir = self.dir.display();
+            return Err(Failure::Input(format!("--frames: {dir} has frames 0 to {}", there - 1)));
+        }
+        Ok(chosen)
+    }
+
+    /// The frame at this time [s].
+    fn nearest(&self, time: f64) -> Result<usize, Failure> {
+        let times = self.times();
+        let last = times[times.len() - 1];
+        // As far beyond the end as from one frame to the next.
+        if !(0.0..=last + 1.0 / self.scene.time.frame_rate).contains(&time) {
+            return Err(Failure::Input(format!("--contact-sheet {time}: the run has frames from 0 to {last:.3} s")));
+        }
+        let near = (0..times.len()).min_by(|&a, &b| (times[a] - time).abs().total_cmp(&(times[b] - time).abs()));
+        Ok(near.unwrap_or(0))
+    }
+}
+
+fn open(path: &Path, kind: Kind) -> Result<VtkHdfReader, Failure> {
+    // What cannot be read is bad input: nothing has been written.
+    let reader = VtkHdfReader::open(path).map_err(|e| Failure::Input(e.to_string()))?;
+    if reader.kind() != kind {
+        return Err(Failure::Input(format!("{}: expected {kind:?}, found {:?}", path.display(), reader.kind())));
+    }
+    Ok(reader)
+}
+
+/// `--frames A..B`: from A to before B.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Range {
+    from: usize,
+    to: Option<usize>,
+}
+
+impl FromStr for Range {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || "expected A..B, A.. or ..B, frames from A to before B".to_owned();
+        let (from, to) = text.split_once("..").ok_or_else(expected)?;
+        let number = |text: &str| text.parse::<usize>().map_err(|_| expected());
+        let range = Self {
+            from: if from.is_empty() { 0 } else { number(from)? },
+            to: if to.is_empty() { None } else { Some(number(to)?) },
+        };
+        if range.to.is_some_and(|to| to <= range.from) { Err(expected()) } else { Ok(range) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Range;
+
+    #[test]
+    fn ranges_are_read() {
+        let range = |from, to| Ok(Range { from, to });
+        assert_eq!("3..7".parse(), range(3, Some(7)));
+        assert_eq!("3..".parse(), range(3, None));
+        assert_eq!("..7".parse(), range(0, Some(7)));
+        for wrong in ["", "3", "7..3", "3..3", "a..b", "-1..2", "1.5..2"] {
+            assert!(wrong.parse::<Range>().is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! A short film that any browser plays.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+use gif::{DisposalMethod, Encoder, Repeat};
+use image::RgbaImage;
+use image::imageops::{FilterType, resize};
+
+use crate::ExportError;
+
+/// At most this wide [px].
+const WIDTH: u32 = 512;
+/// At most this long [s].
+const LENGTH: f64 = 3.0;
+/// Pictures are at least this far apart [s].
+const PERIOD: f64 = 1.0 / 15.0;
+/// A pixel that changes by no more than this in any channel is left as it is.
+const UNCHANGED: u8 = 7;
+/// Of the palette's training: every so many pixels are looked at.
+const SPEED: i32 = 10;
+
+/// Writes a GIF of pictures as they come, at true speed: up to 3 s from the first one on, about 15 pictures a second, up to
+/// 512 pixels wide, over and over.
+pub struct Preview {
+    path: PathBuf,
+    encoder: Option<Encoder<BufWriter<File>>>,
+    /// What a viewer shows.
+    shown: Option<RgbaImage>,
+    /// Time of the first picture [s].
+    start: f64,
+    /// The latest picture, written once the next says how long it is shown, and when it came after the first [1/100 s].
+    waiting: Option<(RgbaImage, u16)>,
+    /// How long the one before was shown [1/100 s].
+    delay: u16,
+    taken: u32,
+}
+
+impl Preview {
+    /// A film into this file, which is made with the first picture.
+    #[must_use]
+    pub fn new(path: impl AsRef<Path>) -> Self {
+        Self {
+            path: path.as_ref().into(),
+            encoder: None,
+            shown: None,
+            start: 0.0,
+            waiting: None,
+            delay: (100.0 * PERIOD) as u16,
+            taken: 0,
+        }
+    }
+
+    /// Takes a picture at this time [s], unless it comes too soon after the last or after the end. All have one size.
+    ///
+    /// # Errors
+    /// [`ExportError::File`] if the file cannot be written.
+    pub fn add(&mut self, picture: &RgbaImage, time: f64) -> Result<(), ExportError> {
+        if self.taken == 0 {
+            self.start = time;
+        }
+        let passed = time - self.start;
+        // Frames fall on whole steps, so that a time may be a little early.
+        if passed < f64::from(self.taken) * PERIOD - 0.2 * PERIOD || passed > LENGTH - PERIOD {
+            return Ok(());
+        }
+        self.taken += 1;
+        let when = (100.0 * passed).round() as u16;
+        if let Some((waiting, since)) = self.waiting.take() {
+            self.delay = when.saturating_sub(since).max(2);
+            self.write(waiting)?;
+        }
+        let scale = (f64::from(WIDTH) / f64::from(picture.width())).min(1.0);
+        let side = |pixels: u32| ((f64::from(pixels) * scale).round() as u32).clamp(1, u32::from(u16::MAX));
+        let small = resize(picture, side(picture.width()), side(picture.height()), FilterType::Triangle);
+        self.waiting = Some((small, when));
+        Ok(())
+    }
+
+    /// Writes the last picture and closes the file. There is none without a picture.
+    ///
+    /// # Errors
+    /// [`ExportError::File`] if the file cannot be written.
+    pub fn finish(mut self) -> Result<(), ExportError> {
+        match self.waiting.take() {
+            Some((last, _)) => self.write(last),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes what has changed since the picture before.
+    fn write(&mut self, mut picture: RgbaImage) -> Result<(), ExportError> {
+        let path = self.path.clone();
+        let failed = |reason: String| ExportError::File { path, doing: "could not be written", reason };
+        let (width, height) = (picture.width() as u16, picture.height() as u16);
+        if let Some(shown) = &self.shown {
+            for (new, old) in picture.pixels_mut().zip(shown.pixels()) {
+                if (0..3).all(|channel| new[channel].abs_diff(old[channel]) <= UNCHANGED) {
+                    new[3] = 0;
+                }
+            }
+        }
+        // Clear pixels get one colour here, and the palette is made of the others.
+        let mut frame = gif::Frame::from_rgba_speed(width, height, picture.as_mut(), SPEED);
+        frame.delay = self.delay;
+        frame.dispose = DisposalMethod::Keep;
+        let mut written = || -> Result<(), gif::EncodingError> {
+            if self.encoder.is_none() {
+                let file = BufWriter::new(File::create(&self.path)?);
+                let mut encoder = Encoder::new(file, width, height, &[])?;
+                encoder.set_repeat(Repeat::Infinite)?;
+                self.encoder = Some(encoder);
+            }
+            self.encoder.as_mut().map_or(Ok(()), |encoder| encoder.write_frame(&frame))
+        };
+        written().map_err(|e| failed(e.to_string()))?;
+        let shown = self.shown.get_or_insert_with(|| RgbaImage::new(width.into(), height.into()));
+        let palette = frame.palette.as_deref().unwrap_or_default();
+        for (pixel, &index) in shown.pixels_mut().zip(frame.buffer.iter()) {
+            let colour = palette.get(3 * usize::from(index)..3 * usize::from(index) + 3);
+            if let Some(&[r, g, b]) = colour.filter(|_| frame.transparent != Some(index)) {
+                *pixel = image::Rgba([r, g, b, 255]);
+            }
+        }
+        Ok(())
+    }
+}

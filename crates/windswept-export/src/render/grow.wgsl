@@ -1,0 +1,101 @@
+// Points of every drawn hair: its guide strand's curve (Catmull-Rom), offset in the strand's cross-section.
+//
+// A drawn hair is a parallel fibre of its guide's rod, so that it keeps the guide's curl; where a neighbouring guide runs
+// alike, it is blended toward that, so that straight hair shows no locks. One invocation per point.
+
+struct Hair {
+    guide:     u32,
+    neighbour: u32,
+    pair:      u32,    // index of (guide, neighbour) in `likeness`
+    seed:      u32,
+    here:      vec4f,  // xyz: root in the guide's root frame [m]; w: weight of the neighbour, 0 to 1/2
+    there:     vec4f,  // xyz: the same root in the neighbour's root frame [m]; w: radius drawn [m]
+}
+
+@group(0) @binding(0) var<uniform>             view:     View;
+@group(0) @binding(1) var<storage, read>       hair:     array<Hair>;
+@group(0) @binding(2) var<storage, read>       offsets:  array<u32>;    // first point of each guide, and the end
+@group(0) @binding(3) var<storage, read>       guide:    array<vec4f>;  // points [m]
+@group(0) @binding(4) var<storage, read>       frame:    array<vec4f>;  // orientation of the segment that starts there
+@group(0) @binding(5) var<storage, read>       likeness: array<f32>;    // per pair: 1 where the two run alike, 0 where not
+@group(0) @binding(6) var<storage, read_write> points:   array<vec4f>;  // xyz [m]; w: 0 at the root, 1 at the tip
+
+// How far a lock's hairs draw together at its tip: the largest and the smallest share of their distance that is left.
+const LOOSE: f32 = 1.0;
+const TIGHT: f32 = 0.5;
+// Waviness of a hair, as a share of its length; of the few that stray, so many times more.
+const WAVE: f32 = 0.006;
+const STRAY: f32 = 5.0;
+const STRAYS: f32 = 0.04;
+// Hairs are shorter than their guide by up to this.
+const SHORTER: f32 = 0.35;
+
+fn rotate(q: vec4f, v: vec3f) -> vec3f {
+    let t = 2.0 * cross(q.xyz, v);
+    return v + q.w * t + cross(q.xyz, t);
+}
+
+// Point `k` of a guide, and beyond its ends the mirror image.
+fn at(first: u32, last: u32, k: i32) -> vec3f {
+    if k < 0 {
+        return 2.0 * guide[first].xyz - guide[first + 1u].xyz;
+    }
+    if first + u32(k) > last {
+        return 2.0 * guide[last].xyz - guide[last - 1u].xyz;
+    }
+    return guide[first + u32(k)].xyz;
+}
+
+fn catmull_rom(a: vec3f, b: vec3f, c: vec3f, d: vec3f, u: f32) -> vec3f {
+    return b + 0.5 * u * (c - a + u * (2.0 * a - 5.0 * b + 4.0 * c - d + u * (3.0 * (b - c) + d - a)));
+}
+
+// Orientation half way between those of the nearest segments.
+fn orientation(first: u32, last: u32, x: f32) -> vec4f {
+    let segment = clamp(x - 0.5, 0.0, f32(last - first - 1u));
+    let k = first + u32(segment);
+    let a = frame[k];
+    var b = frame[min(k + 1u, last - 1u)];
+    b = select(b, -b, dot(a, b) < 0.0);
+    return normalize(mix(a, b, fract(segment)));
+}
+
+// A point of a guide's rod, `t` of its length from the root, `offset` from its axis in the root's frame.
+fn along(g: u32, t: f32, offset: vec3f) -> vec3f {
+    let first = offsets[g];
+    let last = offsets[g + 1u] - 1u;
+    let x = t * f32(last - first);
+    let k = min(i32(x), i32(last - first) - 1);
+    let axis = catmull_rom(at(first, last, k - 1), at(first, last, k), at(first, last, k + 1), at(first, last, k + 2), x - f32(k));
+    return axis + rotate(orientation(first, last, x), offset);
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    let i = invocation(group, groups, local);
+    if i >= view.hairs * view.samples {
+        return;
+    }
+    let self_ = hair[i / view.samples];
+    let t = f32(i % view.samples) / f32(view.samples - 1u);
+
+    let short = chance(self_.seed, 0u);
+    let s = t * (1.0 - SHORTER * short * short);
+    let gather = mix(LOOSE, TIGHT, smoothstep(0.0, 1.0, s) * chance(self_.guide, 1u));
+    let first = offsets[self_.guide];
+    let last = offsets[self_.guide + 1u] - 1u;
+    let reach = distance(guide[first].xyz, guide[first + 1u].xyz) * f32(last - first);
+
+    let stray = select(1.0, STRAY, chance(self_.seed, 2u) < STRAYS);
+    let turns = 6.2831853 * vec3f(0.7 + chance(self_.seed, 3u), 1.6 + 1.4 * chance(self_.seed, 4u), chance(self_.seed, 5u));
+    let phase = 6.2831853 * vec2f(chance(self_.seed, 6u), chance(self_.seed, 7u));
+    let wave = WAVE * stray * reach * smoothstep(0.0, 0.6, s)
+        * vec3f(sin(turns.x * s + phase.x) + 0.5 * sin(turns.y * s + phase.y), cos(turns.x * s + turns.z) + 0.5 * sin(turns.y * s + phase.x), 0.0);
+
+    var x = along(self_.guide, s, gather * self_.here.xyz + wave);
+    let weight = self_.here.w * likeness[self_.pair];
+    if weight > 0.0 {
+        x = mix(x, along(self_.neighbour, s, gather * self_.there.xyz + wave), weight);
+    }
+    points[i] = vec4f(x, t);
+}

@@ -1,0 +1,239 @@
+//! Buffers and pipelines of a picture, in the order in which they run.
+
+use windswept::gpu::wgpu::{self, BufferUsages};
+use windswept::{Gpu, GpuError, HairFrame};
+use windswept_scene::Scene;
+
+use super::groom::Groom;
+use super::maker::{Bound, Compute, Depth, Draw, Maker};
+use super::patch::patches;
+use super::view::{GRID, Uniform};
+
+const GROW: &str = concat!(include_str!("common.wgsl"), include_str!("grow.wgsl"));
+const OPACITY: &str = concat!(include_str!("common.wgsl"), include_str!("taper.wgsl"), include_str!("opacity.wgsl"));
+const SHADE: &str = concat!(include_str!("common.wgsl"), include_str!("shadow.wgsl"), include_str!("shade.wgsl"));
+const SCENERY: &str = concat!(
+    include_str!("common.wgsl"),
+    include_str!("backdrop.wgsl"),
+    include_str!("shadow.wgsl"),
+    include_str!("scenery.wgsl")
+);
+const RIBBON: &str = concat!(
+    include_str!("common.wgsl"),
+    include_str!("taper.wgsl"),
+    include_str!("backdrop.wgsl"),
+    include_str!("ribbon.wgsl")
+);
+const AIR: &str = concat!(include_str!("common.wgsl"), include_str!("air.wgsl"));
+/// Invocations of a workgroup in the shaders above.
+const WORKGROUP: u64 = 64;
+
+/// Everything on the GPU but the picture itself.
+#[derive(Debug)]
+pub(super) struct Passes {
+    view: wgpu::Buffer,
+    guide: wgpu::Buffer,
+    frame: wgpu::Buffer,
+    likeness: wgpu::Buffer,
+    grid: wgpu::Buffer,
+    /// In this order.
+    compute: [Compute; 4],
+    wall: Draw,
+    patch: Option<Patch>,
+    ribbon: Draw,
+    ribbon_triangles: Triangles,
+    hairs: u32,
+    air: Draw,
+}
+
+#[derive(Debug)]
+struct Patch {
+    draw: Draw,
+    corners: wgpu::Buffer,
+    triangles: Triangles,
+}
+
+#[derive(Debug)]
+struct Triangles {
+    indices: wgpu::Buffer,
+    count: u32,
+}
+
+/// What is drawn of the air.
+#[derive(Debug)]
+pub(super) struct Air {
+    group: wgpu::BindGroup,
+    particles: u32,
+}
+
+impl Passes {
+    pub(super) fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        start: &HairFrame,
+        groom: &Groom,
+        samples: u32,
+    ) -> Result<Self, GpuError> {
+        gpu.checked(
+            || "preparing to draw".to_owned(),
+            || Self::make(&Maker(gpu.device()), scene, start, groom, samples),
+        )
+    }
+
+    fn make(m: &Maker<'_>, scene: &Scene, start: &HairFrame, groom: &Groom, samples: u32) -> Self {
+        let hairs = groom.hairs.len() as u32;
+        let all = u64::from(hairs) * u64::from(samples);
+        let strand_points = start.positions.len() as u64;
+        let view = m.buffer("view", size_of::<Uniform>() as u64, BufferUsages::UNIFORM);
+        let hair = m.filled("hairs", &groom.hairs, BufferUsages::STORAGE);
+        let offsets = m.filled("strands", &start.offsets, BufferUsages::STORAGE);
+        let radius = m.filled("radii", &groom.radius, BufferUsages::STORAGE);
+        let seed = m.filled("seeds", &groom.seed, BufferUsages::STORAGE);
+        let guide = m.buffer("strand points", 16 * strand_points, BufferUsages::STORAGE);
+        let frame = m.buffer("strand frames", 16 * strand_points, BufferUsages::STORAGE);
+        let likeness = m.buffer("likeness", 4 * groom.pairs.len() as u64, BufferUsages::STORAGE);
+        let points = m.buffer("hair points", 16 * all, BufferUsages::STORAGE);
+        let colour = m.buffer("hair colours", 4 * all, BufferUsages::STORAGE);
+        let grid = m.buffer("opacity", 4 * 2 * u64::from(GRID).pow(3), BufferUsages::STORAGE);
+
+        let per_point = all.div_ceil(WORKGROUP);
+        let per_column = (2 * u64::from(GRID).pow(2)).div_ceil(WORKGROUP);
+        let opacity = m.module("opacity", OPACITY);
+        let grown = numbered([&view, &hair, &offsets, &guide, &frame, &likeness, &points]);
+        let compute = [
+            m.compute(&m.module("grow", GROW), "main", &grown, per_point),
+            m.compute(&opacity, "deposit", &numbered([&view, &points, &grid, &radius]), per_point),
+            m.compute(&opacity, "accumulate", &[(2, &grid)], per_column),
+            m.compute(&m.module("shade", SHADE), "main", &numbered([&view, &points, &grid, &seed, &colour]), per_point),
+        ];
+        let ribbon = numbered([&view, &points, &colour, &radius]);
+        let scenery = m.module("scenery", SCENERY);
+        Self {
+            compute,
+            wall: m.draw(&scenery, "wall_", &[], None, Depth::Ignored),
+            patch: Patch::new(m, scene, &scenery, &numbered([&view, &grid])),
+            ribbon: m.draw(&m.module("ribbon", RIBBON), "", &ribbon, None, Depth::Solid),
+            ribbon_triangles: Triangles::new(m, &strip(samples)),
+            air: m.draw(&m.module("air", AIR), "", &[], None, Depth::Clear),
+            hairs,
+            view,
+            guide,
+            frame,
+            likeness,
+            grid,
+        }
+    }
+
+    /// Sends a frame's strands to the GPU.
+    pub(super) fn upload(&self, gpu: &Gpu, view: &Uniform, hair: &HairFrame, likeness: &[f32]) -> Result<(), GpuError> {
+        let guide: Vec<[f32; 4]> = hair.positions.iter().map(|&[x, y, z]| [x, y, z, 0.0]).collect();
+        let mut frame = Vec::with_capacity(guide.len());
+        for (strand, ends) in hair.offsets.windows(2).enumerate() {
+            // n - 1 segments, n places: the tip's is never read.
+            let (first, last) = (ends[0] as usize - strand, ends[1] as usize - strand - 1);
+            frame.extend_from_slice(&hair.orientations[first..last]);
+            frame.push([0.0, 0.0, 0.0, 1.0]);
+        }
+        gpu.checked(
+            || "uploading strands".to_owned(),
+            || {
+                gpu.queue().write_buffer(&self.view, 0, bytemuck::bytes_of(view));
+                gpu.queue().write_buffer(&self.guide, 0, bytemuck::cast_slice(&guide));
+                gpu.queue().write_buffer(&self.frame, 0, bytemuck::cast_slice(&frame));
+                gpu.queue().write_buffer(&self.likeness, 0, bytemuck::cast_slice(likeness));
+            },
+        )
+    }
+
+    /// Sends air particles to the GPU: position [m], brightness.
+    pub(super) fn air(&self, gpu: &Gpu, points: &[[f32; 4]]) -> Result<Option<Air>, GpuError> {
+        if points.is_empty() {
+            return Ok(None);
+        }
+        let needs = size_of_val(points) as u64;
+        let limit = gpu.largest_binding();
+        if needs > limit {
+            return Err(GpuError::TooLarge { array: "air points", bytes: needs, limit, fits: limit / 16 });
+        }
+        gpu.checked(
+            || "uploading air particles".to_owned(),
+            || {
+                let m = Maker(gpu.device());
+                let points_buffer = m.filled("air points", points, BufferUsages::STORAGE);
+                let layout = self.air.pipeline.get_bind_group_layout(0);
+                let group = m.group(&layout, &numbered([&self.view, &points_buffer]));
+                Some(Air { group, particles: points.len() as u32 })
+            },
+        )
+    }
+
+    /// From strands to shaded points of hairs.
+    pub(super) fn prepare(&self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.clear_buffer(&self.grid, 0, None);
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        self.compute.iter().for_each(|compute| compute.run(&mut pass));
+    }
+
+    /// The picture, from the back to the front.
+    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, air: Option<&Air>) {
+        self.wall.begin(pass);
+        pass.draw(0..3, 0..1);
+        if let Some(patch) = &self.patch {
+            patch.draw.begin(pass);
+            pass.set_vertex_buffer(0, patch.corners.slice(..));
+            patch.triangles.draw(pass, 1);
+        }
+        self.ribbon.begin(pass);
+        self.ribbon_triangles.draw(pass, self.hairs);
+        if let Some(air) = air {
+            self.air.begin(pass);
+            pass.set_bind_group(0, &air.group, &[]);
+            pass.draw(0..4, 0..air.particles);
+        }
+    }
+}
+
+impl Patch {
+    /// None in a scene that does not say where hair grows.
+    fn new(m: &Maker<'_>, scene: &Scene, scenery: &wgpu::ShaderModule, bound: &[Bound<'_>]) -> Option<Self> {
+        let (corners, triangles) = patches(scene);
+        if corners.is_empty() {
+            return None;
+        }
+        let layout = wgpu::VertexBufferLayout {
+            array_stride: size_of_val(&corners[0]) as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3],
+        };
+        Some(Self {
+            draw: m.draw(scenery, "patch_", bound, Some(layout), Depth::Solid),
+            corners: m.filled("patch corners", &corners, BufferUsages::VERTEX),
+            triangles: Triangles::new(m, &triangles),
+        })
+    }
+}
+
+impl Triangles {
+    fn new(m: &Maker<'_>, indices: &[u32]) -> Self {
+        Self { indices: m.filled("triangles", indices, BufferUsages::INDEX), count: indices.len() as u32 }
+    }
+
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, instances: u32) {
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..self.count, 0, 0..instances);
+    }
+}
+
+/// Bindings 0, 1, 2, ….
+fn numbered<const N: usize>(buffers: [&wgpu::Buffer; N]) -> [Bound<'_>; N] {
+    let mut binding = 0;
+    buffers.map(|buffer| {
+        binding += 1;
+        (binding - 1, buffer)
+    })
+}
+
+/// Triangles of a ribbon whose point k has the vertices 2k and 2k + 1.
+fn strip(points: u32) -> Vec<u32> {
+    (0..points - 1).flat_map(|k| [0, 1, 2, 2, 1, 3].map(|corner| 2 * k + corner)).collect()
+}

@@ -1,0 +1,126 @@
+//! What is drawn to, and how it comes back.
+
+use std::sync::mpsc;
+
+use image::RgbaImage;
+use windswept::gpu::wgpu;
+use windswept::{Gpu, GpuError};
+
+use super::refused;
+use crate::ExportError;
+
+/// Linear to sRGB, and back for blending, is the texture's work.
+pub(super) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+/// Of the depth buffer.
+pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// Samples of a pixel, as many as every adapter has.
+pub(super) const SAMPLES: u32 = 4;
+
+/// A multisampled picture, its average, and the memory that it is read from.
+#[derive(Debug)]
+pub(super) struct Target {
+    size: [u32; 2],
+    samples: wgpu::TextureView,
+    depth: wgpu::TextureView,
+    picture: wgpu::Texture,
+    readback: wgpu::Buffer,
+    /// Bytes from one row to the next in the readback.
+    pitch: u32,
+}
+
+impl Target {
+    pub(super) fn new(gpu: &Gpu, width: u32, height: u32) -> Result<Self, ExportError> {
+        let pitch = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let texture = |label, format, sample_count, usage| {
+            gpu.device().create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage,
+                view_formats: &[],
+            })
+        };
+        let target = gpu.checked(
+            || format!("making a picture of {width} x {height} pixels"),
+            || {
+                let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
+                Self {
+                    size: [width, height],
+                    samples: texture("samples", COLOUR, SAMPLES, drawn).create_view(&Default::default()),
+                    depth: texture("depth", DEPTH, SAMPLES, drawn).create_view(&Default::default()),
+                    picture: texture("picture", COLOUR, 1, drawn | wgpu::TextureUsages::COPY_SRC),
+                    readback: gpu.device().create_buffer(&wgpu::BufferDescriptor {
+                        label: Some("picture readback"),
+                        size: u64::from(pitch) * u64::from(height),
+                        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+                        mapped_at_creation: false,
+                    }),
+                    pitch,
+                }
+            },
+        )?;
+        Ok(target)
+    }
+
+    /// Runs `draw` over an empty picture and copies it to where it can be read.
+    pub(super) fn draw(&self, encoder: &mut wgpu::CommandEncoder, draw: impl FnOnce(&mut wgpu::RenderPass<'_>)) {
+        let picture = self.picture.create_view(&Default::default());
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("picture"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.samples,
+                depth_slice: None,
+                resolve_target: Some(&picture),
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Discard },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.depth,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
+                stencil_ops: None,
+            }),
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        draw(&mut pass);
+        drop(pass);
+        let [width, height] = self.size;
+        encoder.copy_texture_to_buffer(
+            self.picture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &self.readback,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(self.pitch),
+                    rows_per_image: Some(height),
+                },
+            },
+            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        );
+    }
+
+    /// Waits for the picture.
+    pub(super) fn read(&self, gpu: &Gpu) -> Result<RgbaImage, ExportError> {
+        let lost = |reason: String| GpuError::Lost(format!("reading a picture: {reason}"));
+        let (sender, receiver) = mpsc::channel();
+        self.readback.map_async(wgpu::MapMode::Read, .., move |result| {
+            // The receiver is gone only if we returned early.
+            let _ = sender.send(result);
+        });
+        gpu.wait()?;
+        let mapped = receiver.recv().map_err(|_| lost("it was never answered".into()))?;
+        mapped.map_err(|error| lost(error.to_string()))?;
+        let bytes = {
+            let view = self.readback.get_mapped_range(..).map_err(|error| lost(error.to_string()))?;
+            let row = 4 * self.size[0] as usize;
+            view.chunks(self.pitch as usize).flat_map(|padded| padded[..row].to_vec()).collect::<Vec<u8>>()
+        };
+        self.readback.unmap();
+        let [width, height] = self.size;
+        RgbaImage::from_raw(width, height, bytes)
+            .ok_or_else(|| refused(format!("the picture has not {width} x {height} pixels")))
+    }
+}

@@ -1,0 +1,133 @@
+//! Our own files, read again: for pictures of a run that is over, or was killed.
+
+use std::path::{Path, PathBuf};
+
+use hdf5::{File, Group, Result};
+use windswept::{AirFrame, Frame, HairFrame};
+
+use super::{BAND_ENERGY, Kind, VORTICITY, failed};
+use crate::ExportError;
+
+/// Reads a file that [`super::VtkHdfWriter`] wrote: the frames that were finished, in any order.
+#[derive(Debug)]
+pub struct VtkHdfReader {
+    path: PathBuf,
+    kind: Kind,
+    root: Group,
+    times: Vec<f64>,
+    /// First point of each strand, and the end; hair only.
+    offsets: Vec<u32>,
+    points: usize,
+}
+
+impl VtkHdfReader {
+    /// Opens a file, whichever of the two it is.
+    ///
+    /// # Errors
+    /// [`ExportError::File`] if it is not there, is in use by a run, is no HDF5, or was not written by windswept.
+    pub fn open(path: impl AsRef<Path>) -> std::result::Result<Self, ExportError> {
+        let path = path.as_ref();
+        let refused = |reason: String| ExportError::File { path: path.into(), doing: "could not be read", reason };
+        // HDF5's words for a missing file are a page.
+        std::fs::metadata(path).map_err(|e| refused(e.to_string()))?;
+        let reader = Self::read_layout(path).map_err(|e| failed(path, "could not be read", &e))?;
+        match reader.fault() {
+            Some(fault) => Err(refused(format!("{fault}: windswept did not write this"))),
+            None => Ok(reader),
+        }
+    }
+
+    fn read_layout(path: &Path) -> Result<Self> {
+        let root = File::open(path)?.group("VTKHDF")?;
+        let steps = root.group("Steps")?;
+        let finished = steps.attr("NSteps")?.read_scalar::<i64>()?.max(0);
+        let mut times = steps.dataset("Values")?.read_raw::<f64>()?;
+        times.truncate(finished as usize);
+        let number = |name: &str| root.dataset(name)?.read_raw::<i64>();
+        let points = number("NumberOfPoints")?.first().copied().unwrap_or(0).max(0) as usize;
+        // The group with cells is the one that the file is about.
+        let lines = number("Lines/Offsets")?;
+        let kind = if lines.len() > 1 { Kind::Hair } else { Kind::Air };
+        let offsets = if kind == Kind::Hair { lines.iter().map(|&first| first as u32).collect() } else { Vec::new() };
+        Ok(Self { path: path.into(), kind, root, times, offsets, points })
+    }
+
+    /// What does not fit together.
+    fn fault(&self) -> Option<String> {
+        let ends = (self.offsets.first().copied(), self.offsets.last().map(|&last| last as usize));
+        let ordered = self.offsets.windows(2).all(|w| w[1] >= w[0].saturating_add(2));
+        if self.kind == Kind::Hair && !(ends == (Some(0), Some(self.points)) && ordered) {
+            return Some(format!("its lines do not make strands of {} points", self.points));
+        }
+        let rows = self.root.dataset("Points").map_or(0, |points| points.shape().first().copied().unwrap_or(0));
+        (rows < self.times.len() * self.points).then(|| format!("it lacks points of its {} frames", self.times.len()))
+    }
+
+    /// Which part of a frame it holds.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// Times of the finished frames [s].
+    #[must_use]
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Frame `k` as it was appended, in its `hair` or its `air`. The file does not hold `step`: it is 0.
+    ///
+    /// # Errors
+    /// [`ExportError::Frame`] if there is no such frame, [`ExportError::File`] if it cannot be read.
+    pub fn frame(&self, k: usize) -> std::result::Result<Frame, ExportError> {
+        let Some(&time) = self.times.get(k) else {
+            let problem = format!("frame {k} was asked for, the file has {}", self.times.len());
+            return Err(ExportError::Frame { path: self.path.clone(), problem });
+        };
+        let mut frame = Frame { time, ..Frame::default() };
+        let read = match self.kind {
+            Kind::Hair => self.hair(k).map(|hair| frame.hair = hair),
+            Kind::Air => self.air(k).map(|air| frame.air = air),
+        };
+        read.map_err(|e| failed(&self.path, "a frame could not be read", &e))?;
+        Ok(frame)
+    }
+
+    fn hair(&self, k: usize) -> Result<HairFrame> {
+        let per_point: Vec<[f32; 4]> = self.rows("PointData/Orientation", k)?;
+        let per_segment = self.offsets.windows(2).flat_map(|w| &per_point[w[0] as usize..w[1] as usize - 1]);
+        Ok(HairFrame {
+            positions: self.rows("Points", k)?,
+            velocities: self.rows("PointData/Velocity", k)?,
+            orientations: per_segment.copied().collect(),
+            offsets: self.offsets.clone(),
+        })
+    }
+
+    fn air(&self, k: usize) -> Result<AirFrame> {
+        Ok(AirFrame {
+            positions: self.rows("Points", k)?,
+            velocities: self.rows("PointData/Velocity", k)?,
+            vorticity: self.scalars(VORTICITY, k)?,
+            band_energy: self.scalars(BAND_ENERGY, k)?,
+        })
+    }
+
+    /// Frame k of a scalar per particle; empty if the file has none.
+    fn scalars(&self, name: &str, k: usize) -> Result<Vec<f32>> {
+        let name = format!("PointData/{name}");
+        if !self.root.link_exists(&name) {
+            return Ok(Vec::new());
+        }
+        let start = k * self.points;
+        Ok(self.root.dataset(&name)?.read_slice_1d::<f32, _>(start..start + self.points)?.to_vec())
+    }
+
+    /// Frame k of a dataset of rows.
+    fn rows<const N: usize>(&self, name: &str, k: usize) -> Result<Vec<[f32; N]>> {
+        let start = k * self.points;
+        let rows = self.root.dataset(name)?.read_slice_2d::<f32, _>((start..start + self.points, ..))?;
+        let row = |row: &[f32]| std::array::from_fn(|i| row.get(i).copied().unwrap_or_default());
+        Ok(rows.outer_iter().map(|r| row(&r.to_vec())).collect())
+    }
+}

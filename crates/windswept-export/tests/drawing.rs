@@ -1,0 +1,181 @@
+//! What is in a picture, measured on the software adapter.
+
+#![allow(clippy::unwrap_used)] // a test may panic
+
+mod groom;
+
+use glam::{DVec3, Vec3};
+use windswept::{AirFrame, Frame};
+use windswept_export::{ExportError, Renderer};
+use windswept_scene::{InitialState, Scene};
+
+use groom::{brightness, difference, draw, frame, gpu, nowhere, pixel, scene, strands};
+
+/// Six strands well apart, one hair each, exactly their own.
+fn six() -> Vec<Vec3> {
+    (0..6).map(|i| Vec3::new(-0.02, 0.005 * i as f32 - 0.0125, 0.0)).collect()
+}
+
+/// A hair is drawn along its strand, and nothing elsewhere.
+#[test]
+fn hair_is_where_it_projects() {
+    let hair = strands(&six(), Vec3::X * 0.04);
+    let renderer = Renderer::new(&gpu(), &scene(&["picture.hairs=6"]), &hair).unwrap();
+    let (drawn, empty) = (draw(&renderer, &hair), renderer.render(&nowhere(&hair)).unwrap());
+    // Not the root, which lies on the edge, nor the last: hairs are up to 35 % shorter than their strand.
+    let seen =
+        hair.positions.iter().enumerate().filter(|(k, _)| (1..5).contains(&(k % 9))).map(|(_, &p)| pixel(&renderer, p));
+    for [x, y] in seen {
+        // A hair sways by up to 2 % of its length, 4 px here.
+        let near = (y as u32 - 6..=y as u32 + 6).map(|y| difference(&drawn, &empty, x as u32, y)).max().unwrap();
+        // Measured 19 to 40 of 255.
+        assert!(near > 9, "nothing at {x:.1}, {y:.1}: {near}");
+    }
+    let rows: Vec<f64> = hair.positions.iter().map(|&p| pixel(&renderer, p)[1]).collect();
+    for (x, y, _) in drawn.enumerate_pixels() {
+        let far = rows.iter().all(|row| (row - f64::from(y)).abs() > 8.0) || !(58..=262).contains(&x);
+        assert!(!far || difference(&drawn, &empty, x, y) == 0, "something at {x}, {y}");
+    }
+}
+
+/// The same frame gives the same bits, again and after another frame.
+#[test]
+fn pictures_repeat() {
+    let gpu = gpu();
+    let (hair, other) = (strands(&six(), Vec3::X * 0.04), strands(&six(), Vec3::new(0.03, -0.02, 0.01)));
+    let scene = scene(&["picture.hairs=600"]);
+    let renderer = Renderer::new(&gpu, &scene, &hair).unwrap();
+    let first = draw(&renderer, &hair);
+    assert_eq!(draw(&renderer, &hair), first);
+    assert_ne!(draw(&renderer, &other), first);
+    assert_eq!(draw(&renderer, &hair), first);
+    assert_eq!(draw(&Renderer::new(&gpu, &scene, &hair).unwrap(), &hair), first);
+}
+
+/// Light comes from above the camera's left shoulder: hair under a dense mat is darker than the same hair without it.
+#[test]
+fn hair_shades_hair() {
+    let row: Vec<Vec3> = (0..40).map(|i| Vec3::new(-0.02, -0.006 + 0.00008 * i as f32, 0.0)).collect();
+    let mat = (0..160).map(|i| Vec3::new(-0.02, 0.004, 0.0002 * i as f32 - 0.012));
+    let both: Vec<Vec3> = row.iter().copied().chain(mat).collect();
+    let gpu = gpu();
+    // 40 hairs a strand both times.
+    let bright = |roots: &[Vec3], hairs: &str| {
+        let hair = strands(roots, Vec3::X * 0.04);
+        let drawn = draw(&Renderer::new(&gpu, &scene(&[hairs]), &hair).unwrap(), &hair);
+        brightness(&drawn, 110..190, 118..126)
+    };
+    let (lit, shaded) = (bright(&row, "picture.hairs=1600"), bright(&both, "picture.hairs=8000"));
+    // Measured 73 of 116.
+    assert!(shaded < 0.8 * lit, "{lit:.0} without the mat, {shaded:.0} with it");
+}
+
+/// Hairs far thinner than a pixel neither vanish nor grow: half as thick, half the cover.
+#[test]
+fn thin_hair_fades() {
+    let gpu = gpu();
+    // The same picture of larger strands from further away, so that the hairs are thinner in it.
+    let cover = |scale: f32| {
+        let roots: Vec<Vec3> = (0..60).map(|i| scale * Vec3::new(-0.02, 0.0004 * i as f32 - 0.0118, 0.0)).collect();
+        let hair = strands(&roots, scale * Vec3::X * 0.04);
+        let eye = format!("camera.eye=[0, 0, {}]", 0.2 * scale);
+        let renderer = Renderer::new(&gpu, &scene(&["picture.hairs=240", &eye]), &hair).unwrap();
+        let (drawn, empty) = (draw(&renderer, &hair), renderer.render(&nowhere(&hair)).unwrap());
+        let all = |picture| brightness(picture, 80..200, 50..150);
+        all(&empty) - all(&drawn)
+    };
+    let (half, quarter, eighth) = (cover(2.0), cover(4.0), cover(8.0));
+    // Measured 1.8 and 2.1: the fewer samples a hair covers, the more is up to chance; margin 1.2.
+    for ratio in [half / quarter, quarter / eighth] {
+        assert!((1.6..2.5).contains(&ratio), "{half:.2}, {quarter:.2}, {eighth:.2}");
+    }
+}
+
+/// The automatic camera has all the hair of quick.toml in its picture, wind from left to right.
+#[test]
+fn the_automatic_camera_frames_the_hair() {
+    let text = include_str!("../../../examples/scenes/quick.toml");
+    for sets in [
+        &[][..],
+        &["hair.roots.direction=[0, -1, 0]"],
+        &["hair.curl={radius=0.008, pitch=0.03}"],
+        &["air.wind=[0, 0, -3]"],
+    ] {
+        let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
+        let scene = Scene::parse_with("quick.toml", text, &sets).unwrap();
+        let initial = InitialState::new(&scene).unwrap().hair;
+        let positions: Vec<[f32; 3]> = initial.positions.iter().map(|x| x.as_vec3().to_array()).collect();
+        let view = windswept_export::View::new(&scene, &positions).unwrap();
+        let inside =
+            |x: DVec3| view.project(x).is_some_and(|[x, y]| (0.0..960.0).contains(&x) && (0.0..540.0).contains(&y));
+        assert!(initial.positions.iter().all(|&x| inside(x)), "{sets:?}: {view:?}");
+        let at = |x: DVec3| view.project(x).unwrap();
+        let (root, downwind) = (initial.positions[0], DVec3::from_array(scene.air.as_ref().unwrap().wind).normalize());
+        assert!(at(root + 0.02 * downwind)[0] > at(root)[0] + 10.0, "{sets:?}");
+        assert!(at(root + 0.02 * DVec3::Y)[1] < at(root)[1] - 10.0, "{sets:?}");
+    }
+}
+
+/// A camera of the scene's is taken as it is.
+#[test]
+fn the_scenes_camera_is_taken() {
+    let hair = strands(&six(), Vec3::X * 0.04);
+    let renderer = Renderer::new(&gpu(), &scene(&["picture.hairs=6"]), &hair).unwrap();
+    let picture = draw(&renderer, &hair);
+    assert_eq!(picture.dimensions(), (320, 200));
+    let [x, y] = renderer.view().project(DVec3::new(0.002, 0.004, 0.0)).unwrap();
+    // 1 px is 0.2 mm; the angle is given to 10 digits.
+    assert!((x - 170.0).abs() < 1e-6 && (y - 80.0).abs() < 1e-6, "{x}, {y}");
+}
+
+/// Strong air shows, calm air does not, hair hides what is behind it.
+#[test]
+fn air_shows_where_it_is_strong() {
+    let hair = strands(&six(), Vec3::X * 0.04);
+    let sets =
+        ["picture.hairs=6", "picture.air=vorticity", "air.wind=[3, 0, 0]", "camera.width=864", "camera.height=540"];
+    let renderer = Renderer::new(&gpu(), &scene(&sets), &hair).unwrap();
+    let places = [[-0.01, 0.017, 0.0], [0.01, 0.017, 0.0]];
+    // Brightest at 3 m/s over two kernel radii of 9.3 mm: 161 1/s.
+    let air = |vorticity: [f32; 2]| AirFrame {
+        positions: places.into(),
+        velocities: vec![[0.0; 3]; 2],
+        vorticity: vorticity.into(),
+        band_energy: vec![],
+    };
+    let drawn = |air: AirFrame| renderer.render(&Frame { air, ..frame(hair.clone()) }).unwrap();
+    let (calm, strong) = (drawn(air([0.0, 0.0])), drawn(air([0.0, 200.0])));
+    let [left, right] = places.map(|p| pixel(&renderer, p).map(|x| x as u32));
+    assert_eq!(difference(&calm, &strong, left[0], left[1]), 0);
+    // Measured 63 of 255.
+    let strong = difference(&calm, &strong, right[0], right[1]);
+    assert!(strong > 25, "{strong}");
+}
+
+/// What cannot be drawn is refused in words, not drawn wrongly.
+#[test]
+fn misfits_are_refused() {
+    let gpu = gpu();
+    let hair = strands(&six(), Vec3::X * 0.04);
+    let refused = |made: Result<Renderer, ExportError>| made.err().map(|e| e.to_string()).unwrap_or_default();
+    for (sets, word) in
+        [(&["camera.eye=[0, 0, 0]"][..], "the same point"), (&["camera.width=100000"], "the adapter draws at most")]
+    {
+        let said = refused(Renderer::new(&gpu, &scene(sets), &hair));
+        assert!(said.contains(word), "{said}");
+    }
+    let empty = strands(&[], Vec3::X);
+    assert!(refused(Renderer::new(&gpu, &scene(&[]), &empty)).contains("no strands"));
+
+    let renderer = Renderer::new(&gpu, &scene(&["picture.hairs=6"]), &hair).unwrap();
+    let said = |frame: &Frame| renderer.render(frame).err().map(|e| e.to_string()).unwrap_or_default();
+    let mut broken = frame(hair.clone());
+    broken.hair.positions[12][1] = f32::NAN;
+    assert!(said(&broken).contains("point 12 is not finite"), "{}", said(&broken));
+    broken.hair.positions.pop();
+    assert!(said(&broken).contains("do not make 6 strands"), "{}", said(&broken));
+    assert!(said(&frame(strands(&six()[..5], Vec3::X))).contains("other strands"));
+    let air = Renderer::new(&gpu, &scene(&["picture.hairs=6", "picture.air=band_energy"]), &hair).unwrap();
+    let said = air.render(&frame(hair)).err().map(|e| e.to_string()).unwrap_or_default();
+    assert!(said.contains("the frame's air has no band_energy"), "{said}");
+}

@@ -1,0 +1,80 @@
+//! Strands to draw, and the software adapter.
+
+#![allow(dead_code, clippy::unwrap_used)] // each test program uses a part of it, and may panic
+
+use glam::Vec3;
+use image::RgbaImage;
+use windswept::{AdapterChoice, Frame, Gpu, HairFrame};
+use windswept_export::{Renderer, image};
+use windswept_scene::Scene;
+
+/// Looks along -z at the origin, from 0.2 m: 1 px is 0.2 mm there, a hair about half a pixel.
+pub(crate) const SCENE: &str = "
+time = { step = 1e-3, duration = 1.0 }
+interaction.model = \"none\"
+camera = { eye = [0, 0, 0.2], target = [0, 0, 0], fov = 11.42118627, width = 320, height = 200 }
+";
+
+pub(crate) fn scene(sets: &[&str]) -> Scene {
+    let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
+    Scene::parse_with("scene", SCENE, &sets).unwrap()
+}
+
+/// The pictures of these tests are those of a software adapter, wherever they run.
+pub(crate) fn gpu() -> Gpu {
+    let gpu = Gpu::new(&AdapterChoice::Software).unwrap();
+    assert_eq!(gpu.info().kind, "software", "{}", gpu.info());
+    gpu
+}
+
+/// A straight strand of 9 points from each root.
+pub(crate) fn strands(roots: &[Vec3], along: Vec3) -> HairFrame {
+    let frame = glam::Quat::from_rotation_arc(Vec3::Z, along.normalize());
+    HairFrame {
+        offsets: (0..=roots.len() as u32).map(|s| 9 * s).collect(),
+        positions: roots
+            .iter()
+            .flat_map(|&root| (0..9).map(move |k| (root + along * k as f32 / 8.0).to_array()))
+            .collect(),
+        velocities: vec![[0.0; 3]; 9 * roots.len()],
+        orientations: vec![frame.to_array(); 8 * roots.len()],
+    }
+}
+
+pub(crate) fn frame(hair: HairFrame) -> Frame {
+    Frame { hair, ..Frame::default() }
+}
+
+/// The hair out of sight.
+pub(crate) fn nowhere(hair: &HairFrame) -> Frame {
+    let mut hair = hair.clone();
+    hair.positions.iter_mut().for_each(|p| p[1] += 100.0);
+    frame(hair)
+}
+
+pub(crate) fn draw(renderer: &Renderer, hair: &HairFrame) -> RgbaImage {
+    renderer.render(&frame(hair.clone())).unwrap()
+}
+
+/// Largest difference of any channel.
+pub(crate) fn difference(a: &RgbaImage, b: &RgbaImage, x: u32, y: u32) -> u8 {
+    let (a, b) = (a.get_pixel(x, y), b.get_pixel(x, y));
+    (0..3).map(|channel| a[channel].abs_diff(b[channel])).max().unwrap()
+}
+
+pub(crate) fn pixel(renderer: &Renderer, point: [f32; 3]) -> [f64; 2] {
+    renderer.view().project(Vec3::from_array(point).as_dvec3()).unwrap()
+}
+
+/// Mean of red, green and blue over a picture's part, 0 to 255.
+pub(crate) fn brightness(picture: &RgbaImage, x: std::ops::Range<u32>, y: std::ops::Range<u32>) -> f64 {
+    let n = f64::from(x.len() as u32 * y.len() as u32);
+    let sum: u32 = y
+        .flat_map(|y| x.clone().map(move |x| (x, y)))
+        .map(|(x, y)| {
+            let p = picture.get_pixel(x, y);
+            u32::from(p[0]) + u32::from(p[1]) + u32::from(p[2])
+        })
+        .sum();
+    f64::from(sum) / 3.0 / n
+}
