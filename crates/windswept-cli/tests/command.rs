@@ -1,60 +1,15 @@
 //! The real program: what it writes, what it leaves alone, how it ends. On the software adapter.
 
+mod support;
+
 use std::fs;
 use std::io::Read;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// 4 strands in about 800 particles of air; 72 steps, 7 frames.
-const SCENE: &str = r#"title = "small"
-[time]
-step = 1.38e-3
-duration = 0.1
-frame_rate = 60.0
-[hair]
-strands = 4
-points = 6
-length = 0.03
-[hair.roots]
-shape = "disc"
-center = [0.01, 0.02, 0.02]
-radius = 0.005
-direction = [1.0, 0.0, 0.0]
-[air]
-box = { min = [0.0, 0.0, 0.0], max = [0.06, 0.04, 0.04] }
-rest_density = 1.29
-particle_mass = 1.46e-7
-kernel_radius = 9.3e-3
-wind = [1.0, 0.0, 0.0]
-fringe = 0.01
-"#;
-
-/// A folder with the scene in it; the program runs there.
-fn folder() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    fs::write(folder.path().join("scene.toml"), SCENE).expect("a scene file");
-    folder
-}
-
-fn windswept(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_windswept"));
-    command.current_dir(folder).args(arguments).stdin(Stdio::null());
-    command
-}
-
-fn run(folder: &Path, more: &[&str]) -> Output {
-    let mut command = windswept(folder, &["run", "scene.toml", "--out", "out", "--adapter", "software"]);
-    command.args(more).output().expect("the program starts")
-}
-
-fn listing(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).expect("a folder");
-    let mut names: Vec<_> = entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
-    names.sort();
-    names
-}
+use support::{SCENE, folder, listing, run, windswept};
 
 fn report(path: &Path) -> serde_json::Value {
     serde_json::from_str(&fs::read_to_string(path).expect("a report")).expect("JSON")
@@ -67,14 +22,16 @@ fn times(path: &Path) -> Vec<f64> {
     values[..usize::try_from(n).expect("a count")].to_vec()
 }
 
-/// A whole run: the four files, the frames at their true times, the scene as it ran, the report in both places.
+/// A whole run: the four files and the pictures, the frames at their true times, the scene as it ran, the report in both places.
 #[test]
 fn a_run_writes_what_it_says() {
     let folder = folder();
     let ran = run(folder.path(), &["--set", "hair.strands=5", "--report", "copy.json"]);
     assert_eq!(ran.status.code(), Some(0), "{ran:?}");
     let out = folder.path().join("out");
-    assert_eq!(listing(&out), ["air.vtkhdf", "hair.vtkhdf", "report.json", "scene.toml"]);
+    let all = ["air.vtkhdf", "frames", "hair.vtkhdf", "preview.gif", "report.json", "scene.toml"];
+    assert_eq!(listing(&out), all);
+    assert_eq!(listing(&out.join("frames")), (0..7).map(|k| format!("{k:04}.png")).collect::<Vec<_>>());
     assert_eq!(String::from_utf8_lossy(&ran.stdout).matches("7 frames, 72 of 72 steps").count(), 1, "{ran:?}");
 
     // Frame k is the state after step round(k / (60 Hz x 1.38 ms)) = round(12.077 k).
@@ -101,14 +58,14 @@ fn a_run_writes_what_it_says() {
 fn a_folder_in_use_is_left_alone() {
     let folder = folder();
     let out = folder.path().join("out");
-    fs::create_dir(&out).expect("a folder");
-    for name in ["notes.txt", "hair.vtkhdf"] {
+    fs::create_dir_all(out.join("frames")).expect("a folder");
+    for name in ["notes.txt", "hair.vtkhdf", "preview.gif", "frames/0007.png", "frames/mine.png"] {
         fs::write(out.join(name), "mine").expect("a file");
     }
     let refused = run(folder.path(), &["--steps", "1"]);
     assert_eq!(refused.status.code(), Some(2), "{refused:?}");
     assert!(String::from_utf8_lossy(&refused.stderr).contains("out: not empty; --overwrite"), "{refused:?}");
-    assert_eq!(listing(&out), ["hair.vtkhdf", "notes.txt"]);
+    assert_eq!(listing(&out), ["frames", "hair.vtkhdf", "notes.txt", "preview.gif"]);
 
     let mut onto_a_file = windswept(folder.path(), &["run", "scene.toml", "--out", "scene.toml", "--overwrite"]);
     let refused = onto_a_file.output().expect("the program starts");
@@ -117,7 +74,8 @@ fn a_folder_in_use_is_left_alone() {
 
     let replaced = run(folder.path(), &["--steps", "1", "--overwrite", "--formats", "none"]);
     assert_eq!(replaced.status.code(), Some(0), "{replaced:?}");
-    assert_eq!(listing(&out), ["notes.txt", "report.json", "scene.toml"]);
+    assert_eq!(listing(&out), ["frames", "notes.txt", "report.json", "scene.toml"]);
+    assert_eq!(listing(&out.join("frames")), ["mine.png"]);
     assert_eq!(fs::read_to_string(out.join("notes.txt")).expect("my notes"), "mine");
 }
 
@@ -125,9 +83,10 @@ fn a_folder_in_use_is_left_alone() {
 #[test]
 fn bad_arguments_write_nothing() {
     for (more, word) in [
-        (&["--formats", "png"][..], "not in this version"),
-        (&["--formats", "vtkhdf,none"], "none stands alone"),
-        (&["--formats", "usd"], "expected vtkhdf or none"),
+        (&["--formats", "vtkhdf,none"][..], "none stands alone"),
+        (&["--formats", "usd"], "expected png, vtkhdf or none"),
+        (&["--set", "camera.eye=[1,1,1]", "--set", "camera.target=[1,1,1]"], "the same point"),
+        (&["--set", "picture.air=band_energy"], "the frame's air has no band_energy"),
         (&["--resume"], "--resume: not in this version"),
         (&["--checkpoint-every", "5"], "--checkpoint-every: not in this version"),
         (&["--steps", "-1"], "-1"),
@@ -167,7 +126,7 @@ fn a_failed_run_keeps_its_frames() {
     assert_eq!(failed.status.code(), Some(1), "{said}");
     assert!(said.contains("non-finite") && said.contains("step 0"), "{said}");
     let out = folder.path().join("out");
-    assert_eq!(listing(&out), ["air.vtkhdf", "hair.vtkhdf", "scene.toml"]);
+    assert_eq!(listing(&out), ["air.vtkhdf", "frames", "hair.vtkhdf", "preview.gif", "scene.toml"]);
     assert_eq!(times(&out.join("hair.vtkhdf")), [0.0]);
 }
 

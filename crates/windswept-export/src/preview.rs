@@ -19,7 +19,7 @@ const PERIOD: f64 = 1.0 / 15.0;
 /// A pixel that changes by no more than this in any channel is left as it is.
 const UNCHANGED: u8 = 7;
 /// Of the palette's training: every so many pixels are looked at.
-const SPEED: i32 = 10;
+const SPEED: i32 = 4;
 
 /// Writes a GIF of pictures as they come, at true speed: up to 3 s from the first one on, about 15 pictures a second, up to
 /// 512 pixels wide, over and over.

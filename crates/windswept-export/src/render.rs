@@ -87,8 +87,8 @@ impl Renderer {
             AirPicture::None => 1.0,
             // The shear layer at the hair: the whole wind over two kernel radii.
             AirPicture::Vorticity => speed / scene.air.as_ref().map_or(1.0, |air| 2.0 * air.kernel_radius),
-            // Eddies as fast as the law lets them grow by default.
-            AirPicture::BandEnergy => 0.5 * (0.3 * speed).powi(2),
+            // Eddies two thirds as fast as the law lets them grow by default.
+            AirPicture::BandEnergy => 0.5 * (0.2 * speed).powi(2),
         };
         let passes = Passes::new(gpu, scene, start, &groom, samples)?;
         let target = Target::new(gpu, view.width, view.height)?;

@@ -11,29 +11,29 @@ use windswept_scene::{InitialState, Scene};
 
 use groom::{brightness, difference, draw, frame, gpu, nowhere, pixel, scene, strands};
 
-/// Six strands well apart, one hair each, exactly their own.
-fn six() -> Vec<Vec3> {
-    (0..6).map(|i| Vec3::new(-0.02, 0.005 * i as f32 - 0.0125, 0.0)).collect()
+/// Three strands well apart.
+fn three() -> Vec<Vec3> {
+    (0..3).map(|i| Vec3::new(-0.02, 0.01 * i as f32 - 0.01, 0.0)).collect()
 }
 
 /// A hair is drawn along its strand, and nothing elsewhere.
 #[test]
 fn hair_is_where_it_projects() {
-    let hair = strands(&six(), Vec3::X * 0.04);
-    let renderer = Renderer::new(&gpu(), &scene(&["picture.hairs=6"]), &hair).unwrap();
+    let hair = strands(&three(), Vec3::X * 0.04);
+    let renderer = Renderer::new(&gpu(), &scene(&["picture.hairs=3"]), &hair).unwrap();
     let (drawn, empty) = (draw(&renderer, &hair), renderer.render(&nowhere(&hair)).unwrap());
     // Not the root, which lies on the edge, nor the last: hairs are up to 35 % shorter than their strand.
     let seen =
         hair.positions.iter().enumerate().filter(|(k, _)| (1..5).contains(&(k % 9))).map(|(_, &p)| pixel(&renderer, p));
     for [x, y] in seen {
-        // A hair sways by up to 2 % of its length, 4 px here.
-        let near = (y as u32 - 6..=y as u32 + 6).map(|y| difference(&drawn, &empty, x as u32, y)).max().unwrap();
-        // Measured 19 to 40 of 255.
-        assert!(near > 9, "nothing at {x:.1}, {y:.1}: {near}");
+        // A hair sways by up to 1 % of its length, one in 25 by 5 %: 10 px here.
+        let near = (y as u32 - 11..=y as u32 + 11).map(|y| difference(&drawn, &empty, x as u32, y)).max().unwrap();
+        // Measured 11 to 40 of 255.
+        assert!(near > 7, "nothing at {x:.1}, {y:.1}: {near}");
     }
     let rows: Vec<f64> = hair.positions.iter().map(|&p| pixel(&renderer, p)[1]).collect();
     for (x, y, _) in drawn.enumerate_pixels() {
-        let far = rows.iter().all(|row| (row - f64::from(y)).abs() > 8.0) || !(58..=262).contains(&x);
+        let far = rows.iter().all(|row| (row - f64::from(y)).abs() > 12.0) || !(58..=262).contains(&x);
         assert!(!far || difference(&drawn, &empty, x, y) == 0, "something at {x}, {y}");
     }
 }
@@ -42,7 +42,7 @@ fn hair_is_where_it_projects() {
 #[test]
 fn pictures_repeat() {
     let gpu = gpu();
-    let (hair, other) = (strands(&six(), Vec3::X * 0.04), strands(&six(), Vec3::new(0.03, -0.02, 0.01)));
+    let (hair, other) = (strands(&three(), Vec3::X * 0.04), strands(&three(), Vec3::new(0.03, -0.02, 0.01)));
     let scene = scene(&["picture.hairs=600"]);
     let renderer = Renderer::new(&gpu, &scene, &hair).unwrap();
     let first = draw(&renderer, &hair);
@@ -119,8 +119,8 @@ fn the_automatic_camera_frames_the_hair() {
 /// A camera of the scene's is taken as it is.
 #[test]
 fn the_scenes_camera_is_taken() {
-    let hair = strands(&six(), Vec3::X * 0.04);
-    let renderer = Renderer::new(&gpu(), &scene(&["picture.hairs=6"]), &hair).unwrap();
+    let hair = strands(&three(), Vec3::X * 0.04);
+    let renderer = Renderer::new(&gpu(), &scene(&["picture.hairs=3"]), &hair).unwrap();
     let picture = draw(&renderer, &hair);
     assert_eq!(picture.dimensions(), (320, 200));
     let [x, y] = renderer.view().project(DVec3::new(0.002, 0.004, 0.0)).unwrap();
@@ -131,9 +131,9 @@ fn the_scenes_camera_is_taken() {
 /// Strong air shows, calm air does not, hair hides what is behind it.
 #[test]
 fn air_shows_where_it_is_strong() {
-    let hair = strands(&six(), Vec3::X * 0.04);
+    let hair = strands(&three(), Vec3::X * 0.04);
     let sets =
-        ["picture.hairs=6", "picture.air=vorticity", "air.wind=[3, 0, 0]", "camera.width=864", "camera.height=540"];
+        ["picture.hairs=3", "picture.air=vorticity", "air.wind=[3, 0, 0]", "camera.width=864", "camera.height=540"];
     let renderer = Renderer::new(&gpu(), &scene(&sets), &hair).unwrap();
     let places = [[-0.01, 0.017, 0.0], [0.01, 0.017, 0.0]];
     // Brightest at 3 m/s over two kernel radii of 9.3 mm: 161 1/s.
@@ -156,7 +156,7 @@ fn air_shows_where_it_is_strong() {
 #[test]
 fn misfits_are_refused() {
     let gpu = gpu();
-    let hair = strands(&six(), Vec3::X * 0.04);
+    let hair = strands(&three(), Vec3::X * 0.04);
     let refused = |made: Result<Renderer, ExportError>| made.err().map(|e| e.to_string()).unwrap_or_default();
     for (sets, word) in
         [(&["camera.eye=[0, 0, 0]"][..], "the same point"), (&["camera.width=100000"], "the adapter draws at most")]
@@ -167,15 +167,15 @@ fn misfits_are_refused() {
     let empty = strands(&[], Vec3::X);
     assert!(refused(Renderer::new(&gpu, &scene(&[]), &empty)).contains("no strands"));
 
-    let renderer = Renderer::new(&gpu, &scene(&["picture.hairs=6"]), &hair).unwrap();
+    let renderer = Renderer::new(&gpu, &scene(&["picture.hairs=3"]), &hair).unwrap();
     let said = |frame: &Frame| renderer.render(frame).err().map(|e| e.to_string()).unwrap_or_default();
     let mut broken = frame(hair.clone());
     broken.hair.positions[12][1] = f32::NAN;
     assert!(said(&broken).contains("point 12 is not finite"), "{}", said(&broken));
     broken.hair.positions.pop();
-    assert!(said(&broken).contains("do not make 6 strands"), "{}", said(&broken));
-    assert!(said(&frame(strands(&six()[..5], Vec3::X))).contains("other strands"));
-    let air = Renderer::new(&gpu, &scene(&["picture.hairs=6", "picture.air=band_energy"]), &hair).unwrap();
+    assert!(said(&broken).contains("do not make 3 strands"), "{}", said(&broken));
+    assert!(said(&frame(strands(&three()[..2], Vec3::X))).contains("other strands"));
+    let air = Renderer::new(&gpu, &scene(&["picture.hairs=3", "picture.air=band_energy"]), &hair).unwrap();
     let said = air.render(&frame(hair)).err().map(|e| e.to_string()).unwrap_or_default();
     assert!(said.contains("the frame's air has no band_energy"), "{said}");
 }

@@ -30,7 +30,7 @@ fn look(folder: &Path, picture: &RgbaImage, last: &RgbaImage) -> (String, f64) {
     (found.into(), error.parse().unwrap())
 }
 
-/// A film of drawn hair, 4 s at 60 frames a second: the PNG has every pixel, the GIF 45 pictures in 3 s, for ever.
+/// A film of drawn hair, 4 s at 60 frames a second: the PNG has every pixel, the GIF 45 pictures in just under 3 s, for ever.
 #[test]
 fn pillow_opens_what_was_drawn() {
     let roots: Vec<Vec3> = (0..60).map(|i| Vec3::new(-0.02, 0.0004 * i as f32 - 0.0118, 0.0)).collect();
@@ -53,9 +53,9 @@ fn pillow_opens_what_was_drawn() {
     write_png(folder.path().join("picture.png"), &last).unwrap();
     let (found, error) = look(folder.path(), &last, &last);
     // 6 or 7 hundredths of a second each.
-    assert_eq!(found, "GIF 512 320 0 45 3000 60 70");
-    // Measured 3.0 of 255: 256 colours, and what changes little is left; margin 2.
-    assert!(error < 6.0, "{error}");
+    assert_eq!(found, "GIF 512 320 0 45 2990 60 70");
+    // Measured 0.8 of 255: 256 colours, and what changes little is left; margin 2.
+    assert!(error < 1.6, "{error}");
     let bytes = std::fs::metadata(folder.path().join("preview.gif")).unwrap().len();
     assert!(bytes < 3_000_000, "{bytes} bytes");
 }
@@ -74,8 +74,8 @@ fn short_films_are_films() {
     write_png(folder.path().join("picture.png"), &picture).unwrap();
     let (found, error) = look(folder.path(), &picture, &picture);
     assert_eq!(found, "GIF 64 48 0 1 60 60 60");
-    // Measured 2.4: 3072 colours in 256; margin 2.
-    assert!(error < 5.0, "{error}");
+    // Measured 5.5: 3072 colours in 256; margin 1.5.
+    assert!(error < 8.0, "{error}");
 }
 
 /// Four pictures make two rows of two, with a line between; sizes must agree.

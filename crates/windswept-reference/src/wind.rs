@@ -64,9 +64,6 @@ pub fn drag(p: &Parameters, hair: &Strands, wind: DVec3, x: &[DVec3], v: &[DVec3
         }
     }
     let change = |i: usize| {
-        if inverse_mass[i] == 0.0 {
-            return DVec3::ZERO;
-        }
         let share = p.step * inverse_mass[i];
         (DMat3::IDENTITY + share * resistance[i]).inverse() * (share * (resistance[i] * (wind - v[i]) + lift[i]))
     };

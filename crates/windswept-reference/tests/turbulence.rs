@@ -4,10 +4,10 @@
 
 mod support;
 
-use glam::DVec3;
-use support::{Crowd, MASS, RADIUS, SIMPLE, VOLUME, air, apart, jittered, lattice, scene, stirred};
+use glam::{DQuat, DVec3};
+use support::{Crowd, MASS, RADIUS, Rod, SIMPLE, VOLUME, air, apart, jittered, lattice, scene, stirred};
 use windswept_reference::{Parameters, State, sph_kernels::spiky_slope, step::step, turbulence};
-use windswept_scene::{Band, Law, Scene};
+use windswept_scene::{Band, InitialState, Law, Scene};
 
 const BAND: Band = Band { scale: 6e-3, strength: 3.0, intensity: 0.3 };
 
@@ -155,12 +155,13 @@ fn the_fringe_is_left_alone() {
     }
 }
 
-/// Hair gets nothing, air loses the mean: Σ m Δv over air is rounding.
+/// Hair gets nothing, even clamped and even where it curls; air loses the mean: Σ m Δv over air is rounding.
 #[test]
 fn the_mean_change_is_taken_out() {
     let mut crowd = Crowd::mixed(1_000, 37);
     crowd.parameters.turbulence_speed = 3.0;
     crowd.inverse_mass[333..].fill(1.0 / MASS);
+    crowd.inverse_mass[..2].fill(0.0);
     let (p, v) = (&crowd.parameters, stirred(1_000, 38));
     let slow: Vec<DVec3> = v.iter().map(|v| 0.1 * *v).collect();
     let change = confine(&crowd, &BAND, &slow, &v);
@@ -174,6 +175,39 @@ fn the_mean_change_is_taken_out() {
     assert!(sum < 1e-12 * whole && before.length() > 1e-3 * whole, "{sum}, {before}");
     assert_eq!((&after[..333], &change[..333]), (&v[..333], &[DVec3::ZERO; 333][..]));
     assert!((before - 667.0 * MASS * mean).length() < 1e-12 * whole);
+    crowd.parameters.law = Law::Published;
+    let published = confine(&crowd, &BAND, &slow, &v);
+    assert!(
+        published[..333].iter().all(|dv| *dv == DVec3::ZERO) && published[333..].iter().all(|dv| dv.length() > 0.0)
+    );
+}
+
+/// To the band law hair is not there: air beside it is strengthened as it is without.
+#[test]
+fn the_band_law_sees_no_hair() {
+    let mut crowd = Crowd::mixed(1_000, 41);
+    crowd.parameters.turbulence_speed = 3.0;
+    let v: Vec<DVec3> = stirred(1_000, 42).iter().map(|v| 0.1 * *v).collect();
+    let among = confine(&crowd, &BAND, &v, &v);
+    crowd.positions[..333].fill(DVec3::splat(9.0));
+    assert!(among == confine(&crowd, &BAND, &v, &v) && among[333..].iter().all(|dv| dv.length() > 0.0));
+}
+
+/// A band without strength, the band law without speed, and any without air are left out.
+#[test]
+fn what_does_nothing_is_left_out() {
+    let bands = "bands = [{ scale = 0.006, strength = 3.0, intensity = 0.3 }, { scale = 0.009, strength = 0.0, intensity = 0.3 }]";
+    let scales = |keys: &str| stirred_box(1.0, keys).1.bands.iter().map(|band| band.scale).collect::<Vec<_>>();
+    assert_eq!(scales(bands), [0.006]);
+    assert_eq!(scales(&format!("speed = 0.0\n{bands}")), [0.0; 0]);
+    assert_eq!(scales(&format!("law = \"published\"\nspeed = 0.0\n{bands}")), [0.006]);
+    // Strands alone in the wind: the step has no list of neighbours, and needs none.
+    let rod = Rod { segments: 4, length: 0.04, gamma: 1.0, darboux: DVec3::ZERO, root_frame: DQuat::IDENTITY };
+    let initial = InitialState { hair: rod.strand(DVec3::ZERO), ..InitialState::default() };
+    let drag = format!("[air]\nwind = [3.0, 0.0, 0.0]\n[interaction]\nmodel = \"drag\"\n[turbulence]\n{bands}");
+    let (p, mut state) = (Parameters::new(&scene(&drag), &initial), State::new(&initial));
+    step(&mut state, &p).unwrap();
+    assert!(p.bands.is_empty() && !p.air && state.velocity[4].x > 0.0);
 }
 
 /// The printed law for a hair point and two air particles, worked by hand in mg, mm and s (a script of its own).

@@ -57,7 +57,10 @@ fn demo() -> Result {
     run(&mut cargo)?;
     println!(
         "
-The results are in out/quick:
+The pictures are in out/quick:
+  preview.gif   a second of the film; any browser plays it
+  frames/       its 61 pictures, 0000.png to 0060.png
+Beside them:
   hair.vtkhdf   the strands, every frame: open it in ParaView, Apply, press play
   air.vtkhdf    the air, every frame: the same; colour by velocity
   report.json   what ran, on what, how fast, how accurate

@@ -10,7 +10,7 @@ struct Vertex {
 }
 
 // Of a point, at the distance of the picture's middle [px of 540].
-const SIZE: f32 = 4.5;
+const SIZE: f32 = 6.5;
 
 @vertex
 fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) particle: u32) -> Vertex {
@@ -39,5 +39,5 @@ fn fragment(in: Vertex) -> @location(0) vec4f {
     let soft = max(1.0 - dot(in.at, in.at), 0.0);
     // The part of the map that stands out from a light wall, purple to orange.
     let colour = clamp(inferno(0.25 + 0.5 * value), vec3f(0.0), vec3f(1.0));
-    return vec4f(pow(colour, vec3f(2.2)), 0.6 * soft * soft * value);
+    return vec4f(pow(colour, vec3f(2.2)), 0.8 * soft * soft * value);
 }

@@ -39,7 +39,8 @@ fn patch_vertex(@location(0) x: vec3f, @location(1) normal: vec3f) -> Patch {
 fn patch_fragment(in: Patch) -> @location(0) vec4f {
     let normal = normalize(in.normal);
     let to_eye = normalize(view.eye.xyz - in.x);
-    var sum = vec3f(0.0);
+    // What the wall throws back.
+    var sum = vec3f(0.45);
     for (var light = 0u; light < 2u; light++) {
         let toward = view.lights[light].toward.xyz;
         let shine = 0.25 * pow(max(dot(normal, normalize(toward + to_eye)), 0.0), 24.0);

@@ -48,7 +48,7 @@ impl View {
 
     fn of(camera: &Camera) -> Result<Self, ExportError> {
         let (eye, target) = (DVec3::from_array(camera.eye), DVec3::from_array(camera.target));
-        if !(eye.distance(target) > 1e-9) {
+        if eye.distance(target) < 1e-9 {
             return Err(ExportError::Picture {
                 problem: "camera.eye and camera.target are the same point: expected two".into(),
             });

@@ -1,0 +1,144 @@
+//! `windswept render`, and what `run` does about pictures. On the software adapter.
+
+#![allow(clippy::expect_used)] // a test may panic
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use support::{folder, listing, run, windswept};
+
+/// What the program says and its status.
+fn render(folder: &Path, more: &[&str]) -> (Option<i32>, String) {
+    let mut command = windswept(folder, &["render", "out", "--adapter", "software"]);
+    let ran = command.args(more).output().expect("the program starts");
+    let said = [ran.stdout, ran.stderr].concat();
+    (ran.status.code(), String::from_utf8_lossy(&said).into_owned())
+}
+
+fn pictures(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let frames = folder.join("out/frames");
+    let read = |name: String| {
+        let bytes = fs::read(frames.join(&name)).expect("a picture");
+        (name, bytes)
+    };
+    listing(&frames).into_iter().map(read).collect()
+}
+
+/// Pictures made afterwards are those that the run made, to the bit; some of them, or others, on request.
+#[test]
+fn render_makes_the_runs_pictures() {
+    let folder = folder();
+    let folder = folder.path();
+    assert_eq!(run(folder, &["--set", "picture.air=vorticity"]).status.code(), Some(0));
+    let (first, film) = (pictures(folder), fs::read(folder.join("out/preview.gif")).expect("a preview"));
+    assert_eq!(first.len(), 7);
+    assert!(first.windows(2).all(|w| w[0].1 != w[1].1), "two frames look the same");
+
+    let (status, said) = render(folder, &[]);
+    assert!(status == Some(2) && said.contains("--overwrite"), "{said}");
+    let (status, said) = render(folder, &["--overwrite"]);
+    assert!(status == Some(0) && said.contains("7 of 7 pictures"), "{said}");
+    assert!(pictures(folder) == first, "not the run's pictures");
+    assert!(fs::read(folder.join("out/preview.gif")).expect("a preview") == film, "not the run's preview");
+
+    let (status, said) = render(folder, &["--overwrite", "--frames", "2..6", "--every", "3"]);
+    assert_eq!(status, Some(0), "{said}");
+    assert!(pictures(folder) == [first[2].clone(), first[5].clone()], "not frames 2 and 5");
+
+    let (status, said) = render(folder, &["--overwrite", "--set", "picture.hairs=80", "--frames", "2..3"]);
+    assert_eq!(status, Some(0), "{said}");
+    assert!(pictures(folder)[0].1 != first[2].1, "as many hairs as before");
+}
+
+/// Frames side by side, in DIR or where asked, without touching the other pictures.
+#[test]
+fn a_contact_sheet_is_one_picture() {
+    let folder = folder();
+    let folder = folder.path();
+    assert_eq!(run(folder, &["--formats", "vtkhdf"]).status.code(), Some(0));
+    let (status, said) = render(folder, &["--contact-sheet", "0,0.05,0.1"]);
+    // Frames 0, 3 and 6 of 7, at whole steps.
+    assert!(status == Some(0) && said.contains("t = 0.000, 0.050, 0.099 s"), "{said}");
+    let sheet = folder.join("out/contact-sheet.png");
+    let bytes = fs::read(&sheet).expect("a sheet");
+    // Three pictures of 960 x 540, 4 px apart, as a PNG says it: big-endian, after 16 bytes.
+    assert_eq!(bytes[16..24], [2888_u32.to_be_bytes(), 540_u32.to_be_bytes()].concat());
+    assert_eq!(
+        listing(&folder.join("out")),
+        ["air.vtkhdf", "contact-sheet.png", "hair.vtkhdf", "report.json", "scene.toml"]
+    );
+    let (status, said) = render(folder, &["--contact-sheet", "0"]);
+    assert!(status == Some(2) && said.contains("is there already"), "{said}");
+    let (status, said) = render(folder, &["--contact-sheet", "0", "--out", "sheet.png"]);
+    assert_eq!(status, Some(0), "{said}");
+    assert!(folder.join("sheet.png").is_file());
+}
+
+/// Without vtkhdf there are only pictures; and from those no others can be made.
+#[test]
+fn pictures_alone() {
+    let folder = folder();
+    let folder = folder.path();
+    assert_eq!(run(folder, &["--formats", "png", "--steps", "12"]).status.code(), Some(0));
+    assert_eq!(listing(&folder.join("out")), ["frames", "preview.gif", "report.json", "scene.toml"]);
+    let (status, said) = render(folder, &["--overwrite"]);
+    assert!(status == Some(2) && said.contains("hair.vtkhdf: is missing"), "{said}");
+    assert_eq!(pictures(folder).len(), 2);
+}
+
+/// What cannot be rendered ends with status 2, names what is missing, and leaves the pictures that were there.
+#[test]
+fn bad_requests_touch_nothing() {
+    let folder = folder();
+    let folder = folder.path();
+    let (status, said) = render(folder, &[]);
+    assert!(status == Some(2) && said.contains("out: no such folder"), "{said}");
+    assert_eq!(run(folder, &["--steps", "12"]).status.code(), Some(0));
+    let before = pictures(folder);
+    for (more, word) in [
+        (&["--frames", "9..12"][..], "has frames 0 to 1"),
+        (&["--frames", "3..1"], "expected A..B"),
+        (&["--every", "0"], "0"),
+        (&["--set", "air.wind=[9, 0, 0]"], "only keys of camera and picture"),
+        (&["--set", "picture.hair=9"], "picture.hairs"),
+        (&["--set", "picture.hairs=2000000"], "expected at most 1000000"),
+        (&["--set", "picture.air=vorticity"], "the frame's air has no vorticity"),
+        (&["--set", "camera.eye=[1,1,1]", "--set", "camera.target=[1,1,1]"], "the same point"),
+        (&["--contact-sheet", "5"], "the run has frames from 0 to 0.017 s"),
+        (&["--contact-sheet", "0", "--out", "nowhere/sheet.png"], "expected a file in a folder that is there"),
+        (&["--contact-sheet", "NaN"], "NaN"),
+        (&["--out", "sheet.png"], "--contact-sheet"),
+    ] {
+        let (status, said) = render(folder, &[&["--overwrite"], more].concat());
+        assert!(status == Some(2) && said.contains(word), "{more:?}: {said}");
+        assert!(pictures(folder) == before, "{more:?}");
+    }
+    fs::write(folder.join("out/hair.vtkhdf"), "no film").expect("a file");
+    let (status, said) = render(folder, &["--overwrite"]);
+    assert!(status == Some(2) && said.contains("hair.vtkhdf: could not be read"), "{said}");
+    fs::remove_file(folder.join("out/scene.toml")).expect("a file");
+    let (status, said) = render(folder, &["--overwrite"]);
+    assert!(status == Some(2) && said.contains("scene.toml: is missing"), "{said}");
+    assert!(pictures(folder) == before);
+}
+
+/// Pictures that fail under way leave the simulation's files whole; the run says so and ends with status 1.
+#[cfg(unix)]
+#[test]
+fn a_failed_picture_loses_no_frame() {
+    let folder = folder();
+    let folder = folder.path();
+    // A file of the user's where the pictures' folder should be.
+    fs::create_dir(folder.join("out")).expect("a folder");
+    fs::write(folder.join("out/frames"), "mine").expect("a file");
+    let ran = run(folder, &["--overwrite", "--steps", "12"]);
+    let said = String::from_utf8_lossy(&ran.stderr).into_owned();
+    assert_eq!(ran.status.code(), Some(1), "{said}");
+    assert!(said.contains("no more pictures") && said.contains("frames cannot be made"), "{said}");
+    assert_eq!(listing(&folder.join("out")), ["air.vtkhdf", "frames", "hair.vtkhdf", "report.json", "scene.toml"]);
+    fs::remove_file(folder.join("out/frames")).expect("a file");
+    let (status, said) = render(folder, &[]);
+    assert!(status == Some(0) && said.contains("2 of 2 pictures"), "{said}");
+}

@@ -1,0 +1,58 @@
+//! A small scene, and the program run on it.
+
+#![allow(dead_code, clippy::expect_used)] // each test program uses a part of it, and may panic
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+/// 4 strands in about 800 particles of air; 72 steps, 7 frames.
+pub(crate) const SCENE: &str = r#"title = "small"
+[time]
+step = 1.38e-3
+duration = 0.1
+frame_rate = 60.0
+[hair]
+strands = 4
+points = 6
+length = 0.03
+[hair.roots]
+shape = "disc"
+center = [0.01, 0.02, 0.02]
+radius = 0.005
+direction = [1.0, 0.0, 0.0]
+[air]
+box = { min = [0.0, 0.0, 0.0], max = [0.06, 0.04, 0.04] }
+rest_density = 1.29
+particle_mass = 1.46e-7
+kernel_radius = 9.3e-3
+wind = [1.0, 0.0, 0.0]
+fringe = 0.01
+[picture]
+hairs = 40
+"#;
+
+/// A folder with the scene in it; the program runs there.
+pub(crate) fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("scene.toml"), SCENE).expect("a scene file");
+    folder
+}
+
+pub(crate) fn windswept(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_windswept"));
+    command.current_dir(folder).args(arguments).stdin(Stdio::null());
+    command
+}
+
+pub(crate) fn run(folder: &Path, more: &[&str]) -> Output {
+    let mut command = windswept(folder, &["run", "scene.toml", "--out", "out", "--adapter", "software"]);
+    command.args(more).output().expect("the program starts")
+}
+
+pub(crate) fn listing(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("a folder");
+    let mut names: Vec<_> = entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}

@@ -1,0 +1,94 @@
+//! The scenes of the paper's figures: all of them say what the paper says, and a small one streams, with a wake.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod support;
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+use windswept::{Simulation, plan};
+use windswept_scene::{InitialState, Method, Model, Scene};
+
+const FIGURES: [&str; 6] = ["fig2a", "fig2b", "fig3a", "fig3b", "fig3c", "fig4"];
+
+fn load(name: &str) -> Scene {
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("examples/scenes/{name}.toml"));
+    Scene::load(&file).unwrap()
+}
+
+/// Section 4 and table 1 of the paper, figure by figure, and the small copies.
+#[test]
+fn figures_have_the_papers_parameters() {
+    for name in FIGURES {
+        let scale = if name == "fig3c" { 0.018 } else { 0.006 };
+        let hair_viscosity = if name == "fig3b" { 0.05 } else { 1.4 };
+        for (file, strands, length, air) in
+            [(name.to_owned(), 550, 0.35, 200_000.0), (format!("small/{name}"), 70, 0.12, 20_000.0)]
+        {
+            let scene = load(&file);
+            let initial = InitialState::new(&scene).unwrap();
+            assert_eq!((scene.time.step, scene.method), (1.38e-3, Method::Accurate), "{file}");
+            assert_eq!((scene.hair[0].strands, scene.hair[0].length), (strands, length), "{file}");
+            assert_eq!(scene.air.as_ref().unwrap().wind, [3.0, 0.0, 0.0], "{file}");
+            assert_eq!(scene.hair[0].curl.is_some(), name == "fig4", "{file}");
+            if name == "fig2a" {
+                assert_eq!((scene.model, initial.air.positions.len()), (Model::Drag, 0), "{file}");
+                assert!(plan::table(&scene).unwrap().iter().all(|row| row.runs == 0 || !row.pass.starts_with("fluid/p")));
+                continue;
+            }
+            let particles = initial.air.positions.len() as f64;
+            assert!((particles / air - 1.0).abs() < 0.06, "{file}: {particles} air particles");
+            assert_eq!((scene.viscosity.hair, scene.viscosity.air), (hair_viscosity, 0.014), "{file}");
+            assert_eq!(scene.turbulence.bands.iter().map(|band| band.scale).collect::<Vec<_>>(), [scale], "{file}");
+            let row = plan::table(&scene).unwrap().into_iter().find(|row| row.pass == "turbulence/confine").unwrap();
+            assert_eq!((row.runs, row.skipped), (1, None), "{file}");
+        }
+    }
+}
+
+/// The small fig2b after 0.25 s: nothing non-finite, stretch below 3 %, the wind kept, hair downwind of its roots, and
+/// at least 3 times the band energy behind the hair of that beside it.
+#[test]
+fn hair_streams_and_leaves_a_wake() {
+    let scene = load("small/fig2b");
+    let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
+    simulation.step(180).unwrap();
+    let frame = simulation.frame().unwrap();
+    let energy = simulation.band_energy().unwrap();
+    let report = simulation.report().unwrap();
+    let vector = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from));
+
+    let stretch = report.max_stretch.unwrap();
+    // Measured 0.008.
+    assert!(stretch < 0.03, "stretch {stretch}");
+    let air = &simulation.initial().air;
+    let flux = frame.air.velocities.iter().map(vector).sum::<DVec3>() * air.volume / air.size.element_product();
+    println!("stretch {stretch:.4}, volume flux {flux:.3} m/s");
+    assert!((flux - DVec3::X * 3.0).length() < 0.05 * 3.0, "the wind is {flux} m/s");
+    for strand in frame.hair.offsets.windows(2) {
+        let (root, tip) = (strand[0] as usize, strand[1] as usize - 1);
+        let span = vector(&frame.hair.positions[tip]) - vector(&frame.hair.positions[root]);
+        assert!(span.x > 0.6 * 0.12 && span.is_finite(), "a tip is {span} from its root");
+    }
+
+    // Behind: downwind of the hair, within its width and height; beside: as far downwind, 15 mm or more outside of them.
+    let hair: Vec<DVec3> = frame.hair.positions.iter().map(vector).collect();
+    let low = hair.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = hair.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let mut sums = [(0.0, 0); 2];
+    for (x, energy) in frame.air.positions.iter().map(vector).zip(&energy) {
+        let outside = (low - x).max(x - high).with_x(0.0).max_element();
+        let place = match outside {
+            far if far > 0.015 => 1,
+            within if within <= 0.0 => 0,
+            _ => continue,
+        };
+        if x.x > high.x && x.x < high.x + 0.04 {
+            sums[place] = (sums[place].0 + f64::from(*energy), sums[place].1 + 1);
+        }
+    }
+    let [behind, beside] = sums.map(|(sum, n)| sum / f64::from(n));
+    println!("band energy {behind:.2e} m²/s² behind ({}), {beside:.2e} beside ({})", sums[0].1, sums[1].1);
+    // Measured more than 50 times.
+    assert!(sums[0].1 > 100 && sums[1].1 > 100 && behind > 3.0 * beside, "no wake: {behind} behind, {beside} beside");
+}
