@@ -159,7 +159,7 @@ impl FinishedRun {
     fn choose(&self, options: &RenderOptions) -> Result<Vec<usize>, Failure> {
         let there = self.times().len();
         let Range { from, to } = options.frames.unwrap_or(Range { from: 0, to: None });
-        let chosen: Vec<_> = (from..to.unwrap_or(there).min(there)).step_by(1).collect();
+        let chosen: Vec<_> = (from..to.unwrap_or(there).min(there)).step_by(options.every.get()).collect();
         if chosen.is_empty() {
             let dir = self.dir.display();
             return Err(Failure::Input(format!("--frames: {dir} has frames 0 to {}", there - 1)));

@@ -10,9 +10,6 @@ use crate::{
 /// Air nearer than this to a hair point, in particle spacings, is left out: a sphere of one particle's volume.
 const CLEARANCE: f64 = 0.62;
 
-/// Part of the box that hair may take, at most; more would leave air without mass.
-const LARGEST_SHARE: f64 = 0.5;
-
 impl Air {
     /// Part of the wind that has risen at `time` \[s\]: 0 to 1.
     #[must_use]
@@ -77,9 +74,8 @@ pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands) -> AirPartic
             positions.push(min + pitch * (site + 0.5));
         }
     }
-    let whole = size.element_product();
-    let hair = hair.volume.iter().sum::<f64>().min(LARGEST_SHARE * whole);
-    let volume = if positions.is_empty() { 0.0 } else { (whole - hair) / positions.len() as f64 };
+    let left = size.element_product() - hair.volume.iter().sum::<f64>();
+    let volume = if positions.is_empty() { 0.0 } else { left / positions.len() as f64 };
     AirParticles {
         min,
         size,
