@@ -10,6 +10,9 @@ use crate::{
 /// Air nearer than this to a hair point, in particle spacings, is left out: a sphere of one particle's volume.
 const CLEARANCE: f64 = 0.62;
 
+/// Part of the box that hair to be blown in may take, at most.
+const LARGEST_SHARE: f64 = 0.5;
+
 impl Air {
     /// Part of the wind that has risen at `time` \[s\]: 0 to 1.
     #[must_use]
@@ -46,9 +49,13 @@ pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands) -> AirPartic
     let [nx, ny, nz] = counts.to_array().map(|n| n as usize);
 
     let mut taken = vec![false; nx * ny * nz];
+    let mut inside = 0.0;
     let reach = CLEARANCE * spacing;
-    for point in &hair.positions {
+    for (point, volume) in hair.positions.iter().zip(&hair.volume) {
         let x = *point - min;
+        if x.cmpge(DVec3::ZERO).all() && x.cmplt(size).all() {
+            inside += volume;
+        }
         let first = ((x - reach) / pitch - 0.5).ceil().max(DVec3::ZERO);
         let last = ((x + reach) / pitch - 0.5).floor().min(counts - 1.0);
         if first.cmpgt(last).any() {
@@ -74,8 +81,10 @@ pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands) -> AirPartic
             positions.push(min + pitch * (site + 0.5));
         }
     }
-    let left = size.element_product() - hair.volume.iter().sum::<f64>();
-    let volume = if positions.is_empty() { 0.0 } else { left / positions.len() as f64 };
+    let whole = size.element_product();
+    let all = hair.volume.iter().sum::<f64>();
+    let hair = inside.max(all.min(LARGEST_SHARE * whole));
+    let volume = if positions.is_empty() { 0.0 } else { (whole - hair) / positions.len() as f64 };
     AirParticles {
         min,
         size,
