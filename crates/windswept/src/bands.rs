@@ -52,8 +52,8 @@ const LARGEST_BLOCK: u32 = 8;
 /// Particles that a lane of the filter takes, and workgroups of a block: `SUMS` and `SHARES` of `turbulence/band.wgsl`.
 const SUMS: f64 = 8.0;
 const SHARES: u32 = 4;
-/// Pairs that one dispatch of the filter looks at, at most: a software adapter does some 4e8 a second on two cores, and
-/// no dispatch may take 2 s.
+/// Pairs that one dispatch of the filter looks at, at most: 0.1 s of a software adapter on two cores, and no dispatch may
+/// take 2 s on any.
 const PAIRS: f64 = 2e8;
 /// Particles that one invocation of the filter walks over, at most, where they are spread evenly: Mesa's software adapter
 /// ends the loops of an invocation after 65 535 rounds in all, without a word.
