@@ -46,8 +46,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         return;
     }
     let part = speed / band.largest_speed;
-    var change = params.step * band.strength * speed * max(0.0, 1.0 - part * part) * along;
-    let length = length(change);
-    if length > LARGEST * speed { change *= LARGEST * speed / length; }
-    confinement[i] += vec4f(change, 0.0);
+    let gain = params.step * band.strength * speed * max(0.0, 1.0 - part * part);
+    let turning = length(along);
+    if turning > 0.0 { confinement[i] += vec4f(min(gain, LARGEST * speed / turning) * along, 0.0); }
 }

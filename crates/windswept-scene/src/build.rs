@@ -10,6 +10,8 @@ const MOST_PARTICLES: u32 = 100_000_000;
 const MOST_HAIR_POINTS: u32 = 1 << 24;
 /// Ten heads of hair.
 const MOST_HAIRS: u32 = 1_000_000;
+/// Of the direct filter in one step: minutes on a software adapter.
+const MOST_PAIRS: f64 = 1e11;
 /// Three along each axis: with fewer a particle would meet its own image.
 const LEAST_PARTICLES: f64 = 27.0;
 
@@ -40,7 +42,7 @@ impl Reader<'_> {
                 relaxation: self.number("fluid.relaxation")?,
                 tension: self.number("fluid.tension")?,
             },
-            turbulence: self.turbulence(wind)?,
+            turbulence: self.turbulence(wind, air.as_ref())?,
             viscosity: Viscosity {
                 hair: self.viscosity("hair", radius, time.step)?,
                 air: self.viscosity("air", radius, time.step)?,
@@ -81,17 +83,25 @@ impl Reader<'_> {
         Ok(time)
     }
 
-    fn turbulence(&self, wind: f64) -> Result<Turbulence, SceneError> {
+    fn turbulence(&self, wind: f64, air: Option<&Air>) -> Result<Turbulence, SceneError> {
+        let cutoff = self.number("turbulence.cutoff")?;
         let bands = (0..self.tables("turbulence.bands")).map(|i| {
             let at = |name: &str| self.number(&format!("turbulence.bands.{i}.{name}"));
-            Ok(Band { scale: at("scale")?, strength: at("strength")?, intensity: at("intensity")? })
+            let band = Band { scale: at("scale")?, strength: at("strength")?, intensity: at("intensity")? };
+            let pairs = air.map_or(0.0, |air| pairs(air, cutoff * band.scale));
+            if pairs > MOST_PAIRS {
+                let fits = band.scale * (MOST_PAIRS / pairs).cbrt();
+                let words = format!("the direct filter would sum {pairs:.1e} pairs a step; expected at most {fits:.2e} m");
+                return Err(self.fault(&format!("turbulence.bands.{i}.scale"), words));
+            }
+            Ok(band)
         });
         Ok(Turbulence {
             bands: bands.collect::<Result<_, _>>()?,
             speed: self.maybe_number("turbulence.speed")?.unwrap_or(wind),
             law: self.choice("turbulence.law")?,
             filter: self.choice("turbulence.filter")?,
-            cutoff: self.number("turbulence.cutoff")?,
+            cutoff,
             normalise: self.flag("turbulence.normalise")?,
         })
     }
@@ -288,6 +298,12 @@ impl Reader<'_> {
             poissons_ratio,
         })
     }
+}
+
+/// Pairs of air particles within `reach` \[m\], periodic images included.
+fn pairs(air: &Air, reach: f64) -> f64 {
+    let volume = air.bounds.map_or(0.0, |bounds| (0..3).map(|axis| bounds.max[axis] - bounds.min[axis]).product());
+    volume / air.parcel() * (4.0 / 3.0 * std::f64::consts::PI * reach.powi(3) / air.parcel())
 }
 
 /// The direction of a vector that is not zero. One that is a direction is left alone, so that writing a scene and

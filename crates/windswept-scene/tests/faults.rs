@@ -93,6 +93,7 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[turbulence]\nbands = [{ scale = 0 }]\n[air]", 12, "turbulence.bands.0.scale", &["greater than 0"]),
     ("[air]", "[[turbulence.bands]]\nstrength = 2\n[air]", 11, "turbulence.bands.0.scale", &["is missing"]),
     ("[air]", "[turbulence]\nbands = [{ scale = 1, intensity = 0 }]\n[air]", 12, "turbulence.bands.0.intensity", &["greater than 0"]),
+    ("[air]", "[turbulence]\nbands = [{ scale = 0.5 }]\n[air]", 12, "turbulence.bands.0.scale", &["pairs a step; expected at most"]),
     ("[air]", "[turbulence]\ncutoff = nan\n[air]", 12, "turbulence.cutoff", &["found nan"]),
     ("[air]", "[turbulence]\nlaw = \"bands\"\n[air]", 12, "turbulence.law", &["\"band\", \"published\""]),
     ("[air]", "[turbulence]\nbands = [3]\n[air]", 12, "turbulence.bands", &["array of tables", "found 3 in it"]),
