@@ -119,7 +119,11 @@ impl FinishedRun {
         if !dir.is_dir() {
             return Err(Failure::Input(format!("{}: no such folder; expected that of a run", dir.display())));
         }
-        if let Some(set) = options.sets.iter().find(|set| !set.starts_with("camera.") && !set.starts_with("picture.")) {
+        let of_pictures = |set: &str| {
+            let table = set.split(['.', '=']).next().unwrap_or_default().trim();
+            ["camera", "picture"].contains(&table)
+        };
+        if let Some(set) = options.sets.iter().find(|set| !of_pictures(set)) {
             return Err(Failure::Input(format!("--set {set}: only keys of camera and picture change a picture")));
         }
         let output = Output::of_run(dir);
