@@ -33,7 +33,9 @@ fn figures_have_the_papers_parameters() {
             assert_eq!(scene.hair[0].curl.is_some(), name == "fig4", "{file}");
             if name == "fig2a" {
                 assert_eq!((scene.model, initial.air.positions.len()), (Model::Drag, 0), "{file}");
-                assert!(plan::table(&scene).unwrap().iter().all(|row| row.runs == 0 || !row.pass.starts_with("fluid/p")));
+                assert!(
+                    plan::table(&scene).unwrap().iter().all(|row| row.runs == 0 || !row.pass.starts_with("fluid/p"))
+                );
                 continue;
             }
             let particles = initial.air.positions.len() as f64;

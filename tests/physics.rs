@@ -22,7 +22,9 @@ fn engine(scene: &Scene, initial: &InitialState) -> (Engine, Plan) {
 fn density(initial: &InitialState) -> Vec<f32> {
     let (engine, plan) = engine(&support::scene(), initial);
     engine.copy_state_to_scratch().unwrap();
-    engine.replay(&Recorder::record(|r| step::record_quantity(r, engine.state(), &plan, step::Quantity::Density))).unwrap();
+    engine
+        .replay(&Recorder::record(|r| step::record_quantity(r, engine.state(), &plan, step::Quantity::Density)))
+        .unwrap();
     engine.read(&engine.state().density).unwrap()
 }
 

@@ -60,7 +60,8 @@ fn the_filter_has_the_gain_of_the_mexican_hat() {
         let initial = with_velocities(initial, |x| DVec3::Y * (k * x.x).sin());
         let filtered = band_velocity(&scene(ks / k, 3.0), &initial);
         let both = filtered.iter().zip(&initial.air.velocities);
-        let gain = both.clone().map(|(u, v)| u.dot(*v)).sum::<f64>() / both.map(|(_, v)| v.length_squared()).sum::<f64>();
+        let gain =
+            both.clone().map(|(u, v)| u.dot(*v)).sum::<f64>() / both.map(|(_, v)| v.length_squared()).sum::<f64>();
         println!("ks = {ks:.3}: gain {gain:.4}, table {wanted:.4}, off by {:+.1e}", gain - wanted);
         // The cut at 4.5 s costs up to 0.4 % of the peak. Measured at most 1.1e-3 here.
         assert!((gain - wanted).abs() < 4e-3, "gain {gain} at ks = {ks}, the table says {wanted}");

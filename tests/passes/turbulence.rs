@@ -87,7 +87,10 @@ fn compare(law: Law, cutoff: f64, bounds: [f64; 4]) {
         let impulse = stage.vectors(&s.confinement_impulse)[0];
         let wanted = turbulence::impulse(p, &twin.inverse_mass, &v, &stronger);
         let scale: f64 = (p.hair_points..x.len()).map(|i| change[i].length() / twin.inverse_mass[i]).sum();
-        assert!((impulse - wanted).length() <= 1e-5 * scale + 1e-20, "{what}: impulse {impulse}, expected {wanted} of {scale:e}");
+        assert!(
+            (impulse - wanted).length() <= 1e-5 * scale + 1e-20,
+            "{what}: impulse {impulse}, expected {wanted} of {scale:e}"
+        );
     }
 }
 

@@ -67,8 +67,11 @@ fn drag_is_that_of_the_twin() {
             }
             let stage = Stage::new(&scene, &initial);
             let (p, twin, s) = (&stage.parameters, &stage.twin, stage.engine.state());
-            let v: Vec<DVec3> =
-                twin.position.iter().map(|x| (DVec3::new(x.y, x.z, -x.x) * speed * 10.0).as_vec3().as_dvec3()).collect();
+            let v: Vec<DVec3> = twin
+                .position
+                .iter()
+                .map(|x| (DVec3::new(x.y, x.z, -x.x) * speed * 10.0).as_vec3().as_dvec3())
+                .collect();
             stage.write_vectors(&s.velocity, &v);
             stage.run(step::drive::record);
             let wanted = wind::drag(p, &twin.hair, p.wind, &twin.position, &v, &twin.inverse_mass);

@@ -2,7 +2,7 @@
 
 use toml_edit::{DocumentMut, InlineTable, Item, TableLike, Value};
 
-use crate::{document, error::SceneError};
+use crate::{document, error::SceneError, keys::Key};
 
 /// No key of a scene is deeper: `turbulence.bands.0.scale`. Walking and printing recurse, and stacks end.
 const DEEPEST: usize = 8;
@@ -59,7 +59,7 @@ fn assign(table: &mut dyn TableLike, path: &[&str], value: Value) -> Option<()> 
     let item = table.entry(name).or_insert_with(|| Item::Value(Value::InlineTable(InlineTable::new())));
     match item {
         Item::ArrayOfTables(array) => {
-            let named = array.iter().position(|table| is_named(table, next));
+            let named = array.iter().position(|table| is_named(name, table, next));
             match named.or_else(|| next.parse().ok()) {
                 Some(index) => assign(array.get_mut(index)?, &rest[1..], value),
                 None if array.len() == 1 => assign(array.get_mut(0)?, rest, value),
@@ -73,12 +73,19 @@ fn assign(table: &mut dyn TableLike, path: &[&str], value: Value) -> Option<()> 
         item => {
             let table = item.as_table_like_mut()?;
             // A lone `[hair]` answers to its index and its name too.
-            let itself = rest.len() > 1 && (next == "0" || is_named(table, next));
+            let itself = rest.len() > 1 && (next == "0" || is_named(name, table, next));
             assign(table, if itself { &rest[1..] } else { rest }, value)
         }
     }
 }
 
-fn is_named(table: &dyn TableLike, name: &str) -> bool {
-    table.get("name").and_then(Item::as_str) == Some(name)
+/// Whether `table`, of the key `key`, has this name; a group of hair without one has the default.
+fn is_named(key: &str, table: &dyn TableLike, name: &str) -> bool {
+    match table.get("name") {
+        Some(own) => own.as_str() == Some(name),
+        None => {
+            let default = Key::find("hair.name").and_then(|key| key.default_of(true));
+            key == "hair" && default.is_some_and(|default| default.trim_matches('"') == name)
+        }
+    }
 }

@@ -14,6 +14,12 @@ const MOST_HAIRS: u32 = 1_000_000;
 const MOST_PAIRS: f64 = 1e11;
 /// Three along each axis: with fewer a particle would meet its own image.
 const LEAST_PARTICLES: f64 = 27.0;
+/// Cells of a kernel radius in the box: software adapters end the loop that sums more (ARCHITECTURE.md).
+const MOST_CELLS: f64 = 8e6;
+/// Kernel radius in particle spacings: below 1 the lattice has no neighbours and nothing softens the density constraint.
+const LEAST_RADIUS: f64 = 1.2;
+/// What two corners differ by is rounded: a side of exactly three kernel radii must do.
+const ROUNDING: f64 = 1e-9;
 
 /// # Errors
 /// What is missing, given twice, or does not go together.
@@ -70,9 +76,10 @@ impl Reader<'_> {
             duration: self.number("time.duration")?,
             frame_rate: self.number("time.frame_rate")?,
         };
-        let (steps, most) = (time.duration / time.step, u32::MAX);
+        let (steps, most) = (time.duration / time.step * f64::from(time.substeps), u32::MAX);
         if steps > f64::from(most) {
-            return Err(self.fault("time.duration", format!("would take {steps:.3e} steps; expected at most {most}")));
+            let words = format!("would take {steps:.3e} steps, substeps included; expected at most {most}");
+            return Err(self.fault("time.duration", words));
         }
         let frames = time.duration.max(time.step) * time.frame_rate;
         if frames > f64::from(most) {
@@ -91,7 +98,8 @@ impl Reader<'_> {
             let pairs = air.map_or(0.0, |air| pairs(air, cutoff * band.scale));
             if pairs > MOST_PAIRS {
                 let fits = band.scale * (MOST_PAIRS / pairs).cbrt();
-                let words = format!("the direct filter would sum {pairs:.1e} pairs a step; expected at most {fits:.2e} m");
+                let words =
+                    format!("the direct filter would sum {pairs:.1e} pairs a step; expected at most {fits:.2e} m");
                 return Err(self.fault(&format!("turbulence.bands.{i}.scale"), words));
             }
             Ok(band)
@@ -190,10 +198,14 @@ impl Reader<'_> {
                     format!("expected max above min, found {} and {} in {name}", max[axis], min[axis]),
                 ));
             }
-            if side < 3.0 * radius {
+            if side < 3.0 * radius * (1.0 - ROUNDING) {
                 return Err(self.fault(
                     "air.box",
-                    format!("expected sides of at least 3 kernel radii, {} m; found {side} m in {name}", 3.0 * radius),
+                    format!(
+                        "expected sides of at least 3 kernel radii, {} m; found {} m in {name}",
+                        rounded(3.0 * radius),
+                        rounded(side)
+                    ),
                 ));
             }
         }
@@ -211,7 +223,31 @@ impl Reader<'_> {
                 format!("would hold {count:.3e} particles of air.particle_mass; expected at most {MOST_PARTICLES}"),
             ));
         }
+        self.kernel(radius, (0..3).map(|axis| max[axis] - min[axis]))?;
         Ok(Bounds { min, max })
+    }
+
+    /// Kernels must reach the next particle, and a grid of them must be summed.
+    fn kernel(&self, radius: f64, sides: impl Iterator<Item = f64>) -> Result<(), SceneError> {
+        let cells: f64 = sides.map(|side| (side / radius).floor()).product();
+        if cells > MOST_CELLS {
+            let fits = rounded(radius * (cells / MOST_CELLS).cbrt());
+            let words = format!("makes {cells:.3e} cells of the box; expected at most {MOST_CELLS:e}, about {fits} m");
+            return Err(self.fault("air.kernel_radius", words));
+        }
+        let spacing = (self.number("air.particle_mass")? / self.number("air.rest_density")?).cbrt();
+        if radius < LEAST_RADIUS * spacing {
+            return Err(self.fault(
+                "air.kernel_radius",
+                format!(
+                    "is {:.3} of the particle spacing, {} m (air.particle_mass); expected at least {LEAST_RADIUS} of it, {} m",
+                    radius / spacing,
+                    rounded(spacing),
+                    rounded(LEAST_RADIUS * spacing)
+                ),
+            ));
+        }
+        Ok(())
     }
 
     fn hair(&self) -> Result<Vec<Hair>, SceneError> {
@@ -304,6 +340,11 @@ impl Reader<'_> {
 fn pairs(air: &Air, reach: f64) -> f64 {
     let volume = air.bounds.map_or(0.0, |bounds| (0..3).map(|axis| bounds.max[axis] - bounds.min[axis]).product());
     volume / air.parcel() * (4.0 / 3.0 * std::f64::consts::PI * reach.powi(3) / air.parcel())
+}
+
+/// To six digits, for people.
+fn rounded(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
 }
 
 /// The direction of a vector that is not zero. One that is a direction is left alone, so that writing a scene and

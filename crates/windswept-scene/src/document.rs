@@ -86,7 +86,7 @@ impl Document {
             let Item::Value(value) = item else {
                 return Err(wrong(describe(item)));
             };
-            let datum = datum(key.kind, value).ok_or_else(|| wrong(describe(item)))?;
+            let datum = datum(key.kind, value).ok_or_else(|| wrong(describe_for(key.kind, item)))?;
             built(key, &datum, real, span.clone())?;
             self.entries.insert(real.to_owned(), Entry { datum, span });
             return Ok(());
@@ -153,8 +153,9 @@ pub(crate) fn datum(kind: Kind, value: &Value) -> Option<Datum> {
     match kind {
         Kind::Text => value.as_str().map(|text| Datum::Text(text.to_owned())),
         Kind::Bool => value.as_bool().map(Datum::Bool),
-        Kind::Count(least) => {
-            value.as_integer().and_then(|n| u32::try_from(n).ok()).filter(|n| *n >= least).map(Datum::Count)
+        Kind::Count(least, most) => {
+            let count = value.as_integer().and_then(|n| u32::try_from(n).ok());
+            count.filter(|n| (least..=most).contains(n)).map(Datum::Count)
         }
         Kind::Length | Kind::Positive => ranged(|x| x > 0.0),
         Kind::NonNegative => ranged(|x| x >= 0.0),
@@ -174,18 +175,37 @@ fn number(value: &Value) -> Option<f64> {
     (number == 0.0 || (SMALLEST..=LARGEST).contains(&number.abs())).then_some(number)
 }
 
+/// What stands there instead of a value of this kind; of three numbers the one that cannot be computed with.
+fn describe_for(kind: Kind, item: &Item) -> String {
+    if let (Kind::Vector | Kind::Direction, Item::Value(Value::Array(array))) = (kind, item)
+        && array.len() == 3
+    {
+        let bad = ["x", "y", "z"].into_iter().zip(array).find(|(_, value)| number(value).is_none());
+        if let Some((axis, value)) = bad {
+            return format!("in {axis} {}", describe_value(value));
+        }
+    }
+    describe(item)
+}
+
 fn describe(item: &Item) -> String {
     match item {
-        Item::Value(Value::Datetime(_)) => "a date".to_owned(),
-        Item::Value(Value::Float(x)) if x.value().is_nan() => "nan".to_owned(),
-        Item::Value(value @ Value::Float(x)) if x.value().is_finite() && number(value).is_none() => {
-            format!("{:?}, a magnitude outside {SMALLEST:e} to {LARGEST:e}", x.value())
-        }
-        Item::Value(Value::Float(x)) => format!("{:?}", x.value()),
-        Item::Value(value) => short(value.clone().decorated("", "").to_string().trim()),
+        Item::Value(value) => describe_value(value),
         Item::Table(_) => "a table".to_owned(),
         Item::ArrayOfTables(_) => "an array of tables".to_owned(),
         Item::None => "nothing".to_owned(),
+    }
+}
+
+fn describe_value(value: &Value) -> String {
+    let beyond = |x: f64| format!("{x:?}, a magnitude outside {SMALLEST:e} to {LARGEST:e}");
+    match value {
+        Value::Datetime(_) => "a date".to_owned(),
+        Value::Float(x) if x.value().is_nan() => "nan".to_owned(),
+        Value::Float(x) if x.value().is_finite() && number(value).is_none() => beyond(*x.value()),
+        Value::Integer(x) if number(value).is_none() => beyond(*x.value() as f64),
+        Value::Float(x) => format!("{:?}", x.value()),
+        value => short(value.clone().decorated("", "").to_string().trim()),
     }
 }
 

@@ -64,7 +64,9 @@ fn seat(roots: &Roots, i: u32, n: u32, rng: &mut Pcg64) -> (DVec3, DVec3) {
             let spacing = roots.radius * (PI / f64::from(n)).sqrt();
             let angle = TAU * GOLDEN_TURN * f64::from(i);
             let seat = roots.radius * part.sqrt() * (angle.cos() * across + angle.sin() * up);
-            (center + seat + spacing * (jitter[0] * across + jitter[1] * up), axis)
+            let seat = seat + spacing * (jitter[0] * across + jitter[1] * up);
+            // Chance must not lead off the disc.
+            (center + seat.clamp_length_max(roots.radius), axis)
         }
         RootShape::SphereCap => {
             let angle = TAU * (GOLDEN_TURN * f64::from(i) + jitter[0] / f64::from(n).sqrt());

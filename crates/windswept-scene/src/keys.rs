@@ -11,8 +11,8 @@ pub enum Kind {
     Text,
     /// `true` or `false`.
     Bool,
-    /// A whole number of at least this, of 32 bits.
-    Count(u32),
+    /// A whole number of at least the first, at most the second.
+    Count(u32, u32),
     /// A length in metres greater than 0.
     Length,
     /// A number greater than 0.
@@ -81,22 +81,29 @@ const fn key(path: &'static str, kind: Kind, default: Fallback, unit: &'static s
     Key { path, kind, default, unit, help }
 }
 
+/// As many as 32 bits count.
+const ANY: u32 = u32::MAX;
+/// Of a strand, which one lane walks along; software adapters end long loops (ARCHITECTURE.md).
+const MOST_POINTS: u32 = 16_384;
+/// Of what repeats within a step, each time with dispatches of its own: seconds a step.
+const MOST_REPEATS: u32 = 10_000;
+
 /// The table.
 #[rustfmt::skip] // a key a line
 pub const KEYS: &[Key] = &[
     key("title", Text, Value("\"\""), "", "free text, shown in reports"),
     key("method", Choice(&["accurate", "published"]), Value("\"accurate\""), "", "sets the defaults of six keys: rods.solver, rods.integrator, turbulence.law, .filter, .cutoff, viscosity.form"),
     key("gravity", Vector, Value("[0.0, -9.81, 0.0]"), "m/s²", "on hair only"),
-    key("seed", Count(0), Value("1"), "", "draws root positions, length variation, curl phase"),
+    key("seed", Count(0, ANY), Value("1"), "", "draws root positions, length variation, curl phase"),
     key("time", Table, Needed, "", "step, duration, frames"),
     key("time.step", Positive, Needed, "s", "Δt"),
-    key("time.substeps", Count(1), Value("1"), "", "whole steps of Δt/n per Δt"),
+    key("time.substeps", Count(1, MOST_REPEATS), Value("1"), "", "whole steps of Δt/n per Δt"),
     key("time.duration", Positive, Needed, "s", "length of the run"),
     key("time.frame_rate", Positive, Value("60.0"), "1/s", "exported frames per second"),
     key("hair", Tables, Absent("no hair: a groom must be given"), "", "a group of strands; several as [[hair]], each with a name"),
     key("hair.name", Text, Value("\"hair\""), "", "for dotted keys and reports"),
-    key("hair.strands", Count(1), Needed, "", "number of strands"),
-    key("hair.points", Count(2), Needed, "", "per strand, root included"),
+    key("hair.strands", Count(1, ANY), Needed, "", "number of strands"),
+    key("hair.points", Count(2, MOST_POINTS), Needed, "", "per strand, root included"),
     key("hair.length", Length, Needed, "m", "of a strand, along its curl"),
     key("hair.length_variation", Fraction, Value("0.0"), "", "strands are shorter by up to this fraction, at random"),
     key("hair.radius", Length, Value("4.0e-5"), "m", "of a fibre, at the root"),
@@ -138,7 +145,7 @@ pub const KEYS: &[Key] = &[
     key("interaction.model", Choice(&["particles", "drag", "none"]), Value("\"particles\""), "", "one fluid of particles; lift and drag; hair alone"),
     key("interaction.lift", NonNegative, Value("0.0"), "", "C_l, lift coefficient of a segment across the wind"),
     key("fluid", Table, Absent("its defaults"), "", "density constraint (eq. 1)"),
-    key("fluid.iterations", Count(0), Value("2"), "", "Jacobi iterations"),
+    key("fluid.iterations", Count(0, MOST_REPEATS), Value("2"), "", "Jacobi iterations"),
     key("fluid.relaxation", Positive, Value("0.5"), "", "fraction of a Jacobi step"),
     key("fluid.tension", NonNegative, Value("0.0"), "", "share of negative C let through"),
     key("turbulence", Table, Absent("no confinement"), "", "vorticity confinement (eqs. 2-6)"),
@@ -160,7 +167,7 @@ pub const KEYS: &[Key] = &[
     key("rods", Table, Absent("its defaults"), "", "Cosserat rods"),
     key("rods.solver", Choice(&["direct", "gauss-seidel"]), Method("\"direct\"", "\"gauss-seidel\""), "", "the solver"),
     key("rods.integrator", Choice(&["bdf2", "euler"]), Method("\"bdf2\"", "\"euler\""), "", "the time integration"),
-    key("rods.iterations", Count(1), Value("10"), "", "sweeps; gauss-seidel only"),
+    key("rods.iterations", Count(1, MOST_REPEATS), Value("10"), "", "sweeps; gauss-seidel only"),
     key("rods.inextensible", Bool, Value("false"), "", "no stretch compliance"),
     key("rods.damping", NonNegative, Value("0.0"), "1/s", "of absolute linear and angular velocity"),
     key("rods.internal_damping", NonNegative, Absent("0"), "s", "Kelvin-Voigt"),
@@ -169,10 +176,10 @@ pub const KEYS: &[Key] = &[
     key("camera.eye", Vector, Needed, "m", "where it stands"),
     key("camera.target", Vector, Needed, "m", "what it looks at"),
     key("camera.fov", Positive, Value("35.0"), "°", "vertical field of view"),
-    key("camera.width", Count(16), Value("960"), "px", "of a picture"),
-    key("camera.height", Count(16), Value("540"), "px", "of a picture"),
+    key("camera.width", Count(16, ANY), Value("960"), "px", "of a picture"),
+    key("camera.height", Count(16, ANY), Value("540"), "px", "of a picture"),
     key("picture", Table, Absent("its defaults"), "", "what pictures show"),
-    key("picture.hairs", Count(1), Value("20000"), "", "hairs drawn in all, interpolated from the strands"),
+    key("picture.hairs", Count(1, ANY), Value("20000"), "", "hairs drawn in all, interpolated from the strands"),
     key("picture.air", Choice(&["none", "vorticity", "band_energy"]), Value("\"none\""), "", "air particles, coloured by what"),
 ];
 
@@ -222,7 +229,7 @@ impl Kind {
         match self {
             Text => "a string".to_owned(),
             Bool => "true or false".to_owned(),
-            Count(least) => format!("a whole number of at least {least}, at most {}", u32::MAX),
+            Count(least, most) => format!("a whole number of at least {least}, at most {most}"),
             Length => "a length in metres greater than 0".to_owned(),
             Positive => "a number greater than 0".to_owned(),
             NonNegative => "a number of at least 0".to_owned(),

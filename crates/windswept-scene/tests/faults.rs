@@ -42,13 +42,20 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[time]", "fluid = 3\n[time]", 1, "fluid", &["expected a table, found 3"]),
     ("[time]", "[[fluid]]\n[time]", 1, "fluid", &["expected a table, found an array of tables"]),
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, nan, 0.0]", 13, "air.wind", &["expected three numbers, [x, y, z] [m/s]", "nan"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [1e20, 0, 0]", 13, "air.wind", &["three numbers, [x, y, z] [m/s], found in x 1e20, a magnitude outside 1e-18 to 1e18"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [0, 0, 9000000000000000000]", 13, "air.wind", &["found in z 9e18, a magnitude outside"]),
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0]", 13, "air.wind", &["three numbers", "[3.0, 0.0]"]),
-    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, \"a\", 0.0]", 13, "air.wind", &["three numbers"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, \"a\", 0.0]", 13, "air.wind", &["three numbers", "found in y \"a\""]),
     ("wind = [3.0, 0.0, 0.0]", "", 11, "air.wind", &["is missing"]),
     ("box = {", "box2 = {", 12, "air.box2", &["did you mean air.box?"]),
     ("box = { min = [0.0, 0.0, 0.0], max = [0.1, 0.1, 0.1] }\n", "", 11, "air.box", &["is missing", "particles"]),
     ("min = [0.0, 0.0, 0.0], ", "", 12, "air.box.min", &["is missing", "three numbers"]),
     ("points = 4", "points = 1", 6, "hair.points", &["whole number of at least 2", "found 1"]),
+    ("points = 4", "points = 16385", 6, "hair.points", &["at least 2, at most 16384, found 16385"]),
+    ("[air]", "[rods]\niterations = 10001\n[air]", 12, "rods.iterations", &["at most 10000"]),
+    ("[air]", "[fluid]\niterations = 10001\n[air]", 12, "fluid.iterations", &["at most 10000"]),
+    ("duration = 1.0", "duration = 1.0\nsubsteps = 10001", 4, "time.substeps", &["at most 10000"]),
+    ("duration = 1.0", "duration = 1e4\nsubsteps = 1000", 3, "time.duration", &["7.246e9 steps, substeps included"]),
     ("points = 4", "points = 4.5", 6, "hair.points", &["whole number", "4.5"]),
     ("points = 4", "", 4, "hair.points", &["is missing", "whole number"]),
     ("strands = 3", "strands = 0", 5, "hair.strands", &["at least 1"]),
@@ -59,6 +66,11 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("max = [0.1, 0.1, 0.1]", "max = [0.1, -0.1, 0.1]", 12, "air.box", &["max above min", "in y"]),
     ("max = [0.1, 0.1, 0.1]", "max = [100.0, 100.0, 100.0]", 12, "air.box", &["would hold 8.836e12 particles", "at most 100000000"]),
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nparticle_mass = 1e-3", 12, "air.box", &["would hold 1.290 particles", "at least 27"]),
+    ("max = [0.1, 0.1, 0.1]", "max = [0.1, 0.0278, 0.1]", 12, "air.box", &["at least 3 kernel radii, 0.0279 m; found 0.0278 m in y"]),
+    // A grid that wraps or cannot be summed; a kernel that reaches nobody.
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 1e-6", 14, "air.kernel_radius", &["makes 1.000e15 cells of the box", "at most 8e6"]),
+    ("wind = [3.0, 0.0, 0.0]", "kernel_radius = 4.9e-4\nparticle_mass = 1e-11\nwind = [3.0, 0.0, 0.0]", 13, "air.kernel_radius", &["makes 8.490e6 cells", "at most 8e6, about 0.000499838 m"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 5.8e-3", 14, "air.kernel_radius", &["is 1.199 of the particle spacing, 0.00483711 m", "at least 1.2 of it, 0.00580453 m"]),
     ("step = 1.38e-3", "", 1, "time.step", &["is missing", "greater than 0 [s]"]),
     ("duration = 1.0", "duration = true", 3, "time.duration", &["greater than 0", "true"]),
     ("duration = 1.0", "duration = 2026-01-01", 3, "time.duration", &["a date"]),
@@ -183,6 +195,15 @@ fn a_group_is_addressed_by_its_name() {
     let one = SMALL.replace("[hair]", "[[hair]]\nname = \"fringe\"");
     assert_eq!(set(&one, &["hair.fringe.radius=5e-5"]).unwrap().hair[0].radius, 5e-5);
     assert_eq!(set(&one, &["hair.radius=5e-5"]).unwrap().hair[0].radius, 5e-5);
+    // A group without a name is called what the table of keys says.
+    for text in [SMALL, &SMALL.replace("[hair]", "[[hair]]")] {
+        assert_eq!(set(text, &["hair.hair.radius=1e-5"]).unwrap().hair[0].radius, 1e-5);
+        assert_eq!(set(text, &["hair.hair.roots.radius=0.002"]).unwrap().hair[0].roots.radius, 0.002);
+    }
+    let shown = set(&one, &["hair.hair.radius=1e-5"]).unwrap_err().to_string();
+    assert!(shown.contains("hair.hair: unknown key"), "{shown}");
+    let shown = set(SMALL, &["air.hair.wind=[1,0,0]"]).unwrap_err().to_string();
+    assert!(shown.contains("air.hair: unknown key"), "{shown}");
     let two = two_groups("name = \"a\"", "name = \"b\"\nstrands = 1").unwrap().text().to_owned();
     let scene = set(&two, &["hair.b.radius=5e-5", "hair.0.radius=6e-5"]).unwrap();
     assert_eq!(scene.hair.iter().map(|hair| hair.radius).collect::<Vec<_>>(), [6e-5, 5e-5]);
@@ -252,4 +273,18 @@ fn a_scene_without_hair_parses_and_one_with_nothing_cannot_start() {
     let nothing = Scene::parse(&format!("interaction.model = \"none\"\n{head}")).unwrap();
     let error = InitialState::new(&nothing).unwrap_err();
     assert_eq!(error.key(), Some("hair"), "{error}");
+}
+
+/// A side of exactly three kernel radii is taken wherever the box stands, though max - min is rounded; so is the smallest
+/// kernel.
+#[test]
+fn a_box_of_three_kernel_radii_will_do() {
+    let sides = [("min", 0.0), ("min", 1.1), ("min", -7.3), ("min", 100.0)].map(|(_, min)| (min, min + 3.0 * 9.3e-3));
+    assert!(sides.iter().any(|(min, max)| max - min < 3.0 * 9.3e-3), "none is rounded down");
+    for (min, max) in sides {
+        let bounds = format!("air.box={{min=[0,{min:?},0], max=[0.1,{max:?},0.1]}}");
+        set(SMALL, &[&bounds]).unwrap_or_else(|error| panic!("{error}"));
+    }
+    set(SMALL, &["air.kernel_radius=5.81e-3"]).unwrap();
+    set(SMALL, &["air.kernel_radius=5.0e-4", "air.particle_mass=1e-11"]).unwrap();
 }

@@ -226,3 +226,21 @@ fn lengths_vary_within_their_part() {
     let (low, high) = lengths.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), l| (low.min(*l), high.max(*l)));
     assert!((0.06..0.061).contains(&low) && (0.099..=0.1 + 1e-12).contains(&high), "{low} to {high}");
 }
+
+/// However few the roots, chance leads none of them off the disc, and none where another stands.
+#[test]
+fn roots_stay_on_their_disc() {
+    for n in 1..=200 {
+        let hair = fibres(&[&format!("hair.strands={n}"), "hair.roots.radius=0.017"]);
+        let centre = DVec3::new(0.045, 0.065, 0.035);
+        let far = hair.roots().map(|root| root.distance(centre)).fold(0.0, f64::max);
+        // Rounding of coordinates of 0.1 m; margin 10.
+        assert!(far <= 0.017 + 2e-16, "{n} roots: one is {far} m from the middle");
+        let roots: Vec<DVec3> = hair.roots().collect();
+        let near = (1..n).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| roots[i].distance(roots[j]));
+        let spacing = 0.017 * (PI / n as f64).sqrt();
+        // Measured at least 0.55 spacings; margin 1.2.
+        let nearest = near.fold(f64::INFINITY, f64::min) / spacing;
+        assert!(nearest > 0.46, "{n} roots: two are {nearest} spacings apart");
+    }
+}
