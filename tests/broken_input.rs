@@ -110,7 +110,6 @@ const CASES: &[Case] = &[
     replaced(LENGTH, "file = \"groom.abc\"", "hair.file", &["not in this version"]),
     reserved("[rods]\nsolver = \"direct\"", "solver = \"direct\"", "rods.solver"),
     reserved("[rods]\nintegrator = \"bdf2\"", "integrator = \"bdf2\"", "rods.integrator"),
-    reserved("[interaction]\nmodel = \"drag\"", "model = \"drag\"", "interaction.model"),
     // Not TOML.
     replaced(STRANDS, "strands = = 4", "", &[]),
     replaced(RADIUS, "strands = 5", "", &["duplicate key"]),

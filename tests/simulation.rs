@@ -34,6 +34,8 @@ fn brush(n: usize) -> InitialState {
             hair.bend_compliance
                 .push(joint * DVec3::new(1.0 / (4.0 * 8.04e-9), 1.0 / (4.0 * 8.04e-9), 1.0 / (4.0 * 5.83e-9)));
             hair.rest_rotation.push(DQuat::IDENTITY);
+            hair.radius.push(4e-5);
+            hair.fibres.push(1.0);
         }
         hair.root_frame.push(frame);
         hair.group.push(0);

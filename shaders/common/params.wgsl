@@ -18,7 +18,7 @@ struct Params {
     box_cells: u32,               // product of cells
     hashed_cells: u32,            // for hair outside the box, a power of two
     neighbour_capacity: u32,      // entries of the list
-    rod_iterations: u32,
+    rod_sweeps: u32,              // of one dispatch of the rods' solver
     air_inverse_mass: f32,        // 1/kg
     relaxation: f32,
     tension: f32,

@@ -1,10 +1,12 @@
 // A strand is points root to tip; segment k joins points k and k + 1, joint k precedes segment k (joint 0: the clamp).
 //
-//   ghost frame . joint 0 . [point 0]--segment 0--[point 1]--segment 1-- ...
-//                 (half a segment)             joint 1
+//   ghost frame = joint 0 = [point 0]--segment 0--[point 1]--segment 1-- ...
+//                 (half a segment long)        joint 1
+//
+// The ghost frame stands at the root, where the clamp is; from there to the middle of segment 0 is half a segment.
 
 struct Strand {
-    root_frame: vec4f,   // the ghost frame behind the clamped root
+    root_frame: vec4f,   // the ghost frame that clamps the root
     first_point: u32,
     first_segment: u32,
     points: u32,
@@ -24,6 +26,11 @@ struct Segment {
 struct Multipliers {
     stretch: vec4f,   // of stretch-shear, material frame [J]
     bend: vec4f,      // of bend-twist [J]
+}
+
+struct Health {
+    committed: u32,   // after the last committed step
+    found: u32,       // in this step; `commit` makes it the other
 }
 
 // Health of a strand: the lowest bit says that it is to be reset, the others count steps of over-strain on end.

@@ -15,9 +15,10 @@ const COUNTERS: u32 = 4u;
 struct Status {
     causes: atomic<u32>,              // bits above
     step: u32,                        // committed engine steps
-    neighbours: atomic<u32>,          // entries the list needs in this step
+    neighbours: atomic<u32>,          // entries the list needs in this step, the low half of 64 bits
+    neighbour_carries: atomic<u32>,   // the high half
     bad_strands: atomic<u32>,         // non-finite in this step
-    first_bad_strand: atomic<u32>,    // smallest index, in the whole run
+    first_bad_strand: atomic<u32>,    // smallest index, in this step
     first_bad_air: atomic<u32>,       // smallest index
     max_stretch: atomic<u32>,         // max |l/l0 - 1| over the run, the bits of a positive f32
     hair_outside: atomic<u32>,        // hair points outside the box of air, this step
@@ -30,7 +31,7 @@ struct Status {
 
 // A list that is too short freezes the step as soon as it is known; the guard makes it a cause.
 fn list_too_short() -> bool {
-    return atomicLoad(&status.neighbours) > params.neighbour_capacity;
+    return atomicLoad(&status.neighbour_carries) != 0u || atomicLoad(&status.neighbours) > params.neighbour_capacity;
 }
 
 fn frozen_before() -> bool {

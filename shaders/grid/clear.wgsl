@@ -10,5 +10,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     cell_count[bucket] = 0u;
     if bucket == 0u {
         atomicStore(&status.neighbours, 0u);
+        atomicStore(&status.neighbour_carries, 0u);
     }
 }

@@ -102,6 +102,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     search();
     let total = found;
     first = atomicAdd(&status.neighbours, total);
+    if first + total < total {
+        // The sum has passed 32 bits. What a later range overwrites does not matter: the step is frozen.
+        atomicAdd(&status.neighbour_carries, 1u);
+    }
     if total > params.neighbour_capacity || first > params.neighbour_capacity - total {
         neighbour_range[i] = vec2u(0u, 0u);
         return;

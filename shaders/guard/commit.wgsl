@@ -1,15 +1,19 @@
-// Commits the step: positions, velocities, the counters and the step's number. A frozen step leaves all as it was.
+// Commits the step: positions, velocities, the strands' health, the counters and the step's number. A frozen step leaves
+// all as it was.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, wrap}, status::{status, frozen, COUNTERS, HAIR_OUTSIDE},
+    params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, wrap}, rod::Health,
+    status::{status, frozen, COUNTERS, HAIR_OUTSIDE},
 };
 
 const MANY: u32 = 20u;          // one in 20 of the hair's points
 const LONG: f32 = 0.1;          // s
+const NONE: u32 = 0xffffffffu;
 
 @group(0) @binding(2) var<storage, read>       predicted:      array<vec4f>;
 @group(0) @binding(3) var<storage, read>       final_velocity: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> position:       array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> velocity:       array<vec4f>;
+@group(0) @binding(6) var<storage, read_write> health:         array<Health>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -19,9 +23,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if is_air(i) { x = vec4f(wrap(x.xyz), x.w); }
     position[i] = x;
     velocity[i] = final_velocity[i];
+    if i < params.strands { health[i].committed = health[i].found; }
     if i == 0u {
         status.step += 1u;
         atomicStore(&status.bad_strands, 0u);
+        atomicStore(&status.first_bad_strand, NONE);
         for (var cause = 0u; cause < COUNTERS; cause++) {
             status.counted[cause] += atomicExchange(&status.counting[cause], 0u);
         }

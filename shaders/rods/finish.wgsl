@@ -2,7 +2,7 @@
 // neighbour) and reset in the next; stretch is recorded; over-strain on end is counted.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP},
-    rod::{Strand, Segment, BAD, STRAINED, STRAINED_STEP, STRAINED_STEPS},
+    rod::{Strand, Segment, Health, BAD, STRAINED, STRAINED_STEP, STRAINED_STEPS},
     status::{status, frozen, count, finite3, finite4, STRAND_RESET, OVER_STRAINED},
 };
 
@@ -12,7 +12,7 @@ import package::common::{
 @group(0) @binding(5) var<storage, read>       orientation:           array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> predicted:             array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> predicted_orientation: array<vec4f>;
-@group(0) @binding(8) var<storage, read_write> health:                array<u32>;
+@group(0) @binding(8) var<storage, read_write> health:                array<Health>;
 
 fn sound(strand: Strand) -> bool {
     for (var k = 0u; k < strand.points; k++) {
@@ -40,7 +40,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let strand = strands[s];
     if !sound(strand) {
         hold(strand);
-        health[s] = BAD;
+        health[s].found = BAD;
         count(STRAND_RESET);
         atomicAdd(&status.bad_strands, 1u);
         atomicMin(&status.first_bad_strand, s);
@@ -56,8 +56,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
 
     var strained = 0u;   // steps on end
     if stretch > STRAINED {
-        strained = min(health[s] / STRAINED_STEP + 1u, STRAINED_STEPS + 1u);
+        strained = min(health[s].committed / STRAINED_STEP + 1u, STRAINED_STEPS + 1u);
         if strained == STRAINED_STEPS { count(OVER_STRAINED); }
     }
-    health[s] = strained * STRAINED_STEP;
+    health[s].found = strained * STRAINED_STEP;
 }

@@ -4,7 +4,8 @@
 //   segment k:  C = (x_(k+1) - x_k)/l - d3(q_k),         dC = (dx_(k+1) - dx_k)/l + [d3]x theta_k
 //   (J W J^T + a) dlambda = -C - a lambda,  a = alpha (1 + c dt)/dt^2,  in the material frame
 //
-// One invocation per strand, root to tip, `rod_iterations` sweeps. Multipliers persist over the sweeps of a step.
+// One invocation per strand, root to tip. A dispatch takes `rod_sweeps` sweeps; multipliers start at 0 (`turn`) and persist
+// over all sweeps of a step, so that it does not matter how these are cut into dispatches.
 // J W J^T of a segment is diagonal in its own frame; of a joint it is w/4 (I - p_v p_v^T) for a unit p.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen,
@@ -80,10 +81,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if s >= params.strands || frozen() { return; }
     let strand = strands[s];
     let last = strand.first_segment + strand.points - 1u;
-    for (var k = strand.first_segment; k < last; k++) {
-        multipliers[k] = Multipliers(vec4f(0.0), vec4f(0.0));
-    }
-    for (var sweep = 0u; sweep < params.rod_iterations; sweep++) {
+    for (var sweep = 0u; sweep < params.rod_sweeps; sweep++) {
         for (var k = strand.first_segment; k < last; k++) {
             var before = strand.root_frame;
             var before_inverse_inertia = 0.0;

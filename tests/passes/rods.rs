@@ -170,8 +170,11 @@ fn finish_measures_stretch_and_finds_bad_strands() {
         assert_eq!(stretches.iter().filter(|stretch| stretch.is_none()).count(), 1);
         assert!((f64::from(got.max_stretch()) - wanted).abs() < 1e-4, "{n}: {} instead of {wanted}", got.max_stretch());
         assert_eq!((got.bad_strands, got.first_bad_strand, got.counting[0]), (1, victim as u32, 1));
-        let health: Vec<u32> = stage.engine.read(&s.health).unwrap();
-        assert!(health.iter().enumerate().all(|(strand, h)| (h & 1 == 1) == (strand == victim)));
+        let health: Vec<[u32; 2]> = stage.engine.read(&s.health).unwrap();
+        // Found in this step, not committed yet.
+        for (strand, [committed, found]) in health.iter().enumerate() {
+            assert_eq!((committed & 1, found & 1), (0, u32::from(strand == victim)), "{n}: strand {strand}");
+        }
         let held = stage.vectors(&s.predicted)[hair.points(victim)].to_vec();
         assert!(relative(&held, &stage.twin.position[hair.points(victim)], 1e-3) < 1e-6, "{n}: not held");
         assert_eq!(status::COUNTERS[0], "strand_reset");

@@ -236,7 +236,8 @@ impl Reader<'_> {
             return Err(self.fault("air.kernel_radius", words));
         }
         let spacing = (self.number("air.particle_mass")? / self.number("air.rest_density")?).cbrt();
-        if radius < LEAST_RADIUS * spacing {
+        // As the error rounds it: who follows its advice is right.
+        if rounded(radius) < rounded(LEAST_RADIUS * spacing) {
             return Err(self.fault(
                 "air.kernel_radius",
                 format!(

@@ -8,7 +8,7 @@ use crate::{
     bands::Bands,
     error::{GpuError, RunError},
     gpu::{Gpu, Memory, Profile, Program, wgpu},
-    params::Params,
+    params::{MOST_BUCKETS, Params},
     recorder::Recording,
     rods::{self, quat, vec4},
     state::{Array, Sizes, State},
@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// Entries of the neighbour list per particle, at first: the lattice has 26 (h/d = 1.92), clumps more.
-const NEIGHBOURS_PER_PARTICLE: u64 = 36;
+pub(crate) const NEIGHBOURS_PER_PARTICLE: u64 = 36;
 
 /// The buffers of a scene on a device.
 #[derive(Debug)]
@@ -32,10 +32,15 @@ impl Engine {
     /// Allocates and fills the buffers of an initial state.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] before anything is allocated, if a buffer exceeds what the adapter binds.
+    /// Before anything is allocated, [`GpuError::TooLarge`] if a buffer exceeds what the adapter binds, and
+    /// [`GpuError::TooManyCells`].
     pub fn new(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Self, GpuError> {
         let mut params = Params::new(scene, initial, 0);
         params.neighbour_capacity = first_capacity(gpu.largest_binding(), &params);
+        let cells = params.sizes(0).buckets;
+        if cells > MOST_BUCKETS {
+            return Err(GpuError::TooManyCells { cells, most: MOST_BUCKETS });
+        }
         let bands = Bands::new(scene, initial, &params);
         let band_tasks = bands.tasks.len();
         let state = State::new(&params.sizes(band_tasks));

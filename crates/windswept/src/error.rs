@@ -25,7 +25,7 @@ pub enum GpuError {
         reason: String,
     },
     /// A buffer would be larger than the adapter allows.
-    #[error("{array} needs {bytes} bytes, the adapter binds at most {limit}; about {fits} particles would fit")]
+    #[error("{array} needs {bytes} bytes, the adapter binds at most {limit}; {}", remedy(array, *fits))]
     TooLarge {
         /// The buffer.
         array: &'static str,
@@ -33,8 +33,16 @@ pub enum GpuError {
         bytes: u64,
         /// What the adapter allows \[bytes\].
         limit: u64,
-        /// How many particles would fit.
+        /// How many particles, or of what else it holds, would fit.
         fits: u64,
+    },
+    /// The grid of neighbours has too many cells.
+    #[error("air.kernel_radius makes {cells} cells of air.box, of which at most {most} can be sorted")]
+    TooManyCells {
+        /// Cells.
+        cells: u32,
+        /// The most there may be.
+        most: u32,
     },
     /// A limit of the device is below what the engine needs.
     #[error("the device allows {limit} = {has}, {needs} are needed")]
@@ -57,6 +65,23 @@ pub enum GpuError {
     /// The device is gone.
     #[error("the device was lost: {0}")]
     Lost(String),
+}
+
+/// What would fit, and the keys of the scene that decide it.
+fn remedy(array: &str, fits: u64) -> String {
+    match array {
+        "cell_count" | "cell_start" => {
+            format!("about {fits} cells would fit: expected a larger air.kernel_radius or a smaller air.box")
+        }
+        "strands" | "health" => format!("about {fits} strands would fit: expected fewer hair.strands"),
+        "band" => format!("about {fits} dispatches would fit: expected smaller or fewer turbulence.bands"),
+        "orientation" | "segments" | "multipliers" => {
+            format!("about {fits} segments would fit: expected fewer hair.points or hair.strands")
+        }
+        _ => format!(
+            "about {fits} particles would fit: expected a larger air.particle_mass, a smaller air.box or fewer hair.points"
+        ),
+    }
 }
 
 /// A run that cannot go on.
@@ -82,7 +107,7 @@ pub enum RunError {
     TooManyBadStrands {
         /// How many.
         count: u32,
-        /// The smallest index of a bad strand in the run.
+        /// The smallest index of them.
         first: u32,
         /// The step that failed; the state is that before it.
         step: u64,

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use windswept_scene::{InitialState, Law, Scene};
 use windswept_shaders::layout;
 
-use crate::state::Sizes;
+use crate::{rods, state::Sizes};
 
 /// Asserts that a Rust struct is laid out as naga lays out its namesake.
 macro_rules! assert_layout {
@@ -41,7 +41,7 @@ pub struct Params {
     pub box_cells: u32,
     pub hashed_cells: u32,
     pub neighbour_capacity: u32,
-    pub rod_iterations: u32,
+    pub rod_sweeps: u32,
     pub air_inverse_mass: f32,
     pub relaxation: f32,
     pub tension: f32,
@@ -74,7 +74,7 @@ assert_layout!(Params {
     box_cells,
     hashed_cells,
     neighbour_capacity,
-    rod_iterations,
+    rod_sweeps,
     air_inverse_mass,
     relaxation,
     tension,
@@ -89,10 +89,13 @@ assert_layout!(Params {
     published_law,
 });
 
-/// Fewest buckets for hair outside the box.
-const SMALLEST_TABLE: u32 = 64;
+/// Fewest and most buckets for hair outside the box, powers of two.
+const TABLE: [u32; 2] = [64, 1 << 18];
 /// α over D0: softens λ where a particle has hardly a neighbour (design 3.1).
 const SOFTENING: f64 = 1e-3;
+/// Cells that `grid/scan` can sum: each of its 256 invocations walks over its stretch twice, and Mesa's software adapter ends
+/// the loops of an invocation after 65 535 rounds in all, without a word.
+pub(crate) const MOST_BUCKETS: u32 = 256 * 32_760;
 /// Strands that may go bad in one step before the run ends: 3, or 1 %.
 const BAD_STRANDS: u32 = 3;
 
@@ -114,9 +117,9 @@ impl Params {
             hair_points,
             segments: initial.hair.orientations.len() as u32,
             strands,
-            hashed_cells: if hair_points > 0 { hair_points.next_power_of_two().max(SMALLEST_TABLE) } else { 1 },
+            hashed_cells: if hair_points > 0 { table(hair_points) } else { 1 },
             neighbour_capacity,
-            rod_iterations: scene.rods.iterations,
+            rod_sweeps: rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
             relaxation: scene.fluid.relaxation as f32,
             tension: scene.fluid.tension as f32,
             viscosity_hair: (scene.viscosity.hair / substeps) as f32,
@@ -141,6 +144,7 @@ impl Params {
                 params.box_size = size.map(|side| side as f32);
                 params.cells = cells.map(|n| n as i32);
                 params.cell_size = [0, 1, 2].map(|axis| (size[axis] / cells[axis]) as f32);
+                // Saturates: a scene made in code is not checked, and memory for so many is refused.
                 params.box_cells = cells.iter().product::<f64>() as u32;
                 params.air_volume = initial.air.volume as f32;
                 params.air_inverse_mass = (1.0 / initial.air.mass) as f32;
@@ -160,11 +164,17 @@ impl Params {
             hair_points: self.hair_points,
             segments: self.segments,
             strands: self.strands,
-            buckets: self.box_cells + self.hashed_cells,
+            buckets: self.box_cells.saturating_add(self.hashed_cells),
             neighbours: self.neighbour_capacity,
             band_tasks: band_tasks as u32,
         }
     }
+}
+
+/// Buckets for hair outside the box.
+fn table(hair_points: u32) -> u32 {
+    let [least, most] = TABLE;
+    hair_points.min(most).next_power_of_two().max(least)
 }
 
 /// D0 = Σ_k w |∇_k C|² of air on its rest lattice, simple cubic of spacing V^(1/3) \[1/(kg m²)\].

@@ -6,6 +6,7 @@ use crate::{
     bands::{Bands, invocations},
     params::Params,
     recorder::{Decision, Recorder},
+    rods,
     state::{Array, Sizes, State},
     step,
 };
@@ -17,6 +18,8 @@ pub struct Plan {
     pub sizes: Sizes,
     /// Jacobi iterations of the density constraint.
     pub fluid_iterations: u32,
+    /// Dispatches that the rods' sweeps are cut into.
+    pub rod_dispatches: u32,
     /// Are there strands?
     pub hair: Decision,
     /// Are there air particles?
@@ -84,6 +87,7 @@ impl Plan {
         Self {
             sizes,
             fluid_iterations: scene.fluid.iterations,
+            rod_dispatches: scene.rods.iterations / rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
             hair,
             air,
             wind,

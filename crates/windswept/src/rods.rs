@@ -38,7 +38,19 @@ pub(crate) struct Segment {
     pub _unused: [u32; 2],
 }
 
-assert_layout!(Segment { rest_rotation, stretch_compliance, rest_length, bend_compliance, inverse_inertia, radius, fibres });
+assert_layout!(Segment {
+    rest_rotation,
+    stretch_compliance,
+    rest_length,
+    bend_compliance,
+    inverse_inertia,
+    radius,
+    fibres
+});
+
+/// Rounds of the loops of one invocation of `rods/gauss_seidel`, at most: Mesa's software adapter ends the loops of an
+/// invocation after 65 535 rounds in all, without a word.
+const ROUNDS: u32 = 30_000;
 
 /// A point may not move farther than this part of its strand in one step (design 3.6).
 const LARGEST_MOVE: f64 = 0.03;
@@ -86,6 +98,15 @@ pub(crate) fn segments(hair: &Strands) -> Vec<Segment> {
         .collect()
 }
 
+/// Sweeps of one dispatch: as many as divide `iterations` and keep the longest strand below [`ROUNDS`], at least 1.
+#[must_use]
+pub(crate) fn sweeps_per_dispatch(iterations: u32, hair: &Strands) -> u32 {
+    let longest = (0..hair.len()).map(|s| hair.points(s).len()).max().unwrap_or_default() as u32;
+    // A sweep is one round of its own and one per segment: as many as points.
+    let most = (ROUNDS / longest.max(1)).clamp(1, iterations.max(1));
+    (1..=most).rev().find(|&sweeps| iterations.is_multiple_of(sweeps)).unwrap_or(1)
+}
+
 /// Per point: the largest move in a step, max(l, 0.03 L) \[m\].
 #[must_use]
 pub(crate) fn largest_moves(hair: &Strands) -> Vec<f64> {
@@ -96,4 +117,37 @@ pub(crate) fn largest_moves(hair: &Strands) -> Vec<f64> {
         moves.extend(std::iter::once(0.0).chain(lengths.iter().copied()).map(|l| l.max(LARGEST_MOVE * whole)));
     }
     moves
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn strand(points: u32) -> Strands {
+        let ends = vec![DVec3::ZERO; points as usize];
+        Strands {
+            point_offsets: vec![0, points],
+            positions: ends,
+            root_frame: vec![DQuat::IDENTITY],
+            ..Strands::default()
+        }
+    }
+
+    /// All sweeps are done, no dispatch is longer than it may be unless it is a single sweep, and few sweeps are one
+    /// dispatch.
+    #[test]
+    fn dispatches_make_up_all_sweeps_and_stay_short() {
+        for points in [2, 35, 1024, 16_384] {
+            for iterations in [1, 2, 10, 40, 120, 997, 1860, 2000, 9973, 10_000] {
+                let sweeps = sweeps_per_dispatch(iterations, &strand(points));
+                assert_eq!(iterations % sweeps, 0, "{iterations} sweeps of {points} points, {sweeps} at a time");
+                assert!(sweeps == 1 || sweeps * points <= ROUNDS, "{sweeps} sweeps of {points} points");
+            }
+        }
+        assert_eq!([10, 120, 857].map(|n| sweeps_per_dispatch(n, &strand(35))), [10, 120, 857]);
+        // 30 000 rounds are 857 sweeps of 35 points: 500 are the most that divide 2000.
+        assert_eq!(sweeps_per_dispatch(2000, &strand(35)), 500);
+        assert_eq!(sweeps_per_dispatch(0, &strand(35)), 1);
+        assert_eq!(sweeps_per_dispatch(10, &Strands::default()), 10);
+    }
 }

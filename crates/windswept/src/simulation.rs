@@ -88,7 +88,7 @@ impl Simulation {
     /// # Errors
     /// [`RunError`] names what ended the run; the state is that of the last good step.
     pub fn step(&mut self, n: u64) -> Result<(), RunError> {
-        let goal = (self.steps + n) * self.substeps;
+        let goal = self.steps.saturating_add(n).saturating_mul(self.substeps);
         while u64::from(self.last.step) < goal {
             let left = goal - u64::from(self.last.step);
             let started = Instant::now();
@@ -126,8 +126,8 @@ impl Simulation {
         let step = u64::from(status.step) / self.substeps;
         self.last = status;
         self.steps = step;
-        if status.neighbours > self.engine.sizes().neighbours {
-            self.grow(u64::from(status.neighbours))?;
+        if status.neighbours_needed() > u64::from(self.engine.sizes().neighbours) {
+            self.grow(status.neighbours_needed())?;
         } else if status.causes & status::NON_FINITE_AIR != 0 {
             return Err(RunError::NonFiniteAir { particle: status.first_bad_air, step, time: self.time() });
         } else if status.causes & status::TOO_MANY_BAD_STRANDS != 0 {
@@ -139,11 +139,9 @@ impl Simulation {
 
     /// Makes room for `needed` entries in the neighbour list and thaws the state.
     fn grow(&mut self, needed: u64) -> Result<(), RunError> {
-        let has = u64::from(self.engine.sizes().neighbours);
         let limit = self.engine.largest_list();
-        // A needed length below the list's own means that the count has wrapped round.
-        if needed > limit || needed <= has {
-            return Err(RunError::TooManyNeighbours { needed: needed.max(limit + 1), limit, step: self.steps });
+        if needed > limit {
+            return Err(RunError::TooManyNeighbours { needed, limit, step: self.steps });
         }
         let capacity = ((needed as f64 * GROWTH) as u64).min(limit) as u32;
         tracing::debug!(needed, capacity, "the neighbour list grows");
@@ -281,8 +279,7 @@ impl Simulation {
         }
         loop {
             let length = self.engine.sizes().neighbours;
-            let recording =
-                Recorder::record(|r| step::record_quantity(r, self.engine.state(), &self.plan, quantity));
+            let recording = Recorder::record(|r| step::record_quantity(r, self.engine.state(), &self.plan, quantity));
             let program = self.engine.program(&recording)?;
             self.engine.copy_state_to_scratch()?;
             self.engine.run(&program, 1)?;

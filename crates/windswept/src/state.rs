@@ -144,8 +144,8 @@ state! {
     orientation: VEC4, |s| s.segments;
     /// Per segment \[rad/s\], world frame.
     angular_velocity: VEC4, |s| s.segments;
-    /// Per strand: to be reset (bit 0), steps of over-strain on end.
-    health: WORD, |s| s.strands;
+    /// Per strand: to be reset (bit 0), steps of over-strain on end; as committed, and as this step found it.
+    health: 2 * WORD, |s| s.strands;
 
     /// What confinement has given the air in the whole run \[kg m/s\].
     confinement_impulse: VEC4, |_| 1;
@@ -175,7 +175,7 @@ state! {
     wind_change: VEC4, |s| s.particles;
     /// What drag adds to hair in this step \[m/s\]; 0 where the air is particles.
     drag_change: VEC4, |s| s.hair_points;
-    /// What the density constraint moved in this step \[m\].
+    /// What the density constraint moved air by in this step \[m\]; of hair it means nothing.
     correction: VEC4, |s| s.particles;
     /// The same, in this iteration \[m\].
     shift: VEC4, |s| s.particles;
@@ -208,7 +208,7 @@ state! {
     /// Particles per cell.
     cell_count: WORD, |s| s.buckets;
     /// First entry per cell, and the end.
-    cell_start: WORD, |s| s.buckets + 1;
+    cell_start: WORD, |s| s.buckets.saturating_add(1);
     /// Particles by cell, in any order.
     scattered: WORD, |s| s.particles;
     /// Particles by cell, ordered by index.

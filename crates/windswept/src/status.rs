@@ -25,6 +25,7 @@ pub struct Status {
     pub causes: u32,
     pub step: u32,
     pub neighbours: u32,
+    pub neighbour_carries: u32,
     pub bad_strands: u32,
     pub first_bad_strand: u32,
     pub first_bad_air: u32,
@@ -39,6 +40,7 @@ assert_layout!(Status {
     causes,
     step,
     neighbours,
+    neighbour_carries,
     bad_strands,
     first_bad_strand,
     first_bad_air,
@@ -59,7 +61,22 @@ impl Status {
     /// The same step again, thawed.
     #[must_use]
     pub fn thawed(self) -> Self {
-        Self { causes: 0, neighbours: 0, bad_strands: 0, hair_outside: 0, counting: [0; 4], ..self }
+        Self {
+            causes: 0,
+            neighbours: 0,
+            neighbour_carries: 0,
+            bad_strands: 0,
+            first_bad_strand: u32::MAX,
+            hair_outside: 0,
+            counting: [0; 4],
+            ..self
+        }
+    }
+
+    /// Entries that the neighbour list needs in this step.
+    #[must_use]
+    pub fn neighbours_needed(&self) -> u64 {
+        u64::from(self.neighbour_carries) << 32 | u64::from(self.neighbours)
     }
 
     /// max |l/l0 − 1| over the run.

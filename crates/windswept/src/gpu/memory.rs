@@ -5,6 +5,7 @@ use std::{num::NonZero, sync::mpsc};
 use bytemuck::Pod;
 
 use crate::{
+    engine::NEIGHBOURS_PER_PARTICLE,
     error::GpuError,
     gpu::Gpu,
     state::{Array, State},
@@ -103,9 +104,10 @@ fn check_size(gpu: &Gpu, state: &State, array: &Array) -> Result<(), GpuError> {
     if array.bytes() <= limit {
         return Ok(());
     }
-    let particles = state.position.len;
-    let fits = (particles as f64 * limit as f64 / array.bytes() as f64) as u64;
-    Err(GpuError::TooLarge { array: array.name, bytes: array.bytes(), limit, fits })
+    // A particle takes room in the neighbour list too, and most there.
+    let list = state.neighbour_list.stride * NEIGHBOURS_PER_PARTICLE;
+    let each = if array.len == state.position.len { list.max(array.stride) } else { array.stride };
+    Err(GpuError::TooLarge { array: array.name, bytes: array.bytes(), limit, fits: limit / each })
 }
 
 fn allocate(gpu: &Gpu, array: &Array) -> Result<wgpu::Buffer, GpuError> {

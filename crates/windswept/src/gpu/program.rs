@@ -116,10 +116,7 @@ fn dispatch(gpu: &Gpu, memory: &Memory, command: &Command) -> Result<Dispatch, G
         .bindings
         .iter()
         .zip(&command.arrays)
-        .map(|(binding, array)| wgpu::BindGroupEntry {
-            binding: binding.binding,
-            resource: memory.binding(array),
-        })
+        .map(|(binding, array)| wgpu::BindGroupEntry { binding: binding.binding, resource: memory.binding(array) })
         .collect();
     let group = gpu.checked(
         || format!("binding {} ({})", command.pass.name, command.label),

@@ -61,7 +61,7 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
             &rods::TURN,
             "segments turn",
             n.segments,
-            &[&s.params, &s.status, &s.orientation, &s.angular_velocity, &s.predicted_orientation],
+            &[&s.params, &s.status, &s.orientation, &s.angular_velocity, &s.predicted_orientation, &s.multipliers],
         );
     });
     r.when(&plan.wind, |r| {

@@ -9,6 +9,14 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     r.heading("9. guard");
     let n = &plan.sizes;
     let velocity = plan.final_velocity(s);
+    r.when(&plan.hair, |r| {
+        r.run(
+            &guard::HOLD,
+            "strands that are not finite stand still",
+            n.strands,
+            &[&s.params, &s.status, &s.strands, &s.health, &velocity],
+        );
+    });
     r.run(&guard::CHECK, "is all finite", n.particles, &[&s.params, &s.status, &s.predicted, &velocity]);
     r.when(&plan.hair, |r| {
         r.run(
@@ -22,6 +30,6 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
         &guard::COMMIT,
         "commit positions and velocities",
         n.particles,
-        &[&s.params, &s.status, &s.predicted, &velocity, &s.position, &s.velocity],
+        &[&s.params, &s.status, &s.predicted, &velocity, &s.position, &s.velocity, &s.health],
     );
 }

@@ -65,16 +65,7 @@ fn weigh(r: &mut Recorder, s: &State, plan: &Plan) {
         &turbulence::WEIGH,
         "what the filter sums",
         plan.sizes.particles,
-        &[
-            &s.params,
-            &s.status,
-            &s.sorted,
-            &s.predicted,
-            &s.new_velocity,
-            &s.flow_position,
-            &s.flow,
-            &s.confinement,
-        ],
+        &[&s.params, &s.status, &s.sorted, &s.predicted, &s.new_velocity, &s.flow_position, &s.flow, &s.confinement],
     );
 }
 

@@ -1,0 +1,33 @@
+// A strand that got a velocity that is not finite ends this step at rest, and is reset in the next as one whose solve failed
+// (`rods/finish`).
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, Health, BAD},
+    status::{status, frozen, count, finite3, STRAND_RESET},
+};
+
+@group(0) @binding(2) var<storage, read>       strands:        array<Strand>;
+@group(0) @binding(3) var<storage, read_write> health:         array<Health>;
+@group(0) @binding(4) var<storage, read_write> final_velocity: array<vec4f>;
+
+fn sound(strand: Strand) -> bool {
+    for (var k = 0u; k < strand.points; k++) {
+        if !finite3(final_velocity[strand.first_point + k].xyz) { return false; }
+    }
+    return true;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let s = invocation(id, groups);
+    if s >= params.strands || frozen() { return; }
+    let strand = strands[s];
+    if sound(strand) { return; }
+    for (var k = 0u; k < strand.points; k++) {
+        final_velocity[strand.first_point + k] = vec4f(0.0);
+    }
+    if (health[s].found & BAD) != 0u { return; }
+    health[s].found = BAD;
+    count(STRAND_RESET);
+    atomicAdd(&status.bad_strands, 1u);
+    atomicMin(&status.first_bad_strand, s);
+}
