@@ -1,4 +1,4 @@
-//! check, commit, commit_frames: ten whole steps against ten of the twin, heading by heading.
+//! hold, check, commit, commit_frames: ten whole steps against ten of the twin, heading by heading.
 
 use glam::DVec3;
 use windswept::step;
@@ -83,5 +83,31 @@ fn commit_wraps_air_and_counts_the_step() {
         let velocity = stage.vectors(&s.velocity);
         assert!(velocity.iter().zip(&stage.twin.position).all(|(v, x)| *v == *x), "{n} particles: velocities");
         assert_eq!(stage.engine.status().unwrap().step, 1);
+    }
+}
+
+/// A strand that got a velocity that is not finite ends the step at rest, is counted once and is flagged for its reset.
+#[test]
+fn hold_stills_strands_that_are_not_finite() {
+    for n in support::SIZES.into_iter().filter(|n| *n >= 9) {
+        let initial = support::particles(n, n / 3, support::Layout::Random, 9);
+        let stage = Stage::new(&support::scene(), &initial);
+        let (s, hair) = (stage.engine.state(), &stage.twin.hair);
+        let victim = hair.len() / 2;
+        let mut velocity = stage.twin.position.clone();
+        velocity[hair.points(victim).end - 1].z = f64::INFINITY;
+        stage.write_vectors(&s.predicted, &stage.twin.position);
+        stage.write_vectors(&s.viscous_velocity, &velocity);
+        stage.run(step::guard::record);
+        for (i, (got, given)) in stage.vectors(&s.velocity).iter().zip(&velocity).enumerate() {
+            let wanted = if hair.points(victim).contains(&i) { DVec3::ZERO } else { *given };
+            assert_eq!(*got, wanted, "{n} particles: velocity of {i}");
+        }
+        let health: Vec<[u32; 2]> = stage.engine.read(&s.health).unwrap();
+        for (strand, [committed, _]) in health.iter().enumerate() {
+            assert_eq!(committed & 1, u32::from(strand == victim), "{n} particles: strand {strand}");
+        }
+        let status = stage.engine.status().unwrap();
+        assert_eq!((status.step, status.counted[0]), (1, 1), "{n} particles");
     }
 }

@@ -1,7 +1,7 @@
 //! What can be typed.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand};
 use windswept_scene::Scene;
@@ -29,7 +29,7 @@ Examples:
       new pictures of that run, with more hairs
   windswept render out/wind --contact-sheet 0,0.5,1,1.5
       four moments of it in one picture
-  windswept check scene.toml --explain
+  windswept check --explain
       every key there is, with its default and its meaning
   windswept plan scene.toml
       the passes of a step, and why some are skipped
@@ -44,9 +44,12 @@ pub(crate) enum Command {
     Render(RenderOptions),
     /// Read a scene, say what was understood, and write nothing
     Check {
+        /// Scene file (TOML)
+        #[arg(value_name = "SCENE", required_unless_present = "explain")]
+        path: Option<PathBuf>,
         #[command(flatten)]
-        scene: SceneOptions,
-        /// Print every key there is: its default, meaning and unit
+        changes: Changes,
+        /// Print every key there is: its default, meaning and unit; needs no SCENE
         #[arg(long)]
         explain: bool,
     },
@@ -63,21 +66,39 @@ pub(crate) enum Command {
 pub(crate) struct SceneOptions {
     /// Scene file (TOML)
     #[arg(value_name = "SCENE")]
-    pub(crate) path: PathBuf,
+    path: PathBuf,
+    #[command(flatten)]
+    changes: Changes,
+}
+
+#[derive(Debug, Clone, Args)]
+pub(crate) struct Changes {
     /// Change a key of the scene by its dotted path, e.g. air.wind=[6,0,0]; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
 }
 
-impl SceneOptions {
-    /// The scene with its `--set`s, checked.
-    pub(crate) fn load(&self) -> Result<Scene, Failure> {
-        let scene = Scene::load_with(&self.path, &self.sets)?;
+impl Changes {
+    /// The scene of a file with them, checked.
+    pub(crate) fn load(&self, path: &Path) -> Result<Scene, Failure> {
+        let scene = Scene::load_with(path, &self.sets)?;
         if scene.hair.is_empty() {
             // Code may give a groom instead; the command has none.
-            return Err(Failure::Input(format!("{}: hair: is missing, expected a table [hair]", self.path.display())));
+            return Err(Failure::Input(format!("{}: hair: is missing, expected a table [hair]", path.display())));
         }
         Ok(scene)
+    }
+}
+
+impl SceneOptions {
+    /// The file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The scene with its `--set`s, checked.
+    pub(crate) fn load(&self) -> Result<Scene, Failure> {
+        self.changes.load(&self.path)
     }
 }
 

@@ -24,7 +24,7 @@ pub(crate) struct Films {
 impl Films {
     /// Checks that pictures can be made; writes nothing.
     pub(crate) fn check(output: &Output, simulation: &mut Simulation, formats: Formats) -> Result<Self, Failure> {
-        let air = if formats.png { simulation.scene().picture.air } else { AirPicture::None };
+        let air = if formats.png || formats.vtkhdf { simulation.scene().picture.air } else { AirPicture::None };
         let mut films = Self { files: Vec::new(), pictures: None, failed: None, air, frames: 0 };
         if formats.png {
             let first = films.frame(simulation)?;

@@ -1,20 +1,34 @@
 //! The commands that only look: `check`, `plan`, `adapters`.
 
+use std::path::Path;
+
 use windswept::state::{Sizes, State};
 use windswept::{AdapterChoice, Gpu};
 use windswept_scene::{InitialState, Method, Scene};
 
-use crate::arguments::SceneOptions;
+use crate::arguments::{Changes, SceneOptions};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::schedule::Schedule;
 
 /// `windswept check`: what was understood, and what a run would take.
-pub(crate) fn check(options: &SceneOptions, explain: bool, console: &mut Console<'_>) -> Result<(), Failure> {
-    let scene = options.load()?;
-    let initial = InitialState::new(&scene)?;
+pub(crate) fn check(
+    path: Option<&Path>,
+    changes: &Changes,
+    explain: bool,
+    console: &mut Console<'_>,
+) -> Result<(), Failure> {
+    let read = |path| -> Result<(Scene, InitialState), Failure> {
+        let scene = changes.load(path)?;
+        let initial = InitialState::new(&scene)?;
+        Ok((scene, initial))
+    };
+    let read = path.map(read).transpose()?;
     if explain {
         console.print(Scene::explain().trim_end());
+    }
+    let Some((scene, initial)) = read else { return Ok(()) };
+    if explain {
         console.print("");
     }
     for (what, value) in summary(&scene, &initial) {

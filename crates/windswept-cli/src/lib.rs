@@ -66,7 +66,7 @@ fn dispatch(command: &Command, console: &mut Console<'_>) -> Result<(), Failure>
     match command {
         Command::Run(options) => run::run(options, console),
         Command::Render(options) => render::render(options, console),
-        Command::Check { scene, explain } => inspect::check(scene, *explain, console),
+        Command::Check { path, changes, explain } => inspect::check(path.as_deref(), changes, *explain, console),
         Command::Plan { scene } => inspect::plan(scene, console),
         Command::Adapters => inspect::adapters(console),
     }

@@ -23,8 +23,9 @@ pub(crate) struct Output {
 }
 
 impl Output {
-    /// Refuses a folder that holds something already (unless it may be overwritten), and paths that cannot be.
-    pub(crate) fn check(dir: &Path, overwrite: bool, report: Option<&Path>) -> Result<Self, Failure> {
+    /// Refuses a folder that holds something already (unless it may be overwritten), paths that cannot be, and those
+    /// that would cost the user the scene file.
+    pub(crate) fn check(dir: &Path, overwrite: bool, report: Option<&Path>, scene: &Path) -> Result<Self, Failure> {
         let refuse = |path: &Path, why: &str| Err(Failure::Input(format!("{}: {why}", path.display())));
         match fs::read_dir(dir).map(|mut entries| entries.next().is_some()) {
             Ok(true) if !overwrite => {
@@ -42,6 +43,15 @@ impl Output {
             if !folder.is_dir() && folder != dir {
                 return refuse(folder, "no such folder (for --report)");
             }
+            if real(report) == real(scene) {
+                return refuse(report, "is the scene itself; --report takes another file");
+            }
+            if [HAIR, AIR, SCENE, PREVIEW, SHEET].iter().any(|name| real(report) == real(&dir.join(name))) {
+                return refuse(report, "is written by the run itself; --report takes another file");
+            }
+        }
+        if [HAIR, AIR, REPORT, SCENE, PREVIEW, SHEET].iter().any(|name| real(scene) == real(&dir.join(name))) {
+            return refuse(scene, "would be replaced by the run's own file of that name; --out takes another folder");
         }
         Ok(Self { dir: dir.into(), report: report.map(PathBuf::from) })
     }
@@ -117,6 +127,15 @@ impl Output {
         write(&self.dir.join(REPORT), report)?;
         self.report.as_deref().map_or(Ok(()), |path| write(path, report))
     }
+}
+
+/// The file that a path names, links followed, whether it is there yet or not.
+fn real(path: &Path) -> PathBuf {
+    let beside = |path: &Path| {
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Some(fs::canonicalize(folder).ok()?.join(path.file_name()?))
+    };
+    fs::canonicalize(path).ok().or_else(|| beside(path)).unwrap_or_else(|| path.into())
 }
 
 fn remove(path: &Path) -> Result<(), Failure> {

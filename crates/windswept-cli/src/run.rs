@@ -18,14 +18,15 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     let formats = options.formats()?;
     let scene = options.scene.load()?;
     let initial = InitialState::new(&scene)?;
-    let output = Output::check(&options.out, options.overwrite, options.report.as_deref())?;
+    let schedule = Schedule::new(&scene.time, options.steps);
+    schedule.check(&scene.time)?;
+    let output = Output::check(&options.out, options.overwrite, options.report.as_deref(), options.scene.path())?;
     for warning in initial.warnings.iter().cloned().chain(Schedule::warning(&scene.time)) {
         console.warn(warning);
     }
     let gpu = Gpu::new(&AdapterChoice::from_flag(options.adapter.as_deref()))?;
     console.note(format_args!("running on {}", gpu.info()));
     let mut simulation = Simulation::with_state(&gpu, &scene, initial)?;
-    let schedule = Schedule::new(&scene.time, options.steps);
     let interrupt = Interrupt::listen().map_err(|e| Failure::Run(format!("Ctrl-C cannot be listened to: {e}")))?;
 
     let mut films = Films::check(&output, &mut simulation, formats)?;

@@ -2,6 +2,8 @@
 
 use windswept_scene::Time;
 
+use crate::failure::Failure;
+
 /// Steps and frames of a run, all since t = 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Schedule {
@@ -24,6 +26,18 @@ impl Schedule {
         schedule.frames =
             (guess.saturating_sub(1)..=guess + 1).rev().find(|k| schedule.step(*k) <= steps).unwrap_or(0) + 1;
         schedule
+    }
+
+    /// The engine counts its steps, substeps included, in 32 bits.
+    pub(crate) fn check(&self, time: &Time) -> Result<(), Failure> {
+        let most = u64::from(u32::MAX) / u64::from(time.substeps);
+        if self.steps > most {
+            return Err(Failure::Input(format!(
+                "{} steps (--steps, or time.duration over time.step): expected at most {most}",
+                self.steps
+            )));
+        }
+        Ok(())
     }
 
     /// What the user should know: that a step is longer than the time between two frames asked for.

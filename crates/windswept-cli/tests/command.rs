@@ -90,6 +90,8 @@ fn bad_arguments_write_nothing() {
         (&["--resume"], "--resume: not in this version"),
         (&["--checkpoint-every", "5"], "--checkpoint-every: not in this version"),
         (&["--steps", "-1"], "-1"),
+        (&["--steps", "18446744073709551615"], "18446744073709551615 steps"),
+        (&["--steps", "2147483648", "--set", "time.substeps=2"], "expected at most 2147483647"),
         (&["--report", "nowhere/report.json"], "nowhere: no such folder"),
         (&["--what"], "--what"),
     ] {
@@ -99,6 +101,31 @@ fn bad_arguments_write_nothing() {
         assert_eq!(refused.status.code(), Some(2), "{more:?}: {said}");
         assert!(said.contains(word), "{more:?}: {said}");
         assert_eq!(listing(folder.path()), ["scene.toml"], "{more:?}");
+    }
+}
+
+/// No output replaces the scene that it comes from.
+#[test]
+fn the_scene_is_never_overwritten() {
+    for (arguments, word) in [
+        (&["--out", "."][..], "would be replaced by the run's own file"),
+        (&["--out", "../there"], "would be replaced by the run's own file"),
+        (&["--out", "out", "--report", "scene.toml"], "is the scene itself"),
+        (&["--out", "out", "--report", "out/../scene.toml"], "is the scene itself"),
+        (&["--out", "out", "--report", "out/hair.vtkhdf"], "is written by the run itself"),
+    ] {
+        let above = tempfile::tempdir().expect("a folder");
+        let folder = above.path().join("there");
+        fs::create_dir_all(folder.join("out")).expect("a folder");
+        fs::write(folder.join("scene.toml"), SCENE).expect("a file");
+        let mut command =
+            windswept(&folder, &[&["run", "scene.toml", "--overwrite", "--steps", "1"], arguments].concat());
+        let refused = command.output().expect("the program starts");
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains(word), "{arguments:?}: {said}");
+        assert_eq!(fs::read_to_string(folder.join("scene.toml")).expect("the scene"), SCENE, "{arguments:?}");
+        assert_eq!((listing(&folder), listing(&folder.join("out"))), (vec!["out".into(), "scene.toml".into()], vec![]));
     }
 }
 

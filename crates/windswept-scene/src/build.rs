@@ -300,13 +300,21 @@ impl Reader<'_> {
             stiffness: self.stiffness(i)?,
             point_mass: self.maybe_number(&at("point_mass"))?,
             curl,
-            roots: Roots {
-                shape: self.choice(&at("roots.shape"))?,
-                center: self.vector(&at("roots.center"))?,
-                radius: self.number(&at("roots.radius"))?,
-                direction: unit(self.vector(&at("roots.direction"))?),
-            },
+            roots: self.roots(&at("roots"))?,
         })
+    }
+
+    fn roots(&self, table: &str) -> Result<Roots, SceneError> {
+        let at = |name: &str| format!("{table}.{name}");
+        let shape = self.choice(&at("shape"))?;
+        let direction = unit(self.vector(&at("direction"))?);
+        let normal = if self.has(&at("normal")) { unit(self.vector(&at("normal"))?) } else { direction };
+        if shape == RootShape::SphereCap && normal != direction {
+            return Err(
+                self.fault(&at("normal"), "expected no normal with shape \"sphere_cap\", which faces direction")
+            );
+        }
+        Ok(Roots { shape, center: self.vector(&at("center"))?, radius: self.number(&at("radius"))?, direction, normal })
     }
 
     fn stiffness(&self, i: usize) -> Result<Stiffness, SceneError> {

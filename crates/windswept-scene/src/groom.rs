@@ -48,14 +48,14 @@ pub(crate) fn strands(scene: &Scene, parcel: f64, kernel_radius: f64, warnings: 
 /// Position and direction of root `i` of `n`: a jittered sunflower on disc and cap, equal parts of a line. A lone root
 /// is in the middle.
 fn seat(roots: &Roots, i: u32, n: u32, rng: &mut Pcg64) -> (DVec3, DVec3) {
-    let (center, axis) = (DVec3::from_array(roots.center), DVec3::from_array(roots.direction));
+    let [center, axis, normal] = [roots.center, roots.direction, roots.normal].map(DVec3::from_array);
     if n == 1 {
         let height = if roots.shape == RootShape::SphereCap { roots.radius } else { 0.0 };
         return (center + height * axis, axis);
     }
-    let level = DVec3::Y.cross(axis);
+    let level = DVec3::Y.cross(normal);
     let across = if level.length() > 1e-6 { level.normalize() } else { DVec3::X };
-    let up = axis.cross(across);
+    let up = normal.cross(across);
     let part = (f64::from(i) + 0.5) / f64::from(n);
     let jitter = [rng.random::<f64>() - 0.5, rng.random::<f64>() - 0.5].map(|u| 2.0 * JITTER * u);
     match roots.shape {

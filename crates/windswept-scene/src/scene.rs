@@ -163,18 +163,20 @@ pub struct Roots {
     pub center: [f64; 3],
     /// Radius of the disc or cap, half length of the line \[m\].
     pub radius: f64,
-    /// Strands start along it (unit); the disc is normal to it, the line too.
+    /// Strands start along it (unit); a cap faces it.
     pub direction: [f64; 3],
+    /// Normal of the disc, and of the line (unit).
+    pub normal: [f64; 3],
 }
 
 /// `hair.roots.shape`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RootShape {
-    /// A flat disc, normal to `direction`.
+    /// A flat disc.
     Disc,
     /// The half sphere of `radius` facing `direction`; strands start along its normals.
     SphereCap,
-    /// A line of half length `radius`, normal to `direction`, horizontal where it can be.
+    /// A line of half length `radius`, horizontal where it can be.
     Line,
 }
 

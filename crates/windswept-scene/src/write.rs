@@ -148,6 +148,9 @@ impl Writer {
         self.vector("center", hair.roots.center);
         self.number("radius", hair.roots.radius);
         self.vector("direction", hair.roots.direction);
+        if hair.roots.normal != hair.roots.direction {
+            self.vector("normal", hair.roots.normal);
+        }
     }
 
     fn air(&mut self, air: &Air) {

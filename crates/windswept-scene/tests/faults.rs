@@ -80,6 +80,8 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("step = 1.38e-3", "step = ", 2, "", &["not TOML"]),
     ("duration = 1.0", "step = 2.0", 3, "", &["not TOML", "duplicate"]),
     ("radius = 0.01", "radius = 0.01\ndirection = [0, 0, 0]", 11, "hair.roots.direction", &["not all 0"]),
+    ("radius = 0.01", "radius = 0.01\nnormal = [0, 0, 0]", 11, "hair.roots.normal", &["not all 0"]),
+    ("radius = 0.01", "radius = 0.01\nshape = \"sphere_cap\"\nnormal = [0, 0, 1]", 12, "hair.roots.normal", &["no normal with shape \"sphere_cap\""]),
     ("radius = 0.01", "radius = 0.01\nshape = \"square\"", 11, "hair.roots.shape", &["\"disc\", \"sphere_cap\", \"line\"", "square"]),
     ("length = 0.1", "length = 0.1\ntaper = 1.0", 8, "hair.taper", &["from 0 to below 1"]),
     ("length = 0.1", "length = 0.1\nlength_variation = -0.1", 8, "hair.length_variation", &["from 0 to below 1"]),

@@ -202,6 +202,7 @@ fn a_scene_written_out_is_the_same_scene() {
         (QUICK, &[][..]),
         (LEAST, &["method=published"][..]),
         (LEAST, &["interaction.model=none"][..]),
+        (QUICK, &["hair.roots.normal=[0.3, -1, 0.7]"]),
         (QUICK, &["picture.hairs=77", "picture.air=band_energy"][..]),
         (QUICK, &["title=\"two\\nlines\"", "seed=4294967295", "viscosity.hair=0.1"][..]),
         (&groups, &camera),

@@ -227,6 +227,26 @@ fn lengths_vary_within_their_part() {
     assert!((0.06..0.061).contains(&low) && (0.099..=0.1 + 1e-12).contains(&high), "{low} to {high}");
 }
 
+/// Strands that lean: roots on the plane of the normal, strands along the direction.
+#[test]
+fn roots_lie_normal_to_their_normal() {
+    for shape in ["disc", "line"] {
+        let hair = fibres(&[
+            &format!("hair.roots.shape={shape}"),
+            "hair.roots.direction=[2,-1,0]",
+            "hair.roots.normal=[0.5,-3,0.2]",
+            "hair.strands=50",
+        ]);
+        let (centre, normal) = (DVec3::new(0.045, 0.065, 0.035), DVec3::new(0.5, -3.0, 0.2).normalize());
+        let direction = DVec3::new(2.0, -1.0, 0.0).normalize();
+        for (strand, root) in hair.roots().enumerate() {
+            assert!((root - centre).dot(normal).abs() < 1e-15, "{shape}: {root}");
+            let along = hair.orientations[hair.segments(strand).start] * DVec3::Z;
+            assert!(along.distance(direction) < 1e-12, "{shape}: {along}");
+        }
+    }
+}
+
 /// However few the roots, chance leads none of them off the disc, and none where another stands.
 #[test]
 fn roots_stay_on_their_disc() {
