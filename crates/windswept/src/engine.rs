@@ -9,7 +9,7 @@ use crate::{
     error::{GpuError, RunError},
     gpu::{Gpu, Memory, Profile, Program, wgpu},
     params::{MOST_BUCKETS, Params},
-    recorder::Recording,
+    recorder::{Recorder, Recording},
     rods::{self, quat, vec4},
     state::{Array, Sizes, State},
     status::Status,
@@ -17,6 +17,9 @@ use crate::{
 
 /// Entries of the neighbour list per particle, at first: the lattice has 26 (h/d = 1.92), clumps more.
 pub(crate) const NEIGHBOURS_PER_PARTICLE: u64 = 36;
+
+/// The neighbour list grows by this over what a step needed.
+const GROWTH: f64 = 1.25;
 
 /// The buffers of a scene on a device.
 #[derive(Debug)]
@@ -157,6 +160,45 @@ impl Engine {
     /// [`GpuError`] when the device is lost.
     pub fn set_status(&self, status: &Status) -> Result<(), GpuError> {
         self.write(&self.state.status, &[*status])
+    }
+
+    /// Runs passes over the committed state, put where a step's own stands; again with a longer neighbour list if it was
+    /// too short. Says whether the list has grown: programs made before then bind the old one.
+    ///
+    /// # Errors
+    /// [`RunError::TooManyNeighbours`] when the adapter has no room, [`RunError::Gpu`] with the driver's words.
+    pub fn evaluate(&mut self, record: impl Fn(&mut Recorder, &State)) -> Result<bool, RunError> {
+        let mut grown = false;
+        loop {
+            let program = self.program(&Recorder::record(|r| record(r, &self.state)))?;
+            self.copy_state_to_scratch()?;
+            self.run(&program, 1)?;
+            let status = self.status()?;
+            if self.grow_if_short(&status, status.step.into())?.is_none() {
+                return Ok(grown);
+            }
+            grown = true;
+        }
+    }
+
+    /// Where a step needed a longer neighbour list: makes room, and returns the thawed status.
+    ///
+    /// # Errors
+    /// As [`Self::evaluate`].
+    pub(crate) fn grow_if_short(&mut self, status: &Status, step: u64) -> Result<Option<Status>, RunError> {
+        let (needed, limit) = (status.neighbours_needed(), self.largest_list());
+        if needed <= u64::from(self.params.neighbour_capacity) {
+            return Ok(None);
+        }
+        if needed > limit {
+            return Err(RunError::TooManyNeighbours { needed, limit, step });
+        }
+        let capacity = ((needed as f64 * GROWTH) as u64).min(limit) as u32;
+        tracing::debug!(needed, capacity, "the neighbour list grows");
+        self.grow_neighbours(capacity)?;
+        let thawed = status.thawed();
+        self.set_status(&thawed)?;
+        Ok(Some(thawed))
     }
 
     pub(crate) fn program(&self, recording: &Recording) -> Result<Program, GpuError> {

@@ -24,6 +24,8 @@ pub struct Gpu {
     pub(crate) queue: wgpu::Queue,
     info: AdapterInfo,
     pipelines: Arc<Mutex<HashMap<&'static str, wgpu::ComputePipeline>>>,
+    /// Sources that stand in for those of passes.
+    sources: Arc<HashMap<&'static str, String>>,
 }
 
 impl Gpu {
@@ -85,7 +87,13 @@ impl Gpu {
         }
         let info = AdapterInfo::new(&adapter.get_info());
         tracing::debug!(adapter = info.name, backend = info.backend, driver = info.driver, "device");
-        Ok(Self { device, queue, info, pipelines: Arc::default() })
+        Ok(Self { device, queue, info, pipelines: Arc::default(), sources: Arc::default() })
+    }
+
+    /// The same device with other shaders in place of those of some passes: to see a test fail, or to try a change.
+    #[must_use]
+    pub fn with_sources(&self, sources: impl IntoIterator<Item = (&'static str, String)>) -> Self {
+        Self { pipelines: Arc::default(), sources: Arc::new(sources.into_iter().collect()), ..self.clone() }
     }
 
     /// The device, for drawing beside the engine.
@@ -147,12 +155,13 @@ impl Gpu {
         if let Some(pipeline) = pipelines.get(pass.name) {
             return Ok(pipeline.clone());
         }
+        let source = self.sources.get(pass.name).map_or(pass.source, String::as_str);
         let pipeline = self.checked(
             || format!("making the pipeline of {}", pass.name),
             || {
                 let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
                     label: Some(pass.name),
-                    source: wgpu::ShaderSource::Wgsl(pass.source.into()),
+                    source: wgpu::ShaderSource::Wgsl(source.into()),
                 });
                 let entries: Vec<_> = pass.bindings.iter().map(layout_entry).collect();
                 let group = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {

@@ -2,13 +2,14 @@
 //!
 //! Strands are Cosserat rods, hair and air are one position-based fluid (Demura, Fujisawa & Mikawa 2019). A
 //! [`Simulation`] takes a checked [`windswept_scene::Scene`] and a [`Gpu`], steps, and hands out [`Frame`]s and a
-//! [`Report`]. `step.rs` reads as the step, top to bottom.
+//! [`Report`]. `step.rs` reads as the step, top to bottom; [`ops`] runs single passes of it on arrays of the caller's own.
 
 mod bands;
 mod engine;
 pub mod error;
 pub mod frame;
 pub mod gpu;
+pub mod ops;
 pub mod params;
 pub mod plan;
 pub mod recorder;

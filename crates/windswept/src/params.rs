@@ -96,6 +96,8 @@ const SOFTENING: f64 = 1e-3;
 /// Cells that `grid/scan` can sum: each of its 256 invocations walks over its stretch twice, and Mesa's software adapter ends
 /// the loops of an invocation after 65 535 rounds in all, without a word.
 pub(crate) const MOST_BUCKETS: u32 = 256 * 32_760;
+/// Cells of the box, at most.
+const MOST_BOX_CELLS: f64 = 8e6;
 /// Strands that may go bad in one step before the run ends: 3, or 1 %.
 const BAD_STRANDS: u32 = 3;
 
@@ -140,7 +142,7 @@ impl Params {
             params.cell_size = [air.kernel_radius as f32; 3];
             if air_particles > 0 {
                 let size = initial.air.size.to_array();
-                let cells = size.map(|side| (side / air.kernel_radius).floor().max(3.0));
+                let cells = cells(size, air.kernel_radius);
                 params.box_size = size.map(|side| side as f32);
                 params.cells = cells.map(|n| n as i32);
                 params.cell_size = [0, 1, 2].map(|axis| (size[axis] / cells[axis]) as f32);
@@ -168,6 +170,19 @@ impl Params {
             neighbours: self.neighbour_capacity,
             band_tasks: band_tasks as u32,
         }
+    }
+}
+
+/// Cells along each axis: of one kernel radius or a little more, at least 3, and larger where there would be too many.
+fn cells(size: [f64; 3], radius: f64) -> [f64; 3] {
+    let mut side = radius;
+    loop {
+        let cells = size.map(|length| (length / side).floor().max(3.0));
+        let all: f64 = cells.iter().product();
+        if all <= MOST_BOX_CELLS || cells == [3.0; 3] {
+            return cells;
+        }
+        side *= (all / MOST_BOX_CELLS).cbrt().max(1.01);
     }
 }
 

@@ -1,0 +1,351 @@
+//! Single passes over arrays of the caller's own: the fragments and shaders of the step.
+//!
+//! ```no_run
+//! use windswept::{AdapterChoice, Gpu, ops::Particles};
+//!
+//! let gpu = Gpu::new(&AdapterChoice::Best)?;
+//! let positions = vec![[0.0, 0.0, 0.0], [0.004, 0.0, 0.0]];
+//! let particles = Particles { mass: 1.46e-7, rest_density: 1.29, radius: 9.3e-3, ..Particles::at(&positions) };
+//! println!("{:?} kg/m³", particles.density(&gpu)?);
+//! # Ok::<(), windswept::ops::OpsError>(())
+//! ```
+
+use glam::DVec3;
+use windswept_scene::{AirParticles, Band, Fluid, InitialState, Scene, SceneError};
+
+use crate::{
+    engine::Engine,
+    error::{GpuError, RunError},
+    gpu::Gpu,
+    plan::Plan,
+    recorder::Recorder,
+    state::{Array, State},
+    step,
+};
+
+/// The kernel radius in particle spacings below which the density constraint knows no neighbour.
+const LEAST_RADIUS: f64 = 1.2;
+/// What `f32` holds with room for the squares of a step.
+const MAGNITUDES: std::ops::RangeInclusive<f64> = 1e-18..=1e18;
+/// More particles than any list of them could index.
+const MOST_PARTICLES: usize = 1 << 28;
+/// Values that the operations set, where they matter.
+const BASE: &str = "
+time = { step = 1.0, duration = 1.0 }
+air = { box = { min = [0, 0, 0], max = [1, 1, 1] }, wind = [0, 0, 0], ramp = 0.0 }
+viscosity = { hair = 0.0, air = 0.0 }
+turbulence = { speed = 1.0 }
+";
+
+/// Equal particles in a periodic box or in free space. Every operation uses `positions` and `bounds`; each says what else.
+///
+/// Positions are handed to the GPU as `f32` relative to the box, or in free space to their lowest corner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Particles<'a> {
+    /// Per particle \[m\].
+    pub positions: &'a [[f64; 3]],
+    /// Per particle \[m/s\].
+    pub velocities: &'a [[f64; 3]],
+    /// Mass of each \[kg\].
+    pub mass: f64,
+    /// ρ0 \[kg/m³\]; a particle's volume is mass / ρ0.
+    pub rest_density: f64,
+    /// Kernel radius h \[m\].
+    pub radius: f64,
+    /// Sides of the periodic box, which starts at 0 \[m\]; positions are wrapped into it.
+    pub bounds: Option<[f64; 3]>,
+}
+
+/// Who is nearer than the kernel radius to whom, as a compressed sparse row matrix.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Neighbours {
+    /// Per particle the first of its entries, and the end of the last.
+    pub offsets: Vec<u32>,
+    /// Neighbours in rising order; a particle is not its own.
+    pub indices: Vec<u32>,
+}
+
+/// An operation that cannot be done.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OpsError {
+    /// An argument is not what it should be.
+    #[error("{name}: {what}")]
+    Argument {
+        /// The argument.
+        name: &'static str,
+        /// What was expected, and found.
+        what: String,
+    },
+    /// The device.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The settings of the operations themselves.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+}
+
+impl From<GpuError> for OpsError {
+    fn from(error: GpuError) -> Self {
+        Self::Run(error.into())
+    }
+}
+
+impl<'a> Particles<'a> {
+    /// Particles at rest in free space with the paper's mass, rest density and kernel radius.
+    #[must_use]
+    pub fn at(positions: &'a [[f64; 3]]) -> Self {
+        Self { positions, velocities: &[], mass: 1.46e-7, rest_density: 1.29, radius: 9.3e-3, bounds: None }
+    }
+
+    /// ρ = m Σ_j W(x_i − x_j), Poly6, self included \[kg/m³\]. Uses `mass`, `rest_density` (as a scale only), `radius`.
+    ///
+    /// # Errors
+    /// [`OpsError`].
+    pub fn density(&self, gpu: &Gpu) -> Result<Vec<f32>, OpsError> {
+        let Some(mut stage) = self.stage(gpu, self.radius, |_| {})? else { return Ok(Vec::new()) };
+        stage.evaluate(|r, s, plan| {
+            step::neighbours::record(r, s, plan);
+            step::fluid::record_density(r, s, plan);
+        })?;
+        let ratios: Vec<f32> = stage.read(|s| &s.density)?;
+        Ok(ratios.into_iter().map(|ratio| (f64::from(ratio) * self.rest_density) as f32).collect())
+    }
+
+    /// ω = Σ_j V (v_j − v_i) × ∇_j W, Spiky, the plain sum (eq. 2 with its missing 1/ρ) \[1/s\]. Uses `velocities`, `mass`,
+    /// `rest_density`, `radius`.
+    ///
+    /// # Errors
+    /// [`OpsError`].
+    pub fn vorticity(&self, gpu: &Gpu) -> Result<Vec<[f32; 3]>, OpsError> {
+        self.check_velocities()?;
+        let Some(mut stage) = self.stage(gpu, self.radius, |_| {})? else { return Ok(Vec::new()) };
+        stage.evaluate(|r, s, plan| {
+            step::neighbours::record(r, s, plan);
+            step::turbulence::record_vorticity(r, s, plan);
+        })?;
+        stage.read_vectors(|s| &s.vorticity)
+    }
+
+    /// û, the velocity of eddies of scale s: the Mexican hat over the volumes' velocities (eqs. 5, 6), by direct sum to
+    /// `cutoff` scales, with unit gain at the band's centre, ks = √2 \[m/s\]. Uses `velocities`, `mass`, `rest_density`;
+    /// `radius` sets the cells of the search and nothing else.
+    ///
+    /// # Errors
+    /// [`OpsError`].
+    pub fn band_velocity(&self, gpu: &Gpu, scale: f64, cutoff: f64) -> Result<Vec<[f32; 3]>, OpsError> {
+        self.check_velocities()?;
+        positive("scale", scale)?;
+        positive("cutoff", cutoff)?;
+        let band = Band { scale, strength: 1.0, intensity: 1.0 };
+        let prepare = |scene: &mut Scene| {
+            scene.turbulence.bands = vec![band];
+            scene.turbulence.cutoff = cutoff;
+        };
+        let Some(mut stage) = self.stage(gpu, self.radius.max(scale * cutoff), prepare)? else {
+            return Ok(Vec::new());
+        };
+        stage.evaluate(|r, s, plan| {
+            step::neighbours::record(r, s, plan);
+            step::turbulence::record_band(r, s, plan);
+        })?;
+        stage.read_vectors(|s| &s.band_velocity)
+    }
+
+    /// Velocities after one XSPH update with `coefficient` c (eq. 7), limited where it could overshoot \[m/s\]. Uses
+    /// `velocities`, `mass`, `rest_density` (as a scale only), `radius`.
+    ///
+    /// # Errors
+    /// [`OpsError`].
+    pub fn viscosity(&self, gpu: &Gpu, coefficient: f64) -> Result<Vec<[f32; 3]>, OpsError> {
+        self.check_velocities()?;
+        if coefficient != 0.0 {
+            positive("coefficient", coefficient)?;
+        }
+        let prepare = |scene: &mut Scene| scene.viscosity.air = coefficient;
+        let Some(mut stage) = self.stage(gpu, self.radius, prepare)? else { return Ok(Vec::new()) };
+        if coefficient == 0.0 {
+            return Ok(self.velocities.iter().map(|v| v.map(|x| x as f32)).collect());
+        }
+        stage.evaluate(|r, s, plan| {
+            step::neighbours::record(r, s, plan);
+            step::fluid::record_density(r, s, plan);
+            step::viscosity::record(r, s, plan);
+        })?;
+        stage.read_vectors(|s| &s.viscous_velocity)
+    }
+
+    /// Positions after `fluid.iterations` Jacobi iterations of ρ = ρ0 (eq. 1), neighbours searched once \[m\]. Uses `mass`,
+    /// `rest_density`, `radius`.
+    ///
+    /// # Errors
+    /// [`OpsError`].
+    pub fn solve_density(&self, gpu: &Gpu, fluid: Fluid) -> Result<Vec<[f32; 3]>, OpsError> {
+        if !(0.0..=1.0).contains(&fluid.tension) {
+            return Err(argument("tension", format!("expected a number from 0 to 1, found {}", fluid.tension)));
+        }
+        positive("relaxation", fluid.relaxation)?;
+        if self.radius < LEAST_RADIUS * self.spacing() {
+            let words =
+                format!("expected at least {LEAST_RADIUS} particle spacings, {} m", LEAST_RADIUS * self.spacing());
+            return Err(argument("radius", format!("{words}; found {}", self.radius)));
+        }
+        let Some(mut stage) = self.stage(gpu, self.radius, |scene| scene.fluid = fluid)? else {
+            return Ok(Vec::new());
+        };
+        stage.evaluate(|r, s, plan| {
+            step::neighbours::record(r, s, plan);
+            step::fluid::record(r, s, plan);
+        })?;
+        let moved: Vec<[f32; 4]> = stage.read(|s| &s.predicted)?;
+        let place = |x: &[f32; 4]| {
+            let x = DVec3::new(x[0].into(), x[1].into(), x[2].into()) + stage.origin;
+            self.wrapped(x).as_vec3().to_array()
+        };
+        Ok(moved.iter().map(place).collect())
+    }
+
+    /// Who is near whom. Uses `radius`.
+    ///
+    /// # Errors
+    /// [`OpsError`].
+    pub fn neighbours(&self, gpu: &Gpu) -> Result<Neighbours, OpsError> {
+        let Some(mut stage) = self.stage(gpu, self.radius, |_| {})? else {
+            return Ok(Neighbours { offsets: vec![0], indices: Vec::new() });
+        };
+        stage.evaluate(|r, s, plan| step::neighbours::record(r, s, plan))?;
+        let ranges: Vec<[u32; 2]> = stage.read(|s| &s.neighbour_range)?;
+        let list: Vec<u32> = stage.read(|s| &s.neighbour_list)?;
+        let mut all = Neighbours { offsets: vec![0], indices: Vec::new() };
+        for [first, count] in ranges {
+            let start = all.indices.len();
+            all.indices.extend(&list[first as usize..(first + count) as usize]);
+            all.indices[start..].sort_unstable();
+            all.offsets.push(all.indices.len() as u32);
+        }
+        Ok(all)
+    }
+
+    fn spacing(&self) -> f64 {
+        (self.mass / self.rest_density).cbrt()
+    }
+
+    /// Into the box, if there is one.
+    fn wrapped(&self, x: DVec3) -> DVec3 {
+        let Some(sides) = self.bounds.map(DVec3::from_array) else { return x };
+        let inside = x - sides * (x / sides).floor();
+        // Rounding may leave the upper face itself.
+        DVec3::select(inside.cmpge(sides), DVec3::ZERO, inside)
+    }
+
+    fn check_velocities(&self) -> Result<(), OpsError> {
+        if self.velocities.len() != self.positions.len() {
+            let words = format!("expected {} rows as positions, found {}", self.positions.len(), self.velocities.len());
+            return Err(argument("velocities", words));
+        }
+        finite("velocities", self.velocities)
+    }
+
+    fn check(&self) -> Result<(), OpsError> {
+        finite("positions", self.positions)?;
+        if self.positions.len() > MOST_PARTICLES {
+            let words = format!("expected at most {MOST_PARTICLES} rows, found {}", self.positions.len());
+            return Err(argument("positions", words));
+        }
+        positive("mass", self.mass)?;
+        positive("rest_density", self.rest_density)?;
+        positive("radius", self.radius)?;
+        for (axis, side) in ["x", "y", "z"].iter().zip(self.bounds.into_iter().flatten()) {
+            // Three radii may be written with a little less.
+            if !(side.is_finite() && side >= 3.0 * self.radius * (1.0 - 1e-6)) {
+                let words =
+                    format!("expected sides of at least 3 radii, {} m; found {side} in {axis}", 3.0 * self.radius);
+                return Err(argument("box", words));
+            }
+        }
+        Ok(())
+    }
+
+    /// The particles as the air of a still scene, on the device; `None` if there are none. In free space the box keeps
+    /// particles `reach` away from their images.
+    fn stage(&self, gpu: &Gpu, reach: f64, prepare: impl FnOnce(&mut Scene)) -> Result<Option<Stage>, OpsError> {
+        self.check()?;
+        if self.positions.is_empty() {
+            return Ok(None);
+        }
+        let mut scene = Scene::parse(BASE)?;
+        if let Some(air) = &mut scene.air {
+            air.kernel_radius = self.radius;
+            air.rest_density = self.rest_density;
+            air.particle_mass = self.mass;
+        }
+        prepare(&mut scene);
+        let positions: Vec<DVec3> = self.positions.iter().map(|x| self.wrapped(DVec3::from_array(*x))).collect();
+        let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let (min, size) = match self.bounds {
+            Some(sides) => (DVec3::ZERO, DVec3::from_array(sides)),
+            None => (low - reach, (high - low + 2.0 * reach).max(DVec3::splat(3.0 * self.radius))),
+        };
+        let still = vec![DVec3::ZERO; positions.len()];
+        let velocities = if self.velocities.len() == positions.len() {
+            self.velocities.iter().map(|v| DVec3::from_array(*v)).collect()
+        } else {
+            still
+        };
+        let volume = self.mass / self.rest_density;
+        let initial = InitialState {
+            origin: min,
+            air: AirParticles { min, size, positions, velocities, volume, mass: self.mass },
+            ..InitialState::default()
+        };
+        let engine = Engine::new(gpu, &scene, &initial)?;
+        let plan = Plan::new(&scene, &initial, engine.sizes());
+        Ok(Some(Stage { engine, plan, origin: min }))
+    }
+}
+
+/// Particles on the device.
+struct Stage {
+    engine: Engine,
+    plan: Plan,
+    origin: DVec3,
+}
+
+impl Stage {
+    fn evaluate(&mut self, record: impl Fn(&mut Recorder, &State, &Plan)) -> Result<(), OpsError> {
+        self.engine.evaluate(|r, s| record(r, s, &self.plan))?;
+        Ok(())
+    }
+
+    fn read<T: bytemuck::Pod>(&self, array: impl Fn(&State) -> &Array) -> Result<Vec<T>, OpsError> {
+        Ok(self.engine.read(array(self.engine.state()))?)
+    }
+
+    fn read_vectors(&self, array: impl Fn(&State) -> &Array) -> Result<Vec<[f32; 3]>, OpsError> {
+        let read: Vec<[f32; 4]> = self.read(array)?;
+        Ok(read.iter().map(|v| [v[0], v[1], v[2]]).collect())
+    }
+}
+
+fn argument(name: &'static str, what: String) -> OpsError {
+    OpsError::Argument { name, what }
+}
+
+fn positive(name: &'static str, x: f64) -> Result<(), OpsError> {
+    if MAGNITUDES.contains(&x) {
+        return Ok(());
+    }
+    Err(argument(name, format!("expected a number from {:e} to {:e}, found {x}", MAGNITUDES.start(), MAGNITUDES.end())))
+}
+
+fn finite(name: &'static str, rows: &[[f64; 3]]) -> Result<(), OpsError> {
+    let held = |x: &f64| x.abs() <= *MAGNITUDES.end();
+    match rows.iter().position(|row| !row.iter().all(held)) {
+        None => Ok(()),
+        Some(i) => {
+            let words = format!("row {i} is {:?}, expected finite numbers of at most {:e}", rows[i], MAGNITUDES.end());
+            Err(argument(name, words))
+        }
+    }
+}

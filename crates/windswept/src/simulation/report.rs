@@ -1,0 +1,121 @@
+//! What a run reports of itself.
+
+use glam::DVec3;
+
+use super::Simulation;
+use crate::{
+    error::RunError,
+    report::{Particles, PassReport, Report, SkippedReport},
+};
+
+impl Simulation {
+    /// The report of the run so far.
+    ///
+    /// # Errors
+    /// [`RunError`] as [`Self::density`].
+    pub fn report(&mut self) -> Result<Report, RunError> {
+        let density = self.density()?;
+        let s = self.engine.state();
+        let [positions, velocities] = self.engine.read_vec4([&s.position, &s.velocity])?;
+        let sizes = self.engine.sizes();
+        let air_errors = density.iter().skip(sizes.hair_points as usize).map(|ratio| f64::from(*ratio) - 1.0);
+        let rms = |errors: &mut dyn Iterator<Item = f64>| {
+            let (sum, n) = errors.fold((0.0, 0u32), |(sum, n), e| (sum + e * e, n + 1));
+            (n > 0).then(|| (sum / f64::from(n)).sqrt())
+        };
+        Ok(Report {
+            schema: 1,
+            windswept: env!("CARGO_PKG_VERSION").to_owned(),
+            commit: option_env!("WINDSWEPT_COMMIT").map(str::to_owned),
+            scene: self.scene.title.clone(),
+            method: format!("{:?}", self.scene.method).to_lowercase(),
+            adapter: self.engine.gpu().info().clone(),
+            particles: Particles {
+                hair: sizes.hair_points.into(),
+                air: sizes.air().into(),
+                hair_outside_box: self.outside(&positions[..sizes.hair_points as usize]),
+            },
+            steps: self.steps,
+            time_s: self.time(),
+            ms_per_step: median(&self.step_ms),
+            ms_first_step: self.first_step_ms,
+            passes: self.pass_times(),
+            skipped: self.skipped(),
+            max_stretch: self.plan.hair.runs.then(|| self.last.max_stretch().into()),
+            density_error_rms: rms(&mut air_errors.clone()),
+            over_density_rms: rms(&mut air_errors.map(|e| e.max(0.0))),
+            momentum_kg_m_per_s: self.momentum(&velocities),
+            confinement_impulse_kg_m_per_s: self.confinement_impulse()?,
+            memory_bytes: self.engine.memory_bytes(),
+            warnings: self.warnings(),
+        })
+    }
+
+    /// How often each cause acted so far, and what the scene was warned of.
+    #[must_use]
+    pub fn warnings(&self) -> std::collections::BTreeMap<String, u64> {
+        let mut warnings = self.last.warnings();
+        warnings.extend(self.initial.warnings.iter().map(|warning| (warning.clone(), 1)));
+        warnings
+    }
+
+    fn outside(&self, hair: &[[f32; 4]]) -> u64 {
+        if !self.plan.air.runs {
+            return 0;
+        }
+        let size = self.initial.air.size.as_vec3().to_array();
+        hair.iter().filter(|x| (0..3).any(|axis| x[axis] < 0.0 || x[axis] >= size[axis])).count() as u64
+    }
+
+    fn momentum(&self, velocities: &[[f32; 4]]) -> [f64; 3] {
+        let hair = &self.initial.hair.inverse_mass;
+        let mass = |i: usize| match hair.get(i) {
+            Some(&w) if w > 0.0 => 1.0 / w,
+            Some(_) => 0.0,
+            None => self.initial.air.mass,
+        };
+        let mut sum = DVec3::ZERO;
+        for (i, v) in velocities.iter().enumerate() {
+            sum += mass(i) * DVec3::new(v[0].into(), v[1].into(), v[2].into());
+        }
+        sum.to_array()
+    }
+
+    fn confinement_impulse(&self) -> Result<Option<[f64; 3]>, RunError> {
+        let [impulse] = self.engine.read_vec4([&self.engine.state().confinement_impulse])?;
+        let sum = impulse.first().map(|p| [p[0], p[1], p[2]].map(f64::from));
+        Ok(sum.filter(|_| self.plan.turbulence.runs))
+    }
+
+    fn pass_times(&self) -> Vec<PassReport> {
+        let steps = self.timed_steps as f64 / self.substeps as f64;
+        let mut rows: Vec<PassReport> = Vec::new();
+        for command in self.recording.running() {
+            let Some(time) = self.profile.get(&(command.pass.name, command.label)) else { continue };
+            if rows.iter().any(|row| row.pass == command.pass.name && row.name == command.label) {
+                continue;
+            }
+            rows.push(PassReport {
+                name: command.label.to_owned(),
+                pass: command.pass.name.to_owned(),
+                ms: time.ms / steps,
+                runs: (time.runs as f64 / steps).round() as u64,
+            });
+        }
+        rows
+    }
+
+    fn skipped(&self) -> Vec<SkippedReport> {
+        let skipped = self.recording.commands.iter().filter_map(|command| {
+            let why = command.skipped.clone()?;
+            Some(SkippedReport { name: command.label.to_owned(), why })
+        });
+        skipped.collect()
+    }
+}
+
+fn median(values: &[f64]) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied()
+}
