@@ -9,5 +9,6 @@ mod grid;
 mod guard;
 mod rods;
 mod stage;
+mod steps;
 mod turbulence;
 mod wind;

@@ -1,6 +1,7 @@
 //! What ends a run, and what a step leaves behind (design 4).
 
 use glam::{DQuat, DVec3};
+use windswept_scene::Strands;
 
 use crate::{Parameters, State, fluid::wrap, rods};
 
@@ -17,6 +18,16 @@ pub enum Frozen {
     NonFiniteAir(usize),
     /// So many strands became non-finite.
     BadStrands(usize),
+}
+
+/// A strand with a velocity that is not finite stands still; says whether it was one.
+pub fn hold(hair: &Strands, strand: usize, velocities: &mut [DVec3]) -> bool {
+    let own = &mut velocities[hair.points(strand)];
+    let lost = !own.iter().all(|v| v.is_finite());
+    if lost {
+        own.fill(DVec3::ZERO);
+    }
+    lost
 }
 
 /// Whether what a step arrived at may become the state.

@@ -213,7 +213,7 @@ impl<'a> Particles<'a> {
         let Some(mut stage) = self.stage(gpu, self.radius, |_| {})? else {
             return Ok(Neighbours { offsets: vec![0], indices: Vec::new() });
         };
-        stage.evaluate(|r, s, plan| step::neighbours::record(r, s, plan))?;
+        stage.evaluate(step::neighbours::record)?;
         let ranges: Vec<[u32; 2]> = stage.read(|s| &s.neighbour_range)?;
         let list: Vec<u32> = stage.read(|s| &s.neighbour_list)?;
         let mut all = Neighbours { offsets: vec![0], indices: Vec::new() };
