@@ -29,13 +29,27 @@ fn figures_have_the_papers_parameters() {
             let initial = InitialState::new(&scene).unwrap();
             assert_eq!((scene.time.step, scene.method), (1.38e-3, Method::Accurate), "{file}");
             assert_eq!((scene.hair[0].strands, scene.hair[0].length), (strands, length), "{file}");
+            let points = if strands == 550 {
+                35
+            } else if name == "fig4" {
+                19
+            } else {
+                13
+            };
+            assert_eq!(scene.hair[0].points, points, "{file}");
             assert_eq!(scene.air.as_ref().unwrap().wind, [3.0, 0.0, 0.0], "{file}");
+            assert!(
+                !initial.warnings.iter().any(|warning| strands == 550 && warning.contains("outside the box")),
+                "{file}"
+            );
             assert_eq!(scene.hair[0].curl.is_some(), name == "fig4", "{file}");
             if name == "fig2a" {
                 assert_eq!((scene.model, initial.air.positions.len()), (Model::Drag, 0), "{file}");
-                assert!(
-                    plan::table(&scene).unwrap().iter().all(|row| row.runs == 0 || !row.pass.starts_with("fluid/p"))
-                );
+                let runs: Vec<_> = plan::table(&scene).unwrap().into_iter().filter(|row| row.runs > 0).collect();
+                let of = |folder: &str| runs.iter().filter(|row| row.pass.starts_with(folder)).count();
+                // Velocities from positions are the hair's too.
+                assert_eq!((of("fluid/"), of("grid/"), of("turbulence/")), (1, 0, 0), "{file}: {runs:?}");
+                assert!(runs.iter().any(|row| row.pass == "fluid/velocity"), "{file}");
                 continue;
             }
             let particles = initial.air.positions.len() as f64;

@@ -10,7 +10,8 @@ struct Band {
     end_block: u32,
     blocks_in_row: u32,
     cells_in_block: i32,
-    layers: i32,           // of cells on either side of a block that the filter reaches
-    first_layer: i32,      // of this dispatch, relative to the block
-    @size(212) end_layer: i32,   // uniforms are bound at multiples of 256 bytes
+    rows: i32,             // of cells on either side of a block that the filter reaches, in y
+    layers: i32,           // the same in z
+    first_row: i32,        // of this dispatch: (2 rows + 1) (2 layers + 1) there are, y first
+    @size(208) end_row: i32,     // uniforms are bound at multiples of 256 bytes
 }

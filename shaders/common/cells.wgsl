@@ -21,6 +21,11 @@ fn in_box(cell: vec3i) -> bool {
     return all(cell >= vec3i(0)) && all(cell < params.cells);
 }
 
+// How many boxes away a cell outside the box is, per axis. In integers: a quotient of f32 may miss a whole number.
+fn turns_of(cell: vec3i) -> vec3i {
+    return select(cell / params.cells, (cell + vec3i(1)) / params.cells - vec3i(1), cell < vec3i(0));
+}
+
 fn box_bucket(cell: vec3i) -> u32 {
     return u32(cell.x + params.cells.x * (cell.y + params.cells.y * cell.z));
 }

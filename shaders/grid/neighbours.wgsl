@@ -5,7 +5,7 @@
 // grows the list.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP},
-    cells::{cell_of, air_cell_of, in_box, box_bucket, hashed_bucket},
+    cells::{cell_of, air_cell_of, in_box, turns_of, box_bucket, hashed_bucket},
     status::{status, frozen_before},
 };
 
@@ -81,7 +81,7 @@ fn search() {
                     continue;
                 }
                 if air {
-                    let turns = vec3i(floor(vec3f(cell) / vec3f(params.cells)));
+                    let turns = turns_of(cell);
                     let bucket = box_bucket(cell - turns * params.cells);
                     look(cell_start[bucket], cell_start[bucket + 1u], params.box_size * vec3f(turns), true);
                 }

@@ -14,6 +14,8 @@ const NONE: u32 = 0xffffffffu;
 @group(0) @binding(4) var<storage, read_write> position:       array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> velocity:       array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> health:         array<Health>;
+@group(0) @binding(7) var<storage, read>       mean_confinement:    array<vec4f>;   // the mean, the impulse of the step
+@group(0) @binding(8) var<storage, read_write> confinement_impulse: array<vec4f>;   // one, of the run [kg m/s]
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -26,6 +28,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if i < params.strands { health[i].committed = health[i].found; }
     if i == 0u {
         status.step += 1u;
+        confinement_impulse[0] += mean_confinement[1];
         atomicStore(&status.bad_strands, 0u);
         atomicStore(&status.first_bad_strand, NONE);
         for (var cause = 0u; cause < COUNTERS; cause++) {

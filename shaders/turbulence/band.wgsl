@@ -3,9 +3,9 @@
 //   u_i = gain sum_j f_j (3 - q^2) exp(-q^2/2),  q = |x_i - x_j|/s,  f from `weigh`, self included
 //
 // A workgroup takes particles of a block of cells in a row, eight to a lane: what is read of a particle j serves eight
-// sums. One dispatch looks at a few layers of cells in z and adds to what those before it found.
+// sums. One dispatch looks at some of the rows of cells around a block and adds to what those before it found.
 import package::common::{
-    params::params, cells::{cell_of, in_box, box_bucket, hashed_bucket}, status::frozen, band::Band,
+    params::params, cells::{cell_of, turns_of, box_bucket, hashed_bucket}, status::frozen, band::Band,
 };
 
 const LANES: u32 = 8u;
@@ -68,7 +68,7 @@ fn add_outside(cell: vec3i) {
 fn walk(begin: i32, end: i32, y: i32, z: i32) {
     var x = begin;
     while x < end {
-        let turns = vec3i(floor(vec3f(vec3i(x, y, z)) / vec3f(params.cells)));
+        let turns = turns_of(vec3i(x, y, z));
         let home = vec3i(x, y, z) - turns * params.cells;
         let run = min(end - x, params.cells.x - home.x);
         let imaged = any(turns != vec3i(0));
@@ -91,7 +91,7 @@ fn four_from(e: vec4u) -> Four {
 fn write(e: u32, end: u32, sum: vec3f) {
     if e >= end || flow_position[e].w == 0.0 { return; }
     let i = sorted[e];
-    let before = select(vec4f(0.0), band_velocity[i], band.first_layer > -band.layers);
+    let before = select(vec4f(0.0), band_velocity[i], band.first_row > 0);
     band_velocity[i] = before + vec4f(band.gain * sum, 0.0);
 }
 
@@ -110,15 +110,15 @@ fn main(
     let workgroup = group.y * groups.x + group.x;
     let block = band.first_block + workgroup / SHARES;
     if block >= band.end_block || frozen() { return; }
-    let row = i32(block / band.blocks_in_row);
-    let home = vec3i(i32(block % band.blocks_in_row) * band.cells_in_block, row % params.cells.y, row / params.cells.y);
+    let line = i32(block / band.blocks_in_row);
+    let home = vec3i(i32(block % band.blocks_in_row) * band.cells_in_block, line % params.cells.y, line / params.cells.y);
     let width = min(band.cells_in_block, params.cells.x - home.x);
     let first = cell_start[box_bucket(home)];
     let end = cell_start[box_bucket(home) + u32(max(width, 0))];
 
     // Particles have moved since they were sorted, by less than a fifth of a cell.
     let reach = band.reach / params.cell_size + vec3f(0.2);
-    let rows = i32(ceil(reach.y));
+    let wide = 2 * band.rows + 1;
     let batches = LANES * SUMS;
     for (var batch = first + workgroup % SHARES * batches; batch < end; batch += SHARES * batches) {
         let near = vec4u(batch + lane.x) + LANES * vec4u(0u, 1u, 2u, 3u);
@@ -127,15 +127,15 @@ fn main(
         far_own = four_from(min(far, vec4u(end - 1u)));
         near_sum = Four();
         far_sum = Four();
-        for (var z = band.first_layer; z < band.end_layer; z++) {
-            for (var y = -rows; y <= rows; y++) {
-                // Nearest that cells of this row come, in parts of the reach.
-                let gap = max(vec2f(abs(vec2i(y, z))) - 1.0, vec2f(0.0)) / reach.yz;
-                let left = 1.0 - dot(gap, gap);
-                if left <= 0.0 { continue; }
-                let half = i32(ceil(reach.x * sqrt(left)));
-                walk(home.x - half, home.x + width + half, home.y + y, home.z + z);
-            }
+        for (var row = band.first_row; row < band.end_row; row++) {
+            let y = row % wide - band.rows;
+            let z = row / wide - band.layers;
+            // Nearest that cells of this row come, in parts of the reach.
+            let gap = max(vec2f(abs(vec2i(y, z))) - 1.0, vec2f(0.0)) / reach.yz;
+            let left = 1.0 - dot(gap, gap);
+            if left <= 0.0 { continue; }
+            let half = i32(ceil(reach.x * sqrt(left)));
+            walk(home.x - half, home.x + width + half, home.y + y, home.z + z);
         }
         write_four(near, end, near_sum);
         write_four(far, end, far_sum);

@@ -1,9 +1,9 @@
-// The mean change of the air, to be taken out (as printed it stays in), and the impulse that the air is left with.
+// The mean change of the air, to be taken out (as printed it stays in), and the impulse that the air is left with; the
+// guard books it.
 import package::common::{params::params, dispatch::WORKGROUP, status::frozen};
 
-@group(0) @binding(2) var<storage, read>       partial_sum:         array<vec4f>;
-@group(0) @binding(3) var<storage, read_write> mean_confinement:    array<vec4f>;   // one [m/s]
-@group(0) @binding(4) var<storage, read_write> confinement_impulse: array<vec4f>;   // one, of the run [kg m/s]
+@group(0) @binding(2) var<storage, read>       partial_sum:      array<vec4f>;
+@group(0) @binding(3) var<storage, read_write> mean_confinement: array<vec4f>;   // the mean [m/s], the impulse [kg m/s]
 
 var<workgroup> sums: array<vec3f, WORKGROUP>;
 
@@ -22,5 +22,5 @@ fn main(@builtin(local_invocation_id) lane: vec3u) {
     var mean = vec3f(0.0);
     if params.published_law == 0u { mean = sums[0] / air; }
     mean_confinement[0] = vec4f(mean, 0.0);
-    confinement_impulse[0] += vec4f((sums[0] - air * mean) / params.air_inverse_mass, 0.0);
+    mean_confinement[1] = vec4f((sums[0] - air * mean) / params.air_inverse_mass, 0.0);
 }

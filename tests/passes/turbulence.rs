@@ -84,7 +84,7 @@ fn compare(law: Law, cutoff: f64, bounds: [f64; 4]) {
         let largest = change.iter().map(|dv| dv.length()).fold(0.0, f64::max);
         println!("{law:?}, {what}: largest change {largest:.1e} m/s, worst so far {worst:?}");
         assert!(worst.iter().zip(bounds).all(|(error, bound)| *error < bound), "{law:?}, {what}: {worst:?}");
-        let impulse = stage.vectors(&s.confinement_impulse)[0];
+        let impulse = stage.vectors(&s.mean_confinement)[1];
         let wanted = turbulence::impulse(p, &twin.inverse_mass, &v, &stronger);
         let scale: f64 = (p.hair_points..x.len()).map(|i| change[i].length() / twin.inverse_mass[i]).sum();
         assert!(

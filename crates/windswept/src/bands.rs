@@ -26,10 +26,11 @@ pub(crate) struct Band {
     pub end_block: u32,
     pub blocks_in_row: u32,
     pub cells_in_block: u32,
+    pub rows: i32,
     pub layers: i32,
-    pub first_layer: i32,
-    pub end_layer: i32,
-    pub _unused: [u32; 52],
+    pub first_row: i32,
+    pub end_row: i32,
+    pub _unused: [u32; 51],
 }
 
 assert_layout!(Band {
@@ -42,9 +43,10 @@ assert_layout!(Band {
     end_block,
     blocks_in_row,
     cells_in_block,
+    rows,
     layers,
-    first_layer,
-    end_layer,
+    first_row,
+    end_row,
 });
 
 /// Cells of a block, at most: with 7 air particles in a cell about as many particles as a workgroup of the filter takes.
@@ -85,15 +87,16 @@ impl Bands {
             let blocks = Blocks::new(params, whole.reach);
             let first = bands.tasks.len();
             for (first_block, end_block) in cuts(0, blocks.count, blocks.per_dispatch()) {
-                for (first_layer, end_layer) in cuts(-blocks.layers, blocks.layers + 1, blocks.layers_per_dispatch) {
+                for (first_row, end_row) in cuts(0, blocks.all_rows(), blocks.rows_per_dispatch) {
                     bands.tasks.push(Band {
                         first_block,
                         end_block,
                         blocks_in_row: blocks.in_row,
                         cells_in_block: blocks.cells,
+                        rows: blocks.rows,
                         layers: blocks.layers,
-                        first_layer,
-                        end_layer,
+                        first_row,
+                        end_row,
                         ..whole
                     });
                 }
@@ -133,10 +136,14 @@ struct Blocks {
     in_row: u32,
     cells: u32,
     count: u32,
+    /// Rows of cells on either side of a block, in y, and layers of them in z.
+    rows: i32,
     layers: i32,
-    layers_per_dispatch: i32,
-    /// Pairs that a block looks at in one dispatch.
-    pairs_each: f64,
+    rows_per_dispatch: i32,
+    /// Particles that one invocation walks over in one dispatch.
+    rounds: f64,
+    /// Particles of a block that sums are made for.
+    targets: f64,
 }
 
 impl Blocks {
@@ -146,22 +153,25 @@ impl Blocks {
         let cells = nx.div_ceil(in_row);
         let in_a_cell = f64::from(params.particles) / f64::from(params.box_cells);
         let [x, y, z] = params.cell_size.map(|size| (reach / size + MOVED).ceil());
-        let in_a_layer = f64::from(2.0 * x + cells as f32) * f64::from(2.0 * y + 1.0) * in_a_cell;
-        let layers = z as i32;
-        let layers_per_dispatch = ((ROUNDS / in_a_layer) as i32).clamp(1, 2 * layers + 1);
+        let in_a_row = f64::from(2.0 * x + cells as f32) * in_a_cell;
+        let (rows, layers) = (y as i32, z as i32);
+        let rows_per_dispatch = ((ROUNDS / in_a_row) as i32).max(1).min((2 * rows + 1).saturating_mul(2 * layers + 1));
+        let rounds = in_a_row * f64::from(rows_per_dispatch);
         let targets = (f64::from(cells) * in_a_cell).max(SUMS * f64::from(turbulence::BAND.workgroup));
-        Self {
-            in_row,
-            cells,
-            count: in_row * ny * nz,
-            layers,
-            layers_per_dispatch,
-            pairs_each: targets * in_a_layer * f64::from(layers_per_dispatch),
-        }
+        Self { in_row, cells, count: in_row * ny * nz, rows, layers, rows_per_dispatch, rounds, targets }
+    }
+
+    fn all_rows(&self) -> i32 {
+        (2 * self.rows + 1).saturating_mul(2 * self.layers + 1)
+    }
+
+    /// Pairs that a block looks at in one dispatch.
+    fn pairs_each(&self) -> f64 {
+        self.targets * self.rounds
     }
 
     fn per_dispatch(&self) -> u32 {
-        (PAIRS / self.pairs_each).clamp(1.0, f64::from(self.count.max(1))) as u32
+        (PAIRS / self.pairs_each()).clamp(1.0, f64::from(self.count.max(1))) as u32
     }
 }
 
@@ -184,8 +194,8 @@ pub(crate) fn invocations(task: &Band) -> u32 {
 mod tests {
     use super::*;
 
-    /// Whatever the box and the reach, blocks cover each row once, the dispatches all blocks and layers once, and none
-    /// looks at more pairs or runs longer loops than it may unless it is as small as can be.
+    /// Whatever the box and the reach, blocks cover each row once, the dispatches all blocks and rows once, none runs longer
+    /// loops than it may, and none looks at more pairs than it may unless it is as small as can be.
     #[test]
     fn dispatches_cover_every_block_once() {
         for (cells, particles) in [([3, 3, 3], 27), ([17, 12, 7], 11_000), ([58, 23, 22], 219_000), ([100, 1, 2], 10)] {
@@ -196,15 +206,19 @@ mod tests {
                 particles,
                 ..Params::zeroed()
             };
-            for reach in [0.027_f32, 0.081, 0.5] {
+            for reach in [0.027_f32, 0.081, 0.5, 0.7] {
                 let blocks = Blocks::new(&params, reach);
                 assert_eq!(blocks.count, blocks.in_row * (cells[1] * cells[2]) as u32);
                 assert!(blocks.in_row * blocks.cells >= cells[0] as u32 && blocks.cells <= LARGEST_BLOCK);
                 assert!((blocks.in_row - 1) * blocks.cells < cells[0] as u32, "a block beyond the row");
-                assert!((blocks.layers as f32) * 9.3e-3 >= reach, "{} layers for {reach} m", blocks.layers);
+                assert!(
+                    (blocks.layers.min(blocks.rows) as f32) * 9.3e-3 >= reach,
+                    "{} layers for {reach} m",
+                    blocks.layers
+                );
                 let share = blocks.per_dispatch();
-                assert!(share == 1 || f64::from(share) * blocks.pairs_each <= PAIRS);
-                assert!(blocks.layers_per_dispatch >= 1);
+                assert!(share == 1 || f64::from(share) * blocks.pairs_each() <= PAIRS);
+                assert!(blocks.rows_per_dispatch >= 1 && blocks.rounds <= ROUNDS, "{} rounds", blocks.rounds);
             }
         }
         for (first, end, share) in [(0, 1, 1), (0, 10, 3), (-4, 5, 2), (-4, 5, 9), (0, 0, 1)] {

@@ -2,6 +2,8 @@
 
 use windswept_scene::SceneError;
 
+use crate::ops::OpsError;
+
 /// No adapter, no device, or a device that refuses.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -126,9 +128,21 @@ pub enum RunError {
         /// The step.
         step: u64,
     },
+    /// A quantity of the state that cannot be measured.
+    #[error("measuring the state: {0}")]
+    Measurement(String),
     /// The GPU.
     #[error(transparent)]
     Gpu(#[from] GpuError),
+}
+
+impl From<OpsError> for RunError {
+    fn from(error: OpsError) -> Self {
+        match error {
+            OpsError::Run(error) => error,
+            other => Self::Measurement(other.to_string()),
+        }
+    }
 }
 
 /// A simulation that could not be made.

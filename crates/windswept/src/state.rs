@@ -173,7 +173,7 @@ state! {
     viscous_velocity: VEC4, |s| s.particles;
     /// What the wind adds to air in this step \[m/s\].
     wind_change: VEC4, |s| s.particles;
-    /// What drag adds to hair in this step \[m/s\]; 0 where the air is particles.
+    /// What drag adds to hair in this step \[m/s\]; 0 inside the box where the air is particles.
     drag_change: VEC4, |s| s.hair_points;
     /// What the density constraint moved air by in this step \[m\]; of hair it means nothing.
     correction: VEC4, |s| s.particles;
@@ -201,8 +201,8 @@ state! {
     confinement: VEC4, |s| s.turbulent();
     /// Sums of it over 64 particles each \[m/s\].
     partial_sum: VEC4, |s| s.turbulent().div_ceil(64);
-    /// Its mean over the air, to be taken out \[m/s\].
-    mean_confinement: VEC4, |_| 1;
+    /// Its mean over the air, to be taken out \[m/s\], and the impulse that this leaves the air with \[kg m/s\].
+    mean_confinement: VEC4, |_| 2;
 
     // Grid.
     /// Particles per cell.

@@ -33,8 +33,6 @@ pub enum Quantity {
     Density,
     /// ω of the velocity.
     Vorticity,
-    /// û of the first band.
-    BandVelocity,
 }
 
 /// Records the passes that a quantity takes.
@@ -43,6 +41,5 @@ pub fn record_quantity(r: &mut Recorder, s: &State, plan: &Plan, quantity: Quant
     match quantity {
         Quantity::Density => fluid::record_density(r, s, plan),
         Quantity::Vorticity => turbulence::record_vorticity(r, s, plan),
-        Quantity::BandVelocity => turbulence::record_band(r, s, plan),
     }
 }

@@ -30,6 +30,16 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
         &guard::COMMIT,
         "commit positions and velocities",
         n.particles,
-        &[&s.params, &s.status, &s.predicted, &velocity, &s.position, &s.velocity, &s.health],
+        &[
+            &s.params,
+            &s.status,
+            &s.predicted,
+            &velocity,
+            &s.position,
+            &s.velocity,
+            &s.health,
+            &s.mean_confinement,
+            &s.confinement_impulse,
+        ],
     );
 }

@@ -34,7 +34,7 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
             &turbulence::MEAN,
             "mean change of the air",
             ONE_WORKGROUP,
-            &[&s.params, &s.status, &s.partial_sum, &s.mean_confinement, &s.confinement_impulse],
+            &[&s.params, &s.status, &s.partial_sum, &s.mean_confinement],
         );
         r.run(
             &turbulence::STRENGTHEN,
@@ -51,7 +51,7 @@ pub fn record_vorticity(r: &mut Recorder, s: &State, plan: &Plan) {
     r.when(&plan.neighbours, |r| vorticity(r, s, plan, &s.new_velocity));
 }
 
-/// Records the velocity of the first band, for pictures.
+/// Records the velocity of the first band.
 pub fn record_band(r: &mut Recorder, s: &State, plan: &Plan) {
     r.heading("7. turbulence");
     r.when(&plan.turbulence, |r| {
