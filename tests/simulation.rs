@@ -172,6 +172,25 @@ fn non_finite_air_ends_the_run() {
     assert_eq!(simulation.steps(), 7);
 }
 
+/// Arrays that do not belong together are refused by name, before anything reaches the device.
+#[test]
+fn a_state_that_does_not_fit_is_refused() {
+    let refused = |spoil: &dyn Fn(&mut InitialState), word: &str| {
+        let mut initial = brush(2);
+        spoil(&mut initial);
+        let error = Simulation::with_state(&support::gpu(), &windy(), initial).unwrap_err().to_string();
+        assert!(error.contains(word), "{error}");
+    };
+    refused(&|s| s.hair.radius.clear(), "radius: expected 24 rows, found 0");
+    refused(&|s| s.hair.point_offsets[1] = 1, "point_offsets: expected 4 strands of at least 2 points");
+    refused(&|s| s.hair.point_offsets[4] = 27, "point_offsets: expected to end at the 28 rows");
+    refused(&|s| s.hair.positions[3].x = f64::NAN, "point 3 has a position");
+    refused(&|s| s.hair.rest_length[5] = 0.0, "segment 5 has no length");
+    refused(&|s| drop(s.air.velocities.pop()), "velocities: expected");
+    refused(&|s| s.air.positions[7].y = -0.1, "particle 7 is outside the box");
+    refused(&|s| s.air.mass = 0.0, "volume, mass and size");
+}
+
 /// Strands that go bad in numbers end the run with their count and the first of them.
 #[test]
 fn many_non_finite_strands_end_the_run() {

@@ -65,6 +65,16 @@ impl From<GpuError> for Failure {
     }
 }
 
+impl From<windswept::Error> for Failure {
+    fn from(error: windswept::Error) -> Self {
+        match error {
+            windswept::Error::Scene(error) => error.into(),
+            windswept::Error::Gpu(error) => error.into(),
+            error => Self::Run(error.to_string()),
+        }
+    }
+}
+
 impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         Self::Run(error.to_string())

@@ -111,6 +111,49 @@ impl Strands {
         self.point_offsets[..self.len()].iter().map(|&point| self.positions[point as usize])
     }
 
+    /// Whether the arrays belong together and hold numbers.
+    fn consistent(&self) -> Result<(), SceneError> {
+        let fault = |what: String| Err(SceneError::new(what).at("hair", None));
+        let (strands, points) = (self.len(), self.positions.len());
+        let rising = self.point_offsets.windows(2).all(|pair| pair[1] >= pair[0].saturating_add(2));
+        if strands + 1 != self.point_offsets.len().max(1)
+            || !rising
+            || self.point_offsets.first().is_some_and(|&n| n != 0)
+        {
+            return fault(format!("point_offsets: expected {strands} strands of at least 2 points each, from 0 on"));
+        }
+        if self.point_offsets.last().copied().unwrap_or_default() as usize != points {
+            return fault(format!("point_offsets: expected to end at the {points} rows of positions"));
+        }
+        let segments = points - strands;
+        for (name, found, expected) in [
+            ("velocities", self.velocities.len(), points),
+            ("inverse_mass", self.inverse_mass.len(), points),
+            ("volume", self.volume.len(), points),
+            ("orientations", self.orientations.len(), segments),
+            ("angular_velocities", self.angular_velocities.len(), segments),
+            ("rest_length", self.rest_length.len(), segments),
+            ("radius", self.radius.len(), segments),
+            ("fibres", self.fibres.len(), segments),
+            ("inverse_inertia", self.inverse_inertia.len(), segments),
+            ("stretch_compliance", self.stretch_compliance.len(), segments),
+            ("bend_compliance", self.bend_compliance.len(), segments),
+            ("rest_rotation", self.rest_rotation.len(), segments),
+        ] {
+            if found != expected {
+                return fault(format!("{name}: expected {expected} rows, found {found}"));
+            }
+        }
+        if let Some(i) = (0..points).find(|&i| !self.positions[i].is_finite() || !self.velocities[i].is_finite()) {
+            return fault(format!("point {i} has a position or a velocity that is not finite"));
+        }
+        let held = |k: &usize| self.rest_length[*k] > 0.0 && self.orientations[*k].is_finite();
+        match (0..segments).find(|k| !held(k)) {
+            Some(k) => fault(format!("segment {k} has no length, or an orientation that is not finite")),
+            None => Ok(()),
+        }
+    }
+
     /// Whether `f32` holds what the strands are made of, with room for the squares of a step.
     fn representable(&self, scene: &Scene) -> Result<(), SceneError> {
         let held = |x: f64| x == 0.0 || (1e-30..=1e30).contains(&x.abs());
@@ -143,7 +186,43 @@ const PARCEL: f64 = 1.46e-7 / 1.29;
 /// Kernel radius without `[air]`: the paper's \[m\].
 pub(crate) const KERNEL_RADIUS: f64 = 9.3e-3;
 
+impl AirParticles {
+    /// Whether the arrays belong together and hold numbers.
+    fn consistent(&self) -> Result<(), SceneError> {
+        let fault = |what: String| Err(SceneError::new(what).at("air", None));
+        if self.velocities.len() != self.positions.len() {
+            return fault(format!(
+                "velocities: expected {} rows, found {}",
+                self.positions.len(),
+                self.velocities.len()
+            ));
+        }
+        if self.positions.is_empty() {
+            return Ok(());
+        }
+        let good = |x: f64| x.is_finite() && x > 0.0;
+        if ![self.volume, self.mass, self.size.x, self.size.y, self.size.z].into_iter().all(good) {
+            return fault("volume, mass and size: expected numbers greater than 0".into());
+        }
+        let max = self.min + self.size;
+        let inside = |x: &DVec3| x.cmpge(self.min).all() && x.cmple(max).all();
+        match (0..self.positions.len()).find(|&i| !inside(&self.positions[i]) || !self.velocities[i].is_finite()) {
+            Some(i) => fault(format!("particle {i} is outside the box, or its velocity is not finite")),
+            None => Ok(()),
+        }
+    }
+}
+
 impl InitialState {
+    /// Whether a state of the caller's own can be simulated: arrays of fitting lengths, finite numbers, air in its box.
+    ///
+    /// # Errors
+    /// [`SceneError`] names the array or the element.
+    pub fn check(&self) -> Result<(), SceneError> {
+        self.hair.consistent()?;
+        self.air.consistent()
+    }
+
     /// The state at t = 0 of a scene: strands in their rest shape, air on its lattice.
     ///
     /// # Errors

@@ -52,14 +52,15 @@ impl Simulation {
     /// [`Error::Scene`] when the scene's initial state cannot be made, [`Error::Gpu`] when it does not fit the adapter.
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, Error> {
         let initial = InitialState::new(scene)?;
-        Ok(Self::with_state(gpu, scene, initial)?)
+        Self::with_state(gpu, scene, initial)
     }
 
     /// A simulation that starts from arrays of the caller's own; the scene's `[hair]` and lattice are not looked at.
     ///
     /// # Errors
-    /// [`GpuError`] when it does not fit the adapter.
-    pub fn with_state(gpu: &Gpu, scene: &Scene, initial: InitialState) -> Result<Self, GpuError> {
+    /// [`Error::Scene`] when the arrays do not belong together, [`Error::Gpu`] when they do not fit the adapter.
+    pub fn with_state(gpu: &Gpu, scene: &Scene, initial: InitialState) -> Result<Self, Error> {
+        initial.check()?;
         let engine = Engine::new(gpu, scene, &initial)?;
         let plan = Plan::new(scene, &initial, engine.sizes());
         let recording = Recorder::record(|r| step::record(r, engine.state(), &plan));
