@@ -97,6 +97,12 @@ impl Output {
         entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).filter(ours).collect()
     }
 
+    /// Whether a path is one of the files that a run leaves here.
+    pub(crate) fn owns(&self, path: &Path) -> bool {
+        let mine = [HAIR, AIR, REPORT, SCENE, PREVIEW].map(|name| self.dir.join(name));
+        mine.iter().chain(&self.pictures()).any(|own| real(own) == real(path))
+    }
+
     /// The scene as it ran.
     pub(crate) fn scene(&self) -> PathBuf {
         self.dir.join(SCENE)

@@ -66,6 +66,9 @@ fn film(run: &FinishedRun, output: &Output, options: &RenderOptions, console: &m
     Ok(())
 }
 
+/// Frames in one picture, at most.
+const MOST_IN_SHEET: usize = 64;
+
 /// Some frames in one picture.
 fn sheet(
     run: &FinishedRun,
@@ -74,7 +77,17 @@ fn sheet(
     options: &RenderOptions,
     console: &mut Console<'_>,
 ) -> Result<(), Failure> {
+    if times.len() > MOST_IN_SHEET {
+        let found = times.len();
+        return Err(Failure::Input(format!("--contact-sheet: expected at most {MOST_IN_SHEET} times, found {found}")));
+    }
     let chosen = times.iter().map(|&time| run.nearest(time)).collect::<Result<Vec<_>, _>>()?;
+    if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("png")) {
+        return Err(Failure::Input(format!("{}: expected a name that ends in .png", path.display())));
+    }
+    if Output::of_run(&run.dir).owns(path) {
+        return Err(Failure::Input(format!("{}: belongs to the run; --out takes another file", path.display())));
+    }
     if path.exists() && !options.overwrite {
         return Err(Failure::Input(format!("{}: is there already; --overwrite replaces it", path.display())));
     }
@@ -164,7 +177,7 @@ impl FinishedRun {
         let there = self.times().len();
         let Range { from, to } = options.frames.unwrap_or(Range { from: 0, to: None });
         let chosen: Vec<_> = (from..to.unwrap_or(there).min(there)).step_by(options.every.get()).collect();
-        if chosen.is_empty() {
+        if chosen.is_empty() || to.is_some_and(|to| to > there) {
             let dir = self.dir.display();
             return Err(Failure::Input(format!("--frames: {dir} has frames 0 to {}", there - 1)));
         }

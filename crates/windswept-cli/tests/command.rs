@@ -86,7 +86,10 @@ fn bad_arguments_write_nothing() {
         (&["--formats", "vtkhdf,none"][..], "none stands alone"),
         (&["--formats", "usd"], "expected png, vtkhdf or none"),
         (&["--set", "camera.eye=[1,1,1]", "--set", "camera.target=[1,1,1]"], "the same point"),
-        (&["--set", "picture.air=band_energy"], "the frame's air has no band_energy"),
+        (
+            &["--set", "picture.air=band_energy"],
+            "picture.air: \"band_energy\" needs air particles, and one of turbulence.bands",
+        ),
         (&["--resume"], "--resume: not in this version"),
         (&["--checkpoint-every", "5"], "--checkpoint-every: not in this version"),
         (&["--steps", "-1"], "-1"),

@@ -109,6 +109,9 @@ fn bad_requests_touch_nothing() {
         (&["--contact-sheet", "5"], "the run has frames from 0 to 0.017 s"),
         (&["--contact-sheet", "0", "--out", "nowhere/sheet.png"], "expected a file in a folder that is there"),
         (&["--contact-sheet", "NaN"], "NaN"),
+        (&["--frames", "0..9"], "has frames 0 to 1"),
+        (&["--contact-sheet", "0", "--out", "out/hair.vtkhdf"], "a name that ends in .png"),
+        (&["--contact-sheet", "0", "--out", "out/frames/0000.png"], "belongs to the run"),
         (&["--out", "sheet.png"], "--contact-sheet"),
     ] {
         let (status, said) = render(folder, &[&["--overwrite"], more].concat());

@@ -11,7 +11,7 @@ use image::imageops::{FilterType, resize};
 use crate::ExportError;
 
 /// At most this wide [px].
-const WIDTH: u32 = 512;
+const SIDE: u32 = 512;
 /// At most this long [s].
 const LENGTH: f64 = 3.0;
 /// Pictures are at least this far apart [s].
@@ -71,7 +71,7 @@ impl Preview {
             self.delay = when.saturating_sub(since).max(2);
             self.write(waiting)?;
         }
-        let scale = (f64::from(WIDTH) / f64::from(picture.width())).min(1.0);
+        let scale = (f64::from(SIDE) / f64::from(picture.width().max(picture.height()))).min(1.0);
         let side = |pixels: u32| ((f64::from(pixels) * scale).round() as u32).clamp(1, u32::from(u16::MAX));
         let small = resize(picture, side(picture.width()), side(picture.height()), FilterType::Triangle);
         self.waiting = Some((small, when));

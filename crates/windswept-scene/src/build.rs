@@ -34,7 +34,7 @@ impl Reader<'_> {
         let air = self.air(model)?;
         let wind = air.as_ref().map_or(0.0, |air| air.wind.iter().map(|u| u * u).sum::<f64>().sqrt());
         let radius = air.as_ref().map_or(KERNEL_RADIUS, |air| air.kernel_radius);
-        Ok(Scene {
+        let scene = Scene {
             text: String::new(),
             title: self.text("title")?,
             method: self.choice("method")?,
@@ -66,7 +66,27 @@ impl Reader<'_> {
             picture: Picture { hairs: self.hairs()?, air: self.choice("picture.air")? },
             time,
             air,
-        })
+        };
+        self.check_picture(&scene)?;
+        Ok(scene)
+    }
+
+    /// Whether there will be what the picture's air is coloured by.
+    fn check_picture(&self, scene: &Scene) -> Result<(), SceneError> {
+        let (particles, eddies) = (scene.model == Model::Particles, &scene.turbulence);
+        let strengthened =
+            eddies.bands.iter().any(|band| band.strength > 0.0) && (eddies.law == Law::Published || eddies.speed > 0.0);
+        let (there, needed) = match scene.picture.air {
+            AirPicture::None => return Ok(()),
+            AirPicture::Vorticity => {
+                (particles, "\"vorticity\" needs air particles: interaction.model = \"particles\"")
+            }
+            AirPicture::BandEnergy => (
+                particles && strengthened,
+                "\"band_energy\" needs air particles, and one of turbulence.bands that is strengthened",
+            ),
+        };
+        if there { Ok(()) } else { Err(self.fault("picture.air", needed)) }
     }
 
     fn time(&self) -> Result<Time, SceneError> {
@@ -134,13 +154,11 @@ impl Reader<'_> {
         if fov >= 180.0 {
             return Err(self.fault("camera.fov", format!("expected an angle below 180 degrees, found {fov}")));
         }
-        Ok(Some(Camera {
-            eye: self.vector("camera.eye")?,
-            target: self.vector("camera.target")?,
-            fov,
-            width: self.count("camera.width")?,
-            height: self.count("camera.height")?,
-        }))
+        let (eye, target) = (self.vector("camera.eye")?, self.vector("camera.target")?);
+        if DVec3::from_array(eye).distance(DVec3::from_array(target)) < 1e-9 {
+            return Err(self.fault("camera.target", "is the same point as camera.eye; expected another"));
+        }
+        Ok(Some(Camera { eye, target, fov, width: self.count("camera.width")?, height: self.count("camera.height")? }))
     }
 
     fn hairs(&self) -> Result<u32, SceneError> {

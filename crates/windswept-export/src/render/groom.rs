@@ -5,7 +5,7 @@ use std::f32::consts::TAU;
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 use windswept::HairFrame;
-use windswept_scene::Scene;
+use windswept_scene::{RootShape, Scene};
 
 /// Neighbours of a strand that its hairs may lean toward.
 const NEIGHBOURS: usize = 6;
@@ -34,6 +34,8 @@ pub(super) struct Groom {
     pub(super) hairs: Vec<Hair>,
     /// (strand, neighbour): what [`likeness`] is about.
     pub(super) pairs: Vec<[u32; 2]>,
+    /// Of each strand: the orientation that clamps its root.
+    pub(super) root_frames: Vec<Quat>,
     /// Root radius of each hair, as drawn [m].
     pub(super) radius: Vec<f32>,
     pub(super) seed: Vec<u32>,
@@ -58,12 +60,15 @@ impl Groom {
             first_pair[s] = first_pair[s - 1] + neighbours[s - 1].len();
         }
         let groups = radii(scene, strands, per_strand);
-        let mut groom = Self { hairs: Vec::new(), pairs, radius: Vec::new(), seed: Vec::new() };
+        let surfaces = surfaces(scene, &frames);
+        let mut groom =
+            Self { hairs: Vec::new(), pairs, root_frames: frames.clone(), radius: Vec::new(), seed: Vec::new() };
         for i in 0..(hairs as usize).max(strands) {
             let (s, k) = (i % strands, i / strands);
             let seed = hash(i as u32 + 1);
             let offset = if k == 0 { Vec3::ZERO } else { seat(&neighbours[s], k, per_strand, seed) };
-            let place = roots[s] + frames[s] * offset;
+            let place = roots[s] + surfaces[s] * offset;
+            let offset = frames[s].inverse() * (place - roots[s]);
             // The neighbour on whose side it grows.
             let side = neighbours[s]
                 .iter()
@@ -110,7 +115,25 @@ pub(super) fn likeness(pairs: &[[u32; 2]], hair: &HairFrame) -> Vec<f32> {
     pairs.iter().map(alike).collect()
 }
 
-/// Hair k of a strand: even over the disc that the strand has for itself (a sunflower), in the root's cross-section.
+/// Of each strand a frame whose third axis is normal to the surface that it is rooted on: hair may lean on a disc. A ball
+/// and what the scene does not describe are met at right angles.
+fn surfaces(scene: &Scene, frames: &[Quat]) -> Vec<Quat> {
+    let normals = scene.hair.iter().flat_map(|hair| {
+        let normal = Vec3::from_array(hair.roots.normal.map(|x| x as f32));
+        std::iter::repeat_n((hair.roots.shape != RootShape::SphereCap).then_some(normal), hair.strands as usize)
+    });
+    let mut normals: Vec<Option<Vec3>> = normals.collect();
+    if normals.len() != frames.len() {
+        normals = vec![None; frames.len()];
+    }
+    let level = |(frame, normal): (&Quat, Option<Vec3>)| match normal {
+        Some(normal) => Quat::from_rotation_arc(*frame * Vec3::Z, normal) * *frame,
+        None => *frame,
+    };
+    frames.iter().zip(normals).map(level).collect()
+}
+
+/// Hair k of a strand: even over the disc that the strand has for itself (a sunflower), on the surface of the roots.
 fn seat(neighbours: &[(usize, f32)], k: usize, of: usize, seed: u32) -> Vec3 {
     let spacing = neighbours.iter().map(|&(_, d)| d).sum::<f32>() / neighbours.len().max(1) as f32;
     let part = (k as f32 + 0.7 * (chance(seed, 2) - 0.5)) / of as f32;
@@ -184,4 +207,42 @@ fn hash(x: u32) -> u32 {
 
 fn chance(seed: u32, draw: u32) -> f32 {
     (hash(seed ^ hash(draw)) >> 8) as f32 / 16_777_216.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Hair that leans over its disc is rooted on the disc, every drawn one, and a hair's two roots, in the frame of its
+    /// guide and in that of its neighbour, are one.
+    #[test]
+    fn drawn_hairs_are_rooted_on_the_surface() {
+        let text = "
+            time = { step = 1.38e-3, duration = 1.0 }
+            interaction.model = \"none\"
+            [hair]
+            strands = 40
+            points = 4
+            length = 0.1
+            roots = { center = [0.1, 0.2, 0.3], radius = 0.02, direction = [1, -0.3, 0], normal = [0.5, -1, 0.1] }
+        ";
+        let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
+        let start = windswept_scene::InitialState::new(&scene).unwrap_or_else(|error| panic!("{error}")).hair;
+        let frame = HairFrame {
+            offsets: start.point_offsets.clone(),
+            positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
+            velocities: Vec::new(),
+            orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
+        };
+        let groom = Groom::new(&scene, &frame, 400);
+        let root = |s: u32| Vec3::from_array(frame.positions[frame.offsets[s as usize] as usize]);
+        let normal = Vec3::new(0.5, -1.0, 0.1).normalize();
+        for hair in &groom.hairs {
+            let offset = |v: [f32; 4]| Vec3::new(v[0], v[1], v[2]);
+            let here = root(hair.guide) + groom.root_frames[hair.guide as usize] * offset(hair.here);
+            let there = root(hair.neighbour) + groom.root_frames[hair.neighbour as usize] * offset(hair.there);
+            assert!((here - Vec3::new(0.1, 0.2, 0.3)).dot(normal).abs() < 1e-6, "{here} is off the disc");
+            assert!(here.distance(there) < 1e-6, "{here} and {there}");
+        }
+    }
 }

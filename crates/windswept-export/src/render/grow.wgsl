@@ -1,4 +1,4 @@
-// Points of every drawn hair: its guide strand's curve (Catmull-Rom), offset in the strand's cross-section.
+// Points of every drawn hair: its guide strand's curve (Catmull-Rom), offset in the strand's frame.
 //
 // A drawn hair is a parallel fibre of its guide's rod, so that it keeps the guide's curl; where a neighbouring guide runs
 // alike, it is blended toward that, so that straight hair shows no locks. One invocation per point.
@@ -8,15 +8,15 @@ struct Hair {
     neighbour: u32,
     pair:      u32,    // index of (guide, neighbour) in `likeness`
     seed:      u32,
-    here:      vec4f,  // xyz: root in the guide's root frame [m]; w: weight of the neighbour, 0 to 1/2
-    there:     vec4f,  // xyz: the same root in the neighbour's root frame [m]; w: radius drawn [m]
+    here:      vec4f,  // xyz: root in the frame of the guide's clamp [m]; w: weight of the neighbour, 0 to 1/2
+    there:     vec4f,  // xyz: the same root in that of the neighbour's clamp [m]; w: radius drawn [m]
 }
 
 @group(0) @binding(0) var<uniform>             view:     View;
 @group(0) @binding(1) var<storage, read>       hair:     array<Hair>;
 @group(0) @binding(2) var<storage, read>       offsets:  array<u32>;    // first point of each guide, and the end
 @group(0) @binding(3) var<storage, read>       guide:    array<vec4f>;  // points [m]
-@group(0) @binding(4) var<storage, read>       frame:    array<vec4f>;  // orientation of the segment that starts there
+@group(0) @binding(4) var<storage, read>       frame:    array<vec4f>;  // orientation of the segment that starts there; at a tip, that of the strand's clamp
 @group(0) @binding(5) var<storage, read>       likeness: array<f32>;    // per pair: 1 where the two run alike, 0 where not
 @group(0) @binding(6) var<storage, read_write> points:   array<vec4f>;  // xyz [m]; w: 0 at the root, 1 at the tip
 
@@ -29,6 +29,9 @@ const STRAY: f32 = 5.0;
 const STRAYS: f32 = 0.04;
 // Hairs are shorter than their guide by up to this.
 const SHORTER: f32 = 0.35;
+
+// Segments over which a hair leaves the surface that it is rooted on.
+const CLAMPED: f32 = 1.5;
 
 fn rotate(q: vec4f, v: vec3f) -> vec3f {
     let t = 2.0 * cross(q.xyz, v);
@@ -50,14 +53,17 @@ fn catmull_rom(a: vec3f, b: vec3f, c: vec3f, d: vec3f, u: f32) -> vec3f {
     return b + 0.5 * u * (c - a + u * (2.0 * a - 5.0 * b + 4.0 * c - d + u * (3.0 * (b - c) + d - a)));
 }
 
-// Orientation half way between those of the nearest segments.
+fn between(a: vec4f, b: vec4f, u: f32) -> vec4f {
+    return normalize(mix(a, select(b, -b, dot(a, b) < 0.0), u));
+}
+
+// Orientation half way between those of the nearest segments; toward the root that of the clamp, so that hairs stay where
+// they are rooted whatever their strand does.
 fn orientation(first: u32, last: u32, x: f32) -> vec4f {
     let segment = clamp(x - 0.5, 0.0, f32(last - first - 1u));
     let k = first + u32(segment);
-    let a = frame[k];
-    var b = frame[min(k + 1u, last - 1u)];
-    b = select(b, -b, dot(a, b) < 0.0);
-    return normalize(mix(a, b, fract(segment)));
+    let free = between(frame[k], frame[min(k + 1u, last - 1u)], fract(segment));
+    return between(frame[last], free, smoothstep(0.0, CLAMPED, x));
 }
 
 // A point of a guide's rod, `t` of its length from the root, `offset` from its axis in the root's frame.

@@ -1,5 +1,6 @@
 //! Buffers and pipelines of a picture, in the order in which they run.
 
+use glam::Quat;
 use windswept::gpu::wgpu::{self, BufferUsages};
 use windswept::{Gpu, GpuError, HairFrame};
 use windswept_scene::Scene;
@@ -35,6 +36,8 @@ pub(super) struct Passes {
     guide: wgpu::Buffer,
     frame: wgpu::Buffer,
     likeness: wgpu::Buffer,
+    /// Of each strand, what clamps it.
+    root_frames: Vec<Quat>,
     grid: wgpu::Buffer,
     /// In this order.
     compute: [Compute; 4],
@@ -120,6 +123,7 @@ impl Passes {
             guide,
             frame,
             likeness,
+            root_frames: groom.root_frames.clone(),
             grid,
         }
     }
@@ -132,7 +136,7 @@ impl Passes {
             // n - 1 segments, n places: the tip's is never read.
             let (first, last) = (ends[0] as usize - strand, ends[1] as usize - strand - 1);
             frame.extend_from_slice(&hair.orientations[first..last]);
-            frame.push([0.0, 0.0, 0.0, 1.0]);
+            frame.push(self.root_frames[strand].to_array());
         }
         gpu.checked(
             || "uploading strands".to_owned(),

@@ -37,7 +37,7 @@ pub(super) fn patches(scene: &Scene) -> (Vec<Corner>, Vec<u32>) {
 
 fn corners_of(roots: &Roots) -> impl Iterator<Item = Corner> {
     let (center, radius) = (DVec3::from_array(roots.center), roots.radius);
-    let axis = DVec3::from_array(roots.direction);
+    let axis = DVec3::from_array(roots.normal);
     let level = DVec3::Y.cross(axis);
     let across = if level.length() > 1e-6 { level.normalize() } else { DVec3::X };
     let basis = DMat3::from_cols(across, axis.cross(across), axis);

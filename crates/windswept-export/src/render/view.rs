@@ -79,21 +79,18 @@ impl View {
         if forward.cross(DVec3::Y).length() > 1e-3 { DVec3::Y } else { DVec3::NEG_Z }
     }
 
-    fn distance(&self) -> f64 {
-        self.eye.distance(self.target)
-    }
-
-    fn clip_from_world(&self) -> DMat4 {
-        let far = self.distance();
+    /// `depths`: of the nearest and the farthest that is seen [m].
+    fn clip_from_world(&self, depths: [f64; 2]) -> DMat4 {
         let aspect = f64::from(self.width) / f64::from(self.height);
-        proj::directx::perspective(self.fov.to_radians(), aspect, 0.02 * far, 50.0 * far)
+        proj::directx::perspective(self.fov.to_radians(), aspect, depths[0], depths[1])
             * look_at_mat4(self.eye, self.target, self.up())
     }
 
     /// Where a point of the world lies in the picture [px], from the upper left; `None` behind the camera.
     #[must_use]
     pub fn project(&self, point: DVec3) -> Option<[f64; 2]> {
-        let clip = self.clip_from_world() * point.extend(1.0);
+        // What is near or far does not move it in the picture.
+        let clip = self.clip_from_world([1.0, 2.0]) * point.extend(1.0);
         (clip.w > 0.0).then(|| {
             let at = clip.truncate() / clip.w;
             [(0.5 + 0.5 * at.x) * f64::from(self.width), (0.5 - 0.5 * at.y) * f64::from(self.height)]
@@ -109,11 +106,13 @@ impl View {
         let far: Vec<f64> = corners(low, high).iter().map(|x| x.distance(self.eye)).collect();
         let (nearest, farthest) =
             far.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &d| (low.min(d), high.max(d)));
+        // With room for the patch and the air about the hair; whatever the target, hair is between the two.
+        let depths = [(0.1 * nearest).max(1e-3 * farthest), 20.0 * farthest];
         // The key stands above the camera's left shoulder, the sky straight above and a little in front.
         let key = (-0.45 * right + 0.85 * up - 0.40 * forward).normalize();
         let sky = (0.25 * right + 0.9 * DVec3::Y - 0.5 * forward).normalize();
         Uniform {
-            clip_from_world: self.clip_from_world().as_mat4().to_cols_array(),
+            clip_from_world: self.clip_from_world(depths).as_mat4().to_cols_array(),
             eye: vec4(self.eye, pixel),
             right: vec4(right, nearest),
             up: vec4(up, 1.0 / (farthest - nearest).max(1e-9)),
@@ -139,7 +138,7 @@ fn where_hair_goes(hair: &Hair, wind: DVec3, scene: &Scene) -> Vec<DVec3> {
     let between = (start + streams).normalize_or(start);
     // Before the wind has it, and in the lee of others, hair hangs lower.
     let lower = (streams + 0.12 * DVec3::from_array(scene.gravity).normalize_or_zero()).normalize_or(start);
-    let mut all = vec![center - 0.25 * radius * start];
+    let mut all = vec![center - 0.25 * radius * DVec3::from_array(hair.roots.normal)];
     for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
         let wide = radius + curl;
         all.extend([center + wide * axis, center - wide * axis]);
