@@ -33,6 +33,8 @@ Examples:
       every key there is, with its default and its meaning
   windswept plan scene.toml
       the passes of a step, and why some are skipped
+  windswept validate --adapter software
+      formulas and independent numbers beside what an adapter computes
 
 Exit status: 0 done, 1 the run failed, 2 bad input (nothing was written), 130 stopped by Ctrl-C.";
 
@@ -58,6 +60,8 @@ pub(crate) enum Command {
         #[command(flatten)]
         scene: SceneOptions,
     },
+    /// Measure what an adapter computes against formulas and independent numbers; 1 to 3 minutes on a software adapter
+    Validate(ValidateOptions),
     /// List the GPUs that a run can use, the one it would take first
     Adapters,
 }
@@ -167,6 +171,16 @@ impl RunOptions {
         }
         Ok(Formats { png: has(Format::Png), vtkhdf: has(Format::Vtkhdf) })
     }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ValidateOptions {
+    /// Part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else the best]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) adapter: Option<String>,
+    /// Print one JSON document instead of a table: windswept, adapter, rows, passed
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]

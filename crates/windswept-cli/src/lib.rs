@@ -1,4 +1,4 @@
-//! The `windswept` command: `run`, `render`, `check`, `plan`, `adapters`.
+//! The `windswept` command: `run`, `render`, `check`, `plan`, `validate`, `adapters`.
 //!
 //! [`run`] is the whole command. Exit status 0: done; 1: the run failed; 2: bad input, and nothing was written;
 //! 130: stopped by Ctrl-C, and the files hold every frame finished until then.
@@ -15,6 +15,7 @@ mod progress;
 mod render;
 mod run;
 mod schedule;
+mod validate;
 
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write, stderr, stdout};
@@ -68,6 +69,7 @@ fn dispatch(command: &Command, console: &mut Console<'_>) -> Result<(), Failure>
         Command::Render(options) => render::render(options, console),
         Command::Check { path, changes, explain } => inspect::check(path.as_deref(), changes, *explain, console),
         Command::Plan { scene } => inspect::plan(scene, console),
+        Command::Validate(options) => validate::validate(options, console),
         Command::Adapters => inspect::adapters(console),
     }
 }

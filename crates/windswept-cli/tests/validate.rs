@@ -1,0 +1,38 @@
+//! `windswept validate` as a user runs it, on the software adapter.
+
+#![allow(clippy::expect_used)]
+
+mod support;
+
+use support::{folder, windswept};
+
+/// The whole of it, as JSON: every row passes, every number is there, nothing else is on standard output.
+#[test]
+fn validate_prints_one_document() {
+    let folder = folder();
+    let mut command = windswept(folder.path(), &["validate", "--adapter", "software", "--json"]);
+    let ran = command.output().expect("the program starts");
+    let document: serde_json::Value = serde_json::from_slice(&ran.stdout).expect("one JSON document");
+    let rows = document["rows"].as_array().expect("rows");
+    let failed: Vec<_> = rows.iter().filter(|row| row["passed"] != true).collect();
+    assert!(failed.is_empty(), "{failed:#?}");
+    assert_eq!((ran.status.code(), &document["passed"]), (Some(0), &serde_json::Value::Bool(true)), "{ran:?}");
+    assert_eq!(document["adapter"]["kind"], "software");
+    assert_eq!(document["windswept"], env!("CARGO_PKG_VERSION"));
+    assert!(rows.len() >= 30, "{} rows", rows.len());
+    for row in rows {
+        let numbers = ["expected", "measured", "tolerance"].map(|key| row[key].is_f64());
+        assert_eq!(numbers, [true; 3], "{row}");
+        assert!(row["test"].is_string() && row["unit"].is_string() && row["source"].is_string(), "{row}");
+    }
+}
+
+/// An adapter that is not there is named, and nothing is printed.
+#[test]
+fn a_missing_adapter_is_named() {
+    let folder = folder();
+    let mut command = windswept(folder.path(), &["validate", "--adapter", "abacus"]);
+    let ran = command.output().expect("the program starts");
+    assert_eq!((ran.status.code(), ran.stdout.len()), (Some(1), 0), "{ran:?}");
+    assert!(String::from_utf8_lossy(&ran.stderr).contains("abacus"), "{ran:?}");
+}

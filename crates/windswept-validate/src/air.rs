@@ -1,0 +1,168 @@
+//! Air to measure on: lattices, jitter, fields of velocity, the paper's parameters.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use windswept::{AirFrame, Gpu, Simulation, ops::Particles};
+use windswept_scene::{AirParticles, InitialState, Scene};
+
+use crate::Error;
+
+/// The paper's particle mass \[kg\].
+pub(crate) const MASS: f64 = 1.46e-7;
+/// ρ0 \[kg/m³\].
+pub(crate) const REST_DENSITY: f64 = 1.29;
+/// V of a particle \[m³\].
+pub(crate) const VOLUME: f64 = MASS / REST_DENSITY;
+/// h \[m\].
+pub(crate) const RADIUS: f64 = 9.3e-3;
+/// Δt \[s\].
+pub(crate) const STEP: f64 = 1.38e-3;
+
+pub(crate) const SIMPLE: &[[f64; 3]] = &[[0.0; 3]];
+pub(crate) const BODY: &[[f64; 3]] = &[[0.0; 3], [0.5; 3]];
+pub(crate) const FACE: &[[f64; 3]] = &[[0.0; 3], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]];
+
+/// d = V^(1/3) \[m\].
+pub(crate) fn spacing() -> f64 {
+    VOLUME.cbrt()
+}
+
+/// Air particles in a periodic box from the origin: m, m/s.
+#[derive(Debug, Clone)]
+pub(crate) struct Cloud {
+    pub(crate) size: DVec3,
+    pub(crate) positions: Vec<[f64; 3]>,
+    pub(crate) velocities: Vec<[f64; 3]>,
+}
+
+impl Cloud {
+    /// `cells` copies of a cubic unit cell with particles at `basis` (fractions), one per V.
+    pub(crate) fn lattice(cells: [usize; 3], basis: &[[f64; 3]]) -> Self {
+        let side = (basis.len() as f64 * VOLUME).cbrt();
+        let [nx, ny, _] = cells;
+        let corner = |i: usize| DVec3::new((i % nx) as f64, (i / nx % ny) as f64, (i / nx / ny) as f64);
+        let sites = (0..cells.iter().product())
+            .flat_map(|i| basis.iter().map(move |&at| side * (corner(i) + DVec3::from_array(at) + 0.125)));
+        let positions: Vec<_> = sites.map(|x| x.to_array()).collect();
+        Self {
+            size: side * DVec3::from_array(cells.map(|n| n as f64)),
+            velocities: vec![[0.0; 3]; positions.len()],
+            positions,
+        }
+    }
+
+    /// A cube at rest density with so many particles along a side, anywhere in it.
+    pub(crate) fn random(side: usize, seed: u64) -> Self {
+        let mut rng = Pcg64::seed_from_u64(seed);
+        let mut cloud = Self::lattice([side; 3], SIMPLE);
+        cloud.positions.iter_mut().for_each(|x| *x = (DVec3::from_array(rng.random()) * cloud.size).to_array());
+        cloud
+    }
+
+    /// Each particle moved by up to `part` of the spacing along each axis.
+    pub(crate) fn jittered(mut self, part: f64, seed: u64) -> Self {
+        let mut rng = Pcg64::seed_from_u64(seed);
+        for x in &mut self.positions {
+            let shift = part * spacing() * (2.0 * DVec3::from_array(rng.random()) - 1.0);
+            *x = (DVec3::from_array(*x) + shift).rem_euclid(self.size).to_array();
+        }
+        self
+    }
+
+    /// With velocities of a field.
+    pub(crate) fn moving(mut self, field: impl Fn(DVec3) -> DVec3) -> Self {
+        self.velocities = self.positions.iter().map(|x| field(DVec3::from_array(*x)).to_array()).collect();
+        self
+    }
+
+    /// With six solenoidal waves of one to three periods along each axis, of `speed` \[m/s\] each.
+    pub(crate) fn stirred(self, speed: f64, seed: u64) -> Self {
+        let mut rng = Pcg64::seed_from_u64(seed);
+        let size = self.size;
+        let waves: Vec<(DVec3, DVec3, f64)> = (0..6)
+            .map(|_| {
+                let mut whole = || f64::from(rng.random_range(1..=3)) * if rng.random() { 1.0 } else { -1.0 };
+                let k = TAU * DVec3::new(whole(), whole(), whole()) / size;
+                let across = k.cross(DVec3::from_array(rng.random())).normalize();
+                (k, across, rng.random_range(0.0..TAU))
+            })
+            .collect();
+        self.moving(|x| speed * waves.iter().map(|(k, a, phase)| *a * (k.dot(x) + phase).sin()).sum::<DVec3>())
+    }
+
+    /// For single passes.
+    pub(crate) fn particles(&self) -> Particles<'_> {
+        Particles {
+            positions: &self.positions,
+            velocities: &self.velocities,
+            mass: MASS,
+            rest_density: REST_DENSITY,
+            radius: RADIUS,
+            bounds: Some(self.size.to_array()),
+        }
+    }
+
+    /// For whole steps.
+    pub(crate) fn initial(&self) -> InitialState {
+        let vectors = |rows: &[[f64; 3]]| rows.iter().map(|x| DVec3::from_array(*x)).collect();
+        let air = AirParticles {
+            min: DVec3::ZERO,
+            size: self.size,
+            positions: vectors(&self.positions),
+            velocities: vectors(&self.velocities),
+            volume: VOLUME,
+            mass: MASS,
+        };
+        InitialState { air, ..InitialState::default() }
+    }
+
+    /// A frame's air in the same box.
+    pub(crate) fn of_frame(&self, air: &AirFrame) -> Self {
+        let rows = |rows: &[[f32; 3]]| rows.iter().map(|x| x.map(f64::from)).collect();
+        Self { size: self.size, positions: rows(&air.positions), velocities: rows(&air.velocities) }
+    }
+
+    /// ½ Σ v² / n \[m²/s²\].
+    pub(crate) fn energy(&self) -> f64 {
+        let sum: f64 = self.velocities.iter().map(|v| DVec3::from_array(*v).length_squared()).sum();
+        0.5 * sum / self.velocities.len() as f64
+    }
+}
+
+/// The paper's parameters in still air without walls: no wind, no fringe, no turbulence; `keys` as a
+/// scene file has them.
+pub(crate) fn scene(keys: &str) -> Result<Scene, Error> {
+    let text = format!(
+        "time = {{ step = {STEP}, duration = 1.0 }}\n\
+         air = {{ box = {{ min = [0, 0, 0], max = [1, 1, 1] }}, wind = [0, 0, 0], ramp = 0.0, \
+         rest_density = {REST_DENSITY}, particle_mass = {MASS}, kernel_radius = {RADIUS} }}\n{keys}"
+    );
+    Ok(Scene::parse(&text)?)
+}
+
+/// The air after so many steps.
+pub(crate) fn run(gpu: &Gpu, scene: &Scene, cloud: &Cloud, steps: u64) -> Result<Cloud, Error> {
+    let mut simulation = Simulation::with_state(gpu, scene, cloud.initial())?;
+    simulation.step(steps)?;
+    Ok(cloud.of_frame(&simulation.frame()?.air))
+}
+
+/// As f64.
+pub(crate) fn vectors(rows: &[[f32; 3]]) -> Vec<DVec3> {
+    rows.iter().map(|x| DVec3::from_array(x.map(f64::from))).collect()
+}
+
+/// The value that is farthest from `expected`; NaN if one is, or if there are none.
+pub(crate) fn farthest(values: impl IntoIterator<Item = f64>, expected: f64) -> f64 {
+    let farther = |a: f64, b: f64| if b.is_nan() || (b - expected).abs() > (a - expected).abs() { b } else { a };
+    values.into_iter().reduce(|a, b| if a.is_nan() { a } else { farther(a, b) }).unwrap_or(f64::NAN)
+}
+
+/// Mean; NaN of none.
+pub(crate) fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
+    let (sum, n) = values.into_iter().fold((0.0, 0.0), |(sum, n), x| (sum + x, n + 1.0));
+    sum / n
+}

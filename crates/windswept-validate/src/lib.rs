@@ -1,0 +1,84 @@
+//! What the engine computes on a GPU, beside formulas and numbers that were computed independently of it.
+//!
+//! A [`Check`] measures on the GPU, through [`windswept::ops`] and [`windswept::Simulation`], and returns a [`Row`] per
+//! claim. `windswept validate` prints the rows, `tests/formulas.rs` asserts them: each formula is written once. The
+//! expected values come from closed forms, from `windswept_reference::tables` or from the f64 twin; every row says
+//! which.
+
+mod air;
+mod coupled;
+mod fluid;
+mod kernels;
+mod momentum;
+mod rods;
+mod row;
+mod turbulence;
+mod twin;
+mod viscosity;
+mod vortex;
+
+pub use row::Row;
+use windswept::{Gpu, GpuError, RunError, ops::OpsError};
+use windswept_scene::SceneError;
+
+/// Rows that are measured together.
+#[derive(Debug, Clone, Copy)]
+pub struct Check {
+    /// What it is about; one word.
+    pub name: &'static str,
+    run: fn(&Gpu) -> Result<Vec<Row>, Error>,
+}
+
+impl Check {
+    /// Measures. What could not be measured is one row that fails and says why.
+    #[must_use]
+    pub fn rows(&self, gpu: &Gpu) -> Vec<Row> {
+        (self.run)(gpu).unwrap_or_else(|error| vec![Row::failed(self.name, &error)])
+    }
+}
+
+/// Every check, in the order of the step.
+pub const CHECKS: &[Check] = &[
+    Check { name: "kernels", run: kernels::normalisations },
+    Check { name: "lattices", run: kernels::lattices },
+    Check { name: "density", run: fluid::density_error },
+    Check { name: "rods-rest", run: rods::at_rest },
+    Check { name: "rods-static", run: rods::hanging },
+    Check { name: "rods-beam", run: rods::beam },
+    Check { name: "rods-fall", run: rods::falling },
+    Check { name: "rotation", run: turbulence::rotation },
+    Check { name: "translation", run: turbulence::translation },
+    Check { name: "filter-leak", run: turbulence::leak },
+    Check { name: "filter-gain", run: turbulence::gain },
+    Check { name: "vortex", run: vortex::lamb_oseen },
+    Check { name: "shear-wave", run: viscosity::shear_waves },
+    Check { name: "taylor-green", run: viscosity::taylor_green },
+    Check { name: "momentum", run: momentum::closed_box },
+    Check { name: "coupled", run: coupled::drag },
+    Check { name: "twin", run: twin::passes },
+    Check { name: "twin-step", run: twin::step },
+];
+
+/// A check that could not be done.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A single pass.
+    #[error(transparent)]
+    Ops(#[from] OpsError),
+    /// A run that could not go on.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The device.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// A check's own scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A simulation that could not be made.
+    #[error(transparent)]
+    Simulation(#[from] windswept::Error),
+    /// The state that a check needs did not come about.
+    #[error("{0}")]
+    Missing(String),
+}

@@ -1,0 +1,87 @@
+//! Every check of `windswept validate` on the software adapter, and wrong shaders that turn its rows red.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod support;
+
+use windswept::Gpu;
+use windswept_shaders::{Pass, fluid, rods, turbulence};
+use windswept_validate::{CHECKS, Row};
+
+fn rows(name: &str, gpu: &Gpu) -> Vec<Row> {
+    let check = CHECKS.iter().find(|check| check.name == name).unwrap_or_else(|| panic!("no check {name}"));
+    let rows = check.rows(gpu);
+    assert!(!rows.is_empty(), "{name} measures nothing");
+    for row in &rows {
+        let off = row.measured - row.expected;
+        println!(
+            "{}: {} {}, expected {}, off by {off:+.1e} of {:.1e}",
+            row.test, row.measured, row.unit, row.expected, row.tolerance
+        );
+    }
+    rows
+}
+
+fn failing(rows: &[Row]) -> Vec<&str> {
+    rows.iter().filter(|row| !row.passes()).map(|row| row.test.as_str()).collect()
+}
+
+/// One test per check; none is left out.
+macro_rules! checks {
+    ($($test:ident: $name:literal),+ $(,)?) => {
+        $(
+            #[test]
+            fn $test() {
+                let rows = rows($name, &support::gpu());
+                assert!(failing(&rows).is_empty(), "{:?}", failing(&rows));
+            }
+        )+
+
+        #[test]
+        fn every_check_has_its_test() {
+            let names: Vec<_> = CHECKS.iter().map(|check| check.name).collect();
+            assert_eq!(names, [$($name),+]);
+        }
+    };
+}
+
+checks! {
+    kernels_are_normalised: "kernels",
+    lattices_have_their_density: "lattices",
+    density_error_falls_as_jacobi_should: "density",
+    curled_strands_keep_their_shape: "rods-rest",
+    strands_hang_like_elastica_and_helix: "rods-static",
+    beams_vibrate_at_their_frequency: "rods-beam",
+    loose_strands_fall: "rods-fall",
+    rotations_have_twice_their_rate: "rotation",
+    translations_change_nothing: "translation",
+    cut_filters_leak: "filter-leak",
+    the_filter_has_the_hats_gain: "filter-gain",
+    vortices_last_and_feed_their_band: "vortex",
+    shear_waves_decay_as_xsph_says: "shear-wave",
+    taylor_green_vortices_decay: "taylor-green",
+    momentum_is_kept: "momentum",
+    what_air_loses_hair_receives: "coupled",
+    passes_are_those_of_the_twin: "twin",
+    steps_are_those_of_the_twin: "twin-step",
+}
+
+/// A wrong constant in a shader turns at least one row of the check that looks at it red.
+#[test]
+fn wrong_constants_turn_rows_red() {
+    let cases: [(&Pass, &str, &str, &str); 7] = [
+        (&fluid::DENSITY, "315.0", "314.0", "lattices"),
+        (&fluid::CORRECT, "45.0", "30.0", "density"),
+        (&fluid::VISCOSITY, "2.0 * mass", "2.1 * mass", "shear-wave"),
+        (&fluid::PREDICT, "params.step *", "1.001 * params.step *", "twin-step"),
+        (&turbulence::VORTICITY, "45.0", "45.1", "rotation"),
+        (&turbulence::BAND, "3.0 ", "3.1 ", "filter-gain"),
+        (&rods::GAUSS_SEIDEL, "1.0 + params.damping", "2.0 + params.damping", "rods-beam"),
+    ];
+    for (pass, right, wrong, check) in cases {
+        assert!(pass.source.contains(right), "{} has no {right:?}:\n{}", pass.name, pass.source);
+        let gpu = support::gpu().with_sources([(pass.name, pass.source.replace(right, wrong))]);
+        let rows = rows(check, &gpu);
+        println!("{} with {wrong}: {:?}", pass.name, failing(&rows));
+        assert!(!failing(&rows).is_empty(), "{} with {wrong} passes {check}", pass.name);
+    }
+}
