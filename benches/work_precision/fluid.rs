@@ -1,0 +1,118 @@
+//! The density constraint: iterations, relaxation, tension. One solve of disturbed air, and air that moves.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use windswept::{AirFrame, RunError, Simulation};
+use windswept_reference::{Parameters, grid, sph_kernels::spiky_gradient};
+use windswept_scene::{Fluid, InitialState, Scene};
+
+use crate::{
+    Bench, Measured, Result,
+    air::{self, Air, REST_DENSITY, VOLUME, rms, vectors},
+    point::Point,
+    timing,
+};
+
+const ITERATIONS: [u32; 7] = [1, 2, 3, 4, 6, 8, 12];
+const RELAXATIONS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+const TENSIONS: [f64; 2] = [0.0, 1.0];
+/// Particles along a side.
+const SIDE: usize = 16;
+/// Amplitude of the compression, of ρ0.
+const COMPRESSION: f64 = 0.1;
+/// Of each wave of the moving air \[m/s\].
+const SPEED: f64 = 0.3;
+/// Of the moving air: the lattice has melted by then.
+const STEPS: u64 = 40;
+const PASSES: [&str; 3] = ["fluid/density", "fluid/correct", "fluid/move"];
+
+/// Errors and time of each setting.
+pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
+    let plain = air::scene("")?;
+    let disturbed = disturbed();
+    let moving = Air::lattice(SIDE).stirred(SPEED);
+    let steps = if bench.quick { 2 } else { STEPS };
+    let settings = settings(bench).into_iter();
+    let scenes: Vec<_> = settings.map(|fluid| (Scene { fluid, ..plain.clone() }, moving.initial())).collect();
+    let times = timing::passes(&bench.gpu, &scenes, &PASSES, bench.rounds(8))?;
+    let mut points = Vec::new();
+    for ((scene, _), time) in scenes.iter().zip(&times) {
+        let Fluid { iterations, relaxation, tension } = scene.fluid;
+        let [rms_error, over] = solve(bench, &disturbed, scene.fluid.clone())?;
+        let [moving_error, divergence] = run(bench, scene, &moving, steps)?;
+        let errors = [
+            ("one solve: rms of ρ/ρ0 − 1", rms_error),
+            ("one solve: rms of max(ρ/ρ0 − 1, 0)", over),
+            ("moving air: rms of ρ/ρ0 − 1", moving_error),
+            ("moving air: rms divergence [1/s]", divergence),
+        ];
+        let series = format!("tension {tension}, relaxation {relaxation}");
+        let setting = format!("{iterations} iterations");
+        let default = scene.fluid == plain.fluid;
+        points
+            .extend(errors.map(|(kind, error)| Point { default, ..Point::new(kind, &series, &setting, time, error) }));
+    }
+    let start = divergence(&plain, &moving.initial());
+    let notes = vec![
+        format!("one solve: box of {SIDE}³ particles, jitter 0.2 d, compressed along x by a wave of {COMPRESSION} ρ0"),
+        format!(
+            "moving air: a lattice in six solenoidal waves of {SPEED} m/s, after {steps} steps; divergence \
+                 Σ V (v_j − v_i)·∇W in f64, {start:.2} 1/s at the start"
+        ),
+        "error inf: the run ended early".to_owned(),
+    ];
+    Ok(Measured { points, notes })
+}
+
+fn settings(bench: &Bench) -> Vec<Fluid> {
+    let mut all = Vec::new();
+    for tension in TENSIONS {
+        for &relaxation in bench.some(&RELAXATIONS) {
+            all.extend(bench.some(&ITERATIONS).iter().map(|&iterations| Fluid { iterations, relaxation, tension }));
+        }
+    }
+    all
+}
+
+/// Jittered air in a wave of compression.
+fn disturbed() -> Air {
+    let air = Air::lattice(SIDE).jittered(0.2);
+    let k = TAU / air.side;
+    air.moved(|x| DVec3::X * (COMPRESSION / k * (k * x.x).sin()))
+}
+
+/// rms of ρ/ρ0 − 1 and of what of it is positive, after one solve.
+fn solve(bench: &Bench, air: &Air, fluid: Fluid) -> Result<[f64; 2]> {
+    let moved = air.particles().solve_density(&bench.gpu, fluid)?;
+    let solved = Air { positions: moved.iter().map(|x| x.map(f64::from)).collect(), ..air.clone() };
+    let density = solved.particles().density(&bench.gpu)?;
+    let errors = density.iter().map(|rho| f64::from(*rho) / REST_DENSITY - 1.0);
+    Ok([rms(errors.clone()), rms(errors.map(|e| e.max(0.0)))])
+}
+
+/// rms of ρ/ρ0 − 1 and rms divergence after some steps; infinite where the run ended before.
+fn run(bench: &Bench, scene: &Scene, air: &Air, steps: u64) -> Result<[f64; 2]> {
+    let mut simulation = Simulation::with_state(&bench.gpu, scene, air.initial())?;
+    match simulation.step(steps) {
+        Ok(()) => {}
+        Err(RunError::NonFiniteAir { .. } | RunError::TooManyNeighbours { .. }) => return Ok([f64::INFINITY; 2]),
+        Err(error) => return Err(error.into()),
+    }
+    let density = simulation.density()?;
+    let AirFrame { positions, velocities, .. } = simulation.frame()?.air;
+    let mut after = air.initial();
+    (after.air.positions, after.air.velocities) = (vectors(&positions), vectors(&velocities));
+    Ok([rms(density.iter().map(|ratio| f64::from(*ratio) - 1.0)), divergence(scene, &after)])
+}
+
+/// rms over the air of Σ_j V (v_j − v_i)·∇_i W, Spiky \[1/s\].
+fn divergence(scene: &Scene, state: &InitialState) -> f64 {
+    let p = Parameters::new(scene, state);
+    let (x, v) = (&state.air.positions, &state.air.velocities);
+    let near = grid::neighbours(&p, x);
+    let pair = |i: usize, j: usize| {
+        (v[j] - v[i]).dot(VOLUME * spiky_gradient(i, j, p.separation(i, j, x[i], x[j]), p.kernel_radius))
+    };
+    rms((0..x.len()).map(|i| near.of(i).map(|j| pair(i, j)).sum::<f64>()))
+}

@@ -1,0 +1,261 @@
+//! Rods: solver, sweeps, substeps. Tips of strands at rest against the elastica and the helix; tips of falling strands
+//! against a fine f64 run.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DMat3, DQuat, DVec3};
+use windswept::Simulation;
+use windswept_reference::{Parameters, State, step::step as twin_step, tables};
+use windswept_scene::{InitialState, Integrator, Scene, Solver, Strands};
+
+use crate::{
+    Bench, Measured, Result,
+    air::{STEP, rms},
+    point::Point,
+    timing,
+};
+
+/// A solver, and the sweeps to try: a row here is a set of lines in the picture.
+struct Row {
+    name: &'static str,
+    solver: Solver,
+    integrator: Integrator,
+    /// A single value for a solver that does not sweep.
+    sweeps: &'static [u32],
+}
+
+const SOLVERS: &[Row] = &[Row {
+    name: "Gauss-Seidel",
+    solver: Solver::GaussSeidel,
+    integrator: Integrator::Euler,
+    sweeps: &[5, 10, 20, 40, 80, 160, 320],
+}];
+const SUBSTEPS: [u32; 5] = [1, 2, 4, 8, 16];
+/// Sweeps times substeps, at most, where there are substeps.
+const MOST_SWEEPS: u32 = 160;
+
+/// Strands that are timed.
+const STRANDS: usize = 64;
+/// Segments of a strand.
+const SEGMENTS: usize = 34;
+/// \[m\]
+const LENGTH: f64 = 0.35;
+/// \[m/s²\]
+const GRAVITY: f64 = 9.81;
+/// ρA of a hair of 40 µm radius and 1320 kg/m³ \[kg/m\].
+const LINE_DENSITY: f64 = 1320.0 * PI * 1.6e-9;
+/// EA of 4 GPa \[N\].
+const STRETCH: f64 = 4e9 * PI * 1.6e-9;
+/// EI/GJ.
+const BEND_OVER_TWIST: f64 = 1.38;
+
+/// Of the strands that come to rest \[1/s\].
+const DAMPING: f64 = 8.0;
+/// Until they rest \[s\].
+const REST: f64 = 2.5;
+/// Of the fall \[s\].
+const FALL: f64 = 0.2;
+/// Of the f64 run that falling tips are compared with.
+const FINE_SUBSTEPS: u32 = 128;
+const FINE_SWEEPS: u32 = 16;
+
+/// A strand with the tip that it should have.
+struct Rod {
+    name: String,
+    /// ρAgL³/EI.
+    gamma: f64,
+    /// Rest Darboux vector times L; only (0, κ, τ).
+    darboux: DVec3,
+    /// Of the clamp.
+    root_frame: DQuat,
+    /// Of the tip at rest, from the root \[L\].
+    tip: DVec3,
+}
+
+/// What is varied.
+#[derive(Clone, Copy)]
+struct Setting {
+    row: &'static Row,
+    substeps: u32,
+    sweeps: u32,
+}
+
+impl Setting {
+    fn apply(self, mut scene: Scene) -> Scene {
+        scene.time.substeps = self.substeps;
+        let rods = &mut scene.rods;
+        (rods.solver, rods.integrator, rods.iterations) = (self.row.solver, self.row.integrator, self.sweeps);
+        scene
+    }
+}
+
+fn settings(bench: &Bench) -> Vec<Setting> {
+    let mut all = Vec::new();
+    for row in SOLVERS {
+        for &substeps in bench.some(&SUBSTEPS) {
+            let sweeps = bench.some(row.sweeps).iter().filter(|&n| substeps == 1 || n * substeps <= MOST_SWEEPS);
+            all.extend(sweeps.map(|&sweeps| Setting { row, substeps, sweeps }));
+        }
+    }
+    all
+}
+
+/// Errors and time of each setting.
+pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
+    let rods: Vec<Rod> = level_rods().into_iter().chain(helices()).collect();
+    let falling = level_rods();
+    let (rest, fall) = if bench.quick { (0.05, 0.02) } else { (REST, FALL) };
+    let (rest_steps, fall_steps) = ((rest / STEP).round() as usize, (fall / STEP).round() as usize);
+    let fine = if bench.quick { 8 } else { FINE_SUBSTEPS };
+    let truth = twin_fall(&falling, fall_steps, fine)?;
+    let coarser = twin_fall(&falling, fall_steps, fine / 2)?;
+    let drift: Vec<_> = (0..falling.len()).map(|s| format!("{:.1e}", rms_distance(&coarser, &truth, s))).collect();
+    let default = Scene::parse(&text(&[], 1, 0.0))?;
+
+    let settings = settings(bench);
+    let (many, strands) = build(&rods, STRANDS / rods.len(), DAMPING)?;
+    let scenes: Vec<_> = settings.iter().map(|setting| (setting.apply(many.clone()), strands.clone())).collect();
+    let times = timing::passes(&bench.gpu, &scenes, &["rods/"], bench.rounds(10))?;
+    let (damped, hanging) = build(&rods, 1, DAMPING)?;
+    let (free, level) = build(&falling, 1, 0.0)?;
+    let mut points = Vec::new();
+    for (setting, time) in settings.iter().zip(&times) {
+        let Setting { row, substeps, sweeps } = setting;
+        let series = format!("{}, {substeps} substep{}", row.name, if *substeps == 1 { "" } else { "s" });
+        let is_default = setting.apply(default.clone()) == default;
+        let mut add = |kind: String, error: f64| {
+            let point = Point::new(&kind, &series, &format!("{sweeps} sweeps"), time, error);
+            points.push(Point { default: is_default, ..point });
+        };
+        let at_rest = tips(bench, &setting.apply(damped.clone()), hanging.clone(), rest_steps, 1)?;
+        for (rod, tip) in rods.iter().zip(&at_rest[0]) {
+            add(format!("{}, at rest: tip error [L]", rod.name), (*tip - rod.tip).length());
+        }
+        let path = tips(bench, &setting.apply(free.clone()), level.clone(), 1, fall_steps)?;
+        for (s, rod) in falling.iter().enumerate() {
+            add(format!("{}, falling: rms tip error [L]", rod.name), rms_distance(&path, &truth, s));
+        }
+    }
+    let notes = vec![
+        format!("strands of {SEGMENTS} segments, {LENGTH} m, step {STEP} s; time: {STRANDS} strands at once"),
+        format!("at rest: {rest} s after release, damping {DAMPING} 1/s; tips of cantilever.csv and helix.csv"),
+        format!(
+            "falling: released level, undamped, rms over {fall} s against the f64 twin at {fine} substeps of \
+             {FINE_SWEEPS} sweeps, from which half as many substeps differ by {} L",
+            drift.join(", ")
+        ),
+    ];
+    Ok(Measured { points, notes })
+}
+
+/// Straight, clamped level (cantilever.csv).
+fn level_rods() -> Vec<Rod> {
+    let root_frame = DQuat::from_mat3(&DMat3::from_cols(DVec3::NEG_Y, DVec3::NEG_Z, DVec3::X));
+    let rows = tables::cantilever().into_iter().filter(|row| [10.0, 100.0].contains(&row.gamma));
+    rows.map(|row| Rod {
+        name: format!("elastica γ = {}", row.gamma),
+        gamma: row.gamma,
+        darboux: DVec3::ZERO,
+        root_frame,
+        tip: DVec3::new(row.tip, -row.drop, 0.0),
+    })
+    .collect()
+}
+
+/// Helical, hanging (helix.csv).
+fn helices() -> Vec<Rod> {
+    let root_frame = DQuat::from_mat3(&DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y));
+    let rows = tables::helix().into_iter().filter(|row| row.gamma > 0.0);
+    rows.map(|row| Rod {
+        name: format!("helix γ = {}", row.gamma),
+        gamma: row.gamma,
+        darboux: row.darboux,
+        root_frame,
+        tip: row.tip,
+    })
+    .collect()
+}
+
+/// A scene of `copies` strands of each rod; without rods, what a file has that names no setting.
+fn text(rods: &[Rod], copies: usize, damping: f64) -> String {
+    let group = |(i, rod): (usize, &Rod)| {
+        let bend = LINE_DENSITY * GRAVITY * LENGTH.powi(3) / rod.gamma;
+        let kappa = rod.darboux / LENGTH;
+        let square = kappa.length_squared();
+        let (radius, pitch) = (kappa.y / square, TAU * kappa.z / square);
+        let curl =
+            if square > 0.0 { format!("curl = {{ radius = {radius}, pitch = {pitch} }}\n") } else { String::new() };
+        format!(
+            "[[hair]]\nname = \"{i}\"\nstrands = {copies}\npoints = {}\nlength = {LENGTH}\n{curl}\
+             stretch_stiffness = {STRETCH}\nbend_stiffness = {bend}\ntwist_stiffness = {}\n\
+             roots = {{ center = [0, 0, 0], radius = 1e-3, direction = [1, 0, 0] }}\n",
+            SEGMENTS + 1,
+            bend / BEND_OVER_TWIST
+        )
+    };
+    let groups: String = rods.iter().enumerate().map(group).collect();
+    format!(
+        "interaction = {{ model = \"none\" }}\ngravity = [0, -{GRAVITY}, 0]\n\
+         time = {{ step = {STEP}, duration = 1.0 }}\nrods = {{ damping = {damping:?} }}\n{groups}"
+    )
+}
+
+/// The scene and its strands, each clamped as its rod says.
+fn build(rods: &[Rod], copies: usize, damping: f64) -> Result<(Scene, InitialState)> {
+    let scene = Scene::parse(&text(rods, copies, damping))?;
+    let mut initial = InitialState::new(&scene)?;
+    for s in 0..initial.hair.len() {
+        let rod = &rods[initial.hair.group[s] as usize];
+        turn(&mut initial.hair, s, rod.root_frame);
+    }
+    Ok((scene, initial))
+}
+
+/// Turns a strand about its root, so that its clamp has this frame.
+fn turn(hair: &mut Strands, s: usize, root_frame: DQuat) {
+    let turn = (root_frame * hair.root_frame[s].conjugate()).normalize();
+    let root = hair.positions[hair.points(s).start];
+    for i in hair.points(s) {
+        hair.positions[i] = root + turn * (hair.positions[i] - root);
+    }
+    for k in hair.segments(s) {
+        hair.orientations[k] = (turn * hair.orientations[k]).normalize();
+    }
+    hair.root_frame[s] = root_frame;
+}
+
+/// Tips from their roots \[L\], per strand, after each of `count` stretches of `steps` steps.
+fn tips(bench: &Bench, scene: &Scene, initial: InitialState, steps: usize, count: usize) -> Result<Vec<Vec<DVec3>>> {
+    let mut simulation = Simulation::with_state(&bench.gpu, scene, initial)?;
+    let mut all = Vec::new();
+    for _ in 0..count {
+        simulation.step(steps as u64)?;
+        let hair = simulation.frame()?.hair;
+        let point = |i: u32| DVec3::from_array(hair.positions[i as usize].map(f64::from));
+        all.push(hair.offsets.windows(2).map(|ends| (point(ends[1] - 1) - point(ends[0])) / LENGTH).collect());
+    }
+    Ok(all)
+}
+
+/// The same of an undamped fall, by the f64 twin, after each step of Δt.
+fn twin_fall(rods: &[Rod], steps: usize, substeps: u32) -> Result<Vec<Vec<DVec3>>> {
+    let (mut scene, initial) = build(rods, 1, 0.0)?;
+    scene.time.substeps = substeps;
+    scene.rods.iterations = FINE_SWEEPS;
+    let p = Parameters::new(&scene, &initial);
+    let mut state = State::new(&initial);
+    let mut all = Vec::new();
+    for _ in 0..steps {
+        for _ in 0..substeps {
+            twin_step(&mut state, &p).map_err(|frozen| format!("the fine run froze: {frozen:?}"))?;
+        }
+        let ends = (0..rods.len()).map(|s| initial.hair.points(s));
+        all.push(ends.map(|ends| (state.position[ends.end - 1] - state.position[ends.start]) / LENGTH).collect());
+    }
+    Ok(all)
+}
+
+/// rms over time of how far apart strand `s` has its tip in two runs \[L\].
+fn rms_distance(a: &[Vec<DVec3>], b: &[Vec<DVec3>], s: usize) -> f64 {
+    rms(a.iter().zip(b).map(|(a, b)| (a[s] - b[s]).length()))
+}

@@ -1,0 +1,18 @@
+//! The rule that defaults are chosen by: the cheapest setting within 10 % of the error floor.
+
+use crate::point::Point;
+
+/// What counts as the floor: up to this times the least error.
+pub(crate) const FLOOR: f64 = 1.1;
+
+/// The least error of the candidates among points of one error.
+pub(crate) fn floor(points: &[&Point]) -> Option<f64> {
+    points.iter().filter(|p| p.candidate && p.is_finite()).map(|p| p.error).min_by(f64::total_cmp)
+}
+
+/// The cheapest candidate on the floor, among points of one error.
+pub(crate) fn choice<'a>(points: &[&'a Point]) -> Option<&'a Point> {
+    let floor = floor(points)?;
+    let on_floor = points.iter().filter(|p| p.candidate && p.is_finite() && p.error <= FLOOR * floor);
+    on_floor.min_by(|a, b| a.ms.total_cmp(&b.ms)).copied()
+}
