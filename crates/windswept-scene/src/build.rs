@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 
-use crate::{document::Document, error::SceneError, initial::KERNEL_RADIUS, keys::Key, reader::Reader, scene::*};
+use crate::{
+    document::Document, error::SceneError, initial::KERNEL_RADIUS, keys::Key, picture::*, reader::Reader, scene::*,
+};
 
 /// Indices are 32 bits, and a neighbour list has some 30 entries a particle.
 const MOST_PARTICLES: u32 = 100_000_000;

@@ -11,6 +11,7 @@ mod groom;
 mod initial;
 pub mod keys;
 mod load;
+mod picture;
 mod reader;
 mod scene;
 mod warnings;
@@ -18,4 +19,5 @@ mod write;
 
 pub use error::SceneError;
 pub use initial::{AirParticles, InitialState, Strands};
+pub use picture::*;
 pub use scene::*;

@@ -1,5 +1,7 @@
 //! A checked scene: every key has its value, every value is in range, SI throughout.
 
+use crate::picture::{AirPicture, Camera, Picture};
+
 /// A whole scene, checked. Made by [`Scene::parse`] or [`Scene::load`]. Two are equal when they mean the same, however
 /// their texts spell it.
 #[derive(Debug, Clone)]
@@ -333,41 +335,6 @@ pub enum Integrator {
     Bdf2,
     /// Implicit Euler.
     Euler,
-}
-
-/// `[camera]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Camera {
-    /// Where it stands \[m\].
-    pub eye: [f64; 3],
-    /// What it looks at \[m\].
-    pub target: [f64; 3],
-    /// Vertical field of view \[°\].
-    pub fov: f64,
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-}
-
-/// `[picture]`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Picture {
-    /// Hairs drawn in all, interpolated from the strands; at least every strand is drawn.
-    pub hairs: u32,
-    /// How air particles are drawn.
-    pub air: AirPicture,
-}
-
-/// `picture.air`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AirPicture {
-    /// Not at all.
-    None,
-    /// Coloured by |curl v|.
-    Vorticity,
-    /// Coloured by ½ |û|² of the first band.
-    BandEnergy,
 }
 
 /// Ties the words of a choice to its variants, both ways.

@@ -55,17 +55,24 @@ fn demo() -> Result {
     cargo.args(["run", "--release", "--package", "windswept-cli", "--"]);
     cargo.args(["run", "examples/scenes/quick.toml", "--out", "out/quick", "--overwrite"]);
     run(&mut cargo)?;
+    let mut pictures: Vec<_> = std::fs::read_dir(root().join("out/quick/frames"))
+        .map_err(|error| format!("out/quick/frames: {error}"))?
+        .filter_map(|entry| entry.ok().map(|entry| entry.file_name().to_string_lossy().into_owned()))
+        .collect();
+    pictures.sort();
+    let (first, last) = (pictures.first().ok_or("out/quick/frames is empty")?, &pictures[pictures.len() - 1]);
     println!(
         "
 The pictures are in out/quick:
-  preview.gif   a second of the film; any browser plays it
-  frames/       its 61 pictures, 0000.png to 0060.png
+  preview.gif   the film; any browser plays it
+  frames/       its {} pictures, {first} to {last}
 Beside them:
   hair.vtkhdf   the strands, every frame: open it in ParaView, Apply, press play
   air.vtkhdf    the air, every frame: the same; colour by velocity
   report.json   what ran, on what, how fast, how accurate
   scene.toml    the scene as it ran
-Next: target/release/windswept --help"
+Next: target/release/windswept --help",
+        pictures.len()
     );
     Ok(())
 }
