@@ -128,7 +128,7 @@ fn run() -> Result<()> {
         return Err(format!("no family {unknown:?}; there are {}", known.join(", ")).into());
     }
     let quick = arguments.quick || !arguments.bench;
-    let own_folder = arguments.out != PathBuf::from("benches/results");
+    let own_folder = arguments.out.as_path() != std::path::Path::new("benches/results");
     if !arguments.redraw {
         measure(&arguments, quick, !quick || own_folder)?;
     }
