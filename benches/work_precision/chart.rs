@@ -21,8 +21,8 @@ const TITLE: u32 = 34;
 const LEGEND_LINE: u32 = 20;
 /// Entries in a line of the legend.
 const LEGEND_COLUMNS: usize = 3;
-/// Line colours that colour-blind eyes tell apart (Okabe & Ito 2008), without yellow, then the same in dashes.
-const COLOURS: [RGBColor; 7] = [
+/// Line colours that colour-blind eyes tell apart (Okabe & Ito 2008), grey for their yellow.
+const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(230, 159, 0),
     RGBColor(0, 158, 115),
@@ -30,6 +30,7 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(86, 180, 233),
     RGBColor(204, 121, 167),
     RGBColor(0, 0, 0),
+    RGBColor(150, 150, 150),
 ];
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -84,6 +85,14 @@ fn range(values: impl Iterator<Item = f64> + Clone) -> std::ops::Range<f64> {
     if low <= high { 0.7 * low..1.5 * high } else { 0.1..1.0 }
 }
 
+/// 1, 2 and 5 times powers of ten within a range; over more than three decades the powers alone.
+fn ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
+    let steps: &[f64] = if range.end / range.start > 1e3 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+    let powers = range.start.log10().floor() as i32..=range.end.log10().ceil() as i32;
+    let all = powers.flat_map(|power| steps.iter().map(move |step| step * 10_f64.powi(power)));
+    all.filter(|tick| range.contains(tick)).collect()
+}
+
 fn panel(area: &Area<'_>, family: &Family, kind: &str, lines: &[Line<'_>], points: &[&Point]) -> Result<()> {
     let drawn: Vec<&Point> = points.iter().copied().filter(|point| point.is_finite()).collect();
     let (x, y) = (range(drawn.iter().map(|p| p.ms)), range(drawn.iter().map(|p| p.error)));
@@ -92,13 +101,16 @@ fn panel(area: &Area<'_>, family: &Family, kind: &str, lines: &[Line<'_>], point
         .margin(8)
         .x_label_area_size(40)
         .y_label_area_size(62)
-        .build_cartesian_2d(x.clone().log_scale(), y.log_scale())?;
+        .build_cartesian_2d(
+            x.clone().log_scale().with_key_points(ticks(&x)),
+            y.clone().log_scale().with_key_points(ticks(&y)),
+        )?;
     chart
         .configure_mesh()
         .x_desc(family.time)
         .y_desc("error")
-        .x_label_formatter(&|ms| format!("{ms}"))
-        .y_label_formatter(&|error| format!("{error:e}"))
+        .x_label_formatter(&|ms| number(*ms))
+        .y_label_formatter(&|error| format!("{error:.0e}"))
         .bold_line_style(RGBColor(205, 205, 205))
         .light_line_style(RGBColor(238, 238, 238))
         .label_style(("sans-serif", 11))
@@ -121,8 +133,19 @@ fn panel(area: &Area<'_>, family: &Family, kind: &str, lines: &[Line<'_>], point
     let defaults = drawn.iter().filter(|point| point.default);
     chart.draw_series(defaults.map(|p| Circle::new((p.ms, p.error), 8, BLACK.stroke_width(2))))?;
     let choice = rule::choice(points);
-    chart.draw_series(choice.iter().map(|p| TriangleMarker::new((p.ms, p.error), 11, BLACK.stroke_width(2))))?;
+    chart.draw_series(choice.iter().map(|p| EmptyElement::at((p.ms, p.error)) + triangle((0, 0))))?;
     Ok(())
+}
+
+/// The mark of the rule's choice about a pixel.
+fn triangle((x, y): (i32, i32)) -> PathElement<(i32, i32)> {
+    PathElement::new([(x - 10, y + 7), (x + 10, y + 7), (x, y - 11), (x - 10, y + 7)], BLACK.stroke_width(2))
+}
+
+/// As short as it is exact to three digits.
+fn number(x: f64) -> String {
+    let rounded: f64 = format!("{x:.2e}").parse().unwrap_or(x);
+    rounded.to_string()
 }
 
 /// Entries of the legend that are no series.
@@ -154,10 +177,10 @@ fn key(area: &Area<'_>, family: &Family, lines: &[Line<'_>]) -> Result<()> {
     area.draw(&Circle::new((x + 12, y), 8, BLACK.stroke_width(2)))?;
     area.draw(&text("the default now", x + 32, y))?;
     let (x, y) = place(lines.len() + 1);
-    area.draw(&TriangleMarker::new((x + 12, y), 9, BLACK.stroke_width(2)))?;
+    area.draw(&triangle((x + 12, y)))?;
     area.draw(&text("the rule's choice: the cheapest below the dotted line", x + 32, y))?;
     let last = (lines.len() + NOTES).next_multiple_of(LEGEND_COLUMNS);
     let (x, y) = place(last);
-    area.draw(&text(&format!("dotted: 1.1 × the least error; {}", family.along), x, y))?;
+    area.draw(&text(&format!("dotted: 1.1 × the floor; {}", family.along), x, y))?;
     Ok(())
 }

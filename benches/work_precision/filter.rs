@@ -28,7 +28,7 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
         let cutoffs = bench.some(&CUTOFFS);
         let scenes =
             cutoffs.iter().map(|cutoff| Ok((scene(scale, *cutoff)?, air.initial()))).collect::<Result<Vec<_>>>()?;
-        let times = timing::passes(&bench.gpu, &scenes, &["turbulence/band"], bench.rounds(10))?;
+        let times = timing::passes(&bench.gpu, &scenes, &["turbulence/band"], bench.rounds(6))?;
         for (&cutoff, time) in cutoffs.iter().zip(&times) {
             let got = vectors(&air.particles().band_velocity(&bench.gpu, scale, cutoff)?);
             let error =
@@ -54,7 +54,7 @@ fn scene(scale: f64, cutoff: f64) -> Result<Scene> {
     Ok(scene)
 }
 
-/// û by the sum over all pairs and periodic images, f64: that of (3 − r²/s²) exp(−r²/2s²) falls into sums along the axes.
+/// û by the sum over all pairs and periodic images, f64: (3 − r²/s²) exp(−r²/2s²) falls into sums along the axes.
 fn whole_sum(air: &Air, scale: f64) -> Vec<DVec3> {
     let factor = VOLUME * mexican_hat(0.0, scale) / 3.0 / peak_gain(scale);
     let hat = |a: &[f64; 3], b: &[f64; 3]| {

@@ -19,6 +19,8 @@ pub(crate) struct Point {
     pub(crate) ms_source: String,
     /// In the unit of `error_kind`; not finite where the run ended early.
     pub(crate) error: f64,
+    /// How far off what it is compared with may be, same unit: smaller errors say nothing. 0 where that is exact.
+    pub(crate) uncertainty: f64,
     /// Whether a scene that leaves the family's keys out has this setting.
     pub(crate) default: bool,
     /// Whether it may become the default of `method = "accurate"`.
@@ -26,7 +28,7 @@ pub(crate) struct Point {
 }
 
 impl Point {
-    /// A candidate that is not the default.
+    /// A candidate that is not the default, compared with something exact.
     pub(crate) fn new(error_kind: &str, series: &str, setting: &str, time: &Time, error: f64) -> Self {
         Self {
             error_kind: error_kind.to_owned(),
@@ -35,6 +37,7 @@ impl Point {
             ms: time.ms,
             ms_source: time.source.to_owned(),
             error,
+            uncertainty: 0.0,
             default: false,
             candidate: true,
         }

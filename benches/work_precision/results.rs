@@ -25,8 +25,9 @@ pub(crate) fn write_csv(dir: &Path, family: &Family, bench: &Bench, measured: &M
     head.extend(measured.notes.iter().cloned());
     head.push(format!("ms: {}; the least of several runs", family.time));
     head.push(
-        "default: the setting of a scene that names none; candidate: may become the default of accurate".to_owned(),
+        "uncertainty: of what the error is taken from; default: the setting of a scene that names none".to_owned(),
     );
+    head.push("candidate: may become the default of accurate".to_owned());
     let mut text: String = head.iter().map(|line| format!("# {line}\n")).collect();
     let mut table = csv::Writer::from_writer(Vec::new());
     for point in &measured.points {
@@ -62,7 +63,8 @@ fn csv_path(dir: &Path, family: &Family) -> PathBuf {
 pub(crate) fn show(dir: &Path) -> Result<()> {
     let mut text =
         "# What the rule picks\n\nMade by `cargo bench --bench work_precision`; see [README](../README.md). \
-        The rule: of the settings within 10 % of the least error, the cheapest.\n"
+        The rule: of the settings within 10 % of the floor, the cheapest. \
+        The floor is the least error, or how uncertain that is with which it is compared.\n"
             .to_owned();
     for family in FAMILIES {
         let path = csv_path(dir, family);

@@ -51,8 +51,10 @@ const BEND_OVER_TWIST: f64 = 1.38;
 
 /// Of the strands that come to rest \[1/s\].
 const DAMPING: f64 = 8.0;
-/// Until they rest \[s\].
-const REST: f64 = 2.5;
+/// Until they rest \[s\], after which tips are taken this often, this far apart: f32 keeps them trembling.
+const REST: f64 = 2.0;
+const SAMPLES: usize = 20;
+const SAMPLE_STEPS: u64 = 18;
 /// Of the fall \[s\].
 const FALL: f64 = 0.2;
 /// Of the f64 run that falling tips are compared with.
@@ -105,11 +107,12 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
     let rods: Vec<Rod> = level_rods().into_iter().chain(helices()).collect();
     let falling = level_rods();
     let (rest, fall) = if bench.quick { (0.05, 0.02) } else { (REST, FALL) };
-    let (rest_steps, fall_steps) = ((rest / STEP).round() as usize, (fall / STEP).round() as usize);
+    let samples = if bench.quick { 1 } else { SAMPLES };
+    let (rest_steps, fall_steps) = ((rest / STEP).round() as u64, (fall / STEP).round() as usize);
     let fine = if bench.quick { 8 } else { FINE_SUBSTEPS };
     let truth = twin_fall(&falling, fall_steps, fine)?;
     let coarser = twin_fall(&falling, fall_steps, fine / 2)?;
-    let drift: Vec<_> = (0..falling.len()).map(|s| format!("{:.1e}", rms_distance(&coarser, &truth, s))).collect();
+    let drift: Vec<f64> = (0..falling.len()).map(|s| rms_distance(&coarser, &truth, s)).collect();
     let default = Scene::parse(&text(&[], 1, 0.0))?;
 
     let settings = settings(bench);
@@ -123,26 +126,33 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
         let Setting { row, substeps, sweeps } = setting;
         let series = format!("{}, {substeps} substep{}", row.name, if *substeps == 1 { "" } else { "s" });
         let is_default = setting.apply(default.clone()) == default;
-        let mut add = |kind: String, error: f64| {
+        let mut add = |kind: String, error: f64, uncertainty: f64| {
             let point = Point::new(&kind, &series, &format!("{sweeps} sweeps"), time, error);
-            points.push(Point { default: is_default, ..point });
+            points.push(Point { default: is_default, uncertainty, ..point });
         };
-        let at_rest = tips(bench, &setting.apply(damped.clone()), hanging.clone(), rest_steps, 1)?;
-        for (rod, tip) in rods.iter().zip(&at_rest[0]) {
-            add(format!("{}, at rest: tip error [L]", rod.name), (*tip - rod.tip).length());
+        let mut simulation = Simulation::with_state(&bench.gpu, &setting.apply(damped.clone()), hanging.clone())?;
+        simulation.step(rest_steps)?;
+        let at_rest = tips(&mut simulation, SAMPLE_STEPS, samples)?;
+        for (s, rod) in rods.iter().enumerate() {
+            let error = rms(at_rest.iter().map(|tips| (tips[s] - rod.tip).length()));
+            add(format!("{}, at rest: rms tip error [L]", rod.name), error, 0.0);
         }
-        let path = tips(bench, &setting.apply(free.clone()), level.clone(), 1, fall_steps)?;
+        let mut simulation = Simulation::with_state(&bench.gpu, &setting.apply(free.clone()), level.clone())?;
+        let path = tips(&mut simulation, 1, fall_steps)?;
         for (s, rod) in falling.iter().enumerate() {
-            add(format!("{}, falling: rms tip error [L]", rod.name), rms_distance(&path, &truth, s));
+            add(format!("{}, falling: rms tip error [L]", rod.name), rms_distance(&path, &truth, s), drift[s]);
         }
     }
     let notes = vec![
         format!("strands of {SEGMENTS} segments, {LENGTH} m, step {STEP} s; time: {STRANDS} strands at once"),
-        format!("at rest: {rest} s after release, damping {DAMPING} 1/s; tips of cantilever.csv and helix.csv"),
+        format!(
+            "at rest: from {rest} s after release, {samples} samples {SAMPLE_STEPS} steps apart, damping {DAMPING} 1/s; \
+             tips of cantilever.csv and helix.csv"
+        ),
         format!(
             "falling: released level, undamped, rms over {fall} s against the f64 twin at {fine} substeps of \
              {FINE_SWEEPS} sweeps, from which half as many substeps differ by {} L",
-            drift.join(", ")
+            drift.iter().map(|error| format!("{error:.1e}")).collect::<Vec<_>>().join(", ")
         ),
     ];
     Ok(Measured { points, notes })
@@ -225,11 +235,10 @@ fn turn(hair: &mut Strands, s: usize, root_frame: DQuat) {
 }
 
 /// Tips from their roots \[L\], per strand, after each of `count` stretches of `steps` steps.
-fn tips(bench: &Bench, scene: &Scene, initial: InitialState, steps: usize, count: usize) -> Result<Vec<Vec<DVec3>>> {
-    let mut simulation = Simulation::with_state(&bench.gpu, scene, initial)?;
+fn tips(simulation: &mut Simulation, steps: u64, count: usize) -> Result<Vec<Vec<DVec3>>> {
     let mut all = Vec::new();
     for _ in 0..count {
-        simulation.step(steps as u64)?;
+        simulation.step(steps)?;
         let hair = simulation.frame()?.hair;
         let point = |i: u32| DVec3::from_array(hair.positions[i as usize].map(f64::from));
         all.push(hair.offsets.windows(2).map(|ends| (point(ends[1] - 1) - point(ends[0])) / LENGTH).collect());

@@ -2,12 +2,14 @@
 
 use crate::point::Point;
 
-/// What counts as the floor: up to this times the least error.
+/// What counts as on the floor: up to this times the floor.
 pub(crate) const FLOOR: f64 = 1.1;
 
-/// The least error of the candidates among points of one error.
+/// The least error of the candidates among points of one error; or how uncertain that is with which they are compared,
+/// if that is more.
 pub(crate) fn floor(points: &[&Point]) -> Option<f64> {
-    points.iter().filter(|p| p.candidate && p.is_finite()).map(|p| p.error).min_by(f64::total_cmp)
+    let least = points.iter().filter(|p| p.candidate && p.is_finite()).map(|p| p.error).min_by(f64::total_cmp)?;
+    Some(points.iter().map(|p| p.uncertainty).fold(least, f64::max))
 }
 
 /// The cheapest candidate on the floor, among points of one error.
