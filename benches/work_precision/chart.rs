@@ -166,7 +166,7 @@ fn key(area: &Area<'_>, family: &Family, lines: &[Line<'_>]) -> Result<()> {
     for (i, line) in lines.iter().enumerate() {
         let (x, y) = place(i);
         let style = line.colour.stroke_width(2);
-        let ends = if line.dashed { vec![(x, x + 9), (x + 15, x + 24)] } else { vec![(x, x + 24)] };
+        let ends = if line.dashed { vec![(x, x + 6), (x + 18, x + 24)] } else { vec![(x, x + 24)] };
         for (from, to) in ends {
             area.draw(&PathElement::new(vec![(from, y), (to, y)], style))?;
         }

@@ -14,6 +14,8 @@ const SCENE: &str = "scene.toml";
 const PREVIEW: &str = "preview.gif";
 const SHEET: &str = "contact-sheet.png";
 const FRAMES: &str = "frames";
+/// Of them those that lie in the folder itself.
+const FILES: [&str; 6] = [HAIR, AIR, REPORT, SCENE, PREVIEW, SHEET];
 
 /// A folder that may be written to; nothing is touched before [`Output::create`].
 pub(crate) struct Output {
@@ -23,8 +25,8 @@ pub(crate) struct Output {
 }
 
 impl Output {
-    /// Refuses a folder that holds something already (unless it may be overwritten), paths that cannot be, and those
-    /// that would cost the user the scene file.
+    /// Refuses a folder that holds something already (unless it may be overwritten), paths that cannot be, folders where
+    /// files are to be, and what would cost the user the scene file.
     pub(crate) fn check(dir: &Path, overwrite: bool, report: Option<&Path>, scene: &Path) -> Result<Self, Failure> {
         let refuse = |path: &Path, why: &str| Err(Failure::Input(format!("{}: {why}", path.display())));
         match fs::read_dir(dir).map(|mut entries| entries.next().is_some()) {
@@ -50,10 +52,12 @@ impl Output {
                 return refuse(report, "is written by the run itself; --report takes another file");
             }
         }
-        if [HAIR, AIR, REPORT, SCENE, PREVIEW, SHEET].iter().any(|name| real(scene) == real(&dir.join(name))) {
+        if FILES.iter().any(|name| real(scene) == real(&dir.join(name))) {
             return refuse(scene, "would be replaced by the run's own file of that name; --out takes another folder");
         }
-        Ok(Self { dir: dir.into(), report: report.map(PathBuf::from) })
+        let output = Self { dir: dir.into(), report: report.map(PathBuf::from) };
+        output.check_files(&FILES)?;
+        Ok(output)
     }
 
     /// The folder of a run that is over.
@@ -64,11 +68,26 @@ impl Output {
     /// Makes the folder, clears away an earlier run's files, and writes the scene as it runs.
     pub(crate) fn create(&self, scene: &str) -> Result<(), Failure> {
         fs::create_dir_all(&self.dir).map_err(|e| Failure::Input(format!("{}: {e}", self.dir.display())))?;
-        for name in [HAIR, AIR, REPORT, SCENE, SHEET] {
+        for name in FILES {
             remove(&self.dir.join(name))?;
         }
         self.remove_pictures()?;
         write(&self.dir.join(SCENE), scene)
+    }
+
+    /// Refuses pictures that cannot be replaced, before any is.
+    pub(crate) fn check_pictures(&self) -> Result<(), Failure> {
+        self.check_files(&[PREVIEW])
+    }
+
+    /// Refuses folders in the place of these files or of pictures.
+    fn check_files(&self, names: &[&str]) -> Result<(), Failure> {
+        let files = names.iter().map(|name| self.dir.join(name)).chain(self.pictures());
+        // A link is removed itself, wherever it leads.
+        match files.into_iter().find(|path| path.symlink_metadata().is_ok_and(|found| found.is_dir())) {
+            Some(path) => Err(Failure::Input(format!("{}: is a folder; expected a file or nothing", path.display()))),
+            None => Ok(()),
+        }
     }
 
     /// Removes frames/NNNN.png, frames/ if nothing else is in it, and preview.gif.
@@ -89,18 +108,15 @@ impl Output {
 
     /// Files in frames/ that are named like ours.
     fn pictures(&self) -> Vec<PathBuf> {
-        let ours = |path: &PathBuf| {
-            let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-            name.strip_suffix(".png").is_some_and(|n| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit()))
-        };
         let entries = fs::read_dir(self.frames()).into_iter().flatten();
-        entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).filter(ours).collect()
+        entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).filter(|path| is_picture(path)).collect()
     }
 
-    /// Whether a path is one of the files that a run leaves here.
+    /// Whether a path is one of the files that a run leaves here, or may leave.
     pub(crate) fn owns(&self, path: &Path) -> bool {
-        let mine = [HAIR, AIR, REPORT, SCENE, PREVIEW].map(|name| self.dir.join(name));
-        mine.iter().chain(&self.pictures()).any(|own| real(own) == real(path))
+        let path = real(path);
+        let film = is_picture(&path) && path.parent() == Some(&real(&self.frames()));
+        film || [HAIR, AIR, REPORT, SCENE, PREVIEW].iter().any(|name| real(&self.dir.join(name)) == path)
     }
 
     /// The scene as it ran.
@@ -133,6 +149,12 @@ impl Output {
         write(&self.dir.join(REPORT), report)?;
         self.report.as_deref().map_or(Ok(()), |path| write(path, report))
     }
+}
+
+/// Whether a path is named like a film's picture.
+fn is_picture(path: &Path) -> bool {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    name.strip_suffix(".png").is_some_and(|n| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit()))
 }
 
 /// The file that a path names, links followed, whether it is there yet or not.

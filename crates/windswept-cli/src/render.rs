@@ -31,6 +31,7 @@ fn film(run: &FinishedRun, output: &Output, options: &RenderOptions, console: &m
         let dir = options.dir.display();
         return Err(Failure::Input(format!("{dir}: has pictures already; --overwrite replaces them")));
     }
+    output.check_pictures()?;
     let gpu = gpu(options, console)?;
     let mut pictures = Pictures::new(output, &gpu, &run.scene, &run.frame(0)?)?;
     let interrupt = Interrupt::listen().map_err(|e| Failure::Run(format!("Ctrl-C cannot be listened to: {e}")))?;
@@ -66,8 +67,8 @@ fn film(run: &FinishedRun, output: &Output, options: &RenderOptions, console: &m
     Ok(())
 }
 
-/// Frames in one picture, at most.
-const MOST_IN_SHEET: usize = 64;
+/// Pixels of a contact sheet, at most: it and its pictures lie in memory, 1.5 GB with what is saved.
+const MOST_PIXELS: u64 = 128 << 20;
 
 /// Some frames in one picture.
 fn sheet(
@@ -77,11 +78,7 @@ fn sheet(
     options: &RenderOptions,
     console: &mut Console<'_>,
 ) -> Result<(), Failure> {
-    if times.len() > MOST_IN_SHEET {
-        let found = times.len();
-        return Err(Failure::Input(format!("--contact-sheet: expected at most {MOST_IN_SHEET} times, found {found}")));
-    }
-    let chosen = times.iter().map(|&time| run.nearest(time)).collect::<Result<Vec<_>, _>>()?;
+    let chosen = run.at(times)?;
     if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("png")) {
         return Err(Failure::Input(format!("{}: expected a name that ends in .png", path.display())));
     }
@@ -94,6 +91,13 @@ fn sheet(
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
     if folder.is_some_and(|folder| !folder.is_dir()) || path.is_dir() {
         return Err(Failure::Input(format!("{}: expected a file in a folder that is there", path.display())));
+    }
+    let (camera, n) = (&run.scene.camera, chosen.len());
+    let fit = MOST_PIXELS / (u64::from(camera.width) * u64::from(camera.height));
+    if n as u64 > fit.max(1) {
+        let size = format!("{} x {}", camera.width, camera.height);
+        let words = format!("{n} pictures of {size} pixels are too many for one; expected at most {fit}");
+        return Err(Failure::Input(format!("--contact-sheet: {words}")));
     }
     let gpu = gpu(options, console)?;
     let renderer = Renderer::new(&gpu, &run.scene, &run.frame(0)?.hair)?;
@@ -180,6 +184,18 @@ impl FinishedRun {
         if chosen.is_empty() || to.is_some_and(|to| to > there) {
             let dir = self.dir.display();
             return Err(Failure::Input(format!("--frames: {dir} has frames 0 to {}", there - 1)));
+        }
+        Ok(chosen)
+    }
+
+    /// The frames at these times [s], each once.
+    fn at(&self, times: &[f64]) -> Result<Vec<usize>, Failure> {
+        let mut chosen = Vec::new();
+        for &time in times {
+            let frame = self.nearest(time)?;
+            if !chosen.contains(&frame) {
+                chosen.push(frame);
+            }
         }
         Ok(chosen)
     }

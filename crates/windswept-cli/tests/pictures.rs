@@ -50,6 +50,11 @@ fn render_makes_the_runs_pictures() {
     let (status, said) = render(folder, &["--overwrite", "--set", "picture.hairs=80", "--frames", "2..3"]);
     assert_eq!(status, Some(0), "{said}");
     assert!(pictures(folder)[0].1 != first[2].1, "as many hairs as before");
+
+    // Another size frames the hair all the same.
+    let (status, said) = render(folder, &["--overwrite", "--set", "camera.width=480", "--frames", "2..3"]);
+    assert_eq!(status, Some(0), "{said}");
+    assert_eq!(pictures(folder)[0].1[16..24], [480_u32.to_be_bytes(), 540_u32.to_be_bytes()].concat());
 }
 
 /// Frames side by side, in DIR or where asked, without touching the other pictures.
@@ -58,8 +63,8 @@ fn a_contact_sheet_is_one_picture() {
     let folder = folder();
     let folder = folder.path();
     assert_eq!(run(folder, &["--formats", "vtkhdf"]).status.code(), Some(0));
-    let (status, said) = render(folder, &["--contact-sheet", "0,0.05,0.1"]);
-    // Frames 0, 3 and 6 of 7, at whole steps.
+    let (status, said) = render(folder, &["--contact-sheet", "0,0.05,0.0501,0.1,0"]);
+    // Frames 0, 3 and 6 of 7, at whole steps, each once.
     assert!(status == Some(0) && said.contains("t = 0.000, 0.050, 0.099 s"), "{said}");
     let sheet = folder.join("out/contact-sheet.png");
     let bytes = fs::read(&sheet).expect("a sheet");
@@ -111,13 +116,24 @@ fn bad_requests_touch_nothing() {
         (&["--contact-sheet", "NaN"], "NaN"),
         (&["--frames", "0..9"], "has frames 0 to 1"),
         (&["--contact-sheet", "0", "--out", "out/hair.vtkhdf"], "a name that ends in .png"),
+        (&["--contact-sheet", "0", "--out", "out/scene.toml"], "a name that ends in .png"),
         (&["--contact-sheet", "0", "--out", "out/frames/0000.png"], "belongs to the run"),
+        (&["--contact-sheet", "0", "--out", "out/../out/frames/0099.png"], "belongs to the run"),
+        (
+            &["--contact-sheet", "0,0.017", "--set", "camera.width=12000", "--set", "camera.height=6000"],
+            "2 pictures of 12000 x 6000 pixels are too many for one; expected at most 1",
+        ),
+        (&["--set", "camera.eye=[1,1,1]"], "camera.target: is missing"),
         (&["--out", "sheet.png"], "--contact-sheet"),
     ] {
         let (status, said) = render(folder, &[&["--overwrite"], more].concat());
         assert!(status == Some(2) && said.contains(word), "{more:?}: {said}");
         assert!(pictures(folder) == before, "{more:?}");
     }
+    fs::create_dir(folder.join("out/frames/0099.png")).expect("a folder");
+    let (status, said) = render(folder, &["--overwrite"]);
+    assert!(status == Some(2) && said.contains("0099.png: is a folder"), "{said}");
+    fs::remove_dir(folder.join("out/frames/0099.png")).expect("a folder");
     fs::write(folder.join("out/hair.vtkhdf"), "no film").expect("a file");
     let (status, said) = render(folder, &["--overwrite"]);
     assert!(status == Some(2) && said.contains("hair.vtkhdf: could not be read"), "{said}");

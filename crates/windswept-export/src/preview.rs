@@ -10,7 +10,7 @@ use image::imageops::{FilterType, resize};
 
 use crate::ExportError;
 
-/// At most this wide [px].
+/// At most this wide and high [px].
 const SIDE: u32 = 512;
 /// At most this long [s].
 const LENGTH: f64 = 3.0;
@@ -22,7 +22,7 @@ const UNCHANGED: u8 = 7;
 const SPEED: i32 = 4;
 
 /// Writes a GIF of pictures as they come, at true speed: up to 3 s from the first one on, about 15 pictures a second, up to
-/// 512 pixels wide, over and over.
+/// 512 pixels wide and high, over and over.
 pub struct Preview {
     path: PathBuf,
     encoder: Option<Encoder<BufWriter<File>>>,

@@ -7,7 +7,7 @@ mod groom;
 use glam::{DVec3, Vec3};
 use windswept::{AirFrame, Frame};
 use windswept_export::{ExportError, Renderer};
-use windswept_scene::{AirPicture, InitialState, Scene};
+use windswept_scene::{AirPicture, InitialState, LookAt, Scene};
 
 use groom::{brightness, difference, draw, frame, gpu, nowhere, pixel, scene, strands};
 
@@ -128,6 +128,22 @@ fn the_scenes_camera_is_taken() {
     assert!((x - 170.0).abs() < 1e-6 && (y - 80.0).abs() < 1e-6, "{x}, {y}");
 }
 
+/// A target is a direction: how far away it is changes nothing.
+#[test]
+fn a_near_or_far_target_shows_the_same() {
+    let gpu = gpu();
+    let hair = strands(&three(), Vec3::X * 0.04);
+    let toward = |target: &str| {
+        let target = format!("camera.target=[0, 0, {target}]");
+        Renderer::new(&gpu, &scene(&["picture.hairs=600", &target]), &hair).unwrap()
+    };
+    let shown = draw(&toward("0"), &hair);
+    assert_ne!(shown, toward("0").render(&nowhere(&hair)).unwrap());
+    for target in ["0.1999", "-100"] {
+        assert_eq!(draw(&toward(target), &hair), shown, "{target}");
+    }
+}
+
 /// Strong air shows, calm air does not, hair hides what is behind it.
 #[test]
 fn air_shows_where_it_is_strong() {
@@ -161,7 +177,7 @@ fn misfits_are_refused() {
     let said = refused(Renderer::new(&gpu, &scene(&["camera.width=100000"]), &hair));
     assert!(said.contains("the adapter draws at most"), "{said}");
     let mut nowhere = scene(&[]);
-    nowhere.camera.iter_mut().for_each(|camera| camera.eye = camera.target);
+    nowhere.camera.look_at = Some(LookAt { eye: [0.1; 3], target: [0.1; 3] });
     let said = refused(Renderer::new(&gpu, &nowhere, &hair));
     assert!(said.contains("the same point"), "{said}");
     let empty = strands(&[], Vec3::X);

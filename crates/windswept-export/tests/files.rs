@@ -76,6 +76,11 @@ fn short_films_are_films() {
     assert_eq!(found, "GIF 64 48 0 1 60 60 60");
     // Measured 5.5: 3072 colours in 256; margin 1.5.
     assert!(error < 8.0, "{error}");
+    let mut preview = Preview::new(&path);
+    preview.add(&RgbaImage::from_pixel(300, 1200, Rgba([9, 9, 9, 255])), 0.0).unwrap();
+    preview.finish().unwrap();
+    // As a GIF says it: little-endian, after 6 bytes.
+    assert_eq!(std::fs::read(&path).unwrap()[6..10], [128_u16.to_le_bytes(), 512_u16.to_le_bytes()].concat());
 }
 
 /// Four pictures make two rows of two, with a line between; sizes must agree.

@@ -2,16 +2,12 @@
 
 use glam::DVec3;
 
-use crate::{
-    document::Document, error::SceneError, initial::KERNEL_RADIUS, keys::Key, picture::*, reader::Reader, scene::*,
-};
+use crate::{document::Document, error::SceneError, initial::KERNEL_RADIUS, keys::Key, reader::Reader, scene::*};
 
 /// Indices are 32 bits, and a neighbour list has some 30 entries a particle.
 const MOST_PARTICLES: u32 = 100_000_000;
 /// Strands take 216 B a point at the start: 3.6 GB.
 const MOST_HAIR_POINTS: u32 = 1 << 24;
-/// Ten heads of hair.
-const MOST_HAIRS: u32 = 1_000_000;
 /// Of the direct filter in one step: minutes on a software adapter.
 const MOST_PAIRS: f64 = 1e11;
 /// Three along each axis: with fewer a particle would meet its own image.
@@ -65,30 +61,12 @@ impl Reader<'_> {
                 sleep: self.flag("rods.sleep")? && !Key::not_built("rods.sleep", "true"),
             },
             camera: self.camera()?,
-            picture: Picture { hairs: self.hairs()?, air: self.choice("picture.air")? },
+            picture: self.picture()?,
             time,
             air,
         };
         self.check_picture(&scene)?;
         Ok(scene)
-    }
-
-    /// Whether there will be what the picture's air is coloured by.
-    fn check_picture(&self, scene: &Scene) -> Result<(), SceneError> {
-        let (particles, eddies) = (scene.model == Model::Particles, &scene.turbulence);
-        let strengthened =
-            eddies.bands.iter().any(|band| band.strength > 0.0) && (eddies.law == Law::Published || eddies.speed > 0.0);
-        let (there, needed) = match scene.picture.air {
-            AirPicture::None => return Ok(()),
-            AirPicture::Vorticity => {
-                (particles, "\"vorticity\" needs air particles: interaction.model = \"particles\"")
-            }
-            AirPicture::BandEnergy => (
-                particles && strengthened,
-                "\"band_energy\" needs air particles, and one of turbulence.bands that is strengthened",
-            ),
-        };
-        if there { Ok(()) } else { Err(self.fault("picture.air", needed)) }
     }
 
     fn time(&self) -> Result<Time, SceneError> {
@@ -146,29 +124,6 @@ impl Reader<'_> {
             Some(nu) => Ok(22.0 * nu * step / (radius * radius)),
             None => self.number(&plain),
         }
-    }
-
-    fn camera(&self) -> Result<Option<Camera>, SceneError> {
-        if !self.has("camera") {
-            return Ok(None);
-        }
-        let fov = self.number("camera.fov")?;
-        if fov >= 180.0 {
-            return Err(self.fault("camera.fov", format!("expected an angle below 180 degrees, found {fov}")));
-        }
-        let (eye, target) = (self.vector("camera.eye")?, self.vector("camera.target")?);
-        if DVec3::from_array(eye).distance(DVec3::from_array(target)) < 1e-9 {
-            return Err(self.fault("camera.target", "is the same point as camera.eye; expected another"));
-        }
-        Ok(Some(Camera { eye, target, fov, width: self.count("camera.width")?, height: self.count("camera.height")? }))
-    }
-
-    fn hairs(&self) -> Result<u32, SceneError> {
-        let hairs = self.count("picture.hairs")?;
-        if hairs > MOST_HAIRS {
-            return Err(self.fault("picture.hairs", format!("expected at most {MOST_HAIRS}, found {hairs}")));
-        }
-        Ok(hairs)
     }
 
     fn air(&self, model: Model) -> Result<Option<Air>, SceneError> {

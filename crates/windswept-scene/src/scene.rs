@@ -34,8 +34,8 @@ pub struct Scene {
     pub viscosity: Viscosity,
     /// Cosserat rods.
     pub rods: Rods,
-    /// Where pictures are taken from; `None` frames the hair automatically.
-    pub camera: Option<Camera>,
+    /// Where pictures are taken from.
+    pub camera: Camera,
     /// What pictures show.
     pub picture: Picture,
 }

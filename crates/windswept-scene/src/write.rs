@@ -47,14 +47,14 @@ impl Scene {
         text.pair("inextensible", self.rods.inextensible);
         text.number("damping", self.rods.damping);
         text.pair("sleep", self.rods.sleep);
-        if let Some(camera) = &self.camera {
-            text.heading("[camera]", "camera");
-            text.vector("eye", camera.eye);
-            text.vector("target", camera.target);
-            text.number("fov", camera.fov);
-            text.count("width", camera.width);
-            text.count("height", camera.height);
+        text.heading("[camera]", "camera");
+        if let Some(look_at) = self.camera.look_at {
+            text.vector("eye", look_at.eye);
+            text.vector("target", look_at.target);
         }
+        text.number("fov", self.camera.fov);
+        text.count("width", self.camera.width);
+        text.count("height", self.camera.height);
         text.heading("[picture]", "picture");
         text.count("hairs", self.picture.hairs);
         text.pair("air", self.picture.air.word());

@@ -93,7 +93,15 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[viscosity]\nair = 0.1\nkinematic_air = 1e-5\n[air]", 13, "viscosity.kinematic_air", &["expected one of them"]),
     ("[air]", "[viscosity]\nkinematic_hair = 1e-5\nhair = 0.1\n[air]", 12, "viscosity.kinematic_hair", &["expected one of them"]),
     ("[air]", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nfov = 190\n[air]", 14, "camera.fov", &["below 180"]),
-    ("[air]", "[camera]\neye = [0, 0, 1]\n[air]", 11, "camera.target", &["is missing"]),
+    ("[air]", "[camera]\neye = [0, 0, 1]\n[air]", 11, "camera.target", &["is missing", "camera.eye and camera.target, or neither"]),
+    ("[air]", "[camera]\nwidth = 90\ntarget = [0, 0, 1]\n[air]", 11, "camera.eye", &["is missing"]),
+    ("[air]", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 1]\n[air]", 13, "camera.target", &["same point as camera.eye"]),
+    ("[air]", "[picture]\nair = \"vorticity\"\n[interaction]\nmodel = \"drag\"\n[air]", 12, "picture.air", &["\"vorticity\" needs air particles"]),
+    ("[air]", "[picture]\nair = \"vorticity\"\n[fluid]\niterations = 0\n[viscosity]\nhair = 0\nair = 0\n[air]", 12, "picture.air", &["needs particles that have neighbours"]),
+    ("[air]", "[picture]\nair = \"band_energy\"\n[interaction]\nmodel = \"none\"\n[air]", 12, "picture.air", &["\"band_energy\" needs air particles"]),
+    ("[air]", "[picture]\nair = \"band_energy\"\n[air]", 12, "picture.air", &["needs one of turbulence.bands strengthened"]),
+    ("[air]", "[turbulence]\nbands = [{ scale = 0.01, strength = 0 }]\n[picture]\nair = \"band_energy\"\n[air]", 14, "picture.air", &["strengthened"]),
+    ("[air]", "[turbulence]\nbands = [{ scale = 0.01 }]\nspeed = 0\n[picture]\nair = \"band_energy\"\n[air]", 15, "picture.air", &["a turbulence.speed"]),
     // Reserved, or asked for by name and not built.
     ("length = 0.1", "length = 0.1\nfile = \"a.npz\"", 8, "hair.file", &["not in this version"]),
     ("[air]", "[[hair.motion]]\ntime = 1\n[air]", 11, "hair.motion", &["not in this version"]),
@@ -186,7 +194,7 @@ fn an_assignment_changes_its_key() {
     assert_eq!(set(QUICK, &["air.box.max=[0.2,0.12,0.07]"]).unwrap().air.unwrap().bounds.unwrap().max[0], 0.2);
     assert_eq!(set(QUICK, &["method=published"]).unwrap().method, windswept_scene::Method::Published);
     assert_eq!(set(QUICK, &["title=\"a = b\""]).unwrap().title, "a = b");
-    assert_eq!(set(QUICK, &["camera.eye=[0,0,1]", "camera.target=[0,0,0]"]).unwrap().camera.unwrap().width, 960);
+    assert_eq!(set(QUICK, &["camera.eye=[0,0,1]", "camera.target=[0,0,0]"]).unwrap().camera.width, 960);
     let text = set(QUICK, &["hair.length=0.2"]).unwrap().text().to_owned();
     assert_eq!(text.lines().count(), QUICK.lines().count());
     assert!(text.contains("length = 0.2                       # m, along the curl"), "comments are kept: {text}");

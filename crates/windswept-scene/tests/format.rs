@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use toml_edit::{Document, Item, TableLike, Value};
 use windswept_scene::{
-    Camera, Filter, Integrator, Law, Method, Model, Scene, Solver, Stiffness, ViscosityForm,
+    Camera, Filter, Integrator, Law, LookAt, Method, Model, Scene, Solver, Stiffness, ViscosityForm,
     keys::{Fallback, KEYS, Key},
 };
 
@@ -127,7 +127,7 @@ fn explain_lists_every_key_with_type_unit_default_and_help() {
 fn defaults_can_be_spelled() {
     for key in KEYS.iter().filter(|key| !key.path.starts_with("hair.") && !key.path.contains("bands.")) {
         for default in [true, false].into_iter().filter_map(|accurate| key.default_of(accurate)) {
-            if !Key::not_built(key.path, default.trim_matches('"')) && !key.path.starts_with("camera") {
+            if !Key::not_built(key.path, default.trim_matches('"')) {
                 scene(QUICK, &[&format!("{}={default}", key.path)]);
             }
         }
@@ -154,7 +154,7 @@ fn what_a_file_leaves_out_has_its_default() {
     assert_eq!((scene.rods.iterations, scene.rods.damping, scene.rods.inextensible), (10, 0.0, false));
     // Not built: strands do not sleep, whatever the default says.
     assert!(!scene.rods.sleep);
-    assert_eq!(scene.camera, None);
+    assert_eq!(scene.camera, Camera { look_at: None, fov: 26.0, width: 960, height: 540 });
 }
 
 #[test]
@@ -205,6 +205,7 @@ fn a_scene_written_out_is_the_same_scene() {
         (QUICK, &["hair.roots.normal=[0.3, -1, 0.7]"]),
         (QUICK, &["picture.hairs=77", "picture.air=band_energy"][..]),
         (QUICK, &["title=\"two\\nlines\"", "seed=4294967295", "viscosity.hair=0.1"][..]),
+        (QUICK, &["camera.width=1920"]),
         (&groups, &camera),
     ] {
         let scene = scene(text, sets);
@@ -225,7 +226,8 @@ fn a_scene_written_out_is_the_same_scene() {
     }
     // What differs is not equal.
     let mut other = scene(QUICK, &[]);
-    other.camera = Some(Camera { eye: [1.0; 3], target: [0.0; 3], fov: 30.0, width: 100, height: 100 });
+    let look_at = Some(LookAt { eye: [1.0; 3], target: [0.0; 3] });
+    other.camera = Camera { look_at, fov: 30.0, width: 100, height: 100 };
     assert_ne!(other, scene(QUICK, &[]));
     assert_eq!(Scene::parse(&other.to_toml()).unwrap(), other);
 }

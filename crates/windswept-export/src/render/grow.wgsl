@@ -16,7 +16,7 @@ struct Hair {
 @group(0) @binding(1) var<storage, read>       hair:     array<Hair>;
 @group(0) @binding(2) var<storage, read>       offsets:  array<u32>;    // first point of each guide, and the end
 @group(0) @binding(3) var<storage, read>       guide:    array<vec4f>;  // points [m]
-@group(0) @binding(4) var<storage, read>       frame:    array<vec4f>;  // orientation of the segment that starts there; at a tip, that of the strand's clamp
+@group(0) @binding(4) var<storage, read>       frame:    array<vec4f>;  // orientation of the segment that starts there; at a tip, of the clamp
 @group(0) @binding(5) var<storage, read>       likeness: array<f32>;    // per pair: 1 where the two run alike, 0 where not
 @group(0) @binding(6) var<storage, read_write> points:   array<vec4f>;  // xyz [m]; w: 0 at the root, 1 at the tip
 

@@ -133,7 +133,7 @@ impl Passes {
         let guide: Vec<[f32; 4]> = hair.positions.iter().map(|&[x, y, z]| [x, y, z, 0.0]).collect();
         let mut frame = Vec::with_capacity(guide.len());
         for (strand, ends) in hair.offsets.windows(2).enumerate() {
-            // n - 1 segments, n places: the tip's is never read.
+            // n - 1 segments, n places: the tip's is that of the clamp.
             let (first, last) = (ends[0] as usize - strand, ends[1] as usize - strand - 1);
             frame.extend_from_slice(&hair.orientations[first..last]);
             frame.push(self.root_frames[strand].to_array());

@@ -36,12 +36,9 @@ pub(super) fn patches(scene: &Scene) -> (Vec<Corner>, Vec<u32>) {
 }
 
 fn corners_of(roots: &Roots) -> impl Iterator<Item = Corner> {
-    let (center, radius) = (DVec3::from_array(roots.center), roots.radius);
-    let axis = DVec3::from_array(roots.normal);
-    let level = DVec3::Y.cross(axis);
-    let across = if level.length() > 1e-6 { level.normalize() } else { DVec3::X };
-    let basis = DMat3::from_cols(across, axis.cross(across), axis);
-    let shape = roots.shape;
+    let (center, radius, shape) = (DVec3::from_array(roots.center), roots.radius, roots.shape);
+    let basis = basis(roots);
+    let axis = basis.z_axis;
     (0..OUTLINE).flat_map(move |i| {
         (0..=SIDES).map(move |k| {
             let at = |i: f64, k: f64| solid(shape, i / f64::from(OUTLINE - 1), TAU * k / f64::from(SIDES), radius);
@@ -53,6 +50,22 @@ fn corners_of(roots: &Roots) -> impl Iterator<Item = Corner> {
             Corner { position: (center + basis * here).as_vec3().to_array(), normal: normal.as_vec3().to_array() }
         })
     })
+}
+
+/// Where the patch ends: its front, its widest ring and its back [m].
+pub(super) fn ends(roots: &Roots) -> impl Iterator<Item = DVec3> {
+    let (center, radius, shape) = (DVec3::from_array(roots.center), roots.radius, roots.shape);
+    let basis = basis(roots);
+    let ring = move |t: f64| (0..12).map(move |k| center + basis * solid(shape, t, TAU * f64::from(k) / 12.0, radius));
+    [0.0, 0.5, 1.0].into_iter().flat_map(ring)
+}
+
+/// The patch's own axes: along a line of roots, level where it can be, the other way across, and out of the roots.
+fn basis(roots: &Roots) -> DMat3 {
+    let axis = DVec3::from_array(roots.normal);
+    let level = DVec3::Y.cross(axis);
+    let across = if level.length() > 1e-6 { level.normalize() } else { DVec3::X };
+    DMat3::from_cols(across, axis.cross(across), axis)
 }
 
 /// A point of the solid: `t` from its front pole, 0, to its back, 1. The roots lie on the front, z along the hair.

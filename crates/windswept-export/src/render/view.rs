@@ -6,19 +6,16 @@ use bytemuck::{Pod, Zeroable};
 use glam::dcamera::lh::view::look_to_mat4;
 use glam::dcamera::rh::{proj, view::look_at_mat4};
 use glam::{DMat4, DVec3, Vec3, Vec4};
-use windswept_scene::{Camera, Hair, Model, Scene};
+use windswept_scene::{Camera, Hair, LookAt, Model, Scene};
 
+use super::patch::ends;
 use crate::ExportError;
 
-/// Size of a picture when the scene has no camera [px].
-const SIZE: [u32; 2] = [960, 540];
-/// Vertical field of view of the automatic camera [°].
-const FOV: f64 = 26.0;
 /// Share of the picture that the automatic camera fills.
 const FILLED: f64 = 0.95;
 
-/// A camera in the world, and the size of its picture. Hair that streams in the wind, all of it, without a camera of the
-/// scene's own: seen from the side, wind from the left, a little from above and downwind.
+/// A camera in the world, and the size of its picture. Where the scene does not say where it stands, it sees all of the
+/// hair as it streams in the wind: from the side, wind from the left, a little from above and downwind.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// Where it stands [m].
@@ -34,20 +31,17 @@ pub struct View {
 }
 
 impl View {
-    /// The scene's camera, else the automatic one. The same for every frame of a film. `roots` frame what a scene without
-    /// `[hair]` does not say.
+    /// The scene's camera, the same for every frame of a film. `points` [m] are framed where the scene says neither where
+    /// it stands nor where hair grows.
     ///
     /// # Errors
     /// [`ExportError::Picture`] when the camera stands where it looks.
     pub fn new(scene: &Scene, points: &[[f32; 3]]) -> Result<Self, ExportError> {
-        match &scene.camera {
-            Some(camera) => Self::of(camera),
-            None => Ok(Self::automatic(scene, points)),
-        }
-    }
-
-    fn of(camera: &Camera) -> Result<Self, ExportError> {
-        let (eye, target) = (DVec3::from_array(camera.eye), DVec3::from_array(camera.target));
+        let camera = &scene.camera;
+        let Some(LookAt { eye, target }) = camera.look_at else {
+            return Ok(Self::automatic(scene, points));
+        };
+        let (eye, target) = (DVec3::from_array(eye), DVec3::from_array(target));
         if eye.distance(target) < 1e-9 {
             return Err(ExportError::Picture {
                 problem: "camera.eye and camera.target are the same point: expected two".into(),
@@ -70,8 +64,7 @@ impl View {
         let side = right.cross(DVec3::Y);
         // Half way toward a three-quarter view, and 12° above.
         let away = (side + 0.42 * right + 0.26 * DVec3::Y).normalize();
-        let [width, height] = SIZE;
-        fit(&reach, away, f64::from(width) / f64::from(height), width, height)
+        fit(&reach, away, &scene.camera)
     }
 
     fn up(&self) -> DVec3 {
@@ -106,8 +99,9 @@ impl View {
         let far: Vec<f64> = corners(low, high).iter().map(|x| x.distance(self.eye)).collect();
         let (nearest, farthest) =
             far.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &d| (low.min(d), high.max(d)));
-        // With room for the patch and the air about the hair; whatever the target, hair is between the two.
-        let depths = [(0.1 * nearest).max(1e-3 * farthest), 20.0 * farthest];
+        // Whatever the target, hair is between the two, with room for the patch and the air about it.
+        let before = self.eye.distance(self.eye.clamp(low, high));
+        let depths = [(0.1 * before).max(1e-3 * farthest), 20.0 * farthest];
         // The key stands above the camera's left shoulder, the sky straight above and a little in front.
         let key = (-0.45 * right + 0.85 * up - 0.40 * forward).normalize();
         let sky = (0.25 * right + 0.9 * DVec3::Y - 0.5 * forward).normalize();
@@ -124,7 +118,7 @@ impl View {
     }
 }
 
-/// What a film of this hair may cover: its roots, and its tips between where it points and where the wind and gravity
+/// What a film of this hair may cover: its patch, and its tips between where it points and where the wind and gravity
 /// take it.
 fn where_hair_goes(hair: &Hair, wind: DVec3, scene: &Scene) -> Vec<DVec3> {
     let (center, radius) = (DVec3::from_array(hair.roots.center), hair.roots.radius);
@@ -138,7 +132,7 @@ fn where_hair_goes(hair: &Hair, wind: DVec3, scene: &Scene) -> Vec<DVec3> {
     let between = (start + streams).normalize_or(start);
     // Before the wind has it, and in the lee of others, hair hangs lower.
     let lower = (streams + 0.12 * DVec3::from_array(scene.gravity).normalize_or_zero()).normalize_or(start);
-    let mut all = vec![center - 0.25 * radius * DVec3::from_array(hair.roots.normal)];
+    let mut all: Vec<DVec3> = ends(&hair.roots).collect();
     for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
         let wide = radius + curl;
         all.extend([center + wide * axis, center - wide * axis]);
@@ -182,10 +176,11 @@ fn streaming(hair: &Hair, wind: DVec3, scene: &Scene) -> Option<DVec3> {
 }
 
 /// The camera in direction `away` from the points that shows them all.
-fn fit(points: &[DVec3], away: DVec3, aspect: f64, width: u32, height: u32) -> View {
+fn fit(points: &[DVec3], away: DVec3, camera: &Camera) -> View {
+    let aspect = f64::from(camera.width) / f64::from(camera.height);
     let right = DVec3::Y.cross(away).normalize_or(DVec3::X);
     let up = away.cross(right);
-    let slope = FILLED * (0.5 * FOV.to_radians()).tan();
+    let slope = FILLED * (0.5 * camera.fov.to_radians()).tan();
     // The nearest eye on either side of the points for each axis of the picture: |offset| <= slope * depth for all.
     let extent = |axis: DVec3, slope: f64| {
         let over = points.iter().map(|p| p.dot(axis) + slope * p.dot(away)).fold(f64::NEG_INFINITY, f64::max);
@@ -198,7 +193,8 @@ fn fit(points: &[DVec3], away: DVec3, aspect: f64, width: u32, height: u32) -> V
     // Not within the hair, however small the scene.
     let z = wide.max(high).max(nearest + 1e-3);
     let eye = x * right + y * up + z * away;
-    View { eye, target: eye - (z - middle).max(1e-3) * away, fov: FOV, width, height }
+    let target = eye - (z - middle).max(1e-3) * away;
+    View { eye, target, fov: camera.fov, width: camera.width, height: camera.height }
 }
 
 fn corners(low: DVec3, high: DVec3) -> [DVec3; 8] {

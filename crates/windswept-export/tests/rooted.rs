@@ -1,0 +1,72 @@
+//! Hair and what it is rooted on, in pictures made on the software adapter.
+
+#![allow(clippy::unwrap_used)] // a test may panic
+
+mod groom;
+
+use std::ops::Range;
+
+use glam::Vec3;
+use image::RgbaImage;
+use windswept::HairFrame;
+use windswept_export::{Renderer, image};
+use windswept_scene::InitialState;
+
+use groom::{difference, draw, gpu, nowhere, scene, strands};
+
+/// Columns and rows in which two pictures differ by more than dither and shade do.
+fn differs(a: &RgbaImage, b: &RgbaImage) -> (Range<u32>, Range<u32>) {
+    let places = || a.enumerate_pixels().filter(|&(x, y, _)| difference(a, b, x, y) > 4);
+    let range = |all: Vec<u32>| all.iter().copied().min().unwrap_or(0)..all.iter().max().map_or(0, |&x| x + 1);
+    (range(places().map(|(x, _, _)| x).collect()), range(places().map(|(_, y, _)| y).collect()))
+}
+
+/// Wind that bends strands 30 degrees down from their first segment on takes no drawn root along.
+#[test]
+fn roots_stay_where_they_are() {
+    let roots: Vec<Vec3> = (0..12).map(|i| 4e-3 * Vec3::new(0.0, (i / 3) as f32 - 1.5, (i % 3) as f32 - 1.0)).collect();
+    let start = strands(&roots, Vec3::X * 0.02);
+    let renderer = Renderer::new(&gpu(), &scene(&["picture.hairs=3000"]), &start).unwrap();
+    let empty = renderer.render(&nowhere(&start)).unwrap();
+    // The plane of the roots is seen from its edge, left of column 160.
+    let (straight, _) = differs(&draw(&renderer, &start), &empty);
+    let bent = draw(&renderer, &strands(&roots, 0.02 * Vec3::new(0.866, -0.5, 0.0)));
+    let (columns, _) = differs(&bent, &empty);
+    // A ribbon's corner reaches half a pixel beyond its end. Rotated with the first segment, roots would leave by 2 mm, 10 px.
+    assert!((159..162).contains(&straight.start) && (159..162).contains(&columns.start), "{straight:?}, {columns:?}");
+    // All along the plane: of 16 mm, 80 px.
+    let rooted = (60..140).filter(|&y| (160..164).any(|x| difference(&bent, &empty, x, y) > 4)).count();
+    assert!(rooted > 70, "{rooted}");
+}
+
+/// Hair that leans 45 degrees over a level disc: the plate is level, and no hair grows out of its underside.
+#[test]
+fn leaning_hair_grows_from_its_plate() {
+    let gpu = gpu();
+    let leaning = "hair={ strands=12, points=9, length=0.03, roots={ center=[0, 0, 0], radius=0.01, \
+        direction=[1, 1, 0], normal=[0, 1, 0] } }";
+    let leaning = scene(&["picture.hairs=3000", leaning]);
+    let start = InitialState::new(&leaning).unwrap().hair;
+    let hair = HairFrame {
+        offsets: start.point_offsets.clone(),
+        positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
+        velocities: vec![[0.0; 3]; start.positions.len()],
+        orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
+    };
+    let renderer = Renderer::new(&gpu, &leaning, &hair).unwrap();
+    // The hair out of sight, to the right of the picture.
+    let mut aside = hair.clone();
+    aside.positions.iter_mut().for_each(|p| p[0] += 0.2);
+    let plate = draw(&renderer, &aside);
+    let wall = draw(&Renderer::new(&gpu, &scene(&[]), &hair).unwrap(), &aside);
+    // 1.16 radii to either side, 58 px, its middle as far away as the target; 0.14 radii thick, 7 px; its upper face is
+    // seen from its edge.
+    let (columns, rows) = differs(&plate, &wall);
+    assert!((98..104).contains(&columns.start) && (216..222).contains(&columns.end), "{columns:?}");
+    assert!((98..102).contains(&rows.start) && (105..110).contains(&rows.end), "{rows:?}");
+    // Hair shades the plate's edge, and is nowhere below it; up it goes to the right, 0.03 m at 45 degrees: 106 px.
+    let edge = rows.end;
+    let (columns, rows) = differs(&draw(&renderer, &hair), &plate);
+    assert!(rows.start < 30 && rows.end <= edge, "{rows:?}");
+    assert!(columns.start > 108 && columns.end > 250, "{columns:?}");
+}
