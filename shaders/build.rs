@@ -22,7 +22,10 @@ const FOLDERS: [&str; 6] = ["grid", "fluid", "turbulence", "rods", "wind", "guar
 /// WebGPU's default: storage buffers that one stage may bind.
 const STORAGE_BUFFERS: usize = 8;
 /// Structs shared with Rust, which asserts their layout.
-const SHARED: [&str; 5] = ["Params", "Status", "Strand", "Segment", "Band"];
+const SHARED: [&str; 13] = [
+    "Params", "Status", "Strand", "Segment", "Band", "Root", "Health", "RodStrand", "RodPoint", "RodSegment", "PointHistory",
+    "SegmentHistory", "Factor",
+];
 
 /// Per struct: size, and fields with their offsets [bytes].
 type Layouts = BTreeMap<String, (u32, Vec<(String, u32)>)>;

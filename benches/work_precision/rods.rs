@@ -252,7 +252,7 @@ fn twin_fall(rods: &[Rod], steps: usize, substeps: u32) -> Result<Vec<Vec<DVec3>
     scene.time.substeps = substeps;
     scene.rods.iterations = FINE_SWEEPS;
     let p = Parameters::new(&scene, &initial);
-    let mut state = State::new(&initial);
+    let mut state = State::new(&initial, p.step);
     let mut all = Vec::new();
     for _ in 0..steps {
         for _ in 0..substeps {

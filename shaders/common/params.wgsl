@@ -31,6 +31,10 @@ struct Params {
     kinematic_viscosity: f32,     // m^2/s, of the drag on segments
     lift: f32,                    // C_l
     published_law: u32,           // confinement as printed, else the band law
+    direct_rods: u32,             // rods by the direct solver, else by Gauss-Seidel
+    bdf2: u32,                    // rods by BDF2 where they are calm, else by implicit Euler
+    sleep: u32,                   // strands at rest are left alone
+    substeps: u32,                // engine steps of a time step
 }
 
 @group(0) @binding(0) var<uniform> params: Params;

@@ -1,17 +1,24 @@
 // A strand is points root to tip; segment k joins points k and k + 1, joint k precedes segment k (joint 0: the clamp).
 //
-//   ghost frame = joint 0 = [point 0]--segment 0--[point 1]--segment 1-- ...
-//                 (half a segment long)        joint 1
+//   ghost frame = joint 0 = [point 0]--segment 0--[point 1]-- ... --segment n-2--[point n-1] = tip joint = tip frame
+//                 (half a segment long)         joint 1                            (half a segment long)
 //
-// The ghost frame stands at the root, where the clamp is; from there to the middle of segment 0 is half a segment.
+// The ghost frame stands at the root, where the clamp is; from there to the middle of segment 0 is half a segment. A
+// clamped tip has one of its own.
 
 struct Strand {
-    root_frame: vec4f,   // the ghost frame that clamps the root
     first_point: u32,
     first_segment: u32,
     points: u32,
-    _unused: u32,
+    joints: u32,               // bits: ROOT_JOINT, TIP_JOINT
+    tip_frame: vec4f,
+    tip_rest_rotation: vec4f,
+    tip_compliance: vec3f,     // of the tip joint, as bend_compliance
+    length: f32,               // m, at rest
 }
+
+const ROOT_JOINT: u32 = 1u;
+const TIP_JOINT: u32 = 2u;
 
 struct Segment {
     rest_rotation: vec4f,        // of the joint before it
@@ -21,20 +28,84 @@ struct Segment {
     inverse_inertia: f32,        // 1/(kg m^2)
     radius: f32,                 // m, of a fibre
     fibres: f32,                 // that the strand stands for
+    point: u32,                  // where it begins
 }
 
-struct Multipliers {
-    stretch: vec4f,   // of stretch-shear, material frame [J]
-    bend: vec4f,      // of bend-twist [J]
+// What a strand does within a step.
+struct RodStrand {
+    root_travel: vec3f,   // m, what the clamp moves by
+    state: u32,           // FREE, TELEPORTED, ASLEEP, SOLVED
+    root_frame: vec4f,    // ghost frame at the step's end
+    root_turn: vec4f,     // from the ghost frame at the step's start
+    tip_moment: vec3f,    // multiplier of the tip joint [N m]
+}
+
+const FREE: u32 = 0u;         // still to be solved
+const SOLVED: u32 = 1u;
+const TELEPORTED: u32 = 2u;   // moved as a whole
+const ASLEEP: u32 = 3u;       // stays where it is
+
+// A point within a step.
+struct RodPoint {
+    velocity: vec3f,       // m/s, v_n with what acts from outside in this step
+    inverse_mass: f32,     // 1/kg
+    before: vec3f,         // m/s, v_(n-1) with the same
+    largest: f32,          // m, the largest move in a step
+    carried: vec3f,        // m, the move of the step before
+    step: f32,             // s, h of `integration`
+    change: vec3f,         // m/s, what acts from outside
+    free: vec3f,           // m, the move without the rod's forces
+    travel: vec3f,         // m, the move
+}
+
+// A segment within a step.
+struct RodSegment {
+    start: vec4f,              // frame at the step's start
+    frame: vec4f,
+    angular_velocity: vec3f,   // rad/s, at the step's start
+    step: f32,                 // s, h of `integration`
+    before: vec3f,             // rad/s, of the step before
+    carried: vec3f,            // rad, the turn of the step before
+    free: vec3f,               // rad, the turn without the rod's forces
+    turn: vec3f,               // rad
+    chord: vec3f,              // m, from its first point to its second at the step's start
+    force: vec3f,              // multiplier of stretch-shear, material frame [N m]
+    moment: vec3f,             // multiplier of the joint before it, in the frame before [N m]
+}
+
+// What a point keeps from step to step beside its position and velocity.
+struct PointHistory {
+    travel: vec3f,      // m, the last step's move
+    velocity: vec3f,    // m/s, of the step before, with all that acted from outside since
+    remainder: vec3f,   // m, what rounding left off the position
+}
+
+// The same of a segment.
+struct SegmentHistory {
+    turn: vec3f,               // rad, the last step's
+    angular_velocity: vec3f,   // rad/s, of the step before
+    force: vec3f,              // multipliers, as above [N m]
+    moment: vec3f,
+}
+
+// How a strand is.
+struct Condition {
+    bad: u32,        // not 0: not finite, to be reset
+    strained: u32,   // steps of over-strain on end
+    calm: u32,       // steps on end that BDF2 could take
+    still: u32,      // steps on end at rest
 }
 
 struct Health {
-    committed: u32,   // after the last committed step
-    found: u32,       // in this step; `commit` makes it the other
+    committed: Condition,   // after the last committed step
+    found: Condition,       // in this step; `commit` makes it the other
 }
 
-// Health of a strand: the lowest bit says that it is to be reset, the others count steps of over-strain on end.
-const BAD: u32 = 1u;
-const STRAINED_STEP: u32 = 2u;
 const STRAINED_STEPS: u32 = 50u;   // on end, before it is counted
 const STRAINED: f32 = 0.5;         // |l/l0 - 1|
+
+// Where a root is, and its ghost frame.
+struct Root {
+    position: vec3f,   // m
+    frame: vec4f,
+}

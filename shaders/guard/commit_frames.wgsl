@@ -1,18 +1,34 @@
-// The step's orientations become the state's, with the angular velocities that they imply:
-// omega = 2 Im(q* conj(q)) / dt (Kugelstadt & Schoemer 2016).
+// The step's orientations become the state's, with the angular velocities that they imply, and the clamps stand where
+// they went.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate}, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotate, rotation_vector},
+    integration::{PUT, rate}, rod::{RodStrand, RodSegment, SegmentHistory, Root}, status::frozen,
 };
 
-@group(0) @binding(2) var<storage, read>       predicted_orientation: array<vec4f>;
-@group(0) @binding(3) var<storage, read_write> orientation:           array<vec4f>;
-@group(0) @binding(4) var<storage, read_write> angular_velocity:      array<vec4f>;   // rad/s, world
+@group(0) @binding(2) var<storage, read>       rod_strands:      array<RodStrand>;
+@group(0) @binding(3) var<storage, read>       rod_segments:     array<RodSegment>;
+@group(0) @binding(4) var<storage, read_write> orientation:      array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> angular_velocity: array<vec4f>;   // rad/s, world
+@group(0) @binding(6) var<storage, read_write> segment_history:  array<SegmentHistory>;
+@group(0) @binding(7) var<storage, read_write> clamps:           array<Root>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let k = invocation(id, groups);
     if k >= params.segments || frozen() { return; }
-    let turn = product(predicted_orientation[k], conjugate(orientation[k]));
-    angular_velocity[k] = vec4f(select(-2.0, 2.0, turn.w >= 0.0) / params.step * turn.xyz, 0.0);
-    orientation[k] = predicted_orientation[k];
+    let segment = rod_segments[k];
+    let anew = segment.step == PUT;
+    let turn = rotation_vector(product(segment.frame, conjugate(segment.start)));
+    let spin = select(rate(turn, segment.carried, segment.step), vec3f(0.0), anew);
+    segment_history[k] = SegmentHistory(
+        select(turn, vec3f(0.0), anew),
+        select(segment.angular_velocity, vec3f(0.0), anew),
+        rotate(conjugate(segment.frame), segment.force),
+        segment.moment,
+    );
+    angular_velocity[k] = vec4f(spin, 0.0);
+    orientation[k] = segment.frame;
+    if k < params.strands {   // no more than segments
+        clamps[k] = Root(clamps[k].position + rod_strands[k].root_travel, rod_strands[k].root_frame);
+    }
 }

@@ -1,7 +1,7 @@
 // A strand that got a velocity that is not finite ends this step at rest, and is reset in the next as one whose solve failed
 // (`rods/finish`).
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, Health, BAD},
+    params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, Health},
     status::{status, frozen, count, finite3, STRAND_RESET},
 };
 
@@ -25,8 +25,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     for (var k = 0u; k < strand.points; k++) {
         final_velocity[strand.first_point + k] = vec4f(0.0);
     }
-    if (health[s].found & BAD) != 0u { return; }
-    health[s].found = BAD;
+    if health[s].found.bad != 0u { return; }
+    health[s].found.bad = 1u;
     count(STRAND_RESET);
     atomicAdd(&status.bad_strands, 1u);
     atomicMin(&status.first_bad_strand, s);

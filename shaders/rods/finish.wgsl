@@ -1,36 +1,49 @@
 // Health of each strand after its solve: a non-finite one is held where it was for this step (so that it spoils no
-// neighbour) and reset in the next; stretch is recorded; over-strain on end is counted.
+// neighbour) and reset in the next; stretch is recorded; over-strain and rest are counted, steps on end.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP},
-    rod::{Strand, Segment, Health, BAD, STRAINED, STRAINED_STEP, STRAINED_STEPS},
+    params::params, dispatch::{invocation, WORKGROUP}, integration::{PUT, rate},
+    rest::{STILL_ACCELERATION, STILL_SPEED},
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, STRAINED, STRAINED_STEPS},
     status::{status, frozen, count, finite3, finite4, STRAND_RESET, OVER_STRAINED},
 };
 
-@group(0) @binding(2) var<storage, read>       strands:               array<Strand>;
-@group(0) @binding(3) var<storage, read>       segments:              array<Segment>;
-@group(0) @binding(4) var<storage, read>       position:              array<vec4f>;
-@group(0) @binding(5) var<storage, read>       orientation:           array<vec4f>;
-@group(0) @binding(6) var<storage, read_write> predicted:             array<vec4f>;
-@group(0) @binding(7) var<storage, read_write> predicted_orientation: array<vec4f>;
-@group(0) @binding(8) var<storage, read_write> health:                array<Health>;
+@group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
+@group(0) @binding(3) var<storage, read>       segments:     array<Segment>;
+@group(0) @binding(4) var<storage, read>       rod_strands:  array<RodStrand>;
+@group(0) @binding(5) var<storage, read_write> rod_points:   array<RodPoint>;
+@group(0) @binding(6) var<storage, read_write> rod_segments: array<RodSegment>;
+@group(0) @binding(7) var<storage, read_write> health:       array<Health>;
 
 fn sound(strand: Strand) -> bool {
     for (var k = 0u; k < strand.points; k++) {
-        if !finite3(predicted[strand.first_point + k].xyz) { return false; }
+        if !finite3(rod_points[strand.first_point + k].travel) { return false; }
     }
     for (var k = 0u; k < strand.points - 1u; k++) {
-        if !finite4(predicted_orientation[strand.first_segment + k]) { return false; }
+        if !finite4(rod_segments[strand.first_segment + k].frame) { return false; }
     }
     return true;
 }
 
 fn hold(strand: Strand) {
     for (var k = 0u; k < strand.points; k++) {
-        predicted[strand.first_point + k] = position[strand.first_point + k];
+        rod_points[strand.first_point + k].travel = vec3f(0.0);
+        rod_points[strand.first_point + k].step = PUT;
     }
     for (var k = 0u; k < strand.points - 1u; k++) {
-        predicted_orientation[strand.first_segment + k] = orientation[strand.first_segment + k];
+        rod_segments[strand.first_segment + k].frame = rod_segments[strand.first_segment + k].start;
+        rod_segments[strand.first_segment + k].step = PUT;
     }
+}
+
+// Slow, and getting neither faster nor pushed.
+fn still(strand: Strand) -> bool {
+    for (var k = 0u; k < strand.points; k++) {
+        let point = rod_points[strand.first_point + k];
+        let v = rate(point.travel, point.carried, point.step);
+        let push = max(length(v - point.velocity), length(point.change));
+        if length(v) > STILL_SPEED * strand.length || push > STILL_ACCELERATION * params.step { return false; }
+    }
+    return true;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -40,7 +53,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let strand = strands[s];
     if !sound(strand) {
         hold(strand);
-        health[s].found = BAD;
+        health[s].found.bad = 1u;
         count(STRAND_RESET);
         atomicAdd(&status.bad_strands, 1u);
         atomicMin(&status.first_bad_strand, s);
@@ -49,15 +62,17 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var stretch = 0.0;
     for (var k = 0u; k < strand.points - 1u; k++) {
         let p = strand.first_point + k;
-        let l = length(predicted[p + 1u].xyz - predicted[p].xyz);
+        let segment = rod_segments[strand.first_segment + k];
+        let l = length(segment.chord + rod_points[p + 1u].travel - rod_points[p].travel);
         stretch = max(stretch, abs(l / segments[strand.first_segment + k].rest_length - 1.0));
     }
     atomicMax(&status.max_stretch, bitcast<u32>(stretch));
 
-    var strained = 0u;   // steps on end
-    if stretch > STRAINED {
-        strained = min(health[s].committed / STRAINED_STEP + 1u, STRAINED_STEPS + 1u);
-        if strained == STRAINED_STEPS { count(OVER_STRAINED); }
-    }
-    health[s].found = strained * STRAINED_STEP;
+    var found = health[s].found;
+    found.strained = select(0u, min(found.strained + 1u, STRAINED_STEPS + 1u), stretch > STRAINED);
+    if found.strained == STRAINED_STEPS { count(OVER_STRAINED); }
+    // The direct solver did not get there: Euler does.
+    if params.direct_rods != 0u && rod_strands[s].state == FREE { found.calm = 0u; }
+    if params.sleep != 0u { found.still = select(0u, found.still + 1u, still(strand)); }
+    health[s].found = found;
 }

@@ -1,28 +1,29 @@
-// Hair points fall freely with what drag gives them, damped: v* = (v + dv + g dt)/(1 + c dt). A move that a rod could not follow is capped and counted.
+// What moves a hair point in this step from outside its rod: its velocities, and what drag, density and viscosity changed
+// them by. The density constraint moved the drifting point by dx: it takes dv = dx/dt, the impulse that the air lost.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass,
-    status::{frozen, count, MOVE_CAPPED},
+    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{RodPoint, PointHistory}, status::frozen,
 };
 
-@group(0) @binding(3) var<storage, read>       position:      array<vec4f>;   // xyz [m], w: volume [m^3]
-@group(0) @binding(4) var<storage, read>       velocity:      array<vec4f>;
-@group(0) @binding(5) var<storage, read>       rest_position: array<vec4f>;   // w: largest move in a step [m]
-@group(0) @binding(6) var<storage, read>       drag_change:   array<vec4f>;   // m/s, 0 where the air is particles
-@group(0) @binding(7) var<storage, read_write> predicted:     array<vec4f>;
+@group(0) @binding(3) var<storage, read>       velocity:      array<vec4f>;
+@group(0) @binding(4) var<storage, read>       largest_move:  array<f32>;     // m, in a step
+@group(0) @binding(5) var<storage, read>       drag_change:   array<vec4f>;   // m/s
+@group(0) @binding(6) var<storage, read>       correction:    array<vec4f>;   // m
+@group(0) @binding(7) var<storage, read>       point_history: array<PointHistory>;
+@group(0) @binding(8) var<storage, read_write> rod_points:    array<RodPoint>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let p = invocation(id, groups);
     if p >= params.hair_points || frozen() { return; }
-    var shift = vec3f(0.0);
-    if inverse_mass[p] > 0.0 {
-        let v = (velocity[p].xyz + drag_change[p].xyz + params.step * params.gravity) / (1.0 + params.damping * params.step);
-        shift = params.step * v;
-        let far = length(shift);
-        if far > rest_position[p].w {
-            shift *= rest_position[p].w / far;
-            count(MOVE_CAPPED);
-        }
-    }
-    predicted[p] = position[p] + vec4f(shift, 0.0);
+    let history = point_history[p];
+    let w = inverse_mass[p];
+    let change = select(vec3f(0.0), drag_change[p].xyz + correction[p].xyz / params.step, w > 0.0);
+    var point: RodPoint;
+    point.velocity = velocity[p].xyz + change;
+    point.before = history.velocity + change;
+    point.carried = history.travel;
+    point.change = change;
+    point.inverse_mass = w;
+    point.largest = largest_move[p];
+    rod_points[p] = point;
 }

@@ -1,18 +1,32 @@
-// Segments turn freely, damped: q* = normalize(q + dt/2 omega q) (Kugelstadt & Schoemer 2016, eq. 27). Empties the multipliers.
+// What a segment starts this step from: its frame, its chord, its spin, and the multipliers that held it.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, quaternion::turned, rod::Multipliers, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, rod::{Segment, RodSegment, PointHistory, SegmentHistory},
+    status::frozen,
 };
 
-@group(0) @binding(2) var<storage, read>       orientation:           array<vec4f>;
-@group(0) @binding(3) var<storage, read>       angular_velocity:      array<vec4f>;   // rad/s, world
-@group(0) @binding(4) var<storage, read_write> predicted_orientation: array<vec4f>;
-@group(0) @binding(5) var<storage, read_write> multipliers:           array<Multipliers>;
+@group(0) @binding(2) var<storage, read>       segments:         array<Segment>;
+@group(0) @binding(3) var<storage, read>       position:         array<vec4f>;
+@group(0) @binding(4) var<storage, read>       point_history:    array<PointHistory>;
+@group(0) @binding(5) var<storage, read>       orientation:      array<vec4f>;
+@group(0) @binding(6) var<storage, read>       angular_velocity: array<vec4f>;   // rad/s, world
+@group(0) @binding(7) var<storage, read>       segment_history:  array<SegmentHistory>;
+@group(0) @binding(8) var<storage, read_write> rod_segments:     array<RodSegment>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let k = invocation(id, groups);
     if k >= params.segments || frozen() { return; }
-    let omega = angular_velocity[k].xyz / (1.0 + params.damping * params.step);
-    predicted_orientation[k] = turned(orientation[k], params.step * omega);
-    multipliers[k] = Multipliers(vec4f(0.0), vec4f(0.0));
+    let a = segments[k].point;
+    let b = a + 1u;
+    let history = segment_history[k];
+    var segment: RodSegment;
+    segment.start = orientation[k];
+    segment.angular_velocity = angular_velocity[k].xyz;
+    segment.before = history.angular_velocity;
+    segment.carried = history.turn;
+    // Positions round at 3e-8 m; their remainders know better.
+    segment.chord = (position[b].xyz - position[a].xyz) + (point_history[b].remainder - point_history[a].remainder);
+    segment.force = history.force;
+    segment.moment = history.moment;
+    rod_segments[k] = segment;
 }

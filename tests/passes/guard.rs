@@ -45,9 +45,9 @@ fn hold_stills_strands_that_are_not_finite() {
             let wanted = if hair.points(victim).contains(&i) { DVec3::ZERO } else { *given };
             assert_eq!(*got, wanted, "{n} particles: velocity of {i}");
         }
-        let health: Vec<[u32; 2]> = stage.engine.read(&s.health).unwrap();
-        for (strand, [committed, _]) in health.iter().enumerate() {
-            assert_eq!(committed & 1, u32::from(strand == victim), "{n} particles: strand {strand}");
+        let health: Vec<[[u32; 4]; 2]> = stage.engine.read(&s.health).unwrap();
+        for (strand, [[committed, ..], _]) in health.iter().enumerate() {
+            assert_eq!(*committed, u32::from(strand == victim), "{n} particles: strand {strand}");
         }
         let status = stage.engine.status().unwrap();
         assert_eq!((status.step, status.counted[0]), (1, 1), "{n} particles");

@@ -19,6 +19,47 @@ pub struct Stage {
     pub parameters: Parameters,
 }
 
+/// `RodPoint` of `shaders/common/rod.wgsl`; the engine only needs its size.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct RodPoint {
+    pub velocity: [f32; 3],
+    pub inverse_mass: f32,
+    pub before: [f32; 3],
+    pub largest: f32,
+    pub carried: [f32; 3],
+    pub step: f32,
+    pub change: [f32; 4],
+    pub free: [f32; 4],
+    pub travel: [f32; 4],
+}
+
+/// `RodSegment` of `shaders/common/rod.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct RodSegment {
+    pub start: [f32; 4],
+    pub frame: [f32; 4],
+    pub angular_velocity: [f32; 3],
+    pub step: f32,
+    pub before: [f32; 4],
+    pub carried: [f32; 4],
+    pub free: [f32; 4],
+    pub turn: [f32; 4],
+    pub chord: [f32; 4],
+    pub force: [f32; 4],
+    pub moment: [f32; 4],
+}
+
+/// The first three of a vector in a struct.
+pub fn xyz(v: &[f32]) -> DVec3 {
+    DVec3::new(v[0].into(), v[1].into(), v[2].into())
+}
+
+pub fn quaternion(q: [f32; 4]) -> DQuat {
+    DQuat::from_array(q.map(f64::from))
+}
+
 impl Stage {
     pub fn new(scene: &Scene, initial: &InitialState) -> Self {
         let mut engine = Engine::new(&support::gpu(), scene, initial).unwrap();
@@ -26,11 +67,12 @@ impl Stage {
         let capacity = (initial.hair.positions.len() + initial.air.positions.len()).max(64) as u32 * 300;
         engine.grow_neighbours(capacity).unwrap();
         let plan = Plan::new(scene, initial, engine.sizes());
-        let mut twin = Twin::new(initial);
+        let parameters = Parameters::new(scene, initial);
+        let mut twin = Twin::new(initial, parameters.step);
         for x in &mut twin.position {
             *x = x.as_vec3().as_dvec3();
         }
-        Self { engine, plan, twin, parameters: Parameters::new(scene, initial) }
+        Self { engine, plan, twin, parameters }
     }
 
     pub fn run(&self, record: impl FnOnce(&mut Recorder, &State, &Plan)) {
@@ -48,6 +90,12 @@ impl Stage {
     pub fn quaternions(&self, array: &Array) -> Vec<DQuat> {
         let read: Vec<[f32; 4]> = self.engine.read(array).unwrap();
         read.iter().map(|q| DQuat::from_array(q.map(f64::from))).collect()
+    }
+
+    /// Hair points and segments of the step, of which a test compares moves, frames and multipliers.
+    pub fn rods(&self) -> (Vec<RodPoint>, Vec<RodSegment>) {
+        let s = self.engine.state();
+        (self.engine.read(&s.rod_points).unwrap(), self.engine.read(&s.rod_segments).unwrap())
     }
 
     pub fn numbers(&self, array: &Array) -> Vec<f64> {

@@ -4,7 +4,7 @@ use glam::DVec3;
 use windswept::step;
 use windswept_reference::step as twin;
 
-use crate::stage::Stage;
+use crate::stage::{Stage, quaternion, xyz};
 
 /// 12 strands in a box of 0.12 x 0.06 x 0.06 m.
 const SMALL: [&str; 7] = [
@@ -38,12 +38,13 @@ fn apart(got: &[DVec3], wanted: &[DVec3]) -> f64 {
     largest(got.iter().zip(wanted).map(|(a, b)| (*a - *b).length()))
 }
 
-/// The largest distance of positions, through the faces of the box for air.
+/// The largest distance of positions, through the faces of the box for air: the last of them.
 fn places(stage: &Stage, got: &[DVec3], wanted: &[DVec3]) -> f64 {
     let size = stage.parameters.box_size;
+    let air = stage.twin.position.len() - stage.parameters.hair_points;
     largest(got.iter().zip(wanted).enumerate().map(|(i, (a, b))| {
         let gap = *a - *b;
-        if stage.parameters.is_air(i) { (gap - size * (gap / size).round()).length() } else { gap.length() }
+        if i + air >= got.len() { (gap - size * (gap / size).round()).length() } else { gap.length() }
     }))
 }
 
@@ -57,7 +58,7 @@ fn step_of_both(stage: &mut Stage, bounds: &Bounds) -> Vec<Difference> {
     let state = stage.engine.state().clone();
 
     stage.run(step::drive::record);
-    let mut w = twin::drive(&mut s, &p);
+    let mut w = twin::drive(&s, &p);
     let predicted = stage.vectors(&state.predicted);
     if plan.drag.runs && plan.hair.runs {
         found.push(("wind/drag", apart(&stage.vectors(&state.drag_change), &w.drag_change), bounds.speed));
@@ -65,15 +66,10 @@ fn step_of_both(stage: &mut Stage, bounds: &Bounds) -> Vec<Difference> {
     if plan.wind.runs {
         found.push(("wind/fringe", apart(&stage.vectors(&state.wind_change)[hair..], &w.wind_change), bounds.speed));
     }
-    found.push(("rods/predict", apart(&predicted[..hair], &w.predicted[..hair]), bounds.length));
-    found.push(("fluid/predict", places(stage, &predicted, &w.predicted), bounds.length));
-    let turned = |stage: &Stage, wanted: &[glam::DQuat]| {
-        let got = stage.quaternions(&state.predicted_orientation);
-        largest(got.iter().zip(wanted).map(|(a, b)| (*a - *b).length()))
-    };
-    if plan.hair.runs {
-        found.push(("rods/turn", turned(stage, &w.predicted_orientation), bounds.frame));
+    if plan.hair_meets_air.runs {
+        found.push(("rods/drift", apart(&predicted[..hair], &w.predicted[..hair]), bounds.length));
     }
+    found.push(("fluid/predict", places(stage, &predicted[hair..], &w.predicted[hair..]), bounds.length));
 
     stage.run(step::neighbours::record);
     twin::neighbours(&mut w, &p);
@@ -91,9 +87,18 @@ fn step_of_both(stage: &mut Stage, bounds: &Bounds) -> Vec<Difference> {
     stage.run(step::rods::record);
     twin::rods(&mut s, &mut w, &p);
     let predicted = stage.vectors(&state.predicted);
-    found.push(("rods/gauss_seidel", apart(&predicted[..hair], &w.predicted[..hair]), bounds.length));
     if plan.hair.runs {
-        found.push(("rods/gauss_seidel", turned(stage, &w.predicted_orientation), bounds.frame));
+        let (points, segments) = stage.rods();
+        let free: Vec<_> = points.iter().map(|point| xyz(&point.free)).collect();
+        let wanted: Vec<_> = w.moving.points.iter().map(|point| point.free).collect();
+        found.push(("rods/predict", apart(&free, &wanted), bounds.length));
+        let free: Vec<_> = segments.iter().map(|segment| xyz(&segment.free)).collect();
+        let wanted: Vec<_> = w.moving.segments.iter().map(|segment| segment.free).collect();
+        found.push(("rods/turn", apart(&free, &wanted), bounds.spin * p.step));
+        let solver = if p.direct { "rods/direct" } else { "rods/gauss_seidel" };
+        let frames = segments.iter().zip(&w.moving.segments).map(|(a, b)| (quaternion(a.frame) - b.frame).length());
+        found.push((solver, largest(frames), bounds.frame));
+        found.push((solver, apart(&predicted[..hair], &w.predicted[..hair]), bounds.length));
     }
 
     stage.run(step::contact::record);
@@ -101,7 +106,9 @@ fn step_of_both(stage: &mut Stage, bounds: &Bounds) -> Vec<Difference> {
 
     stage.run(step::velocity::record);
     twin::velocity(&s, &mut w, &p);
-    found.push(("fluid/velocity", apart(&stage.vectors(&state.new_velocity), &w.new_velocity), bounds.speed));
+    let velocity = stage.vectors(&state.new_velocity);
+    found.push(("rods/velocity", apart(&velocity[..hair], &w.new_velocity[..hair]), bounds.speed));
+    found.push(("fluid/velocity", apart(&velocity[hair..], &w.new_velocity[hair..]), bounds.speed));
 
     stage.run(step::turbulence::record);
     twin::turbulence(&mut s, &mut w, &p);
@@ -188,6 +195,9 @@ fn ten_steps_are_those_of_the_twin() {
     for sets in [
         &[][..],
         &["method=published"],
+        &["rods.solver=gauss-seidel", "rods.integrator=bdf2"],
+        &["rods.solver=direct", "rods.integrator=euler"],
+        &["rods.solver=direct", "rods.integrator=bdf2", "time.substeps=3"],
         &["fluid.iterations=0", "turbulence.bands=[]"],
         &["interaction.model=none"],
         &["interaction.model=drag", "interaction.lift=1.0", "air.ramp=0.0"],

@@ -73,6 +73,7 @@ pub fn scene() -> Scene {
             solver: Solver::GaussSeidel,
             integrator: Integrator::Euler,
             iterations: 10,
+            newton: 4,
             inextensible: false,
             damping: 0.0,
             sleep: false,

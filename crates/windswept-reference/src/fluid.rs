@@ -69,10 +69,10 @@ pub fn correct(
     (0..x.len()).map(shift).collect()
 }
 
-/// Air: its own velocity and what the density constraint moved it by; hair: the whole move \[m/s\].
+/// Of air: its own velocity and what the density constraint moved it by \[m/s\].
 #[must_use]
-pub fn velocity(p: &Parameters, air: bool, before: DVec3, after: DVec3, predicted: DVec3, correction: DVec3) -> DVec3 {
-    if air { predicted + correction / p.step } else { (after - before) / p.step }
+pub fn velocity(p: &Parameters, own: DVec3, correction: DVec3) -> DVec3 {
+    own + correction / p.step
 }
 
 /// w_ij = 2 √(V_i V_j) W/(θ_i + θ_j), symmetric; θ = ρ/ρ0.

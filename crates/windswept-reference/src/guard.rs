@@ -1,9 +1,9 @@
 //! What ends a run, and what a step leaves behind (design 4).
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use windswept_scene::Strands;
 
-use crate::{Parameters, State, fluid::wrap, rods};
+use crate::{Parameters, State, fluid::wrap, rods, step::Scratch};
 
 /// Strands that may become non-finite in one step: 3, or 1 %.
 #[must_use]
@@ -46,15 +46,32 @@ pub fn check(p: &Parameters, bad: &[bool], positions: &[DVec3], velocities: &[DV
     }
 }
 
-/// What a step arrived at becomes the state; air is wrapped into the box.
-pub fn commit(p: &Parameters, s: &mut State, positions: Vec<DVec3>, velocities: Vec<DVec3>, orientations: Vec<DQuat>) {
-    let turns = s.orientation.iter().zip(&orientations);
-    s.angular_velocity = turns.map(|(before, after)| rods::angular_velocity(p, *before, *after)).collect();
-    s.orientation = orientations;
-    s.position = positions;
+/// What a step arrived at becomes the state; air is wrapped into the box. Hair remembers its move, and the velocities that
+/// it had with all that acted from outside since; what was put somewhere starts anew.
+pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
+    for (k, segment) in w.moving.segments.iter().enumerate() {
+        let turn = rods::rotation_vector(segment.frame * segment.start.conjugate());
+        let anew = segment.step.is_infinite();
+        s.angular_velocity_before[k] = if anew { DVec3::ZERO } else { segment.angular_velocity };
+        s.angular_velocity[k] = rods::rate(p, turn, segment.carried, segment.step);
+        s.turn[k] = if anew { DVec3::ZERO } else { turn };
+        s.force[k] = segment.frame.conjugate() * segment.force;
+        s.moment[k] = segment.moment;
+        s.orientation[k] = segment.frame;
+    }
+    for (i, point) in w.moving.points.iter().enumerate() {
+        let last = w.new_velocity[i];
+        let anew = point.step.is_infinite();
+        s.travel[i] = if anew { p.step * last } else { point.travel };
+        s.velocity_before[i] = if anew { last } else { point.before + last - w.rod_velocity[i] };
+    }
+    for (clamp, drive) in s.clamps.iter_mut().zip(&w.drives) {
+        *clamp = (clamp.0 + drive.root_travel, drive.root_frame);
+    }
+    s.position = w.predicted;
     for x in &mut s.position[p.hair_points..] {
         *x = wrap(p, *x);
     }
-    s.velocity = velocities;
+    s.velocity = w.new_velocity;
     s.steps += 1;
 }

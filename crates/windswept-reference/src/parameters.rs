@@ -1,7 +1,7 @@
 //! What stays the same from step to step.
 
 use glam::{DVec3, IVec3};
-use windswept_scene::{Band, InitialState, Law, Model, Scene, ViscosityForm};
+use windswept_scene::{Band, InitialState, Integrator, Law, Model, Scene, Solver, ViscosityForm};
 
 use crate::sph_kernels::spiky_slope;
 
@@ -56,6 +56,16 @@ pub struct Parameters {
     pub limited: bool,
     /// Gauss-Seidel sweeps.
     pub rod_iterations: u32,
+    /// Newton steps of the direct solver, at most.
+    pub newton_steps: u32,
+    /// Rods by the direct solver, else by Gauss-Seidel.
+    pub direct: bool,
+    /// Rods by BDF2 where they are calm, else by Euler.
+    pub bdf2: bool,
+    /// Strands at rest are left alone.
+    pub sleep: bool,
+    /// Engine steps of a time step.
+    pub substeps: u32,
     /// \[1/s\]
     pub damping: f64,
     /// Hair points: particles below this index are hair.
@@ -102,6 +112,11 @@ impl Parameters {
             viscosity_air: scene.viscosity.air / substeps,
             limited: scene.viscosity.form == ViscosityForm::Limited,
             rod_iterations: scene.rods.iterations,
+            newton_steps: scene.rods.newton,
+            direct: scene.rods.solver == Solver::Direct,
+            bdf2: scene.rods.integrator == Integrator::Bdf2,
+            sleep: scene.rods.sleep,
+            substeps: scene.time.substeps,
             damping: scene.rods.damping,
             hair_points: initial.hair.positions.len(),
         }

@@ -1,44 +1,326 @@
-//! Cosserat rods (Kugelstadt & Schömer 2016) by Gauss-Seidel with compliance (Macklin et al. 2016); design 3.6.
+//! Cosserat rods (Kugelstadt & Schömer 2016): integrated by BDF2 or Euler, solved directly or by Gauss-Seidel; design 3.6.
+
+mod direct;
+mod gauss_seidel;
 
 use glam::{DMat3, DQuat, DVec3};
 use windswept_scene::Strands;
 
-use crate::{Parameters, State};
+pub use self::{
+    direct::{FITS, QUIET, direct},
+    gauss_seidel::gauss_seidel,
+};
+use crate::{Parameters, state};
 
 /// A strand is strained where a segment is stretched or crushed by more than this.
 pub const STRAINED: f64 = 0.5;
 /// So many steps of it on end are a warning (design 4).
 pub const STRAINED_STEPS: u32 = 50;
+/// |C| of stretch-shear where velocities lead: beyond it a strand is not calm.
+pub const TORN: f64 = 0.1;
+/// Steps on end without it, until BDF2 may go on.
+pub const CALM: u32 = 3;
+/// Steps at rest before a strand sleeps.
+pub const STILL: u32 = 50;
+/// Pushed by less than this it stays at rest \[m/s²\].
+pub const STILL_ACCELERATION: f64 = 1e-3;
+/// Slower than this many of its lengths a second it is at rest \[1/s\].
+pub const STILL_SPEED: f64 = 1.5e-4;
 
-/// A strand that went bad in the step before starts again: in its rest pose at the root, at rest.
-pub fn reset(s: &mut State, strand: usize) {
-    for point in s.hair.points(strand) {
-        (s.position[point], s.velocity[point]) = (s.hair.positions[point], DVec3::ZERO);
+/// What a strand does within a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum State {
+    /// Still to be solved.
+    #[default]
+    Free,
+    /// Solved.
+    Solved,
+    /// Moved as a whole with its root.
+    Teleported,
+    /// Stays where it is.
+    Asleep,
+}
+
+/// A strand within a step: what its clamp does.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Drive {
+    /// What the root moves by \[m\].
+    pub root_travel: DVec3,
+    /// Ghost frame at the step's end.
+    pub root_frame: DQuat,
+    /// From the ghost frame at the step's start.
+    pub root_turn: DQuat,
+    /// How it goes through the step.
+    pub state: State,
+    /// μ of the tip's joint \[N m\].
+    pub tip_moment: DVec3,
+}
+
+/// A point within a step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Point {
+    /// v_n with what acts from outside in this step \[m/s\].
+    pub velocity: DVec3,
+    /// v_{n−1} with the same \[m/s\].
+    pub before: DVec3,
+    /// The move of the step before \[m\].
+    pub carried: DVec3,
+    /// What acts from outside \[m/s\].
+    pub change: DVec3,
+    /// \[1/kg\]
+    pub inverse_mass: f64,
+    /// The largest move in a step \[m\].
+    pub largest: f64,
+    /// h \[s\]; infinite for what was put somewhere.
+    pub step: f64,
+    /// The move without the rod's forces \[m\].
+    pub free: DVec3,
+    /// The move \[m\].
+    pub travel: DVec3,
+}
+
+/// A segment within a step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Segment {
+    /// Frame at the step's start.
+    pub start: DQuat,
+    /// Frame.
+    pub frame: DQuat,
+    /// At the step's start \[rad/s\].
+    pub angular_velocity: DVec3,
+    /// Of the step before \[rad/s\].
+    pub before: DVec3,
+    /// The turn of the step before \[rad\].
+    pub carried: DVec3,
+    /// h \[s\].
+    pub step: f64,
+    /// The turn without the rod's forces \[rad\].
+    pub free: DVec3,
+    /// The turn \[rad\].
+    pub turn: DVec3,
+    /// From its first point to its second at the step's start \[m\].
+    pub chord: DVec3,
+    /// μ of stretch-shear \[N m\]: world axes; Gauss-Seidel's λ in the material frame.
+    pub force: DVec3,
+    /// μ of the joint before it, in the frame before \[N m\].
+    pub moment: DVec3,
+}
+
+/// All points and segments within a step.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Moving {
+    /// Per hair point.
+    pub points: Vec<Point>,
+    /// Per segment.
+    pub segments: Vec<Segment>,
+}
+
+/// 1/3 for BDF2, whose h is 2/3 Δt, 0 for Euler.
+fn carry(p: &Parameters, h: f64) -> f64 {
+    if h < p.step { 1.0 / 3.0 } else { 0.0 }
+}
+
+/// carry d + h (v + h a)/(1 + c h), v = (4 v_n − v_{n−1})/3 or v_n: the move without the rod's forces.
+#[must_use]
+pub fn free_move(p: &Parameters, now: DVec3, before: DVec3, carried: DVec3, acceleration: DVec3, h: f64) -> DVec3 {
+    let v = if h < p.step { (4.0 * now - before) / 3.0 } else { now };
+    carry(p, h) * carried + h * (v + h * acceleration) / (1.0 + p.damping * h)
+}
+
+/// v_{n+1} = (move − carry d)/h.
+#[must_use]
+pub fn rate(p: &Parameters, shift: DVec3, carried: DVec3, h: f64) -> DVec3 {
+    (shift - carry(p, h) * carried) / h
+}
+
+/// h²/(1 + c h): what a force moves a unit of mass by.
+#[must_use]
+pub fn response(p: &Parameters, h: f64) -> f64 {
+    h * h / (1.0 + p.damping * h)
+}
+
+/// Where the clamp of strand `s` goes: a part of the way to its target, all of it in the last substep. A jump of more than
+/// the strand's length is a teleport; a strand whose clamp rests may sleep.
+#[must_use]
+pub fn roots(p: &Parameters, s: &state::State, strand: usize) -> Drive {
+    let (held, goal) = (s.clamps[strand], s.root_targets[strand]);
+    let way = goal.0 - held.0;
+    let length: f64 = s.hair.rest_length[s.hair.segments(strand)].iter().sum();
+    let jumps = way.length() > length;
+    let left = u64::from(p.substeps) - s.steps % u64::from(p.substeps);
+    let part = if jumps { 1.0 } else { 1.0 / left as f64 };
+    if held == goal {
+        let state = if p.sleep { State::Asleep } else { State::Free };
+        return Drive { root_frame: held.1, root_turn: DQuat::IDENTITY, state, ..Drive::default() };
     }
-    for k in s.hair.segments(strand) {
-        (s.orientation[k], s.angular_velocity[k]) = (s.hair.orientations[k], DVec3::ZERO);
+    let root_turn = DQuat::from_scaled_axis(part * rotation_vector(goal.1 * held.1.conjugate()));
+    Drive {
+        root_travel: part * way,
+        root_turn,
+        root_frame: (root_turn * held.1).normalize(),
+        state: if jumps { State::Teleported } else { State::Free },
+        tip_moment: DVec3::ZERO,
     }
 }
 
-/// A free, damped fall of a point: v* = (v + g Δt)/(1 + c Δt), the move Δt v* capped at `largest` \[m\]. Returns the new
-/// position and whether it was capped.
+/// A point that nothing holds: x + Δt (v + dv + g Δt)/(1 + c Δt), the move capped at `largest` \[m\]. Held ones keep their
+/// velocity.
 #[must_use]
-pub fn predict(p: &Parameters, inverse_mass: f64, position: DVec3, velocity: DVec3, largest: f64) -> (DVec3, bool) {
-    if inverse_mass == 0.0 {
-        return (position, false);
+pub fn drift(p: &Parameters, w: f64, position: DVec3, velocity: DVec3, drag: DVec3, largest: f64) -> DVec3 {
+    if w == 0.0 {
+        return position + p.step * velocity;
     }
-    let shift = p.step * (velocity + p.step * p.gravity) / (1.0 + p.damping * p.step);
-    if shift.length() > largest {
-        (position + shift * (largest / shift.length()), true)
-    } else {
-        (position + shift, false)
+    let shift = p.step * (velocity + drag + p.step * p.gravity) / (1.0 + p.damping * p.step);
+    position + shift.clamp_length_max(largest)
+}
+
+/// What moves point `i` from outside its rod: drag, and what density moved the drifting point by, as an impulse.
+#[must_use]
+pub fn predict(p: &Parameters, s: &state::State, i: usize, drag: DVec3, correction: DVec3, largest: f64) -> Point {
+    let inverse_mass = s.inverse_mass[i];
+    let change = if inverse_mass > 0.0 { drag + correction / p.step } else { DVec3::ZERO };
+    Point {
+        velocity: s.velocity[i] + change,
+        before: s.velocity_before[i] + change,
+        carried: s.travel[i],
+        change,
+        inverse_mass,
+        largest,
+        ..Point::default()
     }
 }
 
-/// A segment turns freely, damped: q* = normalize(q + ½ Δt ω q).
+/// What segment `k` of strand `strand` starts from.
 #[must_use]
-pub fn turn(p: &Parameters, orientation: DQuat, angular_velocity: DVec3) -> DQuat {
-    turned(orientation, p.step * angular_velocity / (1.0 + p.damping * p.step))
+pub fn turn(s: &state::State, strand: usize, k: usize) -> Segment {
+    let point = s.hair.points(strand).start + k - s.hair.segments(strand).start;
+    Segment {
+        start: s.orientation[k],
+        angular_velocity: s.angular_velocity[k],
+        before: s.angular_velocity_before[k],
+        carried: s.turn[k],
+        chord: s.position[point + 1] - s.position[point],
+        force: s.force[k],
+        moment: s.moment[k],
+        ..Segment::default()
+    }
+}
+
+/// What [`choose`] counts of a strand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Choice {
+    /// Free moves that were capped.
+    pub capped: usize,
+    /// Euler where BDF2 is asked for.
+    pub euler: bool,
+}
+
+/// How a strand goes through the step: reset, teleported, asleep, by BDF2 or by Euler; and where its solver starts.
+pub fn choose(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Drive, m: &mut Moving) -> Choice {
+    let (points, segments) = (s.hair.points(strand), s.hair.segments(strand));
+    let pushed = m.points[points.clone()].iter().any(|point| point.change.length() > STILL_ACCELERATION * p.step);
+    if s.bad[strand] {
+        s.bad[strand] = false;
+        put_at_rest(&s.hair, strand, drive, m);
+        drive.state = State::Solved;
+        return Choice::default();
+    }
+    if drive.state == State::Teleported || drive.state == State::Asleep && s.still[strand] >= STILL && !pushed {
+        put_as_it_is(&s.hair, strand, drive, m);
+        return Choice::default();
+    }
+    drive.state = State::Free;
+    // Where velocities lead, to the second order.
+    let held = |i: usize| if i == points.start { drive.root_travel } else { DVec3::ZERO };
+    let lead = |now: DVec3, before: DVec3| p.step * (1.5 * now - 0.5 * before);
+    let led: Vec<DVec3> = points
+        .clone()
+        .map(|i| {
+            let point = &m.points[i];
+            if point.inverse_mass == 0.0 { held(i) } else { lead(point.velocity, point.before) }
+        })
+        .collect();
+    let led_turn: Vec<DVec3> =
+        segments.clone().map(|k| lead(m.segments[k].angular_velocity, m.segments[k].before)).collect();
+    let tear = (0..led_turn.len()).map(|k| {
+        let segment = &m.segments[segments.start + k];
+        let tangent = DQuat::from_scaled_axis(led_turn[k]) * segment.start * DVec3::Z;
+        ((segment.chord + led[k + 1] - led[k]) / s.hair.rest_length[segments.start + k] - tangent).length()
+    });
+    let torn = tear.fold(0.0, f64::max) >= TORN;
+    s.calm[strand] = if torn { 0 } else { (s.calm[strand] + 1).min(CALM) };
+    let calm = s.calm[strand] == CALM;
+    let h = if calm && p.bdf2 { p.step * 2.0 / 3.0 } else { p.step };
+    let ahead = calm && p.direct;
+
+    let mut choice = Choice { capped: 0, euler: p.bdf2 && !calm };
+    let mut free: Vec<DVec3> = points
+        .clone()
+        .map(|i| {
+            let point = &m.points[i];
+            let moves = || free_move(p, point.velocity, point.before, point.carried, p.gravity, h);
+            if point.inverse_mass == 0.0 { held(i) } else { moves() }
+        })
+        .collect();
+    let root_held = m.points[points.start].inverse_mass == 0.0;
+    let origin = if root_held { drive.root_travel } else { free.iter().sum::<DVec3>() / free.len() as f64 };
+    for (k, i) in points.enumerate() {
+        let point = &mut m.points[i];
+        let far = (free[k] - origin).length();
+        let capped = point.inverse_mass > 0.0 && far > point.largest;
+        if capped {
+            free[k] = origin + (free[k] - origin) * (point.largest / far);
+            choice.capped += 1;
+        }
+        (point.step, point.free) = (h, free[k]);
+        point.travel = if ahead && !capped { led[k] } else { free[k] };
+    }
+    for (k, j) in segments.enumerate() {
+        let segment = &mut m.segments[j];
+        segment.step = h;
+        segment.free = free_move(p, segment.angular_velocity, segment.before, segment.carried, DVec3::ZERO, h);
+        segment.turn = if ahead { led_turn[k] } else { segment.free };
+        segment.frame = (DQuat::from_scaled_axis(segment.turn) * segment.start).normalize();
+        segment.force = if ahead { segment.frame * segment.force } else { DVec3::ZERO };
+        segment.moment = if ahead { segment.moment } else { DVec3::ZERO };
+    }
+    choice
+}
+
+/// The strand as it is, turned with its root and moved with it.
+fn put_as_it_is(hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving) {
+    let mut offset = DVec3::ZERO;
+    let first = hair.points(strand).start;
+    put(&mut m.points[first], drive.root_travel);
+    for (k, i) in hair.segments(strand).zip(first + 1..) {
+        offset += m.segments[k].chord;
+        let frame = drive.root_turn * m.segments[k].start;
+        put_frame(&mut m.segments[k], frame);
+        put(&mut m.points[i], drive.root_travel + drive.root_turn * offset - offset);
+    }
+}
+
+/// The rest shape, unrolled from the clamp.
+fn put_at_rest(hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving) {
+    let (mut frame, mut offset, mut rest) = (drive.root_frame, DVec3::ZERO, DVec3::ZERO);
+    let first = hair.points(strand).start;
+    put(&mut m.points[first], drive.root_travel);
+    for (k, i) in hair.segments(strand).zip(first + 1..) {
+        frame = (frame * hair.rest_rotation[k]).normalize();
+        offset += m.segments[k].chord;
+        rest += hair.rest_length[k] * (frame * DVec3::Z);
+        put_frame(&mut m.segments[k], frame);
+        put(&mut m.points[i], drive.root_travel + rest - offset);
+    }
+}
+
+fn put(point: &mut Point, travel: DVec3) {
+    (point.travel, point.step) = (travel, f64::INFINITY);
+}
+
+fn put_frame(segment: &mut Segment, frame: DQuat) {
+    (segment.frame, segment.step) = (frame.normalize(), f64::INFINITY);
+    (segment.force, segment.moment) = (DVec3::ZERO, DVec3::ZERO);
 }
 
 /// q turned by the small rotation vector `angle` \[rad\], world axes.
@@ -46,6 +328,21 @@ pub fn turn(p: &Parameters, orientation: DQuat, angular_velocity: DVec3) -> DQua
 pub fn turned(q: DQuat, angle: DVec3) -> DQuat {
     let spin = DQuat::from_xyzw(angle.x, angle.y, angle.z, 0.0);
     (q + spin * q * 0.5).normalize()
+}
+
+/// The rotation vector of q, at most π long \[rad\].
+#[must_use]
+pub fn rotation_vector(q: DQuat) -> DVec3 {
+    (if q.w < 0.0 { -q } else { q }).to_scaled_axis()
+}
+
+/// s Im(rest), s the sign with which the rest rotation is nearer to p in 4-D.
+fn nearest_rest(p: DQuat, rest: DQuat) -> DVec3 {
+    if (p - rest).length_squared() <= (p + rest).length_squared() { rest.xyz() } else { -rest.xyz() }
+}
+
+fn cross_matrix(v: DVec3) -> DMat3 {
+    DMat3::from_cols(DVec3::new(0.0, v.z, -v.y), DVec3::new(-v.z, 0.0, v.x), DVec3::new(v.y, -v.x, 0.0))
 }
 
 /// Largest move of each point in a step, max(l, 0.03 L) \[m\], l the segment before the point.
@@ -63,101 +360,41 @@ pub fn largest_moves(hair: &Strands) -> Vec<f64> {
     moves
 }
 
-/// Sweeps over every strand, root to tip: joint k, then segment k. Multipliers start at 0 and persist over the sweeps.
-pub fn gauss_seidel(p: &Parameters, hair: &Strands, positions: &mut [DVec3], orientations: &mut [DQuat]) {
-    let mut stretch = vec![DVec3::ZERO; orientations.len()];
-    let mut bend = vec![DVec3::ZERO; orientations.len()];
-    for s in 0..hair.len() {
-        for _ in 0..p.rod_iterations {
-            for (k, point) in hair.segments(s).zip(hair.points(s)) {
-                let first = k == hair.segments(s).start;
-                bend_twist(p, hair, orientations, k, first.then_some(hair.root_frame[s]), &mut bend[k]);
-                stretch_shear(p, hair, positions, orientations, k, point, &mut stretch[k]);
-            }
-        }
-    }
-}
-
-/// α̃/α = (1 + c Δt)/Δt²: damping c, integrated implicitly, divides every force's share of the velocity by 1 + c Δt.
-fn softening(p: &Parameters) -> f64 {
-    (1.0 + p.damping * p.step) / (p.step * p.step)
-}
-
-/// C = Im(q̄₀ q₁) − s Im(rest), s the sign that is nearer in 4-D; dC = A (θ₁ − θ₀), A = ½(p_w I − [p_v]×) R₀ᵀ.
-/// `clamp` is the ghost frame that a first joint hangs on.
-fn bend_twist(p: &Parameters, hair: &Strands, q: &mut [DQuat], k: usize, clamp: Option<DQuat>, lambda: &mut DVec3) {
-    let before = clamp.unwrap_or_else(|| q[k - 1]);
-    let before_w = if clamp.is_some() { 0.0 } else { hair.inverse_inertia[k - 1] };
-    let own_w = hair.inverse_inertia[k];
-    let joint = before.conjugate() * q[k];
-    let rest = hair.rest_rotation[k];
-    let sign = if (joint - rest).length_squared() <= (joint + rest).length_squared() { 1.0 } else { -1.0 };
-    let constraint = joint.xyz() - sign * rest.xyz();
-    let a = (DMat3::from_diagonal(DVec3::splat(joint.w)) - cross_matrix(joint.xyz()))
-        * DMat3::from_quat(before).transpose()
-        * 0.5;
-    let compliance = hair.bend_compliance[k] * softening(p);
-    let system = a * a.transpose() * (own_w + before_w) + DMat3::from_diagonal(compliance);
-    let change = system.inverse() * -(constraint + compliance * *lambda);
-    *lambda += change;
-    let moment = a.transpose() * change;
-    q[k] = turned(q[k], own_w * moment);
-    if clamp.is_none() {
-        q[k - 1] = turned(before, -before_w * moment);
-    }
-}
-
-/// C = (x₁ − x₀)/l − d₃; dC = (δx₁ − δx₀)/l + [d₃]× θ. Stiffness, multiplier and system in the material frame.
-fn stretch_shear(
-    p: &Parameters,
-    hair: &Strands,
-    x: &mut [DVec3],
-    q: &mut [DQuat],
-    k: usize,
-    point: usize,
-    lambda: &mut DVec3,
-) {
-    let l = hair.rest_length[k];
-    let (w0, w1, wq) = (hair.inverse_mass[point], hair.inverse_mass[point + 1], hair.inverse_inertia[k]);
-    let tangent = q[k] * DVec3::Z;
-    let constraint = q[k].conjugate() * ((x[point + 1] - x[point]) / l - tangent);
-    let compliance = hair.stretch_compliance[k] * softening(p);
-    let system = DVec3::splat((w0 + w1) / (l * l)) + wq * DVec3::new(1.0, 1.0, 0.0) + compliance;
-    let wanted = -(constraint + compliance * *lambda) / system;
-    let change = DVec3::select(system.cmpgt(DVec3::ZERO), wanted, DVec3::ZERO);
-    *lambda += change;
-    let force = q[k] * change;
-    x[point] -= w0 / l * force;
-    x[point + 1] += w1 / l * force;
-    q[k] = turned(q[k], -wq * tangent.cross(force));
-}
-
-fn cross_matrix(v: DVec3) -> DMat3 {
-    DMat3::from_cols(DVec3::new(0.0, v.z, -v.y), DVec3::new(-v.z, 0.0, v.x), DVec3::new(v.y, -v.x, 0.0))
-}
-
-/// max |l/l0 − 1| of a strand; `None` when a point or a frame of it is not finite.
+/// max |l/l0 − 1| of a strand; `None` when a move or a frame of it is not finite.
 #[must_use]
-pub fn finish(hair: &Strands, s: usize, positions: &[DVec3], orientations: &[DQuat]) -> Option<f64> {
+pub fn finish(hair: &Strands, s: usize, m: &Moving) -> Option<f64> {
     let (points, segments) = (hair.points(s), hair.segments(s));
-    let finite = positions[points.clone()].iter().all(|x| x.is_finite())
-        && orientations[segments.clone()].iter().all(|q| q.is_finite());
-    let stretches = points
-        .zip(segments)
-        .map(|(point, k)| ((positions[point + 1] - positions[point]).length() / hair.rest_length[k] - 1.0).abs());
+    let finite = m.points[points.clone()].iter().all(|point| point.travel.is_finite())
+        && m.segments[segments.clone()].iter().all(|segment| segment.frame.is_finite());
+    let stretches = points.zip(segments).map(|(i, k)| {
+        let chord = m.segments[k].chord + m.points[i + 1].travel - m.points[i].travel;
+        (chord.length() / hair.rest_length[k] - 1.0).abs()
+    });
     finite.then(|| stretches.fold(0.0, f64::max))
 }
 
 /// A bad strand stays where it was for this step, so that it spoils no neighbour.
-pub fn hold(s: &State, strand: usize, positions: &mut [DVec3], orientations: &mut [DQuat]) {
-    let (points, segments) = (s.hair.points(strand), s.hair.segments(strand));
-    positions[points.clone()].copy_from_slice(&s.position[points]);
-    orientations[segments.clone()].copy_from_slice(&s.orientation[segments]);
+pub fn hold(hair: &Strands, s: usize, m: &mut Moving) {
+    m.points[hair.points(s)].iter_mut().for_each(|point| put(point, DVec3::ZERO));
+    for segment in &mut m.segments[hair.segments(s)] {
+        let start = segment.start;
+        put_frame(segment, start);
+    }
 }
 
-/// ω = 2 Im(q* q̄)/Δt \[rad/s\].
+/// Whether a strand is slow, and gets neither faster nor pushed.
 #[must_use]
-pub fn angular_velocity(p: &Parameters, before: DQuat, after: DQuat) -> DVec3 {
-    let turn = after * before.conjugate();
-    turn.xyz() * (2.0 * turn.w.signum() / p.step)
+pub fn still(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
+    let length: f64 = hair.rest_length[hair.segments(s)].iter().sum();
+    m.points[hair.points(s)].iter().all(|point| {
+        let v = rate(p, point.travel, point.carried, point.step);
+        let push = (v - point.velocity).length().max(point.change.length());
+        v.length() <= STILL_SPEED * length && push <= STILL_ACCELERATION * p.step
+    })
+}
+
+/// Velocity of a point from its move; what a contact added to that, `shift` \[m\], is an impulse on top \[m/s\].
+#[must_use]
+pub fn velocity(p: &Parameters, point: &Point, shift: DVec3) -> DVec3 {
+    rate(p, point.travel, point.carried, point.step) + shift / p.step
 }

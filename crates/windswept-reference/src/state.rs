@@ -16,6 +16,34 @@ pub struct State {
     pub orientation: Vec<DQuat>,
     /// Per segment \[rad/s\].
     pub angular_velocity: Vec<DVec3>,
+    /// Per hair point: the last step's move \[m\].
+    pub travel: Vec<DVec3>,
+    /// Per hair point: the velocity of the step before, with all that acted from outside since \[m/s\].
+    pub velocity_before: Vec<DVec3>,
+    /// Per segment: the last step's turn \[rad\].
+    pub turn: Vec<DVec3>,
+    /// Per segment: of the step before \[rad/s\].
+    pub angular_velocity_before: Vec<DVec3>,
+    /// Per segment: μ of stretch-shear, material frame \[N m\].
+    pub force: Vec<DVec3>,
+    /// Per segment: μ of the joint before it, in the frame before \[N m\].
+    pub moment: Vec<DVec3>,
+    /// Per strand: where its root is \[m\] and its ghost frame.
+    pub clamps: Vec<(DVec3, DQuat)>,
+    /// Per strand: where they go in the next step, and stay.
+    pub root_targets: Vec<(DVec3, DQuat)>,
+    /// Per strand: steps on end that were calm, [`crate::rods::CALM`] at most.
+    pub calm: Vec<u32>,
+    /// Per strand: steps on end at rest.
+    pub still: Vec<u32>,
+    /// Strand-steps by Euler where BDF2 is asked for so far.
+    pub euler_steps: usize,
+    /// Strand-steps that needed no solve so far.
+    pub quiet_steps: usize,
+    /// Strand-steps asleep so far.
+    pub asleep_steps: usize,
+    /// Teleports so far.
+    pub teleports: usize,
     /// Per strand: non-finite in the step before, to be reset.
     pub bad: Vec<bool>,
     /// Strands that went bad so far.
@@ -39,17 +67,33 @@ pub struct State {
 }
 
 impl State {
-    /// The start.
+    /// The start: strands come as if they had moved with their velocities for a step of `step` \[s\].
     #[must_use]
-    pub fn new(initial: &InitialState) -> Self {
+    pub fn new(initial: &InitialState, step: f64) -> Self {
         let local = |x: &DVec3| *x - initial.origin;
         let mut hair = initial.hair.clone();
         hair.positions = hair.positions.iter().map(local).collect();
         let air = initial.air.positions.len();
         let each =
             |hair: &[f64], air_value: f64| hair.iter().copied().chain(std::iter::repeat_n(air_value, air)).collect();
+        let clamps: Vec<_> =
+            hair.roots().collect::<Vec<_>>().into_iter().zip(hair.root_frame.iter().copied()).collect();
         Self {
             steps: 0,
+            travel: hair.velocities.iter().map(|v| *v * step).collect(),
+            velocity_before: hair.velocities.clone(),
+            turn: hair.angular_velocities.iter().map(|w| *w * step).collect(),
+            angular_velocity_before: hair.angular_velocities.clone(),
+            force: vec![DVec3::ZERO; hair.orientations.len()],
+            moment: vec![DVec3::ZERO; hair.orientations.len()],
+            root_targets: clamps.clone(),
+            clamps,
+            calm: vec![crate::rods::CALM; hair.len()],
+            still: vec![0; hair.len()],
+            euler_steps: 0,
+            quiet_steps: 0,
+            asleep_steps: 0,
+            teleports: 0,
             position: hair.positions.iter().copied().chain(initial.air.positions.iter().map(local)).collect(),
             velocity: hair.velocities.iter().chain(&initial.air.velocities).copied().collect(),
             orientation: hair.orientations.clone(),

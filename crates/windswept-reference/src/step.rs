@@ -1,6 +1,6 @@
 //! One step, in execution order: the twin of the engine's `step.rs`.
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use windswept_scene::Law;
 
 use crate::{
@@ -15,7 +15,7 @@ use crate::{
 /// [`Frozen`] says why the step was not committed; the state is as it was before.
 pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     let mut s = state.clone();
-    let mut w = drive(&mut s, p); //     1. Bad strands are reset; wind enters and drags, gravity pulls; predict positions.
+    let mut w = drive(&s, p); //         1. Clamps move; wind enters and drags; air moves, and hair drifts among it.
     neighbours(&mut w, p); //            2. List who is near whom.
     fluid(&s, &mut w, p); //           3. Hair and air share one density constraint (eq. 1).
     rods(&mut s, &mut w, p); //       4. Strands keep their length and shape.
@@ -39,10 +39,14 @@ pub struct Scratch {
     pub wind_change: Vec<DVec3>,
     /// Positions \[m\].
     pub predicted: Vec<DVec3>,
-    /// Per segment.
-    pub predicted_orientation: Vec<DQuat>,
+    /// Per strand: what its clamp does.
+    pub drives: Vec<rods::Drive>,
+    /// Hair points and segments.
+    pub moving: rods::Moving,
     /// Velocities \[m/s\].
     pub new_velocity: Vec<DVec3>,
+    /// Per hair point: as its rod left it \[m/s\].
+    pub rod_velocity: Vec<DVec3>,
     /// Who is near whom.
     pub near: grid::Neighbours,
     /// ρ/ρ0.
@@ -59,34 +63,26 @@ pub struct Scratch {
     pub exchange: Vec<f64>,
 }
 
-/// 1. Bad strands are reset; wind enters and drags, gravity pulls; predict positions.
+/// 1. Clamps move; wind enters and drags; air moves, and hair drifts among it.
 #[must_use]
-pub fn drive(s: &mut State, p: &Parameters) -> Scratch {
-    for strand in 0..s.hair.len() {
-        if s.bad[strand] {
-            rods::reset(s, strand);
-        }
-    }
+pub fn drive(s: &State, p: &Parameters) -> Scratch {
+    let drives = (0..s.hair.len()).map(|strand| rods::roots(p, s, strand)).collect();
     let blowing = p.wind * wind::risen(p, s.steps + 1);
     let drag_change = wind::drag(p, &s.hair, blowing, &s.position, &s.velocity, &s.inverse_mass);
     let mut predicted = s.position.clone();
     let mut new_velocity = s.velocity.clone();
     let largest = rods::largest_moves(&s.hair);
     for i in 0..p.hair_points {
-        let (x, capped) =
-            rods::predict(p, s.inverse_mass[i], s.position[i], s.velocity[i] + drag_change[i], largest[i]);
-        predicted[i] = x;
-        s.capped += usize::from(capped);
+        predicted[i] =
+            rods::drift(p, s.inverse_mass[i], s.position[i], s.velocity[i], drag_change[i], largest[i]);
     }
-    let spinning = s.orientation.iter().zip(&s.angular_velocity);
-    let predicted_orientation = spinning.map(|(q, omega)| rods::turn(p, *q, *omega)).collect();
     let air = p.hair_points..s.position.len();
     let wind_change: Vec<_> = air.clone().map(|i| wind::fringe(p, s.steps, s.position[i], s.velocity[i])).collect();
     for (i, change) in air.zip(&wind_change) {
         new_velocity[i] += *change;
         predicted[i] = fluid::predict(p, s.position[i], new_velocity[i]);
     }
-    Scratch { blowing, drag_change, wind_change, predicted, predicted_orientation, new_velocity, ..Scratch::default() }
+    Scratch { blowing, drives, drag_change, wind_change, predicted, new_velocity, ..Scratch::default() }
 }
 
 /// 2. List who is near whom.
@@ -117,19 +113,59 @@ pub fn fluid(s: &State, w: &mut Scratch, p: &Parameters) {
 
 /// 4. Strands keep their length and shape; a non-finite one is held.
 pub fn rods(s: &mut State, w: &mut Scratch, p: &Parameters) {
-    let (x, q) = (&mut w.predicted, &mut w.predicted_orientation);
-    rods::gauss_seidel(p, &s.hair, &mut x[..p.hair_points], q);
+    prepare(s, w, p);
     for strand in 0..s.hair.len() {
-        let stretch = rods::finish(&s.hair, strand, x, q);
-        s.bad[strand] = stretch.is_none();
-        if s.bad[strand] {
-            rods::hold(s, strand, x, q);
-            s.resets += 1;
+        if p.direct {
+            for _ in 0..p.newton_steps {
+                let quiet = rods::direct(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
+                s.quiet_steps += usize::from(quiet);
+            }
+        } else {
+            rods::gauss_seidel(p, &s.hair, strand, &w.drives[strand], &mut w.moving);
         }
-        let stretch = stretch.unwrap_or(0.0);
+    }
+    finish(s, w, p);
+}
+
+/// What moves points and turns segments; how each strand goes through the step.
+pub fn prepare(s: &mut State, w: &mut Scratch, p: &Parameters) {
+    let largest = rods::largest_moves(&s.hair);
+    w.moving.points = (0..p.hair_points)
+        .map(|i| rods::predict(p, s, i, w.drag_change[i], w.correction[i], largest[i]))
+        .collect();
+    let segments = (0..s.hair.len()).flat_map(|strand| s.hair.segments(strand).map(move |k| (strand, k)));
+    w.moving.segments = segments.map(|(strand, k)| rods::turn(s, strand, k)).collect();
+    for strand in 0..s.hair.len() {
+        let choice = rods::choose(p, s, strand, &mut w.drives[strand], &mut w.moving);
+        s.capped += choice.capped;
+        s.euler_steps += usize::from(choice.euler);
+        s.asleep_steps += usize::from(w.drives[strand].state == rods::State::Asleep);
+        s.teleports += usize::from(w.drives[strand].state == rods::State::Teleported);
+    }
+}
+
+/// Health of each strand; hair goes where its rods took it.
+pub fn finish(s: &mut State, w: &mut Scratch, p: &Parameters) {
+    for strand in 0..s.hair.len() {
+        let stretch = rods::finish(&s.hair, strand, &w.moving);
+        s.bad[strand] = stretch.is_none();
+        let Some(stretch) = stretch else {
+            rods::hold(&s.hair, strand, &mut w.moving);
+            s.resets += 1;
+            continue;
+        };
         s.max_stretch = s.max_stretch.max(stretch);
         s.strained_steps[strand] = if stretch > rods::STRAINED { s.strained_steps[strand] + 1 } else { 0 };
         s.over_strained += usize::from(s.strained_steps[strand] == rods::STRAINED_STEPS);
+        if p.direct && w.drives[strand].state == rods::State::Free {
+            s.calm[strand] = 0;
+        }
+        if p.sleep {
+            s.still[strand] = if rods::still(p, &s.hair, strand, &w.moving) { s.still[strand] + 1 } else { 0 };
+        }
+    }
+    for (i, point) in w.moving.points.iter().enumerate() {
+        w.predicted[i] = s.position[i] + point.travel;
     }
 }
 
@@ -138,10 +174,15 @@ pub fn contact() {}
 
 /// 6. Velocities from positions.
 pub fn velocity(s: &State, w: &mut Scratch, p: &Parameters) {
-    for i in 0..w.predicted.len() {
-        let (before, after) = (s.position[i], w.predicted[i]);
-        w.new_velocity[i] = fluid::velocity(p, p.is_air(i), before, after, w.new_velocity[i], w.correction[i]);
+    for (i, point) in w.moving.points.iter_mut().enumerate() {
+        let shift = w.predicted[i] - (s.position[i] + point.travel);
+        w.new_velocity[i] = rods::velocity(p, point, shift);
+        point.before = point.velocity + shift / p.step;
     }
+    for i in p.hair_points..w.predicted.len() {
+        w.new_velocity[i] = fluid::velocity(p, w.new_velocity[i], w.correction[i]);
+    }
+    w.rod_velocity = w.new_velocity[..p.hair_points].to_vec();
 }
 
 /// 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
@@ -193,6 +234,6 @@ pub fn guard(s: &mut State, mut w: Scratch, p: &Parameters) -> Result<(), Frozen
         }
     }
     guard::check(p, &s.bad, &w.predicted, &w.new_velocity)?;
-    guard::commit(p, s, w.predicted, w.new_velocity, w.predicted_orientation);
+    guard::commit(p, s, w);
     Ok(())
 }

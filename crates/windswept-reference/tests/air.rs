@@ -75,7 +75,7 @@ fn a_lattice_drifts_with_the_wind() {
     let mut initial = air(size, positions);
     initial.air.velocities.fill(wind);
     let p = Parameters::new(&windy(wind), &initial);
-    let mut state = State::new(&initial);
+    let mut state = State::new(&initial, p.step);
     let steps = 30;
     for _ in 0..steps {
         step(&mut state, &p).unwrap();
@@ -100,7 +100,7 @@ fn a_box_of_air_keeps_its_momentum() {
     let mut initial = air(size, positions);
     initial.air.velocities = support::stirred(512, 6);
     let p = Parameters::new(&windy(DVec3::ZERO), &initial);
-    let mut state = State::new(&initial);
+    let mut state = State::new(&initial, p.step);
     let momentum = |state: &State| state.velocity.iter().sum::<DVec3>();
     let (before, whole) = (momentum(&state), state.velocity.iter().map(|v| v.length()).sum::<f64>());
     for _ in 0..10 {
@@ -120,7 +120,7 @@ fn the_density_constraint_gives_air_its_velocity() {
     let initial = air(size, positions);
     let mut p = Parameters::new(&windy(DVec3::ZERO), &initial);
     (p.viscosity_hair, p.viscosity_air) = (0.0, 0.0);
-    let mut state = State::new(&initial);
+    let mut state = State::new(&initial, p.step);
     step(&mut state, &p).unwrap();
     let moves = state.position.iter().zip(&initial.air.positions).map(|(after, before)| {
         let gap = *after - *before;
@@ -147,7 +147,7 @@ fn air_and_hair_keep_their_momentum_together() {
     initial.air.velocities.fill(DVec3::X);
     let mut p = Parameters::new(&windy(DVec3::ZERO), &initial);
     p.gravity = DVec3::ZERO;
-    let mut state = State::new(&initial);
+    let mut state = State::new(&initial, p.step);
     let momentum = |state: &State| {
         let (hair, air) = state.velocity.split_at(p.hair_points);
         let strand: DVec3 = hair.iter().zip(&initial.hair.inverse_mass).map(|(v, w)| *v / *w).sum();
@@ -188,7 +188,7 @@ fn non_finite_air_ends_the_run() {
     let (size, positions) = lattice([6; 3], &SIMPLE);
     let initial = air(size, positions);
     let p = Parameters::new(&windy(DVec3::X), &initial);
-    let mut state = State::new(&initial);
+    let mut state = State::new(&initial, p.step);
     state.velocity[17].z = f64::NAN;
     let before = state.position.clone();
     assert_eq!(step(&mut state, &p), Err(Frozen::NonFiniteAir(17)));
@@ -207,7 +207,7 @@ fn wind_bends_a_strand() {
     initial.air.velocities.fill(wind);
     let mut p = Parameters::new(&windy(wind), &initial);
     (p.gravity, p.fringe) = (DVec3::ZERO, 0.0);
-    let mut state = State::new(&initial);
+    let mut state = State::new(&initial, p.step);
     for _ in 0..20 {
         step(&mut state, &p).unwrap();
     }
@@ -227,7 +227,7 @@ fn viscosity_works_without_the_density_constraint() {
     initial.air.velocities = support::stirred(216, 8);
     let mut p = Parameters::new(&windy(DVec3::ZERO), &initial);
     p.fluid_iterations = 0;
-    let mut state = State::new(&initial);
+    let mut state = State::new(&initial, p.step);
     step(&mut state, &p).unwrap();
     let free = initial.air.positions.iter().zip(&initial.air.velocities).map(|(x, v)| fluid::predict(&p, *x, *v));
     assert_eq!(state.position, free.collect::<Vec<_>>());

@@ -183,7 +183,7 @@ fn a_falling_hair_reaches_its_terminal_velocity() {
     let initial = InitialState { hair: hair.clone(), ..InitialState::default() };
     let p = parameters(&hair, DVec3::ZERO, "");
     assert!(!p.air);
-    let mut state = State::new(&initial);
+    let mut state = State::new(&initial, p.step);
     for _ in 0..2_000 {
         step(&mut state, &p).unwrap();
     }
@@ -230,7 +230,7 @@ fn a_clamped_strand_weathers_a_storm() {
     let rod = Rod { segments: 10, length: 0.1, gamma: 10.0, darboux: DVec3::ZERO, root_frame };
     let hair = rod.strand(DVec3::ZERO);
     let p = parameters(&hair, DVec3::X * 100.0, "lift = 0.5");
-    let mut state = State::new(&InitialState { hair, ..InitialState::default() });
+    let mut state = State::new(&InitialState { hair, ..InitialState::default() }, p.step);
     for _ in 0..1_000 {
         step(&mut state, &p).unwrap();
         assert!(state.position.iter().all(|x| x.is_finite() && x.length() < 0.2));
@@ -276,7 +276,7 @@ fn a_step_adds_drag_before_gravity() {
     let hair = straight(1, 0.01, None);
     let mut p = parameters(&hair, DVec3::Z * 5.0, "");
     (p.ramp, p.damping) = (10.0 * p.step, 20.0);
-    let mut state = State::new(&InitialState { hair: hair.clone(), ..InitialState::default() });
+    let mut state = State::new(&InitialState { hair: hair.clone(), ..InitialState::default() }, p.step);
     step(&mut state, &p).unwrap();
     let gained = wind::drag(&p, &hair, DVec3::Z * 0.5, &hair.positions, &[DVec3::ZERO; 2], &hair.inverse_mass)[0];
     let wanted = (gained + p.step * p.gravity) / (1.0 + 20.0 * p.step);

@@ -205,7 +205,8 @@ fn what_does_nothing_is_left_out() {
     let rod = Rod { segments: 4, length: 0.04, gamma: 1.0, darboux: DVec3::ZERO, root_frame: DQuat::IDENTITY };
     let initial = InitialState { hair: rod.strand(DVec3::ZERO), ..InitialState::default() };
     let drag = format!("[air]\nwind = [3.0, 0.0, 0.0]\n[interaction]\nmodel = \"drag\"\n[turbulence]\n{bands}");
-    let (p, mut state) = (Parameters::new(&scene(&drag), &initial), State::new(&initial));
+    let p = Parameters::new(&scene(&drag), &initial);
+    let mut state = State::new(&initial, p.step);
     step(&mut state, &p).unwrap();
     assert!(p.bands.is_empty() && !p.air && state.velocity[4].x > 0.0);
 }
@@ -269,7 +270,8 @@ fn stirred_box(wind: f64, keys: &str) -> (State, Parameters) {
         "[air]\nbox = {{ min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 1.0] }}\nwind = [{wind:?}, 0.0, 0.0]\nramp = 0.0\n\
          fringe = 0.01\n[turbulence]\n{keys}"
     ));
-    (State::new(&initial), Parameters::new(&scene, &initial))
+    let p = Parameters::new(&scene, &initial);
+    (State::new(&initial, p.step), p)
 }
 
 fn after_steps(keys: &str) -> State {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{document::Document, error::SceneError, initial::KERNEL_RADIUS, keys::Key, reader::Reader, scene::*};
+use crate::{document::Document, error::SceneError, initial::KERNEL_RADIUS, reader::Reader, scene::*};
 
 /// Indices are 32 bits, and a neighbour list has some 30 entries a particle.
 const MOST_PARTICLES: u32 = 100_000_000;
@@ -58,7 +58,8 @@ impl Reader<'_> {
                 iterations: self.count("rods.iterations")?,
                 inextensible: self.flag("rods.inextensible")?,
                 damping: self.number("rods.damping")?,
-                sleep: self.flag("rods.sleep")? && !Key::not_built("rods.sleep", "true"),
+                newton: self.count("rods.newton")?,
+                sleep: self.flag("rods.sleep")?,
             },
             camera: self.camera()?,
             picture: self.picture()?,

@@ -62,6 +62,47 @@ pub struct Strands {
     pub rest_rotation: Vec<DQuat>,
     /// Per strand: the ghost frame behind the clamped root.
     pub root_frame: Vec<DQuat>,
+    /// Per strand: how its ends are held; empty: every root clamped, every tip free.
+    pub ends: Vec<Ends>,
+}
+
+/// How an end of a strand is held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum End {
+    /// In place and direction.
+    Clamped,
+    /// In place.
+    Pinned,
+    /// Not at all.
+    #[default]
+    Free,
+}
+
+/// How the ends of a strand are held. Points that are held have no inverse mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ends {
+    /// The root.
+    pub root: End,
+    /// The tip.
+    pub tip: End,
+    /// The ghost frame beyond a clamped tip; means nothing for others.
+    pub tip_frame: DQuat,
+    /// Of the tip's joint: rotation from the last frame to the ghost frame, at rest.
+    pub tip_rest_rotation: DQuat,
+    /// Of the tip's joint, half a segment long: as [`Strands::bend_compliance`] \[1/(N m)\].
+    pub tip_compliance: DVec3,
+}
+
+impl Default for Ends {
+    fn default() -> Self {
+        Self {
+            root: End::Clamped,
+            tip: End::Free,
+            tip_frame: DQuat::IDENTITY,
+            tip_rest_rotation: DQuat::IDENTITY,
+            tip_compliance: DVec3::ZERO,
+        }
+    }
 }
 
 /// Air particles, in the order of their stable ids.
@@ -106,6 +147,12 @@ impl Strands {
         self.point_offsets[s] as usize - s..self.point_offsets[s + 1] as usize - s - 1
     }
 
+    /// How the ends of strand `s` are held.
+    #[must_use]
+    pub fn ends(&self, s: usize) -> Ends {
+        self.ends.get(s).copied().unwrap_or_default()
+    }
+
     /// Position of each strand's root \[m\].
     pub fn roots(&self) -> impl Iterator<Item = DVec3> + '_ {
         self.point_offsets[..self.len()].iter().map(|&point| self.positions[point as usize])
@@ -143,6 +190,17 @@ impl Strands {
             if found != expected {
                 return fault(format!("{name}: expected {expected} rows, found {found}"));
             }
+        }
+        if !self.ends.is_empty() && self.ends.len() != strands {
+            return fault(format!("ends: expected {strands} rows or none, found {}", self.ends.len()));
+        }
+        let overheld = |s: &usize| {
+            let (ends, segments) = (self.points(*s), self.segments(*s));
+            let held = |i: usize| self.inverse_mass[i] == 0.0;
+            held(ends.start) && held(ends.end - 1) && self.stretch_compliance[segments].iter().all(|c| c.z == 0.0)
+        };
+        if let Some(s) = (0..strands).find(overheld) {
+            return fault(format!("strand {s} is held at both ends and cannot stretch: expected a stretch compliance"));
         }
         if let Some(i) = (0..points).find(|&i| !self.positions[i].is_finite() || !self.velocities[i].is_finite()) {
             return fault(format!("point {i} has a position or a velocity that is not finite"));

@@ -64,9 +64,6 @@ pub struct Key {
 /// `(key, value)` pairs that a scene may name but this version has not built; an empty value is any value.
 /// When a piece lands, its line goes.
 pub const NOT_BUILT: &[(&str, &str)] = &[
-    ("rods.solver", "direct"),
-    ("rods.integrator", "bdf2"),
-    ("rods.sleep", "true"),
     ("rods.internal_damping", ""),
     ("turbulence.filter", "grid"),
     ("turbulence.normalise", "true"),
@@ -169,10 +166,11 @@ pub const KEYS: &[Key] = &[
     key("rods.solver", Choice(&["direct", "gauss-seidel"]), Method("\"direct\"", "\"gauss-seidel\""), "", "the solver"),
     key("rods.integrator", Choice(&["bdf2", "euler"]), Method("\"bdf2\"", "\"euler\""), "", "the time integration"),
     key("rods.iterations", Count(1, MOST_REPEATS), Value("10"), "", "sweeps; gauss-seidel only"),
+    key("rods.newton", Count(1, 100), Value("4"), "", "Newton steps at most; direct only: a strand stops when its segments fit within 1e-3"),
     key("rods.inextensible", Bool, Value("false"), "", "no stretch compliance"),
     key("rods.damping", NonNegative, Value("0.0"), "1/s", "of absolute linear and angular velocity"),
     key("rods.internal_damping", NonNegative, Absent("0"), "s", "Kelvin-Voigt"),
-    key("rods.sleep", Bool, Value("true"), "", "strands at rest sleep, once that is built"),
+    key("rods.sleep", Bool, Value("true"), "", "strands at rest that nothing pushes are left alone (error below 1e-4 of their length)"),
     key("camera", Table, Absent("its defaults"), "", "where pictures are taken from"),
     key("camera.eye", Vector, Absent("frames the hair"), "m", "where it stands; eye and target go together"),
     key("camera.target", Vector, Absent("frames the hair"), "m", "what it looks at"),

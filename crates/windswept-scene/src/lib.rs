@@ -18,6 +18,6 @@ mod warnings;
 mod write;
 
 pub use error::SceneError;
-pub use initial::{AirParticles, InitialState, Strands};
+pub use initial::{AirParticles, End, Ends, InitialState, Strands};
 pub use picture::*;
 pub use scene::*;

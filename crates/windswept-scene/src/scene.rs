@@ -311,6 +311,8 @@ pub struct Rods {
     pub integrator: Integrator,
     /// Sweeps of Gauss-Seidel.
     pub iterations: u32,
+    /// Newton steps of the direct solver, at most.
+    pub newton: u32,
     /// Zero stretch compliance.
     pub inextensible: bool,
     /// Damping of absolute linear and angular velocity \[1/s\].

@@ -44,6 +44,7 @@ impl Scene {
         text.pair("solver", self.rods.solver.word());
         text.pair("integrator", self.rods.integrator.word());
         text.count("iterations", self.rods.iterations);
+        text.count("newton", self.rods.newton);
         text.pair("inextensible", self.rods.inextensible);
         text.number("damping", self.rods.damping);
         text.pair("sleep", self.rods.sleep);

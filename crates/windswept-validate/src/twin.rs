@@ -96,7 +96,7 @@ pub(crate) fn step(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let scene = windswept_scene::Scene::parse(WHOLE)?;
     let initial = InitialState::new(&scene)?;
     let p = Parameters::new(&scene, &initial);
-    let mut state = State::new(&initial);
+    let mut state = State::new(&initial, p.step);
     let steps = 5;
     for _ in 0..steps {
         twin_step(&mut state, &p).map_err(|frozen| Error::Missing(format!("the twin froze: {frozen:?}")))?;

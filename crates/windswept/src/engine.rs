@@ -64,8 +64,9 @@ impl Engine {
         let orientations: Vec<_> = hair.orientations.iter().map(|&q| quat(q)).collect();
         let spins: Vec<_> = hair.angular_velocities.iter().map(|&w| vec4(w, 0.0)).collect();
         let inverse_mass: Vec<f32> = hair.inverse_mass.iter().map(|&w| w as f32).collect();
-        let moves = rods::largest_moves(hair);
-        let rest: Vec<_> = hair.positions.iter().map(local).zip(moves).map(|(x, far)| vec4(x, far)).collect();
+        let moves: Vec<f32> = rods::largest_moves(hair).iter().map(|far| *far as f32).collect();
+        let step = f64::from(self.params.step);
+        let roots = rods::roots(hair, initial.origin);
         self.write(&s.params, &[self.params])?;
         self.write(&s.status, &[Status::start()])?;
         self.write(&s.position, &positions)?;
@@ -75,8 +76,12 @@ impl Engine {
         self.write(&s.inverse_mass, &inverse_mass)?;
         self.write(&s.strands, &rods::strands(hair))?;
         self.write(&s.segments, &rods::segments(hair))?;
-        self.write(&s.rest_position, &rest)?;
-        self.write(&s.rest_orientation, &orientations)
+        self.write(&s.largest_move, &moves)?;
+        self.write(&s.health, &rods::healths(hair))?;
+        self.write(&s.point_history, &rods::point_histories(hair, initial.origin, step))?;
+        self.write(&s.segment_history, &rods::segment_histories(hair, step))?;
+        self.write(&s.clamps, &roots)?;
+        self.write(&s.root_targets, &roots)
     }
 
     /// The device.

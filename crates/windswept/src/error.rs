@@ -75,9 +75,9 @@ fn remedy(array: &str, fits: u64) -> String {
         "cell_count" | "cell_start" => {
             format!("about {fits} cells would fit: expected a larger air.kernel_radius or a smaller air.box")
         }
-        "strands" | "health" => format!("about {fits} strands would fit: expected fewer hair.strands"),
+        "strands" | "health" | "clamps" | "root_targets" | "rod_strands" => format!("about {fits} strands would fit: expected fewer hair.strands"),
         "band" => format!("about {fits} dispatches would fit: expected smaller or fewer turbulence.bands"),
-        "orientation" | "segments" | "multipliers" => {
+        "orientation" | "segments" | "segment_history" | "rod_segments" | "factors" => {
             format!("about {fits} segments would fit: expected fewer hair.points or hair.strands")
         }
         _ => format!(

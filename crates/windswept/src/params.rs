@@ -3,7 +3,7 @@
 use std::{f64::consts::PI, mem::offset_of};
 
 use bytemuck::{Pod, Zeroable};
-use windswept_scene::{InitialState, Law, Scene};
+use windswept_scene::{InitialState, Integrator, Law, Scene, Solver};
 use windswept_shaders::layout;
 
 use crate::{rods, state::Sizes};
@@ -54,6 +54,10 @@ pub struct Params {
     pub kinematic_viscosity: f32,
     pub lift: f32,
     pub published_law: u32,
+    pub direct_rods: u32,
+    pub bdf2: u32,
+    pub sleep: u32,
+    pub substeps: u32,
 }
 
 assert_layout!(Params {
@@ -87,6 +91,10 @@ assert_layout!(Params {
     kinematic_viscosity,
     lift,
     published_law,
+    direct_rods,
+    bdf2,
+    sleep,
+    substeps,
 });
 
 /// Fewest and most buckets for hair outside the box, powers of two.
@@ -130,6 +138,10 @@ impl Params {
             bad_strand_limit: BAD_STRANDS.max(strands / 100),
             lift: scene.lift as f32,
             published_law: u32::from(scene.turbulence.law == Law::Published),
+            direct_rods: u32::from(scene.rods.solver == Solver::Direct),
+            bdf2: u32::from(scene.rods.integrator == Integrator::Bdf2),
+            sleep: u32::from(scene.rods.sleep),
+            substeps: scene.time.substeps,
             ..Self::zeroed()
         };
         if let Some(air) = &scene.air {
@@ -169,6 +181,7 @@ impl Params {
             buckets: self.box_cells.saturating_add(self.hashed_cells),
             neighbours: self.neighbour_capacity,
             band_tasks: band_tasks as u32,
+            factors: if self.direct_rods != 0 { self.segments } else { 0 },
         }
     }
 }

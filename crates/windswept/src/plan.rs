@@ -1,6 +1,6 @@
 //! Which passes a scene needs, and why. Decided once, from the scene; `windswept plan` prints it.
 
-use windswept_scene::{InitialState, Law, Model, Scene, SceneError, ViscosityForm};
+use windswept_scene::{InitialState, Law, Model, Scene, SceneError, Solver, ViscosityForm};
 
 use crate::{
     bands::{Bands, invocations},
@@ -18,8 +18,16 @@ pub struct Plan {
     pub sizes: Sizes,
     /// Jacobi iterations of the density constraint.
     pub fluid_iterations: u32,
-    /// Dispatches that the rods' sweeps are cut into.
+    /// Dispatches that Gauss-Seidel's sweeps are cut into.
     pub rod_dispatches: u32,
+    /// Newton steps of the direct solver, at most.
+    pub newton_steps: u32,
+    /// Are rods solved by the direct solver?
+    pub direct: Decision,
+    /// Are rods solved by Gauss-Seidel?
+    pub gauss_seidel: Decision,
+    /// Does hair meet air particles?
+    pub hair_meets_air: Decision,
     /// Are there strands?
     pub hair: Decision,
     /// Are there air particles?
@@ -81,6 +89,7 @@ impl Plan {
             "neither density nor viscosity nor turbulence asks for neighbours",
         ));
         let fluid = air.and(Decision::when(solved, "fluid.iterations is 0"));
+        let direct = scene.rods.solver == Solver::Direct;
         let viscosity = air.and(Decision::when(viscous, "viscosity.hair and viscosity.air are 0"));
         let density_alone = viscosity.and(Decision::when(!solved, "the density constraint has it already"));
         let limiter = viscosity.and(limiter(scene, initial));
@@ -88,6 +97,10 @@ impl Plan {
             sizes,
             fluid_iterations: scene.fluid.iterations,
             rod_dispatches: scene.rods.iterations / rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
+            newton_steps: scene.rods.newton,
+            direct: hair.and(Decision::when(direct, "rods.solver is gauss-seidel")),
+            gauss_seidel: hair.and(Decision::when(!direct, "rods.solver is direct")),
+            hair_meets_air: hair.and(neighbours.clone()),
             hair,
             air,
             wind,

@@ -4,7 +4,7 @@ use std::mem::offset_of;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DQuat, DVec3};
-use windswept_scene::Strands;
+use windswept_scene::{End, Strands};
 use windswept_shaders::layout;
 
 use crate::params::assert_layout;
@@ -14,14 +14,30 @@ use crate::params::assert_layout;
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[allow(missing_docs)]
 pub(crate) struct Strand {
-    pub root_frame: [f32; 4],
     pub first_point: u32,
     pub first_segment: u32,
     pub points: u32,
-    pub _unused: u32,
+    pub joints: u32,
+    pub tip_frame: [f32; 4],
+    pub tip_rest_rotation: [f32; 4],
+    pub tip_compliance: [f32; 3],
+    pub length: f32,
 }
 
-assert_layout!(Strand { root_frame, first_point, first_segment, points });
+assert_layout!(Strand {
+    first_point,
+    first_segment,
+    points,
+    joints,
+    tip_frame,
+    tip_rest_rotation,
+    tip_compliance,
+    length
+});
+
+/// Bits of `joints`: `ROOT_JOINT` and `TIP_JOINT` of `shaders/common/rod.wgsl`.
+const ROOT_JOINT: u32 = 1;
+const TIP_JOINT: u32 = 2;
 
 /// `Segment`, field by field.
 #[repr(C)]
@@ -35,7 +51,8 @@ pub(crate) struct Segment {
     pub inverse_inertia: f32,
     pub radius: f32,
     pub fibres: f32,
-    pub _unused: [u32; 2],
+    pub point: u32,
+    pub _unused: u32,
 }
 
 assert_layout!(Segment {
@@ -45,8 +62,52 @@ assert_layout!(Segment {
     bend_compliance,
     inverse_inertia,
     radius,
-    fibres
+    fibres,
+    point
 });
+
+/// `Root`, field by field.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[allow(missing_docs)]
+pub(crate) struct Root {
+    pub position: [f32; 4],
+    pub frame: [f32; 4],
+}
+
+assert_layout!(Root { position, frame });
+
+/// `PointHistory`, field by field.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[allow(missing_docs)]
+pub(crate) struct PointHistory {
+    pub travel: [f32; 4],
+    pub velocity: [f32; 4],
+    pub remainder: [f32; 4],
+}
+
+assert_layout!(PointHistory { travel, velocity, remainder });
+
+/// `SegmentHistory`, field by field.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[allow(missing_docs)]
+pub(crate) struct SegmentHistory {
+    pub turn: [f32; 4],
+    pub angular_velocity: [f32; 4],
+    pub force: [f32; 4],
+    pub moment: [f32; 4],
+}
+
+assert_layout!(SegmentHistory { turn, angular_velocity, force, moment });
+
+/// `Health`, field by field: bad, strained, calm, still; as committed, and as found in a step.
+pub(crate) type Health = [[u32; 4]; 2];
+const _: () = assert!(size_of::<Health>() == layout::Health::SIZE);
+
+/// Of a strand at the start: BDF2 may begin.
+const CALM: u32 = 3;
 
 /// Rounds of the loops of one invocation of `rods/gauss_seidel`, at most: Mesa's software adapter ends the loops of an
 /// invocation after 65 535 rounds in all, without a word.
@@ -70,32 +131,77 @@ pub(crate) fn quat(q: DQuat) -> [f32; 4] {
 /// Per strand.
 #[must_use]
 pub(crate) fn strands(hair: &Strands) -> Vec<Strand> {
-    (0..hair.len())
-        .map(|s| Strand {
-            root_frame: quat(hair.root_frame[s]),
+    let strand = |s: usize| {
+        let ends = hair.ends(s);
+        let joint = |end, bit| if end == End::Clamped { bit } else { 0 };
+        Strand {
             first_point: hair.points(s).start as u32,
             first_segment: hair.segments(s).start as u32,
             points: hair.points(s).len() as u32,
-            _unused: 0,
-        })
-        .collect()
+            joints: joint(ends.root, ROOT_JOINT) | joint(ends.tip, TIP_JOINT),
+            tip_frame: quat(ends.tip_frame),
+            tip_rest_rotation: quat(ends.tip_rest_rotation),
+            tip_compliance: vec3(ends.tip_compliance),
+            length: hair.rest_length[hair.segments(s)].iter().sum::<f64>() as f32,
+        }
+    };
+    (0..hair.len()).map(strand).collect()
 }
 
 /// Per segment.
 #[must_use]
 pub(crate) fn segments(hair: &Strands) -> Vec<Segment> {
-    (0..hair.orientations.len())
-        .map(|k| Segment {
-            rest_rotation: quat(hair.rest_rotation[k]),
-            stretch_compliance: vec3(hair.stretch_compliance[k]),
-            rest_length: hair.rest_length[k] as f32,
-            bend_compliance: vec3(hair.bend_compliance[k]),
-            inverse_inertia: hair.inverse_inertia[k] as f32,
-            radius: hair.radius[k] as f32,
-            fibres: hair.fibres[k] as f32,
-            _unused: [0; 2],
-        })
-        .collect()
+    let points = (0..hair.len()).flat_map(|s| hair.points(s).take(hair.segments(s).len()));
+    let segment = |(k, point): (usize, usize)| Segment {
+        rest_rotation: quat(hair.rest_rotation[k]),
+        stretch_compliance: vec3(hair.stretch_compliance[k]),
+        rest_length: hair.rest_length[k] as f32,
+        bend_compliance: vec3(hair.bend_compliance[k]),
+        inverse_inertia: hair.inverse_inertia[k] as f32,
+        radius: hair.radius[k] as f32,
+        fibres: hair.fibres[k] as f32,
+        point: point as u32,
+        _unused: 0,
+    };
+    points.enumerate().map(segment).collect()
+}
+
+/// Per strand: where it is held. `origin` is that of the local coordinates \[m\].
+#[must_use]
+pub(crate) fn roots(hair: &Strands, origin: DVec3) -> Vec<Root> {
+    let root = |(x, frame): (DVec3, &DQuat)| Root { position: vec4(x - origin, 0.0), frame: quat(*frame) };
+    hair.roots().zip(&hair.root_frame).map(root).collect()
+}
+
+/// Per hair point: as if it had come with the velocity it has, a step of `step` \[s\] ago.
+#[must_use]
+pub(crate) fn point_histories(hair: &Strands, origin: DVec3, step: f64) -> Vec<PointHistory> {
+    let history = |(x, v): (&DVec3, &DVec3)| {
+        let local = *x - origin;
+        PointHistory {
+            travel: vec4(*v * step, 0.0),
+            velocity: vec4(*v, 0.0),
+            remainder: vec4(local - local.as_vec3().as_dvec3(), 0.0),
+        }
+    };
+    hair.positions.iter().zip(&hair.velocities).map(history).collect()
+}
+
+/// Per segment: the same, and no multipliers yet.
+#[must_use]
+pub(crate) fn segment_histories(hair: &Strands, step: f64) -> Vec<SegmentHistory> {
+    let history = |w: &DVec3| SegmentHistory {
+        turn: vec4(*w * step, 0.0),
+        angular_velocity: vec4(*w, 0.0),
+        ..SegmentHistory::zeroed()
+    };
+    hair.angular_velocities.iter().map(history).collect()
+}
+
+/// Per strand: sound and calm.
+#[must_use]
+pub(crate) fn healths(hair: &Strands) -> Vec<Health> {
+    vec![[[0, 0, CALM, 0]; 2]; hair.len()]
 }
 
 /// Sweeps of one dispatch: as many as divide `iterations` and keep the longest strand below [`ROUNDS`], at least 1.

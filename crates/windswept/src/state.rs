@@ -6,11 +6,12 @@
 use std::mem::size_of;
 
 use windswept_scene::{InitialState, Scene};
+use windswept_shaders::layout;
 
 use crate::{
     bands::{Band, Bands},
     params::Params,
-    rods::{Segment, Strand},
+    rods::{PointHistory, Root, Segment, SegmentHistory, Strand},
     status::Status,
 };
 
@@ -66,6 +67,8 @@ pub struct Sizes {
     pub neighbours: u32,
     /// Dispatches of the band filter.
     pub band_tasks: u32,
+    /// Blocks of the direct solver: segments, or none.
+    pub factors: u32,
 }
 
 impl Sizes {
@@ -144,8 +147,14 @@ state! {
     orientation: VEC4, |s| s.segments;
     /// Per segment \[rad/s\], world frame.
     angular_velocity: VEC4, |s| s.segments;
-    /// Per strand: to be reset (bit 0), steps of over-strain on end; as committed, and as this step found it.
-    health: 2 * WORD, |s| s.strands;
+    /// Per strand: not finite, over-strained, calm and still, steps on end; as committed, and as this step found it.
+    health: layout::Health::SIZE, |s| s.strands;
+    /// Per hair point: the last move \[m\], the velocity before \[m/s\], what rounding left off the position \[m\].
+    point_history: size_of::<PointHistory>(), |s| s.hair_points;
+    /// Per segment: the last turn \[rad\], the spin before \[rad/s\], the multipliers \[N m\].
+    segment_history: size_of::<SegmentHistory>(), |s| s.segments;
+    /// Per strand: where its root is and its ghost frame.
+    clamps: size_of::<Root>(), |s| s.strands;
 
     /// What confinement has given the air in the whole run \[kg m/s\].
     confinement_impulse: VEC4, |_| 1;
@@ -153,20 +162,20 @@ state! {
     // Constant.
     /// Per hair point \[1/kg\]; 0 where clamped.
     inverse_mass: WORD, |s| s.hair_points;
-    /// Per strand: root frame, first point and segment, points.
+    /// Per strand: first point and segment, points, length, how its ends are held.
     strands: size_of::<Strand>(), |s| s.strands;
     /// Per segment: rest shape and compliances.
     segments: size_of::<Segment>(), |s| s.segments;
-    /// Per hair point: xyz \[m\] of the initial shape, w: the largest move in a step \[m\].
-    rest_position: VEC4, |s| s.hair_points;
-    /// Per segment, of the initial shape.
-    rest_orientation: VEC4, |s| s.segments;
+    /// Per hair point: the largest move in a step \[m\].
+    largest_move: WORD, |s| s.hair_points;
+
+    // The host's, between steps.
+    /// Per strand: where its clamp goes in the next step, and stays.
+    root_targets: size_of::<Root>(), |s| s.strands;
 
     // Scratch: means something within a step only.
     /// Positions of this step, before they are committed \[m\], w: volume \[m³\].
     predicted: VEC4, |s| s.particles;
-    /// Orientations of this step.
-    predicted_orientation: VEC4, |s| s.segments;
     /// Velocities of this step \[m/s\].
     new_velocity: VEC4, |s| s.particles;
     /// After XSPH \[m/s\].
@@ -175,7 +184,7 @@ state! {
     wind_change: VEC4, |s| s.particles;
     /// What drag adds to hair in this step \[m/s\]; 0 inside the box where the air is particles.
     drag_change: VEC4, |s| s.hair_points;
-    /// What the density constraint moved air by in this step \[m\]; of hair it means nothing.
+    /// What the density constraint moved particles by in this step \[m\].
     correction: VEC4, |s| s.particles;
     /// The same, in this iteration \[m\].
     shift: VEC4, |s| s.particles;
@@ -185,8 +194,14 @@ state! {
     multiplier: WORD, |s| s.particles;
     /// S of the XSPH limiter.
     exchange: WORD, |s| s.particles;
-    /// Per segment: λ of stretch-shear and of the joint before it \[J\].
-    multipliers: 2 * VEC4, |s| s.segments;
+    /// Per strand: what its clamp does in this step, and whether it is solved.
+    rod_strands: layout::RodStrand::SIZE, |s| s.strands;
+    /// Per hair point: velocities, free move and move in this step.
+    rod_points: layout::RodPoint::SIZE, |s| s.hair_points;
+    /// Per segment: frames, spins, turns, forces in this step.
+    rod_segments: layout::RodSegment::SIZE, |s| s.segments;
+    /// Per segment: its block of the direct solver, eliminated. Empty for Gauss-Seidel.
+    factors: layout::Factor::SIZE, |s| s.factors;
 
     // Turbulence; empty without bands.
     /// In cell order: xyz \[m\], w: 1 for air, 0 for hair.

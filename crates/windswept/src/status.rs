@@ -14,8 +14,19 @@ pub const NON_FINITE_AIR: u32 = 2;
 /// Too many strands became non-finite in one step: the run ends.
 pub const TOO_MANY_BAD_STRANDS: u32 = 4;
 
-/// Names of the counters, in the order of `counted`; the keys of the report's `warnings`.
-pub const COUNTERS: [&str; 4] = ["strand_reset", "move_capped", "over_strained", "hair_outside_box"];
+/// Names of the counters, in the order of `counted`.
+pub const COUNTERS: [&str; 8] = [
+    "strand_reset",
+    "move_capped",
+    "over_strained",
+    "hair_outside_box",
+    "euler_steps",
+    "quiet_steps",
+    "asleep_steps",
+    "teleports",
+];
+/// So many of them, the first, are keys of the report's `warnings`; the others of its `strand_steps`.
+const WARNINGS: usize = 4;
 
 /// `Status`, field by field.
 #[repr(C)]
@@ -32,8 +43,8 @@ pub struct Status {
     pub max_stretch: u32,
     pub hair_outside: u32,
     pub outside_steps: u32,
-    pub counted: [u32; 4],
-    pub counting: [u32; 4],
+    pub counted: [u32; 8],
+    pub counting: [u32; 8],
 }
 
 assert_layout!(Status {
@@ -68,7 +79,7 @@ impl Status {
             bad_strands: 0,
             first_bad_strand: u32::MAX,
             hair_outside: 0,
-            counting: [0; 4],
+            counting: [0; 8],
             ..self
         }
     }
@@ -88,7 +99,17 @@ impl Status {
     /// What was counted, by cause; causes that never acted are left out.
     #[must_use]
     pub fn warnings(&self) -> BTreeMap<String, u64> {
-        let counted = COUNTERS.iter().zip(self.counted).filter(|(_, count)| *count > 0);
-        counted.map(|(cause, count)| ((*cause).to_owned(), u64::from(count))).collect()
+        self.named(0..WARNINGS).filter(|(_, count)| *count > 0).collect()
+    }
+
+    /// How many steps of strands went otherwise than by a solve of the integrator asked for, by how.
+    #[must_use]
+    pub fn strand_steps(&self) -> BTreeMap<String, u64> {
+        self.named(WARNINGS..COUNTERS.len()).collect()
+    }
+
+    fn named(&self, which: std::ops::Range<usize>) -> impl Iterator<Item = (String, u64)> {
+        let counted = self.counted;
+        which.map(move |i| (COUNTERS[i].to_owned(), u64::from(counted[i])))
     }
 }

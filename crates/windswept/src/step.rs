@@ -14,7 +14,7 @@ use crate::{plan::Plan, recorder::Recorder, state::State};
 
 /// Records one step.
 pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
-    drive::record(r, s, plan); //      1. Bad strands are reset; wind enters and drags, gravity pulls; predict positions.
+    drive::record(r, s, plan); //      1. Clamps move; wind enters and drags; air moves, and hair drifts among it.
     neighbours::record(r, s, plan); // 2. Sort particles into cells, list who is near whom.
     fluid::record(r, s, plan); //      3. Hair and air share one density constraint (eq. 1).
     rods::record(r, s, plan); //       4. Strands keep their length and shape.

@@ -42,6 +42,7 @@ impl Simulation {
             passes: self.pass_times(),
             skipped: self.skipped(),
             max_stretch: self.plan.hair.runs.then(|| self.last.max_stretch().into()),
+            strand_steps: self.plan.hair.runs.then(|| self.last.strand_steps()),
             density_error_rms: rms(&mut air_errors.clone()),
             over_density_rms: rms(&mut air_errors.map(|e| e.max(0.0))),
             momentum_kg_m_per_s: self.momentum(&velocities),

@@ -1,4 +1,4 @@
-//! 1. Bad strands are reset; wind enters, gravity pulls; predict positions.
+//! 1. Clamps move; wind enters and drags; air moves, and hair drifts among it.
 
 use windswept_shaders::{fluid, rods, wind};
 
@@ -10,20 +10,10 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     let n = &plan.sizes;
     r.when(&plan.hair, |r| {
         r.run(
-            &rods::RESET,
-            "bad strands go back to rest",
+            &rods::ROOTS,
+            "where clamps go",
             n.strands,
-            &[
-                &s.params,
-                &s.strands,
-                &s.health,
-                &s.rest_position,
-                &s.rest_orientation,
-                &s.position,
-                &s.velocity,
-                &s.orientation,
-                &s.angular_velocity,
-            ],
+            &[&s.params, &s.status, &s.strands, &s.root_targets, &s.clamps, &s.rod_strands],
         );
         r.when(&plan.drag, |r| {
             r.run(
@@ -42,27 +32,24 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
                 ],
             );
         });
-        r.run(
-            &rods::PREDICT,
-            "hair falls",
-            n.hair_points,
-            &[
-                &s.params,
-                &s.status,
-                &s.inverse_mass,
-                &s.position,
-                &s.velocity,
-                &s.rest_position,
-                &s.drag_change,
-                &s.predicted,
-            ],
-        );
-        r.run(
-            &rods::TURN,
-            "segments turn",
-            n.segments,
-            &[&s.params, &s.status, &s.orientation, &s.angular_velocity, &s.predicted_orientation, &s.multipliers],
-        );
+        r.when(&plan.hair_meets_air, |r| {
+            r.run(
+                &rods::DRIFT,
+                "hair drifts among air",
+                n.hair_points,
+                &[
+                    &s.params,
+                    &s.status,
+                    &s.inverse_mass,
+                    &s.position,
+                    &s.velocity,
+                    &s.largest_move,
+                    &s.drag_change,
+                    &s.predicted,
+                    &s.correction,
+                ],
+            );
+        });
     });
     r.when(&plan.wind, |r| {
         r.run(&wind::FRINGE, "wind enters", n.air(), &[&s.params, &s.status, &s.position, &s.velocity, &s.wind_change]);

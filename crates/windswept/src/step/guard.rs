@@ -23,7 +23,31 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
             &guard::COMMIT_FRAMES,
             "commit orientations",
             n.segments,
-            &[&s.params, &s.status, &s.predicted_orientation, &s.orientation, &s.angular_velocity],
+            &[
+                &s.params,
+                &s.status,
+                &s.rod_strands,
+                &s.rod_segments,
+                &s.orientation,
+                &s.angular_velocity,
+                &s.segment_history,
+                &s.clamps,
+            ],
+        );
+        r.run(
+            &guard::COMMIT_HAIR,
+            "commit what hair remembers",
+            n.hair_points,
+            &[
+                &s.params,
+                &s.status,
+                &s.position,
+                &s.predicted,
+                &s.new_velocity,
+                &velocity,
+                &s.rod_points,
+                &s.point_history,
+            ],
         );
     });
     r.run(

@@ -1,0 +1,31 @@
+// What hair points keep for the next step: their move, this step's first velocity with all that acted from outside since,
+// and what rounding leaves off the position. What was put somewhere starts anew.
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP}, integration::PUT, rod::{RodPoint, PointHistory}, place::placed,
+    status::frozen,
+};
+
+@group(0) @binding(2) var<storage, read>       position:       array<vec4f>;
+@group(0) @binding(3) var<storage, read>       predicted:      array<vec4f>;
+@group(0) @binding(4) var<storage, read>       new_velocity:   array<vec4f>;
+@group(0) @binding(5) var<storage, read>       final_velocity: array<vec4f>;
+@group(0) @binding(6) var<storage, read>       rod_points:     array<RodPoint>;
+@group(0) @binding(7) var<storage, read_write> point_history:  array<PointHistory>;
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let p = invocation(id, groups);
+    if p >= params.hair_points || frozen() { return; }
+    let point = rod_points[p];
+    let before = point_history[p].remainder;
+    let x = position[p].xyz;
+    let untouched = all(predicted[p].xyz == placed(x, before, point.travel));
+    let left = (x - predicted[p].xyz) + (point.travel + before);
+    let anew = point.step == PUT;
+    let last = final_velocity[p].xyz;
+    point_history[p] = PointHistory(
+        select(point.travel, params.step * last, anew),
+        select(point.before + last - new_velocity[p].xyz, last, anew),
+        select(vec3f(0.0), left, untouched && !anew),
+    );
+}

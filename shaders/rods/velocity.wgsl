@@ -1,0 +1,23 @@
+// Velocities of hair from the moves of its rods. What a contact added to a move is an impulse on top, as all that acts from
+// outside.
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP}, integration::rate, rod::{RodPoint, PointHistory}, place::placed,
+    status::frozen,
+};
+
+@group(0) @binding(2) var<storage, read>       position:      array<vec4f>;
+@group(0) @binding(3) var<storage, read>       point_history: array<PointHistory>;
+@group(0) @binding(4) var<storage, read>       predicted:     array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> rod_points:    array<RodPoint>;
+@group(0) @binding(6) var<storage, read_write> new_velocity:  array<vec4f>;
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let p = invocation(id, groups);
+    if p >= params.hair_points || frozen() { return; }
+    let point = rod_points[p];
+    let shift = predicted[p].xyz - placed(position[p].xyz, point_history[p].remainder, point.travel);
+    let contact = shift / params.step;
+    rod_points[p].before = point.velocity + contact;
+    new_velocity[p] = vec4f(rate(point.travel, point.carried, point.step) + contact, 0.0);
+}
