@@ -105,9 +105,7 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     // Reserved, or asked for by name and not built.
     ("length = 0.1", "length = 0.1\nfile = \"a.npz\"", 8, "hair.file", &["not in this version"]),
     ("[air]", "[[hair.motion]]\ntime = 1\n[air]", 11, "hair.motion", &["not in this version"]),
-    ("[air]", "[rods]\nsolver = \"direct\"\n[air]", 12, "rods.solver", &["direct: not in this version"]),
-    ("[air]", "[rods]\nintegrator = \"bdf2\"\n[air]", 12, "rods.integrator", &["bdf2: not in this version"]),
-    ("[air]", "[rods]\nsleep = true\n[air]", 12, "rods.sleep", &["true: not in this version"]),
+    ("[air]", "[rods]\nnewton = 0\n[air]", 12, "rods.newton", &["at least 1, at most 100"]),
     ("[air]", "[rods]\ninternal_damping = 0.1\n[air]", 12, "rods.internal_damping", &["not in this version"]),
     ("[air]", "[turbulence]\nnormalise = true\n[air]", 12, "turbulence.normalise", &["true: not in this version"]),
     // Eddies and drag.
@@ -232,7 +230,7 @@ fn the_guilty_assignment_is_named() {
         ("hair..radius=3", "expected a dotted key"),
         ("hair.length=[1,", "[1, is not a TOML value"),
         ("title=it's", "it's is not a TOML value"),
-        ("rods.solver=direct", "not in this version"),
+        ("rods.internal_damping=0.1", "not in this version"),
         ("method=exact", "one of \"accurate\", \"published\""),
         ("hair.nobody.radius=1e-5", "hair.nobody: unknown key"),
         ("hair.5.radius=1e-5", "hair.5: unknown key"),

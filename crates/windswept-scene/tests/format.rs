@@ -112,7 +112,7 @@ fn explain_lists_every_key_with_type_unit_default_and_help() {
         }
     }
     for (key, words) in [
-        ("rods.solver", "\"gauss-seidel\" (published); now \"gauss-seidel\"; not in this version: direct"),
+        ("rods.solver", "\"direct\" (accurate), \"gauss-seidel\" (published)"),
         ("air.margin", "not in this version"),
         ("[body]", "not in this version"),
         ("time.step", "a number greater than 0 [s]; needed"),
@@ -152,8 +152,7 @@ fn what_a_file_leaves_out_has_its_default() {
     assert_eq!((scene.turbulence.bands.len(), scene.turbulence.speed), (0, 5.0));
     assert_eq!((scene.viscosity.hair, scene.viscosity.air), (1.4, 0.014));
     assert_eq!((scene.rods.iterations, scene.rods.damping, scene.rods.inextensible), (10, 0.0, false));
-    // Not built: strands do not sleep, whatever the default says.
-    assert!(!scene.rods.sleep);
+    assert_eq!((scene.rods.newton, scene.rods.sleep), (4, true));
     assert_eq!(scene.camera, Camera { look_at: None, fov: 26.0, width: 960, height: 540 });
 }
 
@@ -163,11 +162,11 @@ fn method_sets_six_defaults_and_a_spelled_key_wins() {
         let (turbulence, rods) = (scene.turbulence, scene.rods);
         (rods.solver, rods.integrator, turbulence.law, turbulence.filter, turbulence.cutoff, scene.viscosity.form)
     };
-    // Of the accurate ones, solver, integrator and filter are the best that is built.
-    let (rods, built) = (Solver::GaussSeidel, (Law::Band, Filter::Direct, 4.5));
-    assert_eq!(six(scene(LEAST, &[])), (rods, Integrator::Euler, built.0, built.1, built.2, ViscosityForm::Limited));
+    // Of the accurate ones, the filter is the best that is built.
+    let (rods, built) = (Solver::Direct, (Law::Band, Filter::Direct, 4.5));
+    assert_eq!(six(scene(LEAST, &[])), (rods, Integrator::Bdf2, built.0, built.1, built.2, ViscosityForm::Limited));
     let published = six(scene(LEAST, &["method=published"]));
-    assert_eq!(published, (rods, Integrator::Euler, Law::Published, Filter::Direct, 3.0, ViscosityForm::Published));
+    assert_eq!(published, (Solver::GaussSeidel, Integrator::Euler, Law::Published, Filter::Direct, 3.0, ViscosityForm::Published));
     let spelled = scene(LEAST, &["method=published", "viscosity.form=limited"]);
     assert_eq!(spelled.viscosity.form, ViscosityForm::Limited);
     // And nothing else.
