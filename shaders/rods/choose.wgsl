@@ -163,9 +163,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     found.bad = 0u;
     rod_strands[s].tip_moment = vec3f(0.0);
     if bad {
+        found.calm = 0u;
         put_at_rest(strand, rod);
         rod_strands[s].state = SOLVED;
     } else if rod.state == TELEPORTED {
+        found.calm = 0u;
         put_as_it_is(strand, rod);
         count(TELEPORT);
     } else if rod.state == ASLEEP && found.still >= STILL && !pushed(strand) {

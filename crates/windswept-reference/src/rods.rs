@@ -221,9 +221,13 @@ pub fn choose(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut D
     let pushed = m.points[points.clone()].iter().any(|point| point.change.length() > STILL_ACCELERATION * p.step);
     if s.bad[strand] {
         s.bad[strand] = false;
+        s.calm[strand] = 0;
         put_at_rest(&s.hair, strand, drive, m);
         drive.state = State::Solved;
         return Choice::default();
+    }
+    if drive.state == State::Teleported {
+        s.calm[strand] = 0;
     }
     if drive.state == State::Teleported || drive.state == State::Asleep && s.still[strand] >= STILL && !pushed {
         put_as_it_is(&s.hair, strand, drive, m);

@@ -88,7 +88,8 @@ impl State {
             moment: vec![DVec3::ZERO; hair.orientations.len()],
             root_targets: clamps.clone(),
             clamps,
-            calm: vec![crate::rods::CALM; hair.len()],
+            // One step of Euler, then BDF2: there is no acceleration to carry on before.
+            calm: vec![1; hair.len()],
             still: vec![0; hair.len()],
             euler_steps: 0,
             quiet_steps: 0,

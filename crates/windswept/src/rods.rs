@@ -106,8 +106,8 @@ assert_layout!(SegmentHistory { turn, angular_velocity, force, moment });
 pub(crate) type Health = [[u32; 4]; 2];
 const _: () = assert!(size_of::<Health>() == layout::Health::SIZE);
 
-/// Of a strand at the start: BDF2 may begin.
-const CALM: u32 = 3;
+/// Of a strand at the start: one step of Euler, then BDF2. It has no acceleration to carry on before.
+const CALM: u32 = 1;
 
 /// Rounds of the loops of one invocation of `rods/gauss_seidel`, at most: Mesa's software adapter ends the loops of an
 /// invocation after 65 535 rounds in all, without a word.
@@ -198,7 +198,7 @@ pub(crate) fn segment_histories(hair: &Strands, step: f64) -> Vec<SegmentHistory
     hair.angular_velocities.iter().map(history).collect()
 }
 
-/// Per strand: sound and calm.
+/// Per strand: sound.
 #[must_use]
 pub(crate) fn healths(hair: &Strands) -> Vec<Health> {
     vec![[[0, 0, CALM, 0]; 2]; hair.len()]
