@@ -7,7 +7,7 @@
 // follow is capped and counted.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent},
-    integration::{PUT, bdf2_step, free_move}, rest::STILL_ACCELERATION,
+    integration::{PUT, bdf2_step, free_move}, rest::{STILL_ACCELERATION, STILL_TIME, STILL_STEPS},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP},
     status::{frozen, count, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT},
 };
@@ -21,7 +21,6 @@ import package::common::{
 
 const TORN: f32 = 0.1;    // |C| of stretch-shear
 const CALM: u32 = 3u;     // steps
-const STILL: u32 = 50u;   // steps at rest before a strand sleeps
 
 fn put_point(p: u32, travel: vec3f) {
     rod_points[p].travel = travel;
@@ -61,6 +60,10 @@ fn put_at_rest(strand: Strand, rod: RodStrand) {
         put_segment(j, frame);
         put_point(strand.first_point + k + 1u, rod.root_travel + rest - offset);
     }
+}
+
+fn rested(steps: u32) -> bool {
+    return steps >= STILL_STEPS && f32(steps) * params.step >= STILL_TIME;
 }
 
 fn pushed(strand: Strand) -> bool {
@@ -170,7 +173,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         found.calm = 0u;
         put_as_it_is(strand, rod);
         count(TELEPORT);
-    } else if rod.state == ASLEEP && found.still >= STILL && !pushed(strand) {
+    } else if rod.state == ASLEEP && rested(found.still) && !pushed(strand) {
         put_as_it_is(strand, rod);
         count(ASLEEP_STEP);
     } else {

@@ -35,13 +35,13 @@ fn hold(strand: Strand) {
     }
 }
 
-// Slow, and getting neither faster nor pushed.
+// Slow, and not pushed.
 fn still(strand: Strand) -> bool {
     for (var k = 0u; k < strand.points; k++) {
         let point = rod_points[strand.first_point + k];
         let v = rate(point.travel, point.carried, point.step);
-        let push = max(length(v - point.velocity), length(point.change));
-        if length(v) > STILL_SPEED * strand.length || push > STILL_ACCELERATION * params.step { return false; }
+        let fast = length(v) > STILL_SPEED * strand.length;
+        if fast || length(point.change) > STILL_ACCELERATION * params.step { return false; }
     }
     return true;
 }

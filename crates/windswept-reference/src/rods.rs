@@ -20,8 +20,10 @@ pub const STRAINED_STEPS: u32 = 50;
 pub const TORN: f64 = 0.1;
 /// Steps on end without it, until BDF2 may go on.
 pub const CALM: u32 = 3;
-/// Steps at rest before a strand sleeps.
-pub const STILL: u32 = 50;
+/// So long at rest a strand falls asleep \[s\], and so many steps.
+pub const STILL_TIME: f64 = 0.07;
+/// See [`STILL_TIME`].
+pub const STILL_STEPS: u32 = 10;
 /// Pushed by less than this it stays at rest \[m/s²\].
 pub const STILL_ACCELERATION: f64 = 1e-3;
 /// Slower than this many of its lengths a second it is at rest \[1/s\].
@@ -226,10 +228,11 @@ pub fn choose(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut D
         drive.state = State::Solved;
         return Choice::default();
     }
+    let rested = s.still[strand] >= STILL_STEPS && f64::from(s.still[strand]) * p.step >= STILL_TIME;
     if drive.state == State::Teleported {
         s.calm[strand] = 0;
     }
-    if drive.state == State::Teleported || drive.state == State::Asleep && s.still[strand] >= STILL && !pushed {
+    if drive.state == State::Teleported || drive.state == State::Asleep && rested && !pushed {
         put_as_it_is(&s.hair, strand, drive, m);
         return Choice::default();
     }
@@ -386,14 +389,13 @@ pub fn hold(hair: &Strands, s: usize, m: &mut Moving) {
     }
 }
 
-/// Whether a strand is slow, and gets neither faster nor pushed.
+/// Whether a strand is slow, and not pushed.
 #[must_use]
 pub fn still(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
     let length: f64 = hair.rest_length[hair.segments(s)].iter().sum();
     m.points[hair.points(s)].iter().all(|point| {
         let v = rate(p, point.travel, point.carried, point.step);
-        let push = (v - point.velocity).length().max(point.change.length());
-        v.length() <= STILL_SPEED * length && push <= STILL_ACCELERATION * p.step
+        v.length() <= STILL_SPEED * length && point.change.length() <= STILL_ACCELERATION * p.step
     })
 }
 
