@@ -60,11 +60,13 @@ impl Reader<'_> {
                 damping: self.number("rods.damping")?,
                 sleep: self.flag("rods.sleep")? && !Key::not_built("rods.sleep", "true"),
             },
+            bodies: self.bodies()?,
             camera: self.camera()?,
             picture: self.picture()?,
             time,
             air,
         };
+        self.check_bodies(&scene)?;
         self.check_picture(&scene)?;
         Ok(scene)
     }
@@ -276,6 +278,7 @@ impl Reader<'_> {
             point_mass: self.maybe_number(&at("point_mass"))?,
             curl,
             roots: self.roots(&at("roots"))?,
+            motion: self.motion(&at("motion"))?,
         })
     }
 
