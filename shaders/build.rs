@@ -18,11 +18,11 @@ use naga::{
 };
 
 /// One folder a heading; `common` holds what they import.
-const FOLDERS: [&str; 6] = ["grid", "fluid", "turbulence", "rods", "wind", "guard"];
+const FOLDERS: [&str; 7] = ["grid", "fluid", "turbulence", "rods", "wind", "contact", "guard"];
 /// WebGPU's default: storage buffers that one stage may bind.
 const STORAGE_BUFFERS: usize = 8;
 /// Structs shared with Rust, which asserts their layout.
-const SHARED: [&str; 5] = ["Params", "Status", "Strand", "Segment", "Band"];
+const SHARED: [&str; 8] = ["Params", "Status", "Strand", "Segment", "Band", "Keyframe", "Body", "Placed"];
 
 /// Per struct: size, and fields with their offsets [bytes].
 type Layouts = BTreeMap<String, (u32, Vec<(String, u32)>)>;

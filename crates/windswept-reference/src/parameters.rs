@@ -3,7 +3,10 @@
 use glam::{DVec3, IVec3};
 use windswept_scene::{Band, InitialState, Law, Model, Scene, ViscosityForm};
 
-use crate::sph_kernels::spiky_slope;
+use crate::{
+    contact::{self, Body},
+    sph_kernels::spiky_slope,
+};
 
 /// The scene's numbers, per engine step (substeps divided out).
 #[derive(Debug, Clone, PartialEq)]
@@ -58,6 +61,8 @@ pub struct Parameters {
     pub rod_iterations: u32,
     /// \[1/s\]
     pub damping: f64,
+    /// What hair and air stay out of.
+    pub bodies: Vec<Body>,
     /// Hair points: particles below this index are hair.
     pub hair_points: usize,
 }
@@ -103,6 +108,7 @@ impl Parameters {
             limited: scene.viscosity.form == ViscosityForm::Limited,
             rod_iterations: scene.rods.iterations,
             damping: scene.rods.damping,
+            bodies: contact::bodies(scene, initial),
             hair_points: initial.hair.positions.len(),
         }
     }

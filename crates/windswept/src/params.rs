@@ -158,9 +158,9 @@ impl Params {
         params
     }
 
-    /// The sizes of the buffers, with uniforms for so many dispatches of the band filter.
+    /// The sizes of the buffers that the uniform tells of.
     #[must_use]
-    pub(crate) fn sizes(&self, band_tasks: usize) -> Sizes {
+    pub(crate) fn sizes(&self) -> Sizes {
         Sizes {
             particles: self.particles,
             hair_points: self.hair_points,
@@ -168,7 +168,7 @@ impl Params {
             strands: self.strands,
             buckets: self.box_cells.saturating_add(self.hashed_cells),
             neighbours: self.neighbour_capacity,
-            band_tasks: band_tasks as u32,
+            ..Sizes::default()
         }
     }
 }

@@ -6,9 +6,12 @@
 use std::mem::size_of;
 
 use windswept_scene::{InitialState, Scene};
+use windswept_shaders::layout;
 
 use crate::{
     bands::{Band, Bands},
+    bodies::Body,
+    motion::{Keyframe, Motions},
     params::Params,
     rods::{Segment, Strand},
     status::Status,
@@ -66,6 +69,10 @@ pub struct Sizes {
     pub neighbours: u32,
     /// Dispatches of the band filter.
     pub band_tasks: u32,
+    /// Keyframes of all that moves.
+    pub keyframes: u32,
+    /// Bodies.
+    pub bodies: u32,
 }
 
 impl Sizes {
@@ -73,7 +80,12 @@ impl Sizes {
     #[must_use]
     pub fn of(scene: &Scene, initial: &InitialState) -> Self {
         let params = Params::new(scene, initial, 0);
-        params.sizes(Bands::new(scene, initial, &params).tasks.len())
+        Self {
+            band_tasks: Bands::new(scene, initial, &params).tasks.len() as u32,
+            keyframes: Motions::new(scene).keyframes.len() as u32,
+            bodies: scene.bodies.len() as u32,
+            ..params.sizes()
+        }
     }
 
     /// Air particles.
@@ -161,6 +173,10 @@ state! {
     rest_position: VEC4, |s| s.hair_points;
     /// Per segment, of the initial shape.
     rest_orientation: VEC4, |s| s.segments;
+    /// Of all that moves, motion by motion.
+    keyframes: size_of::<Keyframe>(), |s| s.keyframes;
+    /// Unmoved: axis, radius, friction, keyframes.
+    bodies: size_of::<Body>(), |s| s.bodies;
 
     // Scratch: means something within a step only.
     /// Positions of this step, before they are committed \[m\], w: volume \[m³\].
@@ -187,6 +203,10 @@ state! {
     exchange: WORD, |s| s.particles;
     /// Per segment: λ of stretch-shear and of the joint before it \[J\].
     multipliers: 2 * VEC4, |s| s.segments;
+    /// Per body: where it is after this step, and how it got there.
+    placed: layout::Placed::SIZE, |s| s.bodies;
+    /// Per strand: 1 if a body pushed any of its points in this step. Means something from heading 5 on.
+    touched: WORD, |s| s.strands;
 
     // Turbulence; empty without bands.
     /// In cell order: xyz \[m\], w: 1 for air, 0 for hair.
