@@ -1,5 +1,5 @@
-// Air flows around bodies: what is inside goes to the nearest point of the surface, and flows into it no longer; along
-// it air slips freely.
+// Air flows around bodies: what is nearer than its own parcel allows, half a spacing, goes out by the nearest way and flows
+// toward the surface no longer; along it air slips freely.
 //
 // The push itself is no velocity: air that a density correction or a turning body has left inside would be shot out.
 import package::common::{
@@ -12,6 +12,7 @@ import package::common::{
 @group(0) @binding(5) var<storage, read_write> new_velocity: array<vec4f>;
 
 const ROUNDS: u32 = 2u;
+const CLEARANCE: f32 = 0.5;   // particle spacings
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -20,12 +21,14 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var x = predicted[i].xyz;
     let corrected = correction[i].xyz / params.step;
     var v = new_velocity[i].xyz + corrected;
+    let clearance = CLEARANCE * pow(params.air_volume, 1.0 / 3.0);
     let bodies = arrayLength(&placed);
     for (var k = 0u; k < ROUNDS * bodies; k++) {
         let body = placed[k % bodies];
         let near = surface(body, x);
-        if near.distance >= 0.0 { continue; }
-        x -= near.distance * near.normal;
+        let gap = near.distance - clearance;
+        if gap >= 0.0 { continue; }
+        x -= gap * near.normal;
         let into = dot(near.normal, v - surface_move(body, x) / params.step);
         v -= min(into, 0.0) * near.normal;
     }

@@ -139,17 +139,18 @@ pub fn hair(p: &Parameters, placed: &[Placed], position: DVec3, predicted: DVec3
     touched.then_some(x)
 }
 
-/// Position and velocity of an air particle that would be at `x` with velocity `v`: out of the bodies by the nearest way,
-/// and not into them; along them it slips.
+/// Position and velocity of an air particle that would be at `x` with velocity `v`: half a spacing from the bodies by the
+/// nearest way, and not toward them; along them it slips.
 #[must_use]
 pub fn air(p: &Parameters, placed: &[Placed], mut x: DVec3, mut v: DVec3) -> (DVec3, DVec3) {
     for Placed { body, before, after } in (0..ROUNDS).flat_map(|_| placed) {
         let y = after.back(x);
         let (distance, normal) = body.surface(y);
-        if distance < 0.0 {
-            let surface = y - distance * normal;
-            x = after.out(surface);
-            let (normal, moves) = (after.rotation * normal, (x - before.out(surface)) / p.step);
+        let short = 0.5 * p.air_volume.cbrt() - distance;
+        if short > 0.0 {
+            let beside = y + short * normal;
+            x = after.out(beside);
+            let (normal, moves) = (after.rotation * normal, (x - before.out(beside)) / p.step);
             v += (-(v - moves).dot(normal)).max(0.0) * normal;
         }
     }

@@ -29,6 +29,8 @@ pub struct Parameters {
     pub air: bool,
     /// How hair and air meet.
     pub model: Model,
+    /// V of an air particle \[m³\].
+    pub air_volume: f64,
     /// ρ0 \[kg/m³\].
     pub rest_density: f64,
     /// ν of the drag model \[m²/s\].
@@ -88,6 +90,7 @@ impl Parameters {
             kernel_radius,
             air: particles,
             model: scene.model,
+            air_volume: initial.air.volume,
             rest_density: air.map_or(0.0, |air| air.rest_density),
             kinematic_viscosity: air.map_or(0.0, |air| air.kinematic_viscosity),
             lift: scene.lift,
