@@ -18,13 +18,13 @@ use naga::{
 };
 
 /// One folder a heading; `common` holds what they import.
-const FOLDERS: [&str; 6] = ["grid", "fluid", "turbulence", "rods", "wind", "guard"];
+const FOLDERS: [&str; 7] = ["grid", "fluid", "turbulence", "rods", "wind", "contact", "guard"];
 /// WebGPU's default: storage buffers that one stage may bind.
 const STORAGE_BUFFERS: usize = 8;
 /// Structs shared with Rust, which asserts their layout.
-const SHARED: [&str; 13] = [
+const SHARED: [&str; 16] = [
     "Params", "Status", "Strand", "Segment", "Band", "Root", "Health", "RodStrand", "RodPoint", "RodSegment", "PointHistory",
-    "SegmentHistory", "Factor",
+    "SegmentHistory", "Factor", "Keyframe", "Body", "Placed",
 ];
 
 /// Per struct: size, and fields with their offsets [bytes].

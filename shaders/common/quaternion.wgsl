@@ -26,20 +26,31 @@ fn matrix(q: vec4f) -> mat3x3f {
     return mat3x3f(rotate(q, vec3f(1.0, 0.0, 0.0)), rotate(q, vec3f(0.0, 1.0, 0.0)), tangent(q));
 }
 
-// The rotation by |angle| about `angle` [rad].
-fn rotation(angle: vec3f) -> vec4f {
-    let half_angle = 0.5 * length(angle);
-    // sin(x)/x is 1 to rounding below 1e-4.
-    let ratio = select(1.0, sin(half_angle) / half_angle, half_angle > 1e-4);
-    return vec4f(0.5 * ratio * angle, cos(half_angle));
+// The rotation by |turn| about `turn` [rad], half a turn at most: what is longer is cut. WGSL's own sin and cos may be off
+// by 2^-11.
+fn rotation(turn: vec3f) -> vec4f {
+    let size = length(turn);
+    let v = select(turn, turn * (PI / size), size > PI);
+    let s = -0.25 * dot(v, v);
+    // cos x and sin x / x of half the angle, s = -x^2 above -2.5: the next terms are below 1e-8.
+    let cosine = 1.0 + s / 2.0 * (1.0 + s / 12.0 * (1.0 + s / 30.0 * (1.0 + s / 56.0 * (1.0 + s / 90.0 * (1.0 + s / 132.0)))));
+    let sine = 1.0 + s / 6.0 * (1.0 + s / 20.0 * (1.0 + s / 42.0 * (1.0 + s / 72.0 * (1.0 + s / 110.0 * (1.0 + s / 156.0)))));
+    return vec4f(0.5 * sine * v, cosine);
 }
 
-// Its rotation vector, at most pi long [rad].
+const PI: f32 = 3.14159265;
+
+// Its rotation vector, half a turn at most [rad]. The angle is halved thrice; of what is left the arcsine's series is good
+// to 1e-8. WGSL's own atan2 may be off by 4096 ulp.
 fn rotation_vector(q: vec4f) -> vec3f {
-    let up = select(-q, q, q.w >= 0.0);
-    let sine = length(up.xyz);
-    let ratio = select(1.0, atan2(sine, up.w) / sine, sine > 1e-4);
-    return 2.0 * ratio * up.xyz;
+    var part = select(-q, q, q.w >= 0.0);
+    for (var k = 0; k < 3; k++) {
+        let cosine = sqrt(0.5 + 0.5 * part.w);
+        part = vec4f(part.xyz / (2.0 * cosine), cosine);
+    }
+    let s = dot(part.xyz, part.xyz);
+    let arc = 1.0 + s / 6.0 * (1.0 + s * 9.0 / 20.0 * (1.0 + s * 25.0 / 42.0 * (1.0 + s * 49.0 / 72.0)));
+    return 16.0 * arc * part.xyz;
 }
 
 // q turned by the small rotation vector `angle` [rad], in world axes.

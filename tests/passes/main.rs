@@ -4,6 +4,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod contact;
 mod fluid;
 mod grid;
 mod guard;

@@ -102,7 +102,14 @@ fn step_of_both(stage: &mut Stage, bounds: &Bounds) -> Vec<Difference> {
     }
 
     stage.run(step::contact::record);
-    twin::contact();
+    twin::contact(&s, &mut w, &p);
+    if plan.bodies.runs {
+        let got = stage.vectors(&state.predicted);
+        found.push(("contact/hair", apart(&got[..hair], &w.predicted[..hair]), bounds.length));
+        found.push(("contact/air", places(stage, &got, &w.predicted), bounds.length));
+        let touched: Vec<u32> = stage.engine.read(&state.touched).unwrap();
+        assert_eq!(touched.iter().map(|&bit| bit == 1).collect::<Vec<_>>(), w.touched);
+    }
 
     stage.run(step::velocity::record);
     twin::velocity(&s, &mut w, &p);
@@ -202,6 +209,9 @@ fn ten_steps_are_those_of_the_twin() {
         &["interaction.model=none"],
         &["interaction.model=drag", "interaction.lift=1.0", "air.ramp=0.0"],
         &["hair.strands=1"],
+        &[
+            "body=[{name='a',center=[0.06,0.03,0.03],radius=0.012,motion=[{time=0,rotation=[0,1,2]},{time=0.01,translation=[0,0.003,0],rotation=[0,0,3]}]},{name='b',shape='capsule',start=[0.03,0.01,0.02],end=[0.05,0.01,0.05],radius=0.008}]",
+        ],
     ] {
         ten_steps(sets, &BOUNDS).unwrap_or_else(|said| panic!("{sets:?}: {said}"));
     }

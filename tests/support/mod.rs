@@ -78,6 +78,7 @@ pub fn scene() -> Scene {
             damping: 0.0,
             sleep: false,
         },
+        bodies: Vec::new(),
         camera: Camera { look_at: None, fov: 26.0, width: 960, height: 540 },
         picture: Picture { hairs: 20_000, air: AirPicture::None },
     }

@@ -3,6 +3,7 @@
 //! Written from the equations, with other data structures than the engine's (no sort, no cells, no cut-off grid), so that
 //! the two cannot share a mistake. Pure functions over slices; [`step::step`] puts them in order.
 
+pub mod contact;
 pub mod fluid;
 pub mod grid;
 pub mod guard;

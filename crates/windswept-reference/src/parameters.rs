@@ -3,7 +3,10 @@
 use glam::{DVec3, IVec3};
 use windswept_scene::{Band, InitialState, Integrator, Law, Model, Scene, Solver, ViscosityForm};
 
-use crate::sph_kernels::spiky_slope;
+use crate::{
+    contact::{self, Body},
+    sph_kernels::spiky_slope,
+};
 
 /// The scene's numbers, per engine step (substeps divided out).
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +29,8 @@ pub struct Parameters {
     pub air: bool,
     /// How hair and air meet.
     pub model: Model,
+    /// V of an air particle \[m³\].
+    pub air_volume: f64,
     /// ρ0 \[kg/m³\].
     pub rest_density: f64,
     /// ν of the drag model \[m²/s\].
@@ -68,6 +73,8 @@ pub struct Parameters {
     pub substeps: u32,
     /// \[1/s\]
     pub damping: f64,
+    /// What hair and air stay out of.
+    pub bodies: Vec<Body>,
     /// Hair points: particles below this index are hair.
     pub hair_points: usize,
 }
@@ -93,6 +100,7 @@ impl Parameters {
             kernel_radius,
             air: particles,
             model: scene.model,
+            air_volume: initial.air.volume,
             rest_density: air.map_or(0.0, |air| air.rest_density),
             kinematic_viscosity: air.map_or(0.0, |air| air.kinematic_viscosity),
             lift: scene.lift,
@@ -118,6 +126,7 @@ impl Parameters {
             sleep: scene.rods.sleep,
             substeps: scene.time.substeps,
             damping: scene.rods.damping,
+            bodies: contact::bodies(scene, initial),
             hair_points: initial.hair.positions.len(),
         }
     }

@@ -155,7 +155,7 @@ pub fn roots(p: &Parameters, s: &state::State, strand: usize) -> Drive {
         let state = if p.sleep { State::Asleep } else { State::Free };
         return Drive { root_frame: held.1, root_turn: DQuat::IDENTITY, state, ..Drive::default() };
     }
-    let root_turn = DQuat::from_scaled_axis(part * rotation_vector(goal.1 * held.1.conjugate()));
+    let root_turn = rotation(part * rotation_vector(goal.1 * held.1.conjugate()));
     Drive {
         root_travel: part * way,
         root_turn,
@@ -251,7 +251,7 @@ pub fn choose(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut D
         segments.clone().map(|k| lead(m.segments[k].angular_velocity, m.segments[k].before)).collect();
     let tear = (0..led_turn.len()).map(|k| {
         let segment = &m.segments[segments.start + k];
-        let tangent = DQuat::from_scaled_axis(led_turn[k]) * segment.start * DVec3::Z;
+        let tangent = rotation(led_turn[k]) * segment.start * DVec3::Z;
         ((segment.chord + led[k + 1] - led[k]) / s.hair.rest_length[segments.start + k] - tangent).length()
     });
     let torn = tear.fold(0.0, f64::max) >= TORN;
@@ -287,7 +287,7 @@ pub fn choose(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut D
         segment.step = h;
         segment.free = free_move(p, segment.angular_velocity, segment.before, segment.carried, DVec3::ZERO, h);
         segment.turn = if ahead { led_turn[k] } else { segment.free };
-        segment.frame = (DQuat::from_scaled_axis(segment.turn) * segment.start).normalize();
+        segment.frame = (rotation(segment.turn) * segment.start).normalize();
         segment.force = if ahead { segment.frame * segment.force } else { DVec3::ZERO };
         segment.moment = if ahead { segment.moment } else { DVec3::ZERO };
     }
@@ -335,6 +335,12 @@ fn put_frame(segment: &mut Segment, frame: DQuat) {
 pub fn turned(q: DQuat, angle: DVec3) -> DQuat {
     let spin = DQuat::from_xyzw(angle.x, angle.y, angle.z, 0.0);
     (q + spin * q * 0.5).normalize()
+}
+
+/// The rotation by |turn| about `turn` \[rad\], half a turn at most.
+#[must_use]
+pub fn rotation(turn: DVec3) -> DQuat {
+    DQuat::from_scaled_axis(turn.clamp_length_max(std::f64::consts::PI))
 }
 
 /// The rotation vector of q, at most π long \[rad\].

@@ -4,7 +4,7 @@ use glam::DVec3;
 use windswept_scene::Law;
 
 use crate::{
-    Parameters, State, fluid, grid,
+    Parameters, State, contact, fluid, grid,
     guard::{self, Frozen},
     rods, turbulence, wind,
 };
@@ -19,7 +19,7 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     neighbours(&mut w, p); //            2. List who is near whom.
     fluid(&s, &mut w, p); //           3. Hair and air share one density constraint (eq. 1).
     rods(&mut s, &mut w, p); //       4. Strands keep their length and shape.
-    contact(); //                        5. Nothing enters a body.
+    contact(&s, &mut w, p); //         5. Nothing enters a body.
     velocity(&s, &mut w, p); //          6. Velocities from positions.
     turbulence(&mut s, &mut w, p); //    7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
     viscosity(&s, &mut w, p); //         8. Neighbours share velocity (eqs. 7, 8).
@@ -53,6 +53,8 @@ pub struct Scratch {
     pub density: Vec<f64>,
     /// What the density constraint moved particles by \[m\].
     pub correction: Vec<DVec3>,
+    /// Per strand: a body pushed a point of it.
+    pub touched: Vec<bool>,
     /// û of the last band \[m/s\].
     pub band_velocity: Vec<DVec3>,
     /// ω of the last band \[1/s\].
@@ -169,8 +171,25 @@ pub fn finish(s: &mut State, w: &mut Scratch, p: &Parameters) {
     }
 }
 
-/// 5. Nothing enters a body: there are none yet.
-pub fn contact() {}
+/// 5. Nothing enters a body.
+pub fn contact(s: &State, w: &mut Scratch, p: &Parameters) {
+    w.touched = vec![false; s.hair.len()];
+    let placed = contact::place(p, s.steps);
+    for strand in 0..s.hair.len() {
+        for point in s.hair.points(strand).filter(|&point| s.inverse_mass[point] > 0.0) {
+            if let Some(x) = contact::hair(p, &placed, s.position[point], w.predicted[point]) {
+                w.predicted[point] = x;
+                w.touched[strand] = true;
+            }
+        }
+    }
+    for i in p.hair_points..w.predicted.len() {
+        // Heading 6 adds what the density constraint gave.
+        let given = w.correction[i] / p.step;
+        let (x, v) = contact::air(p, &placed, w.predicted[i], w.new_velocity[i] + given);
+        (w.predicted[i], w.new_velocity[i]) = (x, v - given);
+    }
+}
 
 /// 6. Velocities from positions.
 pub fn velocity(s: &State, w: &mut Scratch, p: &Parameters) {

@@ -3,12 +3,16 @@
 use glam::DVec3;
 
 use crate::{
+    body::Capsule,
     initial::{AirParticles, Strands},
-    scene::{Air, Bounds},
+    scene::{Air, Bounds, Model, Scene},
 };
 
 /// Air nearer than this to a hair point, in particle spacings, is left out: a sphere of one particle's volume.
 const CLEARANCE: f64 = 0.62;
+
+/// A lattice cell that the surface of a body cuts is counted in so many parts along each axis.
+const PARTS: usize = 6;
 
 /// Part of the box that hair to be blown in may take, at most.
 const LARGEST_SHARE: f64 = 0.5;
@@ -38,9 +42,18 @@ impl Air {
     }
 }
 
-/// Fills the box: a simple cubic lattice with the hair's own parcels left out, and a volume that makes the box's mean
-/// density exact once all hair streams in it: strands that hang out of it at the start are blown in.
-pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands) -> AirParticles {
+impl Scene {
+    /// Air and the box that its particles fill; `None` without particles.
+    pub(crate) fn filled(&self) -> Option<(&Air, Bounds)> {
+        let air = self.air.as_ref().filter(|_| self.model == Model::Particles)?;
+        Some((air, air.bounds?))
+    }
+}
+
+/// Fills the box: a simple cubic lattice with the hair's own parcels and the bodies left out, and a volume that makes the
+/// mean density of what bodies leave of the box exact once all hair streams in it: strands that hang out of it at the start
+/// are blown in.
+pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands, bodies: &[Capsule]) -> AirParticles {
     let min = DVec3::from_array(bounds.min);
     let size = DVec3::from_array(bounds.max) - min;
     let spacing = air.parcel().cbrt();
@@ -75,13 +88,16 @@ pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands) -> AirPartic
 
     let wind = DVec3::from_array(air.wind_at(0.0));
     let mut positions = Vec::with_capacity(taken.len());
+    let mut room = 0.0;
     for (index, taken) in taken.iter().enumerate() {
-        if !taken {
-            let site = DVec3::new((index % nx) as f64, (index / nx % ny) as f64, (index / nx / ny) as f64);
-            positions.push(min + pitch * (site + 0.5));
+        let site = DVec3::new((index % nx) as f64, (index / nx % ny) as f64, (index / nx / ny) as f64);
+        let x = min + pitch * (site + 0.5);
+        room += outside(bodies, x, pitch);
+        if !taken && bodies.iter().all(|body| body.distance(x) >= 0.0) {
+            positions.push(x);
         }
     }
-    let whole = size.element_product();
+    let whole = room * pitch.element_product();
     let all = hair.volume.iter().sum::<f64>();
     let hair = inside.max(all.min(LARGEST_SHARE * whole));
     let volume = if positions.is_empty() { 0.0 } else { (whole - hair) / positions.len() as f64 };
@@ -93,4 +109,18 @@ pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands) -> AirPartic
         volume,
         mass: air.rest_density * volume,
     }
+}
+
+/// The part of a lattice cell about `center` that is in no body.
+fn outside(bodies: &[Capsule], center: DVec3, cell: DVec3) -> f64 {
+    let deepest = bodies.iter().map(|body| body.distance(center)).fold(f64::INFINITY, f64::min);
+    let reach = 0.5 * cell.length();
+    if deepest.abs() >= reach {
+        return if deepest > 0.0 { 1.0 } else { 0.0 };
+    }
+    // The surface passes through: count.
+    let seat = |k: usize| DVec3::new((k % PARTS) as f64, (k / PARTS % PARTS) as f64, (k / PARTS / PARTS) as f64);
+    let parts = (0..PARTS.pow(3)).map(|k| center + cell * ((seat(k) + 0.5) / PARTS as f64 - 0.5));
+    let free = parts.filter(|x| bodies.iter().all(|body| body.distance(*x) >= 0.0)).count();
+    free as f64 / PARTS.pow(3) as f64
 }

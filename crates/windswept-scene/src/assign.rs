@@ -79,13 +79,13 @@ fn assign(table: &mut dyn TableLike, path: &[&str], value: Value) -> Option<()> 
     }
 }
 
-/// Whether `table`, of the key `key`, has this name; a group of hair without one has the default.
+/// Whether `table`, of the key `key`, has this name; hair or a body without one has the default.
 fn is_named(key: &str, table: &dyn TableLike, name: &str) -> bool {
     match table.get("name") {
         Some(own) => own.as_str() == Some(name),
         None => {
-            let default = Key::find("hair.name").and_then(|key| key.default_of(true));
-            key == "hair" && default.is_some_and(|default| default.trim_matches('"') == name)
+            let default = Key::find(&format!("{key}.name")).and_then(|key| key.default_of(true));
+            default.is_some_and(|default| default.trim_matches('"') == name)
         }
     }
 }

@@ -61,11 +61,13 @@ impl Reader<'_> {
                 newton: self.count("rods.newton")?,
                 sleep: self.flag("rods.sleep")?,
             },
+            bodies: self.bodies()?,
             camera: self.camera()?,
             picture: self.picture()?,
             time,
             air,
         };
+        self.check_bodies(&scene)?;
         self.check_picture(&scene)?;
         Ok(scene)
     }
@@ -277,6 +279,7 @@ impl Reader<'_> {
             point_mass: self.maybe_number(&at("point_mass"))?,
             curl,
             roots: self.roots(&at("roots"))?,
+            motion: self.motion(&at("motion"))?,
         })
     }
 

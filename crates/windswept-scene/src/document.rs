@@ -53,10 +53,8 @@ impl Document {
 
     /// The error with its key as the user spells it.
     pub(crate) fn shown(&self, error: SceneError) -> SceneError {
-        match self.entries.get("hair") {
-            Some(Entry { datum: Datum::Tables(1), .. }) => error.of_lone_group(),
-            _ => error,
-        }
+        let lone = |key: &&str| matches!(self.entries.get(*key), Some(Entry { datum: Datum::Tables(1), .. }));
+        ["hair", "body"].into_iter().filter(lone).fold(error, SceneError::of_lone)
     }
 
     /// Checks the keys of a table; `path` is without indices, `real` with them.

@@ -31,10 +31,10 @@ impl SceneError {
         self
     }
 
-    /// Of a lone group, `hair.0.length` is `hair.length`.
-    pub(crate) fn of_lone_group(mut self) -> Self {
-        if let Some(rest) = self.0.key.as_deref().and_then(|key| key.strip_prefix("hair.0")) {
-            self.0.key = Some(format!("hair{rest}"));
+    /// Of a lone table, `hair.0.length` is `hair.length`.
+    pub(crate) fn of_lone(mut self, table: &str) -> Self {
+        if let Some(rest) = self.0.key.as_deref().and_then(|key| key.strip_prefix(&format!("{table}.0"))) {
+            self.0.key = Some(format!("{table}{rest}"));
         }
         self
     }

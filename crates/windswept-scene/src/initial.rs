@@ -2,13 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::{
-    air,
-    error::SceneError,
-    groom,
-    scene::{Model, Scene},
-    warnings,
-};
+use crate::{air, body::Capsule, error::SceneError, groom, scene::Scene, warnings};
 
 /// Everything a run starts from. Points are in strand order, root to tip.
 ///
@@ -284,33 +278,58 @@ impl InitialState {
     /// The state at t = 0 of a scene: strands in their rest shape, air on its lattice.
     ///
     /// # Errors
-    /// [`SceneError`] when the scene has neither hair nor air, when hair fills the box of air, and when a strand's masses
-    /// or compliances are beyond what `f32` holds. It has a key but no line: a scene may have been made in code.
+    /// [`SceneError`] when the scene has neither hair nor air, when hair fills the box of air, when a root is deep inside a
+    /// body, and when a strand's masses or compliances are beyond what `f32` holds. It has a key but no line: a scene may
+    /// have been made in code.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let mut warnings = Vec::new();
         let (parcel, radius) =
             scene.air.as_ref().map_or((PARCEL, KERNEL_RADIUS), |air| (air.parcel(), air.kernel_radius));
         let hair = groom::strands(scene, parcel, radius, &mut warnings);
         hair.representable(scene)?;
-        let filled = match &scene.air {
-            Some(air) if scene.model == Model::Particles => air.bounds.map(|bounds| (air, bounds)),
-            _ => None,
-        };
+        let bodies: Vec<Capsule> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
+        rooted_outside(scene, &hair, &bodies)?;
+        warnings.extend(warnings::of_bodies(&hair, &bodies));
+        let filled = scene.filled();
         if hair.is_empty() && filled.is_none() {
             return Err(SceneError::new("is missing: the scene has neither hair nor air particles").at("hair", None));
         }
         let mut state = Self { hair, warnings, ..Self::default() };
         if let Some((air, bounds)) = filled {
-            state.air = air::particles(air, &bounds, &state.hair);
+            state.air = air::particles(air, &bounds, &state.hair, &bodies);
             state.origin = state.air.min;
             if state.air.positions.is_empty() || state.air.volume <= 0.0 {
-                return Err(SceneError::new("hair fills the whole box: expected room for air").at("air.box", None));
+                return Err(
+                    SceneError::new("hair and bodies fill the whole box: expected room for air").at("air.box", None)
+                );
             }
             state.warnings.extend(warnings::of_air(scene, air, &state.air));
             state.warnings.extend(warnings::of_hair(&state.hair, &state.air, air.wind()));
+            state.warnings.extend(warnings::of_blocked(air, &bounds, &bodies));
         } else {
             state.origin = state.hair.roots().sum::<DVec3>() / state.hair.len() as f64;
         }
         Ok(state)
     }
+}
+
+/// A root may be this part of a body's radius below its surface.
+const DEEPEST_ROOT: f64 = 0.1;
+
+/// Whether every strand can leave the bodies that it grows on.
+fn rooted_outside(scene: &Scene, hair: &Strands, bodies: &[Capsule]) -> Result<(), SceneError> {
+    for (strand, root) in hair.roots().enumerate() {
+        for (body, capsule) in scene.bodies.iter().zip(bodies) {
+            let (depth, most) = (-capsule.distance(root), DEEPEST_ROOT * capsule.radius);
+            if depth > most * (1.0 + 1e-9) {
+                let group = &scene.hair[hair.group[strand] as usize].name;
+                let words = format!(
+                    "strand {strand} is rooted {depth:.2e} m inside body \"{}\"; expected at most a tenth of its radius, {most:.2e} m",
+                    body.name
+                );
+                return Err(SceneError::new(words).at(format!("hair.{group}.roots"), None));
+            }
+        }
+    }
+    Ok(())
 }

@@ -4,6 +4,7 @@
 
 mod air;
 mod assign;
+mod body;
 mod build;
 mod document;
 mod error;
@@ -11,13 +12,16 @@ mod groom;
 mod initial;
 pub mod keys;
 mod load;
+mod motion;
 mod picture;
 mod reader;
 mod scene;
 mod warnings;
 mod write;
 
+pub use body::{Body, Capsule, Shape};
 pub use error::SceneError;
 pub use initial::{AirParticles, End, Ends, InitialState, Strands};
+pub use motion::{Keyframe, Motion};
 pub use picture::*;
 pub use scene::*;

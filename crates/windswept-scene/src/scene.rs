@@ -1,6 +1,10 @@
 //! A checked scene: every key has its value, every value is in range, SI throughout.
 
-use crate::picture::{AirPicture, Camera, Picture};
+use crate::{
+    body::Body,
+    motion::Motion,
+    picture::{AirPicture, Camera, Picture},
+};
 
 /// A whole scene, checked. Made by [`Scene::parse`] or [`Scene::load`]. Two are equal when they mean the same, however
 /// their texts spell it.
@@ -34,6 +38,8 @@ pub struct Scene {
     pub viscosity: Viscosity,
     /// Cosserat rods.
     pub rods: Rods,
+    /// What hair and air stay out of.
+    pub bodies: Vec<Body>,
     /// Where pictures are taken from.
     pub camera: Camera,
     /// What pictures show.
@@ -58,6 +64,7 @@ impl PartialEq for Scene {
             turbulence,
             viscosity,
             rods,
+            bodies,
             camera,
             picture,
         } = self;
@@ -65,7 +72,7 @@ impl PartialEq for Scene {
             == (&other.title, &other.method, &other.gravity, &other.seed, &other.time, &other.hair, &other.air)
             && (model, lift, fluid, turbulence, viscosity, rods)
                 == (&other.model, &other.lift, &other.fluid, &other.turbulence, &other.viscosity, &other.rods)
-            && (camera, picture) == (&other.camera, &other.picture)
+            && (bodies, camera, picture) == (&other.bodies, &other.camera, &other.picture)
     }
 }
 
@@ -120,6 +127,8 @@ pub struct Hair {
     pub curl: Option<Curl>,
     /// Where the strands are rooted.
     pub roots: Roots,
+    /// How the roots move, about the centre of their shape.
+    pub motion: Motion,
 }
 
 /// What bends, twists and stretches a strand back.

@@ -3,14 +3,18 @@
 use glam::DVec3;
 
 use crate::{
+    body::{Capsule, blocked},
     initial::{AirParticles, Strands},
-    scene::{Air, Scene},
+    scene::{Air, Bounds, Scene},
 };
 
 /// Kernel radii in particle spacings between which the density constraint was tried; the paper's is 1.92.
 const TRIED: std::ops::RangeInclusive<f64> = 1.5..=3.0;
 /// Eddies below this, in particle spacings, are passed at the particles' Nyquist wave number with a gain above 7.5 %.
 const SMALLEST_EDDY: f64 = 1.03;
+
+/// Part of the box's cross-section that bodies may block without a word.
+const MOST_BLOCKED: f64 = 0.3;
 
 /// Warnings about step, wind, particles and bands.
 pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<String> {
@@ -71,6 +75,30 @@ pub(crate) fn of_hair(hair: &Strands, air: &AirParticles, wind: DVec3) -> Vec<St
         if across && part > 0.5 {
             warnings.push(format!(
                 "the roots span {:.0} % of the box in {name}: the air beside the hair is sped up",
+                100.0 * part
+            ));
+        }
+    }
+    warnings
+}
+
+/// Warnings about hair that starts inside bodies: by more than a thousandth of their radius, which is no rounding.
+pub(crate) fn of_bodies(hair: &Strands, bodies: &[Capsule]) -> Vec<String> {
+    let inside = |x: &DVec3| bodies.iter().any(|body| body.distance(*x) < -1e-3 * body.radius);
+    match hair.positions.iter().filter(|x| inside(x)).count() {
+        0 => Vec::new(),
+        n => vec![format!("{n} of {} hair points start inside bodies, which push them out", hair.positions.len())],
+    }
+}
+
+/// Warnings about bodies that the wind must pass.
+pub(crate) fn of_blocked(air: &Air, bounds: &Bounds, bodies: &[Capsule]) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        let part = if bodies.is_empty() || air.wind[axis] == 0.0 { 0.0 } else { blocked(bodies, bounds, axis) };
+        if part > MOST_BLOCKED {
+            warnings.push(format!(
+                "bodies block {:.0} % of the box across {name}: the air beside them is sped up",
                 100.0 * part
             ));
         }

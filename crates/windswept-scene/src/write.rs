@@ -4,7 +4,12 @@ use std::fmt::Write as _;
 
 use toml_edit::Value;
 
-use crate::{keys::Key, scene::*};
+use crate::{
+    body::{Body, Shape},
+    keys::Key,
+    motion::Motion,
+    scene::*,
+};
 
 impl Scene {
     /// The scene as TOML with every key resolved, as it stands: [`Scene::parse`] of it is an equal scene.
@@ -48,6 +53,9 @@ impl Scene {
         text.pair("inextensible", self.rods.inextensible);
         text.number("damping", self.rods.damping);
         text.pair("sleep", self.rods.sleep);
+        for body in &self.bodies {
+            text.body(body);
+        }
         text.heading("[camera]", "camera");
         if let Some(look_at) = self.camera.look_at {
             text.vector("eye", look_at.eye);
@@ -151,6 +159,35 @@ impl Writer {
         self.vector("direction", hair.roots.direction);
         if hair.roots.normal != hair.roots.direction {
             self.vector("normal", hair.roots.normal);
+        }
+        self.motion("hair.motion", &hair.motion);
+    }
+
+    fn body(&mut self, body: &Body) {
+        self.heading("[[body]]", "body");
+        self.pair("name", body.name.as_str());
+        self.pair("shape", body.shape.word());
+        match body.shape {
+            Shape::Sphere { center, radius } => {
+                self.vector("center", center);
+                self.number("radius", radius);
+            }
+            Shape::Capsule { start, end, radius } => {
+                self.vector("start", start);
+                self.vector("end", end);
+                self.number("radius", radius);
+            }
+        }
+        self.number("friction", body.friction);
+        self.motion("body.motion", &body.motion);
+    }
+
+    fn motion(&mut self, path: &'static str, motion: &Motion) {
+        for keyframe in motion.keyframes.iter().filter(|_| !Key::not_built(path, "")) {
+            self.heading(&format!("[[{path}]]"), path);
+            self.number("time", keyframe.time);
+            self.vector("translation", keyframe.translation);
+            self.vector("rotation", keyframe.rotation);
         }
     }
 

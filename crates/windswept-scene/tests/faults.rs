@@ -120,7 +120,21 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[turbulence]\nfilter = \"grid\"\n[air]", 12, "turbulence.filter", &["grid: not in this version"]),
     ("[air]", "[air]\nmargin = 0.1", 12, "air.margin", &["not in this version"]),
     ("[air]", "[[air.gust]]\n[air]", 11, "air.gust", &["not in this version"]),
-    ("[air]", "[[body]]\n[air]", 11, "body", &["not in this version"]),
+    // Bodies and their motion.
+    ("[air]", "[[body]]\n[air]", 11, "body.radius", &["is missing: expected a length"]),
+    ("[air]", "[[body]]\nradius = 0.02\n[air]", 11, "body.center", &["is missing: shape \"sphere\" has center"]),
+    ("[air]", "[[body]]\nshape = \"cube\"\n[air]", 12, "body.shape", &["one of \"sphere\", \"capsule\", found \"cube\""]),
+    ("[air]", "[[body]]\nradius = 0\n[air]", 12, "body.radius", &["greater than 0"]),
+    ("[air]", "[[body]]\nradius = 0.02\nshape = \"capsule\"\ncenter = [0, 0, 0]\n[air]", 14, "body.center", &["no center with shape \"capsule\", which has start and end"]),
+    ("[air]", "[[body]]\nradius = 0.02\ncenter = [0, 0, 0]\nend = [0, 0, 1]\n[air]", 14, "body.end", &["no end with shape \"sphere\""]),
+    ("[air]", "[[body]]\nradius = 0.02\nshape = \"capsule\"\nend = [0, 0, 1]\n[air]", 11, "body.start", &["is missing: shape \"capsule\" has start and end"]),
+    ("[air]", "[[body]]\nradius = 0.02\nshape = \"capsule\"\nstart = [0, 0, 1]\nend = [0, 0, 1]\n[air]", 15, "body.end", &["same point as start", "shape \"sphere\""]),
+    ("[air]", "[[body]]\nradius = 0.02\ncenter = [0, 0, 0]\nfriction = -1\n[air]", 14, "body.friction", &["at least 0"]),
+    ("[air]", "[[body]]\nradius = 0.06\ncenter = [0.05, 0.05, 0.05]\n[air]", 11, "body", &["block 96 % of air.box across x"]),
+    ("[air]", "[[body]]\nradius = 0.01\ncenter = [0, 0, 0]\nmotion = [{ time = -1 }]\n[air]", 14, "body.motion.0.time", &["at least 0 [s]"]),
+    ("[air]", "[[body]]\nradius = 0.01\ncenter = [0, 0, 0]\n[[body.motion]]\n[air]", 14, "body.motion.0.time", &["is missing"]),
+    ("[air]", "[[body]]\nradius = 0.01\ncenter = [0, 0, 0]\nmotion = [{ time = 1 }, { time = 1 }]\n[air]", 14, "body.motion.1.time", &["after that of the keyframe before, 1 s; found 1"]),
+    ("[air]", "[[body]]\nradius = 0.01\ncenter = [0, 0, 0]\n[[body.motion]]\ntime = 0\n[[body.motion]]\ntime = 1\nrotation = [0, 3.2, 0]\n[air]", 18, "body.motion.1.rotation", &["by 3.2000 rad", "less than half a turn"]),
 ];
 
 #[test]

@@ -114,7 +114,7 @@ fn explain_lists_every_key_with_type_unit_default_and_help() {
     for (key, words) in [
         ("rods.solver", "\"direct\" (accurate), \"gauss-seidel\" (published)"),
         ("air.margin", "not in this version"),
-        ("[body]", "not in this version"),
+        ("[hair.motion]", "not in this version"),
         ("time.step", "a number greater than 0 [s]; needed"),
     ] {
         let line = text.lines().find(|line| line.starts_with(key)).unwrap();
@@ -125,7 +125,8 @@ fn explain_lists_every_key_with_type_unit_default_and_help() {
 /// Every default of the table is a value that the key takes.
 #[test]
 fn defaults_can_be_spelled() {
-    for key in KEYS.iter().filter(|key| !key.path.starts_with("hair.") && !key.path.contains("bands.")) {
+    let elsewhere = ["hair.", "body.", "turbulence.bands."];
+    for key in KEYS.iter().filter(|key| !elsewhere.iter().any(|table| key.path.starts_with(table))) {
         for default in [true, false].into_iter().filter_map(|accurate| key.default_of(accurate)) {
             if !Key::not_built(key.path, default.trim_matches('"')) {
                 scene(QUICK, &[&format!("{}={default}", key.path)]);
@@ -196,6 +197,11 @@ fn a_scene_written_out_is_the_same_scene() {
          roots = {{ center = [0.1, 0.2, 0.3], radius = 0.01, shape = \"sphere_cap\", direction = [1.0, 2.0, -0.3] }}\n",
         LEAST.replace("[hair]", "[[hair]]"),
     );
+    let bodies = format!(
+        "{LEAST}\n[[body]]\nradius = 0.01\ncenter = [0.05, 0.05, 0.05]\n[[body.motion]]\ntime = 0.5\ntranslation = [0, 0.1, 0]\n\
+         [[body.motion]]\ntime = 0.75\nrotation = [0, 0.1, -3.0]\n\
+         [[body]]\nname = \"neck\"\nshape = \"capsule\"\nradius = 0.01\nstart = [0.05, 0, 0.05]\nend = [0.05, 0.03, 0.05]\nfriction = 0\n"
+    );
     let camera = ["camera.eye=[1,2,3]", "camera.target=[0,0,0.1]", "camera.fov=40"];
     for (text, sets) in [
         (QUICK, &[][..]),
@@ -206,6 +212,7 @@ fn a_scene_written_out_is_the_same_scene() {
         (QUICK, &["title=\"two\\nlines\"", "seed=4294967295", "viscosity.hair=0.1"][..]),
         (QUICK, &["camera.width=1920"]),
         (&groups, &camera),
+        (&bodies, &["body.neck.friction=0.5"]),
     ] {
         let scene = scene(text, sets);
         let written = scene.to_toml();

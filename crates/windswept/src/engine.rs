@@ -6,8 +6,10 @@ use windswept_scene::{InitialState, Scene, SceneError};
 
 use crate::{
     bands::Bands,
+    bodies,
     error::{GpuError, RunError},
     gpu::{Gpu, Memory, Profile, Program, wgpu},
+    motion::Motions,
     params::{MOST_BUCKETS, Params},
     recorder::{Recorder, Recording},
     rods::{self, quat, vec4},
@@ -26,7 +28,7 @@ const GROWTH: f64 = 1.25;
 pub struct Engine {
     gpu: Gpu,
     params: Params,
-    band_tasks: usize,
+    sizes: Sizes,
     state: State,
     memory: Memory,
 }
@@ -40,17 +42,18 @@ impl Engine {
     pub fn new(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Self, GpuError> {
         let mut params = Params::new(scene, initial, 0);
         params.neighbour_capacity = first_capacity(gpu.largest_binding(), &params);
-        let cells = params.sizes(0).buckets;
-        if cells > MOST_BUCKETS {
-            return Err(GpuError::TooManyCells { cells, most: MOST_BUCKETS });
+        let sizes = Sizes { neighbours: params.neighbour_capacity, ..Sizes::of(scene, initial) };
+        if sizes.buckets > MOST_BUCKETS {
+            return Err(GpuError::TooManyCells { cells: sizes.buckets, most: MOST_BUCKETS });
         }
-        let bands = Bands::new(scene, initial, &params);
-        let band_tasks = bands.tasks.len();
-        let state = State::new(&params.sizes(band_tasks));
+        let state = State::new(&sizes);
         let memory = Memory::new(gpu, &state)?;
-        let engine = Self { gpu: gpu.clone(), params, band_tasks, state, memory };
+        let engine = Self { gpu: gpu.clone(), params, sizes, state, memory };
         engine.write_initial(initial)?;
-        engine.write(&engine.state.band, &bands.tasks)?;
+        engine.write(&engine.state.band, &Bands::new(scene, initial, &params).tasks)?;
+        let motions = Motions::new(scene);
+        engine.write(&engine.state.keyframes, &motions.keyframes)?;
+        engine.write(&engine.state.bodies, &bodies::bodies(scene, initial, &motions))?;
         Ok(engine)
     }
 
@@ -93,7 +96,7 @@ impl Engine {
     /// Counts of everything.
     #[must_use]
     pub fn sizes(&self) -> Sizes {
-        self.params.sizes(self.band_tasks)
+        self.sizes
     }
 
     /// The buffers' descriptions.
@@ -254,7 +257,8 @@ impl Engine {
     /// [`GpuError`] when the adapter has no room.
     pub fn grow_neighbours(&mut self, capacity: u32) -> Result<(), GpuError> {
         self.params.neighbour_capacity = capacity;
-        self.state = State::new(&self.sizes());
+        self.sizes.neighbours = capacity;
+        self.state = State::new(&self.sizes);
         let list = self.state.neighbour_list.clone();
         self.memory.reallocate(&self.gpu, &list)?;
         self.write(&self.state.params, &[self.params])

@@ -75,7 +75,10 @@ fn remedy(array: &str, fits: u64) -> String {
         "cell_count" | "cell_start" => {
             format!("about {fits} cells would fit: expected a larger air.kernel_radius or a smaller air.box")
         }
-        "strands" | "health" | "clamps" | "root_targets" | "rod_strands" => format!("about {fits} strands would fit: expected fewer hair.strands"),
+        "keyframes" => format!("about {fits} keyframes would fit: expected fewer"),
+        "strands" | "health" | "clamps" | "root_targets" | "rod_strands" | "touched" => {
+            format!("about {fits} strands would fit: expected fewer hair.strands")
+        }
         "band" => format!("about {fits} dispatches would fit: expected smaller or fewer turbulence.bands"),
         "orientation" | "segments" | "segment_history" | "rod_segments" | "factors" => {
             format!("about {fits} segments would fit: expected fewer hair.points or hair.strands")

@@ -5,10 +5,12 @@
 //! [`Report`]. `step.rs` reads as the step, top to bottom; [`ops`] runs single passes of it on arrays of the caller's own.
 
 mod bands;
+mod bodies;
 mod engine;
 pub mod error;
 pub mod frame;
 pub mod gpu;
+pub mod motion;
 pub mod ops;
 pub mod params;
 pub mod plan;

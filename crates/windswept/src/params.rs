@@ -170,9 +170,9 @@ impl Params {
         params
     }
 
-    /// The sizes of the buffers, with uniforms for so many dispatches of the band filter.
+    /// The sizes of the buffers that the uniform tells of.
     #[must_use]
-    pub(crate) fn sizes(&self, band_tasks: usize) -> Sizes {
+    pub(crate) fn sizes(&self) -> Sizes {
         Sizes {
             particles: self.particles,
             hair_points: self.hair_points,
@@ -180,8 +180,8 @@ impl Params {
             strands: self.strands,
             buckets: self.box_cells.saturating_add(self.hashed_cells),
             neighbours: self.neighbour_capacity,
-            band_tasks: band_tasks as u32,
             factors: if self.direct_rods != 0 { self.segments } else { 0 },
+            ..Sizes::default()
         }
     }
 }

@@ -52,6 +52,8 @@ pub struct Plan {
     pub viscosity: Decision,
     /// Can XSPH overshoot?
     pub limiter: Decision,
+    /// Is there a body to stay out of?
+    pub bodies: Decision,
 }
 
 /// A band of eddies: whether it is strengthened, and the dispatches of its filter.
@@ -113,6 +115,7 @@ impl Plan {
             bands,
             viscosity,
             limiter,
+            bodies: Decision::when(sizes.bodies > 0, "the scene has no bodies"),
         }
     }
 

@@ -10,6 +10,8 @@ use windswept_shaders::layout;
 
 use crate::{
     bands::{Band, Bands},
+    bodies::Body,
+    motion::{Keyframe, Motions},
     params::Params,
     rods::{PointHistory, Root, Segment, SegmentHistory, Strand},
     status::Status,
@@ -69,6 +71,10 @@ pub struct Sizes {
     pub band_tasks: u32,
     /// Blocks of the direct solver: segments, or none.
     pub factors: u32,
+    /// Keyframes of all that moves.
+    pub keyframes: u32,
+    /// Bodies.
+    pub bodies: u32,
 }
 
 impl Sizes {
@@ -76,7 +82,12 @@ impl Sizes {
     #[must_use]
     pub fn of(scene: &Scene, initial: &InitialState) -> Self {
         let params = Params::new(scene, initial, 0);
-        params.sizes(Bands::new(scene, initial, &params).tasks.len())
+        Self {
+            band_tasks: Bands::new(scene, initial, &params).tasks.len() as u32,
+            keyframes: Motions::new(scene).keyframes.len() as u32,
+            bodies: scene.bodies.len() as u32,
+            ..params.sizes()
+        }
     }
 
     /// Air particles.
@@ -168,6 +179,10 @@ state! {
     segments: size_of::<Segment>(), |s| s.segments;
     /// Per hair point: the largest move in a step \[m\].
     largest_move: WORD, |s| s.hair_points;
+    /// Of all that moves, motion by motion.
+    keyframes: size_of::<Keyframe>(), |s| s.keyframes;
+    /// Unmoved: axis, radius, friction, keyframes.
+    bodies: size_of::<Body>(), |s| s.bodies;
 
     // The host's, between steps.
     /// Per strand: where its clamp goes in the next step, and stays.
@@ -202,6 +217,10 @@ state! {
     rod_segments: layout::RodSegment::SIZE, |s| s.segments;
     /// Per segment: its block of the direct solver, eliminated. Empty for Gauss-Seidel.
     factors: layout::Factor::SIZE, |s| s.factors;
+    /// Per body: where it is after this step, and how it got there.
+    placed: layout::Placed::SIZE, |s| s.bodies;
+    /// Per strand: 1 if a body pushed any of its points in this step. Means something from heading 5 on.
+    touched: WORD, |s| s.strands;
 
     // Turbulence; empty without bands.
     /// In cell order: xyz \[m\], w: 1 for air, 0 for hair.

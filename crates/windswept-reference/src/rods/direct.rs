@@ -3,7 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 use windswept_scene::{End, Strands};
 
-use super::{Drive, Moving, Point, Segment, cross_matrix, nearest_rest, response};
+use super::{Drive, Moving, Point, Segment, cross_matrix, nearest_rest, response, rotation};
 use crate::Parameters;
 
 /// |C + α μ| of stretch-shear at which a strand is done.
@@ -208,7 +208,7 @@ impl Rod<'_> {
         self.points.iter_mut().zip(moves).for_each(|(point, excess)| point.travel += excess);
         for (segment, excess) in self.segments.iter_mut().zip(turns) {
             segment.turn += excess;
-            segment.frame = (DQuat::from_scaled_axis(segment.turn) * segment.start).normalize();
+            segment.frame = (rotation(segment.turn) * segment.start).normalize();
         }
         for c in &constraints {
             match c.holds {

@@ -1,0 +1,40 @@
+// Rigid motions by keyframes: x(t) = c + R (x - c) + T, c the thing's centre.
+//
+// Time is counted in steps: a whole number of them and a fraction. Their difference to the step's own number is exact, so
+// that an hour into a run the time since a keyframe is as precise as in its first second.
+import package::common::quaternion::{product, rotation};
+
+struct Keyframe {
+    translation: vec3f,   // T [m]
+    step: u32,            // its time is `step + fraction` steps
+    rotation: vec4f,      // R
+    travel: vec3f,        // from here to the next keyframe [m]
+    fraction: f32,
+    turn: vec3f,          // rotation vector from here to the next, less than half a turn [rad]
+    rate: f32,            // 1/steps, of the way to the next; 0 for the last
+}
+
+struct Pose {
+    translation: vec3f,
+    rotation: vec4f,
+}
+
+// The last binding, whatever else a pass has.
+@group(0) @binding(10) var<storage, read> keyframes: array<Keyframe>;
+
+// Pose after `steps` steps, of the motion that has `count` keyframes from `first` on; without any it rests.
+fn pose_after(steps: u32, first: u32, count: u32) -> Pose {
+    if count == 0u { return Pose(vec3f(0.0), vec4f(0.0, 0.0, 0.0, 1.0)); }
+    // The last keyframe that has begun, else the first.
+    var low = first;
+    var high = first + count;
+    while high - low > 1u {
+        let middle = (low + high) / 2u;
+        let key = keyframes[middle];
+        if key.step < steps || (key.step == steps && key.fraction == 0.0) { low = middle; } else { high = middle; }
+    }
+    let key = keyframes[low];
+    let since = select(0.0, f32(steps - key.step) - key.fraction, steps > key.step);
+    let part = min(since * key.rate, 1.0);
+    return Pose(key.translation + part * key.travel, product(rotation(part * key.turn), key.rotation));
+}

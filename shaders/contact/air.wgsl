@@ -1,0 +1,37 @@
+// Air flows around bodies: what is nearer than its own parcel allows, half a spacing, goes out by the nearest way and flows
+// toward the surface no longer; along it air slips freely.
+//
+// The push itself is no velocity: air that a density correction or a turning body has left inside would be shot out.
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP}, body::{Placed, surface, surface_move}, status::frozen,
+};
+
+@group(0) @binding(2) var<storage, read>       placed:       array<Placed>;
+@group(0) @binding(3) var<storage, read>       correction:   array<vec4f>;   // m, heading 6 makes velocity of it
+@group(0) @binding(4) var<storage, read_write> predicted:    array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> new_velocity: array<vec4f>;
+
+const ROUNDS: u32 = 2u;
+const CLEARANCE: f32 = 0.5;   // particle spacings
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = params.hair_points + invocation(id, groups);
+    if i >= params.particles || frozen() { return; }
+    var x = predicted[i].xyz;
+    let corrected = correction[i].xyz / params.step;
+    var v = new_velocity[i].xyz + corrected;
+    let clearance = CLEARANCE * pow(params.air_volume, 1.0 / 3.0);
+    let bodies = arrayLength(&placed);
+    for (var k = 0u; k < ROUNDS * bodies; k++) {
+        let body = placed[k % bodies];
+        let near = surface(body, x);
+        let gap = near.distance - clearance;
+        if gap >= 0.0 { continue; }
+        x -= gap * near.normal;
+        let into = dot(near.normal, v - surface_move(body, x) / params.step);
+        v -= min(into, 0.0) * near.normal;
+    }
+    predicted[i] = vec4f(x, predicted[i].w);
+    new_velocity[i] = vec4f(v - corrected, 0.0);
+}

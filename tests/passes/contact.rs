@@ -1,0 +1,163 @@
+//! place, hair, air.
+
+use std::f64::consts::PI;
+
+use glam::{DQuat, DVec3};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use windswept::step;
+use windswept_reference::contact;
+use windswept_scene::{Body, Keyframe, Motion, Scene, Shape};
+
+use crate::{
+    stage::{Stage, relative},
+    support::{self, Layout},
+};
+
+fn body(shape: Shape, keyframes: &[(f64, [f64; 3], [f64; 3])]) -> Body {
+    let keyframe = |&(time, translation, rotation)| Keyframe { time, translation, rotation };
+    let motion = Motion { keyframes: keyframes.iter().map(keyframe).collect() };
+    Body { name: "body".into(), shape, friction: 0.4, motion }
+}
+
+/// A sphere at rest, a capsule that tumbles by, a thin one that rests askew and a sphere that overlaps the first.
+fn scene() -> Scene {
+    let bone = |start, end, radius| Shape::Capsule { start, end, radius };
+    let tumble = [(0.001, [0.0; 3], [1.0, 0.0, 0.0]), (0.02, [0.01, -0.004, 0.008], [1.0, 1.2, -0.8])];
+    let bodies = vec![
+        body(Shape::Sphere { center: [0.02, 0.018, 0.02], radius: 0.009 }, &[]),
+        body(bone([0.005, 0.01, 0.02], [0.02, 0.03, 0.005], 0.006), &tumble),
+        body(bone([0.03, 0.0, 0.0], [0.0, 0.03, 0.035], 0.001), &[]),
+        body(Shape::Sphere { center: [0.03, 0.018, 0.02], radius: 0.005 }, &tumble[..1]),
+    ];
+    Scene { bodies, ..support::scene() }
+}
+
+fn at_step(stage: &Stage, steps: u32) {
+    let mut status = stage.engine.status().unwrap();
+    status.step = steps;
+    stage.engine.set_status(&status).unwrap();
+}
+
+/// Bodies are where their keyframes say, before, between and after them, in the first step and an hour later.
+#[test]
+fn place_is_that_of_the_twin() {
+    let hour = 3600.0;
+    let spin = [(hour - 0.4, [0.0; 3], [0.0, 1.0, 0.0]), (hour + 0.5, [0.3, 0.0, 0.0], [2.9, 0.9, 0.0])];
+    let long = [(0.0, [0.0; 3], [0.0; 3]), (2.0 * hour, [0.2, 0.1, 0.0], [0.0, 0.0, PI - 1e-9])];
+    let shape = Shape::Capsule { start: [0.4, 0.2, 0.1], end: [0.4, 0.5, -0.1], radius: 0.05 };
+    let bodies = [&spin[..], &long, &spin[..1], &[]].map(|keyframes| body(shape, keyframes)).to_vec();
+    let scene = Scene { bodies: [scene().bodies, bodies].concat(), ..support::scene() };
+    let initial = support::particles(64, 20, Layout::Random, 1);
+    let stage = Stage::new(&scene, &initial);
+    let strands = initial.hair.len() as u32;
+    stage.engine.write(&stage.engine.state().touched, &vec![1u32; strands as usize]).unwrap();
+    let (mut worst, mut slowest) = (0.0_f64, 0.0_f64);
+    for steps in [0, 1, 7, 14, 15, 100, 2_608_000, 2_608_405, 2_608_695, 2_608_696, 2_609_058, 4_000_000_000] {
+        at_step(&stage, steps);
+        stage.run(step::contact::record);
+        let placed: Vec<[f32; 20]> = stage.engine.read(&stage.engine.state().placed).unwrap();
+        for (got, wanted) in placed.iter().zip(contact::place(&stage.parameters, steps.into())) {
+            let vector = |k: usize| DVec3::new(got[k].into(), got[k + 1].into(), got[k + 2].into());
+            let contact::Placed { body, before, after } = wanted;
+            let middle = 0.5 * (body.start + body.end);
+            let pairs = [
+                (0, after.out(body.start)),
+                (4, after.out(body.end)),
+                (8, after.out(middle)),
+                (12, before.out(middle)),
+            ];
+            worst = pairs.iter().fold(worst, |worst, (k, x)| worst.max(vector(*k).distance(*x)));
+            // A point of the body, taken along.
+            let y = body.start + DVec3::new(0.01, 0.02, -0.03);
+            let turn = DQuat::from_xyzw(got[16].into(), got[17].into(), got[18].into(), got[19].into());
+            let went = turn * (before.out(y) - vector(12)) + vector(8);
+            slowest = slowest.max(went.distance(after.out(y)));
+            assert_eq!([got[3], got[7]], [body.radius as f32, body.friction as f32]);
+        }
+    }
+    println!("placed to {worst:.1e} m, carried to {slowest:.1e} m");
+    // Measured 7.1e-8 m, of up to 0.7 m, and 4.3e-8 m; margin 4.
+    assert!(worst < 3e-7 && slowest < 2e-7, "{worst} {slowest}");
+    let touched: Vec<u32> = stage.engine.read(&stage.engine.state().touched).unwrap();
+    assert!(strands > 0 && touched.iter().all(|&bit| bit == 0), "{touched:?}");
+}
+
+/// Hair in any place moves by up to 30 mm in any direction: far enough to pass through every body here.
+#[test]
+fn hair_is_that_of_the_twin() {
+    for (n, steps) in support::SIZES.into_iter().flat_map(|n| [(n, 0), (n, 6)]) {
+        let scene = scene();
+        let initial = support::particles(n, n, Layout::Random, 11);
+        let stage = Stage::new(&scene, &initial);
+        at_step(&stage, steps);
+        let (p, s) = (&stage.parameters, stage.engine.state());
+        let mut rng = Pcg64::seed_from_u64(5);
+        let x = &stage.twin.position;
+        let mut moved = || 0.06 * (DVec3::from_array(rng.random()) - 0.5);
+        let predicted: Vec<DVec3> = x.iter().map(|x| (*x + moved()).as_vec3().as_dvec3()).collect();
+        stage.write_vectors(&s.predicted, &predicted);
+        stage.run(step::contact::record);
+        let placed = contact::place(p, steps.into());
+        let free = |i: usize| i < p.hair_points && stage.twin.inverse_mass[i] > 0.0;
+        let hit: Vec<Option<DVec3>> =
+            (0..x.len()).map(|i| contact::hair(p, &placed, x[i], predicted[i]).filter(|_| free(i))).collect();
+        let wanted: Vec<DVec3> = hit.iter().zip(&predicted).map(|(hit, x)| hit.unwrap_or(*x)).collect();
+        let got = stage.vectors(&s.predicted);
+        let error = relative(&got[..p.hair_points], &wanted[..p.hair_points], 0.01);
+        let hits = hit.iter().flatten().count();
+        println!("{n} points, step {steps}: {hits} touched, off by {error:.1e}");
+        // Measured 1.0e-6 (rounding, where a way grazes a thin body); margin 5.
+        assert!(error < 5e-6, "{n}: {error}");
+        assert!(n < 63 || hits > 4, "nothing is touched");
+        let flags: Vec<u32> = stage.engine.read(&s.touched).unwrap();
+        let any = |strand| u32::from(stage.twin.hair.points(strand).any(|i| hit[i].is_some()));
+        assert_eq!(flags, (0..stage.twin.hair.len()).map(any).collect::<Vec<_>>());
+        // Nobody who was outside is inside the body that was looked at last.
+        let last = placed.last().unwrap();
+        let inside = |at: DVec3, pose: &contact::Pose| -last.body.surface(pose.back(at)).0;
+        let deepest = (0..x.len()).filter(|&i| free(i) && inside(x[i], &last.before) < 0.0);
+        let deepest = deepest.map(|i| inside(got[i], &last.after)).fold(0.0, f64::max);
+        assert!(deepest < 1e-8, "{deepest} m inside");
+    }
+}
+
+/// Air in any place, with any velocity, pushed about by the density constraint.
+#[test]
+fn air_is_that_of_the_twin() {
+    for (n, steps) in support::SIZES.into_iter().flat_map(|n| [(n, 0), (n, 6)]) {
+        let scene = scene();
+        let initial = support::particles(n, n / 4, Layout::Random, 12);
+        let stage = Stage::new(&scene, &initial);
+        at_step(&stage, steps);
+        let (p, s) = (&stage.parameters, stage.engine.state());
+        let mut rng = Pcg64::seed_from_u64(6);
+        let mut any = |size: f64| -> Vec<DVec3> {
+            let vector = |_| (size * (DVec3::from_array(rng.random()) - 0.5)).as_vec3().as_dvec3();
+            (0..n).map(vector).collect()
+        };
+        let (v, corrections) = (any(8.0), any(1e-3));
+        stage.engine.copy_state_to_scratch().unwrap();
+        stage.write_vectors(&s.new_velocity, &v);
+        stage.write_vectors(&s.correction, &corrections);
+        stage.run(step::contact::record);
+        let placed = contact::place(p, steps.into());
+        let air = p.hair_points..stage.twin.position.len();
+        let (mut x_wanted, mut v_wanted) = (Vec::new(), Vec::new());
+        for i in air.clone() {
+            let given = corrections[i] / p.step;
+            let (x, v) = contact::air(p, &placed, stage.twin.position[i], v[i] + given);
+            x_wanted.push(x);
+            v_wanted.push(v - given);
+        }
+        let pushed = x_wanted.iter().zip(&stage.twin.position[air.clone()]).filter(|(a, b)| a != b).count();
+        let errors = [
+            relative(&stage.vectors(&s.predicted)[air.clone()], &x_wanted, 0.01),
+            relative(&stage.vectors(&s.new_velocity)[air.clone()], &v_wanted, 1.0),
+        ];
+        println!("{n} particles, step {steps}: {pushed} pushed, off by {:.1e} and {:.1e}", errors[0], errors[1]);
+        // Measured 1.4e-7 and 1.1e-6; margin 4.
+        assert!(errors[0] < 6e-7 && errors[1] < 5e-6, "{n}: {errors:?}");
+        assert!(n < 63 || pushed > 4, "nothing is pushed");
+    }
+}
