@@ -23,8 +23,22 @@ const FOLDERS: [&str; 7] = ["grid", "fluid", "turbulence", "rods", "wind", "cont
 const STORAGE_BUFFERS: usize = 8;
 /// Structs shared with Rust, which asserts their layout.
 const SHARED: [&str; 16] = [
-    "Params", "Status", "Strand", "Segment", "Band", "Root", "Health", "RodStrand", "RodPoint", "RodSegment", "PointHistory",
-    "SegmentHistory", "Factor", "Keyframe", "Body", "Placed",
+    "Params",
+    "Status",
+    "Strand",
+    "Segment",
+    "Band",
+    "Root",
+    "Health",
+    "RodStrand",
+    "RodPoint",
+    "RodSegment",
+    "PointHistory",
+    "SegmentHistory",
+    "Factor",
+    "Keyframe",
+    "Body",
+    "Placed",
 ];
 
 /// Per struct: size, and fields with their offsets [bytes].

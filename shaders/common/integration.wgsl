@@ -27,7 +27,7 @@ fn free_move(now: vec3f, before: vec3f, carried: vec3f, acceleration: vec3f, h: 
 }
 
 fn rate(shift: vec3f, carried: vec3f, h: f32) -> vec3f {
-    return (shift - carry(h) * carried) / h;
+    return select((shift - carry(h) * carried) / h, vec3f(0.0), h == PUT);
 }
 
 fn response(h: f32) -> f32 {

@@ -15,6 +15,9 @@ struct Strand {
     tip_rest_rotation: vec4f,
     tip_compliance: vec3f,     // of the tip joint, as bend_compliance
     length: f32,               // m, at rest
+    center: vec3f,             // m, of its roots' motion
+    first_keyframe: u32,
+    keyframes: u32,            // 0: the host says where its root goes
 }
 
 const ROOT_JOINT: u32 = 1u;
@@ -93,7 +96,7 @@ struct Condition {
     bad: u32,        // not 0: not finite, to be reset
     strained: u32,   // steps of over-strain on end
     calm: u32,       // steps on end that BDF2 could take
-    still: u32,      // steps on end at rest
+    still: u32,      // steps on end at rest; SLEEPS
 }
 
 struct Health {
@@ -101,6 +104,7 @@ struct Health {
     found: Condition,       // in this step; `commit` makes it the other
 }
 
+const SLEEPS: u32 = 0xffffffffu;
 const STRAINED_STEPS: u32 = 50u;   // on end, before it is counted
 const STRAINED: f32 = 0.5;         // |l/l0 - 1|
 

@@ -8,7 +8,7 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent},
     integration::{PUT, bdf2_step, free_move}, rest::{STILL_ACCELERATION, STILL_TIME, STILL_STEPS},
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP},
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS},
     status::{frozen, count, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT},
 };
 
@@ -18,6 +18,7 @@ import package::common::{
 @group(0) @binding(5) var<storage, read_write> rod_points:   array<RodPoint>;
 @group(0) @binding(6) var<storage, read_write> rod_segments: array<RodSegment>;
 @group(0) @binding(7) var<storage, read_write> health:       array<Health>;
+@group(0) @binding(8) var<storage, read>       touched:      array<u32>;   // per strand, of the step before: by a body
 
 const TORN: f32 = 0.1;    // |C| of stretch-shear
 const CALM: u32 = 3u;     // steps
@@ -167,13 +168,17 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     rod_strands[s].tip_moment = vec3f(0.0);
     if bad {
         found.calm = 0u;
+        found.still = 0u;
         put_at_rest(strand, rod);
         rod_strands[s].state = SOLVED;
     } else if rod.state == TELEPORTED {
         found.calm = 0u;
+        found.still = 0u;
         put_as_it_is(strand, rod);
         count(TELEPORT);
-    } else if rod.state == ASLEEP && rested(found.still) && !pushed(strand) {
+    } else if rod.state == ASLEEP && rested(found.still) && !pushed(strand)
+        && !(found.still == SLEEPS && touched[s] != 0u) {
+        found.still = SLEEPS;
         put_as_it_is(strand, rod);
         count(ASLEEP_STEP);
     } else {
@@ -182,6 +187,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         if !calm && params.bdf2 != 0u { count(EULER_STEP); }
         let h = select(params.step, bdf2_step(), calm && params.bdf2 != 0u);
         start(strand, rod, h, calm && params.direct_rods != 0u);
+        if found.still == SLEEPS { found.still = 0u; }
         rod_strands[s].state = FREE;
     }
     health[s].found = found;

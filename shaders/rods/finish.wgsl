@@ -3,7 +3,7 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, integration::{PUT, rate},
     rest::{STILL_ACCELERATION, STILL_SPEED},
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, STRAINED, STRAINED_STEPS},
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SLEEPS, STRAINED, STRAINED_STEPS},
     status::{status, frozen, count, finite3, finite4, STRAND_RESET, OVER_STRAINED},
 };
 
@@ -73,6 +73,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if found.strained == STRAINED_STEPS { count(OVER_STRAINED); }
     // The direct solver did not get there: Euler does.
     if params.direct_rods != 0u && rod_strands[s].state == FREE { found.calm = 0u; }
-    if params.sleep != 0u { found.still = select(0u, found.still + 1u, still(strand)); }
+    if params.sleep != 0u && found.still != SLEEPS {
+        found.still = select(0u, min(found.still, SLEEPS - 2u) + 1u, still(strand));
+    }
     health[s].found = found;
 }

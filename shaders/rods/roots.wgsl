@@ -1,7 +1,9 @@
-// Where the clamps go in this step: a part of the way to their targets, all of it in the last substep. A root that jumps
-// farther than its strand is long is teleported. A strand whose clamp does not move may sleep.
+// Where the clamps go in this step: where their keyframes are at its end, else a part of the way to where the host wants
+// them, all of it in the last substep. A root that jumps farther than its strand is long is teleported. A strand whose
+// clamp does not move may sleep.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotation, rotation_vector},
+    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotate, rotation, rotation_vector},
+    motion::pose_after,
     rod::{Strand, RodStrand, Root, FREE, TELEPORTED, ASLEEP}, status::{status, frozen},
 };
 
@@ -15,11 +17,18 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let s = invocation(id, groups);
     if s >= params.strands || frozen() { return; }
     let held = clamps[s];
-    let goal = root_targets[s];
+    let strand = strands[s];
+    var goal = root_targets[s];
+    var left = params.substeps - status.step % params.substeps;   // substeps of this time step
+    if strand.keyframes > 0u {
+        let pose = pose_after(status.step + 1u, strand.first_keyframe, strand.keyframes);
+        goal.position = strand.center + pose.translation + rotate(pose.rotation, goal.position - strand.center);
+        goal.frame = normalize(product(pose.rotation, goal.frame));
+        left = 1u;
+    }
     let way = goal.position - held.position;
     let turn = rotation_vector(product(goal.frame, conjugate(held.frame)));
-    let jumps = length(way) > strands[s].length;
-    let left = params.substeps - status.step % params.substeps;   // substeps of this time step
+    let jumps = length(way) > strand.length;
     let part = select(1.0 / f32(left), 1.0, jumps);
     let still = all(way == vec3f(0.0)) && all(held.frame == goal.frame);
     var rod: RodStrand;

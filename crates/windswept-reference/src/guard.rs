@@ -68,6 +68,7 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
     for (clamp, drive) in s.clamps.iter_mut().zip(&w.drives) {
         *clamp = (clamp.0 + drive.root_travel, drive.root_frame);
     }
+    s.touched = w.touched;
     s.position = w.predicted;
     for x in &mut s.position[p.hair_points..] {
         *x = wrap(p, *x);

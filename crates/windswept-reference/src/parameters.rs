@@ -1,7 +1,7 @@
 //! What stays the same from step to step.
 
 use glam::{DVec3, IVec3};
-use windswept_scene::{Band, InitialState, Integrator, Law, Model, Scene, Solver, ViscosityForm};
+use windswept_scene::{Band, InitialState, Integrator, Law, Model, Motion, Scene, Solver, ViscosityForm};
 
 use crate::{
     contact::{self, Body},
@@ -75,6 +75,8 @@ pub struct Parameters {
     pub damping: f64,
     /// What hair and air stay out of.
     pub bodies: Vec<Body>,
+    /// Per group of hair: the motion of its roots, and the centre that it turns about \[m\].
+    pub hair_motions: Vec<(Motion, DVec3)>,
     /// Hair points: particles below this index are hair.
     pub hair_points: usize,
 }
@@ -127,6 +129,11 @@ impl Parameters {
             substeps: scene.time.substeps,
             damping: scene.rods.damping,
             bodies: contact::bodies(scene, initial),
+            hair_motions: scene
+                .hair
+                .iter()
+                .map(|hair| (hair.motion.clone(), DVec3::from_array(hair.roots.center) - initial.origin))
+                .collect(),
             hair_points: initial.hair.positions.len(),
         }
     }

@@ -141,15 +141,24 @@ pub fn response(p: &Parameters, h: f64) -> f64 {
     h * h / (1.0 + p.damping * h)
 }
 
-/// Where the clamp of strand `s` goes: a part of the way to its target, all of it in the last substep. A jump of more than
+/// Where the clamp of strand `s` goes: where its keyframes are at the step's end, else a part of the way to its target, all of
+/// it in the last substep. A jump of more than
 /// the strand's length is a teleport; a strand whose clamp rests may sleep.
 #[must_use]
 pub fn roots(p: &Parameters, s: &state::State, strand: usize) -> Drive {
-    let (held, goal) = (s.clamps[strand], s.root_targets[strand]);
+    let (held, mut goal) = (s.clamps[strand], s.root_targets[strand]);
+    let mut left = u64::from(p.substeps) - s.steps % u64::from(p.substeps);
+    let group = s.hair.group.get(strand).and_then(|group| p.hair_motions.get(*group as usize));
+    if let Some((motion, center)) = group.filter(|(motion, _)| !motion.keyframes.is_empty()) {
+        // From where it is drawn to where it is at the step's end, by way of where it started.
+        let ((start, turned), (end, turning)) = (motion.at(0.0), motion.at((s.steps + 1) as f64 * p.step));
+        let turn = turning * turned.conjugate();
+        goal = (*center + end + turn * (goal.0 - *center - start), (turn * goal.1).normalize());
+        left = 1;
+    }
     let way = goal.0 - held.0;
     let length: f64 = s.hair.rest_length[s.hair.segments(strand)].iter().sum();
     let jumps = way.length() > length;
-    let left = u64::from(p.substeps) - s.steps % u64::from(p.substeps);
     let part = if jumps { 1.0 } else { 1.0 / left as f64 };
     if held == goal {
         let state = if p.sleep { State::Asleep } else { State::Free };
@@ -223,20 +232,26 @@ pub fn choose(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut D
     let pushed = m.points[points.clone()].iter().any(|point| point.change.length() > STILL_ACCELERATION * p.step);
     if s.bad[strand] {
         s.bad[strand] = false;
-        s.calm[strand] = 0;
+        (s.calm[strand], s.still[strand], s.asleep[strand]) = (0, 0, false);
         put_at_rest(&s.hair, strand, drive, m);
         drive.state = State::Solved;
         return Choice::default();
     }
     let rested = s.still[strand] >= STILL_STEPS && f64::from(s.still[strand]) * p.step >= STILL_TIME;
     if drive.state == State::Teleported {
-        s.calm[strand] = 0;
+        (s.calm[strand], s.still[strand]) = (0, 0);
     }
-    if drive.state == State::Teleported || drive.state == State::Asleep && rested && !pushed {
+    if drive.state == State::Teleported
+        || drive.state == State::Asleep && rested && !pushed && !(s.asleep[strand] && s.touched[strand])
+    {
+        s.asleep[strand] = drive.state == State::Asleep;
         put_as_it_is(&s.hair, strand, drive, m);
         return Choice::default();
     }
     drive.state = State::Free;
+    if std::mem::take(&mut s.asleep[strand]) {
+        s.still[strand] = 0;
+    }
     // Where velocities lead, to the second order.
     let held = |i: usize| if i == points.start { drive.root_travel } else { DVec3::ZERO };
     let lead = |now: DVec3, before: DVec3| p.step * (1.5 * now - 0.5 * before);

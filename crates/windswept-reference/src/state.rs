@@ -36,6 +36,10 @@ pub struct State {
     pub calm: Vec<u32>,
     /// Per strand: steps on end at rest.
     pub still: Vec<u32>,
+    /// Per strand: asleep.
+    pub asleep: Vec<bool>,
+    /// Per strand: a body pushed a point of it in the step before.
+    pub touched: Vec<bool>,
     /// Strand-steps by Euler where BDF2 is asked for so far.
     pub euler_steps: usize,
     /// Strand-steps that needed no solve so far.
@@ -91,6 +95,8 @@ impl State {
             // One step of Euler, then BDF2: there is no acceleration to carry on before.
             calm: vec![1; hair.len()],
             still: vec![0; hair.len()],
+            asleep: vec![false; hair.len()],
+            touched: vec![false; hair.len()],
             euler_steps: 0,
             quiet_steps: 0,
             asleep_steps: 0,

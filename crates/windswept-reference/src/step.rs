@@ -75,8 +75,7 @@ pub fn drive(s: &State, p: &Parameters) -> Scratch {
     let mut new_velocity = s.velocity.clone();
     let largest = rods::largest_moves(&s.hair);
     for i in 0..p.hair_points {
-        predicted[i] =
-            rods::drift(p, s.inverse_mass[i], s.position[i], s.velocity[i], drag_change[i], largest[i]);
+        predicted[i] = rods::drift(p, s.inverse_mass[i], s.position[i], s.velocity[i], drag_change[i], largest[i]);
     }
     let air = p.hair_points..s.position.len();
     let wind_change: Vec<_> = air.clone().map(|i| wind::fringe(p, s.steps, s.position[i], s.velocity[i])).collect();
@@ -132,9 +131,8 @@ pub fn rods(s: &mut State, w: &mut Scratch, p: &Parameters) {
 /// What moves points and turns segments; how each strand goes through the step.
 pub fn prepare(s: &mut State, w: &mut Scratch, p: &Parameters) {
     let largest = rods::largest_moves(&s.hair);
-    w.moving.points = (0..p.hair_points)
-        .map(|i| rods::predict(p, s, i, w.drag_change[i], w.correction[i], largest[i]))
-        .collect();
+    w.moving.points =
+        (0..p.hair_points).map(|i| rods::predict(p, s, i, w.drag_change[i], w.correction[i], largest[i])).collect();
     let segments = (0..s.hair.len()).flat_map(|strand| s.hair.segments(strand).map(move |k| (strand, k)));
     w.moving.segments = segments.map(|(strand, k)| rods::turn(s, strand, k)).collect();
     for strand in 0..s.hair.len() {

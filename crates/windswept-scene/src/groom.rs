@@ -27,9 +27,12 @@ pub(crate) fn strands(scene: &Scene, parcel: f64, kernel_radius: f64, warnings: 
         let mut rng = Pcg64::seed_from_u64(scene.seed.wrapping_mul(0x9e37_79b9).wrapping_add(group as u64));
         for i in 0..hair.strands {
             let (root, axis) = seat(&hair.roots, i, hair.strands, &mut rng);
+            // Where the motion has it at the start.
+            let (center, turn) = (DVec3::from_array(hair.roots.center), hair.motion.at(0.0).1);
+            let root = hair.motion.place(center, root, 0.0);
             let length = hair.length * (1.0 - hair.length_variation * rng.random::<f64>());
             let phase = rng.random::<f64>();
-            let strand = Strand { hair, root, axis, length, phase, inextensible: scene.rods.inextensible };
+            let strand = Strand { hair, root, axis, turn, length, phase, inextensible: scene.rods.inextensible };
             strand.append(&mut all, parcel * (strand.segment() / kernel_radius).min(1.0));
             all.group.push(group as u32);
         }
@@ -103,6 +106,8 @@ struct Strand<'a> {
     root: DVec3,
     /// The strand's axis: of the fibre, or of its helix.
     axis: DVec3,
+    /// What the motion of the roots turns the strand by at the start.
+    turn: DQuat,
     length: f64,
     phase: f64,
     inextensible: bool,
@@ -120,7 +125,7 @@ impl Strand<'_> {
         let segments = hair.points as usize - 1;
         let l = self.segment();
         let kappa = darboux(hair.curl);
-        let root_frame = self.root_frame(kappa);
+        let root_frame = self.turn * self.root_frame(kappa);
         let masses: Vec<f64> =
             (0..segments).map(|k| hair.density * self.area(k as f64 + 0.5) * l * hair.fibres_per_strand).collect();
 

@@ -70,7 +70,6 @@ pub const NOT_BUILT: &[(&str, &str)] = &[
     ("air.margin", ""),
     ("air.gust", ""),
     ("hair.file", ""),
-    ("hair.motion", ""),
 ];
 
 const fn key(path: &'static str, kind: Kind, default: Fallback, unit: &'static str, help: &'static str) -> Key {
@@ -125,7 +124,7 @@ pub const KEYS: &[Key] = &[
     key("hair.file", Text, Absent("strands are drawn"), "", "a groom from a file"),
     key("hair.motion", Tables, Absent("roots rest"), "", "keyframes of the roots"),
     key("hair.motion.time", NonNegative, Needed, "s", "of the keyframe; each later than the one before"),
-    key("hair.motion.translation", Vector, Value("[0.0, 0.0, 0.0]"), "m", "of all roots, from where they are drawn"),
+    key("hair.motion.translation", Vector, Value("[0.0, 0.0, 0.0]"), "m", "of all roots, from where they are drawn; tips that are held stay"),
     key("hair.motion.rotation", Vector, Value("[0.0, 0.0, 0.0]"), "rad", "rotation vector, axis times angle, about roots.center"),
     key("body", Tables, Absent("no bodies"), "", "hair and air stay out of it; several as [[body]], each with a name"),
     key("body.name", Text, Value("\"body\""), "", "for dotted keys and errors"),

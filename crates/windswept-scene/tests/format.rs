@@ -167,7 +167,10 @@ fn method_sets_six_defaults_and_a_spelled_key_wins() {
     let (rods, built) = (Solver::Direct, (Law::Band, Filter::Direct, 4.5));
     assert_eq!(six(scene(LEAST, &[])), (rods, Integrator::Bdf2, built.0, built.1, built.2, ViscosityForm::Limited));
     let published = six(scene(LEAST, &["method=published"]));
-    assert_eq!(published, (Solver::GaussSeidel, Integrator::Euler, Law::Published, Filter::Direct, 3.0, ViscosityForm::Published));
+    assert_eq!(
+        published,
+        (Solver::GaussSeidel, Integrator::Euler, Law::Published, Filter::Direct, 3.0, ViscosityForm::Published)
+    );
     let spelled = scene(LEAST, &["method=published", "viscosity.form=limited"]);
     assert_eq!(spelled.viscosity.form, ViscosityForm::Limited);
     // And nothing else.

@@ -2,7 +2,8 @@
 //! tests and single-pass work use it directly.
 
 use bytemuck::Pod;
-use windswept_scene::{InitialState, Scene, SceneError};
+use glam::DVec3;
+use windswept_scene::{InitialState, Scene, SceneError, Strands};
 
 use crate::{
     bands::Bands,
@@ -49,42 +50,64 @@ impl Engine {
         let state = State::new(&sizes);
         let memory = Memory::new(gpu, &state)?;
         let engine = Self { gpu: gpu.clone(), params, sizes, state, memory };
-        engine.write_initial(initial)?;
+        engine.write_initial(scene, initial)?;
         engine.write(&engine.state.band, &Bands::new(scene, initial, &params).tasks)?;
-        let motions = Motions::new(scene);
-        engine.write(&engine.state.keyframes, &motions.keyframes)?;
-        engine.write(&engine.state.bodies, &bodies::bodies(scene, initial, &motions))?;
         Ok(engine)
     }
 
-    fn write_initial(&self, initial: &InitialState) -> Result<(), GpuError> {
+    fn write_initial(&self, scene: &Scene, initial: &InitialState) -> Result<(), GpuError> {
         let (s, hair, air) = (&self.state, &initial.hair, &initial.air);
-        let local = |&x: &glam::DVec3| x - initial.origin;
-        let hair_positions = hair.positions.iter().map(local).zip(&hair.volume).map(|(x, &volume)| vec4(x, volume));
-        let air_positions = air.positions.iter().map(local).map(|x| vec4(x, air.volume));
-        let positions: Vec<_> = hair_positions.chain(air_positions).collect();
-        let velocities: Vec<_> = hair.velocities.iter().chain(&air.velocities).map(|&v| vec4(v, 0.0)).collect();
-        let orientations: Vec<_> = hair.orientations.iter().map(|&q| quat(q)).collect();
-        let spins: Vec<_> = hair.angular_velocities.iter().map(|&w| vec4(w, 0.0)).collect();
         let inverse_mass: Vec<f32> = hair.inverse_mass.iter().map(|&w| w as f32).collect();
         let moves: Vec<f32> = rods::largest_moves(hair).iter().map(|far| *far as f32).collect();
-        let step = f64::from(self.params.step);
-        let roots = rods::roots(hair, initial.origin);
+        let motions = Motions::new(scene);
+        let local: Vec<_> = air.positions.iter().map(|x| *x - initial.origin).collect();
         self.write(&s.params, &[self.params])?;
         self.write(&s.status, &[Status::start()])?;
+        self.write(&s.inverse_mass, &inverse_mass)?;
+        self.write(&s.keyframes, &motions.keyframes)?;
+        self.write(&s.bodies, &bodies::bodies(scene, initial, &motions))?;
+        self.write(&s.strands, &rods::strands(scene, initial, &motions))?;
+        self.write(&s.segments, &rods::segments(hair))?;
+        self.write(&s.largest_move, &moves)?;
+        self.write(&s.clamps, &rods::clamps(initial))?;
+        self.write(&s.root_targets, &rods::root_targets(scene, initial))?;
+        self.write_hair(hair, initial.origin)?;
+        self.write_air(Some(&local), Some(&air.velocities), air.volume)
+    }
+
+    /// Hair where it stands, as if it had come with its velocities; sound, and awake.
+    pub(crate) fn write_hair(&self, hair: &Strands, origin: DVec3) -> Result<(), GpuError> {
+        let (s, step) = (&self.state, f64::from(self.params.step));
+        let positions: Vec<_> = hair.positions.iter().zip(&hair.volume).map(|(x, v)| vec4(*x - origin, *v)).collect();
+        let velocities: Vec<_> = hair.velocities.iter().map(|&v| vec4(v, 0.0)).collect();
+        let orientations: Vec<_> = hair.orientations.iter().map(|&q| quat(q)).collect();
+        let spins: Vec<_> = hair.angular_velocities.iter().map(|&w| vec4(w, 0.0)).collect();
         self.write(&s.position, &positions)?;
         self.write(&s.velocity, &velocities)?;
         self.write(&s.orientation, &orientations)?;
         self.write(&s.angular_velocity, &spins)?;
-        self.write(&s.inverse_mass, &inverse_mass)?;
-        self.write(&s.strands, &rods::strands(hair))?;
-        self.write(&s.segments, &rods::segments(hair))?;
-        self.write(&s.largest_move, &moves)?;
         self.write(&s.health, &rods::healths(hair))?;
-        self.write(&s.point_history, &rods::point_histories(hair, initial.origin, step))?;
-        self.write(&s.segment_history, &rods::segment_histories(hair, step))?;
-        self.write(&s.clamps, &roots)?;
-        self.write(&s.root_targets, &roots)
+        self.write(&s.point_history, &rods::point_histories(hair, origin, step))?;
+        self.write(&s.segment_history, &rods::segment_histories(hair, step))
+    }
+
+    /// Air in the box: local positions \[m\], velocities \[m/s\], where given.
+    pub(crate) fn write_air(
+        &self,
+        positions: Option<&[DVec3]>,
+        velocities: Option<&[DVec3]>,
+        volume: f64,
+    ) -> Result<(), GpuError> {
+        let first = self.params.hair_points as usize;
+        if let Some(positions) = positions {
+            let rows: Vec<_> = positions.iter().map(|x| vec4(*x, volume)).collect();
+            self.memory.write(&self.gpu, &self.state.position, first, &rows)?;
+        }
+        if let Some(velocities) = velocities {
+            let rows: Vec<_> = velocities.iter().map(|v| vec4(*v, 0.0)).collect();
+            self.memory.write(&self.gpu, &self.state.velocity, first, &rows)?;
+        }
+        Ok(())
     }
 
     /// The device.
@@ -137,7 +160,7 @@ impl Engine {
     /// # Errors
     /// [`GpuError`] when they do not fit or the device is lost.
     pub fn write<T: Pod>(&self, array: &Array, data: &[T]) -> Result<(), GpuError> {
-        self.memory.write(&self.gpu, array, data)
+        self.memory.write(&self.gpu, array, 0, data)
     }
 
     /// Reads an array as elements of `T`.

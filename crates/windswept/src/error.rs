@@ -131,6 +131,9 @@ pub enum RunError {
         /// The step.
         step: u64,
     },
+    /// What a caller drives the run with.
+    #[error("{0}")]
+    Input(String),
     /// A quantity of the state that cannot be measured.
     #[error("measuring the state: {0}")]
     Measurement(String),

@@ -4,10 +4,10 @@ use std::mem::offset_of;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DQuat, DVec3};
-use windswept_scene::{End, Strands};
+use windswept_scene::{End, Hair, InitialState, Scene, Strands};
 use windswept_shaders::layout;
 
-use crate::params::assert_layout;
+use crate::{motion::Motions, params::assert_layout};
 
 /// `Strand`, field by field.
 #[repr(C)]
@@ -22,6 +22,10 @@ pub(crate) struct Strand {
     pub tip_rest_rotation: [f32; 4],
     pub tip_compliance: [f32; 3],
     pub length: f32,
+    pub center: [f32; 3],
+    pub first_keyframe: u32,
+    pub keyframes: u32,
+    pub _unused: [u32; 3],
 }
 
 assert_layout!(Strand {
@@ -32,7 +36,10 @@ assert_layout!(Strand {
     tip_frame,
     tip_rest_rotation,
     tip_compliance,
-    length
+    length,
+    center,
+    first_keyframe,
+    keyframes
 });
 
 /// Bits of `joints`: `ROOT_JOINT` and `TIP_JOINT` of `shaders/common/rod.wgsl`.
@@ -128,11 +135,23 @@ pub(crate) fn quat(q: DQuat) -> [f32; 4] {
     q.as_quat().to_array()
 }
 
+/// The motion of a strand's roots, and the centre that it turns about, in local coordinates; none of a strand of no group.
+fn motion<'a>(scene: &'a Scene, initial: &InitialState, s: usize) -> Option<(usize, &'a Hair, DVec3)> {
+    let group = *initial.hair.group.get(s)? as usize;
+    let hair = scene.hair.get(group).filter(|hair| !hair.motion.keyframes.is_empty())?;
+    Some((group, hair, DVec3::from_array(hair.roots.center) - initial.origin))
+}
+
 /// Per strand.
 #[must_use]
-pub(crate) fn strands(hair: &Strands) -> Vec<Strand> {
+pub(crate) fn strands(scene: &Scene, initial: &InitialState, motions: &Motions) -> Vec<Strand> {
+    let hair = &initial.hair;
     let strand = |s: usize| {
         let ends = hair.ends(s);
+        let (keyframes, center) = match motion(scene, initial, s) {
+            Some((group, _, center)) => (motions.hair[group].clone(), center),
+            None => (0..0, DVec3::ZERO),
+        };
         let joint = |end, bit| if end == End::Clamped { bit } else { 0 };
         Strand {
             first_point: hair.points(s).start as u32,
@@ -143,6 +162,10 @@ pub(crate) fn strands(hair: &Strands) -> Vec<Strand> {
             tip_rest_rotation: quat(ends.tip_rest_rotation),
             tip_compliance: vec3(ends.tip_compliance),
             length: hair.rest_length[hair.segments(s)].iter().sum::<f64>() as f32,
+            center: vec3(center),
+            first_keyframe: keyframes.start,
+            keyframes: keyframes.end - keyframes.start,
+            _unused: [0; 3],
         }
     };
     (0..hair.len()).map(strand).collect()
@@ -166,11 +189,31 @@ pub(crate) fn segments(hair: &Strands) -> Vec<Segment> {
     points.enumerate().map(segment).collect()
 }
 
-/// Per strand: where it is held. `origin` is that of the local coordinates \[m\].
+/// Where a root is, local \[m\], and its ghost frame.
 #[must_use]
-pub(crate) fn roots(hair: &Strands, origin: DVec3) -> Vec<Root> {
-    let root = |(x, frame): (DVec3, &DQuat)| Root { position: vec4(x - origin, 0.0), frame: quat(*frame) };
-    hair.roots().zip(&hair.root_frame).map(root).collect()
+pub(crate) fn root(position: DVec3, frame: DQuat) -> Root {
+    Root { position: vec4(position, 0.0), frame: quat(frame) }
+}
+
+/// Per strand: where it is held at the start.
+#[must_use]
+pub(crate) fn clamps(initial: &InitialState) -> Vec<Root> {
+    let hair = &initial.hair;
+    hair.roots().zip(&hair.root_frame).map(|(x, frame)| root(x - initial.origin, *frame)).collect()
+}
+
+/// Per strand: where it is held, its motion at the start taken out.
+#[must_use]
+pub(crate) fn root_targets(scene: &Scene, initial: &InitialState) -> Vec<Root> {
+    let hair = &initial.hair;
+    let unmoved = |(s, x): (usize, DVec3)| {
+        let (x, frame) = (x - initial.origin, hair.root_frame[s]);
+        let Some((_, group, center)) = motion(scene, initial, s) else { return root(x, frame) };
+        let (translation, rotation) = group.motion.at(0.0);
+        let back = rotation.conjugate();
+        root(center + back * (x - center - translation), back * frame)
+    };
+    hair.roots().enumerate().map(unmoved).collect()
 }
 
 /// Per hair point: as if it had come with the velocity it has, a step of `step` \[s\] ago.

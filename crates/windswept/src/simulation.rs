@@ -1,10 +1,11 @@
 //! A simulation: a scene on a GPU, stepped, read back, reported.
 
+mod drive;
 mod report;
 
 use std::time::Instant;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use windswept_scene::{InitialState, Scene};
 
 use crate::{
@@ -35,6 +36,7 @@ pub struct Simulation {
     engine: Engine,
     recording: Recording,
     program: Program,
+    root_frames: Vec<DQuat>,
     substeps: u64,
     steps: u64,
     last: Status,
@@ -71,6 +73,7 @@ impl Simulation {
             recording,
             program,
             engine,
+            root_frames: initial.hair.root_frame.clone(),
             substeps: u64::from(scene.time.substeps),
             steps: 0,
             last: Status::start(),

@@ -106,9 +106,7 @@ impl Rod<'_> {
                     (Mover::Frame(k), cross_matrix(frame.z_axis)),
                 ],
                 gap: chord / l - frame.z_axis,
-                compliance: frame
-                    * DMat3::from_diagonal(self.hair.stretch_compliance[first + k])
-                    * frame.transpose(),
+                compliance: frame * DMat3::from_diagonal(self.hair.stretch_compliance[first + k]) * frame.transpose(),
                 multiplier: segment.force,
                 holds: Holds::Segment(k),
             });
@@ -130,9 +128,7 @@ impl Rod<'_> {
     /// W: what a force, or a moment, moves it by. A frame under tension resists turning off the pull.
     fn weight(&self, mover: Mover) -> DMat3 {
         match mover {
-            Mover::Point(k) => {
-                DMat3::IDENTITY * (response(self.p, self.points[k].step) * self.points[k].inverse_mass)
-            }
+            Mover::Point(k) => DMat3::IDENTITY * (response(self.p, self.points[k].step) * self.points[k].inverse_mass),
             Mover::Frame(k) => {
                 let segment = &self.segments[k];
                 let w = self.frame_weight(k);
@@ -179,7 +175,8 @@ impl Rod<'_> {
             Mover::Point(k) => *gradient * points[k],
             Mover::Frame(k) => *gradient * frames[k],
         };
-        let each = |c: &Constraint| -(c.gap + c.compliance * c.multiplier + c.gradient.iter().map(moved).sum::<DVec3>());
+        let each =
+            |c: &Constraint| -(c.gap + c.compliance * c.multiplier + c.gradient.iter().map(moved).sum::<DVec3>());
         constraints.iter().map(each).collect()
     }
 

@@ -44,13 +44,13 @@ impl Memory {
         wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: self.buffer(array), offset, size })
     }
 
-    /// Replaces the first elements of an array.
-    pub(crate) fn write<T: Pod>(&self, gpu: &Gpu, array: &Array, data: &[T]) -> Result<(), GpuError> {
+    /// Replaces elements of an array from `first` on.
+    pub(crate) fn write<T: Pod>(&self, gpu: &Gpu, array: &Array, first: usize, data: &[T]) -> Result<(), GpuError> {
         if data.is_empty() {
             return Ok(());
         }
-        let bytes: &[u8] = bytemuck::cast_slice(data);
-        gpu.checked(|| format!("writing {}", array.name), || gpu.queue.write_buffer(self.buffer(array), 0, bytes))
+        let (offset, bytes): (u64, &[u8]) = (first as u64 * array.stride, bytemuck::cast_slice(data));
+        gpu.checked(|| format!("writing {}", array.name), || gpu.queue.write_buffer(self.buffer(array), offset, bytes))
     }
 
     /// Reads whole arrays, in one submission.

@@ -13,7 +13,7 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
             &rods::ROOTS,
             "where clamps go",
             n.strands,
-            &[&s.params, &s.status, &s.strands, &s.root_targets, &s.clamps, &s.rod_strands],
+            &[&s.params, &s.status, &s.strands, &s.root_targets, &s.clamps, &s.rod_strands, &s.keyframes],
         );
         r.when(&plan.drag, |r| {
             r.run(

@@ -63,6 +63,7 @@ fn prepare(r: &mut Recorder, s: &State, plan: &Plan) {
             &s.rod_points,
             &s.rod_segments,
             &s.health,
+            &s.touched,
         ],
     );
 }
@@ -72,16 +73,7 @@ fn direct(r: &mut Recorder, s: &State, plan: &Plan) {
         &rods::DIRECT,
         "Cosserat rods, solved directly",
         plan.sizes.strands,
-        &[
-            &s.params,
-            &s.status,
-            &s.strands,
-            &s.segments,
-            &s.rod_strands,
-            &s.rod_points,
-            &s.rod_segments,
-            &s.factors,
-        ],
+        &[&s.params, &s.status, &s.strands, &s.segments, &s.rod_strands, &s.rod_points, &s.rod_segments, &s.factors],
     );
 }
 
@@ -100,16 +92,7 @@ fn finish(r: &mut Recorder, s: &State, plan: &Plan) {
         &rods::FINISH,
         "health of each strand",
         n.strands,
-        &[
-            &s.params,
-            &s.status,
-            &s.strands,
-            &s.segments,
-            &s.rod_strands,
-            &s.rod_points,
-            &s.rod_segments,
-            &s.health,
-        ],
+        &[&s.params, &s.status, &s.strands, &s.segments, &s.rod_strands, &s.rod_points, &s.rod_segments, &s.health],
     );
     r.run(
         &rods::PLACE,

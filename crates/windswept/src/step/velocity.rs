@@ -17,11 +17,6 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
         );
     });
     r.when(&plan.air, |r| {
-        r.run(
-            &fluid::VELOCITY,
-            "velocities of air",
-            n.air(),
-            &[&s.params, &s.status, &s.correction, &s.new_velocity],
-        );
+        r.run(&fluid::VELOCITY, "velocities of air", n.air(), &[&s.params, &s.status, &s.correction, &s.new_velocity]);
     });
 }

@@ -1,0 +1,115 @@
+//! What a caller drives from step to step: roots, and the state itself.
+
+use glam::{DQuat, DVec3};
+
+use super::Simulation;
+use crate::{error::RunError, rods};
+
+impl Simulation {
+    /// Where the root of each strand goes: `positions` \[m\], world, one per strand, and the ghost frames that clamp them,
+    /// else as they are. They are reached at the end of the next step of Δt, and kept. A root that jumps farther than its
+    /// strand is long takes the strand along as it is, at rest. Roots that are free go where they will.
+    ///
+    /// # Errors
+    /// [`RunError::Input`] when there is not one of each per strand, when one is not finite or a frame has no length, and when
+    /// `hair.motion` moves the roots; [`RunError::Gpu`].
+    pub fn set_roots(&mut self, positions: &[DVec3], frames: Option<&[DQuat]>) -> Result<(), RunError> {
+        let input = |what: String| Err(RunError::Input(what));
+        let strands = self.initial.hair.len();
+        if self.scene.hair.iter().any(|hair| !hair.motion.keyframes.is_empty()) {
+            return input("roots: the scene's hair.motion moves them: expected a scene without".to_owned());
+        }
+        if positions.len() != strands {
+            return input(format!("positions: expected {strands} rows, one per strand, found {}", positions.len()));
+        }
+        if let Some(s) = positions.iter().position(|x| !x.is_finite()) {
+            return input(format!("positions: that of strand {s} is not finite"));
+        }
+        if let Some(frames) = frames {
+            if frames.len() != strands {
+                return input(format!("frames: expected {strands} rows, one per strand, found {}", frames.len()));
+            }
+            if let Some(s) = frames.iter().position(|q| !(q.is_finite() && q.length() > 1e-6)) {
+                return input(format!("frames: that of strand {s} is not a rotation"));
+            }
+            self.root_frames = frames.iter().map(|q| q.normalize()).collect();
+        }
+        let origin = self.initial.origin;
+        let rows = positions.iter().zip(&self.root_frames);
+        let targets: Vec<_> = rows.map(|(x, frame)| rods::root(*x - origin, *frame)).collect();
+        Ok(self.engine.write(&self.engine.state().root_targets, &targets)?)
+    }
+
+    /// Puts hair somewhere else: positions \[m\] and velocities \[m/s\] per point, orientations per segment; what is not
+    /// given stays. Strands go on from there as if they had come with these velocities. Held points keep their places.
+    ///
+    /// # Errors
+    /// [`RunError::Input`] when an array has not a row for each, or something is not finite; [`RunError::Gpu`].
+    pub fn set_hair(
+        &mut self,
+        positions: Option<&[DVec3]>,
+        velocities: Option<&[DVec3]>,
+        orientations: Option<&[DQuat]>,
+    ) -> Result<(), RunError> {
+        let s = self.engine.state().clone();
+        let mut hair = self.initial.hair.clone();
+        let points = hair.positions.len();
+        checked("positions", positions, points)?;
+        checked("velocities", velocities, points)?;
+        let [now, speeds, frames] = self.engine.read_vec4([&s.position, &s.velocity, &s.orientation])?;
+        let spins = self.engine.read_vec4([&s.angular_velocity])?;
+        let vector = |v: &[f32; 4]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
+        let origin = self.initial.origin;
+        for i in 0..points {
+            let held = hair.inverse_mass[i] == 0.0;
+            hair.positions[i] = match positions {
+                Some(positions) if !held => positions[i],
+                _ => vector(&now[i]) + origin,
+            };
+            hair.velocities[i] = velocities.map_or_else(|| vector(&speeds[i]), |v| v[i]);
+        }
+        for (spin, now) in hair.angular_velocities.iter_mut().zip(&spins[0]) {
+            *spin = vector(now);
+        }
+        for (frame, now) in hair.orientations.iter_mut().zip(&frames) {
+            *frame = DQuat::from_array(now.map(f64::from));
+        }
+        if let Some(given) = orientations {
+            let segments = hair.orientations.len();
+            if given.len() != segments {
+                let words = format!("orientations: expected {segments} rows, one per segment, found {}", given.len());
+                return Err(RunError::Input(words));
+            }
+            if let Some(k) = given.iter().position(|q| !(q.is_finite() && q.length() > 1e-6)) {
+                return Err(RunError::Input(format!("orientations: that of segment {k} is not a rotation")));
+            }
+            hair.orientations = given.iter().map(|q| q.normalize()).collect();
+        }
+        Ok(self.engine.write_hair(&hair, origin)?)
+    }
+
+    /// Puts air somewhere else: positions \[m\], wrapped into the box, and velocities \[m/s\], by stable id; what is not given
+    /// stays.
+    ///
+    /// # Errors
+    /// As [`Self::set_hair`].
+    pub fn set_air(&mut self, positions: Option<&[DVec3]>, velocities: Option<&[DVec3]>) -> Result<(), RunError> {
+        let air = &self.initial.air;
+        checked("positions", positions, air.positions.len())?;
+        checked("velocities", velocities, air.positions.len())?;
+        let into_box = |x: &DVec3| (*x - air.min).rem_euclid(air.size);
+        let local: Option<Vec<DVec3>> = positions.map(|positions| positions.iter().map(into_box).collect());
+        Ok(self.engine.write_air(local.as_deref(), velocities, air.volume)?)
+    }
+}
+
+fn checked(name: &str, rows: Option<&[DVec3]>, expected: usize) -> Result<(), RunError> {
+    let Some(rows) = rows else { return Ok(()) };
+    if rows.len() != expected {
+        return Err(RunError::Input(format!("{name}: expected {expected} rows, found {}", rows.len())));
+    }
+    match rows.iter().position(|x| !x.is_finite()) {
+        Some(i) => Err(RunError::Input(format!("{name}: row {i} is not finite"))),
+        None => Ok(()),
+    }
+}
