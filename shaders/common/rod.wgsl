@@ -41,6 +41,7 @@ struct RodStrand {
     root_frame: vec4f,    // ghost frame at the step's end
     root_turn: vec4f,     // from the ghost frame at the step's start
     tip_moment: vec3f,    // multiplier of the tip joint [N m]
+    misfit: f32,          // max |C + alpha mu| of stretch-shear that the direct solver left
 }
 
 const FREE: u32 = 0u;         // still to be solved

@@ -166,6 +166,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let bad = found.bad != 0u;
     found.bad = 0u;
     rod_strands[s].tip_moment = vec3f(0.0);
+    rod_strands[s].misfit = 0.0;
     if bad {
         found.calm = 0u;
         found.still = 0u;

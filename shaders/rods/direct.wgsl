@@ -299,5 +299,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         return;
     }
     let tip_change = eliminate(strand, rod);
-    if substitute(strand, s, rod, tip_change) < FITS { rod_strands[s].state = SOLVED; }
+    let misfit = substitute(strand, s, rod, tip_change);
+    rod_strands[s].misfit = misfit;
+    if misfit < FITS { rod_strands[s].state = SOLVED; }
 }

@@ -3,7 +3,7 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, integration::{PUT, rate},
     rest::{STILL_ACCELERATION, STILL_SPEED},
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SLEEPS, STRAINED, STRAINED_STEPS},
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, SLEEPS, STRAINED, STRAINED_STEPS},
     status::{status, frozen, count, finite3, finite4, STRAND_RESET, OVER_STRAINED},
 };
 
@@ -13,6 +13,8 @@ import package::common::{
 @group(0) @binding(5) var<storage, read_write> rod_points:   array<RodPoint>;
 @group(0) @binding(6) var<storage, read_write> rod_segments: array<RodSegment>;
 @group(0) @binding(7) var<storage, read_write> health:       array<Health>;
+
+const MISFIT: f32 = 1e-3;   // of stretch-shear
 
 fn sound(strand: Strand) -> bool {
     for (var k = 0u; k < strand.points; k++) {
@@ -71,8 +73,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var found = health[s].found;
     found.strained = select(0u, min(found.strained + 1u, STRAINED_STEPS + 1u), stretch > STRAINED);
     if found.strained == STRAINED_STEPS { count(OVER_STRAINED); }
-    // The direct solver did not get there: Euler does.
-    if params.direct_rods != 0u && rod_strands[s].state == FREE { found.calm = 0u; }
+    // The direct solver got nowhere near: Euler does.
+    if rod_strands[s].misfit > MISFIT { found.calm = 0u; }
     if params.sleep != 0u && found.still != SLEEPS {
         found.still = select(0u, min(found.still, SLEEPS - 2u) + 1u, still(strand));
     }

@@ -18,6 +18,8 @@ pub const STRAINED: f64 = 0.5;
 pub const STRAINED_STEPS: u32 = 50;
 /// |C| of stretch-shear where velocities lead: beyond it a strand is not calm.
 pub const TORN: f64 = 0.1;
+/// Left by the direct solver, beyond it a strand is not calm.
+pub const MISFIT: f64 = 1e-3;
 /// Steps on end without it, until BDF2 may go on.
 pub const CALM: u32 = 3;
 /// So long at rest a strand falls asleep \[s\], and so many steps.
@@ -56,6 +58,8 @@ pub struct Drive {
     pub state: State,
     /// μ of the tip's joint \[N m\].
     pub tip_moment: DVec3,
+    /// max |C + α μ| of stretch-shear that the direct solver left.
+    pub misfit: f64,
 }
 
 /// A point within a step.
@@ -170,7 +174,7 @@ pub fn roots(p: &Parameters, s: &state::State, strand: usize) -> Drive {
         root_turn,
         root_frame: (root_turn * held.1).normalize(),
         state: if jumps { State::Teleported } else { State::Free },
-        tip_moment: DVec3::ZERO,
+        ..Drive::default()
     }
 }
 

@@ -157,7 +157,7 @@ pub fn finish(s: &mut State, w: &mut Scratch, p: &Parameters) {
         s.max_stretch = s.max_stretch.max(stretch);
         s.strained_steps[strand] = if stretch > rods::STRAINED { s.strained_steps[strand] + 1 } else { 0 };
         s.over_strained += usize::from(s.strained_steps[strand] == rods::STRAINED_STEPS);
-        if p.direct && w.drives[strand].state == rods::State::Free {
+        if w.drives[strand].misfit > rods::MISFIT {
             s.calm[strand] = 0;
         }
         if p.sleep {

@@ -67,7 +67,8 @@ pub fn direct(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &m
     }
     let changes = rod.system(&constraints).solve(&right);
     rod.apply(constraints, &changes);
-    if rod.stretch_gap() < FITS {
+    rod.drive.misfit = rod.stretch_gap();
+    if rod.drive.misfit < FITS {
         rod.drive.state = super::State::Solved;
     }
     false
