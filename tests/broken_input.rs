@@ -106,10 +106,8 @@ const CASES: &[Case] = &[
     // Reserved, or asked for by name and not built yet.
     reserved("[[body]]\nshape = \"sphere\"", "[[body]]", "body"),
     reserved("[[air.gust]]\nspeed = 1.0", "[[air.gust]]", "air.gust"),
-    reserved("[[hair.motion]]\ntime = 1.0", "[[hair.motion]]", "hair.motion"),
     replaced(LENGTH, "file = \"groom.abc\"", "hair.file", &["not in this version"]),
-    reserved("[rods]\nsolver = \"direct\"", "solver = \"direct\"", "rods.solver"),
-    reserved("[rods]\nintegrator = \"bdf2\"", "integrator = \"bdf2\"", "rods.integrator"),
+    reserved("[rods]\ninternal_damping = 0.1", "internal_damping = 0.1", "rods.internal_damping"),
     // Not TOML.
     replaced(STRANDS, "strands = = 4", "", &[]),
     replaced(RADIUS, "strands = 5", "", &["duplicate key"]),

@@ -1,4 +1,4 @@
-//! Rods: solver, sweeps, substeps. Tips of strands at rest against the elastica and the helix; tips of falling strands
+//! Rods: solver, integrator, sweeps or Newton steps, substeps. Tips of strands at rest against the elastica and the helix; tips of falling strands
 //! against a fine f64 run.
 
 use std::f64::consts::{PI, TAU};
@@ -15,21 +15,40 @@ use crate::{
     timing,
 };
 
-/// A solver, and the sweeps to try: a row here is a set of lines in the picture.
+/// A solver, and the iterations to try: a row here is a set of lines in the picture.
 struct Row {
     name: &'static str,
     solver: Solver,
     integrator: Integrator,
-    /// A single value for a solver that does not sweep.
-    sweeps: &'static [u32],
+    /// Sweeps, or Newton steps at most.
+    iterations: &'static [u32],
+    /// What they are called.
+    unit: &'static str,
 }
 
-const SOLVERS: &[Row] = &[Row {
-    name: "Gauss-Seidel",
-    solver: Solver::GaussSeidel,
-    integrator: Integrator::Euler,
-    sweeps: &[5, 10, 20, 40, 80, 160, 320],
-}];
+const SOLVERS: &[Row] = &[
+    Row {
+        name: "Gauss-Seidel",
+        solver: Solver::GaussSeidel,
+        integrator: Integrator::Euler,
+        iterations: &[5, 10, 20, 40, 80, 160, 320],
+        unit: "sweeps",
+    },
+    Row {
+        name: "direct, Euler",
+        solver: Solver::Direct,
+        integrator: Integrator::Euler,
+        iterations: &[1, 4],
+        unit: "Newton steps",
+    },
+    Row {
+        name: "direct, BDF2",
+        solver: Solver::Direct,
+        integrator: Integrator::Bdf2,
+        iterations: &[1, 4],
+        unit: "Newton steps",
+    },
+];
 const SUBSTEPS: [u32; 5] = [1, 2, 4, 8, 16];
 /// Sweeps times substeps, at most, where there are substeps.
 const MOST_SWEEPS: u32 = 160;
@@ -59,7 +78,6 @@ const SAMPLE_STEPS: u64 = 18;
 const FALL: f64 = 0.2;
 /// Of the f64 run that falling tips are compared with.
 const FINE_SUBSTEPS: u32 = 128;
-const FINE_SWEEPS: u32 = 16;
 
 /// A strand with the tip that it should have.
 struct Rod {
@@ -79,14 +97,18 @@ struct Rod {
 struct Setting {
     row: &'static Row,
     substeps: u32,
-    sweeps: u32,
+    iterations: u32,
 }
 
 impl Setting {
     fn apply(self, mut scene: Scene) -> Scene {
         scene.time.substeps = self.substeps;
         let rods = &mut scene.rods;
-        (rods.solver, rods.integrator, rods.iterations) = (self.row.solver, self.row.integrator, self.sweeps);
+        (rods.solver, rods.integrator) = (self.row.solver, self.row.integrator);
+        match self.row.solver {
+            Solver::GaussSeidel => rods.iterations = self.iterations,
+            Solver::Direct => rods.newton = self.iterations,
+        }
         scene
     }
 }
@@ -95,8 +117,9 @@ fn settings(bench: &Bench) -> Vec<Setting> {
     let mut all = Vec::new();
     for row in SOLVERS {
         for &substeps in bench.some(&SUBSTEPS) {
-            let sweeps = bench.some(row.sweeps).iter().filter(|&n| substeps == 1 || n * substeps <= MOST_SWEEPS);
-            all.extend(sweeps.map(|&sweeps| Setting { row, substeps, sweeps }));
+            let few = |n: &&u32| substeps == 1 || row.solver == Solver::Direct || **n * substeps <= MOST_SWEEPS;
+            let iterations = bench.some(row.iterations).iter().filter(few);
+            all.extend(iterations.map(|&iterations| Setting { row, substeps, iterations }));
         }
     }
     all
@@ -123,11 +146,11 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
     let (free, level) = build(&falling, 1, 0.0)?;
     let mut points = Vec::new();
     for (setting, time) in settings.iter().zip(&times) {
-        let Setting { row, substeps, sweeps } = setting;
+        let Setting { row, substeps, iterations } = setting;
         let series = format!("{}, {substeps} substep{}", row.name, if *substeps == 1 { "" } else { "s" });
         let is_default = setting.apply(default.clone()) == default;
         let mut add = |kind: String, error: f64, uncertainty: f64| {
-            let point = Point::new(&kind, &series, &format!("{sweeps} sweeps"), time, error);
+            let point = Point::new(&kind, &series, &format!("{iterations} {}", row.unit), time, error);
             points.push(Point { default: is_default, uncertainty, ..point });
         };
         let mut simulation = Simulation::with_state(&bench.gpu, &setting.apply(damped.clone()), hanging.clone())?;
@@ -150,8 +173,8 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
              tips of cantilever.csv and helix.csv"
         ),
         format!(
-            "falling: released level, undamped, rms over {fall} s against the f64 twin at {fine} substeps of \
-             {FINE_SWEEPS} sweeps, from which half as many substeps differ by {} L",
+            "falling: released level, undamped, rms over {fall} s against the f64 twin at {fine} substeps, from \
+             which half as many substeps differ by {} L",
             drift.iter().map(|error| format!("{error:.1e}")).collect::<Vec<_>>().join(", ")
         ),
     ];
@@ -250,7 +273,6 @@ fn tips(simulation: &mut Simulation, steps: u64, count: usize) -> Result<Vec<Vec
 fn twin_fall(rods: &[Rod], steps: usize, substeps: u32) -> Result<Vec<Vec<DVec3>>> {
     let (mut scene, initial) = build(rods, 1, 0.0)?;
     scene.time.substeps = substeps;
-    scene.rods.iterations = FINE_SWEEPS;
     let p = Parameters::new(&scene, &initial);
     let mut state = State::new(&initial, p.step);
     let mut all = Vec::new();

@@ -104,7 +104,7 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[turbulence]\nbands = [{ scale = 0.01 }]\nspeed = 0\n[picture]\nair = \"band_energy\"\n[air]", 15, "picture.air", &["a turbulence.speed"]),
     // Reserved, or asked for by name and not built.
     ("length = 0.1", "length = 0.1\nfile = \"a.npz\"", 8, "hair.file", &["not in this version"]),
-    ("[air]", "[[hair.motion]]\ntime = 1\n[air]", 11, "hair.motion", &["not in this version"]),
+    ("[air]", "[[hair.motion]]\ntime = -1\n[air]", 12, "hair.motion.0.time", &["at least 0 [s]"]),
     ("[air]", "[rods]\nnewton = 0\n[air]", 12, "rods.newton", &["at least 1, at most 100"]),
     ("[air]", "[rods]\ninternal_damping = 0.1\n[air]", 12, "rods.internal_damping", &["not in this version"]),
     ("[air]", "[turbulence]\nnormalise = true\n[air]", 12, "turbulence.normalise", &["true: not in this version"]),

@@ -114,7 +114,6 @@ fn explain_lists_every_key_with_type_unit_default_and_help() {
     for (key, words) in [
         ("rods.solver", "\"direct\" (accurate), \"gauss-seidel\" (published)"),
         ("air.margin", "not in this version"),
-        ("[hair.motion]", "not in this version"),
         ("time.step", "a number greater than 0 [s]; needed"),
     ] {
         let line = text.lines().find(|line| line.starts_with(key)).unwrap();
