@@ -3,11 +3,12 @@
 //! ```text
 //! strands of a frame --grow--> points of every hair --opacity--> hair between each point and the lights
 //!                                                   --shade----> colours
-//! backdrop, patch, ribbons, air --> 4 samples a pixel --> RGBA8
+//! backdrop, patch, bodies, ribbons, air --> 4 samples a pixel --> RGBA8
 //! ```
 //!
 //! Only the strands' points go to the GPU for a frame; what is drawn between them is made there.
 
+mod bodies;
 mod groom;
 mod maker;
 mod passes;
@@ -19,7 +20,7 @@ use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use windswept::gpu::wgpu;
 use windswept::{Frame, Gpu, HairFrame};
-use windswept_scene::{AirPicture, Scene};
+use windswept_scene::{AirPicture, Body, Capsule, Scene};
 
 use crate::ExportError;
 use groom::Groom;
@@ -48,6 +49,7 @@ pub struct Renderer {
     offsets: Vec<u32>,
     /// Points of a drawn hair.
     samples: u32,
+    bodies: Vec<Body>,
     air: AirPicture,
     /// The scalar that air is brightest at.
     brightest: f32,
@@ -98,6 +100,7 @@ impl Renderer {
             groom,
             offsets: start.offsets.clone(),
             samples,
+            bodies: scene.bodies.clone(),
             air: scene.picture.air,
             brightest: (brightest as f32).max(f32::MIN_POSITIVE),
             passes,
@@ -138,7 +141,9 @@ impl Renderer {
         let margin = 0.03 * (high - low).max_element() + 1e-3;
         let (low, high) = ((low - margin).as_dvec3(), (high + margin).as_dvec3());
         let uniform = self.view.uniform(low, high, self.groom.hairs.len() as u32, self.samples);
-        self.passes.upload(&self.gpu, &uniform, &frame.hair, &groom::likeness(&self.groom.pairs, &frame.hair))?;
+        let likeness = groom::likeness(&self.groom.pairs, &frame.hair);
+        let bodies: Vec<Capsule> = self.bodies.iter().map(|body| body.at(frame.time)).collect();
+        self.passes.upload(&self.gpu, &uniform, &frame.hair, &likeness, &bodies)?;
         let air = self.passes.air(&self.gpu, &air)?;
         self.gpu.checked(
             || "drawing a picture".to_owned(),

@@ -289,7 +289,7 @@ impl InitialState {
         hair.representable(scene)?;
         let bodies: Vec<Capsule> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
         rooted_outside(scene, &hair, &bodies)?;
-        warnings.extend(warnings::of_bodies(&hair, &bodies));
+        warnings.extend(warnings::of_bodies(scene, &hair, &bodies));
         let filled = scene.filled();
         if hair.is_empty() && filled.is_none() {
             return Err(SceneError::new("is missing: the scene has neither hair nor air particles").at("hair", None));

@@ -82,13 +82,23 @@ pub(crate) fn of_hair(hair: &Strands, air: &AirParticles, wind: DVec3) -> Vec<St
     warnings
 }
 
-/// Warnings about hair that starts inside bodies: by more than a thousandth of their radius, which is no rounding.
-pub(crate) fn of_bodies(hair: &Strands, bodies: &[Capsule]) -> Vec<String> {
+/// Warnings about hair that starts inside bodies, by more than a thousandth of their radius, which is no rounding, and
+/// about bodies that fit between two points of a strand.
+pub(crate) fn of_bodies(scene: &Scene, hair: &Strands, bodies: &[Capsule]) -> Vec<String> {
+    let mut warnings = Vec::new();
     let inside = |x: &DVec3| bodies.iter().any(|body| body.distance(*x) < -1e-3 * body.radius);
-    match hair.positions.iter().filter(|x| inside(x)).count() {
-        0 => Vec::new(),
-        n => vec![format!("{n} of {} hair points start inside bodies, which push them out", hair.positions.len())],
+    let n = hair.positions.iter().filter(|x| inside(x)).count();
+    if n > 0 {
+        warnings.push(format!("{n} of {} hair points start inside bodies, which push them out", hair.positions.len()));
     }
+    let longest = hair.rest_length.iter().copied().fold(0.0, f64::max);
+    for body in scene.bodies.iter().filter(|body| longest > body.shape.capsule().radius) {
+        warnings.push(format!(
+            "body {} is thin for segments of {longest:.1e} m: hair may pass through it between two of its points",
+            body.name
+        ));
+    }
+    warnings
 }
 
 /// Warnings about bodies that the wind must pass.

@@ -133,3 +133,13 @@ fn a_body_in_the_way_of_the_wind_is_said() {
     let small = InitialState::new(&scene_of(&format!("{BRUSH}{bodies}"), &["hair.length=0.02", "body.radius=0.02"]));
     assert!(small.unwrap().warnings.is_empty());
 }
+
+/// Points are what a body keeps out.
+#[test]
+fn a_thin_body_is_said() {
+    let bodies = "[[body]]\nname = \"comb\"\nradius = 0.004\ncenter = [0.15, 0.02, 0.035]\n";
+    let warnings = InitialState::new(&scene_of(&format!("{BRUSH}{bodies}"), &["hair.points=21"])).unwrap().warnings;
+    assert!(warnings.len() == 1 && warnings[0].contains("body comb is thin for segments of 5.0e-3 m"), "{warnings:?}");
+    let fine = InitialState::new(&scene_of(&format!("{BRUSH}{bodies}"), &["hair.points=27"])).unwrap();
+    assert!(fine.warnings.is_empty(), "{:?}", fine.warnings);
+}

@@ -3,11 +3,12 @@
 use glam::Quat;
 use windswept::gpu::wgpu::{self, BufferUsages};
 use windswept::{Gpu, GpuError, HairFrame};
-use windswept_scene::Scene;
+use windswept_scene::{Capsule, Scene};
 
+use super::bodies;
 use super::groom::Groom;
 use super::maker::{Bound, Compute, Depth, Draw, Maker};
-use super::patch::patches;
+use super::patch::{Corner, patches};
 use super::view::{GRID, Uniform};
 
 const GROW: &str = concat!(include_str!("common.wgsl"), include_str!("grow.wgsl"));
@@ -43,12 +44,14 @@ pub(super) struct Passes {
     compute: [Compute; 4],
     wall: Draw,
     patch: Option<Patch>,
+    bodies: Option<Patch>,
     ribbon: Draw,
     ribbon_triangles: Triangles,
     hairs: u32,
     air: Draw,
 }
 
+/// A solid surface: what hair grows from, what it stays out of.
 #[derive(Debug)]
 struct Patch {
     draw: Draw,
@@ -111,10 +114,13 @@ impl Passes {
         ];
         let ribbon = numbered([&view, &points, &colour, &radius]);
         let scenery = m.module("scenery", SCENERY);
+        let standing: Vec<Capsule> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
+        let (patch, bodies) = (patches(scene), (bodies::corners(&standing), bodies::triangles(standing.len())));
         Self {
             compute,
             wall: m.draw(&scenery, "wall_", &[], None, Depth::Ignored),
-            patch: Patch::new(m, scene, &scenery, &numbered([&view, &grid])),
+            patch: Patch::new(m, &patch, &scenery, &numbered([&view, &grid])),
+            bodies: Patch::new(m, &bodies, &scenery, &numbered([&view, &grid])),
             ribbon: m.draw(&m.module("ribbon", RIBBON), "", &ribbon, None, Depth::Solid),
             ribbon_triangles: Triangles::new(m, &strip(samples)),
             air: m.draw(&m.module("air", AIR), "", &[], None, Depth::Clear),
@@ -128,8 +134,15 @@ impl Passes {
         }
     }
 
-    /// Sends a frame's strands to the GPU.
-    pub(super) fn upload(&self, gpu: &Gpu, view: &Uniform, hair: &HairFrame, likeness: &[f32]) -> Result<(), GpuError> {
+    /// Sends a frame's strands and bodies to the GPU.
+    pub(super) fn upload(
+        &self,
+        gpu: &Gpu,
+        view: &Uniform,
+        hair: &HairFrame,
+        likeness: &[f32],
+        bodies: &[Capsule],
+    ) -> Result<(), GpuError> {
         let guide: Vec<[f32; 4]> = hair.positions.iter().map(|&[x, y, z]| [x, y, z, 0.0]).collect();
         let mut frame = Vec::with_capacity(guide.len());
         for (strand, ends) in hair.offsets.windows(2).enumerate() {
@@ -145,6 +158,9 @@ impl Passes {
                 gpu.queue().write_buffer(&self.guide, 0, bytemuck::cast_slice(&guide));
                 gpu.queue().write_buffer(&self.frame, 0, bytemuck::cast_slice(&frame));
                 gpu.queue().write_buffer(&self.likeness, 0, bytemuck::cast_slice(likeness));
+                if let Some(drawn) = &self.bodies {
+                    gpu.queue().write_buffer(&drawn.corners, 0, bytemuck::cast_slice(&bodies::corners(bodies)));
+                }
             },
         )
     }
@@ -182,10 +198,10 @@ impl Passes {
     pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, air: Option<&Air>) {
         self.wall.begin(pass);
         pass.draw(0..3, 0..1);
-        if let Some(patch) = &self.patch {
-            patch.draw.begin(pass);
-            pass.set_vertex_buffer(0, patch.corners.slice(..));
-            patch.triangles.draw(pass, 1);
+        for solid in self.patch.iter().chain(&self.bodies) {
+            solid.draw.begin(pass);
+            pass.set_vertex_buffer(0, solid.corners.slice(..));
+            solid.triangles.draw(pass, 1);
         }
         self.ribbon.begin(pass);
         self.ribbon_triangles.draw(pass, self.hairs);
@@ -198,9 +214,13 @@ impl Passes {
 }
 
 impl Patch {
-    /// None in a scene that does not say where hair grows.
-    fn new(m: &Maker<'_>, scene: &Scene, scenery: &wgpu::ShaderModule, bound: &[Bound<'_>]) -> Option<Self> {
-        let (corners, triangles) = patches(scene);
+    /// None of no corners.
+    fn new(
+        m: &Maker<'_>,
+        (corners, triangles): &(Vec<Corner>, Vec<u32>),
+        scenery: &wgpu::ShaderModule,
+        bound: &[Bound<'_>],
+    ) -> Option<Self> {
         if corners.is_empty() {
             return None;
         }
@@ -211,8 +231,8 @@ impl Patch {
         };
         Some(Self {
             draw: m.draw(scenery, "patch_", bound, Some(layout), Depth::Solid),
-            corners: m.filled("patch corners", &corners, BufferUsages::VERTEX),
-            triangles: Triangles::new(m, &triangles),
+            corners: m.filled("corners", corners, BufferUsages::VERTEX | BufferUsages::COPY_DST),
+            triangles: Triangles::new(m, triangles),
         })
     }
 }

@@ -15,8 +15,8 @@ const OUTLINE: u32 = 32;
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct Corner {
-    position: [f32; 3],
-    normal: [f32; 3],
+    pub(super) position: [f32; 3],
+    pub(super) normal: [f32; 3],
 }
 
 /// Corners and triangles of every group's patch.

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::dcamera::lh::view::look_to_mat4;
 use glam::dcamera::rh::{proj, view::look_at_mat4};
 use glam::{DMat4, DVec3, Vec3, Vec4};
-use windswept_scene::{Camera, Hair, LookAt, Model, Scene};
+use windswept_scene::{Body, Camera, Hair, LookAt, Model, Scene};
 
 use super::patch::ends;
 use crate::ExportError;
@@ -56,6 +56,7 @@ impl View {
         if reach.is_empty() {
             reach = points.iter().map(|p| Vec3::from_array(*p).as_dvec3()).collect();
         }
+        reach.extend(scene.bodies.iter().flat_map(where_body_goes));
         // Wind from left to right; without wind the way the hair points.
         let level = |v: DVec3| DVec3::new(v.x, 0.0, v.z).normalize_or_zero();
         let directions =
@@ -143,6 +144,15 @@ fn where_hair_goes(hair: &Hair, wind: DVec3, scene: &Scene) -> Vec<DVec3> {
         }
     }
     all
+}
+
+/// Corners of the boxes about a body at its start and at its keyframes.
+fn where_body_goes(body: &Body) -> impl Iterator<Item = DVec3> + '_ {
+    let times = std::iter::once(0.0).chain(body.motion.keyframes.iter().map(|keyframe| keyframe.time));
+    times.flat_map(|time| {
+        let [low, high] = body.at(time).bounds();
+        corners(low, high)
+    })
 }
 
 /// Direction of a strand at rest in the wind: its weight across itself is the drag across itself, with the drag model's

@@ -1,0 +1,209 @@
+//! Hair and air about bodies: Coulomb's law, nothing inside, no tunnels, a wake.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod support;
+
+use glam::DVec3;
+use windswept::{Frame, Simulation};
+use windswept_scene::{Body, Capsule, InitialState, Model, Motion, Scene, Shape};
+
+fn simulation(text: &str, sets: &[&str]) -> Simulation {
+    let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
+    Simulation::new(&support::gpu(), &Scene::parse_with("bodies", text, &sets).unwrap()).unwrap()
+}
+
+fn points(of: &[[f32; 3]]) -> Vec<DVec3> {
+    of.iter().map(|x| DVec3::from_array(x.map(f64::from))).collect()
+}
+
+/// The deepest of these below the surface of any body now \[m\]; negative: the nearest above it.
+fn deepest(simulation: &Simulation, of: &[[f32; 3]]) -> f64 {
+    let placed: Vec<Capsule> = simulation.scene().bodies.iter().map(|body| body.at(simulation.time())).collect();
+    let depth = |x: &DVec3| placed.iter().map(|body| -body.distance(*x)).fold(f64::NEG_INFINITY, f64::max);
+    points(of).iter().map(depth).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// A loose strand on a sloping bar sticks below tan(slope) = friction, and above slides with g (sin − μ cos).
+#[test]
+fn hair_sticks_and_slides_by_coulombs_law() {
+    const FRICTION: f64 = 0.3;
+    const STEPS: u64 = 200;
+    for slope in [0.1_f64, 0.29, 0.31, 0.6] {
+        let angle = slope.atan();
+        let bar = Shape::Capsule { start: [-0.5, 0.0, 0.0], end: [0.5, 0.0, 0.0], radius: 0.05 };
+        let body = Body { name: "bar".into(), shape: bar, friction: FRICTION, motion: Motion::default() };
+        let mut scene = Scene { bodies: vec![body], model: Model::None, ..support::scene() };
+        scene.gravity = [9.81 * angle.sin(), -9.81 * angle.cos(), 0.0];
+        let along: Vec<DVec3> = (0..4).map(|k| DVec3::new(0.01 * f64::from(k), 0.05, 0.0)).collect();
+        let mut hair = support::strands(&along, 4);
+        hair.inverse_mass[0] = hair.inverse_mass[1];
+        let initial = InitialState { hair, ..InitialState::default() };
+        let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
+        simulation.step(STEPS).unwrap();
+        let end = points(&simulation.frame().unwrap().hair.positions);
+        let went: Vec<f64> = end.iter().zip(&along).map(|(b, a)| b.x - a.x).collect();
+        let pull = 9.81 * (angle.sin() - FRICTION * angle.cos()).max(0.0);
+        // Implicit Euler: n (n + 1)/2 dt² a.
+        let wanted = 0.5 * (STEPS * (STEPS + 1)) as f64 * scene.time.step.powi(2) * pull;
+        println!("slope {slope}: slid {:.6} m, Coulomb's {wanted:.6} m", went[1]);
+        for slid in went {
+            // Measured 7.5e-6 m in 0.28 s, 2e-5 of a free fall, and 0.3 %: velocities are differences of f32; margins 4 and 2.
+            assert!((slid - wanted).abs() < 3e-5 + 6e-3 * wanted, "slope {slope}: {slid}, not {wanted}");
+        }
+        assert!(end.iter().all(|x| (x.y - 0.05).abs() < 1e-6 && x.z.abs() < 1e-6), "it leaves the bar: {end:?}");
+    }
+}
+
+/// 5 mm between points, clamped above a ball, and falling over it.
+const DRAPED: &str = "interaction.model = \"none\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 1\npoints = 41\nlength = 0.2\n\
+    roots = { center = [0, 0.051, 0], radius = 1e-3, direction = [1, 0, 0.0] }\n[rods]\niterations = 60\n\
+    [[body]]\nname = \"ball\"\nradius = 0.05\ncenter = [0, 0, 0]\n";
+
+/// A strand that falls over a ball lies on it and never enters it, however rough the ball.
+#[test]
+fn a_strand_drapes_over_a_ball() {
+    for friction in ["0.0", "0.5", "2.0"] {
+        let mut simulation = simulation(DRAPED, &[&format!("body.ball.friction={friction}"), "rods.damping=2.0"]);
+        let mut worst = f64::NEG_INFINITY;
+        for _ in 0..40 {
+            simulation.step(20).unwrap();
+            worst = worst.max(deepest(&simulation, &simulation.frame().unwrap().hair.positions));
+        }
+        let frame = simulation.frame().unwrap();
+        let lying = points(&frame.hair.positions).iter().filter(|x| x.length() < 0.0502).count();
+        let tip = points(&frame.hair.positions)[40];
+        let speed = points(&frame.hair.velocities).iter().map(|v| v.length()).fold(0.0, f64::max);
+        println!(
+            "friction {friction}: {worst:.1e} m inside, {lying} points lie on it, tip at {tip:.3}, {speed:.3} m/s"
+        );
+
+        // Measured 2.4e-9 m: rounding; margin 4.
+        assert!(worst < 1e-8, "{worst} m inside");
+        assert!(lying > 3 && tip.y < -0.05, "it does not drape: {lying} points, tip {tip}");
+        assert!(speed < 0.5, "no rest: {speed} m/s");
+    }
+}
+
+/// A bar of 20 mm comes at 2 m/s and takes a strand along: no segment ever lies across it.
+#[test]
+fn a_bar_takes_hair_along() {
+    let text = "interaction.model = \"none\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 1\npoints = 51\nlength = 0.1\n\
+        roots = { center = [0, 0.1, 0], radius = 1e-3, direction = [0, -1, 0] }\n[rods]\niterations = 60\ndamping = 20\n\
+        [[body]]\nshape = \"capsule\"\nstart = [0, 0.05, -0.05]\nend = [0, 0.05, 0.05]\nradius = 0.01\n\
+        motion = [{ time = 0, translation = [-0.11, 0, 0] }, { time = 0.07, translation = [0.03, 0, 0] }]\n";
+    let mut simulation = simulation(text, &[]);
+    let (mut deepest, mut taken) = (0.0_f64, 0.0_f64);
+    for _ in 0..250 {
+        simulation.step(1).unwrap();
+        let bar = simulation.scene().bodies[0].at(simulation.time());
+        let x = points(&simulation.frame().unwrap().hair.positions);
+        let along =
+            x.windows(2).flat_map(|w| (0..8).map(|k| w[0].lerp(w[1], 0.125 * f64::from(k))).collect::<Vec<_>>());
+        deepest = along.map(|x| -bar.distance(x)).fold(deepest, f64::max);
+        taken = x.iter().map(|x| x.x).fold(taken, f64::max);
+    }
+    println!("segments at most {deepest:.1e} m inside; hair is taken {taken:.3} m along");
+    // A chord of 2 mm lies 5e-5 m below the surface; measured 1.0e-4 m; margin 4. At 3 m/s single points are
+    // torn out: the rods do not know yet in the step itself that a body is there.
+    assert!(deepest < 4e-4, "{deepest} m inside");
+    assert!(taken > 0.04, "{taken}");
+}
+
+/// Hair that starts in a body comes out of it, slowly.
+#[test]
+fn hair_that_starts_inside_comes_out_slowly() {
+    let text = "interaction.model = \"none\"\ngravity = [0, 0, 0]\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 30\npoints = 9\nlength = 0.08\n\
+        roots = { shape = \"line\", center = [0, 0.104, 0], radius = 0.01, direction = [1, 0, 0] }\n\
+        [[body]]\nradius = 0.1\ncenter = [0, 0, 0]\n[[body]]\nname = \"bar\"\nshape = \"capsule\"\nstart = [0.05, 0.1, -1]\nend = [0.05, 0.1, 1]\nradius = 0.008\n";
+    let mut simulation = simulation(text, &[]);
+    let initial = points(&simulation.frame().unwrap().hair.positions);
+    let before = initial.iter().map(|x| simulation.scene().bodies[1].at(0.0).distance(*x)).fold(0.0, f64::min);
+    assert!(before < -3e-3, "nothing starts inside: {before}");
+    let mut fastest = 0.0_f64;
+    for _ in 0..60 {
+        simulation.step(1).unwrap();
+        fastest =
+            points(&simulation.frame().unwrap().hair.velocities).iter().map(|v| v.length()).fold(fastest, f64::max);
+    }
+    let left = deepest(&simulation, &simulation.frame().unwrap().hair.positions);
+    println!("started {before:.1e} m deep, at most {fastest:.2} m/s, {left:.1e} m deep after 60 steps");
+    // Measured at 0.2 m/s what leaves, 0.51 m/s what swings on with it.
+    assert!(left < 1e-8, "{left} m still inside");
+    assert!(fastest < 1.0, "{fastest} m/s");
+}
+
+/// Wind past a ball in a periodic box.
+const PASSED: &str = "[time]\nstep = 1.38e-3\nduration = 1.0\n[air]\nbox = { min = [0.0, 0.0, 0.0], max = [0.16, 0.09, 0.09] }\nwind = [3.0, 0.0, 0.0]\n\
+    [fluid]\niterations = 6\n[[body]]\nname = \"ball\"\nradius = 0.02\ncenter = [0.07, 0.045, 0.045]\n";
+
+/// Mean velocity along x of the air in a place of the ball's own frame.
+fn mean_speed(frame: &Frame, ball: DVec3, place: impl Fn(DVec3) -> bool) -> f64 {
+    let each = points(&frame.air.positions).into_iter().zip(&frame.air.velocities);
+    let (sum, n) =
+        each.filter(|(x, _)| place(*x - ball)).fold((0.0, 0), |(sum, n), (_, v)| (sum + f64::from(v[0]), n + 1));
+    assert!(n > 20, "{n} particles there");
+    sum / f64::from(n)
+}
+
+/// Nothing is inside, and behind the ball is a wake.
+#[test]
+fn air_flows_around_a_ball() {
+    let mut simulation = simulation(PASSED, &[]);
+    let ball = DVec3::new(0.07, 0.045, 0.045);
+    let across = |r: DVec3| r.y.hypot(r.z);
+    let (mut behind, mut beside, mut before) = (0.0, 0.0, 0.0);
+    for step in 1..=10 {
+        simulation.step(10).unwrap();
+        let frame = simulation.frame().unwrap();
+        let depth = deepest(&simulation, &frame.air.positions);
+        // Half a spacing of 4.8 mm outside; what rounding takes of it.
+        assert!(depth < -0.0023, "step {}: air {depth} m inside", 10 * step);
+        assert!(frame.air.velocities.iter().flatten().all(|v| v.is_finite() && v.abs() < 9.0), "step {}", 10 * step);
+        if step > 5 {
+            behind += mean_speed(&frame, ball, |r| across(r) < 0.02 && (0.02..0.05).contains(&r.x)) / 5.0;
+            beside += mean_speed(&frame, ball, |r| (0.024..0.045).contains(&across(r)) && r.x.abs() < 0.015) / 5.0;
+            before += mean_speed(&frame, ball, |r| across(r) < 0.02 && (-0.05..-0.02).contains(&r.x)) / 5.0;
+        }
+    }
+    println!("u before {before:.2}, beside {beside:.2}, behind {behind:.2} m/s");
+    // Measured 2.59, 3.45 and -0.04 m/s.
+    assert!(behind < 0.5 * beside && beside > 3.0 && before < 2.7, "{before} {beside} {behind}");
+}
+
+/// A ball that moves through still air carries it along in front, and the air stays outside.
+#[test]
+fn a_moving_ball_pushes_air() {
+    let moving =
+        "body.ball.motion=[{time=0,translation=[-0.03,0,0]},{time=0.08,translation=[0.05,0,0],rotation=[1,2,0]}]";
+    let mut simulation = simulation(PASSED, &["air.wind=[0,0,0]", moving]);
+    simulation.step(50).unwrap();
+    let frame = simulation.frame().unwrap();
+    let ball = simulation.scene().bodies[0].at(simulation.time()).ends[0];
+    let before = mean_speed(&frame, ball, |r| r.y.hypot(r.z) < 0.01 && (0.02..0.026).contains(&r.x));
+    let beside = mean_speed(&frame, ball, |r| r.y.hypot(r.z) > 0.024 && r.x.abs() < 0.015);
+    let depth = deepest(&simulation, &frame.air.positions);
+    println!("u before {before:.2}, beside {beside:.2} m/s, {depth:.1e} m inside");
+    assert!(depth < -0.0023, "{depth}");
+    // The ball moves at 1 m/s; what it displaces goes back beside it.
+    // Measured 0.69 and -0.09 m/s.
+    assert!((0.5..1.1).contains(&before) && beside < -0.04, "{before} {beside}");
+}
+
+/// Hair, air and a ball that moves through both: the same bits twice.
+#[test]
+fn the_same_scene_gives_the_same_bits() {
+    let hair = "[hair]\nstrands = 12\npoints = 8\nlength = 0.06\nroots = { center = [0.045, 0.07, 0.045], radius = 0.012, direction = [1, 0, 0] }\n";
+    let moving = "body.ball.motion=[{time=0},{time=0.05,translation=[0,0.02,0]}]";
+    let run = || {
+        let mut simulation = simulation(&format!("{PASSED}{hair}"), &[moving]);
+        simulation.step(40).unwrap();
+        simulation.frame().unwrap()
+    };
+    let (first, second) = (run(), run());
+    assert!(first.hair.positions.len() == 96 && first.air.positions.len() > 5000);
+    let bits = |frame: &Frame| -> Vec<u32> {
+        let all = [&frame.hair.positions, &frame.hair.velocities, &frame.air.positions, &frame.air.velocities];
+        all.into_iter().flatten().flatten().map(|x| x.to_bits()).collect()
+    };
+    assert!(bits(&first) == bits(&second));
+}
