@@ -493,14 +493,21 @@ fn a_twisted_ring_leaves_its_plane_where_it_should() {
             tip_rest_rotation: DQuat::IDENTITY,
             tip_compliance: hair.bend_compliance[0],
         }];
-        grows(&scene, &initial, 4.0, |hair| {
-            hair.positions.iter().map(|x| f64::from(x[2] - hair.positions[0][2]).abs()).fold(0.0, f64::max)
-        })
+        // Past the threshold it leaves its plane, and comes to rest elsewhere (it may pass through itself).
+        let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
+        let mut farthest: f64 = 0.0;
+        for _ in 0..100 {
+            simulation.step(10).unwrap();
+            let hair = simulation.frame().unwrap().hair;
+            let out = hair.positions.iter().map(|x| f64::from(x[2] - hair.positions[0][2]).abs());
+            farthest = out.fold(farthest, f64::max);
+        }
+        farthest
     };
     let threshold = TAU * 3.0_f64.sqrt() * 1.38;
     let (below, above) = (ring(0.95 * threshold), ring(1.05 * threshold));
-    println!("out of plane over 2 s: times {below:.3} at 0.95, times {above:.3} at 1.05 of the threshold");
-    assert!(below < 1.0 && above > 1.0, "{below} {above}");
+    println!("out of plane: {below:.1e} m at 0.95, {above:.1e} m at 1.05 of the threshold");
+    assert!(below < 1e-3 && above > 2e-2, "{below} {above}");
 }
 
 /// Fig. 2(b)'s hair in its mean wind: by two Newton steps a segment stretches by less than 1e-4 at the paper's step, by less

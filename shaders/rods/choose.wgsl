@@ -86,15 +86,15 @@ fn free_turn(j: u32, h: f32) -> vec3f {
     return free_move(segment.angular_velocity, segment.before, segment.carried, vec3f(0.0), h);
 }
 
-// Where velocities lead: to the second order.
+// Where velocities lead. (By the velocity before, too, it would lead nearer; rings under moment then begin to swing.)
 fn led_point(strand: Strand, rod: RodStrand, k: u32) -> vec3f {
     let point = rod_points[strand.first_point + k];
     if point.inverse_mass == 0.0 { return select(vec3f(0.0), rod.root_travel, k == 0u); }
-    return params.step * (1.5 * point.velocity - 0.5 * point.before);
+    return params.step * point.velocity;
 }
 
 fn led_turn(j: u32) -> vec3f {
-    return params.step * (1.5 * rod_segments[j].angular_velocity - 0.5 * rod_segments[j].before);
+    return params.step * rod_segments[j].angular_velocity;
 }
 
 // max |C| of stretch-shear there.

@@ -256,18 +256,16 @@ pub fn choose(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut D
     if std::mem::take(&mut s.asleep[strand]) {
         s.still[strand] = 0;
     }
-    // Where velocities lead, to the second order.
+    // Where velocities lead.
     let held = |i: usize| if i == points.start { drive.root_travel } else { DVec3::ZERO };
-    let lead = |now: DVec3, before: DVec3| p.step * (1.5 * now - 0.5 * before);
     let led: Vec<DVec3> = points
         .clone()
         .map(|i| {
             let point = &m.points[i];
-            if point.inverse_mass == 0.0 { held(i) } else { lead(point.velocity, point.before) }
+            if point.inverse_mass == 0.0 { held(i) } else { p.step * point.velocity }
         })
         .collect();
-    let led_turn: Vec<DVec3> =
-        segments.clone().map(|k| lead(m.segments[k].angular_velocity, m.segments[k].before)).collect();
+    let led_turn: Vec<DVec3> = segments.clone().map(|k| p.step * m.segments[k].angular_velocity).collect();
     let tear = (0..led_turn.len()).map(|k| {
         let segment = &m.segments[segments.start + k];
         let tangent = rotation(led_turn[k]) * segment.start * DVec3::Z;
