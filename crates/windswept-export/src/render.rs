@@ -20,7 +20,7 @@ use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use windswept::gpu::wgpu;
 use windswept::{Frame, Gpu, HairFrame};
-use windswept_scene::{AirPicture, Body, Capsule, Scene};
+use windswept_scene::{AirPicture, Scene};
 
 use crate::ExportError;
 use groom::Groom;
@@ -49,8 +49,7 @@ pub struct Renderer {
     offsets: Vec<u32>,
     /// Points of a drawn hair.
     samples: u32,
-    bodies: Vec<Body>,
-    air: AirPicture,
+    scene: Scene,
     /// The scalar that air is brightest at.
     brightest: f32,
     passes: Passes,
@@ -100,8 +99,7 @@ impl Renderer {
             groom,
             offsets: start.offsets.clone(),
             samples,
-            bodies: scene.bodies.clone(),
-            air: scene.picture.air,
+            scene: scene.clone(),
             brightest: (brightest as f32).max(f32::MIN_POSITIVE),
             passes,
             target,
@@ -142,8 +140,7 @@ impl Renderer {
         let (low, high) = ((low - margin).as_dvec3(), (high + margin).as_dvec3());
         let uniform = self.view.uniform(low, high, self.groom.hairs.len() as u32, self.samples);
         let likeness = groom::likeness(&self.groom.pairs, &frame.hair);
-        let bodies: Vec<Capsule> = self.bodies.iter().map(|body| body.at(frame.time)).collect();
-        self.passes.upload(&self.gpu, &uniform, &frame.hair, &likeness, &bodies)?;
+        self.passes.upload(&self.gpu, &uniform, &self.scene, frame, &likeness)?;
         let air = self.passes.air(&self.gpu, &air)?;
         self.gpu.checked(
             || "drawing a picture".to_owned(),
@@ -166,7 +163,7 @@ impl Renderer {
         if frame.hair.offsets != self.offsets {
             return Err(refused("the frame has other strands than the renderer was made for".into()));
         }
-        let (values, what) = match self.air {
+        let (values, what) = match self.scene.picture.air {
             AirPicture::None => return Ok(Vec::new()),
             AirPicture::Vorticity => (&frame.air.vorticity, "vorticity"),
             AirPicture::BandEnergy => (&frame.air.band_energy, "band_energy"),

@@ -52,6 +52,26 @@ fn pictures_repeat() {
     assert_eq!(draw(&Renderer::new(&gpu, &scene, &hair).unwrap(), &hair), first);
 }
 
+/// A body is drawn where its keyframes have it at the frame's time.
+#[test]
+fn bodies_are_where_their_keyframes_say() {
+    let hair = strands(&three(), Vec3::X * 0.04);
+    let body = "body=[{radius=0.004, center=[-0.02, 0.005, 0], motion=[{time=1}, {time=3, translation=[0.04, 0, 0]}]}]";
+    let (with, without) = (scene(&["picture.hairs=3", body]), scene(&["picture.hairs=3"]));
+    let renderer = Renderer::new(&gpu(), &with, &hair).unwrap();
+    let bare = draw(&Renderer::new(&gpu(), &without, &hair).unwrap(), &hair);
+    for (time, at) in [(0.0, -0.02), (2.0, 0.0), (9.0, 0.02)] {
+        let drawn = renderer.render(&Frame { time, ..frame(hair.clone()) }).unwrap();
+        for x in [-0.02, 0.0, 0.02_f32] {
+            let [i, j] = pixel(&renderer, [x, 0.005, 0.0]);
+            let seen = difference(&drawn, &bare, i as u32, j as u32);
+            println!("{time} s, {x}: {seen}");
+            // Measured 80 to 93 of 255.
+            assert_eq!(seen > 20, x == at, "at {time} s, {x} m: {seen}");
+        }
+    }
+}
+
 /// Light comes from above the camera's left shoulder: hair under a dense mat is darker than the same hair without it.
 #[test]
 fn hair_shades_hair() {

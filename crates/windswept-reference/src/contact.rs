@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use windswept_scene::{InitialState, Motion, Scene};
 
-use crate::{Parameters, State};
+use crate::Parameters;
 
 /// Bodies in order, so often: for what is between them.
 const ROUNDS: usize = 2;
@@ -137,11 +137,6 @@ pub fn hair(p: &Parameters, placed: &[Placed], position: DVec3, predicted: DVec3
         touched = true;
     }
     touched.then_some(x)
-}
-
-/// A strand that a body has pushed does not sleep, and leaves BDF2 for Euler: its move has a corner.
-pub fn wake(s: &mut State, strand: usize) {
-    (s.still[strand], s.calm[strand]) = (0, 0);
 }
 
 /// Position and velocity of an air particle that would be at `x` with velocity `v`: half a spacing from the bodies by the

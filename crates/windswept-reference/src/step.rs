@@ -19,7 +19,7 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     neighbours(&mut w, p); //            2. List who is near whom.
     fluid(&s, &mut w, p); //           3. Hair and air share one density constraint (eq. 1).
     rods(&mut s, &mut w, p); //       4. Strands keep their length and shape.
-    contact(&mut s, &mut w, p); //         5. Nothing enters a body.
+    contact(&s, &mut w, p); //         5. Nothing enters a body.
     velocity(&s, &mut w, p); //          6. Velocities from positions.
     turbulence(&mut s, &mut w, p); //    7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
     viscosity(&s, &mut w, p); //         8. Neighbours share velocity (eqs. 7, 8).
@@ -170,7 +170,7 @@ pub fn finish(s: &mut State, w: &mut Scratch, p: &Parameters) {
 }
 
 /// 5. Nothing enters a body.
-pub fn contact(s: &mut State, w: &mut Scratch, p: &Parameters) {
+pub fn contact(s: &State, w: &mut Scratch, p: &Parameters) {
     w.touched = vec![false; s.hair.len()];
     let placed = contact::place(p, s.steps);
     for strand in 0..s.hair.len() {
@@ -179,9 +179,6 @@ pub fn contact(s: &mut State, w: &mut Scratch, p: &Parameters) {
                 w.predicted[point] = x;
                 w.touched[strand] = true;
             }
-        }
-        if w.touched[strand] {
-            contact::wake(s, strand);
         }
     }
     for i in p.hair_points..w.predicted.len() {

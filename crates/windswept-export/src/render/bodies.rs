@@ -3,9 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3};
-use windswept_scene::Capsule;
+use windswept_scene::{Capsule, Scene};
 
-use super::patch::Corner;
+use super::patch::{Corner, grid_triangles};
 
 /// Around the axis.
 const SIDES: u32 = 96;
@@ -14,26 +14,17 @@ const OUTLINE: u32 = 48;
 /// Drawn a little smaller than hair sees it: hair lies on it in chords.
 const SHRUNK: f64 = 0.99;
 
-/// Triangles of so many bodies, whose corners follow one another.
+/// Triangles of so many bodies.
 pub(super) fn triangles(bodies: usize) -> Vec<u32> {
-    let of_body = |body: u32| {
-        let first = body * OUTLINE * (SIDES + 1);
-        (0..OUTLINE - 1).flat_map(move |i| {
-            (0..SIDES).flat_map(move |k| {
-                let (a, b) = (first + i * (SIDES + 1) + k, first + (i + 1) * (SIDES + 1) + k);
-                [a, b, a + 1, a + 1, b, b + 1]
-            })
-        })
-    };
-    (0..bodies as u32).flat_map(of_body).collect()
+    grid_triangles(bodies, OUTLINE, SIDES)
 }
 
-/// Corners of the bodies, one after the other; as many whatever their places.
-pub(super) fn corners(bodies: &[Capsule]) -> Vec<Corner> {
-    bodies.iter().flat_map(corners_of).collect()
+/// Corners of the scene's bodies at `time` [s], one body after the other.
+pub(super) fn corners(scene: &Scene, time: f64) -> Vec<Corner> {
+    scene.bodies.iter().flat_map(|body| corners_of(&body.at(time))).collect()
 }
 
-fn corners_of(body: &Capsule) -> impl Iterator<Item = Corner> {
+fn corners_of(body: &Capsule) -> impl Iterator<Item = Corner> + use<> {
     let ends = body.ends;
     let axis = (ends[1] - ends[0]).normalize_or(DVec3::Y);
     let across = axis.any_orthonormal_vector();

@@ -115,6 +115,16 @@ pub(super) fn likeness(pairs: &[[u32; 2]], hair: &HairFrame) -> Vec<f32> {
     pairs.iter().map(alike).collect()
 }
 
+/// What the scene's motion of the roots has turned each strand's clamp by since the start; nothing where strands are not
+/// the scene's own.
+pub(super) fn turns(scene: &Scene, strands: usize, time: f64) -> Vec<Quat> {
+    if scene.hair.iter().map(|hair| hair.strands as usize).sum::<usize>() != strands {
+        return vec![Quat::IDENTITY; strands];
+    }
+    let turn = |hair: &'_ windswept_scene::Hair| (hair.motion.at(time).1 * hair.motion.at(0.0).1.inverse()).as_quat();
+    scene.hair.iter().flat_map(|hair| std::iter::repeat_n(turn(hair), hair.strands as usize)).collect()
+}
+
 /// Of each strand what it is rooted on, if the scene says so.
 fn shapes(scene: &Scene, strands: usize) -> Vec<Option<&Roots>> {
     let of_group = |hair: &'_ windswept_scene::Hair| hair.strands as usize;

@@ -2,13 +2,13 @@
 
 use glam::Quat;
 use windswept::gpu::wgpu::{self, BufferUsages};
-use windswept::{Gpu, GpuError, HairFrame};
-use windswept_scene::{Capsule, Scene};
+use windswept::{Frame, Gpu, GpuError, HairFrame};
+use windswept_scene::Scene;
 
 use super::bodies;
-use super::groom::Groom;
+use super::groom::{self, Groom};
 use super::maker::{Bound, Compute, Depth, Draw, Maker};
-use super::patch::{Corner, patches};
+use super::patch::{self, Corner};
 use super::view::{GRID, Uniform};
 
 const GROW: &str = concat!(include_str!("common.wgsl"), include_str!("grow.wgsl"));
@@ -114,8 +114,8 @@ impl Passes {
         ];
         let ribbon = numbered([&view, &points, &colour, &radius]);
         let scenery = m.module("scenery", SCENERY);
-        let standing: Vec<Capsule> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
-        let (patch, bodies) = (patches(scene), (bodies::corners(&standing), bodies::triangles(standing.len())));
+        let patch = (patch::corners(scene, 0.0), patch::triangles(scene.hair.len()));
+        let bodies = (bodies::corners(scene, 0.0), bodies::triangles(scene.bodies.len()));
         Self {
             compute,
             wall: m.draw(&scenery, "wall_", &[], None, Depth::Ignored),
@@ -134,22 +134,24 @@ impl Passes {
         }
     }
 
-    /// Sends a frame's strands and bodies to the GPU.
+    /// Sends a frame's strands to the GPU, and what stands about them at its time.
     pub(super) fn upload(
         &self,
         gpu: &Gpu,
         view: &Uniform,
-        hair: &HairFrame,
+        scene: &Scene,
+        shot: &Frame,
         likeness: &[f32],
-        bodies: &[Capsule],
     ) -> Result<(), GpuError> {
+        let (hair, time) = (&shot.hair, shot.time);
+        let turns = groom::turns(scene, self.root_frames.len(), time);
         let guide: Vec<[f32; 4]> = hair.positions.iter().map(|&[x, y, z]| [x, y, z, 0.0]).collect();
         let mut frame = Vec::with_capacity(guide.len());
         for (strand, ends) in hair.offsets.windows(2).enumerate() {
             // n - 1 segments, n places: the tip's is that of the clamp.
             let (first, last) = (ends[0] as usize - strand, ends[1] as usize - strand - 1);
             frame.extend_from_slice(&hair.orientations[first..last]);
-            frame.push(self.root_frames[strand].to_array());
+            frame.push((turns[strand] * self.root_frames[strand]).to_array());
         }
         gpu.checked(
             || "uploading strands".to_owned(),
@@ -158,8 +160,12 @@ impl Passes {
                 gpu.queue().write_buffer(&self.guide, 0, bytemuck::cast_slice(&guide));
                 gpu.queue().write_buffer(&self.frame, 0, bytemuck::cast_slice(&frame));
                 gpu.queue().write_buffer(&self.likeness, 0, bytemuck::cast_slice(likeness));
-                if let Some(drawn) = &self.bodies {
-                    gpu.queue().write_buffer(&drawn.corners, 0, bytemuck::cast_slice(&bodies::corners(bodies)));
+                for (solid, corners) in
+                    [(&self.patch, patch::corners(scene, time)), (&self.bodies, bodies::corners(scene, time))]
+                {
+                    if let Some(solid) = solid {
+                        gpu.queue().write_buffer(&solid.corners, 0, bytemuck::cast_slice(&corners));
+                    }
                 }
             },
         )

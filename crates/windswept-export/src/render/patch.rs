@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
-use windswept_scene::{RootShape, Roots, Scene};
+use windswept_scene::{Hair, RootShape, Roots, Scene};
 
 /// Sides of the solid of revolution.
 const SIDES: u32 = 96;
@@ -19,23 +19,41 @@ pub(super) struct Corner {
     pub(super) normal: [f32; 3],
 }
 
-/// Corners and triangles of every group's patch.
-pub(super) fn patches(scene: &Scene) -> (Vec<Corner>, Vec<u32>) {
-    let (mut corners, mut triangles) = (Vec::new(), Vec::new());
-    for hair in &scene.hair {
-        let first = corners.len() as u32;
-        corners.extend(corners_of(&hair.roots));
-        for i in 0..OUTLINE - 1 {
-            for k in 0..SIDES {
-                let (a, b) = (first + i * (SIDES + 1) + k, first + (i + 1) * (SIDES + 1) + k);
+/// Corners of every group's patch at `time` [s], group by group.
+pub(super) fn corners(scene: &Scene, time: f64) -> Vec<Corner> {
+    let of_group = |hair: &Hair| {
+        let (motion, center) = (hair.motion.clone(), DVec3::from_array(hair.roots.center));
+        let (_, turn) = motion.at(time);
+        corners_of(&hair.roots).map(move |(position, normal)| {
+            let position = motion.place(center, position, time);
+            Corner { position: position.as_vec3().to_array(), normal: (turn * normal).as_vec3().to_array() }
+        })
+    };
+    scene.hair.iter().flat_map(of_group).collect()
+}
+
+/// Triangles of so many patches.
+pub(super) fn triangles(groups: usize) -> Vec<u32> {
+    grid_triangles(groups, OUTLINE, SIDES)
+}
+
+/// Triangles of so many solids of revolution whose corners follow one another, outline by outline.
+pub(super) fn grid_triangles(solids: usize, outline: u32, sides: u32) -> Vec<u32> {
+    let mut triangles = Vec::new();
+    for solid in 0..solids as u32 {
+        for i in 0..outline - 1 {
+            for k in 0..sides {
+                let a = (solid * outline + i) * (sides + 1) + k;
+                let b = a + sides + 1;
                 triangles.extend([a, b, a + 1, a + 1, b, b + 1]);
             }
         }
     }
-    (corners, triangles)
+    triangles
 }
 
-fn corners_of(roots: &Roots) -> impl Iterator<Item = Corner> {
+/// Positions [m] and normals, unmoved.
+fn corners_of(roots: &Roots) -> impl Iterator<Item = (DVec3, DVec3)> + use<> {
     let (center, radius, shape) = (DVec3::from_array(roots.center), roots.radius, roots.shape);
     let basis = basis(roots);
     let axis = basis.z_axis;
@@ -46,8 +64,7 @@ fn corners_of(roots: &Roots) -> impl Iterator<Item = Corner> {
             let slopes = (at(i + e, k) - at(i - e, k)).cross(at(i, k + e) - at(i, k - e));
             // Nothing turns about at a pole.
             let normal = (basis * slopes).normalize_or(if i == 0.0 { axis } else { -axis });
-            let here = at(i, k);
-            Corner { position: (center + basis * here).as_vec3().to_array(), normal: normal.as_vec3().to_array() }
+            (center + basis * at(i, k), normal)
         })
     })
 }

@@ -52,7 +52,12 @@ impl View {
 
     fn automatic(scene: &Scene, points: &[[f32; 3]]) -> Self {
         let wind = scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind));
-        let mut reach: Vec<DVec3> = scene.hair.iter().flat_map(|hair| where_hair_goes(hair, wind, scene)).collect();
+        let mut reach = Vec::new();
+        for hair in &scene.hair {
+            let goes = where_hair_goes(hair, wind, scene);
+            let moved = hair.motion.keyframes.iter().map(|keyframe| keyframe.pose().0);
+            reach.extend(std::iter::once(DVec3::ZERO).chain(moved).flat_map(|by| goes.iter().map(move |x| *x + by)));
+        }
         if reach.is_empty() {
             reach = points.iter().map(|p| Vec3::from_array(*p).as_dvec3()).collect();
         }

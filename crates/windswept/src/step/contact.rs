@@ -22,12 +22,6 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
                 n.hair_points,
                 &[&s.params, &s.status, &s.inverse_mass, &s.position, &s.strands, &s.placed, &s.predicted, &s.touched],
             );
-            r.run(
-                &contact::WAKE,
-                "strands that are pushed wake",
-                n.strands,
-                &[&s.params, &s.status, &s.touched, &s.health],
-            );
         });
         r.when(&plan.air, |r| {
             r.run(
