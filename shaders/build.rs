@@ -22,7 +22,7 @@ const FOLDERS: [&str; 7] = ["grid", "fluid", "turbulence", "rods", "wind", "cont
 /// WebGPU's default: storage buffers that one stage may bind.
 const STORAGE_BUFFERS: usize = 8;
 /// Structs shared with Rust, which asserts their layout.
-const SHARED: [&str; 16] = [
+const SHARED: [&str; 17] = [
     "Params",
     "Status",
     "Strand",
@@ -39,6 +39,7 @@ const SHARED: [&str; 16] = [
     "Keyframe",
     "Body",
     "Placed",
+    "Mesh",
 ];
 
 /// Per struct: size, and fields with their offsets [bytes].

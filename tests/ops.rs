@@ -5,7 +5,7 @@ mod support;
 
 use glam::DVec3;
 use support::{Layout, RADIUS, SIZES, VOLUME};
-use windswept::ops::{OpsError, Particles};
+use windswept::ops::{Filter, OpsError, Particles};
 use windswept_reference::{Parameters, fluid, grid, turbulence};
 use windswept_scene::{AirParticles, Band, Fluid, InitialState, Scene};
 
@@ -132,7 +132,11 @@ fn operations_are_those_of_the_twin() {
                 &turbulence::vorticity(&p, &x, &v, &volume, &near),
                 1.0,
             ),
-            error(&vectors(&particles.band_velocity(&gpu, BAND.scale, 4.5).unwrap()), &band, 1e-3),
+            error(
+                &vectors(&particles.band_velocity(&gpu, BAND.scale, Filter::Direct { cutoff: 4.5 }).unwrap()),
+                &band,
+                1e-3,
+            ),
             error(&vectors(&particles.viscosity(&gpu, 0.9).unwrap()), &viscous, 1e-3),
         ];
         println!("{name}: density, vorticity, band, viscosity {errors:?}, positions {far:.1e} m");
@@ -211,8 +215,8 @@ fn bad_arguments_are_named() {
         Particles { velocities: &at[..1], ..good }.vorticity(&gpu),
         "velocities: expected 2 rows as positions, found 1",
     );
-    refused(good.band_velocity(&gpu, 0.0, 4.5), "scale: expected");
-    refused(good.band_velocity(&gpu, 0.01, f64::NAN), "cutoff: expected");
+    refused(good.band_velocity(&gpu, 0.0, Filter::default()), "scale: expected");
+    refused(good.band_velocity(&gpu, 0.01, Filter::Direct { cutoff: f64::NAN }), "cutoff: expected");
     refused(good.viscosity(&gpu, -0.1), "coefficient: expected");
     let fluid = Fluid { iterations: 2, relaxation: 0.5, tension: 0.0 };
     refused(good.solve_density(&gpu, Fluid { relaxation: f64::NAN, ..fluid.clone() }), "relaxation: expected");

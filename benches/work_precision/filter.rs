@@ -1,8 +1,9 @@
-//! The band filter: where it is cut, against the sum that is not.
+//! The band filter: where the direct sum is cut, how fine the grid is, against the whole sum.
 
 use glam::DVec3;
+use windswept::ops::Filter;
 use windswept_reference::turbulence::{mexican_hat, peak_gain};
-use windswept_scene::{Band, Scene};
+use windswept_scene::{Band, Order, Scene};
 
 use crate::{
     Bench, Measured, Result,
@@ -13,44 +14,73 @@ use crate::{
 
 /// s \[m\].
 const SCALES: [f64; 3] = [0.007, 0.011, 0.018];
-/// In units of s.
+/// Of the direct sum, in units of s.
 const CUTOFFS: [f64; 5] = [3.0, 3.5, 4.0, 4.5, 5.0];
+/// Orders of the grid's B-spline and their spacings, in units of s.
+const GRIDS: [(Order, [f64; 5]); 3] = [
+    (Order::Cic, [0.5, 0.4, 0.3, 0.25, 0.2]),
+    (Order::Tsc, [0.7, 0.6, 0.5, 0.4, 0.3]),
+    (Order::Cubic, [1.0, 0.8, 0.65, 0.55, 0.45]),
+];
 /// Images that are farther off along an axis, in units of s, add less than 1e-12 of the hat's middle.
 const REACH: f64 = 8.0;
+/// What the filters' time is of: all but what comes after û. The grid sorts once more.
+const PASSES: [&str; 5] =
+    ["turbulence/weigh", "turbulence/band", "turbulence/deposit", "turbulence/smooth", "turbulence/gather"];
 
-/// Error and time of each cut, at each scale.
+/// A filter, its line and its point in the picture.
+fn filters(bench: &Bench) -> Vec<(Filter, String, String)> {
+    let direct = bench
+        .some(&CUTOFFS)
+        .iter()
+        .map(|&cutoff| (Filter::Direct { cutoff }, "direct sum".to_owned(), format!("cut at {cutoff} s")));
+    let grids = GRIDS.iter().flat_map(|(order, spacings)| {
+        bench.some(spacings).iter().map(|&spacing| {
+            (
+                Filter::Grid { order: *order, spacing },
+                format!("grid, {}", order.word()),
+                format!("nodes {spacing} s apart"),
+            )
+        })
+    });
+    direct.chain(grids).collect()
+}
+
+/// Error and time of each filter, at each scale.
 pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
     let air = Air::lattice(if bench.quick { 8 } else { 17 }).jittered(0.3).stirred(1.0);
     let mut points = Vec::new();
     for &scale in bench.some(&SCALES) {
         let whole = whole_sum(&air, scale);
         let kind = format!("s = {} mm: rms error of û over its rms", 1e3 * scale);
-        let cutoffs = bench.some(&CUTOFFS);
-        let scenes =
-            cutoffs.iter().map(|cutoff| Ok((scene(scale, *cutoff)?, air.initial()))).collect::<Result<Vec<_>>>()?;
-        let times = timing::passes(&bench.gpu, &scenes, &["turbulence/band"], bench.rounds(6))?;
-        for (&cutoff, time) in cutoffs.iter().zip(&times) {
-            let got = vectors(&air.particles().band_velocity(&bench.gpu, scale, cutoff)?);
+        let filters = filters(bench);
+        let scenes = filters
+            .iter()
+            .map(|(filter, ..)| Ok((scene(scale, *filter)?, air.initial())))
+            .collect::<Result<Vec<_>>>()?;
+        let times = timing::passes(&bench.gpu, &scenes, &PASSES, bench.rounds(6))?;
+        for ((filter, series, setting), time) in filters.iter().zip(&times) {
+            let got = vectors(&air.particles().band_velocity(&bench.gpu, scale, *filter)?);
             let error =
                 rms(got.iter().zip(&whole).map(|(a, b)| (*a - *b).length())) / rms(whole.iter().map(|u| u.length()));
-            let default = cutoff == air::scene("")?.turbulence.cutoff;
-            points
-                .push(Point { default, ..Point::new(&kind, "direct sum", &format!("cut at {cutoff} s"), time, error) });
+            let default = *filter == Filter::of(&air::scene("")?.turbulence);
+            points.push(Point { default, ..Point::new(&kind, series, setting, time, error) });
         }
     }
     let notes = vec![
         "field: box of 17 d, jitter 0.3 d, six solenoidal waves of 1-3 periods per axis (d the particles' spacing)"
             .into(),
         "error: against the f64 sum over all particles and all periodic images in which the hat is above 1e-12".into(),
+        "time: without the grid's sort into its own cells, a few percent".into(),
     ];
     Ok(Measured { points, notes })
 }
 
 /// A band that is filtered and hardly fed.
-fn scene(scale: f64, cutoff: f64) -> Result<Scene> {
+fn scene(scale: f64, filter: Filter) -> Result<Scene> {
     let mut scene = air::scene("turbulence.speed = 1.0")?;
     scene.turbulence.bands = vec![Band { scale, strength: 1e-9, intensity: 1.0 }];
-    scene.turbulence.cutoff = cutoff;
+    filter.set(&mut scene.turbulence);
     Ok(scene)
 }
 

@@ -13,5 +13,6 @@ struct Band {
     rows: i32,             // of cells on either side of a block that the filter reaches, in y
     layers: i32,           // the same in z
     first_row: i32,        // of this dispatch: (2 rows + 1) (2 layers + 1) there are, y first
-    @size(208) end_row: i32,     // uniforms are bound at multiples of 256 bytes
+    end_row: i32,
+    @size(204) comes_first: u32,    // of the bands of a step; uniforms are bound at multiples of 256 bytes
 }

@@ -37,7 +37,7 @@ fn hashed_bucket(cell: vec3i) -> u32 {
 
 fn bucket_of(i: u32, position: vec3f) -> u32 {
     if is_air(i) {
-        return box_bucket(air_cell_of(position));
+        return box_bucket(air_cell_of(wrap(position)));
     }
     let cell = cell_of(position);
     if in_box(cell) {

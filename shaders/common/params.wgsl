@@ -35,6 +35,7 @@ struct Params {
     bdf2: u32,                    // rods by BDF2 where they are calm, else by implicit Euler
     sleep: u32,                   // strands at rest are left alone
     substeps: u32,                // engine steps of a time step
+    @size(80) conserve_momentum: u32,   // take the mean change by confinement out; bound at multiples of 256 bytes
 }
 
 @group(0) @binding(0) var<uniform> params: Params;

@@ -1,6 +1,6 @@
 // Orders each cell by particle index, so that sums over neighbours have the same bits every time: a particle's place
 // is the number of smaller indices in its cell.
-import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cells::{bucket_of, is_air}, status::frozen};
+import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cells::{bucket_of, is_air, wrap}, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       predicted:       array<vec4f>;
 @group(0) @binding(3) var<storage, read>       cell_start:      array<u32>;
@@ -21,5 +21,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         place += u32(scattered[e] < i);
     }
     sorted[place] = i;
-    sorted_position[place] = vec4f(position, f32(is_air(i)));
+    let air = is_air(i);
+    sorted_position[place] = vec4f(select(position, wrap(position), air), f32(air));
 }

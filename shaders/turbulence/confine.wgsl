@@ -19,12 +19,10 @@ const LARGEST: f32 = 0.1;      // part of its speed that a band may gain in a st
 @group(0) @binding(7) var<storage, read>       vorticity:       array<vec4f>;   // w: its length [1/s]
 @group(0) @binding(8) var<storage, read_write> confinement:     array<vec4f>;   // m/s, of this step, all bands
 
-@compute @workgroup_size(WORKGROUP)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let i = params.hair_points + invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
+// m/s, of this band in this step.
+fn change(i: u32) -> vec3f {
     let own = predicted[i].xyz;
-    if in_fringe(own) { return; }
+    if in_fringe(own) { return vec3f(0.0); }
     let omega = vorticity[i];
     let published = params.published_law != 0u;
     let range = neighbour_range[i];
@@ -37,16 +35,22 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
     }
     let size = length(eta) + SOFTENING * omega.w / params.kernel_radius;
-    if size <= 0.0 { return; }
+    if size <= 0.0 { return vec3f(0.0); }
 
     let along = cross(eta / size, omega.xyz);
     let speed = length(band_velocity[i].xyz);
-    if published {
-        confinement[i] += vec4f(params.step * band.strength * speed * speed * along, 0.0);
-        return;
-    }
+    if published { return params.step * band.strength * speed * speed * along; }
     let part = speed / band.largest_speed;
     let gain = params.step * band.strength * speed * max(0.0, 1.0 - part * part);
     let turning = length(along);
-    if turning > 0.0 { confinement[i] += vec4f(min(gain, LARGEST * speed / turning) * along, 0.0); }
+    if turning <= 0.0 { return vec3f(0.0); }
+    return min(gain, LARGEST * speed / turning) * along;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = params.hair_points + invocation(id, groups);
+    if i >= params.particles || frozen() { return; }
+    let before = select(confinement[i].xyz, vec3f(0.0), band.comes_first != 0u);
+    confinement[i] = vec4f(before + change(i), 0.0);
 }

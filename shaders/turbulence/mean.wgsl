@@ -1,4 +1,4 @@
-// The mean change of the air, to be taken out (as printed it stays in), and the impulse that the air is left with; the
+// The mean change of the air, to be taken out where momentum is conserved, and the impulse that the air is left with; the
 // guard books it.
 import package::common::{params::params, dispatch::WORKGROUP, status::frozen};
 
@@ -20,7 +20,7 @@ fn main(@builtin(local_invocation_id) lane: vec3u) {
     if lane.x > 0u || frozen() { return; }
     let air = f32(params.particles - params.hair_points);
     var mean = vec3f(0.0);
-    if params.published_law == 0u { mean = sums[0] / air; }
+    if params.conserve_momentum != 0u { mean = sums[0] / air; }
     mean_confinement[0] = vec4f(mean, 0.0);
     mean_confinement[1] = vec4f((sums[0] - air * mean) / params.air_inverse_mass, 0.0);
 }

@@ -1,5 +1,4 @@
 // What the filter sums, in cell order: V (v - U) of air (design 3.4), or v of all particles as printed (eq. 5).
-// Empties the change of this step.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, status::{status, frozen}, wind::mean_wind,
 };
@@ -8,8 +7,7 @@ import package::common::{
 @group(0) @binding(3) var<storage, read>       predicted:     array<vec4f>;
 @group(0) @binding(4) var<storage, read>       new_velocity:  array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> flow_position: array<vec4f>;   // xyz [m], w: 1 for air, 0 for hair
-@group(0) @binding(6) var<storage, read_write> flow:          array<vec4f>;   // m^4/s; published: m/s
-@group(0) @binding(7) var<storage, read_write> confinement:   array<vec4f>;   // m/s, of this step
+@group(0) @binding(6) var<storage, read_write> flow:          array<vec4f>;   // xyz [m^4/s], w: V [m^3]; published: m/s
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -18,11 +16,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let i = sorted[e];
     let air = is_air(i);
     flow_position[e] = vec4f(predicted[i].xyz, f32(air));
-    confinement[i] = vec4f(0.0);
     let v = new_velocity[i].xyz;
     if params.published_law != 0u {
         flow[e] = vec4f(v, 0.0);
     } else {
-        flow[e] = select(vec4f(0.0), vec4f(params.air_volume * (v - mean_wind(status.step + 1u)), 0.0), air);
+        let relative = v - mean_wind(status.step + 1u);
+        flow[e] = select(vec4f(0.0), params.air_volume * vec4f(relative, 1.0), air);
     }
 }

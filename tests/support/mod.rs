@@ -65,8 +65,11 @@ pub fn scene() -> Scene {
             speed: 0.0,
             law: Law::Band,
             filter: Filter::Direct,
+            order: Order::Cubic,
+            spacing: 0.55,
             cutoff: 4.5,
             normalise: false,
+            conserve_momentum: true,
         },
         viscosity: Viscosity { hair: 1.4, air: 0.014, form: ViscosityForm::Limited },
         rods: Rods {

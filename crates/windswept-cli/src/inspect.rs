@@ -103,7 +103,8 @@ pub(crate) fn plan(options: &SceneOptions, console: &mut Console<'_>) -> Result<
             Some(why) => format!("skipped: {why}"),
             None => format!("runs {} x", row.runs),
         };
-        console.print(format_args!("  {:<pass$}  {:<label$}  {does}", row.pass, row.label));
+        let band = row.band.map_or(String::new(), |band| format!(" (turbulence.bands.{band})"));
+        console.print(format_args!("  {:<pass$}  {:<label$}  {does}{band}", row.pass, row.label));
     }
     Ok(())
 }

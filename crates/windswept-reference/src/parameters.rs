@@ -1,7 +1,7 @@
 //! What stays the same from step to step.
 
 use glam::{DVec3, IVec3};
-use windswept_scene::{Band, InitialState, Integrator, Law, Model, Motion, Scene, Solver, ViscosityForm};
+use windswept_scene::{Band, InitialState, Integrator, Law, Model, Motion, Scene, Solver, Turbulence, ViscosityForm};
 
 use crate::{
     contact::{self, Body},
@@ -53,6 +53,8 @@ pub struct Parameters {
     pub law: Law,
     /// Of the band's sum, in units of s.
     pub cutoff: f64,
+    /// The rest of the scene's `[turbulence]`: filter, order, spacing, whether momentum is conserved.
+    pub turbulence: Turbulence,
     /// c of hair, per step.
     pub viscosity_hair: f64,
     /// c of air, per step.
@@ -118,6 +120,7 @@ impl Parameters {
             turbulence_speed: scene.turbulence.speed,
             law: scene.turbulence.law,
             cutoff: scene.turbulence.cutoff,
+            turbulence: scene.turbulence.clone(),
             viscosity_hair: scene.viscosity.hair / substeps,
             viscosity_air: scene.viscosity.air / substeps,
             limited: scene.viscosity.form == ViscosityForm::Limited,
@@ -157,6 +160,15 @@ impl Parameters {
     pub fn far_apart(&self, gap: DVec3, reach: f64) -> bool {
         let gap = gap.abs();
         (gap.cmpgt(DVec3::splat(reach)) & gap.cmplt(self.box_size - reach)).any()
+    }
+
+    /// s of the grid that a band's velocity is found on \[m\]: its own, or that of a finer band which it shares.
+    #[must_use]
+    pub fn grid_scale(&self, band: &Band) -> f64 {
+        let bands = &self.turbulence.bands;
+        let grids = self.turbulence.grids();
+        let shared = grids.iter().find(|grid| grid.iter().any(|&i| bands[i] == *band));
+        shared.map_or(band.scale, |grid| bands[grid[0]].scale)
     }
 
     /// c of a pair (eq. 8).

@@ -212,7 +212,7 @@ pub fn turbulence(s: &mut State, w: &mut Scratch, p: &Parameters) {
     }
     w.confinement = vec![DVec3::ZERO; w.predicted.len()];
     for band in &p.bands {
-        w.band_velocity = turbulence::band(p, band, w.blowing, &w.predicted, &w.new_velocity, &s.volume);
+        w.band_velocity = turbulence::band_velocity(p, band, w.blowing, &w.predicted, &w.new_velocity, &s.volume);
         let curled = if p.law == Law::Band { &w.band_velocity } else { &w.new_velocity };
         w.vorticity = turbulence::vorticity(p, &w.predicted, curled, &s.volume, &w.near);
         let own = turbulence::confine(
@@ -227,7 +227,7 @@ pub fn turbulence(s: &mut State, w: &mut Scratch, p: &Parameters) {
         );
         w.confinement.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
     }
-    let mean = if p.law == Law::Band { turbulence::mean(p, &w.confinement) } else { DVec3::ZERO };
+    let mean = if p.turbulence.conserve_momentum { turbulence::mean(p, &w.confinement) } else { DVec3::ZERO };
     let stronger = turbulence::strengthen(p, &w.new_velocity, &w.confinement, mean);
     s.confinement_impulse += turbulence::impulse(p, &s.inverse_mass, &w.new_velocity, &stronger);
     w.new_velocity = stronger;

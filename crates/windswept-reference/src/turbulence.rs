@@ -3,10 +3,13 @@
 //! Arrays run over all particles, hair first; what only air has is zero at hair. *Band* is the accurate law, *published*
 //! the paper as printed, in mg and mm. Every sum is direct: over all particles, through all periodic images in reach.
 
+mod mesh;
+
 use std::f64::consts::{E, PI, TAU};
 
 use glam::DVec3;
-use windswept_scene::{Band, Law};
+pub use mesh::{Mesh, b_spline, deposit, gather, smooth};
+use windswept_scene::{Band, Filter, Law};
 
 use crate::{Parameters, grid::Neighbours, parallel, sph_kernels::spiky_gradient, wind::depth};
 
@@ -31,6 +34,19 @@ pub fn mexican_hat(r: f64, s: f64) -> f64 {
 #[must_use]
 pub fn peak_gain(s: f64) -> f64 {
     2.0 / (15.0_f64.sqrt() * PI.powf(0.75)) * TAU.powf(1.5) * s.powf(1.5) * 2.0 / E
+}
+
+/// The velocity of a band of eddies at each air particle by the scene's filter: [`band`], or [`deposit`], [`smooth`] and
+/// [`gather`].
+#[must_use]
+pub fn band_velocity(p: &Parameters, band: &Band, wind: DVec3, x: &[DVec3], v: &[DVec3], volume: &[f64]) -> Vec<DVec3> {
+    match p.turbulence.filter {
+        Filter::Direct => self::band(p, band, wind, x, v, volume),
+        Filter::Grid => {
+            let deposited = deposit(p, p.grid_scale(band), wind, x, v, volume);
+            gather(p, band, &smooth(p, band.scale, &deposited), x)
+        }
+    }
 }
 
 /// The velocity of a band of eddies at each air particle (eq. 5), of what lies within the cut-off, itself included.
@@ -152,7 +168,7 @@ pub fn confine(
     (0..x.len()).map(change).collect()
 }
 
-/// The mean change of all air \[m/s\], which the band law takes out again: confinement drives no wind.
+/// The mean change of all air \[m/s\], which is taken out where momentum is conserved: confinement drives no wind.
 #[must_use]
 pub fn mean(p: &Parameters, change: &[DVec3]) -> DVec3 {
     let air = &change[p.hair_points..];

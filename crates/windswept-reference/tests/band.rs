@@ -5,10 +5,10 @@ mod support;
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 use glam::DVec3;
-use support::{Crowd, MASS, RADIUS, SIMPLE, VOLUME, lattice, stirred};
+use support::{Crowd, MASS, RADIUS, SIMPLE, VOLUME, jittered, lattice, stirred};
 use windswept_reference::{
     tables,
-    turbulence::{self, mexican_hat, peak_gain},
+    turbulence::{self, b_spline, mexican_hat, peak_gain},
 };
 use windswept_scene::{Band, Law};
 
@@ -68,6 +68,61 @@ fn a_wave_passes_with_the_gain_of_the_table() {
         // Measured up to 4.7e-9 with 7 s (the tail left out); up to 3.9e-3 with 4.5 s, the leak of the table.
         assert!(far < 1e-8, "k s = {k_s}: {far}");
         assert!(at_default < 4.5e-3, "k s = {k_s}: {at_default}");
+    }
+}
+
+/// B-splines sum to 1 over the nodes, have the moments of a box smoothed p + 1 times, and are those that are written out.
+#[test]
+fn b_splines_share_a_particle_out() {
+    for degree in 1..=3_u32 {
+        for t in [0.0, 0.2, 0.5, 0.77] {
+            let (whole, squared) = (-4..=4).fold((0.0, 0.0), |(whole, squared), n| {
+                let (gap, weight) = (t - f64::from(n), b_spline(degree, t - f64::from(n)));
+                (whole + weight, squared + weight * gap * gap)
+            });
+            assert!((whole - 1.0).abs() < 1e-15, "degree {degree} at {t}: {whole}");
+            // Variance (p + 1)/12: of degree 1 only between the nodes' own.
+            assert!(
+                degree == 1 || (squared - f64::from(degree + 1) / 12.0).abs() < 1e-15,
+                "degree {degree}: {squared}"
+            );
+        }
+    }
+    for (degree, t, value) in
+        [(1, 0.25, 0.75), (2, 0.0, 0.75), (2, 1.0, 0.125), (3, 0.0, 2.0 / 3.0), (3, 1.0, 1.0 / 6.0)]
+    {
+        assert!((b_spline(degree, t) - value).abs() < 1e-15);
+        assert_eq!(b_spline(degree, 0.5 * f64::from(degree + 1)), 0.0);
+    }
+}
+
+/// The grid's û is that of the sum over all images: 0.1 % off where the spacing is 0.4 s, without hair, wind or a mean in it.
+#[test]
+fn a_grid_finds_what_the_sum_does() {
+    let (size, positions) = jittered(11, 0.3, 3);
+    let mut crowd = Crowd::new(size, positions);
+    // A wave of two periods, and noise at every particle.
+    let wave = |x: &DVec3| DVec3::new(0.0, 6.0, -8.0) * (2.0 * TAU * x.x / size.x).sin();
+    let noise = stirred(crowd.positions.len(), 4);
+    let v: Vec<DVec3> = crowd.positions.iter().zip(noise).map(|(x, noise)| wave(x) + noise).collect();
+    crowd.parameters.cutoff = 7.0;
+    crowd.parameters.turbulence.spacing = 0.4;
+    let wind = DVec3::new(1.0, -2.0, 0.5);
+    let blown: Vec<DVec3> = v.iter().map(|v| *v + wind).collect();
+    for scale in [0.007, 0.009] {
+        let p = &crowd.parameters;
+        let sum = filtered(&crowd, scale, wind, &blown);
+        let mesh = turbulence::deposit(p, scale, wind, &crowd.positions, &blown, &crowd.volume);
+        let volume: f64 = mesh.values.iter().map(|node| node.w).sum();
+        let curved = turbulence::smooth(p, scale, &mesh);
+        let grid = turbulence::gather(p, &of_scale(scale), &curved, &crowd.positions);
+        let squares = |all: &mut dyn Iterator<Item = DVec3>| all.map(|u| u.length_squared()).sum::<f64>();
+        let off = squares(&mut sum.iter().zip(&grid).map(|(a, b)| *a - *b)) / squares(&mut sum.iter().copied());
+        println!("s = {scale}: {:.1e} off", off.sqrt());
+        assert!(off.sqrt() < 2e-3, "s = {scale}: {}", off.sqrt());
+        let all: f64 = crowd.volume.iter().sum();
+        let smoothed: f64 = curved.values.iter().map(|node| node.w).sum();
+        assert!((volume - all).abs() < 1e-12 * all && (smoothed - all).abs() < 1e-12 * all, "volume is lost");
     }
 }
 

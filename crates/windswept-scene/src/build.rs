@@ -10,6 +10,10 @@ const MOST_PARTICLES: u32 = 100_000_000;
 const MOST_HAIR_POINTS: u32 = 1 << 24;
 /// Of the direct filter in one step: minutes on a software adapter.
 const MOST_PAIRS: f64 = 1e11;
+/// Of the grid filter, in scales: at 1 the grid still knows the band's centre, coarser ones don't.
+const COARSEST: f64 = 1.0;
+/// Of the grid filter: 2 GiB a buffer, which is what adapters bind.
+const MOST_NODES: f64 = 1.34e8;
 /// Three along each axis: with fewer a particle would meet its own image.
 const LEAST_PARTICLES: f64 = 27.0;
 /// Cells of a kernel radius in the box: software adapters end the loop that sums more (ARCHITECTURE.md).
@@ -94,27 +98,73 @@ impl Reader<'_> {
     }
 
     fn turbulence(&self, wind: f64, air: Option<&Air>) -> Result<Turbulence, SceneError> {
-        let cutoff = self.number("turbulence.cutoff")?;
-        let bands = (0..self.tables("turbulence.bands")).map(|i| {
+        let band = |i: usize| {
             let at = |name: &str| self.number(&format!("turbulence.bands.{i}.{name}"));
-            let band = Band { scale: at("scale")?, strength: at("strength")?, intensity: at("intensity")? };
-            let pairs = air.map_or(0.0, |air| pairs(air, cutoff * band.scale));
-            if pairs > MOST_PAIRS {
-                let fits = band.scale * (MOST_PAIRS / pairs).cbrt();
-                let words =
-                    format!("the direct filter would sum {pairs:.1e} pairs a step; expected at most {fits:.2e} m");
-                return Err(self.fault(&format!("turbulence.bands.{i}.scale"), words));
-            }
-            Ok(band)
-        });
-        Ok(Turbulence {
-            bands: bands.collect::<Result<_, _>>()?,
+            Ok(Band { scale: at("scale")?, strength: at("strength")?, intensity: at("intensity")? })
+        };
+        let law = self.choice("turbulence.law")?;
+        // The published law knows no other.
+        let only_direct = law == Law::Published && !self.has("turbulence.filter");
+        let turbulence = Turbulence {
+            bands: (0..self.tables("turbulence.bands")).map(band).collect::<Result<_, SceneError>>()?,
             speed: self.maybe_number("turbulence.speed")?.unwrap_or(wind),
-            law: self.choice("turbulence.law")?,
-            filter: self.choice("turbulence.filter")?,
-            cutoff,
+            law,
+            filter: if only_direct { Filter::Direct } else { self.choice("turbulence.filter")? },
+            order: self.choice("turbulence.order")?,
+            spacing: self.number("turbulence.spacing")?,
+            cutoff: self.number("turbulence.cutoff")?,
             normalise: self.flag("turbulence.normalise")?,
-        })
+            conserve_momentum: self.maybe_flag("turbulence.conserve_momentum")?.unwrap_or(law == Law::Band),
+        };
+        self.check_filter(&turbulence)?;
+        if let Some((air, bounds)) = air.and_then(|air| air.bounds.map(|bounds| (air, bounds))) {
+            self.check_bands(&turbulence, air, &bounds)?;
+        }
+        Ok(turbulence)
+    }
+
+    fn check_filter(&self, turbulence: &Turbulence) -> Result<(), SceneError> {
+        let at = "turbulence.filter";
+        if turbulence.filter == Filter::Grid && turbulence.law == Law::Published {
+            let words = "expected \"direct\" with turbulence.law = \"published\", which sums hair too, without volumes";
+            return Err(self.fault(at, words));
+        }
+        if turbulence.filter == Filter::Direct && turbulence.normalise {
+            return Err(self.fault("turbulence.normalise", format!("expected {at} = \"grid\" with it")));
+        }
+        if turbulence.spacing > COARSEST {
+            let words = format!("expected at most {COARSEST} scales, found {}", turbulence.spacing);
+            return Err(self.fault("turbulence.spacing", words));
+        }
+        Ok(())
+    }
+
+    fn check_bands(&self, turbulence: &Turbulence, air: &Air, bounds: &Bounds) -> Result<(), SceneError> {
+        let size = DVec3::from_array(bounds.max) - DVec3::from_array(bounds.min);
+        for (i, band) in turbulence.bands.iter().enumerate() {
+            let fault = |words| Err(self.fault(&format!("turbulence.bands.{i}.scale"), words));
+            match turbulence.filter {
+                Filter::Grid => {
+                    let nodes: f64 = turbulence.nodes(band.scale, air.kernel_radius, size).iter().product();
+                    if nodes > MOST_NODES {
+                        let fits = rounded(band.scale * (nodes / MOST_NODES).cbrt());
+                        return fault(format!(
+                            "the filter's grid would have {nodes:.1e} nodes, at most {MOST_NODES:.1e} fit any adapter; expected at least about {fits} m"
+                        ));
+                    }
+                }
+                Filter::Direct => {
+                    let pairs = pairs(air, turbulence.cutoff * band.scale);
+                    if pairs > MOST_PAIRS {
+                        let fits = band.scale * (MOST_PAIRS / pairs).cbrt();
+                        return fault(format!(
+                            "the direct filter would sum {pairs:.1e} pairs a step; expected at most {fits:.2e} m, or filter = \"grid\""
+                        ));
+                    }
+                }
+            }
+        }
+        Ok(())
     }
 
     /// c, or from ν: c = 22 ν Δt/h² (design 3.5).

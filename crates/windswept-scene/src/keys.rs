@@ -63,14 +63,8 @@ pub struct Key {
 
 /// `(key, value)` pairs that a scene may name but this version has not built; an empty value is any value.
 /// When a piece lands, its line goes.
-pub const NOT_BUILT: &[(&str, &str)] = &[
-    ("rods.internal_damping", ""),
-    ("turbulence.filter", "grid"),
-    ("turbulence.normalise", "true"),
-    ("air.margin", ""),
-    ("air.gust", ""),
-    ("hair.file", ""),
-];
+pub const NOT_BUILT: &[(&str, &str)] =
+    &[("rods.internal_damping", ""), ("air.margin", ""), ("air.gust", ""), ("hair.file", "")];
 
 const fn key(path: &'static str, kind: Kind, default: Fallback, unit: &'static str, help: &'static str) -> Key {
     Key { path, kind, default, unit, help }
@@ -165,9 +159,12 @@ pub const KEYS: &[Key] = &[
     key("turbulence.bands.intensity", Positive, Value("0.3"), "", "I of the band law: the band's largest speed over turbulence.speed"),
     key("turbulence.speed", NonNegative, Absent("the largest wind"), "m/s", "U of the law"),
     key("turbulence.law", Choice(&["band", "published"]), Method("\"band\"", "\"published\""), "", "the confinement law"),
-    key("turbulence.filter", Choice(&["grid", "direct"]), Method("\"grid\"", "\"direct\""), "", "how the band velocity is found"),
+    key("turbulence.filter", Choice(&["grid", "direct"]), Method("\"grid\"", "\"direct\""), "", "how the band velocity is found; law published takes direct only"),
+    key("turbulence.order", Choice(&["cic", "tsc", "cubic"]), Value("\"cubic\""), "", "of the grid filter's B-spline: linear, quadratic, cubic"),
+    key("turbulence.spacing", Positive, Value("0.55"), "", "of the grid filter's nodes, in units of the scale, at most 1; never more than a kernel radius"),
     key("turbulence.cutoff", Positive, Method("4.5", "3.0"), "", "of the direct filter, in units of the scale"),
-    key("turbulence.normalise", Bool, Value("false"), "", "divide by the blurred volume fraction"),
+    key("turbulence.normalise", Bool, Value("false"), "", "divide by the smoothed volume fraction, for air with holes; grid filter only"),
+    key("turbulence.conserve_momentum", Bool, Absent("true with law band, false with published"), "", "take the mean change of the air out"),
     key("viscosity", Table, Absent("its defaults"), "", "XSPH (eqs. 7, 8)"),
     key("viscosity.hair", NonNegative, Value("1.4"), "", "c of hair, per step as written"),
     key("viscosity.air", NonNegative, Value("0.014"), "", "c of air, per step as written"),

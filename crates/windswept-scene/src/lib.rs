@@ -12,6 +12,7 @@ mod groom;
 mod initial;
 pub mod keys;
 mod load;
+mod mesh;
 mod motion;
 mod picture;
 mod reader;

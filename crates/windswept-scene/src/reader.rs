@@ -85,6 +85,10 @@ impl<'a> Reader<'a> {
         Ok(self.needed(real)? == Datum::Bool(true))
     }
 
+    pub(crate) fn maybe_flag(&self, real: &str) -> Result<Option<bool>, SceneError> {
+        Ok(self.optional(real)?.map(|datum| datum == Datum::Bool(true)))
+    }
+
     pub(crate) fn vector(&self, real: &str) -> Result<[f64; 3], SceneError> {
         match self.needed(real)? {
             Datum::Vector(v) => Ok(v),

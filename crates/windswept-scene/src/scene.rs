@@ -256,10 +256,16 @@ pub struct Turbulence {
     pub law: Law,
     /// How the band velocity is found.
     pub filter: Filter,
+    /// Of the grid filter's B-spline.
+    pub order: Order,
+    /// Of the grid filter's nodes, at most, in units of s.
+    pub spacing: f64,
     /// Of the direct filter, in units of s.
     pub cutoff: f64,
-    /// Divide by the blurred volume fraction, for air with holes.
+    /// Divide by the smoothed volume fraction, for air with holes; the grid filter only.
     pub normalise: bool,
+    /// Take the mean change out, so that confinement drives no wind.
+    pub conserve_momentum: bool,
 }
 
 /// One of `turbulence.bands`.
@@ -289,6 +295,17 @@ pub enum Filter {
     Grid,
     /// The sum of eq. 5.
     Direct,
+}
+
+/// `turbulence.order`: the B-spline that carries what particles have to the grid and back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    /// Cloud in cell: linear, 8 nodes.
+    Cic,
+    /// Triangular-shaped cloud: quadratic, 27 nodes.
+    Tsc,
+    /// Cubic, 64 nodes.
+    Cubic,
 }
 
 /// `[viscosity]`: c of eqs. 7 and 8 for the step as written (`time.step`).
@@ -380,6 +397,7 @@ words!(Model: Particles = "particles", Drag = "drag", None = "none");
 words!(AirPicture: None = "none", Vorticity = "vorticity", BandEnergy = "band_energy");
 words!(Law: Band = "band", Published = "published");
 words!(Filter: Grid = "grid", Direct = "direct");
+words!(Order: Cic = "cic", Tsc = "tsc", Cubic = "cubic");
 words!(ViscosityForm: Limited = "limited", Published = "published");
 words!(Solver: Direct = "direct", GaussSeidel = "gauss-seidel");
 words!(Integrator: Bdf2 = "bdf2", Euler = "euler");

@@ -213,8 +213,11 @@ impl Writer {
         self.number("speed", turbulence.speed);
         self.pair("law", turbulence.law.word());
         self.pair("filter", turbulence.filter.word());
+        self.pair("order", turbulence.order.word());
+        self.number("spacing", turbulence.spacing);
         self.number("cutoff", turbulence.cutoff);
         self.pair("normalise", turbulence.normalise);
+        self.pair("conserve_momentum", turbulence.conserve_momentum);
         for band in &turbulence.bands {
             self.heading("[[turbulence.bands]]", "turbulence.bands");
             self.number("scale", band.scale);

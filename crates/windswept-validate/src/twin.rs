@@ -1,7 +1,7 @@
 //! The GPU in f32 beside the twin in f64, on particles anywhere (windswept_reference).
 
 use glam::DVec3;
-use windswept::{Gpu, Simulation};
+use windswept::{Gpu, Simulation, ops::Filter};
 use windswept_reference::{Parameters, State, fluid, grid, step::step as twin_step, turbulence};
 use windswept_scene::{Band, Fluid, InitialState};
 
@@ -37,7 +37,7 @@ pub(crate) fn passes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let moved = vectors(&particles.solve_density(gpu, fluid_settings)?);
     let shift: Vec<_> = moved.iter().zip(&x).map(|(after, before)| across(*after - *before, cloud.size)).collect();
     let omega = vectors(&particles.vorticity(gpu)?);
-    let eddies = vectors(&particles.band_velocity(gpu, band.scale, 4.5)?);
+    let eddies = vectors(&particles.band_velocity(gpu, band.scale, Filter::Direct { cutoff: 4.5 })?);
     let smooth = vectors(&particles.viscosity(gpu, scene.viscosity.air)?);
     let change = |after: &[DVec3]| after.iter().zip(&v).map(|(after, before)| *after - *before).collect::<Vec<_>>();
     let twin_smooth = fluid::viscosity(&p, &x, &v, &inverse_mass, &volume, &near, &theta, &exchange);

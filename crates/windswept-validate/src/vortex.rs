@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
-use windswept::Gpu;
+use windswept::{Gpu, ops::Filter};
 use windswept_scene::{Band, Scene};
 
 use crate::{
@@ -89,6 +89,6 @@ fn circulation(cloud: &Cloud) -> f64 {
 
 /// Mean ½ |û|² of a band of so many spacings \[m²/s²\].
 fn band_energy(gpu: &Gpu, cloud: &Cloud, scale: f64) -> Result<f64, Error> {
-    let band = vectors(&cloud.particles().band_velocity(gpu, scale * spacing(), 4.5)?);
+    let band = vectors(&cloud.particles().band_velocity(gpu, scale * spacing(), Filter::Direct { cutoff: 4.5 })?);
     Ok(mean(band.iter().map(|u| 0.5 * u.length_squared())))
 }

@@ -7,7 +7,7 @@ use std::{
 };
 
 use bytemuck::{Pod, Zeroable};
-use windswept_scene::{InitialState, Law, Scene};
+use windswept_scene::{Filter, InitialState, Law, Scene};
 use windswept_shaders::{layout, turbulence};
 
 use crate::params::{Params, assert_layout};
@@ -30,7 +30,8 @@ pub(crate) struct Band {
     pub layers: i32,
     pub first_row: i32,
     pub end_row: i32,
-    pub _unused: [u32; 51],
+    pub comes_first: u32,
+    pub _unused: [u32; 50],
 }
 
 assert_layout!(Band {
@@ -47,6 +48,7 @@ assert_layout!(Band {
     layers,
     first_row,
     end_row,
+    comes_first,
 });
 
 /// Cells of a block, at most: with 7 air particles in a cell about as many particles as a workgroup of the filter takes.
@@ -67,7 +69,8 @@ const MEXICAN_HAT: f64 = 0.218_837_609;
 /// ε of eq. 2, read as an acceleration in mm, mg and s (design 3.3).
 const EPSILON: f64 = 0.008;
 
-/// The bands of a scene, in the order of the file, each cut into the dispatches of its filter. Empty without air.
+/// The bands of a scene, in the order of the file, each cut into the dispatches of the direct filter; one uniform each with
+/// the grid. Empty without air.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Bands {
     /// One uniform per dispatch.
@@ -82,10 +85,16 @@ impl Bands {
         if params.box_cells == 0 {
             return bands;
         }
-        for band in &scene.turbulence.bands {
-            let whole = of(scene, initial, band);
+        let first = first_of_step(scene);
+        for (i, band) in scene.turbulence.bands.iter().enumerate() {
+            let whole = Band { comes_first: u32::from(first == Some(i)), ..of(scene, initial, band) };
+            if scene.turbulence.filter == Filter::Grid {
+                bands.ranges.push(bands.tasks.len()..bands.tasks.len() + 1);
+                bands.tasks.push(whole);
+                continue;
+            }
             let blocks = Blocks::new(params, whole.reach);
-            let first = bands.tasks.len();
+            let start = bands.tasks.len();
             for (first_block, end_block) in cuts(0, blocks.count, blocks.per_dispatch()) {
                 for (first_row, end_row) in cuts(0, blocks.all_rows(), blocks.rows_per_dispatch) {
                     bands.tasks.push(Band {
@@ -101,9 +110,17 @@ impl Bands {
                     });
                 }
             }
-            bands.ranges.push(first..bands.tasks.len());
+            bands.ranges.push(start..bands.tasks.len());
         }
         bands
+    }
+}
+
+/// The band that a step strengthens first: with the grid filter the finest.
+fn first_of_step(scene: &Scene) -> Option<usize> {
+    match scene.turbulence.filter {
+        Filter::Grid => scene.turbulence.grids().first().map(|grid| grid[0]),
+        Filter::Direct => scene.turbulence.bands.iter().position(|band| band.strength > 0.0),
     }
 }
 

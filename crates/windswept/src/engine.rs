@@ -10,6 +10,7 @@ use crate::{
     bodies,
     error::{GpuError, RunError},
     gpu::{Gpu, Memory, Profile, Program, wgpu},
+    meshes::Meshes,
     motion::Motions,
     params::{MOST_BUCKETS, Params},
     recorder::{Recorder, Recording},
@@ -24,11 +25,18 @@ pub(crate) const NEIGHBOURS_PER_PARTICLE: u64 = 36;
 /// The neighbour list grows by this over what a step needed.
 const GROWTH: f64 = 1.25;
 
+/// Of a node of the band filter's grid, in each of its buffers.
+const NODE_BYTES: u64 = 16;
+
+/// Nodes of it that can be sorted into, with room for the hair outside the box.
+const MOST_NODES: u64 = MOST_BUCKETS as u64 - (1 << 18);
+
 /// The buffers of a scene on a device.
 #[derive(Debug)]
 pub struct Engine {
     gpu: Gpu,
     params: Params,
+    meshes: Meshes,
     sizes: Sizes,
     state: State,
     memory: Memory,
@@ -43,15 +51,20 @@ impl Engine {
     pub fn new(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Self, GpuError> {
         let mut params = Params::new(scene, initial, 0);
         params.neighbour_capacity = first_capacity(gpu.largest_binding(), &params);
+        let meshes = Meshes::new(scene, initial);
         let sizes = Sizes { neighbours: params.neighbour_capacity, ..Sizes::of(scene, initial) };
+        check_nodes(gpu, &meshes)?;
         if sizes.buckets > MOST_BUCKETS {
             return Err(GpuError::TooManyCells { cells: sizes.buckets, most: MOST_BUCKETS });
         }
         let state = State::new(&sizes);
         let memory = Memory::new(gpu, &state)?;
-        let engine = Self { gpu: gpu.clone(), params, sizes, state, memory };
+        let engine = Self { gpu: gpu.clone(), params, meshes, sizes, state, memory };
+        engine.write_params()?;
         engine.write_initial(scene, initial)?;
         engine.write(&engine.state.band, &Bands::new(scene, initial, &params).tasks)?;
+        engine.write(&engine.state.mesh, &engine.meshes.uniforms)?;
+        engine.write(&engine.state.taps, &engine.meshes.taps)?;
         Ok(engine)
     }
 
@@ -61,7 +74,6 @@ impl Engine {
         let moves: Vec<f32> = rods::largest_moves(hair).iter().map(|far| *far as f32).collect();
         let motions = Motions::new(scene);
         let local: Vec<_> = air.positions.iter().map(|x| *x - initial.origin).collect();
-        self.write(&s.params, &[self.params])?;
         self.write(&s.status, &[Status::start()])?;
         self.write(&s.inverse_mass, &inverse_mass)?;
         self.write(&s.keyframes, &motions.keyframes)?;
@@ -284,7 +296,13 @@ impl Engine {
         self.state = State::new(&self.sizes);
         let list = self.state.neighbour_list.clone();
         self.memory.reallocate(&self.gpu, &list)?;
-        self.write(&self.state.params, &[self.params])
+        self.write_params()
+    }
+
+    fn write_params(&self) -> Result<(), GpuError> {
+        let grids = self.meshes.grids.iter().map(|grid| self.params.with_cells(*grid));
+        let all: Vec<Params> = std::iter::once(self.params).chain(grids).collect();
+        self.write(&self.state.params, &all)
     }
 }
 
@@ -305,6 +323,17 @@ pub fn required_limits(scene: &Scene) -> Result<wgpu::Limits, SceneError> {
         max_buffer_size: defaults.max_buffer_size.max(largest),
         ..defaults
     })
+}
+
+/// Whether the adapter binds the finest grid of the band filter.
+fn check_nodes(gpu: &Gpu, meshes: &Meshes) -> Result<(), GpuError> {
+    let most = (gpu.largest_binding() / NODE_BYTES).min(MOST_NODES);
+    if meshes.nodes <= most {
+        return Ok(());
+    }
+    // Nodes go with 1/s³.
+    let fits = meshes.finest * (meshes.nodes as f64 / most as f64).cbrt();
+    Err(GpuError::BandTooFine { scale: meshes.finest, nodes: meshes.nodes, most, fits })
 }
 
 fn first_capacity(largest_binding: u64, params: &Params) -> u32 {

@@ -46,6 +46,20 @@ pub enum GpuError {
         /// The most there may be.
         most: u32,
     },
+    /// The grid of the band filter would be larger than the adapter allows.
+    #[error(
+        "the grid for turbulence.bands of {scale} m would have {nodes} nodes, of which at most {most} fit this adapter; a scale of about {fits:.2e} m would fit"
+    )]
+    BandTooFine {
+        /// s of the finest band \[m\].
+        scale: f64,
+        /// Nodes of its grid.
+        nodes: u64,
+        /// What fits.
+        most: u64,
+        /// The scale that would fit \[m\].
+        fits: f64,
+    },
     /// A limit of the device is below what the engine needs.
     #[error("the device allows {limit} = {has}, {needs} are needed")]
     Limit {

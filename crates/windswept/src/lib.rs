@@ -10,6 +10,7 @@ mod engine;
 pub mod error;
 pub mod frame;
 pub mod gpu;
+mod meshes;
 pub mod motion;
 pub mod ops;
 pub mod params;

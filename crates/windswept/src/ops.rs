@@ -11,7 +11,7 @@
 //! ```
 
 use glam::DVec3;
-use windswept_scene::{AirParticles, Band, Fluid, InitialState, Scene, SceneError};
+use windswept_scene::{AirParticles, Band, Fluid, InitialState, Order, Scene, SceneError, Turbulence};
 
 use crate::{
     engine::Engine,
@@ -29,6 +29,8 @@ const LEAST_RADIUS: f64 = 1.2;
 const MAGNITUDES: std::ops::RangeInclusive<f64> = 1e-18..=1e18;
 /// More particles than any list of them could index.
 const MOST_PARTICLES: usize = 1 << 28;
+/// Spacing of the band filter's grid in scales, at most.
+const COARSEST: f64 = 1.0;
 /// Values that the operations set, where they matter.
 const BASE: &str = "
 time = { step = 1.0, duration = 1.0 }
@@ -54,6 +56,55 @@ pub struct Particles<'a> {
     pub radius: f64,
     /// Sides of the periodic box, which starts at 0 \[m\]; positions are wrapped into it.
     pub bounds: Option<[f64; 3]>,
+}
+
+/// How a band velocity is found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Filter {
+    /// On a grid: 0.1 to 0.8 % off the whole sum at the default, at a cost that falls as the scale grows.
+    Grid {
+        /// B-spline between particles and grid.
+        order: Order,
+        /// Of the nodes, at most, in scales; up to 1, and never more than a kernel radius.
+        spacing: f64,
+    },
+    /// By the sum over all pairs nearer than this, in scales: 3 passes a third of the mean flow, 4.5 passes 0.4 %.
+    Direct {
+        /// In scales.
+        cutoff: f64,
+    },
+}
+
+impl Default for Filter {
+    /// The grid, as a scene has it that leaves the keys out.
+    fn default() -> Self {
+        Self::Grid { order: Order::Cubic, spacing: 0.55 }
+    }
+}
+
+impl Filter {
+    /// The filter of a scene.
+    #[must_use]
+    pub fn of(turbulence: &Turbulence) -> Self {
+        match turbulence.filter {
+            windswept_scene::Filter::Grid => Self::Grid { order: turbulence.order, spacing: turbulence.spacing },
+            windswept_scene::Filter::Direct => Self::Direct { cutoff: turbulence.cutoff },
+        }
+    }
+
+    /// Makes it the filter of a scene.
+    pub fn set(self, turbulence: &mut Turbulence) {
+        match self {
+            Self::Grid { order, spacing } => {
+                turbulence.filter = windswept_scene::Filter::Grid;
+                (turbulence.order, turbulence.spacing) = (order, spacing);
+            }
+            Self::Direct { cutoff } => {
+                turbulence.filter = windswept_scene::Filter::Direct;
+                turbulence.cutoff = cutoff;
+            }
+        }
+    }
 }
 
 /// Who is nearer than the kernel radius to whom, as a compressed sparse row matrix.
@@ -127,20 +178,29 @@ impl<'a> Particles<'a> {
         stage.read_vectors(|s| &s.vorticity)
     }
 
-    /// û, the velocity of eddies of scale s: the Mexican hat over the volumes' velocities (eqs. 5, 6), by direct sum to
-    /// `cutoff` scales, with unit gain at the band's centre, ks = √2 \[m/s\]. Uses `velocities`, `mass`, `rest_density`;
-    /// `radius` sets the cells of the search and nothing else.
+    /// û, the velocity of eddies of scale s: the Mexican hat over the volumes' velocities (eqs. 5, 6), with unit gain at the
+    /// band's centre, ks = √2 \[m/s\]. Uses `velocities`, `mass`, `rest_density`; `radius` sets the cells of the search, and
+    /// how far apart a grid's nodes are at most.
     ///
     /// # Errors
     /// [`OpsError`].
-    pub fn band_velocity(&self, gpu: &Gpu, scale: f64, cutoff: f64) -> Result<Vec<[f32; 3]>, OpsError> {
+    pub fn band_velocity(&self, gpu: &Gpu, scale: f64, filter: Filter) -> Result<Vec<[f32; 3]>, OpsError> {
         self.check_velocities()?;
         positive("scale", scale)?;
+        let cutoff = match filter {
+            Filter::Grid { spacing, .. } if !(MAGNITUDES.contains(&spacing) && spacing <= COARSEST) => {
+                let words = format!("expected a number above 0, at most {COARSEST}, found {spacing}");
+                return Err(argument("spacing", words));
+            }
+            // Images that far off add less than rounding.
+            Filter::Grid { .. } => 4.5,
+            Filter::Direct { cutoff } => cutoff,
+        };
         positive("cutoff", cutoff)?;
         let band = Band { scale, strength: 1.0, intensity: 1.0 };
         let prepare = |scene: &mut Scene| {
             scene.turbulence.bands = vec![band];
-            scene.turbulence.cutoff = cutoff;
+            filter.set(&mut scene.turbulence);
         };
         let Some(mut stage) = self.stage(gpu, self.radius.max(scale * cutoff), prepare)? else {
             return Ok(Vec::new());

@@ -58,6 +58,8 @@ pub struct Params {
     pub bdf2: u32,
     pub sleep: u32,
     pub substeps: u32,
+    pub conserve_momentum: u32,
+    pub _unused: [u32; 19],
 }
 
 assert_layout!(Params {
@@ -95,6 +97,7 @@ assert_layout!(Params {
     bdf2,
     sleep,
     substeps,
+    conserve_momentum,
 });
 
 /// Fewest and most buckets for hair outside the box, powers of two.
@@ -142,6 +145,7 @@ impl Params {
             bdf2: u32::from(scene.rods.integrator == Integrator::Bdf2),
             sleep: u32::from(scene.rods.sleep),
             substeps: scene.time.substeps,
+            conserve_momentum: u32::from(scene.turbulence.conserve_momentum),
             ..Self::zeroed()
         };
         if let Some(air) = &scene.air {
@@ -168,6 +172,18 @@ impl Params {
             }
         }
         params
+    }
+
+    /// The same scene, with the nodes of a grid of the band filter for cells.
+    #[must_use]
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    pub(crate) fn with_cells(&self, (nodes, spacing): ([f64; 3], [f64; 3])) -> Self {
+        Self {
+            cells: nodes.map(|n| n as i32),
+            cell_size: spacing.map(|h| h as f32),
+            box_cells: nodes.iter().product::<f64>() as u32,
+            ..*self
+        }
     }
 
     /// The sizes of the buffers that the uniform tells of.

@@ -1,9 +1,10 @@
 //! Which passes a scene needs, and why. Decided once, from the scene; `windswept plan` prints it.
 
-use windswept_scene::{InitialState, Law, Model, Scene, SceneError, Solver, ViscosityForm};
+use windswept_scene::{Filter, InitialState, Law, Model, Scene, SceneError, Solver, ViscosityForm};
 
 use crate::{
     bands::{Bands, invocations},
+    meshes::Meshes,
     params::Params,
     recorder::{Decision, Recorder},
     rods,
@@ -46,7 +47,11 @@ pub struct Plan {
     pub turbulence: Decision,
     /// Is the confinement that of the paper as printed?
     pub published_law: bool,
-    /// Bands of eddies, in the order of the file.
+    /// Is the velocity of a band summed over all pairs?
+    pub direct_filter: Decision,
+    /// Is it found on a grid?
+    pub grid_filter: Decision,
+    /// Bands of eddies, in the order in which they run.
     pub bands: Vec<BandPlan>,
     /// XSPH.
     pub viscosity: Decision,
@@ -59,10 +64,24 @@ pub struct Plan {
 /// A band of eddies: whether it is strengthened, and the dispatches of its filter.
 #[derive(Debug, Clone)]
 pub struct BandPlan {
+    /// Index into the scene's bands.
+    pub index: usize,
     /// Does it run?
     pub runs: Decision,
-    /// Per dispatch, at least one: the element of `band`, and the invocations.
-    pub filter: Vec<(usize, u32)>,
+    /// Element of `band` with its law.
+    pub law: usize,
+    /// Per dispatch of that sum, at least one: the element of `band`, and the invocations.
+    pub pairs: Vec<(usize, u32)>,
+    /// Element of `params` with its grid's cells.
+    pub cells: usize,
+    /// Does it need a grid of its own? Close bands share one.
+    pub deposit: Decision,
+    /// Invocations of the deposit.
+    pub blocks: u32,
+    /// Cells of its grid, those for hair outside the box included.
+    pub buckets: u32,
+    /// Per axis: the element of `mesh`, and the invocations that smooth along it.
+    pub axes: [(usize, u32); 3],
 }
 
 impl Plan {
@@ -80,6 +99,7 @@ impl Plan {
         let viscous = scene.viscosity.hair > 0.0 || scene.viscosity.air > 0.0;
         let solved = scene.fluid.iterations > 0;
         let bands = bands(scene, initial);
+        let on_grid = scene.turbulence.filter == Filter::Grid;
         let turbulence = air.and(turbulence(scene, &bands));
         let drag = hair.and(match scene.model {
             Model::Drag => Decision::when(true, ""),
@@ -112,6 +132,8 @@ impl Plan {
             drag,
             turbulence,
             published_law: scene.turbulence.law == Law::Published,
+            direct_filter: Decision::when(!on_grid, "turbulence.filter is grid"),
+            grid_filter: Decision::when(on_grid, "turbulence.filter is direct"),
             bands,
             viscosity,
             limiter,
@@ -129,20 +151,40 @@ impl Plan {
 
 const NO_BANDS: &str = "the scene names no turbulence.bands";
 
-/// At least one, so that the plan always names the passes of a band.
+/// In the order in which they run: those that share a grid follow one another. At least one, so that the plan always names
+/// the passes of a band.
 fn bands(scene: &Scene, initial: &InitialState) -> Vec<BandPlan> {
-    let cut = Bands::new(scene, initial, &Params::new(scene, initial, 0));
-    let filter = |i: usize| match cut.ranges.get(i) {
-        Some(range) => range.clone().map(|k| (k, invocations(&cut.tasks[k]))).collect(),
-        // Never run: so that the plan can say of every pass why.
-        None => vec![(0, 0)],
+    let params = Params::new(scene, initial, 0);
+    let cut = Bands::new(scene, initial, &params);
+    let meshes = Meshes::new(scene, initial);
+    let plan = |index: usize, runs: Decision| {
+        let tasks = cut.ranges.get(index).cloned().unwrap_or(0..1);
+        let mesh = meshes.bands.iter().find(|mesh| mesh.band == index);
+        let first = mesh.map_or(0, |mesh| mesh.first);
+        let smooth = mesh.map_or([0; 3], |mesh| mesh.smooth);
+        let blocks = mesh.and_then(|mesh| mesh.deposit);
+        let grid_params = mesh.map(|mesh| params.with_cells(meshes.grids[mesh.grid]));
+        BandPlan {
+            index,
+            runs,
+            law: tasks.start,
+            // Without air there are no tasks: never run, so that the plan can say of every pass why.
+            pairs: tasks.map(|k| (k, cut.tasks.get(k).map_or(0, invocations))).collect(),
+            cells: mesh.map_or(0, |mesh| 1 + mesh.grid),
+            deposit: Decision::when(blocks.is_some() || mesh.is_none(), "it shares the grid of the band before"),
+            blocks: blocks.unwrap_or(0),
+            buckets: grid_params.map_or(0, |params| params.box_cells.saturating_add(params.hashed_cells)),
+            axes: [0, 1, 2].map(|axis| (first + axis, smooth[axis])),
+        }
     };
-    let each = scene.turbulence.bands.iter().enumerate().map(|(i, band)| BandPlan {
-        runs: Decision::when(band.strength > 0.0, format!("turbulence.bands.{i}.strength is 0")),
-        filter: filter(i),
-    });
-    let all: Vec<_> = each.collect();
-    if all.is_empty() { vec![BandPlan { runs: Decision::when(false, NO_BANDS), filter: filter(0) }] } else { all }
+    let mut order: Vec<usize> = meshes.bands.iter().map(|mesh| mesh.band).collect();
+    order.extend((0..scene.turbulence.bands.len()).filter(|i| !order.contains(i)).collect::<Vec<_>>());
+    let strength = |i: usize| {
+        let runs = scene.turbulence.bands[i].strength > 0.0;
+        Decision::when(runs, format!("turbulence.bands.{i}.strength is 0"))
+    };
+    let all: Vec<_> = order.into_iter().map(|i| plan(i, strength(i))).collect();
+    if all.is_empty() { vec![plan(0, Decision::when(false, NO_BANDS))] } else { all }
 }
 
 fn turbulence(scene: &Scene, bands: &[BandPlan]) -> Decision {
@@ -179,6 +221,8 @@ pub struct PlanRow {
     pub pass: &'static str,
     /// What it does.
     pub label: &'static str,
+    /// Which of `turbulence.bands` it is for.
+    pub band: Option<usize>,
     /// How often it runs in a step.
     pub runs: u32,
     /// Why it does not run.
@@ -198,7 +242,8 @@ pub fn table(scene: &Scene) -> Result<Vec<PlanRow>, SceneError> {
     let mut rows: Vec<PlanRow> = Vec::new();
     for command in &recording.commands {
         let same = |row: &&mut PlanRow| {
-            (row.pass, row.label, &row.skipped) == (command.pass.name, command.label, &command.skipped)
+            (row.pass, row.label, row.band, &row.skipped)
+                == (command.pass.name, command.label, command.band, &command.skipped)
         };
         match rows.iter_mut().find(same) {
             Some(row) => row.runs += u32::from(command.skipped.is_none()),
@@ -206,6 +251,7 @@ pub fn table(scene: &Scene) -> Result<Vec<PlanRow>, SceneError> {
                 heading: command.heading,
                 pass: command.pass.name,
                 label: command.label,
+                band: command.band,
                 runs: u32::from(command.skipped.is_none()),
                 skipped: command.skipped.clone(),
             }),

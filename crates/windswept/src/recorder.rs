@@ -40,6 +40,8 @@ pub struct Command {
     pub invocations: u32,
     /// Its buffers, in the order of the pass's bindings.
     pub arrays: Vec<Array>,
+    /// The band of eddies that it is for, an index into `turbulence.bands`.
+    pub band: Option<usize>,
     /// Why it is left out; `None`: it runs.
     pub skipped: Option<String>,
 }
@@ -63,6 +65,7 @@ impl Recording {
 pub struct Recorder {
     recording: Recording,
     heading: &'static str,
+    band: Option<usize>,
     skipping: Option<String>,
 }
 
@@ -92,8 +95,16 @@ impl Recorder {
             label,
             invocations,
             arrays: arrays.iter().map(|&array| array.clone()).collect(),
+            band: self.band,
             skipped: self.skipping.clone(),
         });
+    }
+
+    /// Passes for one band of eddies: the profile has rows of its own for each.
+    pub fn for_band(&mut self, band: usize, record: impl FnOnce(&mut Self)) {
+        self.band = Some(band);
+        record(self);
+        self.band = None;
     }
 
     /// Passes that run if the decision says so; otherwise they are recorded as skipped, with its reason.

@@ -81,6 +81,9 @@ pub struct PassReport {
     pub name: String,
     /// The pass, `folder/name`.
     pub pass: String,
+    /// Which of `turbulence.bands` it is for; a grid that bands share counts with the first of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub band: Option<usize>,
     /// Mean time in a step, all its runs in the step together \[ms\].
     pub ms: f64,
     /// Runs in a step.

@@ -13,7 +13,7 @@ use crate::{
     error::{Error, GpuError, RunError},
     frame::{AirFrame, Frame, HairFrame},
     gpu::{Gpu, Profile, Program, wgpu},
-    ops::Particles,
+    ops::{Filter, Particles},
     plan::Plan,
     recorder::{Recorder, Recording},
     status::{self, Status},
@@ -280,7 +280,8 @@ impl Simulation {
             radius: air.kernel_radius,
             bounds: Some(self.initial.air.size.to_array()),
         };
-        let eddies = particles.band_velocity(self.engine.gpu(), band.scale, self.scene.turbulence.cutoff)?;
+        let filter = Filter::of(&self.scene.turbulence);
+        let eddies = particles.band_velocity(self.engine.gpu(), band.scale, filter)?;
         Ok(eddies.iter().map(|u| 0.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2])).collect())
     }
 

@@ -11,6 +11,7 @@ use windswept_shaders::layout;
 use crate::{
     bands::{Band, Bands},
     bodies::Body,
+    meshes::{Mesh, Meshes, Tap},
     motion::{Keyframe, Motions},
     params::Params,
     rods::{PointHistory, Root, Segment, SegmentHistory, Strand},
@@ -63,11 +64,13 @@ pub struct Sizes {
     pub segments: u32,
     /// Strands.
     pub strands: u32,
-    /// Cells of the grid, hashed ones included.
+    /// Cells of the box, hashed ones included.
     pub buckets: u32,
+    /// The same or, if they are more, those of the band filter's largest grid.
+    pub cells: u32,
     /// Entries of the neighbour list.
     pub neighbours: u32,
-    /// Dispatches of the band filter.
+    /// Dispatches of the direct band filter; with the grid one a band.
     pub band_tasks: u32,
     /// Blocks of the direct solver: segments, or none.
     pub factors: u32,
@@ -75,6 +78,14 @@ pub struct Sizes {
     pub keyframes: u32,
     /// Bodies.
     pub bodies: u32,
+    /// Smoothing passes of the grid filter.
+    pub mesh_tasks: u32,
+    /// Grids of the band filter.
+    pub grids: u32,
+    /// Nodes of the largest grid.
+    pub nodes: u32,
+    /// Entries of the smoothing's taps, all bands and axes.
+    pub taps: u32,
 }
 
 impl Sizes {
@@ -82,8 +93,15 @@ impl Sizes {
     #[must_use]
     pub fn of(scene: &Scene, initial: &InitialState) -> Self {
         let params = Params::new(scene, initial, 0);
+        let meshes = Meshes::new(scene, initial);
+        let nodes = meshes.nodes.min(u32::MAX.into()) as u32;
         Self {
+            cells: params.box_cells.max(nodes).saturating_add(params.hashed_cells),
             band_tasks: Bands::new(scene, initial, &params).tasks.len() as u32,
+            mesh_tasks: meshes.uniforms.len() as u32,
+            grids: meshes.grids.len() as u32,
+            nodes,
+            taps: meshes.taps.len() as u32,
             keyframes: Motions::new(scene).keyframes.len() as u32,
             bodies: scene.bodies.len() as u32,
             ..params.sizes()
@@ -129,7 +147,10 @@ macro_rules! state {
                         element: None,
                     }
                 };)*
-                Self { $($name,)* }
+                let mut state = Self { $($name,)* };
+                // Bound without a word it is the scene's own.
+                state.params = state.params.at(0);
+                state
             }
 
             /// All of them, in the order of their slots.
@@ -142,10 +163,12 @@ macro_rules! state {
 }
 
 state! {
-    /// What stays the same from step to step.
-    params: size_of::<Params>(), |_| 1;
+    /// What stays the same from step to step; again per grid of the band filter, with its cells in place of the box's.
+    params: size_of::<Params>(), |s| 1 + s.grids;
     /// Per dispatch of the band filter: scale, law and the stretch of the box; uniforms too.
     band: size_of::<Band>(), |s| s.band_tasks;
+    /// Per band with the grid filter and axis: nodes, spacing, taps; uniforms too.
+    mesh: size_of::<Mesh>(), |s| s.mesh_tasks;
     /// Causes that freeze, counters, the step's number.
     status: size_of::<Status>(), |_| 1;
 
@@ -225,8 +248,20 @@ state! {
     // Turbulence; empty without bands.
     /// In cell order: xyz \[m\], w: 1 for air, 0 for hair.
     flow_position: VEC4, |s| s.turbulent();
-    /// In cell order, what the filter sums: V (v − U) \[m⁴/s\]; as printed v \[m/s\].
+    /// In cell order, what the filter sums: V (v − U) \[m⁴/s\], w: V \[m³\]; as printed v \[m/s\].
     flow: VEC4, |s| s.turbulent();
+    /// Per band and axis: taps of the smoothing Gaussian and of its second derivative \[1/m²\].
+    taps: size_of::<Tap>(), |s| s.taps;
+    /// Of the filter's grid: what was deposited \[m⁴/s\], w: volume \[m³\].
+    deposited: VEC4, |s| s.nodes;
+    /// Of the filter's grid, after smoothing along x, and along z.
+    smoothed: VEC4, |s| s.nodes;
+    /// The curvature with it \[m²/s\], w: volume \[m³\].
+    curvature: VEC4, |s| s.nodes;
+    /// Of the filter's grid, after smoothing along y.
+    smoother: VEC4, |s| s.nodes;
+    /// The curvature with it \[m²/s\].
+    smoother_curvature: VEC4, |s| s.nodes;
     /// û of a band \[m/s\], as printed \[mm/s\]; hair has none.
     band_velocity: VEC4, |s| s.turbulent();
     /// ω \[1/s\], w: its length.
@@ -240,9 +275,9 @@ state! {
 
     // Grid.
     /// Particles per cell.
-    cell_count: WORD, |s| s.buckets;
+    cell_count: WORD, |s| s.cells;
     /// First entry per cell, and the end.
-    cell_start: WORD, |s| s.buckets.saturating_add(1);
+    cell_start: WORD, |s| s.cells.saturating_add(1);
     /// Particles by cell, in any order.
     scattered: WORD, |s| s.particles;
     /// Particles by cell, ordered by index.

@@ -111,7 +111,7 @@ fn check_size(gpu: &Gpu, state: &State, array: &Array) -> Result<(), GpuError> {
 }
 
 fn allocate(gpu: &Gpu, array: &Array) -> Result<wgpu::Buffer, GpuError> {
-    let uniform = matches!(array.name, "params" | "band");
+    let uniform = matches!(array.name, "params" | "band" | "mesh");
     let kind = if uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
     gpu.checked(
         || format!("allocating {} bytes for {}", array.bytes(), array.name),

@@ -20,6 +20,7 @@ pub(crate) struct Program {
 struct Dispatch {
     label: &'static str,
     pass: &'static str,
+    band: Option<usize>,
     pipeline: wgpu::ComputePipeline,
     group: wgpu::BindGroup,
     workgroups: [u32; 2],
@@ -34,8 +35,8 @@ pub(crate) struct PassTime {
     pub(crate) runs: u64,
 }
 
-/// Pass and label to time.
-pub(crate) type Profile = BTreeMap<(&'static str, &'static str), PassTime>;
+/// Pass, label and band to time.
+pub(crate) type Profile = BTreeMap<(&'static str, &'static str, Option<usize>), PassTime>;
 
 impl Program {
     pub(crate) fn new(gpu: &Gpu, memory: &Memory, recording: &Recording) -> Result<Self, GpuError> {
@@ -94,7 +95,7 @@ impl Program {
 
     fn add(&self, profile: &mut Profile, dispatch: &Dispatch, time: &GpuTimerQueryResult) {
         if let Some(span) = &time.time {
-            let entry = profile.entry((dispatch.pass, dispatch.label)).or_default();
+            let entry = profile.entry((dispatch.pass, dispatch.label, dispatch.band)).or_default();
             entry.ms += (span.end - span.start) * 1e3;
             entry.runs += 1;
         }
@@ -135,6 +136,7 @@ fn dispatch(gpu: &Gpu, memory: &Memory, command: &Command) -> Result<Dispatch, G
     Ok(Dispatch {
         label: command.label,
         pass: command.pass.name,
+        band: command.band,
         pipeline,
         group,
         workgroups: [workgroups.div_ceil(rows), rows],

@@ -92,13 +92,15 @@ impl Simulation {
         let steps = self.timed_steps as f64 / self.substeps as f64;
         let mut rows: Vec<PassReport> = Vec::new();
         for command in self.recording.running() {
-            let Some(time) = self.profile.get(&(command.pass.name, command.label)) else { continue };
-            if rows.iter().any(|row| row.pass == command.pass.name && row.name == command.label) {
+            let (pass, label, band) = (command.pass.name, command.label, command.band);
+            let Some(time) = self.profile.get(&(pass, label, band)) else { continue };
+            if rows.iter().any(|row| row.pass == pass && row.name == label && row.band == band) {
                 continue;
             }
             rows.push(PassReport {
-                name: command.label.to_owned(),
-                pass: command.pass.name.to_owned(),
+                name: label.to_owned(),
+                pass: pass.to_owned(),
+                band,
                 ms: time.ms / steps,
                 runs: (time.runs as f64 / steps).round() as u64,
             });

@@ -6,6 +6,7 @@ use crate::{
     plan::{BandPlan, Plan},
     recorder::Recorder,
     state::{Array, State},
+    step::neighbours,
 };
 
 /// Invocations of `turbulence/mean`: one workgroup.
@@ -16,17 +17,19 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     r.heading("7. turbulence");
     let n = &plan.sizes;
     r.when(&plan.turbulence, |r| {
-        weigh(r, s, plan);
+        r.when(&plan.direct_filter, |r| weigh(r, s, plan));
         if plan.published_law {
             vorticity(r, s, plan, &s.new_velocity);
         }
         for band in &plan.bands {
-            r.when(&band.runs, |r| {
-                filter(r, s, band);
-                if !plan.published_law {
-                    vorticity(r, s, plan, &s.band_velocity);
-                }
-                confine(r, s, plan, band);
+            r.for_band(band.index, |r| {
+                r.when(&band.runs, |r| {
+                    filter(r, s, plan, band);
+                    if !plan.published_law {
+                        vorticity(r, s, plan, &s.band_velocity);
+                    }
+                    confine(r, s, plan, band);
+                });
             });
         }
         r.run(&turbulence::SUM, "sum of the changes", n.air(), &[&s.params, &s.confinement, &s.partial_sum]);
@@ -55,8 +58,8 @@ pub fn record_vorticity(r: &mut Recorder, s: &State, plan: &Plan) {
 pub fn record_band(r: &mut Recorder, s: &State, plan: &Plan) {
     r.heading("7. turbulence");
     r.when(&plan.turbulence, |r| {
-        weigh(r, s, plan);
-        plan.bands.iter().take(1).for_each(|band| filter(r, s, band));
+        r.when(&plan.direct_filter, |r| weigh(r, s, plan));
+        plan.bands.iter().take(1).for_each(|band| filter(r, s, plan, band));
     });
 }
 
@@ -65,12 +68,17 @@ fn weigh(r: &mut Recorder, s: &State, plan: &Plan) {
         &turbulence::WEIGH,
         "what the filter sums",
         plan.sizes.particles,
-        &[&s.params, &s.status, &s.sorted, &s.predicted, &s.new_velocity, &s.flow_position, &s.flow, &s.confinement],
+        &[&s.params, &s.status, &s.sorted, &s.predicted, &s.new_velocity, &s.flow_position, &s.flow],
     );
 }
 
-fn filter(r: &mut Recorder, s: &State, band: &BandPlan) {
-    for &(task, invocations) in &band.filter {
+fn filter(r: &mut Recorder, s: &State, plan: &Plan, band: &BandPlan) {
+    r.when(&plan.direct_filter, |r| direct(r, s, band));
+    r.when(&plan.grid_filter, |r| grid(r, s, plan, band));
+}
+
+fn direct(r: &mut Recorder, s: &State, band: &BandPlan) {
+    for &(task, invocations) in &band.pairs {
         r.run(
             &turbulence::BAND,
             "band velocity by direct sum",
@@ -88,6 +96,71 @@ fn filter(r: &mut Recorder, s: &State, band: &BandPlan) {
             ],
         );
     }
+}
+
+fn grid(r: &mut Recorder, s: &State, plan: &Plan, band: &BandPlan) {
+    let (mesh, _) = band.axes[0];
+    let params = s.params.at(band.cells);
+    r.when(&band.deposit, |r| {
+        neighbours::sort(r, s, &params, plan.sizes.particles, band.buckets);
+        weigh(r, s, plan);
+        r.run(
+            &turbulence::DEPOSIT,
+            "air onto the filter's grid",
+            band.blocks,
+            &[
+                &params,
+                &s.status,
+                &s.mesh.at(mesh),
+                &s.cell_start,
+                &s.sorted_position.named("flow_position"),
+                &s.flow,
+                &s.deposited,
+            ],
+        );
+    });
+    smooth(r, s, "smooth along x", band.axes[0], [&s.deposited, &s.deposited], [&s.smoothed, &s.curvature]);
+    smooth(r, s, "smooth along y", band.axes[1], [&s.smoothed, &s.curvature], [&s.smoother, &s.smoother_curvature]);
+    smooth(r, s, "smooth along z", band.axes[2], [&s.smoother, &s.smoother_curvature], [&s.smoothed, &s.curvature]);
+    r.run(
+        &turbulence::GATHER,
+        "band velocity from the grid",
+        plan.sizes.particles,
+        &[
+            &s.params,
+            &s.status,
+            &s.mesh.at(mesh),
+            &s.sorted,
+            &s.sorted_position.named("flow_position"),
+            &s.curvature,
+            &s.band_velocity,
+        ],
+    );
+}
+
+fn smooth(
+    r: &mut Recorder,
+    s: &State,
+    label: &'static str,
+    (task, invocations): (usize, u32),
+    [smoothed, curvature]: [&Array; 2],
+    [smoother, smoother_curvature]: [&Array; 2],
+) {
+    r.run(
+        &turbulence::SMOOTH,
+        label,
+        invocations,
+        &[
+            &s.params,
+            &s.status,
+            &s.mesh.at(task),
+            &s.taps,
+            &smoothed.named("smoothed"),
+            &curvature.named("curvature"),
+            &smoother.named("smoother"),
+            &smoother_curvature.named("smoother_curvature"),
+        ],
+    );
 }
 
 fn vorticity(r: &mut Recorder, s: &State, plan: &Plan, field: &Array) {
@@ -108,7 +181,6 @@ fn vorticity(r: &mut Recorder, s: &State, plan: &Plan, field: &Array) {
 }
 
 fn confine(r: &mut Recorder, s: &State, plan: &Plan, band: &BandPlan) {
-    let (task, _) = band.filter[0];
     r.run(
         &turbulence::CONFINE,
         "vorticity confinement",
@@ -116,7 +188,7 @@ fn confine(r: &mut Recorder, s: &State, plan: &Plan, band: &BandPlan) {
         &[
             &s.params,
             &s.status,
-            &s.band.at(task),
+            &s.band.at(band.law),
             &s.predicted,
             &s.neighbour_range,
             &s.neighbour_list,

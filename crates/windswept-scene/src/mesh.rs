@@ -1,0 +1,86 @@
+//! The grid of the band filter: which bands share one, and how many nodes it has.
+
+use glam::DVec3;
+
+use crate::scene::{Order, Turbulence};
+
+/// A band takes the grid of a finer one up to this ratio of their scales: its own would have a third of the nodes, and cost
+/// a deposit.
+const SHARED: f64 = 1.4;
+/// Nodes along an axis, at least: a B-spline does not meet its own image.
+const FEWEST: f64 = 4.0;
+
+impl Order {
+    /// Polynomial order p of the B-spline; its support is p + 1 spacings wide.
+    #[must_use]
+    pub fn degree(self) -> u32 {
+        match self {
+            Self::Cic => 1,
+            Self::Tsc => 2,
+            Self::Cubic => 3,
+        }
+    }
+}
+
+impl Turbulence {
+    /// The bands that have a strength, by grid: indices into `bands`, finest first. A grid is that of its first band.
+    #[must_use]
+    pub fn grids(&self) -> Vec<Vec<usize>> {
+        let mut order: Vec<usize> = (0..self.bands.len()).filter(|&i| self.bands[i].strength > 0.0).collect();
+        order.sort_by(|&a, &b| self.bands[a].scale.total_cmp(&self.bands[b].scale));
+        let mut grids: Vec<Vec<usize>> = Vec::new();
+        for i in order {
+            match grids.last_mut() {
+                Some(grid) if self.bands[i].scale <= SHARED * self.bands[grid[0]].scale => grid.push(i),
+                _ => grids.push(vec![i]),
+            }
+        }
+        grids
+    }
+
+    /// Nodes along each axis of the grid for a band of `scale` \[m\] in a box of `size` \[m\]: at most `spacing` scales apart,
+    /// and at most a kernel radius \[m\], so that few particles reach a node.
+    #[must_use]
+    pub fn nodes(&self, scale: f64, kernel_radius: f64, size: DVec3) -> [f64; 3] {
+        let spacing = (self.spacing * scale).min(kernel_radius);
+        size.to_array().map(|side| (side / spacing).ceil().max(FEWEST))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Band, Filter, Law};
+
+    fn turbulence(scales: &[(f64, f64)]) -> Turbulence {
+        let band = |&(scale, strength): &(f64, f64)| Band { scale, strength, intensity: 0.3 };
+        Turbulence {
+            bands: scales.iter().map(band).collect(),
+            speed: 3.0,
+            law: Law::Band,
+            filter: Filter::Grid,
+            order: Order::Cubic,
+            spacing: 0.5,
+            cutoff: 4.5,
+            normalise: false,
+            conserve_momentum: true,
+        }
+    }
+
+    /// Close scales share the finer one's grid, a band without strength has none.
+    #[test]
+    fn close_bands_share_a_grid() {
+        let grids = turbulence(&[(0.018, 1.0), (0.007, 1.0), (0.006, 1.0), (0.009, 1.0), (0.005, 0.0)]).grids();
+        assert_eq!(grids, [vec![2, 1], vec![3], vec![0]]);
+        assert!(turbulence(&[]).grids().is_empty());
+    }
+
+    /// Never coarser than asked, never coarser than a kernel radius, never fewer than four.
+    #[test]
+    fn nodes_are_no_farther_apart_than_asked() {
+        let size = DVec3::new(0.0301, 0.03, 0.002);
+        assert_eq!(turbulence(&[]).nodes(0.006, 0.0093, size), [11.0, 10.0, 4.0]);
+        assert_eq!(turbulence(&[]).nodes(1.0, 0.01, size), [4.0; 3]);
+        assert_eq!(turbulence(&[]).nodes(1.0, 0.005, size), [7.0, 6.0, 4.0]);
+    }
+}
