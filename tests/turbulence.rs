@@ -104,6 +104,9 @@ fn confinement_feeds_its_band_and_keeps_momentum() {
         let energy = simulation.band_energy().unwrap();
         let mean = energy.iter().map(|e| f64::from(*e)).sum::<f64>() / energy.len().max(1) as f64;
         let velocities = simulation.frame().unwrap().air.velocities;
+        // A feeble law never needs the limiter.
+        let limited = simulation.warnings().contains_key("confinement_limited");
+        assert!(!limited || scene.turbulence.bands[0].strength > 1.0);
         (mean, simulation.report().unwrap(), velocities)
     };
     let weak = |strength: f64| {
@@ -153,6 +156,8 @@ fn any_strength_is_stable() {
         simulation.step(100).unwrap();
         let velocities = simulation.frame().unwrap().air.velocities;
         let speed = velocities.iter().map(|v| DVec3::from_array(v.map(f64::from)).length()).fold(0.0, f64::max);
+        // The limiter holds it, in every step, and says so.
+        assert_eq!(simulation.report().unwrap().warnings["confinement_limited"], 100);
         println!("S = {strength:e}: fastest {fastest:.2} m/s before, {speed:.2} m/s after");
         // Two bands of I U = 0.9 m/s each on what was there; measured 2.4 m/s.
         assert!(speed < fastest + 2.0 * 0.9 * 1.5, "S = {strength:e}: {speed} m/s");

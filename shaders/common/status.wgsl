@@ -10,11 +10,12 @@ const STRAND_RESET: u32 = 0u;    // a non-finite strand goes back to its rest po
 const MOVE_CAPPED: u32 = 1u;     // a point would have moved too far in one step
 const OVER_STRAINED: u32 = 2u;   // a strand stretched by half for 50 steps on end
 const HAIR_OUTSIDE: u32 = 3u;    // a step behind 0.1 s on end with more than a twentieth of the hair outside the box
-const EULER_STEP: u32 = 4u;      // a strand took implicit Euler where BDF2 is asked for
-const QUIET_STEP: u32 = 5u;      // a strand was where it had to be, and not solved
-const ASLEEP_STEP: u32 = 6u;     // a strand slept
-const TELEPORT: u32 = 7u;        // a strand moved as a whole with its root
-const COUNTERS: u32 = 8u;
+const CONFINEMENT_LIMITED: u32 = 4u;   // a step in which a band would have changed by more than a tenth of its speed
+const EULER_STEP: u32 = 5u;      // a strand took implicit Euler where BDF2 is asked for
+const QUIET_STEP: u32 = 6u;      // a strand was where it had to be, and not solved
+const ASLEEP_STEP: u32 = 7u;     // a strand slept
+const TELEPORT: u32 = 8u;        // a strand moved as a whole with its root
+const COUNTERS: u32 = 9u;
 
 struct Status {
     causes: atomic<u32>,              // bits above
@@ -27,8 +28,8 @@ struct Status {
     max_stretch: atomic<u32>,         // max |l/l0 - 1| over the run, the bits of a positive f32
     hair_outside: atomic<u32>,        // hair points outside the box of air, this step
     outside_steps: u32,               // steps on end with many of them
-    counted: array<u32, 8>,           // by cause, committed steps
-    counting: array<atomic<u32>, 8>,  // by cause, this step
+    counted: array<u32, 9>,           // by cause, committed steps
+    counting: array<atomic<u32>, 9>,  // by cause, this step
 }
 
 @group(0) @binding(1) var<storage, read_write> status: Status;
@@ -52,6 +53,11 @@ fn freeze(cause: u32) {
 
 fn count(cause: u32) {
     atomicAdd(&status.counting[cause], 1u);
+}
+
+// Once a step, however many say so.
+fn count_step(cause: u32) {
+    if atomicLoad(&status.counting[cause]) == 0u { atomicMax(&status.counting[cause], 1u); }
 }
 
 // IEEE 754 exponent all ones. `x != x` may be optimised away.

@@ -4,7 +4,7 @@
 //   a_i = S |u_i| max(0, 1 - |u_i|^2/(I U)^2) (N x omega_i),  |dt a| <= 0.1 |u_i|
 //   as printed (eqs. 2, 4): a_i = epsilon 1/2 m |u_i|^2 (N x omega_i) in mg, mm, s; omega of v, hair in the sum
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, separation}, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, separation}, status::{frozen, count_step, CONFINEMENT_LIMITED},
     sph_kernels::spiky_gradient, wind::in_fringe, band::Band,
 };
 
@@ -44,7 +44,9 @@ fn change(i: u32) -> vec3f {
     let gain = params.step * band.strength * speed * max(0.0, 1.0 - part * part);
     let turning = length(along);
     if turning <= 0.0 { return vec3f(0.0); }
-    return min(gain, LARGEST * speed / turning) * along;
+    let largest = LARGEST * speed / turning;
+    if gain > largest { count_step(CONFINEMENT_LIMITED); }
+    return min(gain, largest) * along;
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -15,18 +15,19 @@ pub const NON_FINITE_AIR: u32 = 2;
 pub const TOO_MANY_BAD_STRANDS: u32 = 4;
 
 /// Names of the counters, in the order of `counted`.
-pub const COUNTERS: [&str; 8] = [
+pub const COUNTERS: [&str; 9] = [
     "strand_reset",
     "move_capped",
     "over_strained",
     "hair_outside_box",
+    "confinement_limited",
     "euler_steps",
     "quiet_steps",
     "asleep_steps",
     "teleports",
 ];
 /// So many of them, the first, are keys of the report's `warnings`; the others of its `strand_steps`.
-const WARNINGS: usize = 4;
+const WARNINGS: usize = 5;
 
 /// `Status`, field by field.
 #[repr(C)]
@@ -43,8 +44,8 @@ pub struct Status {
     pub max_stretch: u32,
     pub hair_outside: u32,
     pub outside_steps: u32,
-    pub counted: [u32; 8],
-    pub counting: [u32; 8],
+    pub counted: [u32; 9],
+    pub counting: [u32; 9],
 }
 
 assert_layout!(Status {
@@ -79,7 +80,7 @@ impl Status {
             bad_strands: 0,
             first_bad_strand: u32::MAX,
             hair_outside: 0,
-            counting: [0; 8],
+            counting: [0; 9],
             ..self
         }
     }
