@@ -29,6 +29,8 @@ Examples:
       new pictures of that run, with more hairs
   windswept render out/wind --contact-sheet 0,0.5,1,1.5
       four moments of it in one picture
+  windswept spectrum out/wind
+      how much energy its air has in eddies of which size, at first and at last
   windswept check --explain
       every key there is, with its default and its meaning
   windswept plan scene.toml
@@ -44,6 +46,8 @@ pub(crate) enum Command {
     Run(RunOptions),
     /// Make pictures of a run that is over or was stopped, from its hair.vtkhdf and scene.toml
     Render(RenderOptions),
+    /// Energy of a run's air by size of eddies, at its first and at its last frame, as a table and a picture
+    Spectrum(SpectrumOptions),
     /// Read a scene, say what was understood, and write nothing
     Check {
         /// Scene file (TOML)
@@ -181,6 +185,30 @@ pub(crate) struct ValidateOptions {
     /// Print one JSON document instead of a table: windswept, adapter, rows, passed
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SpectrumOptions {
+    /// Folder of the run, with its air.vtkhdf and scene.toml
+    #[arg(value_name = "DIR")]
+    pub(crate) dir: PathBuf,
+    /// Scales to measure, in metres [default: the scene's, and a ladder from what particles carry to the box]
+    #[arg(long, value_name = "S,S", value_delimiter = ',', value_parser = scale)]
+    pub(crate) scales: Option<Vec<f64>>,
+    /// The picture, SVG; it is replaced [default: DIR/spectrum.svg]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) picture: Option<PathBuf>,
+    /// Part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else the best]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) adapter: Option<String>,
+    /// Print one JSON document instead of a table: time_s, band_energy
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+fn scale(word: &str) -> Result<f64, String> {
+    let expected = || "expected lengths in metres above 0, e.g. 0.006,0.018".to_owned();
+    word.parse().ok().filter(|scale: &f64| scale.is_finite() && *scale > 0.0).ok_or_else(expected)
 }
 
 #[derive(Debug, Args)]

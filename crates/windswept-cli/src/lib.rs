@@ -1,4 +1,4 @@
-//! The `windswept` command: `run`, `render`, `check`, `plan`, `validate`, `adapters`.
+//! The `windswept` command: `run`, `render`, `spectrum`, `check`, `plan`, `validate`, `adapters`.
 //!
 //! [`run`] is the whole command. Exit status 0: done; 1: the run failed; 2: bad input, and nothing was written;
 //! 130: stopped by Ctrl-C, and the files hold every frame finished until then.
@@ -15,6 +15,7 @@ mod progress;
 mod render;
 mod run;
 mod schedule;
+mod spectrum;
 mod validate;
 
 use std::ffi::OsString;
@@ -69,6 +70,7 @@ fn dispatch(command: &Command, console: &mut Console<'_>) -> Result<(), Failure>
         Command::Render(options) => render::render(options, console),
         Command::Check { path, changes, explain } => inspect::check(path.as_deref(), changes, *explain, console),
         Command::Plan { scene } => inspect::plan(scene, console),
+        Command::Spectrum(options) => spectrum::spectrum(options, console),
         Command::Validate(options) => validate::validate(options, console),
         Command::Adapters => inspect::adapters(console),
     }

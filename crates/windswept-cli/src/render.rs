@@ -213,7 +213,7 @@ impl FinishedRun {
     }
 }
 
-fn open(path: &Path, kind: Kind) -> Result<VtkHdfReader, Failure> {
+pub(crate) fn open(path: &Path, kind: Kind) -> Result<VtkHdfReader, Failure> {
     // What cannot be read is bad input: nothing has been written.
     let reader = VtkHdfReader::open(path).map_err(|e| Failure::Input(e.to_string()))?;
     if reader.kind() != kind {

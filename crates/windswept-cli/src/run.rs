@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use serde_json::{Value, json};
 use windswept::{AdapterChoice, Gpu, Report, Simulation};
 use windswept_scene::InitialState;
 
@@ -34,7 +35,7 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     if formats.vtkhdf {
         films.start(&output, &mut simulation, &schedule)?;
     }
-    let mut run = Run { simulation, schedule, films, next_frame: 0 };
+    let mut run = Run { simulation, schedule, films, next_frame: 0, frames: Vec::new() };
     let started = Instant::now();
     let mut progress = Progress::new("steps", schedule.steps, console.terminal);
     let stepped = run.step_to_the_end(&interrupt, &mut progress, console);
@@ -45,7 +46,7 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     frames?;
 
     let report = run.simulation.report()?;
-    output.write_report(&json(&report)?)?;
+    output.write_report(&json(&report, &run.frames)?)?;
     // The scene's own warnings were given at the start.
     let given = &run.simulation.initial().warnings;
     for (cause, count) in report.warnings.iter().filter(|(cause, _)| !given.contains(cause)) {
@@ -72,6 +73,8 @@ struct Run {
     schedule: Schedule,
     films: Films,
     next_frame: u64,
+    /// For the report: time, and what confinement has given the air by then; none without bands.
+    frames: Vec<Value>,
 }
 
 impl Run {
@@ -88,6 +91,10 @@ impl Run {
             if self.next_frame < self.schedule.frames && self.schedule.step(self.next_frame) == self.simulation.steps()
             {
                 self.films.append(&mut self.simulation, console)?;
+                if let Some(impulse) = self.simulation.confinement_impulse()? {
+                    let time = self.simulation.time();
+                    self.frames.push(json!({ "time_s": time, "confinement_impulse_kg_m_per_s": impulse }));
+                }
                 self.next_frame += 1;
             }
             let step = self.simulation.steps();
@@ -109,9 +116,12 @@ impl Run {
 const BATCH: Duration = Duration::from_millis(250);
 
 /// report.json. JSON has no NaN and would say null: a run that reports one has failed.
-fn json(report: &Report) -> Result<String, Failure> {
+fn json(report: &Report, frames: &[Value]) -> Result<String, Failure> {
     let defect = |e: serde_json::Error| Failure::Run(format!("the report cannot be written: {e}"));
-    let value = serde_json::to_value(report).map_err(defect)?;
+    let mut value = serde_json::to_value(report).map_err(defect)?;
+    if !frames.is_empty() {
+        value["frames"] = frames.into();
+    }
     match not_finite(&value) {
         Some(key) => Err(Failure::Run(format!("the run ended with a {key} that is not finite"))),
         None => serde_json::to_string_pretty(&value).map(|text| text + "\n").map_err(defect),
@@ -119,8 +129,8 @@ fn json(report: &Report) -> Result<String, Failure> {
 }
 
 /// The dotted key of the first null.
-fn not_finite(value: &serde_json::Value) -> Option<String> {
-    use serde_json::Value::{Array, Null, Object};
+fn not_finite(value: &Value) -> Option<String> {
+    use Value::{Array, Null, Object};
     let inside = |key: String, value| {
         not_finite(value).map(|rest| if rest.is_empty() { key.clone() } else { format!("{key}.{rest}") })
     };

@@ -206,10 +206,24 @@ impl<'a> Particles<'a> {
             return Ok(Vec::new());
         };
         stage.evaluate(|r, s, plan| {
-            step::neighbours::record(r, s, plan);
+            // The grid sorts for itself.
+            if plan.direct_filter.runs {
+                step::neighbours::record(r, s, plan);
+            }
             step::turbulence::record_band(r, s, plan);
         })?;
         stage.read_vectors(|s| &s.band_velocity)
+    }
+
+    /// The mean over the particles of ½ |û|² of eddies of scale s \[m²/s²\]; 0 without particles. See
+    /// [`Self::band_velocity`].
+    ///
+    /// # Errors
+    /// [`OpsError`].
+    pub fn band_energy(&self, gpu: &Gpu, scale: f64, filter: Filter) -> Result<f64, OpsError> {
+        let eddies = self.band_velocity(gpu, scale, filter)?;
+        let twice: f64 = eddies.iter().flatten().map(|u| f64::from(*u).powi(2)).sum();
+        Ok(0.5 * twice / eddies.len().max(1) as f64)
     }
 
     /// Velocities after one XSPH update with `coefficient` c (eq. 7), limited where it could overshoot \[m/s\]. Uses

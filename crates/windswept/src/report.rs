@@ -57,6 +57,9 @@ pub struct Report {
     /// What confinement has given the air in the whole run, its mean taken out; without bands left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub confinement_impulse_kg_m_per_s: Option<[f64; 3]>,
+    /// Energy of the eddies of each of `turbulence.bands`; without air particles or bands left out.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub band_energy: Vec<BandEnergy>,
     /// Bytes of the engine's buffers.
     pub memory_bytes: u64,
     /// How often each cause acted.
@@ -72,6 +75,17 @@ pub struct Particles {
     pub air: u64,
     /// Hair points outside the box of air, now.
     pub hair_outside_box: u64,
+}
+
+/// The mean over the air of ½ |û|², about the mean wind \[m²/s²\].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BandEnergy {
+    /// s \[m\].
+    pub scale: f64,
+    /// At t = 0.
+    pub m2_per_s2_at_start: f64,
+    /// Now.
+    pub m2_per_s2: f64,
 }
 
 /// GPU time of a pass.

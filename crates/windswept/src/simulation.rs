@@ -1,6 +1,7 @@
 //! A simulation: a scene on a GPU, stepped, read back, reported.
 
 mod drive;
+mod energy;
 mod report;
 
 use std::time::Instant;
@@ -13,7 +14,6 @@ use crate::{
     error::{Error, GpuError, RunError},
     frame::{AirFrame, Frame, HairFrame},
     gpu::{Gpu, Profile, Program, wgpu},
-    ops::{Filter, Particles},
     plan::Plan,
     recorder::{Recorder, Recording},
     status::{self, Status},
@@ -251,38 +251,6 @@ impl Simulation {
         }
         let [omega] = self.engine.read_vec4([&self.engine.state().vorticity])?;
         Ok(omega.into_iter().skip(self.engine.sizes().hair_points as usize).map(|omega| omega[3]).collect())
-    }
-
-    /// ½ |û|² of the first of `turbulence.bands` at the air now \[m²/s²\], about the wind as it has risen: the accurate
-    /// form, whatever the law. Empty when no band is strengthened.
-    ///
-    /// # Errors
-    /// As [`Self::density`].
-    pub fn band_energy(&self) -> Result<Vec<f32>, RunError> {
-        let (Some(band), Some(air), true) =
-            (self.scene.turbulence.bands.first(), &self.scene.air, self.plan.turbulence.runs)
-        else {
-            return Ok(Vec::new());
-        };
-        let s = self.engine.state();
-        let [positions, velocities] = self.engine.read_vec4([&s.position, &s.velocity])?;
-        let wind = DVec3::from_array(air.wind_at(self.time()));
-        let hair = self.engine.sizes().hair_points as usize;
-        let rows = |values: &[[f32; 4]], less: DVec3| -> Vec<[f64; 3]> {
-            let row = |v: &[f32; 4]| (DVec3::new(v[0].into(), v[1].into(), v[2].into()) - less).to_array();
-            values[hair..].iter().map(row).collect()
-        };
-        let particles = Particles {
-            positions: &rows(&positions, DVec3::ZERO),
-            velocities: &rows(&velocities, wind),
-            mass: self.initial.air.mass,
-            rest_density: self.initial.air.mass / self.initial.air.volume,
-            radius: air.kernel_radius,
-            bounds: Some(self.initial.air.size.to_array()),
-        };
-        let filter = Filter::of(&self.scene.turbulence);
-        let eddies = particles.band_velocity(self.engine.gpu(), band.scale, filter)?;
-        Ok(eddies.iter().map(|u| 0.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2])).collect())
     }
 
     /// Runs the passes of a quantity over the committed state.

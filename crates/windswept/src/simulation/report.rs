@@ -47,6 +47,7 @@ impl Simulation {
             over_density_rms: rms(&mut air_errors.map(|e| e.max(0.0))),
             momentum_kg_m_per_s: self.momentum(&velocities),
             confinement_impulse_kg_m_per_s: self.confinement_impulse()?,
+            band_energy: self.band_energies()?,
             memory_bytes: self.engine.memory_bytes(),
             warnings: self.warnings(),
         })
@@ -82,7 +83,11 @@ impl Simulation {
         sum.to_array()
     }
 
-    fn confinement_impulse(&self) -> Result<Option<[f64; 3]>, RunError> {
+    /// What confinement has given the air so far \[kg m/s\]; `None` where no band is strengthened.
+    ///
+    /// # Errors
+    /// [`RunError::Gpu`] when the device is lost.
+    pub fn confinement_impulse(&self) -> Result<Option<[f64; 3]>, RunError> {
         let [impulse] = self.engine.read_vec4([&self.engine.state().confinement_impulse])?;
         let sum = impulse.first().map(|p| [p[0], p[1], p[2]].map(f64::from));
         Ok(sum.filter(|_| self.plan.turbulence.runs))

@@ -1,0 +1,70 @@
+//! `windswept spectrum`, and what the report says of the eddies. On the software adapter.
+
+#![allow(clippy::expect_used)] // a test may panic
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use support::{folder, run, windswept};
+
+/// What the program prints and its status.
+fn spectrum(folder: &Path, more: &[&str]) -> (Option<i32>, String, String) {
+    let mut command = windswept(folder, &["spectrum", "out", "--adapter", "software"]);
+    let ran = command.args(more).output().expect("the program starts");
+    let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+    (ran.status.code(), text(ran.stdout), text(ran.stderr))
+}
+
+/// The spectrum of the last frame is what the report says of the same scales; the start is uniform wind, without eddies.
+#[test]
+fn a_spectrum_is_that_of_the_report() {
+    let folder = folder();
+    let folder = folder.path();
+    let bands = "turbulence.bands=[{ scale = 0.009, strength = 30 }, { scale = 0.0065, strength = 0 }]";
+    assert_eq!(run(folder, &["--set", bands]).status.code(), Some(0));
+    let read = fs::read_to_string(folder.join("out/report.json")).expect("a report");
+    let report: Value = serde_json::from_str(&read).expect("JSON");
+    let of_report = |i: usize, key: &str| report["band_energy"][i][key].as_f64().expect("a number");
+    assert_eq!((of_report(0, "scale"), of_report(1, "scale")), (0.009, 0.0065));
+    assert!(of_report(0, "m2_per_s2_at_start") < 1e-10 && of_report(0, "m2_per_s2") > 1e-5, "{report}");
+
+    let (status, printed, said) = spectrum(folder, &["--scales", "0.009,0.0065", "--json"]);
+    assert_eq!(status, Some(0), "{said}");
+    let document: Value = serde_json::from_str(&printed).expect("JSON");
+    for (of_file, scale) in [(1, 0.0065), (0, 0.009)] {
+        let row = &document["band_energy"][1 - of_file];
+        assert_eq!(row["scale"], scale);
+        let after = row["m2_per_s2"].as_f64().expect("a number");
+        let wanted = of_report(of_file, "m2_per_s2");
+        // Measured 1e-7: files round positions to f32 in the world.
+        assert!((after - wanted).abs() < 1e-4 * wanted, "{after}, report {wanted}");
+    }
+    let picture = fs::read_to_string(folder.join("out/spectrum.svg")).expect("a picture");
+    assert!(picture.starts_with("<svg") && picture.contains("scale s [mm]") && picture.matches("<circle").count() >= 2);
+
+    // What confinement gave the air, frame by frame: the last is the run's.
+    let frames = report["frames"].as_array().expect("frames");
+    assert_eq!(frames.len(), 7);
+    assert_eq!(frames[6]["confinement_impulse_kg_m_per_s"], report["confinement_impulse_kg_m_per_s"]);
+    assert_eq!((&frames[0]["time_s"], &frames[6]["time_s"]), (&Value::from(0.0), &report["time_s"]));
+}
+
+/// A table with the scene's scales and a ladder; what cannot be measured is bad input.
+#[test]
+fn a_spectrum_says_what_it_lacks() {
+    let folder = folder();
+    let folder = folder.path();
+    let (status, _, said) = spectrum(folder, &[]);
+    assert!(status == Some(2) && said.contains("is missing"), "{said}");
+    assert_eq!(run(folder, &["--steps", "2", "--formats", "vtkhdf"]).status.code(), Some(0));
+    let (status, printed, said) = spectrum(folder, &["--picture", "air.svg"]);
+    assert_eq!(status, Some(0), "{said}");
+    assert!(printed.contains("scale [mm]") && printed.lines().count() >= 3 && folder.join("air.svg").is_file());
+    let (status, _, said) = spectrum(folder, &["--scales", "0"]);
+    assert!(status == Some(2) && said.contains("above 0"), "{said}");
+    let (status, _, said) = spectrum(folder, &["--scales", "1e-7"]);
+    assert!(status == Some(2) && said.contains("would fit"), "{said}");
+}

@@ -1,0 +1,105 @@
+//! Energy of the air's eddies, by band.
+
+use glam::DVec3;
+
+use super::Simulation;
+use crate::{
+    error::RunError,
+    ops::{Filter, Particles},
+    report::BandEnergy,
+};
+
+/// Positions in the box \[m\] and velocities about the mean wind \[m/s\].
+struct Air {
+    positions: Vec<[f64; 3]>,
+    velocities: Vec<[f64; 3]>,
+}
+
+impl Simulation {
+    /// ½ |û|² of the first of `turbulence.bands` at the air now \[m²/s²\], about the wind as it has risen: the accurate
+    /// form, whatever the law. Empty when no band is strengthened.
+    ///
+    /// # Errors
+    /// As [`Self::density`].
+    pub fn band_energy(&self) -> Result<Vec<f32>, RunError> {
+        let (Some(band), true) = (self.scene.turbulence.bands.first(), self.plan.turbulence.runs) else {
+            return Ok(Vec::new());
+        };
+        let air = self.air_now()?;
+        let eddies = self.particles(&air).band_velocity(self.engine.gpu(), band.scale, self.filter())?;
+        Ok(eddies.iter().map(|u| 0.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2])).collect())
+    }
+
+    /// The mean over the air of ½ |û|² now \[m²/s²\], per scale \[m\], about the wind as it has risen. Empty without air
+    /// particles.
+    ///
+    /// # Errors
+    /// As [`Self::density`], and [`RunError::Measurement`] for a scale that no grid can have.
+    pub fn spectrum(&self, scales: &[f64]) -> Result<Vec<f64>, RunError> {
+        if !self.plan.air.runs {
+            return Ok(Vec::new());
+        }
+        let air = self.air_now()?;
+        scales.iter().map(|&scale| self.mean_energy(&air, scale)).collect()
+    }
+
+    /// Of the scene's bands, at the start and now.
+    pub(super) fn band_energies(&self) -> Result<Vec<BandEnergy>, RunError> {
+        let bands = &self.scene.turbulence.bands;
+        if !self.plan.air.runs || bands.is_empty() {
+            return Ok(Vec::new());
+        }
+        let (before, now) = (self.air_at_start(), self.air_now()?);
+        let energy = |band: &windswept_scene::Band| {
+            Ok(BandEnergy {
+                scale: band.scale,
+                m2_per_s2_at_start: self.mean_energy(&before, band.scale)?,
+                m2_per_s2: self.mean_energy(&now, band.scale)?,
+            })
+        };
+        bands.iter().map(energy).collect()
+    }
+
+    fn mean_energy(&self, air: &Air, scale: f64) -> Result<f64, RunError> {
+        Ok(self.particles(air).band_energy(self.engine.gpu(), scale, self.filter())?)
+    }
+
+    fn filter(&self) -> Filter {
+        Filter::of(&self.scene.turbulence)
+    }
+
+    fn particles<'a>(&self, air: &'a Air) -> Particles<'a> {
+        let initial = &self.initial.air;
+        Particles {
+            positions: &air.positions,
+            velocities: &air.velocities,
+            mass: initial.mass,
+            rest_density: initial.mass / initial.volume,
+            radius: self.scene.air.as_ref().map_or(1.0, |air| air.kernel_radius),
+            bounds: Some(initial.size.to_array()),
+        }
+    }
+
+    fn mean_wind(&self, time: f64) -> DVec3 {
+        self.scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind_at(time)))
+    }
+
+    fn air_at_start(&self) -> Air {
+        let (air, wind) = (&self.initial.air, self.mean_wind(0.0));
+        Air {
+            positions: air.positions.iter().map(|x| (*x - self.initial.origin).to_array()).collect(),
+            velocities: air.velocities.iter().map(|v| (*v - wind).to_array()).collect(),
+        }
+    }
+
+    fn air_now(&self) -> Result<Air, RunError> {
+        let s = self.engine.state();
+        let [positions, velocities] = self.engine.read_vec4([&s.position, &s.velocity])?;
+        let hair = self.engine.sizes().hair_points as usize;
+        let rows = |values: &[[f32; 4]], less: DVec3| -> Vec<[f64; 3]> {
+            let row = |v: &[f32; 4]| (DVec3::new(v[0].into(), v[1].into(), v[2].into()) - less).to_array();
+            values[hair..].iter().map(row).collect()
+        };
+        Ok(Air { positions: rows(&positions, DVec3::ZERO), velocities: rows(&velocities, self.mean_wind(self.time())) })
+    }
+}

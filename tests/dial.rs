@@ -1,0 +1,90 @@
+//! The turbulence scale is a dial: it says which eddies grow, and they stop where the intensity says.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod support;
+
+use std::f64::consts::{E, TAU};
+
+use glam::{DMat3, DVec3};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use support::{SIMPLE, VOLUME, lattice};
+use windswept::Simulation;
+use windswept_scene::{Band, Filter, InitialState};
+
+/// The bands \[m\], their strengths, and steps after which they are looked at.
+const BANDS: [(f64, f64, u64); 3] = [(0.006, 10.0, 300), (0.009, 10.0, 300), (0.018, 30.0, 600)];
+/// U \[m/s\] and I of the law.
+const SPEED: f64 = 3.0;
+const INTENSITY: f64 = 0.1;
+/// Of each band at the start \[m²/s²\].
+const ENERGY: f64 = 2e-3;
+
+/// Still air in a box of 17 particle spacings, 82 mm, which holds 1, 2 and 3 waves of the bands' centres along an axis: for
+/// each band six such waves across one another, as strong as gives each band the same energy.
+fn stirred() -> InitialState {
+    let mut rng = Pcg64::seed_from_u64(11);
+    let mut air = lattice([17; 3], &SIMPLE);
+    let (size, jitter) = (air.air.size.x, 0.1 * VOLUME.cbrt());
+    for x in &mut air.air.positions {
+        *x = (*x + jitter * (2.0 * DVec3::from_array(rng.random()) - 1.0)).rem_euclid(DVec3::splat(size));
+    }
+    // A band sees its neighbours' waves with the square of its gain for them.
+    let numbers = [3.0, 2.0, 1.0].map(|periods| TAU * periods / size);
+    let seen = |k: f64| {
+        DVec3::from_array(BANDS.map(|(s, ..)| (0.5 * E * (k * s).powi(2) * (-0.5 * (k * s).powi(2)).exp()).powi(2)))
+    };
+    let energies =
+        DMat3::from_cols(seen(numbers[0]), seen(numbers[1]), seen(numbers[2])).inverse() * DVec3::splat(ENERGY);
+    let mut waves = Vec::new();
+    for (number, energy) in numbers.into_iter().zip(energies.to_array()) {
+        // Waves of amplitude a have energy a²/4 each.
+        let amplitude = (4.0 * energy / 6.0).sqrt();
+        for (along, across) in [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)] {
+            waves.push((number * DVec3::AXES[along], amplitude * DVec3::AXES[across], rng.random_range(0.0..TAU)));
+        }
+    }
+    let velocity = |x: &DVec3| waves.iter().map(|(k, a, phase)| *a * (k.dot(*x) + phase).sin()).sum();
+    air.air.velocities = air.air.positions.iter().map(velocity).collect();
+    air
+}
+
+/// A run with one band, of no strength or its own.
+fn run(band: usize, strengthened: bool) -> Simulation {
+    let mut scene = support::scene();
+    scene.turbulence.filter = Filter::Grid;
+    scene.turbulence.speed = SPEED;
+    let (scale, strength, _) = BANDS[band];
+    scene.turbulence.bands =
+        vec![Band { scale, strength: if strengthened { strength } else { 0.0 }, intensity: INTENSITY }];
+    Simulation::with_state(&support::gpu(), &scene, stirred()).unwrap()
+}
+
+/// Each band, strengthened alone, gains by far over a run without confinement and ends near ½ (I U)²; and the larger the scale,
+/// the larger the eddies that the air is left with. (Eddies hand energy on to smaller ones: with s = 9 and 18 mm the band of
+/// 6 mm, which fades fastest without, gains by a larger factor than theirs.)
+#[test]
+fn each_scale_has_eddies_of_its_own_size() {
+    let scales = BANDS.map(|(scale, ..)| scale);
+    let limit = 0.5 * (INTENSITY * SPEED).powi(2);
+    let mut calm = run(0, false);
+    let start = calm.spectrum(&scales).unwrap();
+    println!("start {start:.5?} m²/s²");
+    assert!(start.iter().all(|e| (e / ENERGY - 1.0).abs() < 0.03), "{start:?}");
+    let mut sizes = Vec::new();
+    for (b, (scale, _, steps)) in BANDS.into_iter().enumerate() {
+        calm.step(steps - calm.steps()).unwrap();
+        let without = calm.spectrum(&scales).unwrap();
+        let mut fed = run(b, true);
+        fed.step(steps).unwrap();
+        let with = fed.spectrum(&scales).unwrap();
+        println!("s = {} mm: without {without:.5?}, with {with:.5?} m²/s²", 1e3 * scale);
+        // Measured 125, 67 and 95 times as much; 0.66, 0.79 and 1.19 of the limit.
+        assert!(with[b] > 30.0 * without[b], "s = {scale}: {with:?}, {without:?} without");
+        assert!((0.5..1.5).contains(&(with[b] / limit)), "s = {scale}: {} of {limit}", with[b]);
+        sizes.push([with[1] / with[0], with[2] / with[0]]);
+    }
+    // Measured 0.62, 0.83, 1.37 and 0.21, 0.24, 0.94.
+    println!("energy at 9 and 18 mm over that at 6 mm: {sizes:.2?}");
+    assert!(sizes.windows(2).all(|pair| (0..2).all(|k| pair[1][k] > pair[0][k])), "{sizes:?}");
+}
