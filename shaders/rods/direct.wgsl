@@ -176,7 +176,8 @@ fn residual(
     return Residual(bend, stretch, next, turn);
 }
 
-// The largest residual of a strand.
+// The largest residual of a strand, and what its points, in lengths of their segments, and frames still have to move by: one
+// that falls as it is has no residual.
 fn unrest(strand: Strand, rod: RodStrand) -> f32 {
     var worst = 0.0;
     var joint_before = joint(strand, rod, 0u);
@@ -188,6 +189,7 @@ fn unrest(strand: Strand, rod: RodStrand) -> f32 {
         if k + 2u < strand.points { after = link(strand, k + 1u); }
         r = residual(strand, k, own, after, joint_before, joint_after, r.excess, r.turn_excess);
         worst = max(worst, max(length(r.bend), length(r.stretch)));
+        worst = max(worst, max(length(r.excess) * own.over_length, length(r.turn_excess)));
         joint_before = joint_after;
         own = after;
     }

@@ -2,12 +2,18 @@
 
 use glam::DVec3;
 
-use crate::{document::Document, error::SceneError, initial::KERNEL_RADIUS, reader::Reader, scene::*};
+use crate::{
+    document::Document,
+    error::SceneError,
+    initial::{End, KERNEL_RADIUS},
+    reader::Reader,
+    scene::*,
+};
 
 /// Indices are 32 bits, and a neighbour list has some 30 entries a particle.
 const MOST_PARTICLES: u32 = 100_000_000;
 /// Strands take 216 B a point at the start: 3.6 GB.
-const MOST_HAIR_POINTS: u32 = 1 << 24;
+pub(crate) const MOST_HAIR_POINTS: u32 = 1 << 24;
 /// Of the direct filter in one step: minutes on a software adapter.
 const MOST_PAIRS: f64 = 1e11;
 /// Of the grid filter, in scales: at 1 the grid still knows the band's centre, coarser ones don't.
@@ -22,6 +28,9 @@ const MOST_CELLS: f64 = 8e6;
 const LEAST_RADIUS: f64 = 1.2;
 /// What two corners differ by is rounded: a side of exactly three kernel radii must do.
 const ROUNDING: f64 = 1e-9;
+/// Why Gauss-Seidel refuses a clamped tip.
+pub(crate) const CLAMPED_TIP: &str =
+    "expected \"pinned\" or \"free\" with rods.solver = \"gauss-seidel\", or the direct solver";
 
 /// # Errors
 /// What is missing, given twice, or does not go together.
@@ -71,6 +80,7 @@ impl Reader<'_> {
             time,
             air,
         };
+        self.check_tips(&scene)?;
         self.check_bodies(&scene)?;
         self.check_picture(&scene)?;
         Ok(scene)
@@ -304,6 +314,15 @@ impl Reader<'_> {
         Ok(all)
     }
 
+    /// A clamped tip is a joint more, which the sweeps of Gauss-Seidel do not take.
+    fn check_tips(&self, scene: &Scene) -> Result<(), SceneError> {
+        let clamped = scene.hair.iter().position(|hair| hair.tip == End::Clamped);
+        match clamped.filter(|_| scene.rods.solver == Solver::GaussSeidel) {
+            Some(i) => Err(self.fault(&format!("hair.{i}.tip"), CLAMPED_TIP)),
+            None => Ok(()),
+        }
+    }
+
     fn group(&self, i: usize) -> Result<Hair, SceneError> {
         let at = |name: &str| format!("hair.{i}.{name}");
         let curl = if self.has(&at("curl")) {
@@ -315,6 +334,12 @@ impl Reader<'_> {
         } else {
             None
         };
+        let (stiffness, aspect) = (self.stiffness(i)?, self.number(&at("aspect"))?);
+        if aspect != 1.0 && matches!(stiffness, Stiffness::Direct { .. }) {
+            return Err(
+                self.fault(&at("aspect"), "stiffnesses are given: expected youngs_modulus with an aspect, or 1")
+            );
+        }
         Ok(Hair {
             name: self.text(&at("name"))?,
             strands: self.count(&at("strands"))?,
@@ -323,11 +348,14 @@ impl Reader<'_> {
             length_variation: self.number(&at("length_variation"))?,
             radius: self.number(&at("radius"))?,
             taper: self.number(&at("taper"))?,
+            aspect,
             density: self.number(&at("density"))?,
             fibres_per_strand: self.number(&at("fibres_per_strand"))?,
-            stiffness: self.stiffness(i)?,
+            stiffness,
             point_mass: self.maybe_number(&at("point_mass"))?,
             curl,
+            root: self.choice(&at("root"))?,
+            tip: self.choice(&at("tip"))?,
             roots: self.roots(&at("roots"))?,
             motion: self.motion(&at("motion"))?,
         })

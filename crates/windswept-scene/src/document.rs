@@ -158,6 +158,7 @@ pub(crate) fn datum(kind: Kind, value: &Value) -> Option<Datum> {
         Kind::Length | Kind::Positive => ranged(|x| x > 0.0),
         Kind::NonNegative => ranged(|x| x >= 0.0),
         Kind::Fraction => ranged(|x| (0.0..1.0).contains(&x)),
+        Kind::Share => ranged(|x| x > 0.0 && x <= 1.0),
         Kind::Vector => vector(value).map(Datum::Vector),
         Kind::Direction => vector(value).filter(|v| v.iter().any(|x| *x != 0.0)).map(Datum::Vector),
         Kind::Choice(words) => {

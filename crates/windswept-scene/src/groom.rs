@@ -1,208 +1,333 @@
-//! Strands from `[[hair]]`: roots, rest shapes, masses, compliances.
+//! Strands of the caller's own, in place of `[hair]`.
 
-use std::f64::consts::{PI, TAU};
-
-use glam::{DMat3, DQuat, DVec3};
-use rand::{Rng, SeedableRng};
-use rand_pcg::Pcg64;
+use glam::{DQuat, DVec3};
 
 use crate::{
-    initial::Strands,
-    scene::{Curl, Hair, RootShape, Roots, Scene, Stiffness},
+    build::{CLAMPED_TIP, MOST_HAIR_POINTS},
+    error::SceneError,
+    initial::{End, Strands},
+    keys::MOST_POINTS,
+    scene::{Scene, Solver, Stiffness},
+    strand::{Fibre, Parcel, Shape, frame, turn},
 };
 
-/// Turns between successive points of a sunflower.
-const GOLDEN_TURN: f64 = 0.381_966_011_250_105;
-/// Roots leave their sunflower seat by up to this part of the spacing.
-const JITTER: f64 = 0.15;
-/// A joint that turns by more than this samples its curl too coarsely.
-const COARSE_TURN: f64 = PI / 2.0;
+/// What `f32` holds with room for the squares of a step: as in a scene file.
+const MAGNITUDES: std::ops::RangeInclusive<f64> = 1e-18..=1e18;
+/// Points nearer to each other than this part of their strand's length are one.
+const COINCIDENT: f64 = 1e-6;
 
-/// The strands of every group. `parcel` is the volume of an air particle \[m³\], `kernel_radius` in m.
+/// Strands of the caller's own: they replace a scene's `[hair]` wholly, for [`crate::InitialState::with_groom`].
 ///
-/// Chance is PCG XSL 128/64 (`rand_pcg`), seeded by the scene's seed and the group's index: the same on every machine.
-pub(crate) fn strands(scene: &Scene, parcel: f64, kernel_radius: f64, warnings: &mut Vec<String>) -> Strands {
-    let mut all = Strands { point_offsets: vec![0], ..Strands::default() };
-    for (group, hair) in scene.hair.iter().enumerate() {
-        let mut rng = Pcg64::seed_from_u64(scene.seed.wrapping_mul(0x9e37_79b9).wrapping_add(group as u64));
-        for i in 0..hair.strands {
-            let (root, axis) = seat(&hair.roots, i, hair.strands, &mut rng);
-            // Where the motion has it at the start.
-            let (center, turn) = (DVec3::from_array(hair.roots.center), hair.motion.at(0.0).1);
-            let root = hair.motion.place(center, root, 0.0);
-            let length = hair.length * (1.0 - hair.length_variation * rng.random::<f64>());
-            let phase = rng.random::<f64>();
-            let strand = Strand { hair, root, axis, turn, length, phase, inextensible: scene.rods.inextensible };
-            strand.append(&mut all, parcel * (strand.segment() / kernel_radius).min(1.0));
-            all.group.push(group as u32);
-        }
-        let turn = darboux(hair.curl).length() * hair.length / f64::from(hair.points - 1);
-        if turn > COARSE_TURN {
-            warnings.push(format!(
-                "hair {}: the curl turns by {:.0} degrees per segment; more points would follow it better",
-                hair.name,
-                turn.to_degrees()
-            ));
+/// The shape they are given in is their rest shape, unless `rest_curvature` is given. Frames follow it without twist, or
+/// with the rest shape's. Every value is one for all strands or one for each.
+///
+/// ```
+/// use windswept_scene::{Groom, InitialState, Scene};
+///
+/// let scene = Scene::parse("time = { step = 1e-3, duration = 1 }\ninteraction = { model = \"none\" }")?;
+/// let points = (0..20).map(|k| [0.01 * f64::from(k % 10), 0.0, f64::from(k / 10)]).collect();
+/// let groom = Groom { radius: vec![4e-5, 3e-5].into(), ..Groom::new(points, vec![0, 10, 20]) };
+/// assert_eq!(InitialState::with_groom(&scene, &groom)?.hair.len(), 2);
+/// # Ok::<(), windswept_scene::SceneError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Groom {
+    /// Points, strand by strand, root to tip \[m\].
+    pub points: Vec<[f64; 3]>,
+    /// First point of each strand, and the number of points: strands + 1.
+    pub offsets: Vec<u32>,
+    /// Number of a strand's group, for the caller's own use.
+    pub group: PerStrand<u32>,
+    /// Of a fibre \[m\]; of an elliptic cross-section the semi-major axis, along d2.
+    pub radius: PerStrand<f64>,
+    /// Semi-minor (along d1) over semi-major axis of the cross-section; above 0, at most 1.
+    pub aspect: PerStrand<f64>,
+    /// Of a fibre \[kg/m³\].
+    pub density: PerStrand<f64>,
+    /// E \[Pa\].
+    pub youngs_modulus: PerStrand<f64>,
+    /// ν; 0 to below 1.
+    pub poissons_ratio: PerStrand<f64>,
+    /// Real hairs that a strand stands for.
+    pub fibres_per_strand: PerStrand<f64>,
+    /// Of every point \[kg\]; `None`: from density, radius and lengths.
+    pub point_mass: Option<PerStrand<f64>>,
+    /// `None`: the shape they are given in.
+    pub rest_curvature: Option<RestCurvature>,
+    /// (x, y, z, w) of the clamp; `None`: d3 along the first segment, d1 by the smallest rotation from +x, or from +z.
+    pub root_frame: Option<PerStrand<[f64; 4]>>,
+    /// (x, y, z, w) of a clamped tip; `None`: as far turned from the last segment as it is from the point before.
+    pub tip_frame: Option<PerStrand<[f64; 4]>>,
+    /// How the roots are held.
+    pub root: PerStrand<End>,
+    /// How the tips are held; clamped with the direct solver only.
+    pub tip: PerStrand<End>,
+}
+
+/// A value for all strands, or one for each.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PerStrand<T> {
+    /// The same for all.
+    All(T),
+    /// One for each.
+    Each(Vec<T>),
+}
+
+/// The rest Darboux vector (κ1, κ2, τ) in the material frame \[1/m\].
+#[derive(Debug, Clone, PartialEq)]
+pub enum RestCurvature {
+    /// Of all joints of a strand.
+    Strand(PerStrand<[f64; 3]>),
+    /// Of each joint, strand by strand, root to tip: as many as segments. Joint 0 is the clamp.
+    Joints(Vec<[f64; 3]>),
+}
+
+impl<T: Copy> PerStrand<T> {
+    fn get(&self, s: usize) -> T {
+        match self {
+            Self::All(value) => *value,
+            Self::Each(values) => values[s],
         }
     }
-    all
-}
 
-/// Position and direction of root `i` of `n`: a jittered sunflower on disc and cap, equal parts of a line. A lone root
-/// is in the middle.
-fn seat(roots: &Roots, i: u32, n: u32, rng: &mut Pcg64) -> (DVec3, DVec3) {
-    let [center, axis, normal] = [roots.center, roots.direction, roots.normal].map(DVec3::from_array);
-    if n == 1 {
-        let height = if roots.shape == RootShape::SphereCap { roots.radius } else { 0.0 };
-        return (center + height * axis, axis);
-    }
-    let level = DVec3::Y.cross(normal);
-    let across = if level.length() > 1e-6 { level.normalize() } else { DVec3::X };
-    let up = normal.cross(across);
-    let part = (f64::from(i) + 0.5) / f64::from(n);
-    let jitter = [rng.random::<f64>() - 0.5, rng.random::<f64>() - 0.5].map(|u| 2.0 * JITTER * u);
-    match roots.shape {
-        RootShape::Line => (center + roots.radius * (2.0 * part - 1.0 + 2.0 * jitter[0] / f64::from(n)) * across, axis),
-        RootShape::Disc => {
-            let spacing = roots.radius * (PI / f64::from(n)).sqrt();
-            let angle = TAU * GOLDEN_TURN * f64::from(i);
-            let seat = roots.radius * part.sqrt() * (angle.cos() * across + angle.sin() * up);
-            let seat = seat + spacing * (jitter[0] * across + jitter[1] * up);
-            // Chance must not lead off the disc.
-            (center + seat.clamp_length_max(roots.radius), axis)
-        }
-        RootShape::SphereCap => {
-            let angle = TAU * (GOLDEN_TURN * f64::from(i) + jitter[0] / f64::from(n).sqrt());
-            let height = 1.0 - part;
-            let ring = (1.0 - height * height).sqrt();
-            let normal = height * axis + ring * (angle.cos() * across + angle.sin() * up);
-            (center + roots.radius * normal, normal)
-        }
-    }
-}
-
-/// Rest Darboux vector of a helix of radius a and pitch 2π b: (0, κ, τ) = (0, a, b)/(a² + b²) \[1/m\].
-fn darboux(curl: Option<Curl>) -> DVec3 {
-    curl.map_or(DVec3::ZERO, |curl| {
-        let (a, b) = (curl.radius, curl.pitch / TAU);
-        DVec3::new(0.0, a, b) / (a * a + b * b)
-    })
-}
-
-/// d3 along `axis`, d1 by the smallest rotation from +x, from +z if that is parallel.
-fn frame(axis: DVec3) -> DQuat {
-    let from = if axis.cross(DVec3::X).length() > 1e-6 { DVec3::X } else { DVec3::Z };
-    let d1 = (from - from.dot(axis) * axis).normalize();
-    DQuat::from_mat3(&DMat3::from_cols(d1, axis.cross(d1), axis)).normalize()
-}
-
-/// exp(½ κ l): the turn by |κ| l about κ.
-fn turn(darboux: DVec3, length: f64) -> DQuat {
-    DQuat::from_scaled_axis(darboux * length)
-}
-
-struct Strand<'a> {
-    hair: &'a Hair,
-    root: DVec3,
-    /// The strand's axis: of the fibre, or of its helix.
-    axis: DVec3,
-    /// What the motion of the roots turns the strand by at the start.
-    turn: DQuat,
-    length: f64,
-    phase: f64,
-    inextensible: bool,
-}
-
-impl Strand<'_> {
-    /// Length of a segment \[m\].
-    fn segment(&self) -> f64 {
-        self.length / f64::from(self.hair.points - 1)
-    }
-
-    /// `volume` is that of the parcel about each point \[m³\].
-    fn append(&self, all: &mut Strands, volume: f64) {
-        let hair = self.hair;
-        let segments = hair.points as usize - 1;
-        let l = self.segment();
-        let kappa = darboux(hair.curl);
-        let root_frame = self.turn * self.root_frame(kappa);
-        let masses: Vec<f64> =
-            (0..segments).map(|k| hair.density * self.area(k as f64 + 0.5) * l * hair.fibres_per_strand).collect();
-
-        let mut frame = root_frame;
-        let mut x = self.root;
-        for k in 0..hair.points as usize {
-            let before = if k > 0 { masses[k - 1] } else { 0.0 };
-            let after = masses.get(k).copied().unwrap_or_default();
-            let mass = hair.point_mass.unwrap_or(0.5 * (before + after));
-            all.positions.push(x);
-            all.velocities.push(DVec3::ZERO);
-            all.inverse_mass.push(if k == 0 { 0.0 } else { 1.0 / mass });
-            all.volume.push(volume);
-            if k == segments {
-                break;
+    /// The given values, all of which hold, as many as strands.
+    fn check(&self, name: &str, strands: usize, expected: &str, holds: impl Fn(&T) -> bool) -> Result<(), SceneError>
+    where
+        T: std::fmt::Debug,
+    {
+        let values = match self {
+            Self::All(value) => std::slice::from_ref(value),
+            Self::Each(values) if values.len() == strands => values,
+            Self::Each(values) => {
+                return Err(fault(
+                    name,
+                    format!("expected one value or {strands}, one a strand; found {}", values.len()),
+                ));
             }
-            let joint = if k == 0 { 0.5 * l } else { l };
-            let rest = turn(kappa, joint);
-            frame = (frame * rest).normalize();
-            x += l * (frame * DVec3::Z);
-            let (stretch, shear) = self.stretch(k as f64 + 0.5);
-            let (bend, twist) = self.bend(k as f64);
-            let loose = if self.inextensible { 0.0 } else { 1.0 / (stretch * l) };
-            let inertia = 0.5 * hair.point_mass.unwrap_or(masses[k]) * l * l;
-            all.orientations.push(frame);
-            all.angular_velocities.push(DVec3::ZERO);
-            all.rest_length.push(l);
-            all.radius.push(self.radius(k as f64 + 0.5));
-            all.fibres.push(hair.fibres_per_strand);
-            all.inverse_inertia.push(1.0 / inertia);
-            all.stretch_compliance.push(DVec3::new(1.0 / (shear * l), 1.0 / (shear * l), loose));
-            all.bend_compliance.push(0.25 * joint * DVec3::new(1.0 / bend, 1.0 / bend, 1.0 / twist));
-            all.rest_rotation.push(rest);
-        }
-        all.root_frame.push(root_frame);
-        all.point_offsets.push(all.positions.len() as u32);
-    }
-
-    /// The clamp: a helix is tilted so that its axis, the direction of the Darboux vector, runs along the strand's.
-    fn root_frame(&self, kappa: DVec3) -> DQuat {
-        let straight = frame(self.axis);
-        let Some(curl) = self.hair.curl else {
-            return straight;
         };
-        let phase = DQuat::from_rotation_z(TAU * curl.phase * self.phase);
-        (straight * phase * DQuat::from_rotation_arc(kappa.normalize(), DVec3::Z)).normalize()
-    }
-
-    /// Radius of a fibre \[m\] `at` that many segments from the root.
-    fn radius(&self, at: f64) -> f64 {
-        self.hair.radius * (1.0 - self.hair.taper * at / f64::from(self.hair.points - 1))
-    }
-
-    fn area(&self, at: f64) -> f64 {
-        PI * self.radius(at).powi(2)
-    }
-
-    /// EA and GA \[N\].
-    fn stretch(&self, at: f64) -> (f64, f64) {
-        match self.hair.stiffness {
-            Stiffness::Moduli { youngs_modulus, poissons_ratio } => {
-                let stretch = youngs_modulus * self.area(at) * self.hair.fibres_per_strand;
-                (stretch, stretch / (2.0 * (1.0 + poissons_ratio)))
+        match values.iter().position(|value| !holds(value)) {
+            None => Ok(()),
+            Some(s) => {
+                let of = if matches!(self, Self::All(_)) { String::new() } else { format!(" for strand {s}") };
+                Err(fault(name, format!("expected {expected}, found {:?}{of}", values[s])))
             }
-            Stiffness::Direct { stretch, poissons_ratio, .. } => (stretch, stretch / (2.0 * (1.0 + poissons_ratio))),
+        }
+    }
+}
+
+impl<T> From<T> for PerStrand<T> {
+    fn from(value: T) -> Self {
+        Self::All(value)
+    }
+}
+
+impl<T> From<Vec<T>> for PerStrand<T> {
+    fn from(values: Vec<T>) -> Self {
+        Self::Each(values)
+    }
+}
+
+fn fault(name: &str, what: String) -> SceneError {
+    SceneError::new(what).at(format!("groom.{name}"), None)
+}
+
+fn vec3(v: [f64; 3]) -> DVec3 {
+    DVec3::from_array(v)
+}
+
+impl Groom {
+    /// Strands with the defaults of `[hair]`: clamped fibres of 40 µm, 1320 kg/m³ and 4 GPa.
+    #[must_use]
+    pub fn new(points: Vec<[f64; 3]>, offsets: Vec<u32>) -> Self {
+        Self {
+            points,
+            offsets,
+            group: 0.into(),
+            radius: 4e-5.into(),
+            aspect: 1.0.into(),
+            density: 1320.0.into(),
+            youngs_modulus: 4e9.into(),
+            poissons_ratio: 0.38.into(),
+            fibres_per_strand: 1.0.into(),
+            point_mass: None,
+            rest_curvature: None,
+            root_frame: None,
+            tip_frame: None,
+            root: End::Clamped.into(),
+            tip: End::Free.into(),
         }
     }
 
-    /// EI and GJ \[N m²\].
-    fn bend(&self, at: f64) -> (f64, f64) {
-        match self.hair.stiffness {
-            Stiffness::Moduli { youngs_modulus, poissons_ratio } => {
-                let second_moment = 0.25 * PI * self.radius(at).powi(4) * self.hair.fibres_per_strand;
-                let shear_modulus = youngs_modulus / (2.0 * (1.0 + poissons_ratio));
-                (youngs_modulus * second_moment, shear_modulus * 2.0 * second_moment)
-            }
-            Stiffness::Direct { bend, twist, .. } => (bend, twist),
+    /// Number of strands.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.offsets.len().saturating_sub(1)
+    }
+
+    /// Whether there is no strand.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether the values can be computed with, and are as many as they must be.
+    ///
+    /// # Errors
+    /// [`SceneError`], whose key names the argument.
+    pub fn check(&self) -> Result<(), SceneError> {
+        self.check_points()?;
+        let strands = self.len();
+        let positive = |x: &f64| MAGNITUDES.contains(x);
+        let above = format!("a number from {:e} to {:e}", MAGNITUDES.start(), MAGNITUDES.end());
+        for (name, values) in [
+            ("radius", Some(&self.radius)),
+            ("density", Some(&self.density)),
+            ("youngs_modulus", Some(&self.youngs_modulus)),
+            ("fibres_per_strand", Some(&self.fibres_per_strand)),
+            ("point_mass", self.point_mass.as_ref()),
+        ] {
+            values.map_or(Ok(()), |values| values.check(name, strands, &above, positive))?;
         }
+        self.aspect.check("aspect", strands, "a number above 0, at most 1", |x| *x <= 1.0 && positive(x))?;
+        self.poissons_ratio
+            .check("poissons_ratio", strands, "a number from 0 to below 1", |x| (0.0..1.0).contains(x))?;
+        for (name, frames) in [("root_frame", &self.root_frame), ("tip_frame", &self.tip_frame)] {
+            let rotates = |q: &[f64; 4]| positive(&DQuat::from_array(*q).length_squared());
+            frames
+                .as_ref()
+                .map_or(Ok(()), |frames| frames.check(name, strands, "a quaternion (x, y, z, w), not 0", rotates))?;
+        }
+        self.group.check("group", strands, "", |_| true)?;
+        self.root.check("root", strands, "", |_| true)?;
+        self.tip.check("tip", strands, "", |_| true)?;
+        self.check_curvature()
+    }
+
+    fn check_points(&self) -> Result<(), SceneError> {
+        let points = self.points.len();
+        if points > MOST_HAIR_POINTS as usize {
+            return Err(fault("points", format!("expected at most {MOST_HAIR_POINTS} points, found {points}")));
+        }
+        if let Some(i) = self.points.iter().position(|x| !x.iter().all(|x| x.abs() <= *MAGNITUDES.end())) {
+            let words =
+                format!("expected finite numbers of at most {:e}, found {:?}", MAGNITUDES.end(), self.points[i]);
+            return Err(fault("points", format!("{words} at point {i}")));
+        }
+        let ends = (self.offsets.first().copied(), self.offsets.last().copied());
+        if self.is_empty() || ends != (Some(0), Some(points as u32)) {
+            let words = format!("expected strands + 1 rising numbers from 0 to {points}, the number of points");
+            return Err(fault("offsets", format!("{words}; found {} of them", self.offsets.len())));
+        }
+        for (s, pair) in self.offsets.windows(2).enumerate() {
+            let count = i64::from(pair[1]) - i64::from(pair[0]);
+            if !(2..=i64::from(MOST_POINTS)).contains(&count) {
+                let words = format!("strand {s} has {count} points; expected at least 2, at most {MOST_POINTS}");
+                return Err(fault("points", words));
+            }
+            let lengths = self.lengths(s);
+            let least = COINCIDENT * lengths.iter().sum::<f64>();
+            if let Some(k) = lengths.iter().position(|l| *l <= least) {
+                return Err(fault("points", format!("points {k} and {} of strand {s} coincide", k + 1)));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_curvature(&self) -> Result<(), SceneError> {
+        let holds = |kappa: &[f64; 3]| kappa.iter().all(|x| x.abs() <= *MAGNITUDES.end());
+        let name = "rest_curvature";
+        match &self.rest_curvature {
+            None => Ok(()),
+            Some(RestCurvature::Strand(values)) => values.check(name, self.len(), "three finite numbers", holds),
+            Some(RestCurvature::Joints(values)) => {
+                let segments = self.points.len() - self.len();
+                if values.len() != segments {
+                    let words = format!("expected {segments} rows, one a segment; found {}", values.len());
+                    return Err(fault(name, words));
+                }
+                match values.iter().position(|kappa| !holds(kappa)) {
+                    Some(k) => Err(fault(name, format!("expected finite numbers, found {:?} in row {k}", values[k]))),
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+
+    /// The points of strand `s` \[m\].
+    fn points_of(&self, s: usize) -> &[[f64; 3]] {
+        &self.points[self.offsets[s] as usize..self.offsets[s + 1] as usize]
+    }
+
+    /// Of the segments of strand `s` \[m\].
+    fn lengths(&self, s: usize) -> Vec<f64> {
+        self.points_of(s).windows(2).map(|pair| vec3(pair[0]).distance(vec3(pair[1]))).collect()
+    }
+
+    /// The strands, in a scene.
+    pub(crate) fn strands(&self, scene: &Scene, parcel: Parcel) -> Result<Strands, SceneError> {
+        self.check()?;
+        let clamped = (0..self.len()).any(|s| self.tip.get(s) == End::Clamped);
+        if clamped && scene.rods.solver == Solver::GaussSeidel {
+            return Err(fault("tip", CLAMPED_TIP.to_owned()));
+        }
+        let mut all = Strands { point_offsets: vec![0], ..Strands::default() };
+        for s in 0..self.len() {
+            let fibre = Fibre {
+                radius: self.radius.get(s),
+                taper: 0.0,
+                aspect: self.aspect.get(s),
+                density: self.density.get(s),
+                fibres_per_strand: self.fibres_per_strand.get(s),
+                stiffness: Stiffness::Moduli {
+                    youngs_modulus: self.youngs_modulus.get(s),
+                    poissons_ratio: self.poissons_ratio.get(s),
+                },
+                point_mass: self.point_mass.as_ref().map(|mass| mass.get(s)),
+                inextensible: scene.rods.inextensible,
+            };
+            self.shape(s).append(&fibre, parcel, &mut all);
+            all.group.push(self.group.get(s));
+        }
+        Ok(all)
+    }
+
+    /// The rest turn of joint `k` of strand `s`, `length` long; the tip's joint is as the one before it.
+    fn rest_turn(&self, s: usize, k: usize, length: f64) -> Option<DQuat> {
+        let first = self.offsets[s] as usize - s;
+        let kappa = match self.rest_curvature.as_ref()? {
+            RestCurvature::Strand(values) => values.get(s),
+            RestCurvature::Joints(values) => values[first + k],
+        };
+        Some(turn(vec3(kappa), length))
+    }
+
+    fn shape(&self, s: usize) -> Shape {
+        let points: Vec<DVec3> = self.points_of(s).iter().copied().map(vec3).collect();
+        let lengths = self.lengths(s);
+        let tangents: Vec<DVec3> = points.windows(2).zip(&lengths).map(|(pair, l)| (pair[1] - pair[0]) / *l).collect();
+        let given = |frames: &PerStrand<[f64; 4]>| DQuat::from_array(frames.get(s)).normalize();
+        let root_frame = self.root_frame.as_ref().map_or_else(|| frame(tangents[0]), given);
+        let last = lengths.len() - 1;
+        let (mut frames, mut turns) = (Vec::with_capacity(lengths.len()), Vec::with_capacity(lengths.len()));
+        let mut before = root_frame;
+        for (k, tangent) in tangents.iter().enumerate() {
+            let joint = if k == 0 { 0.5 * lengths[0] } else { 0.5 * (lengths[k - 1] + lengths[k]) };
+            let rest = self.rest_turn(s, k, joint);
+            // As the rest shape would go on, turned onto the segment by the smallest rotation.
+            let ahead = before * rest.unwrap_or(DQuat::IDENTITY);
+            let own = (DQuat::from_rotation_arc(ahead * DVec3::Z, *tangent) * ahead).normalize();
+            frames.push(own);
+            turns.push(rest.unwrap_or_else(|| (before.conjugate() * own).normalize()));
+            before = own;
+        }
+        let onward = || match last {
+            0 => frames[0],
+            _ => (frames[last] * DQuat::IDENTITY.slerp(frames[last - 1].conjugate() * frames[last], 0.5)).normalize(),
+        };
+        let tip_frame = self.tip_frame.as_ref().map_or_else(onward, given);
+        let tip_turn = self.rest_turn(s, last, 0.5 * lengths[last]);
+        let tip_turn = tip_turn.unwrap_or_else(|| (frames[last].conjugate() * tip_frame).normalize());
+        let ends = [self.root.get(s), self.tip.get(s)];
+        Shape { points, root_frame, frames, lengths, turns, ends, tip: (tip_frame, tip_turn) }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::{air, body::Capsule, error::SceneError, groom, scene::Scene, warnings};
+use crate::{air, body::Capsule, error::SceneError, groom::Groom, hair, scene::Scene, strand::Parcel, warnings};
 
 /// Everything a run starts from. Points are in strand order, root to tip.
 ///
@@ -26,7 +26,7 @@ pub struct InitialState {
 pub struct Strands {
     /// First point of each strand, and the number of points at the end: strands + 1.
     pub point_offsets: Vec<u32>,
-    /// Index into `Scene::hair`, per strand.
+    /// Index into `Scene::hair`, per strand; of a [`Groom`] its own.
     pub group: Vec<u32>,
     /// Per point \[m\].
     pub positions: Vec<DVec3>,
@@ -152,6 +152,12 @@ impl Strands {
         self.point_offsets[..self.len()].iter().map(|&point| self.positions[point as usize])
     }
 
+    /// The key that strand `s` comes from: `hair.NAME`, or `groom` where the scene has no hair.
+    fn origin(&self, s: usize, scene: &Scene) -> String {
+        let group = self.group.get(s).and_then(|group| scene.hair.get(*group as usize));
+        group.map_or_else(|| "groom".to_owned(), |hair| format!("hair.{}", hair.name))
+    }
+
     /// Whether the arrays belong together and hold numbers.
     fn consistent(&self) -> Result<(), SceneError> {
         let fault = |what: String| Err(SceneError::new(what).at("hair", None));
@@ -222,14 +228,19 @@ impl Strands {
                 ]
             });
             if let Some((what, value)) = points.chain(segments).find(|(_, value)| !held(*value)) {
-                let name = &scene.hair[self.group[s] as usize].name;
-                return Err(SceneError::new(format!(
-                    "{what}, is {value:e}; expected 1e-30 to 1e30, which single precision can work with"
-                ))
-                .at(format!("hair.{name}"), None));
+                let words =
+                    format!("{what}, is {value:e}; expected 1e-30 to 1e30, which single precision can work with");
+                return Err(SceneError::new(words).at(self.origin(s, scene), None));
             }
         }
         Ok(())
+    }
+}
+
+fn parcel(scene: &Scene) -> Parcel {
+    match &scene.air {
+        Some(air) => Parcel { volume: air.parcel(), kernel_radius: air.kernel_radius },
+        None => Parcel { volume: PARCEL, kernel_radius: KERNEL_RADIUS },
     }
 }
 
@@ -283,9 +294,24 @@ impl InitialState {
     /// have been made in code.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let mut warnings = Vec::new();
-        let (parcel, radius) =
-            scene.air.as_ref().map_or((PARCEL, KERNEL_RADIUS), |air| (air.parcel(), air.kernel_radius));
-        let hair = groom::strands(scene, parcel, radius, &mut warnings);
+        let hair = hair::strands(scene, parcel(scene), &mut warnings);
+        Self::with_hair(scene, hair, warnings)
+    }
+
+    /// The same with strands of the caller's own in place of the scene's `[hair]`.
+    ///
+    /// # Errors
+    /// As [`Self::new`] and [`Groom::check`].
+    pub fn with_groom(scene: &Scene, groom: &Groom) -> Result<Self, SceneError> {
+        let hair = groom.strands(scene, parcel(scene))?;
+        Self::with_hair(&Scene { hair: Vec::new(), ..scene.clone() }, hair, Vec::new())
+    }
+
+    fn with_hair(scene: &Scene, mut hair: Strands, mut warnings: Vec<String>) -> Result<Self, SceneError> {
+        if hair.ends.iter().all(|ends| *ends == Ends::default()) {
+            hair.ends.clear();
+        }
+        hair.consistent()?;
         hair.representable(scene)?;
         let bodies: Vec<Capsule> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
         rooted_outside(scene, &hair, &bodies)?;
@@ -322,12 +348,13 @@ fn rooted_outside(scene: &Scene, hair: &Strands, bodies: &[Capsule]) -> Result<(
         for (body, capsule) in scene.bodies.iter().zip(bodies) {
             let (depth, most) = (-capsule.distance(root), DEEPEST_ROOT * capsule.radius);
             if depth > most * (1.0 + 1e-9) {
-                let group = &scene.hair[hair.group[strand] as usize].name;
                 let words = format!(
                     "strand {strand} is rooted {depth:.2e} m inside body \"{}\"; expected at most a tenth of its radius, {most:.2e} m",
                     body.name
                 );
-                return Err(SceneError::new(words).at(format!("hair.{group}.roots"), None));
+                let place = hair.origin(strand, scene);
+                let key = if scene.hair.is_empty() { place } else { format!("{place}.roots") };
+                return Err(SceneError::new(words).at(key, None));
             }
         }
     }

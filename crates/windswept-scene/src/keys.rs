@@ -2,7 +2,9 @@
 //! it, and a piece that is not built yet is marked here and nowhere else.
 
 use Fallback::{Absent, Method, Needed, Value};
-use Kind::{Bool, Choice, Count, Direction, Fraction, Length, NonNegative, Positive, Table, Tables, Text, Vector};
+use Kind::{
+    Bool, Choice, Count, Direction, Fraction, Length, NonNegative, Positive, Share, Table, Tables, Text, Vector,
+};
 
 /// What a key takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +23,8 @@ pub enum Kind {
     NonNegative,
     /// A number from 0 to below 1.
     Fraction,
+    /// A number above 0, at most 1.
+    Share,
     /// Three numbers.
     Vector,
     /// Three numbers, not all 0.
@@ -73,7 +77,7 @@ const fn key(path: &'static str, kind: Kind, default: Fallback, unit: &'static s
 /// As many as 32 bits count.
 const ANY: u32 = u32::MAX;
 /// Of a strand, which one lane walks along; software adapters end long loops (ARCHITECTURE.md).
-const MOST_POINTS: u32 = 16_384;
+pub(crate) const MOST_POINTS: u32 = 16_384;
 /// Of what repeats within a step, each time with dispatches of its own: seconds a step.
 const MOST_REPEATS: u32 = 10_000;
 
@@ -97,6 +101,7 @@ pub const KEYS: &[Key] = &[
     key("hair.length_variation", Fraction, Value("0.0"), "", "strands are shorter by up to this fraction, at random"),
     key("hair.radius", Length, Value("4.0e-5"), "m", "of a fibre, at the root"),
     key("hair.taper", Fraction, Value("0.0"), "", "the tip's radius is radius (1 - taper)"),
+    key("hair.aspect", Share, Value("1.0"), "", "semi-minor over semi-major axis of a fibre's cross-section; the radius is the semi-major one, a curl bends the flat way"),
     key("hair.density", Positive, Value("1320.0"), "kg/m³", "of a fibre"),
     key("hair.fibres_per_strand", Positive, Value("1.0"), "", "real hairs that a strand stands for"),
     key("hair.youngs_modulus", Positive, Value("4.0e9"), "Pa", "E of the fibre; not with the three stiffnesses"),
@@ -109,6 +114,8 @@ pub const KEYS: &[Key] = &[
     key("hair.curl.radius", Length, Needed, "m", "of the helix"),
     key("hair.curl.pitch", Length, Needed, "m", "advance per turn"),
     key("hair.curl_phase", NonNegative, Value("1.0"), "turns", "spread of the helices' phases over the strands"),
+    key("hair.root", Choice(&["clamped", "pinned", "free"]), Value("\"clamped\""), "", "held in place and direction, in place, not at all"),
+    key("hair.tip", Choice(&["clamped", "pinned", "free"]), Value("\"free\""), "", "the same; clamped: with rods.solver = \"direct\""),
     key("hair.roots", Table, Needed, "", "where the strands are rooted"),
     key("hair.roots.shape", Choice(&["disc", "sphere_cap", "line"]), Value("\"disc\""), "", "roots are drawn on it"),
     key("hair.roots.center", Vector, Needed, "m", "of the shape"),
@@ -242,6 +249,7 @@ impl Kind {
             Positive => "a number greater than 0".to_owned(),
             NonNegative => "a number of at least 0".to_owned(),
             Fraction => "a number from 0 to below 1".to_owned(),
+            Share => "a number above 0, at most 1".to_owned(),
             Vector => "three numbers, [x, y, z]".to_owned(),
             Direction => "three numbers, [x, y, z], not all 0".to_owned(),
             Choice(words) => {

@@ -2,6 +2,7 @@
 
 use crate::{
     body::Body,
+    initial::End,
     motion::Motion,
     picture::{AirPicture, Camera, Picture},
 };
@@ -111,8 +112,11 @@ pub struct Hair {
     pub length: f64,
     /// Strands are shorter by up to this fraction, drawn at random; 0 to below 1.
     pub length_variation: f64,
-    /// Fibre radius at the root \[m\].
+    /// Fibre radius at the root \[m\]; of an elliptic cross-section its semi-major axis, along d2.
     pub radius: f64,
+    /// Semi-minor axis (along d1) over semi-major axis of the cross-section; above 0, at most 1. A curl turns about d2,
+    /// about which a flat fibre bends easily.
+    pub aspect: f64,
     /// The tip's radius is `radius * (1 - taper)`; 0 to below 1.
     pub taper: f64,
     /// Fibre density \[kg/m³\].
@@ -125,6 +129,10 @@ pub struct Hair {
     pub point_mass: Option<f64>,
     /// Helical rest shape; `None` is straight.
     pub curl: Option<Curl>,
+    /// How the roots are held.
+    pub root: End,
+    /// How the tips are held.
+    pub tip: End,
     /// Where the strands are rooted.
     pub roots: Roots,
     /// How the roots move, about the centre of their shape.
@@ -393,6 +401,7 @@ macro_rules! words {
 
 words!(Method: Accurate = "accurate", Published = "published");
 words!(RootShape: Disc = "disc", SphereCap = "sphere_cap", Line = "line");
+words!(End: Clamped = "clamped", Pinned = "pinned", Free = "free");
 words!(Model: Particles = "particles", Drag = "drag", None = "none");
 words!(AirPicture: None = "none", Vorticity = "vorticity", BandEnergy = "band_energy");
 words!(Law: Band = "band", Published = "published");

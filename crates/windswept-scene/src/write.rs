@@ -130,6 +130,7 @@ impl Writer {
         self.number("length_variation", hair.length_variation);
         self.number("radius", hair.radius);
         self.number("taper", hair.taper);
+        self.number("aspect", hair.aspect);
         self.number("density", hair.density);
         self.number("fibres_per_strand", hair.fibres_per_strand);
         let ratio = match hair.stiffness {
@@ -146,6 +147,8 @@ impl Writer {
         };
         self.number("poissons_ratio", ratio);
         self.maybe("point_mass", hair.point_mass);
+        self.pair("root", hair.root.word());
+        self.pair("tip", hair.tip.word());
         if let Some(curl) = hair.curl {
             self.number("curl_phase", curl.phase);
             self.heading("[hair.curl]", "hair.curl");

@@ -25,7 +25,7 @@ wind = [3.0, 0.0, 0.0]
 #[rustfmt::skip] // a fault a line
 const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("length = 0.1", "lenght = 0.1", 7, "hair.lenght", &["unknown key; did you mean hair.length?"]),
-    ("[hair.roots]", "[hair.root]", 8, "hair.root", &["unknown key", "hair.roots"]),
+    ("[hair.roots]", "[hair.rots]", 8, "hair.rots", &["unknown key", "hair.roots"]),
     ("[time]", "[timing]", 1, "timing", &["unknown key"]),
     ("[air]", "[viscosity]\nair = -0.1\n[air]", 12, "viscosity.air", &["expected a number of at least 0, found -0.1"]),
     ("[time]", "banana = 1\n[time]", 1, "banana", &["unknown key", "--explain"]),
@@ -85,6 +85,10 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("radius = 0.01", "radius = 0.01\nshape = \"square\"", 11, "hair.roots.shape", &["\"disc\", \"sphere_cap\", \"line\"", "square"]),
     ("length = 0.1", "length = 0.1\ntaper = 1.0", 8, "hair.taper", &["from 0 to below 1"]),
     ("length = 0.1", "length = 0.1\nlength_variation = -0.1", 8, "hair.length_variation", &["from 0 to below 1"]),
+    ("length = 0.1", "length = 0.1\naspect = 1.5", 8, "hair.aspect", &["above 0, at most 1", "found 1.5"]),
+    ("length = 0.1", "length = 0.1\naspect = 0.5\nstretch_stiffness = 20.0\nbend_stiffness = 1e-9\ntwist_stiffness = 1e-9", 8, "hair.aspect", &["stiffnesses are given"]),
+    ("length = 0.1", "length = 0.1\nroot = \"glued\"", 8, "hair.root", &["\"clamped\", \"pinned\", \"free\""]),
+    ("[hair]", "[rods]\nsolver = \"gauss-seidel\"\n[hair]\ntip = \"clamped\"", 7, "hair.tip", &["the direct solver"]),
     ("length = 0.1", "length = 0.1\nstretch_stiffness = 20.0", 4, "hair.bend_stiffness", &["go together"]),
     ("length = 0.1", "length = 0.1\nyoungs_modulus = 4e9\nstretch_stiffness = 20.0", 8, "hair.youngs_modulus", &["the modulus or the three stiffnesses"]),
     ("length = 0.1", "length = 0.1\ncurl = { radius = 0.0, pitch = 0.1 }", 8, "hair.curl.radius", &["greater than 0"]),

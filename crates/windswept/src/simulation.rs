@@ -7,7 +7,7 @@ mod report;
 use std::time::Instant;
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{Groom, InitialState, Scene};
 
 use crate::{
     engine::Engine,
@@ -55,6 +55,15 @@ impl Simulation {
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, Error> {
         let initial = InitialState::new(scene)?;
         Self::with_state(gpu, scene, initial)
+    }
+
+    /// A simulation of strands of the caller's own, which replace the scene's `[hair]`.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] names what the groom got wrong, [`Error::Gpu`] when it does not fit the adapter.
+    pub fn with_groom(gpu: &Gpu, scene: &Scene, groom: &Groom) -> Result<Self, Error> {
+        let initial = InitialState::with_groom(scene, groom)?;
+        Self::with_state(gpu, &Scene { hair: Vec::new(), ..scene.clone() }, initial)
     }
 
     /// A simulation that starts from arrays of the caller's own; the scene's `[hair]` and lattice are not looked at.

@@ -61,7 +61,7 @@ pub fn direct(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &m
     };
     let constraints = rod.constraints();
     let right: Vec<DVec3> = rod.residuals(&constraints);
-    if p.sleep && right.iter().all(|r| r.length() < QUIET) {
+    if p.sleep && right.iter().all(|r| r.length() < QUIET) && rod.still_to_go(&constraints) < QUIET {
         rod.drive.state = super::State::Solved;
         return true;
     }
@@ -167,6 +167,15 @@ impl Rod<'_> {
             *pull = self.weight(Mover::Frame(k)) / w * (segment.free + w * *pull - segment.turn);
         }
         (points, frames)
+    }
+
+    /// The largest of those: of points, in lengths of the segment before, and of frames. A strand that falls as it is has no
+    /// residual.
+    fn still_to_go(&self, constraints: &[Constraint]) -> f64 {
+        let (points, frames) = self.excess(constraints);
+        let lengths = &self.hair.rest_length[self.hair.segments(self.strand)];
+        let points = points[1..].iter().zip(lengths).map(|(excess, l)| excess.length() / l);
+        points.chain(frames.iter().map(|excess| excess.length())).fold(0.0, f64::max)
     }
 
     /// −(C + α μ + J excess).

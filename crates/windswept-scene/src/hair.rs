@@ -1,0 +1,139 @@
+//! Strands from `[[hair]]`: roots and rest shapes.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DQuat, DVec3};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+
+use crate::{
+    initial::Strands,
+    scene::{Curl, Hair, RootShape, Roots, Scene},
+    strand::{Fibre, Parcel, Shape, frame, turn},
+};
+
+/// Turns between successive points of a sunflower.
+const GOLDEN_TURN: f64 = 0.381_966_011_250_105;
+/// Roots leave their sunflower seat by up to this part of the spacing.
+const JITTER: f64 = 0.15;
+/// A joint that turns by more than this samples its curl too coarsely.
+const COARSE_TURN: f64 = PI / 2.0;
+
+/// The strands of every group.
+///
+/// Chance is PCG XSL 128/64 (`rand_pcg`), seeded by the scene's seed and the group's index: the same on every machine.
+pub(crate) fn strands(scene: &Scene, parcel: Parcel, warnings: &mut Vec<String>) -> Strands {
+    let mut all = Strands { point_offsets: vec![0], ..Strands::default() };
+    for (group, hair) in scene.hair.iter().enumerate() {
+        let fibre = hair.fibre(scene.rods.inextensible);
+        let mut rng = Pcg64::seed_from_u64(scene.seed.wrapping_mul(0x9e37_79b9).wrapping_add(group as u64));
+        for i in 0..hair.strands {
+            let (root, axis) = seat(&hair.roots, i, hair.strands, &mut rng);
+            // Where the motion has it at the start.
+            let (center, turn) = (DVec3::from_array(hair.roots.center), hair.motion.at(0.0).1);
+            let root = hair.motion.place(center, root, 0.0);
+            let length = hair.length * (1.0 - hair.length_variation * rng.random::<f64>());
+            let phase = rng.random::<f64>();
+            let root_frame = turn * hair.root_frame(axis, phase);
+            hair.shape(root, root_frame, length).append(&fibre, parcel, &mut all);
+            all.group.push(group as u32);
+        }
+        let turn = darboux(hair.curl).length() * hair.length / f64::from(hair.points - 1);
+        if turn > COARSE_TURN {
+            warnings.push(format!(
+                "hair {}: the curl turns by {:.0} degrees per segment; more points would follow it better",
+                hair.name,
+                turn.to_degrees()
+            ));
+        }
+    }
+    all
+}
+
+/// Position and direction of root `i` of `n`: a jittered sunflower on disc and cap, equal parts of a line. A lone root
+/// is in the middle.
+fn seat(roots: &Roots, i: u32, n: u32, rng: &mut Pcg64) -> (DVec3, DVec3) {
+    let [center, axis, normal] = [roots.center, roots.direction, roots.normal].map(DVec3::from_array);
+    if n == 1 {
+        let height = if roots.shape == RootShape::SphereCap { roots.radius } else { 0.0 };
+        return (center + height * axis, axis);
+    }
+    let level = DVec3::Y.cross(normal);
+    let across = if level.length() > 1e-6 { level.normalize() } else { DVec3::X };
+    let up = normal.cross(across);
+    let part = (f64::from(i) + 0.5) / f64::from(n);
+    let jitter = [rng.random::<f64>() - 0.5, rng.random::<f64>() - 0.5].map(|u| 2.0 * JITTER * u);
+    match roots.shape {
+        RootShape::Line => (center + roots.radius * (2.0 * part - 1.0 + 2.0 * jitter[0] / f64::from(n)) * across, axis),
+        RootShape::Disc => {
+            let spacing = roots.radius * (PI / f64::from(n)).sqrt();
+            let angle = TAU * GOLDEN_TURN * f64::from(i);
+            let seat = roots.radius * part.sqrt() * (angle.cos() * across + angle.sin() * up);
+            let seat = seat + spacing * (jitter[0] * across + jitter[1] * up);
+            // Chance must not lead off the disc.
+            (center + seat.clamp_length_max(roots.radius), axis)
+        }
+        RootShape::SphereCap => {
+            let angle = TAU * (GOLDEN_TURN * f64::from(i) + jitter[0] / f64::from(n).sqrt());
+            let height = 1.0 - part;
+            let ring = (1.0 - height * height).sqrt();
+            let normal = height * axis + ring * (angle.cos() * across + angle.sin() * up);
+            (center + roots.radius * normal, normal)
+        }
+    }
+}
+
+/// Rest Darboux vector of a helix of radius a and pitch 2π b: (0, κ, τ) = (0, a, b)/(a² + b²) \[1/m\].
+fn darboux(curl: Option<Curl>) -> DVec3 {
+    curl.map_or(DVec3::ZERO, |curl| {
+        let (a, b) = (curl.radius, curl.pitch / TAU);
+        DVec3::new(0.0, a, b) / (a * a + b * b)
+    })
+}
+
+impl Hair {
+    fn fibre(&self, inextensible: bool) -> Fibre {
+        Fibre {
+            radius: self.radius,
+            taper: self.taper,
+            aspect: self.aspect,
+            density: self.density,
+            fibres_per_strand: self.fibres_per_strand,
+            stiffness: self.stiffness,
+            point_mass: self.point_mass,
+            inextensible,
+        }
+    }
+
+    /// A strand at rest.
+    fn shape(&self, root: DVec3, root_frame: DQuat, length: f64) -> Shape {
+        let segments = self.points as usize - 1;
+        let l = length / segments as f64;
+        let kappa = darboux(self.curl);
+        // The clamp's joint is half a segment long, as the tip's.
+        let mut turns = vec![turn(kappa, l); segments];
+        turns[0] = turn(kappa, 0.5 * l);
+        let mut frames = Vec::with_capacity(segments);
+        let mut points = vec![root];
+        let (mut frame, mut x) = (root_frame, root);
+        for turn in &turns {
+            frame = (frame * *turn).normalize();
+            x += l * (frame * DVec3::Z);
+            frames.push(frame);
+            points.push(x);
+        }
+        let tip = ((frame * turn(kappa, 0.5 * l)).normalize(), turn(kappa, 0.5 * l));
+        Shape { points, root_frame, frames, lengths: vec![l; segments], turns, ends: [self.root, self.tip], tip }
+    }
+
+    /// The clamp: a helix is tilted so that its axis, the direction of the Darboux vector, runs along the strand's;
+    /// `phase` from 0 to 1.
+    fn root_frame(&self, axis: DVec3, phase: f64) -> DQuat {
+        let straight = frame(axis);
+        let Some(curl) = self.curl else {
+            return straight;
+        };
+        let phase = DQuat::from_rotation_z(TAU * curl.phase * phase);
+        (straight * phase * DQuat::from_rotation_arc(darboux(self.curl).normalize(), DVec3::Z)).normalize()
+    }
+}
