@@ -104,7 +104,13 @@ const CASES: &[Case] = &[
     missing(BOX, "[air]", "air.box"),
     missing("wind = [1.0, 0.0, 0.0]", "[air]", "air.wind"),
     // Reserved, or asked for by name and not built yet.
-    reserved("[[body]]\nshape = \"sphere\"", "[[body]]", "body"),
+    Case {
+        line: "",
+        broken: "[[body]]\nshape = \"sphere\"\ncenter = [0, 0, 0]",
+        at: "[[body]]",
+        key: "body.radius",
+        words: &["missing"],
+    },
     reserved("[[air.gust]]\nspeed = 1.0", "[[air.gust]]", "air.gust"),
     replaced(LENGTH, "file = \"groom.abc\"", "hair.file", &["not in this version"]),
     reserved("[rods]\ninternal_damping = 0.1", "internal_damping = 0.1", "rods.internal_damping"),

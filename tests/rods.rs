@@ -1,5 +1,5 @@
 //! Strands by the direct solver: statics at any step, dynamics, violent starts (design 3.6; reference/).
-#![allow(clippy::unwrap_used, missing_docs)]
+#![allow(clippy::unwrap_used, clippy::needless_range_loop, missing_docs)]
 
 mod support;
 

@@ -234,14 +234,16 @@ fn finish_measures_stretch_and_finds_bad_strands() {
             );
         });
         let (_, segments) = stage.rods();
-        let mut moving = rods::Moving::default();
-        moving.points = points.iter().map(|p| rods::Point { travel: xyz(&p.travel), ..Default::default() }).collect();
+        let point = |p: &crate::stage::RodPoint| rods::Point { travel: xyz(&p.travel), ..Default::default() };
         let segment = |k: &crate::stage::RodSegment| rods::Segment {
             frame: quaternion(k.frame),
             chord: xyz(&k.chord),
             ..Default::default()
         };
-        moving.segments = segments.iter().map(segment).collect();
+        let moving = rods::Moving {
+            points: points.iter().map(point).collect(),
+            segments: segments.iter().map(segment).collect(),
+        };
         let stretches: Vec<Option<f64>> = (0..n).map(|strand| rods::finish(hair, strand, &moving)).collect();
         let wanted = stretches.iter().flatten().copied().fold(0.0, f64::max);
         let got = stage.engine.status().unwrap();
