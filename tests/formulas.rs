@@ -75,7 +75,7 @@ fn wrong_constants_turn_rows_red() {
         (&fluid::PREDICT, "params.step *", "1.001 * params.step *", "twin-step"),
         (&turbulence::VORTICITY, "45.0", "45.1", "rotation"),
         (&turbulence::BAND, "3.0 ", "3.1 ", "filter-gain"),
-        (&rods::GAUSS_SEIDEL, "1.0 + params.damping", "2.0 + params.damping", "rods-beam"),
+        (&rods::DIRECT, "1.0 + params.damping", "2.0 + params.damping", "rods-beam"),
     ];
     for (pass, right, wrong, check) in cases {
         assert!(pass.source.contains(right), "{} has no {right:?}:\n{}", pass.name, pass.source);
