@@ -20,13 +20,21 @@ pub(crate) fn run() -> Result {
     venv::provide_cmake(&mut clippy)?;
     crate::run(clippy.args(["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"]))?;
 
+    let on_software = |command: &mut Command| {
+        if let Some(manifest) = &driver {
+            command.env("VK_DRIVER_FILES", manifest).env("WGPU_ADAPTER_NAME", "llvmpipe");
+        }
+    };
+    say("Benches, briefly");
+    let mut benches = cargo();
+    venv::provide_cmake(&mut benches)?;
+    on_software(benches.args(["test", "--bench", "work_precision"]));
+    crate::run(&mut benches)?;
+
     say("Tests");
     let mut tests = cargo();
     venv::provide_cmake(&mut tests)?;
-    tests.args(["test", "--workspace", "--no-fail-fast"]).env("WINDSWEPT_PYTHON", python);
-    if let Some(manifest) = driver {
-        tests.env("VK_DRIVER_FILES", manifest).env("WGPU_ADAPTER_NAME", "llvmpipe");
-    }
+    on_software(tests.args(["test", "--workspace", "--no-fail-fast"]).env("WINDSWEPT_PYTHON", python));
     let total = run_and_count(&mut tests);
     let (passed, failed, ok) = total?;
     println!("\n{passed} passed, {failed} failed");
