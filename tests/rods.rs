@@ -385,7 +385,9 @@ fn violent_starts_recover() {
         let (mut first, mut last, mut worst) = (None, 0, f64::NAN);
         for k in 1..=1200 {
             simulation.step(1).unwrap();
-            worst = stretch(&simulation.frame().unwrap().hair);
+            let hair = simulation.frame().unwrap().hair;
+            assert!(hair.positions.iter().flatten().all(|x| x.is_finite()), "{name}: not finite");
+            worst = stretch(&hair);
             if worst >= 0.01 {
                 last = k;
             } else if first.is_none() {
@@ -557,5 +559,23 @@ fn the_direct_solver_is_faster_than_ten_sweeps() {
         println!("{strands} strands: direct {direct:.2} ms, ten sweeps {sweeps:.2} ms, ratio {:.2}", direct / sweeps);
         // Measured 0.73 and 0.75 on a machine that others use too.
         assert!(direct < sweeps, "{strands} strands: {direct} ms against {sweeps} ms");
+    }
+}
+
+/// Strands of many short segments, and few steps that are long for them, stay whole.
+#[test]
+fn many_points_do_not_tear() {
+    for (points, step, bound) in [(2, 1.38e-3, 1e-4), (1024, 1.38e-3, 1e-3), (200, 16.6e-3, 1e-2)] {
+        let text = format!(
+            "interaction = {{ model = \"none\" }}\ntime = {{ step = {step}, duration = 1.0 }}\n\
+             hair = {{ strands = 3, points = {points}, length = 0.1, roots = {{ center = [0, 0, 0], radius = 0.01, direction = [1, 0, 0] }} }}\n"
+        );
+        let mut simulation = Simulation::new(&support::gpu(), &Scene::parse(&text).unwrap()).unwrap();
+        simulation.step(60).unwrap();
+        let report = simulation.report().unwrap();
+        println!("{points} points, {step} s: stretch {:.1e}, {:?}", report.max_stretch.unwrap(), report.strand_steps);
+        // Measured 1e-6, 2.3e-5, 6.2e-4.
+        assert!(report.max_stretch.unwrap() < bound, "{points} points, {step} s: {}", report.max_stretch.unwrap());
+        assert!(!report.warnings.contains_key("strand_reset"), "{:?}", report.warnings);
     }
 }

@@ -15,7 +15,8 @@ const EULER_STEP: u32 = 5u;      // a strand took implicit Euler where BDF2 is a
 const QUIET_STEP: u32 = 6u;      // a strand was where it had to be, and not solved
 const ASLEEP_STEP: u32 = 7u;     // a strand slept
 const TELEPORT: u32 = 8u;        // a strand moved as a whole with its root
-const COUNTERS: u32 = 9u;
+const RESCUED_STEP: u32 = 9u;    // the direct solver tore a strand, and Gauss-Seidel took it
+const COUNTERS: u32 = 10u;
 
 struct Status {
     causes: atomic<u32>,              // bits above
@@ -28,8 +29,8 @@ struct Status {
     max_stretch: atomic<u32>,         // max |l/l0 - 1| over the run, the bits of a positive f32
     hair_outside: atomic<u32>,        // hair points outside the box of air, this step
     outside_steps: u32,               // steps on end with many of them
-    counted: array<u32, 9>,           // by cause, committed steps
-    counting: array<atomic<u32>, 9>,  // by cause, this step
+    counted: array<u32, 10>,          // by cause, committed steps
+    counting: array<atomic<u32>, 10>, // by cause, this step
 }
 
 @group(0) @binding(1) var<storage, read_write> status: Status;

@@ -38,6 +38,9 @@ struct Factor {
 
 const FITS: f32 = 1e-5;      // |C + alpha mu| of stretch-shear at which a strand is done
 const QUIET: f32 = 1e-6;     // residual below which a strand need not be solved
+// Added to the diagonal of J W J^T, in parts of it: keeps the system within what f32 resolves where segments are stiff and
+// short. Steps come out shorter by that much where they are the least certain; where a strand comes to rest stays the same.
+const GIVE: f32 = 1e-6;
 const ONE = mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
 
 fn skew(v: vec3f) -> mat3x3f {
@@ -218,10 +221,10 @@ fn eliminate(strand: Strand, rod: RodStrand) -> vec3f {
         let w1 = point_weight(strand.first_point + k + 1u);
         let weight = turn_weight(own);
         let turns = own.weight * own.yielding * skew(own.tangent);   // W [d3]x
-        let f = a * (weight_before + weight) * transpose(a) + diagonal(joint_before.compliance)
+        let f = (1.0 + GIVE) * a * (weight_before + weight) * transpose(a) + diagonal(joint_before.compliance)
             - (transpose(p) * u.bend_bend + transpose(q) * u.stretch_bend);
         let g = a * transpose(turns) - (transpose(p) * u.bend_stretch + transpose(q) * u.stretch_stretch);
-        let h = (w0 + w1) * own.over_length * own.over_length * ONE + turns * transpose(skew(own.tangent)) + own.compliance
+        let h = (1.0 + GIVE) * ((w0 + w1) * own.over_length * own.over_length * ONE + turns * transpose(skew(own.tangent))) + own.compliance
             + shared_point * u.stretch_stretch;
         let bend = -r.bend - (transpose(p) * u.bend + transpose(q) * u.stretch);
         let stretch = -r.stretch + shared_point * u.stretch;
@@ -246,7 +249,7 @@ fn eliminate(strand: Strand, rod: RodStrand) -> vec3f {
     }
     // The tip's joint: `joint_before` by now, between the last frame and one that is held.
     let a = joint_before.gradient;
-    let f = a * weight_before * transpose(a) + diagonal(joint_before.compliance)
+    let f = (1.0 + GIVE) * a * weight_before * transpose(a) + diagonal(joint_before.compliance)
         - (transpose(p) * u.bend_bend + transpose(q) * u.stretch_bend);
     let bend = joint_before.gap + joint_before.compliance * joint_before.moment - a * r.turn_excess;
     return inverse(f) * (-bend - (transpose(p) * u.bend + transpose(q) * u.stretch));

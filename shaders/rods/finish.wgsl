@@ -3,8 +3,8 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, integration::{PUT, rate},
     rest::{STILL_ACCELERATION, STILL_SPEED},
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, SLEEPS, STRAINED, STRAINED_STEPS},
-    status::{status, frozen, count, finite3, finite4, STRAND_RESET, OVER_STRAINED},
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SLEEPS, STRAINED, STRAINED_STEPS},
+    status::{status, frozen, count, finite, finite3, finite4, STRAND_RESET, OVER_STRAINED},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
@@ -37,6 +37,14 @@ fn hold(strand: Strand) {
     }
 }
 
+// Multipliers of Gauss-Seidel are none that the direct solver could start from.
+fn forget(strand: Strand) {
+    for (var k = 0u; k < strand.points - 1u; k++) {
+        rod_segments[strand.first_segment + k].force = vec3f(0.0);
+        rod_segments[strand.first_segment + k].moment = vec3f(0.0);
+    }
+}
+
 // Slow, and not pushed.
 fn still(strand: Strand) -> bool {
     for (var k = 0u; k < strand.points; k++) {
@@ -53,14 +61,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let s = invocation(id, groups);
     if s >= params.strands || frozen() { return; }
     let strand = strands[s];
-    if !sound(strand) {
-        hold(strand);
-        health[s].found.bad = 1u;
-        count(STRAND_RESET);
-        atomicAdd(&status.bad_strands, 1u);
-        atomicMin(&status.first_bad_strand, s);
-        return;
-    }
     var stretch = 0.0;
     for (var k = 0u; k < strand.points - 1u; k++) {
         let p = strand.first_point + k;
@@ -68,13 +68,25 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let l = length(segment.chord + rod_points[p + 1u].travel - rod_points[p].travel);
         stretch = max(stretch, abs(l / segments[strand.first_segment + k].rest_length - 1.0));
     }
+    if !(sound(strand) && finite(stretch)) {
+        hold(strand);
+        health[s].found.bad = 1u;
+        count(STRAND_RESET);
+        atomicAdd(&status.bad_strands, 1u);
+        atomicMin(&status.first_bad_strand, s);
+        return;
+    }
     atomicMax(&status.max_stretch, bitcast<u32>(stretch));
 
     var found = health[s].found;
     found.strained = select(0u, min(found.strained + 1u, STRAINED_STEPS + 1u), stretch > STRAINED);
     if found.strained == STRAINED_STEPS { count(OVER_STRAINED); }
-    // The direct solver got nowhere near: Euler does.
-    if rod_strands[s].misfit > MISFIT { found.calm = 0u; }
+    // The direct solver got nowhere near: Euler does, from its free move.
+    if !(rod_strands[s].misfit <= MISFIT) {
+        found.calm = 0u;
+        found.still = 0u;
+    }
+    if rod_strands[s].state == FREE { forget(strand); }
     if params.sleep != 0u && found.still != SLEEPS {
         found.still = select(0u, min(found.still, SLEEPS - 2u) + 1u, still(strand));
     }

@@ -31,6 +31,9 @@ pub const STILL_ACCELERATION: f64 = 1e-3;
 /// Slower than this many of its lengths a second it is at rest \[1/s\].
 pub const STILL_SPEED: f64 = 1.5e-4;
 
+/// |C + α μ| of stretch-shear at which the direct solver has torn a strand.
+pub const RESCUED: f64 = 1.0;
+
 /// What a strand does within a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum State {
@@ -409,6 +412,32 @@ pub fn hold(hair: &Strands, s: usize, m: &mut Moving) {
     for segment in &mut m.segments[hair.segments(s)] {
         let start = segment.start;
         put_frame(segment, start);
+    }
+}
+
+/// A strand that the direct solver tore is left to Gauss-Seidel: back to its free move, nothing held. Says whether it was one.
+pub fn rescue(hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
+    if drive.state != State::Free {
+        return false;
+    }
+    if drive.misfit < RESCUED {
+        drive.state = State::Solved;
+        return false;
+    }
+    for point in &mut m.points[hair.points(s)] {
+        point.travel = point.free;
+    }
+    for segment in &mut m.segments[hair.segments(s)] {
+        segment.frame = (rotation(segment.free) * segment.start).normalize();
+    }
+    forget(hair, s, m);
+    true
+}
+
+/// Multipliers of Gauss-Seidel are none that the direct solver could start from.
+pub fn forget(hair: &Strands, s: usize, m: &mut Moving) {
+    for segment in &mut m.segments[hair.segments(s)] {
+        (segment.force, segment.moment) = (DVec3::ZERO, DVec3::ZERO);
     }
 }
 

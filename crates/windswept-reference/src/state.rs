@@ -46,6 +46,8 @@ pub struct State {
     pub quiet_steps: usize,
     /// Strand-steps asleep so far.
     pub asleep_steps: usize,
+    /// Strand-steps that the direct solver tore so far.
+    pub rescued_steps: usize,
     /// Teleports so far.
     pub teleports: usize,
     /// Per strand: non-finite in the step before, to be reset.
@@ -100,6 +102,7 @@ impl State {
             euler_steps: 0,
             quiet_steps: 0,
             asleep_steps: 0,
+            rescued_steps: 0,
             teleports: 0,
             position: hair.positions.iter().copied().chain(initial.air.positions.iter().map(local)).collect(),
             velocity: hair.velocities.iter().chain(&initial.air.velocities).copied().collect(),

@@ -121,9 +121,9 @@ pub fn rods(s: &mut State, w: &mut Scratch, p: &Parameters) {
                 let quiet = rods::direct(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
                 s.quiet_steps += usize::from(quiet);
             }
-        } else {
-            rods::gauss_seidel(p, &s.hair, strand, &w.drives[strand], &mut w.moving);
+            s.rescued_steps += usize::from(rods::rescue(&s.hair, strand, &mut w.drives[strand], &mut w.moving));
         }
+        rods::gauss_seidel(p, &s.hair, strand, &w.drives[strand], &mut w.moving);
     }
     finish(s, w, p);
 }
@@ -157,8 +157,12 @@ pub fn finish(s: &mut State, w: &mut Scratch, p: &Parameters) {
         s.max_stretch = s.max_stretch.max(stretch);
         s.strained_steps[strand] = if stretch > rods::STRAINED { s.strained_steps[strand] + 1 } else { 0 };
         s.over_strained += usize::from(s.strained_steps[strand] == rods::STRAINED_STEPS);
-        if w.drives[strand].misfit > rods::MISFIT {
-            s.calm[strand] = 0;
+        if w.drives[strand].state == rods::State::Free {
+            rods::forget(&s.hair, strand, &mut w.moving);
+        }
+        // Not a number counts as well.
+        if w.drives[strand].misfit.partial_cmp(&rods::MISFIT).is_none_or(|order| order.is_gt()) {
+            (s.calm[strand], s.still[strand]) = (0, 0);
         }
         if p.sleep {
             s.still[strand] = if rods::still(p, &s.hair, strand, &w.moving) { s.still[strand] + 1 } else { 0 };

@@ -182,7 +182,7 @@ pub const KEYS: &[Key] = &[
     key("rods.solver", Choice(&["direct", "gauss-seidel"]), Method("\"direct\"", "\"gauss-seidel\""), "", "the solver"),
     key("rods.integrator", Choice(&["bdf2", "euler"]), Method("\"bdf2\"", "\"euler\""), "", "the time integration"),
     key("rods.iterations", Count(1, MOST_REPEATS), Value("10"), "", "sweeps; gauss-seidel only"),
-    key("rods.newton", Count(1, 100), Value("4"), "", "Newton steps at most; direct only: a strand stops when its segments fit within 1e-3"),
+    key("rods.newton", Count(1, 100), Value("4"), "", "Newton steps at most; direct only: a strand stops when its segments fit within 1e-5"),
     key("rods.inextensible", Bool, Value("false"), "", "no stretch compliance"),
     key("rods.damping", NonNegative, Value("0.0"), "1/s", "of absolute linear and angular velocity"),
     key("rods.internal_damping", NonNegative, Absent("0"), "s", "Kelvin-Voigt"),

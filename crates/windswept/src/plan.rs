@@ -25,8 +25,6 @@ pub struct Plan {
     pub newton_steps: u32,
     /// Are rods solved by the direct solver?
     pub direct: Decision,
-    /// Are rods solved by Gauss-Seidel?
-    pub gauss_seidel: Decision,
     /// Does hair meet air particles?
     pub hair_meets_air: Decision,
     /// Are there strands?
@@ -121,7 +119,6 @@ impl Plan {
             rod_dispatches: scene.rods.iterations / rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
             newton_steps: scene.rods.newton,
             direct: hair.and(Decision::when(direct, "rods.solver is gauss-seidel")),
-            gauss_seidel: hair.and(Decision::when(!direct, "rods.solver is direct")),
             hair_meets_air: hair.and(neighbours.clone()),
             hair,
             air,

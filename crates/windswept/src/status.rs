@@ -15,7 +15,7 @@ pub const NON_FINITE_AIR: u32 = 2;
 pub const TOO_MANY_BAD_STRANDS: u32 = 4;
 
 /// Names of the counters, in the order of `counted`.
-pub const COUNTERS: [&str; 9] = [
+pub const COUNTERS: [&str; 10] = [
     "strand_reset",
     "move_capped",
     "over_strained",
@@ -25,6 +25,7 @@ pub const COUNTERS: [&str; 9] = [
     "quiet_steps",
     "asleep_steps",
     "teleports",
+    "rescued_steps",
 ];
 /// So many of them, the first, are keys of the report's `warnings`; the others of its `strand_steps`.
 const WARNINGS: usize = 5;
@@ -44,8 +45,8 @@ pub struct Status {
     pub max_stretch: u32,
     pub hair_outside: u32,
     pub outside_steps: u32,
-    pub counted: [u32; 9],
-    pub counting: [u32; 9],
+    pub counted: [u32; 10],
+    pub counting: [u32; 10],
 }
 
 assert_layout!(Status {
@@ -80,7 +81,7 @@ impl Status {
             bad_strands: 0,
             first_bad_strand: u32::MAX,
             hair_outside: 0,
-            counting: [0; 9],
+            counting: [0; 10],
             ..self
         }
     }

@@ -8,6 +8,8 @@ use crate::Parameters;
 
 /// |C + α μ| of stretch-shear at which a strand is done.
 pub const FITS: f64 = 1e-5;
+/// Added to the diagonal of J W Jᵀ, in parts of it, as the engine needs it in f32.
+pub const GIVE: f64 = 1e-6;
 /// Residual below which a strand need not be solved.
 pub const QUIET: f64 = 1e-6;
 
@@ -198,7 +200,8 @@ impl Rod<'_> {
                 let mut block = if i == j { a.compliance } else { DMat3::ZERO };
                 for (mover, ga) in &a.gradient {
                     for (_, gb) in b.gradient.iter().filter(|(other, _)| other == mover) {
-                        block += *ga * self.weight(*mover) * gb.transpose();
+                        let give = if i == j { 1.0 + GIVE } else { 1.0 };
+                        block += *ga * self.weight(*mover) * gb.transpose() * give;
                     }
                 }
                 matrix.add(3 * i, 3 * j, block);

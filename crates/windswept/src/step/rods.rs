@@ -9,9 +9,12 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     r.heading("4. rods");
     r.when(&plan.hair, |r| {
         prepare(r, s, plan);
-        r.when(&plan.direct, |r| r.repeat(plan.newton_steps, |r| direct(r, s, plan)));
-        // Short dispatches: see `rods::sweeps_per_dispatch`.
-        r.when(&plan.gauss_seidel, |r| r.repeat(plan.rod_dispatches, |r| gauss_seidel(r, s, plan)));
+        r.when(&plan.direct, |r| {
+            r.repeat(plan.newton_steps, |r| direct(r, s, plan));
+            rescue(r, s, plan);
+        });
+        // All strands, or those that were rescued. Short dispatches: see `rods::sweeps_per_dispatch`.
+        r.repeat(plan.rod_dispatches, |r| gauss_seidel(r, s, plan));
         finish(r, s, plan);
     });
 }
@@ -74,6 +77,15 @@ fn direct(r: &mut Recorder, s: &State, plan: &Plan) {
         "Cosserat rods, solved directly",
         plan.sizes.strands,
         &[&s.params, &s.status, &s.strands, &s.segments, &s.rod_strands, &s.rod_points, &s.rod_segments, &s.factors],
+    );
+}
+
+fn rescue(r: &mut Recorder, s: &State, plan: &Plan) {
+    r.run(
+        &rods::RESCUE,
+        "torn strands are left to Gauss-Seidel",
+        plan.sizes.strands,
+        &[&s.params, &s.status, &s.strands, &s.rod_strands, &s.rod_points, &s.rod_segments],
     );
 }
 

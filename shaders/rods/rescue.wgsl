@@ -1,0 +1,35 @@
+// A strand that the direct solver tore (too stiff for its step and its segments: f32 does not resolve the system) is left to
+// Gauss-Seidel, which is inexact but tears nothing: back to its free move, nothing held. The others are done.
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotation},
+    rod::{Strand, RodStrand, RodPoint, RodSegment, FREE, SOLVED}, status::{frozen, count, RESCUED_STEP},
+};
+
+@group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
+@group(0) @binding(3) var<storage, read_write> rod_strands:  array<RodStrand>;
+@group(0) @binding(4) var<storage, read_write> rod_points:   array<RodPoint>;
+@group(0) @binding(5) var<storage, read_write> rod_segments: array<RodSegment>;
+
+const TORN: f32 = 1.0;   // |C + alpha mu| of stretch-shear
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let s = invocation(id, groups);
+    if s >= params.strands || frozen() || rod_strands[s].state != FREE { return; }
+    if rod_strands[s].misfit < TORN {
+        rod_strands[s].state = SOLVED;
+        return;
+    }
+    let strand = strands[s];
+    for (var k = 0u; k < strand.points; k++) {
+        let p = strand.first_point + k;
+        rod_points[p].travel = rod_points[p].free;
+    }
+    for (var k = 0u; k < strand.points - 1u; k++) {
+        let j = strand.first_segment + k;
+        rod_segments[j].frame = normalize(product(rotation(rod_segments[j].free), rod_segments[j].start));
+        rod_segments[j].force = vec3f(0.0);
+        rod_segments[j].moment = vec3f(0.0);
+    }
+    count(RESCUED_STEP);
+}
