@@ -105,7 +105,6 @@ const CASES: &[Case] = &[
     missing("wind = [1.0, 0.0, 0.0]", "[air]", "air.wind"),
     // Reserved, or asked for by name and not built yet.
     reserved("[[body]]\nshape = \"sphere\"", "[[body]]", "body"),
-    reserved("[[air.gust]]\nspeed = 1.0", "[[air.gust]]", "air.gust"),
     replaced(LENGTH, "file = \"groom.abc\"", "hair.file", &["not in this version"]),
     reserved("[rods]\ninternal_damping = 0.1", "internal_damping = 0.1", "rods.internal_damping"),
     // Not TOML.

@@ -18,6 +18,7 @@ mod picture;
 mod reader;
 mod scene;
 mod warnings;
+mod wind;
 mod write;
 
 pub use body::{Body, Capsule, Shape};
@@ -26,3 +27,4 @@ pub use initial::{AirParticles, End, Ends, InitialState, Strands};
 pub use motion::{Keyframe, Motion};
 pub use picture::*;
 pub use scene::*;
+pub use wind::InflowWave;
