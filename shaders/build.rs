@@ -22,7 +22,7 @@ const FOLDERS: [&str; 7] = ["grid", "fluid", "turbulence", "rods", "wind", "cont
 /// WebGPU's default: storage buffers that one stage may bind.
 const STORAGE_BUFFERS: usize = 8;
 /// Structs shared with Rust, which asserts their layout.
-const SHARED: [&str; 17] = [
+const SHARED: [&str; 18] = [
     "Params",
     "Status",
     "Strand",
@@ -40,6 +40,7 @@ const SHARED: [&str; 17] = [
     "Body",
     "Placed",
     "Mesh",
+    "Wave",
 ];
 
 /// Per struct: size, and fields with their offsets [bytes].

@@ -111,7 +111,6 @@ const CASES: &[Case] = &[
         key: "body.radius",
         words: &["missing"],
     },
-    reserved("[[air.gust]]\nspeed = 1.0", "[[air.gust]]", "air.gust"),
     replaced(LENGTH, "file = \"groom.abc\"", "hair.file", &["not in this version"]),
     reserved("[rods]\ninternal_damping = 0.1", "internal_damping = 0.1", "rods.internal_damping"),
     // Not TOML.

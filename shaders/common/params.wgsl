@@ -3,8 +3,6 @@
 struct Params {
     box_size: vec3f,              // m, periodic box of air, [0, box_size)
     step: f32,                    // s, of one engine step (substeps already divided out)
-    wind: vec3f,                  // m/s, the mean wind after the ramp
-    ramp: f32,                    // s, 0: the wind is there at once
     gravity: vec3f,               // m/s^2, on hair only
     fringe: f32,                  // m, thickness
     cells: vec3i,                 // of the box, each at least a kernel radius wide; 0 without air
@@ -35,7 +33,7 @@ struct Params {
     bdf2: u32,                    // rods by BDF2 where they are calm, else by implicit Euler
     sleep: u32,                   // strands at rest are left alone
     substeps: u32,                // engine steps of a time step
-    @size(80) conserve_momentum: u32,   // take the mean change by confinement out; bound at multiples of 256 bytes
+    @size(96) conserve_momentum: u32,   // take the mean change by confinement out; bound at multiples of 256 bytes
 }
 
 @group(0) @binding(0) var<uniform> params: Params;

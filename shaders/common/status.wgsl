@@ -29,6 +29,9 @@ struct Status {
     max_stretch: atomic<u32>,         // max |l/l0 - 1| over the run, the bits of a positive f32
     hair_outside: atomic<u32>,        // hair points outside the box of air, this step
     outside_steps: u32,               // steps on end with many of them
+    wind: array<f32, 3>,              // m/s, mean wind at the end of this step
+    wind_before: array<f32, 3>,       // m/s, at its start
+    way: array<f32, 3>,               // m, that the wind has blown in committed steps, wrapped into the box
     counted: array<u32, 10>,          // by cause, committed steps
     counting: array<atomic<u32>, 10>, // by cause, this step
 }

@@ -1,21 +1,27 @@
-// The mean wind: it rises linearly over the ramp, and enters through a fringe behind the faces it blows through.
-import package::common::params::params;
+// The mean wind of the step, as `wind/blow` found it; it enters through a fringe behind the faces it blows through.
+import package::common::{params::params, status::status};
 
-// Part of the wind that has risen after `steps` steps.
-fn risen(steps: u32) -> f32 {
-    if params.ramp <= 0.0 { return 1.0; }
-    return min(f32(steps) * params.step / params.ramp, 1.0);
+// U at the end of the step.
+fn mean_wind() -> vec3f {
+    return vec3f(status.wind[0], status.wind[1], status.wind[2]);
 }
 
-fn mean_wind(steps: u32) -> vec3f {
-    return params.wind * risen(steps);
+// U at its start.
+fn wind_before() -> vec3f {
+    return vec3f(status.wind_before[0], status.wind_before[1], status.wind_before[2]);
+}
+
+// How far the wind has carried what it brings in, since the start of the run [m].
+fn way_of_wind() -> vec3f {
+    return vec3f(status.way[0], status.way[1], status.way[2]);
 }
 
 // Depth behind the face that the wind enters through, per axis [m].
-fn depth_of(position: vec3f) -> vec3f {
-    return select(params.box_size - position, position, params.wind >= vec3f(0.0));
+fn depth_of(position: vec3f, wind: vec3f) -> vec3f {
+    return select(params.box_size - position, position, wind >= vec3f(0.0));
 }
 
 fn in_fringe(position: vec3f) -> bool {
-    return any((depth_of(position) < vec3f(params.fringe)) & (params.wind != vec3f(0.0)));
+    let wind = mean_wind();
+    return any((depth_of(position, wind) < vec3f(params.fringe)) & (wind != vec3f(0.0)));
 }

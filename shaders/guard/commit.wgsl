@@ -28,6 +28,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if i < params.strands { health[i].committed = health[i].found; }
     if i == 0u {
         status.step += 1u;
+        for (var axis = 0u; axis < 3u; axis++) {
+            status.way[axis] += params.step * 0.5 * (status.wind_before[axis] + status.wind[axis]);
+            let side = params.box_size[axis];
+            if side > 0.0 { status.way[axis] -= side * floor(status.way[axis] / side); }
+        }
         confinement_impulse[0] += mean_confinement[1];
         atomicStore(&status.bad_strands, 0u);
         atomicStore(&status.first_bad_strand, NONE);

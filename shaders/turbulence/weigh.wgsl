@@ -1,6 +1,6 @@
 // What the filter sums, in cell order: V (v - U) of air (design 3.4), or v of all particles as printed (eq. 5).
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, status::{status, frozen}, wind::mean_wind,
+    params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, status::frozen, wind::mean_wind,
 };
 
 @group(0) @binding(2) var<storage, read>       sorted:        array<u32>;
@@ -20,7 +20,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if params.published_law != 0u {
         flow[e] = vec4f(v, 0.0);
     } else {
-        let relative = v - mean_wind(status.step + 1u);
+        let relative = v - mean_wind();
         flow[e] = select(vec4f(0.0), params.air_volume * vec4f(relative, 1.0), air);
     }
 }

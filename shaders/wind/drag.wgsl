@@ -8,7 +8,7 @@
 // A point takes half of each segment at it, with D and F of the step before: (1 + dt w D) dv = dt w (D (U - v) + F).
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{Strand, Segment},
-    cells::{cell_of, in_box}, status::{status, frozen}, wind::mean_wind,
+    cells::{cell_of, in_box}, status::frozen, wind::mean_wind,
 };
 
 @group(0) @binding(3) var<storage, read>       strands:     array<Strand>;
@@ -65,7 +65,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let s = invocation(id, groups);
     if s >= params.strands || frozen() { return; }
     let strand = strands[s];
-    let wind = mean_wind(status.step + 1u);
+    let wind = mean_wind();
     var before = nothing();
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;

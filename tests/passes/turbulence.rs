@@ -55,6 +55,7 @@ fn compare(law: Law, filter: Filter, bounds: [f64; 4]) {
         let (p, twin, s) = (&stage.parameters, &stage.twin, stage.engine.state());
         let mut status = stage.engine.status().unwrap();
         status.step = STEPS;
+        status.wind = wind::blow(p, u64::from(STEPS) + 1).as_vec3().to_array();
         stage.engine.set_status(&status).unwrap();
         let v = stirred(&twin.position);
         stage.write_vectors(&s.velocity, &v);
@@ -62,13 +63,14 @@ fn compare(law: Law, filter: Filter, bounds: [f64; 4]) {
         stage.run(step::turbulence::record);
 
         let x = &twin.position;
-        let blowing = p.wind * wind::risen(p, u64::from(STEPS) + 1);
+        let blowing = wind::blow(p, u64::from(STEPS) + 1);
         // What is left of the last band, the changes of both.
         let mut change = vec![DVec3::ZERO; x.len()];
         for band in &scene.turbulence.bands {
             let eddies = turbulence::band_velocity(p, band, blowing, x, &v, &twin.volume);
             let omega = turbulence::vorticity(p, x, if law == Law::Band { &eddies } else { &v }, &twin.volume, &near);
-            let add = turbulence::confine(p, band, x, &eddies, &omega, &twin.volume, &twin.inverse_mass, &near);
+            let add =
+                turbulence::confine(p, band, blowing, x, &eddies, &omega, &twin.volume, &twin.inverse_mass, &near);
             change.iter_mut().zip(add).for_each(|(sum, add)| *sum += add);
             if band == &scene.turbulence.bands[1] {
                 worst[0] = worst[0].max(relative(&air(&stage, &s.band_velocity), &eddies[p.hair_points..], 1e-3));
@@ -141,7 +143,7 @@ fn the_grid_filter_is_that_of_the_twin() {
             stage.run(step::turbulence::record_band);
 
             let band = &scene.turbulence.bands[0];
-            let blowing = p.wind * wind::risen(p, 1);
+            let blowing = wind::blow(p, 0);
             let deposited = turbulence::deposit(p, scale, blowing, &twin.position, &v, &twin.volume);
             let curved = turbulence::smooth(p, scale, &deposited);
             let eddies = turbulence::gather(p, band, &curved, &twin.position);

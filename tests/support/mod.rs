@@ -54,6 +54,8 @@ pub fn scene() -> Scene {
             wind: [0.0; 3],
             fringe: 4.0 * RADIUS,
             ramp: 0.05,
+            gust: Vec::new(),
+            inflow: None,
             margin: None,
             kinematic_viscosity: 1.5e-5,
         }),

@@ -1,7 +1,9 @@
 //! What stays the same from step to step.
 
 use glam::{DVec3, IVec3};
-use windswept_scene::{Band, InitialState, Integrator, Law, Model, Motion, Scene, Solver, Turbulence, ViscosityForm};
+use windswept_scene::{
+    Band, InflowWave, InitialState, Integrator, Law, Model, Motion, Scene, Solver, Turbulence, ViscosityForm,
+};
 
 use crate::{
     contact::{self, Body},
@@ -19,6 +21,10 @@ pub struct Parameters {
     pub wind: DVec3,
     /// \[s\]
     pub ramp: f64,
+    /// Time \[s\] and what is added to the wind then \[m/s\].
+    pub gust: Vec<(f64, DVec3)>,
+    /// Turbulence that the wind brings in.
+    pub inflow: Vec<InflowWave>,
     /// \[m\]
     pub fringe: f64,
     /// Periodic box of the air, from the origin \[m\].
@@ -99,6 +105,10 @@ impl Parameters {
             gravity: DVec3::from_array(scene.gravity),
             wind: air.map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind)),
             ramp: air.map_or(0.0, |air| air.ramp),
+            gust: air.map_or_else(Vec::new, |air| {
+                air.gust.iter().map(|gust| (gust.time, DVec3::from_array(gust.velocity))).collect()
+            }),
+            inflow: air.and_then(|air| air.inflow).map_or_else(Vec::new, |inflow| inflow.waves(initial.air.size)),
             fringe: air.map_or(0.0, |air| air.fringe),
             box_size: initial.air.size,
             kernel_radius,

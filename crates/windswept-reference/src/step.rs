@@ -69,7 +69,7 @@ pub struct Scratch {
 #[must_use]
 pub fn drive(s: &State, p: &Parameters) -> Scratch {
     let drives = (0..s.hair.len()).map(|strand| rods::roots(p, s, strand)).collect();
-    let blowing = p.wind * wind::risen(p, s.steps + 1);
+    let blowing = wind::blow(p, s.steps + 1);
     let drag_change = wind::drag(p, &s.hair, blowing, &s.position, &s.velocity, &s.inverse_mass);
     let mut predicted = s.position.clone();
     let mut new_velocity = s.velocity.clone();
@@ -219,6 +219,7 @@ pub fn turbulence(s: &mut State, w: &mut Scratch, p: &Parameters) {
         let own = turbulence::confine(
             p,
             band,
+            w.blowing,
             &w.predicted,
             &w.band_velocity,
             &w.vorticity,

@@ -118,7 +118,7 @@ pub fn vorticity(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near:
     (0..x.len()).map(at).collect()
 }
 
-/// What a band is strengthened by in a step, Δt a \[m/s\], at each air particle; none in the fringe (eqs. 3, 4).
+/// What a band is strengthened by in a step, Δt a \[m/s\], at each air particle; none in the fringe of a wind `wind` (eqs. 3, 4).
 ///
 /// N = η/(|η| + 1e-3 |ω|/h) points to where the vorticity is larger, η_i = Σ_j V_j (|ω_j| − |ω_i|) ∇_i W.
 ///
@@ -130,6 +130,7 @@ pub fn vorticity(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near:
 pub fn confine(
     p: &Parameters,
     band: &Band,
+    wind: DVec3,
     x: &[DVec3],
     eddies: &[DVec3],
     omega: &[DVec3],
@@ -138,7 +139,7 @@ pub fn confine(
     near: &Neighbours,
 ) -> Vec<DVec3> {
     let change = |i: usize| {
-        let in_fringe = (0..3).any(|axis| p.wind[axis] != 0.0 && depth(p, axis, x[i]) < p.fringe);
+        let in_fringe = (0..3).any(|axis| wind[axis] != 0.0 && depth(p, wind, axis, x[i]) < p.fringe);
         if !p.is_air(i) || in_fringe {
             return DVec3::ZERO;
         }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
-use windswept_scene::{Model, Strands};
+use windswept_scene::{InflowWave, Model, Strands};
 
 use crate::Parameters;
 
@@ -13,32 +13,56 @@ pub fn risen(p: &Parameters, steps: u64) -> f64 {
     if p.ramp > 0.0 { (steps as f64 * p.step / p.ramp).min(1.0) } else { 1.0 }
 }
 
+/// The mean wind after `steps` steps \[m/s\]: what has risen of U, and what gusts add, linear between their keyframes.
+#[must_use]
+pub fn blow(p: &Parameters, steps: u64) -> DVec3 {
+    let time = steps as f64 * p.step;
+    let gust = match p.gust.iter().position(|(at, _)| *at > time) {
+        Some(0) => p.gust[0].1,
+        Some(next) => {
+            let ((a, from), (b, to)) = (p.gust[next - 1], p.gust[next]);
+            from.lerp(to, (time - a) / (b - a))
+        }
+        None => p.gust.last().map_or(DVec3::ZERO, |(_, last)| *last),
+    };
+    p.wind * risen(p, steps) + gust
+}
+
+/// What the wind brings in at `position` after `steps` steps \[m/s\]: the mean wind, and waves that it has carried along.
+fn brought(p: &Parameters, steps: u64, position: DVec3) -> DVec3 {
+    let wind = blow(p, steps + 1);
+    let ends = |step| 0.5 * p.step * (blow(p, step) + blow(p, step + 1));
+    let way: DVec3 = if p.inflow.is_empty() { DVec3::ZERO } else { (0..steps).map(ends).sum() };
+    let eddy = |wave: &InflowWave| wave.amplitude * (wave.number.dot(position - way) + wave.phase).sin();
+    wind + wind.length() * p.inflow.iter().map(eddy).sum::<DVec3>()
+}
+
 /// How far `position` is behind the face that the wind enters through on an axis \[m\].
 #[must_use]
-pub fn depth(p: &Parameters, axis: usize, position: DVec3) -> f64 {
-    if p.wind[axis] >= 0.0 { position[axis] } else { p.box_size[axis] - position[axis] }
+pub fn depth(p: &Parameters, wind: DVec3, axis: usize, position: DVec3) -> f64 {
+    if wind[axis] >= 0.0 { position[axis] } else { p.box_size[axis] - position[axis] }
 }
 
 /// What the wind adds to air at `position` that moves with `velocity` in step number `steps` \[m/s\].
 ///
-/// The mean wind's change, then v += (1 − e^{−σΔt})(U − v), σ = 10 max(|U|, 0.3 m/s)/ℓ sin²(π x/ℓ) within the thickness
+/// The mean wind's change, then v += (1 − e^{−σΔt})(U + u' − v), u' the turbulence that the wind brings in, σ = 10 max(|U|, 0.3 m/s)/ℓ sin²(π x/ℓ) within the thickness
 /// ℓ of the face that U enters through; several faces count with the cosines of U.
 #[must_use]
 pub fn fringe(p: &Parameters, steps: u64, position: DVec3, velocity: DVec3) -> DVec3 {
-    if p.wind == DVec3::ZERO {
-        return DVec3::ZERO;
+    let (wind, before) = (blow(p, steps + 1), blow(p, steps));
+    let (change, speed) = (wind - before, wind.length());
+    if speed == 0.0 {
+        return change;
     }
-    let wind = p.wind * risen(p, steps + 1);
-    let change = wind - p.wind * risen(p, steps);
     let mut sigma = 0.0;
     for axis in 0..3 {
-        let depth = depth(p, axis, position);
+        let depth = depth(p, wind, axis, position);
         if depth < p.fringe {
-            let cosine = wind[axis].abs() / wind.length();
-            sigma += cosine * 10.0 * wind.length().max(0.3) / p.fringe * (PI * depth / p.fringe).sin().powi(2);
+            let cosine = wind[axis].abs() / speed;
+            sigma += cosine * 10.0 * speed.max(0.3) / p.fringe * (PI * depth / p.fringe).sin().powi(2);
         }
     }
-    change + (1.0 - (-sigma * p.step).exp()) * (wind - (velocity + change))
+    change + (1.0 - (-sigma * p.step).exp()) * (brought(p, steps, position) - (velocity + change))
 }
 
 /// What lift and drag from a wind U change the velocity of each hair point by \[m/s\].

@@ -19,7 +19,7 @@ fn vorticity(crowd: &Crowd, v: &[DVec3]) -> Vec<DVec3> {
 fn confine(crowd: &Crowd, band: &Band, eddies: &[DVec3], v: &[DVec3]) -> Vec<DVec3> {
     let (p, near) = (&crowd.parameters, crowd.neighbours());
     let omega = turbulence::vorticity(p, &crowd.positions, v, &crowd.volume, &near);
-    turbulence::confine(p, band, &crowd.positions, eddies, &omega, &crowd.volume, &crowd.inverse_mass, &near)
+    turbulence::confine(p, band, p.wind, &crowd.positions, eddies, &omega, &crowd.volume, &crowd.inverse_mass, &near)
 }
 
 /// Air at 3 m/s of U.
@@ -105,7 +105,8 @@ fn confinement_drives_a_vortex_on() {
     let i = (0..v.len()).find(|&i| arms[i].length() < 5e-3).unwrap();
     let eddies = vec![DVec3::X * 0.1; v.len()];
     let masses = &crowd.inverse_mass;
-    let change = turbulence::confine(p, &gentle, &crowd.positions, &eddies, &swell, &crowd.volume, masses, &near)[i];
+    let change =
+        turbulence::confine(p, &gentle, p.wind, &crowd.positions, &eddies, &swell, &crowd.volume, masses, &near)[i];
     let eta = 0.945_06 * 1e3;
     let unit = eta / (eta + 1e-3 * swell[i].z / RADIUS);
     let wanted = -DVec3::Y * 1.38e-3 * 0.3 * 0.1 * (1.0 - 0.01 / 0.81) * unit * swell[i].z;

@@ -18,23 +18,6 @@ const PARTS: usize = 6;
 const LARGEST_SHARE: f64 = 0.5;
 
 impl Air {
-    /// Part of the wind that has risen at `time` \[s\]: 0 to 1.
-    #[must_use]
-    pub fn risen(&self, time: f64) -> f64 {
-        if self.ramp > 0.0 { (time / self.ramp).clamp(0.0, 1.0) } else { 1.0 }
-    }
-
-    /// Mean wind at `time` \[s\], in m/s.
-    #[must_use]
-    pub fn wind_at(&self, time: f64) -> [f64; 3] {
-        self.wind.map(|u| u * self.risen(time))
-    }
-
-    /// Mean wind U once it has risen \[m/s\].
-    pub(crate) fn wind(&self) -> DVec3 {
-        DVec3::from_array(self.wind)
-    }
-
     /// V of a particle before the count is rounded \[m³\].
     #[must_use]
     pub fn parcel(&self) -> f64 {

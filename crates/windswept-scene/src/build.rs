@@ -43,7 +43,7 @@ impl Reader<'_> {
         let time = self.time()?;
         let model = self.choice("interaction.model")?;
         let air = self.air(model)?;
-        let wind = air.as_ref().map_or(0.0, |air| air.wind.iter().map(|u| u * u).sum::<f64>().sqrt());
+        let wind = air.as_ref().map_or(0.0, Air::largest_wind);
         let radius = air.as_ref().map_or(KERNEL_RADIUS, |air| air.kernel_radius);
         let scene = Scene {
             text: String::new(),
@@ -220,6 +220,8 @@ impl Reader<'_> {
             wind,
             fringe: self.maybe_number("air.fringe")?.unwrap_or(4.0 * kernel_radius),
             ramp: self.number("air.ramp")?,
+            gust: self.gust()?,
+            inflow: self.inflow()?,
             margin: self.maybe_number("air.margin")?,
             kinematic_viscosity: self.number("air.kinematic_viscosity")?,
         }))

@@ -67,8 +67,7 @@ pub struct Key {
 
 /// `(key, value)` pairs that a scene may name but this version has not built; an empty value is any value.
 /// When a piece lands, its line goes.
-pub const NOT_BUILT: &[(&str, &str)] =
-    &[("rods.internal_damping", ""), ("air.margin", ""), ("air.gust", ""), ("hair.file", "")];
+pub const NOT_BUILT: &[(&str, &str)] = &[("rods.internal_damping", ""), ("air.margin", ""), ("hair.file", "")];
 
 const fn key(path: &'static str, kind: Kind, default: Fallback, unit: &'static str, help: &'static str) -> Key {
     Key { path, kind, default, unit, help }
@@ -87,7 +86,7 @@ pub const KEYS: &[Key] = &[
     key("title", Text, Value("\"\""), "", "free text, shown in reports"),
     key("method", Choice(&["accurate", "published"]), Value("\"accurate\""), "", "sets the defaults of six keys: rods.solver, rods.integrator, turbulence.law, .filter, .cutoff, viscosity.form"),
     key("gravity", Vector, Value("[0.0, -9.81, 0.0]"), "m/s²", "on hair only"),
-    key("seed", Count(0, ANY), Value("1"), "", "draws root positions, length variation, curl phase"),
+    key("seed", Count(0, ANY), Value("1"), "", "draws root positions, length variation, curl phase, inflow turbulence"),
     key("time", Table, Needed, "", "step, duration, frames"),
     key("time.step", Positive, Needed, "s", "Δt"),
     key("time.substeps", Count(1, MOST_REPEATS), Value("1"), "", "whole steps of Δt/n per Δt"),
@@ -151,7 +150,13 @@ pub const KEYS: &[Key] = &[
     key("air.ramp", NonNegative, Value("0.05"), "s", "the wind rises over this; 0: at once"),
     key("air.margin", Length, Absent("the whole box"), "m", "cut the box to the hair's reach plus this"),
     key("air.kinematic_viscosity", Positive, Value("1.5e-5"), "m²/s", "ν of the drag on segments; real air"),
-    key("air.gust", Tables, Absent("no gusts"), "", "keyframes of the wind"),
+    key("air.gust", Tables, Absent("no gusts"), "", "keyframes of what is added to the wind: linear between them, held before and after"),
+    key("air.gust.time", NonNegative, Needed, "s", "of the keyframe; each later than the one before"),
+    key("air.gust.velocity", Vector, Needed, "m/s", "added to air.wind"),
+    key("air.inflow", Table, Absent("smooth wind"), "", "turbulence that enters with the wind"),
+    key("air.inflow.intensity", NonNegative, Needed, "", "rms of a velocity component over the wind's speed"),
+    key("air.inflow.scale", Length, Needed, "m", "size of its eddies, s of a band"),
+    key("air.inflow.seed", Count(0, ANY), Absent("seed"), "", "draws its waves"),
     key("interaction", Table, Absent("model particles"), "", "how hair and air meet"),
     key("interaction.model", Choice(&["particles", "drag", "none"]), Value("\"particles\""), "", "one fluid of particles; lift and drag; hair alone"),
     key("interaction.lift", NonNegative, Value("0.0"), "", "C_l, lift coefficient of a segment across the wind"),

@@ -20,6 +20,7 @@ mod reader;
 mod scene;
 mod strand;
 mod warnings;
+mod wind;
 mod write;
 
 pub use body::{Body, Capsule, Shape};
@@ -29,3 +30,4 @@ pub use initial::{AirParticles, End, Ends, InitialState, Strands};
 pub use motion::{Keyframe, Motion};
 pub use picture::*;
 pub use scene::*;
+pub use wind::InflowWave;

@@ -216,10 +216,34 @@ pub struct Air {
     pub fringe: f64,
     /// The wind rises linearly over this time \[s\]; 0: at once.
     pub ramp: f64,
+    /// What is added to the wind, in the order of times.
+    pub gust: Vec<Gust>,
+    /// Eddies that the wind brings in.
+    pub inflow: Option<Inflow>,
     /// Cut the box at load to the hair's reach plus this on all sides \[m\].
     pub margin: Option<f64>,
     /// ν of the drag model \[m²/s\].
     pub kinematic_viscosity: f64,
+}
+
+/// One of `[[air.gust]]`: linear between two, held before the first and after the last.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gust {
+    /// \[s\]
+    pub time: f64,
+    /// Added to the wind \[m/s\].
+    pub velocity: [f64; 3],
+}
+
+/// `air.inflow`: synthetic turbulence that enters with the wind.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inflow {
+    /// rms of a component of the velocity, over the wind's speed.
+    pub intensity: f64,
+    /// s of the band that it is in \[m\].
+    pub scale: f64,
+    /// Draws its waves.
+    pub seed: u64,
 }
 
 /// An axis-aligned box in the world.

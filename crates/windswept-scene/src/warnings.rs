@@ -19,13 +19,13 @@ const MOST_BLOCKED: f64 = 0.3;
 /// Warnings about step, wind, particles and bands.
 pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<String> {
     let mut warnings = Vec::new();
-    let (spacing, wind) = (air.parcel().cbrt(), air.wind());
-    let move_of_a_step = wind.length() * scene.time.step / f64::from(scene.time.substeps);
+    let (spacing, wind, fastest) = (air.parcel().cbrt(), air.wind(), air.largest_wind());
+    let move_of_a_step = fastest * scene.time.step / f64::from(scene.time.substeps);
     if move_of_a_step > spacing {
         warnings.push(format!(
             "air moves {:.1} particle spacings in a step; a time.step below {:.2e} s leaves fewer voids",
             move_of_a_step / spacing,
-            spacing / wind.length()
+            spacing / fastest
         ));
     }
     let ratio = air.kernel_radius / spacing;
@@ -45,8 +45,9 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<
             ));
         }
     }
+    let blows = |axis: usize| wind[axis] != 0.0 || air.gust.iter().any(|gust| gust.velocity[axis] != 0.0);
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        if wind[axis] != 0.0 && air.fringe > 0.5 * particles.size[axis] {
+        if blows(axis) && air.fringe > 0.5 * particles.size[axis] {
             warnings.push(format!(
                 "air.fringe of {} m takes more than half of the box in {name}, {} m",
                 air.fringe, particles.size[axis]

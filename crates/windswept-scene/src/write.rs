@@ -209,6 +209,17 @@ impl Writer {
             self.vector("min", bounds.min);
             self.vector("max", bounds.max);
         }
+        if let Some(inflow) = air.inflow {
+            self.heading("[air.inflow]", "air.inflow");
+            self.number("intensity", inflow.intensity);
+            self.number("scale", inflow.scale);
+            self.pair("seed", i64::try_from(inflow.seed).unwrap_or(i64::MAX));
+        }
+        for gust in &air.gust {
+            self.heading("[[air.gust]]", "air.gust");
+            self.number("time", gust.time);
+            self.vector("velocity", gust.velocity);
+        }
     }
 
     fn turbulence(&mut self, turbulence: &Turbulence) {

@@ -126,7 +126,10 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[turbulence]\nbands = [3]\n[air]", 12, "turbulence.bands", &["array of tables", "found 3 in it"]),
     ("[air]", "[turbulence]\norder = \"quintic\"\n[air]", 12, "turbulence.order", &["\"cic\", \"tsc\", \"cubic\""]),
     ("[air]", "[air]\nmargin = 0.1", 12, "air.margin", &["not in this version"]),
-    ("[air]", "[[air.gust]]\n[air]", 11, "air.gust", &["not in this version"]),
+    ("[air]", "[[air.gust]]\nvelocity = [1, 0, 0]\n[air]", 11, "air.gust.0.time", &["is missing"]),
+    ("[air]", "[air.inflow]\nscale = 0.01\n[air]", 11, "air.inflow.intensity", &["is missing"]),
+    ("[air]", "[air.inflow]\nscale = 0\nintensity = 0.1\n[air]", 12, "air.inflow.scale", &["greater than 0"]),
+    ("[air]", "[[air.gust]]\ntime = 1\nvelocity = [0, 0, 0]\n[[air.gust]]\ntime = 1\nvelocity = [0, 0, 0]\n[air]", 15, "air.gust.1.time", &["after that of the keyframe before, 1 s"]),
     // Bodies and their motion.
     ("[air]", "[[body]]\n[air]", 11, "body.radius", &["is missing: expected a length"]),
     ("[air]", "[[body]]\nradius = 0.02\n[air]", 11, "body.center", &["is missing: shape \"sphere\" has center"]),

@@ -17,6 +17,7 @@ use crate::{
     rods::{self, quat, vec4},
     state::{Array, Sizes, State},
     status::Status,
+    winds,
 };
 
 /// Entries of the neighbour list per particle, at first: the lattice has 26 (h/d = 1.92), clumps more.
@@ -74,7 +75,11 @@ impl Engine {
         let moves: Vec<f32> = rods::largest_moves(hair).iter().map(|far| *far as f32).collect();
         let motions = Motions::new(scene);
         let local: Vec<_> = air.positions.iter().map(|x| *x - initial.origin).collect();
-        self.write(&s.status, &[Status::start()])?;
+        let table = winds::table(scene);
+        let [u, v, w, _] = table[0];
+        self.write(&s.status, &[Status { wind: [u, v, w], wind_before: [u, v, w], ..Status::start() }])?;
+        self.write(&s.wind_table, &table)?;
+        self.write(&s.inflow, &winds::waves(scene, initial))?;
         self.write(&s.inverse_mass, &inverse_mass)?;
         self.write(&s.keyframes, &motions.keyframes)?;
         self.write(&s.bodies, &bodies::bodies(scene, initial, &motions))?;
@@ -126,6 +131,11 @@ impl Engine {
     #[must_use]
     pub fn gpu(&self) -> &Gpu {
         &self.gpu
+    }
+
+    /// Δt of an engine step, as the shaders have it \[s\].
+    pub(crate) fn seconds_of_step(&self) -> f32 {
+        self.params.step
     }
 
     /// Counts of everything.

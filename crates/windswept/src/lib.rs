@@ -22,6 +22,7 @@ mod simulation;
 pub mod state;
 pub mod status;
 pub mod step;
+mod winds;
 
 pub use engine::{Engine, required_limits};
 pub use error::{Error, GpuError, RunError};

@@ -26,8 +26,6 @@ pub(crate) use assert_layout;
 pub struct Params {
     pub box_size: [f32; 3],
     pub step: f32,
-    pub wind: [f32; 3],
-    pub ramp: f32,
     pub gravity: [f32; 3],
     pub fringe: f32,
     pub cells: [i32; 3],
@@ -59,14 +57,12 @@ pub struct Params {
     pub sleep: u32,
     pub substeps: u32,
     pub conserve_momentum: u32,
-    pub _unused: [u32; 19],
+    pub _unused: [u32; 23],
 }
 
 assert_layout!(Params {
     box_size,
     step,
-    wind,
-    ramp,
     gravity,
     fringe,
     cells,
@@ -149,8 +145,6 @@ impl Params {
             ..Self::zeroed()
         };
         if let Some(air) = &scene.air {
-            params.wind = air.wind.map(|u| u as f32);
-            params.ramp = air.ramp as f32;
             params.fringe = air.fringe as f32;
             params.air_density = air.rest_density as f32;
             params.kinematic_viscosity = air.kinematic_viscosity as f32;

@@ -1,6 +1,6 @@
 //! Which passes a scene needs, and why. Decided once, from the scene; `windswept plan` prints it.
 
-use windswept_scene::{Filter, InitialState, Law, Model, Scene, SceneError, Solver, ViscosityForm};
+use windswept_scene::{Air, Filter, InitialState, Law, Model, Scene, SceneError, Solver, ViscosityForm};
 
 use crate::{
     bands::{Bands, invocations},
@@ -31,6 +31,8 @@ pub struct Plan {
     pub hair: Decision,
     /// Are there air particles?
     pub air: Decision,
+    /// Is there a wind at all, for air or hair?
+    pub blows: Decision,
     /// Does a wind blow over air particles?
     pub wind: Decision,
     /// Do particles meet?
@@ -92,8 +94,8 @@ impl Plan {
             Model::Drag => Decision::when(false, "interaction.model is drag: no air particles"),
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),
         };
-        let still = scene.air.as_ref().is_none_or(|air| air.wind == [0.0; 3]);
-        let wind = air.and(Decision::when(!still, "air.wind is zero"));
+        let blows = Decision::when(!scene.air.as_ref().is_none_or(Air::is_still), "air.wind is zero");
+        let wind = air.and(blows.clone());
         let viscous = scene.viscosity.hair > 0.0 || scene.viscosity.air > 0.0;
         let solved = scene.fluid.iterations > 0;
         let bands = bands(scene, initial);
@@ -104,6 +106,7 @@ impl Plan {
             Model::Particles => Decision::when(air.runs, "no air moves"),
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),
         });
+        let blows = if air.runs || drag.runs { blows } else { air.and(drag.clone()) };
         let neighbours = air.and(Decision::when(
             solved || viscous || turbulence.runs,
             "neither density nor viscosity nor turbulence asks for neighbours",
@@ -122,6 +125,7 @@ impl Plan {
             hair_meets_air: hair.and(neighbours.clone()),
             hair,
             air,
+            blows,
             wind,
             neighbours,
             fluid,

@@ -76,6 +76,7 @@ impl Simulation {
         let plan = Plan::new(scene, &initial, engine.sizes());
         let recording = Recorder::record(|r| step::record(r, engine.state(), &plan));
         let program = engine.program(&recording)?;
+        let last = engine.status()?;
         Ok(Self {
             scene: scene.clone(),
             plan,
@@ -85,7 +86,7 @@ impl Simulation {
             root_frames: initial.hair.root_frame.clone(),
             substeps: u64::from(scene.time.substeps),
             steps: 0,
-            last: Status::start(),
+            last,
             submits: 0,
             first_step_ms: None,
             step_ms: Vec::new(),

@@ -16,6 +16,7 @@ use crate::{
     params::Params,
     rods::{PointHistory, Root, Segment, SegmentHistory, Strand},
     status::Status,
+    winds::{self, Wave},
 };
 
 /// A buffer: its name in the shaders, its element and its length.
@@ -78,6 +79,10 @@ pub struct Sizes {
     pub keyframes: u32,
     /// Bodies.
     pub bodies: u32,
+    /// Entries of the table of the mean wind.
+    pub wind_table: u32,
+    /// Waves of the inflow.
+    pub waves: u32,
     /// Smoothing passes of the grid filter.
     pub mesh_tasks: u32,
     /// Grids of the band filter.
@@ -98,6 +103,8 @@ impl Sizes {
         Self {
             cells: params.box_cells.max(nodes).saturating_add(params.hashed_cells),
             band_tasks: Bands::new(scene, initial, &params).tasks.len() as u32,
+            wind_table: winds::table_len(scene) as u32,
+            waves: winds::waves(scene, initial).len() as u32,
             mesh_tasks: meshes.uniforms.len() as u32,
             grids: meshes.grids.len() as u32,
             nodes,
@@ -210,6 +217,11 @@ state! {
     // The host's, between steps.
     /// Per strand: where its clamp goes in the next step, and stays.
     root_targets: size_of::<Root>(), |s| s.strands;
+
+    /// The mean wind \[m/s\], w: time \[s\]; linear in between.
+    wind_table: VEC4, |s| s.wind_table;
+    /// Turbulence that the wind brings in: wave number \[1/m\] and phase, amplitude over the wind's speed.
+    inflow: size_of::<Wave>(), |s| s.waves;
 
     // Scratch: means something within a step only.
     /// Positions of this step, before they are committed \[m\], w: volume \[m³\].

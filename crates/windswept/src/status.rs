@@ -32,7 +32,7 @@ const WARNINGS: usize = 5;
 
 /// `Status`, field by field.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[allow(missing_docs)]
 pub struct Status {
     pub causes: u32,
@@ -45,6 +45,9 @@ pub struct Status {
     pub max_stretch: u32,
     pub hair_outside: u32,
     pub outside_steps: u32,
+    pub wind: [f32; 3],
+    pub wind_before: [f32; 3],
+    pub way: [f32; 3],
     pub counted: [u32; 10],
     pub counting: [u32; 10],
 }
@@ -60,6 +63,9 @@ assert_layout!(Status {
     max_stretch,
     hair_outside,
     outside_steps,
+    wind,
+    wind_before,
+    way,
     counted,
     counting,
 });
@@ -81,6 +87,7 @@ impl Status {
             bad_strands: 0,
             first_bad_strand: u32::MAX,
             hair_outside: 0,
+            wind: self.wind_before,
             counting: [0; 10],
             ..self
         }

@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use super::Simulation;
-use crate::{error::RunError, rods};
+use crate::{error::RunError, plan::Plan, rods, winds};
 
 impl Simulation {
     /// Where the root of each strand goes: `positions` \[m\], world, one per strand, and the ghost frames that clamp them,
@@ -38,6 +38,39 @@ impl Simulation {
         let rows = positions.iter().zip(&self.root_frames);
         let targets: Vec<_> = rows.map(|(x, frame)| rods::root(*x - origin, *frame)).collect();
         Ok(self.engine.write(&self.engine.state().root_targets, &targets)?)
+    }
+
+    /// The mean wind from the next step on \[m/s\], in place of the scene's wind, ramp and gusts. The change is given to all air
+    /// alike in that step; a wind that turns round enters from the other side. `turbulence.speed` stays as it is.
+    ///
+    /// # Errors
+    /// [`RunError::Input`] when it is not finite, or the scene has no `[air]`; [`RunError::Gpu`].
+    pub fn set_wind(&mut self, wind: DVec3) -> Result<(), RunError> {
+        let held = |u: f64| u == 0.0 || (1e-18..=1e18).contains(&u.abs());
+        if !wind.to_array().into_iter().all(held) {
+            return Err(RunError::Input(format!("wind: expected finite numbers of at most 1e18, found {wind}")));
+        }
+        let Some(air) = &mut self.scene.air else {
+            return Err(RunError::Input("wind: the scene has no air".to_owned()));
+        };
+        (air.wind, air.ramp, air.gust) = (wind.to_array(), 0.0, Vec::new());
+        let step = self.engine.seconds_of_step();
+        let before = self.last.step as f32 * step;
+        let table = &self.engine.state().wind_table;
+        let entries = winds::turned(
+            self.last.wind,
+            before,
+            wind.as_vec3().to_array(),
+            (self.last.step + 1) as f32 * step,
+            table.len as usize,
+        );
+        self.engine.write(table, &entries)?;
+        let plan = Plan::new(&self.scene, &self.initial, self.engine.sizes());
+        if plan.blows != self.plan.blows {
+            self.plan = plan;
+            self.record_again()?;
+        }
+        Ok(())
     }
 
     /// Puts hair somewhere else: positions \[m\] and velocities \[m/s\] per point, orientations per segment; what is not

@@ -8,6 +8,9 @@ use crate::{plan::Plan, recorder::Recorder, state::State};
 pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
     r.heading("1. drive");
     let n = &plan.sizes;
+    r.when(&plan.blows, |r| {
+        r.run(&wind::BLOW, "mean wind of the step", 1, &[&s.params, &s.status, &s.wind_table]);
+    });
     r.when(&plan.hair, |r| {
         r.run(
             &rods::ROOTS,
@@ -52,7 +55,12 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
         });
     });
     r.when(&plan.wind, |r| {
-        r.run(&wind::FRINGE, "wind enters", n.air(), &[&s.params, &s.status, &s.position, &s.velocity, &s.wind_change]);
+        r.run(
+            &wind::FRINGE,
+            "wind enters",
+            n.air(),
+            &[&s.params, &s.status, &s.position, &s.velocity, &s.inflow, &s.wind_change],
+        );
     });
     r.when(&plan.air, |r| {
         r.run(

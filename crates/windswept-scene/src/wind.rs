@@ -1,0 +1,155 @@
+//! The mean wind, its gusts, and the eddies that it brings in.
+
+use std::f64::consts::{SQRT_2, TAU};
+
+use glam::DVec3;
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+
+use crate::{
+    error::SceneError,
+    reader::Reader,
+    scene::{Air, Gust, Inflow},
+};
+
+/// Waves that inflow turbulence is made of.
+const WAVES: usize = 64;
+/// Their wave numbers, in parts of the peak's, √2/s.
+const SPREAD: std::ops::Range<f64> = 0.6..1.5;
+
+/// A wave of inflow turbulence: u' = |U| a sin(k · (x − ∫U dt) + φ).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InflowWave {
+    /// k \[1/m\], whole periods along each side of the box.
+    pub number: DVec3,
+    /// a, across k; of the wind's speed.
+    pub amplitude: DVec3,
+    /// φ \[rad\].
+    pub phase: f64,
+}
+
+impl Inflow {
+    /// Waves for a box of `size` \[m\], the same on every machine: each component of their sum has the rms `intensity`.
+    #[must_use]
+    pub fn waves(&self, size: DVec3) -> Vec<InflowWave> {
+        let mut rng = Pcg64::seed_from_u64(self.seed);
+        // Σ a²/2 is the mean square of three components.
+        let amplitude = self.intensity * (6.0 / WAVES as f64).sqrt();
+        let mut wave = || {
+            let direction = direction(&mut rng);
+            let wanted = rng.random_range(SPREAD) * SQRT_2 / self.scale * direction;
+            let periods = (wanted * size / TAU).round();
+            // A box too small for the eddy has one of its own length.
+            let largest = DVec3::AXES[direction
+                .abs()
+                .to_array()
+                .iter()
+                .enumerate()
+                .fold(0, |best, (axis, part)| if *part > direction[best].abs() { axis } else { best })];
+            let number = TAU * if periods == DVec3::ZERO { largest } else { periods } / size;
+            let across = number
+                .cross(self::direction(&mut rng))
+                .try_normalize()
+                .unwrap_or_else(|| number.any_orthonormal_vector());
+            InflowWave { number, amplitude: amplitude * across, phase: rng.random_range(0.0..TAU) }
+        };
+        (0..WAVES).map(|_| wave()).collect()
+    }
+}
+
+/// Any, with the same chance.
+fn direction(rng: &mut Pcg64) -> DVec3 {
+    let (z, turn) = (rng.random_range(-1.0_f64..1.0), rng.random_range(0.0..TAU));
+    let ring = (1.0 - z * z).sqrt();
+    DVec3::new(ring * turn.cos(), ring * turn.sin(), z)
+}
+
+impl Air {
+    /// Part of the wind that has risen at `time` \[s\]: 0 to 1.
+    #[must_use]
+    pub fn risen(&self, time: f64) -> f64 {
+        if self.ramp > 0.0 { (time / self.ramp).clamp(0.0, 1.0) } else { 1.0 }
+    }
+
+    /// Mean wind at `time` \[s\], gusts included, in m/s.
+    #[must_use]
+    pub fn wind_at(&self, time: f64) -> [f64; 3] {
+        let gust = self.gust_at(time);
+        [0, 1, 2].map(|axis| self.wind[axis] * self.risen(time) + gust[axis])
+    }
+
+    /// What gusts add at `time`: linear between keyframes, held before the first and after the last.
+    fn gust_at(&self, time: f64) -> [f64; 3] {
+        let next = self.gust.partition_point(|gust| gust.time <= time);
+        match (next.checked_sub(1).and_then(|last| self.gust.get(last)), self.gust.get(next)) {
+            (Some(a), Some(b)) => {
+                let part = (time - a.time) / (b.time - a.time);
+                [0, 1, 2].map(|axis| a.velocity[axis] + part * (b.velocity[axis] - a.velocity[axis]))
+            }
+            (Some(only), None) | (None, Some(only)) => only.velocity,
+            (None, None) => [0.0; 3],
+        }
+    }
+
+    /// Times at which the mean wind changes its course \[s\], rising, and the wind there \[m/s\]: between them it is linear.
+    #[must_use]
+    pub fn wind_table(&self) -> Vec<(f64, [f64; 3])> {
+        let mut times: Vec<f64> = self.gust.iter().map(|gust| gust.time).chain([0.0, self.ramp]).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times.into_iter().map(|time| (time, self.wind_at(time))).collect()
+    }
+
+    /// The largest mean wind \[m/s\], gusts included, ramp or not.
+    #[must_use]
+    pub fn largest_wind(&self) -> f64 {
+        let risen = DVec3::from_array(self.wind);
+        let gusts = self.gust.iter().map(|gust| (risen + DVec3::from_array(gust.velocity)).length());
+        let before = if self.gust.first().is_none_or(|gust| gust.time > 0.0) { risen.length() } else { 0.0 };
+        gusts.fold(before, f64::max)
+    }
+
+    /// Whether no wind ever blows.
+    #[must_use]
+    pub fn is_still(&self) -> bool {
+        self.wind == [0.0; 3] && self.gust.iter().all(|gust| gust.velocity == [0.0; 3])
+    }
+
+    /// Mean wind U once it has risen \[m/s\], without gusts.
+    pub(crate) fn wind(&self) -> DVec3 {
+        DVec3::from_array(self.wind)
+    }
+}
+
+impl Reader<'_> {
+    /// `[[air.gust]]`, in the order of their times.
+    pub(crate) fn gust(&self) -> Result<Vec<Gust>, SceneError> {
+        let mut all: Vec<Gust> = Vec::new();
+        for i in 0..self.tables("air.gust") {
+            let at = |name: &str| format!("air.gust.{i}.{name}");
+            let gust = Gust { time: self.number(&at("time"))?, velocity: self.vector(&at("velocity"))? };
+            if let Some(before) = all.last().filter(|before| gust.time <= before.time) {
+                let words = format!(
+                    "expected a time after that of the keyframe before, {} s; found {}",
+                    before.time, gust.time
+                );
+                return Err(self.fault(&at("time"), words));
+            }
+            all.push(gust);
+        }
+        Ok(all)
+    }
+
+    /// `air.inflow`, if there is one.
+    pub(crate) fn inflow(&self) -> Result<Option<Inflow>, SceneError> {
+        if !self.has("air.inflow") {
+            return Ok(None);
+        }
+        let seed = if self.has("air.inflow.seed") { "air.inflow.seed" } else { "seed" };
+        Ok(Some(Inflow {
+            intensity: self.number("air.inflow.intensity")?,
+            scale: self.number("air.inflow.scale")?,
+            seed: self.count(seed)?.into(),
+        }))
+    }
+}

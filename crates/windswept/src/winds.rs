@@ -1,0 +1,60 @@
+//! The wind as the shaders see it: the table of the mean wind, the waves of the inflow.
+
+use std::mem::offset_of;
+
+use bytemuck::{Pod, Zeroable};
+use windswept_scene::{InitialState, Scene};
+use windswept_shaders::layout;
+
+use crate::params::assert_layout;
+
+/// A time that no run reaches \[s\].
+const NEVER: f32 = 1e30;
+
+/// `Wave` of `wind/fringe`, field by field.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[allow(missing_docs)]
+pub(crate) struct Wave {
+    pub number: [f32; 4],
+    pub amplitude: [f32; 4],
+}
+
+assert_layout!(Wave { number, amplitude });
+
+/// Entries of the table, with room for a wind that is set; the last, which no run reaches, is as the one before.
+pub(crate) fn table_len(scene: &Scene) -> usize {
+    scene.air.as_ref().map_or(0, |air| air.wind_table().len()).max(2) + 1
+}
+
+/// U \[m/s\] and time \[s\] where the mean wind changes its course.
+pub(crate) fn table(scene: &Scene) -> Vec<[f32; 4]> {
+    let entries = scene.air.as_ref().map_or_else(|| vec![(0.0, [0.0; 3])], |air| air.wind_table());
+    let rows = entries.iter().map(|(time, u)| [u[0] as f32, u[1] as f32, u[2] as f32, *time as f32]);
+    filled(rows.collect(), table_len(scene))
+}
+
+/// The wind `to` from the end of a step at `time` \[s\] on that started at `before` with the wind `from` \[m/s\].
+pub(crate) fn turned(from: [f32; 3], before: f32, to: [f32; 3], time: f32, len: usize) -> Vec<[f32; 4]> {
+    let row = |u: [f32; 3], time: f32| [u[0], u[1], u[2], time];
+    filled(vec![row(from, before), row(to, time)], len)
+}
+
+/// To the length of the buffer: the last wind holds.
+fn filled(mut table: Vec<[f32; 4]>, len: usize) -> Vec<[f32; 4]> {
+    let [x, y, z, _] = table.last().copied().unwrap_or_default();
+    let first = table.len();
+    table.extend((first..len).map(|k| [x, y, z, NEVER * (1 + k - first) as f32]));
+    table
+}
+
+/// The waves of `air.inflow`; none without.
+pub(crate) fn waves(scene: &Scene, initial: &InitialState) -> Vec<Wave> {
+    let inflow = scene.air.as_ref().and_then(|air| air.inflow);
+    let waves = inflow.map(|inflow| inflow.waves(initial.air.size)).unwrap_or_default();
+    let wave = |wave: &windswept_scene::InflowWave| {
+        let (k, a) = (wave.number.as_vec3(), wave.amplitude.as_vec3());
+        Wave { number: k.extend(wave.phase as f32).to_array(), amplitude: a.extend(0.0).to_array() }
+    };
+    waves.iter().map(wave).collect()
+}
