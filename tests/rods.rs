@@ -239,6 +239,7 @@ fn reach(simulation: &mut Simulation, steps: usize, drive: impl Fn(f64) -> (DVec
         for s in 0..strands {
             let at = |i: usize| DVec3::from_array(hair.positions[i].map(f64::from));
             let root = at(start.points(s).start);
+            assert!(start.points(s).all(|i| at(i).is_finite()), "strand {s} is not finite in step {k}");
             assert!((root - roots[s]).length() < 1e-6, "the root is {} m off", (root - roots[s]).length());
             worst = start.points(s).map(|i| (at(i) - root).length() / LENGTH).fold(worst, f64::max);
         }

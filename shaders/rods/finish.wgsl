@@ -45,8 +45,9 @@ fn forget(strand: Strand) {
     }
 }
 
-// Slow, and not pushed.
+// Slow, and not pushed. A strand that nothing holds may drift as slowly as it will.
 fn still(strand: Strand) -> bool {
+    if rod_points[strand.first_point].inverse_mass > 0.0 { return false; }
     for (var k = 0u; k < strand.points; k++) {
         let point = rod_points[strand.first_point + k];
         let v = rate(point.travel, point.carried, point.step);

@@ -445,7 +445,9 @@ pub fn forget(hair: &Strands, s: usize, m: &mut Moving) {
 #[must_use]
 pub fn still(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
     let length: f64 = hair.rest_length[hair.segments(s)].iter().sum();
-    m.points[hair.points(s)].iter().all(|point| {
+    // A strand that nothing holds may drift as slowly as it will.
+    let held = m.points[hair.points(s).start].inverse_mass == 0.0;
+    held && m.points[hair.points(s)].iter().all(|point| {
         let v = rate(p, point.travel, point.carried, point.step);
         v.length() <= STILL_SPEED * length && point.change.length() <= STILL_ACCELERATION * p.step
     })

@@ -8,7 +8,8 @@ use crate::{Error, Row, air::vectors};
 
 const DRAG: &str = "no formula: measured, 12 strands of 60 mm in a stream of 3 m/s, 41 ms; the tolerance keeps it \
     positive";
-const BALANCE: &str = "Newton's third law, rods by BDF2; measured 5e-8 and 1.8e-9 off, on the machine that set the tolerance";
+const BALANCE: &str =
+    "Newton's third law, rods by BDF2; measured 5e-8 and 1.8e-9 off, on the machine that set the tolerance";
 
 /// Strands across the middle of a periodic box; no wind, so no fringe; no weight.
 const SCENE: &str = "

@@ -121,7 +121,7 @@ pub enum RunError {
     },
     /// More strands than max(3, 1 %) became non-finite in one step.
     #[error(
-        "{count} strands became non-finite in the rod solve of step {step} (t = {time:.6} s), strand {first} among them: the run ends; a smaller time.step or more rods.iterations may help"
+        "{count} strands became non-finite in the rod solve of step {step} (t = {time:.6} s), strand {first} among them: the run ends; a smaller time.step or fewer hair.points may help"
     )]
     TooManyBadStrands {
         /// How many.
