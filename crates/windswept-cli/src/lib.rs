@@ -31,13 +31,17 @@ use crate::failure::Failure;
 
 /// Runs the command with these arguments, the program's name first, on the standard streams.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    ExitCode::from(status(arguments))
+}
+
+/// The same; returns the exit status.
+pub fn status(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     // A defect of ours still ends in a sentence and a status, not in a backtrace.
     set_hook(Box::new(|defect| {
         let _ = writeln!(stderr(), "error: windswept has a defect, please report this: {defect}");
     }));
     let terminal = stderr().is_terminal();
-    let status = catch_unwind(AssertUnwindSafe(|| run_on(arguments, &mut stdout(), &mut stderr(), terminal)));
-    ExitCode::from(status.unwrap_or(1))
+    catch_unwind(AssertUnwindSafe(|| run_on(arguments, &mut stdout(), &mut stderr(), terminal))).unwrap_or(1)
 }
 
 /// The same on streams of the caller's; returns the exit status.

@@ -37,7 +37,7 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     }
     let mut run = Run { simulation, schedule, films, next_frame: 0, frames: Vec::new() };
     let started = Instant::now();
-    let mut progress = Progress::new("steps", schedule.steps, console.terminal);
+    let mut progress = Progress::new("steps", run.schedule.steps, console.terminal);
     let stepped = run.step_to_the_end(&interrupt, &mut progress, console);
     progress.finish();
     // Whatever ended the run, the frames it finished stay readable.
@@ -57,11 +57,11 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
         options.out.display(),
         run.next_frame,
         report.steps,
-        schedule.steps,
+        run.schedule.steps,
         started.elapsed().as_secs_f64(),
         report.ms_per_step.map(|ms| format!(" ({ms:.1} ms a step)")).unwrap_or_default(),
     );
-    if report.steps < schedule.steps {
+    if report.steps < run.schedule.steps {
         return Err(Failure::Interrupted(format!("interrupted; {done}")));
     }
     console.print(done);

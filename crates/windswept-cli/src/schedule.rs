@@ -5,24 +5,22 @@ use windswept_scene::Time;
 use crate::failure::Failure;
 
 /// Steps and frames of a run, all since t = 0.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Schedule {
     /// Steps of the whole run.
     pub(crate) steps: u64,
     /// Frames of the whole run, that of the start included.
     pub(crate) frames: u64,
-    /// Steps between two frames, not rounded; at least 1, as no state is exported twice.
-    steps_per_frame: f64,
+    time: Time,
 }
 
 impl Schedule {
     /// `steps` overrides `time.duration`.
     pub(crate) fn new(time: &Time, steps: Option<u64>) -> Self {
         let steps = steps.unwrap_or_else(|| (time.duration / time.step).round() as u64);
-        let steps_per_frame = (1.0 / (time.frame_rate * time.step)).max(1.0);
-        let mut schedule = Self { steps, frames: 1, steps_per_frame };
+        let mut schedule = Self { steps, frames: 1, time: time.clone() };
         // The largest k with step(k) <= steps, and frame 0; a float quotient is at most one off.
-        let guess = ((steps as f64 + 0.5) / steps_per_frame) as u64;
+        let guess = ((steps as f64 + 0.5) / time.steps_per_frame()) as u64;
         schedule.frames =
             (guess.saturating_sub(1)..=guess + 1).rev().find(|k| schedule.step(*k) <= steps).unwrap_or(0) + 1;
         schedule
@@ -52,7 +50,7 @@ impl Schedule {
 
     /// Frame k is the state after step round(k / (frame_rate Δt)).
     pub(crate) fn step(&self, frame: u64) -> u64 {
-        (frame as f64 * self.steps_per_frame).round() as u64
+        self.time.step_of_frame(frame)
     }
 }
 

@@ -99,6 +99,20 @@ pub struct Time {
     pub frame_rate: f64,
 }
 
+impl Time {
+    /// Steps between two frames, not rounded; at least 1, as no state is exported twice.
+    #[must_use]
+    pub fn steps_per_frame(&self) -> f64 {
+        (1.0 / (self.frame_rate * self.step)).max(1.0)
+    }
+
+    /// Frame `k` is the state after this many steps: round(k / (frame_rate Δt)).
+    #[must_use]
+    pub fn step_of_frame(&self, k: u64) -> u64 {
+        (k as f64 * self.steps_per_frame()).round() as u64
+    }
+}
+
 /// One `[[hair]]`: a group of strands that share everything.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hair {

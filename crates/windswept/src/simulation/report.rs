@@ -37,7 +37,7 @@ impl Simulation {
             },
             steps: self.steps,
             time_s: self.time(),
-            ms_per_step: median(&self.step_ms),
+            ms_per_step: self.ms_per_step(),
             ms_first_step: self.first_step_ms,
             passes: self.pass_times(),
             skipped: self.skipped(),
@@ -51,6 +51,12 @@ impl Simulation {
             memory_bytes: self.engine.memory_bytes(),
             warnings: self.warnings(),
         })
+    }
+
+    /// Median wall time of a step \[ms\], stepping alone, the first step excluded; `None` before the second.
+    #[must_use]
+    pub fn ms_per_step(&self) -> Option<f64> {
+        median(&self.step_ms)
     }
 
     /// How often each cause acted so far, and what the scene was warned of.

@@ -1,0 +1,116 @@
+//! Arrays in and out.
+
+use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::{exceptions::PyException, prelude::*};
+
+use crate::errors::of_value;
+
+/// What an argument may consist of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Numbers {
+    /// Floats of any width; lists of whole numbers too, but no arrays of them: coordinates that lost their fractions.
+    Floats,
+    /// Whole numbers as well.
+    Any,
+    /// Whole numbers only.
+    Whole,
+}
+
+/// Anything that NumPy makes an array of, as contiguous f64.
+pub(crate) fn doubles<'py>(
+    name: &str,
+    value: &Bound<'py, PyAny>,
+    numbers: Numbers,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let py = value.py();
+    let numpy = py.import("numpy")?;
+    // Not what stops the program: memory that is short, an interrupt.
+    let unfit = |error: PyErr| {
+        let ours = error.is_instance_of::<PyException>(py)
+            && !error.is_instance_of::<pyo3::exceptions::PyMemoryError>(py);
+        if ours { of_value(name, format!("expected an array of numbers ({error})")) } else { error }
+    };
+    let array = numpy.call_method1("asarray", (value,)).map_err(unfit)?;
+    let dtype = array.getattr("dtype")?;
+    let kind: String = dtype.getattr("kind")?.extract()?;
+    let given = value.hasattr("dtype")?;
+    let fits = match (kind.as_str(), numbers) {
+        ("f", Numbers::Floats | Numbers::Any) | ("i" | "u", Numbers::Any | Numbers::Whole) => true,
+        ("i" | "u", Numbers::Floats) => !given,
+        // An empty list is an array of floats.
+        ("f", Numbers::Whole) => array.getattr("size")?.extract::<usize>()? == 0,
+        _ => false,
+    };
+    if !fits {
+        let expected = if numbers == Numbers::Whole { "whole numbers" } else { "floats" };
+        return Err(of_value(name, format!("expected an array of {expected}, found dtype {dtype}")));
+    }
+    let plain = numpy.call_method1("require", (array, "float64", ["C_CONTIGUOUS", "ALIGNED"])).map_err(unfit)?;
+    Ok(plain.cast_into::<PyArrayDyn<f64>>()?)
+}
+
+/// The values of an array and its shape.
+pub(crate) fn values(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+    numbers: Numbers,
+) -> PyResult<(Vec<f64>, Vec<usize>)> {
+    let array = doubles(name, value, numbers)?;
+    let shape = array.shape().to_vec();
+    let values = array.try_readonly().map_err(|e| of_value(name, e))?.as_slice()?.to_vec();
+    match values.iter().position(|x| !x.is_finite()) {
+        Some(i) => Err(of_value(name, format!("expected finite numbers, found {} in {}", values[i], place(i, &shape)))),
+        None => Ok((values, shape)),
+    }
+}
+
+/// Where element `i` of an array is.
+fn place(mut i: usize, shape: &[usize]) -> String {
+    let mut index = vec![0; shape.len()];
+    for (axis, n) in shape.iter().enumerate().rev() {
+        index[axis] = i % n;
+        i /= n;
+    }
+    if index.is_empty() { "it".to_owned() } else { format!("{index:?}") }
+}
+
+pub(crate) fn shown(shape: &[usize]) -> String {
+    let numbers: Vec<String> = shape.iter().map(usize::to_string).collect();
+    if let [one] = &numbers[..] { format!("({one},)") } else { format!("({})", numbers.join(", ")) }
+}
+
+/// An `(n, N)` array of floats, row by row.
+pub(crate) fn rows<const N: usize>(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; N]>> {
+    let (values, shape) = values(name, value, Numbers::Floats)?;
+    if shape.len() != 2 || shape[1] != N {
+        return Err(of_value(name, format!("expected shape (n, {N}), found {}", shown(&shape))));
+    }
+    Ok(chunks(&values))
+}
+
+/// The rows of an optional argument.
+pub(crate) fn maybe_rows<const N: usize>(
+    name: &str,
+    value: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Option<Vec<[f64; N]>>> {
+    value.map(|value| rows(name, value)).transpose()
+}
+
+pub(crate) fn chunks<const N: usize>(values: &[f64]) -> Vec<[f64; N]> {
+    values.as_chunks::<N>().0.to_vec()
+}
+
+/// Three numbers.
+pub(crate) fn triple(name: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
+    let (values, shape) = values(name, value, Numbers::Any)?;
+    match values[..] {
+        [x, y, z] if shape.len() == 1 => Ok([x, y, z]),
+        _ => Err(of_value(name, format!("expected three numbers, found shape {}", shown(&shape)))),
+    }
+}
+
+/// An `(n, N)` array, which takes the memory over.
+pub(crate) fn matrix<const N: usize>(py: Python<'_>, rows: Vec<[f32; N]>) -> PyResult<Bound<'_, PyArray2<f32>>> {
+    let count = rows.len();
+    PyArray1::from_vec(py, rows.into_flattened()).reshape([count, N])
+}

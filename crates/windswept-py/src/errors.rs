@@ -1,0 +1,88 @@
+//! Errors as Python raises them.
+
+use pyo3::{
+    create_exception,
+    exceptions::{PyNotImplementedError, PyRuntimeError, PyValueError},
+    prelude::*,
+};
+use windswept::ops::OpsError;
+
+use crate::gpu;
+
+create_exception!(windswept, SceneError, PyValueError, "A fault in a scene or a groom: `key`, `line` and `help` say where and what to do.");
+create_exception!(windswept, GpuError, PyRuntimeError, "No adapter, no device, a device that is lost or too small.");
+create_exception!(windswept, RunError, PyRuntimeError, "A run that cannot go on: what blew up, in which step.");
+create_exception!(windswept, ExportError, PyRuntimeError, "A file or a picture that cannot be made.");
+create_exception!(windswept, NotInThisVersion, PyNotImplementedError, "A part of the contract that this version has not built.");
+
+pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    let py = m.py();
+    m.add("SceneError", py.get_type::<SceneError>())?;
+    m.add("GpuError", py.get_type::<GpuError>())?;
+    m.add("RunError", py.get_type::<RunError>())?;
+    m.add("ExportError", py.get_type::<ExportError>())?;
+    m.add("NotInThisVersion", py.get_type::<NotInThisVersion>())
+}
+
+pub(crate) fn of_value(name: &str, what: impl std::fmt::Display) -> PyErr {
+    PyValueError::new_err(format!("{name}: {what}"))
+}
+
+pub(crate) fn of_scene(py: Python<'_>, error: &windswept_scene::SceneError) -> PyErr {
+    // Assignments come from keyword arguments here: their key says enough.
+    let assigned = error.line().is_none() && error.source_name().starts_with("--set ");
+    let words = match (assigned, error.key()) {
+        (true, Some(key)) => {
+            let help = error.help().map(|help| format!("; {help}")).unwrap_or_default();
+            format!("{key}: {}{help}", error.message())
+        }
+        (true, None) => format!("{}: {}", error.source_text(), error.message()),
+        _ => error.to_string(),
+    };
+    let raised = SceneError::new_err(words);
+    let value = raised.value(py);
+    // Attributes of an exception can be set; if not, its words still say it all.
+    let _ = value.setattr("key", error.key());
+    let _ = value.setattr("line", error.line());
+    let _ = value.setattr("help", error.help());
+    raised
+}
+
+pub(crate) fn of_gpu(error: &windswept::GpuError) -> PyErr {
+    if matches!(error, windswept::GpuError::Lost(_)) {
+        gpu::forget();
+    }
+    GpuError::new_err(error.to_string())
+}
+
+pub(crate) fn of_run(error: &windswept::RunError) -> PyErr {
+    match error {
+        windswept::RunError::Gpu(error) => of_gpu(error),
+        windswept::RunError::Input(words) => PyValueError::new_err(words.clone()),
+        error => RunError::new_err(error.to_string()),
+    }
+}
+
+pub(crate) fn of_start(py: Python<'_>, error: &windswept::Error) -> PyErr {
+    match error {
+        windswept::Error::Scene(error) => of_scene(py, error),
+        windswept::Error::Gpu(error) => of_gpu(error),
+        error => RunError::new_err(error.to_string()),
+    }
+}
+
+pub(crate) fn of_ops(py: Python<'_>, error: &OpsError) -> PyErr {
+    match error {
+        OpsError::Argument { name, what } => of_value(name, what),
+        OpsError::Run(error) => of_run(error),
+        OpsError::Scene(error) => of_scene(py, error),
+        error => RunError::new_err(error.to_string()),
+    }
+}
+
+pub(crate) fn of_export(error: &windswept_export::ExportError) -> PyErr {
+    match error {
+        windswept_export::ExportError::Gpu(error) => of_gpu(error),
+        error => ExportError::new_err(error.to_string()),
+    }
+}

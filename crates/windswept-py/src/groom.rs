@@ -1,0 +1,201 @@
+//! `windswept.Groom`.
+
+use pyo3::prelude::*;
+use windswept_scene::{End, PerStrand, RestCurvature};
+
+use crate::{
+    arrays::{Numbers, chunks, shown, values},
+    errors::{of_scene, of_value},
+};
+
+/// Strands of your own: they replace the scene's [hair] wholly.
+///
+/// Each value is a scalar or an array `(strands,)`.
+///
+/// Args:
+///     points: `(strands, n, 3)` or, with offsets, `(points, 3)` floats, root to tip [m].
+///     offsets: `(strands + 1,)` first point of each strand, and the number of points.
+///     group: number of a strand's group, for your own use.
+///     radius: of a fibre [m]; of a flat one the semi-major axis, along d2.
+///     density: of a fibre [kg/m³].
+///     youngs_modulus: E [Pa].
+///     poissons_ratio: 0 to below 1.
+///     rest_curvature: rest Darboux vector (kappa1, kappa2, tau) [1/m] in the material frame: `(3,)`, `(strands, 3)`,
+///         `(strands, n - 1, 3)` or, with offsets, `(segments, 3)`: one a joint, joint 0 the clamp. None: the given shape
+///         is the rest shape.
+///     root_frame: `(4,)` or `(strands, 4)` quaternion x, y, z, w of the clamp. None: d3 along the first segment, d1 by the
+///         smallest rotation from +x (from +z if parallel).
+///     root: "clamped", "pinned" or "free".
+///     tip: the same; "clamped" with the direct solver only.
+///     fibres_per_strand: real hairs that a strand stands for.
+///     point_mass: of every point [kg]. None: from density, radius and lengths.
+///     aspect: semi-minor over semi-major axis of the cross-section, above 0, at most 1.
+///     tip_frame: `(4,)` or `(strands, 4)` quaternion of a clamped tip. None: turned on by half a joint from the last segment.
+///
+/// Raises:
+///     ValueError: a wrong shape or dtype, a NaN; names the argument.
+///     SceneError: points that coincide, a strand of one point, values out of range; `key` is the argument.
+#[pyclass(frozen, module = "windswept")]
+#[derive(Debug, Clone)]
+pub(crate) struct Groom {
+    pub(crate) inner: windswept_scene::Groom,
+}
+
+#[pymethods]
+impl Groom {
+    #[new]
+    #[pyo3(signature = (
+        points, offsets=None, group=None, radius=None, density=None, youngs_modulus=None, poissons_ratio=None,
+        rest_curvature=None, root_frame=None, root=None, tip=None, fibres_per_strand=None, point_mass=None, aspect=None,
+        tip_frame=None
+    ), text_signature = "(points, offsets=None, group=None, radius=4e-5, density=1320.0, youngs_modulus=4e9, \
+        poissons_ratio=0.38, rest_curvature=None, root_frame=None, root='clamped', tip='free', fibres_per_strand=1.0, \
+        point_mass=None, aspect=1.0, tip_frame=None)")]
+    fn new(
+        py: Python<'_>,
+        points: &Bound<'_, PyAny>,
+        offsets: Option<&Bound<'_, PyAny>>,
+        group: Option<&Bound<'_, PyAny>>,
+        radius: Option<&Bound<'_, PyAny>>,
+        density: Option<&Bound<'_, PyAny>>,
+        youngs_modulus: Option<&Bound<'_, PyAny>>,
+        poissons_ratio: Option<&Bound<'_, PyAny>>,
+        rest_curvature: Option<&Bound<'_, PyAny>>,
+        root_frame: Option<&Bound<'_, PyAny>>,
+        root: Option<&Bound<'_, PyAny>>,
+        tip: Option<&Bound<'_, PyAny>>,
+        fibres_per_strand: Option<&Bound<'_, PyAny>>,
+        point_mass: Option<&Bound<'_, PyAny>>,
+        aspect: Option<&Bound<'_, PyAny>>,
+        tip_frame: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let (points, offsets) = strands(points, offsets)?;
+        let mut groom = windswept_scene::Groom::new(points, offsets);
+        for (name, value, field) in [
+            ("radius", radius, &mut groom.radius),
+            ("density", density, &mut groom.density),
+            ("youngs_modulus", youngs_modulus, &mut groom.youngs_modulus),
+            ("poissons_ratio", poissons_ratio, &mut groom.poissons_ratio),
+            ("fibres_per_strand", fibres_per_strand, &mut groom.fibres_per_strand),
+            ("aspect", aspect, &mut groom.aspect),
+        ] {
+            if let Some(value) = value {
+                *field = scalars(name, value)?;
+            }
+        }
+        groom.point_mass = point_mass.map(|value| scalars("point_mass", value)).transpose()?;
+        if let Some(value) = group {
+            groom.group = groups(value)?;
+        }
+        groom.root_frame = root_frame.map(|value| frames("root_frame", value)).transpose()?;
+        groom.tip_frame = tip_frame.map(|value| frames("tip_frame", value)).transpose()?;
+        if let Some(value) = root {
+            groom.root = ends("root", value)?;
+        }
+        if let Some(value) = tip {
+            groom.tip = ends("tip", value)?;
+        }
+        groom.rest_curvature = rest_curvature.map(|value| curvature(value, &groom)).transpose()?;
+        groom.check().map_err(|error| of_scene(py, &error))?;
+        Ok(Self { inner: groom })
+    }
+
+    fn __len__(&self) -> usize {
+        self.inner.len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<windswept.Groom: {} strands, {} points>", self.inner.len(), self.inner.points.len())
+    }
+}
+
+/// Points and offsets, from either way to say them.
+fn strands(points: &Bound<'_, PyAny>, offsets: Option<&Bound<'_, PyAny>>) -> PyResult<(Vec<[f64; 3]>, Vec<u32>)> {
+    let (numbers, shape) = values("points", points, Numbers::Floats)?;
+    let found = shown(&shape);
+    match (&shape[..], offsets) {
+        (&[strands, n, 3], None) => {
+            let offsets = (0..=strands).map(|s| u32::try_from(s * n));
+            let offsets = offsets.collect::<Result<_, _>>().map_err(|_| of_value("points", "too many for 32 bits"))?;
+            Ok((chunks(&numbers), offsets))
+        }
+        (&[_, 3], Some(offsets)) => {
+            let (offsets, shape) = values("offsets", offsets, Numbers::Whole)?;
+            if shape.len() != 1 {
+                return Err(of_value("offsets", format!("expected shape (strands + 1,), found {}", shown(&shape))));
+            }
+            Ok((chunks(&numbers), whole("offsets", &offsets)?))
+        }
+        (_, None) => Err(of_value("points", format!("expected shape (strands, n, 3), or offsets; found {found}"))),
+        (_, Some(_)) => Err(of_value("points", format!("expected shape (points, 3) with offsets, found {found}"))),
+    }
+}
+
+fn whole(name: &str, numbers: &[f64]) -> PyResult<Vec<u32>> {
+    let fits = |x: &f64| *x >= 0.0 && *x <= f64::from(u32::MAX);
+    match numbers.iter().find(|x| !fits(x)) {
+        Some(x) => Err(of_value(name, format!("expected whole numbers of at least 0, found {x}"))),
+        None => Ok(numbers.iter().map(|x| *x as u32).collect()),
+    }
+}
+
+/// A scalar, or one for each strand.
+fn scalars(name: &str, value: &Bound<'_, PyAny>) -> PyResult<PerStrand<f64>> {
+    let (numbers, shape) = values(name, value, Numbers::Any)?;
+    match shape.len() {
+        0 => Ok(numbers[0].into()),
+        1 => Ok(numbers.into()),
+        _ => Err(of_value(name, format!("expected a scalar or shape (strands,), found {}", shown(&shape)))),
+    }
+}
+
+fn groups(value: &Bound<'_, PyAny>) -> PyResult<PerStrand<u32>> {
+    let (numbers, shape) = values("group", value, Numbers::Whole)?;
+    let numbers = whole("group", &numbers)?;
+    match shape.len() {
+        0 => Ok(numbers[0].into()),
+        1 => Ok(numbers.into()),
+        _ => Err(of_value("group", format!("expected a scalar or shape (strands,), found {}", shown(&shape)))),
+    }
+}
+
+fn frames(name: &str, value: &Bound<'_, PyAny>) -> PyResult<PerStrand<[f64; 4]>> {
+    let (numbers, shape) = values(name, value, Numbers::Any)?;
+    match shape[..] {
+        [4] => Ok(PerStrand::All([numbers[0], numbers[1], numbers[2], numbers[3]])),
+        [_, 4] => Ok(PerStrand::Each(chunks(&numbers))),
+        _ => Err(of_value(name, format!("expected shape (4,) or (strands, 4), found {}", shown(&shape)))),
+    }
+}
+
+fn ends(name: &str, value: &Bound<'_, PyAny>) -> PyResult<PerStrand<End>> {
+    let end = |word: String| {
+        let words = || of_value(name, format!("expected \"clamped\", \"pinned\" or \"free\", found {word:?}"));
+        word.parse::<End>().map_err(|()| words())
+    };
+    if let Ok(word) = value.extract::<String>() {
+        return Ok(PerStrand::All(end(word)?));
+    }
+    // NumPy's arrays of strings come as their own type.
+    let list = if value.hasattr("tolist")? { value.call_method0("tolist")? } else { value.clone() };
+    let words: Vec<String> = list.extract().map_err(|_| of_value(name, "expected a word, or one for each strand"))?;
+    words.into_iter().map(end).collect::<PyResult<Vec<_>>>().map(PerStrand::Each)
+}
+
+fn curvature(value: &Bound<'_, PyAny>, groom: &windswept_scene::Groom) -> PyResult<RestCurvature> {
+    let name = "rest_curvature";
+    let (numbers, shape) = values(name, value, Numbers::Any)?;
+    let strands = groom.len();
+    let segments = groom.points.len().saturating_sub(strands);
+    let even = |n: usize| groom.offsets.windows(2).all(|w| i64::from(w[1]) - i64::from(w[0]) == n as i64 + 1);
+    match shape[..] {
+        [3] => Ok(RestCurvature::Strand([numbers[0], numbers[1], numbers[2]].into())),
+        [rows, 3] if rows == segments => Ok(RestCurvature::Joints(chunks(&numbers))),
+        [rows, 3] if rows == strands => Ok(RestCurvature::Strand(chunks(&numbers).into())),
+        [rows, n, 3] if rows == strands && even(n) => Ok(RestCurvature::Joints(chunks(&numbers))),
+        _ => {
+            let words = format!("expected shape (3,), ({strands}, 3), ({segments}, 3) or (strands, n - 1, 3)");
+            Err(of_value(name, format!("{words}; found {}", shown(&shape))))
+        }
+    }
+}

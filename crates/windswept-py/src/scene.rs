@@ -1,0 +1,100 @@
+//! `windswept.Scene`.
+
+use std::path::PathBuf;
+
+use pyo3::{
+    prelude::*,
+    types::{PyDict, PyTuple},
+};
+
+use crate::{errors::of_scene, outside, toml};
+
+/// A checked scene: what to simulate, in SI. Made by `Scene.load` and `Scene.parse`, changed by `replace`.
+///
+/// `examples/scenes/quick.toml` names every key; `windswept check --explain` lists them with their defaults.
+#[pyclass(frozen, eq, module = "windswept")]
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Scene {
+    pub(crate) inner: windswept_scene::Scene,
+}
+
+impl Scene {
+    fn of(py: Python<'_>, made: Result<windswept_scene::Scene, windswept_scene::SceneError>) -> PyResult<Self> {
+        made.map(|inner| Self { inner }).map_err(|error| of_scene(py, &error))
+    }
+}
+
+#[pymethods]
+impl Scene {
+    /// Reads a scene file (TOML).
+    ///
+    /// Raises:
+    ///     SceneError: names file, line and key, says what was expected and suggests the nearest key.
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let made = outside(py, || windswept_scene::Scene::load(&path))?;
+        Self::of(py, made)
+    }
+
+    /// Reads a scene from text (TOML).
+    ///
+    /// Raises:
+    ///     SceneError: as `load`.
+    #[staticmethod]
+    fn parse(py: Python<'_>, text: &str) -> PyResult<Self> {
+        let made = outside(py, || windswept_scene::Scene::parse(text))?;
+        Self::of(py, made)
+    }
+
+    /// The scene with other values under dotted keys, checked again; this one stays as it is.
+    ///
+    ///     scene.replace(**{"air.wind": [6, 0, 0], "turbulence.bands.0.scale": 0.018}, title="Storm")
+    ///
+    /// Raises:
+    ///     SceneError: an unknown key, with the nearest name; a value that its key does not take.
+    #[pyo3(signature = (**changes))]
+    fn replace(&self, py: Python<'_>, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut sets = Vec::new();
+        for (key, value) in changes.into_iter().flatten() {
+            let key: String = key.extract()?;
+            sets.push(format!("{key}={}", toml::value(&key, &value)?));
+        }
+        let made = outside(py, || windswept_scene::Scene::parse_with("scene", &self.inner.text, &sets))?;
+        Self::of(py, made)
+    }
+
+    /// The scene as TOML with every key spelled; `Scene.parse` of it is an equal scene.
+    fn to_toml(&self) -> String {
+        self.inner.to_toml()
+    }
+
+    /// The text it was read from, with what `replace` changed.
+    #[getter]
+    fn text(&self) -> &str {
+        self.inner.text()
+    }
+
+    /// Its title.
+    #[getter]
+    fn title(&self) -> &str {
+        &self.inner.title
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let parse = py.get_type::<Self>().getattr("parse")?;
+        Ok((parse, PyTuple::new(py, [self.inner.text()])?))
+    }
+
+    fn __repr__(&self) -> String {
+        let scene = &self.inner;
+        let strands: u64 = scene.hair.iter().map(|hair| u64::from(hair.strands)).sum();
+        format!(
+            "<windswept.Scene {:?}: {strands} strands, model {}, method {}, {} s in steps of {} s>",
+            scene.title,
+            scene.model.word(),
+            scene.method.word(),
+            scene.time.duration,
+            scene.time.step
+        )
+    }
+}

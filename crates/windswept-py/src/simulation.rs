@@ -1,0 +1,455 @@
+//! `windswept.Simulation`.
+
+use std::{
+    path::PathBuf,
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+use glam::{DQuat, DVec3};
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use pyo3::{prelude::*, types::PyBool};
+use windswept_export::Renderer;
+use windswept_scene::AirPicture;
+
+use crate::{
+    arrays::{maybe_rows, rows},
+    errors::{NotInThisVersion, of_export, of_run, of_start, of_value},
+    frames::{Frame, Frames},
+    gpu,
+    groom::Groom,
+    outside,
+    scene::Scene,
+    views::{Air, Hair, Snapshot},
+};
+
+/// The engine is out of reach for about this long at a time: Ctrl-C waits no longer, if a step does not.
+const BATCH: Duration = Duration::from_millis(100);
+
+/// Hair and air of one scene on a GPU.
+///
+///     sim = ws.Simulation(ws.Scene.load("examples/scenes/quick.toml"))
+///     sim.step(100)
+///     sim.hair.positions          # (points, 3) float32, m
+///     for frame in sim.frames(60):
+///         ...
+///
+/// Args:
+///     scene: what to simulate.
+///     groom: strands of your own in place of the scene's [hair].
+///     adapter: "software", or part of an adapter's name; None: WGPU_ADAPTER_NAME, else the best. Simulations on the same
+///         adapter share its device; each may be stepped from a thread of its own.
+///
+/// Raises:
+///     SceneError: the scene's initial state cannot be made.
+///     GpuError: there is no such adapter, or it has too little room.
+#[pyclass(frozen, module = "windswept")]
+pub(crate) struct Simulation {
+    engine: Arc<Mutex<windswept::Simulation>>,
+    /// Rises with whatever changes the state.
+    epoch: AtomicU64,
+    snapshot: Mutex<Snapshot>,
+    renderer: Mutex<Option<(Picture, Arc<Renderer>)>>,
+}
+
+/// Width and height of a picture \[px\].
+type Picture = (Option<u32>, Option<u32>);
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Simulation {
+    /// Works with the engine, the interpreter released.
+    pub(crate) fn engine<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut windswept::Simulation) -> T + Send,
+    ) -> PyResult<T> {
+        outside(py, || work(&mut lock(&self.engine)))
+    }
+
+    /// The same where the work is part of a run.
+    pub(crate) fn run_engine<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut windswept::Simulation) -> Result<T, windswept::RunError> + Send,
+    ) -> PyResult<T> {
+        self.engine(py, work)?.map_err(|error| of_run(&error))
+    }
+
+    /// Takes an array of the state as it is now: read back with all others when the first of them is asked for.
+    pub(crate) fn take<T: Send>(
+        &self,
+        py: Python<'_>,
+        pick: fn(&mut Snapshot) -> Option<T>,
+    ) -> PyResult<T> {
+        let epoch = self.epoch.load(Ordering::Acquire);
+        let taken = outside(py, || {
+            let mut snapshot = lock(&self.snapshot);
+            if snapshot.epoch == Some(epoch)
+                && let Some(array) = pick(&mut snapshot)
+            {
+                return Ok(array);
+            }
+            *snapshot = Snapshot::new(epoch, lock(&self.engine).frame()?);
+            pick(&mut snapshot).ok_or_else(|| windswept::RunError::Measurement("no such array".to_owned()))
+        })?;
+        taken.map_err(|error| of_run(&error))
+    }
+
+    fn changed(&self) {
+        self.epoch.fetch_add(1, Ordering::AcqRel);
+    }
+
+    /// Steps until `goal`, in parts between which Python may stop.
+    pub(crate) fn step_to(&self, py: Python<'_>, goal: u64) -> PyResult<()> {
+        let mut batch = 1;
+        loop {
+            py.check_signals()?;
+            let left = self.run_engine(py, |sim| {
+                let n = goal.saturating_sub(sim.steps()).min(batch);
+                let started = Instant::now();
+                sim.step(n)?;
+                let per_step = started.elapsed().as_secs_f64() / n.max(1) as f64;
+                batch = ((BATCH.as_secs_f64() / per_step) as u64).clamp(1, 2 * batch);
+                Ok(goal.saturating_sub(sim.steps()))
+            });
+            self.changed();
+            if left? == 0 {
+                return Ok(());
+            }
+        }
+    }
+
+    /// What the engine counts must fit 32 bits.
+    fn goal(&self, py: Python<'_>, n: i64) -> PyResult<u64> {
+        let Ok(n) = u64::try_from(n) else {
+            return Err(of_value("n", format!("expected at least 0 steps, found {n}")));
+        };
+        let (steps, substeps) = self.engine(py, |sim| (sim.steps(), sim.scene().time.substeps))?;
+        let most = u64::from(u32::MAX) / u64::from(substeps);
+        let goal = steps.saturating_add(n);
+        if goal > most {
+            return Err(of_value("n", format!("expected at most {} steps more, found {n}", most - steps.min(most))));
+        }
+        Ok(goal)
+    }
+}
+
+fn vectors(rows: Option<Vec<[f64; 3]>>) -> Option<Vec<DVec3>> {
+    rows.map(|rows| rows.into_iter().map(DVec3::from_array).collect())
+}
+
+fn quaternions(rows: Option<Vec<[f64; 4]>>) -> Option<Vec<DQuat>> {
+    rows.map(|rows| rows.into_iter().map(DQuat::from_array).collect())
+}
+
+#[pymethods]
+impl Simulation {
+    #[new]
+    #[pyo3(signature = (scene, groom=None, adapter=None))]
+    fn new(py: Python<'_>, scene: &Scene, groom: Option<&Groom>, adapter: Option<&str>) -> PyResult<Self> {
+        let gpu = gpu::device(py, adapter)?;
+        let made = outside(py, || match groom {
+            Some(groom) => windswept::Simulation::with_groom(&gpu, &scene.inner, &groom.inner),
+            None => windswept::Simulation::new(&gpu, &scene.inner),
+        })?;
+        let engine = made.map_err(|error| of_start(py, &error))?;
+        Ok(Self {
+            engine: Arc::new(Mutex::new(engine)),
+            epoch: AtomicU64::new(0),
+            snapshot: Mutex::default(),
+            renderer: Mutex::default(),
+        })
+    }
+
+    /// Runs n steps of dt. Ctrl-C stops between steps.
+    ///
+    /// Raises:
+    ///     RunError: names what ended the run; the state is that of the last good step.
+    #[pyo3(signature = (n=1))]
+    fn step(&self, py: Python<'_>, n: i64) -> PyResult<()> {
+        let goal = self.goal(py, n)?;
+        self.step_to(py, goal)
+    }
+
+    /// Runs for a time, in whole steps.
+    ///
+    /// Args:
+    ///     duration: [s], rounded to steps.
+    ///     callback: called with the simulation after every `every` steps, e.g. to set roots or wind for the next; the run
+    ///         ends early if it returns False.
+    ///     every: steps between two calls.
+    #[pyo3(signature = (duration, callback=None, *, every=1))]
+    fn run(slf: &Bound<'_, Self>, duration: f64, callback: Option<&Bound<'_, PyAny>>, every: i64) -> PyResult<()> {
+        let (py, this) = (slf.py(), slf.get());
+        let steps = (duration / this.dt(py)?).round();
+        if !(0.0..=f64::from(u32::MAX)).contains(&steps) {
+            return Err(of_value("duration", format!("expected seconds that some steps fill, found {duration}")));
+        }
+        if every < 1 {
+            return Err(of_value("every", format!("expected at least 1 step, found {every}")));
+        }
+        let goal = this.goal(py, steps as i64)?;
+        let Some(callback) = callback else { return this.step_to(py, goal) };
+        loop {
+            let now = this.steps(py)?;
+            if now >= goal {
+                return Ok(());
+            }
+            this.step_to(py, goal.min(now + every as u64))?;
+            let answer = callback.call1((slf,))?;
+            if answer.cast::<PyBool>().is_ok_and(|answer| !answer.is_true()) {
+                return Ok(());
+            }
+        }
+    }
+
+    /// The next n frames of the scene's frame rate, stepping as they are asked for; None: all that its duration has left.
+    ///
+    /// Frame k is the state after step round(k / (frame_rate dt)). `len()` of it is n: `for frame in tqdm(sim.frames(240))`.
+    #[pyo3(signature = (n=None))]
+    fn frames(slf: &Bound<'_, Self>, n: Option<i64>) -> PyResult<Frames> {
+        Frames::new(slf, n)
+    }
+
+    /// The state now.
+    fn frame(&self, py: Python<'_>) -> PyResult<Frame> {
+        let frame = self.run_engine(py, |sim| sim.frame())?;
+        Frame::new(py, frame)
+    }
+
+    /// Time since the start [s].
+    #[getter]
+    fn time(&self, py: Python<'_>) -> PyResult<f64> {
+        self.engine(py, |sim| sim.time())
+    }
+
+    /// Steps since the start.
+    #[getter]
+    pub(crate) fn steps(&self, py: Python<'_>) -> PyResult<u64> {
+        self.engine(py, |sim| sim.steps())
+    }
+
+    /// The time step [s], `time.step`.
+    #[getter]
+    fn dt(&self, py: Python<'_>) -> PyResult<f64> {
+        self.engine(py, |sim| sim.dt())
+    }
+
+    /// The scene; without its [hair] where a groom replaced it.
+    #[getter]
+    fn scene(&self, py: Python<'_>) -> PyResult<Scene> {
+        Ok(Scene { inner: self.engine(py, |sim| sim.scene().clone())? })
+    }
+
+    /// The adapter that runs it: name, backend, driver, kind.
+    #[getter]
+    fn adapter(&self, py: Python<'_>) -> PyResult<String> {
+        self.engine(py, |sim| sim.engine().gpu().info().to_string())
+    }
+
+    /// The strands now.
+    #[getter]
+    fn hair(slf: &Bound<'_, Self>) -> Hair {
+        Hair { sim: slf.clone().unbind() }
+    }
+
+    /// The air particles now.
+    #[getter]
+    fn air(slf: &Bound<'_, Self>) -> Air {
+        Air { sim: slf.clone().unbind() }
+    }
+
+    /// The report of the run so far: the command's report.json as a dict. What was not measured is missing.
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let report = self.run_engine(py, windswept::Simulation::report)?;
+        let text = serde_json::to_string(&report).map_err(|e| of_value("report", e))?;
+        py.import("json")?.call_method1("loads", (text,))
+    }
+
+    /// Where the root of each strand goes in the next step, and stays.
+    ///
+    /// Args:
+    ///     positions: `(strands, 3)` [m].
+    ///     frames: `(strands, 4)` quaternions x, y, z, w of the clamps; None: as they are.
+    ///
+    /// A root that jumps farther than its strand is long takes the strand along as it is, at rest.
+    #[pyo3(signature = (positions, frames=None))]
+    fn set_roots(
+        &self,
+        py: Python<'_>,
+        positions: &Bound<'_, PyAny>,
+        frames: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let positions: Vec<DVec3> = rows("positions", positions)?.into_iter().map(DVec3::from_array).collect();
+        let frames = quaternions(maybe_rows("frames", frames)?);
+        self.run_engine(py, |sim| sim.set_roots(&positions, frames.as_deref()))
+    }
+
+    /// Sets the mean wind [m/s], `(3,)`.
+    fn set_wind(&self, wind: &Bound<'_, PyAny>) -> PyResult<()> {
+        crate::arrays::triple("wind", wind)?;
+        Err(NotInThisVersion::new_err("set_wind: not in this version"))
+    }
+
+    /// Puts air somewhere else; what is not given stays.
+    ///
+    /// Args:
+    ///     positions: `(n, 3)` [m], wrapped into the box.
+    ///     velocities: `(n, 3)` [m/s].
+    #[pyo3(signature = (positions=None, velocities=None))]
+    fn set_air(
+        &self,
+        py: Python<'_>,
+        positions: Option<&Bound<'_, PyAny>>,
+        velocities: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let positions = vectors(maybe_rows("positions", positions)?);
+        let velocities = vectors(maybe_rows("velocities", velocities)?);
+        let done = self.run_engine(py, |sim| sim.set_air(positions.as_deref(), velocities.as_deref()));
+        self.changed();
+        done
+    }
+
+    /// Puts hair somewhere else; what is not given stays, and so do the places of held points.
+    ///
+    /// Args:
+    ///     positions: `(points, 3)` [m].
+    ///     velocities: `(points, 3)` [m/s].
+    ///     orientations: `(segments, 4)` quaternions x, y, z, w.
+    #[pyo3(signature = (positions=None, velocities=None, orientations=None))]
+    fn set_hair(
+        &self,
+        py: Python<'_>,
+        positions: Option<&Bound<'_, PyAny>>,
+        velocities: Option<&Bound<'_, PyAny>>,
+        orientations: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let positions = vectors(maybe_rows("positions", positions)?);
+        let velocities = vectors(maybe_rows("velocities", velocities)?);
+        let orientations = quaternions(maybe_rows("orientations", orientations)?);
+        let done = self.run_engine(py, |sim| {
+            sim.set_hair(positions.as_deref(), velocities.as_deref(), orientations.as_deref())
+        });
+        self.changed();
+        done
+    }
+
+    /// A picture of the hair now, as the command draws it: `(height, width, 4)` uint8, sRGB, opaque.
+    ///
+    /// The scene's [camera] and [picture] say from where and what.
+    ///
+    /// Args:
+    ///     width, height: [px]; None: the scene's.
+    ///
+    /// Raises:
+    ///     ExportError: there is no strand to draw, or the adapter cannot.
+    #[pyo3(signature = (width=None, height=None))]
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        width: Option<i64>,
+        height: Option<i64>,
+    ) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let side = |name: &str, side: Option<i64>| {
+            let fits = |side: i64| u32::try_from(side).ok().filter(|side| *side >= 16);
+            side.map(|side| {
+                fits(side).ok_or_else(|| of_value(name, format!("expected at least 16 pixels, found {side}")))
+            })
+            .transpose()
+        };
+        let size = (side("width", width)?, side("height", height)?);
+        let drawn = outside(py, || {
+            let mut engine = lock(&self.engine);
+            let mut frame = engine.frame().map_err(|error| of_run(&error))?;
+            match engine.scene().picture.air {
+                AirPicture::None => {}
+                AirPicture::Vorticity => {
+                    frame.air.vorticity = engine.air_vorticity().map_err(|error| of_run(&error))?;
+                }
+                AirPicture::BandEnergy => {
+                    frame.air.band_energy = engine.band_energy().map_err(|error| of_run(&error))?;
+                }
+            }
+            let renderer = self.renderer(&engine, size)?;
+            renderer.render(&frame).map_err(|error| of_export(&error))
+        })??;
+        let (width, height) = (drawn.width() as usize, drawn.height() as usize);
+        PyArray1::from_vec(py, drawn.into_raw()).reshape([height, width, 4])
+    }
+
+    /// Not in this version.
+    fn save(&self, path: PathBuf) -> PyResult<()> {
+        Err(NotInThisVersion::new_err(format!("save({}): not in this version", path.display())))
+    }
+
+    /// Not in this version.
+    #[staticmethod]
+    #[pyo3(signature = (path, adapter=None))]
+    fn load(path: PathBuf, adapter: Option<&str>) -> PyResult<Self> {
+        let on = adapter.unwrap_or("any adapter");
+        Err(NotInThisVersion::new_err(format!("load({}) on {on}: not in this version", path.display())))
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let facts = self.facts(py)?;
+        let words: Vec<String> = facts.into_iter().map(|(name, value)| format!("{name} {value}")).collect();
+        Ok(format!("<windswept.Simulation: {}>", words.join(", ")))
+    }
+
+    fn _repr_html_(&self, py: Python<'_>) -> PyResult<String> {
+        let plain = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+        let row = |(name, value): (&str, String)| format!("<tr><th>{name}</th><td>{}</td></tr>", plain(&value));
+        let rows: String = self.facts(py)?.into_iter().map(row).collect();
+        Ok(format!("<table>{rows}</table>"))
+    }
+}
+
+impl Simulation {
+    /// What to say of it in a line.
+    fn facts(&self, py: Python<'_>) -> PyResult<Vec<(&'static str, String)>> {
+        self.engine(py, |sim| {
+            let sizes = sim.engine().sizes();
+            let mut facts = vec![
+                ("scene", format!("{:?}", sim.scene().title)),
+                ("strands", sizes.strands.to_string()),
+                ("hair points", sizes.hair_points.to_string()),
+                ("air particles", sizes.air().to_string()),
+                ("time", format!("{:.6} s", sim.time())),
+                ("steps", sim.steps().to_string()),
+                ("adapter", sim.engine().gpu().info().name.clone()),
+            ];
+            facts.extend(sim.ms_per_step().map(|ms| ("ms per step", format!("{ms:.2}"))));
+            facts
+        })
+    }
+
+    /// Made once per size: roots near each other at the start share the hairs between them.
+    fn renderer(&self, engine: &windswept::Simulation, size: Picture) -> PyResult<Arc<Renderer>> {
+        let mut renderer = lock(&self.renderer);
+        if let Some((of, renderer)) = &*renderer
+            && *of == size
+        {
+            return Ok(renderer.clone());
+        }
+        let mut scene = engine.scene().clone();
+        scene.camera.width = size.0.unwrap_or(scene.camera.width);
+        scene.camera.height = size.1.unwrap_or(scene.camera.height);
+        let start = &engine.initial().hair;
+        let start = windswept::HairFrame {
+            offsets: start.point_offsets.clone(),
+            positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
+            velocities: Vec::new(),
+            orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
+        };
+        let made = Renderer::new(engine.engine().gpu(), &scene, &start).map_err(|error| of_export(&error))?;
+        let made = Arc::new(made);
+        *renderer = Some((size, made.clone()));
+        Ok(made)
+    }
+}

@@ -1,0 +1,118 @@
+//! `sim.hair` and `sim.air`: arrays of the state as it is when they are asked for.
+
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+
+use crate::{arrays::matrix, simulation::Simulation};
+
+/// A read-back of which each array is handed out once, without a copy.
+#[derive(Debug, Default)]
+pub(crate) struct Snapshot {
+    /// The state it is of.
+    pub(crate) epoch: Option<u64>,
+    hair_positions: Option<Vec<[f32; 3]>>,
+    hair_velocities: Option<Vec<[f32; 3]>>,
+    orientations: Option<Vec<[f32; 4]>>,
+    air_positions: Option<Vec<[f32; 3]>>,
+    air_velocities: Option<Vec<[f32; 3]>>,
+}
+
+impl Snapshot {
+    pub(crate) fn new(epoch: u64, frame: windswept::Frame) -> Self {
+        Self {
+            epoch: Some(epoch),
+            hair_positions: Some(frame.hair.positions),
+            hair_velocities: Some(frame.hair.velocities),
+            orientations: Some(frame.hair.orientations),
+            air_positions: Some(frame.air.positions),
+            air_velocities: Some(frame.air.velocities),
+        }
+    }
+}
+
+/// The strands of a simulation: points root to tip, one strand after the other.
+///
+/// Every array is a copy of the state now; write with `sim.set_hair`.
+#[pyclass(frozen, module = "windswept")]
+pub(crate) struct Hair {
+    pub(crate) sim: Py<Simulation>,
+}
+
+#[pymethods]
+impl Hair {
+    /// `(points, 3)` float32 [m].
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        matrix(py, self.sim.get().take(py, |state| state.hair_positions.take())?)
+    }
+
+    /// `(points, 3)` float32 [m/s].
+    #[getter]
+    fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        matrix(py, self.sim.get().take(py, |state| state.hair_velocities.take())?)
+    }
+
+    /// `(segments, 4)` float32: quaternions x, y, z, w, material frame to world; d3 is the tangent. A strand of n points
+    /// has n - 1.
+    #[getter]
+    fn orientations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        matrix(py, self.sim.get().take(py, |state| state.orientations.take())?)
+    }
+
+    /// `(strands + 1,)` int64: first point of each strand, and the number of points.
+    #[getter]
+    fn offsets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        let offsets = self.sim.get().engine(py, |sim| sim.initial().hair.point_offsets.clone())?;
+        Ok(PyArray1::from_iter(py, offsets.into_iter().map(i64::from)))
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let sizes = self.sim.get().engine(py, |sim| sim.engine().sizes())?;
+        Ok(format!("<windswept.Hair: {} strands, {} points>", sizes.strands, sizes.hair_points))
+    }
+}
+
+/// The air particles of a simulation, in the order of their stable ids; none without air particles.
+///
+/// Every array is a copy of the state now; write with `sim.set_air`.
+#[pyclass(frozen, module = "windswept")]
+pub(crate) struct Air {
+    pub(crate) sim: Py<Simulation>,
+}
+
+#[pymethods]
+impl Air {
+    /// `(n, 3)` float32 [m], wrapped into the box.
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        matrix(py, self.sim.get().take(py, |state| state.air_positions.take())?)
+    }
+
+    /// `(n, 3)` float32 [m/s].
+    #[getter]
+    fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        matrix(py, self.sim.get().take(py, |state| state.air_velocities.take())?)
+    }
+
+    /// ρ/ρ0 of every particle now: `(n,)` float32; empty when particles do not meet.
+    #[getter]
+    fn density_ratio<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let ratios = self.sim.get().run_engine(py, |sim| {
+            let hair = sim.engine().sizes().hair_points as usize;
+            Ok(sim.density()?.into_iter().skip(hair).collect::<Vec<_>>())
+        })?;
+        Ok(PyArray1::from_vec(py, ratios))
+    }
+
+    /// |ω| of every particle now, plain SPH sum [1/s]: `(n,)` float32; empty when particles do not meet.
+    #[getter]
+    fn vorticity<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let vorticity = self.sim.get().run_engine(py, windswept::Simulation::air_vorticity)?;
+        Ok(PyArray1::from_vec(py, vorticity))
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let sizes = self.sim.get().engine(py, |sim| sim.engine().sizes())?;
+        Ok(format!("<windswept.Air: {} particles>", sizes.air()))
+    }
+}

@@ -1,0 +1,67 @@
+"""Hair in turbulent wind, on the GPU.
+
+    import windswept as ws
+
+    scene = ws.Scene.load("examples/scenes/quick.toml")
+    sim = ws.Simulation(scene)
+    sim.step(100)
+    sim.hair.positions      # (points, 3) float32, m
+
+SI everywhere, right-handed, Y up; quaternions are x, y, z, w. Arrays come in as any float dtype, and go out as float32 in
+C order. `help(ws.Simulation)` is a place to start.
+"""
+
+from types import ModuleType as _ModuleType
+
+from windswept import ops
+from windswept._native import (
+    Air,
+    ExportError,
+    Frame,
+    FrameAir,
+    FrameHair,
+    Frames,
+    GpuError,
+    Groom,
+    Hair,
+    NotInThisVersion,
+    RunError,
+    Scene,
+    SceneError,
+    Simulation,
+    VtkHdfWriter,
+    __version__,
+    adapters,
+)
+
+__all__ = [
+    "Air",
+    "ExportError",
+    "Frame",
+    "FrameAir",
+    "FrameHair",
+    "Frames",
+    "GpuError",
+    "Groom",
+    "Hair",
+    "NotInThisVersion",
+    "RunError",
+    "Scene",
+    "SceneError",
+    "Simulation",
+    "VtkHdfWriter",
+    "__version__",
+    "adapters",
+    "ops",
+    "plot",
+    "sweep",
+]
+
+
+def __getattr__(name: str) -> _ModuleType:
+    # What most programs need not import: NumPy's and Matplotlib's start-up is longer than ours.
+    if name in ("plot", "sweep"):
+        import importlib
+
+        return importlib.import_module(f"windswept.{name}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
