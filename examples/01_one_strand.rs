@@ -17,7 +17,6 @@ points = 21
 length = 0.10
 roots = { center = [0.0, 0.0, 0.0], radius = 1.0e-3, direction = [1.0, 0.0, 0.0] }
 [rods]
-iterations = 200
 damping = 8.0
 "#;
 

@@ -12,6 +12,7 @@ C order. `help(ws.Simulation)` is a place to start.
 """
 
 from types import ModuleType as _ModuleType
+from typing import TYPE_CHECKING as _TYPE_CHECKING
 
 from windswept import ops
 from windswept._native import (
@@ -32,7 +33,12 @@ from windswept._native import (
     VtkHdfWriter,
     __version__,
     adapters,
+    contact_sheet,
+    write_png,
 )
+
+if _TYPE_CHECKING:
+    from windswept import plot, sweep
 
 __all__ = [
     "Air",
@@ -52,9 +58,11 @@ __all__ = [
     "VtkHdfWriter",
     "__version__",
     "adapters",
+    "contact_sheet",
     "ops",
     "plot",
     "sweep",
+    "write_png",
 ]
 
 

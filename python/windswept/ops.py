@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING
 from windswept import _native
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
     import numpy as np
+    from numpy.typing import NDArray
 
-    from windswept._native import Array
+    from windswept._native import _Array
 
 __all__ = ["band_velocity", "density", "solve_density", "viscosity", "vorticity"]
 
 
-def density(positions: Array, *, mass: float, radius: float, box: Array | None = None) -> NDArray[np.float32]:
+def density(positions: _Array, *, mass: float, radius: float, box: _Array | None = None) -> NDArray[np.float32]:
     """ρ = m Σ_j W(x_i − x_j), Poly6, self included.
 
     Args:
@@ -36,13 +36,13 @@ def density(positions: Array, *, mass: float, radius: float, box: Array | None =
 
 
 def vorticity(
-    positions: Array,
-    velocities: Array,
+    positions: _Array,
+    velocities: _Array,
     *,
     mass: float,
     rest_density: float,
     radius: float,
-    box: Array | None = None,
+    box: _Array | None = None,
 ) -> NDArray[np.float32]:
     """ω = Σ_j V (v_j − v_i) × ∇_j W, Spiky's gradient, the plain sum (Demura et al. 2019, eq. 2 with its missing 1/ρ).
 
@@ -63,15 +63,15 @@ def vorticity(
 
 
 def band_velocity(
-    positions: Array,
-    velocities: Array,
+    positions: _Array,
+    velocities: _Array,
     *,
     mass: float,
     rest_density: float,
     scale: float,
     filter: str = "grid",
     cutoff: float = 4.5,
-    box: Array | None = None,
+    box: _Array | None = None,
 ) -> NDArray[np.float32]:
     """û, the velocity of eddies of one size: the Mexican hat over the particles' velocities (eqs. 5, 6).
 
@@ -94,13 +94,13 @@ def band_velocity(
 
 
 def viscosity(
-    positions: Array,
-    velocities: Array,
+    positions: _Array,
+    velocities: _Array,
     *,
     mass: float,
     radius: float,
     coefficient: float,
-    box: Array | None = None,
+    box: _Array | None = None,
 ) -> NDArray[np.float32]:
     """Velocities after one XSPH update (eq. 7), limited where it could overshoot.
 
@@ -119,7 +119,7 @@ def viscosity(
 
 
 def solve_density(
-    positions: Array,
+    positions: _Array,
     *,
     mass: float,
     rest_density: float,
@@ -127,7 +127,7 @@ def solve_density(
     iterations: int,
     relaxation: float = 0.5,
     tension: float = 0.0,
-    box: Array | None = None,
+    box: _Array | None = None,
 ) -> NDArray[np.float32]:
     """Positions after Jacobi iterations of the density constraint ρ = ρ0 (eq. 1).
 

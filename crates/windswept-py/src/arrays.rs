@@ -26,8 +26,8 @@ pub(crate) fn doubles<'py>(
     let numpy = py.import("numpy")?;
     // Not what stops the program: memory that is short, an interrupt.
     let unfit = |error: PyErr| {
-        let ours = error.is_instance_of::<PyException>(py)
-            && !error.is_instance_of::<pyo3::exceptions::PyMemoryError>(py);
+        let ours =
+            error.is_instance_of::<PyException>(py) && !error.is_instance_of::<pyo3::exceptions::PyMemoryError>(py);
         if ours { of_value(name, format!("expected an array of numbers ({error})")) } else { error }
     };
     let array = numpy.call_method1("asarray", (value,)).map_err(unfit)?;
@@ -50,11 +50,7 @@ pub(crate) fn doubles<'py>(
 }
 
 /// The values of an array and its shape.
-pub(crate) fn values(
-    name: &str,
-    value: &Bound<'_, PyAny>,
-    numbers: Numbers,
-) -> PyResult<(Vec<f64>, Vec<usize>)> {
+pub(crate) fn values(name: &str, value: &Bound<'_, PyAny>, numbers: Numbers) -> PyResult<(Vec<f64>, Vec<usize>)> {
     let array = doubles(name, value, numbers)?;
     let shape = array.shape().to_vec();
     let values = array.try_readonly().map_err(|e| of_value(name, e))?.as_slice()?.to_vec();

@@ -9,11 +9,21 @@ use windswept::ops::OpsError;
 
 use crate::gpu;
 
-create_exception!(windswept, SceneError, PyValueError, "A fault in a scene or a groom: `key`, `line` and `help` say where and what to do.");
+create_exception!(
+    windswept,
+    SceneError,
+    PyValueError,
+    "A fault in a scene or a groom: `key`, `line` and `help` say where and what to do."
+);
 create_exception!(windswept, GpuError, PyRuntimeError, "No adapter, no device, a device that is lost or too small.");
 create_exception!(windswept, RunError, PyRuntimeError, "A run that cannot go on: what blew up, in which step.");
 create_exception!(windswept, ExportError, PyRuntimeError, "A file or a picture that cannot be made.");
-create_exception!(windswept, NotInThisVersion, PyNotImplementedError, "A part of the contract that this version has not built.");
+create_exception!(
+    windswept,
+    NotInThisVersion,
+    PyNotImplementedError,
+    "A part of the contract that this version has not built."
+);
 
 pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = m.py();

@@ -9,6 +9,7 @@ mod frames;
 mod gpu;
 mod groom;
 mod ops;
+mod pictures;
 mod scene;
 mod simulation;
 mod toml;
@@ -76,5 +77,6 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<writer::VtkHdfWriter>()?;
     m.add_function(wrap_pyfunction!(adapters, m)?)?;
     m.add_function(wrap_pyfunction!(command, m)?)?;
+    pictures::add(m)?;
     ops::add(m)
 }

@@ -58,9 +58,8 @@ fn ops_density<'py>(
     positive("mass", mass)?;
     positive("radius", radius)?;
     let rest_density = likely_density(mass, radius);
-    let density = run(py, |gpu| {
-        Particles { mass, rest_density, radius, bounds, ..Particles::at(&positions) }.density(gpu)
-    })?;
+    let density =
+        run(py, |gpu| Particles { mass, rest_density, radius, bounds, ..Particles::at(&positions) }.density(gpu))?;
     Ok(PyArray1::from_vec(py, density))
 }
 
@@ -75,7 +74,8 @@ fn ops_vorticity<'py>(
     radius: f64,
     r#box: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let (positions, velocities, bounds) = (rows("positions", positions)?, rows("velocities", velocities)?, sides(r#box)?);
+    let (positions, velocities, bounds) =
+        (rows("positions", positions)?, rows("velocities", velocities)?, sides(r#box)?);
     let vorticity = run(py, |gpu| {
         Particles { positions: &positions, velocities: &velocities, mass, rest_density, radius, bounds }.vorticity(gpu)
     })?;
@@ -95,7 +95,8 @@ fn ops_band_velocity<'py>(
     cutoff: f64,
     r#box: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let (positions, velocities, bounds) = (rows("positions", positions)?, rows("velocities", velocities)?, sides(r#box)?);
+    let (positions, velocities, bounds) =
+        (rows("positions", positions)?, rows("velocities", velocities)?, sides(r#box)?);
     positive("mass", mass)?;
     positive("rest_density", rest_density)?;
     match filter {
@@ -122,7 +123,8 @@ fn ops_viscosity<'py>(
     coefficient: f64,
     r#box: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let (positions, velocities, bounds) = (rows("positions", positions)?, rows("velocities", velocities)?, sides(r#box)?);
+    let (positions, velocities, bounds) =
+        (rows("positions", positions)?, rows("velocities", velocities)?, sides(r#box)?);
     positive("mass", mass)?;
     positive("radius", radius)?;
     let rest_density = likely_density(mass, radius);

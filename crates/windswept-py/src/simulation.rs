@@ -82,11 +82,7 @@ impl Simulation {
     }
 
     /// Takes an array of the state as it is now: read back with all others when the first of them is asked for.
-    pub(crate) fn take<T: Send>(
-        &self,
-        py: Python<'_>,
-        pick: fn(&mut Snapshot) -> Option<T>,
-    ) -> PyResult<T> {
+    pub(crate) fn take<T: Send>(&self, py: Python<'_>, pick: fn(&mut Snapshot) -> Option<T>) -> PyResult<T> {
         let epoch = self.epoch.load(Ordering::Acquire);
         let taken = outside(py, || {
             let mut snapshot = lock(&self.snapshot);
@@ -333,9 +329,8 @@ impl Simulation {
         let positions = vectors(maybe_rows("positions", positions)?);
         let velocities = vectors(maybe_rows("velocities", velocities)?);
         let orientations = quaternions(maybe_rows("orientations", orientations)?);
-        let done = self.run_engine(py, |sim| {
-            sim.set_hair(positions.as_deref(), velocities.as_deref(), orientations.as_deref())
-        });
+        let done = self
+            .run_engine(py, |sim| sim.set_hair(positions.as_deref(), velocities.as_deref(), orientations.as_deref()));
         self.changed();
         done
     }

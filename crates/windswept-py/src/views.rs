@@ -94,6 +94,13 @@ impl Air {
         matrix(py, self.sim.get().take(py, |state| state.air_velocities.take())?)
     }
 
+    /// `(2, 3)` float64: lower and upper corner of the box of air [m]; zeros without air particles.
+    #[getter(r#box)]
+    fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (min, size) = self.sim.get().engine(py, |sim| (sim.initial().air.min, sim.initial().air.size))?;
+        Ok(PyArray2::from_owned_array(py, numpy::ndarray::arr2(&[min.to_array(), (min + size).to_array()])))
+    }
+
     /// ρ/ρ0 of every particle now: `(n,)` float32; empty when particles do not meet.
     #[getter]
     fn density_ratio<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {

@@ -1,0 +1,111 @@
+"""What comes out: films, pictures, plots, the command."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import windswept as ws
+
+
+def test_a_film_is_written_frame_by_frame(sim, tmp_path):
+    h5py = pytest.importorskip("h5py")
+    kept = []
+    with ws.VtkHdfWriter(tmp_path / "hair.vtkhdf", sim) as hair, ws.VtkHdfWriter(tmp_path / "air.vtkhdf", sim, kind="air") as air:
+        for writer in (hair, air):
+            writer.append(sim)
+        for frame in sim.frames(2):
+            kept.append(frame)
+            hair.append(sim)
+            air.append(sim)
+        assert "hair" in repr(hair)
+    with h5py.File(tmp_path / "hair.vtkhdf") as file:
+        root = file["VTKHDF"]
+        assert root["Steps"].attrs["NSteps"] == 3
+        assert np.allclose(root["Steps/Values"], [0.0] + [frame.time for frame in kept])
+        assert np.array_equal(root["Points"][48:96], kept[0].hair.positions)
+        assert "Small" in str(file["windswept/scene"][()])
+    with h5py.File(tmp_path / "air.vtkhdf") as file:
+        assert np.array_equal(file["VTKHDF/Points"][-len(kept[1].air.positions) :].shape, kept[1].air.positions.shape)
+    with pytest.raises(ValueError, match="closed"):
+        hair.append(sim)
+    hair.close()
+
+
+def test_a_film_that_cannot_be_written_says_so(sim, bare, tmp_path):
+    with pytest.raises(ws.ExportError):
+        ws.VtkHdfWriter(tmp_path / "no" / "such" / "folder.vtkhdf", sim)
+    with pytest.raises(ValueError, match="kind"):
+        ws.VtkHdfWriter(tmp_path / "x", sim, kind="both")
+    with ws.VtkHdfWriter(tmp_path / "x.vtkhdf", sim, frames=1) as writer:
+        writer.append(sim)
+        sim.step()
+        with pytest.raises(ws.ExportError):
+            writer.append(sim)
+    alone = ws.Simulation(bare, groom=ws.Groom([[[0, 0, 0], [0.01, 0, 0]]]))
+    with pytest.raises(ws.ExportError, match="air"):
+        ws.VtkHdfWriter(tmp_path / "y.vtkhdf", alone, kind="air")
+
+
+def test_pictures_show_the_hair(sim, tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    picture = sim.render(width=160, height=90)
+    assert picture.shape == (90, 160, 4) and picture.dtype == np.uint8 and (picture[..., 3] == 255).all()
+    assert picture[..., :3].std() > 5
+    assert np.array_equal(picture, sim.render(width=160, height=90)), "the same state, the same picture"
+    sim.run(0.03)
+    assert not np.array_equal(picture, sim.render(width=160, height=90))
+    assert sim.render().shape == (180, 320, 4)
+    ws.write_png(tmp_path / "a.png", picture)
+    assert np.array_equal(np.asarray(image.open(tmp_path / "a.png")), picture[..., :3])
+    ws.contact_sheet([tmp_path / "a.png"] * 3, tmp_path / "sheet.png")
+    assert image.open(tmp_path / "sheet.png").width > 480
+    for bad in (0, 15, -5, 10**6, 2**40):
+        with pytest.raises((ValueError, ws.ExportError)):
+            sim.render(width=bad)
+    for bad in (picture[..., :3], picture.astype(float), np.zeros((0, 4, 4), np.uint8), "picture"):
+        with pytest.raises(ValueError, match="picture"):
+            ws.write_png(tmp_path / "b.png", bad)
+
+
+def test_the_spectrum_has_the_energy_of_its_waves():
+    from windswept import plot
+
+    rng = np.random.default_rng(3)
+    box = np.array([[0.0, 0.0, 0.0], [0.2, 0.1, 0.1]])
+    x = rng.uniform(box[0], box[1], size=(60_000, 3))
+    k = 2 * np.pi / 0.1 * 2
+    v = np.stack([np.zeros(len(x)), 0.3 * np.sin(k * x[:, 0]), np.ones(len(x))], -1)
+    waves, energy = plot.energy_spectrum(x, v, box)
+    # ½ ⟨u²⟩ = 0.0225 m²/s² in one shell, less what the mean over a cell takes from this wave; measured 0.4 % more, noise.
+    cell = 0.2 / round(0.2 / (2 * (2e-3 / len(x)) ** (1 / 3)))
+    total = energy.sum() * (waves[1] - waves[0])
+    assert total == pytest.approx(0.0225 * np.sinc(k * cell / (2 * np.pi)) ** 2, rel=0.015)
+    assert waves[energy.argmax()] == pytest.approx(k) and energy.max() > 0.97 * energy.sum()
+    with pytest.raises(ValueError, match="box"):
+        plot.energy_spectrum(x, v, box[::-1])
+
+
+def test_plots_draw(sim, tmp_path):
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    sim.step(5)
+    figure, (left, right) = pyplot.subplots(1, 2)
+    assert ws.plot.spectrum(sim, ax=left, label="small") is left
+    assert ws.plot.profile(sim, along="y", component="x", bins=10, ax=right) is right
+    figure.savefig(tmp_path / "plots.png")
+    assert (right.lines[0].get_xdata() > 1.0).any()
+    with pytest.raises(ValueError, match="along"):
+        ws.plot.profile(sim, along="w")
+
+
+def test_the_wheel_carries_the_command(tmp_path):
+    def run(*words, **more):
+        return subprocess.run([sys.executable, "-m", "windswept", *words], capture_output=True, text=True, **more)
+
+    done = run("adapters")
+    assert done.returncode == 0 and ws.adapters()[0]["name"] in done.stdout
+    assert run("nonsense").returncode == 2
+    script = next(p for p in (tmp_path.__class__(sys.executable).parent).glob("windswept*"))
+    done = subprocess.run([script, "--help"], capture_output=True, text=True)
+    assert done.returncode == 0 and "check" in done.stdout

@@ -1,0 +1,258 @@
+"""Simulations: stepping, arrays, frames, reports, threads, interrupts."""
+
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import windswept as ws
+
+
+def test_time_passes_in_steps(sim):
+    assert (sim.time, sim.steps, sim.dt) == (0.0, 0, 1.38e-3)
+    sim.step()
+    sim.step(4)
+    assert sim.steps == 5 and sim.time == pytest.approx(6.9e-3)
+    sim.run(0.00414)
+    assert sim.steps == 8
+    assert sim.scene.title == "Small" and "llvmpipe" in sim.adapter
+
+
+def test_arrays_are_float32_of_the_state_now_and_the_callers_own(sim):
+    sim.step(3)
+    for array, shape in [
+        (sim.hair.positions, (48, 3)),
+        (sim.hair.velocities, (48, 3)),
+        (sim.hair.orientations, (40, 4)),
+        (sim.air.positions, (len(sim.air.positions), 3)),
+        (sim.air.velocities, sim.air.positions.shape),
+    ]:
+        assert array.dtype == np.float32 and array.shape == shape
+        assert array.flags.c_contiguous and array.flags.writeable
+        assert np.isfinite(array).all()
+    assert sim.hair.offsets.tolist() == list(range(0, 49, 6))
+    assert np.allclose(np.linalg.norm(sim.hair.orientations, axis=1), 1.0, atol=1e-5)
+    before = sim.hair.positions
+    kept = before.copy()
+    before[:] = 7.0
+    assert np.array_equal(sim.hair.positions, kept)
+    sim.step(2)
+    assert not np.array_equal(sim.hair.positions, kept)
+    low, high = sim.air.box
+    assert (low == 0).all() and np.allclose(high, [0.06, 0.045, 0.045])
+    assert (sim.air.positions >= low).all() and (sim.air.positions <= high).all()
+    assert sim.air.vorticity.shape == sim.air.density_ratio.shape == sim.air.positions.shape[:1]
+    assert 0.5 < sim.air.density_ratio.mean() < 1.2
+
+
+def test_the_same_scene_gives_the_same_bits(scene):
+    runs = [ws.Simulation(scene) for _ in range(2)]
+    runs[0].step(7)
+    for _ in range(7):
+        runs[1].step()
+    assert np.array_equal(runs[0].air.positions, runs[1].air.positions)
+    assert np.array_equal(runs[0].hair.positions, runs[1].hair.positions)
+
+
+def test_frames_come_at_the_scenes_rate(sim):
+    frames = sim.frames(2)
+    assert len(frames) == 2
+    first = next(frames)
+    # 60 a second in steps of 1.38 ms: frame 1 after round(12.08) steps.
+    assert first.step == 12 and first.time == pytest.approx(12 * 1.38e-3)
+    assert len(frames) == 1
+    assert [frame.step for frame in frames] == [24] and list(frames) == []
+    kept = first.hair.positions.copy()
+    sim.step(3)
+    assert np.array_equal(first.hair.positions, kept)
+    assert first.hair.offsets.tolist() == sim.hair.offsets.tolist() and len(first.air.positions) == len(sim.air.positions)
+    # Off a frame, the next one is the next; without a number they go on to the scene's duration, 36 steps.
+    assert [frame.step for frame in sim.frames()] == [36]
+    assert len(sim.frames()) == 0
+    assert sim.frame().step == 36
+
+
+def test_frames_wrap_in_tqdm(bare):
+    tqdm = pytest.importorskip("tqdm")
+    sim = ws.Simulation(bare, groom=ws.Groom([[[0, 0, 0], [0.01, 0, 0], [0.02, 0, 0]]]))
+    bar = tqdm.tqdm(sim.frames(3), disable=True)
+    assert len(bar) == 3 and len(list(bar)) == 3
+
+
+def test_a_callback_drives_and_ends_a_run(bare):
+    points = np.zeros((2, 5, 3))
+    points[:, :, 1] = -np.linspace(0, 0.04, 5)
+    points[1, :, 0] = 0.1
+    sim = ws.Simulation(bare, groom=ws.Groom(points))
+    roots = points[:, 0]
+
+    def shake(sim):
+        sim.set_roots(roots + [0.002 * np.sin(100.0 * sim.time), 0.0, 0.0])
+
+    sim.run(0.03, callback=shake)
+    moved = 0.002 * np.sin(100.0 * (sim.time - sim.dt))
+    assert np.allclose(sim.hair.positions[::5], roots + [moved, 0, 0], atol=1e-6)
+    calls = []
+    sim.run(0.05, callback=lambda sim: calls.append(sim.steps) or len(calls) < 3, every=4)
+    assert np.diff(calls).tolist() == [4, 4]
+    with pytest.raises(ZeroDivisionError):
+        sim.run(0.01, callback=lambda sim: 1 / 0)
+
+
+def test_roots_turn_with_their_frames(bare):
+    points = np.zeros((1, 5, 3))
+    points[0, :, 0] = np.linspace(0, 0.01, 5)
+    sim = ws.Simulation(bare.replace(gravity=[0, 0, 0], **{"rods.damping": 50.0}), groom=ws.Groom(points))
+    x, y, z, w = sim.hair.orientations[0].astype(float)
+    half = np.sqrt(0.5)
+    # A quarter turn about y, q' = r q.
+    sim.set_roots([[0, 0, 0]], frames=[[half * x + half * z, half * y + half * w, half * z - half * x, half * w - half * y]])
+    sim.run(0.5)
+    assert np.allclose(sim.hair.positions[-1], [0, 0, -0.01], atol=1e-4)
+
+
+def test_air_and_hair_can_be_put_elsewhere(sim):
+    velocities = sim.air.velocities
+    velocities[:, 1] += 0.5
+    sim.set_air(velocities=velocities)
+    assert np.array_equal(sim.air.velocities, velocities)
+    shifted = sim.air.positions.astype(float) + [0.06, 0.0, -0.045]
+    here = sim.air.positions
+    sim.set_air(positions=shifted)
+    # f32 of a box of 60 mm.
+    assert np.abs((sim.air.positions - here + 0.03) % 0.06 - 0.03).max() < 1e-7
+    hair = sim.hair.positions
+    sim.set_hair(positions=hair + np.float32(0.001), velocities=np.ones((48, 3)))
+    assert np.allclose(sim.hair.positions[1:6], hair[1:6] + 0.001, atol=1e-7)
+    assert np.allclose(sim.hair.positions[0], hair[0], atol=1e-7), "roots are held"
+    sim.step(2)
+    assert np.isfinite(sim.hair.positions).all()
+
+
+def test_any_layout_and_width_of_floats_comes_in(sim):
+    v = np.random.default_rng(1).normal(size=sim.air.velocities.shape)
+    wide = np.zeros((len(v), 7))
+    wide[:, 1:6:2] = v
+    frozen = v.copy()
+    frozen.flags.writeable = False
+    odd = np.frombuffer(b"." + v.tobytes(), dtype=float, offset=1).reshape(v.shape)
+    for array in (v, v.astype(np.float32), np.asfortranarray(v), wide[:, 1:6:2], frozen, v.astype(">f8"), v.tolist(), odd,
+                  v.astype(np.longdouble)):
+        sim.set_air(velocities=array)
+        assert np.allclose(sim.air.velocities, v, atol=1e-6)
+    sim.set_air(velocities=v.astype(np.float16))
+    assert np.allclose(sim.air.velocities, v, atol=2e-3)
+
+
+def test_arrays_that_do_not_fit_are_named(sim):
+    n = len(sim.air.positions)
+    for call, name, value in [
+        (sim.set_air, "velocities", np.zeros((n, 2))),
+        (sim.set_air, "velocities", np.zeros((n + 1, 3))),
+        (sim.set_air, "positions", np.full((n, 3), np.nan)),
+        (sim.set_air, "positions", np.zeros((n, 3), dtype=object)),
+        (sim.set_air, "positions", np.zeros((n, 3), dtype=bool)),
+        (sim.set_hair, "orientations", np.zeros((40, 3))),
+        (sim.set_hair, "orientations", np.zeros((40, 4))),
+        (sim.set_hair, "positions", np.zeros((47, 3))),
+        (sim.set_roots, "positions", np.zeros((7, 3))),
+        (sim.set_roots, "positions", np.full((8, 3), np.inf)),
+    ]:
+        with pytest.raises(ValueError, match=name):
+            call(**{name: value})
+    with pytest.raises(ValueError, match="frames"):
+        sim.set_roots(np.zeros((8, 3)), frames=np.zeros((8, 4)))
+    for bad in (-1, 2**40, 2**63 - 1):
+        with pytest.raises(ValueError):
+            sim.step(bad)
+    for bad in (-1.0, float("nan"), float("inf"), 1e30):
+        with pytest.raises(ValueError, match="duration"):
+            sim.run(bad)
+
+
+def test_the_report_is_the_commands(sim):
+    sim.step(3)
+    report = sim.report()
+    assert report["schema"] == 1 and report["steps"] == 3 and report["particles"]["hair"] == 48
+    assert report["ms_per_step"] > 0 and report["max_stretch"] >= 0
+
+
+def test_it_shows_what_it_is(sim):
+    sim.step(4)
+    for shown in (repr(sim), sim._repr_html_()):
+        for word in ("Small", "48", str(len(sim.air.positions)), "llvmpipe", "ms per step"):
+            assert word in shown
+    assert "8 strands" in repr(sim.hair) and "particles" in repr(sim.air) and "Frame" in repr(sim.frame())
+    assert "<script>" not in ws.Simulation(sim.scene.replace(title="<script>"))._repr_html_()
+
+
+def test_what_is_not_built_says_so(sim):
+    for call in (lambda: sim.save("x"), lambda: ws.Simulation.load("x")):
+        with pytest.raises(ws.NotInThisVersion, match="not in this version"):
+            call()
+
+
+def test_an_adapter_that_is_not_there_is_a_gpu_error(scene):
+    assert ws.adapters() and {"name", "backend", "kind"} <= set(ws.adapters()[0])
+    with pytest.raises(ws.GpuError, match="no such thing"):
+        ws.Simulation(scene, adapter="no such thing")
+    assert issubclass(ws.GpuError, RuntimeError)
+    assert "llvmpipe" in repr(ws.Simulation(scene, adapter="software"))
+
+
+def test_two_simulations_run_on_two_threads(scene):
+    alone = ws.Simulation(scene)
+    alone.step(12)
+    sims = [ws.Simulation(scene) for _ in range(2)]
+    threads = [threading.Thread(target=sim.step, args=(12,)) for sim in sims]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for sim in sims:
+        assert np.array_equal(sim.air.positions, alone.air.positions)
+    # One simulation, many readers.
+    seen = []
+    readers = [threading.Thread(target=lambda: seen.append(sims[0].hair.positions.sum())) for _ in range(4)]
+    sims[0].step(1)
+    for thread in readers:
+        thread.start()
+    for thread in readers:
+        thread.join()
+    assert len(set(seen)) == 1
+
+
+def test_the_interpreter_is_free_while_stepping(sim):
+    ticks = []
+    done = threading.Event()
+
+    def tick():
+        while not done.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.002)
+
+    ticker = threading.Thread(target=tick)
+    ticker.start()
+    started = time.perf_counter()
+    sim.step(40)
+    elapsed = time.perf_counter() - started
+    done.set()
+    ticker.join()
+    # Held, there would be a gap as long as a batch at least.
+    assert len(ticks) > 10 and max(np.diff(ticks)) < max(0.5 * elapsed, 0.05)
+
+
+def test_ctrl_c_stops_between_steps(sim):
+    timer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    started = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        sim.step(1_000_000)
+    assert time.perf_counter() - started < 20.0
+    steps = sim.steps
+    assert 0 < steps < 1_000_000
+    sim.step(1)
+    assert sim.steps == steps + 1 and np.isfinite(sim.hair.positions).all()

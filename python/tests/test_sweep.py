@@ -1,0 +1,107 @@
+"""Sweeps: in processes, on a cluster, with faults, with workers that die."""
+
+import csv
+import os
+import signal
+import threading
+import time
+
+import pytest
+
+import windswept as ws
+from windswept import sweep
+
+VARY = {"viscosity.hair": [0.05, 1.4], "air.wind": [[3.0, 0.0, 0.0], [5.0, 0.0, 0.0]]}
+
+
+@pytest.fixture
+def short(scene):
+    return scene.replace(**{"time.duration": 0.02, "camera.width": 96, "camera.height": 64})
+
+
+def table(out):
+    with open(out / "table.csv", newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_every_combination_gets_its_folder_and_its_line(short, tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    cases = sweep.run(short, VARY, tmp_path)
+    assert [case.status for case in cases] == ["finished"] * 4
+    assert [list(case.values.values()) for case in cases] == [[c, u] for c in VARY["viscosity.hair"] for u in VARY["air.wind"]]
+    for case in cases:
+        assert case.report["steps"] == 12 and case.attempts == 1 and case.error is None
+        assert ws.Scene.load(case.folder / "scene.toml") == short.replace(**case.values)
+        assert image.open(case.folder / "picture.png").size == (96, 64)
+    lines = table(tmp_path)
+    assert [line["viscosity.hair"] for line in lines] == ["0.05", "0.05", "1.4", "1.4"]
+    assert lines[1]["air.wind"] == "[5.0, 0.0, 0.0]" and float(lines[0]["max_stretch"]) >= 0.0
+    assert image.open(tmp_path / "sheet.png").width >= 2 * 96
+    # A second call has nothing to do; a case that is not as it was, or not there, is run.
+    reports = [os.stat(case.folder / "report.json").st_mtime_ns for case in cases]
+    assert [case.status for case in sweep.run(short, VARY, tmp_path)] == ["skipped"] * 4
+    (tmp_path / "0002" / "report.json").unlink()
+    assert [case.status for case in sweep.run(short, VARY, tmp_path)] == ["skipped", "skipped", "finished", "skipped"]
+    assert os.stat(tmp_path / "0001" / "report.json").st_mtime_ns == reports[1]
+    # Other values of the same number are other cases.
+    assert [case.status for case in sweep.run(short, {"seed": [7]}, tmp_path, picture=False)] == ["finished"]
+
+
+def test_a_case_that_fails_stops_no_other(short, tmp_path):
+    # A picture that no adapter draws fails when it is drawn; a length that is none, at once.
+    cases = sweep.run(short, {"camera.width": [96, 100_000_000]}, tmp_path / "drawn", retries=1)
+    assert [(case.status, case.attempts) for case in cases] == [("finished", 1), ("failed", 2)]
+    assert "100000000" in cases[1].error and "100000000" in (cases[1].folder / "error.txt").read_text()
+    assert table(tmp_path / "drawn")[1]["status"] == "failed"
+    cases = sweep.run(short, {"hair.length": [-1.0, 0.02]}, tmp_path / "scenes")
+    assert [case.status for case in cases] == ["failed", "finished"] and "hair.length" in cases[0].error
+    with pytest.raises(ws.SceneError, match="did you mean"):
+        sweep.run(short, {"hair.lenght": [0.1, 0.2]}, tmp_path / "none")
+    with pytest.raises(ValueError, match="vary"):
+        sweep.run(short, {}, tmp_path / "none")
+
+
+def test_a_process_that_dies_is_started_again(short, tmp_path, monkeypatch):
+    started = []
+    popen = sweep.subprocess.Popen
+
+    def killed_first(*words, **more):
+        process = popen(*words, **more)
+        started.append(process)
+        if len(started) == 1:
+            process.kill()
+        return process
+
+    monkeypatch.setattr(sweep.subprocess, "Popen", killed_first)
+    cases = sweep.run(short, {"viscosity.hair": [0.05, 1.4]}, tmp_path)
+    assert [case.status for case in cases] == ["finished", "finished"]
+    assert [case.attempts for case in cases] == [2, 1] and "status -9" in cases[0].error
+    assert len(started) == 3
+
+
+def test_a_cluster_goes_on_when_a_worker_is_killed(short, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    longer = short.replace(**{"time.duration": 0.1})
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+        with distributed.Client(cluster) as client:
+            pids = client.run(os.getpid)
+            assert len(pids) == 2
+            killed = []
+
+            def kill():
+                # As soon as a worker has begun.
+                while not any(client.processing().values()):
+                    time.sleep(0.05)
+                time.sleep(0.5)
+                worker = next(worker for worker, tasks in client.processing().items() if tasks)
+                killed.append(pids[worker])
+                os.kill(pids[worker], signal.SIGKILL)
+
+            killer = threading.Thread(target=kill)
+            killer.start()
+            cases = sweep.run(longer, VARY, tmp_path, client)
+            killer.join()
+            assert killed and killed[0] not in client.run(os.getpid).values()
+    assert [case.status for case in cases] == ["finished"] * 4
+    assert all(case.report["steps"] == 72 and (case.folder / "picture.png").exists() for case in cases)
+    assert [line["status"] for line in table(tmp_path)] == ["finished"] * 4

@@ -1,0 +1,284 @@
+"""Many runs of one scene: every combination of some values, on this machine or on a Dask cluster.
+
+    from windswept import sweep
+
+    cases = sweep.run(scene, vary={"turbulence.bands.0.scale": [0.006, 0.018], "viscosity.hair": [0.05, 1.4]}, out="sweep")
+
+`out` gets a folder per case (`scene.toml`, `report.json`, `picture.png`, or `error.txt`), `table.csv` of all, and `sheet.png`
+of their pictures. Called again it runs what is missing.
+"""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from windswept._native import ExportError, Scene, SceneError, Simulation, contact_sheet, write_png
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+__all__ = ["Case", "run"]
+
+#: Columns of the table that come from a report.
+_REPORTED = ["steps", "time_s", "ms_per_step", "max_stretch", "density_error_rms"]
+
+
+@dataclass
+class Case:
+    """One combination of values."""
+
+    index: int
+    #: By dotted key.
+    values: dict[str, Any]
+    folder: Path
+    #: "finished" in this call, "skipped" (it was), or "failed".
+    status: str = "waiting"
+    #: Runs that were started in this call.
+    attempts: int = 0
+    report: dict[str, Any] = field(default_factory=dict)
+    #: The last fault, also of a case that finished in the end.
+    error: str | None = None
+    _text: str = field(default="", repr=False)
+
+
+@dataclass(frozen=True)
+class _Job:
+    """What a worker needs to know."""
+
+    text: str
+    adapter: str | None
+    picture: bool
+
+
+#: Report and PNG of a finished run.
+_Result = tuple[dict[str, Any], bytes | None]
+
+
+def run(
+    scene: Scene,
+    vary: Mapping[str, Sequence[Any]],
+    out: str | os.PathLike[str],
+    client: Client | None = None,
+    *,
+    workers: int = 2,
+    retries: int = 2,
+    adapter: str | None = None,
+    picture: bool = True,
+) -> list[Case]:
+    """Runs the scene for its duration with every combination of the values.
+
+    Args:
+        scene: what all cases share.
+        vary: values by dotted key.
+        out: folder of the results; made where it is missing.
+        client: a Dask client; None: processes on this machine. Workers on a cluster need windswept and a GPU, but no file
+            system in common with us.
+        workers: processes at a time, without a client.
+        retries: how often a case that fails, or whose worker dies, is started again.
+        adapter: as `Simulation`'s.
+        picture: whether the last state of each case is drawn.
+
+    Returns:
+        Every case, in the order of the product of the values. A case that fails does not stop the others.
+
+    Raises:
+        SceneError: no case makes a scene: a key is unknown, say.
+    """
+    if not vary or not all(len(values) > 0 for values in vary.values()):
+        raise ValueError("vary: expected at least one key with at least one value")
+    if workers < 1 or retries < 0:
+        raise ValueError(f"expected workers >= 1 and retries >= 0, found {workers} and {retries}")
+    cases = _cases(scene, vary, Path(out))
+    missing = [case for case in cases if case.status == "waiting"]
+    jobs = {case.index: _Job(case._text, adapter, picture) for case in missing}
+    work = _locally(missing, jobs, workers, retries) if client is None else _on(client, missing, jobs, retries)
+    try:
+        for case, result in work:
+            _settle(case, result)
+            _write_table(cases, vary, Path(out))
+    finally:
+        work.close()
+    _write_table(cases, vary, Path(out))
+    pictures = [case.folder / "picture.png" for case in cases if (case.folder / "picture.png").exists()]
+    if pictures:
+        try:
+            contact_sheet(pictures, Path(out) / "sheet.png")
+        except ExportError as error:
+            # Cameras may be what varies.
+            (Path(out) / "sheet.txt").write_text(f"{error}\n", encoding="utf-8")
+    return cases
+
+
+def _cases(scene: Scene, vary: Mapping[str, Sequence[Any]], out: Path) -> list[Case]:
+    cases, faults = [], []
+    for index, values in enumerate(itertools.product(*vary.values())):
+        case = Case(index, dict(zip(vary, values)), out / f"{index:04}")
+        try:
+            case._text = scene.replace(**case.values).text
+        except SceneError as error:
+            case.status, case.error = "failed", str(error)
+            faults.append(error)
+        cases.append(case)
+    if len(faults) == len(cases):
+        raise faults[0]
+    for case in cases:
+        case.folder.mkdir(parents=True, exist_ok=True)
+        if case.status == "waiting" and _finished(case):
+            case.status = "skipped"
+            case.report = json.loads((case.folder / "report.json").read_text(encoding="utf-8"))
+        elif case.status == "failed":
+            _write(case.folder / "error.txt", f"{case.error}\n")
+    return cases
+
+
+def _finished(case: Case) -> bool:
+    """Whether its folder has the report of just this scene."""
+    scene, report = case.folder / "scene.toml", case.folder / "report.json"
+    return report.exists() and scene.exists() and scene.read_bytes() == case._text.encode()
+
+
+def _simulate(job: _Job) -> _Result:
+    """A whole run, in whatever process."""
+    sim = Simulation(Scene.parse(job.text), adapter=job.adapter)
+    for _ in sim.frames():
+        pass
+    drawn = None
+    if job.picture:
+        with tempfile.TemporaryDirectory() as folder:
+            write_png(Path(folder) / "picture.png", sim.render())
+            drawn = (Path(folder) / "picture.png").read_bytes()
+    return sim.report(), drawn
+
+
+def _locally(
+    cases: list[Case], jobs: dict[int, _Job], workers: int, retries: int
+) -> Generator[tuple[Case, _Result | None], None, None]:
+    """One process a case: whatever happens to it happens to that case alone."""
+    waiting = list(reversed(cases))
+    running: dict[subprocess.Popen[bytes], tuple[Case, tempfile.TemporaryDirectory[str]]] = {}
+    try:
+        while waiting or running:
+            while waiting and len(running) < workers:
+                case, folder = waiting.pop(), tempfile.TemporaryDirectory()
+                case.attempts += 1
+                job = jobs[case.index]
+                words = {"text": job.text, "adapter": job.adapter, "picture": job.picture}
+                (Path(folder.name) / "job.json").write_text(json.dumps(words), encoding="utf-8")
+                with open(Path(folder.name) / "log.txt", "wb") as log:
+                    command = [sys.executable, "-m", "windswept.sweep", folder.name]
+                    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+                running[process] = case, folder
+            time.sleep(0.02)
+            for process in [process for process in running if process.poll() is not None]:
+                case, folder = running.pop(process)
+                with folder:
+                    result = _fetch(case, Path(folder.name), process.returncode)
+                if result is None and case.attempts <= retries:
+                    waiting.append(case)
+                else:
+                    yield case, result
+    finally:
+        for process, (_, folder) in running.items():
+            process.kill()
+            process.wait()
+            folder.cleanup()
+
+
+def _fetch(case: Case, folder: Path, status: int) -> _Result | None:
+    """What a process left; without a result its last words are the case's error."""
+    try:
+        report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        log = (folder / "log.txt").read_text(encoding="utf-8", errors="replace").strip().splitlines()
+        case.error = f"the process ended with status {status}: {log[-1] if log else 'no words'}"
+        return None
+    drawn = folder / "picture.png"
+    return report, drawn.read_bytes() if drawn.exists() else None
+
+
+def _on(
+    client: Any, cases: list[Case], jobs: dict[int, _Job], retries: int
+) -> Generator[tuple[Case, _Result | None], None, None]:
+    """The same on a cluster, whose scheduler starts again what a worker that died has left."""
+    from distributed import as_completed
+
+    def start(case: Case) -> Any:
+        case.attempts += 1
+        return client.submit(_simulate, jobs[case.index], pure=False)
+
+    futures = {start(case): case for case in cases}
+    completed: Any = as_completed(list(futures))  # type: ignore[no-untyped-call]
+    try:
+        for future in completed:
+            case = futures.pop(future)
+            error = future.exception() if future.status == "error" else None
+            if future.status == "finished":
+                yield case, future.result()
+                continue
+            case.error = f"{type(error).__name__}: {error}" if error else f"the task was {future.status}"
+            if case.attempts <= retries:
+                again = start(case)
+                futures[again] = case
+                completed.add(again)
+            else:
+                yield case, None
+    finally:
+        client.cancel(list(futures))
+
+
+def _settle(case: Case, result: _Result | None) -> None:
+    if result is None:
+        case.status = "failed"
+        _write(case.folder / "error.txt", f"{case.error}\n")
+        return
+    case.status = "finished"
+    case.report, drawn = result
+    (case.folder / "error.txt").unlink(missing_ok=True)
+    if drawn is not None:
+        _write(case.folder / "picture.png", drawn)
+    _write(case.folder / "scene.toml", case._text)
+    # Last: who finds it finds a finished case.
+    _write(case.folder / "report.json", json.dumps(case.report, indent=2) + "\n")
+
+
+def _write_table(cases: list[Case], vary: Mapping[str, Sequence[Any]], out: Path) -> None:
+    lines: list[list[Any]] = [["case", "status", "attempts", *vary, *_REPORTED, "error"]]
+    for case in cases:
+        values = [json.dumps(v) if isinstance(v, (list, tuple, dict)) else v for v in case.values.values()]
+        reported = [case.report.get(key, "") for key in _REPORTED]
+        lines.append([case.folder.name, case.status, case.attempts, *values, *reported, case.error or ""])
+    partial = out / "table.csv.part"
+    with open(partial, "w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows(lines)
+    os.replace(partial, out / "table.csv")
+
+
+def _write(path: Path, content: str | bytes) -> None:
+    """Whole or not at all."""
+    partial = path.with_name(path.name + ".part")
+    partial.write_bytes(content.encode() if isinstance(content, str) else content)
+    os.replace(partial, path)
+
+
+def _main(folder: Path) -> None:
+    """`python -m windswept.sweep FOLDER`: the process of a case."""
+    job = _Job(**json.loads((folder / "job.json").read_text(encoding="utf-8")))
+    report, drawn = _simulate(job)
+    if drawn is not None:
+        (folder / "picture.png").write_bytes(drawn)
+    _write(folder / "report.json", json.dumps(report))
+
+
+if __name__ == "__main__":
+    _main(Path(sys.argv[1]))
