@@ -4,13 +4,13 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use windswept::{
     Gpu,
-    ops::{OpsError, Particles},
+    ops::{Filter, OpsError, Particles},
 };
 use windswept_scene::Fluid;
 
 use crate::{
     arrays::{matrix, rows, triple},
-    errors::{NotInThisVersion, of_ops, of_value},
+    errors::{of_ops, of_value},
     gpu, outside,
 };
 
@@ -99,15 +99,15 @@ fn ops_band_velocity<'py>(
         (rows("positions", positions)?, rows("velocities", velocities)?, sides(r#box)?);
     positive("mass", mass)?;
     positive("rest_density", rest_density)?;
-    match filter {
-        "direct" => {}
-        "grid" => return Err(NotInThisVersion::new_err("filter: \"grid\" is not in this version, \"direct\" is")),
+    let filter = match filter {
+        "direct" => Filter::Direct { cutoff },
+        "grid" => Filter::default(),
         other => return Err(of_value("filter", format!("expected \"grid\" or \"direct\", found {other:?}"))),
-    }
+    };
     let radius = likely_radius(mass, rest_density);
     let velocity = run(py, |gpu| {
         Particles { positions: &positions, velocities: &velocities, mass, rest_density, radius, bounds }
-            .band_velocity(gpu, scale, cutoff)
+            .band_velocity(gpu, scale, filter)
     })?;
     matrix(py, velocity)
 }

@@ -30,7 +30,7 @@ fn nested(key: &str, object: &Bound<'_, PyAny>, deep: usize) -> PyResult<String>
         return nested(key, &object.call_method0("tolist")?, deeper);
     }
     if object.is_instance_of::<PyInt>() {
-        return Ok(object.str()?.extract()?);
+        return object.str()?.extract();
     }
     if object.is_instance_of::<PyFloat>() {
         let x: f64 = object.extract()?;

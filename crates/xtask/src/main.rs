@@ -1,7 +1,8 @@
-//! `cargo xtask demo` and `cargo xtask test`: set up what a clean clone lacks, then run it.
+//! `cargo xtask demo`, `cargo xtask python` and `cargo xtask test`: set up what a clean clone lacks, then run it.
 //!
 //! Everything it fetches is either a system package, announced before it is installed, or lies in `target/venv`.
 
+mod python;
 mod system;
 mod tests;
 mod venv;
@@ -14,10 +15,11 @@ const USAGE: &str = "\
 Usage: cargo xtask <COMMAND>
 
 Commands:
-  demo   build windswept and run examples/scenes/quick.toml into out/quick
-  test   check formatting and lints, then run every test on the software adapter
+  demo     build windswept and run examples/scenes/quick.toml into out/quick
+  python   build the Python wheel into target/wheels and install it into target/venv
+  test     check formatting and lints, then run every test on the software adapter
 
-Both look for a Vulkan driver and CMake first, and get them where they are missing.";
+All look for a Vulkan driver and CMake first, and get them where they are missing.";
 
 /// What went wrong, as the user reads it; it ends with what to do.
 type Error = String;
@@ -27,6 +29,7 @@ fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let done = match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["demo"] => demo(),
+        ["python"] => python::provide(),
         ["test"] => tests::run(),
         ["help" | "-h" | "--help"] => {
             println!("{USAGE}");

@@ -1,0 +1,52 @@
+//! The Python package: its wheel, in `target/wheels` and `target/venv`, and its tests.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::{Result, cargo, root, run, say, venv};
+
+/// What the package's tests and users import, and what builds it.
+const PACKAGES: [&str; 10] =
+    ["maturin", "numpy", "h5py", "vtk", "pillow", "pytest", "mypy", "matplotlib", "distributed", "tqdm"];
+
+/// `cargo xtask python`.
+pub(crate) fn provide() -> Result {
+    let python = install("release")?;
+    println!("\n{} imports windswept; the wheel is in target/wheels", python.display());
+    Ok(())
+}
+
+/// Builds the wheel and installs it; returns the Python that then imports it.
+pub(crate) fn install(profile: &str) -> Result<PathBuf> {
+    let python = venv::provide(&PACKAGES)?;
+    let wheels = root().join("target/wheels");
+    // Else wheels of older versions would be installed too.
+    if wheels.exists() {
+        std::fs::remove_dir_all(&wheels).map_err(|e| format!("{}: {e}", wheels.display()))?;
+    }
+    say("Building the wheel");
+    let mut maturin = Command::new(&python);
+    maturin.current_dir(root()).args(["-m", "maturin", "build", "--quiet", "--profile", profile, "--out"]).arg(&wheels);
+    // The cargo that runs us is the one that builds.
+    maturin.env("CARGO", cargo().get_program());
+    venv::provide_cmake(&mut maturin)?;
+    run(&mut maturin)?;
+    let wheel = the_file_in(&wheels)?;
+    let mut pip = Command::new(&python);
+    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-index", "--no-deps"]);
+    run(pip.arg("--force-reinstall").arg(wheel))?;
+    Ok(python)
+}
+
+/// The package's tests, to be run.
+pub(crate) fn tests(python: &Path) -> Command {
+    let mut pytest = Command::new(python);
+    pytest.current_dir(root()).args(["-m", "pytest", "--quiet", "--color=no", "--tb=short", "--durations=5"]);
+    pytest
+}
+
+fn the_file_in(folder: &Path) -> Result<PathBuf> {
+    let unread = |e: std::io::Error| format!("{}: {e}", folder.display());
+    let first = std::fs::read_dir(folder).map_err(unread)?.next();
+    first.ok_or_else(|| format!("{} is empty", folder.display()))?.map(|entry| entry.path()).map_err(unread)
+}
