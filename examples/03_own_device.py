@@ -31,7 +31,10 @@ for thread in threads:
     thread.join()
 print(f"{brush.steps} steps of the brush, {strands.steps} of the strands")
 
-# The roots, driven from here.
+# The wind and the roots, driven from here.
+brush.set_wind([4.0, 0.0, 1.0])
+brush.step(1)
+print(f"the air now blows with {brush.air.velocities.mean(axis=0)} m/s")
 roots = points[:, 0]
 strands.run(0.05, callback=lambda sim: sim.set_roots(roots + [0.005 * np.sin(40 * sim.time), 0, 0]))
 print(f"the tips are {1e3 * strands.hair.positions[[19, 39], 0]} mm to the side")

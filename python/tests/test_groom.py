@@ -37,6 +37,7 @@ def test_a_groom_replaces_the_hair_of_the_scene(scene):
     sim.step(3)
     assert sim.hair.positions.shape == (12, 3)
     assert sim.report()["particles"]["hair"] == 12
+    assert "[[hair]]" not in sim.scene.text
     assert sim.render(64, 48).shape == (48, 64, 4)
 
 

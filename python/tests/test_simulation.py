@@ -132,6 +132,23 @@ def test_air_and_hair_can_be_put_elsewhere(sim):
     assert np.isfinite(sim.hair.positions).all()
 
 
+def test_the_wind_can_be_turned(sim, bare):
+    sim.step(3)
+    before = sim.air.velocities.mean(axis=0)
+    sim.set_wind([3.0, 0.0, 1.5])
+    sim.step(1)
+    change = sim.air.velocities.mean(axis=0) - before
+    # All air takes the change in that step; the fringe, hair and neighbours add less than 0.1 m/s.
+    assert change == pytest.approx([0.0, 0.0, 1.5], abs=0.1)
+    assert "wind = [3.0, 0.0, 1.5]" in sim.scene.text and ws.Scene.parse(sim.scene.text) == sim.scene
+    for bad in ([1.0, 2.0], 3.0, [np.nan, 0, 0], [[1, 2, 3]], "fast", None):
+        with pytest.raises(ValueError, match="wind"):
+            sim.set_wind(bad)
+    alone = ws.Simulation(bare, groom=ws.Groom([[[0, 0, 0], [0.01, 0, 0]]]))
+    with pytest.raises(ValueError, match="wind"):
+        alone.set_wind([1, 0, 0])
+
+
 def test_any_layout_and_width_of_floats_comes_in(sim):
     v = np.random.default_rng(1).normal(size=sim.air.velocities.shape)
     wide = np.zeros((len(v), 7))

@@ -16,7 +16,7 @@ use windswept_export::Renderer;
 use windswept_scene::AirPicture;
 
 use crate::{
-    arrays::{maybe_rows, rows},
+    arrays::{maybe_rows, rows, triple},
     errors::{NotInThisVersion, of_export, of_run, of_start, of_value},
     frames::{Frame, Frames},
     gpu,
@@ -237,10 +237,14 @@ impl Simulation {
         self.engine(py, |sim| sim.dt())
     }
 
-    /// The scene; without its [hair] where a groom replaced it.
+    /// The scene as it runs: without its [hair] where a groom replaced it, with the wind that `set_wind` set.
     #[getter]
     fn scene(&self, py: Python<'_>) -> PyResult<Scene> {
-        Ok(Scene { inner: self.engine(py, |sim| sim.scene().clone())? })
+        let mut inner = self.engine(py, |sim| sim.scene().clone())?;
+        if windswept_scene::Scene::parse(inner.text()).as_ref() != Ok(&inner) {
+            inner.text = inner.to_toml();
+        }
+        Ok(Scene { inner })
     }
 
     /// The adapter that runs it: name, backend, driver, kind.
@@ -287,10 +291,11 @@ impl Simulation {
         self.run_engine(py, |sim| sim.set_roots(&positions, frames.as_deref()))
     }
 
-    /// Sets the mean wind [m/s], `(3,)`.
-    fn set_wind(&self, wind: &Bound<'_, PyAny>) -> PyResult<()> {
-        crate::arrays::triple("wind", wind)?;
-        Err(NotInThisVersion::new_err("set_wind: not in this version"))
+    /// The mean wind from the next step on, `(3,)` [m/s], in place of the scene's wind, ramp and gusts. All air takes the
+    /// change alike in that step.
+    fn set_wind(&self, py: Python<'_>, wind: &Bound<'_, PyAny>) -> PyResult<()> {
+        let wind = DVec3::from_array(triple("wind", wind)?);
+        self.run_engine(py, |sim| sim.set_wind(wind))
     }
 
     /// Puts air somewhere else; what is not given stays.
