@@ -5,8 +5,8 @@
 // A gather in a fixed order: particles are sorted into cells of the grid itself, and an invocation makes 4 x 2 x 2 nodes
 // from the rows of cells that reach them.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::{turns_of, box_bucket}, status::frozen,
-    mesh::{Mesh, half_width, b_spline, node_index},
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen,
+    mesh::{Mesh, half_width, b_spline, node_in_box, node_index},
 };
 
 const BLOCK: vec3i = vec3i(4, 2, 2);
@@ -23,8 +23,9 @@ var<private> sum_10: mat4x4f;
 var<private> sum_01: mat4x4f;
 var<private> sum_11: mat4x4f;
 
-fn add(e: u32, image: vec3f, block: vec3f) {
-    let t = (flow_position[e].xyz + image) / mesh.spacing - block;
+// A particle's place less `corner`, in spacings.
+fn add(e: u32, corner: vec3f) {
+    let t = flow_position[e].xyz / mesh.spacing - corner;
     let along = b_spline(mesh.order, vec4f(t.x, t.x - 1.0, t.x - 2.0, t.x - 3.0));
     let across = b_spline(mesh.order, vec4f(t.y, t.y - 1.0, t.z, t.z - 1.0));
     let f = flow[e];
@@ -61,15 +62,15 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let last = vec3i(ceil(vec3f(block + BLOCK - 1) + half)) - 1;
     for (var z = first.z; z <= last.z; z++) {
         for (var y = first.y; y <= last.y; y++) {
+            // In runs of cells, where the box repeats.
             var x = first.x;
             while x <= last.x {
-                let turns = turns_of(vec3i(x, y, z));
-                let home = vec3i(x, y, z) - turns * params.cells;
-                let run = min(last.x + 1 - x, params.cells.x - home.x);
-                let bucket = box_bucket(home);
-                let end = cell_start[bucket + u32(run)];
-                let image = vec3f(turns) * params.box_size;
-                for (var e = cell_start[bucket]; e < end; e++) { add(e, image, vec3f(block)); }
+                let home = node_in_box(vec3i(x, y, z), mesh.nodes);
+                let run = min(last.x + 1 - x, mesh.nodes.x - home.x);
+                let cell = node_index(home, mesh.nodes);
+                let end = cell_start[cell + u32(run)];
+                let corner = vec3f(block - vec3i(x, y, z) + home);
+                for (var e = cell_start[cell]; e < end; e++) { add(e, corner); }
                 x += run;
             }
         }

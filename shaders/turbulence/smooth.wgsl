@@ -3,12 +3,12 @@
 //   S <- g * S,  C <- g * C + g'' * S       after x, y and z: S = G * D, C = its Laplacian
 //
 // g and g'' are taps of the periodic Gaussian and of its second derivative, with the blur of the two B-splines along the
-// axis taken out. An invocation makes eight nodes in a row: what it reads of a node serves all eight.
+// axis taken out. An invocation makes four nodes in a row: what it reads of a node serves all four.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::{Mesh, node_index},
 };
 
-const ROW: i32 = 8;   // nodes that an invocation makes
+const ROW: i32 = 4;   // nodes that an invocation makes
 
 @group(0) @binding(2) var<uniform>             mesh:               Mesh;
 @group(0) @binding(3) var<storage, read>       taps:               array<vec2f>;   // of g, of g'' [1/m^2]
@@ -17,12 +17,9 @@ const ROW: i32 = 8;   // nodes that an invocation makes
 @group(0) @binding(6) var<storage, read_write> smoother:           array<vec4f>;   // xyz [m^4/s], w [m^3]
 @group(0) @binding(7) var<storage, read_write> smoother_curvature: array<vec4f>;   // xyz [m^2/s], w as that of `smoother`
 
-// Taps of a component's eight sums, the nearest of the eight first.
-struct Eight { near: vec4f, far: vec4f }
-
-// The window moves on by a tap.
-fn moved(window: Eight, tap: f32) -> Eight {
-    return Eight(vec4f(tap, window.near.xyz), vec4f(window.near.w, window.far.xyz));
+// The window of taps, one per node that is made, moves on by one.
+fn moved(window: vec4f, tap: f32) -> vec4f {
+    return vec4f(tap, window.xyz);
 }
 
 fn spread(value: vec4f, taps: vec4f) -> mat4x4f {
@@ -49,12 +46,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     node[mesh.axis] = 0;
     let line = node_index(node, mesh.nodes);
 
-    var gauss = Eight();
-    var curve = Eight();
-    var near = mat4x4f();
-    var far = mat4x4f();
-    var near_curvature = mat4x3f();
-    var far_curvature = mat4x3f();
+    var gauss = vec4f(0.0);
+    var curve = vec4f(0.0);
+    var sum = mat4x4f();
+    var bent_sum = mat4x3f();
     var at = first + mesh.nearest;
     if at < 0 { at += all; }
     for (var t = mesh.first_tap; t < mesh.end_tap; t++) {
@@ -62,26 +57,19 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         gauss = moved(gauss, tap.x);
         curve = moved(curve, tap.y);
         let value = smoothed[line + stride() * u32(at)];
-        near += spread(value, gauss.near);
-        far += spread(value, gauss.far);
-        near_curvature += spread3(value.xyz, curve.near);
-        far_curvature += spread3(value.xyz, curve.far);
+        sum += spread(value, gauss);
+        bent_sum += spread3(value.xyz, curve);
         if mesh.axis > 0u {
             let bent = curvature[line + stride() * u32(at)].xyz;
-            near_curvature += spread3(bent, gauss.near);
-            far_curvature += spread3(bent, gauss.far);
+            bent_sum += spread3(bent, gauss);
         }
         at++;
         if at >= all { at -= all; }
     }
-    write(first, line, near[0], near_curvature[0]);
-    write(first + 1, line, near[1], near_curvature[1]);
-    write(first + 2, line, near[2], near_curvature[2]);
-    write(first + 3, line, near[3], near_curvature[3]);
-    write(first + 4, line, far[0], far_curvature[0]);
-    write(first + 5, line, far[1], far_curvature[1]);
-    write(first + 6, line, far[2], far_curvature[2]);
-    write(first + 7, line, far[3], far_curvature[3]);
+    write(first, line, sum[0], bent_sum[0]);
+    write(first + 1, line, sum[1], bent_sum[1]);
+    write(first + 2, line, sum[2], bent_sum[2]);
+    write(first + 3, line, sum[3], bent_sum[3]);
 }
 
 fn write(place: i32, line: u32, value: vec4f, bent: vec3f) {
