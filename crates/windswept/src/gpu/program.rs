@@ -1,6 +1,9 @@
 //! A recording made ready for the device: pipelines and bind groups, replayed as often as wanted.
 
-use std::collections::BTreeMap;
+use std::{
+    collections::BTreeMap,
+    time::{Duration, Instant},
+};
 
 use wgpu_profiler::{GpuProfiler, GpuProfilerSettings, GpuTimerQueryResult};
 
@@ -85,8 +88,16 @@ impl Program {
             },
         )?;
         profiler.end_frame().map_err(|error| failed(&error))?;
-        gpu.wait()?;
-        let times = profiler.process_finished_frame(gpu.queue.get_timestamp_period()).unwrap_or_default();
+        let period = gpu.queue.get_timestamp_period();
+        let deadline = Instant::now() + Duration::from_secs(1);
+        // Another thread that waits for the same device may have taken our buffers' callback and not yet called it.
+        let times = loop {
+            gpu.wait()?;
+            match profiler.process_finished_frame(period) {
+                None if Instant::now() < deadline => std::thread::yield_now(),
+                times => break times.unwrap_or_default(),
+            }
+        };
         for (dispatch, time) in self.dispatches.iter().zip(times) {
             self.add(profile, dispatch, &time);
         }
