@@ -12,7 +12,7 @@ use crate::{
     Bench, Measured, Result,
     air::{STEP, rms},
     point::Point,
-    timing,
+    timing::{self, Time},
 };
 
 /// A solver, and the iterations to try: a row here is a set of lines in the picture.
@@ -53,8 +53,9 @@ const SUBSTEPS: [u32; 5] = [1, 2, 4, 8, 16];
 /// Sweeps times substeps, at most, where there are substeps.
 const MOST_SWEEPS: u32 = 160;
 
-/// Strands that are timed.
-const STRANDS: usize = 64;
+/// Strands that are timed: the paper's, and a groom of many, which are timed in falls at one substep.
+const STRANDS: usize = 550;
+const MANY_STRANDS: usize = 10_000;
 /// Segments of a strand.
 const SEGMENTS: usize = 34;
 /// \[m\]
@@ -139,17 +140,18 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
     let default = Scene::parse(&text(&[], 1, 0.0))?;
 
     let settings = settings(bench);
-    let (many, strands) = build(&rods, STRANDS / rods.len(), DAMPING)?;
-    let scenes: Vec<_> = settings.iter().map(|setting| (setting.apply(many.clone()), strands.clone())).collect();
-    let times = timing::passes(&bench.gpu, &scenes, &["rods/"], bench.rounds(10))?;
+    let times = times_of(bench, &settings, &rods, STRANDS)?;
+    let single: Vec<Setting> = settings.iter().copied().filter(|setting| setting.substeps == 1).collect();
+    let times_of_many = times_of(bench, &single, &rods, if bench.quick { STRANDS } else { MANY_STRANDS })?;
     let (damped, hanging) = build(&rods, 1, DAMPING)?;
     let (free, level) = build(&falling, 1, 0.0)?;
     let mut points = Vec::new();
+    let mut times_of_many = times_of_many.iter();
     for (setting, time) in settings.iter().zip(&times) {
         let Setting { row, substeps, iterations } = setting;
         let series = format!("{}, {substeps} substep{}", row.name, if *substeps == 1 { "" } else { "s" });
         let is_default = setting.apply(default.clone()) == default;
-        let mut add = |kind: String, error: f64, uncertainty: f64| {
+        let mut add = |kind: String, time: &Time, error: f64, uncertainty: f64| {
             let point = Point::new(&kind, &series, &format!("{iterations} {}", row.unit), time, error);
             points.push(Point { default: is_default, uncertainty, ..point });
         };
@@ -158,16 +160,24 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
         let at_rest = tips(&mut simulation, SAMPLE_STEPS, samples)?;
         for (s, rod) in rods.iter().enumerate() {
             let error = rms(at_rest.iter().map(|tips| (tips[s] - rod.tip).length()));
-            add(format!("{}, at rest: rms tip error [L]", rod.name), error, 0.0);
+            add(format!("{}, at rest: rms tip error [L]", rod.name), time, error, 0.0);
         }
         let mut simulation = Simulation::with_state(&bench.gpu, &setting.apply(free.clone()), level.clone())?;
         let path = tips(&mut simulation, 1, fall_steps)?;
+        let time_of_many = if setting.substeps == 1 { times_of_many.next() } else { None };
         for (s, rod) in falling.iter().enumerate() {
-            add(format!("{}, falling: rms tip error [L]", rod.name), rms_distance(&path, &truth, s), drift[s]);
+            let error = rms_distance(&path, &truth, s);
+            add(format!("{}, falling: rms tip error [L]", rod.name), time, error, drift[s]);
+            if let Some(time) = time_of_many {
+                add(format!("{MANY_STRANDS} strands, {}, falling: rms tip error [L]", rod.name), time, error, drift[s]);
+            }
         }
     }
     let notes = vec![
-        format!("strands of {SEGMENTS} segments, {LENGTH} m, step {STEP} s; time: {STRANDS} strands at once"),
+        format!(
+            "strands of {SEGMENTS} segments, {LENGTH} m, step {STEP} s; time: {STRANDS} strands at once, or {MANY_STRANDS}; a quarter of \
+             them each rod's"
+        ),
         format!(
             "at rest: from {rest} s after release, {samples} samples {SAMPLE_STEPS} steps apart, damping {DAMPING} 1/s; \
              tips of cantilever.csv and helix.csv"
@@ -179,6 +189,13 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
         ),
     ];
     Ok(Measured { points, notes })
+}
+
+/// Time of each setting with `count` strands in all.
+fn times_of(bench: &Bench, settings: &[Setting], rods: &[Rod], count: usize) -> Result<Vec<Time>> {
+    let (many, strands) = build(rods, count.div_ceil(rods.len()), DAMPING)?;
+    let scenes: Vec<_> = settings.iter().map(|setting| (setting.apply(many.clone()), strands.clone())).collect();
+    timing::passes(&bench.gpu, &scenes, &["rods/"], bench.rounds(6))
 }
 
 /// Straight, clamped level (cantilever.csv).

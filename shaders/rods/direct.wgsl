@@ -40,7 +40,7 @@ const FITS: f32 = 1e-5;      // |C + alpha mu| of stretch-shear at which a stran
 const QUIET: f32 = 1e-6;     // residual below which a strand need not be solved
 // Added to the diagonal of J W J^T, in parts of it: keeps the system within what f32 resolves where segments are stiff and
 // short. Steps come out shorter by that much where they are the least certain; where a strand comes to rest stays the same.
-const GIVE: f32 = 1e-6;
+const GIVE: f32 = 2e-7;
 const ONE = mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
 
 fn skew(v: vec3f) -> mat3x3f {

@@ -29,7 +29,7 @@ pub const STILL_STEPS: u32 = 10;
 /// Pushed by less than this it stays at rest \[m/s²\].
 pub const STILL_ACCELERATION: f64 = 1e-3;
 /// Slower than this many of its lengths a second it is at rest \[1/s\].
-pub const STILL_SPEED: f64 = 1.5e-4;
+pub const STILL_SPEED: f64 = 7e-5;
 
 /// |C + α μ| of stretch-shear at which the direct solver has torn a strand.
 pub const RESCUED: f64 = 1.0;

@@ -315,6 +315,7 @@ impl InitialState {
         hair.representable(scene)?;
         let bodies: Vec<Capsule> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
         rooted_outside(scene, &hair, &bodies)?;
+        warnings.extend(warnings::of_rods(scene, &hair));
         warnings.extend(warnings::of_bodies(scene, &hair, &bodies));
         let filled = scene.filled();
         if hair.is_empty() && filled.is_none() {

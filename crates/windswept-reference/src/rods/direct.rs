@@ -9,7 +9,7 @@ use crate::Parameters;
 /// |C + α μ| of stretch-shear at which a strand is done.
 pub const FITS: f64 = 1e-5;
 /// Added to the diagonal of J W Jᵀ, in parts of it, as the engine needs it in f32.
-const GIVE: f64 = 1e-6;
+const GIVE: f64 = 2e-7;
 /// Residual below which a strand need not be solved.
 pub const QUIET: f64 = 1e-6;
 

@@ -1,0 +1,126 @@
+//! Where strands come to rest.
+
+use glam::DVec3;
+use windswept::Simulation;
+use windswept_reference::tables;
+use windswept_scene::Scene;
+
+use crate::{GRAVITY, LENGTH, LINE_DENSITY, Rod, STRETCH, build, elastica, rest, support, tips};
+
+/// The elastica for every γ, at any step: 34 segments.
+#[test]
+fn strands_hang_like_the_elastica_at_any_step() {
+    let rods: Vec<Rod> = elastica().iter().map(|(gamma, _)| Rod::level(*gamma, 34)).collect();
+    let mut at_rest: Vec<Vec<DVec3>> = Vec::new();
+    for step in [0.35e-3, 1.38e-3, 4e-3, 8.3e-3, 16.6e-3] {
+        let (tips, report) = rest(&rods, step, 4.0);
+        for ((gamma, exact), tip) in elastica().iter().zip(&tips) {
+            let error = (*tip - *exact).length();
+            let bound = if *gamma > 100.0 { 5e-3 } else { 2.5e-3 };
+            println!("{step} s, gamma {gamma}: {error:.2e} L");
+            // Measured at most 2.13e-3 up to 100, the discretisation itself; 2.83e-3 at 200 and 4.2e-3 at 500.
+            assert!(error < bound, "{step} s, gamma {gamma}: {error} L");
+        }
+        println!("{step} s: stretch {:.1e}, {:?}", report.max_stretch.unwrap(), report.strand_steps);
+        at_rest.push(tips);
+    }
+    for tips in &at_rest {
+        for ((gamma, _), (a, b)) in elastica().iter().zip(tips.iter().zip(&at_rest[1])) {
+            // Measured at most 2.4e-5 L; the bound is 1e-4.
+            assert!((*a - *b).length() < 1e-4, "gamma {gamma}: {} L apart", (*a - *b).length());
+        }
+    }
+}
+
+/// Second order in the segments' length; the same rod at any number of them within 1.3 x the discretisation's own error
+/// (reference/README.md).
+#[test]
+fn stiffness_does_not_depend_on_the_number_of_points() {
+    let own = [(10.0, [1.3e-2, 3.5e-3, 8.2e-4, 2.4e-4, 6.0e-5]), (100.0, [3.2e-2, 8.6e-3, 2.1e-3, 6.4e-4, 1.7e-4])];
+    let segments = [8, 16, 34, 64, 128];
+    for (gamma, discretisation) in own {
+        let (_, exact) = elastica().into_iter().find(|(g, _)| *g == gamma).unwrap();
+        let rods = segments.map(|n| Rod::level(gamma, n));
+        let (tips, _) = rest(&rods, 1.38e-3, 4.0);
+        let errors: Vec<f64> = tips.iter().map(|tip| (*tip - exact).length()).collect();
+        println!("gamma {gamma}: {errors:?}");
+        for (error, own) in errors.iter().zip(discretisation) {
+            assert!(*error < 1.3 * own, "gamma {gamma}: {error}, discretisation {own}");
+        }
+        // From 16 to 128 segments, 8 times finer: 64 times for second order. Measured orders 1.95 and 1.89.
+        let order = (errors[1] / errors[4]).log2() / 3.0;
+        println!("order {order:.2}");
+        assert!(order > 1.8, "gamma {gamma}: order {order}");
+    }
+}
+
+/// A strand rests in the same place however many Newton steps and substeps took it there.
+#[test]
+fn rest_does_not_depend_on_newton_steps_or_substeps() {
+    let rods = [Rod::level(10.0, 34), Rod::level(100.0, 34)];
+    for (step, others) in [(1.38e-3, &[(1, 1)][..]), (8.3e-3, &[(1, 1), (2, 1), (8, 1), (4, 3), (1, 8)])] {
+        let at_rest = |newton: u32, substeps: u32| {
+            let (mut scene, initial) = build(&rods, step, &format!("damping = 8.0, newton = {newton}"));
+            scene.time.substeps = substeps;
+            let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
+            simulation.step((4.0 / step) as u64).unwrap();
+            tips(&simulation.frame().unwrap().hair)
+        };
+        let own = at_rest(4, 1);
+        for &(newton, substeps) in others {
+            for (a, b) in own.iter().zip(at_rest(newton, substeps)) {
+                let apart = (*a - b).length();
+                println!("{step} s, {newton} Newton steps, {substeps} substeps: {apart:.1e} L");
+                // Measured at most 2.8e-6 L (1e-5 while awake).
+                assert!(apart < 1e-4, "{step} s, {newton} Newton steps, {substeps} substeps: {apart} L");
+            }
+        }
+    }
+}
+
+#[test]
+fn curled_strands_hang_like_the_helix() {
+    let rows: Vec<_> = tables::helix().into_iter().filter(|row| row.gamma > 0.0).collect();
+    let rods: Vec<Rod> = rows.iter().map(|row| Rod::helix(row, 34)).collect();
+    for step in [1.38e-3, 16.6e-3] {
+        let (tips, _) = rest(&rods, step, 4.0);
+        for (row, tip) in rows.iter().zip(&tips) {
+            let error = (*tip - row.tip).length();
+            println!("{step} s, gamma {}: {error:.2e} L", row.gamma);
+            // Measured 3.6e-4 and 6.1e-4, the discretisation itself; the bound is 1.5e-3.
+            assert!(error < 1.5e-3, "gamma {}: {error} L", row.gamma);
+        }
+    }
+}
+
+/// Nothing stretches beyond what its weight asks for: T/EA.
+#[test]
+fn strands_do_not_stretch() {
+    for gamma in [10.0, 100.0] {
+        let (_, report) = rest(&[Rod::level(gamma, 34)], 1.38e-3, 2.0);
+        let own = LINE_DENSITY * GRAVITY * LENGTH / STRETCH;
+        let stretch = report.max_stretch.unwrap();
+        println!("gamma {gamma}: {stretch:.1e}, of weight {own:.1e}");
+        // Measured 1.7e-6.
+        assert!(stretch - own < 1e-4, "{stretch}");
+    }
+}
+
+/// Strands of many short segments, and few steps that are long for them, stay whole.
+#[test]
+fn many_points_do_not_tear() {
+    for (points, step, bound) in [(2, 1.38e-3, 1e-4), (1024, 1.38e-3, 1e-3), (200, 16.6e-3, 1e-2), (300, 16.6e-3, 1e-1)]
+    {
+        let text = format!(
+            "interaction = {{ model = \"none\" }}\ntime = {{ step = {step}, duration = 1.0 }}\n\
+             hair = {{ strands = 3, points = {points}, length = 0.1, roots = {{ center = [0, 0, 0], radius = 0.01, direction = [1, 0, 0] }} }}\n"
+        );
+        let mut simulation = Simulation::new(&support::gpu(), &Scene::parse(&text).unwrap()).unwrap();
+        simulation.step(60).unwrap();
+        let report = simulation.report().unwrap();
+        println!("{points} points, {step} s: stretch {:.1e}, {:?}", report.max_stretch.unwrap(), report.strand_steps);
+        // Measured 1e-6, 1.5e-5, 5.2e-4, 5.5e-3.
+        assert!(report.max_stretch.unwrap() < bound, "{points} points, {step} s: {}", report.max_stretch.unwrap());
+        assert!(!report.warnings.contains_key("strand_reset"), "{:?}", report.warnings);
+    }
+}
