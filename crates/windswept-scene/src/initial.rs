@@ -200,7 +200,9 @@ impl Strands {
             held(ends.start) && held(ends.end - 1) && self.stretch_compliance[segments].iter().all(|c| c.z == 0.0)
         };
         if let Some(s) = (0..strands).find(overheld) {
-            return fault(format!("strand {s} is held at both ends and cannot stretch: expected rods.inextensible = false, or one end free"));
+            return fault(format!(
+                "strand {s} is held at both ends and cannot stretch: expected rods.inextensible = false, or one end free"
+            ));
         }
         if let Some(i) = (0..points).find(|&i| !self.positions[i].is_finite() || !self.velocities[i].is_finite()) {
             return fault(format!("point {i} has a position or a velocity that is not finite"));
