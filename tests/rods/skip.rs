@@ -9,7 +9,7 @@ use crate::{LENGTH, Rod, build, rest, support, tips};
 /// The direct solver's passes take no longer than those of ten sweeps of Gauss-Seidel: by turns, the least of each.
 #[test]
 fn the_direct_solver_is_faster_than_ten_sweeps() {
-    for (strands, rounds) in [(550, 6), (10_000, 3)] {
+    for (strands, rounds, steps) in [(550, 6, 12), (10_000, 4, 2)] {
         let least = ["direct\", integrator = \"bdf2", "gauss-seidel\", integrator = \"euler"].map(|solver| {
             let text = format!(
                 "interaction = {{ model = \"drag\" }}\nair = {{ wind = [3.0, 0, 0] }}\n\
@@ -24,7 +24,7 @@ fn the_direct_solver_is_faster_than_ten_sweeps() {
             for (scene, best) in &mut least {
                 let mut simulation = Simulation::new(&support::gpu(), scene).unwrap();
                 // The second submit is timed pass by pass.
-                simulation.step(40).unwrap();
+                simulation.step(steps).unwrap();
                 let report = simulation.report().unwrap();
                 let ms: f64 = report.passes.iter().filter(|row| row.pass.starts_with("rods/")).map(|row| row.ms).sum();
                 assert!(ms > 0.0, "no timestamps");
@@ -33,7 +33,7 @@ fn the_direct_solver_is_faster_than_ten_sweeps() {
         }
         let [(_, direct), (_, sweeps)] = least;
         println!("{strands} strands: direct {direct:.2} ms, ten sweeps {sweeps:.2} ms, ratio {:.2}", direct / sweeps);
-        // Measured 0.73 and 0.75 on a machine that others use too.
+        // Measured 0.46 to 0.75, and 0.78 (0.53 after 40 steps), on a machine that others use too.
         assert!(direct < sweeps, "{strands} strands: {direct} ms against {sweeps} ms");
     }
 }
