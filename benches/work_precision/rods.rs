@@ -246,7 +246,7 @@ fn text(rods: &[Rod], copies: usize, damping: f64) -> String {
     let groups: String = rods.iter().enumerate().map(group).collect();
     format!(
         "interaction = {{ model = \"none\" }}\ngravity = [0, -{GRAVITY}, 0]\n\
-         time = {{ step = {STEP}, duration = 1.0 }}\nrods = {{ damping = {damping:?} }}\n{groups}"
+         time = {{ step = {STEP}, duration = 1.0 }}\nrods = {{ damping = {damping:?}, sleep = false }}\n{groups}"
     )
 }
 
@@ -290,6 +290,7 @@ fn tips(simulation: &mut Simulation, steps: u64, count: usize) -> Result<Vec<Vec
 fn twin_fall(rods: &[Rod], steps: usize, substeps: u32) -> Result<Vec<Vec<DVec3>>> {
     let (mut scene, initial) = build(rods, 1, 0.0)?;
     scene.time.substeps = substeps;
+    scene.rods.sleep = false;
     let p = Parameters::new(&scene, &initial);
     let mut state = State::new(&initial, p.step);
     let mut all = Vec::new();

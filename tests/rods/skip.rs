@@ -111,3 +111,23 @@ fn sleep_does_not_move_what_rests() {
         }
     }
 }
+
+/// In falls, however short the steps are, tips go where they go with nothing skipped.
+#[test]
+fn falls_are_not_cut_short() {
+    let rods = [Rod::level(10.0, 34), Rod::level(100.0, 34)];
+    for substeps in [1, 16, 64] {
+        let end = |sleep: bool| {
+            let (mut scene, initial) = build(&rods, 1.38e-3, &format!("sleep = {sleep}"));
+            scene.time.substeps = substeps;
+            let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
+            simulation.step(72).unwrap();
+            let counted = simulation.report().unwrap().strand_steps.unwrap();
+            (tips(&simulation.frame().unwrap().hair), counted["quiet_steps"])
+        };
+        let ((skipping, quiet), (whole, _)) = (end(true), end(false));
+        let apart = skipping.iter().zip(&whole).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
+        println!("{substeps} substeps: {apart:.1e} L apart, {quiet} quiet steps");
+        assert!(apart < 1e-4, "{substeps} substeps: {apart} L");
+    }
+}
