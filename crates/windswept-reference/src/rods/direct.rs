@@ -78,7 +78,7 @@ pub fn direct(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &m
 }
 
 /// Left out of every step, however short it is, a residual must not add up to a push that wakes a sleeper.
-pub fn quiet_below(p: &Parameters, hair: &Strands, s: usize) -> f64 {
+fn quiet_below(p: &Parameters, hair: &Strands, s: usize) -> f64 {
     let lengths = &hair.rest_length[hair.segments(s)];
     let mean_segment = lengths.iter().sum::<f64>() / lengths.len() as f64;
     QUIET.min(STILL_ACCELERATION * p.step * p.step / mean_segment)
