@@ -16,7 +16,6 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::{frozen, count, QUIET_STEP},
     quaternion::{product, conjugate, rotate, rotation, tangent, matrix}, integration::response,
-    rest::STILL_ACCELERATION,
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT},
 };
 
@@ -203,7 +202,7 @@ fn unrest(strand: Strand, rod: RodStrand) -> f32 {
 // Left out of every step, however short it is, a residual must not add up to a push that wakes a sleeper.
 fn quiet_below(strand: Strand) -> f32 {
     let mean_segment = strand.length / f32(strand.points - 1u);
-    return min(QUIET, STILL_ACCELERATION * params.step * params.step / mean_segment);
+    return min(QUIET, strand.still_acceleration * params.step * params.step / mean_segment);
 }
 
 // Root to tip: U and y of every block. Returns dmu of the tip's joint.

@@ -104,7 +104,7 @@ fn step_of_both(stage: &mut Stage, bounds: &Bounds) -> Vec<Difference> {
     }
 
     stage.run(step::contact::record);
-    twin::contact(&s, &mut w, &p);
+    twin::contact(&mut s, &mut w, &p);
     if plan.bodies.runs {
         let got = stage.vectors(&state.predicted);
         found.push(("contact/hair", apart(&got[..hair], &w.predicted[..hair]), bounds.length));

@@ -3,7 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 use windswept_scene::{End, Strands};
 
-use super::{Drive, Moving, Point, STILL_ACCELERATION, Segment, cross_matrix, nearest_rest, response, rotation};
+use super::{Drive, Moving, Point, Segment, cross_matrix, nearest_rest, response, rotation};
 use crate::Parameters;
 
 /// |C + α μ| of stretch-shear at which a strand is done.
@@ -81,7 +81,7 @@ pub fn direct(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &m
 fn quiet_below(p: &Parameters, hair: &Strands, s: usize) -> f64 {
     let lengths = &hair.rest_length[hair.segments(s)];
     let mean_segment = lengths.iter().sum::<f64>() / lengths.len() as f64;
-    QUIET.min(STILL_ACCELERATION * p.step * p.step / mean_segment)
+    QUIET.min(p.rest[s].acceleration * p.step * p.step / mean_segment)
 }
 
 impl Rod<'_> {
