@@ -10,7 +10,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use support::{SIMPLE, VOLUME, lattice};
 use windswept::{
-    Engine, Plan, Simulation,
+    Engine, GpuError, Plan, Simulation,
     recorder::Recorder,
     state::{Array, State},
     step,
@@ -162,4 +162,43 @@ fn any_strength_is_stable() {
         // Two bands of I U = 0.9 m/s each on what was there; measured 2.4 m/s.
         assert!(speed < fastest + 2.0 * 0.9 * 1.5, "S = {strength:e}: {speed} m/s");
     }
+}
+
+/// A band too fine for the adapter's largest binding is refused, with the scale that would fit; one too fine for the
+/// particles, warned of.
+#[test]
+fn bands_that_do_not_fit_are_named() {
+    let text = "[time]\nstep = 1.38e-3\nduration = 1.0\n[air]\nbox = { min = [0, 0, 0], max = [0.2, 0.1, 0.1] }\nwind = [3, 0, 0]";
+    let scene = |scale: f64| {
+        let mut scene = Scene::parse(&format!("{text}\n[turbulence]\nbands = [{{ scale = 0.01 }}]")).unwrap();
+        scene.turbulence.bands[0].scale = scale;
+        scene
+    };
+    let error = Simulation::new(&support::gpu(), &scene(2e-4)).unwrap_err();
+    let windswept::Error::Gpu(GpuError::BandTooFine { scale, fits, most, .. }) = error else { panic!("{error}") };
+    println!("{error}");
+    let nodes = |scale: f64| -> f64 {
+        scene(scale).turbulence.nodes(scale, 9.3e-3, DVec3::new(0.2, 0.1, 0.1)).iter().product()
+    };
+    assert!(scale == 2e-4 && nodes(1.02 * fits) <= most as f64 && nodes(0.98 * fits) > most as f64, "{fits} m");
+    let warned = |scale: f64| {
+        InitialState::new(&scene(scale)).unwrap().warnings.iter().any(|warning| warning.contains("can carry"))
+    };
+    assert!(warned(0.00497) && !warned(0.00500), "1.03 spacings are 4.98 mm");
+}
+
+/// What air is set to before the first step is where its spectrum starts; a wind that is set later changes nothing of it.
+#[test]
+fn a_spectrum_starts_where_the_air_does() {
+    let initial = stirred(12, 0.05);
+    let mut still = initial.clone();
+    still.air.velocities.fill(DVec3::ZERO);
+    let mut simulation = Simulation::with_state(&support::gpu(), &scene(0.009, 3.0), still).unwrap();
+    simulation.set_air(Some(&initial.air.positions), Some(&initial.air.velocities)).unwrap();
+    let wanted = simulation.spectrum(&[0.009]).unwrap()[0];
+    simulation.set_wind(DVec3::X).unwrap();
+    simulation.step(2).unwrap();
+    let start = simulation.report().unwrap().band_energy[0].m2_per_s2_at_start;
+    println!("{start:.3e} m²/s², set {wanted:.3e}");
+    assert!(wanted > 1e-4 && (start - wanted).abs() < 1e-3 * wanted, "{start}, {wanted}");
 }

@@ -26,7 +26,8 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
                 r.when(&band.runs, |r| {
                     filter(r, s, plan, band);
                     if !plan.published_law {
-                        vorticity(r, s, plan, &s.band_velocity);
+                        // The grid has it already.
+                        r.when(&plan.direct_filter, |r| vorticity(r, s, plan, &s.band_velocity));
                     }
                     confine(r, s, plan, band);
                 });
@@ -124,7 +125,7 @@ fn grid(r: &mut Recorder, s: &State, plan: &Plan, band: &BandPlan) {
     smooth(r, s, "smooth along z", band.axes[2], [&s.smoother, &s.smoother_curvature], [&s.smoothed, &s.curvature]);
     r.run(
         &turbulence::GATHER,
-        "band velocity from the grid",
+        "band velocity and its curl from the grid",
         plan.sizes.particles,
         &[
             &s.params,
@@ -134,6 +135,7 @@ fn grid(r: &mut Recorder, s: &State, plan: &Plan, band: &BandPlan) {
             &s.sorted_position.named("flow_position"),
             &s.curvature,
             &s.band_velocity,
+            &s.vorticity,
         ],
     );
 }
