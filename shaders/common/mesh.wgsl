@@ -28,20 +28,6 @@ fn b_spline(order: u32, t: vec4f) -> vec4f {
     return two * three * (power(order, outer) - f32(order + 1u) * power(order, inner));
 }
 
-// Its derivative by t: -sign(t) ((n/2 - |t|)+^(p-1) - n (n/2 - 1 - |t|)+^(p-1))/(p-1)!
-fn b_spline_slope(order: u32, t: vec4f) -> vec4f {
-    let outer = max(vec4f(half_width(order)) - abs(t), vec4f(0.0));
-    let inner = max(outer - 1.0, vec4f(0.0));
-    let two = select(1.0, 0.5, order >= 3u);
-    return -sign(t) * two * (power_below(order, outer) - f32(order + 1u) * power_below(order, inner));
-}
-
-// x^(p-1), 0 where x is 0.
-fn power_below(order: u32, x: vec4f) -> vec4f {
-    let once = select(vec4f(0.0), vec4f(1.0), x > vec4f(0.0));
-    return once * select(vec4f(1.0), x, order >= 2u) * select(vec4f(1.0), x, order >= 3u);
-}
-
 fn power(order: u32, x: vec4f) -> vec4f {
     return x * select(vec4f(1.0), x, order >= 2u) * select(vec4f(1.0), x, order >= 3u);
 }

@@ -1,8 +1,7 @@
 // Vorticity confinement of one band (Fedkiw et al. 2001; design 3.3), air only, less in the fringe by the cosine of its face.
 //
 //   eta_i = sum_j V_j (|omega_j| - |omega_i|) grad_i W,  N = eta/(|eta| + 1e-3 |omega_i|/h)
-//   a_i = S |u_i| max(0, 1 - |u_i|^2/(I U)^2) (N x omega_i)
-//   |a| <= 2.5 I U/s |u_i|, its turnover at its limit, and |dt a| <= 0.14 |u_i|
+//   a_i = S |u_i| max(0, 1 - |u_i|^2/(I U)^2) (N x omega_i),  |dt a| <= 0.12 |u_i|
 //   as printed (eqs. 2, 4): a_i = epsilon 1/2 m |u_i|^2 (N x omega_i) in mg, mm, s; omega of v, hair in the sum
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, separation}, status::{frozen, count_step, CONFINEMENT_LIMITED},
@@ -10,8 +9,7 @@ import package::common::{
 };
 
 const SOFTENING: f32 = 1e-3;   // of |omega|/h: no direction where vorticity is uniform
-const LARGEST: f32 = 0.14;     // part of its speed that a band may gain in a step
-const TURNOVERS: f32 = 2.5;    // that a band may gain in I U/s: beyond, large scales pass their limit (tests/dial.rs)
+const LARGEST: f32 = 0.12;     // part of its speed that a band may gain in a step
 
 @group(0) @binding(2) var<uniform>             band:            Band;
 @group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;
@@ -47,8 +45,7 @@ fn change(i: u32) -> vec3f {
     let gain = params.step * band.strength * speed * max(0.0, 1.0 - part * part);
     let turning = length(along);
     if turning <= 0.0 { return vec3f(0.0); }
-    let rate = min(LARGEST, TURNOVERS * params.step * band.largest_speed / band.scale);
-    let largest = rate * speed / turning;
+    let largest = LARGEST * speed / turning;
     if gain > largest { count_step(CONFINEMENT_LIMITED); }
     return left * min(gain, largest) * along;
 }

@@ -1,6 +1,7 @@
 //! One step, in execution order: the twin of the engine's `step.rs`.
 
 use glam::DVec3;
+use windswept_scene::Law;
 
 use crate::{
     Parameters, State, contact, fluid, grid,
@@ -212,8 +213,9 @@ pub fn turbulence(s: &mut State, w: &mut Scratch, p: &Parameters) {
     }
     w.confinement = vec![DVec3::ZERO; w.predicted.len()];
     for band in &p.bands {
-        [w.band_velocity, w.vorticity] =
-            turbulence::eddies(p, band, w.blowing, &w.predicted, &w.new_velocity, &s.volume, &w.near);
+        w.band_velocity = turbulence::band_velocity(p, band, w.blowing, &w.predicted, &w.new_velocity, &s.volume);
+        let curled = if p.law == Law::Band { &w.band_velocity } else { &w.new_velocity };
+        w.vorticity = turbulence::vorticity(p, &w.predicted, curled, &s.volume, &w.near);
         let own = turbulence::confine(
             p,
             band,

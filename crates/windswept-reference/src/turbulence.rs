@@ -20,9 +20,7 @@ const MM: f64 = 1e3;
 /// Milligrams in a kilogram.
 const MG: f64 = 1e6;
 /// Part of a band's own velocity that a step may change it by.
-const LARGEST_CHANGE: f64 = 0.14;
-/// The same in the time I U/s that an eddy takes at the band's limit.
-const LARGEST_GROWTH: f64 = 2.5;
+const LARGEST_CHANGE: f64 = 0.12;
 
 /// ψ(r, s) = 2/(√15 π^(3/4) s^(3/2)) (3 − r²/s²) exp(−r²/2s²), the Mexican hat of L2 norm 1 in space (eq. 6, with the
 /// radical over 15 only). In the unit of s to the power −3/2.
@@ -38,24 +36,12 @@ pub fn peak_gain(s: f64) -> f64 {
     2.0 / (15.0_f64.sqrt() * PI.powf(0.75)) * TAU.powf(1.5) * s.powf(1.5) * 2.0 / E
 }
 
-/// The velocity of a band of eddies at each air particle by the scene's filter, and the vorticity that confines it \[1/s\]:
-/// [`band`] and its [`vorticity`], or both from [`deposit`], [`smooth`] and [`gather`]. As printed it is the vorticity of `v`.
+/// The velocity of a band of eddies at each air particle by the scene's filter: [`band`], or [`deposit`], [`smooth`] and
+/// [`gather`].
 #[must_use]
-pub fn eddies(
-    p: &Parameters,
-    band: &Band,
-    wind: DVec3,
-    x: &[DVec3],
-    v: &[DVec3],
-    volume: &[f64],
-    near: &Neighbours,
-) -> [Vec<DVec3>; 2] {
+pub fn band_velocity(p: &Parameters, band: &Band, wind: DVec3, x: &[DVec3], v: &[DVec3], volume: &[f64]) -> Vec<DVec3> {
     match p.turbulence.filter {
-        Filter::Direct => {
-            let own = self::band(p, band, wind, x, v, volume);
-            let omega = vorticity(p, x, if p.law == Law::Band { &own } else { v }, volume, near);
-            [own, omega]
-        }
+        Filter::Direct => self::band(p, band, wind, x, v, volume),
         Filter::Grid => {
             let deposited = deposit(p, p.grid_scale(band), wind, x, v, volume);
             gather(p, band, &smooth(p, band.scale, &deposited), x)
@@ -144,7 +130,7 @@ pub fn vorticity(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near:
 ///
 /// N = η/(|η| + 1e-3 |ω|/h) points to where the vorticity is larger, η_i = Σ_j V_j (|ω_j| − |ω_i|) ∇_i W.
 ///
-/// * Band: a = S |û| max(0, 1 − |û|²/(I U)²) (N × ω), |Δt a| ≤ 0.14 |û| and |a| ≤ 2.5 (I U/s) |û|; ω that of û.
+/// * Band: a = S |û| max(0, 1 − |û|²/(I U)²) (N × ω), |Δt a| ≤ 0.12 |û|; ω that of û.
 /// * Published: a = 0.008 ê (N × ω) mm/s², ê = ½ m |v̂|² in mg, mm, s; ω that of v.
 ///
 /// `eddies` is what [`band`] returns, `omega` what [`vorticity`] returns; `volume` in m³, `inverse_mass` in 1/kg.
@@ -179,10 +165,8 @@ pub fn confine(
         let speed = eddies[i].length();
         let change = match p.law {
             Law::Band => {
-                let limit = band.intensity * p.turbulence_speed;
-                let room = (1.0 - (speed / limit).powi(2)).max(0.0);
-                let largest = LARGEST_CHANGE.min(LARGEST_GROWTH * limit / band.scale * p.step);
-                (p.step * band.strength * speed * room * swirl).clamp_length_max(largest * speed)
+                let room = (1.0 - (speed / (band.intensity * p.turbulence_speed)).powi(2)).max(0.0);
+                (p.step * band.strength * speed * room * swirl).clamp_length_max(LARGEST_CHANGE * speed)
             }
             Law::Published => {
                 let energy = 0.5 * MG / inverse_mass[i] * speed * speed;

@@ -30,29 +30,13 @@ impl Mesh {
 
     /// The nodes that a position has to do with, and their weights: a B-spline per axis.
     fn stencil(&self, p: &Parameters, x: DVec3) -> Vec<(usize, f64)> {
-        self.weighted(p, x, |_, degree, t| b_spline(degree, t))
-    }
-
-    /// The derivatives of those weights along an axis \[1/m\].
-    fn slopes(&self, p: &Parameters, x: DVec3, along: usize) -> Vec<(usize, f64)> {
-        let spacing = self.spacing(p)[along];
-        self.weighted(p, x, |axis, degree, t| {
-            if axis != along {
-                return b_spline(degree, t);
-            }
-            (b_spline(degree - 1, t + 0.5) - b_spline(degree - 1, t - 0.5)) / spacing
-        })
-    }
-
-    /// Products of `weight`(axis, degree, spacings from the node) over the axes.
-    fn weighted(&self, p: &Parameters, x: DVec3, weight: impl Fn(usize, u32, f64) -> f64) -> Vec<(usize, f64)> {
         let degree = p.turbulence.order.degree();
         let at = x / self.spacing(p);
         let axis = |axis: usize| -> Vec<(usize, f64)> {
             let (first, count) = (at[axis].floor() as i64 - 2, self.nodes[axis] as i64);
             let weights =
-                (first..first + 6).map(|n| (n.rem_euclid(count) as usize, weight(axis, degree, at[axis] - n as f64)));
-            weights.filter(|(_, weight)| *weight != 0.0).collect()
+                (first..first + 6).map(|n| (n.rem_euclid(count) as usize, b_spline(degree, at[axis] - n as f64)));
+            weights.filter(|(_, weight)| *weight > 0.0).collect()
         };
         let [along_x, along_y, along_z] = [axis(0), axis(1), axis(2)];
         let mut all = Vec::new();
@@ -138,30 +122,18 @@ fn transformed(nodes: [usize; 3], values: &[[DVec4; 2]], axis: usize, sign: f64)
 }
 
 /// û of each air particle \[m/s\] from what [`smooth`] returns: −(e/2) s² of the Laplacian, per volume of a cell; normalised,
-/// over the smoothed volume instead. And its curl \[1/s\].
+/// over the smoothed volume instead.
 #[must_use]
-pub fn gather(p: &Parameters, band: &Band, laplacian: &Mesh, x: &[DVec3]) -> [Vec<DVec3>; 2] {
+pub fn gather(p: &Parameters, band: &Band, laplacian: &Mesh, x: &[DVec3]) -> Vec<DVec3> {
     let cell = laplacian.spacing(p).element_product();
-    let sum = |stencil: Vec<(usize, f64)>| -> DVec4 {
-        stencil.into_iter().map(|(node, weight)| weight * laplacian.values[node]).sum()
-    };
     let at = |i: usize| {
         if !p.is_air(i) {
-            return (DVec3::ZERO, DVec3::ZERO);
+            return DVec3::ZERO;
         }
-        let value = sum(laplacian.stencil(p, x[i]));
-        let gain = -0.5 * E * band.scale.powi(2);
-        let [by_x, by_y, by_z] = [0, 1, 2].map(|axis| {
-            let slope = sum(laplacian.slopes(p, x[i], axis));
-            if p.turbulence.normalise {
-                gain * (slope.truncate() / value.w - value.truncate() * slope.w / (value.w * value.w))
-            } else {
-                gain * slope.truncate() / cell
-            }
-        });
-        let curl = DVec3::new(by_y.z - by_z.y, by_z.x - by_x.z, by_x.y - by_y.x);
-        (gain * value.truncate() / if p.turbulence.normalise { value.w } else { cell }, curl)
+        let stencil = laplacian.stencil(p, x[i]);
+        let sum: DVec4 = stencil.into_iter().map(|(node, weight)| weight * laplacian.values[node]).sum();
+        let volume = if p.turbulence.normalise { sum.w } else { cell };
+        -0.5 * E * band.scale.powi(2) * sum.truncate() / volume
     };
-    let (eddies, curls) = (0..x.len()).map(at).unzip();
-    [eddies, curls]
+    (0..x.len()).map(at).collect()
 }

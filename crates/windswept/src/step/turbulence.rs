@@ -26,8 +26,7 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
                 r.when(&band.runs, |r| {
                     filter(r, s, plan, band);
                     if !plan.published_law {
-                        // The grid has it already.
-                        r.when(&plan.direct_filter, |r| vorticity(r, s, plan, &s.band_velocity));
+                        vorticity(r, s, plan, &s.band_velocity);
                     }
                     confine(r, s, plan, band);
                 });
@@ -125,7 +124,7 @@ fn grid(r: &mut Recorder, s: &State, plan: &Plan, band: &BandPlan) {
     smooth(r, s, "smooth along z", band.axes[2], [&s.smoother, &s.smoother_curvature], [&s.smoothed, &s.curvature]);
     r.run(
         &turbulence::GATHER,
-        "band velocity and its curl from the grid",
+        "band velocity from the grid",
         plan.sizes.particles,
         &[
             &s.params,
@@ -135,7 +134,6 @@ fn grid(r: &mut Recorder, s: &State, plan: &Plan, band: &BandPlan) {
             &s.sorted_position.named("flow_position"),
             &s.curvature,
             &s.band_velocity,
-            &s.vorticity,
         ],
     );
 }
