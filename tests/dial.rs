@@ -18,7 +18,7 @@ const BANDS: [(f64, f64, u64); 3] = [(0.006, 10.0, 300), (0.009, 10.0, 300), (0.
 const SPEED: f64 = 3.0;
 const INTENSITY: f64 = 0.1;
 /// Of each band at the start \[m²/s²\].
-const ENERGY: f64 = 9e-5;
+const ENERGY: f64 = 1e-4;
 
 /// Still air in a box of 17 particle spacings, 82 mm, which holds 1, 2 and 3 waves of the bands' centres along an axis: for
 /// each band six such waves across one another, as strong as gives each band the same energy.
