@@ -132,7 +132,18 @@ impl Simulation {
         checked("velocities", velocities, air.positions.len())?;
         let into_box = |x: &DVec3| (*x - air.min).rem_euclid(air.size);
         let local: Option<Vec<DVec3>> = positions.map(|positions| positions.iter().map(into_box).collect());
-        Ok(self.engine.write_air(local.as_deref(), velocities, air.volume)?)
+        self.engine.write_air(local.as_deref(), velocities, air.volume)?;
+        if self.steps == 0 {
+            // The run starts from it.
+            let (min, start) = (self.initial.air.min, &mut self.initial.air);
+            if let Some(local) = local {
+                start.positions = local.into_iter().map(|x| x + min).collect();
+            }
+            if let Some(velocities) = velocities {
+                start.velocities = velocities.to_vec();
+            }
+        }
+        Ok(())
     }
 }
 
