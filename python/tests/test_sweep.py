@@ -6,6 +6,7 @@ import signal
 import threading
 import time
 
+import numpy as np
 import pytest
 
 import windswept as ws
@@ -43,16 +44,24 @@ def test_every_combination_gets_its_folder_and_its_line(short, tmp_path):
     (tmp_path / "0002" / "report.json").unlink()
     assert [case.status for case in sweep.run(short, VARY, tmp_path)] == ["skipped", "skipped", "finished", "skipped"]
     assert os.stat(tmp_path / "0001" / "report.json").st_mtime_ns == reports[1]
-    # Other values of the same number are other cases.
-    assert [case.status for case in sweep.run(short, {"seed": [7]}, tmp_path, picture=False)] == ["finished"]
+    # Other values of the same number are other cases, of which nothing of the old ones is left; NumPy's are as good.
+    seeds = {"seed": np.array([7]), "air.wind": [np.array([4.0, 0.0, 0.0], np.float32)]}
+    (other,) = sweep.run(short, seeds, tmp_path, picture=False)
+    assert other.status == "finished" and not (other.folder / "picture.png").exists()
+    assert (table(tmp_path)[0]["seed"], table(tmp_path)[0]["air.wind"]) == ("7", "[4.0, 0.0, 0.0]")
 
 
 def test_a_case_that_fails_stops_no_other(short, tmp_path):
     # A picture that no adapter draws fails when it is drawn; a length that is none, at once.
     cases = sweep.run(short, {"camera.width": [96, 100_000_000]}, tmp_path / "drawn", retries=1)
     assert [(case.status, case.attempts) for case in cases] == [("finished", 1), ("failed", 2)]
-    assert "100000000" in cases[1].error and "100000000" in (cases[1].folder / "error.txt").read_text()
+    assert "ExportError: " in cases[1].error and "100000000" in cases[1].error
+    said = (cases[1].folder / "error.txt").read_text()
+    assert cases[1].error in said and "Traceback" in said
     assert table(tmp_path / "drawn")[1]["status"] == "failed"
+    # A folder that had a finished case has one no more.
+    (failed,) = sweep.run(short, {"camera.width": [100_000_000]}, tmp_path / "drawn", retries=0)
+    assert [path.name for path in failed.folder.iterdir()] == ["error.txt"]
     cases = sweep.run(short, {"hair.length": [-1.0, 0.02]}, tmp_path / "scenes")
     assert [case.status for case in cases] == ["failed", "finished"] and "hair.length" in cases[0].error
     with pytest.raises(ws.SceneError, match="did you mean"):
@@ -103,5 +112,7 @@ def test_a_cluster_goes_on_when_a_worker_is_killed(short, tmp_path):
             killer.join()
             assert killed and killed[0] not in client.run(os.getpid).values()
     assert [case.status for case in cases] == ["finished"] * 4
+    again = [case for case in cases if case.attempts > 1]
+    assert again and all("worker died" in case.error for case in again)
     assert all(case.report["steps"] == 72 and (case.folder / "picture.png").exists() for case in cases)
     assert [line["status"] for line in table(tmp_path)] == ["finished"] * 4
