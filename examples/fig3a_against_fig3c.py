@@ -64,7 +64,7 @@ ax.legend()
 figure.savefig(OUT / "spectrum.png", dpi=150)
 
 # %%
-figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4))
+figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
 scales = np.geomspace(0.005, 0.02, 7)
 small, large = (sim.spectrum(scales) for sim in sims.values())
 left.plot(1e3 * scales, 1e6 * (large - small), marker="o")
