@@ -203,6 +203,7 @@ def test_arrays_that_do_not_fit_are_named(sim):
         (sim.set_air, "positions", np.full((n, 3), np.nan)),
         (sim.set_air, "positions", np.zeros((n, 3), dtype=object)),
         (sim.set_air, "positions", np.zeros((n, 3), dtype=bool)),
+        (sim.set_air, "positions", np.ma.masked_array(np.zeros((n, 3)), mask=np.arange(3 * n).reshape(n, 3) == 5)),
         (sim.set_hair, "orientations", np.zeros((40, 3))),
         (sim.set_hair, "orientations", np.zeros((40, 4))),
         (sim.set_hair, "positions", np.zeros((47, 3))),
