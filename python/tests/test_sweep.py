@@ -5,6 +5,7 @@ import os
 import signal
 import threading
 import time
+import types
 
 import numpy as np
 import pytest
@@ -88,9 +89,10 @@ def test_a_process_that_dies_is_started_again(short, tmp_path, monkeypatch):
     assert len(started) == 3
 
 
-def test_a_cluster_goes_on_when_a_worker_is_killed(short, tmp_path):
+def test_a_cluster_goes_on_when_a_worker_is_killed(short, tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed")
     longer = short.replace(**{"time.duration": 0.1})
+    monkeypatch.setattr(sweep, "uuid", types.SimpleNamespace(uuid4=lambda: "known"))
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
         with distributed.Client(cluster) as client:
             pids = client.run(os.getpid)
@@ -98,21 +100,19 @@ def test_a_cluster_goes_on_when_a_worker_is_killed(short, tmp_path):
             killed = []
 
             def kill():
-                # As soon as a worker has begun.
-                while not any(client.processing().values()):
-                    time.sleep(0.05)
-                time.sleep(0.5)
-                worker = next(worker for worker, tasks in client.processing().items() if tasks)
-                killed.append(pids[worker])
-                os.kill(pids[worker], signal.SIGKILL)
+                # As soon as the first case has begun; it takes half a second at least.
+                while not (begun := client.get_events("windswept-sweep-known-0")):
+                    time.sleep(0.02)
+                killed.append(begun[0][1])
+                os.kill(pids[killed[0]], signal.SIGKILL)
 
             killer = threading.Thread(target=kill)
             killer.start()
             cases = sweep.run(longer, VARY, tmp_path, client)
             killer.join()
-            assert killed and killed[0] not in client.run(os.getpid).values()
+            assert pids[killed[0]] not in client.run(os.getpid).values()
     assert [case.status for case in cases] == ["finished"] * 4
-    again = [case for case in cases if case.attempts > 1]
-    assert again and all("worker died" in case.error for case in again)
+    assert cases[0].attempts == 2 and cases[0].error == f"worker {killed[0]} died while it ran"
+    assert table(tmp_path)[0]["attempts"] == "2" and "died" in table(tmp_path)[0]["error"]
     assert all(case.report["steps"] == 72 and (case.folder / "picture.png").exists() for case in cases)
     assert [line["status"] for line in table(tmp_path)] == ["finished"] * 4

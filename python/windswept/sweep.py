@@ -170,10 +170,11 @@ def _simulate(job: _Job) -> _Result:
 
 
 def _simulate_on_a_worker(job: _Job, topic: str) -> _Result:
-    """The same, which tells the scheduler that it has begun: workers that die tell nothing."""
+    """The same, which tells the scheduler where it has begun: workers that die tell nothing."""
     from distributed import get_worker
 
-    get_worker().log_event(topic, "begun")
+    worker = get_worker()
+    worker.log_event(topic, worker.address)
     return _simulate(job)
 
 
@@ -239,11 +240,11 @@ def _on(
         return client.submit(_simulate_on_a_worker, jobs[case.index], f"{topic}-{case.index}", pure=False)
 
     def count(case: Case) -> None:
-        # What it did not reach a worker for was an attempt too.
-        begun = len(client.get_events(f"{topic}-{case.index}"))
-        case.attempts = max(begun, submitted[case.index])
-        if begun > submitted[case.index]:
-            case.error = case.error or "a worker died while it ran"
+        workers = [worker for _, worker in client.get_events(f"{topic}-{case.index}")]
+        # What did not reach a worker was an attempt too.
+        case.attempts = max(len(workers), submitted[case.index])
+        if len(workers) > submitted[case.index]:
+            case.error = case.error or f"worker {workers[-2]} died while it ran"
 
     futures = {start(case): case for case in cases}
     completed: Any = as_completed(list(futures))  # type: ignore[no-untyped-call]
