@@ -256,6 +256,16 @@ def test_an_adapter_that_is_not_there_is_a_gpu_error(scene):
     assert "llvmpipe" in repr(ws.Simulation(scene, adapter="software"))
 
 
+@pytest.mark.skipif(not os.path.isdir("/proc/self/task"), reason="counts threads as Linux does")
+def test_an_adapter_has_one_device_whatever_it_is_called(sim):
+    # A device of the software adapter comes with a thread for each core, and more.
+    threads = len(os.listdir("/proc/self/task"))
+    name = next(adapter["name"] for adapter in ws.adapters() if adapter["name"] in sim.adapter)
+    others = [ws.Simulation(sim.scene, adapter=part) for part in (name, name[:5], name[:5].upper())]
+    assert len({sim.adapter, *(other.adapter for other in others)}) == 1
+    assert len(os.listdir("/proc/self/task")) <= threads + 1
+
+
 def test_two_simulations_run_on_two_threads(scene):
     alone = ws.Simulation(scene)
     alone.step(12)
