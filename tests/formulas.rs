@@ -62,6 +62,7 @@ checks! {
     momentum_is_kept: "momentum",
     what_air_loses_hair_receives: "coupled",
     passes_are_those_of_the_twin: "twin",
+    rods_are_those_of_the_twin: "twin-rods",
     steps_are_those_of_the_twin: "twin-step",
 }
 

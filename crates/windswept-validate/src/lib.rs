@@ -12,10 +12,12 @@ mod kernels;
 mod momentum;
 mod rods;
 mod row;
+mod stage;
 mod turbulence;
 mod twin;
 mod viscosity;
 mod vortex;
+mod whole;
 
 pub use row::Row;
 use windswept::{Gpu, GpuError, RunError, ops::OpsError};
@@ -56,7 +58,8 @@ pub const CHECKS: &[Check] = &[
     Check { name: "momentum", run: momentum::closed_box },
     Check { name: "coupled", run: coupled::drag },
     Check { name: "twin", run: twin::passes },
-    Check { name: "twin-step", run: twin::step },
+    Check { name: "twin-rods", run: twin::rods },
+    Check { name: "twin-step", run: whole::steps },
 ];
 
 /// A check that could not be done.
