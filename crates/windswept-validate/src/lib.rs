@@ -6,6 +6,8 @@
 //! which.
 
 mod air;
+mod confine;
+mod contact;
 mod coupled;
 mod fluid;
 mod kernels;
@@ -18,6 +20,7 @@ mod twin;
 mod viscosity;
 mod vortex;
 mod whole;
+mod wind;
 
 pub use row::Row;
 use windswept::{Gpu, GpuError, RunError, ops::OpsError};
@@ -43,15 +46,19 @@ impl Check {
 pub const CHECKS: &[Check] = &[
     Check { name: "kernels", run: kernels::normalisations },
     Check { name: "lattices", run: kernels::lattices },
+    Check { name: "wind", run: wind::drive },
+    Check { name: "drag", run: wind::drag },
     Check { name: "density", run: fluid::density_error },
     Check { name: "rods-rest", run: rods::at_rest },
     Check { name: "rods-static", run: rods::hanging },
     Check { name: "rods-beam", run: rods::beam },
     Check { name: "rods-fall", run: rods::falling },
+    Check { name: "contact", run: contact::bodies },
     Check { name: "rotation", run: turbulence::rotation },
     Check { name: "translation", run: turbulence::translation },
     Check { name: "filter-leak", run: turbulence::leak },
     Check { name: "filter-gain", run: turbulence::gain },
+    Check { name: "confinement", run: confine::laws },
     Check { name: "vortex", run: vortex::lamb_oseen },
     Check { name: "shear-wave", run: viscosity::shear_waves },
     Check { name: "taylor-green", run: viscosity::taylor_green },

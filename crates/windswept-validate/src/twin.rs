@@ -13,7 +13,7 @@ use crate::{
 
 const PASS: &str = "f64 twin, 3375 particles anywhere in a box; largest difference over largest value; margin 3 to 4";
 const RODS: &str = "f64 twin, 12 curled strands, thrown; what rods change velocities by in a step, largest difference over \
-    largest value; measured 1.8e-5, mostly what rounding an orientation stretches; margin 4";
+    largest value; measured 2.1e-5, mostly what rounding an orientation stretches; margin 4";
 
 /// Single passes on 3375 particles: largest difference over the largest value.
 pub(crate) fn passes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
@@ -82,11 +82,11 @@ const THROWN: f64 = 0.2;
 
 /// What rods change in one step, by either solver and integrator: velocities after it less those of the free move.
 ///
-/// One Newton step: a strand that fits just about would take one more on one of the two.
+/// Two Newton steps: the first starts without old forces, the second from those that it found.
 pub(crate) fn rods(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for (pass, keys) in
-        [("rods/direct", "newton = 1"), ("rods/gauss_seidel", "solver = \"gauss-seidel\"\niterations = 20")]
+        [("rods/direct", "newton = 2"), ("rods/gauss_seidel", "solver = \"gauss-seidel\"\niterations = 20")]
     {
         for integrator in ["bdf2", "euler"] {
             let scene = Scene::parse(&format!("{STRANDS}{keys}\nintegrator = \"{integrator}\"\n"))?;
@@ -111,7 +111,7 @@ pub(crate) fn rods(gpu: &Gpu) -> Result<Vec<Row>, Error> {
             twin::velocity(&s, &mut w, &p);
             let change = |v: &[DVec3]| v.iter().zip(&free).map(|(v, free)| *v - *free).collect::<Vec<_>>();
             let measured = error(&change(&stage.read(|s| &s.new_velocity)?), &change(&w.new_velocity));
-            rows.push(Row::new(format!("twin: {pass}, {integrator}"), 0.0, measured, 7e-5, RODS));
+            rows.push(Row::new(format!("twin: {pass}, {integrator}"), 0.0, measured, 8.5e-5, RODS));
         }
     }
     Ok(rows)
