@@ -107,7 +107,7 @@ pub(crate) fn rods(gpu: &Gpu) -> Result<Vec<Row>, Error> {
             twin::fluid(&s, &mut w, &p);
             twin::rods(&mut s, &mut w, &p);
             let free: Vec<_> = w.moving.points.iter().map(|point| point.velocity + p.step * p.gravity).collect();
-            twin::contact(&s, &mut w, &p);
+            twin::contact(&mut s, &mut w, &p);
             twin::velocity(&s, &mut w, &p);
             let change = |v: &[DVec3]| v.iter().zip(&free).map(|(v, free)| *v - *free).collect::<Vec<_>>();
             let measured = error(&change(&stage.read(|s| &s.new_velocity)?), &change(&w.new_velocity));
