@@ -4,6 +4,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod choose;
 mod contact;
 mod fluid;
 mod grid;
@@ -12,4 +13,5 @@ mod rods;
 mod stage;
 mod steps;
 mod turbulence;
+mod walk;
 mod wind;
