@@ -104,9 +104,9 @@ fn correct_and_move_shift_as_the_twin() {
         let places = relative(&stage.vectors(&s.predicted), &moved, MICROMETRE);
         let correction = relative(&stage.vectors(&s.correction), &wanted, MICROMETRE);
         println!("{what}: shift {error:.1e}, positions {places:.1e}, correction {correction:.1e}");
-        // Measured at most 1.5e-6; margin 4.
+        // Measured at most 1.5e-6, 3.9e-7 and 1.3e-6; margin 4.
         assert!(error < 6e-6, "{what}: {error}");
-        assert!(places < 1e-6 && correction < 1e-5, "{what}: positions {places}, correction {correction}");
+        assert!(places < 1.6e-6 && correction < 5e-6, "{what}: positions {places}, correction {correction}");
     });
 }
 
