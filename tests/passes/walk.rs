@@ -10,11 +10,13 @@ use windswept_reference::{
 
 use crate::stage::{Passes, Stage, condition, quaternion, xyz};
 
-/// How much may differ: lengths \[m\], speeds \[m/s\], frames, spins \[1/s\], ρ/ρ0 (also S), and what is compared in parts
+/// How much may differ: lengths \[m\], also the moves of hair, speeds \[m/s\], also those that the wind adds, frames, spins \[1/s\], ρ/ρ0 (also S), and what is compared in parts
 /// of its largest: multipliers and nodes of the filter's grid.
 pub struct Bounds {
     pub length: f64,
+    pub hair: f64,
     pub speed: f64,
+    pub wind: f64,
     pub frame: f64,
     pub spin: f64,
     pub density: f64,
@@ -115,7 +117,7 @@ impl Walk<'_> {
         let mut passes = stage.passes(step::drive::record);
         if passes.through("wind/blow") {
             let wind = stage.engine.status().unwrap().wind.map(f64::from);
-            self.same("wind/blow", (DVec3::from_array(wind) - w.blowing).length(), bounds.speed)?;
+            self.same("wind/blow", (DVec3::from_array(wind) - w.blowing).length(), bounds.wind)?;
         }
         if passes.through("rods/roots") {
             let got = stage.rod_strands();
@@ -128,14 +130,14 @@ impl Walk<'_> {
             self.states("rods/roots", &w)?;
         }
         if passes.through("wind/drag") {
-            self.same("wind/drag", apart(&stage.vectors(&state.drag_change), &w.drag_change), bounds.speed)?;
+            self.same("wind/drag", apart(&stage.vectors(&state.drag_change), &w.drag_change), bounds.wind)?;
         }
         if passes.through("rods/drift") {
             let got = &stage.vectors(&state.predicted)[..hair];
             self.same("rods/drift", apart(got, &w.predicted[..hair]), bounds.length)?;
         }
         if passes.through("wind/fringe") {
-            self.same("wind/fringe", apart(&self.vectors(&state.wind_change, hair), &w.wind_change), bounds.speed)?;
+            self.same("wind/fringe", apart(&self.vectors(&state.wind_change, hair), &w.wind_change), bounds.wind)?;
         }
         if passes.through("fluid/predict") {
             let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
@@ -233,16 +235,18 @@ impl Walk<'_> {
             let pairs = || segments.iter().zip(&w.moving.segments);
             let start = largest(pairs().map(|(a, b)| (quaternion(a.start) - b.start).length()));
             let spin = largest(pairs().map(|(a, b)| (xyz(&a.angular_velocity) - b.angular_velocity).length()));
+            let before = largest(pairs().map(|(a, b)| (xyz(&a.before) - b.before).length()));
+            let carried = largest(pairs().map(|(a, b)| (xyz(&a.carried) - b.carried).length()));
             let chord = largest(pairs().map(|(a, b)| (xyz(&a.chord) - b.chord).length()));
-            self.same("rods/turn", start, bounds.frame)?;
-            self.same("rods/turn", spin, bounds.spin)?;
+            self.same("rods/turn", start.max(carried), bounds.frame)?;
+            self.same("rods/turn", spin.max(before), bounds.spin)?;
             self.same("rods/turn", chord, bounds.length)?;
         }
         if passes.through("rods/choose") {
             self.states("rods/choose", w)?;
             let (points, segments) = stage.rods();
             let free = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.free) - b.free).length());
-            self.same("rods/choose", largest(free), bounds.length)?;
+            self.same("rods/choose", largest(free), bounds.hair)?;
             let free = segments.iter().zip(&w.moving.segments).map(|(a, b)| (xyz(&a.free) - b.free).length());
             self.same("rods/choose", largest(free), bounds.spin * p.step)?;
             self.moves("rods/choose", w)?;
@@ -292,7 +296,7 @@ impl Walk<'_> {
     fn moves(&mut self, pass: &'static str, w: &Scratch) -> Same {
         let (points, segments) = self.stage.rods();
         let moves = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.travel) - b.travel).length());
-        self.same(pass, largest(moves), self.bounds.length)?;
+        self.same(pass, largest(moves), self.bounds.hair)?;
         let frames = segments.iter().zip(&w.moving.segments).map(|(a, b)| (quaternion(a.frame) - b.frame).length());
         self.same(pass, largest(frames), self.bounds.frame)
     }
@@ -478,6 +482,9 @@ impl Walk<'_> {
             self.same("guard/commit_frames", frames, bounds.frame)?;
             let spin = apart(&stage.vectors(&state.angular_velocity), &s.angular_velocity);
             self.same("guard/commit_frames", spin, bounds.spin)?;
+            let history: Vec<[[f32; 4]; 4]> = stage.engine.read(&state.segment_history).unwrap();
+            let turns = largest(history.iter().zip(&s.turn).map(|(a, b)| (xyz(&a[0]) - *b).length()));
+            self.same("guard/commit_frames", turns, bounds.frame)?;
             let clamps: Vec<[[f32; 4]; 2]> = stage.engine.read(&state.clamps).unwrap();
             let clamps = clamps.iter().zip(&s.clamps).map(|([x, _], clamp)| (xyz(x) - clamp.0).length());
             self.same("guard/commit_frames", largest(clamps), bounds.length)?;
