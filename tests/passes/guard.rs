@@ -81,9 +81,7 @@ fn check_is_that_of_the_twin() {
             let stage = Stage::new(&support::scene(), &initial);
             let (s, p) = (stage.engine.state(), &stage.parameters);
             let (mut x, mut v) = (stage.twin.position.clone(), stage.twin.position.clone());
-            for i in p.hair_points..x.len() {
-                x[i].x -= 0.5 * p.box_size.x;
-            }
+            x[p.hair_points..].iter_mut().for_each(|x| x.x -= 0.5 * p.box_size.x);
             if let Some(i) = place {
                 x[p.hair_points + i].y = f64::NAN;
             }

@@ -10,6 +10,7 @@ mod fluid;
 mod grid;
 mod guard;
 mod rods;
+mod roots;
 mod stage;
 mod steps;
 mod turbulence;

@@ -1,14 +1,16 @@
 //! One step of engine and twin, pass by pass: the first pass that parts is named.
 
+mod hair;
+mod turbulence;
+
 use glam::DVec3;
-use windswept::{plan::BandPlan, state::Array, status, step};
+use windswept::{state::Array, status, step};
 use windswept_reference::{
-    Parameters, State as Twin, contact, fluid, rods,
+    Parameters, State as Twin, fluid,
     step::{self as twin, Scratch},
-    turbulence,
 };
 
-use crate::stage::{Passes, Stage, condition, quaternion, xyz};
+use crate::stage::{Stage, quaternion, xyz};
 
 /// How much may differ: lengths \[m\], also the moves of hair, speeds \[m/s\], also those that the wind adds, frames, spins \[1/s\], ρ/ρ0 (also S), and what is compared in parts
 /// of its largest: multipliers and nodes of the filter's grid.
@@ -147,13 +149,6 @@ impl Walk<'_> {
         Ok(w)
     }
 
-    /// How many strands go through the step in another way.
-    fn states(&mut self, pass: &'static str, w: &Scratch) -> Same {
-        let wanted: Vec<u32> = w.drives.iter().map(|drive| drive.state as u32).collect();
-        let got: Vec<u32> = self.stage.rod_strands().iter().map(|strand| strand.state).collect();
-        self.same(pass, differing(&got, &wanted), 0.0)
-    }
-
     fn neighbours(&mut self, w: &mut Scratch) -> Same {
         let stage = self.stage;
         let mut passes = stage.passes(step::neighbours::record);
@@ -217,121 +212,6 @@ impl Walk<'_> {
         Ok(())
     }
 
-    fn rods(&mut self, s: &mut Twin, w: &mut Scratch) -> Same {
-        let (stage, bounds, p) = (self.stage, self.bounds, self.p().clone());
-        let mut passes = stage.passes(step::rods::record);
-        twin::prepare(s, w, &p);
-        if passes.through("rods/predict") {
-            let points = stage.rods().0;
-            let pairs = || points.iter().zip(&w.moving.points);
-            let velocity = largest(pairs().map(|(a, b)| (xyz(&a.velocity) - b.velocity).length()));
-            let before = largest(pairs().map(|(a, b)| (xyz(&a.before) - b.before).length()));
-            let carried = largest(pairs().map(|(a, b)| (xyz(&a.carried) - b.carried).length()));
-            self.same("rods/predict", velocity.max(before), bounds.speed)?;
-            self.same("rods/predict", carried, bounds.length)?;
-        }
-        if passes.through("rods/turn") {
-            let segments = stage.rods().1;
-            let pairs = || segments.iter().zip(&w.moving.segments);
-            let start = largest(pairs().map(|(a, b)| (quaternion(a.start) - b.start).length()));
-            let spin = largest(pairs().map(|(a, b)| (xyz(&a.angular_velocity) - b.angular_velocity).length()));
-            let before = largest(pairs().map(|(a, b)| (xyz(&a.before) - b.before).length()));
-            let carried = largest(pairs().map(|(a, b)| (xyz(&a.carried) - b.carried).length()));
-            let chord = largest(pairs().map(|(a, b)| (xyz(&a.chord) - b.chord).length()));
-            self.same("rods/turn", start.max(carried), bounds.frame)?;
-            self.same("rods/turn", spin.max(before), bounds.spin)?;
-            self.same("rods/turn", chord, bounds.length)?;
-        }
-        if passes.through("rods/choose") {
-            self.states("rods/choose", w)?;
-            let (points, segments) = stage.rods();
-            let free = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.free) - b.free).length());
-            self.same("rods/choose", largest(free), bounds.hair)?;
-            let free = segments.iter().zip(&w.moving.segments).map(|(a, b)| (xyz(&a.free) - b.free).length());
-            self.same("rods/choose", largest(free), bounds.spin * p.step)?;
-            self.moves("rods/choose", w)?;
-        }
-        if p.direct {
-            for strand in 0..s.hair.len() {
-                for _ in 0..p.newton_steps {
-                    let quiet = rods::direct(&p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
-                    s.quiet_steps += usize::from(quiet);
-                }
-            }
-            if passes.through("rods/direct") {
-                self.moves("rods/direct", w)?;
-            }
-            for strand in 0..s.hair.len() {
-                let torn = rods::rescue(&s.hair, strand, &mut w.drives[strand], &mut w.moving);
-                s.rescued_steps += usize::from(torn);
-            }
-            if passes.through("rods/rescue") {
-                self.states("rods/rescue", w)?;
-                self.moves("rods/rescue", w)?;
-            }
-        }
-        for strand in 0..s.hair.len() {
-            rods::gauss_seidel(&p, &s.hair, strand, &w.drives[strand], &mut w.moving);
-        }
-        if passes.through("rods/gauss_seidel") {
-            self.moves("rods/gauss_seidel", w)?;
-        }
-        twin::finish(s, w, &p);
-        if passes.through("rods/finish") {
-            let found: Vec<[u32; 4]> = stage.health().iter().map(|[_, found]| *found).collect();
-            let wanted: Vec<[u32; 4]> = (0..s.hair.len()).map(|strand| condition(s, strand)).collect();
-            self.same("rods/finish", differing(&found, &wanted), 0.0)?;
-            let stretch = f64::from(stage.engine.status().unwrap().max_stretch());
-            self.same("rods/finish", (stretch - s.max_stretch).abs(), bounds.density)?;
-        }
-        if passes.through("rods/place") {
-            let got = &stage.vectors(&stage.engine.state().predicted)[..p.hair_points];
-            self.same("rods/place", apart(got, &w.predicted[..p.hair_points]), bounds.length)?;
-        }
-        passes.finish();
-        Ok(())
-    }
-
-    /// Moves and frames.
-    fn moves(&mut self, pass: &'static str, w: &Scratch) -> Same {
-        let (points, segments) = self.stage.rods();
-        let moves = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.travel) - b.travel).length());
-        self.same(pass, largest(moves), self.bounds.hair)?;
-        let frames = segments.iter().zip(&w.moving.segments).map(|(a, b)| (quaternion(a.frame) - b.frame).length());
-        self.same(pass, largest(frames), self.bounds.frame)
-    }
-
-    fn contact(&mut self, s: &Twin, w: &mut Scratch) -> Same {
-        let (stage, bounds, hair) = (self.stage, self.bounds, self.p().hair_points);
-        let state = stage.engine.state();
-        let mut passes = stage.passes(step::contact::record);
-        twin::contact(s, w, self.p());
-        if passes.through("contact/place") {
-            let got: Vec<[f32; 20]> = stage.engine.read(&state.placed).unwrap();
-            let wanted = contact::place(self.p(), s.steps);
-            let ends = got.iter().zip(&wanted).map(|(got, wanted)| {
-                let (start, end) = (wanted.after.out(wanted.body.start), wanted.after.out(wanted.body.end));
-                (xyz(&got[0..3]) - start).length().max((xyz(&got[4..7]) - end).length())
-            });
-            self.same("contact/place", largest(ends), bounds.length)?;
-        }
-        if passes.through("contact/hair") {
-            let got = stage.vectors(&state.predicted);
-            self.same("contact/hair", apart(&got[..hair], &w.predicted[..hair]), bounds.length)?;
-            let touched: Vec<u32> = stage.engine.read(&state.touched).unwrap();
-            let wanted: Vec<u32> = w.touched.iter().map(|touched| u32::from(*touched)).collect();
-            self.same("contact/hair", differing(&touched, &wanted), 0.0)?;
-        }
-        if passes.through("contact/air") {
-            let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
-            self.same("contact/air", gap, bounds.length)?;
-            let got = self.vectors(&state.new_velocity, hair);
-            self.same("contact/air", apart(&got, &w.new_velocity[hair..]), bounds.speed)?;
-        }
-        passes.finish();
-        Ok(())
-    }
-
     fn velocity(&mut self, s: &Twin, w: &mut Scratch) -> Same {
         let (stage, bounds, hair) = (self.stage, self.bounds, self.p().hair_points);
         let state = stage.engine.state();
@@ -347,106 +227,6 @@ impl Walk<'_> {
         }
         passes.finish();
         Ok(())
-    }
-
-    fn turbulence(&mut self, s: &mut Twin, w: &mut Scratch) -> Same {
-        let (stage, bounds, p) = (self.stage, self.bounds, self.p().clone());
-        let (state, plan) = (stage.engine.state(), &stage.plan);
-        let mut passes = stage.passes(step::turbulence::record);
-        if p.bands.is_empty() {
-            assert!(!plan.turbulence.runs);
-            return Ok(());
-        }
-        w.confinement = vec![DVec3::ZERO; w.predicted.len()];
-        if plan.published_law {
-            w.vorticity = turbulence::vorticity(&p, &w.predicted, &w.new_velocity, &s.volume, &w.near);
-            assert!(passes.through("turbulence/vorticity"));
-            self.same("turbulence/vorticity", apart(&stage.vectors(&state.vorticity), &w.vorticity), bounds.spin)?;
-        }
-        for band in plan.bands.iter().filter(|band| band.runs.runs) {
-            self.filter(&mut passes, band, s, w)?;
-            if !plan.published_law {
-                w.vorticity = turbulence::vorticity(&p, &w.predicted, &w.band_velocity, &s.volume, &w.near);
-                assert!(passes.through("turbulence/vorticity"));
-                let gap = apart(&self.vectors(&state.vorticity, p.hair_points), &w.vorticity[p.hair_points..]);
-                self.same("turbulence/vorticity", gap, bounds.spin)?;
-            }
-            let own = turbulence::confine(
-                &p,
-                &p.turbulence.bands[band.index],
-                w.blowing,
-                &w.predicted,
-                &w.band_velocity,
-                &w.vorticity,
-                &s.volume,
-                &s.inverse_mass,
-                &w.near,
-            );
-            w.confinement.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
-            assert!(passes.through("turbulence/confine"));
-            let gap = apart(&self.vectors(&state.confinement, p.hair_points), &w.confinement[p.hair_points..]);
-            self.same("turbulence/confine", gap, bounds.speed)?;
-        }
-        let mean = if p.turbulence.conserve_momentum { turbulence::mean(&p, &w.confinement) } else { DVec3::ZERO };
-        if passes.through("turbulence/mean") {
-            let got = stage.vectors(&state.mean_confinement)[0];
-            self.same("turbulence/mean", (got - mean).length(), bounds.speed)?;
-        }
-        let stronger = turbulence::strengthen(&p, &w.new_velocity, &w.confinement, mean);
-        s.confinement_impulse += turbulence::impulse(&p, &s.inverse_mass, &w.new_velocity, &stronger);
-        w.new_velocity = stronger;
-        assert!(passes.through("turbulence/strengthen"));
-        self.same(
-            "turbulence/strengthen",
-            apart(&self.vectors(&state.new_velocity, 0), &w.new_velocity),
-            bounds.speed,
-        )?;
-        passes.finish();
-        Ok(())
-    }
-
-    /// The velocity of a band, by the scene's filter.
-    fn filter(&mut self, passes: &mut Passes<'_>, plan: &BandPlan, s: &Twin, w: &mut Scratch) -> Same {
-        let (stage, bounds, p) = (self.stage, self.bounds, self.p().clone());
-        let (state, band) = (stage.engine.state(), &p.turbulence.bands[plan.index]);
-        let last = if stage.plan.grid_filter.runs {
-            let scale = p.grid_scale(band);
-            let deposited = turbulence::deposit(&p, scale, w.blowing, &w.predicted, &w.new_velocity, &s.volume);
-            if plan.deposit.runs {
-                assert!(passes.through("turbulence/deposit"));
-                self.nodes("turbulence/deposit", &state.deposited, &deposited)?;
-            }
-            let curved = turbulence::smooth(&p, band.scale, &deposited);
-            assert!(passes.through("turbulence/smooth"));
-            self.nodes("turbulence/smooth", &state.curvature, &curved)?;
-            w.band_velocity = turbulence::gather(&p, band, &curved, &w.predicted);
-            "turbulence/gather"
-        } else {
-            let (x, v) = (&w.predicted, &w.new_velocity);
-            w.band_velocity = turbulence::band(&p, band, w.blowing, x, v, &s.volume);
-            "turbulence/band"
-        };
-        assert!(passes.through(last));
-        // As printed û has units and a size of its own: compared in parts of its largest, as if that were 1 m/s.
-        // A neighbour exactly at the cut of 3 s is in one sum and not in the other: measured 6.3e-3; margin 3.
-        let (unit, bound) = match stage.plan.published_law {
-            true => (largest(w.band_velocity.iter().map(|u| u.length())), 2e-2),
-            false => (1.0, bounds.speed),
-        };
-        let gap = apart(&self.vectors(&state.band_velocity, p.hair_points), &w.band_velocity[p.hair_points..]);
-        self.same(last, gap / unit, bound)
-    }
-
-    /// Momentum or curvature, and volume, of the nodes of a grid, in parts of their largest.
-    fn nodes(&mut self, pass: &'static str, array: &Array, mesh: &turbulence::Mesh) -> Same {
-        let got: Vec<[f32; 4]> = self.stage.engine.read(array).unwrap();
-        let pairs = || got.iter().zip(&mesh.values);
-        let parts = |gap: f64, most: f64| if most > 0.0 { gap / most } else { gap };
-        let vectors = largest(pairs().map(|(a, b)| (xyz(a) - b.truncate()).length()));
-        let gap = parts(vectors, largest(mesh.values.iter().map(|node| node.truncate().length())));
-        self.same(pass, gap, self.bounds.nodes)?;
-        let volumes = largest(pairs().map(|(a, b)| (f64::from(a[3]) - b.w).abs()));
-        self.same(pass, parts(volumes, largest(mesh.values.iter().map(|node| node.w.abs()))), self.bounds.nodes)
     }
 
     fn viscosity(&mut self, s: &Twin, w: &mut Scratch) -> Same {
