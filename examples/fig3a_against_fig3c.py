@@ -4,7 +4,8 @@
 #     python examples/fig3a_against_fig3c.py           # the small copies, 1 s each: minutes on a CPU
 #     python examples/fig3a_against_fig3c.py --small   # a few frames, to see it work
 #
-# Writes out/fig3/tips.png (how far the tips swing), out/fig3/spectrum.png (which eddies the air has) and the two pictures.
+# Writes out/fig3/tips.png (how far the tips swing), out/fig3/spectrum.png (which eddies the air has), out/fig3/difference.png
+# (what the larger eddies change: energy by size, swing over time) and the two pictures, side by side in out/fig3/both.png.
 
 # %%
 import sys
@@ -61,4 +62,22 @@ for scale in (0.006, 0.018):
     ax.axvline(np.sqrt(2) / scale, color="grey", linewidth=0.5)
 ax.legend()
 figure.savefig(OUT / "spectrum.png", dpi=150)
+
+# %%
+figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
+scales = np.geomspace(0.005, 0.02, 7)
+small, large = (sim.spectrum(scales) for sim in sims.values())
+left.plot(1e3 * scales, 1e6 * (large - small), marker="o")
+left.axhline(0.0, color="grey", linewidth=0.5)
+left.set_xlabel("scale s [mm]")
+left.set_ylabel("energy of the band, 18 mm less 6 mm [mm²/s²]")
+(times, of_small), (_, of_large) = swings.values()
+right.plot(times, 1e3 * (of_large.std(axis=1) - of_small.std(axis=1)))
+right.axhline(0.0, color="grey", linewidth=0.5)
+right.set_xlabel("time [s]")
+right.set_ylabel("rms swing of the tips, 18 mm less 6 mm [mm]")
+figure.savefig(OUT / "difference.png", dpi=150)
+ws.contact_sheet([OUT / "fig3a.png", OUT / "fig3c.png"], OUT / "both.png")
+for scale, a, c in zip(scales, small, large):
+    print(f"s = {1e3 * scale:4.1f} mm: {1e6 * a:9.1f} mm²/s² behind 6 mm, {1e6 * c:9.1f} behind 18 mm")
 print("pictures in", OUT)

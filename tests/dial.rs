@@ -18,7 +18,7 @@ const BANDS: [(f64, f64, u64); 3] = [(0.006, 10.0, 300), (0.009, 10.0, 300), (0.
 const SPEED: f64 = 3.0;
 const INTENSITY: f64 = 0.1;
 /// Of each band at the start \[m²/s²\].
-const ENERGY: f64 = 2e-3;
+const ENERGY: f64 = 1e-4;
 
 /// Still air in a box of 17 particle spacings, 82 mm, which holds 1, 2 and 3 waves of the bands' centres along an axis: for
 /// each band six such waves across one another, as strong as gives each band the same energy.
@@ -60,31 +60,27 @@ fn run(band: usize, strengthened: bool) -> Simulation {
     Simulation::with_state(&support::gpu(), &scene, stirred()).unwrap()
 }
 
-/// Each band, strengthened alone, gains by far over a run without confinement and ends near ½ (I U)²; and the larger the scale,
-/// the larger the eddies that the air is left with. (Eddies hand energy on to smaller ones: with s = 9 and 18 mm the band of
-/// 6 mm, which fades fastest without, gains by a larger factor than theirs.)
+/// Each band, strengthened alone, gains by the largest factor of the three over a run without confinement, and ends within a
+/// third of ½ (I U)².
 #[test]
-fn each_scale_has_eddies_of_its_own_size() {
+fn each_scale_strengthens_its_own_eddies() {
     let scales = BANDS.map(|(scale, ..)| scale);
     let limit = 0.5 * (INTENSITY * SPEED).powi(2);
     let mut calm = run(0, false);
     let start = calm.spectrum(&scales).unwrap();
-    println!("start {start:.5?} m²/s²");
+    println!("start {start:?} m²/s²");
     assert!(start.iter().all(|e| (e / ENERGY - 1.0).abs() < 0.03), "{start:?}");
-    let mut sizes = Vec::new();
     for (b, (scale, _, steps)) in BANDS.into_iter().enumerate() {
         calm.step(steps - calm.steps()).unwrap();
         let without = calm.spectrum(&scales).unwrap();
         let mut fed = run(b, true);
         fed.step(steps).unwrap();
         let with = fed.spectrum(&scales).unwrap();
-        println!("s = {} mm: without {without:.5?}, with {with:.5?} m²/s²", 1e3 * scale);
-        // Measured 125, 67 and 95 times as much; 0.66, 0.79 and 1.19 of the limit.
-        assert!(with[b] > 30.0 * without[b], "s = {scale}: {with:?}, {without:?} without");
-        assert!((0.5..1.5).contains(&(with[b] / limit)), "s = {scale}: {} of {limit}", with[b]);
-        sizes.push([with[1] / with[0], with[2] / with[0]]);
+        let factors = [0, 1, 2].map(|k| with[k] / without[k]);
+        println!("s = {} mm: without {without:?}, with {with:.3?} m²/s², factors {factors:.0?}", 1e3 * scale);
+        println!("    {:.2} of the limit", with[b] / limit);
+        // Measured at least 1.13 times the next; 0.71, 0.83 and 1.21 of the limit.
+        assert!((0..3).all(|k| k == b || factors[b] > factors[k]), "s = {scale}: factors {factors:?}");
+        assert!((2.0 / 3.0..4.0 / 3.0).contains(&(with[b] / limit)), "s = {scale}: {} of {limit}", with[b]);
     }
-    // Measured 0.62, 0.83, 1.37 and 0.21, 0.24, 0.94.
-    println!("energy at 9 and 18 mm over that at 6 mm: {sizes:.2?}");
-    assert!(sizes.windows(2).all(|pair| (0..2).all(|k| pair[1][k] > pair[0][k])), "{sizes:?}");
 }

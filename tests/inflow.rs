@@ -59,6 +59,13 @@ fn wind_enters_through_the_face_it_blows_through() {
         // Measured at most 0.125 and at least 0.173.
         assert!(near < 0.15 && far > 0.165, "{wind}: {near}, {far}");
     }
+    let mut open = scene(DVec3::X * 3.0);
+    open.air.as_mut().unwrap().fringe = 0.0;
+    let across = air(DVec3::new(3.0, 0.2, 0.0));
+    let mut open = Simulation::with_state(&support::gpu(), &open, across).unwrap();
+    open.step(20).unwrap();
+    let apart = disturbed(&open, DVec3::X * 3.0, 0, false);
+    assert!(apart.iter().all(|off| (off - 0.2).abs() < 1e-5), "drawn without a fringe: {apart:?}");
     let mut still = Simulation::with_state(&support::gpu(), &scene(DVec3::ZERO), air(DVec3::X * 0.2)).unwrap();
     still.step(20).unwrap();
     let mean = vectors(&still.frame().unwrap().air.velocities).into_iter().sum::<DVec3>() / 1728.0;
@@ -136,4 +143,25 @@ fn wind_brings_eddies_in() {
     assert!((0.1..0.24).contains(&strong) && (0.025..0.06).contains(&weak) && smooth < 0.005);
     assert!(run(1, 0.2).1 == velocities, "other bits for the same seed");
     assert!(run(2, 0.2).1 != velocities, "the seed does nothing");
+}
+
+/// Eddies of the size asked for: an inflow of 6 mm brings more at 6 mm, one of 12 mm more at 12 mm.
+#[test]
+fn eddies_that_enter_have_their_scale() {
+    let scales = [0.006, 0.012];
+    let shares = scales.map(|scale| {
+        let mut scene = scene(DVec3::X * 3.0);
+        let settings = scene.air.as_mut().unwrap();
+        settings.fringe = 0.0372;
+        settings.inflow = Some(Inflow { intensity: 0.1, scale, seed: 4 });
+        let mut initial = lattice([24, 12, 12], &SIMPLE);
+        initial.air.velocities.fill(DVec3::X * 3.0);
+        let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
+        simulation.step(30).unwrap();
+        let energy = simulation.spectrum(&scales).unwrap();
+        println!("inflow of {scale} m: {energy:.2?} m²/s² at 6 and 12 mm");
+        energy[0] / energy[1]
+    });
+    println!("energy at 6 mm over that at 12 mm: {shares:.2?}");
+    assert!(shares[0] > 1.3 && shares[1] < 0.7, "{shares:?}");
 }

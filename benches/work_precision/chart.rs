@@ -21,8 +21,8 @@ const TITLE: u32 = 34;
 const LEGEND_LINE: u32 = 20;
 /// Entries in a line of the legend.
 const LEGEND_COLUMNS: usize = 3;
-/// Line colours that colour-blind eyes tell apart (Okabe & Ito 2008), grey for their yellow.
-const COLOURS: [RGBColor; 8] = [
+/// Line colours that colour-blind eyes tell apart (Okabe & Ito 2008), grey for their yellow, brown and violet after them.
+const COLOURS: [RGBColor; 10] = [
     RGBColor(0, 114, 178),
     RGBColor(230, 159, 0),
     RGBColor(0, 158, 115),
@@ -31,6 +31,8 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(204, 121, 167),
     RGBColor(0, 0, 0),
     RGBColor(150, 150, 150),
+    RGBColor(115, 60, 15),
+    RGBColor(100, 40, 170),
 ];
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;

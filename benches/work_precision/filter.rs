@@ -7,7 +7,7 @@ use windswept_scene::{Band, Order, Scene};
 
 use crate::{
     Bench, Measured, Result,
-    air::{self, Air, VOLUME, rms, vectors},
+    air::{self, Air, RADIUS, VOLUME, rms, vectors},
     point::Point,
     timing,
 };
@@ -29,21 +29,40 @@ const PASSES: [&str; 5] =
     ["turbulence/weigh", "turbulence/band", "turbulence/deposit", "turbulence/smooth", "turbulence/gather"];
 
 /// A filter, its line and its point in the picture.
-fn filters(bench: &Bench) -> Vec<(Filter, String, String)> {
-    let direct = bench
-        .some(&CUTOFFS)
-        .iter()
-        .map(|&cutoff| (Filter::Direct { cutoff }, "direct sum".to_owned(), format!("cut at {cutoff} s")));
-    let grids = GRIDS.iter().flat_map(|(order, spacings)| {
-        bench.some(spacings).iter().map(|&spacing| {
-            (
-                Filter::Grid { order: *order, spacing },
-                format!("grid, {}", order.word()),
-                format!("nodes {spacing} s apart"),
-            )
-        })
+struct Setting {
+    filter: Filter,
+    series: String,
+    label: String,
+    /// Whether it is what a scene gets that names none.
+    default: bool,
+}
+
+/// The settings that are different ones at this scale: no grid is coarser than a kernel radius.
+fn settings(bench: &Bench, scale: f64, default: Filter) -> Vec<Setting> {
+    let direct = bench.some(&CUTOFFS).iter().map(|&cutoff| {
+        let filter = Filter::Direct { cutoff };
+        Setting {
+            filter,
+            series: "direct sum".to_owned(),
+            label: format!("cut at {cutoff} s"),
+            default: filter == default,
+        }
     });
-    direct.chain(grids).collect()
+    let mut all: Vec<Setting> = direct.collect();
+    for (order, spacings) in &GRIDS {
+        for &spacing in bench.some(spacings) {
+            let filter = Filter::Grid { order: *order, spacing };
+            let (series, label) = (
+                format!("grid, {}", order.word()),
+                format!("nodes {:.3} s apart at most", spacing.min(RADIUS / scale)),
+            );
+            match all.last_mut() {
+                Some(last) if last.series == series && last.label == label => last.default |= filter == default,
+                _ => all.push(Setting { filter, series, label, default: filter == default }),
+            }
+        }
+    }
+    all
 }
 
 /// Error and time of each filter, at each scale.
@@ -53,18 +72,17 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
     for &scale in bench.some(&SCALES) {
         let whole = whole_sum(&air, scale);
         let kind = format!("s = {} mm: rms error of û over its rms", 1e3 * scale);
-        let filters = filters(bench);
-        let scenes = filters
+        let settings = settings(bench, scale, Filter::of(&air::scene("")?.turbulence));
+        let scenes = settings
             .iter()
-            .map(|(filter, ..)| Ok((scene(scale, *filter)?, air.initial())))
+            .map(|setting| Ok((scene(scale, setting.filter)?, air.initial())))
             .collect::<Result<Vec<_>>>()?;
-        let times = timing::passes(&bench.gpu, &scenes, &PASSES, bench.rounds(6))?;
-        for ((filter, series, setting), time) in filters.iter().zip(&times) {
+        let times = timing::passes(&bench.gpu, &scenes, &PASSES, bench.rounds(4))?;
+        for (Setting { filter, series, label, default }, time) in settings.iter().zip(&times) {
             let got = vectors(&air.particles().band_velocity(&bench.gpu, scale, *filter)?);
             let error =
                 rms(got.iter().zip(&whole).map(|(a, b)| (*a - *b).length())) / rms(whole.iter().map(|u| u.length()));
-            let default = *filter == Filter::of(&air::scene("")?.turbulence);
-            points.push(Point { default, ..Point::new(&kind, series, setting, time, error) });
+            points.push(Point { default: *default, ..Point::new(&kind, series, label, time, error) });
         }
     }
     let notes = vec![

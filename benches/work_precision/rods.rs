@@ -22,7 +22,7 @@ struct Row {
     integrator: Integrator,
     /// Sweeps, or Newton steps at most.
     iterations: &'static [u32],
-    /// What they are called.
+    /// What one is called.
     unit: &'static str,
 }
 
@@ -32,26 +32,28 @@ const SOLVERS: &[Row] = &[
         solver: Solver::GaussSeidel,
         integrator: Integrator::Euler,
         iterations: &[5, 10, 20, 40, 80, 160, 320],
-        unit: "sweeps",
+        unit: "sweep",
     },
     Row {
         name: "direct, Euler",
         solver: Solver::Direct,
         integrator: Integrator::Euler,
         iterations: &[1, 4],
-        unit: "Newton steps",
+        unit: "Newton step",
     },
     Row {
         name: "direct, BDF2",
         solver: Solver::Direct,
         integrator: Integrator::Bdf2,
         iterations: &[1, 4],
-        unit: "Newton steps",
+        unit: "Newton step",
     },
 ];
-const SUBSTEPS: [u32; 5] = [1, 2, 4, 8, 16];
+const SUBSTEPS: [u32; 4] = [1, 2, 4, 8];
 /// Sweeps times substeps, at most, where there are substeps.
 const MOST_SWEEPS: u32 = 160;
+/// Sweeps of many strands, at most.
+const MOST_SWEEPS_OF_MANY: u32 = 20;
 
 /// Strands that are timed: the paper's, and a groom of many, which are timed in falls at one substep.
 const STRANDS: usize = 550;
@@ -73,7 +75,7 @@ const BEND_OVER_TWIST: f64 = 1.38;
 const DAMPING: f64 = 8.0;
 /// Until they rest \[s\], after which tips are taken this often, this far apart: f32 keeps them trembling.
 const REST: f64 = 2.0;
-const SAMPLES: usize = 20;
+const SAMPLES: usize = 10;
 const SAMPLE_STEPS: u64 = 18;
 /// Of the fall \[s\].
 const FALL: f64 = 0.2;
@@ -102,6 +104,11 @@ struct Setting {
 }
 
 impl Setting {
+    /// Whether many strands are timed with it.
+    fn is_cheap(&self) -> bool {
+        self.substeps == 1 && (self.row.solver == Solver::Direct || self.iterations <= MOST_SWEEPS_OF_MANY)
+    }
+
     fn apply(self, mut scene: Scene) -> Scene {
         scene.time.substeps = self.substeps;
         let rods = &mut scene.rods;
@@ -141,18 +148,22 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
 
     let settings = settings(bench);
     let times = times_of(bench, &settings, &rods, STRANDS)?;
-    let single: Vec<Setting> = settings.iter().copied().filter(|setting| setting.substeps == 1).collect();
-    let times_of_many = times_of(bench, &single, &rods, if bench.quick { STRANDS } else { MANY_STRANDS })?;
+    let few: Vec<Setting> = settings.iter().copied().filter(Setting::is_cheap).collect();
+    let times_of_many = times_of(bench, &few, &rods, if bench.quick { STRANDS } else { MANY_STRANDS })?;
     let (damped, hanging) = build(&rods, 1, DAMPING)?;
     let (free, level) = build(&falling, 1, 0.0)?;
     let mut points = Vec::new();
     let mut times_of_many = times_of_many.iter();
     for (setting, time) in settings.iter().zip(&times) {
         let Setting { row, substeps, iterations } = setting;
-        let series = format!("{}, {substeps} substep{}", row.name, if *substeps == 1 { "" } else { "s" });
+        let plural = |n: u32, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+        let (work, parts) = (plural(*iterations, row.unit), plural(*substeps, "substep"));
+        // Sweeps are what Gauss-Seidel has to choose along a line; the direct solver, substeps.
+        let (along, setting_name) = if row.solver == Solver::GaussSeidel { (parts, work) } else { (work, parts) };
+        let series = format!("{}, {along}", row.name);
         let is_default = setting.apply(default.clone()) == default;
         let mut add = |kind: String, time: &Time, error: f64, uncertainty: f64| {
-            let point = Point::new(&kind, &series, &format!("{iterations} {}", row.unit), time, error);
+            let point = Point::new(&kind, &series, &setting_name, time, error);
             points.push(Point { default: is_default, uncertainty, ..point });
         };
         let mut simulation = Simulation::with_state(&bench.gpu, &setting.apply(damped.clone()), hanging.clone())?;
@@ -164,7 +175,7 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
         }
         let mut simulation = Simulation::with_state(&bench.gpu, &setting.apply(free.clone()), level.clone())?;
         let path = tips(&mut simulation, 1, fall_steps)?;
-        let time_of_many = if setting.substeps == 1 { times_of_many.next() } else { None };
+        let time_of_many = if setting.is_cheap() { times_of_many.next() } else { None };
         for (s, rod) in falling.iter().enumerate() {
             let error = rms_distance(&path, &truth, s);
             add(format!("{}, falling: rms tip error [L]", rod.name), time, error, drift[s]);
@@ -195,7 +206,7 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
 fn times_of(bench: &Bench, settings: &[Setting], rods: &[Rod], count: usize) -> Result<Vec<Time>> {
     let (many, strands) = build(rods, count.div_ceil(rods.len()), DAMPING)?;
     let scenes: Vec<_> = settings.iter().map(|setting| (setting.apply(many.clone()), strands.clone())).collect();
-    timing::passes(&bench.gpu, &scenes, &["rods/"], bench.rounds(6))
+    timing::passes(&bench.gpu, &scenes, &["rods/"], bench.rounds(4))
 }
 
 /// Straight, clamped level (cantilever.csv).
@@ -246,7 +257,7 @@ fn text(rods: &[Rod], copies: usize, damping: f64) -> String {
     let groups: String = rods.iter().enumerate().map(group).collect();
     format!(
         "interaction = {{ model = \"none\" }}\ngravity = [0, -{GRAVITY}, 0]\n\
-         time = {{ step = {STEP}, duration = 1.0 }}\nrods = {{ damping = {damping:?} }}\n{groups}"
+         time = {{ step = {STEP}, duration = 1.0 }}\nrods = {{ damping = {damping:?}, sleep = false }}\n{groups}"
     )
 }
 
@@ -290,6 +301,7 @@ fn tips(simulation: &mut Simulation, steps: u64, count: usize) -> Result<Vec<Vec
 fn twin_fall(rods: &[Rod], steps: usize, substeps: u32) -> Result<Vec<Vec<DVec3>>> {
     let (mut scene, initial) = build(rods, 1, 0.0)?;
     scene.time.substeps = substeps;
+    scene.rods.sleep = false;
     let p = Parameters::new(&scene, &initial);
     let mut state = State::new(&initial, p.step);
     let mut all = Vec::new();

@@ -87,7 +87,7 @@ def test_the_spectrum_has_the_energy_of_its_waves():
         plot.energy_spectrum(x, v, box[::-1])
 
 
-def test_plots_draw(sim, tmp_path):
+def test_plots_draw(sim, bare, tmp_path):
     pyplot = pytest.importorskip("matplotlib.pyplot")
     sim.step(5)
     figure, (left, right) = pyplot.subplots(1, 2)
@@ -97,6 +97,10 @@ def test_plots_draw(sim, tmp_path):
     assert (right.lines[0].get_xdata() > 1.0).any()
     with pytest.raises(ValueError, match="along"):
         ws.plot.profile(sim, along="w")
+    alone = ws.Simulation(bare, groom=ws.Groom([[[0, 0, 0], [0.01, 0, 0]]]))
+    for plot in (ws.plot.spectrum, ws.plot.profile):
+        with pytest.raises(ValueError, match="no air"):
+            plot(alone, ax=left)
 
 
 def test_the_wheel_carries_the_command(tmp_path):

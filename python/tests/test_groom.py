@@ -88,7 +88,15 @@ def test_ends_are_held_as_they_say(bare):
         ("points", None),
         ("points", level(n=1)),
         ("points", [[[0, 0, 0], [1]]]),
-        ("offsets", [0, 6, 18]),
+        ("points", np.zeros((0, 6, 3))),
+        ("offsets", [0, 6, 17]),
+        ("offsets", [1, 6, 18]),
+        ("offsets", [0, 12, 6, 18]),
+        ("offsets", [0, 6, 6, 18]),
+        ("offsets", [0.0, 18.0]),
+        ("offsets", [[0, 18]]),
+        ("offsets", []),
+        ("offsets", -1),
         ("offsets", [0.5]),
         ("radius", 0.0),
         ("radius", [4e-5, 4e-5]),
@@ -115,5 +123,8 @@ def test_ends_are_held_as_they_say(bare):
 )
 def test_faults_name_their_argument(name, value):
     arguments = {"points": level(), name: value}
-    with pytest.raises(ValueError, match="points" if name == "offsets" else name):
+    if name == "offsets":
+        arguments["points"] = level().reshape(-1, 3)
+    with pytest.raises(ValueError, match=rf"^(groom\.)?{name}:") as caught:
         ws.Groom(**arguments)
+    assert getattr(caught.value, "key", f"groom.{name}") == f"groom.{name}"

@@ -147,5 +147,10 @@ def test_faults_are_named(particles):
             ws.ops.vorticity(**{"positions": x, "velocities": v, **good, **change})
     with pytest.raises(ValueError, match="filter"):
         ws.ops.band_velocity(x, v, mass=MASS, rest_density=REST, scale=0.006, filter="fast")
+    for bad in (0.0, -1.0, float("nan"), 1e-7):
+        with pytest.raises(ValueError, match="scale"):
+            ws.ops.band_velocity(x, v, mass=MASS, rest_density=REST, scale=bad)
+    with pytest.raises(ValueError, match="box"):
+        ws.ops.band_velocity(x, v, mass=MASS, rest_density=REST, scale=0.006, box=(0.02, 0.1, 0.1))
     with pytest.raises(ValueError, match="iterations"):
         ws.ops.solve_density(x, iterations=-1, **good)

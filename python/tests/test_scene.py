@@ -35,6 +35,15 @@ def test_replace_changes_its_keys_and_leaves_the_scene(scene):
     text = changed.to_toml()
     for line in ("scale = 0.018", "wind = [6.0, 0.0, 0.0]", "strands = 5", "radius = 5e-5", "inextensible = true"):
         assert line in text
+    tables = scene.replace(
+        **{
+            "air.inflow": {"intensity": 0.1, "scale": 0.009},
+            "air.gust": [{"time": 0.0, "velocity": [0, 0, 0]}, {"time": 0.1, "velocity": (1.0, 0, 0)}],
+            "body": [{"center": [0.02, 0.03, 0.0225], "radius": 0.004, "motion": [{"time": 0.0}]}],
+            "hair.motion": [{"time": 0.0}, {"time": 0.02, "translation": np.array([0.0, 0.0, 1e-3])}],
+        }
+    )
+    assert tables.replace(**{"air.inflow.scale": 0.009}) == tables != tables.replace(**{"body.0.radius": 0.005})
     assert changed.replace(title="Small") != scene
     assert scene.replace() == scene
 
@@ -45,6 +54,9 @@ def test_faults_name_key_and_line_and_the_nearest_key(scene):
     assert isinstance(caught.value, ValueError)
     assert (caught.value.key, caught.value.line) == ("hair.lenght", None)
     assert "--set" not in str(caught.value)
+    copied = pickle.loads(pickle.dumps(caught.value))
+    assert (str(copied), copied.key, copied.help) == (str(caught.value), caught.value.key, caught.value.help)
+    assert ws.SceneError("of one's own").key is None
     with pytest.raises(ws.SceneError) as caught:
         ws.Scene.parse("time = { step = 1e-3, duration = 1.0 }\nseed = -1\n")
     assert (caught.value.key, caught.value.line) == ("seed", 2)

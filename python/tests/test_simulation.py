@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import windswept as ws
+from conftest import SCENE
 
 
 def test_time_passes_in_steps(sim):
@@ -98,6 +99,11 @@ def test_a_callback_drives_and_ends_a_run(bare):
     calls = []
     sim.run(0.05, callback=lambda sim: calls.append(sim.steps) or len(calls) < 3, every=4)
     assert np.diff(calls).tolist() == [4, 4]
+    steps = sim.steps
+    sim.run(0.05, callback=lambda sim: np.float32(sim.time) < 0)
+    assert sim.steps == steps + 1, "NumPy's False"
+    sim.run(2 * sim.dt, callback=lambda sim: [])
+    assert sim.steps == steps + 3, "an empty list is no False"
     with pytest.raises(ZeroDivisionError):
         sim.run(0.01, callback=lambda sim: 1 / 0)
 
@@ -147,6 +153,31 @@ def test_the_wind_can_be_turned(sim, bare):
     alone = ws.Simulation(bare, groom=ws.Groom([[[0, 0, 0], [0.01, 0, 0]]]))
     with pytest.raises(ValueError, match="wind"):
         alone.set_wind([1, 0, 0])
+    # A wind that swings passes through what is nearly zero.
+    sim.set_wind([0.002 * np.sin(np.pi), 0.0, 1e-30])
+    sim.step(1)
+    assert "wind = [0.0, 0.0, 0.0]" in sim.scene.text and np.isfinite(sim.air.velocities).all()
+
+
+def test_the_eddies_have_the_energy_of_their_band():
+    # Without hair, all of the box's volume is the air's.
+    scene = ws.Scene.parse(SCENE[: SCENE.index("[hair]")] + SCENE[SCENE.index("[air]") :])
+    sim = ws.Simulation(scene.replace(**{"turbulence.bands": [{"scale": 0.006}, {"scale": 0.009}]}))
+    v = 0.2 * np.random.default_rng(2).normal(size=sim.air.velocities.shape)
+    sim.set_air(velocities=v + [3.0, 0.0, 0.0])
+    energies = sim.spectrum([0.006, 0.009])
+    assert energies.dtype == np.float64 and energies[0] > energies[1] > 0
+    low, high = sim.air.box
+    volume = float(np.prod(high - low)) / len(v)
+    u = ws.ops.band_velocity(sim.air.positions - low, v, mass=1.29 * volume, rest_density=1.29, scale=0.006, box=high - low)
+    assert energies[0] == pytest.approx(0.5 * (u.astype(float) ** 2).sum(1).mean(), rel=1e-5)
+    assert sim.air.band_energy.shape == v.shape[:1]
+    assert sim.air.band_energy.mean() == pytest.approx(energies[0], rel=1e-4)
+    assert [band["m2_per_s2"] for band in sim.report()["band_energy"]] == energies.tolist()
+    for bad in (0.006, [[0.006]], [0.0], [-1.0], [np.nan], [1e-7], "small", None):
+        with pytest.raises(ValueError, match="scale"):
+            sim.spectrum(bad)
+    assert len(ws.Simulation(scene).air.band_energy) == 0
 
 
 def test_any_layout_and_width_of_floats_comes_in(sim):
@@ -172,11 +203,16 @@ def test_arrays_that_do_not_fit_are_named(sim):
         (sim.set_air, "positions", np.full((n, 3), np.nan)),
         (sim.set_air, "positions", np.zeros((n, 3), dtype=object)),
         (sim.set_air, "positions", np.zeros((n, 3), dtype=bool)),
+        (sim.set_air, "positions", np.ma.masked_array(np.zeros((n, 3)), mask=np.arange(3 * n).reshape(n, 3) == 5)),
         (sim.set_hair, "orientations", np.zeros((40, 3))),
         (sim.set_hair, "orientations", np.zeros((40, 4))),
         (sim.set_hair, "positions", np.zeros((47, 3))),
         (sim.set_roots, "positions", np.zeros((7, 3))),
         (sim.set_roots, "positions", np.full((8, 3), np.inf)),
+        # Finite, but not in float32.
+        (sim.set_air, "velocities", np.full((n, 3), 1e39)),
+        (sim.set_hair, "positions", np.full((48, 3), -1e39)),
+        (sim.set_roots, "positions", np.full((8, 3), 1e39)),
     ]:
         with pytest.raises(ValueError, match=name):
             call(**{name: value})
@@ -218,6 +254,16 @@ def test_an_adapter_that_is_not_there_is_a_gpu_error(scene):
         ws.Simulation(scene, adapter="no such thing")
     assert issubclass(ws.GpuError, RuntimeError)
     assert "llvmpipe" in repr(ws.Simulation(scene, adapter="software"))
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self/task"), reason="counts threads as Linux does")
+def test_an_adapter_has_one_device_whatever_it_is_called(sim):
+    # A device of the software adapter comes with a thread for each core, and more.
+    threads = len(os.listdir("/proc/self/task"))
+    name = next(adapter["name"] for adapter in ws.adapters() if adapter["name"] in sim.adapter)
+    others = [ws.Simulation(sim.scene, adapter=part) for part in (name, name[:5], name[:5].upper())]
+    assert len({sim.adapter, *(other.adapter for other in others)}) == 1
+    assert len(os.listdir("/proc/self/task")) <= threads + 1
 
 
 def test_two_simulations_run_on_two_threads(scene):

@@ -5,7 +5,9 @@ import os
 import signal
 import threading
 import time
+import types
 
+import numpy as np
 import pytest
 
 import windswept as ws
@@ -43,16 +45,24 @@ def test_every_combination_gets_its_folder_and_its_line(short, tmp_path):
     (tmp_path / "0002" / "report.json").unlink()
     assert [case.status for case in sweep.run(short, VARY, tmp_path)] == ["skipped", "skipped", "finished", "skipped"]
     assert os.stat(tmp_path / "0001" / "report.json").st_mtime_ns == reports[1]
-    # Other values of the same number are other cases.
-    assert [case.status for case in sweep.run(short, {"seed": [7]}, tmp_path, picture=False)] == ["finished"]
+    # Other values of the same number are other cases, of which nothing of the old ones is left; NumPy's are as good.
+    seeds = {"seed": np.array([7]), "air.wind": [np.array([4.0, 0.0, 0.0], np.float32)]}
+    (other,) = sweep.run(short, seeds, tmp_path, picture=False)
+    assert other.status == "finished" and not (other.folder / "picture.png").exists()
+    assert (table(tmp_path)[0]["seed"], table(tmp_path)[0]["air.wind"]) == ("7", "[4.0, 0.0, 0.0]")
 
 
 def test_a_case_that_fails_stops_no_other(short, tmp_path):
     # A picture that no adapter draws fails when it is drawn; a length that is none, at once.
     cases = sweep.run(short, {"camera.width": [96, 100_000_000]}, tmp_path / "drawn", retries=1)
     assert [(case.status, case.attempts) for case in cases] == [("finished", 1), ("failed", 2)]
-    assert "100000000" in cases[1].error and "100000000" in (cases[1].folder / "error.txt").read_text()
+    assert cases[1].error.startswith("the process ended with status 1: windswept.ExportError: the camera asks for 100000000")
+    said = (cases[1].folder / "error.txt").read_text()
+    assert cases[1].error in said and "Traceback" in said
     assert table(tmp_path / "drawn")[1]["status"] == "failed"
+    # A folder that had a finished case has one no more.
+    (failed,) = sweep.run(short, {"camera.width": [100_000_000]}, tmp_path / "drawn", retries=0)
+    assert [path.name for path in failed.folder.iterdir()] == ["error.txt"]
     cases = sweep.run(short, {"hair.length": [-1.0, 0.02]}, tmp_path / "scenes")
     assert [case.status for case in cases] == ["failed", "finished"] and "hair.length" in cases[0].error
     with pytest.raises(ws.SceneError, match="did you mean"):
@@ -79,9 +89,10 @@ def test_a_process_that_dies_is_started_again(short, tmp_path, monkeypatch):
     assert len(started) == 3
 
 
-def test_a_cluster_goes_on_when_a_worker_is_killed(short, tmp_path):
+def test_a_cluster_goes_on_when_a_worker_is_killed(short, tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed")
     longer = short.replace(**{"time.duration": 0.1})
+    monkeypatch.setattr(sweep, "uuid", types.SimpleNamespace(uuid4=lambda: "known"))
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
         with distributed.Client(cluster) as client:
             pids = client.run(os.getpid)
@@ -89,19 +100,19 @@ def test_a_cluster_goes_on_when_a_worker_is_killed(short, tmp_path):
             killed = []
 
             def kill():
-                # As soon as a worker has begun.
-                while not any(client.processing().values()):
-                    time.sleep(0.05)
-                time.sleep(0.5)
-                worker = next(worker for worker, tasks in client.processing().items() if tasks)
-                killed.append(pids[worker])
-                os.kill(pids[worker], signal.SIGKILL)
+                # As soon as the first case has begun; it takes half a second at least.
+                while not (begun := client.get_events("windswept-sweep-known-0")):
+                    time.sleep(0.02)
+                killed.append(begun[0][1])
+                os.kill(pids[killed[0]], signal.SIGKILL)
 
             killer = threading.Thread(target=kill)
             killer.start()
             cases = sweep.run(longer, VARY, tmp_path, client)
             killer.join()
-            assert killed and killed[0] not in client.run(os.getpid).values()
+            assert pids[killed[0]] not in client.run(os.getpid).values()
     assert [case.status for case in cases] == ["finished"] * 4
+    assert cases[0].attempts == 2 and cases[0].error == f"worker {killed[0]} died while it ran"
+    assert table(tmp_path)[0]["attempts"] == "2" and "died" in table(tmp_path)[0]["error"]
     assert all(case.report["steps"] == 72 and (case.folder / "picture.png").exists() for case in cases)
     assert [line["status"] for line in table(tmp_path)] == ["finished"] * 4

@@ -73,3 +73,7 @@ def __getattr__(name: str) -> _ModuleType:
 
         return importlib.import_module(f"windswept.{name}")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return [*__all__, *(name for name in globals() if name.startswith("__"))]

@@ -3,6 +3,8 @@
 Positions and velocities are `(n, 3)`, float32 or float64 in, float32 out. `box=(Lx, Ly, Lz)` makes space periodic on
 [0, L): positions are wrapped, and a side below 3 radii is a ValueError. They run on the adapter that WGPU_ADAPTER_NAME
 names, else on the best.
+
+All raise ValueError naming an argument that does not fit (a shape, a dtype, a NaN, a value), and GpuError without an adapter.
 """
 
 from __future__ import annotations
@@ -13,15 +15,13 @@ from windswept import _native
 
 if TYPE_CHECKING:
     import numpy as np
-    from numpy.typing import NDArray
-
-    from windswept._native import _Array
+    from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["band_velocity", "density", "solve_density", "viscosity", "vorticity"]
 
 
-def density(positions: _Array, *, mass: float, radius: float, box: _Array | None = None) -> NDArray[np.float32]:
-    """ρ = m Σ_j W(x_i − x_j), Poly6, self included.
+def density(positions: ArrayLike, *, mass: float, radius: float, box: ArrayLike | None = None) -> NDArray[np.float32]:
+    """ρ = m Σ_j W(x_i − x_j), self included, W = 315/(64πh⁹)(h² − r²)³ (Poly6; Müller et al. 2003, eq. 20).
 
     Args:
         positions: `(n, 3)` [m].
@@ -36,13 +36,13 @@ def density(positions: _Array, *, mass: float, radius: float, box: _Array | None
 
 
 def vorticity(
-    positions: _Array,
-    velocities: _Array,
+    positions: ArrayLike,
+    velocities: ArrayLike,
     *,
     mass: float,
     rest_density: float,
     radius: float,
-    box: _Array | None = None,
+    box: ArrayLike | None = None,
 ) -> NDArray[np.float32]:
     """ω = Σ_j V (v_j − v_i) × ∇_j W, Spiky's gradient, the plain sum (Demura et al. 2019, eq. 2 with its missing 1/ρ).
 
@@ -63,17 +63,17 @@ def vorticity(
 
 
 def band_velocity(
-    positions: _Array,
-    velocities: _Array,
+    positions: ArrayLike,
+    velocities: ArrayLike,
     *,
     mass: float,
     rest_density: float,
     scale: float,
     filter: str = "grid",
     cutoff: float = 4.5,
-    box: _Array | None = None,
+    box: ArrayLike | None = None,
 ) -> NDArray[np.float32]:
-    """û, the velocity of eddies of one size: the Mexican hat over the particles' velocities (eqs. 5, 6).
+    """û, the velocity of eddies of one size: the Mexican hat over the particles' velocities (Demura et al. 2019, eqs. 5, 6).
 
     Unit gain at the band's centre, k s = √2, wavelength 4.44 s.
 
@@ -85,7 +85,7 @@ def band_velocity(
         scale: s [m].
         filter: "grid" (cost falls as s grows) or "direct" (the sum itself).
         cutoff: of the direct filter, in units of s.
-        box: sides of the periodic box [m].
+        box: sides of the periodic box [m], each at least 5.77 particle spacings, (mass / rest_density)^⅓: 3 radii of the paper.
 
     Returns:
         `(n, 3)` float32 [m/s].
@@ -94,15 +94,15 @@ def band_velocity(
 
 
 def viscosity(
-    positions: _Array,
-    velocities: _Array,
+    positions: ArrayLike,
+    velocities: ArrayLike,
     *,
     mass: float,
     radius: float,
     coefficient: float,
-    box: _Array | None = None,
+    box: ArrayLike | None = None,
 ) -> NDArray[np.float32]:
-    """Velocities after one XSPH update (eq. 7), limited where it could overshoot.
+    """Velocities after one XSPH update (Demura et al. 2019, eq. 7), limited where it could overshoot.
 
     Args:
         positions: `(n, 3)` [m].
@@ -119,7 +119,7 @@ def viscosity(
 
 
 def solve_density(
-    positions: _Array,
+    positions: ArrayLike,
     *,
     mass: float,
     rest_density: float,
@@ -127,9 +127,9 @@ def solve_density(
     iterations: int,
     relaxation: float = 0.5,
     tension: float = 0.0,
-    box: _Array | None = None,
+    box: ArrayLike | None = None,
 ) -> NDArray[np.float32]:
-    """Positions after Jacobi iterations of the density constraint ρ = ρ0 (eq. 1).
+    """Positions after Jacobi iterations of the density constraint ρ = ρ0 (Demura et al. 2019, eq. 1; Macklin & Müller 2013).
 
     Args:
         positions: `(n, 3)` [m].

@@ -63,7 +63,12 @@ def energy_spectrum(
 
 
 def spectrum(sim: Simulation, *, ax: Axes | None = None, label: str | None = None) -> Axes:
-    """Draws the energy spectrum of a simulation's air, both axes logarithmic."""
+    """Draws the energy spectrum of a simulation's air, both axes logarithmic.
+
+    Raises:
+        ValueError: the simulation has no air particles.
+    """
+    _has_air(sim)
     k, energy = energy_spectrum(sim.air.positions, sim.air.velocities, sim.air.box)
     ax = _axes(ax)
     ax.loglog(k, energy, label=label)
@@ -81,17 +86,28 @@ def profile(
     ax: Axes | None = None,
     label: str | None = None,
 ) -> Axes:
-    """Draws the mean of one component of the air's velocity along an axis of the box, with its standard deviation."""
+    """Draws the mean of one component of the air's velocity along an axis of the box, with its standard deviation.
+
+    Args:
+        along: "x", "y" or "z", upwards in the plot [m].
+        component: the same [m/s].
+        bins: slices of the box; those without a particle are left out.
+
+    Raises:
+        ValueError: another axis, or the simulation has no air particles.
+    """
     for name, value in (("along", along), ("component", component)):
         if value not in _AXES:
             raise ValueError(f"{name}: expected 'x', 'y' or 'z', found {value!r}")
     if bins < 1:
         raise ValueError(f"bins: expected at least 1, found {bins}")
+    _has_air(sim)
     x, v = sim.air.positions[:, _AXES[along]], sim.air.velocities[:, _AXES[component]]
     low, high = sim.air.box[:, _AXES[along]]
     edges = np.linspace(low, high, bins + 1)
     which = np.clip(np.digitize(x, edges) - 1, 0, bins - 1)
-    count = np.maximum(np.bincount(which, minlength=bins), 1)
+    count = np.bincount(which, minlength=bins).astype(float)
+    count[count == 0] = np.nan
     mean = np.bincount(which, v, minlength=bins) / count
     spread = np.sqrt(np.bincount(which, (v - mean[which]) ** 2, minlength=bins) / count)
     middle = 0.5 * (edges[1:] + edges[:-1])
@@ -101,6 +117,11 @@ def profile(
     ax.set_xlabel(f"mean velocity in {component} [m/s]")
     ax.set_ylabel(f"{along} [m]")
     return ax
+
+
+def _has_air(sim: Simulation) -> None:
+    if len(sim.air.positions) == 0:
+        raise ValueError("sim: has no air particles to plot")
 
 
 def _axes(ax: Axes | None) -> Axes:

@@ -6,6 +6,8 @@
 
 `out` gets a folder per case (`scene.toml`, `report.json`, `picture.png`, or `error.txt`), `table.csv` of all, and `sheet.png`
 of their pictures. Called again it runs what is missing.
+
+A script that has no `if __name__ == "__main__":` may call it: cases are processes of their own, which never import the script.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import uuid
 from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -44,12 +47,13 @@ class Case:
     folder: Path
     #: "finished" in this call, "skipped" (it was), or "failed".
     status: str = "waiting"
-    #: Runs that were started in this call.
+    #: Runs that were started in this call, those that a dead worker left among them.
     attempts: int = 0
     report: dict[str, Any] = field(default_factory=dict)
     #: The last fault, also of a case that finished in the end.
     error: str | None = None
     _text: str = field(default="", repr=False)
+    _log: str = field(default="", repr=False)
 
 
 @dataclass(frozen=True)
@@ -134,18 +138,22 @@ def _cases(scene: Scene, vary: Mapping[str, Sequence[Any]], out: Path) -> list[C
         raise faults[0]
     for case in cases:
         case.folder.mkdir(parents=True, exist_ok=True)
-        if case.status == "waiting" and _finished(case):
-            case.status = "skipped"
-            case.report = json.loads((case.folder / "report.json").read_text(encoding="utf-8"))
+        if case.status == "waiting" and (report := _report(case)):
+            case.status, case.report = "skipped", report
         elif case.status == "failed":
-            _write(case.folder / "error.txt", f"{case.error}\n")
+            _settle(case, None)
     return cases
 
 
-def _finished(case: Case) -> bool:
-    """Whether its folder has the report of just this scene."""
-    scene, report = case.folder / "scene.toml", case.folder / "report.json"
-    return report.exists() and scene.exists() and scene.read_bytes() == case._text.encode()
+def _report(case: Case) -> dict[str, Any] | None:
+    """What its folder has of just this scene."""
+    try:
+        if (case.folder / "scene.toml").read_bytes() != case._text.encode():
+            return None
+        report: dict[str, Any] = json.loads((case.folder / "report.json").read_text(encoding="utf-8"))
+        return report
+    except (OSError, ValueError):
+        return None
 
 
 def _simulate(job: _Job) -> _Result:
@@ -159,6 +167,15 @@ def _simulate(job: _Job) -> _Result:
             write_png(Path(folder) / "picture.png", sim.render())
             drawn = (Path(folder) / "picture.png").read_bytes()
     return sim.report(), drawn
+
+
+def _simulate_on_a_worker(job: _Job, topic: str) -> _Result:
+    """The same, which tells the scheduler where it has begun: workers that die tell nothing."""
+    from distributed import get_worker
+
+    worker = get_worker()
+    worker.log_event(topic, worker.address)
+    return _simulate(job)
 
 
 def _locally(
@@ -200,8 +217,11 @@ def _fetch(case: Case, folder: Path, status: int) -> _Result | None:
     try:
         report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        log = (folder / "log.txt").read_text(encoding="utf-8", errors="replace").strip().splitlines()
-        case.error = f"the process ended with status {status}: {log[-1] if log else 'no words'}"
+        case._log = (folder / "log.txt").read_text(encoding="utf-8", errors="replace").strip()
+        # A traceback ends with its error, which may have lines of help below it.
+        said = [line for line in case._log.splitlines() if line[:1].strip() and "Error: " in line]
+        words = said[-1] if said else case._log[-200:] or "no words"
+        case.error = f"the process ended with status {status}: {words}"
         return None
     drawn = folder / "picture.png"
     return report, drawn.read_bytes() if drawn.exists() else None
@@ -213,21 +233,31 @@ def _on(
     """The same on a cluster, whose scheduler starts again what a worker that died has left."""
     from distributed import as_completed
 
+    topic, submitted = f"windswept-sweep-{uuid.uuid4()}", dict.fromkeys(jobs, 0)
+
     def start(case: Case) -> Any:
-        case.attempts += 1
-        return client.submit(_simulate, jobs[case.index], pure=False)
+        submitted[case.index] += 1
+        return client.submit(_simulate_on_a_worker, jobs[case.index], f"{topic}-{case.index}", pure=False)
+
+    def count(case: Case) -> None:
+        workers = [worker for _, worker in client.get_events(f"{topic}-{case.index}")]
+        # What did not reach a worker was an attempt too.
+        case.attempts = max(len(workers), submitted[case.index])
+        if len(workers) > submitted[case.index]:
+            case.error = case.error or f"worker {workers[-2]} died while it ran"
 
     futures = {start(case): case for case in cases}
     completed: Any = as_completed(list(futures))  # type: ignore[no-untyped-call]
     try:
         for future in completed:
             case = futures.pop(future)
+            count(case)
             error = future.exception() if future.status == "error" else None
             if future.status == "finished":
                 yield case, future.result()
                 continue
             case.error = f"{type(error).__name__}: {error}" if error else f"the task was {future.status}"
-            if case.attempts <= retries:
+            if submitted[case.index] <= retries:
                 again = start(case)
                 futures[again] = case
                 completed.add(again)
@@ -238,13 +268,15 @@ def _on(
 
 
 def _settle(case: Case, result: _Result | None) -> None:
+    # Of another case that had this number, or of an earlier try.
+    for name in ("report.json", "scene.toml", "picture.png", "error.txt"):
+        (case.folder / name).unlink(missing_ok=True)
     if result is None:
         case.status = "failed"
-        _write(case.folder / "error.txt", f"{case.error}\n")
+        _write(case.folder / "error.txt", "\n\n".join(filter(None, [case.error, case._log])) + "\n")
         return
     case.status = "finished"
     case.report, drawn = result
-    (case.folder / "error.txt").unlink(missing_ok=True)
     if drawn is not None:
         _write(case.folder / "picture.png", drawn)
     _write(case.folder / "scene.toml", case._text)
@@ -255,13 +287,18 @@ def _settle(case: Case, result: _Result | None) -> None:
 def _write_table(cases: list[Case], vary: Mapping[str, Sequence[Any]], out: Path) -> None:
     lines: list[list[Any]] = [["case", "status", "attempts", *vary, *_REPORTED, "error"]]
     for case in cases:
-        values = [json.dumps(v) if isinstance(v, (list, tuple, dict)) else v for v in case.values.values()]
+        values = [value if isinstance(value, str) else json.dumps(value, default=_plain) for value in case.values.values()]
         reported = [case.report.get(key, "") for key in _REPORTED]
         lines.append([case.folder.name, case.status, case.attempts, *values, *reported, case.error or ""])
     partial = out / "table.csv.part"
     with open(partial, "w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows(lines)
     os.replace(partial, out / "table.csv")
+
+
+def _plain(value: Any) -> Any:
+    """NumPy's numbers and arrays as Python's; of what no scene takes, its words."""
+    return value.tolist() if hasattr(value, "tolist") else str(value)
 
 
 def _write(path: Path, content: str | bytes) -> None:

@@ -10,7 +10,7 @@ struct Strand {
     first_point: u32,
     first_segment: u32,
     points: u32,
-    joints: u32,               // bits: ROOT_JOINT, TIP_JOINT
+    joints: u32,               // bits: ROOT_JOINT, TIP_JOINT, ROOT_HELD, TIP_HELD
     tip_frame: vec4f,
     tip_rest_rotation: vec4f,
     tip_compliance: vec3f,     // of the tip joint, as bend_compliance
@@ -18,10 +18,14 @@ struct Strand {
     center: vec3f,             // m, of its roots' motion
     first_keyframe: u32,
     keyframes: u32,            // 0: the host says where its root goes
+    still_speed: f32,          // m/s, of its points, below which it is at rest
+    still_acceleration: f32,   // m/s^2, of what pushes it, below which it stays at rest
 }
 
-const ROOT_JOINT: u32 = 1u;
+const ROOT_JOINT: u32 = 1u;   // its frame is held
 const TIP_JOINT: u32 = 2u;
+const ROOT_HELD: u32 = 4u;    // its point is
+const TIP_HELD: u32 = 8u;
 
 struct Segment {
     rest_rotation: vec4f,        // of the joint before it

@@ -21,7 +21,12 @@ fn depth_of(position: vec3f, wind: vec3f) -> vec3f {
     return select(params.box_size - position, position, wind >= vec3f(0.0));
 }
 
-fn in_fringe(position: vec3f) -> bool {
+// Part of a change that the fringe leaves: none behind a face that the wind meets head on, nearly all behind one that it
+// passes along, so that a wind may turn without a jump.
+fn left_by_fringe(position: vec3f) -> f32 {
     let wind = mean_wind();
-    return any((depth_of(position, wind) < vec3f(params.fringe)) & (wind != vec3f(0.0)));
+    let speed = length(wind);
+    if params.fringe <= 0.0 || speed <= 0.0 { return 1.0; }
+    let within = depth_of(position, wind) < vec3f(params.fringe);
+    return max(0.0, 1.0 - dot(abs(wind) / speed, select(vec3f(0.0), vec3f(1.0), within)));
 }

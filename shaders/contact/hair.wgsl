@@ -22,6 +22,7 @@ import package::common::{
 @group(0) @binding(7) var<storage, read_write> touched:   array<atomic<u32>>;   // per strand: 1 if any of its points was
 
 const ROUNDS: u32 = 2u;
+const TOUCH: f32 = 1e-6;      // lengths of the strand; what lies on a body is off by rounding
 const RECOVERY: f32 = 0.2;   // m/s, of what starts inside
 
 // The strand that a point is of: the last that starts at or before it.
@@ -41,7 +42,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if p >= params.hair_points || frozen() { return; }
     if inverse_mass[p] == 0.0 { return; }
     var x = predicted[p].xyz;
-    var pushed = false;
     let bodies = arrayLength(&placed);
     for (var k = 0u; k < ROUNDS * bodies; k++) {
         let body = placed[k % bodies];
@@ -57,9 +57,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let slide = way - dot(way, touch.normal) * touch.normal;
         let far = length(slide);
         if far > 0.0 { x -= min(body.friction * depth / far, 1.0) * slide; }
-        pushed = true;
     }
-    if !pushed { return; }
+    let moved = x - predicted[p].xyz;
+    if all(moved == vec3f(0.0)) { return; }
     predicted[p] = vec4f(x, predicted[p].w);
-    atomicStore(&touched[strand_of(p)], 1u);
+    let s = strand_of(p);
+    if length(moved) > TOUCH * strands[s].length { atomicStore(&touched[s], 1u); }
 }

@@ -7,8 +7,9 @@
 // follow is capped and counted.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent},
-    integration::{PUT, bdf2_step, free_move}, rest::{STILL_ACCELERATION, STILL_TIME, STILL_STEPS},
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS},
+    integration::{PUT, bdf2_step, free_move}, rest::{STILL_TIME, STILL_STEPS},
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS,
+        TIP_HELD},
     status::{frozen, count, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT},
 };
 
@@ -18,7 +19,7 @@ import package::common::{
 @group(0) @binding(5) var<storage, read_write> rod_points:   array<RodPoint>;
 @group(0) @binding(6) var<storage, read_write> rod_segments: array<RodSegment>;
 @group(0) @binding(7) var<storage, read_write> health:       array<Health>;
-@group(0) @binding(8) var<storage, read>       touched:      array<u32>;   // per strand, of the step before: by a body
+@group(0) @binding(8) var<storage, read>       touched:      array<u32>;   // per strand, of the step before: by bodies, or they moved
 
 const TORN: f32 = 0.1;    // |C| of stretch-shear
 const CALM: u32 = 3u;     // steps
@@ -47,7 +48,7 @@ fn put_as_it_is(strand: Strand, rod: RodStrand) {
     }
 }
 
-// The rest shape, unrolled from the clamp.
+// The rest shape, unrolled from the clamp; a tip that is held stays.
 fn put_at_rest(strand: Strand, rod: RodStrand) {
     var frame = rod.root_frame;
     var offset = vec3f(0.0);   // from the root, as it is
@@ -59,7 +60,8 @@ fn put_at_rest(strand: Strand, rod: RodStrand) {
         offset += rod_segments[j].chord;
         rest += segments[j].rest_length * tangent(frame);
         put_segment(j, frame);
-        put_point(strand.first_point + k + 1u, rod.root_travel + rest - offset);
+        let stays = k + 2u == strand.points && (strand.joints & TIP_HELD) != 0u;
+        put_point(strand.first_point + k + 1u, select(rod.root_travel + rest - offset, vec3f(0.0), stays));
     }
 }
 
@@ -67,9 +69,12 @@ fn rested(steps: u32) -> bool {
     return steps >= STILL_STEPS && f32(steps) * params.step >= STILL_TIME;
 }
 
-fn pushed(strand: Strand) -> bool {
+// By what acts from outside in this step; a sleeper has no velocity but what viscosity gave it since.
+fn pushed(strand: Strand, asleep: bool) -> bool {
     for (var k = 0u; k < strand.points; k++) {
-        if length(rod_points[strand.first_point + k].change) > STILL_ACCELERATION * params.step { return true; }
+        let point = rod_points[strand.first_point + k];
+        let push = length(select(point.change, point.velocity, asleep));
+        if push > strand.still_acceleration * params.step { return true; }
     }
     return false;
 }
@@ -177,7 +182,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         found.still = 0u;
         put_as_it_is(strand, rod);
         count(TELEPORT);
-    } else if rod.state == ASLEEP && rested(found.still) && !pushed(strand)
+    } else if rod.state == ASLEEP && rested(found.still) && !pushed(strand, found.still == SLEEPS)
         && !(found.still == SLEEPS && touched[s] != 0u) {
         found.still = SLEEPS;
         put_as_it_is(strand, rod);

@@ -37,7 +37,7 @@ struct Factor {
 @group(0) @binding(7) var<storage, read_write> factors:      array<Factor>;
 
 const FITS: f32 = 1e-5;      // |C + alpha mu| of stretch-shear at which a strand is done
-const QUIET: f32 = 1e-6;     // residual below which a strand need not be solved
+const QUIET: f32 = 1e-6;     // residual below which a strand need not be solved; see `quiet_below`
 // Added to the diagonal of J W J^T, in parts of it: keeps the system within what f32 resolves where segments are stiff and
 // short. Steps come out shorter by that much where they are the least certain; where a strand comes to rest stays the same.
 const GIVE: f32 = 2e-7;
@@ -199,6 +199,12 @@ fn unrest(strand: Strand, rod: RodStrand) -> f32 {
     return worst;
 }
 
+// Left out of every step, however short it is, a residual must not add up to a push that wakes a sleeper.
+fn quiet_below(strand: Strand) -> f32 {
+    let mean_segment = strand.length / f32(strand.points - 1u);
+    return min(QUIET, strand.still_acceleration * params.step * params.step / mean_segment);
+}
+
 // Root to tip: U and y of every block. Returns dmu of the tip's joint.
 fn eliminate(strand: Strand, rod: RodStrand) -> vec3f {
     // Of the block before: O = [P 0; Q -s I], U and y.
@@ -298,7 +304,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let rod = rod_strands[s];
     if rod.state != FREE { return; }
     let strand = strands[s];
-    if params.sleep != 0u && unrest(strand, rod) < QUIET {
+    if params.sleep != 0u && unrest(strand, rod) < quiet_below(strand) {
         rod_strands[s].state = SOLVED;
         count(QUIET_STEP);
         return;

@@ -1,9 +1,10 @@
 // Health of each strand after its solve: a non-finite one is held where it was for this step (so that it spoils no
 // neighbour) and reset in the next; stretch is recorded; over-strain and rest are counted, steps on end.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, integration::{PUT, rate},
-    rest::{STILL_ACCELERATION, STILL_SPEED},
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SLEEPS, STRAINED, STRAINED_STEPS},
+    params::params, dispatch::{invocation, WORKGROUP}, integration::PUT,
+    rest::STILL_SPIN,
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SLEEPS, STRAINED, STRAINED_STEPS,
+        ROOT_HELD},
     status::{status, frozen, count, finite, finite3, finite4, STRAND_RESET, OVER_STRAINED},
 };
 
@@ -45,14 +46,17 @@ fn forget(strand: Strand) {
     }
 }
 
-// Slow, and not pushed. A strand that nothing holds may drift as slowly as it will.
+// Slow, and not pushed, when the step began: by then contacts and viscosity have had their say. A strand that nothing holds
+// may drift as slowly as it will.
 fn still(strand: Strand) -> bool {
-    if rod_points[strand.first_point].inverse_mass > 0.0 { return false; }
+    if (strand.joints & ROOT_HELD) == 0u { return false; }
     for (var k = 0u; k < strand.points; k++) {
         let point = rod_points[strand.first_point + k];
-        let v = rate(point.travel, point.carried, point.step);
-        let fast = length(v) > STILL_SPEED * strand.length;
-        if fast || length(point.change) > STILL_ACCELERATION * params.step { return false; }
+        let pushed = length(point.change) > strand.still_acceleration * params.step;
+        if pushed || length(point.velocity) > strand.still_speed { return false; }
+    }
+    for (var k = 0u; k < strand.points - 1u; k++) {
+        if length(rod_segments[strand.first_segment + k].angular_velocity) > STILL_SPIN { return false; }
     }
     return true;
 }

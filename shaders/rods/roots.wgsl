@@ -1,10 +1,10 @@
 // Where the clamps go in this step: where their keyframes are at its end, else a part of the way to where the host wants
-// them, all of it in the last substep. A root that jumps farther than its strand is long is teleported. A strand whose
-// clamp does not move may sleep.
+// them, all of it in the last substep. A root that jumps farther than its strand is long is teleported, unless its tip is held
+// too. A strand whose clamp does not move may sleep. Roots that are free go where they will.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotate, rotation, rotation_vector},
     motion::pose_after,
-    rod::{Strand, RodStrand, Root, FREE, TELEPORTED, ASLEEP}, status::{status, frozen},
+    rod::{Strand, RodStrand, Root, FREE, TELEPORTED, ASLEEP, ROOT_HELD, TIP_HELD}, status::{status, frozen},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
@@ -26,9 +26,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         goal.frame = normalize(product(pose.rotation, goal.frame));
         left = 1u;
     }
+    if (strand.joints & ROOT_HELD) == 0u { goal = held; }
     let way = goal.position - held.position;
     let turn = rotation_vector(product(goal.frame, conjugate(held.frame)));
-    let jumps = length(way) > strand.length;
+    let jumps = (strand.joints & TIP_HELD) == 0u && length(way) > strand.length;
     let part = select(1.0 / f32(left), 1.0, jumps);
     let still = all(way == vec3f(0.0)) && all(held.frame == goal.frame);
     var rod: RodStrand;

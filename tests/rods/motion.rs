@@ -7,7 +7,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::{HairFrame, Simulation};
 use windswept_reference::tables;
-use windswept_scene::Scene;
+use windswept_scene::{End, Groom, Scene};
 
 use crate::{LENGTH, LINE_DENSITY, Rod, build, support, tips};
 
@@ -130,6 +130,50 @@ fn a_teleported_strand_keeps_its_shape() {
     let stretch = simulation.report().unwrap().max_stretch.unwrap();
     // Measured 1.1e-4, in the jump: positions 10 m away are good to 1e-6 m, segments are 10 mm long.
     assert!(stretch < 4e-4, "{stretch}");
+}
+
+/// Where a tip is held too there is no teleport: it stays, however far its root goes, and so does its frame.
+#[test]
+fn held_tips_stay_when_roots_jump() {
+    let groom = |tip: End| Groom {
+        tip: tip.into(),
+        ..Groom::new((0..12).map(|k| [0.01 * f64::from(k), 0.0, 0.0]).collect(), vec![0, 12])
+    };
+    for tip in [End::Pinned, End::Clamped] {
+        let scene =
+            Scene::parse("interaction = { model = \"none\" }\ntime = { step = 1e-3, duration = 1.0 }\n").unwrap();
+        let mut simulation = Simulation::with_groom(&support::gpu(), &scene, &groom(tip)).unwrap();
+        simulation.step(5).unwrap();
+        let before = simulation.frame().unwrap().hair.positions[11];
+        simulation.set_roots(&[DVec3::new(0.0, 0.5, 0.0)], Some(&[DQuat::from_rotation_x(1.5)])).unwrap();
+        simulation.step(20).unwrap();
+        let hair = simulation.frame().unwrap().hair;
+        assert_eq!(hair.positions[11], before, "{tip:?}");
+        assert!(hair.positions.iter().flatten().all(|x| x.is_finite()));
+        assert_eq!(simulation.report().unwrap().strand_steps.unwrap()["teleports"], 0);
+    }
+}
+
+/// Roots that nothing holds go where they will, whatever `set_roots` says.
+#[test]
+fn free_roots_are_not_set() {
+    let mut points: Vec<[f64; 3]> = (0..12).map(|k| [0.01 * f64::from(k), 0.0, 0.0]).collect();
+    points.extend_from_within(..);
+    let groom = Groom { root: vec![End::Free, End::Clamped].into(), ..Groom::new(points, vec![0, 12, 24]) };
+    let scene = Scene::parse("interaction = { model = \"none\" }\ntime = { step = 1e-3, duration = 1.0 }\n").unwrap();
+    let [set, left] = [true, false].map(|set| {
+        let mut simulation = Simulation::with_groom(&support::gpu(), &scene, &groom).unwrap();
+        simulation.step(200).unwrap();
+        if set {
+            simulation.set_roots(&[DVec3::new(0.3, 0.4, 0.0), DVec3::ZERO], None).unwrap();
+        }
+        simulation.step(20).unwrap();
+        let report = simulation.report().unwrap();
+        assert_eq!(report.strand_steps.unwrap()["teleports"], 0);
+        simulation.frame().unwrap().hair
+    });
+    assert_eq!(set.positions[..12], left.positions[..12]);
+    assert_eq!(set.velocities[..12], left.velocities[..12]);
 }
 
 /// `[[hair.motion]]` moves roots as `set_roots` does, and frames and substeps follow.

@@ -31,6 +31,9 @@ fn a_spectrum_is_that_of_the_report() {
     assert_eq!((of_report(0, "scale"), of_report(1, "scale")), (0.009, 0.0065));
     assert!(of_report(0, "m2_per_s2_at_start") < 1e-10 && of_report(0, "m2_per_s2") > 1e-5, "{report}");
 
+    // What each band cost; the one without strength, nothing.
+    assert!(of_report(0, "ms") > 0.0 && report["band_energy"][1].get("ms").is_none(), "{report}");
+
     let (status, printed, said) = spectrum(folder, &["--scales", "0.009,0.0065", "--json"]);
     assert_eq!(status, Some(0), "{said}");
     let document: Value = serde_json::from_str(&printed).expect("JSON");

@@ -31,6 +31,10 @@ pub(crate) fn doubles<'py>(
         if ours { of_value(name, format!("expected an array of numbers ({error})")) } else { error }
     };
     let array = numpy.call_method1("asarray", (value,)).map_err(unfit)?;
+    // Else what stands under the mask would be taken.
+    if value.hasattr("mask")? && numpy.getattr("ma")?.call_method1("is_masked", (value,))?.is_truthy()? {
+        return Err(of_value(name, "expected numbers, found masked ones"));
+    }
     let dtype = array.getattr("dtype")?;
     let kind: String = dtype.getattr("kind")?.extract()?;
     let given = value.hasattr("dtype")?;

@@ -27,6 +27,10 @@ create_exception!(
 
 pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = m.py();
+    // One that a caller makes has them too.
+    for name in ["key", "line", "help"] {
+        py.get_type::<SceneError>().setattr(name, py.None())?;
+    }
     m.add("SceneError", py.get_type::<SceneError>())?;
     m.add("GpuError", py.get_type::<GpuError>())?;
     m.add("RunError", py.get_type::<RunError>())?;

@@ -115,6 +115,10 @@ impl Frames {
         Ok(frame)
     }
 
+    fn __repr__(&self) -> String {
+        format!("<windswept.Frames: {} left>", self.left)
+    }
+
     fn __len__(&self) -> usize {
         usize::try_from(self.left).unwrap_or(usize::MAX)
     }

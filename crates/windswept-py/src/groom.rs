@@ -34,7 +34,8 @@ use crate::{
 ///
 /// Raises:
 ///     ValueError: a wrong shape or dtype, a NaN; names the argument.
-///     SceneError: points that coincide, a strand of one point, values out of range; `key` is the argument.
+///     SceneError: points that coincide, a strand of one point, values out of range; `key` is `groom.` and the
+///         argument.
 #[pyclass(frozen, module = "windswept")]
 #[derive(Debug, Clone)]
 pub(crate) struct Groom {

@@ -11,12 +11,13 @@ use std::{
 
 use glam::{DQuat, DVec3};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
-use pyo3::{prelude::*, types::PyBool};
+use pyo3::prelude::*;
+use windswept::RunError;
 use windswept_export::Renderer;
 use windswept_scene::AirPicture;
 
 use crate::{
-    arrays::{maybe_rows, rows, triple},
+    arrays::{Numbers, maybe_rows, rows, shown, triple, values},
     errors::{NotInThisVersion, of_export, of_run, of_start, of_value},
     frames::{Frame, Frames},
     gpu,
@@ -35,7 +36,11 @@ const BATCH: Duration = Duration::from_millis(100);
 ///     sim.step(100)
 ///     sim.hair.positions          # (points, 3) float32, m
 ///     for frame in sim.frames(60):
-///         ...
+///         frame.time, frame.hair.positions
+///     sim.report()["max_stretch"]
+///
+/// SI, right-handed, Y up. Between steps, `set_roots`, `set_wind`, `set_hair` and `set_air` drive it; `run` calls back for
+/// that. `render` draws it, `VtkHdfWriter` writes it.
 ///
 /// Args:
 ///     scene: what to simulate.
@@ -76,7 +81,7 @@ impl Simulation {
     pub(crate) fn run_engine<T: Send>(
         &self,
         py: Python<'_>,
-        work: impl FnOnce(&mut windswept::Simulation) -> Result<T, windswept::RunError> + Send,
+        work: impl FnOnce(&mut windswept::Simulation) -> Result<T, RunError> + Send,
     ) -> PyResult<T> {
         self.engine(py, work)?.map_err(|error| of_run(&error))
     }
@@ -92,7 +97,7 @@ impl Simulation {
                 return Ok(array);
             }
             *snapshot = Snapshot::new(epoch, lock(&self.engine).frame()?);
-            pick(&mut snapshot).ok_or_else(|| windswept::RunError::Measurement("no such array".to_owned()))
+            pick(&mut snapshot).ok_or_else(|| RunError::Measurement("no such array".to_owned()))
         })?;
         taken.map_err(|error| of_run(&error))
     }
@@ -140,6 +145,12 @@ fn vectors(rows: Option<Vec<[f64; 3]>>) -> Option<Vec<DVec3>> {
     rows.map(|rows| rows.into_iter().map(DVec3::from_array).collect())
 }
 
+/// Python's False or NumPy's, which comparing arrays gives; not what is merely empty, as None.
+fn is_false(answer: &Bound<'_, PyAny>) -> PyResult<bool> {
+    let kind = answer.get_type().name()?;
+    Ok(["bool", "bool_"].contains(&kind.to_str()?) && !answer.is_truthy()?)
+}
+
 fn quaternions(rows: Option<Vec<[f64; 4]>>) -> Option<Vec<DQuat>> {
     rows.map(|rows| rows.into_iter().map(DQuat::from_array).collect())
 }
@@ -180,6 +191,9 @@ impl Simulation {
     ///     callback: called with the simulation after every `every` steps, e.g. to set roots or wind for the next; the run
     ///         ends early if it returns False.
     ///     every: steps between two calls.
+    ///
+    /// Raises:
+    ///     RunError: as `step`; and what the callback raises.
     #[pyo3(signature = (duration, callback=None, *, every=1))]
     fn run(slf: &Bound<'_, Self>, duration: f64, callback: Option<&Bound<'_, PyAny>>, every: i64) -> PyResult<()> {
         let (py, this) = (slf.py(), slf.get());
@@ -198,8 +212,7 @@ impl Simulation {
                 return Ok(());
             }
             this.step_to(py, goal.min(now + every as u64))?;
-            let answer = callback.call1((slf,))?;
-            if answer.cast::<PyBool>().is_ok_and(|answer| !answer.is_true()) {
+            if is_false(&callback.call1((slf,))?)? {
                 return Ok(());
             }
         }
@@ -272,6 +285,30 @@ impl Simulation {
         py.import("json")?.call_method1("loads", (text,))
     }
 
+    /// Energy of the air's eddies now, by their size: the mean of ½ |û|² over the air, about the mean wind.
+    ///
+    /// û is `ops.band_velocity` of the scene's filter. A scale s stands for waves of about 4.44 s.
+    ///
+    /// Args:
+    ///     scales: s of each band, `(n,)` [m].
+    ///
+    /// Returns:
+    ///     `(n,)` float64 [m²/s²]; empty without air particles.
+    ///
+    /// Raises:
+    ///     ValueError: a scale is not above 0, or too small for a grid on this adapter.
+    fn spectrum<'py>(&self, py: Python<'py>, scales: &Bound<'_, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (scales, shape) = values("scales", scales, Numbers::Any)?;
+        if shape.len() != 1 {
+            return Err(of_value("scales", format!("expected shape (n,), found {}", shown(&shape))));
+        }
+        let energies = self.engine(py, |sim| sim.spectrum(&scales))?.map_err(|error| match error {
+            RunError::Measurement(words) => of_value("scales", words),
+            error => of_run(&error),
+        })?;
+        Ok(PyArray1::from_vec(py, energies))
+    }
+
     /// Where the root of each strand goes in the next step, and stays.
     ///
     /// Args:
@@ -279,6 +316,9 @@ impl Simulation {
     ///     frames: `(strands, 4)` quaternions x, y, z, w of the clamps; None: as they are.
     ///
     /// A root that jumps farther than its strand is long takes the strand along as it is, at rest.
+    ///
+    /// Raises:
+    ///     ValueError: names the argument that does not fit; or the scene's hair.motion moves the roots.
     #[pyo3(signature = (positions, frames=None))]
     fn set_roots(
         &self,
@@ -291,8 +331,14 @@ impl Simulation {
         self.run_engine(py, |sim| sim.set_roots(&positions, frames.as_deref()))
     }
 
-    /// The mean wind from the next step on, `(3,)` [m/s], in place of the scene's wind, ramp and gusts. All air takes the
-    /// change alike in that step.
+    /// The mean wind from the next step on, in place of the scene's wind, ramp and gusts. All air takes the change alike in
+    /// that step; the inflow's eddies stay.
+    ///
+    /// Args:
+    ///     wind: `(3,)` [m/s].
+    ///
+    /// Raises:
+    ///     ValueError: it is not three finite numbers, or the scene has no [air].
     fn set_wind(&self, py: Python<'_>, wind: &Bound<'_, PyAny>) -> PyResult<()> {
         let wind = DVec3::from_array(triple("wind", wind)?);
         self.run_engine(py, |sim| sim.set_wind(wind))
@@ -303,6 +349,9 @@ impl Simulation {
     /// Args:
     ///     positions: `(n, 3)` [m], wrapped into the box.
     ///     velocities: `(n, 3)` [m/s].
+    ///
+    /// Raises:
+    ///     ValueError: names the argument that has not a row for each particle, or numbers beyond 1e18.
     #[pyo3(signature = (positions=None, velocities=None))]
     fn set_air(
         &self,
@@ -323,6 +372,9 @@ impl Simulation {
     ///     positions: `(points, 3)` [m].
     ///     velocities: `(points, 3)` [m/s].
     ///     orientations: `(segments, 4)` quaternions x, y, z, w.
+    ///
+    /// Raises:
+    ///     ValueError: names the argument that has not a row for each point or segment, or numbers beyond 1e18.
     #[pyo3(signature = (positions=None, velocities=None, orientations=None))]
     fn set_hair(
         &self,

@@ -118,6 +118,14 @@ impl Air {
         Ok(PyArray1::from_vec(py, vorticity))
     }
 
+    /// ½ |û|² of the first of the scene's turbulence.bands at every particle now [m²/s²]: `(n,)` float32; empty when no band
+    /// is strengthened. See `Simulation.spectrum` for its mean.
+    #[getter]
+    fn band_energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let energy = self.sim.get().run_engine(py, |sim| sim.band_energy())?;
+        Ok(PyArray1::from_vec(py, energy))
+    }
+
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let sizes = self.sim.get().engine(py, |sim| sim.engine().sizes())?;
         Ok(format!("<windswept.Air: {} particles>", sizes.air()))

@@ -73,7 +73,11 @@ impl VtkHdfWriter {
         Ok(Self { path, kind, writer: Mutex::new(Some(writer)) })
     }
 
-    /// Writes the state of `sim` as the next frame; its time must have gone on.
+    /// Writes the state of `sim` as the next frame.
+    ///
+    /// Raises:
+    ///     ExportError: it is before the last one, or of other strands or particles; the file has no room, or cannot be written.
+    ///     ValueError: the writer is closed.
     fn append(&self, py: Python<'_>, sim: &Simulation) -> PyResult<()> {
         let frame = sim.run_engine(py, |sim| sim.frame())?;
         outside(py, || match &mut *self.writer.lock().unwrap_or_else(PoisonError::into_inner) {

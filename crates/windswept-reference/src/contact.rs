@@ -1,10 +1,12 @@
 //! Nothing enters a body: a body is seen at rest, as it is written, and what meets it is brought there and back.
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{InitialState, Motion, Scene};
+use windswept_scene::{InitialState, Motion, Scene, Strands};
 
 use crate::Parameters;
 
+/// Pushed by less than this of its strand's length, what lies on a body is off by rounding.
+const TOUCH: f64 = 1e-6;
 /// Bodies in order, so often: for what is between them.
 const ROUNDS: usize = 2;
 /// Hair that starts inside comes out no faster \[m/s\].
@@ -109,6 +111,25 @@ pub fn place(p: &Parameters, steps: u64) -> Vec<Placed> {
     let each =
         p.bodies.iter().map(|body| Placed { body: body.clone(), before: body.pose(before), after: body.pose(after) });
     each.collect()
+}
+
+/// Whether any body moves.
+#[must_use]
+pub fn any_moves(placed: &[Placed]) -> bool {
+    placed.iter().any(|placed| placed.before != placed.after)
+}
+
+/// Whether a push that far \[m\] is one, to a strand of that length \[m\].
+#[must_use]
+pub fn touches(push: f64, length: f64) -> bool {
+    push > TOUCH * length
+}
+
+/// max |l/l0 − 1| of a strand between its points.
+#[must_use]
+pub fn stretch(hair: &Strands, s: usize, positions: &[DVec3]) -> f64 {
+    let chords = hair.points(s).skip(1).map(|i| positions[i].distance(positions[i - 1]));
+    chords.zip(hair.segments(s)).map(|(l, k)| (l / hair.rest_length[k] - 1.0).abs()).fold(0.0, f64::max)
 }
 
 /// Where a hair point ends that was at `position` and would be at `predicted`; `None` if no body is in its way.

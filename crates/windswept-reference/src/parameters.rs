@@ -2,7 +2,7 @@
 
 use glam::{DVec3, IVec3};
 use windswept_scene::{
-    Band, InflowWave, InitialState, Integrator, Law, Model, Motion, Scene, Solver, Turbulence, ViscosityForm,
+    Band, InflowWave, InitialState, Integrator, Law, Model, Motion, Rest, Scene, Solver, Turbulence, ViscosityForm,
 };
 
 use crate::{
@@ -77,6 +77,8 @@ pub struct Parameters {
     pub bdf2: bool,
     /// Strands at rest are left alone.
     pub sleep: bool,
+    /// Per strand: what rest is for it.
+    pub rest: Vec<Rest>,
     /// Engine steps of a time step.
     pub substeps: u32,
     /// \[1/s\]
@@ -139,6 +141,7 @@ impl Parameters {
             direct: scene.rods.solver == Solver::Direct,
             bdf2: scene.rods.integrator == Integrator::Bdf2,
             sleep: scene.rods.sleep,
+            rest: (0..initial.hair.len()).map(|s| initial.hair.rest(s, scene)).collect(),
             substeps: scene.time.substeps,
             damping: scene.rods.damping,
             bodies: contact::bodies(scene, initial),

@@ -26,10 +26,8 @@ pub const CALM: u32 = 3;
 pub const STILL_TIME: f64 = 0.07;
 /// See [`STILL_TIME`].
 pub const STILL_STEPS: u32 = 10;
-/// Pushed by less than this it stays at rest \[m/s²\].
-pub const STILL_ACCELERATION: f64 = 1e-3;
-/// Slower than this many of its lengths a second it is at rest \[1/s\].
-pub const STILL_SPEED: f64 = 7e-5;
+/// Its frames turn more slowly than this \[rad/s\].
+pub const STILL_SPIN: f64 = 2e-3;
 
 /// |C + α μ| of stretch-shear at which the direct solver has torn a strand.
 pub const RESCUED: f64 = 1.0;
@@ -150,7 +148,8 @@ pub fn response(p: &Parameters, h: f64) -> f64 {
 
 /// Where the clamp of strand `s` goes: where its keyframes are at the step's end, else a part of the way to its target, all of
 /// it in the last substep. A jump of more than
-/// the strand's length is a teleport; a strand whose clamp rests may sleep.
+/// the strand's length is a teleport, unless the tip is held too; a strand whose clamp rests may sleep. Free roots go where
+/// they will.
 #[must_use]
 pub fn roots(p: &Parameters, s: &state::State, strand: usize) -> Drive {
     let (held, mut goal) = (s.clamps[strand], s.root_targets[strand]);
@@ -163,9 +162,13 @@ pub fn roots(p: &Parameters, s: &state::State, strand: usize) -> Drive {
         goal = (*center + end + turn * (goal.0 - *center - start), (turn * goal.1).normalize());
         left = 1;
     }
+    let (points, free) = (s.hair.points(strand), |i: usize| s.inverse_mass[i] > 0.0);
+    if free(points.start) {
+        goal = held;
+    }
     let way = goal.0 - held.0;
     let length: f64 = s.hair.rest_length[s.hair.segments(strand)].iter().sum();
-    let jumps = way.length() > length;
+    let jumps = free(points.end - 1) && way.length() > length;
     let part = if jumps { 1.0 } else { 1.0 / left as f64 };
     if held == goal {
         let state = if p.sleep { State::Asleep } else { State::Free };
@@ -237,7 +240,10 @@ pub struct Choice {
 /// How a strand goes through the step: reset, teleported, asleep, by BDF2 or by Euler; and where its solver starts.
 pub fn choose(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Drive, m: &mut Moving) -> Choice {
     let (points, segments) = (s.hair.points(strand), s.hair.segments(strand));
-    let pushed = m.points[points.clone()].iter().any(|point| point.change.length() > STILL_ACCELERATION * p.step);
+    // A sleeper has no velocity but what viscosity gave it since, and what acts from outside.
+    let asleep = s.asleep[strand];
+    let push = |point: &Point| if asleep { point.velocity.length() } else { point.change.length() };
+    let pushed = m.points[points.clone()].iter().any(|point| push(point) > p.rest[strand].acceleration * p.step);
     if s.bad[strand] {
         s.bad[strand] = false;
         (s.calm[strand], s.still[strand], s.asleep[strand]) = (0, 0, false);
@@ -328,7 +334,7 @@ fn put_as_it_is(hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving) {
     }
 }
 
-/// The rest shape, unrolled from the clamp.
+/// The rest shape, unrolled from the clamp; a tip that is held stays.
 fn put_at_rest(hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving) {
     let (mut frame, mut offset, mut rest) = (drive.root_frame, DVec3::ZERO, DVec3::ZERO);
     let first = hair.points(strand).start;
@@ -338,7 +344,8 @@ fn put_at_rest(hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving) {
         offset += m.segments[k].chord;
         rest += hair.rest_length[k] * (frame * DVec3::Z);
         put_frame(&mut m.segments[k], frame);
-        put(&mut m.points[i], drive.root_travel + rest - offset);
+        let stays = i + 1 == hair.points(strand).end && m.points[i].inverse_mass == 0.0;
+        put(&mut m.points[i], if stays { DVec3::ZERO } else { drive.root_travel + rest - offset });
     }
 }
 
@@ -442,16 +449,16 @@ pub fn forget(hair: &Strands, s: usize, m: &mut Moving) {
     }
 }
 
-/// Whether a strand is slow, and not pushed.
+/// Whether a strand was slow, and not pushed, when the step began.
 #[must_use]
 pub fn still(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
-    let length: f64 = hair.rest_length[hair.segments(s)].iter().sum();
+    let rest = p.rest[s];
     // A strand that nothing holds may drift as slowly as it will.
     let held = m.points[hair.points(s).start].inverse_mass == 0.0;
-    held && m.points[hair.points(s)].iter().all(|point| {
-        let v = rate(p, point.travel, point.carried, point.step);
-        v.length() <= STILL_SPEED * length && point.change.length() <= STILL_ACCELERATION * p.step
-    })
+    let slow =
+        |point: &Point| point.velocity.length() <= rest.speed && point.change.length() <= rest.acceleration * p.step;
+    held && m.points[hair.points(s)].iter().all(slow)
+        && m.segments[hair.segments(s)].iter().all(|segment| segment.angular_velocity.length() <= STILL_SPIN)
 }
 
 /// Velocity of a point from its move; what a contact added to that, `shift` \[m\], is an impulse on top \[m/s\].

@@ -19,7 +19,7 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     neighbours(&mut w, p); //            2. List who is near whom.
     fluid(&s, &mut w, p); //           3. Hair and air share one density constraint (eq. 1).
     rods(&mut s, &mut w, p); //       4. Strands keep their length and shape.
-    contact(&s, &mut w, p); //         5. Nothing enters a body.
+    contact(&mut s, &mut w, p); //         5. Nothing enters a body.
     velocity(&s, &mut w, p); //          6. Velocities from positions.
     turbulence(&mut s, &mut w, p); //    7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
     viscosity(&s, &mut w, p); //         8. Neighbours share velocity (eqs. 7, 8).
@@ -53,7 +53,9 @@ pub struct Scratch {
     pub density: Vec<f64>,
     /// What the density constraint moved particles by \[m\].
     pub correction: Vec<DVec3>,
-    /// Per strand: a body pushed a point of it.
+    /// Per strand: steps of over-strain on end, before this step.
+    pub strained_before: Vec<u32>,
+    /// Per strand: a body pushed a point of it, or moved.
     pub touched: Vec<bool>,
     /// û of the last band \[m/s\].
     pub band_velocity: Vec<DVec3>,
@@ -146,6 +148,7 @@ pub fn prepare(s: &mut State, w: &mut Scratch, p: &Parameters) {
 
 /// Health of each strand; hair goes where its rods took it.
 pub fn finish(s: &mut State, w: &mut Scratch, p: &Parameters) {
+    w.strained_before.clone_from(&s.strained_steps);
     for strand in 0..s.hair.len() {
         let stretch = rods::finish(&s.hair, strand, &w.moving);
         s.bad[strand] = stretch.is_none();
@@ -174,14 +177,24 @@ pub fn finish(s: &mut State, w: &mut Scratch, p: &Parameters) {
 }
 
 /// 5. Nothing enters a body.
-pub fn contact(s: &State, w: &mut Scratch, p: &Parameters) {
-    w.touched = vec![false; s.hair.len()];
+pub fn contact(s: &mut State, w: &mut Scratch, p: &Parameters) {
     let placed = contact::place(p, s.steps);
+    // Where a body moves, all that sleep wake.
+    w.touched = vec![contact::any_moves(&placed); s.hair.len()];
     for strand in 0..s.hair.len() {
+        let length = s.hair.rest_length[s.hair.segments(strand)].iter().sum();
         for point in s.hair.points(strand).filter(|&point| s.inverse_mass[point] > 0.0) {
             if let Some(x) = contact::hair(p, &placed, s.position[point], w.predicted[point]) {
+                w.touched[strand] |= contact::touches(x.distance(w.predicted[point]), length);
                 w.predicted[point] = x;
-                w.touched[strand] = true;
+            }
+        }
+        if w.touched[strand] {
+            let stretch = contact::stretch(&s.hair, strand, &w.predicted);
+            s.max_stretch = s.max_stretch.max(stretch);
+            if stretch > rods::STRAINED && s.strained_steps[strand] == 0 {
+                s.strained_steps[strand] = w.strained_before[strand] + 1;
+                s.over_strained += usize::from(s.strained_steps[strand] == rods::STRAINED_STEPS);
             }
         }
     }

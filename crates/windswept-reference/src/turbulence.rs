@@ -20,7 +20,7 @@ const MM: f64 = 1e3;
 /// Milligrams in a kilogram.
 const MG: f64 = 1e6;
 /// Part of a band's own velocity that a step may change it by.
-const LARGEST_CHANGE: f64 = 0.1;
+const LARGEST_CHANGE: f64 = 0.12;
 
 /// ψ(r, s) = 2/(√15 π^(3/4) s^(3/2)) (3 − r²/s²) exp(−r²/2s²), the Mexican hat of L2 norm 1 in space (eq. 6, with the
 /// radical over 15 only). In the unit of s to the power −3/2.
@@ -98,6 +98,13 @@ fn over_images(p: &Parameters, i: usize, j: usize, gap: DVec3, reach: f64, f: im
     sum
 }
 
+/// The cosines to `wind` of the faces whose fringe `position` is in, summed.
+fn fringed(p: &Parameters, wind: DVec3, position: DVec3) -> f64 {
+    let cosines = wind.try_normalize().unwrap_or(DVec3::ZERO);
+    let within = |axis: &usize| p.fringe > 0.0 && depth(p, wind, *axis, position) < p.fringe;
+    (0..3).filter(within).map(|axis| cosines[axis].abs()).sum()
+}
+
 /// Whether a particle takes part in the sums over neighbours: hair does in the published law only.
 fn counts(p: &Parameters, i: usize) -> bool {
     p.is_air(i) || p.law == Law::Published
@@ -118,11 +125,12 @@ pub fn vorticity(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near:
     (0..x.len()).map(at).collect()
 }
 
-/// What a band is strengthened by in a step, Δt a \[m/s\], at each air particle; none in the fringe of a wind `wind` (eqs. 3, 4).
+/// What a band is strengthened by in a step, Δt a \[m/s\], at each air particle (eqs. 3, 4); in the fringe of a wind `wind` less by
+/// the cosines of the faces.
 ///
 /// N = η/(|η| + 1e-3 |ω|/h) points to where the vorticity is larger, η_i = Σ_j V_j (|ω_j| − |ω_i|) ∇_i W.
 ///
-/// * Band: a = S |û| max(0, 1 − |û|²/(I U)²) (N × ω), |Δt a| ≤ 0.1 |û|; ω that of û.
+/// * Band: a = S |û| max(0, 1 − |û|²/(I U)²) (N × ω), |Δt a| ≤ 0.12 |û|; ω that of û.
 /// * Published: a = 0.008 ê (N × ω) mm/s², ê = ½ m |v̂|² in mg, mm, s; ω that of v.
 ///
 /// `eddies` is what [`band`] returns, `omega` what [`vorticity`] returns; `volume` in m³, `inverse_mass` in 1/kg.
@@ -139,8 +147,8 @@ pub fn confine(
     near: &Neighbours,
 ) -> Vec<DVec3> {
     let change = |i: usize| {
-        let in_fringe = (0..3).any(|axis| wind[axis] != 0.0 && depth(p, wind, axis, x[i]) < p.fringe);
-        if !p.is_air(i) || in_fringe {
+        let left = (1.0 - fringed(p, wind, x[i])).max(0.0);
+        if !p.is_air(i) || left == 0.0 {
             return DVec3::ZERO;
         }
         let own = omega[i].length();
@@ -155,7 +163,7 @@ pub fn confine(
         }
         let swirl = (eta / scale).cross(omega[i]);
         let speed = eddies[i].length();
-        match p.law {
+        let change = match p.law {
             Law::Band => {
                 let room = (1.0 - (speed / (band.intensity * p.turbulence_speed)).powi(2)).max(0.0);
                 (p.step * band.strength * speed * room * swirl).clamp_length_max(LARGEST_CHANGE * speed)
@@ -164,7 +172,8 @@ pub fn confine(
                 let energy = 0.5 * MG / inverse_mass[i] * speed * speed;
                 p.step * PUBLISHED_GAIN * energy * swirl / MM
             }
-        }
+        };
+        left * change
     };
     (0..x.len()).map(change).collect()
 }

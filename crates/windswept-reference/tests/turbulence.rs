@@ -114,7 +114,7 @@ fn confinement_drives_a_vortex_on() {
     assert!((change - wanted).length() < 1e-6 * wanted.length(), "{change} instead of {wanted}");
 }
 
-/// At any strength no more than a tenth of the band's velocity in a step; at I U and above nothing.
+/// At any strength no more than 0.12 of the band's velocity in a step; at I U and above nothing.
 #[test]
 fn the_band_law_limits_itself() {
     let crowd = windy_crowd(8, 33);
@@ -126,7 +126,7 @@ fn the_band_law_limits_itself() {
     let largest = shares.iter().copied().fold(0.0, f64::max);
     println!("|dt a|/|u| up to {largest:.6}");
     // The cap to rounding, and reached by all.
-    assert!(largest < 0.1 + 1e-12 && shares.iter().all(|share| *share > 0.0999), "{largest}");
+    assert!(largest < 0.12 + 1e-12 && shares.iter().all(|share| *share > 0.1199), "{largest}");
     let of_speed = |speed: f64| -> Vec<DVec3> { v.iter().map(|v| speed * v.normalize()).collect() };
     let change = |speed: f64| confine(&crowd, &fierce, &of_speed(speed), &v).iter().map(|dv| dv.length()).sum::<f64>();
     assert!(change(0.9 + 1e-9) == 0.0 && change(5.0) == 0.0 && change(0.0) == 0.0);
@@ -135,7 +135,8 @@ fn the_band_law_limits_itself() {
     assert_eq!(confine(&crowd, &Band { intensity: 0.0, ..BAND }, &vec![DVec3::ZERO; 512], &v), vec![DVec3::ZERO; 512]);
 }
 
-/// Behind the faces that the wind enters through nothing is strengthened, by either law.
+/// Behind a face that the wind meets head on nothing is strengthened, by either law, behind others the less the larger its
+/// cosine; a wind that barely leaves an axis changes next to nothing.
 #[test]
 fn the_fringe_is_left_alone() {
     for law in [Law::Band, Law::Published] {
@@ -144,15 +145,26 @@ fn the_fringe_is_left_alone() {
         let v = stirred(1_000, 36);
         let slow: Vec<DVec3> = v.iter().map(|v| 0.1 * *v).collect();
         (crowd.parameters.law, crowd.parameters.fringe) = (law, 0.01);
-        crowd.parameters.wind = DVec3::new(1.0, 0.0, -2.0);
-        let change = confine(&crowd, &BAND, &slow, &v);
-        let behind = |x: DVec3| x.x < 0.01 || x.z > size.z - 0.01;
-        let quiet = |i: usize| change[i] == DVec3::ZERO;
-        assert!((0..1_000).all(|i| quiet(i) == behind(crowd.positions[i])), "{law:?}");
-        assert!((300..400).contains(&(0..1_000).filter(|&i| quiet(i)).count()));
+        let positions = crowd.positions.clone();
+        let mut in_wind = |wind: DVec3| {
+            crowd.parameters.wind = wind;
+            confine(&crowd, &BAND, &slow, &v)
+        };
         // Without wind there is no fringe.
-        crowd.parameters.wind = DVec3::ZERO;
-        assert!(confine(&crowd, &BAND, &slow, &v).iter().all(|dv| *dv != DVec3::ZERO), "{law:?}");
+        let free = in_wind(DVec3::ZERO);
+        assert!(free.iter().all(|dv| *dv != DVec3::ZERO), "{law:?}");
+        for wind in [DVec3::X, DVec3::new(1.0, 0.0, -2.0), DVec3::new(1.0, 1e-9, 0.0), DVec3::new(-2.0, 1.0, 2.0)] {
+            let (change, cosines) = (in_wind(wind), wind.normalize().abs());
+            let left = |x: DVec3| {
+                let depth = DVec3::select(wind.cmpge(DVec3::ZERO), x, size - x);
+                let behind = DVec3::select(depth.cmplt(DVec3::splat(0.01)), cosines, DVec3::ZERO);
+                (1.0 - behind.element_sum()).max(0.0)
+            };
+            let off = |i: usize| (change[i] - left(positions[i]) * free[i]).length();
+            assert!((0..1_000).all(|i| off(i) <= 1e-12 * free[i].length()), "{law:?}, {wind}");
+            let quiet = change.iter().filter(|dv| dv.length() < 1e-9).count();
+            assert!(wind != DVec3::X || (150..250).contains(&quiet), "{quiet} are left alone");
+        }
     }
 }
 

@@ -213,10 +213,16 @@ impl Groom {
                 format!("expected finite numbers of at most {:e}, found {:?}", MAGNITUDES.end(), self.points[i]);
             return Err(fault("points", format!("{words} at point {i}")));
         }
+        let rising = self.offsets.windows(2).all(|pair| pair[0] < pair[1]);
         let ends = (self.offsets.first().copied(), self.offsets.last().copied());
-        if self.is_empty() || ends != (Some(0), Some(points as u32)) {
+        if !rising || ends != (Some(0), Some(points as u32)) {
             let words = format!("expected strands + 1 rising numbers from 0 to {points}, the number of points");
-            return Err(fault("offsets", format!("{words}; found {} of them", self.offsets.len())));
+            let few: Vec<u32> = self.offsets.iter().copied().take(8).collect();
+            let more = if few.len() < self.offsets.len() { " and more" } else { "" };
+            return Err(fault("offsets", format!("{words}; found {few:?}{more}")));
+        }
+        if self.is_empty() {
+            return Err(fault("points", "expected at least one strand, found none".to_owned()));
         }
         for (s, pair) in self.offsets.windows(2).enumerate() {
             let count = i64::from(pair[1]) - i64::from(pair[0]);

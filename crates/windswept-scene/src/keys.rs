@@ -146,7 +146,7 @@ pub const KEYS: &[Key] = &[
     key("air.particle_mass", Positive, Value("1.46e-7"), "kg", "the count is rounded, and this adjusted so that the mean density is exact"),
     key("air.kernel_radius", Length, Value("9.3e-3"), "m", "h"),
     key("air.wind", Vector, Absent("needed with models particles and drag"), "m/s", "mean wind U"),
-    key("air.fringe", Length, Absent("4 kernel radii"), "m", "thickness in which entering air is conditioned"),
+    key("air.fringe", NonNegative, Absent("4 kernel radii"), "m", "thickness in which entering air is conditioned; 0: none"),
     key("air.ramp", NonNegative, Value("0.05"), "s", "the wind rises over this; 0: at once"),
     key("air.margin", Length, Absent("the whole box"), "m", "cut the box to the hair's reach plus this"),
     key("air.kinematic_viscosity", Positive, Value("1.5e-5"), "m²/s", "ν of the drag on segments; real air"),

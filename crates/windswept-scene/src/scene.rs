@@ -226,7 +226,7 @@ pub struct Air {
     pub kernel_radius: f64,
     /// Mean wind U \[m/s\].
     pub wind: [f64; 3],
-    /// Thickness of the fringe on the faces the wind enters through \[m\].
+    /// Thickness of the fringe on the faces the wind enters through \[m\]; 0: none.
     pub fringe: f64,
     /// The wind rises linearly over this time \[s\]; 0: at once.
     pub ramp: f64,

@@ -202,9 +202,8 @@ impl<'a> Particles<'a> {
             scene.turbulence.bands = vec![band];
             filter.set(&mut scene.turbulence);
         };
-        let Some(mut stage) = self.stage(gpu, self.radius.max(scale * cutoff), prepare)? else {
-            return Ok(Vec::new());
-        };
+        let stage = self.stage(gpu, self.radius.max(scale * cutoff), prepare);
+        let Some(mut stage) = stage.map_err(|error| too_fine(scale, error))? else { return Ok(Vec::new()) };
         stage.evaluate(|r, s, plan| {
             // The grid sorts for itself.
             if plan.direct_filter.runs {
@@ -404,6 +403,18 @@ impl Stage {
 
 fn argument(name: &'static str, what: String) -> OpsError {
     OpsError::Argument { name, what }
+}
+
+/// A scale that no grid of this adapter can have is an argument's fault here, and not a scene's.
+fn too_fine(scale: f64, error: OpsError) -> OpsError {
+    match error {
+        OpsError::Run(RunError::Gpu(GpuError::BandTooFine { nodes, most, fits, .. })) => {
+            let words =
+                format!("a grid for {scale} m would have {nodes} nodes, of which at most {most} fit this adapter");
+            argument("scale", format!("{words}; a scale of about {fits:.2e} m would fit"))
+        }
+        error => error,
+    }
 }
 
 fn positive(name: &'static str, x: f64) -> Result<(), OpsError> {

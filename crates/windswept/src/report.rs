@@ -57,7 +57,7 @@ pub struct Report {
     /// What confinement has given the air in the whole run, its mean taken out; without bands left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub confinement_impulse_kg_m_per_s: Option<[f64; 3]>,
-    /// Energy of the eddies of each of `turbulence.bands`; without air particles or bands left out.
+    /// Energy and cost of each of `turbulence.bands`; without air particles or bands left out.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub band_energy: Vec<BandEnergy>,
     /// Bytes of the engine's buffers.
@@ -77,7 +77,7 @@ pub struct Particles {
     pub hair_outside_box: u64,
 }
 
-/// The mean over the air of ½ |û|², about the mean wind \[m²/s²\].
+/// A band of eddies: the mean over the air of ½ |û|², about the mean wind \[m²/s²\], and what it cost.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BandEnergy {
     /// s \[m\].
@@ -86,6 +86,10 @@ pub struct BandEnergy {
     pub m2_per_s2_at_start: f64,
     /// Now.
     pub m2_per_s2: f64,
+    /// GPU time of all its passes in a step \[ms\], a grid that bands share with the finest of them; left out where it was
+    /// not timed or has no strength.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ms: Option<f64>,
 }
 
 /// GPU time of a pass.

@@ -25,7 +25,9 @@ pub(crate) struct Strand {
     pub center: [f32; 3],
     pub first_keyframe: u32,
     pub keyframes: u32,
-    pub _unused: [u32; 3],
+    pub still_speed: f32,
+    pub still_acceleration: f32,
+    pub _unused: u32,
 }
 
 assert_layout!(Strand {
@@ -39,12 +41,16 @@ assert_layout!(Strand {
     length,
     center,
     first_keyframe,
-    keyframes
+    keyframes,
+    still_speed,
+    still_acceleration
 });
 
-/// Bits of `joints`: `ROOT_JOINT` and `TIP_JOINT` of `shaders/common/rod.wgsl`.
+/// Bits of `joints`, as in `shaders/common/rod.wgsl`.
 const ROOT_JOINT: u32 = 1;
 const TIP_JOINT: u32 = 2;
+const ROOT_HELD: u32 = 4;
+const TIP_HELD: u32 = 8;
 
 /// `Segment`, field by field.
 #[repr(C)]
@@ -153,11 +159,17 @@ pub(crate) fn strands(scene: &Scene, initial: &InitialState, motions: &Motions) 
             None => (0..0, DVec3::ZERO),
         };
         let joint = |end, bit| if end == End::Clamped { bit } else { 0 };
+        let held = |point: usize, bit| if hair.inverse_mass[point] == 0.0 { bit } else { 0 };
+        let points = hair.points(s);
+        let rest = hair.rest(s, scene);
         Strand {
             first_point: hair.points(s).start as u32,
             first_segment: hair.segments(s).start as u32,
             points: hair.points(s).len() as u32,
-            joints: joint(ends.root, ROOT_JOINT) | joint(ends.tip, TIP_JOINT),
+            joints: joint(ends.root, ROOT_JOINT)
+                | joint(ends.tip, TIP_JOINT)
+                | held(points.start, ROOT_HELD)
+                | held(points.end - 1, TIP_HELD),
             tip_frame: quat(ends.tip_frame),
             tip_rest_rotation: quat(ends.tip_rest_rotation),
             tip_compliance: vec3(ends.tip_compliance),
@@ -165,7 +177,9 @@ pub(crate) fn strands(scene: &Scene, initial: &InitialState, motions: &Motions) 
             center: vec3(center),
             first_keyframe: keyframes.start,
             keyframes: keyframes.end - keyframes.start,
-            _unused: [0; 3],
+            still_speed: rest.speed as f32,
+            still_acceleration: rest.acceleration as f32,
+            _unused: 0,
         }
     };
     (0..hair.len()).map(strand).collect()

@@ -28,7 +28,7 @@ pub(crate) fn run() -> Result {
     say("Benches, briefly");
     let mut benches = cargo();
     venv::provide_cmake(&mut benches)?;
-    on_software(benches.args(["test", "--bench", "work_precision"]));
+    on_software(benches.args(["test", "--bench", "work_precision", "--bench", "price"]));
     crate::run(&mut benches)?;
 
     say("Tests");

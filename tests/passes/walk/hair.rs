@@ -78,11 +78,7 @@ impl Walk<'_> {
         }
         twin::finish(s, w, &p);
         if passes.through("rods/finish") {
-            let found: Vec<[u32; 4]> = stage.health().iter().map(|[_, found]| *found).collect();
-            let wanted: Vec<[u32; 4]> = (0..s.hair.len()).map(|strand| condition(s, strand)).collect();
-            self.same("rods/finish", differing(&found, &wanted), 0.0)?;
-            let stretch = f64::from(stage.engine.status().unwrap().max_stretch());
-            self.same("rods/finish", (stretch - s.max_stretch).abs(), bounds.density)?;
+            self.health("rods/finish", s)?;
         }
         if passes.through("rods/place") {
             let got = &stage.vectors(&stage.engine.state().predicted)[..p.hair_points];
@@ -90,6 +86,15 @@ impl Walk<'_> {
         }
         passes.finish();
         Ok(())
+    }
+
+    /// How strands are found, and the largest stretch.
+    fn health(&mut self, pass: &'static str, s: &Twin) -> Same {
+        let found: Vec<[u32; 4]> = self.stage.health().iter().map(|[_, found]| *found).collect();
+        let wanted: Vec<[u32; 4]> = (0..s.hair.len()).map(|strand| condition(s, strand)).collect();
+        self.same(pass, differing(&found, &wanted), 0.0)?;
+        let stretch = f64::from(self.stage.engine.status().unwrap().max_stretch());
+        self.same(pass, (stretch - s.max_stretch).abs(), self.bounds.density)
     }
 
     /// Moves and frames.
@@ -101,7 +106,7 @@ impl Walk<'_> {
         self.same(pass, largest(frames), self.bounds.frame)
     }
 
-    pub fn contact(&mut self, s: &Twin, w: &mut Scratch) -> Same {
+    pub fn contact(&mut self, s: &mut Twin, w: &mut Scratch) -> Same {
         let (stage, bounds, hair) = (self.stage, self.bounds, self.p().hair_points);
         let state = stage.engine.state();
         let mut passes = stage.passes(step::contact::record);
@@ -121,6 +126,9 @@ impl Walk<'_> {
             let touched: Vec<u32> = stage.engine.read(&state.touched).unwrap();
             let wanted: Vec<u32> = w.touched.iter().map(|touched| u32::from(*touched)).collect();
             self.same("contact/hair", differing(&touched, &wanted), 0.0)?;
+        }
+        if passes.through("contact/stretch") {
+            self.health("contact/stretch", s)?;
         }
         if passes.through("contact/air") {
             let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);

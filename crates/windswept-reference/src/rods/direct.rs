@@ -10,7 +10,7 @@ use crate::Parameters;
 pub const FITS: f64 = 1e-5;
 /// Added to the diagonal of J W Jᵀ, in parts of it, as the engine needs it in f32.
 const GIVE: f64 = 2e-7;
-/// Residual below which a strand need not be solved.
+/// Residual below which a strand need not be solved; see [`quiet_below`].
 pub const QUIET: f64 = 1e-6;
 
 /// What can move: a point, or a frame, of the strand.
@@ -47,7 +47,7 @@ struct Rod<'a> {
     drive: &'a mut Drive,
 }
 
-/// One Newton step of strand `s`, unless it is done: solved, or (with `rods.sleep`) nowhere off by more than [`QUIET`].
+/// One Newton step of strand `s`, unless it is done: solved, or (with `rods.sleep`) nowhere off by more than [`quiet_below`].
 /// Returns whether it was quiet.
 pub fn direct(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
     if drive.state != super::State::Free {
@@ -63,7 +63,8 @@ pub fn direct(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &m
     };
     let constraints = rod.constraints();
     let right: Vec<DVec3> = rod.residuals(&constraints);
-    if p.sleep && right.iter().all(|r| r.length() < QUIET) && rod.still_to_go(&constraints) < QUIET {
+    let quiet = quiet_below(p, hair, s);
+    if p.sleep && right.iter().all(|r| r.length() < quiet) && rod.still_to_go(&constraints) < quiet {
         rod.drive.state = super::State::Solved;
         return true;
     }
@@ -74,6 +75,13 @@ pub fn direct(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &m
         rod.drive.state = super::State::Solved;
     }
     false
+}
+
+/// Left out of every step, however short it is, a residual must not add up to a push that wakes a sleeper.
+fn quiet_below(p: &Parameters, hair: &Strands, s: usize) -> f64 {
+    let lengths = &hair.rest_length[hair.segments(s)];
+    let mean_segment = lengths.iter().sum::<f64>() / lengths.len() as f64;
+    QUIET.min(p.rest[s].acceleration * p.step * p.step / mean_segment)
 }
 
 impl Rod<'_> {

@@ -5,13 +5,18 @@ use glam::{DQuat, DVec3};
 use super::Simulation;
 use crate::{error::RunError, plan::Plan, rods, winds};
 
+/// Larger numbers, as a scene's, have squares that `f32` does not hold.
+const LARGEST: f64 = 1e18;
+/// Smaller ones would be lost in them: a wind that passes through zero need not hit it.
+const SMALLEST: f64 = 1e-18;
+
 impl Simulation {
     /// Where the root of each strand goes: `positions` \[m\], world, one per strand, and the ghost frames that clamp them,
     /// else as they are. They are reached at the end of the next step of Δt, and kept. A root that jumps farther than its
     /// strand is long takes the strand along as it is, at rest. Roots that are free go where they will.
     ///
     /// # Errors
-    /// [`RunError::Input`] when there is not one of each per strand, when one is not finite or a frame has no length, and when
+    /// [`RunError::Input`] when there is not one of each per strand, when one is beyond 1e18 or a frame has no length, and when
     /// `hair.motion` moves the roots; [`RunError::Gpu`].
     pub fn set_roots(&mut self, positions: &[DVec3], frames: Option<&[DQuat]>) -> Result<(), RunError> {
         let input = |what: String| Err(RunError::Input(what));
@@ -22,9 +27,7 @@ impl Simulation {
         if positions.len() != strands {
             return input(format!("positions: expected {strands} rows, one per strand, found {}", positions.len()));
         }
-        if let Some(s) = positions.iter().position(|x| !x.is_finite()) {
-            return input(format!("positions: that of strand {s} is not finite"));
-        }
+        checked("positions", Some(positions), strands)?;
         if let Some(frames) = frames {
             if frames.len() != strands {
                 return input(format!("frames: expected {strands} rows, one per strand, found {}", frames.len()));
@@ -44,12 +47,12 @@ impl Simulation {
     /// alike in that step; a wind that turns round enters from the other side. `turbulence.speed` stays as it is.
     ///
     /// # Errors
-    /// [`RunError::Input`] when it is not finite, or the scene has no `[air]`; [`RunError::Gpu`].
+    /// [`RunError::Input`] when it is beyond 1e18, or the scene has no `[air]`; [`RunError::Gpu`].
     pub fn set_wind(&mut self, wind: DVec3) -> Result<(), RunError> {
-        let held = |u: f64| u == 0.0 || (1e-18..=1e18).contains(&u.abs());
-        if !wind.to_array().into_iter().all(held) {
-            return Err(RunError::Input(format!("wind: expected finite numbers of at most 1e18, found {wind}")));
+        if !held(&wind) {
+            return Err(RunError::Input(beyond("wind", &wind)));
         }
+        let wind = DVec3::select(wind.abs().cmplt(DVec3::splat(SMALLEST)), DVec3::ZERO, wind);
         let Some(air) = &mut self.scene.air else {
             return Err(RunError::Input("wind: the scene has no air".to_owned()));
         };
@@ -77,7 +80,7 @@ impl Simulation {
     /// given stays. Strands go on from there as if they had come with these velocities. Held points keep their places.
     ///
     /// # Errors
-    /// [`RunError::Input`] when an array has not a row for each, or something is not finite; [`RunError::Gpu`].
+    /// [`RunError::Input`] when an array has not a row for each, or something is beyond 1e18; [`RunError::Gpu`].
     pub fn set_hair(
         &mut self,
         positions: Option<&[DVec3]>,
@@ -132,7 +135,18 @@ impl Simulation {
         checked("velocities", velocities, air.positions.len())?;
         let into_box = |x: &DVec3| (*x - air.min).rem_euclid(air.size);
         let local: Option<Vec<DVec3>> = positions.map(|positions| positions.iter().map(into_box).collect());
-        Ok(self.engine.write_air(local.as_deref(), velocities, air.volume)?)
+        self.engine.write_air(local.as_deref(), velocities, air.volume)?;
+        if self.steps == 0 {
+            // The run starts from it.
+            let (min, start) = (self.initial.air.min, &mut self.initial.air);
+            if let Some(local) = local {
+                start.positions = local.into_iter().map(|x| x + min).collect();
+            }
+            if let Some(velocities) = velocities {
+                start.velocities = velocities.to_vec();
+            }
+        }
+        Ok(())
     }
 }
 
@@ -141,8 +155,16 @@ fn checked(name: &str, rows: Option<&[DVec3]>, expected: usize) -> Result<(), Ru
     if rows.len() != expected {
         return Err(RunError::Input(format!("{name}: expected {expected} rows, found {}", rows.len())));
     }
-    match rows.iter().position(|x| !x.is_finite()) {
-        Some(i) => Err(RunError::Input(format!("{name}: row {i} is not finite"))),
+    match rows.iter().position(|x| !held(x)) {
+        Some(i) => Err(RunError::Input(format!("{} in row {i}", beyond(name, &rows[i])))),
         None => Ok(()),
     }
+}
+
+fn held(x: &DVec3) -> bool {
+    x.to_array().iter().all(|x| x.abs() <= LARGEST)
+}
+
+fn beyond(name: &str, x: &DVec3) -> String {
+    format!("{name}: expected finite numbers of at most {LARGEST:e}, found {:?}", x.to_array())
 }

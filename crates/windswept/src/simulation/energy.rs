@@ -50,14 +50,20 @@ impl Simulation {
             return Ok(Vec::new());
         }
         let (before, now) = (self.air_at_start(), self.air_now()?);
-        let energy = |band: &windswept_scene::Band| {
+        let passes = self.pass_times();
+        let cost = |i: usize| -> Option<f64> {
+            let own: Vec<f64> = passes.iter().filter(|pass| pass.band == Some(i)).map(|pass| pass.ms).collect();
+            (!own.is_empty()).then(|| own.iter().sum())
+        };
+        let energy = |(i, band): (usize, &windswept_scene::Band)| {
             Ok(BandEnergy {
                 scale: band.scale,
                 m2_per_s2_at_start: self.mean_energy(&before, band.scale)?,
                 m2_per_s2: self.mean_energy(&now, band.scale)?,
+                ms: cost(i),
             })
         };
-        bands.iter().map(energy).collect()
+        bands.iter().enumerate().map(energy).collect()
     }
 
     fn mean_energy(&self, air: &Air, scale: f64) -> Result<f64, RunError> {
@@ -80,12 +86,8 @@ impl Simulation {
         }
     }
 
-    fn mean_wind(&self, time: f64) -> DVec3 {
-        self.scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind_at(time)))
-    }
-
     fn air_at_start(&self) -> Air {
-        let (air, wind) = (&self.initial.air, self.mean_wind(0.0));
+        let (air, wind) = (&self.initial.air, self.wind_at_start);
         Air {
             positions: air.positions.iter().map(|x| (*x - self.initial.origin).to_array()).collect(),
             velocities: air.velocities.iter().map(|v| (*v - wind).to_array()).collect(),
@@ -96,10 +98,11 @@ impl Simulation {
         let s = self.engine.state();
         let [positions, velocities] = self.engine.read_vec4([&s.position, &s.velocity])?;
         let hair = self.engine.sizes().hair_points as usize;
+        let wind = DVec3::from_array(self.last.wind.map(f64::from));
         let rows = |values: &[[f32; 4]], less: DVec3| -> Vec<[f64; 3]> {
             let row = |v: &[f32; 4]| (DVec3::new(v[0].into(), v[1].into(), v[2].into()) - less).to_array();
             values[hair..].iter().map(row).collect()
         };
-        Ok(Air { positions: rows(&positions, DVec3::ZERO), velocities: rows(&velocities, self.mean_wind(self.time())) })
+        Ok(Air { positions: rows(&positions, DVec3::ZERO), velocities: rows(&velocities, wind) })
     }
 }

@@ -99,7 +99,15 @@ impl Simulation {
         Ok(sum.filter(|_| self.plan.turbulence.runs))
     }
 
-    fn pass_times(&self) -> Vec<PassReport> {
+    /// Steps that were timed pass by pass: one submit in eight, from the second on.
+    #[must_use]
+    pub fn timed_steps(&self) -> u64 {
+        self.timed_steps
+    }
+
+    /// GPU time per pass and step so far, the mean of [`Self::timed_steps`]. Empty where the adapter has no timestamps.
+    #[must_use]
+    pub fn pass_times(&self) -> Vec<PassReport> {
         let steps = self.timed_steps as f64 / self.substeps as f64;
         let mut rows: Vec<PassReport> = Vec::new();
         for command in self.recording.running() {

@@ -23,6 +23,14 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
                 &[&s.params, &s.status, &s.inverse_mass, &s.position, &s.strands, &s.placed, &s.predicted, &s.touched],
             );
         });
+        r.when(&plan.hair, |r| {
+            r.run(
+                &contact::STRETCH,
+                "stretch of touched strands",
+                n.strands,
+                &[&s.params, &s.status, &s.strands, &s.segments, &s.predicted, &s.touched, &s.health],
+            );
+        });
         r.when(&plan.air, |r| {
             r.run(
                 &contact::AIR,

@@ -1,0 +1,51 @@
+//! When a strand is at rest.
+
+use crate::{
+    initial::{End, Strands},
+    scene::Scene,
+};
+
+/// What a strand may be off by while it is left alone, in lengths: this part of it, from each cause.
+const OFF: f64 = 5e-5;
+/// No strand that moves faster than this many of its lengths a second is at rest \[1/s\].
+const FASTEST: f64 = 7e-5;
+/// What air may brake hair by, beside `rods.damping` \[1/s\]: at the speeds of a strand at rest little (`wind/drag` ~ u^(1/3)).
+const BRAKE: f64 = 2.0;
+
+/// How slow, and how little pushed, a strand is that may be left alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rest {
+    /// Of its points \[m/s\].
+    pub speed: f64,
+    /// Of what pushes it \[m/s²\].
+    pub acceleration: f64,
+}
+
+impl Strands {
+    /// What rest is for strand `s`: a push that bends it, or the rest of a way that it creeps, stay below 1e-4 of its length.
+    /// Its slowest mode has ω² = 12.36 EI/(ρA L⁴) by its stiffness where the root is clamped (Euler-Bernoulli beam) and
+    /// 1.446 g/L where it hangs (hanging chain).
+    #[must_use]
+    pub fn rest(&self, s: usize, scene: &Scene) -> Rest {
+        let segments = self.segments(s);
+        let length: f64 = self.rest_length[segments.clone()].iter().sum();
+        let mass: f64 = self.inverse_mass[self.points(s)].iter().filter(|w| **w > 0.0).map(|w| 1.0 / w).sum();
+        // EI of the joint between two segments, whose compliance is l/(4 EI).
+        let bend = |k: usize| {
+            let joint = 0.5 * (self.rest_length[k - 1] + self.rest_length[k]);
+            let loosest = self.bend_compliance[k].x.max(self.bend_compliance[k].y);
+            if loosest > 0.0 { joint / (4.0 * loosest) } else { f64::INFINITY }
+        };
+        let stiffness = segments.skip(1).map(bend).fold(f64::INFINITY, f64::min);
+        let clamped = self.ends(s).root == End::Clamped && stiffness.is_finite() && mass > 0.0;
+        let gravity = scene.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
+        let of_weight = 1.446 * gravity / length;
+        let square = if clamped { of_weight.max(12.36 * stiffness / (mass * length.powi(3))) } else { of_weight };
+        let rate = square / (square.sqrt() + scene.rods.damping + BRAKE);
+        Rest {
+            speed: length * (OFF * rate).min(FASTEST),
+            // The first mode takes 1.57 of a uniform push.
+            acceleration: length * OFF * square / 1.57,
+        }
+    }
+}

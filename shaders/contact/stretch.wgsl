@@ -1,0 +1,30 @@
+// What bodies did to the strands that they touched: `rods/finish` measured stretch before.
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, Segment, Health, STRAINED, STRAINED_STEPS},
+    status::{status, frozen, count, finite, OVER_STRAINED},
+};
+
+@group(0) @binding(2) var<storage, read>       strands:   array<Strand>;
+@group(0) @binding(3) var<storage, read>       segments:  array<Segment>;
+@group(0) @binding(4) var<storage, read>       predicted: array<vec4f>;
+@group(0) @binding(5) var<storage, read>       touched:   array<u32>;
+@group(0) @binding(6) var<storage, read_write> health:    array<Health>;
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let s = invocation(id, groups);
+    if s >= params.strands || frozen() || touched[s] == 0u { return; }
+    let strand = strands[s];
+    var stretch = 0.0;
+    for (var k = 0u; k < strand.points - 1u; k++) {
+        let p = strand.first_point + k;
+        let l = distance(predicted[p].xyz, predicted[p + 1u].xyz);
+        stretch = max(stretch, abs(l / segments[strand.first_segment + k].rest_length - 1.0));
+    }
+    if !finite(stretch) { return; }
+    atomicMax(&status.max_stretch, bitcast<u32>(stretch));
+    if stretch <= STRAINED || health[s].found.strained > 0u { return; }
+    let strained = min(health[s].committed.strained + 1u, STRAINED_STEPS + 1u);
+    if strained == STRAINED_STEPS { count(OVER_STRAINED); }
+    health[s].found.strained = strained;
+}
