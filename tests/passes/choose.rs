@@ -27,6 +27,9 @@ struct Case {
     touched: bool,
     /// In parts of the push that wakes.
     push: f64,
+    /// In the same parts, what viscosity gave it in the step before.
+    given: f64,
+    tip: End,
     /// What its root moves by, in lengths of the strand.
     root: f64,
     /// Speed \[m/s\] and spin \[1/s\] of all that is drawn.
@@ -51,6 +54,8 @@ const PLAIN: Case = Case {
     still: Still::No,
     touched: false,
     push: 0.0,
+    given: 0.0,
+    tip: End::Free,
     root: 0.0,
     speed: 0.02,
     whole_spin: 0.0,
@@ -59,7 +64,7 @@ const PLAIN: Case = Case {
 };
 const SLEEPER: Case = Case { still: Still::Asleep, goes: rods::State::Asleep, ..PLAIN };
 
-const CASES: [Case; 19] = [
+const CASES: [Case; 22] = [
     Case { what: "by Euler", calm: 0, calm_after: 1, ..PLAIN },
     Case { what: "calm for the third time", calm: 2, ..PLAIN },
     Case { what: "calm", root: 0.001, ..PLAIN },
@@ -69,6 +74,15 @@ const CASES: [Case; 19] = [
     Case { what: "not finite before", bad: true, calm: 2, goes: rods::State::Solved, calm_after: 0, ..PLAIN },
     Case { what: "not finite, root jumps", bad: true, root: 3.0, goes: rods::State::Solved, calm_after: 0, ..PLAIN },
     Case { what: "not finite, asleep", bad: true, goes: rods::State::Solved, calm_after: 0, ..SLEEPER },
+    Case {
+        what: "not finite, tip held",
+        bad: true,
+        tip: End::Pinned,
+        root: 0.1,
+        goes: rods::State::Solved,
+        calm_after: 0,
+        ..PLAIN
+    },
     Case { what: "teleported", root: 3.0, goes: rods::State::Teleported, calm_after: 0, ..PLAIN },
     Case { what: "teleported asleep", root: 3.0, goes: rods::State::Teleported, calm_after: 0, ..SLEEPER },
     Case { what: "almost rested", still: Still::Almost, ..PLAIN },
@@ -76,6 +90,8 @@ const CASES: [Case; 19] = [
     Case { what: "falls asleep on a body", still: Still::Rested, touched: true, ..SLEEPER },
     Case { what: "asleep", ..SLEEPER },
     Case { what: "asleep, pushed by too little", push: 0.9, ..SLEEPER },
+    Case { what: "asleep, given too little", given: 0.9, ..SLEEPER },
+    Case { what: "woken by its neighbours", given: 1.1, goes: rods::State::Free, ..SLEEPER },
     Case { what: "woken by a push", push: 1.1, goes: rods::State::Free, ..SLEEPER },
     Case { what: "woken by a body", touched: true, goes: rods::State::Free, ..SLEEPER },
     Case { what: "woken by its root", root: 0.001, goes: rods::State::Free, ..SLEEPER },
@@ -95,7 +111,10 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
         if root == End::Free {
             hair.inverse_mass[points.start] = hair.inverse_mass[points.end - 1];
         }
-        hair.ends.push(Ends { root, ..Ends::default() });
+        if case.tip != End::Free {
+            hair.inverse_mass[points.end - 1] = 0.0;
+        }
+        hair.ends.push(Ends { root, tip: case.tip, ..Ends::default() });
         let middle = 0.5 * (hair.positions[points.start] + hair.positions[points.end - 1]);
         let axis = hair.orientations[segments.start] * DVec3::X;
         let spin = (case.whole_spin * slower * axis).as_vec3().as_dvec3();
@@ -104,6 +123,8 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
             let moves = hair.inverse_mass[i] > 0.0 && case.still != Still::Asleep;
             hair.velocities[i] = if moves { drawn.as_vec3().as_dvec3() } else { DVec3::ZERO };
         }
+        let given = case.given * hair.rest(s, &scene).acceleration * step;
+        hair.velocities[points.end - 1] += (given * DVec3::Y).as_vec3().as_dvec3();
         if case.goes != rods::State::Free {
             // Not at rest: it is seen where it is put.
             points.clone().skip(1).for_each(|i| hair.positions[i] += any(&mut rng, 1e-3));
@@ -251,7 +272,7 @@ fn rescue_is_that_of_the_twin() {
             }
             let mut rod_strands = stage.rod_strands();
             for (strand, rod) in rod_strands.iter_mut().enumerate().filter(|(_, rod)| rod.state == 0) {
-                rod.misfit = misfits[strand / CASES.len() % misfits.len()] as f32;
+                rod.misfit = misfits[strand % misfits.len()] as f32;
             }
             let state = stage.engine.state();
             stage.engine.write(&state.rod_points, &points).unwrap();

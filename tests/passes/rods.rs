@@ -42,7 +42,7 @@ pub fn strands(n: usize, keys: &str) -> (Scene, InitialState) {
 }
 
 /// Every kind of end: clamped, pinned and free roots, and tips, in turn.
-fn ends(hair: &mut Strands, tips: bool) {
+pub fn ends(hair: &mut Strands, tips: bool) {
     let kinds = [End::Clamped, End::Pinned, End::Free];
     for s in 0..hair.len() {
         let (root, tip) = (kinds[s % 3], if tips { kinds[(s / 3) % 3] } else { End::Free });
