@@ -37,7 +37,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         atomicStore(&status.bad_strands, 0u);
         atomicStore(&status.first_bad_strand, NONE);
         for (var cause = 0u; cause < COUNTERS; cause++) {
-            status.counted[cause] += atomicExchange(&status.counting[cause], 0u);
+            // Ten thousand sleepers fill 32 bits in ten minutes: full is full.
+            status.counted[cause] += min(atomicExchange(&status.counting[cause], 0u), 0xffffffffu - status.counted[cause]);
         }
         let many = atomicExchange(&status.hair_outside, 0u) * MANY > params.hair_points;
         status.outside_steps = select(0u, status.outside_steps + 1u, many);

@@ -334,7 +334,7 @@ impl InitialState {
             }
             state.warnings.extend(warnings::of_air(scene, air, &state.air));
             state.warnings.extend(warnings::of_hair(&state.hair, &state.air, air.wind()));
-            state.warnings.extend(warnings::of_blocked(air, &bounds, &bodies));
+            state.warnings.extend(warnings::of_blocked(scene, air, &bounds, &bodies));
         } else {
             state.origin = state.hair.roots().sum::<DVec3>() / state.hair.len() as f64;
         }

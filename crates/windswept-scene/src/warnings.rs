@@ -129,9 +129,16 @@ pub(crate) fn of_bodies(scene: &Scene, hair: &Strands, bodies: &[Capsule]) -> Ve
     warnings
 }
 
-/// Warnings about bodies that the wind must pass.
-pub(crate) fn of_blocked(air: &Air, bounds: &Bounds, bodies: &[Capsule]) -> Vec<String> {
+/// Warnings about bodies that the wind must pass, or that it steps over.
+pub(crate) fn of_blocked(scene: &Scene, air: &Air, bounds: &Bounds, bodies: &[Capsule]) -> Vec<String> {
     let mut warnings = Vec::new();
+    let far = air.largest_wind() * scene.time.step / f64::from(scene.time.substeps);
+    for body in scene.bodies.iter().filter(|body| far > 2.0 * body.shape.capsule().radius) {
+        warnings.push(format!(
+            "air moves {far:.1e} m in a step and may pass through body {}, which is thinner: a shorter time.step stops it",
+            body.name
+        ));
+    }
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         let part = if bodies.is_empty() || air.wind[axis] == 0.0 { 0.0 } else { blocked(bodies, bounds, axis) };
         if part > MOST_BLOCKED {

@@ -111,7 +111,7 @@ impl Status {
         self.named(0..WARNINGS).filter(|(_, count)| *count > 0).collect()
     }
 
-    /// How many steps of strands went otherwise than by a solve of the integrator asked for, by how.
+    /// How many steps of strands went otherwise than by a solve of the integrator asked for, by how; 2³² − 1 at most.
     #[must_use]
     pub fn strand_steps(&self) -> BTreeMap<String, u64> {
         self.named(WARNINGS..COUNTERS.len()).collect()
