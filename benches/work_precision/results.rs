@@ -42,13 +42,14 @@ fn quickly(bench: &Bench) -> &'static str {
     if bench.quick { "; a quick run: no figure of it means anything" } else { "" }
 }
 
-/// The commit, with a + where the tree has changes.
+/// The commit, and whether the tree has changes, other than what benches write.
 fn commit() -> String {
+    const CHANGES: [&str; 6] = ["status", "--porcelain", "--untracked-files=no", "--", ":/", ":!benches/results"];
     let git = |arguments: &[&str]| {
         let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
         String::from_utf8(output.stdout).ok().map(|text| text.trim().to_owned())
     };
-    match (git(&["rev-parse", "--short", "HEAD"]), git(&["status", "--porcelain", "--untracked-files=no"])) {
+    match (git(&["rev-parse", "--short", "HEAD"]), git(&CHANGES)) {
         (Some(commit), Some(changes)) if changes.is_empty() => commit,
         (Some(commit), _) => format!("{commit} with changes"),
         (None, _) => "unknown".to_owned(),
