@@ -10,6 +10,9 @@ use clap::Parser;
 use windswept::{AdapterChoice, Gpu, Simulation};
 use windswept_scene::Scene;
 
+#[path = "work_precision/provenance.rs"]
+mod provenance;
+
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// What is bounded, and by what.
@@ -120,8 +123,10 @@ fn run() -> Result<()> {
     let mut head = format!("# What turbulence costs (cargo bench --bench price), scenes in {folder}\n");
     writeln!(
         head,
-        "# adapter: {}\n# ms: of each pass the least of {} timed steps, by turns",
+        "# adapter: {}\n# commit: {}\n# date: {}\n# ms: of each pass the least of {} timed steps, by turns",
         gpu.info(),
+        provenance::commit(),
+        provenance::date(),
         runs[0].simulation.timed_steps()
     )?;
     let ratios = ratios(&runs);

@@ -4,7 +4,7 @@
 mod support;
 
 use windswept::Gpu;
-use windswept_shaders::{Pass, fluid, rods, turbulence};
+use windswept_shaders::{Pass, contact, fluid, rods, turbulence, wind};
 use windswept_validate::{CHECKS, Row};
 
 fn rows(name: &str, gpu: &Gpu) -> Vec<Row> {
@@ -47,37 +47,57 @@ macro_rules! checks {
 checks! {
     kernels_are_normalised: "kernels",
     lattices_have_their_density: "lattices",
+    wind_enters_and_roots_move: "wind",
+    strands_fall_and_drift_as_drag_says: "drag",
     density_error_falls_as_jacobi_should: "density",
     curled_strands_keep_their_shape: "rods-rest",
     strands_hang_like_elastica_and_helix: "rods-static",
     beams_vibrate_at_their_frequency: "rods-beam",
     loose_strands_fall: "rods-fall",
+    bodies_keep_hair_and_air_out: "contact",
     rotations_have_twice_their_rate: "rotation",
     translations_change_nothing: "translation",
     cut_filters_leak: "filter-leak",
     the_filter_has_the_hats_gain: "filter-gain",
+    confinement_has_its_gain: "confinement",
     vortices_last_and_feed_their_band: "vortex",
     shear_waves_decay_as_xsph_says: "shear-wave",
     taylor_green_vortices_decay: "taylor-green",
     momentum_is_kept: "momentum",
     what_air_loses_hair_receives: "coupled",
     passes_are_those_of_the_twin: "twin",
+    rods_are_those_of_the_twin: "twin-rods",
     steps_are_those_of_the_twin: "twin-step",
 }
 
 /// A wrong constant in a shader turns at least one row of the check that looks at it red.
 #[test]
 fn wrong_constants_turn_rows_red() {
-    let cases: [(&Pass, &str, &str, &str); 7] = [
+    let cases: &[(&Pass, &str, &str, &str)] = &[
+        (&wind::DRAG, "FORM: f32 = 10.0", "FORM: f32 = 10.1", "drag"),
+        (&wind::DRAG, "FRICTION: f32 = 5.4", "FRICTION: f32 = 5.41", "drag"),
+        (&wind::FRINGE, "GRIP: f32 = 10.0", "GRIP: f32 = 10.1", "wind"),
+        (&wind::BLOW, "status.step + 1u", "status.step + 2u", "wind"),
+        (&rods::ROOTS, "part * key.travel", "1.001 * part * key.travel", "wind"),
         (&fluid::DENSITY, "315.0", "314.0", "lattices"),
         (&fluid::CORRECT, "45.0", "30.0", "density"),
         (&fluid::VISCOSITY, "2.0 * mass", "2.1 * mass", "shear-wave"),
         (&fluid::PREDICT, "params.step *", "1.001 * params.step *", "twin-step"),
+        (&rods::DIRECT, "joint_before.gap + joint", "joint_before.gap + 1.01 * joint", "twin-rods"),
+        (&rods::GAUSS_SEIDEL, "w = 0.25", "w = 0.252", "twin-rods"),
+        (&rods::CHOOSE, "params.step * (2.0 / 3.0)", "params.step * 0.667", "twin-rods"),
+        (&contact::HAIR, "body.friction * depth", "1.01 * body.friction * depth", "contact"),
+        (&contact::AIR, "CLEARANCE: f32 = 0.5", "CLEARANCE: f32 = 0.501", "contact"),
         (&turbulence::VORTICITY, "45.0", "45.1", "rotation"),
-        (&turbulence::BAND, "3.0 ", "3.1 ", "filter-gain"),
-        (&rods::DIRECT, "1.0 + params.damping", "2.0 + params.damping", "rods-beam"),
+        (&turbulence::BAND, "3.0 ", "3.1 ", "twin"),
+        (&turbulence::DEPOSIT, "t.y - 1.0", "t.y - 1.001", "twin"),
+        (&turbulence::SMOOTH, "spread(value, gauss)", "1.001 * spread(value, gauss)", "twin"),
+        (&turbulence::GATHER, "1.0 / 3.0", "0.334", "twin"),
+        (&turbulence::CONFINE, "1.0 - part * part", "1.0 - 1.01 * part * part", "confinement"),
+        (&turbulence::CONFINE, "LARGEST: f32 = 0.1", "LARGEST: f32 = 0.101", "confinement"),
+        (&turbulence::CONFINE, "band.strength * speed * speed", "1.02 * band.strength * speed * speed", "confinement"),
     ];
-    for (pass, right, wrong, check) in cases {
+    for &(pass, right, wrong, check) in cases {
         assert!(pass.source.contains(right), "{} has no {right:?}:\n{}", pass.name, pass.source);
         let gpu = support::gpu().with_sources([(pass.name, pass.source.replace(right, wrong))]);
         let rows = rows(check, &gpu);

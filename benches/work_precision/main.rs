@@ -6,6 +6,7 @@ mod chart;
 mod filter;
 mod fluid;
 mod point;
+mod provenance;
 mod results;
 mod rods;
 mod rule;

@@ -4,13 +4,12 @@ use std::{
     fmt::Write,
     fs,
     path::{Path, PathBuf},
-    process::Command,
 };
 
 use crate::{
     Bench, FAMILIES, Family, Measured, Result, chart,
     point::{Point, distinct},
-    rule,
+    provenance, rule,
 };
 
 /// Writes DIR/family.csv: what was measured, on what and when, in `#` lines before the table.
@@ -19,8 +18,8 @@ pub(crate) fn write_csv(dir: &Path, family: &Family, bench: &Bench, measured: &M
     let mut head = vec![
         format!("{} (cargo bench --bench work_precision -- {})", family.title, family.name),
         format!("adapter: {}", bench.gpu.info()),
-        format!("commit: {}", commit()),
-        format!("date: {}, took {seconds:.0} s{}", time::OffsetDateTime::now_utc().date(), quickly(bench)),
+        format!("commit: {}", provenance::commit()),
+        format!("date: {}, took {seconds:.0} s{}", provenance::date(), quickly(bench)),
     ];
     head.extend(measured.notes.iter().cloned());
     head.push(format!("ms: {}; the least of several runs", family.time));
@@ -40,19 +39,6 @@ pub(crate) fn write_csv(dir: &Path, family: &Family, bench: &Bench, measured: &M
 
 fn quickly(bench: &Bench) -> &'static str {
     if bench.quick { "; a quick run: no figure of it means anything" } else { "" }
-}
-
-/// The commit, with a + where the tree has changes.
-fn commit() -> String {
-    let git = |arguments: &[&str]| {
-        let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
-        String::from_utf8(output.stdout).ok().map(|text| text.trim().to_owned())
-    };
-    match (git(&["rev-parse", "--short", "HEAD"]), git(&["status", "--porcelain", "--untracked-files=no"])) {
-        (Some(commit), Some(changes)) if changes.is_empty() => commit,
-        (Some(commit), _) => format!("{commit} with changes"),
-        (None, _) => "unknown".to_owned(),
-    }
 }
 
 fn csv_path(dir: &Path, family: &Family) -> PathBuf {

@@ -35,7 +35,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var rod: RodStrand;
     rod.root_travel = part * way;
     rod.root_turn = select(rotation(part * turn), vec4f(0.0, 0.0, 0.0, 1.0), still);
-    rod.root_frame = select(normalize(product(rod.root_turn, held.frame)), held.frame, still);
+    // To the bit where it arrives: a clamp that was off by rounding would never rest.
+    rod.root_frame = select(normalize(product(rod.root_turn, held.frame)), goal.frame, still || part == 1.0);
     rod.state = select(select(FREE, ASLEEP, still && params.sleep != 0u), TELEPORTED, jumps);
     rod_strands[s] = rod;
 }

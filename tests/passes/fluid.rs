@@ -101,11 +101,12 @@ fn correct_and_move_shift_as_the_twin() {
         let wanted = fluid::correct(p, &twin.position, &twin.inverse_mass, &twin.volume, &near, &lambda);
         let moved: Vec<DVec3> = twin.position.iter().zip(&wanted).map(|(x, dx)| *x + *dx).collect();
         let error = relative(&stage.vectors(&s.shift), &wanted, MICROMETRE);
-        println!("{what}: shift {error:.1e}");
-        // Measured at most 1.5e-6; margin 4.
+        let places = relative(&stage.vectors(&s.predicted), &moved, MICROMETRE);
+        let correction = relative(&stage.vectors(&s.correction), &wanted, MICROMETRE);
+        println!("{what}: shift {error:.1e}, positions {places:.1e}, correction {correction:.1e}");
+        // Measured at most 1.5e-6, 3.9e-7 and 1.3e-6; margin 4.
         assert!(error < 6e-6, "{what}: {error}");
-        assert!(relative(&stage.vectors(&s.predicted), &moved, MICROMETRE) < 1e-6, "{what}: positions");
-        assert!(relative(&stage.vectors(&s.correction), &wanted, MICROMETRE) < 1e-5, "{what}: correction");
+        assert!(places < 1.6e-6 && correction < 5e-6, "{what}: positions {places}, correction {correction}");
     });
 }
 

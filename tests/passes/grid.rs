@@ -62,9 +62,11 @@ fn assert_same_pairs(initial: &InitialState, lists: &[Vec<u32>], what: &str) {
 #[test]
 fn neighbours_are_those_of_the_pair_test() {
     for n in SIZES {
-        for (hair, layout) in
-            [(0, Layout::Random), (n / 3, Layout::Random), (n / 3, Layout::Lattice), (n / 4, Layout::Clustered)]
-        {
+        let spread =
+            [(0, Layout::Random), (n / 3, Layout::Random), (n / 3, Layout::Lattice), (n / 4, Layout::Clustered)];
+        // The largest size in one cell would be 2e8 pairs.
+        let crowded = [(0, Layout::OneCell), (n / 3, Layout::OneCell)].into_iter().filter(|_| n < 1000);
+        for (hair, layout) in spread.into_iter().chain(crowded) {
             let initial = support::particles(n, hair, layout, n as u64);
             assert_same_pairs(&initial, &neighbours(&initial), &format!("{n} particles, {hair} of hair, {layout:?}"));
         }

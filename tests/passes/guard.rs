@@ -1,8 +1,12 @@
 //! hold, check, commit, commit_frames.
 
 use glam::DVec3;
-use windswept::step;
-use windswept_reference::fluid;
+use windswept::{status, step};
+use windswept_reference::{
+    fluid,
+    guard::{self, Frozen},
+    step::Scratch,
+};
 
 use crate::{stage::Stage, support};
 
@@ -51,5 +55,99 @@ fn hold_stills_strands_that_are_not_finite() {
         }
         let status = stage.engine.status().unwrap();
         assert_eq!((status.step, status.counted[0]), (1, 1), "{n} particles");
+    }
+}
+
+/// Air that is not finite, too many strands that are not, a list that is too short: what freezes one freezes the other, for the
+/// same causes, and nothing is committed. As many bad strands as may be do not. Hair outside the box is counted.
+#[test]
+fn check_is_that_of_the_twin() {
+    for n in support::SIZES {
+        let initial = support::particles(n, n / 3, support::Layout::Random, 10);
+        let (strands, air) = (initial.hair.len(), initial.air.positions.len());
+        let limit = guard::bad_strand_limit(strands);
+        // Particle of air whose position or velocity is lost, strands that are, and whether the list is too short.
+        let cases = [
+            (None, None, 0, false),
+            (Some(air / 2), None, 0, false),
+            (None, Some(air - 1), 0, false),
+            (Some(air - 1), Some(0), limit, false),
+            (None, None, limit, false),
+            (None, None, limit + 1, false),
+            (None, Some(air / 3), limit + 1, false),
+            (None, Some(air / 3), 0, true),
+        ];
+        for (place, speed, bad, short) in cases.into_iter().filter(|case| case.2 <= strands) {
+            let stage = Stage::new(&support::scene(), &initial);
+            let (s, p) = (stage.engine.state(), &stage.parameters);
+            let (mut x, mut v) = (stage.twin.position.clone(), stage.twin.position.clone());
+            x[p.hair_points..].iter_mut().for_each(|x| x.x -= 0.5 * p.box_size.x);
+            if let Some(i) = place {
+                x[p.hair_points + i].y = f64::NAN;
+            }
+            if let Some(i) = speed {
+                v[p.hair_points + i].z = f64::NEG_INFINITY;
+            }
+            // Some were found bad by their rods, the others have lost their velocities.
+            let mut twin = stage.twin.clone();
+            let mut health = stage.health();
+            for strand in strands - bad..strands {
+                if strand % 2 == 0 {
+                    (twin.bad[strand], health[strand][1][0]) = (true, 1);
+                } else {
+                    v[twin.hair.points(strand).start].x = f64::NAN;
+                }
+            }
+            let by_rods = twin.bad.iter().filter(|bad| **bad).count() as u32;
+            let first = twin.bad.iter().position(|bad| *bad).map_or(u32::MAX, |strand| strand as u32);
+            let mut status = stage.engine.status().unwrap();
+            (status.bad_strands, status.first_bad_strand) = (by_rods, first);
+            status.neighbours = if short { stage.engine.sizes().neighbours + 1 } else { 0 };
+            stage.engine.set_status(&status).unwrap();
+            stage.engine.write(&s.health, &health).unwrap();
+            stage.write_vectors(&s.predicted, &x);
+            stage.write_vectors(&s.viscous_velocity, &v);
+            let before = stage.vectors(&s.position);
+            stage.replay(step::guard::record);
+
+            let outside = x[..p.hair_points].iter().filter(|x| x.cmplt(DVec3::ZERO).any() || x.cmpge(p.box_size).any());
+            let outside = outside.count() as u32;
+            let scratch = Scratch { predicted: x, new_velocity: v, ..Scratch::default() };
+            let frozen = windswept_reference::step::guard(&mut twin, scratch, p).err();
+            let status = stage.engine.status().unwrap();
+            let what = format!("{n} particles, air {place:?} {speed:?}, {bad} of {strands} strands: {frozen:?}");
+            println!("{what}, {} outside", status.hair_outside);
+            if short {
+                // The scratch arrays mean nothing.
+                assert_eq!(status.causes, status::NEIGHBOUR_OVERFLOW, "{what}");
+            } else {
+                let lost = place.into_iter().chain(speed).min();
+                let air = lost.map_or(0, |_| status::NON_FINITE_AIR);
+                let hair = if bad > limit { status::TOO_MANY_BAD_STRANDS } else { 0 };
+                assert_eq!(status.causes, air | hair, "{what}");
+                // The twin names one cause, the hair's if both hold.
+                let expected = match (bad > limit, lost) {
+                    (true, _) => Some(Frozen::BadStrands(status.bad_strands as usize)),
+                    (_, lost) => lost.map(|_| Frozen::NonFiniteAir(status.first_bad_air as usize)),
+                };
+                assert_eq!(frozen, expected, "{what}");
+                assert!(lost.is_none_or(|lost| lost == status.first_bad_air as usize), "{what}: {status:?}");
+                if status.causes != 0 {
+                    assert_eq!(
+                        status.first_bad_strand as usize,
+                        if bad > 0 { strands - bad } else { u32::MAX as usize }
+                    );
+                    assert_eq!(status.hair_outside, outside, "{what}");
+                }
+            }
+            let committed = stage.vectors(&s.position) != before;
+            assert_eq!((committed, status.step), (status.causes == 0, u32::from(status.causes == 0)), "{what}");
+            assert_eq!(
+                status.counted[0],
+                if status.causes == 0 { (bad - by_rods as usize) as u32 } else { 0 },
+                "{what}"
+            );
+        }
+        assert!(n < 63 || strands > limit && limit >= 3, "no strand can be too many");
     }
 }

@@ -4,12 +4,15 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod choose;
 mod contact;
 mod fluid;
 mod grid;
 mod guard;
 mod rods;
+mod roots;
 mod stage;
 mod steps;
 mod turbulence;
+mod walk;
 mod wind;

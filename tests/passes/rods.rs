@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::{status, step};
-use windswept_reference::{State as Twin, rods, step as twin};
+use windswept_reference::{rods, step as twin};
 use windswept_scene::{End, Ends, InitialState, Model, Scene, Strands};
 
 use crate::{
@@ -12,8 +12,8 @@ use crate::{
     support,
 };
 
-/// `n` strands of 2 to 40 points, some curled, in random places, alone.
-fn strands(n: usize, keys: &str) -> (Scene, InitialState) {
+/// `n` strands of 2 to 40 points, some curled, in random places, alone; of 2 where they are many.
+pub fn scene_of(n: usize, keys: &str) -> Scene {
     let mut text = format!(
         "interaction = {{ model = \"none\" }}\nrods = {{ iterations = 10, damping = 2.0, {keys} }}\n\
          [time]\nstep = 1.38e-3\nduration = 1.0\n"
@@ -21,6 +21,7 @@ fn strands(n: usize, keys: &str) -> (Scene, InitialState) {
     for (group, (points, curl)) in
         [(2, ""), (11, "curl = { radius = 0.003, pitch = 0.02 }"), (40, ""), (7, "taper = 0.5")].into_iter().enumerate()
     {
+        let (points, curl) = if n > 1000 { (2, "") } else { (points, curl) };
         let share = (n + 3 - group) / 4;
         if share > 0 {
             text += &format!(
@@ -30,12 +31,18 @@ fn strands(n: usize, keys: &str) -> (Scene, InitialState) {
     }
     let mut scene = Scene::parse(&text).unwrap();
     scene.model = Model::None;
+    scene
+}
+
+/// The same, built.
+pub fn strands(n: usize, keys: &str) -> (Scene, InitialState) {
+    let scene = scene_of(n, keys);
     let initial = InitialState::new(&scene).unwrap();
     (scene, initial)
 }
 
 /// Every kind of end: clamped, pinned and free roots, and tips, in turn.
-fn ends(hair: &mut Strands, tips: bool) {
+pub fn ends(hair: &mut Strands, tips: bool) {
     let kinds = [End::Clamped, End::Pinned, End::Free];
     for s in 0..hair.len() {
         let (root, tip) = (kinds[s % 3], if tips { kinds[(s / 3) % 3] } else { End::Free });
@@ -67,7 +74,8 @@ fn motion(hair: &mut Strands, speed: f64, spin: f64, seed: u64) {
     hair.angular_velocities.iter_mut().for_each(|w| *w = any(spin));
 }
 
-const SIZES: [usize; 5] = [1, 63, 64, 65, 700];
+/// The last of two points each.
+const SIZES: [usize; 6] = [1, 63, 64, 65, 700, 15_071];
 
 #[test]
 fn drift_is_free_and_damped() {
@@ -99,11 +107,15 @@ fn rods_are_those_of_the_twin() {
             ("newton = 1", 0.6, 20.0, false, CALM),
             ("inextensible = true", 0.5, 20.0, false, CALM),
             ("", 8.0, 100.0, false, TORN),
-            ("", 0.5, 20.0, true, TORN),
-            ("integrator = \"euler\"", 2.0, 20.0, true, TORN),
+            ("", 0.5, 20.0, true, STRUNG),
+            ("integrator = \"euler\"", 2.0, 20.0, true, STRUNG),
             ("solver = \"gauss-seidel\"", 0.5, 20.0, false, CALM),
             ("solver = \"gauss-seidel\", integrator = \"euler\"", 8.0, 100.0, false, CALM),
         ] {
+            if tips && (n == 1 || n > 1000) {
+                // Two points, both held: what force there is is rounding.
+                continue;
+            }
             let (scene, mut initial) = strands(n, keys);
             if scene.rods.solver == windswept_scene::Solver::Direct {
                 ends(&mut initial.hair, tips);
@@ -114,7 +126,7 @@ fn rods_are_those_of_the_twin() {
             stage.run(step::record);
             let (mut s, p) = (stage.twin.clone(), stage.parameters.clone());
             twin::step(&mut s, &p).unwrap();
-            adopt(&stage, &mut s);
+            stage.adopt(&mut s);
             stage.twin = s.clone();
             stage.run(|r, state, plan| {
                 step::drive::record(r, state, plan);
@@ -131,18 +143,23 @@ fn rods_are_those_of_the_twin() {
             let joints = || segments.iter().zip(&w.moving.segments);
             let moves = most(&mut pairs().map(|(a, b)| (xyz(&a.travel) - b.travel).length()));
             let frames = most(&mut joints().map(|(a, b)| (quaternion(a.frame) - b.frame).length()));
-            // As the turn that the difference would make.
-            let forces = most(&mut joints().zip(&initial.hair.inverse_inertia).map(|((a, b), w)| {
-                let apart = (xyz(&a.force) - b.force).length().max((xyz(&a.moment) - b.moment).length());
-                if p.direct { apart * w * rods::response(&p, b.step.min(1.0)) } else { 0.0 }
-            }));
+            // In parts of the largest; Gauss-Seidel leaves none.
+            let parts = |gap: f64, largest: f64| if largest > 0.0 { gap / largest } else { gap };
+            let forces = parts(
+                most(&mut joints().map(|(a, b)| (xyz(&a.force) - b.force).length())),
+                most(&mut joints().map(|(_, b)| b.force.length())),
+            );
+            let moments = parts(
+                most(&mut joints().map(|(a, b)| (xyz(&a.moment) - b.moment).length())),
+                most(&mut joints().map(|(_, b)| b.moment.length())),
+            );
             let counting = stage.engine.status().unwrap().counting;
             let counted = (s.euler_steps - before.0, s.capped - before.1, s.quiet_steps - before.2);
             println!(
-                "{n} strands, {keys:?}, {speed} m/s: moves {moves:.1e} m, frames {frames:.1e}, forces {forces:.1e}, {counted:?}"
+                "{n} strands, {keys:?}, {speed} m/s: moves {moves:.1e} m, frames {frames:.1e}, forces {forces:.1e}, moments {moments:.1e}, {counted:?}"
             );
-            let fits = moves < bounds[0] && frames < bounds[1] && forces < bounds[2];
-            assert!(fits, "{n}, {keys}, {speed} m/s, {tips}: {moves} m, {frames}, {forces}");
+            let fits = moves < bounds[0] && frames < bounds[1] && forces < bounds[2] && moments < bounds[3];
+            assert!(fits, "{n}, {keys}, {speed} m/s, {tips}: {moves} m, {frames}, {forces}, {moments}");
             let of =
                 |name: &str| counting[status::COUNTERS.iter().position(|counter| *counter == name).unwrap()] as usize;
             assert_eq!((of("euler_steps"), of("move_capped"), of("quiet_steps")), counted, "{n}, {keys}");
@@ -151,31 +168,13 @@ fn rods_are_those_of_the_twin() {
     }
 }
 
-/// Largest differences of moves [m], frames and forces (as the turn [rad] that they make). Measured 1.2e-6, 6.2e-5 (strands that
-/// fit just about within 1e-5 take a Newton step more on one of the two; others 8e-8, 9e-6), 1e-3; margin 4.
-const CALM: [f64; 3] = [5e-6, 2.5e-4, 4e-3];
-/// Torn, or strung between two ends by forces a million times their weight: measured 1.2e-5, 6.7e-4, 7; margin 4.
-const TORN: [f64; 3] = [5e-5, 3e-3, 30.0];
-
-/// The engine's state becomes the twin's, so that what rounding made of one step is not held against the next.
-fn adopt(stage: &Stage, s: &mut Twin) {
-    let state = stage.engine.state();
-    let points: Vec<[[f32; 4]; 3]> = stage.engine.read(&state.point_history).unwrap();
-    let segments: Vec<[[f32; 4]; 4]> = stage.engine.read(&state.segment_history).unwrap();
-    let hair = stage.parameters.hair_points;
-    let position = stage.vectors(&state.position);
-    for i in 0..hair {
-        s.position[i] = position[i] + xyz(&points[i][2]);
-        (s.travel[i], s.velocity_before[i]) = (xyz(&points[i][0]), xyz(&points[i][1]));
-    }
-    s.velocity[..hair].copy_from_slice(&stage.vectors(&state.velocity)[..hair]);
-    s.orientation = stage.quaternions(&state.orientation);
-    s.angular_velocity = stage.vectors(&state.angular_velocity);
-    for (k, history) in segments.iter().enumerate() {
-        (s.turn[k], s.angular_velocity_before[k]) = (xyz(&history[0]), xyz(&history[1]));
-        (s.force[k], s.moment[k]) = (xyz(&history[2]), xyz(&history[3]));
-    }
-}
+/// Largest differences of moves \[m\], frames, and of forces and moments in parts of the largest. Measured 1.2e-6, 6.2e-5 (strands
+/// that fit just about within 1e-5 take a Newton step more on one of the two; others 8e-8, 9e-6), 8.5e-4, 4.9e-4; margin 4.
+const CALM: [f64; 4] = [5e-6, 2.5e-4, 3.5e-3, 2e-3];
+/// Measured 6.5e-7, 1.0e-4, 1.2e-4, 1.3e-4; margin 4.
+const TORN: [f64; 4] = [2.6e-6, 4e-4, 5e-4, 5e-4];
+/// Strung between two ends by forces a million times their weight: measured 8.0e-6, 5.0e-4, 1.2e-2, 8.9e-3; margin 4.
+const STRUNG: [f64; 4] = [3.2e-5, 2e-3, 5e-2, 3.6e-2];
 
 /// A strand at its rest shape stays there, straight or curled, whatever the solver.
 #[test]
@@ -248,7 +247,10 @@ fn finish_measures_stretch_and_finds_bad_strands() {
         let wanted = stretches.iter().flatten().copied().fold(0.0, f64::max);
         let got = stage.engine.status().unwrap();
         assert_eq!(stretches.iter().filter(|stretch| stretch.is_none()).count(), 1);
-        assert!((f64::from(got.max_stretch()) - wanted).abs() < 1e-4, "{n}: {} instead of {wanted}", got.max_stretch());
+        let off = (f64::from(got.max_stretch()) - wanted).abs();
+        println!("{n} strands: largest stretch {wanted:.3} to {off:.1e}");
+        // Measured at most 1.4e-7; margin 4.
+        assert!(off < 6e-7, "{n}: {} instead of {wanted}", got.max_stretch());
         assert_eq!((got.bad_strands, got.first_bad_strand, got.counting[0]), (1, victim as u32, 1));
         let health: Vec<[[u32; 4]; 2]> = stage.engine.read(&s.health).unwrap();
         // Found in this step, not committed yet.

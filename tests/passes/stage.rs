@@ -2,8 +2,8 @@
 
 use glam::{DQuat, DVec3};
 use windswept::{
-    Engine, Plan,
-    recorder::{Recorder, Recording},
+    Engine, Gpu, Plan,
+    recorder::{Command, Recorder, Recording},
     state::{Array, State},
 };
 use windswept_reference::{Parameters, State as Twin, grid::Neighbours};
@@ -51,6 +51,18 @@ pub struct RodSegment {
     pub moment: [f32; 4],
 }
 
+/// `RodStrand` of `shaders/common/rod.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct RodStrand {
+    pub root_travel: [f32; 3],
+    pub state: u32,
+    pub root_frame: [f32; 4],
+    pub root_turn: [f32; 4],
+    pub tip_moment: [f32; 3],
+    pub misfit: f32,
+}
+
 /// The first three of a vector in a struct.
 pub fn xyz(v: &[f32]) -> DVec3 {
     DVec3::new(v[0].into(), v[1].into(), v[2].into())
@@ -62,7 +74,11 @@ pub fn quaternion(q: [f32; 4]) -> DQuat {
 
 impl Stage {
     pub fn new(scene: &Scene, initial: &InitialState) -> Self {
-        let mut engine = Engine::new(&support::gpu(), scene, initial).unwrap();
+        Self::on(&support::gpu(), scene, initial)
+    }
+
+    pub fn on(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Self {
+        let mut engine = Engine::new(gpu, scene, initial).unwrap();
         // Room for every pair of a clump; growing is tested elsewhere.
         let capacity = (initial.hair.positions.len() + initial.air.positions.len()).max(64) as u32 * 300;
         engine.grow_neighbours(capacity).unwrap();
@@ -75,11 +91,39 @@ impl Stage {
         Self { engine, plan, twin, parameters }
     }
 
-    pub fn run(&self, record: impl FnOnce(&mut Recorder, &State, &Plan)) {
-        let recording: Recording = Recorder::record(|r| record(r, self.engine.state(), &self.plan));
-        self.engine.replay(&recording).unwrap();
+    fn recorded(&self, record: impl FnOnce(&mut Recorder, &State, &Plan)) -> Recording {
+        Recorder::record(|r| record(r, self.engine.state(), &self.plan))
+    }
+
+    /// Runs a fragment of the step, which may freeze.
+    pub fn replay(&self, record: impl FnOnce(&mut Recorder, &State, &Plan)) {
+        self.engine.replay(&self.recorded(record)).unwrap();
+    }
+
+    fn assert_not_frozen(&self) {
         let status = self.engine.status().unwrap();
         assert!(status.causes == 0 && status.neighbours <= self.engine.sizes().neighbours, "frozen: {status:?}");
+    }
+
+    pub fn run(&self, record: impl FnOnce(&mut Recorder, &State, &Plan)) {
+        self.replay(record);
+        self.assert_not_frozen();
+    }
+
+    /// Of a fragment of the step these passes only.
+    pub fn run_only(&self, passes: &[&str], record: impl FnOnce(&mut Recorder, &State, &Plan)) {
+        let mut recording = self.recorded(record);
+        recording.commands.retain(|command| passes.contains(&command.pass.name));
+        assert!(passes.iter().all(|pass| recording.running().any(|command| command.pass.name == *pass)), "{passes:?}");
+        self.engine.replay(&recording).unwrap();
+        self.assert_not_frozen();
+    }
+
+    /// A fragment of the step, to run pass by pass.
+    pub fn passes(&self, record: impl FnOnce(&mut Recorder, &State, &Plan)) -> Passes<'_> {
+        let mut commands = self.recorded(record).commands;
+        commands.retain(|command| command.skipped.is_none());
+        Passes { stage: self, commands }
     }
 
     pub fn vectors(&self, array: &Array) -> Vec<DVec3> {
@@ -98,6 +142,41 @@ impl Stage {
         (self.engine.read(&s.rod_points).unwrap(), self.engine.read(&s.rod_segments).unwrap())
     }
 
+    /// Strands of the step.
+    pub fn rod_strands(&self) -> Vec<RodStrand> {
+        self.engine.read(&self.engine.state().rod_strands).unwrap()
+    }
+
+    /// Per strand what it is committed and found as: bad, strained, calm, still.
+    pub fn health(&self) -> Vec<[[u32; 4]; 2]> {
+        self.engine.read(&self.engine.state().health).unwrap()
+    }
+
+    /// The engine's hair becomes the twin's, so that what rounding made of one step is not held against the next.
+    pub fn adopt(&self, s: &mut Twin) {
+        let state = self.engine.state();
+        let points: Vec<[[f32; 4]; 3]> = self.engine.read(&state.point_history).unwrap();
+        let segments: Vec<[[f32; 4]; 4]> = self.engine.read(&state.segment_history).unwrap();
+        let roots = |array| -> Vec<_> {
+            let read: Vec<[[f32; 4]; 2]> = self.engine.read(array).unwrap();
+            read.iter().map(|[position, frame]| (xyz(position), quaternion(*frame))).collect()
+        };
+        (s.clamps, s.root_targets) = (roots(&state.clamps), roots(&state.root_targets));
+        let hair = self.parameters.hair_points;
+        let position = self.vectors(&state.position);
+        for i in 0..hair {
+            s.position[i] = position[i] + xyz(&points[i][2]);
+            (s.travel[i], s.velocity_before[i]) = (xyz(&points[i][0]), xyz(&points[i][1]));
+        }
+        s.velocity[..hair].copy_from_slice(&self.vectors(&state.velocity)[..hair]);
+        s.orientation = self.quaternions(&state.orientation);
+        s.angular_velocity = self.vectors(&state.angular_velocity);
+        for (k, history) in segments.iter().enumerate() {
+            (s.turn[k], s.angular_velocity_before[k]) = (xyz(&history[0]), xyz(&history[1]));
+            (s.force[k], s.moment[k]) = (xyz(&history[2]), xyz(&history[3]));
+        }
+    }
+
     pub fn numbers(&self, array: &Array) -> Vec<f64> {
         let read: Vec<f32> = self.engine.read(array).unwrap();
         read.into_iter().map(f64::from).collect()
@@ -114,6 +193,40 @@ impl Stage {
         let values: Vec<[f32; 4]> = values.iter().map(|v| v.as_vec3().extend(0.0).to_array()).collect();
         self.engine.write(array, &values).unwrap();
     }
+}
+
+/// A fragment of the step whose passes run one after the other.
+pub struct Passes<'a> {
+    stage: &'a Stage,
+    commands: Vec<Command>,
+}
+
+impl Passes<'_> {
+    /// Runs what is left of the fragment up to the next runs of `pass`, and these. Says whether there were any; without, nothing
+    /// runs.
+    pub fn through(&mut self, pass: &str) -> bool {
+        let Some(first) = self.commands.iter().position(|command| command.pass.name == pass) else { return false };
+        let runs = self.commands[first..].iter().take_while(|command| command.pass.name == pass).count();
+        self.replay(first + runs);
+        true
+    }
+
+    /// Runs the rest.
+    pub fn finish(mut self) {
+        self.replay(self.commands.len());
+    }
+
+    fn replay(&mut self, passes: usize) {
+        let commands = self.commands.drain(..passes).collect();
+        self.stage.engine.replay(&Recording { commands }).unwrap();
+    }
+}
+
+/// How a strand of the twin is, in the engine's words: bad, strained, calm, still.
+pub fn condition(s: &Twin, strand: usize) -> [u32; 4] {
+    let still = if s.asleep[strand] { u32::MAX } else { s.still[strand] };
+    let strained = s.strained_steps[strand].min(windswept_reference::rods::STRAINED_STEPS + 1);
+    [u32::from(s.bad[strand]), strained, s.calm[strand], still]
 }
 
 /// The layouts and the share of hair that passes over particles are tried on, for each of the awkward sizes. Hair alone

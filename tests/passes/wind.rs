@@ -97,7 +97,8 @@ fn drag_is_that_of_the_twin() {
             let error = relative(&stage.vectors(&s.drag_change)[..p.hair_points], &wanted[..p.hair_points], 1e-3);
             let largest = wanted.iter().map(|dv| dv.length()).fold(0.0, f64::max);
             println!("{model:?}, lift {lift}, {speed} m/s, {n}: largest {largest:.2} m/s, off by {error:.1e}");
-            assert!(error < 1e-4, "{model:?}, {n}: {error}");
+            // Measured at most 5.0e-7; margin 4.
+            assert!(error < 2e-6, "{model:?}, {n}: {error}");
             assert!(n < 63 || largest > 0.0, "nothing drags");
         }
     }

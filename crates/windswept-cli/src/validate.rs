@@ -26,7 +26,12 @@ pub(crate) fn validate(options: &ValidateOptions, console: &mut Console<'_>) -> 
     } else {
         table(gpu.info(), &rows, console)
     }
-    match rows.len() - passing(&rows) {
+    verdict(&rows)
+}
+
+/// What the command ends with: one row that does not pass is a failed run.
+fn verdict(rows: &[Row]) -> Result<(), Failure> {
+    match rows.len() - passing(rows) {
         0 => Ok(()),
         failed => Err(Failure::Run(format!("{failed} of {} do not pass on this adapter", rows.len()))),
     }
@@ -79,20 +84,27 @@ mod tests {
     use windswept::AdapterInfo;
     use windswept_validate::Row;
 
-    use super::{number, table};
+    use super::{number, table, verdict};
     use crate::console::Console;
+
+    fn row(test: &str, measured: f64) -> Row {
+        Row { test: test.to_owned(), expected: 1.0, measured, tolerance: 1e-6, unit: "m", source: "here" }
+    }
+
+    /// One row that does not pass, or could not be measured, ends the command with status 1; none with 0.
+    #[test]
+    fn a_row_that_does_not_pass_is_status_1() {
+        assert!(verdict(&[row("good", 1.0), row("good", 1.0)]).is_ok());
+        for bad in [1.1, f64::NAN] {
+            let failure = verdict(&[row("good", 1.0), row("bad", bad)]).err();
+            let failure = failure.map(|failure| (failure.status(), failure.what()));
+            assert_eq!(failure, Some((1, "1 of 2 do not pass on this adapter".to_owned())));
+        }
+    }
 
     /// Every row is a line with its verdict, and the last line counts.
     #[test]
     fn a_table_says_what_does_not_pass() {
-        let row = |test: &str, measured| Row {
-            test: test.to_owned(),
-            expected: 1.0,
-            measured,
-            tolerance: 1e-6,
-            unit: "m",
-            source: "here",
-        };
         let rows = [row("good", 1.0), row("bad", 1.1), row("lost", f64::NAN)];
         let adapter =
             AdapterInfo { name: "none".into(), backend: "vulkan".into(), driver: "0".into(), kind: "software".into() };

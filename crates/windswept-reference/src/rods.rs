@@ -178,7 +178,8 @@ pub fn roots(p: &Parameters, s: &state::State, strand: usize) -> Drive {
     Drive {
         root_travel: part * way,
         root_turn,
-        root_frame: (root_turn * held.1).normalize(),
+        // To the bit where it arrives: a clamp that was off by rounding would never rest.
+        root_frame: if part == 1.0 { goal.1 } else { (root_turn * held.1).normalize() },
         state: if jumps { State::Teleported } else { State::Free },
         ..Drive::default()
     }

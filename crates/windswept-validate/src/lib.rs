@@ -6,16 +6,21 @@
 //! which.
 
 mod air;
+mod confine;
+mod contact;
 mod coupled;
 mod fluid;
 mod kernels;
 mod momentum;
 mod rods;
 mod row;
+mod stage;
 mod turbulence;
 mod twin;
 mod viscosity;
 mod vortex;
+mod whole;
+mod wind;
 
 pub use row::Row;
 use windswept::{Gpu, GpuError, RunError, ops::OpsError};
@@ -41,22 +46,27 @@ impl Check {
 pub const CHECKS: &[Check] = &[
     Check { name: "kernels", run: kernels::normalisations },
     Check { name: "lattices", run: kernels::lattices },
+    Check { name: "wind", run: wind::drive },
+    Check { name: "drag", run: wind::drag },
     Check { name: "density", run: fluid::density_error },
     Check { name: "rods-rest", run: rods::at_rest },
     Check { name: "rods-static", run: rods::hanging },
     Check { name: "rods-beam", run: rods::beam },
     Check { name: "rods-fall", run: rods::falling },
+    Check { name: "contact", run: contact::bodies },
     Check { name: "rotation", run: turbulence::rotation },
     Check { name: "translation", run: turbulence::translation },
     Check { name: "filter-leak", run: turbulence::leak },
     Check { name: "filter-gain", run: turbulence::gain },
+    Check { name: "confinement", run: confine::laws },
     Check { name: "vortex", run: vortex::lamb_oseen },
     Check { name: "shear-wave", run: viscosity::shear_waves },
     Check { name: "taylor-green", run: viscosity::taylor_green },
     Check { name: "momentum", run: momentum::closed_box },
     Check { name: "coupled", run: coupled::drag },
     Check { name: "twin", run: twin::passes },
-    Check { name: "twin-step", run: twin::step },
+    Check { name: "twin-rods", run: twin::rods },
+    Check { name: "twin-step", run: whole::steps },
 ];
 
 /// A check that could not be done.

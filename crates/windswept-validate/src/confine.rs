@@ -1,0 +1,105 @@
+//! Vorticity confinement, by bands and as published (design 3.3).
+
+use std::f64::consts::{SQRT_2, TAU};
+
+use glam::DVec3;
+use windswept::{Gpu, step};
+use windswept_reference::{grid, turbulence};
+use windswept_scene::Scene;
+
+use crate::{
+    Error, Row,
+    air::{self, Cloud, MASS, SIMPLE, STEP, farthest},
+    stage::Stage,
+    twin::error,
+};
+
+const PUBLISHED: &str = "0.008, |a| = epsilon ½ m û² |omega| in mg, mm, s where a plane flow is strong; N is up to 0.5 % short \
+    of a unit (its softening); the bound is 1 %";
+const BAND: &str = "S, |a| = S |û| (1 - û²/(I U)²) |omega| where a plane flow is strong; N is up to 0.5 % short of a unit \
+    (its softening); the bound is 1 %";
+const TWIN: &str = "f64 twin from the same û and omega; 1000 particles jittered by half a spacing; largest difference over \
+    largest value; measured 1.7e-6 (band), 3.7e-7; margin 4";
+
+/// Largest speed of the flows \[m/s\]: slow, so that no step is limited.
+const SPEED: f64 = 0.02;
+const STRENGTH: f64 = 10.0;
+/// Beside the twin: so much that some particles are limited.
+const STRONG: f64 = 200.0;
+/// U and I of the band law.
+const LAW: (f64, f64) = (0.1, 0.5);
+const MM: f64 = 1e3;
+const MG: f64 = 1e6;
+
+/// Whether as published, and what it is called.
+const LAWS: [(bool, &str); 2] = [(false, "band"), (true, "published")];
+
+pub(crate) fn laws(gpu: &Gpu) -> Result<Vec<Row>, Error> {
+    let mut rows = Vec::new();
+    for (published, name) in LAWS {
+        rows.push(gain(gpu, published, name)?);
+        rows.push(beside_twin(gpu, published, name)?);
+    }
+    Ok(rows)
+}
+
+fn scene(published: bool, scale: f64, strength: f64) -> Result<Scene, Error> {
+    let method = if published { "published" } else { "accurate" };
+    let (speed, intensity) = LAW;
+    air::scene(&format!(
+        "method = \"{method}\"\nturbulence = {{ speed = {speed}, \
+         bands = [{{ scale = {scale}, strength = {strength}, intensity = {intensity} }}] }}\n"
+    ))
+}
+
+/// What turns |û|²|ω| or |û||ω| into what confinement adds: ε or S, where vorticity varies.
+fn gain(gpu: &Gpu, published: bool, name: &str) -> Result<Row, Error> {
+    let lattice = Cloud::lattice([12, 12, 6], SIMPLE);
+    let k = TAU / lattice.size.x;
+    let cloud = lattice.moving(|x| SPEED * DVec3::new((k * x.y).sin(), (2.0 * k * x.x).sin(), 0.0));
+    let mut stage = Stage::new(gpu, &scene(published, SQRT_2 / (2.0 * k), STRENGTH)?, &cloud.initial())?;
+    let added = confined(&mut stage)?;
+    let (eddies, omega) = (stage.read(|s| &s.band_velocity)?, stage.read(|s| &s.vorticity)?);
+    let largest_speed = LAW.0 * LAW.1;
+    let unit = |i: usize| {
+        let (speed, omega) = (eddies[i].length(), omega[i].length());
+        if published {
+            0.5 * MG * MASS * speed * speed * omega / MM
+        } else {
+            speed * (1.0 - (speed / largest_speed).powi(2)) * omega
+        }
+    };
+    let largest = (0..added.len()).map(unit).fold(0.0, f64::max);
+    let strong = (0..added.len()).filter(|&i| unit(i) > 0.5 * largest);
+    let (expected, source) = if published { (0.008, PUBLISHED) } else { (STRENGTH, BAND) };
+    let measured = farthest(strong.map(|i| added[i].length() / (STEP * unit(i))), expected);
+    Ok(Row::new(format!("confinement, {name} law: its gain"), expected, measured, 0.01 * expected, source))
+}
+
+fn beside_twin(gpu: &Gpu, published: bool, name: &str) -> Result<Row, Error> {
+    let cloud = Cloud::lattice([10; 3], SIMPLE).jittered(0.5, 4).stirred(SPEED, 4);
+    let mut stage = Stage::new(gpu, &scene(published, 6e-3, STRONG)?, &cloud.initial())?;
+    let added = confined(&mut stage)?;
+    let (eddies, omega) = (stage.read(|s| &s.band_velocity)?, stage.read(|s| &s.vorticity)?);
+    let (p, s) = (&stage.p, &stage.twin);
+    let near = grid::neighbours(p, &s.position);
+    let (volume, inverse_mass) = (&s.volume, &s.inverse_mass);
+    let wanted =
+        turbulence::confine(p, &p.bands[0], DVec3::ZERO, &s.position, &eddies, &omega, volume, inverse_mass, &near);
+    Ok(Row::new(
+        format!("twin: turbulence/confine, {name} law"),
+        0.0,
+        error(&added, &wanted),
+        if published { 1.5e-6 } else { 7e-6 },
+        TWIN,
+    ))
+}
+
+/// What confinement adds in a step \[m/s\].
+fn confined(stage: &mut Stage) -> Result<Vec<DVec3>, Error> {
+    stage.run(|r, s, plan| {
+        step::neighbours::record(r, s, plan);
+        step::turbulence::record(r, s, plan);
+    })?;
+    stage.read(|s| &s.confinement)
+}

@@ -1,0 +1,92 @@
+//! Whole steps on the GPU in f32 beside the twin's in f64 (windswept_reference): hair, air and what drives them.
+
+use glam::DVec3;
+use windswept::{Gpu, Simulation};
+use windswept_reference::{Parameters, State, step::step as twin_step};
+use windswept_scene::{InitialState, Scene};
+
+use crate::{Error, Row, air::vectors, twin::error};
+
+const ACCURATE: &str = "f64 twin: direct, BDF2, grid filter, band law, a moving body, a gust, roots that move; largest \
+    difference over largest value; measured 1.1e-7, 6.2e-6, 2.4e-6; margin 4";
+const PUBLISHED: &str = "f64 twin: Gauss-Seidel, Euler, direct filter, published law; largest difference over largest value; \
+    measured 9.9e-8, 1.8e-5, 3.1e-6; margin 4";
+
+/// Hair in wind with a band of eddies.
+const HAIR_IN_WIND: &str = "
+[[hair]]
+name = \"curls\"
+strands = 6
+points = 12
+length = 0.05
+fibres_per_strand = 100
+curl = { radius = 3e-3, pitch = 0.02 }
+roots = { center = [0.03, 0.03, 0.03], radius = 8e-3, direction = [1, 0, 0] }
+[time]
+step = 1.38e-3
+duration = 1.0
+[air]
+box = { min = [0, 0, 0], max = [0.08, 0.06, 0.06] }
+wind = [3, 0, 0]
+ramp = 0.0
+fringe = 0.01
+[turbulence]
+bands = [{ scale = 0.006, strength = 10.0 }]
+";
+/// The accurate defaults, and most of what may drive hair and air. (No strand is torn: `rods/rescue` finds none.)
+const DRIVEN: &str = "
+[rods]
+sleep = false
+[[air.gust]]
+time = 0.0
+velocity = [0, 0, 0]
+[[air.gust]]
+time = 0.01
+velocity = [0, 1, -1]
+[[hair.motion]]
+time = 0.0
+[[hair.motion]]
+time = 0.01
+translation = [0, 2e-3, 0]
+rotation = [0.2, 0, 0.1]
+[[body]]
+radius = 0.01
+center = [0.06, 0.025, 0.03]
+motion = [{ time = 0.0 }, { time = 0.01, translation = [-5e-3, 0, 0] }]
+";
+
+/// Steps with the accurate defaults, and with the method as published; no strand sleeps or is left unsolved.
+pub(crate) fn steps(gpu: &Gpu) -> Result<Vec<Row>, Error> {
+    let published = format!("method = \"published\"\n{HAIR_IN_WIND}[rods]\niterations = 20\nsleep = false\n");
+    let accurate = format!("{HAIR_IN_WIND}{DRIVEN}");
+    let mut rows = measure(gpu, "accurate", &accurate, [4.5e-7, 2.5e-5, 1e-5], ACCURATE)?;
+    rows.extend(measure(gpu, "published", &published, [4e-7, 7e-5, 1.3e-5], PUBLISHED)?);
+    Ok(rows)
+}
+
+fn measure(gpu: &Gpu, name: &str, text: &str, tolerances: [f64; 3], source: &'static str) -> Result<Vec<Row>, Error> {
+    let scene = Scene::parse(text)?;
+    let initial = InitialState::new(&scene)?;
+    let p = Parameters::new(&scene, &initial);
+    let mut state = State::new(&initial, p.step);
+    let steps = 5;
+    for _ in 0..steps {
+        twin_step(&mut state, &p).map_err(|frozen| Error::Missing(format!("the twin froze: {frozen:?}")))?;
+    }
+    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
+    simulation.step(steps)?;
+    let frame = simulation.frame()?;
+    let hair = p.hair_points;
+    let origin = simulation.initial().origin;
+    let local: Vec<_> = vectors(&frame.hair.positions).into_iter().map(|x| x - origin).collect();
+    let v = &state.velocity;
+    let rows = [
+        ("hair positions", local, &state.position[..hair]),
+        ("hair velocities", vectors(&frame.hair.velocities), &v[..hair]),
+        ("air velocities", vectors(&frame.air.velocities), &v[hair..]),
+    ];
+    let row = |((what, got, wanted), tolerance): ((&str, Vec<DVec3>, &[DVec3]), f64)| {
+        Row::new(format!("twin: {steps} whole steps, {name}, {what}"), 0.0, error(&got, wanted), tolerance, source)
+    };
+    Ok(rows.into_iter().zip(tolerances).map(row).collect())
+}

@@ -1,0 +1,412 @@
+//! choose, rescue: strands that sleep, wake, are reset or torn.
+
+use glam::{DQuat, DVec3};
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use windswept::{status, step};
+use windswept_reference::{
+    State as Twin, rods,
+    step::{self as twin, Scratch},
+};
+use windswept_scene::{End, Ends, InitialState, Keyframe, Motion, Shape, Strands};
+
+use crate::{
+    rods::{scene_of, strands},
+    roots::{any, drives_apart, set_roots},
+    stage::{Stage, condition, quaternion, xyz},
+    support,
+};
+
+/// What a strand comes to a step with, and how it goes through it.
+struct Case {
+    what: &'static str,
+    bad: bool,
+    calm: u32,
+    /// Steps at rest over those that it takes to fall asleep.
+    still: Still,
+    touched: bool,
+    /// In parts of the push that wakes.
+    push: f64,
+    /// In the same parts, what viscosity gave it in the step before.
+    given: f64,
+    tip: End,
+    /// What its root moves by, in lengths of the strand.
+    root: f64,
+    /// Speed \[m/s\] and spin \[1/s\] of all that is drawn.
+    speed: f64,
+    whole_spin: f64,
+    goes: rods::State,
+    calm_after: u32,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Still {
+    No,
+    Almost,
+    Rested,
+    Asleep,
+}
+
+const PLAIN: Case = Case {
+    what: "",
+    bad: false,
+    calm: 3,
+    still: Still::No,
+    touched: false,
+    push: 0.0,
+    given: 0.0,
+    tip: End::Free,
+    root: 0.0,
+    speed: 0.02,
+    whole_spin: 0.0,
+    goes: rods::State::Free,
+    calm_after: 3,
+};
+const SLEEPER: Case = Case { still: Still::Asleep, goes: rods::State::Asleep, ..PLAIN };
+
+const CASES: [Case; 22] = [
+    Case { what: "by Euler", calm: 0, calm_after: 1, ..PLAIN },
+    Case { what: "calm for the third time", calm: 2, ..PLAIN },
+    Case { what: "calm", root: 0.001, ..PLAIN },
+    Case { what: "torn", speed: 80.0, calm_after: 0, ..PLAIN },
+    Case { what: "torn by its root", root: 0.6, calm_after: 0, ..PLAIN },
+    Case { what: "spins as a whole, capped", whole_spin: 300.0, ..PLAIN },
+    Case { what: "not finite before", bad: true, calm: 2, goes: rods::State::Solved, calm_after: 0, ..PLAIN },
+    Case { what: "not finite, root jumps", bad: true, root: 3.0, goes: rods::State::Solved, calm_after: 0, ..PLAIN },
+    Case { what: "not finite, asleep", bad: true, goes: rods::State::Solved, calm_after: 0, ..SLEEPER },
+    Case {
+        what: "not finite, tip held",
+        bad: true,
+        tip: End::Pinned,
+        root: 0.1,
+        goes: rods::State::Solved,
+        calm_after: 0,
+        ..PLAIN
+    },
+    Case { what: "teleported", root: 3.0, goes: rods::State::Teleported, calm_after: 0, ..PLAIN },
+    Case { what: "teleported asleep", root: 3.0, goes: rods::State::Teleported, calm_after: 0, ..SLEEPER },
+    Case { what: "almost rested", still: Still::Almost, ..PLAIN },
+    Case { what: "falls asleep", still: Still::Rested, ..SLEEPER },
+    Case { what: "falls asleep on a body", still: Still::Rested, touched: true, ..SLEEPER },
+    Case { what: "asleep", ..SLEEPER },
+    Case { what: "asleep, pushed by too little", push: 0.9, ..SLEEPER },
+    Case { what: "asleep, given too little", given: 0.9, ..SLEEPER },
+    Case { what: "woken by its neighbours", given: 1.1, goes: rods::State::Free, ..SLEEPER },
+    Case { what: "woken by a push", push: 1.1, goes: rods::State::Free, ..SLEEPER },
+    Case { what: "woken by a body", touched: true, goes: rods::State::Free, ..SLEEPER },
+    Case { what: "woken by its root", root: 0.001, goes: rods::State::Free, ..SLEEPER },
+];
+
+/// Strands with the cases in turn, each with a history, and forces, of its own; what is committed on both sides.
+fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
+    let (mut scene, mut initial) = strands(n, keys);
+    scene.time.step = step;
+    let mut rng = Pcg64::seed_from_u64(n as u64 + 40);
+    let slower = 1.38e-3 / step;
+    let hair: &mut Strands = &mut initial.hair;
+    for s in 0..n {
+        let case = &CASES[s % CASES.len()];
+        let (points, segments) = (hair.points(s), hair.segments(s));
+        let root = if case.whole_spin > 0.0 { End::Free } else { End::Clamped };
+        if root == End::Free {
+            hair.inverse_mass[points.start] = hair.inverse_mass[points.end - 1];
+        }
+        if case.tip != End::Free {
+            hair.inverse_mass[points.end - 1] = 0.0;
+        }
+        hair.ends.push(Ends { root, tip: case.tip, ..Ends::default() });
+        let middle = 0.5 * (hair.positions[points.start] + hair.positions[points.end - 1]);
+        let axis = hair.orientations[segments.start] * DVec3::X;
+        let spin = (case.whole_spin * slower * axis).as_vec3().as_dvec3();
+        for i in points.clone() {
+            let drawn = case.speed * slower * any(&mut rng, 1.0).normalize() + spin.cross(hair.positions[i] - middle);
+            let moves = hair.inverse_mass[i] > 0.0 && case.still != Still::Asleep;
+            hair.velocities[i] = if moves { drawn.as_vec3().as_dvec3() } else { DVec3::ZERO };
+        }
+        let given = case.given * hair.rest(s, &scene).acceleration * step;
+        hair.velocities[points.end - 1] += (given * DVec3::Y).as_vec3().as_dvec3();
+        if case.goes != rods::State::Free {
+            // Not at rest: it is seen where it is put.
+            points.clone().skip(1).for_each(|i| hair.positions[i] += any(&mut rng, 1e-3));
+            for k in segments.clone() {
+                hair.orientations[k] = DQuat::from_scaled_axis(any(&mut rng, 0.1)) * hair.orientations[k];
+            }
+        }
+        for k in segments {
+            hair.angular_velocities[k] = spin + any(&mut rng, slower * (100.0 * case.speed).min(50.0));
+        }
+    }
+    let stage = Stage::new(&scene, &initial);
+    let (mut s, state) = (stage.twin.clone(), stage.engine.state());
+    let (points, segments) = (initial.hair.positions.len(), initial.hair.orientations.len());
+    let mut rows = |sizes: &[f64], n: usize| -> Vec<Vec<[f32; 4]>> {
+        let mut row = |size: f64| any(&mut rng, size).as_vec3().extend(0.0).to_array();
+        (0..n).map(|_| sizes.iter().map(|size| row(*size)).collect()).collect()
+    };
+    let history = rows(&[1e-4, 0.02, 0.0], points).concat();
+    stage.engine.write(&state.point_history, &history).unwrap();
+    stage.engine.write(&state.segment_history, &rows(&[1e-3, 1.0, 1e-4, 1e-6], segments).concat()).unwrap();
+    stage.adopt(&mut s);
+    set_roots(&stage, &mut s, |strand, x, q| {
+        let by = CASES[strand % CASES.len()].root * 0.1;
+        let turn = if by > 0.0 { DVec3::new(0.02, -0.3, 0.1) } else { DVec3::ZERO };
+        (x + by * DVec3::new(0.6, 0.0, 0.8), DQuat::from_scaled_axis(turn) * q)
+    });
+    let rested = (rods::STILL_TIME / stage.parameters.step).ceil().max(f64::from(rods::STILL_STEPS)) as u32;
+    let mut push = vec![DVec3::ZERO; points];
+    for strand in 0..n {
+        let case = &CASES[strand % CASES.len()];
+        (s.bad[strand], s.calm[strand], s.touched[strand]) = (case.bad, case.calm, case.touched);
+        s.asleep[strand] = case.still == Still::Asleep;
+        s.strained_steps[strand] = strand as u32 % 5;
+        s.still[strand] = match case.still {
+            Still::No => 0,
+            Still::Almost => rested - 1,
+            Still::Rested | Still::Asleep => rested,
+        };
+        let tip = s.hair.points(strand).end - 1;
+        push[tip] = case.push * stage.parameters.rest[strand].acceleration * stage.parameters.step.powi(2) * DVec3::Y;
+    }
+    let health: Vec<[[u32; 4]; 2]> = (0..n).map(|strand| [condition(&s, strand); 2]).collect();
+    let touched: Vec<u32> = s.touched.iter().map(|touched| u32::from(*touched)).collect();
+    stage.engine.write(&state.health, &health).unwrap();
+    stage.engine.write(&state.touched, &touched).unwrap();
+    stage.write_vectors(&state.correction, &push);
+    (stage, s, push)
+}
+
+/// Largest differences within a step: of moves \[m\], of frames and turns, and of forces in parts of the largest. What is put
+/// somewhere is so on both.
+fn rods_apart(stage: &Stage, w: &Scratch) -> [f64; 3] {
+    let (points, segments) = stage.rods();
+    assert_eq!((points.len(), segments.len()), (w.moving.points.len(), w.moving.segments.len()));
+    let same_step = |a: f32, b: f64| if b.is_infinite() { a == 1e30 } else { (f64::from(a) / b - 1.0).abs() < 1e-6 };
+    let (mut moves, mut frames, mut forces, mut strongest) = (0.0_f64, 0.0_f64, 0.0_f64, f64::MIN_POSITIVE);
+    for (a, b) in points.iter().zip(&w.moving.points) {
+        assert!(same_step(a.step, b.step), "h {} instead of {}", a.step, b.step);
+        moves = moves.max((xyz(&a.travel) - b.travel).length()).max((xyz(&a.free) - b.free).length());
+    }
+    for (a, b) in segments.iter().zip(&w.moving.segments) {
+        assert!(same_step(a.step, b.step), "h {} instead of {}", a.step, b.step);
+        frames = frames.max((quaternion(a.frame) - b.frame).length());
+        frames = frames.max((xyz(&a.free) - b.free).length()).max((xyz(&a.turn) - b.turn).length());
+        forces = forces.max((xyz(&a.force) - b.force).length()).max((xyz(&a.moment) - b.moment).length());
+        strongest = strongest.max(b.force.length());
+    }
+    [moves, frames, forces / strongest]
+}
+
+/// What this step counted, by name.
+fn counting(stage: &Stage, name: &str) -> usize {
+    let counter = status::COUNTERS.iter().position(|counter| *counter == name).unwrap();
+    stage.engine.status().unwrap().counting[counter] as usize
+}
+
+/// Up to the solve: how strands go through the step.
+fn prepared(stage: &Stage, s: &mut Twin, push: Vec<DVec3>) -> Scratch {
+    stage.run_only(&["rods/roots"], step::drive::record);
+    stage.run_only(&["rods/predict", "rods/turn", "rods/choose"], step::rods::record);
+    let mut w = twin::drive(s, &stage.parameters);
+    w.correction = push;
+    twin::prepare(s, &mut w, &stage.parameters);
+    w
+}
+
+/// Reset, teleported, asleep, woken by push, body or root, by Euler or BDF2: what strands start from, and what is counted.
+#[test]
+fn choose_is_that_of_the_twin() {
+    for n in support::SIZES {
+        for (keys, step) in [
+            ("", 1.38e-3),
+            ("", 1.66e-2),
+            ("sleep = false", 1.38e-3),
+            ("integrator = \"euler\"", 1.38e-3),
+            ("solver = \"gauss-seidel\"", 1.38e-3),
+        ] {
+            let (stage, mut s, push) = with_cases(n, keys, step);
+            let w = prepared(&stage, &mut s, push);
+            let apart = rods_apart(&stage, &w);
+            println!("{n} strands, {keys:?}, {step} s: {apart:?}");
+            assert_eq!(drives_apart(&stage, &w).2, 0, "{n}, {keys}: strands go another way");
+            for (strand, [_, found]) in stage.health().into_iter().enumerate() {
+                let case = &CASES[strand % CASES.len()];
+                assert_eq!(found, condition(&s, strand), "{n}, {keys}: strand {strand}, {}", case.what);
+                if s.hair.ends(strand).root == End::Clamped && stage.parameters.sleep {
+                    let way = (w.drives[strand].state, s.calm[strand]);
+                    assert_eq!(way, (case.goes, case.calm_after), "{n}, {keys}: strand {strand}, {}", case.what);
+                }
+            }
+            // Measured 5.0e-8 m, 2.1e-7 and 4.0e-7; margin 4.
+            assert!(apart[0] < 2e-7 && apart[1] < 9e-7 && apart[2] < 1.6e-6, "{n}, {keys}: {apart:?}");
+            let counted =
+                ["euler_steps", "move_capped", "asleep_steps", "teleports"].map(|name| counting(&stage, name));
+            let wanted = [s.euler_steps, s.capped, s.asleep_steps, s.teleports];
+            assert_eq!(counted, wanted, "{n}, {keys}");
+            let sleeps = stage.parameters.sleep;
+            assert!(n < 63 || wanted[1] > 0 && wanted[3] > 0 && (wanted[2] > 0) == sleeps, "{wanted:?}");
+        }
+    }
+}
+
+/// Strands that the direct solver left torn, or not: these are done; those fall freely again, and Gauss-Seidel takes them. f64
+/// does not tear where f32 does, so both get what is left from here.
+#[test]
+fn rescue_is_that_of_the_twin() {
+    let misfits = [0.0, 2e-5, 0.999, 1.0, 7.0, f64::NAN, f64::INFINITY];
+    for n in support::SIZES {
+        for keys in ["", "integrator = \"euler\""] {
+            let (stage, mut s, push) = with_cases(n, keys, 1.38e-3);
+            let p = &stage.parameters;
+            let mut w = prepared(&stage, &mut s, push);
+            // The solver left strands somewhere, some solved.
+            let mut rng = Pcg64::seed_from_u64(8);
+            let (mut points, mut segments) = stage.rods();
+            for point in &mut points {
+                point.travel = any(&mut rng, 1e-2).as_vec3().extend(0.0).to_array();
+            }
+            for segment in &mut segments {
+                let turned = (quaternion(segment.frame) + DQuat::from_vec4(any(&mut rng, 0.1).extend(0.0))).normalize();
+                segment.frame = turned.as_quat().to_array();
+                segment.force = any(&mut rng, 1.0).as_vec3().extend(0.0).to_array();
+                segment.moment = any(&mut rng, 1e-3).as_vec3().extend(0.0).to_array();
+            }
+            let mut rod_strands = stage.rod_strands();
+            for (strand, rod) in rod_strands.iter_mut().enumerate().filter(|(_, rod)| rod.state == 0) {
+                rod.misfit = misfits[strand % misfits.len()] as f32;
+            }
+            let state = stage.engine.state();
+            stage.engine.write(&state.rod_points, &points).unwrap();
+            stage.engine.write(&state.rod_segments, &segments).unwrap();
+            stage.engine.write(&state.rod_strands, &rod_strands).unwrap();
+            for (a, b) in points.iter().zip(&mut w.moving.points) {
+                b.travel = xyz(&a.travel);
+            }
+            for (a, b) in segments.iter().zip(&mut w.moving.segments) {
+                (b.frame, b.force, b.moment) = (quaternion(a.frame), xyz(&a.force), xyz(&a.moment));
+            }
+            for (a, b) in rod_strands.iter().zip(&mut w.drives) {
+                b.misfit = a.misfit.into();
+            }
+
+            stage.run_only(&["rods/rescue"], step::rods::record);
+            for strand in 0..n {
+                let torn = rods::rescue(&s.hair, strand, &mut w.drives[strand], &mut w.moving);
+                s.rescued_steps += usize::from(torn);
+            }
+            let apart = rods_apart(&stage, &w);
+            assert_eq!(drives_apart(&stage, &w).2, 0, "{n}, {keys}: strands go another way");
+            assert_eq!(counting(&stage, "rescued_steps"), s.rescued_steps, "{n}, {keys}");
+            assert!(n < 63 || s.rescued_steps > 0, "nothing is rescued");
+            // Measured 1.2e-8 m and 1.2e-7; margin 4. Forces are as they were, or none.
+            assert!(apart[0] < 5e-8 && apart[1] < 5e-7 && apart[2] == 0.0, "{n}, {keys}: {apart:?}");
+
+            stage.run_only(&["rods/gauss_seidel", "rods/finish", "rods/place"], step::rods::record);
+            for strand in 0..n {
+                rods::gauss_seidel(p, &s.hair, strand, &w.drives[strand], &mut w.moving);
+            }
+            twin::finish(&mut s, &mut w, p);
+            let after = rods_apart(&stage, &w);
+            println!("{n} strands, {keys:?}: {} rescued, {apart:?}, solved {after:?}", s.rescued_steps);
+            // Measured 3.8e-8 m and 3.3e-7; margin 4.
+            assert!(after[0] < 1.6e-7 && after[1] < 1.4e-6 && after[2] == 0.0, "{n}, {keys}: {after:?}");
+            for (strand, [_, found]) in stage.health().into_iter().enumerate() {
+                assert_eq!(found, condition(&s, strand), "{n}, {keys}: strand {strand}");
+            }
+        }
+    }
+}
+
+/// 26 steps of hair at rest without gravity: strands that are not finite are reset, most fall asleep, some are woken by their
+/// root or a jump of it, all by a body that moves. In the end those that jumped and turned sleep again, where they were sent.
+#[test]
+fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
+    let mut scene = scene_of(65, "sleep = true");
+    scene.gravity = [0.0; 3];
+    scene.time.step = 8e-3;
+    let initial = InitialState::new(&scene).unwrap();
+    let tip = initial.hair.positions[initial.hair.points(30).end - 1].to_array();
+    let leave = Keyframe { time: 18.5 * 8e-3, translation: [0.0; 3], rotation: [0.0; 3] };
+    let left = Keyframe { time: 19.5 * 8e-3, translation: [0.0, -0.3, 0.0], ..leave };
+    scene.bodies.push(windswept_scene::Body {
+        name: "body".into(),
+        shape: Shape::Sphere { center: [tip[0], tip[1] + 0.15, tip[2]], radius: 0.02 },
+        friction: 0.4,
+        motion: Motion { keyframes: vec![leave, left] },
+    });
+    let stage = Stage::new(&scene, &initial);
+    let mut s = stage.twin.clone();
+    // Clamps as the engine rounds them, so that they rest on both.
+    let mut rounded = s.clone();
+    stage.adopt(&mut rounded);
+    (s.clamps, s.root_targets) = (rounded.clamps, rounded.root_targets);
+    let (mut met, mut furthest, mut slept) = ([0; 5], [0.0_f64; 4], Vec::new());
+    for number in 1..=26_u32 {
+        if number == 5 {
+            // Not finite from here on.
+            for strand in [1, 17, 40] {
+                s.velocity[s.hair.points(strand).end - 1].x = f64::NAN;
+            }
+            stage.write_vectors(&stage.engine.state().velocity, &s.velocity);
+        }
+        if number == 17 {
+            set_roots(&stage, &mut s, |strand, x, q| match strand % 8 {
+                0 => (x + 2e-4 * DVec3::X, DQuat::from_rotation_y(0.03) * q),
+                4 => (x + 0.5 * DVec3::Y, DQuat::from_rotation_z(0.7) * q),
+                _ => (x, q),
+            });
+        }
+        stage.run(step::record);
+        twin::step(&mut s, &stage.parameters).unwrap();
+        let status = stage.engine.status().unwrap();
+        let counted =
+            |name: &str| status.counted[status::COUNTERS.iter().position(|counter| *counter == name).unwrap()] as usize;
+        let names = ["strand_reset", "move_capped", "euler_steps", "asleep_steps", "teleports", "rescued_steps"];
+        let wanted = [s.resets, s.capped, s.euler_steps, s.asleep_steps, s.teleports, s.rescued_steps];
+        println!("step {number}: {wanted:?}, {} touched", s.touched.iter().filter(|touched| **touched).count());
+        let health = stage.health();
+        for (strand, [committed, _]) in health.iter().enumerate() {
+            let (mut got, mut wanted) = (*committed, condition(&s, strand));
+            if (number >= 19 || number >= 17 && strand % 4 == 0) && !s.asleep[strand] {
+                // Woken, or where positions were rounded anew, strands tremble by as much as one at rest may.
+                (got[3], wanted[3]) = (0, 0);
+            }
+            assert_eq!(got, wanted, "step {number}: strand {strand}");
+        }
+        assert_eq!(names.map(counted), wanted, "step {number}");
+        let asleep = s.asleep.iter().filter(|asleep| **asleep).count();
+        met[0] += usize::from(s.bad.iter().any(|bad| *bad));
+        met[1] += usize::from(asleep > 40);
+        met[2] += usize::from(s.touched.iter().any(|touched| *touched));
+        if number == 16 {
+            slept.clone_from(&s.asleep);
+        }
+        met[3] += s.teleports;
+        met[4] += usize::from(number > 17 && asleep < 65);
+        let hair = stage.parameters.hair_points;
+        let mut got = s.clone();
+        stage.adopt(&mut got);
+        let most = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
+        let lengths = most(&got.position[..hair], &s.position[..hair]).max(most(&got.travel, &s.travel));
+        let speeds =
+            most(&got.velocity[..hair], &s.velocity[..hair]).max(most(&got.velocity_before, &s.velocity_before));
+        let turns = most(&got.turn, &s.turn);
+        let spins = most(&got.angular_velocity, &s.angular_velocity);
+        let spins = spins.max(most(&got.angular_velocity_before, &s.angular_velocity_before));
+        println!("  {lengths:.1e} m, {speeds:.1e} m/s, {turns:.1e}, {spins:.1e} 1/s");
+        for (most, apart) in furthest.iter_mut().zip([lengths, speeds, turns, spins]) {
+            *most = most.max(apart);
+        }
+    }
+    println!("{furthest:?} from the twin");
+    // Measured 1.0e-6 m, 1.4e-4 m/s, 1.0e-5 and 1.3e-3 1/s; margin 4.
+    assert!(furthest.iter().zip([4e-6, 5e-4, 4e-5, 5e-3]).all(|(apart, bound)| *apart < bound), "{furthest:?}");
+    for _ in 0..20 {
+        stage.run(step::record);
+        twin::step(&mut s, &stage.parameters).unwrap();
+    }
+    let sent = |strand: &usize| strand % 8 == 4 && slept[*strand];
+    let sleeps = |strand: usize, still: u32| still == u32::MAX && s.asleep[strand];
+    let awake = stage.health().iter().enumerate().filter(|(s, [h, _])| sent(s) && !sleeps(*s, h[3])).count();
+    assert_eq!(awake, 0, "strands that were teleported do not sleep");
+    assert!(met.iter().all(|times| *times > 0), "{met:?}");
+}

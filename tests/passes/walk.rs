@@ -1,0 +1,294 @@
+//! One step of engine and twin, pass by pass: the first pass that parts is named.
+
+mod hair;
+mod turbulence;
+
+use glam::DVec3;
+use windswept::{state::Array, status, step};
+use windswept_reference::{
+    Parameters, State as Twin, fluid,
+    step::{self as twin, Scratch},
+};
+
+use crate::stage::{Stage, quaternion, xyz};
+
+/// How much may differ: lengths \[m\], also the moves of hair, speeds \[m/s\], also those that the wind adds, frames, spins \[1/s\], ρ/ρ0 (also S), and what is compared in parts
+/// of its largest: multipliers and nodes of the filter's grid.
+pub struct Bounds {
+    pub length: f64,
+    pub hair: f64,
+    pub speed: f64,
+    pub wind: f64,
+    pub frame: f64,
+    pub spin: f64,
+    pub density: f64,
+    pub multiplier: f64,
+    pub nodes: f64,
+}
+
+/// Names the pass where they part.
+type Same = Result<(), String>;
+
+/// Both walk from the same state, and compare what every pass left.
+pub struct Walk<'a> {
+    stage: &'a Stage,
+    bounds: &'a Bounds,
+    /// Per pass and bound the largest difference.
+    worst: &'a mut Vec<(&'static str, f64, f64)>,
+}
+
+fn largest(gaps: impl Iterator<Item = f64>) -> f64 {
+    gaps.fold(0.0, |most, gap| if gap.is_nan() { f64::INFINITY } else { most.max(gap) })
+}
+
+fn apart(got: &[DVec3], wanted: &[DVec3]) -> f64 {
+    assert_eq!(got.len(), wanted.len());
+    largest(got.iter().zip(wanted).map(|(a, b)| (*a - *b).length()))
+}
+
+fn numbers_apart(got: &[f64], wanted: &[f64]) -> f64 {
+    assert_eq!(got.len(), wanted.len());
+    largest(got.iter().zip(wanted).map(|(a, b)| (a - b).abs()))
+}
+
+fn differing<T: PartialEq>(got: &[T], wanted: &[T]) -> f64 {
+    assert_eq!(got.len(), wanted.len());
+    got.iter().zip(wanted).filter(|(a, b)| a != b).count() as f64
+}
+
+/// One step of both; the twin's state becomes what it arrived at.
+pub fn step_of_both(
+    stage: &mut Stage,
+    bounds: &Bounds,
+    worst: &mut Vec<(&'static str, f64, f64)>,
+) -> Result<(), String> {
+    let mut s = stage.twin.clone();
+    Walk { stage, bounds, worst }.step(&mut s)?;
+    stage.twin = s;
+    Ok(())
+}
+
+impl Walk<'_> {
+    fn p(&self) -> &Parameters {
+        &self.stage.parameters
+    }
+
+    fn same(&mut self, pass: &'static str, difference: f64, bound: f64) -> Same {
+        if difference.is_nan() || difference > bound {
+            return Err(format!("{pass} differs by {difference:.2e} (bound {bound:.1e})"));
+        }
+        match self.worst.iter_mut().find(|row| row.0 == pass && row.2 == bound) {
+            Some(row) => row.1 = row.1.max(difference),
+            None => self.worst.push((pass, difference, bound)),
+        }
+        Ok(())
+    }
+
+    /// Of the engine's vectors those from `from` on.
+    fn vectors(&self, array: &Array, from: usize) -> Vec<DVec3> {
+        let mut all = self.stage.vectors(array);
+        all.truncate(self.stage.twin.position.len());
+        all.split_off(from)
+    }
+
+    /// The largest distance of positions, those from `from` on through the faces of the box for air.
+    fn places(&self, got: &[DVec3], wanted: &[DVec3], from: usize) -> f64 {
+        let (p, size) = (self.p(), self.p().box_size);
+        largest(got.iter().zip(wanted).enumerate().map(|(i, (a, b))| {
+            let gap = *a - *b;
+            if p.is_air(from + i) { (gap - size * (gap / size).round()).length() } else { gap.length() }
+        }))
+    }
+
+    fn step(&mut self, s: &mut Twin) -> Same {
+        let mut w = self.drive(s)?;
+        self.neighbours(&mut w)?;
+        self.fluid(s, &mut w)?;
+        self.rods(s, &mut w)?;
+        self.contact(s, &mut w)?;
+        self.velocity(s, &mut w)?;
+        self.turbulence(s, &mut w)?;
+        self.viscosity(s, &mut w)?;
+        self.guard(s, w)
+    }
+
+    fn drive(&mut self, s: &Twin) -> Result<Scratch, String> {
+        let (stage, bounds, hair) = (self.stage, self.bounds, self.p().hair_points);
+        let state = stage.engine.state();
+        let w = twin::drive(s, self.p());
+        let mut passes = stage.passes(step::drive::record);
+        if passes.through("wind/blow") {
+            let wind = stage.engine.status().unwrap().wind.map(f64::from);
+            self.same("wind/blow", (DVec3::from_array(wind) - w.blowing).length(), bounds.wind)?;
+        }
+        if passes.through("rods/roots") {
+            let got = stage.rod_strands();
+            let gap = |f: &dyn Fn(usize) -> f64| largest((0..got.len()).map(f));
+            let travel = gap(&|k| (xyz(&got[k].root_travel) - w.drives[k].root_travel).length());
+            let frame = gap(&|k| (quaternion(got[k].root_frame) - w.drives[k].root_frame).length());
+            let turn = gap(&|k| (quaternion(got[k].root_turn) - w.drives[k].root_turn).length());
+            self.same("rods/roots", travel, bounds.length)?;
+            self.same("rods/roots", frame.max(turn), bounds.frame)?;
+            self.states("rods/roots", &w)?;
+        }
+        if passes.through("wind/drag") {
+            self.same("wind/drag", apart(&stage.vectors(&state.drag_change), &w.drag_change), bounds.wind)?;
+        }
+        if passes.through("rods/drift") {
+            let got = &stage.vectors(&state.predicted)[..hair];
+            self.same("rods/drift", apart(got, &w.predicted[..hair]), bounds.length)?;
+        }
+        if passes.through("wind/fringe") {
+            self.same("wind/fringe", apart(&self.vectors(&state.wind_change, hair), &w.wind_change), bounds.wind)?;
+        }
+        if passes.through("fluid/predict") {
+            let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
+            self.same("fluid/predict", gap, bounds.length)?;
+        }
+        passes.finish();
+        Ok(w)
+    }
+
+    fn neighbours(&mut self, w: &mut Scratch) -> Same {
+        let stage = self.stage;
+        let mut passes = stage.passes(step::neighbours::record);
+        twin::neighbours(w, self.p());
+        if passes.through("grid/order") {
+            let mut sorted: Vec<u32> = stage.engine.read(&stage.engine.state().sorted).unwrap();
+            sorted.sort_unstable();
+            self.same("grid/order", differing(&sorted, &(0..sorted.len() as u32).collect::<Vec<_>>()), 0.0)?;
+        }
+        if passes.through("grid/neighbours") {
+            let ranges: Vec<[u32; 2]> = stage.engine.read(&stage.engine.state().neighbour_range).unwrap();
+            let list: Vec<u32> = stage.engine.read(&stage.engine.state().neighbour_list).unwrap();
+            let mut off = 0.0_f64;
+            for (i, [first, n]) in ranges.into_iter().enumerate() {
+                let mut got: Vec<usize> =
+                    list[first as usize..(first + n) as usize].iter().map(|&j| j as usize).collect();
+                got.sort_unstable();
+                let mut others = got.iter().filter(|j| !w.near.of(i).any(|k| k == **j)).copied().collect::<Vec<_>>();
+                others.extend(w.near.of(i).filter(|j| got.binary_search(j).is_err()));
+                // Only of pairs a kernel radius apart rounding may decide.
+                let x = &w.predicted;
+                let from_edge = |j: usize| self.p().separation(i, j, x[i], x[j]).length() - self.p().kernel_radius;
+                off = others.into_iter().map(|j| from_edge(j).abs()).fold(off, f64::max);
+                if got.windows(2).any(|pair| pair[0] == pair[1]) {
+                    off = f64::INFINITY;
+                }
+            }
+            self.same("grid/neighbours", off, 2.0 * self.bounds.length)?;
+        }
+        passes.finish();
+        Ok(())
+    }
+
+    fn fluid(&mut self, s: &Twin, w: &mut Scratch) -> Same {
+        let (stage, bounds) = (self.stage, self.bounds);
+        let state = stage.engine.state();
+        w.correction = vec![DVec3::ZERO; w.predicted.len()];
+        let mut passes = stage.passes(step::fluid::record);
+        while passes.through("fluid/density") {
+            let lambda;
+            (w.density, lambda) = fluid::density(self.p(), &w.predicted, &s.inverse_mass, &s.volume, &w.near);
+            self.same("fluid/density", numbers_apart(&stage.numbers(&state.density), &w.density), bounds.density)?;
+            let most = largest(lambda.iter().map(|lambda| lambda.abs())).max(f64::MIN_POSITIVE);
+            let gap = numbers_apart(&stage.numbers(&state.multiplier), &lambda) / most;
+            self.same("fluid/density", gap, bounds.multiplier)?;
+            if !passes.through("fluid/correct") {
+                break;
+            }
+            let shift = fluid::correct(self.p(), &w.predicted, &s.inverse_mass, &s.volume, &w.near, &lambda);
+            self.same("fluid/correct", apart(&stage.vectors(&state.shift), &shift), bounds.length)?;
+            passes.through("fluid/move");
+            for (i, shift) in shift.into_iter().enumerate() {
+                w.predicted[i] += shift;
+                w.correction[i] += shift;
+            }
+            let got = stage.vectors(&state.predicted);
+            self.same("fluid/move", self.places(&got, &w.predicted, 0), bounds.length)?;
+            self.same("fluid/move", apart(&stage.vectors(&state.correction), &w.correction), bounds.length)?;
+        }
+        passes.finish();
+        Ok(())
+    }
+
+    fn velocity(&mut self, s: &Twin, w: &mut Scratch) -> Same {
+        let (stage, bounds, hair) = (self.stage, self.bounds, self.p().hair_points);
+        let state = stage.engine.state();
+        let mut passes = stage.passes(step::velocity::record);
+        twin::velocity(s, w, self.p());
+        if passes.through("rods/velocity") {
+            let got = stage.vectors(&state.new_velocity);
+            self.same("rods/velocity", apart(&got[..hair], &w.new_velocity[..hair]), bounds.speed)?;
+        }
+        if passes.through("fluid/velocity") {
+            let got = self.vectors(&state.new_velocity, hair);
+            self.same("fluid/velocity", apart(&got, &w.new_velocity[hair..]), bounds.speed)?;
+        }
+        passes.finish();
+        Ok(())
+    }
+
+    fn viscosity(&mut self, s: &Twin, w: &mut Scratch) -> Same {
+        let (stage, bounds) = (self.stage, self.bounds);
+        let state = stage.engine.state();
+        let mut passes = stage.passes(step::viscosity::record);
+        twin::viscosity(s, w, self.p());
+        if passes.through("fluid/limit") {
+            self.same("fluid/limit", numbers_apart(&stage.numbers(&state.exchange), &w.exchange), bounds.density)?;
+        }
+        if passes.through("fluid/viscosity") {
+            let got = self.vectors(&stage.plan.final_velocity(state), 0);
+            self.same("fluid/viscosity", apart(&got, &w.new_velocity), bounds.speed)?;
+        }
+        passes.finish();
+        Ok(())
+    }
+
+    fn guard(&mut self, s: &mut Twin, w: Scratch) -> Same {
+        let (stage, bounds, p) = (self.stage, self.bounds, self.p().clone());
+        let state = stage.engine.state();
+        let mut passes = stage.passes(step::guard::record);
+        twin::guard(s, w, &p).map_err(|frozen| format!("the twin froze: {frozen:?}"))?;
+        if passes.through("guard/hold") {
+            let bad = differing(&stage.health().iter().map(|[_, found]| found[0] != 0).collect::<Vec<_>>(), &s.bad);
+            self.same("guard/hold", bad, 0.0)?;
+        }
+        assert!(passes.through("guard/check"));
+        self.same("guard/check", stage.engine.status().unwrap().causes.into(), 0.0)?;
+        if passes.through("guard/commit_frames") {
+            let frames = stage.quaternions(&state.orientation);
+            let frames = largest(frames.iter().zip(&s.orientation).map(|(a, b)| (*a - *b).length()));
+            self.same("guard/commit_frames", frames, bounds.frame)?;
+            let spin = apart(&stage.vectors(&state.angular_velocity), &s.angular_velocity);
+            self.same("guard/commit_frames", spin, bounds.spin)?;
+            let history: Vec<[[f32; 4]; 4]> = stage.engine.read(&state.segment_history).unwrap();
+            let turns = largest(history.iter().zip(&s.turn).map(|(a, b)| (xyz(&a[0]) - *b).length()));
+            self.same("guard/commit_frames", turns, bounds.frame)?;
+            let clamps: Vec<[[f32; 4]; 2]> = stage.engine.read(&state.clamps).unwrap();
+            let clamps = clamps.iter().zip(&s.clamps).map(|([x, _], clamp)| (xyz(x) - clamp.0).length());
+            self.same("guard/commit_frames", largest(clamps), bounds.length)?;
+        }
+        if passes.through("guard/commit_hair") {
+            let points: Vec<[[f32; 4]; 3]> = stage.engine.read(&state.point_history).unwrap();
+            let travel = largest(points.iter().zip(&s.travel).map(|(a, b)| (xyz(&a[0]) - *b).length()));
+            self.same("guard/commit_hair", travel, bounds.length)?;
+            let before = largest(points.iter().zip(&s.velocity_before).map(|(a, b)| (xyz(&a[1]) - *b).length()));
+            self.same("guard/commit_hair", before, bounds.speed)?;
+        }
+        assert!(passes.through("guard/commit"));
+        passes.finish();
+        let position = self.places(&self.vectors(&state.position, 0), &s.position, 0);
+        self.same("guard/commit", position, bounds.length)?;
+        self.same("guard/commit", apart(&self.vectors(&state.velocity, 0), &s.velocity), bounds.speed)?;
+        let status = stage.engine.status().unwrap();
+        self.same("guard/commit", (f64::from(status.step) - s.steps as f64).abs(), 0.0)?;
+        let counted = |name: &str| -> usize {
+            let counter = status::COUNTERS.iter().position(|counter| *counter == name);
+            counter.map_or(0, |k| status.counted[k] as usize)
+        };
+        let got = ["strand_reset", "move_capped", "euler_steps", "asleep_steps", "teleports", "rescued_steps"];
+        let wanted = [s.resets, s.capped, s.euler_steps, s.asleep_steps, s.teleports, s.rescued_steps];
+        self.same("guard/commit", differing(&got.map(counted), &wanted), 0.0)
+    }
+}
