@@ -3,7 +3,7 @@
 use windswept::Gpu;
 use windswept_reference::step as twin;
 use windswept_scene::{InitialState, Scene, Strands};
-use windswept_shaders::{Pass, fluid, grid, guard, rods, turbulence, wind};
+use windswept_shaders::{Pass, contact, fluid, grid, guard, rods, turbulence, wind};
 
 use crate::{
     stage::Stage,
@@ -23,6 +23,11 @@ const SMALL: [&str; 8] = [
     // One Newton step: a strand that fits just about would take one more on one of the two (`rods.rs` has more).
     "rods.newton=1",
 ];
+
+/// One that tumbles, one that rests.
+const BODIES: &str = "body=[{name='a',center=[0.06,0.03,0.03],radius=0.012,motion=[{time=0,rotation=[0,1,2]},\
+    {time=0.01,translation=[0,0.003,0],rotation=[0,0,3]}]},\
+    {name='b',shape='capsule',start=[0.03,0.01,0.02],end=[0.05,0.01,0.05],radius=0.008}]";
 
 /// `steps` steps; `Err` names the first step and pass that part, and by how much.
 fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Result<(), String> {
@@ -81,9 +86,7 @@ fn ten_steps_are_those_of_the_twin() {
         &["interaction.model=none"],
         &["interaction.model=drag", "interaction.lift=1.0", "air.ramp=0.0"],
         &["hair.strands=1"],
-        &[
-            "body=[{name='a',center=[0.06,0.03,0.03],radius=0.012,motion=[{time=0,rotation=[0,1,2]},{time=0.01,translation=[0,0.003,0],rotation=[0,0,3]}]},{name='b',shape='capsule',start=[0.03,0.01,0.02],end=[0.05,0.01,0.05],radius=0.008}]",
-        ],
+        &[BODIES],
         &[
             "hair.motion=[{time=0.002,rotation=[0,1,0]},{time=0.008,translation=[0,0.003,0],rotation=[0.1,1.2,0]}]",
             "turbulence.bands=[{scale=0.006,strength=3,intensity=0.3},{scale=0.008,strength=2,intensity=0.3}]",
@@ -103,7 +106,8 @@ fn a_difference_is_named() {
     let drag = &["interaction.model=drag", "interaction.lift=1.0", "air.ramp=0.0"][..];
     let sweeps = &["rods.solver=gauss-seidel", "interaction.model=none"][..];
     let published = &["method=published"][..];
-    let cases: [(&Pass, &str, &str, &[&str]); 30] = [
+    let bodies = &[BODIES][..];
+    let cases: [(&Pass, &str, &str, &[&str]); 34] = [
         (&wind::BLOW, "status.wind[axis] = now[axis]", "status.wind[axis] = before[axis]", particles),
         (&rods::ROOTS, "left = 1u", "left = 2u", particles),
         (&wind::DRAG, "params.lift", "0.9 * params.lift", drag),
@@ -123,6 +127,10 @@ fn a_difference_is_named() {
         (&rods::FINISH, "rest_length - 1.0", "rest_length - 1.0001", particles),
         (&rods::PLACE, "rod_points[p].travel", "0.9 * rod_points[p].travel", particles),
         (&rods::VELOCITY, "rate(point.travel", "0.9 * rate(point.travel", particles),
+        (&contact::PLACE, "0.5 * (body.start + body.end)", "0.51 * (body.start + body.end)", bodies),
+        (&contact::HAIR, "body.friction * depth", "0.9 * body.friction * depth", bodies),
+        (&contact::STRETCH, "rest_length - 1.0", "rest_length - 2.5", bodies),
+        (&contact::AIR, "CLEARANCE * pow", "0.9 * CLEARANCE * pow", bodies),
         (&fluid::VELOCITY, "correction[i].xyz / params.step", "0.99 * correction[i].xyz / params.step", particles),
         (&turbulence::BAND, "3.0 - q", "2.9 - q", published),
         (&turbulence::DEPOSIT, "sum_10)", "sum_00)", particles),
