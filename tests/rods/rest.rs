@@ -131,11 +131,16 @@ fn strands_do_not_stretch() {
     }
 }
 
-/// Strands of many short segments, and few steps that are long for them, stay whole.
+/// Strands of many short segments, and few steps that are long for them, stay whole: with more substeps where they need them.
 #[test]
 fn many_points_do_not_tear() {
-    for (points, step, bound) in [(2, 1.38e-3, 1e-4), (1024, 1.38e-3, 1e-3), (200, 16.6e-3, 1e-2), (300, 16.6e-3, 1e-1)]
-    {
+    for (points, step, cut, bound) in [
+        (2, 1.38e-3, false, 1e-4),
+        (200, 16.6e-3, false, 2e-3),
+        (300, 16.6e-3, true, 2e-3),
+        (1024, 1.38e-3, true, 1e-4),
+        (1024, 16.6e-3, true, 5e-3),
+    ] {
         let text = format!(
             "interaction = {{ model = \"none\" }}\ntime = {{ step = {step}, duration = 1.0 }}\n\
              hair = {{ strands = 3, points = {points}, length = 0.1, roots = {{ center = [0, 0, 0], radius = 0.01, direction = [1, 0, 0] }} }}\n"
@@ -143,8 +148,15 @@ fn many_points_do_not_tear() {
         let mut simulation = Simulation::new(&support::gpu(), &Scene::parse(&text).unwrap()).unwrap();
         simulation.step(60).unwrap();
         let report = simulation.report().unwrap();
-        println!("{points} points, {step} s: stretch {:.1e}, {:?}", report.max_stretch.unwrap(), report.strand_steps);
-        // Measured 1e-6, 1.5e-5, 5.2e-4, 5.5e-3.
+        let substeps = simulation.scene().time.substeps;
+        println!(
+            "{points} points, {step} s, {substeps} substeps: stretch {:.1e}, {:?}",
+            report.max_stretch.unwrap(),
+            report.strand_steps
+        );
+        assert_eq!((substeps > 1, !simulation.initial().warnings.is_empty()), (cut, cut), "{points}: {substeps}");
+        assert!((simulation.steps(), simulation.time()) == (60, 60.0 * step), "a step is one of the scene's");
+        // Measured 2e-7, 5.2e-4, 1.3e-4, 2e-6 and 2.3e-3.
         assert!(report.max_stretch.unwrap() < bound, "{points} points, {step} s: {}", report.max_stretch.unwrap());
         assert!(!report.warnings.contains_key("strand_reset"), "{:?}", report.warnings);
     }

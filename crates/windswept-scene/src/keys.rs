@@ -89,7 +89,7 @@ pub const KEYS: &[Key] = &[
     key("seed", Count(0, ANY), Value("1"), "", "draws root positions, length variation, curl phase, inflow turbulence"),
     key("time", Table, Needed, "", "step, duration, frames"),
     key("time.step", Positive, Needed, "s", "Δt"),
-    key("time.substeps", Count(1, MOST_REPEATS), Value("1"), "", "whole steps of Δt/n per Δt"),
+    key("time.substeps", Count(1, MOST_REPEATS), Value("1"), "", "whole steps of Δt/n per Δt; more where strands of very short segments need them"),
     key("time.duration", Positive, Needed, "s", "length of the run"),
     key("time.frame_rate", Positive, Value("60.0"), "1/s", "exported frames per second"),
     key("hair", Tables, Absent("no hair: a groom must be given"), "", "a group of strands; several as [[hair]], each with a name"),

@@ -5,17 +5,13 @@ use glam::DVec3;
 use crate::{
     body::{Capsule, blocked},
     initial::{AirParticles, Strands},
-    scene::{Air, Bounds, Scene, Solver},
+    scene::{Air, Bounds, Scene},
 };
 
 /// Kernel radii in particle spacings between which the density constraint was tried; the paper's is 1.92.
 const TRIED: std::ops::RangeInclusive<f64> = 1.5..=3.0;
 /// Eddies below this, in particle spacings, are passed at the particles' Nyquist wave number with a gain above 7.5 %.
 const SMALLEST_EDDY: f64 = 1.03;
-
-/// h² EI/(m l³) up to which every strand was seen to hold, whatever its points and its step. Some of 1000 points tear at
-/// 2e7, some of 300 hold at 2.6e7, none of 400 at 8e7.
-const STIFFEST: f64 = 1e7;
 
 /// Part of the box's cross-section that bodies may block without a word.
 const MOST_BLOCKED: f64 = 0.3;
@@ -61,26 +57,15 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<
     warnings
 }
 
-/// Warnings about strands whose segments are too short and stiff for f32 at this step.
+/// A warning where strands ask for more substeps than the scene does.
 pub(crate) fn of_rods(scene: &Scene, hair: &Strands) -> Vec<String> {
-    let step = scene.time.step / f64::from(scene.time.substeps);
-    let stiffness = |s: usize| {
-        // h² EI/(m l³) of a joint inside: its compliance is l/(4 EI).
-        let of = |k: usize, mass: f64| {
-            step * step / (4.0 * hair.bend_compliance[k].min_element() * mass * hair.rest_length[k].powi(2))
-        };
-        let inside = hair.segments(s).zip(hair.points(s)).skip(1).filter(|(_, p)| hair.inverse_mass[*p] > 0.0);
-        inside.map(|(k, p)| of(k, 1.0 / hair.inverse_mass[p])).fold(0.0, f64::max)
-    };
-    let stiffest = (0..hair.len()).map(stiffness).filter(|value| value.is_finite()).fold(0.0, f64::max);
-    if scene.rods.solver == Solver::GaussSeidel || stiffest <= STIFFEST {
+    let substeps = hair.substeps(scene);
+    if substeps <= scene.time.substeps {
         return Vec::new();
     }
-    let substeps = f64::from(scene.time.substeps) * (stiffest / STIFFEST).sqrt();
     vec![format!(
-        "hair has segments so short and stiff that h\u{b2} EI/(m l\u{b3}) is {stiffest:.0e}; above {STIFFEST:.0e} 32 bits may not hold them at \
-         this step and strands tear: fewer hair.points, or time.substeps = {}",
-        substeps.ceil()
+        "hair has segments so short and stiff that 32 bits do not hold them at this step: each runs as {substeps} substeps; \
+         fewer hair.points, or a shorter time.step, need fewer"
     )]
 }
 

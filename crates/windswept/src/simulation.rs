@@ -73,6 +73,10 @@ impl Simulation {
     /// [`Error::Scene`] when the arrays do not belong together, [`Error::Gpu`] when they do not fit the adapter.
     pub fn with_state(gpu: &Gpu, scene: &Scene, initial: InitialState) -> Result<Self, Error> {
         initial.check()?;
+        let substeps = initial.hair.substeps(scene);
+        let mut scene = scene.clone();
+        scene.time.substeps = substeps;
+        let scene = &scene;
         let engine = Engine::new(gpu, scene, &initial)?;
         let plan = Plan::new(scene, &initial, engine.sizes());
         let recording = Recorder::record(|r| step::record(r, engine.state(), &plan));
@@ -86,7 +90,7 @@ impl Simulation {
             engine,
             root_frames: initial.hair.root_frame.clone(),
             wind_at_start: scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind_at(0.0))),
-            substeps: u64::from(scene.time.substeps),
+            substeps: u64::from(substeps),
             steps: 0,
             last,
             submits: 0,
@@ -195,7 +199,7 @@ impl Simulation {
         self.scene.time.step
     }
 
-    /// The scene.
+    /// The scene; with the substeps that its strands need ([`windswept_scene::Strands::substeps`]), if those are more.
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene
