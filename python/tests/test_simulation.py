@@ -308,7 +308,15 @@ def test_the_interpreter_is_free_while_stepping(sim):
     assert len(ticks) > 10 and max(np.diff(ticks)) < max(0.5 * elapsed, 0.05)
 
 
-def test_ctrl_c_stops_between_steps(sim):
+@pytest.fixture
+def interruptible():
+    """What a shell starts in the background ignores SIGINT, and hands that on."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_ctrl_c_stops_between_steps(sim, interruptible):
     timer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
     started = time.perf_counter()
