@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DMat3, DQuat, DVec3};
 use windswept::Simulation;
 use windswept_reference::{Parameters, State, step::step as twin_step, tables};
-use windswept_scene::{InitialState, Integrator, Scene, Solver, Strands};
+use windswept_scene::{InitialState, Integrator, Scene, Solver};
 
 use crate::{
     Bench, Measured, Result,
@@ -267,22 +267,9 @@ fn build(rods: &[Rod], copies: usize, damping: f64) -> Result<(Scene, InitialSta
     let mut initial = InitialState::new(&scene)?;
     for s in 0..initial.hair.len() {
         let rod = &rods[initial.hair.group[s] as usize];
-        turn(&mut initial.hair, s, rod.root_frame);
+        initial.hair.turn_clamp(s, rod.root_frame);
     }
     Ok((scene, initial))
-}
-
-/// Turns a strand about its root, so that its clamp has this frame.
-fn turn(hair: &mut Strands, s: usize, root_frame: DQuat) {
-    let turn = (root_frame * hair.root_frame[s].conjugate()).normalize();
-    let root = hair.positions[hair.points(s).start];
-    for i in hair.points(s) {
-        hair.positions[i] = root + turn * (hair.positions[i] - root);
-    }
-    for k in hair.segments(s) {
-        hair.orientations[k] = (turn * hair.orientations[k]).normalize();
-    }
-    hair.root_frame[s] = root_frame;
 }
 
 /// Tips from their roots \[L\], per strand, after each of `count` stretches of `steps` steps.

@@ -10,6 +10,10 @@ struct Body {
     keyframes: u32,        // 0: it rests
 }
 
+// What bodies did to a strand in a step: bits.
+const PUSHED: u32 = 1u;   // one of its points
+const MOVED: u32 = 2u;    // one of them, where it may have lain
+
 // A body in this step.
 struct Placed {
     start: vec3f,          // of the axis, after the step [m]

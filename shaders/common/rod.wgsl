@@ -113,6 +113,11 @@ const SLEEPS: u32 = 0xffffffffu;
 const STRAINED_STEPS: u32 = 50u;   // on end, before it is counted
 const STRAINED: f32 = 0.5;         // |l/l0 - 1|
 
+// Steps of over-strain on end after a step that stretched by this much, when there were `before`.
+fn strained_steps(before: u32, stretch: f32) -> u32 {
+    return select(0u, min(before + 1u, STRAINED_STEPS + 1u), stretch > STRAINED);
+}
+
 // Where a root is, and its ghost frame.
 struct Root {
     position: vec3f,   // m

@@ -12,14 +12,14 @@
 // Bodies in order, twice, for points between them.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::Strand,
-    body::{Placed, surface, carried, entry}, status::frozen,
+    body::{Placed, PUSHED, surface, carried, entry}, status::frozen,
 };
 
 @group(0) @binding(3) var<storage, read>       position:  array<vec4f>;
 @group(0) @binding(4) var<storage, read>       strands:   array<Strand>;
 @group(0) @binding(5) var<storage, read>       placed:    array<Placed>;
 @group(0) @binding(6) var<storage, read_write> predicted: array<vec4f>;
-@group(0) @binding(7) var<storage, read_write> touched:   array<atomic<u32>>;   // per strand: 1 if any of its points was
+@group(0) @binding(7) var<storage, read_write> touched:   array<atomic<u32>>;   // per strand
 
 const ROUNDS: u32 = 2u;
 const TOUCH: f32 = 1e-6;      // lengths of the strand; what lies on a body is off by rounding
@@ -62,5 +62,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if all(moved == vec3f(0.0)) { return; }
     predicted[p] = vec4f(x, predicted[p].w);
     let s = strand_of(p);
-    if length(moved) > TOUCH * strands[s].length { atomicStore(&touched[s], 1u); }
+    if length(moved) > TOUCH * strands[s].length { atomicOr(&touched[s], PUSHED); }
 }

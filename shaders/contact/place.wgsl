@@ -2,12 +2,12 @@
 // that sleep wake: who knows what lay on it.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{conjugate, product, rotate}, motion::{Pose, pose_after},
-    body::{Body, Placed}, status::{status, frozen},
+    body::{Body, Placed, MOVED}, status::{status, frozen},
 };
 
 @group(0) @binding(2) var<storage, read>       bodies:  array<Body>;
 @group(0) @binding(3) var<storage, read_write> placed:  array<Placed>;
-@group(0) @binding(4) var<storage, read_write> touched: array<u32>;   // per strand: something wakes it
+@group(0) @binding(4) var<storage, read_write> touched: array<u32>;   // per strand
 
 fn same(a: Pose, b: Pose) -> bool {
     return all(a.translation == b.translation) && all(a.rotation == b.rotation);
@@ -26,7 +26,7 @@ fn any_moves() -> bool {
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = invocation(id, groups);
     if frozen() { return; }
-    if i < params.strands { touched[i] = select(0u, 1u, any_moves()); }
+    if i < params.strands { touched[i] = select(0u, MOVED, any_moves()); }
     if i >= arrayLength(&bodies) { return; }
     let body = bodies[i];
     let before = pose_after(status.step, body.first_keyframe, body.keyframes);

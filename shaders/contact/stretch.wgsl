@@ -1,7 +1,7 @@
 // What bodies did to the strands that they touched: `rods/finish` measured stretch before.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, Segment, Health, STRAINED, STRAINED_STEPS},
-    status::{status, frozen, count, finite, OVER_STRAINED},
+    params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, Segment, Health, STRAINED_STEPS, strained_steps},
+    body::PUSHED, status::{status, frozen, count, finite, OVER_STRAINED},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:   array<Strand>;
@@ -13,7 +13,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() || touched[s] == 0u { return; }
+    if s >= params.strands || frozen() || (touched[s] & PUSHED) == 0u { return; }
     let strand = strands[s];
     var stretch = 0.0;
     for (var k = 0u; k < strand.points - 1u; k++) {
@@ -23,8 +23,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     if !finite(stretch) { return; }
     atomicMax(&status.max_stretch, bitcast<u32>(stretch));
-    if stretch <= STRAINED || health[s].found.strained > 0u { return; }
-    let strained = min(health[s].committed.strained + 1u, STRAINED_STEPS + 1u);
+    // Once a step.
+    if health[s].found.strained > 0u { return; }
+    let strained = strained_steps(health[s].committed.strained, stretch);
     if strained == STRAINED_STEPS { count(OVER_STRAINED); }
     health[s].found.strained = strained;
 }

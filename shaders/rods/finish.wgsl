@@ -3,7 +3,7 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, integration::PUT,
     rest::STILL_SPIN,
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SLEEPS, STRAINED, STRAINED_STEPS,
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SLEEPS, STRAINED_STEPS, strained_steps,
         ROOT_HELD},
     status::{status, frozen, count, finite, finite3, finite4, STRAND_RESET, OVER_STRAINED},
 };
@@ -84,7 +84,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     atomicMax(&status.max_stretch, bitcast<u32>(stretch));
 
     var found = health[s].found;
-    found.strained = select(0u, min(found.strained + 1u, STRAINED_STEPS + 1u), stretch > STRAINED);
+    found.strained = strained_steps(found.strained, stretch);
     if found.strained == STRAINED_STEPS { count(OVER_STRAINED); }
     // The direct solver got nowhere near: Euler does, from its free move.
     if !(rod_strands[s].misfit <= MISFIT) {

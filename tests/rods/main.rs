@@ -13,7 +13,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DMat3, DQuat, DVec3};
 use windswept::{HairFrame, Simulation};
 use windswept_reference::tables;
-use windswept_scene::{InitialState, Scene, Strands};
+use windswept_scene::{InitialState, Scene};
 
 /// [m]
 const LENGTH: f64 = 0.35;
@@ -76,21 +76,9 @@ fn build(rods: &[Rod], step: f64, keys: &str) -> (Scene, InitialState) {
     let scene = Scene::parse(&text).unwrap();
     let mut initial = InitialState::new(&scene).unwrap();
     for (s, rod) in rods.iter().enumerate() {
-        turn(&mut initial.hair, s, rod.root_frame);
+        initial.hair.turn_clamp(s, rod.root_frame);
     }
     (scene, initial)
-}
-
-fn turn(hair: &mut Strands, s: usize, root_frame: DQuat) {
-    let turn = (root_frame * hair.root_frame[s].conjugate()).normalize();
-    let root = hair.positions[hair.points(s).start];
-    for i in hair.points(s) {
-        hair.positions[i] = root + turn * (hair.positions[i] - root);
-    }
-    for k in hair.segments(s) {
-        hair.orientations[k] = (turn * hair.orientations[k]).normalize();
-    }
-    hair.root_frame[s] = root_frame;
 }
 
 /// Tip from root over L, per strand.

@@ -183,13 +183,15 @@ pub fn contact(s: &mut State, w: &mut Scratch, p: &Parameters) {
     w.touched = vec![contact::any_moves(&placed); s.hair.len()];
     for strand in 0..s.hair.len() {
         let length = s.hair.rest_length[s.hair.segments(strand)].iter().sum();
+        let mut pushed = false;
         for point in s.hair.points(strand).filter(|&point| s.inverse_mass[point] > 0.0) {
             if let Some(x) = contact::hair(p, &placed, s.position[point], w.predicted[point]) {
-                w.touched[strand] |= contact::touches(x.distance(w.predicted[point]), length);
+                pushed |= contact::touches(x.distance(w.predicted[point]), length);
                 w.predicted[point] = x;
             }
         }
-        if w.touched[strand] {
+        w.touched[strand] |= pushed;
+        if pushed {
             let stretch = contact::stretch(&s.hair, strand, &w.predicted);
             s.max_stretch = s.max_stretch.max(stretch);
             if stretch > rods::STRAINED && s.strained_steps[strand] == 0 {

@@ -141,6 +141,19 @@ impl Strands {
         self.point_offsets[s] as usize - s..self.point_offsets[s + 1] as usize - s - 1
     }
 
+    /// Turns strand `s` about its root as a whole, so that its clamp has the frame `root_frame`.
+    pub fn turn_clamp(&mut self, s: usize, root_frame: DQuat) {
+        let turn = (root_frame * self.root_frame[s].conjugate()).normalize();
+        let root = self.positions[self.points(s).start];
+        for i in self.points(s) {
+            self.positions[i] = root + turn * (self.positions[i] - root);
+        }
+        for k in self.segments(s) {
+            self.orientations[k] = (turn * self.orientations[k]).normalize();
+        }
+        self.root_frame[s] = root_frame;
+    }
+
     /// How the ends of strand `s` are held.
     #[must_use]
     pub fn ends(&self, s: usize) -> Ends {

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DMat3, DQuat, DVec3};
 use windswept::{Gpu, HairFrame, Simulation};
 use windswept_reference::tables;
-use windswept_scene::{InitialState, Scene, Strands};
+use windswept_scene::{InitialState, Scene};
 
 use crate::{
     Error, Row,
@@ -87,22 +87,9 @@ fn build(rods: &[Rod], step: f64, damping: f64, gravity: f64) -> Result<(Scene, 
     let scene = Scene::parse(&text)?;
     let mut initial = InitialState::new(&scene)?;
     for (s, rod) in rods.iter().enumerate() {
-        turn(&mut initial.hair, s, rod.root_frame);
+        initial.hair.turn_clamp(s, rod.root_frame);
     }
     Ok((scene, initial))
-}
-
-/// Turns a strand about its root, so that its clamp has this frame.
-fn turn(hair: &mut Strands, s: usize, root_frame: DQuat) {
-    let turn = (root_frame * hair.root_frame[s].conjugate()).normalize();
-    let root = hair.positions[hair.points(s).start];
-    for i in hair.points(s) {
-        hair.positions[i] = root + turn * (hair.positions[i] - root);
-    }
-    for k in hair.segments(s) {
-        hair.orientations[k] = (turn * hair.orientations[k]).normalize();
-    }
-    hair.root_frame[s] = root_frame;
 }
 
 /// Tip from root over L, per strand.

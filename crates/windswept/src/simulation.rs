@@ -38,7 +38,6 @@ pub struct Simulation {
     program: Program,
     root_frames: Vec<DQuat>,
     wind_at_start: DVec3,
-    substeps: u64,
     steps: u64,
     last: Status,
     submits: u64,
@@ -73,24 +72,20 @@ impl Simulation {
     /// [`Error::Scene`] when the arrays do not belong together, [`Error::Gpu`] when they do not fit the adapter.
     pub fn with_state(gpu: &Gpu, scene: &Scene, initial: InitialState) -> Result<Self, Error> {
         initial.check()?;
-        let substeps = initial.hair.substeps(scene);
         let mut scene = scene.clone();
-        scene.time.substeps = substeps;
-        let scene = &scene;
-        let engine = Engine::new(gpu, scene, &initial)?;
-        let plan = Plan::new(scene, &initial, engine.sizes());
+        scene.time.substeps = initial.hair.substeps(&scene);
+        let engine = Engine::new(gpu, &scene, &initial)?;
+        let plan = Plan::new(&scene, &initial, engine.sizes());
         let recording = Recorder::record(|r| step::record(r, engine.state(), &plan));
         let program = engine.program(&recording)?;
         let last = engine.status()?;
         Ok(Self {
-            scene: scene.clone(),
             plan,
             recording,
             program,
             engine,
             root_frames: initial.hair.root_frame.clone(),
             wind_at_start: scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind_at(0.0))),
-            substeps: u64::from(substeps),
             steps: 0,
             last,
             submits: 0,
@@ -98,6 +93,7 @@ impl Simulation {
             step_ms: Vec::new(),
             profile: Profile::default(),
             timed_steps: 0,
+            scene,
             initial,
         })
     }
@@ -107,7 +103,7 @@ impl Simulation {
     /// # Errors
     /// [`RunError`] names what ended the run; the state is that of the last good step.
     pub fn step(&mut self, n: u64) -> Result<(), RunError> {
-        let goal = self.steps.saturating_add(n).saturating_mul(self.substeps);
+        let goal = self.steps.saturating_add(n).saturating_mul(self.substeps());
         while u64::from(self.last.step) < goal {
             let left = goal - u64::from(self.last.step);
             let started = Instant::now();
@@ -122,7 +118,7 @@ impl Simulation {
             self.settle()?;
             self.record_time(started.elapsed().as_secs_f64(), self.last.step - before, timed);
             self.submits += 1;
-            self.steps = u64::from(self.last.step) / self.substeps;
+            self.steps = u64::from(self.last.step) / self.substeps();
         }
         Ok(())
     }
@@ -130,7 +126,7 @@ impl Simulation {
     /// Encodes `n` steps of Δt into the caller's encoder, beside the caller's own work. Call [`Self::settle`] after the
     /// submit.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, n: u64) {
-        for _ in 0..n * self.substeps {
+        for _ in 0..n * self.substeps() {
             self.program.encode(encoder);
         }
     }
@@ -142,7 +138,7 @@ impl Simulation {
     /// [`RunError`].
     pub fn settle(&mut self) -> Result<(), RunError> {
         let status = self.engine.status()?;
-        let step = u64::from(status.step) / self.substeps;
+        let step = u64::from(status.step) / self.substeps();
         self.last = status;
         self.steps = step;
         if let Some(thawed) = self.engine.grow_if_short(&status, step)? {
@@ -164,6 +160,10 @@ impl Simulation {
         Ok(())
     }
 
+    fn substeps(&self) -> u64 {
+        self.scene.time.substeps.into()
+    }
+
     fn batch(&self) -> u64 {
         let Some(ms) = self.step_ms.last().or(self.first_step_ms.as_ref()) else { return 1 };
         ((SUBMIT_S * 1e3 / ms) as u64).clamp(1, STEPS_PER_SUBMIT)
@@ -173,7 +173,7 @@ impl Simulation {
         if engine_steps == 0 {
             return;
         }
-        let ms = seconds * 1e3 * self.substeps as f64 / f64::from(engine_steps);
+        let ms = seconds * 1e3 * self.substeps() as f64 / f64::from(engine_steps);
         if self.first_step_ms.is_none() {
             self.first_step_ms = Some(ms);
         } else if !timed {

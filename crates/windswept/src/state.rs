@@ -254,7 +254,7 @@ state! {
     factors: layout::Factor::SIZE, |s| s.factors;
     /// Per body: where it is after this step, and how it got there.
     placed: layout::Placed::SIZE, |s| s.bodies;
-    /// Per strand: 1 if a body pushed any of its points in this step.
+    /// Per strand, bits: a body pushed one of its points in this step; a body moved.
     touched: WORD, |s| s.strands;
 
     // Turbulence; empty without bands.

@@ -124,6 +124,7 @@ impl Walk<'_> {
             let got = stage.vectors(&state.predicted);
             self.same("contact/hair", apart(&got[..hair], &w.predicted[..hair]), bounds.length)?;
             let touched: Vec<u32> = stage.engine.read(&state.touched).unwrap();
+            let touched: Vec<u32> = touched.iter().map(|bits| u32::from(*bits != 0)).collect();
             let wanted: Vec<u32> = w.touched.iter().map(|touched| u32::from(*touched)).collect();
             self.same("contact/hair", differing(&touched, &wanted), 0.0)?;
         }

@@ -108,7 +108,7 @@ impl Simulation {
     /// GPU time per pass and step so far, the mean of [`Self::timed_steps`]. Empty where the adapter has no timestamps.
     #[must_use]
     pub fn pass_times(&self) -> Vec<PassReport> {
-        let steps = self.timed_steps as f64 / self.substeps as f64;
+        let steps = self.timed_steps as f64 / self.substeps() as f64;
         let mut rows: Vec<PassReport> = Vec::new();
         for command in self.recording.running() {
             let (pass, label, band) = (command.pass.name, command.label, command.band);

@@ -22,8 +22,6 @@ pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
                 n.hair_points,
                 &[&s.params, &s.status, &s.inverse_mass, &s.position, &s.strands, &s.placed, &s.predicted, &s.touched],
             );
-        });
-        r.when(&plan.hair, |r| {
             r.run(
                 &contact::STRETCH,
                 "stretch of touched strands",
