@@ -4,7 +4,7 @@
 mod support;
 
 use glam::DVec3;
-use windswept::{Engine, Plan, recorder::Recorder, step};
+use windswept::internals::{Engine, Plan, Recorder, step};
 use windswept_scene::{InitialState, Scene, Strands};
 
 fn engine(scene: &Scene, initial: &InitialState) -> (Engine, Plan) {

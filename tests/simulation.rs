@@ -5,7 +5,7 @@ mod support;
 
 use glam::{DQuat, DVec3};
 use support::{RADIUS, VOLUME};
-use windswept::{Engine, Frame, Gpu, Simulation, gpu::wgpu};
+use windswept::{Frame, Gpu, Simulation, gpu::wgpu, internals::Engine};
 use windswept_scene::{AirParticles, InitialState, Scene, Strands};
 
 /// `n` x `n` straight strands of 0.06 m along +x in a box of 0.10 x 0.06 x 0.06 m, filled with air at rest.

@@ -10,10 +10,8 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use support::{SIMPLE, VOLUME, lattice};
 use windswept::{
-    Engine, GpuError, Plan, Simulation,
-    recorder::Recorder,
-    state::{Array, State},
-    step,
+    GpuError, Simulation,
+    internals::{Array, Engine, Plan, Recorder, State, step},
 };
 use windswept_scene::{Band, InitialState, Scene};
 
@@ -33,15 +31,15 @@ fn measure(
 ) -> Vec<DVec3> {
     let mut engine = Engine::new(&support::gpu(), scene, initial).unwrap();
     let plan = Plan::new(scene, initial, engine.sizes());
-    engine.evaluate(|r, s| record(r, s, &plan)).unwrap();
+    engine.evaluate(|r, s| record(r, &plan)).unwrap();
     let read: Vec<[f32; 4]> = engine.read(array(engine.state())).unwrap();
     read.iter().map(|v| DVec3::new(v[0].into(), v[1].into(), v[2].into())).collect()
 }
 
 fn band_velocity(scene: &Scene, initial: &InitialState) -> Vec<DVec3> {
     let record = |r: &mut Recorder, s: &State, plan: &Plan| {
-        step::neighbours::record(r, s, plan);
-        step::turbulence::record_band(r, s, plan);
+        step::neighbours::record(r, plan);
+        step::turbulence::record_band(r, plan);
     };
     measure(scene, initial, record, |s| &s.band_velocity)
 }
@@ -221,8 +219,8 @@ fn strength_is_independent_of_the_discretisation() {
         let eddy = |x: DVec3| DVec3::new((2.0 * k * x.y).sin(), (k * x.z).cos(), (2.0 * k * x.x + 0.4).sin());
         let initial = with_velocities(initial, |x| 0.05 * eddy(x));
         let record = |r: &mut Recorder, s: &State, plan: &Plan| {
-            step::neighbours::record(r, s, plan);
-            step::turbulence::record(r, s, plan);
+            step::neighbours::record(r, plan);
+            step::turbulence::record(r, plan);
         };
         let change = measure(&scene, &initial, record, |s| &s.confinement);
         (change.iter().map(|dv| dv.length_squared()).sum::<f64>() / change.len() as f64).sqrt() / step

@@ -60,7 +60,7 @@ struct RodPoint {
     before: vec3f,         // m/s, v_(n-1) with the same
     largest: f32,          // m, the largest move in a step
     carried: vec3f,        // m, the move of the step before
-    step: f32,             // s, h of `integration`
+    scheme: u32,           // of `integration`: EULER, BDF2, PUT
     change: vec3f,         // m/s, what acts from outside
     free: vec3f,           // m, the move without the rod's forces
     travel: vec3f,         // m, the move
@@ -71,7 +71,7 @@ struct RodSegment {
     start: vec4f,              // frame at the step's start
     frame: vec4f,
     angular_velocity: vec3f,   // rad/s, at the step's start
-    step: f32,                 // s, h of `integration`
+    scheme: u32,               // of `integration`: EULER, BDF2, PUT
     before: vec3f,             // rad/s, of the step before
     carried: vec3f,            // rad, the turn of the step before
     free: vec3f,               // rad, the turn without the rod's forces

@@ -17,9 +17,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let k = invocation(id, groups);
     if k >= params.segments || frozen() { return; }
     let segment = rod_segments[k];
-    let anew = segment.step == PUT;
+    let anew = segment.scheme == PUT;
     let turn = rotation_vector(product(segment.frame, conjugate(segment.start)));
-    let spin = select(rate(turn, segment.carried, segment.step), vec3f(0.0), anew);
+    let spin = rate(turn, segment.carried, segment.scheme);
     segment_history[k] = SegmentHistory(
         select(turn, vec3f(0.0), anew),
         select(segment.angular_velocity, vec3f(0.0), anew),

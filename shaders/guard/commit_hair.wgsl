@@ -21,7 +21,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let x = position[p].xyz;
     let untouched = all(predicted[p].xyz == placed(x, before, point.travel));
     let left = (x - predicted[p].xyz) + (point.travel + before);
-    let anew = point.step == PUT;
+    let anew = point.scheme == PUT;
     let last = final_velocity[p].xyz;
     point_history[p] = PointHistory(
         select(point.travel, params.step * last, anew),

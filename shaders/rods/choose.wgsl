@@ -3,11 +3,11 @@
 // A strand that was not finite starts again from its rest shape; a teleported one moves as a whole; one at rest that
 // nothing pushes sleeps. The others are integrated. A calm strand goes where its velocities lead without being torn: it
 // takes BDF2, and the direct solver starts from there, held by the forces of the step before. From where a strand is torn
-// BDF2 blows up: it takes Euler, from its free move, until CALM steps on end were calm. A free move that a rod could not
+// BDF2 blows up: it takes Euler, from its free move, until CALM_STEPS steps on end were calm. A free move that a rod could not
 // follow is capped and counted.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent},
-    integration::{PUT, bdf2_step, free_move}, rest::{STILL_TIME, STILL_STEPS},
+    integration::{EULER, BDF2, PUT, free_move}, rest::{STILL_TIME, STILL_STEPS},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS,
         TIP_HELD},
     status::{frozen, count, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT},
@@ -21,17 +21,17 @@ import package::common::{
 @group(0) @binding(7) var<storage, read_write> health:       array<Health>;
 @group(0) @binding(8) var<storage, read>       touched:      array<u32>;   // per strand, of the step before: by bodies, or they moved
 
-const TORN: f32 = 0.1;    // |C| of stretch-shear
-const CALM: u32 = 3u;     // steps
+const TORN: f32 = 0.1;        // |C| of stretch-shear
+const CALM_STEPS: u32 = 3u;   // on end, before BDF2
 
 fn put_point(p: u32, travel: vec3f) {
     rod_points[p].travel = travel;
-    rod_points[p].step = PUT;
+    rod_points[p].scheme = PUT;
 }
 
 fn put_segment(k: u32, frame: vec4f) {
     rod_segments[k].frame = frame;
-    rod_segments[k].step = PUT;
+    rod_segments[k].scheme = PUT;
     rod_segments[k].force = vec3f(0.0);
     rod_segments[k].moment = vec3f(0.0);
 }
@@ -80,15 +80,15 @@ fn pushed(strand: Strand, asleep: bool) -> bool {
 }
 
 // A held point goes where it is held.
-fn free_point(strand: Strand, rod: RodStrand, k: u32, h: f32) -> vec3f {
+fn free_point(strand: Strand, rod: RodStrand, k: u32, scheme: u32) -> vec3f {
     let point = rod_points[strand.first_point + k];
     if point.inverse_mass == 0.0 { return select(vec3f(0.0), rod.root_travel, k == 0u); }
-    return free_move(point.velocity, point.before, point.carried, params.gravity, h);
+    return free_move(point.velocity, point.before, point.carried, params.gravity, scheme);
 }
 
-fn free_turn(j: u32, h: f32) -> vec3f {
+fn free_turn(j: u32, scheme: u32) -> vec3f {
     let segment = rod_segments[j];
-    return free_move(segment.angular_velocity, segment.before, segment.carried, vec3f(0.0), h);
+    return free_move(segment.angular_velocity, segment.before, segment.carried, vec3f(0.0), scheme);
 }
 
 // Where velocities lead. (By the velocity before, too, it would lead nearer; rings under moment then begin to swing.)
@@ -118,19 +118,19 @@ fn tear(strand: Strand, rod: RodStrand) -> f32 {
 }
 
 // What the free move is measured from: the root, or the strand's mean where that is free.
-fn base(strand: Strand, rod: RodStrand, h: f32) -> vec3f {
+fn base(strand: Strand, rod: RodStrand, scheme: u32) -> vec3f {
     if rod_points[strand.first_point].inverse_mass == 0.0 { return rod.root_travel; }
     var sum = vec3f(0.0);
-    for (var k = 0u; k < strand.points; k++) { sum += free_point(strand, rod, k, h); }
+    for (var k = 0u; k < strand.points; k++) { sum += free_point(strand, rod, k, scheme); }
     return sum / f32(strand.points);
 }
 
-fn start(strand: Strand, rod: RodStrand, h: f32, led: bool) {
-    let origin = base(strand, rod, h);
+fn start(strand: Strand, rod: RodStrand, scheme: u32, led: bool) {
+    let origin = base(strand, rod, scheme);
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
         let point = rod_points[p];
-        var free = free_point(strand, rod, k, h);
+        var free = free_point(strand, rod, k, scheme);
         var travel = free;
         if point.inverse_mass > 0.0 {
             let far = length(free - origin);
@@ -143,19 +143,19 @@ fn start(strand: Strand, rod: RodStrand, h: f32, led: bool) {
         }
         rod_points[p].free = free;
         rod_points[p].travel = travel;
-        rod_points[p].step = h;
+        rod_points[p].scheme = scheme;
     }
     for (var k = 0u; k < strand.points - 1u; k++) {
         let j = strand.first_segment + k;
         let segment = rod_segments[j];
-        let free = free_turn(j, h);
+        let free = free_turn(j, scheme);
         var turn = free;
         if led { turn = led_turn(j); }
         let frame = normalize(product(rotation(turn), segment.start));
         rod_segments[j].free = free;
         rod_segments[j].turn = turn;
         rod_segments[j].frame = frame;
-        rod_segments[j].step = h;
+        rod_segments[j].scheme = scheme;
         rod_segments[j].force = select(vec3f(0.0), rotate(frame, segment.force), led);
         rod_segments[j].moment = select(vec3f(0.0), segment.moment, led);
     }
@@ -188,11 +188,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         put_as_it_is(strand, rod);
         count(ASLEEP_STEP);
     } else {
-        found.calm = select(0u, min(found.calm + 1u, CALM), tear(strand, rod) < TORN);
-        let calm = found.calm == CALM;
+        found.calm = select(0u, min(found.calm + 1u, CALM_STEPS), tear(strand, rod) < TORN);
+        let calm = found.calm == CALM_STEPS;
         if !calm && params.bdf2 != 0u { count(EULER_STEP); }
-        let h = select(params.step, bdf2_step(), calm && params.bdf2 != 0u);
-        start(strand, rod, h, calm && params.direct_rods != 0u);
+        let scheme = select(EULER, BDF2, calm && params.bdf2 != 0u);
+        start(strand, rod, scheme, calm && params.direct_rods != 0u);
         if found.still == SLEEPS { found.still = 0u; }
         rod_strands[s].state = FREE;
     }

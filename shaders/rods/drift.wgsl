@@ -1,5 +1,5 @@
 // Hair points drift as if nothing held them, damped: x + dt (v + dv + g dt)/(1 + c dt). Where hair meets air: what density
-// moves hair by from here is an impulse on it (`rods/predict`).
+// moves hair by from here is an impulse on it (`rods/begin_points`).
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, status::frozen,
 };

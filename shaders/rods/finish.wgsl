@@ -30,11 +30,11 @@ fn sound(strand: Strand) -> bool {
 fn hold(strand: Strand) {
     for (var k = 0u; k < strand.points; k++) {
         rod_points[strand.first_point + k].travel = vec3f(0.0);
-        rod_points[strand.first_point + k].step = PUT;
+        rod_points[strand.first_point + k].scheme = PUT;
     }
     for (var k = 0u; k < strand.points - 1u; k++) {
         rod_segments[strand.first_segment + k].frame = rod_segments[strand.first_segment + k].start;
-        rod_segments[strand.first_segment + k].step = PUT;
+        rod_segments[strand.first_segment + k].scheme = PUT;
     }
 }
 

@@ -34,7 +34,7 @@ fn bend_twist(k: u32, before: vec4f, before_inverse_inertia: f32) -> vec3f {
     let p = product(conjugate(before), rod_segments[k].frame);
     let same = dot(p, segment.rest_rotation) >= 0.0;
     let constraint = p.xyz - select(-segment.rest_rotation.xyz, segment.rest_rotation.xyz, same);
-    let compliance = segment.bend_compliance / response(rod_segments[k].step);
+    let compliance = segment.bend_compliance / response(rod_segments[k].scheme);
     let w = 0.25 * (before_inverse_inertia + segment.inverse_inertia);
     // Scaled by w, so that the determinant stays in the range of f32.
     let v = p.xyz;
@@ -58,7 +58,7 @@ fn stretch_shear(k: u32, point: u32) {
     let end_mass = rod_points[point + 1u].inverse_mass;
     let chord = rod_segments[k].chord + end - start;
     let constraint = rotate(conjugate(q), chord / segment.rest_length) - vec3f(0.0, 0.0, 1.0);
-    let compliance = segment.stretch_compliance / response(rod_segments[k].step);
+    let compliance = segment.stretch_compliance / response(rod_segments[k].scheme);
     let along = (start_mass + end_mass) / (segment.rest_length * segment.rest_length);
     let matrix = vec3f(along) + vec3f(segment.inverse_inertia, segment.inverse_inertia, 0.0) + compliance;
     let lambda = rod_segments[k].force;

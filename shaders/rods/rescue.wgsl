@@ -10,13 +10,13 @@ import package::common::{
 @group(0) @binding(4) var<storage, read_write> rod_points:   array<RodPoint>;
 @group(0) @binding(5) var<storage, read_write> rod_segments: array<RodSegment>;
 
-const TORN: f32 = 1.0;   // |C + alpha mu| of stretch-shear
+const LOST: f32 = 1.0;   // |C + alpha mu| of stretch-shear from which the direct solver has lost a strand
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
     if s >= params.strands || frozen() || rod_strands[s].state != FREE { return; }
-    if rod_strands[s].misfit < TORN {
+    if rod_strands[s].misfit < LOST {
         rod_strands[s].state = SOLVED;
         return;
     }

@@ -19,5 +19,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let shift = predicted[p].xyz - placed(position[p].xyz, point_history[p].remainder, point.travel);
     let contact = shift / params.step;
     rod_points[p].before = point.velocity + contact;
-    new_velocity[p] = vec4f(rate(point.travel, point.carried, point.step) + contact, 0.0);
+    new_velocity[p] = vec4f(rate(point.travel, point.carried, point.scheme) + contact, 0.0);
 }

@@ -1,7 +1,8 @@
-//! The WGSL passes: linked and validated at build time, with the table that build.rs reads out of naga.
+//! The WGSL of windswept: linked and validated at build time, with what Rust needs to know of it.
 //!
-//! One pass is one file, `shaders/<folder>/<name>.wgsl`; what it shares with others it imports from `shaders/common/`.
-//! The linked texts are kept, readable, in the build's output folder.
+//! Everything here is written by the build from the WGSL, in modules that mirror its folders and files. A pass is one file,
+//! `shaders/rods/predict.wgsl`, and a static, [`rods::PREDICT`]; the structs and constants of `shaders/common/rod.wgsl` are in
+//! [`common::rod`]. The linked texts are kept, readable, in the build's output folder.
 
 /// A compute pass: its text and what naga knows of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,23 +22,36 @@ pub struct Pass {
 pub struct Binding {
     /// Number in group 0.
     pub binding: u32,
-    /// Name in the shader; the engine's buffer has the same.
+    /// Name in the shader. The engine's array of that name is bound unless the step says otherwise.
     pub name: &'static str,
-    /// What the pass does with it.
-    pub access: Access,
+    /// How the shader declares it.
+    pub kind: BindingKind,
+    /// Whether the pass reads it; an atomic counter is read and written.
+    pub reads: bool,
+    /// Whether the pass writes it.
+    pub writes: bool,
     /// Size of an element, or of the struct \[bytes\].
     pub stride: u32,
 }
 
-/// What a pass does with a buffer.
+/// How a shader declares a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Access {
-    /// A uniform.
+pub enum BindingKind {
+    /// `var<uniform>`.
     Uniform,
-    /// Reads.
+    /// `var<storage, read>`.
     Read,
-    /// Reads and writes.
+    /// `var<storage, read_write>`; atomics are declared so where they are read only.
     ReadWrite,
 }
 
-include!(concat!(env!("OUT_DIR"), "/passes.rs"));
+/// A shader of the pictures, with entry points of its own names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Picture {
+    /// `pictures/name`.
+    pub name: &'static str,
+    /// Linked WGSL.
+    pub source: &'static str,
+}
+
+include!(concat!(env!("OUT_DIR"), "/shaders.rs"));

@@ -13,7 +13,7 @@ const BLOCK: vec3i = vec3i(4, 2, 2);
 
 @group(0) @binding(2) var<uniform>             mesh:          Mesh;
 @group(0) @binding(3) var<storage, read>       cell_start:    array<u32>;
-@group(0) @binding(4) var<storage, read>       flow_position: array<vec4f>;
+@group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
 @group(0) @binding(5) var<storage, read>       flow:          array<vec4f>;   // xyz: V (v - U) [m^4/s], w: V [m^3]
 @group(0) @binding(6) var<storage, read_write> deposited:     array<vec4f>;
 
@@ -25,7 +25,7 @@ var<private> sum_11: mat4x4f;
 
 // A particle's place less `corner`, in spacings.
 fn add(e: u32, corner: vec3f) {
-    let t = flow_position[e].xyz / mesh.spacing - corner;
+    let t = sorted_position[e].xyz / mesh.spacing - corner;
     let along = b_spline(mesh.order, vec4f(t.x, t.x - 1.0, t.x - 2.0, t.x - 3.0));
     let across = b_spline(mesh.order, vec4f(t.y, t.y - 1.0, t.z, t.z - 1.0));
     let f = flow[e];

@@ -8,7 +8,7 @@ import package::common::{
 
 @group(0) @binding(2) var<uniform>             mesh:          Mesh;
 @group(0) @binding(3) var<storage, read>       sorted:        array<u32>;
-@group(0) @binding(4) var<storage, read>       flow_position: array<vec4f>;
+@group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
 @group(0) @binding(5) var<storage, read>       curvature:     array<vec4f>;   // xyz [m^2/s], w: smoothed volume [m^3]
 @group(0) @binding(6) var<storage, read_write> band_velocity: array<vec4f>;   // m/s
 
@@ -16,7 +16,7 @@ import package::common::{
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let e = invocation(id, groups);
     if e >= params.particles || frozen() { return; }
-    let own = flow_position[e];
+    let own = sorted_position[e];
     if own.w == 0.0 { return; }
     let at = own.xyz / mesh.spacing;
     let first = vec3i(ceil(at - half_width(mesh.order)));

@@ -1,13 +1,11 @@
-// What the filter sums, in cell order: V (v - U) of air (design 3.4), or v of all particles as printed (eq. 5).
+// What the filter sums, in cell order: V (v - U) of air, or v of all particles as printed (eq. 5).
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, status::frozen, wind::mean_wind,
 };
 
-@group(0) @binding(2) var<storage, read>       sorted:        array<u32>;
-@group(0) @binding(3) var<storage, read>       predicted:     array<vec4f>;
-@group(0) @binding(4) var<storage, read>       new_velocity:  array<vec4f>;
-@group(0) @binding(5) var<storage, read_write> flow_position: array<vec4f>;   // xyz [m], w: 1 for air, 0 for hair
-@group(0) @binding(6) var<storage, read_write> flow:          array<vec4f>;   // xyz [m^4/s], w: V [m^3]; published: m/s
+@group(0) @binding(2) var<storage, read>       sorted:       array<u32>;
+@group(0) @binding(3) var<storage, read>       new_velocity: array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> flow:         array<vec4f>;   // xyz [m^4/s], w: V [m^3]; published: m/s
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -15,7 +13,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if e >= params.particles || frozen() { return; }
     let i = sorted[e];
     let air = is_air(i);
-    flow_position[e] = vec4f(predicted[i].xyz, f32(air));
     let v = new_velocity[i].xyz;
     if params.published_law != 0u {
         flow[e] = vec4f(v, 0.0);

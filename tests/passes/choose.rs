@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
-use windswept::{status, step};
+use windswept::internals::{status, step};
 use windswept_reference::{
     State as Twin, rods,
     step::{self as twin, Scratch},

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::{DQuat, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept::step;
+use windswept::internals::step;
 use windswept_reference::contact;
 use windswept_scene::{Body, Keyframe, Motion, Scene, Shape};
 

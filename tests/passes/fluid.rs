@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept::step;
+use windswept::internals::step;
 use windswept_reference::fluid;
 use windswept_scene::{InitialState, Scene};
 use windswept_shaders::fluid as passes;
@@ -32,7 +32,7 @@ fn predict_moves_air_through_the_faces() {
         let v = stirred(stage.twin.position.len());
         let s = stage.engine.state();
         stage.write_vectors(&s.velocity, &v);
-        stage.run(|r, s, plan| {
+        stage.run(|r, plan| {
             r.run(
                 &passes::PREDICT,
                 "air moves",
@@ -138,9 +138,9 @@ fn viscosity_and_its_limiter_are_those_of_the_twin() {
             let (s, twin, p) = (stage.engine.state(), &stage.twin, &stage.parameters);
             let v = stirred(twin.position.len());
             stage.write_vectors(&s.new_velocity, &v);
-            stage.run(|r, s, plan| {
-                step::fluid::record_density(r, s, plan);
-                step::viscosity::record(r, s, plan);
+            stage.run(|r, plan| {
+                step::fluid::record_density(r, plan);
+                step::viscosity::record(r, plan);
             });
             let (theta, _) = fluid::density(p, &twin.position, &twin.inverse_mass, &twin.volume, &near);
             let exchange = fluid::limit(p, &twin.position, &twin.volume, &near, &theta);
@@ -167,9 +167,9 @@ fn the_limiter_leaves_small_coefficients_alone() {
         let stage = Stage::new(&scene, &initial);
         stage.meet();
         stage.write_vectors(&stage.engine.state().new_velocity, &stirred(stage.twin.position.len()));
-        stage.run(|r, s, plan| {
-            step::fluid::record_density(r, s, plan);
-            step::viscosity::record(r, s, plan);
+        stage.run(|r, plan| {
+            step::fluid::record_density(r, plan);
+            step::viscosity::record(r, plan);
         });
         let largest = stage.numbers(&stage.engine.state().exchange).into_iter().fold(0.0, f64::max);
         (stage.vectors(&stage.engine.state().viscous_velocity), largest)

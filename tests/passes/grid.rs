@@ -1,7 +1,7 @@
 //! The spatial hash against O(n²).
 
 use glam::DVec3;
-use windswept::{Engine, Plan, recorder::Recorder, step};
+use windswept::internals::{Engine, Plan, Recorder, step};
 use windswept_scene::InitialState;
 
 use crate::support::{self, Layout, RADIUS, SIZES};

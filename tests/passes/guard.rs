@@ -1,7 +1,7 @@
 //! hold, check, commit, commit_frames.
 
 use glam::DVec3;
-use windswept::{status, step};
+use windswept::internals::{status, step};
 use windswept_reference::{
     fluid,
     guard::{self, Frozen},

@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept::{status, step};
+use windswept::internals::{status, step};
 use windswept_reference::{rods, step as twin};
 use windswept_scene::{End, Ends, InitialState, Model, Scene, Strands};
 
@@ -128,9 +128,9 @@ fn rods_are_those_of_the_twin() {
             twin::step(&mut s, &p).unwrap();
             stage.adopt(&mut s);
             stage.twin = s.clone();
-            stage.run(|r, state, plan| {
-                step::drive::record(r, state, plan);
-                step::rods::record(r, state, plan);
+            stage.run(|r, plan| {
+                step::drive::record(r, plan);
+                step::rods::record(r, plan);
             });
             let mut w = twin::drive(&s, &p);
             w.correction = vec![DVec3::ZERO; w.predicted.len()];
@@ -214,8 +214,8 @@ fn finish_measures_stretch_and_finds_bad_strands() {
         }
         points[hair.points(victim).end - 1].travel[1] = f32::NAN;
         stage.engine.write(&s.rod_points, &points).unwrap();
-        stage.engine.set_status(&windswept::status::Status::start()).unwrap();
-        stage.run(|r, s, plan| {
+        stage.engine.set_status(&windswept::internals::status::Status::start()).unwrap();
+        stage.run(|r, plan| {
             r.run(
                 &windswept_shaders::rods::FINISH,
                 "health",

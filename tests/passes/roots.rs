@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept::step;
+use windswept::internals::step;
 use windswept_reference::{
     State as Twin, rods,
     step::{self as twin, Scratch},

@@ -2,9 +2,8 @@
 
 use glam::{DQuat, DVec3};
 use windswept::{
-    Engine, Gpu, Plan,
-    recorder::{Command, Recorder, Recording},
-    state::{Array, State},
+    Gpu,
+    internals::{Array, Command, Engine, Plan, Recorder, Recording, State},
 };
 use windswept_reference::{Parameters, State as Twin, grid::Neighbours};
 use windswept_scene::{InitialState, Scene};
@@ -185,7 +184,7 @@ impl Stage {
     /// Positions where a step's predicted ones stand, neighbours listed; the twin's neighbours.
     pub fn meet(&self) -> Neighbours {
         self.engine.copy_state_to_scratch().unwrap();
-        self.run(windswept::step::neighbours::record);
+        self.run(windswept::internals::step::neighbours::record);
         windswept_reference::grid::neighbours(&self.parameters, &self.twin.position)
     }
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept::step;
+use windswept::internals::step;
 use windswept_reference::{turbulence, wind};
 use windswept_scene::{Band, Filter, InitialState, Law, Order, Scene};
 
@@ -100,7 +100,7 @@ fn compare(law: Law, filter: Filter, bounds: [f64; 4]) {
     }
 }
 
-fn air(stage: &Stage, array: &windswept::state::Array) -> Vec<DVec3> {
+fn air(stage: &Stage, array: &windswept::internals::Array) -> Vec<DVec3> {
     stage.vectors(array).split_off(stage.parameters.hair_points)
 }
 
@@ -148,7 +148,7 @@ fn the_grid_filter_is_that_of_the_twin() {
             let deposited = turbulence::deposit(p, scale, blowing, &twin.position, &v, &twin.volume);
             let curved = turbulence::smooth(p, scale, &deposited);
             let eddies = turbulence::gather(p, band, &curved, &twin.position);
-            let nodes = |array: &windswept::state::Array| -> [Vec<DVec3>; 2] {
+            let nodes = |array: &windswept::internals::Array| -> [Vec<DVec3>; 2] {
                 let read: Vec<[f32; 4]> = stage.engine.read(array).unwrap();
                 let read = &read[..deposited.values.len()];
                 let volume = read.iter().map(|node| f64::from(node[3]) * DVec3::X).collect();

@@ -4,7 +4,7 @@ mod hair;
 mod turbulence;
 
 use glam::DVec3;
-use windswept::{state::Array, status, step};
+use windswept::internals::{Array, status, step};
 use windswept_reference::{
     Parameters, State as Twin, fluid,
     step::{self as twin, Scratch},

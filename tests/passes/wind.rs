@@ -1,7 +1,7 @@
 //! fringe, drag.
 
 use glam::DVec3;
-use windswept::step;
+use windswept::internals::step;
 use windswept_reference::wind;
 use windswept_scene::{Gust, Inflow, Model};
 

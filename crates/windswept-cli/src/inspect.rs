@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use windswept::state::{Sizes, State};
 use windswept::{AdapterChoice, Gpu};
 use windswept_scene::{InitialState, Method, Scene};
 
@@ -75,8 +74,7 @@ fn summary(scene: &Scene, initial: &InitialState) -> Vec<(&'static str, String)>
             format!("({}) m/s, over {} s", settings.wind.map(|u| u.to_string()).join(", "), settings.ramp),
         ));
     }
-    let engine = State::new(&Sizes::of(scene, initial));
-    let bytes: u64 = engine.arrays().iter().map(|array| array.bytes()).sum();
+    let bytes = windswept::memory_bytes(scene, initial);
     rows.push(("memory", format!("{:.1} MB on the GPU, and the neighbour list", bytes as f64 * 1e-6)));
     rows
 }
@@ -90,7 +88,7 @@ fn method(method: Method) -> &'static str {
 
 /// `windswept plan`: the passes of a step in order, under the step's headings.
 pub(crate) fn plan(options: &SceneOptions, console: &mut Console<'_>) -> Result<(), Failure> {
-    let rows = windswept::plan::table(&options.load()?)?;
+    let rows = windswept::plan(&options.load()?)?;
     let width = |of: fn(&windswept::PlanRow) -> &str| rows.iter().map(|row| of(row).len()).max().unwrap_or(0);
     let (pass, label) = (width(|row| row.pass), width(|row| row.label));
     let mut heading = "";

@@ -3,7 +3,7 @@
 use std::f64::consts::{SQRT_2, TAU};
 
 use glam::DVec3;
-use windswept::{Gpu, step};
+use windswept::{Gpu, internals::step};
 use windswept_reference::{grid, turbulence};
 use windswept_scene::Scene;
 
@@ -97,9 +97,9 @@ fn beside_twin(gpu: &Gpu, published: bool, name: &str) -> Result<Row, Error> {
 
 /// What confinement adds in a step \[m/s\].
 fn confined(stage: &mut Stage) -> Result<Vec<DVec3>, Error> {
-    stage.run(|r, s, plan| {
-        step::neighbours::record(r, s, plan);
-        step::turbulence::record(r, s, plan);
+    stage.run(|r, plan| {
+        step::neighbours::record(r, plan);
+        step::turbulence::record(r, plan);
     })?;
     stage.read(|s| &s.confinement)
 }

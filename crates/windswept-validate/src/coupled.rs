@@ -156,12 +156,11 @@ fn density_on_roots(s: &State, p: &Parameters) -> DVec3 {
 /// What the first segments gave held roots in the last step \[kg m/s\]: -dt mu/l, by Euler.
 fn rods_on_roots(simulation: &Simulation, s: &State, step: f64) -> Result<DVec3, Error> {
     let engine = simulation.engine();
-    // `SegmentHistory`: turn, spin, force in the material frame, moment.
-    let history: Vec<[[f32; 4]; 4]> = engine.read(&engine.state().segment_history)?;
-    let frames: Vec<[f32; 4]> = engine.read(&engine.state().orientation)?;
+    let history = engine.read(&engine.state().segment_history)?;
+    let frames = engine.read(&engine.state().orientation)?;
     let of = |strand: usize| {
         let k = s.hair.segments(strand).start;
-        let [_, _, [x, y, z, _], _] = history[k];
+        let [x, y, z] = history[k].force;
         let frame = DQuat::from_array(frames[k].map(f64::from)).normalize();
         -step / s.hair.rest_length[k] * (frame * DVec3::new(x.into(), y.into(), z.into()))
     };

@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 use windswept::{
-    Engine, Gpu, Plan,
-    recorder::Recorder,
-    state::{self, Array},
+    Gpu,
+    internals::{self, Array, Engine, Plan, Recorder, Setup},
 };
 use windswept_reference::{Parameters, State, rods::CALM};
 use windswept_scene::{InitialState, Scene};
+use windswept_shaders::common::rod::{Condition, Health};
 
 use crate::Error;
 
@@ -21,8 +21,8 @@ pub(crate) struct Stage {
 
 impl Stage {
     pub(crate) fn new(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Self, Error> {
-        let engine = Engine::new(gpu, scene, initial)?;
-        let plan = Plan::new(scene, initial, engine.sizes());
+        let setup = Setup::new(scene, initial);
+        let (engine, plan) = (Engine::new(gpu, &setup)?, Plan::new(&setup));
         let p = Parameters::new(scene, initial);
         let mut twin = State::new(initial, p.step);
         for row in twin.position.iter_mut().chain(&mut twin.velocity) {
@@ -32,23 +32,23 @@ impl Stage {
     }
 
     /// Runs headings on the engine, from the committed state.
-    pub(crate) fn run(&mut self, record: impl Fn(&mut Recorder, &state::State, &Plan)) -> Result<(), Error> {
-        self.engine.evaluate(|r, s| record(r, s, &self.plan))?;
+    pub(crate) fn run(&mut self, record: impl Fn(&mut Recorder<'_>, &Plan)) -> Result<(), Error> {
+        self.engine.evaluate(|r| record(r, &self.plan))?;
         Ok(())
     }
 
     /// From here on BDF2 where the scene says so: strands have been calm for long enough.
     pub(crate) fn calm(&mut self) -> Result<(), Error> {
-        // `Health`: bad, strained, calm and still, as committed and as a step finds them.
-        let health = vec![[0, 0, CALM, 0, 0, 0, 0, 0_u32]; self.twin.calm.len()];
+        let committed = Condition { calm: CALM, ..Condition::default() };
+        let health = vec![Health { committed, ..Health::default() }; self.twin.calm.len()];
         self.engine.write(&self.engine.state().health, &health)?;
         self.twin.calm.fill(CALM);
         Ok(())
     }
 
     /// An array of xyz that they left.
-    pub(crate) fn read(&self, array: impl Fn(&state::State) -> &Array) -> Result<Vec<DVec3>, Error> {
-        let rows: Vec<[f32; 4]> = self.engine.read(array(self.engine.state()))?;
+    pub(crate) fn read(&self, array: impl Fn(&internals::State) -> &Array<[f32; 4]>) -> Result<Vec<DVec3>, Error> {
+        let rows = self.engine.read(array(self.engine.state()))?;
         Ok(rows.iter().map(|v| DVec3::new(v[0].into(), v[1].into(), v[2].into())).collect())
     }
 }

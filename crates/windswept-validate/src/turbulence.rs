@@ -3,7 +3,11 @@
 use std::f64::consts::{E, SQRT_2, TAU};
 
 use glam::DVec3;
-use windswept::{Engine, Gpu, Plan, ops::Filter, step};
+use windswept::{
+    Gpu,
+    internals::{Engine, Plan, Setup, step},
+    ops::Filter,
+};
 use windswept_reference::{sph_kernels::spiky_slope, turbulence::peak_gain};
 use windswept_scene::{InitialState, Scene};
 
@@ -84,11 +88,11 @@ pub(crate) fn translation(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 
 /// û of the first band as a step of this scene has it.
 fn band_of_step(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Vec<DVec3>, Error> {
-    let mut engine = Engine::new(gpu, scene, initial)?;
-    let plan = Plan::new(scene, initial, engine.sizes());
-    engine.evaluate(|r, s| {
-        step::neighbours::record(r, s, &plan);
-        step::turbulence::record_band(r, s, &plan);
+    let setup = Setup::new(scene, initial);
+    let (mut engine, plan) = (Engine::new(gpu, &setup)?, Plan::new(&setup));
+    engine.evaluate(|r| {
+        step::neighbours::record(r, &plan);
+        step::turbulence::record_band(r, &plan);
     })?;
     let band: Vec<[f32; 4]> = engine.read(&engine.state().band_velocity)?;
     Ok(band.iter().map(|u| DVec3::new(u[0].into(), u[1].into(), u[2].into())).collect())

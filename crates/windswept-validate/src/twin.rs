@@ -1,7 +1,7 @@
 //! Single passes on the GPU in f32 beside the twin's in f64 (windswept_reference).
 
 use glam::DVec3;
-use windswept::{Gpu, ops::Filter, step};
+use windswept::{Gpu, internals::step, ops::Filter};
 use windswept_reference::{Parameters, fluid, grid, step as twin, turbulence};
 use windswept_scene::{Band, Fluid, InitialState, Scene};
 
@@ -97,10 +97,10 @@ pub(crate) fn rods(gpu: &Gpu) -> Result<Vec<Row>, Error> {
             }
             let mut stage = Stage::new(gpu, &scene, &initial)?;
             stage.calm()?;
-            stage.run(|r, s, plan| {
-                step::drive::record(r, s, plan);
-                step::rods::record(r, s, plan);
-                step::velocity::record(r, s, plan);
+            stage.run(|r, plan| {
+                step::drive::record(r, plan);
+                step::rods::record(r, plan);
+                step::velocity::record(r, plan);
             })?;
             let (p, mut s) = (stage.p.clone(), stage.twin.clone());
             let mut w = twin::drive(&s, &p);

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use glam::{DQuat, DVec3};
-use windswept::{Gpu, Simulation, step};
+use windswept::{Gpu, Simulation, internals::step};
 use windswept_scene::{InitialState, Scene};
 
 use crate::{
@@ -108,11 +108,10 @@ fn keyframes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let (ends, hair) = (vectors(&frame.hair.positions), &simulation.initial().hair);
     let starts: Vec<usize> = (0..hair.len()).map(|s| hair.points(s).start).collect();
     let off = starts.iter().map(|&root| (ends[root] - place(hair.positions[root])).length());
-    // `Root`: position, frame.
     let engine = simulation.engine();
-    let clamps: Vec<[f32; 8]> = engine.read(&engine.state().clamps)?;
+    let clamps = engine.read(&engine.state().clamps)?;
     let turned = clamps.iter().zip(&hair.root_frame).map(|(clamp, frame)| {
-        let now = DQuat::from_xyzw(clamp[4].into(), clamp[5].into(), clamp[6].into(), clamp[7].into());
+        let now = DQuat::from_array(clamp.frame.map(f64::from));
         2.0 * (now * (turn * *frame).conjugate()).xyz().length()
     });
     Ok(vec![

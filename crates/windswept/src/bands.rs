@@ -2,60 +2,20 @@
 
 use std::{
     f64::consts::{E, PI},
-    mem::offset_of,
     ops::Range,
 };
 
-use bytemuck::{Pod, Zeroable};
 use windswept_scene::{Filter, InitialState, Law, Scene};
-use windswept_shaders::{layout, turbulence};
-
-use crate::params::{Params, assert_layout};
-
-/// `Band`, field by field.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[allow(missing_docs)]
-pub(crate) struct Band {
-    pub scale: f32,
-    pub reach: f32,
-    pub gain: f32,
-    pub strength: f32,
-    pub largest_speed: f32,
-    pub first_block: u32,
-    pub end_block: u32,
-    pub blocks_in_row: u32,
-    pub cells_in_block: u32,
-    pub rows: i32,
-    pub layers: i32,
-    pub first_row: i32,
-    pub end_row: i32,
-    pub comes_first: u32,
-    pub _unused: [u32; 50],
-}
-
-assert_layout!(Band {
-    scale,
-    reach,
-    gain,
-    strength,
-    largest_speed,
-    first_block,
-    end_block,
-    blocks_in_row,
-    cells_in_block,
-    rows,
-    layers,
-    first_row,
-    end_row,
-    comes_first,
-});
+use windswept_shaders::{
+    common::{band::Band, params::Params},
+    turbulence::{
+        self,
+        band::{SHARES, SUMS},
+    },
+};
 
 /// Cells of a block, at most: with 7 air particles in a cell about as many particles as a workgroup of the filter takes.
 const LARGEST_BLOCK: u32 = 8;
-/// Particles that a lane of the filter takes, and workgroups of a block: `SUMS` and `SHARES` of `turbulence/band.wgsl`.
-const SUMS: f64 = 8.0;
-const SHARES: u32 = 4;
 /// Pairs that one dispatch of the filter looks at, at most: 0.1 s of a software adapter on two cores, and no dispatch may
 /// take 2 s on any.
 const PAIRS: f64 = 2e8;
@@ -66,7 +26,7 @@ const ROUNDS: f64 = 16e3;
 const MOVED: f32 = 0.2;
 /// C0 of eq. 6 with the radical over 15 only: 2/(√15 π^(3/4)).
 const MEXICAN_HAT: f64 = 0.218_837_609;
-/// ε of eq. 2, read as an acceleration in mm, mg and s (design 3.3).
+/// ε of eq. 2, read as an acceleration in mm, mg and s.
 const EPSILON: f64 = 0.008;
 
 /// The bands of a scene, in the order of the file, each cut into the dispatches of the direct filter; one uniform each with
@@ -101,7 +61,7 @@ impl Bands {
                         first_block,
                         end_block,
                         blocks_in_row: blocks.in_row,
-                        cells_in_block: blocks.cells,
+                        cells_in_block: blocks.cells as i32,
                         rows: blocks.rows,
                         layers: blocks.layers,
                         first_row,
@@ -130,11 +90,11 @@ fn of(scene: &Scene, initial: &InitialState, band: &windswept_scene::Band) -> Ba
         Law::Band => Band {
             scale: band.scale as f32,
             reach,
-            // Weighted by volume, over the peak of the transfer function (design 3.4): unit gain at the band's centre.
+            // Weighted by volume, over the peak of the transfer function: unit gain at the band's centre.
             gain: (E / (2.0 * (2.0 * PI).powf(1.5) * band.scale.powi(3))) as f32,
             strength: band.strength as f32,
             largest_speed: (band.intensity * scene.turbulence.speed) as f32,
-            ..Band::zeroed()
+            ..Band::default()
         },
         Law::Published => Band {
             scale: band.scale as f32,
@@ -143,7 +103,7 @@ fn of(scene: &Scene, initial: &InitialState, band: &windswept_scene::Band) -> Ba
             gain: (1e3 * MEXICAN_HAT / (1e3 * band.scale).powf(1.5)) as f32,
             // ε ½ m with m in mg; the acceleration from mm/s² to m/s².
             strength: (1e-3 * EPSILON * 0.5 * 1e6 * initial.air.mass) as f32,
-            ..Band::zeroed()
+            ..Band::default()
         },
     }
 }
@@ -174,7 +134,7 @@ impl Blocks {
         let (rows, layers) = (y as i32, z as i32);
         let rows_per_dispatch = ((ROUNDS / in_a_row) as i32).max(1).min((2 * rows + 1).saturating_mul(2 * layers + 1));
         let rounds = in_a_row * f64::from(rows_per_dispatch);
-        let targets = (f64::from(cells) * in_a_cell).max(SUMS * f64::from(turbulence::BAND.workgroup));
+        let targets = (f64::from(cells) * in_a_cell).max(f64::from(SUMS * turbulence::BAND.workgroup));
         Self { in_row, cells, count: in_row * ny * nz, rows, layers, rows_per_dispatch, rounds, targets }
     }
 
@@ -221,7 +181,7 @@ mod tests {
                 cell_size: [9.3e-3; 3],
                 box_cells: cells.iter().product::<i32>() as u32,
                 particles,
-                ..Params::zeroed()
+                ..Params::default()
             };
             for reach in [0.027_f32, 0.081, 0.5, 0.7] {
                 let blocks = Blocks::new(&params, reach);

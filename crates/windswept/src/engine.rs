@@ -4,20 +4,20 @@
 use bytemuck::Pod;
 use glam::DVec3;
 use windswept_scene::{InitialState, Scene, SceneError, Strands};
+use windswept_shaders::common::{params::Params, status::Status};
 
 use crate::{
-    bands::Bands,
+    array::{AnyArray, Array},
     bodies,
     error::{GpuError, RunError},
     gpu::{Gpu, Memory, Profile, Program, wgpu},
     meshes::Meshes,
-    motion::Motions,
-    params::{MOST_BUCKETS, Params},
+    params::MOST_BUCKETS,
     recorder::{Recorder, Recording},
     rods::{self, quat, vec4},
-    state::{Array, Sizes, State},
-    status::Status,
-    winds,
+    setup::Setup,
+    state::{Sizes, State},
+    status,
 };
 
 /// Entries of the neighbour list per particle, at first: the lattice has 26 (h/d = 1.92), clumps more.
@@ -36,8 +36,8 @@ const MOST_NODES: u64 = MOST_BUCKETS as u64 - (1 << 18);
 #[derive(Debug)]
 pub struct Engine {
     gpu: Gpu,
-    params: Params,
-    meshes: Meshes,
+    /// The uniforms; the neighbour list's length in them grows.
+    params: Vec<Params>,
     sizes: Sizes,
     state: State,
     memory: Memory,
@@ -49,41 +49,38 @@ impl Engine {
     /// # Errors
     /// Before anything is allocated, [`GpuError::TooLarge`] if a buffer exceeds what the adapter binds, and
     /// [`GpuError::TooManyCells`].
-    pub fn new(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Self, GpuError> {
-        let mut params = Params::new(scene, initial, 0);
-        params.neighbour_capacity = first_capacity(gpu.largest_binding(), &params);
-        let meshes = Meshes::new(scene, initial);
-        let sizes = Sizes { neighbours: params.neighbour_capacity, ..Sizes::of(scene, initial) };
-        check_nodes(gpu, &meshes)?;
+    pub fn new(gpu: &Gpu, setup: &Setup<'_>) -> Result<Self, GpuError> {
+        let capacity = first_capacity(gpu.largest_binding(), setup);
+        let sizes = Sizes { neighbours: capacity, ..setup.sizes() };
+        check_nodes(gpu, &setup.meshes)?;
         if sizes.buckets > MOST_BUCKETS {
             return Err(GpuError::TooManyCells { cells: sizes.buckets, most: MOST_BUCKETS });
         }
         let state = State::new(&sizes);
         let memory = Memory::new(gpu, &state)?;
-        let engine = Self { gpu: gpu.clone(), params, meshes, sizes, state, memory };
-        engine.write_params()?;
-        engine.write_initial(scene, initial)?;
-        engine.write(&engine.state.band, &Bands::new(scene, initial, &params).tasks)?;
-        engine.write(&engine.state.mesh, &engine.meshes.uniforms)?;
-        engine.write(&engine.state.taps, &engine.meshes.taps)?;
+        let mut engine = Self { gpu: gpu.clone(), params: setup.uniforms(), sizes, state, memory };
+        engine.write_capacity(capacity)?;
+        engine.write_setup(setup)?;
         Ok(engine)
     }
 
-    fn write_initial(&self, scene: &Scene, initial: &InitialState) -> Result<(), GpuError> {
-        let (s, hair, air) = (&self.state, &initial.hair, &initial.air);
+    fn write_setup(&self, setup: &Setup<'_>) -> Result<(), GpuError> {
+        let (s, scene, initial) = (&self.state, setup.scene, setup.initial);
+        let (hair, air) = (&initial.hair, &initial.air);
         let inverse_mass: Vec<f32> = hair.inverse_mass.iter().map(|&w| w as f32).collect();
         let moves: Vec<f32> = rods::largest_moves(hair).iter().map(|far| *far as f32).collect();
-        let motions = Motions::new(scene);
         let local: Vec<_> = air.positions.iter().map(|x| *x - initial.origin).collect();
-        let table = winds::table(scene);
-        let [u, v, w, _] = table[0];
-        self.write(&s.status, &[Status { wind: [u, v, w], wind_before: [u, v, w], ..Status::start() }])?;
-        self.write(&s.wind_table, &table)?;
-        self.write(&s.inflow, &winds::waves(scene, initial))?;
+        let [u, v, w, _] = setup.wind_table[0];
+        self.write(&s.band, &setup.bands.tasks)?;
+        self.write(&s.mesh, &setup.meshes.uniforms)?;
+        self.write(&s.taps, &setup.meshes.taps)?;
+        self.write(&s.status, &[Status { wind: [u, v, w], wind_before: [u, v, w], ..status::start() }])?;
+        self.write(&s.wind_table, &setup.wind_table)?;
+        self.write(&s.inflow, &setup.waves)?;
         self.write(&s.inverse_mass, &inverse_mass)?;
-        self.write(&s.keyframes, &motions.keyframes)?;
-        self.write(&s.bodies, &bodies::bodies(scene, initial, &motions))?;
-        self.write(&s.strands, &rods::strands(scene, initial, &motions))?;
+        self.write(&s.keyframes, &setup.motions.keyframes)?;
+        self.write(&s.bodies, &bodies::bodies(scene, initial, &setup.motions))?;
+        self.write(&s.strands, &rods::strands(scene, initial, &setup.motions))?;
         self.write(&s.segments, &rods::segments(hair))?;
         self.write(&s.largest_move, &moves)?;
         self.write(&s.clamps, &rods::clamps(initial))?;
@@ -94,7 +91,7 @@ impl Engine {
 
     /// Hair where it stands, as if it had come with its velocities; sound, and awake.
     pub(crate) fn write_hair(&self, hair: &Strands, origin: DVec3) -> Result<(), GpuError> {
-        let (s, step) = (&self.state, f64::from(self.params.step));
+        let (s, step) = (&self.state, f64::from(self.seconds_of_step()));
         let positions: Vec<_> = hair.positions.iter().zip(&hair.volume).map(|(x, v)| vec4(*x - origin, *v)).collect();
         let velocities: Vec<_> = hair.velocities.iter().map(|&v| vec4(v, 0.0)).collect();
         let orientations: Vec<_> = hair.orientations.iter().map(|&q| quat(q)).collect();
@@ -115,7 +112,7 @@ impl Engine {
         velocities: Option<&[DVec3]>,
         volume: f64,
     ) -> Result<(), GpuError> {
-        let first = self.params.hair_points as usize;
+        let first = self.sizes.hair_points as usize;
         if let Some(positions) = positions {
             let rows: Vec<_> = positions.iter().map(|x| vec4(*x, volume)).collect();
             self.memory.write(&self.gpu, &self.state.position, first, &rows)?;
@@ -135,7 +132,7 @@ impl Engine {
 
     /// Δt of an engine step, as the shaders have it \[s\].
     pub(crate) fn seconds_of_step(&self) -> f32 {
-        self.params.step
+        self.params[0].step
     }
 
     /// Counts of everything.
@@ -152,7 +149,7 @@ impl Engine {
 
     /// A buffer, to draw from or to bind beside one's own.
     #[must_use]
-    pub fn buffer(&self, array: &Array) -> &wgpu::Buffer {
+    pub fn buffer(&self, array: &AnyArray) -> &wgpu::Buffer {
         self.memory.buffer(array)
     }
 
@@ -165,7 +162,7 @@ impl Engine {
     /// Longest neighbour list that the adapter allows, entries.
     #[must_use]
     pub fn largest_list(&self) -> u64 {
-        (self.gpu.largest_binding() / self.state.neighbour_list.stride).min(u32::MAX.into())
+        (self.gpu.largest_binding() / self.state.neighbour_list.stride()).min(u32::MAX.into())
     }
 
     /// Runs a recording once and waits for it.
@@ -181,20 +178,23 @@ impl Engine {
     ///
     /// # Errors
     /// [`GpuError`] when they do not fit or the device is lost.
-    pub fn write<T: Pod>(&self, array: &Array, data: &[T]) -> Result<(), GpuError> {
+    pub fn write<T: Pod>(&self, array: &Array<T>, data: &[T]) -> Result<(), GpuError> {
         self.memory.write(&self.gpu, array, 0, data)
     }
 
-    /// Reads an array as elements of `T`.
+    /// Reads an array.
     ///
     /// # Errors
     /// [`GpuError`] when the device is lost.
-    pub fn read<T: Pod>(&self, array: &Array) -> Result<Vec<T>, GpuError> {
-        Ok(self.memory.read(&self.gpu, &[array])?.pop().unwrap_or_default())
+    pub fn read<T: Pod>(&self, array: &Array<T>) -> Result<Vec<T>, GpuError> {
+        Ok(self.memory.read(&self.gpu, &[**array])?.pop().unwrap_or_default())
     }
 
-    pub(crate) fn read_vec4<const N: usize>(&self, arrays: [&Array; N]) -> Result<[Vec<[f32; 4]>; N], GpuError> {
-        let mut read = self.memory.read(&self.gpu, &arrays)?.into_iter();
+    pub(crate) fn read_vec4<const N: usize>(
+        &self,
+        arrays: [&Array<[f32; 4]>; N],
+    ) -> Result<[Vec<[f32; 4]>; N], GpuError> {
+        let mut read = self.memory.read(&self.gpu, &arrays.map(|array| **array))?.into_iter();
         Ok(std::array::from_fn(|_| read.next().unwrap_or_default()))
     }
 
@@ -203,7 +203,7 @@ impl Engine {
     /// # Errors
     /// [`GpuError`] when the device is lost.
     pub fn status(&self) -> Result<Status, GpuError> {
-        let status: Vec<Status> = self.read(&self.state.status)?;
+        let status = self.read(&self.state.status)?;
         status.first().copied().ok_or_else(|| GpuError::Lost("the status could not be read".to_owned()))
     }
 
@@ -220,10 +220,10 @@ impl Engine {
     ///
     /// # Errors
     /// [`RunError::TooManyNeighbours`] when the adapter has no room, [`RunError::Gpu`] with the driver's words.
-    pub fn evaluate(&mut self, record: impl Fn(&mut Recorder, &State)) -> Result<bool, RunError> {
+    pub fn evaluate(&mut self, record: impl Fn(&mut Recorder<'_>)) -> Result<bool, RunError> {
         let mut grown = false;
         loop {
-            let program = self.program(&Recorder::record(|r| record(r, &self.state)))?;
+            let program = self.program(&Recorder::record(&self.state, &record))?;
             self.copy_state_to_scratch()?;
             self.run(&program, 1)?;
             let status = self.status()?;
@@ -239,8 +239,8 @@ impl Engine {
     /// # Errors
     /// As [`Self::evaluate`].
     pub(crate) fn grow_if_short(&mut self, status: &Status, step: u64) -> Result<Option<Status>, RunError> {
-        let (needed, limit) = (status.neighbours_needed(), self.largest_list());
-        if needed <= u64::from(self.params.neighbour_capacity) {
+        let (needed, limit) = (status::neighbours_needed(status), self.largest_list());
+        if needed <= u64::from(self.sizes.neighbours) {
             return Ok(None);
         }
         if needed > limit {
@@ -249,7 +249,7 @@ impl Engine {
         let capacity = ((needed as f64 * GROWTH) as u64).min(limit) as u32;
         tracing::debug!(needed, capacity, "the neighbour list grows");
         self.grow_neighbours(capacity)?;
-        let thawed = status.thawed();
+        let thawed = status::thawed(status);
         self.set_status(&thawed)?;
         Ok(Some(thawed))
     }
@@ -301,18 +301,15 @@ impl Engine {
     /// # Errors
     /// [`GpuError`] when the adapter has no room.
     pub fn grow_neighbours(&mut self, capacity: u32) -> Result<(), GpuError> {
-        self.params.neighbour_capacity = capacity;
         self.sizes.neighbours = capacity;
         self.state = State::new(&self.sizes);
-        let list = self.state.neighbour_list.clone();
-        self.memory.reallocate(&self.gpu, &list)?;
-        self.write_params()
+        self.memory.reallocate(&self.gpu, &self.state.neighbour_list)?;
+        self.write_capacity(capacity)
     }
 
-    fn write_params(&self) -> Result<(), GpuError> {
-        let grids = self.meshes.grids.iter().map(|grid| self.params.with_cells(*grid));
-        let all: Vec<Params> = std::iter::once(self.params).chain(grids).collect();
-        self.write(&self.state.params, &all)
+    fn write_capacity(&mut self, capacity: u32) -> Result<(), GpuError> {
+        self.params.iter_mut().for_each(|params| params.neighbour_capacity = capacity);
+        self.write(&self.state.params, &self.params)
     }
 }
 
@@ -323,10 +320,9 @@ impl Engine {
 /// [`SceneError`] when the initial state cannot be made.
 pub fn required_limits(scene: &Scene) -> Result<wgpu::Limits, SceneError> {
     let initial = InitialState::new(scene)?;
-    let mut params = Params::new(scene, &initial, 0);
-    params.neighbour_capacity = first_capacity(u64::MAX, &params);
-    let sizes = Sizes { neighbours: params.neighbour_capacity, ..Sizes::of(scene, &initial) };
-    let largest = State::new(&sizes).arrays().iter().map(|array| array.bytes()).max().unwrap_or_default();
+    let setup = Setup::new(scene, &initial);
+    let sizes = Sizes { neighbours: first_capacity(u64::MAX, &setup), ..setup.sizes() };
+    let largest = State::new(&sizes).arrays().iter().map(AnyArray::bytes).max().unwrap_or_default();
     let defaults = wgpu::Limits::default();
     Ok(wgpu::Limits {
         max_storage_buffer_binding_size: defaults.max_storage_buffer_binding_size.max(largest),
@@ -346,7 +342,7 @@ fn check_nodes(gpu: &Gpu, meshes: &Meshes) -> Result<(), GpuError> {
     Err(GpuError::BandTooFine { scale: meshes.finest, nodes: meshes.nodes, most, fits })
 }
 
-fn first_capacity(largest_binding: u64, params: &Params) -> u32 {
-    let wanted = u64::from(params.particles) * NEIGHBOURS_PER_PARTICLE;
+fn first_capacity(largest_binding: u64, setup: &Setup<'_>) -> u32 {
+    let wanted = u64::from(setup.sizes().particles) * NEIGHBOURS_PER_PARTICLE;
     wanted.min(largest_binding / size_of::<u32>() as u64).min(u32::MAX.into()) as u32
 }

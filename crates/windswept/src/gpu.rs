@@ -13,7 +13,7 @@ pub use adapter::{AdapterChoice, AdapterInfo, adapters};
 pub(crate) use memory::Memory;
 pub(crate) use program::{Profile, Program};
 pub use wgpu;
-use windswept_shaders::{Access, Pass};
+use windswept_shaders::{BindingKind, Pass};
 
 use crate::error::GpuError;
 
@@ -189,10 +189,10 @@ impl Gpu {
 }
 
 fn layout_entry(binding: &windswept_shaders::Binding) -> wgpu::BindGroupLayoutEntry {
-    let kind = match binding.access {
-        Access::Uniform => wgpu::BufferBindingType::Uniform,
-        Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
-        Access::ReadWrite => wgpu::BufferBindingType::Storage { read_only: false },
+    let kind = match binding.kind {
+        BindingKind::Uniform => wgpu::BufferBindingType::Uniform,
+        BindingKind::Read => wgpu::BufferBindingType::Storage { read_only: true },
+        BindingKind::ReadWrite => wgpu::BufferBindingType::Storage { read_only: false },
     };
     wgpu::BindGroupLayoutEntry {
         binding: binding.binding,

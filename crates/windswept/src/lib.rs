@@ -1,33 +1,79 @@
 //! Hair in turbulent wind on the GPU.
 //!
-//! Strands are Cosserat rods, hair and air are one position-based fluid (Demura, Fujisawa & Mikawa 2019). A
-//! [`Simulation`] takes a checked [`windswept_scene::Scene`] and a [`Gpu`], steps, and hands out [`Frame`]s and a
-//! [`Report`]. `step.rs` reads as the step, top to bottom; [`ops`] runs single passes of it on arrays of the caller's own.
+//! Strands are Cosserat rods; hair and air are one position-based fluid (Demura, Fujisawa & Mikawa 2019). The four things
+//! that a program does with this crate:
+//!
+//! * **Embed.** [`Gpu::new`] opens an adapter, [`Gpu::from_device`] takes a device that the program has already. A
+//!   [`windswept_scene::Scene`], read from a file or made in code, becomes a [`Simulation`], of the scene's own strands or of a
+//!   groom ([`Simulation::with_groom`]).
+//! * **Step.** [`Simulation::step`] runs steps and waits for them; [`Simulation::record`] and [`Simulation::settle`] put them
+//!   into the program's own command encoder. [`Simulation::set_roots`] and [`Simulation::set_wind`] drive it between steps.
+//! * **Read.** [`Simulation::frame`] is the state as arrays, [`Simulation::report`] what ran, how fast and how well.
+//! * **Draw.** [`Simulation::buffers`] are the positions and frames on the GPU, to be drawn without a copy. Pictures are made by
+//!   the crate `windswept-export`.
+//!
+//! ```no_run
+//! use windswept::{AdapterChoice, Gpu, Simulation};
+//! use windswept_scene::Scene;
+//!
+//! let scene = Scene::load("examples/scenes/quick.toml")?;
+//! let mut simulation = Simulation::new(&Gpu::new(&AdapterChoice::Best)?, &scene)?;
+//! simulation.step(100)?;
+//! println!("{} hair points after {} s", simulation.frame()?.hair.positions.len(), simulation.time());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`ops`] runs single passes over arrays of the program's own. [`plan`] and [`buffers`] say what a step consists of, without
+//! a GPU. Inside the crate, `step.rs` reads as the step, top to bottom.
 
+mod array;
 mod bands;
 mod bodies;
 mod engine;
-pub mod error;
-pub mod frame;
+mod error;
+mod frame;
 pub mod gpu;
 mod meshes;
-pub mod motion;
+mod motion;
 pub mod ops;
-pub mod params;
-pub mod plan;
-pub mod recorder;
-pub mod report;
+mod params;
+mod plan;
+mod recorder;
+mod report;
 mod rods;
+mod setup;
 mod simulation;
-pub mod state;
-pub mod status;
-pub mod step;
+mod state;
+mod status;
+mod step;
 mod winds;
 
-pub use engine::{Engine, required_limits};
+pub use engine::required_limits;
 pub use error::{Error, GpuError, RunError};
 pub use frame::{AirFrame, Frame, HairFrame};
 pub use gpu::{AdapterChoice, AdapterInfo, Gpu, adapters};
-pub use plan::{Plan, PlanRow};
-pub use report::Report;
-pub use simulation::Simulation;
+pub use plan::{BufferRow, PlanRow, Uses, buffers, memory_bytes, table as plan};
+pub use report::{BandEnergy, Particles, PassReport, Report, SkippedReport};
+pub use simulation::{Buffers, Simulation};
+
+/// What tests and `windswept validate` look at. No part of the interface: it changes without notice.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::{
+        array::{AnyArray, Array, Index},
+        engine::Engine,
+        motion::Motions,
+        plan::{BandPlan, Plan},
+        recorder::{Bindings, Command, Decision, Recorder, Recording},
+        setup::Setup,
+        state::{Sizes, State},
+    };
+    /// The status word and the counters.
+    pub mod status {
+        pub use crate::status::*;
+    }
+    /// The step's fragments.
+    pub mod step {
+        pub use crate::step::*;
+    }
+}

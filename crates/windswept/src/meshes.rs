@@ -1,43 +1,16 @@
 //! The grids of the band filter as the shaders see them (`shaders/common/mesh.wgsl`), and the taps that smooth them.
 
-use std::{
-    f64::consts::{E, PI, TAU},
-    mem::offset_of,
-};
+use std::f64::consts::{E, PI, TAU};
 
-use bytemuck::{Pod, Zeroable};
 use windswept_scene::{Filter, InitialState, Scene};
-use windswept_shaders::layout;
-
-use crate::params::assert_layout;
-
-/// `Mesh`, field by field: a grid, and one pass of smoothing along an axis of it.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[allow(missing_docs)]
-pub(crate) struct Mesh {
-    pub nodes: [i32; 3],
-    pub order: u32,
-    pub spacing: [f32; 3],
-    pub gain: f32,
-    pub cell: f32,
-    pub normalise: u32,
-    pub axis: u32,
-    pub nearest: i32,
-    pub first_tap: u32,
-    pub end_tap: u32,
-    pub _unused: [u32; 50],
-}
-
-assert_layout!(Mesh { nodes, order, spacing, gain, cell, normalise, axis, nearest, first_tap, end_tap });
+use windswept_shaders::{
+    common::mesh::Mesh,
+    turbulence::{deposit::BLOCK, smooth::ROW},
+};
 
 /// Of the Gaussian, and of its second derivative \[1/m²\].
 pub(crate) type Tap = [f32; 2];
 
-/// Nodes that an invocation of `turbulence/deposit` makes along each axis: its `BLOCK`.
-const BLOCK: [u32; 3] = [4, 2, 2];
-/// Nodes that an invocation of `turbulence/smooth` makes: its `ROW`.
-const ROW: u32 = 4;
 /// Larger grids fit no adapter: the engine refuses them by their size, their taps are not made.
 const MOST_NODES: u64 = 1 << 28;
 /// Taps below this part of the middle one are left out: û is then 3e-6 off, 3e-5 with 1e-4.
@@ -125,14 +98,14 @@ impl Meshes {
                 nearest,
                 first_tap,
                 end_tap: self.taps.len() as u32,
-                _unused: [0; 50],
+                ..Mesh::default()
             });
         }
         let product = |counts: [u32; 3]| counts.iter().fold(1, |all: u32, &n| all.saturating_mul(n));
-        let blocks = [0, 1, 2].map(|axis| count[axis].div_ceil(BLOCK[axis]));
+        let blocks = [0, 1, 2].map(|axis| count[axis].div_ceil(BLOCK[axis] as u32));
         let rows = |axis: usize| {
             let mut lines = count;
-            lines[axis] = lines[axis].div_ceil(ROW);
+            lines[axis] = lines[axis].div_ceil(ROW as u32);
             product(lines)
         };
         self.bands.push(OnMesh {
@@ -180,7 +153,7 @@ fn taps(nodes: usize, spacing: f64, scale: f64, order: u32) -> (i32, Vec<Tap>) {
     let [gauss, curve] = all.fold([0.0; 2], |[gauss, curve], tap| [gauss + tap[0], curve + tap[1]]);
     half[0][0] += 1.0 - gauss;
     half[0][1] -= curve;
-    let read = -low..high + ROW as i32;
+    let read = -low..high + ROW;
     let tap = |n: i32| if n <= high { half[n.unsigned_abs() as usize].map(|x| x as f32) } else { [0.0; 2] };
     (-low, read.map(tap).collect())
 }

@@ -1,32 +1,12 @@
 //! Keyframes as the shaders see them (`shaders/common/motion.wgsl`).
 
-use std::{mem::offset_of, ops::Range};
+use std::ops::Range;
 
-use bytemuck::{Pod, Zeroable};
 use glam::DQuat;
 use windswept_scene::{Motion, Scene};
-use windswept_shaders::layout;
+use windswept_shaders::common::motion::Keyframe;
 
-use crate::{
-    params::assert_layout,
-    rods::{quat, vec3},
-};
-
-/// `Keyframe`, field by field.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[allow(missing_docs)]
-pub struct Keyframe {
-    pub translation: [f32; 3],
-    pub step: u32,
-    pub rotation: [f32; 4],
-    pub travel: [f32; 3],
-    pub fraction: f32,
-    pub turn: [f32; 3],
-    pub rate: f32,
-}
-
-assert_layout!(Keyframe { translation, step, rotation, travel, fraction, turn, rate });
+use crate::rods::{quat, vec3};
 
 /// The keyframes of all that moves, and whose they are.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -14,12 +14,14 @@ use glam::DVec3;
 use windswept_scene::{AirParticles, Band, Fluid, InitialState, Order, Scene, SceneError, Turbulence};
 
 use crate::{
+    array::Array,
     engine::Engine,
     error::{GpuError, RunError},
     gpu::Gpu,
     plan::Plan,
     recorder::Recorder,
-    state::{Array, State},
+    setup::Setup,
+    state::State,
     step,
 };
 
@@ -155,9 +157,9 @@ impl<'a> Particles<'a> {
     /// [`OpsError`].
     pub fn density(&self, gpu: &Gpu) -> Result<Vec<f32>, OpsError> {
         let Some(mut stage) = self.stage(gpu, self.radius, |_| {})? else { return Ok(Vec::new()) };
-        stage.evaluate(|r, s, plan| {
-            step::neighbours::record(r, s, plan);
-            step::fluid::record_density(r, s, plan);
+        stage.evaluate(|r, plan| {
+            step::neighbours::record(r, plan);
+            step::fluid::record_density(r, plan);
         })?;
         let ratios: Vec<f32> = stage.read(|s| &s.density)?;
         Ok(ratios.into_iter().map(|ratio| (f64::from(ratio) * self.rest_density) as f32).collect())
@@ -171,9 +173,9 @@ impl<'a> Particles<'a> {
     pub fn vorticity(&self, gpu: &Gpu) -> Result<Vec<[f32; 3]>, OpsError> {
         self.check_velocities()?;
         let Some(mut stage) = self.stage(gpu, self.radius, |_| {})? else { return Ok(Vec::new()) };
-        stage.evaluate(|r, s, plan| {
-            step::neighbours::record(r, s, plan);
-            step::turbulence::record_vorticity(r, s, plan);
+        stage.evaluate(|r, plan| {
+            step::neighbours::record(r, plan);
+            step::turbulence::record_vorticity(r, plan);
         })?;
         stage.read_vectors(|s| &s.vorticity)
     }
@@ -204,12 +206,12 @@ impl<'a> Particles<'a> {
         };
         let stage = self.stage(gpu, self.radius.max(scale * cutoff), prepare);
         let Some(mut stage) = stage.map_err(|error| too_fine(scale, error))? else { return Ok(Vec::new()) };
-        stage.evaluate(|r, s, plan| {
+        stage.evaluate(|r, plan| {
             // The grid sorts for itself.
             if plan.direct_filter.runs {
-                step::neighbours::record(r, s, plan);
+                step::neighbours::record(r, plan);
             }
-            step::turbulence::record_band(r, s, plan);
+            step::turbulence::record_band(r, plan);
         })?;
         stage.read_vectors(|s| &s.band_velocity)
     }
@@ -240,10 +242,10 @@ impl<'a> Particles<'a> {
         if coefficient == 0.0 {
             return Ok(self.velocities.iter().map(|v| v.map(|x| x as f32)).collect());
         }
-        stage.evaluate(|r, s, plan| {
-            step::neighbours::record(r, s, plan);
-            step::fluid::record_density(r, s, plan);
-            step::viscosity::record(r, s, plan);
+        stage.evaluate(|r, plan| {
+            step::neighbours::record(r, plan);
+            step::fluid::record_density(r, plan);
+            step::viscosity::record(r, plan);
         })?;
         stage.read_vectors(|s| &s.viscous_velocity)
     }
@@ -266,9 +268,9 @@ impl<'a> Particles<'a> {
         let Some(mut stage) = self.stage(gpu, self.radius, |scene| scene.fluid = fluid)? else {
             return Ok(Vec::new());
         };
-        stage.evaluate(|r, s, plan| {
-            step::neighbours::record(r, s, plan);
-            step::fluid::record(r, s, plan);
+        stage.evaluate(|r, plan| {
+            step::neighbours::record(r, plan);
+            step::fluid::record(r, plan);
         })?;
         let moved: Vec<[f32; 4]> = stage.read(|s| &s.predicted)?;
         let place = |x: &[f32; 4]| {
@@ -372,8 +374,8 @@ impl<'a> Particles<'a> {
             air: AirParticles { min, size, positions, velocities, volume, mass: self.mass },
             ..InitialState::default()
         };
-        let engine = Engine::new(gpu, &scene, &initial)?;
-        let plan = Plan::new(&scene, &initial, engine.sizes());
+        let setup = Setup::new(&scene, &initial);
+        let (engine, plan) = (Engine::new(gpu, &setup)?, Plan::new(&setup));
         Ok(Some(Stage { engine, plan, origin: min }))
     }
 }
@@ -386,16 +388,16 @@ struct Stage {
 }
 
 impl Stage {
-    fn evaluate(&mut self, record: impl Fn(&mut Recorder, &State, &Plan)) -> Result<(), OpsError> {
-        self.engine.evaluate(|r, s| record(r, s, &self.plan))?;
+    fn evaluate(&mut self, record: impl Fn(&mut Recorder<'_>, &Plan)) -> Result<(), OpsError> {
+        self.engine.evaluate(|r| record(r, &self.plan))?;
         Ok(())
     }
 
-    fn read<T: bytemuck::Pod>(&self, array: impl Fn(&State) -> &Array) -> Result<Vec<T>, OpsError> {
+    fn read<T: bytemuck::Pod>(&self, array: impl Fn(&State) -> &Array<T>) -> Result<Vec<T>, OpsError> {
         Ok(self.engine.read(array(self.engine.state()))?)
     }
 
-    fn read_vectors(&self, array: impl Fn(&State) -> &Array) -> Result<Vec<[f32; 3]>, OpsError> {
+    fn read_vectors(&self, array: impl Fn(&State) -> &Array<[f32; 4]>) -> Result<Vec<[f32; 3]>, OpsError> {
         let read: Vec<[f32; 4]> = self.read(array)?;
         Ok(read.iter().map(|v| [v[0], v[1], v[2]]).collect())
     }

@@ -1,104 +1,15 @@
 //! What the shaders get told once: the uniform, from the scene and its initial state.
 
-use std::{f64::consts::PI, mem::offset_of};
+use std::f64::consts::PI;
 
-use bytemuck::{Pod, Zeroable};
 use windswept_scene::{InitialState, Integrator, Law, Scene, Solver};
-use windswept_shaders::layout;
+use windswept_shaders::common::params::Params;
 
-use crate::{rods, state::Sizes};
-
-/// Asserts that a Rust struct is laid out as naga lays out its namesake.
-macro_rules! assert_layout {
-    ($name:ident { $($field:ident),* $(,)? }) => {
-        const _: () = {
-            assert!(std::mem::size_of::<$name>() == layout::$name::SIZE);
-            $(assert!(offset_of!($name, $field) == layout::$name::$field);)*
-        };
-    };
-}
-pub(crate) use assert_layout;
-
-/// `shaders/common/params.wgsl`, field by field.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[allow(missing_docs)]
-pub struct Params {
-    pub box_size: [f32; 3],
-    pub step: f32,
-    pub gravity: [f32; 3],
-    pub fringe: f32,
-    pub cells: [i32; 3],
-    pub kernel_radius: f32,
-    pub cell_size: [f32; 3],
-    pub air_volume: f32,
-    pub particles: u32,
-    pub hair_points: u32,
-    pub segments: u32,
-    pub strands: u32,
-    pub box_cells: u32,
-    pub hashed_cells: u32,
-    pub neighbour_capacity: u32,
-    pub rod_sweeps: u32,
-    pub air_inverse_mass: f32,
-    pub relaxation: f32,
-    pub tension: f32,
-    pub density_softening: f32,
-    pub viscosity_hair: f32,
-    pub viscosity_air: f32,
-    pub damping: f32,
-    pub bad_strand_limit: u32,
-    pub air_density: f32,
-    pub kinematic_viscosity: f32,
-    pub lift: f32,
-    pub published_law: u32,
-    pub direct_rods: u32,
-    pub bdf2: u32,
-    pub sleep: u32,
-    pub substeps: u32,
-    pub conserve_momentum: u32,
-    pub _unused: [u32; 23],
-}
-
-assert_layout!(Params {
-    box_size,
-    step,
-    gravity,
-    fringe,
-    cells,
-    kernel_radius,
-    cell_size,
-    air_volume,
-    particles,
-    hair_points,
-    segments,
-    strands,
-    box_cells,
-    hashed_cells,
-    neighbour_capacity,
-    rod_sweeps,
-    air_inverse_mass,
-    relaxation,
-    tension,
-    density_softening,
-    viscosity_hair,
-    viscosity_air,
-    damping,
-    bad_strand_limit,
-    air_density,
-    kinematic_viscosity,
-    lift,
-    published_law,
-    direct_rods,
-    bdf2,
-    sleep,
-    substeps,
-    conserve_momentum,
-});
+use crate::rods;
 
 /// Fewest and most buckets for hair outside the box, powers of two.
 const TABLE: [u32; 2] = [64, 1 << 18];
-/// α over D0: softens λ where a particle has hardly a neighbour (design 3.1).
+/// α over D0: softens λ where a particle has hardly a neighbour.
 const SOFTENING: f64 = 1e-3;
 /// Cells that `grid/scan` can sum: each of its 256 invocations walks over its stretch twice, and Mesa's software adapter ends
 /// the loops of an invocation after 65 535 rounds in all, without a word.
@@ -108,91 +19,72 @@ const MOST_BOX_CELLS: f64 = 8e6;
 /// Strands that may go bad in one step before the run ends: 3, or 1 %.
 const BAD_STRANDS: u32 = 3;
 
-impl Params {
-    /// The uniform of a scene; `neighbour_capacity` is the list's length.
-    #[must_use]
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    pub fn new(scene: &Scene, initial: &InitialState, neighbour_capacity: u32) -> Self {
-        let substeps = f64::from(scene.time.substeps);
-        let hair_points = initial.hair.positions.len() as u32;
-        let strands = initial.hair.len() as u32;
-        let air_particles = initial.air.positions.len() as u32;
-        let mut params = Self {
-            step: (scene.time.step / substeps) as f32,
-            gravity: scene.gravity.map(|g| g as f32),
-            kernel_radius: 1.0,
-            cell_size: [1.0; 3],
-            particles: hair_points + air_particles,
-            hair_points,
-            segments: initial.hair.orientations.len() as u32,
-            strands,
-            hashed_cells: if hair_points > 0 { table(hair_points) } else { 1 },
-            neighbour_capacity,
-            rod_sweeps: rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
-            relaxation: scene.fluid.relaxation as f32,
-            tension: scene.fluid.tension as f32,
-            viscosity_hair: (scene.viscosity.hair / substeps) as f32,
-            viscosity_air: (scene.viscosity.air / substeps) as f32,
-            damping: scene.rods.damping as f32,
-            bad_strand_limit: BAD_STRANDS.max(strands / 100),
-            lift: scene.lift as f32,
-            published_law: u32::from(scene.turbulence.law == Law::Published),
-            direct_rods: u32::from(scene.rods.solver == Solver::Direct),
-            bdf2: u32::from(scene.rods.integrator == Integrator::Bdf2),
-            sleep: u32::from(scene.rods.sleep),
-            substeps: scene.time.substeps,
-            conserve_momentum: u32::from(scene.turbulence.conserve_momentum),
-            ..Self::zeroed()
-        };
-        if let Some(air) = &scene.air {
-            params.fringe = air.fringe as f32;
-            params.air_density = air.rest_density as f32;
-            params.kinematic_viscosity = air.kinematic_viscosity as f32;
-            params.kernel_radius = air.kernel_radius as f32;
-            params.cell_size = [air.kernel_radius as f32; 3];
-            if air_particles > 0 {
-                let size = initial.air.size.to_array();
-                let cells = cells(size, air.kernel_radius);
-                params.box_size = size.map(|side| side as f32);
-                params.cells = cells.map(|n| n as i32);
-                params.cell_size = [0, 1, 2].map(|axis| (size[axis] / cells[axis]) as f32);
-                // Saturates: a scene made in code is not checked, and memory for so many is refused.
-                params.box_cells = cells.iter().product::<f64>() as u32;
-                params.air_volume = initial.air.volume as f32;
-                params.air_inverse_mass = (1.0 / initial.air.mass) as f32;
-                params.density_softening = (SOFTENING
-                    * lattice_gradients(air.kernel_radius, initial.air.volume, 1.0 / initial.air.mass))
-                    as f32;
-            }
-        }
-        params
-    }
-
-    /// The same scene, with the nodes of a grid of the band filter for cells.
-    #[must_use]
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    pub(crate) fn with_cells(&self, (nodes, spacing): ([f64; 3], [f64; 3])) -> Self {
-        Self {
-            cells: nodes.map(|n| n as i32),
-            cell_size: spacing.map(|h| h as f32),
-            box_cells: nodes.iter().product::<f64>() as u32,
-            ..*self
+/// The uniform of a scene, with a neighbour list of no entries.
+#[must_use]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
+    let substeps = f64::from(scene.time.substeps);
+    let hair_points = initial.hair.positions.len() as u32;
+    let strands = initial.hair.len() as u32;
+    let air_particles = initial.air.positions.len() as u32;
+    let mut params = Params {
+        step: (scene.time.step / substeps) as f32,
+        gravity: scene.gravity.map(|g| g as f32),
+        kernel_radius: 1.0,
+        cell_size: [1.0; 3],
+        particles: hair_points + air_particles,
+        hair_points,
+        segments: initial.hair.orientations.len() as u32,
+        strands,
+        hashed_cells: if hair_points > 0 { table(hair_points) } else { 1 },
+        rod_sweeps: rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
+        relaxation: scene.fluid.relaxation as f32,
+        tension: scene.fluid.tension as f32,
+        viscosity_hair: (scene.viscosity.hair / substeps) as f32,
+        viscosity_air: (scene.viscosity.air / substeps) as f32,
+        damping: scene.rods.damping as f32,
+        bad_strand_limit: BAD_STRANDS.max(strands / 100),
+        lift: scene.lift as f32,
+        published_law: u32::from(scene.turbulence.law == Law::Published),
+        direct_rods: u32::from(scene.rods.solver == Solver::Direct),
+        bdf2: u32::from(scene.rods.integrator == Integrator::Bdf2),
+        sleep: u32::from(scene.rods.sleep),
+        substeps: scene.time.substeps,
+        conserve_momentum: u32::from(scene.turbulence.conserve_momentum),
+        ..Params::default()
+    };
+    if let Some(air) = &scene.air {
+        params.fringe = air.fringe as f32;
+        params.air_density = air.rest_density as f32;
+        params.kinematic_viscosity = air.kinematic_viscosity as f32;
+        params.kernel_radius = air.kernel_radius as f32;
+        params.cell_size = [air.kernel_radius as f32; 3];
+        if air_particles > 0 {
+            let size = initial.air.size.to_array();
+            let cells = cells(size, air.kernel_radius);
+            params.box_size = size.map(|side| side as f32);
+            params.cells = cells.map(|n| n as i32);
+            params.cell_size = [0, 1, 2].map(|axis| (size[axis] / cells[axis]) as f32);
+            // Saturates: a scene made in code is not checked, and memory for so many is refused.
+            params.box_cells = cells.iter().product::<f64>() as u32;
+            params.air_volume = initial.air.volume as f32;
+            params.air_inverse_mass = (1.0 / initial.air.mass) as f32;
+            params.density_softening =
+                (SOFTENING * lattice_gradients(air.kernel_radius, initial.air.volume, 1.0 / initial.air.mass)) as f32;
         }
     }
+    params
+}
 
-    /// The sizes of the buffers that the uniform tells of.
-    #[must_use]
-    pub(crate) fn sizes(&self) -> Sizes {
-        Sizes {
-            particles: self.particles,
-            hair_points: self.hair_points,
-            segments: self.segments,
-            strands: self.strands,
-            buckets: self.box_cells.saturating_add(self.hashed_cells),
-            neighbours: self.neighbour_capacity,
-            factors: if self.direct_rods != 0 { self.segments } else { 0 },
-            ..Sizes::default()
-        }
+/// The uniform of the same scene, with the nodes of a grid of the band filter for cells.
+#[must_use]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+pub(crate) fn with_cells(params: &Params, (nodes, spacing): ([f64; 3], [f64; 3])) -> Params {
+    Params {
+        cells: nodes.map(|n| n as i32),
+        cell_size: spacing.map(|h| h as f32),
+        box_cells: nodes.iter().product::<f64>() as u32,
+        ..*params
     }
 }
 

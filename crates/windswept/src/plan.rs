@@ -1,14 +1,19 @@
 //! Which passes a scene needs, and why. Decided once, from the scene; `windswept plan` prints it.
 
 use windswept_scene::{Air, Filter, InitialState, Law, Model, Scene, SceneError, Solver, ViscosityForm};
+use windswept_shaders::{
+    Binding,
+    common::{band::Band, mesh::Mesh, params::Params},
+};
 
 use crate::{
-    bands::{Bands, invocations},
-    meshes::Meshes,
-    params::Params,
-    recorder::{Decision, Recorder},
+    array::{AnyArray, Index},
+    bands::invocations,
+    params,
+    recorder::{Command, Decision, Recorder},
     rods,
-    state::{Array, Sizes, State},
+    setup::Setup,
+    state::{Sizes, State},
     step,
 };
 
@@ -69,11 +74,11 @@ pub struct BandPlan {
     /// Does it run?
     pub runs: Decision,
     /// Element of `band` with its law.
-    pub law: usize,
-    /// Per dispatch of that sum, at least one: the element of `band`, and the invocations.
-    pub pairs: Vec<(usize, u32)>,
-    /// Element of `params` with its grid's cells.
-    pub cells: usize,
+    pub law: Index<Band>,
+    /// Dispatches of the direct filter, at least one: the element of `band`, and the invocations.
+    pub tasks: Vec<(Index<Band>, u32)>,
+    /// Element of `params` with the cells of its grid.
+    pub cells: Index<Params>,
     /// Does it need a grid of its own? Close bands share one.
     pub deposit: Decision,
     /// Invocations of the deposit.
@@ -81,24 +86,23 @@ pub struct BandPlan {
     /// Cells of its grid, those for hair outside the box included.
     pub buckets: u32,
     /// Per axis: the element of `mesh`, and the invocations that smooth along it.
-    pub axes: [(usize, u32); 3],
+    pub axes: [(Index<Mesh>, u32); 3],
 }
 
 impl Plan {
     /// The plan of a scene.
     #[must_use]
-    pub fn new(scene: &Scene, initial: &InitialState, sizes: Sizes) -> Self {
+    pub fn new(setup: &Setup<'_>) -> Self {
+        let (scene, initial, sizes) = (setup.scene, setup.initial, setup.sizes());
         let hair = Decision::when(sizes.strands > 0, "the scene has no hair");
         let air = match scene.model {
             Model::Particles => Decision::when(sizes.air() > 0, "the scene has no air particles"),
             Model::Drag => Decision::when(false, "interaction.model is drag: no air particles"),
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),
         };
-        let blows = Decision::when(!scene.air.as_ref().is_none_or(Air::is_still), "air.wind is zero");
-        let wind = air.and(blows.clone());
         let viscous = scene.viscosity.hair > 0.0 || scene.viscosity.air > 0.0;
         let solved = scene.fluid.iterations > 0;
-        let bands = bands(scene, initial);
+        let bands = bands(setup);
         let on_grid = scene.turbulence.filter == Filter::Grid;
         let turbulence = air.and(turbulence(scene, &bands));
         let drag = hair.and(match scene.model {
@@ -106,7 +110,7 @@ impl Plan {
             Model::Particles => Decision::when(air.runs, "no air moves"),
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),
         });
-        let blows = if air.runs || drag.runs { blows } else { air.and(drag.clone()) };
+        let (blows, wind) = wind(scene, &air, &drag);
         let neighbours = air.and(Decision::when(
             solved || viscous || turbulence.runs,
             "neither density nor viscosity nor turbulence asks for neighbours",
@@ -142,40 +146,52 @@ impl Plan {
         }
     }
 
+    /// Takes another wind into account; says whether other passes run now.
+    pub(crate) fn set_wind(&mut self, scene: &Scene) -> bool {
+        let (blows, wind) = wind(scene, &self.air, &self.drag);
+        let changed = blows != self.blows;
+        (self.blows, self.wind) = (blows, wind);
+        changed
+    }
+
     /// The array that holds the velocities at the end of the step.
     #[must_use]
-    pub fn final_velocity(&self, s: &State) -> Array {
-        let last = if self.viscosity.runs { &s.viscous_velocity } else { &s.new_velocity };
-        last.named("final_velocity")
+    pub fn final_velocity(&self, s: &State) -> AnyArray {
+        if self.viscosity.runs { *s.viscous_velocity } else { *s.new_velocity }
     }
 }
 
 const NO_BANDS: &str = "the scene names no turbulence.bands";
 
+/// Whether a wind blows at all, and whether it blows over air particles.
+fn wind(scene: &Scene, air: &Decision, drag: &Decision) -> (Decision, Decision) {
+    let blows = Decision::when(!scene.air.as_ref().is_none_or(Air::is_still), "air.wind is zero");
+    let wind = air.and(blows.clone());
+    (if air.runs || drag.runs { blows } else { air.and(drag.clone()) }, wind)
+}
+
 /// In the order in which they run: those that share a grid follow one another. At least one, so that the plan always names
 /// the passes of a band.
-fn bands(scene: &Scene, initial: &InitialState) -> Vec<BandPlan> {
-    let params = Params::new(scene, initial, 0);
-    let cut = Bands::new(scene, initial, &params);
-    let meshes = Meshes::new(scene, initial);
+fn bands(setup: &Setup<'_>) -> Vec<BandPlan> {
+    let (scene, params, cut, meshes) = (setup.scene, &setup.params, &setup.bands, &setup.meshes);
     let plan = |index: usize, runs: Decision| {
         let tasks = cut.ranges.get(index).cloned().unwrap_or(0..1);
         let mesh = meshes.bands.iter().find(|mesh| mesh.band == index);
         let first = mesh.map_or(0, |mesh| mesh.first);
         let smooth = mesh.map_or([0; 3], |mesh| mesh.smooth);
         let blocks = mesh.and_then(|mesh| mesh.deposit);
-        let grid_params = mesh.map(|mesh| params.with_cells(meshes.grids[mesh.grid]));
+        let grid_params = mesh.map(|mesh| params::with_cells(params, meshes.grids[mesh.grid]));
         BandPlan {
             index,
             runs,
-            law: tasks.start,
+            law: Index::new(tasks.start),
             // Without air there are no tasks: never run, so that the plan can say of every pass why.
-            pairs: tasks.map(|k| (k, cut.tasks.get(k).map_or(0, invocations))).collect(),
-            cells: mesh.map_or(0, |mesh| 1 + mesh.grid),
+            tasks: tasks.map(|k| (Index::new(k), cut.tasks.get(k).map_or(0, invocations))).collect(),
+            cells: Index::new(mesh.map_or(0, |mesh| 1 + mesh.grid)),
             deposit: Decision::when(blocks.is_some() || mesh.is_none(), "it shares the grid of the band before"),
             blocks: blocks.unwrap_or(0),
             buckets: grid_params.map_or(0, |params| params.box_cells.saturating_add(params.hashed_cells)),
-            axes: [0, 1, 2].map(|axis| (first + axis, smooth[axis])),
+            axes: [0, 1, 2].map(|axis| (Index::new(first + axis), smooth[axis])),
         }
     };
     let mut order: Vec<usize> = meshes.bands.iter().map(|mesh| mesh.band).collect();
@@ -228,18 +244,47 @@ pub struct PlanRow {
     pub runs: u32,
     /// Why it does not run.
     pub skipped: Option<String>,
+    /// What it reads and writes.
+    pub uses: Uses,
 }
 
-/// The step of a scene, pass by pass in execution order: a dry run of [`step::record`], with no GPU.
+/// A row of `windswept plan --buffers`: what a pass reads and writes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Uses {
+    /// Arrays that it reads.
+    pub reads: Vec<&'static str>,
+    /// Arrays that it writes.
+    pub writes: Vec<&'static str>,
+}
+
+/// A buffer of the engine.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BufferRow {
+    /// Name in the shaders.
+    pub name: &'static str,
+    /// Elements.
+    pub len: u64,
+    /// Size of an element \[bytes\].
+    pub stride: u64,
+    /// What it holds, with its unit.
+    pub doc: &'static str,
+}
+
+/// Bytes of a scene's buffers without its neighbour list.
+#[must_use]
+pub fn memory_bytes(scene: &Scene, initial: &InitialState) -> u64 {
+    State::new(&Setup::new(scene, initial).sizes()).arrays().iter().map(AnyArray::bytes).sum()
+}
+
+/// The step of a scene, pass by pass in execution order: a dry run of `step.rs`, with no GPU.
 ///
 /// # Errors
 /// [`SceneError`] when the initial state cannot be made.
 pub fn table(scene: &Scene) -> Result<Vec<PlanRow>, SceneError> {
     let initial = InitialState::new(scene)?;
-    let sizes = Sizes::of(scene, &initial);
-    let plan = Plan::new(scene, &initial, sizes);
-    let state = State::new(&sizes);
-    let recording = Recorder::record(|r| step::record(r, &state, &plan));
+    let setup = Setup::new(scene, &initial);
+    let (plan, state) = (Plan::new(&setup), State::new(&setup.sizes()));
+    let recording = Recorder::record(&state, |r| step::record(r, &plan));
     let mut rows: Vec<PlanRow> = Vec::new();
     for command in &recording.commands {
         let same = |row: &&mut PlanRow| {
@@ -255,8 +300,30 @@ pub fn table(scene: &Scene) -> Result<Vec<PlanRow>, SceneError> {
                 band: command.band,
                 runs: u32::from(command.skipped.is_none()),
                 skipped: command.skipped.clone(),
+                uses: uses(command),
             }),
         }
     }
     Ok(rows)
+}
+
+/// What naga found that a pass does with the arrays it is bound to.
+fn uses(command: &Command) -> Uses {
+    let bound = command.pass.bindings.iter().zip(&command.arrays);
+    let names = |does: fn(&Binding) -> bool| {
+        bound.clone().filter(|(binding, _)| does(binding)).map(|(_, array)| array.name()).collect()
+    };
+    Uses { reads: names(|binding| binding.reads), writes: names(|binding| binding.writes) }
+}
+
+/// The buffers that a scene takes, with no GPU. The neighbour list has no entries yet.
+///
+/// # Errors
+/// [`SceneError`] when the initial state cannot be made.
+pub fn buffers(scene: &Scene) -> Result<Vec<BufferRow>, SceneError> {
+    let initial = InitialState::new(scene)?;
+    let state = State::new(&Setup::new(scene, &initial).sizes());
+    let row =
+        |array: AnyArray| BufferRow { name: array.name(), len: array.len(), stride: array.stride(), doc: array.doc() };
+    Ok(state.arrays().into_iter().map(row).collect())
 }

@@ -1,8 +1,8 @@
 //! Writes down a step: which pass runs over which arrays, and which is left out and why. No GPU.
 
-use windswept_shaders::{Access, Pass};
+use windswept_shaders::{Binding, BindingKind, Pass};
 
-use crate::state::Array;
+use crate::{array::AnyArray, state::State};
 
 /// Whether a part of the step is needed, and why.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -38,8 +38,8 @@ pub struct Command {
     pub label: &'static str,
     /// Invocations that are wanted.
     pub invocations: u32,
-    /// Its buffers, in the order of the pass's bindings.
-    pub arrays: Vec<Array>,
+    /// What the pass's bindings are bound to, in their order.
+    pub arrays: Vec<AnyArray>,
     /// The band of eddies that it is for, an index into `turbulence.bands`.
     pub band: Option<usize>,
     /// Why it is left out; `None`: it runs.
@@ -61,21 +61,41 @@ impl Recording {
 }
 
 /// Collects a [`Recording`].
-#[derive(Debug, Default)]
-pub struct Recorder {
+#[derive(Debug)]
+pub struct Recorder<'a> {
+    state: &'a State,
+    arrays: Vec<AnyArray>,
     recording: Recording,
     heading: &'static str,
     band: Option<usize>,
     skipping: Option<String>,
 }
 
-impl Recorder {
-    /// What `record` records.
+impl<'a> Recorder<'a> {
+    /// What `record` writes down, over the arrays of `state`.
+    ///
+    /// # Panics
+    /// When a pass binds a name that no array has, or an array of other elements, or writes one that it binds twice: mistakes
+    /// in a fragment, which its first dry run finds.
     #[must_use]
-    pub fn record(record: impl FnOnce(&mut Self)) -> Recording {
-        let mut recorder = Self::default();
+    pub fn record(state: &'a State, record: impl FnOnce(&mut Self)) -> Recording {
+        let mut recorder = Self {
+            state,
+            arrays: state.arrays(),
+            recording: Recording::default(),
+            heading: "",
+            band: None,
+            skipping: None,
+        };
         record(&mut recorder);
+        recorder.recording.commands.iter().for_each(check);
         recorder.recording
+    }
+
+    /// The arrays, for passes that bind one under another name.
+    #[must_use]
+    pub fn state(&self) -> &'a State {
+        self.state
     }
 
     /// The heading under which the next passes stand.
@@ -83,21 +103,26 @@ impl Recorder {
         self.heading = heading;
     }
 
-    /// One pass over `invocations` elements.
-    ///
-    /// # Panics
-    /// When the arrays are not those of the pass's bindings: a mistake in a fragment, found by the first dry run.
-    pub fn run(&mut self, pass: &'static Pass, label: &'static str, invocations: u32, arrays: &[&Array]) {
-        check(pass, arrays);
-        self.recording.commands.push(Command {
+    /// One pass over `invocations` elements. Each of its bindings is bound to the array of its name, but where
+    /// [`Bindings::bind`] says otherwise.
+    pub fn run(&mut self, pass: &'static Pass, label: &'static str, invocations: u32) -> Bindings<'_> {
+        let named = |binding: &Binding| {
+            let array = self.arrays.iter().find(|array| array.name() == binding.name).copied().unwrap_or_default();
+            if binding.kind == BindingKind::Uniform { array.as_uniform() } else { array }
+        };
+        let command = Command {
             heading: self.heading,
             pass,
             label,
             invocations,
-            arrays: arrays.iter().map(|&array| array.clone()).collect(),
+            arrays: pass.bindings.iter().map(named).collect(),
             band: self.band,
             skipped: self.skipping.clone(),
-        });
+        };
+        let commands = &mut self.recording.commands;
+        commands.push(command);
+        let last = commands.len() - 1;
+        Bindings(&mut commands[last])
     }
 
     /// Passes for one band of eddies: the profile has rows of its own for each.
@@ -129,26 +154,42 @@ impl Recorder {
     }
 }
 
-/// Count, order (by name), element size and access of the arrays against what naga read out of the pass.
-fn check(pass: &Pass, arrays: &[&Array]) {
-    let wanted: Vec<_> = pass.bindings.iter().map(|binding| binding.name).collect();
-    let given: Vec<_> = arrays.iter().map(|array| array.name).collect();
-    assert!(wanted == given, "{}: binds {wanted:?}, was given {given:?}", pass.name);
-    for (binding, array) in pass.bindings.iter().zip(arrays) {
+/// The bindings of a pass that was just recorded.
+#[derive(Debug)]
+pub struct Bindings<'a>(&'a mut Command);
+
+impl Bindings<'_> {
+    /// Binds an array under another name than its own, or one element of an array of uniforms.
+    ///
+    /// # Panics
+    /// When the pass has no binding of that name.
+    #[allow(clippy::return_self_not_must_use)] // the last of a chain has done its work
+    pub fn bind(self, name: &str, array: &AnyArray) -> Self {
+        let command = self.0;
+        let place = command.pass.bindings.iter().position(|binding| binding.name == name);
+        match place {
+            Some(place) => command.arrays[place] = *array,
+            None => panic!("{}: binds no {name}", command.pass.name),
+        }
+        Self(command)
+    }
+}
+
+/// Whether the arrays are what the bindings of the pass take.
+fn check(command: &Command) {
+    let pass = command.pass;
+    for (binding, array) in pass.bindings.iter().zip(&command.arrays) {
+        assert!(*array != AnyArray::default(), "{}: no array is called {}: bind one", pass.name, binding.name);
         assert!(
-            u64::from(binding.stride) == array.stride,
-            "{}: {} has elements of {} bytes, the array of {}",
+            u64::from(binding.stride) == array.stride(),
+            "{}: {} has elements of {} bytes, the array {} of {}",
             pass.name,
             binding.name,
             binding.stride,
-            array.stride
+            array.name(),
+            array.stride()
         );
-        let writers = arrays.iter().filter(|other| other.slot == array.slot).count();
-        assert!(
-            binding.access != Access::ReadWrite || writers == 1,
-            "{}: {} is written while bound twice",
-            pass.name,
-            binding.name
-        );
+        let bound = command.arrays.iter().filter(|other| other.slot() == array.slot()).count();
+        assert!(!binding.writes || bound == 1, "{}: {} is written while bound twice", pass.name, binding.name);
     }
 }

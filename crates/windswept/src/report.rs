@@ -57,6 +57,10 @@ pub struct Report {
     /// What confinement has given the air in the whole run, its mean taken out; without bands left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub confinement_impulse_kg_m_per_s: Option<[f64; 3]>,
+    /// Steps in which the confinement's limiter acted on some particle: a band may gain 0.12 of its speed in a step, which
+    /// strong bands do; without bands left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub confinement_limited_steps: Option<u64>,
     /// Energy and cost of each of `turbulence.bands`; without air particles or bands left out.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub band_energy: Vec<BandEnergy>,

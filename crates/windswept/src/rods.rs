@@ -1,132 +1,21 @@
 //! Strands and segments as the shaders see them (`shaders/common/rod.wgsl`).
 
-use std::mem::offset_of;
-
-use bytemuck::{Pod, Zeroable};
 use glam::{DQuat, DVec3};
 use windswept_scene::{End, Hair, InitialState, Scene, Strands};
-use windswept_shaders::layout;
+use windswept_shaders::common::rod::{
+    Condition, Health, PointHistory, ROOT_HELD, ROOT_JOINT, Root, Segment, SegmentHistory, Strand, TIP_HELD, TIP_JOINT,
+};
 
-use crate::{motion::Motions, params::assert_layout};
+use crate::motion::Motions;
 
-/// `Strand`, field by field.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[allow(missing_docs)]
-pub(crate) struct Strand {
-    pub first_point: u32,
-    pub first_segment: u32,
-    pub points: u32,
-    pub joints: u32,
-    pub tip_frame: [f32; 4],
-    pub tip_rest_rotation: [f32; 4],
-    pub tip_compliance: [f32; 3],
-    pub length: f32,
-    pub center: [f32; 3],
-    pub first_keyframe: u32,
-    pub keyframes: u32,
-    pub still_speed: f32,
-    pub still_acceleration: f32,
-    pub _unused: u32,
-}
-
-assert_layout!(Strand {
-    first_point,
-    first_segment,
-    points,
-    joints,
-    tip_frame,
-    tip_rest_rotation,
-    tip_compliance,
-    length,
-    center,
-    first_keyframe,
-    keyframes,
-    still_speed,
-    still_acceleration
-});
-
-/// Bits of `joints`, as in `shaders/common/rod.wgsl`.
-const ROOT_JOINT: u32 = 1;
-const TIP_JOINT: u32 = 2;
-const ROOT_HELD: u32 = 4;
-const TIP_HELD: u32 = 8;
-
-/// `Segment`, field by field.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[allow(missing_docs)]
-pub(crate) struct Segment {
-    pub rest_rotation: [f32; 4],
-    pub stretch_compliance: [f32; 3],
-    pub rest_length: f32,
-    pub bend_compliance: [f32; 3],
-    pub inverse_inertia: f32,
-    pub radius: f32,
-    pub fibres: f32,
-    pub point: u32,
-    pub _unused: u32,
-}
-
-assert_layout!(Segment {
-    rest_rotation,
-    stretch_compliance,
-    rest_length,
-    bend_compliance,
-    inverse_inertia,
-    radius,
-    fibres,
-    point
-});
-
-/// `Root`, field by field.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[allow(missing_docs)]
-pub(crate) struct Root {
-    pub position: [f32; 4],
-    pub frame: [f32; 4],
-}
-
-assert_layout!(Root { position, frame });
-
-/// `PointHistory`, field by field.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[allow(missing_docs)]
-pub(crate) struct PointHistory {
-    pub travel: [f32; 4],
-    pub velocity: [f32; 4],
-    pub remainder: [f32; 4],
-}
-
-assert_layout!(PointHistory { travel, velocity, remainder });
-
-/// `SegmentHistory`, field by field.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[allow(missing_docs)]
-pub(crate) struct SegmentHistory {
-    pub turn: [f32; 4],
-    pub angular_velocity: [f32; 4],
-    pub force: [f32; 4],
-    pub moment: [f32; 4],
-}
-
-assert_layout!(SegmentHistory { turn, angular_velocity, force, moment });
-
-/// `Health`, field by field: bad, strained, calm, still; as committed, and as found in a step.
-pub(crate) type Health = [[u32; 4]; 2];
-const _: () = assert!(size_of::<Health>() == layout::Health::SIZE);
-
-/// Of a strand at the start: one step of Euler, then BDF2. It has no acceleration to carry on before.
-const CALM: u32 = 1;
+/// Calm steps that a strand starts with: it takes one step of Euler, then BDF2. It has no acceleration to carry on before.
+const CALM_AT_START: u32 = 1;
 
 /// Rounds of the loops of one invocation of `rods/gauss_seidel`, at most: Mesa's software adapter ends the loops of an
 /// invocation after 65 535 rounds in all, without a word.
 const ROUNDS: u32 = 30_000;
 
-/// A point may not move farther than this part of its strand in one step (design 3.6).
+/// A point may not move farther than this part of its strand in one step.
 const LARGEST_MOVE: f64 = 0.03;
 
 pub(crate) fn vec3(v: DVec3) -> [f32; 3] {
@@ -179,7 +68,7 @@ pub(crate) fn strands(scene: &Scene, initial: &InitialState, motions: &Motions) 
             keyframes: keyframes.end - keyframes.start,
             still_speed: rest.speed as f32,
             still_acceleration: rest.acceleration as f32,
-            _unused: 0,
+            ..Strand::default()
         }
     };
     (0..hair.len()).map(strand).collect()
@@ -198,7 +87,7 @@ pub(crate) fn segments(hair: &Strands) -> Vec<Segment> {
         radius: hair.radius[k] as f32,
         fibres: hair.fibres[k] as f32,
         point: point as u32,
-        _unused: 0,
+        ..Segment::default()
     };
     points.enumerate().map(segment).collect()
 }
@@ -206,7 +95,7 @@ pub(crate) fn segments(hair: &Strands) -> Vec<Segment> {
 /// Where a root is, local \[m\], and its ghost frame.
 #[must_use]
 pub(crate) fn root(position: DVec3, frame: DQuat) -> Root {
-    Root { position: vec4(position, 0.0), frame: quat(frame) }
+    Root { position: vec3(position), frame: quat(frame), ..Root::default() }
 }
 
 /// Per strand: where it is held at the start.
@@ -236,9 +125,10 @@ pub(crate) fn point_histories(hair: &Strands, origin: DVec3, step: f64) -> Vec<P
     let history = |(x, v): (&DVec3, &DVec3)| {
         let local = *x - origin;
         PointHistory {
-            travel: vec4(*v * step, 0.0),
-            velocity: vec4(*v, 0.0),
-            remainder: vec4(local - local.as_vec3().as_dvec3(), 0.0),
+            travel: vec3(*v * step),
+            velocity: vec3(*v),
+            remainder: vec3(local - local.as_vec3().as_dvec3()),
+            ..PointHistory::default()
         }
     };
     hair.positions.iter().zip(&hair.velocities).map(history).collect()
@@ -247,18 +137,16 @@ pub(crate) fn point_histories(hair: &Strands, origin: DVec3, step: f64) -> Vec<P
 /// Per segment: the same, and no multipliers yet.
 #[must_use]
 pub(crate) fn segment_histories(hair: &Strands, step: f64) -> Vec<SegmentHistory> {
-    let history = |w: &DVec3| SegmentHistory {
-        turn: vec4(*w * step, 0.0),
-        angular_velocity: vec4(*w, 0.0),
-        ..SegmentHistory::zeroed()
-    };
+    let history =
+        |w: &DVec3| SegmentHistory { turn: vec3(*w * step), angular_velocity: vec3(*w), ..SegmentHistory::default() };
     hair.angular_velocities.iter().map(history).collect()
 }
 
 /// Per strand: sound.
 #[must_use]
 pub(crate) fn healths(hair: &Strands) -> Vec<Health> {
-    vec![[[0, 0, CALM, 0]; 2]; hair.len()]
+    let sound = Condition { calm: CALM_AT_START, ..Condition::default() };
+    vec![Health { committed: sound, found: sound }; hair.len()]
 }
 
 /// Sweeps of one dispatch: as many as divide `iterations` and keep the longest strand below [`ROUNDS`], at least 1.

@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use glam::{DQuat, DVec3};
 use windswept_scene::{Groom, InitialState, Scene};
+use windswept_shaders::common::status::{NON_FINITE_AIR, Status, TOO_MANY_BAD_STRANDS};
 
 use crate::{
     engine::Engine,
@@ -16,7 +17,7 @@ use crate::{
     gpu::{Gpu, Profile, Program, wgpu},
     plan::Plan,
     recorder::{Recorder, Recording},
-    status::{self, Status},
+    setup::Setup,
     step::{self, Quantity},
 };
 
@@ -47,6 +48,23 @@ pub struct Simulation {
     timed_steps: u64,
 }
 
+/// The state on the GPU. Elements are four `f32` each.
+#[derive(Debug, Clone, Copy)]
+pub struct Buffers<'a> {
+    /// Per particle, hair points first and air after them: position less `origin` \[m\], and volume \[m³\].
+    pub positions: &'a wgpu::Buffer,
+    /// Per particle: velocity \[m/s\]; the fourth number means nothing.
+    pub velocities: &'a wgpu::Buffer,
+    /// Per segment: (x, y, z, w), material frame to world.
+    pub orientations: &'a wgpu::Buffer,
+    /// Points of all strands, root to tip and strand by strand.
+    pub hair_points: u32,
+    /// Air particles.
+    pub air_particles: u32,
+    /// Origin of the positions in the world \[m\].
+    pub origin: DVec3,
+}
+
 impl Simulation {
     /// A simulation at t = 0.
     ///
@@ -74,9 +92,10 @@ impl Simulation {
         initial.check()?;
         let mut scene = scene.clone();
         scene.time.substeps = initial.hair.substeps(&scene);
-        let engine = Engine::new(gpu, &scene, &initial)?;
-        let plan = Plan::new(&scene, &initial, engine.sizes());
-        let recording = Recorder::record(|r| step::record(r, engine.state(), &plan));
+        let setup = Setup::new(&scene, &initial);
+        let engine = Engine::new(gpu, &setup)?;
+        let plan = Plan::new(&setup);
+        let recording = Recorder::record(engine.state(), |r| step::record(r, &plan));
         let program = engine.program(&recording)?;
         let last = engine.status()?;
         Ok(Self {
@@ -144,9 +163,9 @@ impl Simulation {
         if let Some(thawed) = self.engine.grow_if_short(&status, step)? {
             self.last = thawed;
             self.record_again()?;
-        } else if status.causes & status::NON_FINITE_AIR != 0 {
+        } else if status.causes & NON_FINITE_AIR != 0 {
             return Err(RunError::NonFiniteAir { particle: status.first_bad_air, step, time: self.time() });
-        } else if status.causes & status::TOO_MANY_BAD_STRANDS != 0 {
+        } else if status.causes & TOO_MANY_BAD_STRANDS != 0 {
             let (count, first) = (status.bad_strands, status.first_bad_strand);
             return Err(RunError::TooManyBadStrands { count, first, step, time: self.time() });
         }
@@ -155,7 +174,7 @@ impl Simulation {
 
     /// Records the step anew, for the engine's buffers as they are now.
     fn record_again(&mut self) -> Result<(), GpuError> {
-        self.recording = Recorder::record(|r| step::record(r, self.engine.state(), &self.plan));
+        self.recording = Recorder::record(self.engine.state(), |r| step::record(r, &self.plan));
         self.program = self.engine.program(&self.recording)?;
         Ok(())
     }
@@ -211,7 +230,29 @@ impl Simulation {
         &self.initial
     }
 
-    /// The adapter, memory and buffers behind it, for drawing without a copy and for single passes.
+    /// The device that it runs on.
+    #[must_use]
+    pub fn gpu(&self) -> &Gpu {
+        self.engine.gpu()
+    }
+
+    /// Buffers of the state, to be drawn from without a copy. They hold the state between steps, and stay the same ones for
+    /// the whole run.
+    #[must_use]
+    pub fn buffers(&self) -> Buffers<'_> {
+        let s = self.engine.state();
+        Buffers {
+            positions: self.engine.buffer(&s.position),
+            velocities: self.engine.buffer(&s.velocity),
+            orientations: self.engine.buffer(&s.orientation),
+            hair_points: self.engine.sizes().hair_points,
+            air_particles: self.engine.sizes().air(),
+            origin: self.initial.origin,
+        }
+    }
+
+    /// The engine below.
+    #[doc(hidden)]
     #[must_use]
     pub fn engine(&self) -> &Engine {
         &self.engine
@@ -252,7 +293,7 @@ impl Simulation {
     /// [`RunError`] when the neighbour list cannot grow or the device is lost.
     pub fn density(&mut self) -> Result<Vec<f32>, RunError> {
         self.measure(Quantity::Density)?;
-        let density = self.engine.state().density.clone();
+        let density = self.engine.state().density;
         if self.plan.neighbours.runs { Ok(self.engine.read(&density)?) } else { Ok(Vec::new()) }
     }
 
@@ -275,7 +316,7 @@ impl Simulation {
             return Ok(());
         }
         let plan = &self.plan;
-        if self.engine.evaluate(|r, s| step::record_quantity(r, s, plan, quantity))? {
+        if self.engine.evaluate(|r| step::record_quantity(r, plan, quantity))? {
             self.record_again()?;
         }
         self.settle()

@@ -1,124 +1,80 @@
-//! The status word and counters that the GPU keeps (`shaders/common/status.wgsl`), and what the host makes of them.
+//! What the host makes of the status word and the counters that the GPU keeps (`shaders/common/status.wgsl`).
 
-use std::{collections::BTreeMap, mem::offset_of};
+use std::collections::BTreeMap;
 
-use bytemuck::{Pod, Zeroable};
-use windswept_shaders::layout;
+use windswept_shaders::common::status::{
+    ASLEEP_STEP, CONFINEMENT_LIMITED, EULER_STEP, HAIR_OUTSIDE, MOVE_CAPPED, OVER_STRAINED, QUIET_STEP, RESCUED_STEP,
+    STRAND_RESET, Status, TELEPORT,
+};
 
-use crate::params::assert_layout;
-
-/// The neighbour list is too short (`neighbours` exceeds its capacity): the host grows it and replays.
-pub const NEIGHBOUR_OVERFLOW: u32 = 1;
-/// Air became non-finite: the run ends.
-pub const NON_FINITE_AIR: u32 = 2;
-/// Too many strands became non-finite in one step: the run ends.
-pub const TOO_MANY_BAD_STRANDS: u32 = 4;
-
-/// Names of the counters, in the order of `counted`.
-pub const COUNTERS: [&str; 10] = [
-    "strand_reset",
-    "move_capped",
-    "over_strained",
-    "hair_outside_box",
-    "confinement_limited",
-    "euler_steps",
-    "quiet_steps",
-    "asleep_steps",
-    "teleports",
-    "rescued_steps",
+/// Counters of what a user should know; keys of the report's `warnings`.
+const WARNINGS: [(u32, &str); 4] = [
+    (STRAND_RESET, "strand_reset"),
+    (MOVE_CAPPED, "move_capped"),
+    (OVER_STRAINED, "over_strained"),
+    (HAIR_OUTSIDE, "hair_outside_box"),
 ];
-/// So many of them, the first, are keys of the report's `warnings`; the others of its `strand_steps`.
-const WARNINGS: usize = 5;
+/// Counters of how strands were stepped; keys of the report's `strand_steps`.
+const STRAND_STEPS: [(u32, &str); 5] = [
+    (EULER_STEP, "euler_steps"),
+    (QUIET_STEP, "quiet_steps"),
+    (ASLEEP_STEP, "asleep_steps"),
+    (TELEPORT, "teleports"),
+    (RESCUED_STEP, "rescued_steps"),
+];
 
-/// `Status`, field by field.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[allow(missing_docs)]
-pub struct Status {
-    pub causes: u32,
-    pub step: u32,
-    pub neighbours: u32,
-    pub neighbour_carries: u32,
-    pub bad_strands: u32,
-    pub first_bad_strand: u32,
-    pub first_bad_air: u32,
-    pub max_stretch: u32,
-    pub hair_outside: u32,
-    pub outside_steps: u32,
-    pub wind: [f32; 3],
-    pub wind_before: [f32; 3],
-    pub way: [f32; 3],
-    pub counted: [u32; 10],
-    pub counting: [u32; 10],
+/// The status of a run that has not begun.
+#[must_use]
+pub fn start() -> Status {
+    Status { first_bad_strand: u32::MAX, first_bad_air: u32::MAX, ..Status::default() }
 }
 
-assert_layout!(Status {
-    causes,
-    step,
-    neighbours,
-    neighbour_carries,
-    bad_strands,
-    first_bad_strand,
-    first_bad_air,
-    max_stretch,
-    hair_outside,
-    outside_steps,
-    wind,
-    wind_before,
-    way,
-    counted,
-    counting,
-});
-
-impl Status {
-    /// At the start.
-    #[must_use]
-    pub fn start() -> Self {
-        Self { first_bad_strand: u32::MAX, first_bad_air: u32::MAX, ..Self::zeroed() }
+/// The status with which a frozen step is run again.
+#[must_use]
+pub fn thawed(status: &Status) -> Status {
+    Status {
+        causes: 0,
+        neighbours: 0,
+        neighbour_carries: 0,
+        bad_strands: 0,
+        first_bad_strand: u32::MAX,
+        hair_outside: 0,
+        wind: status.wind_before,
+        counting: Status::default().counting,
+        ..*status
     }
+}
 
-    /// The same step again, thawed.
-    #[must_use]
-    pub fn thawed(self) -> Self {
-        Self {
-            causes: 0,
-            neighbours: 0,
-            neighbour_carries: 0,
-            bad_strands: 0,
-            first_bad_strand: u32::MAX,
-            hair_outside: 0,
-            wind: self.wind_before,
-            counting: [0; 10],
-            ..self
-        }
-    }
+/// Entries that the neighbour list needs in this step.
+#[must_use]
+pub fn neighbours_needed(status: &Status) -> u64 {
+    u64::from(status.neighbour_carries) << 32 | u64::from(status.neighbours)
+}
 
-    /// Entries that the neighbour list needs in this step.
-    #[must_use]
-    pub fn neighbours_needed(&self) -> u64 {
-        u64::from(self.neighbour_carries) << 32 | u64::from(self.neighbours)
-    }
+/// max |l/l0 − 1| over the run.
+#[must_use]
+pub fn max_stretch(status: &Status) -> f32 {
+    f32::from_bits(status.max_stretch)
+}
 
-    /// max |l/l0 − 1| over the run.
-    #[must_use]
-    pub fn max_stretch(&self) -> f32 {
-        f32::from_bits(self.max_stretch)
-    }
+/// How often each cause for a warning acted; causes that never acted are left out.
+#[must_use]
+pub fn warnings(status: &Status) -> BTreeMap<String, u64> {
+    named(status, &WARNINGS).filter(|(_, count)| *count > 0).collect()
+}
 
-    /// What was counted, by cause; causes that never acted are left out.
-    #[must_use]
-    pub fn warnings(&self) -> BTreeMap<String, u64> {
-        self.named(0..WARNINGS).filter(|(_, count)| *count > 0).collect()
-    }
+/// How many steps of strands went otherwise than by a solve of the integrator asked for, by how; 2³² − 1 at most.
+#[must_use]
+pub fn strand_steps(status: &Status) -> BTreeMap<String, u64> {
+    named(status, &STRAND_STEPS).collect()
+}
 
-    /// How many steps of strands went otherwise than by a solve of the integrator asked for, by how; 2³² − 1 at most.
-    #[must_use]
-    pub fn strand_steps(&self) -> BTreeMap<String, u64> {
-        self.named(WARNINGS..COUNTERS.len()).collect()
-    }
+/// Steps in which the limit of the confinement acted on some particle; 2³² − 1 at most.
+#[must_use]
+pub fn confinement_limited_steps(status: &Status) -> u64 {
+    status.counted[CONFINEMENT_LIMITED as usize].into()
+}
 
-    fn named(&self, which: std::ops::Range<usize>) -> impl Iterator<Item = (String, u64)> {
-        let counted = self.counted;
-        which.map(move |i| (COUNTERS[i].to_owned(), u64::from(counted[i])))
-    }
+fn named(status: &Status, counters: &[(u32, &str)]) -> impl Iterator<Item = (String, u64)> {
+    counters.iter().map(|(counter, name)| ((*name).to_owned(), status.counted[*counter as usize].into()))
 }

@@ -10,19 +10,19 @@ pub mod turbulence;
 pub mod velocity;
 pub mod viscosity;
 
-use crate::{plan::Plan, recorder::Recorder, state::State};
+use crate::{plan::Plan, recorder::Recorder};
 
 /// Records one step.
-pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
-    drive::record(r, s, plan); //      1. Clamps move; wind enters and drags; air moves, and hair drifts among it.
-    neighbours::record(r, s, plan); // 2. Sort particles into cells, list who is near whom.
-    fluid::record(r, s, plan); //      3. Hair and air share one density constraint (eq. 1).
-    rods::record(r, s, plan); //       4. Strands keep their length and shape.
-    contact::record(r, s, plan); //    5. Nothing enters a body.
-    velocity::record(r, s, plan); //   6. Velocities from positions.
-    turbulence::record(r, s, plan); // 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
-    viscosity::record(r, s, plan); //  8. Neighbours share velocity (eqs. 7, 8).
-    guard::record(r, s, plan); //      9. Commit, or freeze and report.
+pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
+    drive::record(r, plan); //      1. Clamps move; wind enters and drags; air moves, and hair drifts among it.
+    neighbours::record(r, plan); // 2. Sort particles into cells, list who is near whom.
+    fluid::record(r, plan); //      3. Hair and air share one density constraint (eq. 1).
+    rods::record(r, plan); //       4. Strands keep their length and shape.
+    contact::record(r, plan); //    5. Nothing enters a body.
+    velocity::record(r, plan); //   6. Velocities from positions.
+    turbulence::record(r, plan); // 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
+    viscosity::record(r, plan); //  8. Neighbours share velocity (eqs. 7, 8).
+    guard::record(r, plan); //      9. Commit, or freeze and report.
 }
 
 /// A quantity of the committed state, for reports and pictures: its passes, over the state copied to `predicted` and
@@ -36,10 +36,10 @@ pub enum Quantity {
 }
 
 /// Records the passes that a quantity takes.
-pub fn record_quantity(r: &mut Recorder, s: &State, plan: &Plan, quantity: Quantity) {
-    neighbours::record(r, s, plan);
+pub fn record_quantity(r: &mut Recorder<'_>, plan: &Plan, quantity: Quantity) {
+    neighbours::record(r, plan);
     match quantity {
-        Quantity::Density => fluid::record_density(r, s, plan),
-        Quantity::Vorticity => turbulence::record_vorticity(r, s, plan),
+        Quantity::Density => fluid::record_density(r, plan),
+        Quantity::Vorticity => turbulence::record_vorticity(r, plan),
     }
 }

@@ -1,29 +1,13 @@
 //! The wind as the shaders see it: the table of the mean wind, the waves of the inflow.
 
-use std::mem::offset_of;
-
-use bytemuck::{Pod, Zeroable};
 use windswept_scene::{InitialState, Scene};
-use windswept_shaders::layout;
-
-use crate::params::assert_layout;
+use windswept_shaders::wind::fringe::Wave;
 
 /// A time that no run reaches \[s\].
 const NEVER: f32 = 1e30;
 
-/// `Wave` of `wind/fringe`, field by field.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[allow(missing_docs)]
-pub(crate) struct Wave {
-    pub number: [f32; 4],
-    pub amplitude: [f32; 4],
-}
-
-assert_layout!(Wave { number, amplitude });
-
 /// Entries of the table, with room for a wind that is set; the last, which no run reaches, is as the one before.
-pub(crate) fn table_len(scene: &Scene) -> usize {
+fn table_len(scene: &Scene) -> usize {
     scene.air.as_ref().map_or(0, |air| air.wind_table().len()).max(2) + 1
 }
 

@@ -1,6 +1,6 @@
 //! Headings 4 and 5.
 
-use windswept::step;
+use windswept::internals::step;
 use windswept_reference::{
     State as Twin, contact, rods,
     step::{self as twin, Scratch},

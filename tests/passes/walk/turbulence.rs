@@ -1,7 +1,10 @@
 //! Heading 7.
 
 use glam::DVec3;
-use windswept::{plan::BandPlan, state::Array, step};
+use windswept::{
+    internals::{Array, step},
+    plan::BandPlan,
+};
 use windswept_reference::{State as Twin, step::Scratch, turbulence};
 
 use super::{Same, Walk, apart, largest};

@@ -2,10 +2,10 @@
 
 use std::f32::consts::TAU;
 
-use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 use windswept::HairFrame;
 use windswept_scene::{RootShape, Roots, Scene};
+use windswept_shaders::pictures::grow::Hair;
 
 /// Neighbours of a strand that its hairs may lean toward.
 const NEIGHBOURS: usize = 6;
@@ -15,18 +15,6 @@ const RADIUS: f32 = 4e-5;
 /// that side by side they would cover their patch so many times.
 const THICKER: [f32; 2] = [1.3, 2.3];
 const COVER: f32 = 5.0;
-
-/// `Hair` of grow.wgsl.
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-pub(super) struct Hair {
-    guide: u32,
-    neighbour: u32,
-    pair: u32,
-    seed: u32,
-    here: [f32; 4],
-    there: [f32; 4],
-}
 
 /// Everything about the drawn hairs that stays the same through a film.
 #[derive(Debug)]

@@ -2,6 +2,7 @@
 
 use bytemuck::Pod;
 use windswept::gpu::wgpu::{self, util::DeviceExt};
+use windswept_shaders::Picture;
 
 use super::target::{COLOUR, DEPTH, SAMPLES};
 
@@ -57,10 +58,10 @@ impl Maker<'_> {
         })
     }
 
-    pub(super) fn module(&self, label: &str, source: &str) -> wgpu::ShaderModule {
+    pub(super) fn module(&self, picture: &Picture) -> wgpu::ShaderModule {
         self.0.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(label),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
+            label: Some(picture.name),
+            source: wgpu::ShaderSource::Wgsl(picture.source.into()),
         })
     }
 

@@ -4,31 +4,15 @@ use glam::Quat;
 use windswept::gpu::wgpu::{self, BufferUsages};
 use windswept::{Frame, Gpu, GpuError, HairFrame};
 use windswept_scene::Scene;
+use windswept_shaders::pictures::{
+    self,
+    common::{GRID, View, WORKGROUP},
+};
 
 use super::bodies;
 use super::groom::{self, Groom};
 use super::maker::{Bound, Compute, Depth, Draw, Maker};
 use super::patch::{self, Corner};
-use super::view::{GRID, Uniform};
-
-const GROW: &str = concat!(include_str!("common.wgsl"), include_str!("grow.wgsl"));
-const OPACITY: &str = concat!(include_str!("common.wgsl"), include_str!("taper.wgsl"), include_str!("opacity.wgsl"));
-const SHADE: &str = concat!(include_str!("common.wgsl"), include_str!("shadow.wgsl"), include_str!("shade.wgsl"));
-const SCENERY: &str = concat!(
-    include_str!("common.wgsl"),
-    include_str!("backdrop.wgsl"),
-    include_str!("shadow.wgsl"),
-    include_str!("scenery.wgsl")
-);
-const RIBBON: &str = concat!(
-    include_str!("common.wgsl"),
-    include_str!("taper.wgsl"),
-    include_str!("backdrop.wgsl"),
-    include_str!("ribbon.wgsl")
-);
-const AIR: &str = concat!(include_str!("common.wgsl"), include_str!("air.wgsl"));
-/// Invocations of a workgroup in the shaders above.
-const WORKGROUP: u64 = 64;
 
 /// Everything on the GPU but the picture itself.
 #[derive(Debug)]
@@ -90,7 +74,7 @@ impl Passes {
         let hairs = groom.hairs.len() as u32;
         let all = u64::from(hairs) * u64::from(samples);
         let strand_points = start.positions.len() as u64;
-        let view = m.buffer("view", size_of::<Uniform>() as u64, BufferUsages::UNIFORM);
+        let view = m.buffer("view", size_of::<View>() as u64, BufferUsages::UNIFORM);
         let hair = m.filled("hairs", &groom.hairs, BufferUsages::STORAGE);
         let offsets = m.filled("strands", &start.offsets, BufferUsages::STORAGE);
         let radius = m.filled("radii", &groom.radius, BufferUsages::STORAGE);
@@ -102,18 +86,23 @@ impl Passes {
         let colour = m.buffer("hair colours", 4 * all, BufferUsages::STORAGE);
         let grid = m.buffer("opacity", 4 * 2 * u64::from(GRID).pow(3), BufferUsages::STORAGE);
 
-        let per_point = all.div_ceil(WORKGROUP);
-        let per_column = (2 * u64::from(GRID).pow(2)).div_ceil(WORKGROUP);
-        let opacity = m.module("opacity", OPACITY);
+        let per_point = all.div_ceil(WORKGROUP.into());
+        let per_column = (2 * u64::from(GRID).pow(2)).div_ceil(WORKGROUP.into());
+        let opacity = m.module(&pictures::OPACITY);
         let grown = numbered([&view, &hair, &offsets, &guide, &frame, &likeness, &points]);
         let compute = [
-            m.compute(&m.module("grow", GROW), "main", &grown, per_point),
+            m.compute(&m.module(&pictures::GROW), "main", &grown, per_point),
             m.compute(&opacity, "deposit", &numbered([&view, &points, &grid, &radius]), per_point),
             m.compute(&opacity, "accumulate", &[(2, &grid)], per_column),
-            m.compute(&m.module("shade", SHADE), "main", &numbered([&view, &points, &grid, &seed, &colour]), per_point),
+            m.compute(
+                &m.module(&pictures::SHADE),
+                "main",
+                &numbered([&view, &grid, &points, &seed, &colour]),
+                per_point,
+            ),
         ];
         let ribbon = numbered([&view, &points, &colour, &radius]);
-        let scenery = m.module("scenery", SCENERY);
+        let scenery = m.module(&pictures::SCENERY);
         let patch = (patch::corners(scene, 0.0), patch::triangles(scene.hair.len()));
         let bodies = (bodies::corners(scene, 0.0), bodies::triangles(scene.bodies.len()));
         Self {
@@ -121,9 +110,9 @@ impl Passes {
             wall: m.draw(&scenery, "wall_", &[], None, Depth::Ignored),
             patch: Patch::new(m, &patch, &scenery, &numbered([&view, &grid])),
             bodies: Patch::new(m, &bodies, &scenery, &numbered([&view, &grid])),
-            ribbon: m.draw(&m.module("ribbon", RIBBON), "", &ribbon, None, Depth::Solid),
+            ribbon: m.draw(&m.module(&pictures::RIBBON), "", &ribbon, None, Depth::Solid),
             ribbon_triangles: Triangles::new(m, &strip(samples)),
-            air: m.draw(&m.module("air", AIR), "", &[], None, Depth::Clear),
+            air: m.draw(&m.module(&pictures::AIR), "", &[], None, Depth::Clear),
             hairs,
             view,
             guide,
@@ -138,7 +127,7 @@ impl Passes {
     pub(super) fn upload(
         &self,
         gpu: &Gpu,
-        view: &Uniform,
+        view: &View,
         scene: &Scene,
         shot: &Frame,
         likeness: &[f32],

@@ -2,11 +2,12 @@
 
 use std::f64::consts::{PI, TAU};
 
-use bytemuck::{Pod, Zeroable};
 use glam::dcamera::lh::view::look_to_mat4;
 use glam::dcamera::rh::{proj, view::look_at_mat4};
 use glam::{DMat4, DVec3, Vec3, Vec4};
 use windswept_scene::{Body, Camera, Hair, LookAt, Model, Scene};
+
+use windswept_shaders::pictures::common::{self as shader, GRID, Light};
 
 use super::patch::ends;
 use crate::ExportError;
@@ -97,7 +98,7 @@ impl View {
     }
 
     /// What the shaders see, for hair within this box [m].
-    pub(super) fn uniform(&self, low: DVec3, high: DVec3, hairs: u32, samples: u32) -> Uniform {
+    pub(super) fn uniform(&self, low: DVec3, high: DVec3, hairs: u32, samples: u32) -> shader::View {
         let forward = (self.target - self.eye).normalize();
         let right = forward.cross(self.up()).normalize();
         let up = right.cross(forward);
@@ -111,8 +112,8 @@ impl View {
         // The key stands above the camera's left shoulder, the sky straight above and a little in front.
         let key = (-0.45 * right + 0.85 * up - 0.40 * forward).normalize();
         let sky = (0.25 * right + 0.9 * DVec3::Y - 0.5 * forward).normalize();
-        Uniform {
-            clip_from_world: self.clip_from_world(depths).as_mat4().to_cols_array(),
+        shader::View {
+            clip_from_world: self.clip_from_world(depths).as_mat4().to_cols_array_2d(),
             eye: vec4(self.eye, pixel),
             right: vec4(right, nearest),
             up: vec4(up, 1.0 / (farthest - nearest).max(1e-9)),
@@ -219,32 +220,6 @@ fn corners(low: DVec3, high: DVec3) -> [DVec3; 8] {
     })
 }
 
-/// `Light` of common.wgsl.
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct Light {
-    grid_from_world: [f32; 16],
-    toward: [f32; 4],
-    colour: [f32; 4],
-}
-
-/// `View` of common.wgsl.
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-pub(super) struct Uniform {
-    clip_from_world: [f32; 16],
-    eye: [f32; 4],
-    right: [f32; 4],
-    up: [f32; 4],
-    size: [f32; 2],
-    hairs: u32,
-    samples: u32,
-    lights: [Light; 2],
-}
-
-/// `GRID` of common.wgsl.
-pub(super) const GRID: u32 = 96;
-
 /// A light from `toward` whose grid holds the box.
 fn light(toward: DVec3, colour: [f32; 3], low: DVec3, high: DVec3) -> Light {
     // Left-handed: z grows with the way of the light.
@@ -259,7 +234,7 @@ fn light(toward: DVec3, colour: [f32; 3], low: DVec3, high: DVec3) -> Light {
     let grid = DMat4::from_scale(1.0 / cell) * DMat4::from_translation(-a) * turned;
     let [r, g, b] = colour;
     Light {
-        grid_from_world: grid.as_mat4().to_cols_array(),
+        grid_from_world: grid.as_mat4().to_cols_array_2d(),
         toward: vec4(toward, cell.x * cell.y),
         colour: [r, g, b, 0.0],
     }

@@ -3,12 +3,14 @@
 use std::{num::NonZero, sync::mpsc};
 
 use bytemuck::Pod;
+use windswept_shaders::{BindingKind, PASSES};
 
 use crate::{
+    array::{AnyArray, Array},
     engine::NEIGHBOURS_PER_PARTICLE,
     error::GpuError,
     gpu::Gpu,
-    state::{Array, State},
+    state::State,
 };
 
 /// One buffer per array, by slot.
@@ -29,38 +31,41 @@ impl Memory {
     }
 
     /// Gives an array that has grown a new, zeroed buffer.
-    pub(crate) fn reallocate(&mut self, gpu: &Gpu, array: &Array) -> Result<(), GpuError> {
-        self.buffers[array.slot] = allocate(gpu, array)?;
+    pub(crate) fn reallocate(&mut self, gpu: &Gpu, array: &AnyArray) -> Result<(), GpuError> {
+        self.buffers[array.slot()] = allocate(gpu, array)?;
         Ok(())
     }
 
-    pub(crate) fn buffer(&self, array: &Array) -> &wgpu::Buffer {
-        &self.buffers[array.slot]
+    pub(crate) fn buffer(&self, array: &AnyArray) -> &wgpu::Buffer {
+        &self.buffers[array.slot()]
     }
 
     /// What a pass binds: the whole buffer, or one element of it.
-    pub(crate) fn binding(&self, array: &Array) -> wgpu::BindingResource<'_> {
-        let (offset, size) = array.element.map_or((0, None), |k| (k * array.stride, NonZero::new(array.stride)));
+    pub(crate) fn binding(&self, array: &AnyArray) -> wgpu::BindingResource<'_> {
+        let (offset, size) = array.element().map_or((0, None), |k| (k * array.stride(), NonZero::new(array.stride())));
         wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: self.buffer(array), offset, size })
     }
 
     /// Replaces elements of an array from `first` on.
-    pub(crate) fn write<T: Pod>(&self, gpu: &Gpu, array: &Array, first: usize, data: &[T]) -> Result<(), GpuError> {
+    pub(crate) fn write<T: Pod>(&self, gpu: &Gpu, array: &Array<T>, first: usize, data: &[T]) -> Result<(), GpuError> {
         if data.is_empty() {
             return Ok(());
         }
-        let (offset, bytes): (u64, &[u8]) = (first as u64 * array.stride, bytemuck::cast_slice(data));
-        gpu.checked(|| format!("writing {}", array.name), || gpu.queue.write_buffer(self.buffer(array), offset, bytes))
+        let (offset, bytes): (u64, &[u8]) = (first as u64 * array.stride(), bytemuck::cast_slice(data));
+        gpu.checked(
+            || format!("writing {}", array.name()),
+            || gpu.queue.write_buffer(self.buffer(array), offset, bytes),
+        )
     }
 
     /// Reads whole arrays, in one submission.
-    pub(crate) fn read<T: Pod>(&self, gpu: &Gpu, arrays: &[&Array]) -> Result<Vec<Vec<T>>, GpuError> {
-        let sizes: Vec<u64> = arrays.iter().map(|array| array.stride * array.len).collect();
+    pub(crate) fn read<T: Pod>(&self, gpu: &Gpu, arrays: &[AnyArray]) -> Result<Vec<Vec<T>>, GpuError> {
+        let sizes: Vec<u64> = arrays.iter().map(|array| array.stride() * array.len()).collect();
         let total: u64 = sizes.iter().sum();
         if total == 0 {
             return Ok(arrays.iter().map(|_| Vec::new()).collect());
         }
-        let doing = || format!("reading {}", arrays.iter().map(|array| array.name).collect::<Vec<_>>().join(", "));
+        let doing = || format!("reading {}", arrays.iter().map(|array| array.name()).collect::<Vec<_>>().join(", "));
         let (sender, receiver) = mpsc::channel();
         let staging = gpu.checked(doing, || {
             let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -99,25 +104,27 @@ impl Memory {
     }
 }
 
-fn check_size(gpu: &Gpu, state: &State, array: &Array) -> Result<(), GpuError> {
+fn check_size(gpu: &Gpu, state: &State, array: &AnyArray) -> Result<(), GpuError> {
     let limit = gpu.largest_binding();
     if array.bytes() <= limit {
         return Ok(());
     }
     // A particle takes room in the neighbour list too, and most there.
-    let list = state.neighbour_list.stride * NEIGHBOURS_PER_PARTICLE;
-    let each = if array.len == state.position.len { list.max(array.stride) } else { array.stride };
-    Err(GpuError::TooLarge { array: array.name, bytes: array.bytes(), limit, fits: limit / each })
+    let list = state.neighbour_list.stride() * NEIGHBOURS_PER_PARTICLE;
+    let each = if array.len() == state.position.len() { list.max(array.stride()) } else { array.stride() };
+    Err(GpuError::TooLarge { array: array.name(), bytes: array.bytes(), limit, fits: limit / each })
 }
 
-fn allocate(gpu: &Gpu, array: &Array) -> Result<wgpu::Buffer, GpuError> {
-    let uniform = matches!(array.name, "params" | "band" | "mesh");
+fn allocate(gpu: &Gpu, array: &AnyArray) -> Result<wgpu::Buffer, GpuError> {
+    let bindings = PASSES.iter().flat_map(|pass| pass.bindings);
+    let uniform =
+        bindings.into_iter().any(|binding| binding.name == array.name() && binding.kind == BindingKind::Uniform);
     let kind = if uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
     gpu.checked(
-        || format!("allocating {} bytes for {}", array.bytes(), array.name),
+        || format!("allocating {} bytes for {}", array.bytes(), array.name()),
         || {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(array.name),
+                label: Some(array.name()),
                 size: array.bytes().next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT),
                 usage: kind | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,

@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use super::Simulation;
-use crate::{error::RunError, plan::Plan, rods, winds};
+use crate::{error::RunError, rods, winds};
 
 /// Larger numbers, as a scene's, have squares that `f32` does not hold.
 const LARGEST: f64 = 1e18;
@@ -65,12 +65,10 @@ impl Simulation {
             before,
             wind.as_vec3().to_array(),
             (self.last.step + 1) as f32 * step,
-            table.len as usize,
+            table.len() as usize,
         );
         self.engine.write(table, &entries)?;
-        let plan = Plan::new(&self.scene, &self.initial, self.engine.sizes());
-        if plan.blows != self.plan.blows {
-            self.plan = plan;
+        if self.plan.set_wind(&self.scene) {
             self.record_again()?;
         }
         Ok(())

@@ -6,6 +6,7 @@ use super::Simulation;
 use crate::{
     error::RunError,
     report::{Particles, PassReport, Report, SkippedReport},
+    status,
 };
 
 impl Simulation {
@@ -41,12 +42,13 @@ impl Simulation {
             ms_first_step: self.first_step_ms,
             passes: self.pass_times(),
             skipped: self.skipped(),
-            max_stretch: self.plan.hair.runs.then(|| self.last.max_stretch().into()),
-            strand_steps: self.plan.hair.runs.then(|| self.last.strand_steps()),
+            max_stretch: self.plan.hair.runs.then(|| status::max_stretch(&self.last).into()),
+            strand_steps: self.plan.hair.runs.then(|| status::strand_steps(&self.last)),
             density_error_rms: rms(&mut air_errors.clone()),
             over_density_rms: rms(&mut air_errors.map(|e| e.max(0.0))),
             momentum_kg_m_per_s: self.momentum(&velocities),
             confinement_impulse_kg_m_per_s: self.confinement_impulse()?,
+            confinement_limited_steps: self.plan.turbulence.runs.then(|| status::confinement_limited_steps(&self.last)),
             band_energy: self.band_energies()?,
             memory_bytes: self.engine.memory_bytes(),
             warnings: self.warnings(),
@@ -62,7 +64,7 @@ impl Simulation {
     /// How often each cause acted so far, and what the scene was warned of.
     #[must_use]
     pub fn warnings(&self) -> std::collections::BTreeMap<String, u64> {
-        let mut warnings = self.last.warnings();
+        let mut warnings = status::warnings(&self.last);
         warnings.extend(self.initial.warnings.iter().map(|warning| (warning.clone(), 1)));
         warnings
     }

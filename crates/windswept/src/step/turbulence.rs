@@ -1,11 +1,11 @@
 //! 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
 
-use windswept_shaders::turbulence;
+use windswept_shaders::{common::mesh::Mesh, turbulence};
 
 use crate::{
+    array::{AnyArray, Index},
     plan::{BandPlan, Plan},
     recorder::Recorder,
-    state::{Array, State},
     step::neighbours,
 };
 
@@ -13,188 +13,99 @@ use crate::{
 const ONE_WORKGROUP: u32 = 1;
 
 /// Records the passes of this heading.
-pub fn record(r: &mut Recorder, s: &State, plan: &Plan) {
+pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("7. turbulence");
     let n = &plan.sizes;
+    let s = r.state();
     r.when(&plan.turbulence, |r| {
-        r.when(&plan.direct_filter, |r| weigh(r, s, plan));
+        r.when(&plan.direct_filter, |r| prepare_direct(r, plan));
         if plan.published_law {
-            vorticity(r, s, plan, &s.new_velocity);
+            vorticity(r, plan, &s.new_velocity);
         }
         for band in &plan.bands {
             r.for_band(band.index, |r| {
                 r.when(&band.runs, |r| {
-                    filter(r, s, plan, band);
+                    filter(r, plan, band);
                     if !plan.published_law {
-                        vorticity(r, s, plan, &s.band_velocity);
+                        vorticity(r, plan, &s.band_velocity);
                     }
-                    confine(r, s, plan, band);
+                    r.run(&turbulence::CONFINE, "vorticity confinement", n.air()).bind("band", &s.band.at(band.law));
                 });
             });
         }
-        r.run(&turbulence::SUM, "sum of the changes", n.air(), &[&s.params, &s.confinement, &s.partial_sum]);
-        r.run(
-            &turbulence::MEAN,
-            "mean change of the air",
-            ONE_WORKGROUP,
-            &[&s.params, &s.status, &s.partial_sum, &s.mean_confinement],
-        );
-        r.run(
-            &turbulence::STRENGTHEN,
-            "eddies are strengthened",
-            n.air(),
-            &[&s.params, &s.status, &s.confinement, &s.mean_confinement, &s.new_velocity],
-        );
+        r.run(&turbulence::SUM, "sum of the changes", n.air());
+        r.run(&turbulence::MEAN, "mean change of the air", ONE_WORKGROUP);
+        r.run(&turbulence::STRENGTHEN, "eddies are strengthened", n.air());
     });
 }
 
 /// Records the vorticity of the air's velocity, for pictures.
-pub fn record_vorticity(r: &mut Recorder, s: &State, plan: &Plan) {
+pub fn record_vorticity(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("7. turbulence");
-    r.when(&plan.neighbours, |r| vorticity(r, s, plan, &s.new_velocity));
+    let velocity = r.state().new_velocity;
+    r.when(&plan.neighbours, |r| vorticity(r, plan, &velocity));
 }
 
 /// Records the velocity of the first band.
-pub fn record_band(r: &mut Recorder, s: &State, plan: &Plan) {
+pub fn record_band(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("7. turbulence");
     r.when(&plan.turbulence, |r| {
-        r.when(&plan.direct_filter, |r| weigh(r, s, plan));
-        plan.bands.iter().take(1).for_each(|band| filter(r, s, plan, band));
+        r.when(&plan.direct_filter, |r| prepare_direct(r, plan));
+        plan.bands.iter().take(1).for_each(|band| filter(r, plan, band));
     });
 }
 
-fn weigh(r: &mut Recorder, s: &State, plan: &Plan) {
-    r.run(
-        &turbulence::WEIGH,
-        "what the filter sums",
-        plan.sizes.particles,
-        &[&s.params, &s.status, &s.sorted, &s.predicted, &s.new_velocity, &s.flow_position, &s.flow],
-    );
+/// The direct filter takes the order of the neighbour search, and where its particles are by now.
+fn prepare_direct(r: &mut Recorder<'_>, plan: &Plan) {
+    r.run(&turbulence::LOCATE, "where sorted particles are now", plan.sizes.particles);
+    r.run(&turbulence::WEIGH, "what the filter sums", plan.sizes.particles);
 }
 
-fn filter(r: &mut Recorder, s: &State, plan: &Plan, band: &BandPlan) {
-    r.when(&plan.direct_filter, |r| direct(r, s, band));
-    r.when(&plan.grid_filter, |r| grid(r, s, plan, band));
+fn filter(r: &mut Recorder<'_>, plan: &Plan, band: &BandPlan) {
+    r.when(&plan.direct_filter, |r| direct(r, band));
+    r.when(&plan.grid_filter, |r| grid(r, plan, band));
 }
 
-fn direct(r: &mut Recorder, s: &State, band: &BandPlan) {
-    for &(task, invocations) in &band.pairs {
-        r.run(
-            &turbulence::BAND,
-            "band velocity by direct sum",
-            invocations,
-            &[
-                &s.params,
-                &s.status,
-                &s.band.at(task),
-                &s.cell_start,
-                &s.sorted,
-                &s.sorted_position,
-                &s.flow_position,
-                &s.flow,
-                &s.band_velocity,
-            ],
-        );
+fn direct(r: &mut Recorder<'_>, band: &BandPlan) {
+    for &(task, invocations) in &band.tasks {
+        let uniform = r.state().band.at(task);
+        r.run(&turbulence::BAND, "band velocity by direct sum", invocations).bind("band", &uniform);
     }
 }
 
-fn grid(r: &mut Recorder, s: &State, plan: &Plan, band: &BandPlan) {
-    let (mesh, _) = band.axes[0];
-    let params = s.params.at(band.cells);
+fn grid(r: &mut Recorder<'_>, plan: &Plan, band: &BandPlan) {
+    let s = r.state();
+    let (axis, _) = band.axes[0];
+    let (params, mesh) = (s.params.at(band.cells), s.mesh.at(axis));
     r.when(&band.deposit, |r| {
-        neighbours::sort(r, s, &params, plan.sizes.particles, band.buckets);
-        weigh(r, s, plan);
-        r.run(
-            &turbulence::DEPOSIT,
-            "air onto the filter's grid",
-            band.blocks,
-            &[
-                &params,
-                &s.status,
-                &s.mesh.at(mesh),
-                &s.cell_start,
-                &s.sorted_position.named("flow_position"),
-                &s.flow,
-                &s.deposited,
-            ],
-        );
+        neighbours::sort(r, plan, band.cells, band.buckets);
+        r.run(&turbulence::WEIGH, "what the filter sums", plan.sizes.particles);
+        r.run(&turbulence::DEPOSIT, "air onto the filter's grid", band.blocks)
+            .bind("params", &params)
+            .bind("mesh", &mesh);
     });
-    smooth(r, s, "smooth along x", band.axes[0], [&s.deposited, &s.deposited], [&s.smoothed, &s.curvature]);
-    smooth(r, s, "smooth along y", band.axes[1], [&s.smoothed, &s.curvature], [&s.smoother, &s.smoother_curvature]);
-    smooth(r, s, "smooth along z", band.axes[2], [&s.smoother, &s.smoother_curvature], [&s.smoothed, &s.curvature]);
-    r.run(
-        &turbulence::GATHER,
-        "band velocity from the grid",
-        plan.sizes.particles,
-        &[
-            &s.params,
-            &s.status,
-            &s.mesh.at(mesh),
-            &s.sorted,
-            &s.sorted_position.named("flow_position"),
-            &s.curvature,
-            &s.band_velocity,
-        ],
-    );
+    smooth(r, "smooth along x", band.axes[0], [&s.deposited, &s.deposited], [&s.smoothed, &s.curvature]);
+    smooth(r, "smooth along y", band.axes[1], [&s.smoothed, &s.curvature], [&s.smoother, &s.smoother_curvature]);
+    smooth(r, "smooth along z", band.axes[2], [&s.smoother, &s.smoother_curvature], [&s.smoothed, &s.curvature]);
+    r.run(&turbulence::GATHER, "band velocity from the grid", plan.sizes.particles).bind("mesh", &mesh);
 }
 
 fn smooth(
-    r: &mut Recorder,
-    s: &State,
+    r: &mut Recorder<'_>,
     label: &'static str,
-    (task, invocations): (usize, u32),
-    [smoothed, curvature]: [&Array; 2],
-    [smoother, smoother_curvature]: [&Array; 2],
+    (axis, invocations): (Index<Mesh>, u32),
+    [smoothed, curvature]: [&AnyArray; 2],
+    [smoother, smoother_curvature]: [&AnyArray; 2],
 ) {
-    r.run(
-        &turbulence::SMOOTH,
-        label,
-        invocations,
-        &[
-            &s.params,
-            &s.status,
-            &s.mesh.at(task),
-            &s.taps,
-            &smoothed.named("smoothed"),
-            &curvature.named("curvature"),
-            &smoother.named("smoother"),
-            &smoother_curvature.named("smoother_curvature"),
-        ],
-    );
+    let mesh = r.state().mesh.at(axis);
+    r.run(&turbulence::SMOOTH, label, invocations)
+        .bind("mesh", &mesh)
+        .bind("smoothed", smoothed)
+        .bind("curvature", curvature)
+        .bind("smoother", smoother)
+        .bind("smoother_curvature", smoother_curvature);
 }
 
-fn vorticity(r: &mut Recorder, s: &State, plan: &Plan, field: &Array) {
-    r.run(
-        &turbulence::VORTICITY,
-        "vorticity",
-        plan.sizes.particles,
-        &[
-            &s.params,
-            &s.status,
-            &s.predicted,
-            &s.neighbour_range,
-            &s.neighbour_list,
-            &field.named("field"),
-            &s.vorticity,
-        ],
-    );
-}
-
-fn confine(r: &mut Recorder, s: &State, plan: &Plan, band: &BandPlan) {
-    r.run(
-        &turbulence::CONFINE,
-        "vorticity confinement",
-        plan.sizes.air(),
-        &[
-            &s.params,
-            &s.status,
-            &s.band.at(band.law),
-            &s.predicted,
-            &s.neighbour_range,
-            &s.neighbour_list,
-            &s.band_velocity,
-            &s.vorticity,
-            &s.confinement,
-        ],
-    );
+fn vorticity(r: &mut Recorder<'_>, plan: &Plan, field: &AnyArray) {
+    r.run(&turbulence::VORTICITY, "vorticity", plan.sizes.particles).bind("field", field);
 }

@@ -2,13 +2,13 @@
 //
 // `deposit` adds every segment's shadow (its area across the light over a cell's) to the eight nearest cells, `accumulate`
 // sums each column from the light on. Whole numbers throughout: the same bits whatever the order.
+import package::pictures::{common::{view, invocation, GRID, DEPTH_UNIT, WORKGROUP}, taper::taper};
 
-@group(0) @binding(0) var<uniform>             view:   View;
 @group(0) @binding(1) var<storage, read>       points: array<vec4f>;
 @group(0) @binding(2) var<storage, read_write> grid:   array<atomic<u32>>;  // lights x GRID^3
 @group(0) @binding(3) var<storage, read>       radius: array<f32>;          // drawn radius of each hair [m]
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(WORKGROUP)
 fn deposit(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
     let i = invocation(group, groups, local);
     if i >= view.hairs * view.samples || i % view.samples == view.samples - 1u {
@@ -33,7 +33,7 @@ fn deposit(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups:
     }
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(WORKGROUP)
 fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= 2u * GRID * GRID {
         return;

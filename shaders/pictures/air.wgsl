@@ -1,6 +1,6 @@
 // Air particles as soft points, coloured by a scalar; calm air is clear.
+import package::pictures::common::view;
 
-@group(0) @binding(0) var<uniform>       view:   View;
 @group(0) @binding(1) var<storage, read> points: array<vec4f>;  // xyz [m]; w: the scalar, 1 where it is strong
 
 struct Vertex {

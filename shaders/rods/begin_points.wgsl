@@ -1,4 +1,4 @@
-// What moves a hair point in this step from outside its rod: its velocities, and what drag, density and viscosity changed
+// What a hair point starts this step from, and what moves it from outside its rod: its velocities, and what drag, density and viscosity changed
 // them by. The density constraint moved the drifting point by dx: it takes dv = dx/dt, the impulse that the air lost.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{RodPoint, PointHistory}, status::frozen,

@@ -1,7 +1,5 @@
 // What is behind the hair: the backdrop, and the patch that it grows from.
-
-@group(0) @binding(0) var<uniform>       view: View;
-@group(0) @binding(1) var<storage, read> grid: array<u32>;
+import package::pictures::{common::view, backdrop::backdrop, shadow::optical_depth};
 
 struct Wall {
     @builtin(position) position: vec4f,

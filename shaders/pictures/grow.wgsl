@@ -2,6 +2,7 @@
 //
 // A drawn hair is a parallel fibre of its guide's rod, so that it keeps the guide's curl; where a neighbouring guide runs
 // alike, it is blended toward that, so that straight hair shows no locks. One invocation per point.
+import package::pictures::common::{view, chance, invocation, WORKGROUP};
 
 struct Hair {
     guide:     u32,
@@ -12,7 +13,6 @@ struct Hair {
     there:     vec4f,  // xyz: the same root in that of the neighbour's clamp [m]; w: radius drawn [m]
 }
 
-@group(0) @binding(0) var<uniform>             view:     View;
 @group(0) @binding(1) var<storage, read>       hair:     array<Hair>;
 @group(0) @binding(2) var<storage, read>       offsets:  array<u32>;    // first point of each guide, and the end
 @group(0) @binding(3) var<storage, read>       guide:    array<vec4f>;  // points [m]
@@ -76,7 +76,7 @@ fn along(g: u32, t: f32, offset: vec3f) -> vec3f {
     return axis + rotate(orientation(first, last, x), offset);
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(WORKGROUP)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
     let i = invocation(group, groups, local);
     if i >= view.hairs * view.samples {

@@ -3,10 +3,9 @@
 // Per light three lobes: R off the cuticle, white, shifted toward the root; TT through the fibre, tinted once; TRT back
 // through it, tinted twice, shifted toward the tip; and a diffuse part for light scattered among hairs (Kajiya & Kay 1989).
 // Hair between the point and the light takes away more of the colours that hair absorbs more. One invocation per point.
+import package::pictures::{common::{view, chance, invocation, WORKGROUP}, shadow::optical_depth};
 
-@group(0) @binding(0) var<uniform>             view:   View;
-@group(0) @binding(1) var<storage, read>       points: array<vec4f>;
-@group(0) @binding(2) var<storage, read>       grid:   array<u32>;
+@group(0) @binding(2) var<storage, read>       points: array<vec4f>;
 @group(0) @binding(3) var<storage, read>       seed:   array<u32>;   // per hair
 @group(0) @binding(4) var<storage, read_write> colour: array<u32>;   // pack4x8unorm of the square root of linear rgb
 
@@ -37,7 +36,7 @@ fn scattered(tangent: vec3f, to_light: vec3f, to_eye: vec3f, tint: vec3f, tilt: 
     return cos_i * (r + tt + trt + trt_wide + diffuse);
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(WORKGROUP)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
     let i = invocation(group, groups, local);
     if i >= view.hairs * view.samples {

@@ -17,6 +17,8 @@ struct View {
     lights:          array<Light, 2>,  // key, sky
 }
 
+@group(0) @binding(0) var<uniform> view: View;
+
 // Cells of a light's grid along each axis.
 const GRID: u32 = 96u;
 // One unit of optical depth in the grid's whole numbers; sums of whole numbers do not depend on their order.
@@ -34,7 +36,10 @@ fn chance(seed: u32, draw: u32) -> f32 {
     return f32(hash(seed ^ hash(draw)) >> 8u) / 16777216.0;
 }
 
+// Invocations of a workgroup.
+const WORKGROUP: u32 = 64u;
+
 // More workgroups than a dimension holds fold into rows.
 fn invocation(group: vec3u, groups: vec3u, local: u32) -> u32 {
-    return (group.y * groups.x + group.x) * 64u + local;
+    return (group.y * groups.x + group.x) * WORKGROUP + local;
 }

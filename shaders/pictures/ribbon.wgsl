@@ -1,7 +1,7 @@
 // Hairs as ribbons that face the camera, tapered to the tip. No narrower than MIN_WIDTH pixels: a thinner one covers
 // fewer of a pixel's samples instead, each hair its own, so that it fades and does not break up.
+import package::pictures::{common::{view, hash, chance}, taper::taper, backdrop::backdrop};
 
-@group(0) @binding(0) var<uniform>       view:   View;
 @group(0) @binding(1) var<storage, read> points: array<vec4f>;
 @group(0) @binding(2) var<storage, read> colour: array<u32>;
 @group(0) @binding(3) var<storage, read> radius: array<f32>;

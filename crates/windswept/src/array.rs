@@ -1,0 +1,146 @@
+//! Descriptions of buffers: name, element, length. [`crate::gpu`] owns the memory behind them.
+
+use std::{fmt, marker::PhantomData, mem::size_of, ops::Deref};
+
+/// A buffer, whatever its elements are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct AnyArray {
+    name: &'static str,
+    doc: &'static str,
+    stride: u64,
+    len: u64,
+    slot: usize,
+    element: Option<u64>,
+}
+
+impl AnyArray {
+    /// Name in the shaders.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// What it holds, with its unit.
+    #[must_use]
+    pub fn doc(&self) -> &'static str {
+        self.doc
+    }
+
+    /// Size of an element \[bytes\].
+    #[must_use]
+    pub fn stride(&self) -> u64 {
+        self.stride
+    }
+
+    /// Number of elements.
+    #[must_use]
+    pub fn len(&self) -> u64 {
+        self.len
+    }
+
+    /// Whether it has no element.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Size \[bytes\]; an empty array still has one element, as a binding cannot be empty.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.stride * self.len.max(1)
+    }
+
+    /// Index in the engine's memory.
+    pub(crate) fn slot(&self) -> usize {
+        self.slot
+    }
+
+    /// The one element that is bound, as uniforms are; `None`: the whole buffer.
+    pub(crate) fn element(&self) -> Option<u64> {
+        self.element
+    }
+
+    /// The first element as a uniform, unless another was chosen.
+    pub(crate) fn as_uniform(&self) -> Self {
+        Self { element: self.element.or(Some(0)), ..*self }
+    }
+}
+
+/// A buffer of elements of `T`, which Rust and WGSL lay out alike.
+pub struct Array<T> {
+    any: AnyArray,
+    of: PhantomData<fn() -> T>,
+}
+
+impl<T> Array<T> {
+    pub(crate) fn new(name: &'static str, doc: &'static str, len: u64, slot: usize) -> Self {
+        let any = AnyArray { name, doc, stride: size_of::<T>() as u64, len, slot, element: None };
+        Self { any, of: PhantomData }
+    }
+
+    /// One element of an array of uniforms.
+    #[must_use]
+    pub(crate) fn at(&self, index: Index<T>) -> AnyArray {
+        AnyArray { element: Some(index.0.into()), ..self.any }
+    }
+}
+
+impl<T> Deref for Array<T> {
+    type Target = AnyArray;
+
+    fn deref(&self) -> &AnyArray {
+        &self.any
+    }
+}
+
+impl<T> Clone for Array<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Array<T> {}
+
+impl<T> PartialEq for Array<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.any == other.any
+    }
+}
+
+impl<T> fmt::Debug for Array<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.any.fmt(f)
+    }
+}
+
+/// Which element of an array of `T`: an index of bands cannot be taken for one of grids.
+pub struct Index<T>(u32, PhantomData<fn() -> T>);
+
+impl<T> Index<T> {
+    /// The element after so many.
+    #[must_use]
+    pub fn new(index: usize) -> Self {
+        // Saturates: no array has so many elements.
+        Self(index.min(u32::MAX as usize) as u32, PhantomData)
+    }
+}
+
+impl<T> Clone for Index<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Index<T> {}
+
+impl<T> PartialEq for Index<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.0 == other.0
+    }
+}
+
+impl<T> fmt::Debug for Index<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}

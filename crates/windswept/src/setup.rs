@@ -1,0 +1,73 @@
+//! What the engine makes of a scene and its initial state, once: uniforms, tables, and how many of everything.
+
+use windswept_scene::{Filter, InitialState, Scene};
+use windswept_shaders::{common::params::Params, wind::fringe::Wave};
+
+use crate::{bands::Bands, meshes::Meshes, motion::Motions, params, state::Sizes, winds};
+
+/// Everything that is derived from a scene before anything is allocated. Plan, buffers and what fills them come from here,
+/// so that an index means the same in all of them.
+#[derive(Debug)]
+pub struct Setup<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// What it starts from.
+    pub initial: &'a InitialState,
+    /// The uniform of the scene itself; the neighbour list has no room yet.
+    pub(crate) params: Params,
+    pub(crate) bands: Bands,
+    pub(crate) meshes: Meshes,
+    pub(crate) motions: Motions,
+    pub(crate) wind_table: Vec<[f32; 4]>,
+    pub(crate) waves: Vec<Wave>,
+    sizes: Sizes,
+}
+
+impl<'a> Setup<'a> {
+    /// The setup of a scene.
+    #[must_use]
+    #[allow(clippy::cast_possible_truncation)]
+    pub fn new(scene: &'a Scene, initial: &'a InitialState) -> Self {
+        let params = params::uniform(scene, initial);
+        let bands = Bands::new(scene, initial, &params);
+        let meshes = Meshes::new(scene, initial);
+        let motions = Motions::new(scene);
+        let wind_table = winds::table(scene);
+        let waves = winds::waves(scene, initial);
+        let nodes = meshes.nodes.min(u32::MAX.into()) as u32;
+        let direct = scene.turbulence.filter == Filter::Direct && !bands.tasks.is_empty();
+        let sizes = Sizes {
+            particles: params.particles,
+            hair_points: params.hair_points,
+            segments: params.segments,
+            strands: params.strands,
+            buckets: params.box_cells.saturating_add(params.hashed_cells),
+            cells: params.box_cells.max(nodes).saturating_add(params.hashed_cells),
+            neighbours: 0,
+            band_tasks: bands.tasks.len() as u32,
+            direct_filter: if direct { params.particles } else { 0 },
+            factors: if params.direct_rods != 0 { params.segments } else { 0 },
+            keyframes: motions.keyframes.len() as u32,
+            bodies: scene.bodies.len() as u32,
+            wind_table: wind_table.len() as u32,
+            waves: waves.len() as u32,
+            mesh_tasks: meshes.uniforms.len() as u32,
+            grids: meshes.grids.len() as u32,
+            nodes,
+            taps: meshes.taps.len() as u32,
+        };
+        Self { scene, initial, params, bands, meshes, motions, wind_table, waves, sizes }
+    }
+
+    /// How many of everything, with a neighbour list of no entries.
+    #[must_use]
+    pub fn sizes(&self) -> Sizes {
+        self.sizes
+    }
+
+    /// The uniforms: of the scene, and of each grid of the band filter with its nodes for cells.
+    pub(crate) fn uniforms(&self) -> Vec<Params> {
+        let grids = self.meshes.grids.iter().map(|grid| params::with_cells(&self.params, *grid));
+        std::iter::once(self.params).chain(grids).collect()
+    }
+}
