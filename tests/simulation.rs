@@ -5,7 +5,11 @@ mod support;
 
 use glam::{DQuat, DVec3};
 use support::{RADIUS, VOLUME};
-use windswept::{Frame, Gpu, Simulation, gpu::wgpu, internals::Engine};
+use windswept::{
+    Frame, Gpu, Simulation,
+    gpu::wgpu,
+    internals::{Engine, Setup},
+};
 use windswept_scene::{AirParticles, InitialState, Scene, Strands};
 
 /// `n` x `n` straight strands of 0.06 m along +x in a box of 0.10 x 0.06 x 0.06 m, filled with air at rest.
@@ -100,7 +104,7 @@ fn a_short_neighbour_list_is_grown_and_the_step_replayed() {
     let initial = support::particles(600, 60, support::Layout::OneCell, 5);
     let (frame, simulation) = run(&scene, &initial, &[3]);
     let grown = simulation.engine().sizes().neighbours;
-    let first = Engine::new(&support::gpu(), &scene, &initial).unwrap().sizes().neighbours;
+    let first = Engine::new(&support::gpu(), &Setup::new(&scene, &initial)).unwrap().sizes().neighbours;
     println!("neighbour list: {first} entries at first, {grown} after");
     assert!(grown > first, "the list did not have to grow");
     assert_eq!(frame.step, 3);
