@@ -2,7 +2,8 @@
 //!
 //! Two bounds, on one adapter in one run: a step of fig3c (s = 18 mm) takes at most 1.05 times as long as one of fig2b
 //! (6 mm), and all of turbulence at 6 mm at most 0.35 of what it takes by the direct sum cut at 3 s. Prints both,
-//! writes `results/price.csv`, and fails where one is passed; `cargo test --bench price` takes the small scenes, with some room.
+//! writes `results/price.csv`, and fails where one is passed. `cargo test --bench price` only shows that it runs: no test
+//! judges a time.
 
 use std::{collections::BTreeMap, error::Error, fmt::Write, path::Path, process::ExitCode};
 
@@ -19,10 +20,6 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 const BOUNDS: [(&str, f64); 2] =
     [("step at 18 mm over step at 6 mm", 1.05), ("turbulence at 6 mm over that by the direct sum cut at 3 s", 0.35)];
 
-/// What a run as a test allows on the small scenes, in the order of `BOUNDS`: least times of few steps still vary. Measured
-/// 0.91, and 0.34 to 0.36, on an idle machine; a busy one slows the direct sum more.
-const AS_A_TEST: [f64; 2] = [1.05, 0.45];
-
 /// What turbulence costs at two scales.
 #[derive(Parser)]
 struct Arguments {
@@ -32,7 +29,8 @@ struct Arguments {
     /// Steps of each scene that are timed, by turns
     #[arg(long, default_value_t = 4)]
     rounds: u64,
-    /// `cargo bench` passes it; without it, as in `cargo test --bench price`, the run ends as soon as it is within the bounds
+    /// `cargo bench` passes it; without it, as in `cargo test --bench price`, the run is one round of the small scenes, which
+    /// writes nothing and judges nothing
     #[arg(long, hide = true)]
     bench: bool,
 }
@@ -102,10 +100,9 @@ fn main() -> ExitCode {
 
 fn run() -> Result<()> {
     let arguments = Arguments::parse();
-    let small = arguments.small || !arguments.bench;
-    let bounds = if arguments.bench { BOUNDS.map(|(_, bound)| bound) } else { AS_A_TEST };
     let gpu = Gpu::new(&AdapterChoice::from_flag(None))?;
     println!("adapter: {}", gpu.info());
+    let small = arguments.small || !arguments.bench;
     let folder = if small { "examples/scenes/small" } else { "examples/scenes" };
     let (fig2b, fig3c) = (format!("{folder}/fig2b.toml"), format!("{folder}/fig3c.toml"));
     let direct = ["turbulence.filter=\"direct\"", "turbulence.cutoff=3.0"];
@@ -114,12 +111,8 @@ fn run() -> Result<()> {
         Run::new(&gpu, "fig3c, s = 18 mm", &fig3c, &[])?,
         Run::new(&gpu, "fig2b, direct sum cut at 3 s", &fig2b, &direct)?,
     ];
-    for _ in 0..arguments.rounds {
+    for _ in 0..if arguments.bench { arguments.rounds } else { 1 } {
         runs.iter_mut().try_for_each(Run::turn)?;
-        // Whatever else a machine does only adds: what is within once is within.
-        if !arguments.bench && within(&ratios(&runs), bounds) {
-            break;
-        }
     }
     let mut table = String::from("scene,step_ms,turbulence_ms\n");
     for run in &runs {
@@ -135,15 +128,16 @@ fn run() -> Result<()> {
         runs[0].simulation.timed_steps()
     )?;
     let ratios = ratios(&runs);
-    for (((what, _), bound), ratio) in BOUNDS.iter().zip(bounds).zip(ratios) {
+    for ((what, bound), ratio) in BOUNDS.iter().zip(ratios) {
         writeln!(head, "# {what}: {ratio:.3}, at most {bound}")?;
     }
     print!("{head}{table}");
-    if arguments.bench {
-        let name = if small { "price_small.csv" } else { "price.csv" };
-        std::fs::write(Path::new("benches/results").join(name), head + &table)?;
+    if !arguments.bench {
+        return Ok(());
     }
-    if within(&ratios, bounds) {
+    let name = if small { "price_small.csv" } else { "price.csv" };
+    std::fs::write(Path::new("benches/results").join(name), head + &table)?;
+    if BOUNDS.iter().zip(ratios).all(|((_, bound), ratio)| ratio <= *bound) {
         Ok(())
     } else {
         Err("turbulence costs too much, or the adapter has no timestamps".into())
@@ -155,8 +149,4 @@ fn run() -> Result<()> {
 fn ratios([fine, coarse, direct]: &[Run; 3]) -> [f64; 2] {
     let other = fine.step_ms() - fine.turbulence_ms();
     [(other + coarse.turbulence_ms()) / fine.step_ms(), fine.turbulence_ms() / direct.turbulence_ms()]
-}
-
-fn within(ratios: &[f64; 2], bounds: [f64; 2]) -> bool {
-    ratios.iter().zip(bounds).all(|(ratio, bound)| *ratio <= bound)
 }

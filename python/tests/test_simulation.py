@@ -289,23 +289,23 @@ def test_two_simulations_run_on_two_threads(scene):
 
 
 def test_the_interpreter_is_free_while_stepping(sim):
-    ticks = []
-    done = threading.Event()
+    # Held, the interpreter would let no thread pass between the two lines around the call.
+    turns, done = [0], threading.Event()
 
-    def tick():
+    def turn():
         while not done.is_set():
-            ticks.append(time.perf_counter())
-            time.sleep(0.002)
+            turns[0] += 1
+            time.sleep(0)
 
-    ticker = threading.Thread(target=tick)
-    ticker.start()
-    started = time.perf_counter()
+    other = threading.Thread(target=turn)
+    other.start()
+    before = turns[0]
     sim.step(40)
-    elapsed = time.perf_counter() - started
+    passed = turns[0] - before
     done.set()
-    ticker.join()
-    # Held, there would be a gap as long as a batch at least.
-    assert len(ticks) > 10 and max(np.diff(ticks)) < max(0.5 * elapsed, 0.05)
+    other.join()
+    # One at each switch between the two threads, were it held; measured thousands.
+    assert passed > 100, passed
 
 
 @pytest.fixture
@@ -319,11 +319,10 @@ def interruptible():
 def test_ctrl_c_stops_between_steps(sim, interruptible):
     timer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
-    started = time.perf_counter()
+    # Minutes of steps: what did not hear Ctrl-C would make them all.
     with pytest.raises(KeyboardInterrupt):
-        sim.step(1_000_000)
-    assert time.perf_counter() - started < 20.0
+        sim.step(100_000)
     steps = sim.steps
-    assert 0 < steps < 1_000_000
+    assert 0 < steps < 100_000
     sim.step(1)
     assert sim.steps == steps + 1 and np.isfinite(sim.hair.positions).all()

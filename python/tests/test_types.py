@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import windswept as ws
@@ -26,17 +25,7 @@ def test_the_package_and_the_examples_pass_strict_types():
         assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_import_is_quick_and_touches_no_gpu():
-    def best(code):
-        times = []
-        for _ in range(3):
-            started = time.perf_counter()
-            assert python("-c", code).returncode == 0
-            times.append(time.perf_counter() - started)
-        return min(times)
-
-    # Measured 0.03 s more than an interpreter alone; the bound is 0.3 s.
-    assert best("import windswept") - best("pass") < 0.3
+def test_import_loads_nothing_large_and_touches_no_gpu():
     done = python("-c", "import sys, windswept; print([m for m in sys.modules if m in ('numpy', 'matplotlib', 'distributed')])")
     assert done.stdout.strip() == "[]", done.stdout
     # Vulkan's loader says what it does, as soon as anything loads it.

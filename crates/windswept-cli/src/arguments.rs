@@ -3,8 +3,9 @@
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, builder::PossibleValuesParser};
 use windswept_scene::Scene;
+use windswept_validate::CHECKS;
 
 use crate::failure::Failure;
 use crate::render::Range;
@@ -179,6 +180,9 @@ impl RunOptions {
 
 #[derive(Debug, Args)]
 pub(crate) struct ValidateOptions {
+    /// Only these checks [default: all]
+    #[arg(value_name = "CHECK", value_parser = PossibleValuesParser::new(CHECKS.iter().map(|check| check.name)))]
+    pub(crate) checks: Vec<String>,
     /// Part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else the best]
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,

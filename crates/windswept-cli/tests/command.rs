@@ -3,11 +3,10 @@
 mod support;
 
 use std::fs;
-use std::io::Read;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use support::{SCENE, folder, listing, run, windswept};
 
@@ -174,7 +173,8 @@ fn a_failed_run_keeps_its_frames() {
 fn ctrl_c_keeps_what_was_finished() {
     let folder = folder();
     let mut command = windswept(folder.path(), &["run", "scene.toml", "--out", "out", "--adapter", "software"]);
-    let mut child = command.args(["--steps", "100000000"]).stderr(Stdio::piped()).spawn().expect("the program starts");
+    // Minutes of steps: a run that did not hear Ctrl-C would end with status 0.
+    let mut child = command.args(["--steps", "100000"]).stderr(Stdio::piped()).spawn().expect("the program starts");
     // Steps were made once the picture of the second frame is there; before that there is nothing to keep.
     let film = folder.path().join("out/air.vtkhdf");
     while !folder.path().join("out/frames/0001.png").exists() {
@@ -183,22 +183,13 @@ fn ctrl_c_keeps_what_was_finished() {
     }
     let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
     assert!(sent.success());
-    // Measured 0.2 s on quick.toml, the steps in progress and the report; half a minute is for a machine that does much else.
-    let deadline = Instant::now() + Duration::from_secs(30);
-    while child.try_wait().expect("a child").is_none() {
-        if Instant::now() > deadline {
-            child.kill().expect("it can be killed");
-            panic!("still running 30 s after Ctrl-C");
-        }
-        sleep(Duration::from_millis(20));
-    }
-    let mut said = String::new();
-    child.stderr.take().expect("a pipe").read_to_string(&mut said).expect("text");
-    assert_eq!(child.wait().expect("an end").code(), Some(130), "{said}");
+    let ended = child.wait_with_output().expect("an end");
+    let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+    assert_eq!(ended.status.code(), Some(130), "{said}");
     assert!(said.contains("interrupted"), "{said}");
     let report = report(&folder.path().join("out/report.json"));
     let steps = report["steps"].as_u64().expect("a number");
-    assert!((1..100_000_000).contains(&steps), "{steps}");
+    assert!((1..100_000).contains(&steps), "{steps}");
     let frames = times(&film);
     assert!(!frames.is_empty() && frames[frames.len() - 1] <= steps as f64 * 1.38e-3, "{frames:?} of {steps}");
 }

@@ -11,13 +11,16 @@ mod vulkan;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
+use crate::tests::Length;
+
 const USAGE: &str = "\
 Usage: cargo xtask <COMMAND>
 
 Commands:
   demo     build windswept and run examples/scenes/quick.toml into out/quick
   python   build the Python wheel into target/wheels and install it into target/venv
-  test     check formatting and lints, then run every test on the software adapter
+  test     check formatting and lints, then run the tests on the software adapter;
+           with --long also those that take minutes and seldom break
 
 All look for a Vulkan driver and CMake first, and get them where they are missing.";
 
@@ -30,7 +33,8 @@ fn main() -> ExitCode {
     let done = match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["demo"] => demo(),
         ["python"] => python::provide(),
-        ["test"] => tests::run(),
+        ["test"] => tests::run(Length::Usual),
+        ["test", "--long"] => tests::run(Length::Long),
         ["help" | "-h" | "--help"] => {
             println!("{USAGE}");
             return ExitCode::SUCCESS;

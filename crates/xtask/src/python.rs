@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::tests::Length;
 use crate::{Result, cargo, root, run, say, venv};
 
 /// What the package's tests and users import, and what builds it.
@@ -38,10 +39,13 @@ pub(crate) fn install(profile: &str) -> Result<PathBuf> {
     Ok(python)
 }
 
-/// The package's tests, to be run.
-pub(crate) fn tests(python: &Path) -> Command {
+/// The package's tests, to be run. `pyproject.toml` leaves out those marked `long`.
+pub(crate) fn tests(python: &Path, length: Length) -> Command {
     let mut pytest = Command::new(python);
     pytest.current_dir(root()).args(["-m", "pytest", "--quiet", "--color=no", "--tb=short", "--durations=5"]);
+    if length == Length::Long {
+        pytest.args(["-m", ""]);
+    }
     pytest
 }
 

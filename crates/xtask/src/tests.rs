@@ -1,4 +1,4 @@
-//! `cargo xtask test`: lints first, so that the last line printed is the count of tests.
+//! `cargo xtask test [--long]`: lints first, so that the last line printed is the count of tests.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
@@ -8,69 +8,103 @@ use crate::{Result, cargo, line, python, say, venv, vulkan};
 /// What the tests that read our files with other people's readers import.
 const PYTHON_PACKAGES: [&str; 4] = ["numpy", "h5py", "vtk", "pillow"];
 
-pub(crate) fn run() -> Result {
+/// Which tests run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Length {
+    /// What `cargo test` runs, and pytest without the tests marked `long`.
+    Usual,
+    /// Also `tests/long`, the Python tests marked `long`, and a short run of the benches.
+    Long,
+}
+
+pub(crate) fn run(length: Length) -> Result {
     let driver = vulkan::software_driver()?;
     let python = venv::provide(&PYTHON_PACKAGES)?;
-
-    say("Formatting");
-    crate::run(cargo().args(["fmt", "--all", "--check"]))?;
-
-    say("Lints");
-    let mut clippy = cargo();
-    venv::provide_cmake(&mut clippy)?;
-    crate::run(clippy.args(["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"]))?;
-
+    let run_cargo = |arguments: &[&str]| -> Result<Command> {
+        let mut command = cargo();
+        venv::provide_cmake(&mut command)?;
+        command.args(arguments).env("WINDSWEPT_PYTHON", &python);
+        Ok(command)
+    };
     let on_software = |command: &mut Command| {
         if let Some(manifest) = &driver {
             command.env("VK_DRIVER_FILES", manifest).env("WGPU_ADAPTER_NAME", "llvmpipe");
         }
     };
-    say("Benches, briefly");
-    let mut benches = cargo();
-    venv::provide_cmake(&mut benches)?;
-    on_software(benches.args(["test", "--bench", "work_precision", "--bench", "price"]));
-    crate::run(&mut benches)?;
 
+    say("Formatting");
+    crate::run(cargo().args(["fmt", "--all", "--check"]))?;
+
+    say("Lints");
+    crate::run(&mut run_cargo(&["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"])?)?;
+    // `--all-targets` leaves out what `test = false` keeps out of `cargo test`.
+    crate::run(&mut run_cargo(&["clippy", "--test", "long", "--", "--deny", "warnings"])?)?;
+
+    let mut total = Count { passed: 0, failed: 0, succeeded: true };
+    let mut count = |mut tests: Command| -> Result {
+        on_software(&mut tests);
+        total.add(&run_and_count(&mut tests)?);
+        Ok(())
+    };
     say("Tests");
-    let mut tests = cargo();
-    venv::provide_cmake(&mut tests)?;
-    on_software(tests.args(["test", "--workspace", "--no-fail-fast"]).env("WINDSWEPT_PYTHON", python));
-    let rust = run_and_count(&mut tests)?;
+    count(run_cargo(&["test", "--workspace", "--no-fail-fast"])?)?;
+    if length == Length::Long {
+        say("Long tests");
+        count(run_cargo(&["test", "--test", "long"])?)?;
+        say("Benches, briefly");
+        let mut benches = run_cargo(&["test", "--bench", "work_precision"])?;
+        on_software(&mut benches);
+        crate::run(&mut benches)?;
+    }
 
     say("Tests of the Python package");
-    let python = python::install("dev")?;
-    let mut pytest = python::tests(&python);
-    on_software(&mut pytest);
-    let python = run_and_count(&mut pytest)?;
+    count(python::tests(&python::install("dev")?, length))?;
 
-    let (passed, failed, ok) = (rust.0 + python.0, rust.1 + python.1, rust.2 && python.2);
-    println!("\n{passed} passed, {failed} failed");
-    match (ok, passed) {
-        (true, 1..) => Ok(()),
-        (true, 0) => Err("no test ran".into()),
-        (false, _) => Err("tests failed; their names are above".into()),
+    println!("\n{} passed, {} failed", total.passed, total.failed);
+    if length == Length::Usual {
+        println!("Left out: what takes minutes and seldom breaks; `cargo xtask test --long` runs that too.");
+    }
+    match total {
+        Count { succeeded: false, .. } => Err("tests failed; their names are above".into()),
+        Count { passed: 0, .. } => Err("no test ran".into()),
+        _ => Ok(()),
+    }
+}
+
+/// What test programs say at their end, added up.
+#[derive(Debug)]
+struct Count {
+    passed: u64,
+    failed: u64,
+    /// Whether every command ended with success.
+    succeeded: bool,
+}
+
+impl Count {
+    fn add(&mut self, other: &Self) {
+        self.passed += other.passed;
+        self.failed += other.failed;
+        self.succeeded &= other.succeeded;
     }
 }
 
 /// Runs `cargo test` or pytest, passes on what it prints, and adds up the closing lines of its test programs.
-///
-/// Returns passed, failed, and whether it succeeded.
-fn run_and_count(tests: &mut Command) -> Result<(u64, u64, bool)> {
+fn run_and_count(tests: &mut Command) -> Result<Count> {
     let failed_to = |what: &str, e: std::io::Error| format!("{what}: {e}");
     let mut child = tests.stdout(Stdio::piped()).spawn().map_err(|e| failed_to(&line(tests), e))?;
-    let (mut passed, mut failed) = (0, 0);
+    let mut count = Count { passed: 0, failed: 0, succeeded: true };
     if let Some(stdout) = child.stdout.take() {
         for row in BufReader::new(stdout).lines() {
             let row = row.map_err(|e| failed_to("output of the tests", e))?;
             if closes(&row) {
-                passed += before(&row, " passed");
-                failed += before(&row, " failed");
+                count.passed += before(&row, " passed");
+                count.failed += before(&row, " failed");
             }
             println!("{row}");
         }
     }
-    let status = child.wait().map_err(|e| failed_to(&line(tests), e))?;
-    Ok((passed, failed, status.success()))
+    count.succeeded = child.wait().map_err(|e| failed_to(&line(tests), e))?.success();
+    Ok(count)
 }
 
 /// Whether it is the last line of a program of libtest, or of pytest.

@@ -1,13 +1,12 @@
 //! The whole of examples/scenes/quick.toml: finite, unstretched, at its density, in its wind, blown downwind.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod support;
 
 use glam::DVec3;
 use windswept::{Frame, Simulation};
 use windswept_scene::Scene;
 
-const QUICK: &str = include_str!("../examples/scenes/quick.toml");
+use crate::support;
+
+const QUICK: &str = include_str!("../../examples/scenes/quick.toml");
 
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, n) = values.fold((0.0, 0u32), |(sum, n), x| (sum + x * x, n + 1));

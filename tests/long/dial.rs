@@ -1,16 +1,14 @@
 //! The turbulence scale is a dial: it says which eddies grow, and they stop where the intensity says.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod support;
 
 use std::f64::consts::{E, TAU};
 
 use glam::{DMat3, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use support::{SIMPLE, VOLUME, lattice};
 use windswept::Simulation;
 use windswept_scene::{Band, Filter, InitialState};
+
+use crate::support::{self, SIMPLE, VOLUME, lattice};
 
 /// The bands \[m\], their strengths, and steps after which they are looked at.
 const BANDS: [(f64, f64, u64); 3] = [(0.006, 10.0, 300), (0.009, 10.0, 300), (0.018, 30.0, 600)];
