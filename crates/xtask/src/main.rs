@@ -1,7 +1,8 @@
-//! `cargo xtask demo`, `cargo xtask python` and `cargo xtask test`: set up what a clean clone lacks, then run it.
+//! `cargo xtask demo`, `python`, `test` and `package`: set up what a clean clone lacks, then run it.
 //!
 //! Everything it fetches is either a system package, announced before it is installed, or lies in `target/venv`.
 
+mod package;
 mod python;
 mod system;
 mod tests;
@@ -18,8 +19,9 @@ Commands:
   demo     build windswept and run examples/scenes/quick.toml into out/quick
   python   build the Python wheel into target/wheels and install it into target/venv
   test     check formatting and lints, then run every test on the software adapter
+  package  build the crates and the Python package as they would be published; publishes nothing
 
-All look for a Vulkan driver and CMake first, and get them where they are missing.";
+Each gets what it needs where it is missing: a Vulkan driver, CMake, packages of PyPI.";
 
 /// What went wrong, as the user reads it; it ends with what to do.
 type Error = String;
@@ -31,6 +33,7 @@ fn main() -> ExitCode {
         ["demo"] => demo(),
         ["python"] => python::provide(),
         ["test"] => tests::run(),
+        ["package"] => package::build(),
         ["help" | "-h" | "--help"] => {
             println!("{USAGE}");
             return ExitCode::SUCCESS;
