@@ -39,3 +39,15 @@ def test_the_readme_runs(tmp_path):
     done = subprocess.run([sys.executable, "readme.py"], capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     assert len(list((tmp_path / "sweep").glob("*/report.json"))) == 4
+
+
+def test_the_packages_own_readme_runs(tmp_path):
+    root = Path(__file__).parents[2]
+    code = (root / "python/README.md").read_text(encoding="utf-8").split("```python\n")[1].split("```")[0]
+    scene = root / "examples/scenes/quick.toml"
+    assert "run(0.1)" in code
+    (tmp_path / scene.name).write_bytes(scene.read_bytes())
+    (tmp_path / "readme.py").write_text(code.replace("run(0.1)", "run(0.01)"), encoding="utf-8")
+    done = subprocess.run([sys.executable, "readme.py"], capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert (tmp_path / "last.png").stat().st_size > 0

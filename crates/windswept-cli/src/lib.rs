@@ -79,8 +79,3 @@ fn dispatch(command: &Command, console: &mut Console<'_>) -> Result<(), Failure>
         Command::Adapters => inspect::adapters(console),
     }
 }
-
-/// Keeps the README's Rust compiling.
-#[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;

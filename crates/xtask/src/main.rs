@@ -1,7 +1,8 @@
-//! `cargo xtask demo`, `cargo xtask python` and `cargo xtask test`: set up what a clean clone lacks, then run it.
+//! `cargo xtask demo`, `python`, `test` and `package`: set up what a clean clone lacks, then run it.
 //!
 //! Everything it fetches is either a system package, announced before it is installed, or lies in `target/venv`.
 
+mod package;
 mod python;
 mod system;
 mod tests;
@@ -21,8 +22,9 @@ Commands:
   python   build the Python wheel into target/wheels and install it into target/venv
   test     check formatting and lints, then run the tests on the software adapter;
            with --long also those that take minutes and seldom break
+  package  build the crates and the Python package as they would be published; publishes nothing
 
-All look for a Vulkan driver and CMake first, and get them where they are missing.";
+Each gets what it needs where it is missing: a Vulkan driver, CMake, packages of PyPI.";
 
 /// What went wrong, as the user reads it; it ends with what to do.
 type Error = String;
@@ -35,6 +37,7 @@ fn main() -> ExitCode {
         ["python"] => python::provide(),
         ["test"] => tests::run(Length::Usual),
         ["test", "--long"] => tests::run(Length::Long),
+        ["package"] => package::build(),
         ["help" | "-h" | "--help"] => {
             println!("{USAGE}");
             return ExitCode::SUCCESS;

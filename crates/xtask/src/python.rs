@@ -49,7 +49,7 @@ pub(crate) fn tests(python: &Path, length: Length) -> Command {
     pytest
 }
 
-fn the_file_in(folder: &Path) -> Result<PathBuf> {
+pub(crate) fn the_file_in(folder: &Path) -> Result<PathBuf> {
     let unread = |e: std::io::Error| format!("{}: {e}", folder.display());
     let first = std::fs::read_dir(folder).map_err(unread)?.next();
     first.ok_or_else(|| format!("{} is empty", folder.display()))?.map(|entry| entry.path()).map_err(unread)

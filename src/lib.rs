@@ -1,0 +1,4 @@
+//! Keeps the README's Rust compiling: its programs are this crate's doctests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
