@@ -1,4 +1,4 @@
-// What the filter sums, in cell order: V (v - U) of air (design 3.4), or v of all particles as printed (eq. 5).
+// What the filter sums, in cell order: V (v - U) of air, or v of all particles as printed (eq. 5).
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, status::frozen, wind::mean_wind,
 };

@@ -66,7 +66,7 @@ const ROUNDS: f64 = 16e3;
 const MOVED: f32 = 0.2;
 /// C0 of eq. 6 with the radical over 15 only: 2/(√15 π^(3/4)).
 const MEXICAN_HAT: f64 = 0.218_837_609;
-/// ε of eq. 2, read as an acceleration in mm, mg and s (design 3.3).
+/// ε of eq. 2, which has no unit in print, read as an acceleration in mm, mg and s.
 const EPSILON: f64 = 0.008;
 
 /// The bands of a scene, in the order of the file, each cut into the dispatches of the direct filter; one uniform each with
@@ -130,7 +130,7 @@ fn of(scene: &Scene, initial: &InitialState, band: &windswept_scene::Band) -> Ba
         Law::Band => Band {
             scale: band.scale as f32,
             reach,
-            // Weighted by volume, over the peak of the transfer function (design 3.4): unit gain at the band's centre.
+            // Weighted by volume, over the peak of the transfer function: unit gain at the band's centre.
             gain: (E / (2.0 * (2.0 * PI).powf(1.5) * band.scale.powi(3))) as f32,
             strength: band.strength as f32,
             largest_speed: (band.intensity * scene.turbulence.speed) as f32,

@@ -98,7 +98,7 @@ assert_layout!(Params {
 
 /// Fewest and most buckets for hair outside the box, powers of two.
 const TABLE: [u32; 2] = [64, 1 << 18];
-/// α over D0: softens λ where a particle has hardly a neighbour (design 3.1).
+/// α over D0: softens λ where a particle has hardly a neighbour.
 const SOFTENING: f64 = 1e-3;
 /// Cells that `grid/scan` can sum: each of its 256 invocations walks over its stretch twice, and Mesa's software adapter ends
 /// the loops of an invocation after 65 535 rounds in all, without a word.

@@ -126,7 +126,7 @@ const CALM: u32 = 1;
 /// invocation after 65 535 rounds in all, without a word.
 const ROUNDS: u32 = 30_000;
 
-/// A point may not move farther than this part of its strand in one step (design 3.6).
+/// A point may not move farther than this part of its strand in one step.
 const LARGEST_MOVE: f64 = 0.03;
 
 pub(crate) fn vec3(v: DVec3) -> [f32; 3] {
