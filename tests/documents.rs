@@ -119,6 +119,36 @@ fn no_file_is_left_out_of_the_map() {
     }
 }
 
+/// The twin's modules of a pass's folder, as text.
+fn twin_of(folder: &str) -> String {
+    let source = "crates/windswept-reference/src";
+    let inner = format!("{source}/{folder}");
+    let inside = if root().join(&inner).exists() { files(&inner, "rs") } else { Vec::new() };
+    let texts = inside.iter().map(|name| read(&format!("{inner}/{name}")));
+    std::iter::once(read(&format!("{source}/{folder}.rs"))).chain(texts).collect()
+}
+
+#[test]
+fn passes_without_a_twin_function_are_those_that_are_named() {
+    let page = read("ARCHITECTURE.md");
+    let paragraph = page.split("\n\n").find(|text| text.starts_with("Most passes have a twin function")).unwrap();
+    let claimed: BTreeSet<String> = spans(paragraph)
+        .into_iter()
+        .filter(|span| PASSES.iter().any(|folder| span.starts_with(folder)) && span != "rods/choose")
+        .collect();
+    let mut without = BTreeSet::new();
+    for folder in PASSES.map(|folder| folder.trim_end_matches('/')) {
+        let twin = twin_of(folder);
+        for file in files(&format!("shaders/{folder}"), "wgsl") {
+            let name = file.trim_end_matches(".wgsl");
+            if !twin.contains(&format!("\npub fn {name}(")) {
+                without.insert(format!("{folder}/{name}"));
+            }
+        }
+    }
+    assert_eq!(claimed, without);
+}
+
 /// Every source text of the twin.
 fn twin() -> String {
     let folder = "crates/windswept-reference/src";
