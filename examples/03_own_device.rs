@@ -1,5 +1,5 @@
-//! On a device that the application already has: two simulations and a single pass share it, and one of them is recorded
-//! into the application's own command encoder.
+//! An application's own device: two simulations and a single pass share it, and one simulation is recorded into the
+//! application's own command encoder.
 //!
 //! `cargo run --release --example 03_own_device`
 
@@ -32,8 +32,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut strands = Simulation::with_groom(&gpu, &Scene::parse(SCENE)?, &groom)?;
     let mut brush = Simulation::new(&gpu, &scene)?;
 
-    // Recorded beside whatever else the application encodes. A neighbour list that has to grow freezes the step: it is not
-    // done then, and is recorded again.
+    // Steps are recorded beside whatever else the application encodes. A neighbour list that has to grow freezes a step:
+    // the step is not done then, and is recorded again.
     while brush.steps() < 3 {
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         brush.record(&mut encoder, 3 - brush.steps());

@@ -37,7 +37,7 @@ for name, label in [("fig3a", "eddies of 6 mm"), ("fig3c", "eddies of 18 mm")]:
         times.append(frame.time)
         paths.append(frame.hair.positions[tips])
     ws.write_png(OUT / f"{name}.png", sim.render())
-    # Across wind and gravity, about where each tip is on average.
+    # The swing is across wind and gravity, about where each tip is on average.
     across = np.array(paths)[:, :, 2]
     swings[label] = times, across - across.mean(axis=0)
     sims[label] = sim

@@ -49,7 +49,7 @@ fn with_velocities(mut initial: InitialState, velocity: impl Fn(DVec3) -> DVec3)
     initial
 }
 
-/// A cut at 3 s, 4 s, 4.5 s reads that part of a uniform flow as eddies (reference/).
+/// A cut at 3 s, 4 s, 4.5 s reads that part of a uniform flow as eddies.
 #[test]
 fn a_cut_filter_leaks_uniform_flow() {
     let initial = with_velocities(lattice([12; 3], &SIMPLE), |_| DVec3::X);

@@ -5,6 +5,18 @@
 //
 // The ghost frame stands at the root, where the clamp is; from there to the middle of segment 0 is half a segment. A
 // clamped tip has one of its own.
+//
+// Words (docs/glossary.md has them all):
+//   torn         a segment breaks its stretch-shear constraint by more than a stated part of its length
+//   calm         where velocities led it was not torn, for three steps on end: BDF2 may integrate it
+//   quiet        its equations already hold where it starts: the direct solver leaves it alone in this step
+//   still        slow, and not pushed, in this step
+//   asleep       still for so long that it is not integrated until something wakes it
+//   rescued      the direct solver left it torn: Gauss-Seidel solves it in this step
+//   put          placed instead of moved: it arrives without a velocity and remembers nothing
+//   reset        it was not finite: put into its rest shape
+//   teleported   its root jumped farther than it is long: put there in the shape that it had
+//   free move    where a point would go without its rod's forces
 
 struct Strand {
     first_point: u32,

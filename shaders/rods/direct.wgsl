@@ -1,4 +1,4 @@
-// One Newton step of the dual system of each strand, solved directly in linear time (design 3.6).
+// One Newton step of the dual system of each strand, solved directly in linear time.
 //
 //   joint k:    C = Im(conj(q_(k-1)) q_k) - s Im(rest),  dC = A_k (theta_k - theta_(k-1)),  A = 1/2 (p_w I - [p_v]x) R_(k-1)^T
 //   segment k:  C = (x_(k+1) - x_k)/l - d3(q_k),         dC = (dx_(k+1) - dx_k)/l + [d3]x theta_k

@@ -1,4 +1,4 @@
-// Vorticity confinement of one band (Fedkiw et al. 2001; design 3.3), air only, less in the fringe by the cosine of its face.
+// Vorticity confinement of one band (Fedkiw et al. 2001), air only, less in the fringe by the cosine of its face.
 //
 //   eta_i = sum_j V_j (|omega_j| - |omega_i|) grad_i W,  N = eta/(|eta| + 1e-3 |omega_i|/h)
 //   a_i = S |u_i| max(0, 1 - |u_i|^2/(I U)^2) (N x omega_i),  |dt a| <= 0.12 |u_i|

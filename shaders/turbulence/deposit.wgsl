@@ -1,4 +1,4 @@
-// What the filter sums, carried to the nodes of its grid (design 3.4); w: volume.
+// What the filter sums, carried to the nodes of its grid; w: volume.
 //
 //   D_n = sum_j f_j B(x_j/h_g - n),  B the product of three B-splines, f from `weigh`
 //

@@ -1,4 +1,4 @@
-// The velocity of one band of eddies from the filter's grid (design 3.4): unit gain at the band's centre.
+// The velocity of one band of eddies from the filter's grid: unit gain at the band's centre.
 //
 //   u_i = -(e/2) s^2 sum_n B(x_i/h_g - n) C_n/h_g^3;  normalised: over sum_n B S_n/h_g^3, the smoothed volume fraction
 import package::common::{

@@ -1,4 +1,4 @@
-//! Strands, by the direct solver unless it says otherwise: statics at any step, dynamics, violent starts (design 3.6; reference/).
+//! Strands, by the direct solver unless it says otherwise: statics at any step, dynamics, violent starts (windswept_reference::tables).
 #![allow(clippy::unwrap_used, clippy::needless_range_loop, missing_docs)]
 
 mod motion;

@@ -32,8 +32,7 @@ fn strands_hang_like_the_elastica_at_any_step() {
     }
 }
 
-/// Second order in the segments' length; the same rod at any number of them within 1.3 x the discretisation's own error
-/// (reference/README.md).
+/// Second order in the segments' length; the same rod at any number of them within 1.3 x the discretisation's own error.
 #[test]
 fn stiffness_does_not_depend_on_the_number_of_points() {
     let own = [(10.0, [1.3e-2, 3.5e-3, 8.2e-4, 2.4e-4, 6.0e-5]), (100.0, [3.2e-2, 8.6e-3, 2.1e-3, 6.4e-4, 1.7e-4])];

@@ -1,4 +1,4 @@
-//! Hair and air as one position-based fluid (Macklin & Müller 2013), with volumes and two masses (design 3.1, 3.5).
+//! Hair and air as one position-based fluid (Macklin & Müller 2013), where a particle has a volume and, apart from it, an inertial mass.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! What ends a run, and what a step leaves behind (design 4).
+//! What ends a run, and what a step leaves behind.
 
 use glam::DVec3;
 use windswept_scene::Strands;

@@ -160,7 +160,7 @@ impl Parameters {
         i >= self.hair_points
     }
 
-    /// x_i − x_j: air meets air through the periodic faces, everything else directly (design 3.2).
+    /// x_i − x_j: air meets air through the periodic faces, everything else directly.
     #[must_use]
     pub fn separation(&self, i: usize, j: usize, a: DVec3, b: DVec3) -> DVec3 {
         let gap = a - b;

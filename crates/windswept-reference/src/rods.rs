@@ -1,4 +1,4 @@
-//! Cosserat rods (Kugelstadt & Schömer 2016): integrated by BDF2 or Euler, solved directly or by Gauss-Seidel; design 3.6.
+//! Cosserat rods (Kugelstadt & Schömer 2016): integrated by BDF2 or Euler, solved directly or by Gauss-Seidel.
 
 mod direct;
 mod gauss_seidel;
@@ -14,7 +14,7 @@ use crate::{Parameters, state};
 
 /// A strand is strained where a segment is stretched or crushed by more than this.
 pub const STRAINED: f64 = 0.5;
-/// So many steps of it on end are a warning (design 4).
+/// So many steps of it on end are a warning.
 pub const STRAINED_STEPS: u32 = 50;
 /// |C| of stretch-shear where velocities lead: beyond it a strand is not calm.
 pub const TORN: f64 = 0.1;

@@ -1,4 +1,4 @@
-//! Vorticity confinement by bands of eddies (eqs. 2, 4-6), air only; design 3.3, 3.4.
+//! Vorticity confinement by bands of eddies (eqs. 2, 4-6), air only.
 //!
 //! Arrays run over all particles, hair first; what only air has is zero at hair. *Band* is the accurate law, *published*
 //! the paper as printed, in mg and mm. Every sum is direct: over all particles, through all periodic images in reach.
@@ -74,7 +74,7 @@ pub fn band(p: &Parameters, band: &Band, wind: DVec3, x: &[DVec3], v: &[DVec3], 
 }
 
 /// Σ f(r) over the images of j that are within `reach` of i, `gap` = x_i − x_j: every periodic one where both are air,
-/// else the one there is (design 3.2).
+/// else the one there is.
 fn over_images(p: &Parameters, i: usize, j: usize, gap: DVec3, reach: f64, f: impl Fn(f64) -> f64) -> f64 {
     if p.far_apart(gap, reach) {
         return 0.0;

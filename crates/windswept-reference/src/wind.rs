@@ -1,4 +1,4 @@
-//! The wind enters (design 3.2), and lifts and drags hair that no air particle reaches (design 3.7).
+//! The wind enters, and lifts and drags hair that no air particle reaches.
 
 use std::f64::consts::PI;
 

@@ -21,7 +21,7 @@ fn filtered(crowd: &Crowd, scale: f64, wind: DVec3, v: &[DVec3]) -> Vec<DVec3> {
     turbulence::band(&crowd.parameters, &of_scale(scale), wind, &crowd.positions, v, &crowd.volume)
 }
 
-/// ∫ ψ² over space is 1 at every s, with the constant that the design gives; its transform peaks at k s = √2.
+/// ∫ ψ² over space is 1 at every s, with the constant C0 = 2/(√15 π^(3/4)); its transform peaks at k s = √2.
 #[test]
 fn the_hat_has_norm_one() {
     for s in [0.7, 6.0, 18.0] {
@@ -34,7 +34,7 @@ fn the_hat_has_norm_one() {
         let transform = |k: f64| over_space(&|r| mexican_hat(r, s) * (k * r).sin() / (k * r));
         let peak = transform(SQRT_2 / s) / s.powf(1.5);
         println!("s = {s}: norm {:.1e} off 1, peak {peak:.9} s^1.5", norm - 1.0);
-        // Measured 9e-15; the design's constants are rounded to 5e-10.
+        // Measured 9e-15; the constants written here are rounded to 5e-10.
         assert!((norm - 1.0).abs() < 1e-12, "{norm}");
         assert!((mexican_hat(0.0, s) - 3.0 * 0.218_837_609 * s.powf(-1.5)).abs() < 1e-8 * mexican_hat(0.0, s));
         assert!((peak - 2.535_871_705).abs() < 1e-8 && (peak_gain(s) / s.powf(1.5) - 2.535_871_705).abs() < 1e-8);

@@ -47,7 +47,7 @@ fn correct_keeps_the_centre_of_mass() {
     let (sum, whole) = (moments().sum::<DVec3>().length(), moments().map(DVec3::length).sum::<f64>());
     println!("|sum m dx| / sum |m dx| = {:.1e}", sum / whole);
     assert!(whole > 1e-3 * 3_000.0 * MASS * VOLUME.cbrt(), "hardly anything moved: {whole} kg m");
-    // Measured 3e-17; the design asks for 1e-6 in f32.
+    // Measured 3e-17.
     assert!(sum < 1e-15 * whole, "{}", sum / whole);
 }
 

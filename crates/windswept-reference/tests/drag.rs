@@ -1,4 +1,4 @@
-//! wind::drag: lift and drag on segments (design 3.7).
+//! wind::drag: lift and drag on segments.
 
 #![allow(clippy::unwrap_used)]
 

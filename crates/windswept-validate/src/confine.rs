@@ -1,4 +1,4 @@
-//! Vorticity confinement, by bands and as published (design 3.3).
+//! Vorticity confinement, by bands and as published.
 
 use std::f64::consts::{SQRT_2, TAU};
 

@@ -1,4 +1,4 @@
-//! Bodies (design 3.8): Coulomb's law, nothing inside, air half a spacing away.
+//! Bodies: Coulomb's law, nothing inside, air half a spacing away.
 
 use glam::DVec3;
 use windswept::{Gpu, Simulation};

@@ -1,4 +1,4 @@
-//! Hair and air together: what the one loses the other gets (design 3.1, 3.5).
+//! Hair and air together: what the one loses the other gets.
 
 use glam::{DQuat, DVec3};
 use windswept::{Gpu, Simulation};
@@ -100,7 +100,7 @@ integrator = \"euler\"
 sleep = false
 ";
 
-/// Air and hair lose what clamped roots take (design 3.1).
+/// Air and hair lose what clamped roots take.
 fn clamped(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let scene = Scene::parse(CLAMPED)?;
     let mut initial = InitialState::new(&scene)?;

@@ -1,4 +1,4 @@
-//! Poly6 and Spiky as the shaders have them (Müller et al. 2003; design 3.1).
+//! Poly6 and Spiky as the shaders have them (Müller et al. 2003).
 
 use std::f64::consts::PI;
 

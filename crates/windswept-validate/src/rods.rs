@@ -1,4 +1,4 @@
-//! Cosserat rods: rest shapes, weight, fall, vibration (design 3.6). Hair alone, direct solver, BDF2, 0.35 m in 34 segments.
+//! Cosserat rods: rest shapes, weight, fall, vibration. Hair alone, direct solver, BDF2, 0.35 m in 34 segments.
 
 use std::f64::consts::{PI, TAU};
 

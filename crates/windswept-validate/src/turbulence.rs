@@ -1,4 +1,4 @@
-//! Vorticity and the band filter (eqs. 2, 5, 6; design 3.3, 3.4).
+//! Vorticity and the band filter (eqs. 2, 5, 6).
 
 use std::f64::consts::{E, SQRT_2, TAU};
 

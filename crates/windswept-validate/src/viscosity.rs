@@ -1,4 +1,4 @@
-//! XSPH as a viscosity (eq. 7; design 3.5).
+//! XSPH as a viscosity (eq. 7): ν = c h²/(22 Δt).
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! A vortex, with and without confinement (design 3.3).
+//! A vortex, with and without confinement.
 
 use std::f64::consts::TAU;
 

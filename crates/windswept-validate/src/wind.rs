@@ -1,4 +1,4 @@
-//! What drives hair and air from outside: gusts, the fringe, roots on keyframes, drag on segments (design 3.2, 3.7).
+//! What drives hair and air from outside: gusts, the fringe, roots on keyframes, drag on segments.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -19,7 +19,7 @@ const KEYFRAMES: &str =
     "c + R (x - c) + T, R steady about its axis; 14 ms of 20 ms; measured 1.5e-8 m, 1.2e-7 rad; margin 4";
 const TERMINAL: &str = "rho r (u + 10 (2r/nu)^(-2/3) u^(1/3)) (u - g dt) = rho_hair pi r² g: the implicit step has fallen g dt more; \
     measured 2e-6 off; margin 4";
-const OBLIQUE: &str = "dt k/m u over 1 + dt k/m (design 3.7), one step at 45 degrees to the wind; measured 1.6e-6 off: an \
+const OBLIQUE: &str = "dt k/m u over 1 + dt k/m, one step at 45 degrees to the wind; measured 1.6e-6 off: an \
     orientation's rounding; margin 4";
 
 /// \[m/s\]

@@ -26,7 +26,7 @@ const ROUNDS: f64 = 16e3;
 const MOVED: f32 = 0.2;
 /// C0 of eq. 6 with the radical over 15 only: 2/(√15 π^(3/4)).
 const MEXICAN_HAT: f64 = 0.218_837_609;
-/// ε of eq. 2, read as an acceleration in mm, mg and s.
+/// ε of eq. 2, which has no unit in print, read as an acceleration in mm, mg and s.
 const EPSILON: f64 = 0.008;
 
 /// The bands of a scene, in the order of the file, each cut into the dispatches of the direct filter; one uniform each with

@@ -42,8 +42,8 @@ pub struct Report {
     /// max |l/l0 − 1| over the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_stretch: Option<f64>,
-    /// Of all strands in all steps: `euler_steps` instead of BDF2, `quiet_steps` that needed no solve, `asleep_steps`,
-    /// `teleports`.
+    /// How strands went through their steps, all strands and steps: `euler_steps` instead of BDF2, `quiet_steps` that needed no
+    /// solve, `asleep_steps`, `teleports`, `rescued_steps` that Gauss-Seidel solved because the direct solver tore the strand.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strand_steps: Option<BTreeMap<String, u64>>,
     /// rms of ρ/ρ0 − 1 over the air.

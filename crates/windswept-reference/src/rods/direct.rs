@@ -1,4 +1,4 @@
-//! One Newton step of the dual system of a strand, as a banded matrix and its Cholesky factors; design 3.6.
+//! One Newton step of the dual system of a strand, as a banded matrix and its Cholesky factors.
 
 use glam::{DMat3, DQuat, DVec3};
 use windswept_scene::{End, Strands};

@@ -1,4 +1,4 @@
-//! The band filter by way of a grid (design 3.4), its smoothing done wave by wave.
+//! The band filter by way of a grid, its smoothing done wave by wave.
 
 use std::f64::consts::{E, TAU};
 

@@ -1,0 +1,204 @@
+//! The pages for people say what is there: links lead somewhere, files and passes that are named exist, no file is left out of
+//! the map, and each equation's row leads to its pass, twin function and test.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// Folders of the repository that a page may name a file of.
+const FOLDERS: [&str; 8] = ["crates/", "shaders/", "tests/", "examples/", "benches/", "python/", "docs/", ".github/"];
+/// Folders of `shaders/` whose files are passes.
+const PASSES: [&str; 7] = ["grid/", "fluid/", "turbulence/", "rods/", "wind/", "contact/", "guard/"];
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(path: &str) -> String {
+    fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// Names of the files of a folder with this extension.
+fn files(folder: &str, extension: &str) -> Vec<String> {
+    let entries = fs::read_dir(root().join(folder)).unwrap_or_else(|error| panic!("{folder}: {error}"));
+    let paths = entries.map(|entry| entry.unwrap().path());
+    let named = paths.filter(|path| path.extension().is_some_and(|found| found == extension));
+    named.map(|path| path.file_name().unwrap().to_str().unwrap().to_owned()).collect()
+}
+
+fn pages() -> Vec<String> {
+    let mut pages = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "benches/README.md"]
+        .map(str::to_owned)
+        .to_vec();
+    for folder in ["docs", "docs/decisions"] {
+        pages.extend(files(folder, "md").iter().map(|name| format!("{folder}/{name}")));
+    }
+    pages
+}
+
+/// The text outside blocks of code.
+fn prose(text: &str) -> String {
+    text.split("```").step_by(2).collect()
+}
+
+/// What stands between backticks.
+fn spans(text: &str) -> Vec<String> {
+    prose(text).split('`').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+/// Anchors of a page's headings, as GitHub makes them.
+fn anchors(text: &str) -> BTreeSet<String> {
+    let slug = |heading: &str| -> String {
+        let kept =
+            heading.to_lowercase().chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).collect::<String>();
+        kept.trim().replace(' ', "-")
+    };
+    prose(text).lines().filter(|line| line.starts_with('#')).map(|line| slug(line.trim_start_matches('#'))).collect()
+}
+
+#[test]
+fn links_lead_somewhere() {
+    let mut broken = Vec::new();
+    for page in pages() {
+        let text = read(&page);
+        for link in prose(&text).split("](").skip(1).map(|rest| rest.split(')').next().unwrap().to_owned()) {
+            if link.contains("://") {
+                continue;
+            }
+            let (file, anchor) = link.split_once('#').unwrap_or((&link, ""));
+            let folder = Path::new(&page).parent().unwrap();
+            let target = if file.is_empty() { PathBuf::from(&page) } else { folder.join(file) };
+            let there = root().join(&target);
+            let found =
+                there.exists() && (anchor.is_empty() || anchors(&fs::read_to_string(&there).unwrap()).contains(anchor));
+            if !found {
+                broken.push(format!("{page}: {link}"));
+            }
+        }
+    }
+    assert!(broken.is_empty(), "{broken:#?}");
+}
+
+#[test]
+fn files_and_passes_that_pages_name_exist() {
+    let mut missing = Vec::new();
+    for page in pages() {
+        for span in spans(&read(&page)) {
+            let path = span.split([' ', ',', ':']).next().unwrap();
+            let example = path.contains(['…', '*']) || path.chars().any(|c| c.is_ascii_uppercase());
+            let pass = PASSES.iter().any(|folder| path.starts_with(folder) && path.len() > folder.len());
+            let exists = if pass {
+                root().join(format!("shaders/{path}.wgsl")).exists()
+            } else if FOLDERS.iter().any(|folder| path.starts_with(folder)) {
+                root().join(path).exists()
+            } else {
+                true
+            };
+            if !example && !exists {
+                missing.push(format!("{page}: {span}"));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "{missing:#?}");
+}
+
+#[test]
+fn no_file_is_left_out_of_the_map() {
+    let map = read("ARCHITECTURE.md");
+    let map = map.split("## Files").nth(1).unwrap();
+    let words: BTreeSet<&str> = map.split([' ', ',', '\n', '(', ')', ';', ':']).collect();
+    for folder in [
+        "crates/windswept/src",
+        "crates/windswept-scene/src",
+        "crates/windswept-export/src",
+        "crates/windswept-cli/src",
+    ] {
+        let left_out: Vec<_> = files(folder, "rs")
+            .into_iter()
+            .filter(|name| !["lib.rs", "main.rs"].contains(&name.as_str()) && !words.contains(name.as_str()))
+            .collect();
+        assert!(left_out.is_empty(), "{folder}: {left_out:?}");
+    }
+}
+
+/// The twin's modules of a pass's folder, as text.
+fn twin_of(folder: &str) -> String {
+    let source = "crates/windswept-reference/src";
+    let inner = format!("{source}/{folder}");
+    let inside = if root().join(&inner).exists() { files(&inner, "rs") } else { Vec::new() };
+    let texts = inside.iter().map(|name| read(&format!("{inner}/{name}")));
+    std::iter::once(read(&format!("{source}/{folder}.rs"))).chain(texts).collect()
+}
+
+#[test]
+fn passes_without_a_twin_function_are_those_that_are_named() {
+    let page = read("ARCHITECTURE.md");
+    let paragraph = page.split("\n\n").find(|text| text.starts_with("Most passes have a twin function")).unwrap();
+    let claimed: BTreeSet<String> = spans(paragraph)
+        .into_iter()
+        .filter(|span| PASSES.iter().any(|folder| span.starts_with(folder)) && span != "rods/choose")
+        .collect();
+    let mut without = BTreeSet::new();
+    for folder in PASSES.map(|folder| folder.trim_end_matches('/')) {
+        let twin = twin_of(folder);
+        for file in files(&format!("shaders/{folder}"), "wgsl") {
+            let name = file.trim_end_matches(".wgsl");
+            if !twin.contains(&format!("\npub fn {name}(")) {
+                without.insert(format!("{folder}/{name}"));
+            }
+        }
+    }
+    assert_eq!(claimed, without);
+}
+
+/// Every source text of the twin.
+fn twin() -> String {
+    let folder = "crates/windswept-reference/src";
+    let folders = [folder.to_owned(), format!("{folder}/rods"), format!("{folder}/turbulence")];
+    folders
+        .iter()
+        .flat_map(|folder| files(folder, "rs").into_iter().map(move |name| read(&format!("{folder}/{name}"))))
+        .collect()
+}
+
+#[test]
+fn each_equation_leads_to_its_pass_twin_and_test() {
+    let page = read("ARCHITECTURE.md");
+    let section = page.split("## Where an equation of the paper is").nth(1).unwrap().split("\n## ").next().unwrap();
+    let rows: Vec<Vec<&str>> = section
+        .lines()
+        .filter(|line| line.starts_with("| "))
+        .skip(1)
+        .map(|line| line.trim_matches('|').split('|').collect())
+        .collect();
+    let mut wrong = Vec::new();
+    let twin = twin();
+    for row in &rows {
+        let [equation, pass, function, test] = row[..] else { panic!("{row:?}") };
+        let passes = spans(pass).into_iter().filter(|name| PASSES.iter().any(|folder| name.starts_with(folder)));
+        if passes.count() == 0 && !pass.contains("shaders/") {
+            wrong.push(format!("{equation}: no pass"));
+        }
+        let lost = |name: &str| !twin.contains(&format!("pub fn {}(", name.rsplit("::").next().unwrap()));
+        wrong.extend(spans(function).into_iter().filter(|name| lost(name)).map(|name| format!("{equation}: {name}")));
+        let mut file = String::new();
+        let mut tests = 0;
+        for span in spans(test) {
+            if span.contains('/') {
+                file = read(&span);
+                continue;
+            }
+            tests += 1;
+            if !file.contains(&format!("fn {span}(")) {
+                wrong.push(format!("{equation}: {span}"));
+            }
+        }
+        if spans(function).is_empty() || tests == 0 {
+            wrong.push(format!("{equation}: no twin function, or no test"));
+        }
+    }
+    assert!(rows.len() >= 8 && wrong.is_empty(), "{} rows, {wrong:#?}", rows.len());
+}
