@@ -84,7 +84,8 @@ fn is_named(key: &str, table: &dyn TableLike, name: &str) -> bool {
     match table.get("name") {
         Some(own) => own.as_str() == Some(name),
         None => {
-            let default = Key::find(&format!("{key}.name")).and_then(|key| key.default_of(true));
+            let key = Key::find(&format!("{key}.name"));
+            let default = key.and_then(|key| key.default_of(true));
             default.is_some_and(|default| default.trim_matches('"') == name)
         }
     }

@@ -2,7 +2,18 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::{air, body::Capsule, error::SceneError, groom::Groom, hair, scene::Scene, strand::Parcel, warnings};
+use crate::{
+    air,
+    body::Shape,
+    declare::words,
+    error::SceneError,
+    groom::Groom,
+    hair,
+    limits::{DEEPEST_ROOT, STRAND_MAGNITUDES},
+    scene::{KERNEL_RADIUS, PARCEL, Scene},
+    strand::Parcel,
+    warnings,
+};
 
 /// Everything a run starts from. Points are in strand order, root to tip.
 ///
@@ -60,16 +71,18 @@ pub struct Strands {
     pub ends: Vec<Ends>,
 }
 
-/// How an end of a strand is held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum End {
-    /// In place and direction.
-    Clamped,
-    /// In place.
-    Pinned,
-    /// Not at all.
-    #[default]
-    Free,
+words! {
+    /// How an end of a strand is held.
+    #[derive(Default)]
+    pub enum End {
+        /// Held in place and direction.
+        Clamped = "clamped",
+        /// Held in place.
+        Pinned = "pinned",
+        /// Not held at all.
+        #[default]
+        Free = "free",
+    }
 }
 
 /// How the ends of a strand are held. Points that are held have no inverse mass.
@@ -229,7 +242,7 @@ impl Strands {
 
     /// Whether `f32` holds what the strands are made of, with room for the squares of a step.
     fn representable(&self, scene: &Scene) -> Result<(), SceneError> {
-        let held = |x: f64| x == 0.0 || (1e-30..=1e30).contains(&x.abs());
+        let held = |x: f64| x == 0.0 || STRAND_MAGNITUDES.contains(&x.abs());
         for s in 0..self.len() {
             let points = self.points(s).map(|i| ("inverse mass of a point, 1/kg", self.inverse_mass[i]));
             let segments = self.segments(s).flat_map(|k| {
@@ -243,8 +256,11 @@ impl Strands {
                 ]
             });
             if let Some((what, value)) = points.chain(segments).find(|(_, value)| !held(*value)) {
-                let words =
-                    format!("{what}, is {value:e}; expected 1e-30 to 1e30, which single precision can work with");
+                let words = format!(
+                    "{what}, is {value:e}; expected {:e} to {:e}, which single precision can work with",
+                    STRAND_MAGNITUDES.start(),
+                    STRAND_MAGNITUDES.end()
+                );
                 return Err(SceneError::new(words).at(self.origin(s, scene), None));
             }
         }
@@ -258,11 +274,6 @@ fn parcel(scene: &Scene) -> Parcel {
         None => Parcel { volume: PARCEL, kernel_radius: KERNEL_RADIUS },
     }
 }
-
-/// Volume of a parcel without `[air]`: the paper's \[m³\].
-const PARCEL: f64 = 1.46e-7 / 1.29;
-/// Kernel radius without `[air]`: the paper's \[m\].
-pub(crate) const KERNEL_RADIUS: f64 = 9.3e-3;
 
 impl AirParticles {
     /// Whether the arrays belong together and hold numbers.
@@ -328,7 +339,7 @@ impl InitialState {
         }
         hair.consistent()?;
         hair.representable(scene)?;
-        let bodies: Vec<Capsule> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
+        let bodies: Vec<Shape> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
         rooted_outside(scene, &hair, &bodies)?;
         warnings.extend(warnings::of_rods(scene, &hair));
         warnings.extend(warnings::of_bodies(scene, &hair, &bodies));
@@ -355,14 +366,11 @@ impl InitialState {
     }
 }
 
-/// A root may be this part of a body's radius below its surface.
-const DEEPEST_ROOT: f64 = 0.1;
-
 /// Whether every strand can leave the bodies that it grows on.
-fn rooted_outside(scene: &Scene, hair: &Strands, bodies: &[Capsule]) -> Result<(), SceneError> {
+fn rooted_outside(scene: &Scene, hair: &Strands, bodies: &[Shape]) -> Result<(), SceneError> {
     for (strand, root) in hair.roots().enumerate() {
-        for (body, capsule) in scene.bodies.iter().zip(bodies) {
-            let (depth, most) = (-capsule.distance(root), DEEPEST_ROOT * capsule.radius);
+        for (body, shape) in scene.bodies.iter().zip(bodies) {
+            let (depth, most) = (-shape.signed_distance(root).0, DEEPEST_ROOT * shape.inradius());
             if depth > most * (1.0 + 1e-9) {
                 let words = format!(
                     "strand {strand} is rooted {depth:.2e} m inside body \"{}\"; expected at most a tenth of its radius, {most:.2e} m",

@@ -1,4 +1,4 @@
-//! A strand made of fibres: masses, inertias and compliances of a row of points (design 3.6).
+//! A strand made of fibres: masses, inertias and compliances of a row of points.
 
 use std::f64::consts::PI;
 
@@ -6,37 +6,18 @@ use glam::{DMat3, DQuat, DVec3};
 
 use crate::{
     initial::{End, Ends, Strands},
-    scene::Stiffness,
+    scene::{Fibre, Stiffness},
 };
-
-/// What a strand is made of.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Fibre {
-    /// Semi-major axis of the cross-section at the root, along d2 \[m\].
-    pub(crate) radius: f64,
-    /// The tip's radius is `radius (1 - taper)`.
-    pub(crate) taper: f64,
-    /// Semi-minor axis, along d1, over semi-major axis.
-    pub(crate) aspect: f64,
-    /// \[kg/m³\]
-    pub(crate) density: f64,
-    /// Fibres that the strand stands for.
-    pub(crate) fibres_per_strand: f64,
-    pub(crate) stiffness: Stiffness,
-    /// Of every point \[kg\].
-    pub(crate) point_mass: Option<f64>,
-    pub(crate) inextensible: bool,
-}
 
 impl Fibre {
     /// \[m\], `part` of the way to the tip.
-    fn radius(&self, part: f64) -> f64 {
+    fn radius_at(&self, part: f64) -> f64 {
         self.radius * (1.0 - self.taper * part)
     }
 
     /// π a b of all fibres \[m²\].
     fn area(&self, part: f64) -> f64 {
-        PI * self.radius(part).powi(2) * self.aspect * self.fibres_per_strand
+        PI * self.radius_at(part).powi(2) * self.aspect * self.fibres_per_strand
     }
 
     /// EA and GA \[N\].
@@ -54,7 +35,7 @@ impl Fibre {
         match self.stiffness {
             Stiffness::Moduli { youngs_modulus, poissons_ratio } => {
                 let shear_modulus = youngs_modulus / (2.0 * (1.0 + poissons_ratio));
-                let (a, b) = (self.radius(part), self.aspect * self.radius(part));
+                let (a, b) = (self.radius_at(part), self.aspect * self.radius_at(part));
                 let (along, across) = (0.25 * PI * a.powi(3) * b, 0.25 * PI * a * b.powi(3));
                 let twist = PI * (a * b).powi(3) / (a * a + b * b);
                 self.fibres_per_strand
@@ -95,7 +76,7 @@ pub(crate) struct Shape {
 
 impl Shape {
     /// Appends the strand, made of `fibre` and standing in `parcel`s, to `all`.
-    pub(crate) fn append(&self, fibre: &Fibre, parcel: Parcel, all: &mut Strands) {
+    pub(crate) fn append(&self, fibre: &Fibre, inextensible: bool, parcel: Parcel, all: &mut Strands) {
         let segments = self.lengths.len();
         let part = |at: f64| at / segments as f64;
         let mass = |k: usize| fibre.density * fibre.area(part(k as f64 + 0.5)) * self.lengths[k];
@@ -114,12 +95,12 @@ impl Shape {
         for (k, &l) in self.lengths.iter().enumerate() {
             let joint = if k == 0 { 0.5 * l } else { 0.5 * (self.lengths[k - 1] + l) };
             let (stretch, shear) = fibre.stretch(part(k as f64 + 0.5));
-            let loose = if fibre.inextensible { 0.0 } else { 1.0 / (stretch * l) };
+            let loose = if inextensible { 0.0 } else { 1.0 / (stretch * l) };
             let inertia = 0.5 * fibre.point_mass.unwrap_or_else(|| mass(k)) * l * l;
             all.orientations.push(self.frames[k]);
             all.angular_velocities.push(DVec3::ZERO);
             all.rest_length.push(l);
-            all.radius.push(fibre.radius(part(k as f64 + 0.5)));
+            all.radius.push(fibre.radius_at(part(k as f64 + 0.5)));
             all.fibres.push(fibre.fibres_per_strand);
             all.inverse_inertia.push(1.0 / inertia);
             all.stretch_compliance.push(DVec3::new(1.0 / (shear * l), 1.0 / (shear * l), loose));

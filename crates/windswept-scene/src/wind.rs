@@ -6,11 +6,7 @@ use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::{
-    error::SceneError,
-    reader::Reader,
-    scene::{Air, Gust, Inflow},
-};
+use crate::scene::{Air, Inflow};
 
 /// Waves that inflow turbulence is made of.
 const WAVES: usize = 64;
@@ -118,38 +114,5 @@ impl Air {
     /// Mean wind U once it has risen \[m/s\], without gusts.
     pub(crate) fn wind(&self) -> DVec3 {
         DVec3::from_array(self.wind)
-    }
-}
-
-impl Reader<'_> {
-    /// `[[air.gust]]`, in the order of their times.
-    pub(crate) fn gust(&self) -> Result<Vec<Gust>, SceneError> {
-        let mut all: Vec<Gust> = Vec::new();
-        for i in 0..self.tables("air.gust") {
-            let at = |name: &str| format!("air.gust.{i}.{name}");
-            let gust = Gust { time: self.number(&at("time"))?, velocity: self.vector(&at("velocity"))? };
-            if let Some(before) = all.last().filter(|before| gust.time <= before.time) {
-                let words = format!(
-                    "expected a time after that of the keyframe before, {} s; found {}",
-                    before.time, gust.time
-                );
-                return Err(self.fault(&at("time"), words));
-            }
-            all.push(gust);
-        }
-        Ok(all)
-    }
-
-    /// `air.inflow`, if there is one.
-    pub(crate) fn inflow(&self) -> Result<Option<Inflow>, SceneError> {
-        if !self.has("air.inflow") {
-            return Ok(None);
-        }
-        let seed = if self.has("air.inflow.seed") { "air.inflow.seed" } else { "seed" };
-        Ok(Some(Inflow {
-            intensity: self.number("air.inflow.intensity")?,
-            scale: self.number("air.inflow.scale")?,
-            seed: self.count(seed)?.into(),
-        }))
     }
 }
