@@ -6,7 +6,7 @@ use std::{
 };
 
 use bytemuck::{Pod, Zeroable};
-use windswept_scene::{Filter, InitialState, Scene};
+use windswept_scene::{Filter, InitialState, Scene, limits::MOST_SORTED_NODES};
 use windswept_shaders::layout;
 
 use crate::params::assert_layout;
@@ -38,8 +38,6 @@ pub(crate) type Tap = [f32; 2];
 const BLOCK: [u32; 3] = [4, 2, 2];
 /// Nodes that an invocation of `turbulence/smooth` makes: its `ROW`.
 const ROW: u32 = 4;
-/// Larger grids fit no adapter: the engine refuses them by their size, their taps are not made.
-const MOST_NODES: u64 = 1 << 28;
 /// Taps below this part of the middle one are left out: û is then 3e-6 off, 3e-5 with 1e-4.
 const SMALLEST_TAP: f64 = 1e-5;
 /// Waves of which the Gaussian leaves less than e^(-40) add nothing to taps, k s.
@@ -92,7 +90,8 @@ impl Meshes {
             if count > meshes.nodes {
                 (meshes.nodes, meshes.finest) = (count, scale);
             }
-            if count > MOST_NODES {
+            // The engine refuses such a grid by its size: its taps are not made.
+            if count > MOST_SORTED_NODES {
                 continue;
             }
             meshes.grids.push((nodes, [0, 1, 2].map(|axis| size[axis] / nodes[axis])));

@@ -89,7 +89,7 @@ impl Plan {
     #[must_use]
     pub fn new(scene: &Scene, initial: &InitialState, sizes: Sizes) -> Self {
         let hair = Decision::when(sizes.strands > 0, "the scene has no hair");
-        let air = match scene.model {
+        let air = match scene.interaction.model {
             Model::Particles => Decision::when(sizes.air() > 0, "the scene has no air particles"),
             Model::Drag => Decision::when(false, "interaction.model is drag: no air particles"),
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),
@@ -101,7 +101,7 @@ impl Plan {
         let bands = bands(scene, initial);
         let on_grid = scene.turbulence.filter == Filter::Grid;
         let turbulence = air.and(turbulence(scene, &bands));
-        let drag = hair.and(match scene.model {
+        let drag = hair.and(match scene.interaction.model {
             Model::Drag => Decision::when(true, ""),
             Model::Particles => Decision::when(air.runs, "no air moves"),
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),
