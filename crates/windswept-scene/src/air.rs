@@ -8,17 +8,17 @@ use crate::{
     scene::{Air, Bounds, Model, Scene},
 };
 
-/// Air nearer than this to a hair point, in particle spacings, is left out: a sphere of one particle's volume.
+/// Distance to a hair point below which air is left out \[particle spacings\]: that of a sphere of one particle's volume.
 const CLEARANCE: f64 = 0.62;
 
-/// A lattice cell that the surface of a body cuts is counted in so many parts along each axis.
+/// Parts along each axis in which a lattice cell is counted that the surface of a body cuts.
 const PARTS: usize = 6;
 
-/// Part of the box that hair to be blown in may take, at most.
+/// Largest part of the box that hair to be blown in may take.
 const LARGEST_SHARE: f64 = 0.5;
 
 impl Air {
-    /// V of a particle before the count is rounded \[m³\].
+    /// Volume V of a particle before the count is rounded \[m³\].
     #[must_use]
     pub fn parcel(&self) -> f64 {
         self.particle_mass / self.rest_density

@@ -1,7 +1,7 @@
 //! Bodies that hair and air stay out of: `[[body]]`.
 //!
 //! Everything about a body that depends on its shape stands here, for the CPU, and in `shaders/common/body.wgsl`, for the GPU.
-//! All others ask a [`Shape`] for its signed distance, its bounds or its skin.
+//! Everybody else asks a [`Shape`] for its signed distance, its bounds or its skin.
 
 use std::f64::consts::{PI, TAU};
 
@@ -45,18 +45,18 @@ table! {
 pub enum Shape {
     /// All points within `radius` of a point.
     Sphere {
-        /// That point.
+        /// Centre of the sphere.
         center: [f64; 3],
-        /// Its radius.
+        /// Radius of the solid.
         radius: f64,
     },
     /// All points within `radius` of a line.
     Capsule {
-        /// Where the line starts.
+        /// Start of the line.
         start: [f64; 3],
-        /// Where it ends.
+        /// End of the line.
         end: [f64; 3],
-        /// Its radius.
+        /// Radius of the solid.
         radius: f64,
     },
 }

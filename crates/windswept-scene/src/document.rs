@@ -41,7 +41,7 @@ type Place<'a> = (&'a dyn TableLike, Option<Range<usize>>);
 
 impl Document {
     /// # Errors
-    /// Syntax, unknown keys, wrong types, values out of range.
+    /// [`SceneError`] for wrong syntax, unknown keys, wrong types and values out of range.
     pub(crate) fn parse(text: &str) -> Result<Self, SceneError> {
         let toml = Toml::parse(text).map_err(|error| syntax(&error))?;
         let mut document = Self::default();
@@ -167,7 +167,7 @@ fn number(value: &Value) -> Option<f64> {
     (number == 0.0 || MAGNITUDES.contains(&number.abs())).then_some(number)
 }
 
-/// What stands there instead of a value of this kind; of three numbers the one that cannot be computed with.
+/// Description of what stands in place of a value of this kind: of three numbers, the one that cannot be computed with.
 fn describe_for(kind: Kind, item: &Item) -> String {
     if let (Kind::Vector | Kind::Direction, Item::Value(Value::Array(array))) = (kind, item)
         && array.len() == 3
@@ -201,7 +201,7 @@ fn describe_value(value: &Value) -> String {
     }
 }
 
-/// No more of a text than an error should quote.
+/// Beginning of a text, no longer than an error should quote.
 pub(crate) fn short(text: &str) -> String {
     const MOST: usize = 60;
     match text.char_indices().nth(MOST) {

@@ -31,41 +31,41 @@ const COINCIDENT: f64 = 1e-6;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Groom {
-    /// Points, strand by strand, root to tip \[m\].
+    /// Points of all strands, strand by strand, root to tip \[m\].
     pub points: Vec<[f64; 3]>,
-    /// First point of each strand, and the number of points: strands + 1.
+    /// Index of each strand's first point, and the number of points: strands + 1.
     pub offsets: Vec<u32>,
     /// Number of a strand's group, for the caller's own use.
     pub group: PerStrand<u32>,
     /// Fibres that the strands are made of.
     pub fibre: PerStrand<Fibre>,
-    /// `None`: the shape they are given in.
+    /// Curvature at rest; `None`: the shape that the strands are given in.
     pub rest_curvature: Option<RestCurvature>,
-    /// (x, y, z, w) of the clamp; `None`: d3 along the first segment, d1 by the smallest rotation from +x, or from +z.
+    /// Frame of the clamp (x, y, z, w); `None`: d3 along the first segment, d1 by the smallest rotation from +x, or from +z.
     pub root_frame: Option<PerStrand<[f64; 4]>>,
-    /// (x, y, z, w) of a clamped tip; `None`: as far turned from the last segment as it is from the point before.
+    /// Frame of a clamped tip (x, y, z, w); `None`: as far turned from the last segment as it is from the point before.
     pub tip_frame: Option<PerStrand<[f64; 4]>>,
-    /// How the roots are held.
+    /// Hold of the roots.
     pub root: PerStrand<End>,
-    /// How the tips are held; clamped with the direct solver only.
+    /// Hold of the tips; clamped with the direct solver only.
     pub tip: PerStrand<End>,
 }
 
 /// A value for all strands, or one for each.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PerStrand<T> {
-    /// The same for all.
+    /// One value for all strands.
     All(T),
-    /// One for each.
+    /// One value for each strand.
     Each(Vec<T>),
 }
 
 /// The rest Darboux vector (κ1, κ2, τ) in the material frame \[1/m\].
 #[derive(Debug, Clone, PartialEq)]
 pub enum RestCurvature {
-    /// Of all joints of a strand.
+    /// One vector for all joints of a strand.
     Strand(PerStrand<[f64; 3]>),
-    /// Of each joint, strand by strand, root to tip: as many as segments. Joint 0 is the clamp.
+    /// One vector for each joint, strand by strand, root to tip: as many as segments. Joint 0 is the clamp.
     Joints(Vec<[f64; 3]>),
 }
 
@@ -77,7 +77,7 @@ impl<T: Copy> PerStrand<T> {
         }
     }
 
-    /// The given values, all of which hold, as many as strands.
+    /// Whether there are as many values as strands, or one, and all of them hold.
     fn check(&self, name: &str, strands: usize, expected: &str, holds: impl Fn(&T) -> bool) -> Result<(), SceneError>
     where
         T: std::fmt::Debug,
@@ -280,7 +280,7 @@ impl Groom {
         &self.points[self.offsets[s] as usize..self.offsets[s + 1] as usize]
     }
 
-    /// Of the segments of strand `s` \[m\].
+    /// Lengths of the segments of strand `s` \[m\].
     fn lengths(&self, s: usize) -> Vec<f64> {
         self.points_of(s).windows(2).map(|pair| vec3(pair[0]).distance(vec3(pair[1]))).collect()
     }

@@ -28,36 +28,36 @@ pub struct InitialState {
     pub hair: Strands,
     /// The air particles.
     pub air: AirParticles,
-    /// What the user should know, counted by cause.
+    /// Warnings for the user, counted by cause.
     pub warnings: Vec<String>,
 }
 
 /// Strands: arrays per point, per segment, per joint and per strand.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Strands {
-    /// First point of each strand, and the number of points at the end: strands + 1.
+    /// Index of each strand's first point, and the number of points at the end: strands + 1.
     pub point_offsets: Vec<u32>,
-    /// Index into `Scene::hair`, per strand; of a [`Groom`] its own.
+    /// Per strand: index into `Scene::hair`, or a [`Groom`]'s own number.
     pub group: Vec<u32>,
-    /// Per point \[m\].
+    /// Per point: position \[m\].
     pub positions: Vec<DVec3>,
-    /// Per point \[m/s\].
+    /// Per point: velocity \[m/s\].
     pub velocities: Vec<DVec3>,
-    /// Per point \[1/kg\]; 0 at a clamped root.
+    /// Per point: inverse mass \[1/kg\]; 0 where it is held.
     pub inverse_mass: Vec<f64>,
-    /// Per point, the parcel of hair and air around it \[m³\].
+    /// Per point: volume of the parcel of hair and air around it \[m³\].
     pub volume: Vec<f64>,
-    /// Per segment: rotates material frame to world; the third director is the tangent.
+    /// Per segment: rotation from material frame to world; the third director is the tangent.
     pub orientations: Vec<DQuat>,
-    /// Per segment, world frame \[rad/s\].
+    /// Per segment: angular velocity in the world frame \[rad/s\].
     pub angular_velocities: Vec<DVec3>,
-    /// Per segment, rest length l \[m\].
+    /// Per segment: rest length l \[m\].
     pub rest_length: Vec<f64>,
     /// Per segment: radius of a fibre r \[m\].
     pub radius: Vec<f64>,
     /// Per segment: real hairs that it stands for.
     pub fibres: Vec<f64>,
-    /// Per segment, 1/I \[1/(kg m²)\], I = ½ m_s l².
+    /// Per segment: inverse inertia 1/I \[1/(kg m²)\], I = ½ m_s l².
     pub inverse_inertia: Vec<f64>,
     /// Per segment: compliance of shear along d1, shear along d2, stretch along d3: 1/(GA l), 1/(GA l), 1/(EA l) \[1/(N m)\].
     pub stretch_compliance: Vec<DVec3>,
@@ -88,15 +88,15 @@ words! {
 /// How the ends of a strand are held. Points that are held have no inverse mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ends {
-    /// The root.
+    /// Hold of the root.
     pub root: End,
-    /// The tip.
+    /// Hold of the tip.
     pub tip: End,
     /// The ghost frame beyond a clamped tip; means nothing for others.
     pub tip_frame: DQuat,
-    /// Of the tip's joint: rotation from the last frame to the ghost frame, at rest.
+    /// Rest rotation of the tip's joint, from the last frame to the ghost frame.
     pub tip_rest_rotation: DQuat,
-    /// Of the tip's joint, half a segment long: as [`Strands::bend_compliance`] \[1/(N m)\].
+    /// Compliance of the tip's joint, half a segment long, as [`Strands::bend_compliance`] \[1/(N m)\].
     pub tip_compliance: DVec3,
 }
 
@@ -115,17 +115,17 @@ impl Default for Ends {
 /// Air particles, in the order of their stable ids.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AirParticles {
-    /// Box lower corner \[m\]; meaningless without particles.
+    /// Lower corner of the box \[m\]; meaningless without particles.
     pub min: DVec3,
-    /// Box sides \[m\].
+    /// Sides of the box \[m\].
     pub size: DVec3,
-    /// Per particle \[m\], inside the box.
+    /// Per particle: position \[m\], inside the box.
     pub positions: Vec<DVec3>,
-    /// Per particle \[m/s\].
+    /// Per particle: velocity \[m/s\].
     pub velocities: Vec<DVec3>,
-    /// V of every particle \[m³\], adjusted so that the mean density of the box is exact.
+    /// Volume V of every particle \[m³\], adjusted so that the mean density of the box is exact.
     pub volume: f64,
-    /// m of every particle \[kg\], ρ0 V.
+    /// Mass m of every particle \[kg\], ρ0 V.
     pub mass: f64,
 }
 
@@ -324,7 +324,7 @@ impl InitialState {
         Self::with_hair(scene, hair, warnings)
     }
 
-    /// The same with strands of the caller's own in place of the scene's `[hair]`.
+    /// The state at t = 0 with strands of the caller's own in place of the scene's `[hair]`.
     ///
     /// # Errors
     /// As [`Self::new`] and [`Groom::check`].

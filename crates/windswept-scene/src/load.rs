@@ -87,7 +87,7 @@ fn read(text: &str) -> Result<Scene, SceneError> {
     Keys::read(&Reader::new(&document)).map_err(|error| document.shown(error))
 }
 
-/// The assignment with which the fault appears; `None` if the file has it already.
+/// Assignment with which the fault appears; `None` if the file has the fault already.
 fn guilty<'a>(error: &SceneError, text: &str, sets: &'a [String]) -> Option<&'a String> {
     let faulty =
         |text: &str| read(text).is_err_and(|other| (other.key(), other.message()) == (error.key(), error.message()));

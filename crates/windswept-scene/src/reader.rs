@@ -48,7 +48,7 @@ impl<'a> Reader<'a> {
         T::read(&self.table(name))
     }
 
-    /// What the table spells for a key, unless it spells nothing.
+    /// Value that the table spells for a key, if it spells one.
     pub(crate) fn said<T: Leaf>(&self, name: &str) -> Option<T> {
         self.spelled(name).and_then(T::take)
     }

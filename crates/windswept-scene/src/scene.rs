@@ -59,7 +59,7 @@ table! {
         bodies as "body": Vec<Body> = Tables, "", Absent("no bodies");
         /// Wind and air particles.
         air: Option<Air> = Table, "", Absent("with model none only");
-        /// How hair and air meet.
+        /// Interaction of hair and air.
         interaction: Interaction = Table, "", Absent("model particles");
         /// Density constraint (eq. 1).
         fluid: Fluid = Table, "", Absent("its defaults");
@@ -71,7 +71,7 @@ table! {
         rods: Rods = Table, "", Absent("its defaults");
         /// Camera that pictures are taken with.
         camera: Camera = Table, "", Absent("its defaults");
-        /// What pictures show.
+        /// Contents of pictures.
         picture: Picture = Table, "", Absent("its defaults");
     }
 }
@@ -188,7 +188,7 @@ table! {
 }
 
 impl Scene {
-    /// What keys of different tables mean together.
+    /// The scene, if keys of different tables go together.
     fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
         let names = |table: &'static str, names: Vec<&String>| {
             let again = (1..names.len()).find_map(|i| names[..i].contains(&names[i]).then_some((i, names[i])));

@@ -10,17 +10,17 @@ use crate::{
 };
 
 impl Fibre {
-    /// \[m\], `part` of the way to the tip.
+    /// Radius \[m\], `part` of the way to the tip.
     fn radius_at(&self, part: f64) -> f64 {
         self.radius * (1.0 - self.taper * part)
     }
 
-    /// π a b of all fibres \[m²\].
+    /// Area of all fibres' cross-sections \[m²\]: π a b of each.
     fn area(&self, part: f64) -> f64 {
         PI * self.radius_at(part).powi(2) * self.aspect * self.fibres_per_strand
     }
 
-    /// EA and GA \[N\].
+    /// Stiffness to stretch and to shear, EA and GA \[N\].
     fn stretch(&self, part: f64) -> (f64, f64) {
         let (stretch, poissons_ratio) = match self.stiffness {
             Stiffness::Moduli { youngs_modulus, poissons_ratio } => (youngs_modulus * self.area(part), poissons_ratio),
@@ -29,8 +29,8 @@ impl Fibre {
         (stretch, stretch / (2.0 * (1.0 + poissons_ratio)))
     }
 
-    /// EI about d1 and d2, GJ \[N m²\]. Of an ellipse with semi-axes b along d1 and a along d2: π a³ b/4, π a b³/4 and
-    /// Saint-Venant's π a³ b³/(a² + b²).
+    /// Stiffness to bend and twist: EI about d1 and d2, GJ \[N m²\]. An ellipse with semi-axes b along d1 and a along d2 has
+    /// the moments π a³ b/4, π a b³/4 and Saint-Venant's π a³ b³/(a² + b²).
     fn bend(&self, part: f64) -> DVec3 {
         match self.stiffness {
             Stiffness::Moduli { youngs_modulus, poissons_ratio } => {
@@ -49,28 +49,28 @@ impl Fibre {
 /// A parcel of air that a hair point stands in.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Parcel {
-    /// Of an air particle \[m³\].
+    /// Volume of an air particle \[m³\].
     pub(crate) volume: f64,
-    /// \[m\]
+    /// Kernel radius \[m\].
     pub(crate) kernel_radius: f64,
 }
 
 /// The shape of a strand at the start and at rest: n points, n - 1 segments with a joint before each.
 #[derive(Debug, Clone)]
 pub(crate) struct Shape {
-    /// \[m\]
+    /// Points \[m\].
     pub(crate) points: Vec<DVec3>,
-    /// The ghost frame behind the root.
+    /// Ghost frame behind the root.
     pub(crate) root_frame: DQuat,
-    /// Of the segments.
+    /// Frames of the segments.
     pub(crate) frames: Vec<DQuat>,
-    /// Of the segments, at rest \[m\].
+    /// Rest lengths of the segments \[m\].
     pub(crate) lengths: Vec<f64>,
-    /// Of the joints, at rest.
+    /// Rest rotations of the joints.
     pub(crate) turns: Vec<DQuat>,
-    /// How the root and the tip are held.
+    /// Ways in which the root and the tip are held.
     pub(crate) ends: [End; 2],
-    /// The ghost frame beyond the tip, and its rest rotation from the last frame.
+    /// Ghost frame beyond the tip, and its rest rotation from the last frame.
     pub(crate) tip: (DQuat, DQuat),
 }
 
@@ -122,14 +122,14 @@ impl Shape {
     }
 }
 
-/// d3 along `axis`, d1 by the smallest rotation from +x, from +z if that is parallel.
+/// Frame with d3 along `axis` and d1 by the smallest rotation from +x, from +z if that is parallel.
 pub(crate) fn frame(axis: DVec3) -> DQuat {
     let from = if axis.cross(DVec3::X).length() > 1e-6 { DVec3::X } else { DVec3::Z };
     let d1 = (from - from.dot(axis) * axis).normalize();
     DQuat::from_mat3(&DMat3::from_cols(d1, axis.cross(d1), axis)).normalize()
 }
 
-/// exp(½ κ l): the turn by |κ| l about κ.
+/// Rotation exp(½ κ l): the turn by |κ| l about κ.
 pub(crate) fn turn(darboux: DVec3, length: f64) -> DQuat {
     DQuat::from_scaled_axis(darboux * length)
 }

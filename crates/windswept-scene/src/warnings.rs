@@ -1,4 +1,4 @@
-//! What a scene may do but its user should know.
+//! Warnings: what a scene may do, but its user should know.
 
 use glam::DVec3;
 
@@ -10,7 +10,7 @@ use crate::{
 
 /// Kernel radii in particle spacings between which the density constraint was tried; the paper's is 1.92.
 const TRIED: std::ops::RangeInclusive<f64> = 1.5..=3.0;
-/// Eddies below this, in particle spacings, are passed at the particles' Nyquist wave number with a gain above 7.5 %.
+/// Scale of the smallest eddies that particles carry \[particle spacings\]: smaller ones are passed at the particles' Nyquist wave number with a gain above 7.5 %.
 const SMALLEST_EDDY: f64 = 1.03;
 
 /// Part of the box's cross-section that bodies may block without a warning.

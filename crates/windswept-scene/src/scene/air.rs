@@ -179,7 +179,7 @@ impl Air {
     }
 }
 
-/// To six digits, for people.
+/// The number to six digits, for people.
 pub(super) fn rounded(x: f64) -> f64 {
     format!("{x:.5e}").parse().unwrap_or(x)
 }

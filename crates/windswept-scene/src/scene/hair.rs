@@ -36,11 +36,11 @@ table! {
         curl: Option<Curl> = Table, "", Absent("straight");
         /// Spread of the helices' phases over the strands, 0 to 1.
         curl_phase: f64 = NonNegative, "turns", Value(1.0);
-        /// How the roots are held: in place and direction, in place, not at all.
+        /// Hold of the roots: in place and direction, in place, not at all.
         root: End = Choice(End::WORDS), "", Value(End::Clamped);
-        /// How the tips are held, as the roots; clamped with rods.solver = "direct" only.
+        /// Hold of the tips, as of the roots; clamped with rods.solver = "direct" only.
         tip: End = Choice(End::WORDS), "", Value(End::Free);
-        /// Where the strands are rooted.
+        /// Shape that the strands are rooted on.
         roots: Roots = Table, "", Needed;
         /// Keyframes of the roots, about the centre of their shape.
         motion: Motion = Tables, "", Absent("roots rest");
@@ -52,7 +52,7 @@ table! {
 }
 
 table! {
-    /// What a strand is made of: fibres side by side, equal and independent.
+    /// Fibres of a strand: side by side, equal and independent.
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Fibre, checked by Fibre::checked {
         /// Radius of a fibre at its root; the semi-major axis, along d2, where the cross-section is an ellipse.
@@ -73,25 +73,25 @@ table! {
     }
 }
 
-/// What bends, twists and stretches a strand back.
+/// Stiffness that bends, twists and stretches a strand back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stiffness {
     /// Elastic moduli of a fibre's material; the strand has `fibres_per_strand` times a fibre's stiffness.
     Moduli {
-        /// E \[Pa\].
+        /// Young's modulus E \[Pa\].
         youngs_modulus: f64,
-        /// ν; G = E / (2 (1 + ν)).
+        /// Poisson's ratio ν; G = E / (2 (1 + ν)).
         poissons_ratio: f64,
     },
     /// Stiffnesses of the whole strand.
     Direct {
-        /// EA \[N\].
+        /// Stretch stiffness EA \[N\].
         stretch: f64,
-        /// EI \[N m²\].
+        /// Bend stiffness EI \[N m²\].
         bend: f64,
-        /// GJ \[N m²\].
+        /// Twist stiffness GJ \[N m²\].
         twist: f64,
-        /// ν, for GA = EA / (2 (1 + ν)).
+        /// Poisson's ratio ν, for GA = EA / (2 (1 + ν)).
         poissons_ratio: f64,
     },
 }
@@ -124,7 +124,7 @@ table! {
 }
 
 table! {
-    /// Where the strands of a group are rooted.
+    /// Shape that the strands of a group are rooted on.
     #[derive(Debug, Clone, PartialEq)]
     pub struct Roots, checked by Roots::checked {
         /// Shape that roots are drawn on.
@@ -170,7 +170,7 @@ impl Default for Fibre {
 }
 
 impl Fibre {
-    /// Stiffnesses given directly are those of a round strand.
+    /// Why an aspect is refused with stiffnesses that are given directly: those are a round strand's.
     pub(crate) const ROUND: &str = "stiffnesses are given: expected youngs_modulus with an aspect, or 1";
 
     /// Whether the cross-section is flat though stiffnesses are given.

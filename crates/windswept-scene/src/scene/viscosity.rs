@@ -33,9 +33,9 @@ table! {
 words! {
     /// `viscosity.form`.
     pub enum ViscosityForm {
-        /// c w / max(1, S_i, S_j): stable at any c.
+        /// Exchange c w / max(1, S_i, S_j): stable at any c.
         Limited = "limited",
-        /// c w.
+        /// Exchange c w, as printed.
         Published = "published",
     }
 }
