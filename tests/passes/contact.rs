@@ -7,7 +7,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::internals::step;
 use windswept_reference::contact;
-use windswept_scene::{Body, Keyframe, Motion, Scene, Shape};
+use windswept_scene::{Body, Keyframe, Motion, Round, Scene, Shape};
 
 use crate::{
     stage::{Stage, relative},
@@ -60,20 +60,15 @@ fn place_is_that_of_the_twin() {
         for (got, wanted) in placed.iter().zip(contact::place(&stage.parameters, steps.into())) {
             let vector = |k: usize| DVec3::new(got[k].into(), got[k + 1].into(), got[k + 2].into());
             let contact::Placed { body, before, after } = wanted;
-            let middle = 0.5 * (body.start + body.end);
-            let pairs = [
-                (0, after.out(body.start)),
-                (4, after.out(body.end)),
-                (8, after.out(middle)),
-                (12, before.out(middle)),
-            ];
+            let (middle, Round { ends: [start, end], radius }) = (body.shape.center(), body.shape.round());
+            let pairs = [(0, after.out(start)), (4, after.out(end)), (8, after.out(middle)), (12, before.out(middle))];
             worst = pairs.iter().fold(worst, |worst, (k, x)| worst.max(vector(*k).distance(*x)));
             // A point of the body, taken along.
-            let y = body.start + DVec3::new(0.01, 0.02, -0.03);
+            let y = start + DVec3::new(0.01, 0.02, -0.03);
             let turn = DQuat::from_xyzw(got[16].into(), got[17].into(), got[18].into(), got[19].into());
             let went = turn * (before.out(y) - vector(12)) + vector(8);
             slowest = slowest.max(went.distance(after.out(y)));
-            assert_eq!([got[3], got[7]], [body.radius as f32, body.friction as f32]);
+            assert_eq!([got[3], got[7]], [radius as f32, body.friction as f32]);
         }
     }
     println!("placed to {worst:.1e} m, carried to {slowest:.1e} m");
@@ -122,7 +117,7 @@ fn hair_is_that_of_the_twin() {
         assert_eq!(contact::any_moves(&placed), steps < 20);
         // Nobody who was outside is inside the body that was looked at last.
         let last = placed.last().unwrap();
-        let inside = |at: DVec3, pose: &contact::Pose| -last.body.surface(pose.back(at)).0;
+        let inside = |at: DVec3, pose: &contact::Pose| -last.body.shape.signed_distance(pose.back(at)).0;
         let deepest = (0..x.len()).filter(|&i| free(i) && inside(x[i], &last.before) < 0.0);
         let deepest = deepest.map(|i| inside(got[i], &last.after)).fold(0.0, f64::max);
         assert!(deepest < 1e-8, "{deepest} m inside");

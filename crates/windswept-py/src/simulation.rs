@@ -255,7 +255,7 @@ impl Simulation {
     fn scene(&self, py: Python<'_>) -> PyResult<Scene> {
         let mut inner = self.engine(py, |sim| sim.scene().clone())?;
         if windswept_scene::Scene::parse(inner.text()).as_ref() != Ok(&inner) {
-            inner.text = inner.to_toml();
+            inner.text = windswept_scene::Source(inner.to_toml());
         }
         Ok(Scene { inner })
     }

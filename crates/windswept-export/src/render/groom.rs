@@ -207,7 +207,7 @@ fn radii(scene: &Scene, strands: usize, per_strand: usize) -> Vec<f32> {
     }
     let group = |hair: &windswept_scene::Hair| {
         let needed = COVER * hair.roots.radius as f32 / (hair.strands as usize * per_strand) as f32;
-        let radius = hair.radius as f32;
+        let radius = hair.fibre.radius as f32;
         vec![needed.clamp(THICKER[0] * radius, THICKER[1] * radius); hair.strands as usize]
     };
     scene.hair.iter().flat_map(group).collect()

@@ -167,16 +167,18 @@ fn where_body_goes(body: &Body) -> impl Iterator<Item = DVec3> + '_ {
 fn streaming(hair: &Hair, wind: DVec3, scene: &Scene) -> Option<DVec3> {
     let gravity = DVec3::from_array(scene.gravity);
     let weight = gravity.length()
-        * match hair.point_mass {
+        * match hair.fibre.point_mass {
             Some(mass) => mass * f64::from(hair.points - 1) / hair.length,
-            None => PI * hair.radius.powi(2) * hair.density * hair.fibres_per_strand,
+            None => PI * hair.fibre.radius.powi(2) * hair.fibre.density * hair.fibre.fibres_per_strand,
         };
     let speed = wind.length();
     let drag = scene.air.as_ref().map_or(0.0, |air| {
-        let reynolds = (2.0 * hair.radius * speed / air.kinematic_viscosity).max(1e-9);
-        let width = match scene.model {
+        let reynolds = (2.0 * hair.fibre.radius * speed / air.kinematic_viscosity).max(1e-9);
+        let width = match scene.interaction.model {
             Model::Particles => (air.particle_mass / air.rest_density).cbrt(),
-            Model::Drag => 2.0 * hair.radius * hair.fibres_per_strand * (1.0 + 10.0 * reynolds.powf(-2.0 / 3.0)),
+            Model::Drag => {
+                2.0 * hair.fibre.radius * hair.fibre.fibres_per_strand * (1.0 + 10.0 * reynolds.powf(-2.0 / 3.0))
+            }
             Model::None => 0.0,
         };
         0.5 * 0.5 * air.rest_density * width * speed * speed
