@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use windswept::{AdapterChoice, Gpu};
+use windswept_export::Schedule;
 use windswept_scene::{InitialState, Method, Scene};
 
 use crate::arguments::{Changes, SceneOptions};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::schedule::Schedule;
 
 /// `windswept check`: what was understood, and what a run would take.
 pub(crate) fn check(
@@ -48,10 +48,10 @@ fn summary(scene: &Scene, initial: &InitialState) -> Vec<(&'static str, String)>
         format!(
             "{} s: {} steps of {} ms{}, {} frames",
             scene.time.duration,
-            schedule.steps,
+            schedule.steps(),
             scene.time.step * 1e3,
             if scene.time.substeps > 1 { format!(" in {} substeps", scene.time.substeps) } else { String::new() },
-            schedule.frames,
+            schedule.frames(),
         ),
     ));
     rows.push(("hair", format!("{} strands, {} points", hair.len(), hair.positions.len())));

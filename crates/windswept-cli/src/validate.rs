@@ -30,7 +30,7 @@ pub(crate) fn validate(options: &ValidateOptions, console: &mut Console<'_>) -> 
     verdict(&rows)
 }
 
-/// What the command ends with: one row that does not pass is a failed run.
+/// The end of the command: one row that does not pass is a failed run.
 fn verdict(rows: &[Row]) -> Result<(), Failure> {
     match rows.len() - passing(rows) {
         0 => Ok(()),

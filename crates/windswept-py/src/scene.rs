@@ -74,7 +74,7 @@ impl Scene {
         self.inner.text()
     }
 
-    /// Its title.
+    /// Title of the scene.
     #[getter]
     fn title(&self) -> &str {
         &self.inner.title

@@ -197,6 +197,18 @@ impl Engine {
         Ok(std::array::from_fn(|_| read.next().unwrap_or_default()))
     }
 
+    /// Shows arrays of four floats where the driver has put them: what is made of them is their only copy.
+    pub(crate) fn view_vec4<const N: usize, R>(
+        &self,
+        arrays: [&Array<[f32; 4]>; N],
+        look: impl FnOnce([&[[f32; 4]]; N]) -> R,
+    ) -> Result<R, GpuError> {
+        // The driver maps to multiples of 8 bytes, floats need 4.
+        self.memory.view(&self.gpu, &arrays.map(|array| **array), |views| {
+            look(std::array::from_fn(|k| bytemuck::cast_slice(views[k])))
+        })
+    }
+
     /// Status word and counters.
     ///
     /// # Errors
