@@ -170,13 +170,12 @@ impl Shape {
     }
 
     fn spelled(&self) -> SpelledShape {
-        let (shape, none) = (ShapeName::Sphere, None);
         match *self {
             Self::Sphere { center, radius } => {
-                SpelledShape { shape, center: Some(center), start: none, end: none, radius }
+                SpelledShape { shape: ShapeName::Sphere, center: Some(center), start: None, end: None, radius }
             }
             Self::Capsule { start, end, radius } => {
-                SpelledShape { shape: ShapeName::Capsule, center: none, start: Some(start), end: Some(end), radius }
+                SpelledShape { shape: ShapeName::Capsule, center: None, start: Some(start), end: Some(end), radius }
             }
         }
     }
