@@ -79,6 +79,9 @@ pub(crate) enum Command {
     Plan {
         #[command(flatten)]
         scene: SceneOptions,
+        /// Print also what each pass reads and writes, and every buffer with its size and meaning
+        #[arg(long)]
+        buffers: bool,
     },
     #[cfg(feature = "validate")]
     /// Measure what an adapter computes against formulas and independent numbers; 1 to 3 minutes on a software adapter

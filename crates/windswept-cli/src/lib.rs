@@ -73,7 +73,7 @@ fn dispatch(command: &Command, console: &mut Console<'_>) -> Result<(), Failure>
         Command::Run(options) => run::run(options, console),
         Command::Render(options) => render::render(options, console),
         Command::Check { path, changes, explain } => inspect::check(path.as_deref(), changes, *explain, console),
-        Command::Plan { scene } => inspect::plan(scene, console),
+        Command::Plan { scene, buffers } => inspect::plan(scene, *buffers, console),
         #[cfg(feature = "spectrum")]
         Command::Spectrum(options) => spectrum::spectrum(options, console),
         #[cfg(feature = "validate")]
