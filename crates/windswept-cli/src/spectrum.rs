@@ -181,7 +181,8 @@ mod tests {
     #[test]
     fn a_lost_gpu_is_no_bad_input() {
         let gpu = Gpu::new(&AdapterChoice::Software).expect("the software adapter");
-        let particles = Particles { bounds: Some([0.1; 3]), ..Particles::at(&[[0.05; 3]]) };
+        let particles =
+            Particles { velocities: &[[1.0, 0.0, 0.0]], bounds: Some([0.1; 3]), ..Particles::at(&[[0.05; 3]]) };
         let status = |scale| {
             let measured = particles.band_energy(&gpu, scale, Filter::default());
             measured.map_or_else(|error| Failure::from(error).status(), |_| 0)
