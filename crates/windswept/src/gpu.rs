@@ -24,12 +24,12 @@ pub struct Gpu {
     pub(crate) queue: wgpu::Queue,
     info: AdapterInfo,
     pipelines: Arc<Mutex<HashMap<&'static str, wgpu::ComputePipeline>>>,
-    /// Sources that stand in for those of passes.
+    /// Sources that replace those of passes, by the pass's name.
     sources: Arc<HashMap<&'static str, String>>,
 }
 
 impl Gpu {
-    /// A device of our own on the chosen adapter.
+    /// Opens a device on the chosen adapter.
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`] says what was looked for, what there is and what to install.
@@ -56,7 +56,7 @@ impl Gpu {
         Self::from_device(&adapter, device, queue)
     }
 
-    /// The caller's device. Errors on it are caught in error scopes; its handlers are left alone.
+    /// Takes the caller's device. Errors on it are caught in error scopes; the device's handlers are left alone.
     ///
     /// # Errors
     /// [`GpuError::Limit`] when the device's limits are below WebGPU's defaults in what the passes need.
@@ -90,7 +90,7 @@ impl Gpu {
         Ok(Self { device, queue, info, pipelines: Arc::default(), sources: Arc::default() })
     }
 
-    /// The same device with other shaders in place of those of some passes: to see a test fail, or to try a change.
+    /// This device with other shaders in place of those of some passes: to see a test fail, or to try a change.
     #[must_use]
     pub fn with_sources(&self, sources: impl IntoIterator<Item = (&'static str, String)>) -> Self {
         Self { pipelines: Arc::default(), sources: Arc::new(sources.into_iter().collect()), ..self.clone() }
@@ -114,7 +114,7 @@ impl Gpu {
         &self.info
     }
 
-    /// The largest buffer that a pass can bind \[bytes\].
+    /// Size of the largest buffer that a pass can bind \[bytes\].
     #[must_use]
     pub fn largest_binding(&self) -> u64 {
         let limits = self.device.limits();
@@ -143,7 +143,7 @@ impl Gpu {
     /// Waits until the queue is empty.
     ///
     /// # Errors
-    /// [`GpuError::Lost`].
+    /// [`GpuError::Lost`] when the device is lost.
     pub fn wait(&self) -> Result<(), GpuError> {
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| GpuError::Lost(error.to_string()))?;
         Ok(())
