@@ -1,4 +1,4 @@
-//! What strands cost, and what is skipped of it.
+//! The cost of strands, and the work that is skipped.
 
 use glam::{DQuat, DVec3};
 use windswept::{HairFrame, Simulation};
@@ -6,7 +6,7 @@ use windswept_scene::Scene;
 
 use crate::{LENGTH, Rod, build, rest, support, tips};
 
-/// The direct solver's passes take no longer than those of ten sweeps of Gauss-Seidel: by turns, the least of each.
+/// The direct solver's passes take no longer than those of ten sweeps of Gauss-Seidel (runs by turns, least of each).
 #[test]
 fn the_direct_solver_is_faster_than_ten_sweeps() {
     for (strands, rounds, steps) in [(550, 6, 30), (10_000, 2, 10)] {
@@ -38,25 +38,27 @@ fn the_direct_solver_is_faster_than_ten_sweeps() {
     }
 }
 
-/// Strands in still air that come to rest, and then something is done to them, step by step.
+/// A case of strands in still air that come to rest and are then disturbed, step by step.
 struct Disturbed {
     what: &'static str,
-    /// Of the scene.
+    /// Keys of the scene.
     keys: &'static str,
     damping: f64,
-    /// [s]
+    /// Step of the scene [s].
     step: f64,
-    /// Until they sleep [s], and what is looked at then.
+    /// Time after which the strands sleep [s].
     rest: f64,
+    /// Time for which they are compared after that [s].
     then: f64,
-    /// What strands are moved by in the end, at least [L].
+    /// Least distance by which the strands have moved in the end [L].
     moves: f64,
 }
 
+/// Strands to which nothing is done.
 const CALM: Disturbed =
     Disturbed { what: "nothing", keys: "", damping: 2.0, step: 4e-3, rest: 4.0, then: 0.6, moves: 0.0 };
 
-/// How far apart two runs ever are, tips in lengths and frames in rad: one that skips what it may, and one that skips nothing.
+/// Largest difference, of tips [L] and of frames [rad], between a run that skips what it may and one that skips nothing.
 fn skipped(case: &Disturbed, drive: impl Fn(&mut Simulation, f64)) -> (f64, f64) {
     let Disturbed { what, keys, damping, step, rest, then, moves } = case;
     let run = |sleep: bool| {
@@ -136,7 +138,7 @@ fn what_is_skipped_is_not_missed() {
     assert!(apart.iter().all(|apart| apart.1 < 2e-3), "{apart:?}");
 }
 
-/// Where strands rest, asleep and awake.
+/// Strands that may sleep come to rest where those come to rest that may not.
 #[test]
 fn sleep_does_not_move_what_rests() {
     let rods = [Rod::level(1.0, 34), Rod::level(10.0, 34), Rod::level(100.0, 34)];
@@ -154,7 +156,7 @@ fn sleep_does_not_move_what_rests() {
     }
 }
 
-/// In falls, however short the steps are, tips go where they go with nothing skipped.
+/// Tips of falling strands, however short the steps are, go where they go in a run that skips nothing.
 #[test]
 fn falls_are_not_cut_short() {
     let rods = [Rod::level(10.0, 34), Rod::level(100.0, 34)];
