@@ -5,7 +5,7 @@
 pub struct Frame {
     /// Steps since the start.
     pub step: u64,
-    /// Time since the start [s].
+    /// Time since the start \[s\].
     pub time: f64,
     /// The strands.
     pub hair: HairFrame,
@@ -18,9 +18,9 @@ pub struct Frame {
 pub struct HairFrame {
     /// First point of each strand, and the number of points: strands + 1.
     pub offsets: Vec<u32>,
-    /// Position of each point [m].
+    /// Position of each point \[m\].
     pub positions: Vec<[f32; 3]>,
-    /// Velocity of each point [m/s].
+    /// Velocity of each point \[m/s\].
     pub velocities: Vec<[f32; 3]>,
     /// Orientation of each segment: the rotation (x, y, z, w) from material frame to world. A strand of n points has n
     /// - 1.
@@ -30,12 +30,12 @@ pub struct HairFrame {
 /// Air particles in the order of their stable ids.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AirFrame {
-    /// Position of each particle [m], wrapped into the box.
+    /// Position of each particle \[m\], wrapped into the box.
     pub positions: Vec<[f32; 3]>,
-    /// Velocity of each particle [m/s].
+    /// Velocity of each particle \[m/s\].
     pub velocities: Vec<[f32; 3]>,
-    /// Vorticity |curl v| at each particle [1/s]; empty unless asked for.
+    /// Vorticity |curl v| at each particle \[1/s\]; empty unless asked for.
     pub vorticity: Vec<f32>,
-    /// Energy ½ |û|² of the first band at each particle [m²/s²]; empty unless asked for.
+    /// Energy ½ |û|² of the first band at each particle \[m²/s²\]; empty unless asked for.
     pub band_energy: Vec<f32>,
 }
