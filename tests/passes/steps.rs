@@ -129,7 +129,7 @@ fn a_difference_is_named() {
         (&rods::BEGIN_SEGMENTS, "segment.before = history.angular_velocity", "segment.before = vec3f(0.0)", particles),
         (&rods::CHOOSE, "return params.step * point.velocity", "return 0.9 * params.step * point.velocity", particles),
         (&rods::DIRECT, "own.force += stretch_change", "own.force += 0.9 * stretch_change", particles),
-        (&rods::RESCUE, "misfit < TORN", "misfit < 0.0", particles),
+        (&rods::RESCUE, "misfit < LOST", "misfit < 0.0", particles),
         (&rods::GAUSS_SEIDEL, "0.5 * rotate(before", "0.4 * rotate(before", sweeps),
         (&rods::FINISH, "rest_length - 1.0", "rest_length - 1.0001", particles),
         (&rods::PLACE, "rod_points[p].travel", "0.9 * rod_points[p].travel", particles),

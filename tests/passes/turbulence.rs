@@ -165,8 +165,8 @@ fn the_grid_filter_is_that_of_the_twin() {
             }
             worst[2] = worst[2].max(relative(&air(&stage, &s.band_velocity), &eddies[p.hair_points..], 1e-3));
             println!("{what}, {order:?}: {worst:?}");
-            // Measured 2.0e-6, 3.5e-6, 7.3e-6 (of clumps); margin 4.
-            let within = worst.iter().zip([8e-6, 1.5e-5, 3e-5]).all(|(error, bound)| *error < bound);
+            // Measured 3.1e-6, 1.4e-5, 6.2e-5 (of clumps: hardly any volume is divided by between them); margin 4.
+            let within = worst.iter().zip([1.3e-5, 5.5e-5, 2.5e-4]).all(|(error, bound)| *error < bound);
             assert!(within, "{what}, {order:?}: {worst:?}");
         }
     }
