@@ -22,8 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::create_dir_all("out/brush")?;
     let start = simulation.frame()?;
     let adapter = gpu.info().to_string();
-    let provenance =
-        Provenance { scene: scene.text(), version: env!("CARGO_PKG_VERSION"), adapter: &adapter, seed: scene.seed };
+    let provenance = Provenance::of(&scene, &adapter);
     let mut film = VtkHdfWriter::create("out/brush/hair.vtkhdf", Kind::Hair, &start, FRAMES as usize, &provenance)?;
     for k in 1..=FRAMES {
         simulation.step(scene.time.step_of_frame(k) - simulation.steps())?;

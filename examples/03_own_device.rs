@@ -6,7 +6,7 @@
 use windswept::gpu::wgpu;
 use windswept::ops::Particles;
 use windswept::{Gpu, Simulation, required_limits};
-use windswept_scene::{Groom, Scene};
+use windswept_scene::{Fibre, Groom, Scene};
 
 const SCENE: &str = r#"
 interaction = { model = "none" }
@@ -28,7 +28,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // Strands of our own beside a scene's.
     let points = (0..40).map(|i| [0.0, -0.005 * f64::from(i % 20), 0.01 * f64::from(i / 20)]).collect();
-    let groom = Groom { radius: vec![4e-5, 8e-5].into(), ..Groom::new(points, vec![0, 20, 40]) };
+    let fibres = [4e-5, 8e-5].map(|radius| Fibre { radius, ..Fibre::default() });
+    let groom = Groom { fibre: fibres.to_vec().into(), ..Groom::new(points, vec![0, 20, 40]) };
     let mut strands = Simulation::with_groom(&gpu, &Scene::parse(SCENE)?, &groom)?;
     let mut brush = Simulation::new(&gpu, &scene)?;
 

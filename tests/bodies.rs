@@ -5,7 +5,7 @@ mod support;
 
 use glam::DVec3;
 use windswept::{Frame, Simulation};
-use windswept_scene::{Body, Capsule, InitialState, Model, Motion, Scene, Shape};
+use windswept_scene::{Body, InitialState, Model, Motion, Scene, Shape};
 
 fn simulation(text: &str, sets: &[&str]) -> Simulation {
     let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
@@ -18,8 +18,8 @@ fn points(of: &[[f32; 3]]) -> Vec<DVec3> {
 
 /// The deepest of these below the surface of any body now \[m\]; negative: the nearest above it.
 fn deepest(simulation: &Simulation, of: &[[f32; 3]]) -> f64 {
-    let placed: Vec<Capsule> = simulation.scene().bodies.iter().map(|body| body.at(simulation.time())).collect();
-    let depth = |x: &DVec3| placed.iter().map(|body| -body.distance(*x)).fold(f64::NEG_INFINITY, f64::max);
+    let placed: Vec<Shape> = simulation.scene().bodies.iter().map(|body| body.at(simulation.time())).collect();
+    let depth = |x: &DVec3| placed.iter().map(|body| -body.signed_distance(*x).0).fold(f64::NEG_INFINITY, f64::max);
     points(of).iter().map(depth).fold(f64::NEG_INFINITY, f64::max)
 }
 
@@ -32,7 +32,8 @@ fn hair_sticks_and_slides_by_coulombs_law() {
         let angle = slope.atan();
         let bar = Shape::Capsule { start: [-0.5, 0.0, 0.0], end: [0.5, 0.0, 0.0], radius: 0.05 };
         let body = Body { name: "bar".into(), shape: bar, friction: FRICTION, motion: Motion::default() };
-        let mut scene = Scene { bodies: vec![body], model: Model::None, ..support::scene() };
+        let mut scene = Scene { bodies: vec![body], ..support::scene() };
+        scene.interaction.model = Model::None;
         scene.gravity = [9.81 * angle.sin(), -9.81 * angle.cos(), 0.0];
         let along: Vec<DVec3> = (0..4).map(|k| DVec3::new(0.01 * f64::from(k), 0.05, 0.0)).collect();
         let mut hair = support::strands(&along, 4);
@@ -99,7 +100,7 @@ fn a_bar_takes_hair_along() {
             let bar = simulation.scene().bodies[0].at(simulation.time());
             let x = points(&simulation.frame().unwrap().hair.positions);
             let eighths = |w: &[DVec3]| [0, 1, 2, 3, 4, 5, 6, 7].map(|k| w[0].lerp(w[1], 0.125 * f64::from(k)));
-            deepest = x.windows(2).flat_map(eighths).map(|x| -bar.distance(x)).fold(deepest, f64::max);
+            deepest = x.windows(2).flat_map(eighths).map(|x| -bar.signed_distance(x).0).fold(deepest, f64::max);
             taken = x.iter().map(|x| x.x).fold(taken, f64::max);
             stretch = x.windows(2).map(|w| (w[0].distance(w[1]) / 0.002 - 1.0).abs()).fold(stretch, f64::max);
         }
@@ -141,7 +142,7 @@ fn hair_that_starts_inside_comes_out_slowly() {
         [[body]]\nradius = 0.1\ncenter = [0, 0, 0]\n[[body]]\nname = \"bar\"\nshape = \"capsule\"\nstart = [0.05, 0.1, -1]\nend = [0.05, 0.1, 1]\nradius = 0.008\n";
     let mut simulation = simulation(text, &[]);
     let initial = points(&simulation.frame().unwrap().hair.positions);
-    let before = initial.iter().map(|x| simulation.scene().bodies[1].at(0.0).distance(*x)).fold(0.0, f64::min);
+    let before = initial.iter().map(|x| simulation.scene().bodies[1].at(0.0).signed_distance(*x).0).fold(0.0, f64::min);
     assert!(before < -3e-3, "nothing starts inside: {before}");
     let mut fastest = 0.0_f64;
     for _ in 0..60 {
@@ -202,7 +203,7 @@ fn a_moving_ball_pushes_air() {
     let mut simulation = simulation(PASSED, &["air.wind=[0,0,0]", moving]);
     simulation.step(50).unwrap();
     let frame = simulation.frame().unwrap();
-    let ball = simulation.scene().bodies[0].at(simulation.time()).ends[0];
+    let ball = simulation.scene().bodies[0].at(simulation.time()).center();
     let before = mean_speed(&frame, ball, |r| r.y.hypot(r.z) < 0.01 && (0.02..0.026).contains(&r.x));
     let beside = mean_speed(&frame, ball, |r| r.y.hypot(r.z) > 0.024 && r.x.abs() < 0.015);
     let depth = deepest(&simulation, &frame.air.positions);

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
 use windswept::Simulation;
-use windswept_scene::{End, Groom, Scene};
+use windswept_scene::{End, Fibre, Groom, Scene};
 
 const GRAVITY: f64 = 9.81;
 
@@ -41,7 +41,7 @@ fn flat_fibres_sag_by_their_stiffness_about_either_axis() {
     let upright = DQuat::from_mat3(&glam::DMat3::from_cols(DVec3::Z, DVec3::NEG_Y, DVec3::X));
     let flat = upright * DQuat::from_rotation_z(0.5 * PI);
     let groom = Groom {
-        aspect: aspect.into(),
+        fibre: Fibre { aspect, ..Fibre::default() }.into(),
         root_frame: Some(vec![upright.to_array(), flat.to_array()].into()),
         ..level(2, length)
     };

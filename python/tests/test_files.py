@@ -113,3 +113,72 @@ def test_the_wheel_carries_the_command(tmp_path):
     script = next(p for p in (tmp_path.__class__(sys.executable).parent).glob("windswept*"))
     done = subprocess.run([script, "--help"], capture_output=True, text=True)
     assert done.returncode == 0 and "check" in done.stdout
+
+
+def contents(path):
+    """Every number of a film that its frames decide, by its name in the file."""
+    h5py = pytest.importorskip("h5py")
+    found = {}
+    with h5py.File(path) as file:
+        finished = file["VTKHDF/Steps"].attrs["NSteps"]
+        found["Times"] = file["VTKHDF/Steps/Values"][:finished]
+        points = finished * file["VTKHDF/NumberOfPoints"][0]
+        found["Points"] = file["VTKHDF/Points"][:points]
+        for name, data in file["VTKHDF/PointData"].items():
+            found[name] = data[:points]
+    return found
+
+
+@pytest.mark.parametrize(("air", "scalar"), [("vorticity", "Vorticity"), ("band_energy", "BandEnergy")])
+def test_the_writers_write_what_the_command_writes(scene, tmp_path, air, scalar):
+    bands = [{"scale": 0.009, "strength": 30.0}]
+    scene = scene.replace(**{"picture.air": air, "turbulence.bands": bands, "time.duration": 0.035})
+    (tmp_path / "scene.toml").write_text(scene.to_toml())
+    words = ["run", tmp_path / "scene.toml", "--out", tmp_path / "command"]
+    done = subprocess.run([sys.executable, "-m", "windswept", *words], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+    sim = ws.Simulation(scene)
+    one = tmp_path / "one.vtkhdf"
+    with ws.Writer(tmp_path / "python", sim) as folder, ws.VtkHdfWriter(one, sim, kind="air") as film:
+        for writer in (folder, film):
+            writer.append(sim)
+        for frame in sim.frames():
+            folder.append(sim)
+            film.append(sim)
+    assert "vtkhdf" in repr(folder)
+    for kind in ("hair", "air"):
+        command = contents(tmp_path / "command" / f"{kind}.vtkhdf")
+        ours = contents(tmp_path / "python" / f"{kind}.vtkhdf")
+        assert len(command["Times"]) == 3 and command.keys() == ours.keys()
+        for name, values in command.items():
+            assert np.array_equal(values, ours[name]), (kind, name)
+    assert command[scalar].any() and scalar not in contents(tmp_path / "command/hair.vtkhdf")
+    alone = contents(one)
+    assert alone.keys() == command.keys() and all(np.array_equal(command[name], alone[name]) for name in command)
+    # A frame has them too, and the pictures are the same.
+    assert np.array_equal(getattr(frame.air, air), command[scalar][-len(frame.air.positions) :])
+    for name in ["preview.gif", *(f"frames/{k:04}.png" for k in range(3))]:
+        assert (tmp_path / "command" / name).read_bytes() == (tmp_path / "python" / name).read_bytes(), name
+
+
+def test_a_writer_names_what_it_cannot_write(sim, tmp_path):
+    assert {"vtkhdf", "png"} <= ws.formats().keys() and all(ws.formats().values())
+    with pytest.raises(ValueError, match="formats: expected some of"):
+        ws.Writer(tmp_path / "a", sim, formats=["usd"])
+    with pytest.raises(ValueError, match="frames"):
+        ws.Writer(tmp_path / "a", sim, frames=0)
+    (tmp_path / "file").write_text("mine")
+    with pytest.raises(ws.ExportError, match="file: could not be made"):
+        ws.Writer(tmp_path / "file", sim)
+    # Pictures that cannot be saved are told once; the film goes on without them.
+    (tmp_path / "b").mkdir()
+    (tmp_path / "b" / "frames").write_text("mine")
+    with ws.Writer(tmp_path / "b", sim) as writer:
+        with pytest.raises(ws.ExportError, match="frames: could not be made"):
+            writer.append(sim)
+        sim.step()
+        writer.append(sim)
+    assert len(contents(tmp_path / "b" / "hair.vtkhdf")["Times"]) == 2
+    with pytest.raises(ValueError, match="closed"):
+        writer.append(sim)

@@ -32,8 +32,14 @@ def test_arrays_are_float32_of_the_state_now_and_the_callers_own(sim):
         (sim.air.velocities, sim.air.positions.shape),
     ]:
         assert array.dtype == np.float32 and array.shape == shape
-        assert array.flags.c_contiguous and array.flags.writeable
+        assert array.flags.c_contiguous and array.flags.writeable and array.flags.aligned
         assert np.isfinite(array).all()
+    # No two arrays share memory, and they outlive what they came from.
+    frame = sim.frame()
+    arrays = [sim.hair.positions, sim.hair.positions, frame.hair.positions, frame.hair.velocities, frame.air.positions]
+    del frame
+    assert not any(np.shares_memory(a, b) for i, a in enumerate(arrays) for b in arrays[:i])
+    assert all(np.array_equal(arrays[0], array) for array in arrays[1:3])
     assert sim.hair.offsets.tolist() == list(range(0, 49, 6))
     assert np.allclose(np.linalg.norm(sim.hair.orientations, axis=1), 1.0, atol=1e-5)
     before = sim.hair.positions

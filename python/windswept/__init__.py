@@ -31,9 +31,11 @@ from windswept._native import (
     SceneError,
     Simulation,
     VtkHdfWriter,
+    Writer,
     __version__,
     adapters,
     contact_sheet,
+    formats,
     write_png,
 )
 
@@ -56,9 +58,11 @@ __all__ = [
     "SceneError",
     "Simulation",
     "VtkHdfWriter",
+    "Writer",
     "__version__",
     "adapters",
     "contact_sheet",
+    "formats",
     "ops",
     "plot",
     "sweep",

@@ -1,5 +1,8 @@
 // Bodies: all points within a radius of a line, the axis. A sphere's axis is a point.
-import package::common::quaternion::{conjugate, rotate};
+//
+// All that depends on a body's shape stands here: what it is made of, where it is after a step (`place`), the signed distance of a
+// point and its gradient (`surface`), and where a way enters it (`entry`). Passes ask for these and for nothing else.
+import package::common::{quaternion::{conjugate, product, rotate}, motion::Pose};
 
 struct Body {
     start: vec3f,          // of the axis, unmoved [m]
@@ -11,8 +14,8 @@ struct Body {
 }
 
 // What bodies did to a strand in a step: bits.
-const PUSHED: u32 = 1u;   // one of its points
-const MOVED: u32 = 2u;    // one of them, where it may have lain
+const PUSHED: u32 = 1u;   // a body pushed one of the strand's points
+const MOVED: u32 = 2u;    // some body moved, and the strand may have lain on it
 
 // A body in this step.
 struct Placed {
@@ -23,6 +26,17 @@ struct Placed {
     center: vec3f,         // after the step
     center_before: vec3f,
     turn: vec4f,           // of the step
+}
+
+// The body after a step that takes it from one pose to another.
+fn place(body: Body, before: Pose, after: Pose) -> Placed {
+    let center = 0.5 * (body.start + body.end);
+    let half = rotate(after.rotation, 0.5 * (body.end - body.start));
+    let now = center + after.translation;
+    return Placed(
+        now - half, body.radius, now + half, body.friction, now, center + before.translation,
+        normalize(product(after.rotation, conjugate(before.rotation))),
+    );
 }
 
 // The surface seen from a point.

@@ -1,8 +1,8 @@
 // Bodies move: where each is after this step, and how it got there. No strand has touched one yet; but where one moves, all
-// that sleep wake: who knows what lay on it.
+// that sleep wake: contacts are not remembered, so that nobody can tell which strands rested on it.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{conjugate, product, rotate}, motion::{Pose, pose_after},
-    body::{Body, Placed, MOVED}, status::{status, frozen},
+    params::params, dispatch::{invocation, WORKGROUP}, motion::{Pose, pose_after},
+    body::{Body, Placed, MOVED, place}, status::{status, frozen},
 };
 
 @group(0) @binding(2) var<storage, read>       bodies:  array<Body>;
@@ -31,11 +31,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let body = bodies[i];
     let before = pose_after(status.step, body.first_keyframe, body.keyframes);
     let after = pose_after(status.step + 1u, body.first_keyframe, body.keyframes);
-    let center = 0.5 * (body.start + body.end);
-    let half = rotate(after.rotation, 0.5 * (body.end - body.start));
-    let now = center + after.translation;
-    placed[i] = Placed(
-        now - half, body.radius, now + half, body.friction, now, center + before.translation,
-        normalize(product(after.rotation, conjugate(before.rotation))),
-    );
+    placed[i] = place(body, before, after);
 }

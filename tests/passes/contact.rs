@@ -7,7 +7,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::internals::step;
 use windswept_reference::contact;
-use windswept_scene::{Body, Keyframe, Motion, Scene, Shape};
+use windswept_scene::{Body, Keyframe, Motion, Round, Scene, Shape};
 
 use crate::{
     stage::{Stage, quaternion, relative, xyz},
@@ -59,19 +59,19 @@ fn place_is_that_of_the_twin() {
         let placed = stage.engine.read(&stage.engine.state().placed).unwrap();
         for (got, wanted) in placed.iter().zip(contact::place(&stage.parameters, steps.into())) {
             let contact::Placed { body, before, after } = wanted;
-            let middle = 0.5 * (body.start + body.end);
+            let (middle, Round { ends: [start, end], radius }) = (body.shape.center(), body.shape.round());
             let pairs = [
-                (got.start, after.out(body.start)),
-                (got.end, after.out(body.end)),
+                (got.start, after.out(start)),
+                (got.end, after.out(end)),
                 (got.center, after.out(middle)),
                 (got.center_before, before.out(middle)),
             ];
             worst = pairs.iter().fold(worst, |worst, (got, x)| worst.max(xyz(got).distance(*x)));
             // A point of the body, taken along.
-            let y = body.start + DVec3::new(0.01, 0.02, -0.03);
+            let y = start + DVec3::new(0.01, 0.02, -0.03);
             let went = quaternion(got.turn) * (before.out(y) - xyz(&got.center_before)) + xyz(&got.center);
             slowest = slowest.max(went.distance(after.out(y)));
-            assert_eq!([got.radius, got.friction], [body.radius as f32, body.friction as f32]);
+            assert_eq!([got.radius, got.friction], [radius as f32, body.friction as f32]);
         }
     }
     println!("placed to {worst:.1e} m, carried to {slowest:.1e} m");
@@ -120,7 +120,7 @@ fn hair_is_that_of_the_twin() {
         assert_eq!(contact::any_moves(&placed), steps < 20);
         // Nobody who was outside is inside the body that was looked at last.
         let last = placed.last().unwrap();
-        let inside = |at: DVec3, pose: &contact::Pose| -last.body.surface(pose.back(at)).0;
+        let inside = |at: DVec3, pose: &contact::Pose| -last.body.shape.signed_distance(pose.back(at)).0;
         let deepest = (0..x.len()).filter(|&i| free(i) && inside(x[i], &last.before) < 0.0);
         let deepest = deepest.map(|i| inside(got[i], &last.after)).fold(0.0, f64::max);
         assert!(deepest < 1e-8, "{deepest} m inside");

@@ -34,7 +34,7 @@ pub fn scene_of(n: usize, keys: &str) -> Scene {
         }
     }
     let mut scene = Scene::parse(&text).unwrap();
-    scene.model = Model::None;
+    scene.interaction.model = Model::None;
     scene
 }
 

@@ -68,8 +68,8 @@ fn drag_is_that_of_the_twin() {
     {
         for n in support::SIZES {
             let mut scene = support::scene();
-            scene.model = model;
-            scene.lift = lift;
+            scene.interaction.model = model;
+            scene.interaction.lift = lift;
             if let Some(air) = &mut scene.air {
                 air.wind = [0.8 * speed, -0.6 * speed, 0.0];
                 air.ramp = 0.0;

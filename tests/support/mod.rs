@@ -36,57 +36,20 @@ pub const VOLUME: f64 = 1.46e-7 / 1.29;
 /// The paper's kernel radius [m].
 pub const RADIUS: f64 = 9.3e-3;
 
-/// The paper's parameters, without hair, in still air.
+/// What the tests of single passes take in place of the defaults, and what a scene must say.
+const PLAIN: &str = "
+title = \"test\"
+time = { step = 1.38e-3, duration = 1.0 }
+air = { box = { min = [0, 0, 0], max = [1, 1, 1] }, wind = [0, 0, 0] }
+turbulence.filter = \"direct\"
+rods = { solver = \"gauss-seidel\", integrator = \"euler\", sleep = false }
+";
+
+/// The paper's parameters, without hair, in still air; the box is that of the particles which a test puts in.
 pub fn scene() -> Scene {
-    Scene {
-        text: String::new(),
-        title: "test".into(),
-        method: Method::Accurate,
-        gravity: [0.0, -9.81, 0.0],
-        seed: 1,
-        time: Time { step: 1.38e-3, substeps: 1, duration: 1.0, frame_rate: 60.0 },
-        hair: Vec::new(),
-        air: Some(Air {
-            bounds: None,
-            rest_density: 1.29,
-            particle_mass: 1.46e-7,
-            kernel_radius: RADIUS,
-            wind: [0.0; 3],
-            fringe: 4.0 * RADIUS,
-            ramp: 0.05,
-            gust: Vec::new(),
-            inflow: None,
-            margin: None,
-            kinematic_viscosity: 1.5e-5,
-        }),
-        model: Model::Particles,
-        lift: 0.0,
-        fluid: Fluid { iterations: 2, relaxation: 0.5, tension: 0.0 },
-        turbulence: Turbulence {
-            bands: Vec::new(),
-            speed: 0.0,
-            law: Law::Band,
-            filter: Filter::Direct,
-            order: Order::Cubic,
-            spacing: 0.55,
-            cutoff: 4.5,
-            normalise: false,
-            conserve_momentum: true,
-        },
-        viscosity: Viscosity { hair: 1.4, air: 0.014, form: ViscosityForm::Limited },
-        rods: Rods {
-            solver: Solver::GaussSeidel,
-            integrator: Integrator::Euler,
-            iterations: 10,
-            newton: 4,
-            inextensible: false,
-            damping: 0.0,
-            sleep: false,
-        },
-        bodies: Vec::new(),
-        camera: Camera { look_at: None, fov: 26.0, width: 960, height: 540 },
-        picture: Picture { hairs: 20_000, air: AirPicture::None },
-    }
+    let scene = Scene::parse(PLAIN).unwrap();
+    let air = scene.air.clone().map(|air| Air { bounds: None, ..air });
+    Scene { text: Source::default(), air, ..scene }
 }
 
 /// `n` strands of two points each are no rods to speak of: hair for tests of particles, `n` points in strands of 3.

@@ -1,21 +1,41 @@
-//! What can be typed.
+//! The arguments that can be typed.
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, builder::PossibleValuesParser};
+use windswept_export::{DEFAULT_FORMATS, FORMATS, Format};
 use windswept_scene::Scene;
 use windswept_validate::CHECKS;
 
 use crate::failure::Failure;
+use crate::output;
 use crate::render::Range;
 
 /// Hair in turbulent wind, simulated on the GPU: a scene file in, frames out.
 #[derive(Debug, Parser)]
-#[command(name = "windswept", version, after_help = EXAMPLES)]
+#[command(name = "windswept", version, after_help = examples())]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,
+}
+
+/// Examples of the commands that this build has, and the exit status.
+fn examples() -> String {
+    let mut text = String::from(EXAMPLES);
+    if cfg!(feature = "spectrum") {
+        text += "
+  windswept spectrum out/wind
+      how much energy its air has in eddies of which size, at first and at last";
+    }
+    if cfg!(feature = "validate") {
+        text += "
+  windswept validate --adapter software
+      formulas and independent numbers beside what an adapter computes";
+    }
+    text + "
+
+Exit status: 0 done, 1 the run failed, 2 bad input (nothing was written), 130 stopped by Ctrl-C."
 }
 
 const EXAMPLES: &str = "\
@@ -30,16 +50,10 @@ Examples:
       new pictures of that run, with more hairs
   windswept render out/wind --contact-sheet 0,0.5,1,1.5
       four moments of it in one picture
-  windswept spectrum out/wind
-      how much energy its air has in eddies of which size, at first and at last
   windswept check --explain
       every key there is, with its default and its meaning
   windswept plan scene.toml
-      the passes of a step, and why some are skipped
-  windswept validate --adapter software
-      formulas and independent numbers beside what an adapter computes
-
-Exit status: 0 done, 1 the run failed, 2 bad input (nothing was written), 130 stopped by Ctrl-C.";
+      the passes of a step, and why some are skipped";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
@@ -47,6 +61,7 @@ pub(crate) enum Command {
     Run(RunOptions),
     /// Make pictures of a run that is over or was stopped, from its hair.vtkhdf and scene.toml
     Render(RenderOptions),
+    #[cfg(feature = "spectrum")]
     /// Energy of a run's air by size of eddies, at its first and at its last frame, as a table and a picture
     Spectrum(SpectrumOptions),
     /// Read a scene, say what was understood, and write nothing
@@ -64,7 +79,11 @@ pub(crate) enum Command {
     Plan {
         #[command(flatten)]
         scene: SceneOptions,
+        /// Print also what each pass reads and writes, and every buffer with its size and meaning
+        #[arg(long)]
+        buffers: bool,
     },
+    #[cfg(feature = "validate")]
     /// Measure what an adapter computes against formulas and independent numbers; 1 to 3 minutes on a software adapter
     Validate(ValidateOptions),
     /// List the GPUs that a run can use, the one it would take first
@@ -115,9 +134,7 @@ impl SceneOptions {
 pub(crate) struct RunOptions {
     #[command(flatten)]
     pub(crate) scene: SceneOptions,
-    /// Folder for frames/0000.png and so on, preview.gif, hair.vtkhdf, air.vtkhdf, report.json and scene.toml; made if
-    /// it is not there
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", help = out_help())]
     pub(crate) out: PathBuf,
     /// Stop after this many steps since t = 0, whatever time.duration says
     #[arg(long, value_name = "N")]
@@ -125,9 +142,8 @@ pub(crate) struct RunOptions {
     /// Part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else the best]
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
-    /// What to write per frame: png (pictures and preview.gif), vtkhdf, or none
-    #[arg(long, value_delimiter = ',', default_value = "png,vtkhdf", value_parser = format)]
-    formats: Vec<Format>,
+    #[arg(long, value_delimiter = ',', default_values = DEFAULT_FORMATS, value_parser = format, help = formats_help())]
+    formats: Vec<String>,
     /// Write the report to this file too
     #[arg(long, value_name = "FILE")]
     pub(crate) report: Option<PathBuf>,
@@ -140,44 +156,41 @@ pub(crate) struct RunOptions {
     resume: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Format {
-    Png,
-    Vtkhdf,
-    None,
-}
+/// The word that `--formats` takes beside the names of [`FORMATS`].
+const NONE: &str = "none";
 
-fn format(word: &str) -> Result<Format, String> {
-    match word {
-        "vtkhdf" => Ok(Format::Vtkhdf),
-        "none" => Ok(Format::None),
-        "png" => Ok(Format::Png),
-        _ => Err("expected png, vtkhdf or none".into()),
+fn format(word: &str) -> Result<String, String> {
+    if word == NONE || Format::named(word).is_some() {
+        return Ok(word.to_owned());
     }
+    let names: Vec<_> = FORMATS.iter().map(|format| format.name).collect();
+    Err(format!("expected {} or {NONE}", names.join(", ")))
 }
 
-/// What a run writes per frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Formats {
-    pub(crate) png: bool,
-    pub(crate) vtkhdf: bool,
+fn formats_help() -> String {
+    let rows = FORMATS.iter().map(|format| format!("{} ({})", format.name, format.writes));
+    format!("What to write per frame: {}, or {NONE}", rows.collect::<Vec<_>>().join(", "))
+}
+
+fn out_help() -> String {
+    format!("Folder for {}; made if it is not there; frames are numbered from 0000 on", output::files().join(", "))
 }
 
 impl RunOptions {
-    /// What is written per frame; refuses what is reserved for later versions.
-    pub(crate) fn formats(&self) -> Result<Formats, Failure> {
+    /// Formats that are written per frame; refuses what is reserved for later versions.
+    pub(crate) fn formats(&self) -> Result<Vec<&'static Format>, Failure> {
         let reserved = [("--checkpoint-every", self.checkpoint_every.is_some()), ("--resume", self.resume)];
         if let Some((flag, _)) = reserved.iter().find(|(_, given)| *given) {
             return Err(Failure::Input(format!("{flag}: not in this version")));
         }
-        let has = |format| self.formats.contains(&format);
-        if has(Format::None) && self.formats.len() > 1 {
-            return Err(Failure::Input("--formats: none stands alone".into()));
+        if self.formats.len() > 1 && self.formats.iter().any(|word| word == NONE) {
+            return Err(Failure::Input(format!("--formats: {NONE} stands alone")));
         }
-        Ok(Formats { png: has(Format::Png), vtkhdf: has(Format::Vtkhdf) })
+        Ok(self.formats.iter().filter_map(|word| Format::named(word)).collect())
     }
 }
 
+#[cfg(feature = "validate")]
 #[derive(Debug, Args)]
 pub(crate) struct ValidateOptions {
     /// Only these checks [default: all]
@@ -191,6 +204,7 @@ pub(crate) struct ValidateOptions {
     pub(crate) json: bool,
 }
 
+#[cfg(feature = "spectrum")]
 #[derive(Debug, Args)]
 pub(crate) struct SpectrumOptions {
     /// Folder of the run, with its air.vtkhdf and scene.toml
@@ -210,6 +224,7 @@ pub(crate) struct SpectrumOptions {
     pub(crate) json: bool,
 }
 
+#[cfg(feature = "spectrum")]
 fn scale(word: &str) -> Result<f64, String> {
     let expected = || "expected lengths in metres above 0, e.g. 0.006,0.018".to_owned();
     word.parse().ok().filter(|scale: &f64| scale.is_finite() && *scale > 0.0).ok_or_else(expected)

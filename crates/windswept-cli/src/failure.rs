@@ -1,8 +1,8 @@
-//! What ends the command early, and how it is told: drawn on a terminal, plain lines elsewhere.
+//! Failures that end the command early, and how they are told: drawn on a terminal, plain lines elsewhere.
 
-use std::fmt::{self, Display};
+use std::ops::Range;
 
-use miette::{Diagnostic, GraphicalReportHandler, LabeledSpan, NamedSource, SourceCode};
+use windswept::ops::OpsError;
 use windswept::{GpuError, RunError};
 use windswept_export::ExportError;
 use windswept_scene::SceneError;
@@ -13,7 +13,7 @@ use crate::interrupt;
 pub(crate) enum Failure {
     /// The scene; the error points at its line.
     Scene(Box<SceneError>),
-    /// What was asked for cannot be done; nothing was written.
+    /// Input that cannot be followed; nothing was written.
     Input(String),
     /// The run started and could not go on.
     Run(String),
@@ -28,14 +28,6 @@ impl Failure {
             Self::Run(_) => 1,
             Self::Scene(_) | Self::Input(_) => 2,
             Self::Interrupted(_) => interrupt::STATUS,
-        }
-    }
-
-    /// The failure in words, on a line of the caller's.
-    pub(crate) fn what(&self) -> String {
-        match self {
-            Self::Scene(error) => error.to_string(),
-            Self::Input(what) | Self::Run(what) | Self::Interrupted(what) => what.clone(),
         }
     }
 
@@ -81,6 +73,17 @@ impl From<RunError> for Failure {
     }
 }
 
+impl From<OpsError> for Failure {
+    fn from(error: OpsError) -> Self {
+        match error {
+            OpsError::Scene(error) => error.into(),
+            OpsError::Argument { .. } => Self::Input(error.to_string()),
+            OpsError::Run(RunError::Gpu(error)) => error.into(),
+            error => Self::Run(error.to_string()),
+        }
+    }
+}
+
 impl From<ExportError> for Failure {
     fn from(error: ExportError) -> Self {
         match error {
@@ -92,48 +95,62 @@ impl From<ExportError> for Failure {
     }
 }
 
-/// The line drawn, with the fault underlined.
+/// The line of the scene with the fault underlined.
+///
+/// ```text
+/// error: hair.lenght: unknown key
+///   --> scene.toml:12
+///    |
+/// 12 | lenght = 0.1
+///    | ^^^^^^
+///    = did you mean hair.length?
+/// ```
 fn drawn(error: &SceneError) -> String {
-    let mut text = String::new();
-    match GraphicalReportHandler::new().render_report(&mut text, &Drawing::of(error)) {
-        Ok(()) => text,
-        Err(fmt::Error) => format!("error: {error}"),
+    let key = error.key().map(|key| format!("{key}: ")).unwrap_or_default();
+    let mut lines = vec![format!("error: {key}{}", error.message())];
+    let number = error.line().map(|line| line.to_string()).unwrap_or_default();
+    let margin = " ".repeat(number.len());
+    let place = if number.is_empty() { String::new() } else { format!(":{number}") };
+    lines.push(format!("{margin}--> {}{place}", error.source_name()));
+    if let Some((line, before, fault)) = error.span().and_then(|span| underlined(error.source_text(), &span)) {
+        // A tab stays one, so that the mark stands under the fault however wide it is shown.
+        let indent: String = before.chars().map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
+        let mark = "^".repeat(fault.chars().count().max(1));
+        lines.extend([format!("{margin} |"), format!("{number} | {line}"), format!("{margin} | {indent}{mark}")]);
     }
+    lines.extend(error.help().map(|help| format!("{margin} = {help}")));
+    lines.join("\n")
 }
 
-/// A scene's error as miette draws it.
-#[derive(Debug)]
-struct Drawing<'a> {
-    error: &'a SceneError,
-    text: NamedSource<String>,
+/// The line that a span of bytes begins in, what of it is before the span, and what is in it; `None` for a span beyond the
+/// text or within a character.
+fn underlined<'a>(text: &'a str, span: &Range<usize>) -> Option<(&'a str, &'a str, &'a str)> {
+    let from = text.get(..span.start)?.rfind('\n').map_or(0, |end| end + 1);
+    let to = text[span.start..].find('\n').map_or(text.len(), |end| span.start + end);
+    Some((
+        text.get(from..to)?.trim_end(),
+        text.get(from..span.start)?,
+        text.get(span.start..span.end.min(to).max(span.start))?,
+    ))
 }
 
-impl<'a> Drawing<'a> {
-    fn of(error: &'a SceneError) -> Self {
-        Self { error, text: NamedSource::new(error.source_name(), error.source_text().to_owned()) }
-    }
-}
+#[cfg(test)]
+mod tests {
+    use windswept_scene::Scene;
 
-impl Display for Drawing<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.error.key().map_or(Ok(()), |key| write!(f, "{key}: "))?;
-        f.write_str(self.error.message())
-    }
-}
+    use super::{Failure, underlined};
 
-impl std::error::Error for Drawing<'_> {}
-
-impl Diagnostic for Drawing<'_> {
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        Some(&self.text)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let label = LabeledSpan::underline(self.error.span()?);
-        Some(Box::new(std::iter::once(label)))
-    }
-
-    fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
-        self.error.help().map(|help| Box::new(help) as Box<dyn Display>)
+    /// The mark stands under the fault, on whatever line and after whatever characters it comes.
+    #[test]
+    fn the_fault_is_underlined() {
+        let error = Scene::parse("title = \"é\"\n[hair]\n\tlenght = 0.1 # m\n").expect_err("no such key");
+        let drawn = Failure::from(error).render(true);
+        let (line, mark) = ("\n3 | \tlenght = 0.1 # m\n", "\n  | \t^^^^^^\n");
+        assert!(drawn.contains(line) && drawn.contains(mark) && drawn.contains("hair.length"), "{drawn}");
+        let text = "a = 1\nb = é2";
+        assert_eq!(underlined(text, &(10..13)), Some(("b = é2", "b = ", "é2")));
+        assert_eq!(underlined(text, &(4..9)), Some(("a = 1", "a = ", "1")));
+        assert_eq!(underlined(text, &(13..13)), Some(("b = é2", "b = é2", "")));
+        assert_eq!([underlined(text, &(11..12)), underlined(text, &(20..21))], [None, None]);
     }
 }

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use windswept::{AdapterChoice, Gpu};
+use windswept_export::Schedule;
 use windswept_scene::{InitialState, Method, Scene};
 
 use crate::arguments::{Changes, SceneOptions};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::schedule::Schedule;
 
 /// `windswept check`: what was understood, and what a run would take.
 pub(crate) fn check(
@@ -48,10 +48,10 @@ fn summary(scene: &Scene, initial: &InitialState) -> Vec<(&'static str, String)>
         format!(
             "{} s: {} steps of {} ms{}, {} frames",
             scene.time.duration,
-            schedule.steps,
+            schedule.steps(),
             scene.time.step * 1e3,
             if scene.time.substeps > 1 { format!(" in {} substeps", scene.time.substeps) } else { String::new() },
-            schedule.frames,
+            schedule.frames(),
         ),
     ));
     rows.push(("hair", format!("{} strands, {} points", hair.len(), hair.positions.len())));
@@ -87,8 +87,9 @@ fn method(method: Method) -> &'static str {
 }
 
 /// `windswept plan`: the passes of a step in order, under the step's headings.
-pub(crate) fn plan(options: &SceneOptions, console: &mut Console<'_>) -> Result<(), Failure> {
-    let rows = windswept::plan(&options.load()?)?;
+pub(crate) fn plan(options: &SceneOptions, buffers: bool, console: &mut Console<'_>) -> Result<(), Failure> {
+    let scene = options.load()?;
+    let rows = windswept::plan(&scene)?;
     let width = |of: fn(&windswept::PlanRow) -> &str| rows.iter().map(|row| of(row).len()).max().unwrap_or(0);
     let (pass, label) = (width(|row| row.pass), width(|row| row.label));
     let mut heading = "";
@@ -103,8 +104,24 @@ pub(crate) fn plan(options: &SceneOptions, console: &mut Console<'_>) -> Result<
         };
         let band = row.band.map_or(String::new(), |band| format!(" (turbulence.bands.{band})"));
         console.print(format_args!("  {:<pass$}  {:<label$}  {does}{band}", row.pass, row.label));
+        if buffers {
+            let (reads, writes) = (row.uses.reads.join(", "), row.uses.writes.join(", "));
+            console.print(format_args!("  {:<pass$}  reads {reads} → writes {writes}", ""));
+        }
+    }
+    if buffers {
+        print_buffers(&windswept::buffers(&scene)?, console);
     }
     Ok(())
+}
+
+/// Every buffer: how many elements, of how many bytes, and what they hold.
+fn print_buffers(rows: &[windswept::BufferRow], console: &mut Console<'_>) {
+    let name = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);
+    console.print("buffers");
+    for row in rows {
+        console.print(format_args!("  {:<name$}  {:>9} x {:>3} B  {}", row.name, row.len, row.stride, row.doc));
+    }
 }
 
 /// `windswept adapters`: what there is to run on.

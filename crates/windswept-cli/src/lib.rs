@@ -1,4 +1,5 @@
-//! The `windswept` command: `run`, `render`, `spectrum`, `check`, `plan`, `validate`, `adapters`.
+//! The `windswept` command: `run`, `render`, `spectrum`, `check`, `plan`, `validate`, `adapters`. `spectrum` and `validate` are
+//! features of the crate, both on by default.
 //!
 //! [`run`] is the whole command. Exit status 0: done; 1: the run failed; 2: bad input, and nothing was written;
 //! 130: stopped by Ctrl-C, and the files hold every frame finished until then.
@@ -6,16 +7,15 @@
 mod arguments;
 mod console;
 mod failure;
-mod films;
 mod inspect;
 mod interrupt;
 mod output;
-mod pictures;
 mod progress;
 mod render;
 mod run;
-mod schedule;
+#[cfg(feature = "spectrum")]
 mod spectrum;
+#[cfg(feature = "validate")]
 mod validate;
 
 use std::ffi::OsString;
@@ -34,7 +34,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     ExitCode::from(status(arguments))
 }
 
-/// The same; returns the exit status.
+/// Runs the command with these arguments on the standard streams, and returns the exit status.
 pub fn status(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     // A defect of ours still ends in a sentence and a status, not in a backtrace.
     set_hook(Box::new(|defect| {
@@ -44,7 +44,7 @@ pub fn status(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     catch_unwind(AssertUnwindSafe(|| run_on(arguments, &mut stdout(), &mut stderr(), terminal))).unwrap_or(1)
 }
 
-/// The same on streams of the caller's; returns the exit status.
+/// Runs the command on streams of the caller's, and returns the exit status.
 ///
 /// `terminal` says whether `err` is one: a progress bar and drawn diagnostics then, else plain lines. The bar always
 /// goes to the process's own standard error.
@@ -73,8 +73,10 @@ fn dispatch(command: &Command, console: &mut Console<'_>) -> Result<(), Failure>
         Command::Run(options) => run::run(options, console),
         Command::Render(options) => render::render(options, console),
         Command::Check { path, changes, explain } => inspect::check(path.as_deref(), changes, *explain, console),
-        Command::Plan { scene } => inspect::plan(scene, console),
+        Command::Plan { scene, buffers } => inspect::plan(scene, *buffers, console),
+        #[cfg(feature = "spectrum")]
         Command::Spectrum(options) => spectrum::spectrum(options, console),
+        #[cfg(feature = "validate")]
         Command::Validate(options) => validate::validate(options, console),
         Command::Adapters => inspect::adapters(console),
     }

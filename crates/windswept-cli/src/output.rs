@@ -4,18 +4,20 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use windswept_export::{FORMATS, Kind, Pictures};
+
 use crate::failure::Failure;
 
-/// Everything that a run or its pictures write, and all that `--overwrite` removes.
-const HAIR: &str = "hair.vtkhdf";
-const AIR: &str = "air.vtkhdf";
 const REPORT: &str = "report.json";
 const SCENE: &str = "scene.toml";
-const PREVIEW: &str = "preview.gif";
+/// Written by `windswept render` only.
 const SHEET: &str = "contact-sheet.png";
-const FRAMES: &str = "frames";
-/// Of them those that lie in the folder itself.
-const FILES: [&str; 6] = [HAIR, AIR, REPORT, SCENE, PREVIEW, SHEET];
+
+/// Every name that a run writes: its formats' files, the report and the scene. As in [`windswept_export::Format::files`], a
+/// stem of zeros stands for a file per frame.
+pub(crate) fn files() -> Vec<&'static str> {
+    FORMATS.iter().flat_map(|format| format.files).copied().chain([REPORT, SCENE]).collect()
+}
 
 /// A folder that may be written to; nothing is touched before [`Output::create`].
 pub(crate) struct Output {
@@ -37,6 +39,7 @@ impl Output {
             Err(error) if error.kind() == ErrorKind::NotFound => {}
             Err(error) => return refuse(dir, &error.to_string()),
         }
+        let output = Self { dir: dir.into(), report: report.map(PathBuf::from) };
         if let Some(report) = report {
             let folder = report.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
             if report.is_dir() {
@@ -48,15 +51,14 @@ impl Output {
             if real(report) == real(scene) {
                 return refuse(report, "is the scene itself; --report takes another file");
             }
-            if [HAIR, AIR, SCENE, PREVIEW, SHEET].iter().any(|name| real(report) == real(&dir.join(name))) {
+            if output.replaces(report) && real(report) != real(&dir.join(REPORT)) {
                 return refuse(report, "is written by the run itself; --report takes another file");
             }
         }
-        if FILES.iter().any(|name| real(scene) == real(&dir.join(name))) {
+        if output.replaces(scene) {
             return refuse(scene, "would be replaced by the run's own file of that name; --out takes another folder");
         }
-        let output = Self { dir: dir.into(), report: report.map(PathBuf::from) };
-        output.check_files(&FILES)?;
+        output.check_files(&replaced())?;
         Ok(output)
     }
 
@@ -68,55 +70,76 @@ impl Output {
     /// Makes the folder, clears away an earlier run's files, and writes the scene as it runs.
     pub(crate) fn create(&self, scene: &str) -> Result<(), Failure> {
         fs::create_dir_all(&self.dir).map_err(|e| Failure::Input(format!("{}: {e}", self.dir.display())))?;
-        for name in FILES {
-            remove(&self.dir.join(name))?;
-        }
-        self.remove_pictures()?;
+        self.remove_files(&replaced())?;
         write(&self.dir.join(SCENE), scene)
     }
 
     /// Refuses pictures that cannot be replaced, before any is.
     pub(crate) fn check_pictures(&self) -> Result<(), Failure> {
-        self.check_files(&[PREVIEW])
+        self.check_files(&Pictures::FILES)
     }
 
-    /// Refuses folders in the place of these files or of pictures.
+    /// Removes the film's pictures, their folder if nothing else is in it, and the preview.
+    pub(crate) fn remove_pictures(&self) -> Result<(), Failure> {
+        self.remove_files(&Pictures::FILES)
+    }
+
+    /// Whether there are pictures already.
+    pub(crate) fn has_pictures(&self) -> bool {
+        self.found(&Pictures::FILES).iter().any(|path| path.exists())
+    }
+
+    /// Refuses folders in the place of these files.
     fn check_files(&self, names: &[&str]) -> Result<(), Failure> {
-        let files = names.iter().map(|name| self.dir.join(name)).chain(self.pictures());
         // A link is removed itself, wherever it leads.
-        match files.into_iter().find(|path| path.symlink_metadata().is_ok_and(|found| found.is_dir())) {
+        let is_folder = |path: &PathBuf| path.symlink_metadata().is_ok_and(|found| found.is_dir());
+        match self.found(names).into_iter().find(is_folder) {
             Some(path) => Err(Failure::Input(format!("{}: is a folder; expected a file or nothing", path.display()))),
             None => Ok(()),
         }
     }
 
-    /// Removes frames/NNNN.png, frames/ if nothing else is in it, and preview.gif.
-    pub(crate) fn remove_pictures(&self) -> Result<(), Failure> {
-        remove(&self.preview())?;
-        for path in self.pictures() {
-            remove(&path)?;
+    fn remove_files(&self, names: &[&str]) -> Result<(), Failure> {
+        self.found(names).iter().try_for_each(|path| remove(path))?;
+        for (folder, _) in names.iter().filter_map(|name| series(name)) {
+            // A folder stays if it holds something of the user's.
+            let _ = fs::remove_dir(self.dir.join(folder));
         }
-        // It stays if it holds something of the user's.
-        let _ = fs::remove_dir(self.frames());
         Ok(())
     }
 
-    /// Whether there are pictures already.
-    pub(crate) fn has_pictures(&self) -> bool {
-        self.preview().exists() || !self.pictures().is_empty()
-    }
-
-    /// Files in frames/ that are named like ours.
-    fn pictures(&self) -> Vec<PathBuf> {
-        let entries = fs::read_dir(self.frames()).into_iter().flatten();
-        entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).filter(|path| is_picture(path)).collect()
+    /// The paths that names stand for: of a series, the files that are there.
+    fn found(&self, names: &[&str]) -> Vec<PathBuf> {
+        let of = |name: &&str| match series(name) {
+            None => vec![self.dir.join(name)],
+            Some((folder, ending)) => {
+                let entries = fs::read_dir(self.dir.join(folder)).into_iter().flatten();
+                let paths = entries.filter_map(|entry| entry.ok().map(|entry| entry.path()));
+                paths.filter(|path| is_of_series(path, ending)).collect()
+            }
+        };
+        names.iter().flat_map(of).collect()
     }
 
     /// Whether a path is one of the files that a run leaves here, or may leave.
     pub(crate) fn owns(&self, path: &Path) -> bool {
+        self.names(&files(), path)
+    }
+
+    /// Whether `--overwrite` would replace this file.
+    fn replaces(&self, path: &Path) -> bool {
+        self.names(&replaced(), path)
+    }
+
+    /// Whether one of these names stands for a path, whether it is there yet or not.
+    fn names(&self, names: &[&str], path: &Path) -> bool {
         let path = real(path);
-        let film = is_picture(&path) && path.parent() == Some(&real(&self.frames()));
-        film || [HAIR, AIR, REPORT, SCENE, PREVIEW].iter().any(|name| real(&self.dir.join(name)) == path)
+        names.iter().any(|name| match series(name) {
+            None => real(&self.dir.join(name)) == path,
+            Some((folder, ending)) => {
+                is_of_series(&path, ending) && path.parent() == Some(&real(&self.dir.join(folder)))
+            }
+        })
     }
 
     /// The scene as it ran.
@@ -124,24 +147,9 @@ impl Output {
         self.dir.join(SCENE)
     }
 
-    /// Where the pictures go.
-    pub(crate) fn frames(&self) -> PathBuf {
-        self.dir.join(FRAMES)
-    }
-
-    /// The short film.
-    pub(crate) fn preview(&self) -> PathBuf {
-        self.dir.join(PREVIEW)
-    }
-
-    /// Where the strands go.
-    pub(crate) fn hair(&self) -> PathBuf {
-        self.dir.join(HAIR)
-    }
-
-    /// Where the air goes.
-    pub(crate) fn air(&self) -> PathBuf {
-        self.dir.join(AIR)
+    /// The run's film of strands or of air.
+    pub(crate) fn film(&self, kind: Kind) -> PathBuf {
+        self.dir.join(kind.file_name())
     }
 
     /// Writes report.json, and the copy that was asked for.
@@ -151,10 +159,23 @@ impl Output {
     }
 }
 
-/// Whether a path is named like a film's picture.
-fn is_picture(path: &Path) -> bool {
+/// Everything that `--overwrite` removes.
+fn replaced() -> Vec<&'static str> {
+    files().into_iter().chain([SHEET]).collect()
+}
+
+/// Folder and ending of a name that stands for a file per frame.
+fn series(name: &str) -> Option<(&str, &str)> {
+    let (folder, file) = name.rsplit_once('/')?;
+    let (stem, ending) = file.split_once('.')?;
+    stem.bytes().all(|b| b == b'0').then_some((folder, ending))
+}
+
+/// Whether a path is named like a frame's file.
+fn is_of_series(path: &Path, ending: &str) -> bool {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    name.strip_suffix(".png").is_some_and(|n| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit()))
+    let stem = name.strip_suffix(ending).and_then(|stem| stem.strip_suffix('.'));
+    stem.is_some_and(|n| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit()))
 }
 
 /// The file that a path names, links followed, whether it is there yet or not.

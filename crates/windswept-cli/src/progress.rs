@@ -1,4 +1,4 @@
-//! How far the run is: a bar on a terminal, a line now and then otherwise.
+//! Progress of a run: a bar on a terminal, a line now and then otherwise.
 
 use std::time::{Duration, Instant};
 
@@ -11,7 +11,7 @@ const PAUSE: Duration = Duration::from_secs(5);
 
 pub(crate) struct Progress {
     bar: Option<ProgressBar>,
-    /// Of what, in the plural.
+    /// Name of what is counted, in the plural.
     what: &'static str,
     all: u64,
     started: Instant,

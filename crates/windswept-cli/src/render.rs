@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use windswept::{AdapterChoice, Frame, Gpu};
-use windswept_export::{Kind, Renderer, VtkHdfReader, contact_sheet, write_png};
+use windswept_export::{FrameSink, Kind, Pictures, Renderer, VtkHdfReader, contact_sheet, write_png};
 use windswept_scene::{AirPicture, Scene};
 
 use crate::arguments::RenderOptions;
@@ -12,7 +12,6 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
-use crate::pictures::Pictures;
 use crate::progress::Progress;
 
 pub(crate) fn render(options: &RenderOptions, console: &mut Console<'_>) -> Result<(), Failure> {
@@ -33,7 +32,7 @@ fn film(run: &FinishedRun, output: &Output, options: &RenderOptions, console: &m
     }
     output.check_pictures()?;
     let gpu = gpu(options, console)?;
-    let mut pictures = Pictures::new(output, &gpu, &run.scene, &run.frame(0)?)?;
+    let mut pictures = Pictures::new(&run.dir, &gpu, &run.scene, &run.frame(0)?)?;
     let interrupt = Interrupt::listen().map_err(|e| Failure::Run(format!("Ctrl-C cannot be listened to: {e}")))?;
     output.remove_pictures()?;
     let mut progress = Progress::new("pictures", chosen.len() as u64, console.terminal);
@@ -43,24 +42,21 @@ fn film(run: &FinishedRun, output: &Output, options: &RenderOptions, console: &m
                 return Ok(());
             }
             let frame = run.frame(k)?;
-            pictures.add(k as u64, &frame)?;
-            progress.show(pictures.made, frame.time, console);
+            // What was refused at the start was bad input; now it is a failure.
+            pictures.add(k as u64, &frame).map_err(|e| Failure::Run(e.to_string()))?;
+            progress.show(pictures.made(), frame.time, console);
         }
         Ok(())
     };
     let drawn: Result<(), Failure> = drawn();
     progress.finish();
-    let finished = pictures.finish();
+    let made = pictures.made();
+    let finished = Box::new(pictures).finish();
     drawn?;
     finished?;
-    let done = format!(
-        "{}: {} of {} pictures, {}",
-        output.frames().display(),
-        pictures.made,
-        chosen.len(),
-        output.preview().display()
-    );
-    if pictures.made < chosen.len() as u64 {
+    let [_, preview] = Pictures::FILES.map(|name| run.dir.join(name));
+    let done = format!("{}: {made} of {} pictures, {}", run.dir.display(), chosen.len(), preview.display());
+    if made < chosen.len() as u64 {
         return Err(Failure::Interrupted(format!("interrupted; {done}")));
     }
     console.print(done);
@@ -70,7 +66,7 @@ fn film(run: &FinishedRun, output: &Output, options: &RenderOptions, console: &m
 /// Pixels of a contact sheet, at most: it and its pictures lie in memory, 1.5 GB with what is saved.
 const MOST_PIXELS: u64 = 128 << 20;
 
-/// Some frames in one picture.
+/// Draws some frames side by side into one picture.
 fn sheet(
     run: &FinishedRun,
     times: &[f64],
@@ -115,12 +111,12 @@ fn gpu(options: &RenderOptions, console: &mut Console<'_>) -> Result<Gpu, Failur
     Ok(gpu)
 }
 
-/// What a run left in its folder.
+/// A run that is over, by what it left in its folder.
 struct FinishedRun {
     dir: PathBuf,
     scene: Scene,
     hair: VtkHdfReader,
-    /// Only if it is drawn.
+    /// The film of air, if it is drawn.
     air: Option<VtkHdfReader>,
 }
 
@@ -145,12 +141,12 @@ impl FinishedRun {
         }
         let output = Output::of_run(dir);
         let scene = there(output.scene(), "`windswept run` writes it")?;
-        let hair = there(output.hair(), "a run with `--formats vtkhdf` writes it")?;
+        let hair = there(output.film(Kind::Hair), "a run with `--formats vtkhdf` writes it")?;
         let scene = Scene::load_with(scene, &options.sets)?;
         let air = match scene.picture.air {
             AirPicture::None => None,
             _ => Some(open(
-                &there(output.air(), "picture.air needs it; a run with air particles writes it")?,
+                &there(output.film(Kind::Air), "picture.air needs it; a run with air particles writes it")?,
                 Kind::Air,
             )?),
         };
@@ -161,7 +157,7 @@ impl FinishedRun {
         Ok(run)
     }
 
-    /// Of the frames that all its files have [s].
+    /// Times of the frames that all its files have [s].
     fn times(&self) -> &[f64] {
         let times = self.hair.times();
         let air = self.air.as_ref().map_or(times.len(), |air| air.times().len());

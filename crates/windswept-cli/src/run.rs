@@ -4,23 +4,27 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use windswept::{AdapterChoice, Gpu, Report, Simulation};
+use windswept_export::{Loss, Recording, Run, Schedule, Stop};
 use windswept_scene::InitialState;
 
 use crate::arguments::RunOptions;
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::films::Films;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::progress::Progress;
-use crate::schedule::Schedule;
 
 pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(), Failure> {
     let formats = options.formats()?;
     let scene = options.scene.load()?;
     let initial = InitialState::new(&scene)?;
     let schedule = Schedule::new(&scene.time, options.steps);
-    schedule.check(&scene.time)?;
+    let most = Schedule::most_steps(&scene.time);
+    if schedule.steps() > most {
+        let steps = schedule.steps();
+        let words = format!("{steps} steps (--steps, or time.duration over time.step): expected at most {most}");
+        return Err(Failure::Input(words));
+    }
     let output = Output::check(&options.out, options.overwrite, options.report.as_deref(), options.scene.path())?;
     for warning in initial.warnings.iter().cloned().chain(Schedule::warning(&scene.time)) {
         console.warn(warning);
@@ -30,90 +34,94 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     let mut simulation = Simulation::with_state(&gpu, &scene, initial)?;
     let interrupt = Interrupt::listen().map_err(|e| Failure::Run(format!("Ctrl-C cannot be listened to: {e}")))?;
 
-    let mut films = Films::check(&output, &mut simulation, formats)?;
+    // More frames than memory can count fit into no file, and the writer says so.
+    let room = usize::try_from(schedule.frames()).unwrap_or(usize::MAX);
+    let recording = Recording::new(&formats, &mut simulation, &options.out, room)?;
     output.create(scene.text())?;
-    if formats.vtkhdf {
-        films.start(&output, &mut simulation, &schedule)?;
-    }
-    let mut run = Run { simulation, schedule, films, next_frame: 0, frames: Vec::new() };
+    let mut filmed = Filmed { simulation, recording, lost: None, frames: Vec::new() };
     let started = Instant::now();
-    let mut progress = Progress::new("steps", run.schedule.steps, console.terminal);
-    let stepped = run.step_to_the_end(&interrupt, &mut progress, console);
+    let mut run = Run::new(schedule.clone(), 0, LENGTH);
+    let mut progress = Progress::new("steps", schedule.steps(), console.terminal);
+    let stepped = filmed.run(&mut run, &interrupt, &mut progress, console);
     progress.finish();
     // Whatever ended the run, the frames it finished stay readable.
-    let frames = run.films.finish();
+    let Filmed { mut simulation, recording, lost, frames } = filmed;
+    let ended = recording.finish();
     stepped?;
-    frames?;
+    let lost = lost.or(ended?.into_iter().next());
 
-    let report = run.simulation.report()?;
-    output.write_report(&json(&report, &run.frames)?)?;
+    let report = simulation.report()?;
+    output.write_report(&json(&report, &frames)?)?;
     // The scene's own warnings were given at the start.
-    let given = &run.simulation.initial().warnings;
+    let given = &simulation.initial().warnings;
     for (cause, count) in report.warnings.iter().filter(|(cause, _)| !given.contains(cause)) {
         console.warn(format_args!("{cause}: {count}"));
     }
     let done = format!(
         "{}: {} frames, {} of {} steps in {:.1} s{}",
         options.out.display(),
-        run.next_frame,
+        run.next_frame(),
         report.steps,
-        run.schedule.steps,
+        schedule.steps(),
         started.elapsed().as_secs_f64(),
         report.ms_per_step.map(|ms| format!(" ({ms:.1} ms a step)")).unwrap_or_default(),
     );
-    if report.steps < run.schedule.steps {
+    if report.steps < schedule.steps() {
         return Err(Failure::Interrupted(format!("interrupted; {done}")));
     }
     console.print(done);
-    run.films.failure().map_or(Ok(()), Err)
+    lost.map_or(Ok(()), |loss| Err(Failure::Run(loss.error.to_string())))
 }
 
-struct Run {
+/// A run under way.
+struct Filmed {
     simulation: Simulation,
-    schedule: Schedule,
-    films: Films,
-    next_frame: u64,
-    /// For the report: time, and what confinement has given the air by then; none without bands.
+    recording: Recording,
+    /// The first format that could not be written and can be made again.
+    lost: Option<Loss>,
+    /// Rows for the report: the time of each frame, and what confinement has given the air by then; none without bands.
     frames: Vec<Value>,
 }
 
-impl Run {
-    /// Steps and exports until the schedule is done or somebody asks to stop.
-    fn step_to_the_end(
+impl Filmed {
+    /// Steps and records until the schedule is done or somebody asks to stop.
+    fn run(
         &mut self,
+        run: &mut Run,
         interrupt: &Interrupt,
         progress: &mut Progress,
         console: &mut Console<'_>,
     ) -> Result<(), Failure> {
-        // Steps at a time: one that stays short enough for Ctrl-C and the bar to feel immediate.
-        let mut batch = 1;
         loop {
-            if self.next_frame < self.schedule.frames && self.schedule.step(self.next_frame) == self.simulation.steps()
-            {
-                self.films.append(&mut self.simulation, console)?;
-                if let Some(impulse) = self.simulation.confinement_impulse()? {
-                    let time = self.simulation.time();
-                    self.frames.push(json!({ "time_s": time, "confinement_impulse_kg_m_per_s": impulse }));
-                }
-                self.next_frame += 1;
+            let stop = run.advance(&mut self.simulation)?;
+            if let Stop::Frame(_) = stop {
+                self.record(console)?;
             }
-            let step = self.simulation.steps();
-            progress.show(step, self.simulation.time(), console);
-            if step >= self.schedule.steps || interrupt.asked() {
+            progress.show(self.simulation.steps(), self.simulation.time(), console);
+            if stop == Stop::End || interrupt.asked() {
                 return Ok(());
             }
-            let goal = self.schedule.step(self.next_frame).min(self.schedule.steps);
-            let n = batch.min(goal - step);
-            let started = Instant::now();
-            self.simulation.step(n)?;
-            let per_step = started.elapsed().as_secs_f64() / n as f64;
-            batch = ((BATCH.as_secs_f64() / per_step) as u64).clamp(1, 2 * batch);
         }
+    }
+
+    /// Writes the state as the next frame.
+    fn record(&mut self, console: &mut Console<'_>) -> Result<(), Failure> {
+        // What was refused at the start was bad input; now it is a failure.
+        let losses = self.recording.append(&mut self.simulation).map_err(|e| Failure::Run(e.to_string()))?;
+        for loss in losses {
+            console.warn(format_args!("no more {}: {}", loss.format.writes, loss.error));
+            self.lost.get_or_insert(loss);
+        }
+        if let Some(impulse) = self.simulation.confinement_impulse()? {
+            let time = self.simulation.time();
+            self.frames.push(json!({ "time_s": time, "confinement_impulse_kg_m_per_s": impulse }));
+        }
+        Ok(())
     }
 }
 
-/// How long the engine may be out of reach.
-const BATCH: Duration = Duration::from_millis(250);
+/// The longest that the engine is out of reach, if a step is not longer: short enough for Ctrl-C and the bar to feel immediate.
+const LENGTH: Duration = Duration::from_millis(250);
 
 /// report.json. JSON has no NaN and would say null: a run that reports one has failed.
 fn json(report: &Report, frames: &[Value]) -> Result<String, Failure> {

@@ -75,7 +75,7 @@ struct FinishedRun {
 impl FinishedRun {
     fn open(dir: &Path) -> Result<Self, Failure> {
         let output = Output::of_run(dir);
-        let (scene, air) = (output.scene(), output.air());
+        let (scene, air) = (output.scene(), output.film(Kind::Air));
         for path in [&scene, &air] {
             if !path.is_file() {
                 return Err(Failure::Input(format!(
@@ -95,7 +95,8 @@ impl FinishedRun {
         Ok(Self { scene, settings, initial, air })
     }
 
-    /// Those asked for, or the scene's and a ladder from what particles carry to the box, in rising order [m].
+    /// Scales to measure, in rising order [m]: those asked for, or the scene's and a ladder from what particles carry to the
+    /// box.
     fn scales(&self, asked: Option<&[f64]>) -> Vec<f64> {
         let air = &self.initial.air;
         // The band's wave 2πs/√2 fits the box.
@@ -113,7 +114,7 @@ impl FinishedRun {
         scales
     }
 
-    /// Per scale, of the air about the mean wind [m²/s²].
+    /// Energy per scale of the air about the mean wind [m²/s²].
     fn energies(&self, gpu: &Gpu, frame: &Frame, scales: &[f64]) -> Result<Vec<f64>, Failure> {
         let (air, wind) = (&self.initial.air, self.settings.wind_at(frame.time));
         let rows = |rows: &[[f32; 3]], less: [f64; 3]| -> Vec<[f64; 3]> {
@@ -130,11 +131,11 @@ impl FinishedRun {
             bounds: Some(air.size.to_array()),
         };
         let energy = |scale: &f64| particles.band_energy(gpu, *scale, Filter::default());
-        scales.iter().map(energy).collect::<Result<_, _>>().map_err(|error| Failure::Input(error.to_string()))
+        Ok(scales.iter().map(energy).collect::<Result<_, _>>()?)
     }
 }
 
-/// Both spectra on log axes; a band without energy is not drawn.
+/// Draws both spectra on log axes; a band without energy is not drawn.
 fn draw(path: &Path, rows: &[Row], times: [f64; 2]) -> Result<(), Box<dyn std::error::Error>> {
     let seen = |energy: fn(&Row) -> f64| -> Vec<(f64, f64)> {
         rows.iter().map(|row| (1e3 * row.scale, energy(row))).filter(|(_, energy)| *energy > 0.0).collect()
@@ -170,4 +171,24 @@ fn draw(path: &Path, rows: &[Row], times: [f64; 2]) -> Result<(), Box<dyn std::e
     chart.configure_series_labels().background_style(WHITE.mix(0.8)).border_style(BLACK.mix(0.2)).draw()?;
     root.present()?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A GPU that is lost under way is a failed run, status 1; a scale that cannot be is bad input, status 2.
+    #[test]
+    fn a_lost_gpu_is_no_bad_input() {
+        let gpu = Gpu::new(&AdapterChoice::Software).expect("the software adapter");
+        let particles =
+            Particles { velocities: &[[1.0, 0.0, 0.0]], bounds: Some([0.1; 3]), ..Particles::at(&[[0.05; 3]]) };
+        let status = |scale| {
+            let measured = particles.band_energy(&gpu, scale, Filter::default());
+            measured.map_or_else(|error| Failure::from(error).status(), |_| 0)
+        };
+        assert_eq!([status(0.009), status(-1.0)], [0, 2]);
+        gpu.device().destroy();
+        assert_eq!(status(0.009), 1);
+    }
 }

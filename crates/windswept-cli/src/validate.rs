@@ -30,7 +30,7 @@ pub(crate) fn validate(options: &ValidateOptions, console: &mut Console<'_>) -> 
     verdict(&rows)
 }
 
-/// What the command ends with: one row that does not pass is a failed run.
+/// The end of the command: one row that does not pass is a failed run.
 fn verdict(rows: &[Row]) -> Result<(), Failure> {
     match rows.len() - passing(rows) {
         0 => Ok(()),
@@ -98,8 +98,8 @@ mod tests {
         assert!(verdict(&[row("good", 1.0), row("good", 1.0)]).is_ok());
         for bad in [1.1, f64::NAN] {
             let failure = verdict(&[row("good", 1.0), row("bad", bad)]).err();
-            let failure = failure.map(|failure| (failure.status(), failure.what()));
-            assert_eq!(failure, Some((1, "1 of 2 do not pass on this adapter".to_owned())));
+            let failure = failure.map(|failure| (failure.status(), failure.render(false)));
+            assert_eq!(failure, Some((1, "error: 1 of 2 do not pass on this adapter".to_owned())));
         }
     }
 

@@ -155,7 +155,7 @@ fn a_failed_picture_loses_no_frame() {
     let ran = run(folder, &["--overwrite", "--steps", "12"]);
     let said = String::from_utf8_lossy(&ran.stderr).into_owned();
     assert_eq!(ran.status.code(), Some(1), "{said}");
-    assert!(said.contains("no more pictures") && said.contains("frames cannot be made"), "{said}");
+    assert!(said.contains("no more pictures") && said.contains("frames: could not be made"), "{said}");
     assert_eq!(listing(&folder.join("out")), ["air.vtkhdf", "frames", "hair.vtkhdf", "report.json", "scene.toml"]);
     fs::remove_file(folder.join("out/frames")).expect("a file");
     let (status, said) = render(folder, &[]);

@@ -1,4 +1,4 @@
-//! What can go wrong on the way out, or on the way back in.
+//! Errors on the way out, or on the way back in.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ pub enum ExportError {
     File {
         /// The file.
         path: PathBuf,
-        /// What was being done.
+        /// The work that was under way.
         doing: &'static str,
         /// The library's words.
         reason: String,
@@ -21,7 +21,7 @@ pub enum ExportError {
     Frame {
         /// The file.
         path: PathBuf,
-        /// What does not fit, with both numbers.
+        /// The misfit, with both numbers.
         problem: String,
     },
     /// A picture cannot be made of this frame or with this camera.
@@ -33,4 +33,7 @@ pub enum ExportError {
     /// The GPU that draws.
     #[error(transparent)]
     Gpu(#[from] windswept::GpuError),
+    /// The simulation whose state is to be written.
+    #[error(transparent)]
+    Run(#[from] windswept::RunError),
 }

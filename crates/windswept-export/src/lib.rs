@@ -1,20 +1,29 @@
 //! Frames out of the engine, into files that other programs open.
 //!
-//! [`VtkHdfWriter`] streams a film of frames into a VTKHDF file (feature `vtkhdf`, on by default), for ParaView, VTK
-//! and h5py; [`VtkHdfReader`] reads such a file again. [`Renderer`] draws pictures of
-//! frames, [`write_png`] and [`Preview`] save them, the latter as a GIF that moves. [`image`] is the crate that holds them.
+//! A [`Recording`] writes a simulation into a folder, frame by frame, in any of the [`FORMATS`]; a [`Run`] steps it from
+//! frame to frame of a [`Schedule`]. Both the `windswept` command and the Python package are made of these three.
+//!
+//! A format is a [`FrameSink`] and a row of [`FORMATS`]. [`VtkHdfWriter`] streams frames into a VTKHDF file (feature `vtkhdf`,
+//! on by default), for ParaView, VTK and h5py; [`VtkHdfReader`] reads such a file again. [`Renderer`] draws pictures of
+//! frames; [`write_png`] and [`Preview`] save them, the latter as a GIF that moves. [`image`] is the crate that holds them.
 
 mod error;
 mod picture;
+mod pictures;
 mod preview;
 mod render;
+mod run;
+mod sink;
 #[cfg(feature = "vtkhdf")]
 mod vtkhdf;
 
 pub use error::ExportError;
 pub use image;
 pub use picture::{contact_sheet, write_png};
+pub use pictures::Pictures;
 pub use preview::Preview;
 pub use render::{Renderer, View};
+pub use run::{Loss, Pace, Recording, Run, Schedule, Stop, frame};
+pub use sink::{DEFAULT_FORMATS, FORMATS, Format, FrameSink, Start};
 #[cfg(feature = "vtkhdf")]
 pub use vtkhdf::{Kind, Provenance, VtkHdfReader, VtkHdfWriter};

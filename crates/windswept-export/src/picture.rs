@@ -9,7 +9,7 @@ use image::{ExtendedColorType, ImageEncoder, Rgba, RgbaImage};
 
 use crate::ExportError;
 
-/// Between the pictures of a contact sheet [px].
+/// Space between the pictures of a contact sheet [px].
 const GAP: u32 = 4;
 
 /// Writes a picture as PNG, RGB without its alpha.

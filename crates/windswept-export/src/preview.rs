@@ -10,15 +10,15 @@ use image::imageops::{FilterType, resize};
 
 use crate::ExportError;
 
-/// At most this wide and high [px].
+/// The most pixels along a side.
 const SIDE: u32 = 512;
-/// At most this long [s].
+/// The longest that the film is [s].
 const LENGTH: f64 = 3.0;
-/// Pictures are at least this far apart [s].
+/// The shortest time between two pictures [s].
 const PERIOD: f64 = 1.0 / 15.0;
-/// A pixel that changes by no more than this in any channel is left as it is.
+/// The largest change of a channel at which a pixel is left as it is.
 const UNCHANGED: u8 = 7;
-/// Of the palette's training: every so many pixels are looked at.
+/// The training of a palette looks at every so many pixels.
 const SPEED: i32 = 4;
 
 /// Writes a GIF of pictures as they come, at true speed: up to 3 s from the first one on, about 15 pictures a second, up to
@@ -26,13 +26,13 @@ const SPEED: i32 = 4;
 pub struct Preview {
     path: PathBuf,
     encoder: Option<Encoder<BufWriter<File>>>,
-    /// What a viewer shows.
+    /// The picture that a viewer shows now.
     shown: Option<RgbaImage>,
     /// Time of the first picture [s].
     start: f64,
     /// The latest picture, written once the next says how long it is shown, and when it came after the first [1/100 s].
     waiting: Option<(RgbaImage, u16)>,
-    /// How long the one before was shown [1/100 s].
+    /// The time for which the picture before was shown [1/100 s].
     delay: u16,
     taken: u32,
 }

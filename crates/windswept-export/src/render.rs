@@ -6,7 +6,7 @@
 //! backdrop, patch, bodies, ribbons, air --> 4 samples a pixel --> RGBA8
 //! ```
 //!
-//! Only the strands' points go to the GPU for a frame; what is drawn between them is made there.
+//! The strands' points are all that goes to the GPU for a frame; what is drawn between them is made there.
 
 mod bodies;
 mod groom;
@@ -45,7 +45,7 @@ pub struct Renderer {
     gpu: Gpu,
     view: View,
     groom: Groom,
-    /// Of the groom that it draws.
+    /// First point of each strand that it draws, and the number of points.
     offsets: Vec<u32>,
     /// Points of a drawn hair.
     samples: u32,
@@ -118,7 +118,7 @@ impl Renderer {
         self.groom.hairs.len()
     }
 
-    /// Whether this frame can be drawn.
+    /// Checks that this frame can be drawn.
     ///
     /// # Errors
     /// [`ExportError::Picture`] as [`Self::render`].
@@ -177,7 +177,7 @@ impl Renderer {
     }
 }
 
-/// Whether there are strands, whole and finite.
+/// Checks that there are strands, whole and finite.
 fn check(hair: &HairFrame) -> Result<(), ExportError> {
     let strands = hair.offsets.len().saturating_sub(1);
     let whole = hair.offsets.first() == Some(&0)

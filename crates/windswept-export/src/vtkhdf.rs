@@ -28,6 +28,7 @@
 //!
 //! Source: VTK's "VTKHDF format specification", version 2.0.
 
+mod films;
 mod layout;
 mod reader;
 
@@ -35,8 +36,10 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use windswept::{Frame, HairFrame};
+use windswept_scene::Scene;
 
-use crate::ExportError;
+use crate::{ExportError, FrameSink};
+pub(crate) use films::Films;
 use layout::{Layout, Rows};
 pub use reader::VtkHdfReader;
 
@@ -52,7 +55,18 @@ pub enum Kind {
     Air,
 }
 
-/// Where a file comes from; stored in its group `/windswept`.
+impl Kind {
+    /// Name of a run's file of this kind.
+    #[must_use]
+    pub const fn file_name(self) -> &'static str {
+        match self {
+            Self::Hair => "hair.vtkhdf",
+            Self::Air => "air.vtkhdf",
+        }
+    }
+}
+
+/// The origin of a file; stored in its group `/windswept`.
 #[derive(Debug, Clone, Copy)]
 pub struct Provenance<'a> {
     /// The text of the scene as run.
@@ -63,6 +77,14 @@ pub struct Provenance<'a> {
     pub adapter: &'a str,
     /// The scene's seed.
     pub seed: u64,
+}
+
+impl<'a> Provenance<'a> {
+    /// A file of this scene as it runs on this adapter, written by this version.
+    #[must_use]
+    pub fn of(scene: &'a Scene, adapter: &'a str) -> Self {
+        Self { scene: scene.text(), version: env!("CARGO_PKG_VERSION"), adapter, seed: scene.seed }
+    }
 }
 
 /// Writes one file, frame by frame, and keeps no frame in memory.
@@ -81,7 +103,7 @@ pub struct VtkHdfWriter {
     frames: usize,
     written: usize,
     last_time: f64,
-    /// Per point, the same memory for every frame.
+    /// Orientations per point; the memory is used again for every frame.
     orientations: Vec<[f32; 4]>,
 }
 
@@ -195,7 +217,7 @@ impl VtkHdfWriter {
         (frames as u64).saturating_mul(per_frame).saturating_add(cells + points * 8)
     }
 
-    /// Whether this frame is the file's next, else what is wrong with it.
+    /// Checks that this frame can be the file's next; else says what is wrong with it.
     fn check(&self, frame: &Frame) -> Result<(), String> {
         let (positions, velocities) = arrays(self.kind, frame);
         if self.written == self.frames {
@@ -238,6 +260,16 @@ impl VtkHdfWriter {
     }
 }
 
+impl FrameSink for VtkHdfWriter {
+    fn append(&mut self, frame: &Frame) -> Result<(), ExportError> {
+        self.append(frame)
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), ExportError> {
+        Self::finish(*self)
+    }
+}
+
 /// Positions [m] and velocities [m/s].
 fn arrays(kind: Kind, frame: &Frame) -> (&[[f32; 3]], &[[f32; 3]]) {
     match kind {
@@ -246,7 +278,7 @@ fn arrays(kind: Kind, frame: &Frame) -> (&[[f32; 3]], &[[f32; 3]]) {
     }
 }
 
-/// Per particle of air, what the frame has.
+/// Names and values of the scalars per air particle that the frame has.
 fn scalars(kind: Kind, frame: &Frame) -> Vec<(&'static str, &[f32])> {
     let all = [(VORTICITY, &frame.air.vorticity[..]), (BAND_ENERGY, &frame.air.band_energy[..])];
     all.into_iter().filter(|(_, values)| kind == Kind::Air && !values.is_empty()).collect()
@@ -267,7 +299,7 @@ fn checked_strands(hair: &HairFrame) -> Result<Vec<u32>, String> {
     }
 }
 
-/// From orientations per segment to orientations per point: that of the segment that starts there, and at the tip that
+/// Makes orientations per point of those per segment: that of the segment that starts there, and at the tip that
 /// of the last segment.
 fn per_point(hair: &HairFrame, strands: &[u32], orientations: &mut Vec<[f32; 4]>) {
     orientations.clear();

@@ -5,7 +5,7 @@ use pyo3::{exceptions::PyException, prelude::*};
 
 use crate::errors::of_value;
 
-/// What an argument may consist of.
+/// Numbers that an argument may consist of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Numbers {
     /// Floats of any width; lists of whole numbers too, but no arrays of them: coordinates that lost their fractions.
@@ -53,18 +53,29 @@ pub(crate) fn doubles<'py>(
     Ok(plain.cast_into::<PyArrayDyn<f64>>()?)
 }
 
-/// The values of an array and its shape.
-pub(crate) fn values(name: &str, value: &Bound<'_, PyAny>, numbers: Numbers) -> PyResult<(Vec<f64>, Vec<usize>)> {
+/// Result of `copy` on the values of an array, and the array's shape.
+fn copied<T>(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+    numbers: Numbers,
+    copy: impl FnOnce(&[f64]) -> T,
+) -> PyResult<(T, Vec<usize>)> {
     let array = doubles(name, value, numbers)?;
     let shape = array.shape().to_vec();
-    let values = array.try_readonly().map_err(|e| of_value(name, e))?.as_slice()?.to_vec();
+    let array = array.try_readonly().map_err(|e| of_value(name, e))?;
+    let values = array.as_slice()?;
     match values.iter().position(|x| !x.is_finite()) {
         Some(i) => Err(of_value(name, format!("expected finite numbers, found {} in {}", values[i], place(i, &shape)))),
-        None => Ok((values, shape)),
+        None => Ok((copy(values), shape)),
     }
 }
 
-/// Where element `i` of an array is.
+/// The values of an array and its shape.
+pub(crate) fn values(name: &str, value: &Bound<'_, PyAny>, numbers: Numbers) -> PyResult<(Vec<f64>, Vec<usize>)> {
+    copied(name, value, numbers, <[f64]>::to_vec)
+}
+
+/// The place of element `i` of an array, in words.
 fn place(mut i: usize, shape: &[usize]) -> String {
     let mut index = vec![0; shape.len()];
     for (axis, n) in shape.iter().enumerate().rev() {
@@ -81,11 +92,11 @@ pub(crate) fn shown(shape: &[usize]) -> String {
 
 /// An `(n, N)` array of floats, row by row.
 pub(crate) fn rows<const N: usize>(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; N]>> {
-    let (values, shape) = values(name, value, Numbers::Floats)?;
+    let (rows, shape) = copied(name, value, Numbers::Floats, chunks)?;
     if shape.len() != 2 || shape[1] != N {
         return Err(of_value(name, format!("expected shape (n, {N}), found {}", shown(&shape))));
     }
-    Ok(chunks(&values))
+    Ok(rows)
 }
 
 /// The rows of an optional argument.

@@ -97,6 +97,7 @@ pub(crate) fn of_ops(py: Python<'_>, error: &OpsError) -> PyErr {
 pub(crate) fn of_export(error: &windswept_export::ExportError) -> PyErr {
     match error {
         windswept_export::ExportError::Gpu(error) => of_gpu(error),
+        windswept_export::ExportError::Run(error) => of_run(error),
         error => ExportError::new_err(error.to_string()),
     }
 }

@@ -3,6 +3,8 @@
 use numpy::{PyArray1, PyArray2};
 use pyo3::{exceptions::PyStopIteration, prelude::*};
 
+use windswept_export::Schedule;
+
 use crate::{arrays::matrix, errors::of_value, simulation::Simulation};
 
 /// The state at one time. Its arrays are its own.
@@ -38,6 +40,10 @@ pub(crate) struct FrameAir {
     positions: Py<PyArray2<f32>>,
     /// `(n, 3)` float32 [m/s].
     velocities: Py<PyArray2<f32>>,
+    /// `(n,)` float32: |ω| [1/s]; empty unless the scene's `picture.air` is "vorticity".
+    vorticity: Py<PyArray1<f32>>,
+    /// `(n,)` float32: ½ |û|² of the first of turbulence.bands [m²/s²]; empty unless `picture.air` is "band_energy".
+    band_energy: Py<PyArray1<f32>>,
 }
 
 impl Frame {
@@ -51,6 +57,8 @@ impl Frame {
         let air = FrameAir {
             positions: matrix(py, frame.air.positions)?.unbind(),
             velocities: matrix(py, frame.air.velocities)?.unbind(),
+            vorticity: PyArray1::from_vec(py, frame.air.vorticity).unbind(),
+            band_energy: PyArray1::from_vec(py, frame.air.band_energy).unbind(),
         };
         Ok(Self { step: frame.step, time: frame.time, hair: Py::new(py, hair)?, air: Py::new(py, air)? })
     }
@@ -67,28 +75,26 @@ impl Frame {
 #[pyclass(module = "windswept")]
 pub(crate) struct Frames {
     sim: Py<Simulation>,
+    schedule: Schedule,
     left: u64,
 }
 
 impl Frames {
     pub(crate) fn new(sim: &Bound<'_, Simulation>, n: Option<i64>) -> PyResult<Self> {
-        let left = match n {
-            Some(n) => u64::try_from(n).map_err(|_| of_value("n", format!("expected at least 0 frames, found {n}")))?,
-            None => sim.get().engine(sim.py(), |sim| {
-                let time = &sim.scene().time;
-                let last = (time.duration / time.step).round() as u64;
-                (next_frame(sim)..).take_while(|k| time.step_of_frame(*k) <= last).count() as u64
-            })?,
+        let (time, steps) = sim.get().engine(sim.py(), |sim| (sim.scene().time.clone(), sim.steps()))?;
+        let (schedule, left) = match n {
+            Some(n) => {
+                let wrong = |_| of_value("n", format!("expected at least 0 frames, found {n}"));
+                (Schedule::new(&time, Some(Schedule::most_steps(&time))), u64::try_from(n).map_err(wrong)?)
+            }
+            None => {
+                let schedule = Schedule::new(&time, None);
+                let left = schedule.frames().saturating_sub(schedule.frame_after(steps));
+                (schedule, left)
+            }
         };
-        Ok(Self { sim: sim.clone().unbind(), left })
+        Ok(Self { sim: sim.clone().unbind(), schedule, left })
     }
-}
-
-/// The first frame that is still to come.
-fn next_frame(sim: &windswept::Simulation) -> u64 {
-    let time = &sim.scene().time;
-    let guess = (sim.steps() as f64 / time.steps_per_frame()) as u64;
-    (guess..).find(|k| time.step_of_frame(*k) > sim.steps()).unwrap_or(guess)
 }
 
 #[pymethods]
@@ -99,20 +105,17 @@ impl Frames {
 
     fn __next__(slf: &Bound<'_, Self>) -> PyResult<Frame> {
         let py = slf.py();
-        let sim = {
+        let (sim, schedule) = {
             let this = slf.borrow();
             if this.left == 0 {
                 return Err(PyStopIteration::new_err(()));
             }
-            this.sim.clone_ref(py)
+            (this.sim.clone_ref(py), this.schedule.clone())
         };
-        let sim = sim.get();
-        let goal = sim.engine(py, |sim| sim.scene().time.step_of_frame(next_frame(sim)))?;
-        sim.step_to(py, goal)?;
-        let frame = Frame::new(py, sim.run_engine(py, |sim| sim.frame())?)?;
+        let frame = sim.get().next_frame(py, &schedule)?;
         let mut this = slf.borrow_mut();
-        this.left = this.left.saturating_sub(1);
-        Ok(frame)
+        this.left = if frame.is_some() { this.left.saturating_sub(1) } else { 0 };
+        frame.map_or_else(|| Err(PyStopIteration::new_err(())), |frame| Frame::new(py, frame))
     }
 
     fn __repr__(&self) -> String {

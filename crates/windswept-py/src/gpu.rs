@@ -10,7 +10,7 @@ use windswept::{AdapterChoice, Gpu};
 
 use crate::{errors::of_gpu, outside};
 
-/// By what was asked for. A forked process must not use its parent's.
+/// Devices by process and by what was asked for. A forked process must not use its parent's.
 type Devices = HashMap<(u32, String), Gpu>;
 static DEVICES: Mutex<Option<Devices>> = Mutex::new(None);
 

@@ -1,7 +1,7 @@
 //! `windswept.Groom`.
 
 use pyo3::prelude::*;
-use windswept_scene::{End, PerStrand, RestCurvature};
+use windswept_scene::{End, Fibre, PerStrand, RestCurvature, Stiffness};
 
 use crate::{
     arrays::{Numbers, chunks, shown, values},
@@ -72,19 +72,29 @@ impl Groom {
     ) -> PyResult<Self> {
         let (points, offsets) = strands(points, offsets)?;
         let mut groom = windswept_scene::Groom::new(points, offsets);
-        for (name, value, field) in [
-            ("radius", radius, &mut groom.radius),
-            ("density", density, &mut groom.density),
-            ("youngs_modulus", youngs_modulus, &mut groom.youngs_modulus),
-            ("poissons_ratio", poissons_ratio, &mut groom.poissons_ratio),
-            ("fibres_per_strand", fibres_per_strand, &mut groom.fibres_per_strand),
-            ("aspect", aspect, &mut groom.aspect),
+        let strands = groom.len();
+        for (name, value, set) in [
+            ("radius", radius, (|fibre, x| fibre.radius = x) as fn(&mut Fibre, f64)),
+            ("density", density, |fibre, x| fibre.density = x),
+            ("youngs_modulus", youngs_modulus, |fibre, x| {
+                if let Stiffness::Moduli { youngs_modulus, .. } = &mut fibre.stiffness {
+                    *youngs_modulus = x;
+                }
+            }),
+            ("poissons_ratio", poissons_ratio, |fibre, x| {
+                if let Stiffness::Moduli { poissons_ratio, .. } = &mut fibre.stiffness {
+                    *poissons_ratio = x;
+                }
+            }),
+            ("fibres_per_strand", fibres_per_strand, |fibre, x| fibre.fibres_per_strand = x),
+            ("aspect", aspect, |fibre, x| fibre.aspect = x),
+            ("point_mass", point_mass, |fibre, x| fibre.point_mass = Some(x)),
         ] {
             if let Some(value) = value {
-                *field = scalars(name, value)?;
+                let values = scalars(name, value)?;
+                groom.fibre.set(strands, name, &values, set).map_err(|error| of_scene(py, &error))?;
             }
         }
-        groom.point_mass = point_mass.map(|value| scalars("point_mass", value)).transpose()?;
         if let Some(value) = group {
             groom.group = groups(value)?;
         }

@@ -11,7 +11,7 @@ use crate::{errors::of_scene, outside, toml};
 
 /// A checked scene: what to simulate, in SI. Made by `Scene.load` and `Scene.parse`, changed by `replace`.
 ///
-/// `examples/scenes/quick.toml` names every key; `windswept check --explain` lists them with their defaults.
+/// `examples/scenes/quick.toml` shows the common keys; `windswept check --explain` lists all with their defaults.
 #[pyclass(frozen, eq, module = "windswept")]
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Scene {
@@ -59,7 +59,7 @@ impl Scene {
             let key: String = key.extract()?;
             sets.push(format!("{key}={}", toml::value(&key, &value)?));
         }
-        let made = outside(py, || windswept_scene::Scene::parse_with("scene", &self.inner.text, &sets))?;
+        let made = outside(py, || windswept_scene::Scene::parse_with("scene", self.inner.text(), &sets))?;
         Self::of(py, made)
     }
 
@@ -74,7 +74,7 @@ impl Scene {
         self.inner.text()
     }
 
-    /// Its title.
+    /// Title of the scene.
     #[getter]
     fn title(&self) -> &str {
         &self.inner.title
@@ -91,7 +91,7 @@ impl Scene {
         format!(
             "<windswept.Scene {:?}: {strands} strands, model {}, method {}, {} s in steps of {} s>",
             scene.title,
-            scene.model.word(),
+            scene.interaction.model.word(),
             scene.method.word(),
             scene.time.duration,
             scene.time.step

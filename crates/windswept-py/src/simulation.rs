@@ -6,15 +6,14 @@ use std::{
         Arc, Mutex, MutexGuard, PoisonError,
         atomic::{AtomicU64, Ordering},
     },
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use glam::{DQuat, DVec3};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use windswept::RunError;
-use windswept_export::Renderer;
-use windswept_scene::AirPicture;
+use windswept_export::{Pace, Renderer, Run, Schedule, Stop};
 
 use crate::{
     arrays::{Numbers, maybe_rows, rows, shown, triple, values},
@@ -28,7 +27,7 @@ use crate::{
 };
 
 /// The engine is out of reach for about this long at a time: Ctrl-C waits no longer, if a step does not.
-const BATCH: Duration = Duration::from_millis(100);
+const LENGTH: Duration = Duration::from_millis(100);
 
 /// Hair and air of one scene on a GPU.
 ///
@@ -77,7 +76,7 @@ impl Simulation {
         outside(py, || work(&mut lock(&self.engine)))
     }
 
-    /// The same where the work is part of a run.
+    /// Works with the engine, the interpreter released, where the work is part of a run.
     pub(crate) fn run_engine<T: Send>(
         &self,
         py: Python<'_>,
@@ -108,31 +107,46 @@ impl Simulation {
 
     /// Steps until `goal`, in parts between which Python may stop.
     pub(crate) fn step_to(&self, py: Python<'_>, goal: u64) -> PyResult<()> {
-        let mut batch = 1;
+        let mut pace = Pace::of(LENGTH);
+        self.stepping(py, |sim| {
+            pace.advance(sim, goal)?;
+            Ok((sim.steps() >= goal).then_some(()))
+        })
+    }
+
+    /// Runs to the next frame of a schedule after the state now; None where the schedule has none left.
+    pub(crate) fn next_frame(&self, py: Python<'_>, schedule: &Schedule) -> PyResult<Option<windswept::Frame>> {
+        let steps = self.steps(py)?;
+        let mut run = Run::new(schedule.clone(), schedule.frame_after(steps), LENGTH);
+        self.stepping(py, |sim| match run.advance(sim)? {
+            Stop::Frame(_) => Ok(Some(Some(windswept_export::frame(sim)?))),
+            Stop::Between => Ok(None),
+            Stop::End => Ok(Some(None)),
+        })
+    }
+
+    /// Repeats a part of the work until it has a result; Python may stop it between two parts.
+    fn stepping<T: Send>(
+        &self,
+        py: Python<'_>,
+        mut part: impl FnMut(&mut windswept::Simulation) -> Result<Option<T>, RunError> + Send,
+    ) -> PyResult<T> {
         loop {
             py.check_signals()?;
-            let left = self.run_engine(py, |sim| {
-                let n = goal.saturating_sub(sim.steps()).min(batch);
-                let started = Instant::now();
-                sim.step(n)?;
-                let per_step = started.elapsed().as_secs_f64() / n.max(1) as f64;
-                batch = ((BATCH.as_secs_f64() / per_step) as u64).clamp(1, 2 * batch);
-                Ok(goal.saturating_sub(sim.steps()))
-            });
+            let done = self.run_engine(py, &mut part);
             self.changed();
-            if left? == 0 {
-                return Ok(());
+            if let Some(result) = done? {
+                return Ok(result);
             }
         }
     }
 
-    /// What the engine counts must fit 32 bits.
+    /// The step that is `n` after the one now; what the engine counts must fit 32 bits.
     fn goal(&self, py: Python<'_>, n: i64) -> PyResult<u64> {
         let Ok(n) = u64::try_from(n) else {
             return Err(of_value("n", format!("expected at least 0 steps, found {n}")));
         };
-        let (steps, substeps) = self.engine(py, |sim| (sim.steps(), sim.scene().time.substeps))?;
-        let most = u64::from(u32::MAX) / u64::from(substeps);
+        let (steps, most) = self.engine(py, |sim| (sim.steps(), Schedule::most_steps(&sim.scene().time)))?;
         let goal = steps.saturating_add(n);
         if goal > most {
             return Err(of_value("n", format!("expected at most {} steps more, found {n}", most - steps.min(most))));
@@ -226,9 +240,9 @@ impl Simulation {
         Frames::new(slf, n)
     }
 
-    /// The state now.
+    /// The state now, with the scalar of the air that the scene's `picture.air` names.
     fn frame(&self, py: Python<'_>) -> PyResult<Frame> {
-        let frame = self.run_engine(py, |sim| sim.frame())?;
+        let frame = self.run_engine(py, windswept_export::frame)?;
         Frame::new(py, frame)
     }
 
@@ -255,7 +269,7 @@ impl Simulation {
     fn scene(&self, py: Python<'_>) -> PyResult<Scene> {
         let mut inner = self.engine(py, |sim| sim.scene().clone())?;
         if windswept_scene::Scene::parse(inner.text()).as_ref() != Ok(&inner) {
-            inner.text = inner.to_toml();
+            inner.text = windswept_scene::Source(inner.to_toml());
         }
         Ok(Scene { inner })
     }
@@ -418,16 +432,7 @@ impl Simulation {
         let size = (side("width", width)?, side("height", height)?);
         let drawn = outside(py, || {
             let mut engine = lock(&self.engine);
-            let mut frame = engine.frame().map_err(|error| of_run(&error))?;
-            match engine.scene().picture.air {
-                AirPicture::None => {}
-                AirPicture::Vorticity => {
-                    frame.air.vorticity = engine.air_vorticity().map_err(|error| of_run(&error))?;
-                }
-                AirPicture::BandEnergy => {
-                    frame.air.band_energy = engine.band_energy().map_err(|error| of_run(&error))?;
-                }
-            }
+            let frame = windswept_export::frame(&mut engine).map_err(|error| of_run(&error))?;
             let renderer = self.renderer(&engine, size)?;
             renderer.render(&frame).map_err(|error| of_export(&error))
         })??;
@@ -463,7 +468,7 @@ impl Simulation {
 }
 
 impl Simulation {
-    /// What to say of it in a line.
+    /// Names and values that describe it in a line.
     fn facts(&self, py: Python<'_>) -> PyResult<Vec<(&'static str, String)>> {
         self.engine(py, |sim| {
             let sizes = sim.engine().sizes();

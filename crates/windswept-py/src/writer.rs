@@ -1,29 +1,155 @@
-//! `windswept.VtkHdfWriter`.
+//! `windswept.Writer` and `windswept.VtkHdfWriter`.
 
 use std::{
     path::PathBuf,
-    sync::{Mutex, PoisonError},
+    sync::{Mutex, MutexGuard, PoisonError},
 };
 
-use pyo3::prelude::*;
-use windswept_export::{Kind, Provenance};
+use pyo3::{
+    prelude::*,
+    types::{PyDict, PyTuple},
+};
+use windswept_export::{DEFAULT_FORMATS, FORMATS, Format, Kind, Provenance, Recording, Schedule};
 
 use crate::{
-    errors::{of_export, of_run, of_value},
+    errors::{ExportError, of_export, of_run, of_value},
     outside,
     simulation::Simulation,
 };
 
 /// Frames that a file has room for where the scene's duration has fewer: room that is not used takes none on the disk.
-const ROOM: usize = 256;
+const ROOM: u64 = 256;
 
-/// Writes frames of a simulation into a VTKHDF file, for ParaView, VTK and h5py.
+/// The most frames that a writer has room for: what was asked for, or what the scene's duration has.
+fn room(sim: &windswept::Simulation, frames: Option<i64>) -> PyResult<usize> {
+    let Some(frames) = frames else {
+        let schedule = Schedule::new(&sim.scene().time, None);
+        return Ok(usize::try_from(schedule.frames().max(ROOM)).unwrap_or(usize::MAX));
+    };
+    let fits = usize::try_from(frames).ok().filter(|frames| *frames > 0);
+    fits.ok_or_else(|| of_value("frames", format!("expected at least 1, found {frames}")))
+}
+
+/// Whatever a writer writes into, until it is closed.
+type Open<T> = Mutex<Option<T>>;
+
+fn lock<T>(open: &Open<T>) -> MutexGuard<'_, Option<T>> {
+    open.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn closed() -> PyErr {
+    of_value("append", "the writer is closed")
+}
+
+/// Every format that `Writer` writes: its name, and what that writes.
+#[pyfunction]
+pub(crate) fn formats(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let formats = PyDict::new(py);
+    FORMATS.iter().try_for_each(|format| formats.set_item(format.name, format.writes))?;
+    Ok(formats)
+}
+
+/// Writes frames of a simulation into a folder, with the files of `windswept run`.
+///
+///     with ws.Writer("out", sim) as writer:
+///         writer.append(sim)
+///         for frame in sim.frames(240):
+///             writer.append(sim)
+///
+/// Every frame that `append` returned from is in the files, whatever becomes of the process.
+///
+/// Args:
+///     folder: made if it is not there; files of a writer's names are replaced, others stay.
+///     sim: whose frames are written.
+///     formats: names of `windswept.formats()`; None: those that the command writes.
+///     frames: the most it has room for; None: as many as the scene's duration has, at least 256.
+///
+/// Raises:
+///     ExportError: a format cannot be written, or the simulation has nothing for it.
+///     ValueError: there is no such format.
+#[pyclass(frozen, module = "windswept")]
+pub(crate) struct Writer {
+    folder: PathBuf,
+    formats: Vec<&'static Format>,
+    recording: Open<Recording>,
+}
+
+#[pymethods]
+impl Writer {
+    #[new]
+    #[pyo3(signature = (folder, sim, *, formats=None, frames=None))]
+    fn new(
+        py: Python<'_>,
+        folder: PathBuf,
+        sim: &Simulation,
+        formats: Option<Vec<String>>,
+        frames: Option<i64>,
+    ) -> PyResult<Self> {
+        let known = |name: &str| {
+            let names = || FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
+            Format::named(name)
+                .ok_or_else(|| of_value("formats", format!("expected some of {}, found {name:?}", names())))
+        };
+        let formats = match &formats {
+            Some(names) => names.iter().map(|name| known(name)).collect::<PyResult<Vec<_>>>()?,
+            None => DEFAULT_FORMATS.iter().map(|name| known(name)).collect::<PyResult<Vec<_>>>()?,
+        };
+        let recording = sim.engine(py, |sim| {
+            let made = std::fs::create_dir_all(&folder);
+            made.map_err(|e| ExportError::new_err(format!("{}: could not be made: {e}", folder.display())))?;
+            let room = room(sim, frames)?;
+            Recording::new(&formats, sim, &folder, room).map_err(|error| of_export(&error))
+        })??;
+        Ok(Self { folder, formats, recording: Mutex::new(Some(recording)) })
+    }
+
+    /// Writes the state of `sim` as the next frame.
+    ///
+    /// Raises:
+    ///     ExportError: it is before the last one, or of other strands or particles; a file has no room, or cannot be written.
+    ///         All other formats have the frame, and go on.
+    ///     ValueError: the writer is closed.
+    fn append(&self, py: Python<'_>, sim: &Simulation) -> PyResult<()> {
+        let lost = sim.engine(py, |sim| match &mut *lock(&self.recording) {
+            Some(recording) => recording.append(sim).map_err(|error| of_export(&error)),
+            None => Err(closed()),
+        })??;
+        lost.first().map_or(Ok(()), |loss| Err(of_export(&loss.error)))
+    }
+
+    /// Ends the files.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        let lost = outside(py, || {
+            let recording = lock(&self.recording).take();
+            recording.map_or(Ok(Vec::new()), |recording| recording.finish().map_err(|error| of_export(&error)))
+        })??;
+        lost.first().map_or(Ok(()), |loss| Err(of_export(&loss.error)))
+    }
+
+    fn __enter__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    #[pyo3(signature = (*_exception))]
+    fn __exit__(&self, py: Python<'_>, _exception: &Bound<'_, PyTuple>) -> PyResult<bool> {
+        self.close(py)?;
+        Ok(false)
+    }
+
+    fn __repr__(&self) -> String {
+        let names: Vec<_> = self.formats.iter().map(|format| format.name).collect();
+        format!("<windswept.Writer: {} into {}>", names.join(", "), self.folder.display())
+    }
+}
+
+/// Writes frames of a simulation into one VTKHDF file, for ParaView, VTK and h5py.
 ///
 ///     with ws.VtkHdfWriter("hair.vtkhdf", sim) as writer:
 ///         for frame in sim.frames(240):
 ///             writer.append(sim)
 ///
-/// Every frame that `append` returned from is in the file, whatever becomes of the process.
+/// Every frame that `append` returned from is in the file, whatever becomes of the process. Its arrays are those of the
+/// command's file of that kind.
 ///
 /// Args:
 ///     path: a file of that name is replaced.
@@ -37,7 +163,7 @@ const ROOM: usize = 256;
 pub(crate) struct VtkHdfWriter {
     path: PathBuf,
     kind: Kind,
-    writer: Mutex<Option<windswept_export::VtkHdfWriter>>,
+    writer: Open<windswept_export::VtkHdfWriter>,
 }
 
 #[pymethods]
@@ -50,23 +176,11 @@ impl VtkHdfWriter {
             "air" => Kind::Air,
             other => return Err(of_value("kind", format!("expected \"hair\" or \"air\", found {other:?}"))),
         };
-        let room = frames.map(|n| {
-            let fits = usize::try_from(n).ok().filter(|n| *n > 0);
-            fits.ok_or_else(|| of_value("frames", format!("expected at least 1, found {n}")))
-        });
-        let room = room.transpose()?;
         let writer = sim.engine(py, |sim| {
-            let frame = sim.frame().map_err(|error| of_run(&error))?;
-            let scene = sim.scene();
+            let room = room(sim, frames)?;
+            let frame = windswept_export::frame(sim).map_err(|error| of_run(&error))?;
             let adapter = sim.engine().gpu().info().to_string();
-            let provenance = Provenance {
-                scene: scene.text(),
-                version: env!("CARGO_PKG_VERSION"),
-                adapter: &adapter,
-                seed: scene.seed,
-            };
-            let whole = (scene.time.duration * scene.time.frame_rate) as usize + 2;
-            let room = room.unwrap_or(whole.max(ROOM));
+            let provenance = Provenance::of(sim.scene(), &adapter);
             windswept_export::VtkHdfWriter::create(&path, kind, &frame, room, &provenance)
                 .map_err(|error| of_export(&error))
         })??;
@@ -79,17 +193,17 @@ impl VtkHdfWriter {
     ///     ExportError: it is before the last one, or of other strands or particles; the file has no room, or cannot be written.
     ///     ValueError: the writer is closed.
     fn append(&self, py: Python<'_>, sim: &Simulation) -> PyResult<()> {
-        let frame = sim.run_engine(py, |sim| sim.frame())?;
-        outside(py, || match &mut *self.writer.lock().unwrap_or_else(PoisonError::into_inner) {
+        let frame = sim.run_engine(py, windswept_export::frame)?;
+        outside(py, || match &mut *lock(&self.writer) {
             Some(writer) => writer.append(&frame).map_err(|error| of_export(&error)),
-            None => Err(of_value("append", "the writer is closed")),
+            None => Err(closed()),
         })?
     }
 
     /// Closes the file.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         outside(py, || {
-            let writer = self.writer.lock().unwrap_or_else(PoisonError::into_inner).take();
+            let writer = lock(&self.writer).take();
             writer.map_or(Ok(()), |writer| writer.finish().map_err(|error| of_export(&error)))
         })?
     }
@@ -99,7 +213,7 @@ impl VtkHdfWriter {
     }
 
     #[pyo3(signature = (*_exception))]
-    fn __exit__(&self, py: Python<'_>, _exception: &Bound<'_, pyo3::types::PyTuple>) -> PyResult<bool> {
+    fn __exit__(&self, py: Python<'_>, _exception: &Bound<'_, PyTuple>) -> PyResult<bool> {
         self.close(py)?;
         Ok(false)
     }

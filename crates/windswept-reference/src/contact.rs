@@ -1,7 +1,7 @@
 //! Nothing enters a body: a body is seen at rest, as it is written, and what meets it is brought there and back.
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{InitialState, Motion, Scene, Strands};
+use windswept_scene::{InitialState, Motion, Scene, Shape, Strands};
 
 use crate::Parameters;
 
@@ -12,18 +12,14 @@ const ROUNDS: usize = 2;
 /// Hair that starts inside comes out no faster \[m/s\].
 const RECOVERY: f64 = 0.2;
 
-/// A capsule (a sphere has `start` = `end`), where it is written: local coordinates \[m\].
+/// A body where it is written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// Of the axis.
-    pub start: DVec3,
-    /// Of the axis.
-    pub end: DVec3,
-    /// \[m\]
-    pub radius: f64,
-    /// μ of hair on it.
+    /// Shape in local coordinates \[m\].
+    pub shape: Shape,
+    /// Coefficient of friction μ of hair on the body.
     pub friction: f64,
-    /// About the middle of the axis.
+    /// Motion about the shape's centre.
     pub motion: Motion,
 }
 
@@ -63,38 +59,29 @@ pub struct Placed {
 /// The bodies of a scene.
 #[must_use]
 pub fn bodies(scene: &Scene, initial: &InitialState) -> Vec<Body> {
-    let local = scene.bodies.iter().map(|body| {
-        let capsule = body.shape.capsule();
-        let [start, end] = capsule.ends.map(|end| end - initial.origin);
-        Body { start, end, radius: capsule.radius, friction: body.friction, motion: body.motion.clone() }
+    let local = |shape: &Shape| shape.moved(|x| x - initial.origin);
+    let each = scene.bodies.iter().map(|body| Body {
+        shape: local(&body.shape),
+        friction: body.friction,
+        motion: body.motion.clone(),
     });
-    local.collect()
+    each.collect()
 }
 
 impl Body {
     fn pose(&self, time: f64) -> Pose {
         let (translation, rotation) = self.motion.at(time);
-        Pose { center: (self.start + self.end) / 2.0, translation, rotation }
-    }
-
-    /// Signed distance of `y` and the outward normal there.
-    #[must_use]
-    pub fn surface(&self, y: DVec3) -> (f64, DVec3) {
-        let axis = self.end - self.start;
-        let along =
-            if axis == DVec3::ZERO { 0.0 } else { ((y - self.start).dot(axis) / axis.dot(axis)).clamp(0.0, 1.0) };
-        let gap = y - self.start.lerp(self.end, along);
-        (gap.length() - self.radius, gap.normalize_or(axis.any_orthonormal_vector()))
+        Pose { center: self.shape.center(), translation, rotation }
     }
 
     /// The first point of the way from `a` to `b` in the body or nearer to it than rounding. Nobody is nearer than its
     /// distance, so one may go on by that (Hart 1996, Sphere tracing).
     fn entry(&self, a: DVec3, b: DVec3) -> Option<DVec3> {
-        let (length, close) = (a.distance(b), 1e-12 * self.radius);
+        let (length, close) = (a.distance(b), 1e-12 * self.shape.inradius());
         let mut gone = 0.0;
         while gone <= length {
             let y = if length > 0.0 { a.lerp(b, gone / length) } else { a };
-            let distance = self.surface(y).0;
+            let distance = self.shape.signed_distance(y).0;
             if distance <= close {
                 return Some(y);
             }
@@ -144,7 +131,7 @@ pub fn hair(p: &Parameters, placed: &[Placed], position: DVec3, predicted: DVec3
     for Placed { body, before, after } in (0..ROUNDS).flat_map(|_| placed) {
         let (a, b) = (before.back(position), after.back(x));
         let Some(contact) = body.entry(a, b) else { continue };
-        let (distance, normal) = body.surface(contact);
+        let (distance, normal) = body.shape.signed_distance(contact);
         let wanted = (-distance).clamp(0.0, RECOVERY * p.step);
         let depth = wanted - (b - contact).dot(normal);
         if depth <= 0.0 {
@@ -166,7 +153,7 @@ pub fn hair(p: &Parameters, placed: &[Placed], position: DVec3, predicted: DVec3
 pub fn air(p: &Parameters, placed: &[Placed], mut x: DVec3, mut v: DVec3) -> (DVec3, DVec3) {
     for Placed { body, before, after } in (0..ROUNDS).flat_map(|_| placed) {
         let y = after.back(x);
-        let (distance, normal) = body.surface(y);
+        let (distance, normal) = body.shape.signed_distance(y);
         let short = 0.5 * p.air_volume.cbrt() - distance;
         if short > 0.0 {
             let beside = y + short * normal;

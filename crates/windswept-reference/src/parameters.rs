@@ -98,7 +98,7 @@ impl Parameters {
         let substeps = f64::from(scene.time.substeps);
         let air = scene.air.as_ref();
         let kernel_radius = air.map_or(1.0, |air| air.kernel_radius);
-        let particles = scene.model == Model::Particles && !initial.air.positions.is_empty();
+        let particles = scene.interaction.model == Model::Particles && !initial.air.positions.is_empty();
         // The band law saturates at a part of U: at 0 it is off. The published law knows no U.
         let law_at_work = scene.turbulence.law == Law::Published || scene.turbulence.speed > 0.0;
         let at_work = |band: &Band| particles && law_at_work && band.strength > 0.0;
@@ -115,11 +115,11 @@ impl Parameters {
             box_size: initial.air.size,
             kernel_radius,
             air: particles,
-            model: scene.model,
+            model: scene.interaction.model,
             air_volume: initial.air.volume,
             rest_density: air.map_or(0.0, |air| air.rest_density),
             kinematic_viscosity: air.map_or(0.0, |air| air.kinematic_viscosity),
-            lift: scene.lift,
+            lift: scene.interaction.lift,
             fluid_iterations: scene.fluid.iterations,
             relaxation: scene.fluid.relaxation,
             tension: scene.fluid.tension,

@@ -3,22 +3,22 @@
 use glam::DVec3;
 
 use crate::{
-    body::Capsule,
+    body::{Shape, inside},
     initial::{AirParticles, Strands},
     scene::{Air, Bounds, Model, Scene},
 };
 
-/// Air nearer than this to a hair point, in particle spacings, is left out: a sphere of one particle's volume.
+/// Distance to a hair point below which air is left out \[particle spacings\]: that of a sphere of one particle's volume.
 const CLEARANCE: f64 = 0.62;
 
-/// A lattice cell that the surface of a body cuts is counted in so many parts along each axis.
+/// Parts along each axis in which a lattice cell is counted that the surface of a body cuts.
 const PARTS: usize = 6;
 
-/// Part of the box that hair to be blown in may take, at most.
+/// Largest part of the box that hair to be blown in may take.
 const LARGEST_SHARE: f64 = 0.5;
 
 impl Air {
-    /// V of a particle before the count is rounded \[m³\].
+    /// Volume V of a particle before the count is rounded \[m³\].
     #[must_use]
     pub fn parcel(&self) -> f64 {
         self.particle_mass / self.rest_density
@@ -28,7 +28,7 @@ impl Air {
 impl Scene {
     /// Air and the box that its particles fill; `None` without particles.
     pub(crate) fn filled(&self) -> Option<(&Air, Bounds)> {
-        let air = self.air.as_ref().filter(|_| self.model == Model::Particles)?;
+        let air = self.air.as_ref().filter(|_| self.interaction.model == Model::Particles)?;
         Some((air, air.bounds?))
     }
 }
@@ -36,7 +36,7 @@ impl Scene {
 /// Fills the box: a simple cubic lattice with the hair's own parcels and the bodies left out, and a volume that makes the
 /// mean density of what bodies leave of the box exact once all hair streams in it: strands that hang out of it at the start
 /// are blown in.
-pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands, bodies: &[Capsule]) -> AirParticles {
+pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands, bodies: &[Shape]) -> AirParticles {
     let min = DVec3::from_array(bounds.min);
     let size = DVec3::from_array(bounds.max) - min;
     let spacing = air.parcel().cbrt();
@@ -45,12 +45,12 @@ pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands, bodies: &[Ca
     let [nx, ny, nz] = counts.to_array().map(|n| n as usize);
 
     let mut taken = vec![false; nx * ny * nz];
-    let mut inside = 0.0;
+    let mut within = 0.0;
     let reach = CLEARANCE * spacing;
     for (point, volume) in hair.positions.iter().zip(&hair.volume) {
         let x = *point - min;
         if x.cmpge(DVec3::ZERO).all() && x.cmplt(size).all() {
-            inside += volume;
+            within += volume;
         }
         let first = ((x - reach) / pitch - 0.5).ceil().max(DVec3::ZERO);
         let last = ((x + reach) / pitch - 0.5).floor().min(counts - 1.0);
@@ -76,13 +76,13 @@ pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands, bodies: &[Ca
         let site = DVec3::new((index % nx) as f64, (index / nx % ny) as f64, (index / nx / ny) as f64);
         let x = min + pitch * (site + 0.5);
         room += outside(bodies, x, pitch);
-        if !taken && bodies.iter().all(|body| body.distance(x) >= 0.0) {
+        if !taken && !inside(bodies, x) {
             positions.push(x);
         }
     }
     let whole = room * pitch.element_product();
     let all = hair.volume.iter().sum::<f64>();
-    let hair = inside.max(all.min(LARGEST_SHARE * whole));
+    let hair = within.max(all.min(LARGEST_SHARE * whole));
     let volume = if positions.is_empty() { 0.0 } else { (whole - hair) / positions.len() as f64 };
     AirParticles {
         min,
@@ -95,8 +95,8 @@ pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands, bodies: &[Ca
 }
 
 /// The part of a lattice cell about `center` that is in no body.
-fn outside(bodies: &[Capsule], center: DVec3, cell: DVec3) -> f64 {
-    let deepest = bodies.iter().map(|body| body.distance(center)).fold(f64::INFINITY, f64::min);
+fn outside(bodies: &[Shape], center: DVec3, cell: DVec3) -> f64 {
+    let deepest = bodies.iter().map(|body| body.signed_distance(center).0).fold(f64::INFINITY, f64::min);
     let reach = 0.5 * cell.length();
     if deepest.abs() >= reach {
         return if deepest > 0.0 { 1.0 } else { 0.0 };
@@ -104,6 +104,6 @@ fn outside(bodies: &[Capsule], center: DVec3, cell: DVec3) -> f64 {
     // The surface passes through: count.
     let seat = |k: usize| DVec3::new((k % PARTS) as f64, (k / PARTS % PARTS) as f64, (k / PARTS / PARTS) as f64);
     let parts = (0..PARTS.pow(3)).map(|k| center + cell * ((seat(k) + 0.5) / PARTS as f64 - 0.5));
-    let free = parts.filter(|x| bodies.iter().all(|body| body.distance(*x) >= 0.0)).count();
+    let free = parts.filter(|x| !inside(bodies, *x)).count();
     free as f64 / PARTS.pow(3) as f64
 }

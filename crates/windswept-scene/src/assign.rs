@@ -4,13 +4,14 @@ use toml_edit::{DocumentMut, InlineTable, Item, TableLike, Value};
 
 use crate::{document, error::SceneError, keys::Key};
 
-/// No key of a scene is deeper: `turbulence.bands.0.scale`. Walking and printing recurse, and stacks end.
+/// Most names of a dotted key; the deepest key of a scene, `turbulence.bands.0.scale`, has four. Walking and printing recurse, and
+/// stacks end.
 const DEEPEST: usize = 8;
 
 /// The text with `key = value` set in it.
 ///
 /// # Errors
-/// What is not `key=value`, or a path that leads nowhere; a text that is not TOML.
+/// [`SceneError`] for what is not `key=value`, a path that leads nowhere, a text that is not TOML.
 pub(crate) fn set(text: &str, assignment: &str) -> Result<String, SceneError> {
     let fault = |message: String| SceneError::new(message).of_assignment(assignment);
     let (key, value) = assignment.split_once('=').ok_or_else(|| fault("expected key=value".to_owned()))?;
@@ -84,7 +85,8 @@ fn is_named(key: &str, table: &dyn TableLike, name: &str) -> bool {
     match table.get("name") {
         Some(own) => own.as_str() == Some(name),
         None => {
-            let default = Key::find(&format!("{key}.name")).and_then(|key| key.default_of(true));
+            let key = Key::find(&format!("{key}.name"));
+            let default = key.and_then(|key| key.default_of(true));
             default.is_some_and(|default| default.trim_matches('"') == name)
         }
     }

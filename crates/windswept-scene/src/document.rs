@@ -2,17 +2,15 @@
 
 use std::{collections::BTreeMap, ops::Range};
 
+use glam::DVec3;
 use toml_edit::{Document as Toml, Item, TableLike, TomlError, Value};
 
 use crate::{
+    declare::join,
     error::SceneError,
-    keys::{KEYS, Key, Kind},
+    keys::{Fallback, KEYS, Key, Kind},
+    limits::{LARGEST, MAGNITUDES, SMALLEST},
 };
-
-/// The engine computes in f32, from about 1e-38 to 3e38: what a file says, and what little is made of it
-/// unchecked, must fit. What strands are made of is checked in `initial`.
-const SMALLEST: f64 = 1e-18;
-const LARGEST: f64 = 1e18;
 
 /// A checked value.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,7 +41,7 @@ type Place<'a> = (&'a dyn TableLike, Option<Range<usize>>);
 
 impl Document {
     /// # Errors
-    /// Syntax, unknown keys, wrong types, values out of range.
+    /// [`SceneError`] for wrong syntax, unknown keys, wrong types and values out of range.
     pub(crate) fn parse(text: &str) -> Result<Self, SceneError> {
         let toml = Toml::parse(text).map_err(|error| syntax(&error))?;
         let mut document = Self::default();
@@ -85,7 +83,7 @@ impl Document {
                 return Err(wrong(describe(item)));
             };
             let datum = datum(key.kind, value).ok_or_else(|| wrong(describe_for(key.kind, item)))?;
-            built(key, &datum, real, span.clone())?;
+            built(key, real, span.clone())?;
             self.entries.insert(real.to_owned(), Entry { datum, span });
             return Ok(());
         }
@@ -108,7 +106,7 @@ impl Document {
         };
         let datum = Datum::Tables(tables.len());
         if !tables.is_empty() {
-            built(key, &datum, real, span.clone())?;
+            built(key, real, span.clone())?;
         }
         self.entries.insert(real.to_owned(), Entry { datum, span });
         for (index, (table, span)) in tables.into_iter().enumerate() {
@@ -117,37 +115,26 @@ impl Document {
                 element = format!("{real}.{index}");
                 self.entries.insert(element.clone(), Entry { datum: Datum::Tables(1), span });
             }
-            self.table(table, key.path, &element)?;
+            self.table(table, &key.path, &element)?;
         }
         Ok(())
     }
 }
 
-/// A piece that is asked for by name but not built.
-fn built(key: &Key, datum: &Datum, real: &str, span: Option<Range<usize>>) -> Result<(), SceneError> {
-    let value = match datum {
-        Datum::Text(text) => text.clone(),
-        Datum::Bool(flag) => flag.to_string(),
-        _ => String::new(),
-    };
-    if !Key::not_built(key.path, &value) {
+/// Refuses a key that this version has not built.
+fn built(key: &Key, real: &str, span: Option<Range<usize>>) -> Result<(), SceneError> {
+    if key.default != Fallback::NotBuilt {
         return Ok(());
     }
-    let what = if value.is_empty() { value } else { format!("{value}: ") };
-    Err(SceneError::new(format!("{what}not in this version")).at(real, span).with_help("leave the key out"))
-}
-
-fn join(path: &str, name: &str) -> String {
-    if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") }
+    Err(SceneError::new("not in this version").at(real, span).with_help("leave the key out"))
 }
 
 /// The value as what the key takes; `None` for another type or a value out of range.
-pub(crate) fn datum(kind: Kind, value: &Value) -> Option<Datum> {
+fn datum(kind: Kind, value: &Value) -> Option<Datum> {
     let vector = |value: &Value| {
         let values: Vec<f64> = value.as_array()?.iter().map(number).collect::<Option<_>>()?;
         <[f64; 3]>::try_from(values).ok()
     };
-    let ranged = |range: fn(f64) -> bool| number(value).filter(|x| range(*x)).map(Datum::Number);
     match kind {
         Kind::Text => value.as_str().map(|text| Datum::Text(text.to_owned())),
         Kind::Bool => value.as_bool().map(Datum::Bool),
@@ -155,12 +142,11 @@ pub(crate) fn datum(kind: Kind, value: &Value) -> Option<Datum> {
             let count = value.as_integer().and_then(|n| u32::try_from(n).ok());
             count.filter(|n| (least..=most).contains(n)).map(Datum::Count)
         }
-        Kind::Length | Kind::Positive => ranged(|x| x > 0.0),
-        Kind::NonNegative => ranged(|x| x >= 0.0),
-        Kind::Fraction => ranged(|x| (0.0..1.0).contains(&x)),
-        Kind::Share => ranged(|x| x > 0.0 && x <= 1.0),
+        Kind::Length | Kind::Positive | Kind::NonNegative | Kind::Fraction | Kind::Share => {
+            number(value).filter(|x| kind.holds(*x)).map(Datum::Number)
+        }
         Kind::Vector => vector(value).map(Datum::Vector),
-        Kind::Direction => vector(value).filter(|v| v.iter().any(|x| *x != 0.0)).map(Datum::Vector),
+        Kind::Direction => vector(value).filter(|v| v.iter().any(|x| *x != 0.0)).map(unit).map(Datum::Vector),
         Kind::Choice(words) => {
             value.as_str().filter(|word| words.contains(word)).map(|word| Datum::Text(word.to_owned()))
         }
@@ -168,13 +154,20 @@ pub(crate) fn datum(kind: Kind, value: &Value) -> Option<Datum> {
     }
 }
 
+/// The direction of a vector that is not zero. One that is a direction is left alone, so that writing a scene and reading it
+/// again gives the same.
+fn unit(v: [f64; 3]) -> [f64; 3] {
+    let v = DVec3::from_array(v);
+    if (v.length_squared() - 1.0).abs() < 4.0 * f64::EPSILON { v.to_array() } else { v.normalize().to_array() }
+}
+
 /// A number that can be computed with.
 fn number(value: &Value) -> Option<f64> {
     let number = value.as_float().or_else(|| value.as_integer().map(|n| n as f64))?;
-    (number == 0.0 || (SMALLEST..=LARGEST).contains(&number.abs())).then_some(number)
+    (number == 0.0 || MAGNITUDES.contains(&number.abs())).then_some(number)
 }
 
-/// What stands there instead of a value of this kind; of three numbers the one that cannot be computed with.
+/// Description of what stands in place of a value of this kind: of three numbers, the one that cannot be computed with.
 fn describe_for(kind: Kind, item: &Item) -> String {
     if let (Kind::Vector | Kind::Direction, Item::Value(Value::Array(array))) = (kind, item)
         && array.len() == 3
@@ -208,7 +201,7 @@ fn describe_value(value: &Value) -> String {
     }
 }
 
-/// No more of a text than an error should quote.
+/// Beginning of a text, no longer than an error should quote.
 pub(crate) fn short(text: &str) -> String {
     const MOST: usize = 60;
     match text.char_indices().nth(MOST) {
@@ -225,8 +218,8 @@ pub(crate) fn syntax(error: &TomlError) -> SceneError {
 fn unknown(path: &str, real: &str) -> SceneError {
     let near = |key: &Key| {
         let last = |path: &str| path.rsplit('.').next().unwrap_or_default().to_owned();
-        let whole = strsim::normalized_damerau_levenshtein(path, key.path);
-        whole.max(0.9 * strsim::normalized_damerau_levenshtein(&last(path), &last(key.path)))
+        let whole = strsim::normalized_damerau_levenshtein(path, &key.path);
+        whole.max(0.9 * strsim::normalized_damerau_levenshtein(&last(path), &last(&key.path)))
     };
     // Comparing costs the product of the lengths.
     let nearest = KEYS.iter().filter(|_| path.len() < 200).map(|key| (near(key), key));

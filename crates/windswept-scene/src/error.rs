@@ -31,7 +31,7 @@ impl SceneError {
         self
     }
 
-    /// Of a lone table, `hair.0.length` is `hair.length`.
+    /// The error with its key as one spells it where there is a single such table: `hair.length`, not `hair.0.length`.
     pub(crate) fn of_lone(mut self, table: &str) -> Self {
         if let Some(rest) = self.0.key.as_deref().and_then(|key| key.strip_prefix(&format!("{table}.0"))) {
             self.0.key = Some(format!("{table}{rest}"));
@@ -49,14 +49,14 @@ impl SceneError {
         self
     }
 
-    /// In the text that was read from `name`.
+    /// The error as one of the text that was read from `name`.
     pub(crate) fn of(mut self, name: &str, text: &str) -> Self {
         self.0.source_name = name.to_owned();
         self.0.source_text = text.to_owned();
         self
     }
 
-    /// In the argument `--set key=value`.
+    /// The error as one of the argument `--set key=value`.
     pub(crate) fn of_assignment(mut self, assignment: &str) -> Self {
         self.0.argument = true;
         self.of(&format!("--set {assignment}"), assignment).with_span(Some(0..assignment.len()))

@@ -3,16 +3,14 @@
 use glam::{DQuat, DVec3};
 
 use crate::{
-    build::{CLAMPED_TIP, MOST_HAIR_POINTS},
+    declare::Keys,
     error::SceneError,
     initial::{End, Strands},
-    keys::MOST_POINTS,
-    scene::{Scene, Solver, Stiffness},
-    strand::{Fibre, Parcel, Shape, frame, turn},
+    limits::{LARGEST, MAGNITUDES, MOST_HAIR_POINTS, MOST_POINTS_OF_A_STRAND},
+    scene::{CLAMPED_TIP, Fibre, Scene, Solver},
+    strand::{Parcel, Shape, frame, turn},
 };
 
-/// What `f32` holds with room for the squares of a step: as in a scene file.
-const MAGNITUDES: std::ops::RangeInclusive<f64> = 1e-18..=1e18;
 /// Points nearer to each other than this part of their strand's length are one.
 const COINCIDENT: f64 = 1e-6;
 
@@ -22,63 +20,52 @@ const COINCIDENT: f64 = 1e-6;
 /// with the rest shape's. Every value is one for all strands or one for each.
 ///
 /// ```
-/// use windswept_scene::{Groom, InitialState, Scene};
+/// use windswept_scene::{Fibre, Groom, InitialState, Scene};
 ///
 /// let scene = Scene::parse("time = { step = 1e-3, duration = 1 }\ninteraction = { model = \"none\" }")?;
 /// let points = (0..20).map(|k| [0.01 * f64::from(k % 10), 0.0, f64::from(k / 10)]).collect();
-/// let groom = Groom { radius: vec![4e-5, 3e-5].into(), ..Groom::new(points, vec![0, 10, 20]) };
+/// let fibres = vec![Fibre::default(), Fibre { radius: 3e-5, ..Fibre::default() }];
+/// let groom = Groom { fibre: fibres.into(), ..Groom::new(points, vec![0, 10, 20]) };
 /// assert_eq!(InitialState::with_groom(&scene, &groom)?.hair.len(), 2);
 /// # Ok::<(), windswept_scene::SceneError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Groom {
-    /// Points, strand by strand, root to tip \[m\].
+    /// Points of all strands, strand by strand, root to tip \[m\].
     pub points: Vec<[f64; 3]>,
-    /// First point of each strand, and the number of points: strands + 1.
+    /// Index of each strand's first point, and the number of points: strands + 1.
     pub offsets: Vec<u32>,
     /// Number of a strand's group, for the caller's own use.
     pub group: PerStrand<u32>,
-    /// Of a fibre \[m\]; of an elliptic cross-section the semi-major axis, along d2.
-    pub radius: PerStrand<f64>,
-    /// Semi-minor (along d1) over semi-major axis of the cross-section; above 0, at most 1.
-    pub aspect: PerStrand<f64>,
-    /// Of a fibre \[kg/m³\].
-    pub density: PerStrand<f64>,
-    /// E \[Pa\].
-    pub youngs_modulus: PerStrand<f64>,
-    /// ν; 0 to below 1.
-    pub poissons_ratio: PerStrand<f64>,
-    /// Real hairs that a strand stands for.
-    pub fibres_per_strand: PerStrand<f64>,
-    /// Of every point \[kg\]; `None`: from density, radius and lengths.
-    pub point_mass: Option<PerStrand<f64>>,
-    /// `None`: the shape they are given in.
+    /// Fibres that the strands are made of.
+    pub fibre: PerStrand<Fibre>,
+    /// Curvature at rest; `None`: the shape that the strands are given in.
     pub rest_curvature: Option<RestCurvature>,
-    /// (x, y, z, w) of the clamp; `None`: d3 along the first segment, d1 by the smallest rotation from +x, or from +z.
+    /// Frame of the clamp (x, y, z, w); `None`: d3 along the first segment, d1 by the smallest rotation from +x, or from +z.
     pub root_frame: Option<PerStrand<[f64; 4]>>,
-    /// (x, y, z, w) of a clamped tip; `None`: as far turned from the last segment as it is from the point before.
+    /// Frame of a clamped tip (x, y, z, w); `None`: as far turned from the last segment as it is from the point before.
     pub tip_frame: Option<PerStrand<[f64; 4]>>,
-    /// How the roots are held.
+    /// Hold of the roots.
     pub root: PerStrand<End>,
-    /// How the tips are held; clamped with the direct solver only.
+    /// Hold of the tips; clamped with the direct solver only.
     pub tip: PerStrand<End>,
 }
 
 /// A value for all strands, or one for each.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PerStrand<T> {
-    /// The same for all.
+    /// One value for all strands.
     All(T),
-    /// One for each.
+    /// One value for each strand.
     Each(Vec<T>),
 }
 
 /// The rest Darboux vector (κ1, κ2, τ) in the material frame \[1/m\].
 #[derive(Debug, Clone, PartialEq)]
 pub enum RestCurvature {
-    /// Of all joints of a strand.
+    /// One vector for all joints of a strand.
     Strand(PerStrand<[f64; 3]>),
-    /// Of each joint, strand by strand, root to tip: as many as segments. Joint 0 is the clamp.
+    /// One vector for each joint, strand by strand, root to tip: as many as segments. Joint 0 is the clamp.
     Joints(Vec<[f64; 3]>),
 }
 
@@ -90,28 +77,33 @@ impl<T: Copy> PerStrand<T> {
         }
     }
 
-    /// The given values, all of which hold, as many as strands.
+    /// Whether there are as many values as strands, or one, and all of them hold.
     fn check(&self, name: &str, strands: usize, expected: &str, holds: impl Fn(&T) -> bool) -> Result<(), SceneError>
     where
         T: std::fmt::Debug,
     {
-        let values = match self {
-            Self::All(value) => std::slice::from_ref(value),
-            Self::Each(values) if values.len() == strands => values,
-            Self::Each(values) => {
-                return Err(fault(
-                    name,
-                    format!("expected one value or {strands}, one a strand; found {}", values.len()),
-                ));
-            }
-        };
+        let values = self.values();
+        if matches!(self, Self::Each(_)) && values.len() != strands {
+            let words = format!("expected one value or {strands}, one a strand; found {}", values.len());
+            return Err(fault(name, words));
+        }
         match values.iter().position(|value| !holds(value)) {
             None => Ok(()),
-            Some(s) => {
-                let of = if matches!(self, Self::All(_)) { String::new() } else { format!(" for strand {s}") };
-                Err(fault(name, format!("expected {expected}, found {:?}{of}", values[s])))
-            }
+            Some(s) => Err(fault(name, format!("expected {expected}, found {:?}{}", values[s], self.of(s)))),
         }
+    }
+
+    /// The one value, or one for each strand.
+    fn values(&self) -> &[T] {
+        match self {
+            Self::All(value) => std::slice::from_ref(value),
+            Self::Each(values) => values,
+        }
+    }
+
+    /// Whose value number `s` is, for an error.
+    fn of(&self, s: usize) -> String {
+        if matches!(self, Self::All(_)) { String::new() } else { format!(" for strand {s}") }
     }
 }
 
@@ -124,6 +116,34 @@ impl<T> From<T> for PerStrand<T> {
 impl<T> From<Vec<T>> for PerStrand<T> {
     fn from(values: Vec<T>) -> Self {
         Self::Each(values)
+    }
+}
+
+impl PerStrand<Fibre> {
+    /// Sets a property of the fibres of `strands` strands, which `name` names in an error; `set` puts a value into a fibre.
+    ///
+    /// # Errors
+    /// [`SceneError`] unless there is one value, or one for each strand.
+    pub fn set<T: Copy + std::fmt::Debug>(
+        &mut self,
+        strands: usize,
+        name: &str,
+        values: &PerStrand<T>,
+        set: impl Fn(&mut Fibre, T),
+    ) -> Result<(), SceneError> {
+        self.check("fibre", strands, "", |_| true)?;
+        values.check(name, strands, "", |_| true)?;
+        if let (Self::All(fibre), PerStrand::All(value)) = (&mut *self, values) {
+            set(fibre, *value);
+            return Ok(());
+        }
+        let each = (0..strands).map(|s| {
+            let mut fibre = self.get(s);
+            set(&mut fibre, values.get(s));
+            fibre
+        });
+        *self = Self::Each(each.collect());
+        Ok(())
     }
 }
 
@@ -143,13 +163,7 @@ impl Groom {
             points,
             offsets,
             group: 0.into(),
-            radius: 4e-5.into(),
-            aspect: 1.0.into(),
-            density: 1320.0.into(),
-            youngs_modulus: 4e9.into(),
-            poissons_ratio: 0.38.into(),
-            fibres_per_strand: 1.0.into(),
-            point_mass: None,
+            fibre: Fibre::default().into(),
             rest_curvature: None,
             root_frame: None,
             tip_frame: None,
@@ -177,22 +191,9 @@ impl Groom {
     pub fn check(&self) -> Result<(), SceneError> {
         self.check_points()?;
         let strands = self.len();
-        let positive = |x: &f64| MAGNITUDES.contains(x);
-        let above = format!("a number from {:e} to {:e}", MAGNITUDES.start(), MAGNITUDES.end());
-        for (name, values) in [
-            ("radius", Some(&self.radius)),
-            ("density", Some(&self.density)),
-            ("youngs_modulus", Some(&self.youngs_modulus)),
-            ("fibres_per_strand", Some(&self.fibres_per_strand)),
-            ("point_mass", self.point_mass.as_ref()),
-        ] {
-            values.map_or(Ok(()), |values| values.check(name, strands, &above, positive))?;
-        }
-        self.aspect.check("aspect", strands, "a number above 0, at most 1", |x| *x <= 1.0 && positive(x))?;
-        self.poissons_ratio
-            .check("poissons_ratio", strands, "a number from 0 to below 1", |x| (0.0..1.0).contains(x))?;
+        self.check_fibres()?;
         for (name, frames) in [("root_frame", &self.root_frame), ("tip_frame", &self.tip_frame)] {
-            let rotates = |q: &[f64; 4]| positive(&DQuat::from_array(*q).length_squared());
+            let rotates = |q: &[f64; 4]| MAGNITUDES.contains(&DQuat::from_array(*q).length_squared());
             frames
                 .as_ref()
                 .map_or(Ok(()), |frames| frames.check(name, strands, "a quaternion (x, y, z, w), not 0", rotates))?;
@@ -203,14 +204,28 @@ impl Groom {
         self.check_curvature()
     }
 
+    fn check_fibres(&self) -> Result<(), SceneError> {
+        self.fibre.check("fibre", self.len(), "", |_| true)?;
+        for (s, fibre) in self.fibre.values().iter().enumerate() {
+            let of = self.fibre.of(s);
+            if let Some(misfit) = fibre.misfit() {
+                let words = format!("expected {}, found {}{of}", misfit.expected, misfit.found);
+                return Err(fault(misfit.key, words));
+            }
+            if fibre.is_overdetermined() {
+                return Err(fault("aspect", format!("{}{of}", Fibre::ROUND)));
+            }
+        }
+        Ok(())
+    }
+
     fn check_points(&self) -> Result<(), SceneError> {
         let points = self.points.len();
         if points > MOST_HAIR_POINTS as usize {
             return Err(fault("points", format!("expected at most {MOST_HAIR_POINTS} points, found {points}")));
         }
-        if let Some(i) = self.points.iter().position(|x| !x.iter().all(|x| x.abs() <= *MAGNITUDES.end())) {
-            let words =
-                format!("expected finite numbers of at most {:e}, found {:?}", MAGNITUDES.end(), self.points[i]);
+        if let Some(i) = self.points.iter().position(|x| !x.iter().all(|x| x.abs() <= LARGEST)) {
+            let words = format!("expected finite numbers of at most {:e}, found {:?}", LARGEST, self.points[i]);
             return Err(fault("points", format!("{words} at point {i}")));
         }
         let rising = self.offsets.windows(2).all(|pair| pair[0] < pair[1]);
@@ -226,8 +241,9 @@ impl Groom {
         }
         for (s, pair) in self.offsets.windows(2).enumerate() {
             let count = i64::from(pair[1]) - i64::from(pair[0]);
-            if !(2..=i64::from(MOST_POINTS)).contains(&count) {
-                let words = format!("strand {s} has {count} points; expected at least 2, at most {MOST_POINTS}");
+            if !(2..=i64::from(MOST_POINTS_OF_A_STRAND)).contains(&count) {
+                let words =
+                    format!("strand {s} has {count} points; expected at least 2, at most {MOST_POINTS_OF_A_STRAND}");
                 return Err(fault("points", words));
             }
             let lengths = self.lengths(s);
@@ -240,7 +256,7 @@ impl Groom {
     }
 
     fn check_curvature(&self) -> Result<(), SceneError> {
-        let holds = |kappa: &[f64; 3]| kappa.iter().all(|x| x.abs() <= *MAGNITUDES.end());
+        let holds = |kappa: &[f64; 3]| kappa.iter().all(|x| x.abs() <= LARGEST);
         let name = "rest_curvature";
         match &self.rest_curvature {
             None => Ok(()),
@@ -264,7 +280,7 @@ impl Groom {
         &self.points[self.offsets[s] as usize..self.offsets[s + 1] as usize]
     }
 
-    /// Of the segments of strand `s` \[m\].
+    /// Lengths of the segments of strand `s` \[m\].
     fn lengths(&self, s: usize) -> Vec<f64> {
         self.points_of(s).windows(2).map(|pair| vec3(pair[0]).distance(vec3(pair[1]))).collect()
     }
@@ -278,20 +294,7 @@ impl Groom {
         }
         let mut all = Strands { point_offsets: vec![0], ..Strands::default() };
         for s in 0..self.len() {
-            let fibre = Fibre {
-                radius: self.radius.get(s),
-                taper: 0.0,
-                aspect: self.aspect.get(s),
-                density: self.density.get(s),
-                fibres_per_strand: self.fibres_per_strand.get(s),
-                stiffness: Stiffness::Moduli {
-                    youngs_modulus: self.youngs_modulus.get(s),
-                    poissons_ratio: self.poissons_ratio.get(s),
-                },
-                point_mass: self.point_mass.as_ref().map(|mass| mass.get(s)),
-                inextensible: scene.rods.inextensible,
-            };
-            self.shape(s).append(&fibre, parcel, &mut all);
+            self.shape(s).append(&self.fibre.get(s), scene.rods.inextensible, parcel, &mut all);
             all.group.push(self.group.get(s));
         }
         Ok(all)

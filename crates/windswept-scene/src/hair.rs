@@ -9,7 +9,7 @@ use rand_pcg::Pcg64;
 use crate::{
     initial::Strands,
     scene::{Curl, Hair, RootShape, Roots, Scene},
-    strand::{Fibre, Parcel, Shape, frame, turn},
+    strand::{Parcel, Shape, frame, turn},
 };
 
 /// Turns between successive points of a sunflower.
@@ -25,7 +25,6 @@ const COARSE_TURN: f64 = PI / 2.0;
 pub(crate) fn strands(scene: &Scene, parcel: Parcel, warnings: &mut Vec<String>) -> Strands {
     let mut all = Strands { point_offsets: vec![0], ..Strands::default() };
     for (group, hair) in scene.hair.iter().enumerate() {
-        let fibre = hair.fibre(scene.rods.inextensible);
         let mut rng = Pcg64::seed_from_u64(scene.seed.wrapping_mul(0x9e37_79b9).wrapping_add(group as u64));
         for i in 0..hair.strands {
             let (root, axis) = seat(&hair.roots, i, hair.strands, &mut rng);
@@ -35,7 +34,7 @@ pub(crate) fn strands(scene: &Scene, parcel: Parcel, warnings: &mut Vec<String>)
             let length = hair.length * (1.0 - hair.length_variation * rng.random::<f64>());
             let phase = rng.random::<f64>();
             let root_frame = turn * hair.root_frame(axis, phase);
-            hair.shape(root, root_frame, length).append(&fibre, parcel, &mut all);
+            hair.shape(root, root_frame, length).append(&hair.fibre, scene.rods.inextensible, parcel, &mut all);
             all.group.push(group as u32);
         }
         let turn = darboux(hair.curl).length() * hair.length / f64::from(hair.points - 1);
@@ -92,19 +91,6 @@ fn darboux(curl: Option<Curl>) -> DVec3 {
 }
 
 impl Hair {
-    fn fibre(&self, inextensible: bool) -> Fibre {
-        Fibre {
-            radius: self.radius,
-            taper: self.taper,
-            aspect: self.aspect,
-            density: self.density,
-            fibres_per_strand: self.fibres_per_strand,
-            stiffness: self.stiffness,
-            point_mass: self.point_mass,
-            inextensible,
-        }
-    }
-
     /// A strand at rest.
     fn shape(&self, root: DVec3, root_frame: DQuat, length: f64) -> Shape {
         let segments = self.points as usize - 1;
@@ -130,10 +116,10 @@ impl Hair {
     /// `phase` from 0 to 1.
     fn root_frame(&self, axis: DVec3, phase: f64) -> DQuat {
         let straight = frame(axis);
-        let Some(curl) = self.curl else {
+        if self.curl.is_none() {
             return straight;
-        };
-        let phase = DQuat::from_rotation_z(TAU * curl.phase * phase);
+        }
+        let phase = DQuat::from_rotation_z(TAU * self.curl_phase * phase);
         (straight * phase * DQuat::from_rotation_arc(darboux(self.curl).normalize(), DVec3::Z)).normalize()
     }
 }

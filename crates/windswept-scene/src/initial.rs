@@ -2,7 +2,18 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::{air, body::Capsule, error::SceneError, groom::Groom, hair, scene::Scene, strand::Parcel, warnings};
+use crate::{
+    air,
+    body::Shape,
+    declare::words,
+    error::SceneError,
+    groom::Groom,
+    hair,
+    limits::{DEEPEST_ROOT, STRAND_MAGNITUDES},
+    scene::{KERNEL_RADIUS, PARCEL, Scene},
+    strand::Parcel,
+    warnings,
+};
 
 /// Everything a run starts from. Points are in strand order, root to tip.
 ///
@@ -17,36 +28,36 @@ pub struct InitialState {
     pub hair: Strands,
     /// The air particles.
     pub air: AirParticles,
-    /// What the user should know, counted by cause.
+    /// Warnings for the user, counted by cause.
     pub warnings: Vec<String>,
 }
 
 /// Strands: arrays per point, per segment, per joint and per strand.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Strands {
-    /// First point of each strand, and the number of points at the end: strands + 1.
+    /// Index of each strand's first point, and the number of points at the end: strands + 1.
     pub point_offsets: Vec<u32>,
-    /// Index into `Scene::hair`, per strand; of a [`Groom`] its own.
+    /// Per strand: index into `Scene::hair`, or a [`Groom`]'s own number.
     pub group: Vec<u32>,
-    /// Per point \[m\].
+    /// Per point: position \[m\].
     pub positions: Vec<DVec3>,
-    /// Per point \[m/s\].
+    /// Per point: velocity \[m/s\].
     pub velocities: Vec<DVec3>,
-    /// Per point \[1/kg\]; 0 at a clamped root.
+    /// Per point: inverse mass \[1/kg\]; 0 where it is held.
     pub inverse_mass: Vec<f64>,
-    /// Per point, the parcel of hair and air around it \[m³\].
+    /// Per point: volume of the parcel of hair and air around it \[m³\].
     pub volume: Vec<f64>,
-    /// Per segment: rotates material frame to world; the third director is the tangent.
+    /// Per segment: rotation from material frame to world; the third director is the tangent.
     pub orientations: Vec<DQuat>,
-    /// Per segment, world frame \[rad/s\].
+    /// Per segment: angular velocity in the world frame \[rad/s\].
     pub angular_velocities: Vec<DVec3>,
-    /// Per segment, rest length l \[m\].
+    /// Per segment: rest length l \[m\].
     pub rest_length: Vec<f64>,
     /// Per segment: radius of a fibre r \[m\].
     pub radius: Vec<f64>,
     /// Per segment: real hairs that it stands for.
     pub fibres: Vec<f64>,
-    /// Per segment, 1/I \[1/(kg m²)\], I = ½ m_s l².
+    /// Per segment: inverse inertia 1/I \[1/(kg m²)\], I = ½ m_s l².
     pub inverse_inertia: Vec<f64>,
     /// Per segment: compliance of shear along d1, shear along d2, stretch along d3: 1/(GA l), 1/(GA l), 1/(EA l) \[1/(N m)\].
     pub stretch_compliance: Vec<DVec3>,
@@ -60,30 +71,32 @@ pub struct Strands {
     pub ends: Vec<Ends>,
 }
 
-/// How an end of a strand is held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum End {
-    /// In place and direction.
-    Clamped,
-    /// In place.
-    Pinned,
-    /// Not at all.
-    #[default]
-    Free,
+words! {
+    /// How an end of a strand is held.
+    #[derive(Default)]
+    pub enum End {
+        /// Held in place and direction.
+        Clamped = "clamped",
+        /// Held in place.
+        Pinned = "pinned",
+        /// Not held at all.
+        #[default]
+        Free = "free",
+    }
 }
 
 /// How the ends of a strand are held. Points that are held have no inverse mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ends {
-    /// The root.
+    /// Hold of the root.
     pub root: End,
-    /// The tip.
+    /// Hold of the tip.
     pub tip: End,
     /// The ghost frame beyond a clamped tip; means nothing for others.
     pub tip_frame: DQuat,
-    /// Of the tip's joint: rotation from the last frame to the ghost frame, at rest.
+    /// Rest rotation of the tip's joint, from the last frame to the ghost frame.
     pub tip_rest_rotation: DQuat,
-    /// Of the tip's joint, half a segment long: as [`Strands::bend_compliance`] \[1/(N m)\].
+    /// Compliance of the tip's joint, half a segment long, as [`Strands::bend_compliance`] \[1/(N m)\].
     pub tip_compliance: DVec3,
 }
 
@@ -102,17 +115,17 @@ impl Default for Ends {
 /// Air particles, in the order of their stable ids.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AirParticles {
-    /// Box lower corner \[m\]; meaningless without particles.
+    /// Lower corner of the box \[m\]; meaningless without particles.
     pub min: DVec3,
-    /// Box sides \[m\].
+    /// Sides of the box \[m\].
     pub size: DVec3,
-    /// Per particle \[m\], inside the box.
+    /// Per particle: position \[m\], inside the box.
     pub positions: Vec<DVec3>,
-    /// Per particle \[m/s\].
+    /// Per particle: velocity \[m/s\].
     pub velocities: Vec<DVec3>,
-    /// V of every particle \[m³\], adjusted so that the mean density of the box is exact.
+    /// Volume V of every particle \[m³\], adjusted so that the mean density of the box is exact.
     pub volume: f64,
-    /// m of every particle \[kg\], ρ0 V.
+    /// Mass m of every particle \[kg\], ρ0 V.
     pub mass: f64,
 }
 
@@ -229,7 +242,7 @@ impl Strands {
 
     /// Whether `f32` holds what the strands are made of, with room for the squares of a step.
     fn representable(&self, scene: &Scene) -> Result<(), SceneError> {
-        let held = |x: f64| x == 0.0 || (1e-30..=1e30).contains(&x.abs());
+        let held = |x: f64| x == 0.0 || STRAND_MAGNITUDES.contains(&x.abs());
         for s in 0..self.len() {
             let points = self.points(s).map(|i| ("inverse mass of a point, 1/kg", self.inverse_mass[i]));
             let segments = self.segments(s).flat_map(|k| {
@@ -243,8 +256,11 @@ impl Strands {
                 ]
             });
             if let Some((what, value)) = points.chain(segments).find(|(_, value)| !held(*value)) {
-                let words =
-                    format!("{what}, is {value:e}; expected 1e-30 to 1e30, which single precision can work with");
+                let words = format!(
+                    "{what}, is {value:e}; expected {:e} to {:e}, which single precision can work with",
+                    STRAND_MAGNITUDES.start(),
+                    STRAND_MAGNITUDES.end()
+                );
                 return Err(SceneError::new(words).at(self.origin(s, scene), None));
             }
         }
@@ -258,11 +274,6 @@ fn parcel(scene: &Scene) -> Parcel {
         None => Parcel { volume: PARCEL, kernel_radius: KERNEL_RADIUS },
     }
 }
-
-/// Volume of a parcel without `[air]`: the paper's \[m³\].
-const PARCEL: f64 = 1.46e-7 / 1.29;
-/// Kernel radius without `[air]`: the paper's \[m\].
-pub(crate) const KERNEL_RADIUS: f64 = 9.3e-3;
 
 impl AirParticles {
     /// Whether the arrays belong together and hold numbers.
@@ -313,7 +324,7 @@ impl InitialState {
         Self::with_hair(scene, hair, warnings)
     }
 
-    /// The same with strands of the caller's own in place of the scene's `[hair]`.
+    /// The state at t = 0 with strands of the caller's own in place of the scene's `[hair]`.
     ///
     /// # Errors
     /// As [`Self::new`] and [`Groom::check`].
@@ -328,7 +339,7 @@ impl InitialState {
         }
         hair.consistent()?;
         hair.representable(scene)?;
-        let bodies: Vec<Capsule> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
+        let bodies: Vec<Shape> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
         rooted_outside(scene, &hair, &bodies)?;
         warnings.extend(warnings::of_rods(scene, &hair));
         warnings.extend(warnings::of_bodies(scene, &hair, &bodies));
@@ -355,14 +366,11 @@ impl InitialState {
     }
 }
 
-/// A root may be this part of a body's radius below its surface.
-const DEEPEST_ROOT: f64 = 0.1;
-
 /// Whether every strand can leave the bodies that it grows on.
-fn rooted_outside(scene: &Scene, hair: &Strands, bodies: &[Capsule]) -> Result<(), SceneError> {
+fn rooted_outside(scene: &Scene, hair: &Strands, bodies: &[Shape]) -> Result<(), SceneError> {
     for (strand, root) in hair.roots().enumerate() {
-        for (body, capsule) in scene.bodies.iter().zip(bodies) {
-            let (depth, most) = (-capsule.distance(root), DEEPEST_ROOT * capsule.radius);
+        for (body, shape) in scene.bodies.iter().zip(bodies) {
+            let (depth, most) = (-shape.signed_distance(root).0, DEEPEST_ROOT * shape.inradius());
             if depth > most * (1.0 + 1e-9) {
                 let words = format!(
                     "strand {strand} is rooted {depth:.2e} m inside body \"{}\"; expected at most a tenth of its radius, {most:.2e} m",

@@ -5,13 +5,14 @@
 mod air;
 mod assign;
 mod body;
-mod build;
+mod declare;
 mod document;
 mod error;
 mod groom;
 mod hair;
 mod initial;
 pub mod keys;
+pub mod limits;
 mod load;
 mod mesh;
 mod motion;
@@ -24,7 +25,7 @@ mod warnings;
 mod wind;
 mod write;
 
-pub use body::{Body, Capsule, Shape};
+pub use body::{Body, Round, Shape};
 pub use error::SceneError;
 pub use groom::{Groom, PerStrand, RestCurvature};
 pub use initial::{AirParticles, End, Ends, InitialState, Strands};

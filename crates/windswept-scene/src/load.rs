@@ -2,7 +2,15 @@
 
 use std::{fs, path::Path};
 
-use crate::{assign, build, document::Document, error::SceneError, keys, scene::Scene};
+use crate::{
+    assign,
+    declare::Keys,
+    document::Document,
+    error::SceneError,
+    keys,
+    reader::Reader,
+    scene::{Scene, Source},
+};
 
 impl Scene {
     /// Reads a scene from text.
@@ -53,7 +61,7 @@ impl Scene {
             changed = set.map_err(|error| if error.source_name().is_empty() { error.of(name, text) } else { error })?;
         }
         match read(&changed) {
-            Ok(scene) => Ok(Self { text: changed, ..scene }),
+            Ok(scene) => Ok(Self { text: Source(changed), ..scene }),
             Err(error) => Err(match guilty(&error, text, sets) {
                 Some(assignment) => error.of_assignment(assignment),
                 None => error.of(name, &changed),
@@ -61,10 +69,10 @@ impl Scene {
         }
     }
 
-    /// The text it was read from, assignments included: what `scene.toml` in a run's folder holds.
+    /// Text that the scene was read from, assignments included: what `scene.toml` in a run's folder holds.
     #[must_use]
     pub fn text(&self) -> &str {
-        &self.text
+        &self.text.0
     }
 
     /// Every key with its kind, unit, default and meaning, a line each.
@@ -76,10 +84,10 @@ impl Scene {
 
 fn read(text: &str) -> Result<Scene, SceneError> {
     let document = Document::parse(text)?;
-    build::scene(&document).map_err(|error| document.shown(error))
+    Keys::read(&Reader::new(&document)).map_err(|error| document.shown(error))
 }
 
-/// The assignment with which the fault appears; `None` if the file has it already.
+/// Assignment with which the fault appears; `None` if the file has the fault already.
 fn guilty<'a>(error: &SceneError, text: &str, sets: &'a [String]) -> Option<&'a String> {
     let faulty =
         |text: &str| read(text).is_err_and(|other| (other.key(), other.message()) == (error.key(), error.message()));

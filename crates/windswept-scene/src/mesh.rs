@@ -4,10 +4,10 @@ use glam::DVec3;
 
 use crate::scene::{Order, Turbulence};
 
-/// A band takes the grid of a finer one up to this ratio of their scales: its own would have a third of the nodes, and cost
-/// a deposit.
+/// Largest ratio of two bands' scales up to which the coarser band takes the grid of the finer one: a grid of its own would have
+/// a third of the nodes, and cost a deposit.
 const SHARED: f64 = 1.4;
-/// Nodes along an axis, at least: a B-spline does not meet its own image.
+/// Fewest nodes along an axis: with so many a B-spline does not meet its own periodic image.
 const FEWEST: f64 = 4.0;
 
 impl Order {
@@ -23,7 +23,7 @@ impl Order {
 }
 
 impl Turbulence {
-    /// The bands that have a strength, by grid: indices into `bands`, finest first. A grid is that of its first band.
+    /// Bands that have a strength, grid by grid: indices into `bands`, finest first. The first band of a grid sets its spacing.
     #[must_use]
     pub fn grids(&self) -> Vec<Vec<usize>> {
         let mut order: Vec<usize> = (0..self.bands.len()).filter(|&i| self.bands[i].strength > 0.0).collect();
@@ -38,7 +38,7 @@ impl Turbulence {
         grids
     }
 
-    /// Nodes along each axis of the grid for a band of `scale` \[m\] in a box of `size` \[m\]: at most `spacing` scales apart,
+    /// Number of nodes along each axis of the grid for a band of `scale` \[m\] in a box of `size` \[m\]: at most `spacing` scales apart,
     /// and at most a kernel radius \[m\], so that few particles reach a node.
     #[must_use]
     pub fn nodes(&self, scale: f64, kernel_radius: f64, size: DVec3) -> [f64; 3] {
@@ -50,21 +50,14 @@ impl Turbulence {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Band, Filter, Law};
+    use crate::scene::{Band, Scene};
 
-    fn turbulence(scales: &[(f64, f64)]) -> Turbulence {
+    /// Bands of these scales and strengths on grids half a scale apart.
+    fn turbulence(bands: &[(f64, f64)]) -> Turbulence {
+        let bare = "time = { step = 1e-3, duration = 1.0 }\ninteraction.model = \"none\"";
         let band = |&(scale, strength): &(f64, f64)| Band { scale, strength, intensity: 0.3 };
-        Turbulence {
-            bands: scales.iter().map(band).collect(),
-            speed: 3.0,
-            law: Law::Band,
-            filter: Filter::Grid,
-            order: Order::Cubic,
-            spacing: 0.5,
-            cutoff: 4.5,
-            normalise: false,
-            conserve_momentum: true,
-        }
+        let bands = bands.iter().map(band).collect();
+        Turbulence { bands, spacing: 0.5, ..Scene::parse(bare).unwrap().turbulence }
     }
 
     /// Close scales share the finer one's grid, a band without strength has none.

@@ -1,10 +1,20 @@
-//! How something moves as a whole: `[[hair.motion]]` and `[[body.motion]]`.
+//! Rigid motions by keyframes: `[[hair.motion]]` and `[[body.motion]]`.
 
 use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
 
-use crate::{error::SceneError, reader::Reader};
+use crate::{
+    declare::{Field, Row, table},
+    error::SceneError,
+    keys::{
+        Fallback::{Needed, Value},
+        Key,
+        Kind::{NonNegative, Vector},
+    },
+    reader::Reader,
+    write::Writer,
+};
 
 /// A rigid motion about the thing's own centre c: x(t) = c + R(t) (x − c) + T(t).
 ///
@@ -12,23 +22,25 @@ use crate::{error::SceneError, reader::Reader};
 /// they hold. Without keyframes the thing rests.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Motion {
-    /// Times rise, and from each to the next is less than half a turn.
+    /// Keyframes: their times rise, and from each to the next is less than half a turn.
     pub keyframes: Vec<Keyframe>,
 }
 
-/// One of `[[hair.motion]]` or `[[body.motion]]`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Keyframe {
-    /// \[s\]
-    pub time: f64,
-    /// T \[m\].
-    pub translation: [f64; 3],
-    /// Rotation vector of R \[rad\]: the axis times the angle.
-    pub rotation: [f64; 3],
+table! {
+    /// One of `[[hair.motion]]` or `[[body.motion]]`.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Keyframe {
+        /// Time of the keyframe; each is later than the one before.
+        time: f64 = NonNegative, "s", Needed;
+        /// Translation T from where the thing is written or drawn; tips of strands that are held stay.
+        translation: [f64; 3] = Vector, "m", Value([0.0; 3]);
+        /// Rotation vector of R, axis times angle, about the thing's centre.
+        rotation: [f64; 3] = Vector, "rad", Value([0.0; 3]);
+    }
 }
 
 impl Keyframe {
-    /// T \[m\] and R.
+    /// Translation T \[m\] and rotation R.
     #[must_use]
     pub fn pose(&self) -> (DVec3, DQuat) {
         (DVec3::from_array(self.translation), DQuat::from_scaled_axis(DVec3::from_array(self.rotation)))
@@ -36,7 +48,7 @@ impl Keyframe {
 }
 
 impl Motion {
-    /// T \[m\] and R at `time` \[s\].
+    /// Translation T \[m\] and rotation R at `time` \[s\].
     #[must_use]
     pub fn at(&self, time: f64) -> (DVec3, DQuat) {
         let next = self.keyframes.partition_point(|keyframe| keyframe.time <= time);
@@ -52,7 +64,7 @@ impl Motion {
         }
     }
 
-    /// Where `point` of a thing with this centre is at `time` \[s\], in m.
+    /// Position of `point`, of a thing with this centre, at `time` \[s\], in m.
     #[must_use]
     pub fn place(&self, center: DVec3, point: DVec3, time: f64) -> DVec3 {
         let (translation, rotation) = self.at(time);
@@ -60,37 +72,45 @@ impl Motion {
     }
 }
 
-impl Reader<'_> {
-    /// The keyframes of `table`, in the order of their times.
-    pub(crate) fn motion(&self, table: &str) -> Result<Motion, SceneError> {
-        let mut motion = Motion::default();
-        for i in 0..self.tables(table) {
-            let at = |name: &str| format!("{table}.{i}.{name}");
-            let keyframe = Keyframe {
-                time: self.number(&at("time"))?,
-                translation: self.vector(&at("translation"))?,
-                rotation: self.vector(&at("rotation"))?,
-            };
-            if let Some(before) = motion.keyframes.last() {
-                if keyframe.time <= before.time {
-                    let words = format!(
-                        "expected a time after that of the keyframe before, {} s; found {}",
-                        before.time, keyframe.time
-                    );
-                    return Err(self.fault(&at("time"), words));
-                }
-                // The way is the shorter one: rotation vectors that differ by less than half a turn leave no doubt.
-                let turn = DVec3::from_array(keyframe.rotation).distance(DVec3::from_array(before.rotation));
-                if turn >= PI {
-                    let words = format!(
-                        "differs from the keyframe before by {turn:.4} rad; expected less than half a turn, {PI:.5} rad: a spin \
-                         needs keyframes between"
-                    );
-                    return Err(self.fault(&at("rotation"), words));
-                }
+impl Motion {
+    /// Times must rise, and turns must be less than half a turn.
+    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+        for (i, pair) in self.keyframes.windows(2).enumerate() {
+            let (before, keyframe) = (&pair[0], &pair[1]);
+            let fault = |key: &str, words: String| Err(reader.fault(&format!("{}.{key}", i + 1), words));
+            if keyframe.time <= before.time {
+                let times = (before.time, keyframe.time);
+                let words =
+                    format!("expected a time after that of the keyframe before, {} s; found {}", times.0, times.1);
+                return fault("time", words);
             }
-            motion.keyframes.push(keyframe);
+            // The way is the shorter one: rotation vectors that differ by less than half a turn leave no doubt.
+            let turn = DVec3::from_array(keyframe.rotation).distance(DVec3::from_array(before.rotation));
+            if turn >= PI {
+                let words = format!(
+                    "differs from the keyframe before by {turn:.4} rad; expected less than half a turn, {PI:.5} rad: a spin \
+                     needs keyframes between"
+                );
+                return fault("rotation", words);
+            }
         }
-        Ok(motion)
+        Ok(self)
+    }
+}
+
+/// A motion is spelled as the list of its keyframes.
+impl Field for Motion {
+    fn list(row: Row<Self>, path: &str, all: &mut Vec<Key>) {
+        Vec::<Keyframe>::list(row.of_parts(), path, all);
+    }
+
+    fn read(row: Row<Self>, reader: &Reader<'_>) -> Result<Option<Self>, SceneError> {
+        let table = reader.table(row.name);
+        let keyframes = Vec::<Keyframe>::read(row.of_parts(), reader)?.unwrap_or_default();
+        Self { keyframes }.checked(&table).map(Some)
+    }
+
+    fn write(&self, name: &'static str, writer: &mut Writer) {
+        self.keyframes.write(name, writer);
     }
 }

@@ -1,112 +1,115 @@
-//! How pictures are taken: `[camera]` and `[picture]`, read and checked.
+//! Pictures: `[camera]` and `[picture]`.
 
 use glam::DVec3;
 
 use crate::{
+    declare::{table, words},
     error::SceneError,
+    keys::{
+        Fallback::{Absent, Value},
+        Kind::{Choice, Count, Positive, Table, Vector},
+    },
+    limits::{LEAST_PIXELS, MOST_HAIRS},
     reader::Reader,
     scene::{Law, Model, Scene},
 };
 
-/// Ten heads of hair.
-const MOST_HAIRS: u32 = 1_000_000;
-
-/// `[camera]`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Camera {
-    /// `None` frames the hair automatically.
-    pub look_at: Option<LookAt>,
-    /// Vertical field of view \[°\], below 180.
-    pub fov: f64,
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-}
-
-/// `camera.eye` and `camera.target`, two points.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LookAt {
-    /// Where the camera stands \[m\].
-    pub eye: [f64; 3],
-    /// What it looks at \[m\].
-    pub target: [f64; 3],
-}
-
-/// `[picture]`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Picture {
-    /// Hairs drawn in all, interpolated from the strands; at least every strand is drawn.
-    pub hairs: u32,
-    /// How air particles are drawn.
-    pub air: AirPicture,
-}
-
-/// `picture.air`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AirPicture {
-    /// Not at all.
-    None,
-    /// Coloured by |curl v|.
-    Vorticity,
-    /// Coloured by ½ |û|² of the first band.
-    BandEnergy,
-}
-
-impl Reader<'_> {
-    pub(crate) fn camera(&self) -> Result<Camera, SceneError> {
-        let fov = self.number("camera.fov")?;
-        if fov >= 180.0 {
-            return Err(self.fault("camera.fov", format!("expected an angle below 180 degrees, found {fov}")));
-        }
-        Ok(Camera {
-            look_at: self.look_at()?,
-            fov,
-            width: self.count("camera.width")?,
-            height: self.count("camera.height")?,
-        })
+table! {
+    /// `[camera]`: what pictures are taken with.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Camera, checked by Camera::checked {
+        /// Place and aim of the camera; `None` frames the hair.
+        look_at as "": Option<LookAt> = Table, "", Absent("");
+        /// Vertical field of view, below 180.
+        fov: f64 = Positive, "°", Value(26.0);
+        /// Width of a picture.
+        width: u32 = Count(LEAST_PIXELS, u32::MAX), "px", Value(960);
+        /// Height of a picture.
+        height: u32 = Count(LEAST_PIXELS, u32::MAX), "px", Value(540);
     }
+}
 
-    /// Both or neither.
-    fn look_at(&self) -> Result<Option<LookAt>, SceneError> {
-        let keys = ["camera.eye", "camera.target"];
-        match keys.iter().find(|key| !self.has(key)) {
-            Some(_) if !keys.iter().any(|key| self.has(key)) => return Ok(None),
-            Some(missing) => {
-                return Err(self.fault(missing, "is missing: expected camera.eye and camera.target, or neither"));
-            }
-            None => {}
-        }
-        let [eye, target] = [self.vector(keys[0])?, self.vector(keys[1])?];
-        if DVec3::from_array(eye).distance(DVec3::from_array(target)) < 1e-9 {
-            return Err(self.fault("camera.target", "is the same point as camera.eye; expected another"));
-        }
-        Ok(Some(LookAt { eye, target }))
+table! {
+    /// Place and aim of a camera: `camera.eye` and `camera.target`.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct LookAt, checked by LookAt::checked {
+        /// Place of the camera; eye and target go together.
+        eye: [f64; 3] = Vector, "m", Absent("frames the hair") => |camera| without(camera, "eye")?;
+        /// Point that the camera looks at.
+        target: [f64; 3] = Vector, "m", Absent("frames the hair") => |camera| without(camera, "target")?;
     }
+}
 
-    pub(crate) fn picture(&self) -> Result<Picture, SceneError> {
-        let hairs = self.count("picture.hairs")?;
-        if hairs > MOST_HAIRS {
-            return Err(self.fault("picture.hairs", format!("expected at most {MOST_HAIRS}, found {hairs}")));
-        }
-        Ok(Picture { hairs, air: self.choice("picture.air")? })
+fn without(camera: &Reader<'_>, name: &str) -> Result<[f64; 3], SceneError> {
+    Err(camera.fault(name, "is missing: expected camera.eye and camera.target, or neither"))
+}
+
+table! {
+    /// `[picture]`: what pictures show.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub struct Picture, checked by Picture::checked {
+        /// Hairs drawn in all, interpolated from the strands; at least every strand is drawn.
+        hairs: u32 = Count(1, u32::MAX), "", Value(20_000);
+        /// Colour of the air particles, or none of them.
+        air: AirPicture = Choice(AirPicture::WORDS), "", Value(AirPicture::None);
     }
+}
 
-    /// Whether there will be what the picture's air is coloured by.
-    pub(crate) fn check_picture(&self, scene: &Scene) -> Result<(), SceneError> {
-        let needed = match scene.picture.air {
+words! {
+    /// `picture.air`.
+    pub enum AirPicture {
+        /// Air particles are not drawn.
+        None = "none",
+        /// Coloured by |curl v|.
+        Vorticity = "vorticity",
+        /// Coloured by ½ |û|² of the first band.
+        BandEnergy = "band_energy",
+    }
+}
+
+impl LookAt {
+    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+        if DVec3::from_array(self.eye).distance(DVec3::from_array(self.target)) < 1e-9 {
+            return Err(reader.fault("target", "is the same point as camera.eye; expected another"));
+        }
+        Ok(self)
+    }
+}
+
+impl Camera {
+    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+        if self.fov >= 180.0 {
+            return Err(reader.fault("fov", format!("expected an angle below 180 degrees, found {}", self.fov)));
+        }
+        Ok(self)
+    }
+}
+
+impl Picture {
+    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+        if self.hairs > MOST_HAIRS {
+            return Err(reader.fault("hairs", format!("expected at most {MOST_HAIRS}, found {}", self.hairs)));
+        }
+        Ok(self)
+    }
+}
+
+impl Scene {
+    /// Air particles must have what a picture colours them by.
+    pub(crate) fn check_picture(&self, reader: &Reader<'_>) -> Result<(), SceneError> {
+        let air = self.picture.air;
+        let needed = match air {
             AirPicture::None => return Ok(()),
             AirPicture::Vorticity => "particles that have neighbours: a density constraint, viscosity or turbulence",
             AirPicture::BandEnergy => "one of turbulence.bands strengthened, and a turbulence.speed to measure it by",
         };
-        let (fluid, viscosity) = (&scene.fluid, &scene.viscosity);
-        let fault =
-            |needs: &str| Err(self.fault("picture.air", format!("\"{}\" needs {needs}", scene.picture.air.word())));
-        let there = match scene.picture.air {
-            _ if scene.model != Model::Particles => return fault("air particles: interaction.model = \"particles\""),
-            AirPicture::BandEnergy => strengthened(scene),
-            _ => fluid.iterations > 0 || viscosity.hair > 0.0 || viscosity.air > 0.0 || strengthened(scene),
-        };
+        let fault = |needs: &str| Err(reader.fault("picture.air", format!("\"{}\" needs {needs}", air.word())));
+        if self.interaction.model != Model::Particles {
+            return fault("air particles: interaction.model = \"particles\"");
+        }
+        let (fluid, viscosity) = (&self.fluid, &self.viscosity);
+        let near = fluid.iterations > 0 || viscosity.hair > 0.0 || viscosity.air > 0.0;
+        let there = strengthened(self) || (air == AirPicture::Vorticity && near);
         if there { Ok(()) } else { fault(needed) }
     }
 }

@@ -1,27 +1,72 @@
-//! Typed access to a checked document, with the defaults of the table of keys.
-
-use std::str::FromStr;
+//! Reading of one table of a checked document.
 
 use crate::{
-    document::{self, Datum, Document},
+    declare::{Keys, Leaf, join},
+    document::{Datum, Document},
     error::SceneError,
-    keys::{Fallback, Key},
     scene::Method,
 };
 
-/// Reads a checked document: what a key says, else its default.
+/// A table of a checked document, whether the text has it or not.
 pub(crate) struct Reader<'a> {
     document: &'a Document,
+    /// Real path of the table, with indices: `hair.0.roots`; empty for the whole file.
+    path: String,
 }
 
 impl<'a> Reader<'a> {
+    /// The whole file.
     pub(crate) fn new(document: &'a Document) -> Self {
-        Self { document }
+        Self { document, path: String::new() }
     }
 
-    pub(crate) fn fault(&self, real: &str, message: impl Into<String>) -> SceneError {
-        // A missing key is shown at the table that lacks it.
-        let mut place = real;
+    /// The whole file that this table is of.
+    pub(crate) fn root(&self) -> Self {
+        Self::new(self.document)
+    }
+
+    /// The table of this name in this one; this one where the name is empty.
+    pub(crate) fn table(&self, name: &str) -> Self {
+        Self { document: self.document, path: join(&self.path, name) }
+    }
+
+    /// The tables of the array of this name.
+    pub(crate) fn tables(&self, name: &str) -> impl Iterator<Item = Self> + use<'a> {
+        let count = match self.spelled(name) {
+            Some(Datum::Tables(n)) => *n,
+            _ => 0,
+        };
+        let (document, path) = (self.document, join(&self.path, name));
+        (0..count).map(move |i| Self { document, path: format!("{path}.{i}") })
+    }
+
+    /// The whole table of this name with its defaults.
+    ///
+    /// # Errors
+    /// As [`Keys::read`].
+    pub(crate) fn read<T: Keys>(&self, name: &str) -> Result<T, SceneError> {
+        T::read(&self.table(name))
+    }
+
+    /// Value that the table spells for a key, if it spells one.
+    pub(crate) fn said<T: Leaf>(&self, name: &str) -> Option<T> {
+        self.spelled(name).and_then(T::take)
+    }
+
+    /// Whether the table spells the key.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.spelled(name).is_some()
+    }
+
+    /// Whether the file takes the published method's defaults.
+    pub(crate) fn published(&self) -> bool {
+        self.root().said("method") == Some(Method::Published)
+    }
+
+    /// A fault of the key of this name. A missing key is shown at the table that lacks it.
+    pub(crate) fn fault(&self, name: &str, message: impl Into<String>) -> SceneError {
+        let real = join(&self.path, name);
+        let mut place = real.as_str();
         let span = loop {
             match self.document.entries.get(place) {
                 Some(entry) => break entry.span.clone(),
@@ -34,88 +79,7 @@ impl<'a> Reader<'a> {
         SceneError::new(message).at(real, span)
     }
 
-    pub(crate) fn spelled(&self, real: &str) -> Option<&Datum> {
-        self.document.entries.get(real).map(|entry| &entry.datum)
-    }
-
-    /// The value of a key, or its default; `None` where there is neither.
-    fn optional(&self, real: &str) -> Result<Option<Datum>, SceneError> {
-        if let Some(datum) = self.spelled(real) {
-            return Ok(Some(datum.clone()));
-        }
-        let path: String = real.split('.').filter(|part| part.parse::<usize>().is_err()).collect::<Vec<_>>().join(".");
-        let key = Key::find(&path).ok_or_else(|| self.fault(real, "unknown key"))?;
-        let published = self.spelled("method") == Some(&Datum::Text(Method::Published.word().to_owned()));
-        let Some(text) = key.default_of(!published) else {
-            return match key.default {
-                Fallback::Needed => Err(self.fault(real, format!("is missing: expected {}", key.expected()))),
-                _ => Ok(None),
-            };
-        };
-        let value = text.parse::<toml_edit::Value>().ok().and_then(|value| document::datum(key.kind, &value));
-        Ok(value)
-    }
-
-    fn needed(&self, real: &str) -> Result<Datum, SceneError> {
-        self.optional(real)?.ok_or_else(|| self.fault(real, "is missing"))
-    }
-
-    pub(crate) fn number(&self, real: &str) -> Result<f64, SceneError> {
-        match self.needed(real)? {
-            Datum::Number(x) => Ok(x),
-            _ => Err(self.fault(real, "expected a number")),
-        }
-    }
-
-    pub(crate) fn maybe_number(&self, real: &str) -> Result<Option<f64>, SceneError> {
-        match self.optional(real)? {
-            Some(Datum::Number(x)) => Ok(Some(x)),
-            _ => Ok(None),
-        }
-    }
-
-    pub(crate) fn count(&self, real: &str) -> Result<u32, SceneError> {
-        match self.needed(real)? {
-            Datum::Count(n) => Ok(n),
-            _ => Err(self.fault(real, "expected a whole number")),
-        }
-    }
-
-    pub(crate) fn flag(&self, real: &str) -> Result<bool, SceneError> {
-        Ok(self.needed(real)? == Datum::Bool(true))
-    }
-
-    pub(crate) fn maybe_flag(&self, real: &str) -> Result<Option<bool>, SceneError> {
-        Ok(self.optional(real)?.map(|datum| datum == Datum::Bool(true)))
-    }
-
-    pub(crate) fn vector(&self, real: &str) -> Result<[f64; 3], SceneError> {
-        match self.needed(real)? {
-            Datum::Vector(v) => Ok(v),
-            _ => Err(self.fault(real, "expected three numbers")),
-        }
-    }
-
-    pub(crate) fn text(&self, real: &str) -> Result<String, SceneError> {
-        match self.needed(real)? {
-            Datum::Text(text) => Ok(text),
-            _ => Err(self.fault(real, "expected a string")),
-        }
-    }
-
-    /// One of the words of a choice.
-    pub(crate) fn choice<T: FromStr>(&self, real: &str) -> Result<T, SceneError> {
-        self.text(real)?.parse().map_err(|_| self.fault(real, "expected another word"))
-    }
-
-    pub(crate) fn has(&self, real: &str) -> bool {
-        self.spelled(real).is_some()
-    }
-
-    pub(crate) fn tables(&self, real: &str) -> usize {
-        match self.spelled(real) {
-            Some(Datum::Tables(n)) => *n,
-            _ => 0,
-        }
+    fn spelled(&self, name: &str) -> Option<&'a Datum> {
+        self.document.entries.get(&join(&self.path, name)).map(|entry| &entry.datum)
     }
 }

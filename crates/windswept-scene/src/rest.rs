@@ -1,35 +1,36 @@
-//! What the stiffness of strands means for a run: when one is at rest, and how short its steps have to be.
+//! Consequences of the strands' stiffness for a run: when a strand is at rest, and how short its steps have to be.
 
 use crate::{
     initial::{End, Strands},
+    limits::MOST_REPEATS,
     scene::{Scene, Solver},
 };
 
-/// What a strand may be off by while it is left alone, in lengths: this part of it, from each cause.
+/// Error that a strand may have while it is left alone, from each cause \[lengths of the strand\].
 const OFF: f64 = 5e-5;
-/// No strand that moves faster than this many of its lengths a second is at rest \[1/s\].
+/// Fastest that a strand at rest may move, in its lengths a second \[1/s\].
 const FASTEST: f64 = 7e-5;
-/// What air may brake hair by, beside `rods.damping` \[1/s\]: at the speeds of a strand at rest little (`wind/drag` ~ u^(1/3)).
+/// Rate at which air may brake hair, beside `rods.damping` \[1/s\]: at the speeds of a strand at rest it is small, since `wind/drag`
+/// goes with u^(1/3).
 const BRAKE: f64 = 2.0;
 
-/// h² EI/(m l³) up to which the direct solver holds every strand in f32, whatever its points and its step. Some of 1000 points
-/// tear at 2e7, some of 300 hold at 2.6e7, none of 400 at 8e7.
+/// Largest h² EI/(m l³) at which the direct solver holds every strand in f32, whatever its points and its step. Some strands of
+/// 1000 points tear at 2e7, some of 300 hold at 2.6e7, none of 400 holds at 8e7.
 const STIFFEST: f64 = 6e6;
-/// No step is cut into more.
-const MOST_SUBSTEPS: f64 = 1e4;
 
-/// How slow, and how little pushed, a strand is that may be left alone.
+/// Bounds below which a strand may be left alone: how slow it is, and how little pushed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rest {
-    /// Of its points \[m/s\].
+    /// Largest speed of its points \[m/s\].
     pub speed: f64,
-    /// Of what pushes it \[m/s²\].
+    /// Largest acceleration that pushes it \[m/s²\].
     pub acceleration: f64,
 }
 
 impl Strands {
-    /// What rest is for strand `s`: a push that bends it, or the rest of a way that it creeps, stay below 1e-4 of its length.
-    /// Its slowest mode has ω² = 12.36 EI/(ρA L⁴) by its stiffness where the root is clamped (Euler-Bernoulli beam) and
+    /// Bounds of rest for strand `s`: a push that bends it, or the rest of a way that it creeps, stay below 1e-4 of its length.
+    ///
+    /// The strand's slowest mode has ω² = 12.36 EI/(ρA L⁴) by its stiffness where the root is clamped (Euler-Bernoulli beam) and
     /// 1.446 g/L where it hangs (hanging chain).
     #[must_use]
     pub fn rest(&self, s: usize, scene: &Scene) -> Rest {
@@ -73,6 +74,6 @@ impl Strands {
         };
         let stiffest = (0..self.len()).map(stiffness).filter(|value| value.is_finite()).fold(0.0, f64::max);
         let parts = (stiffest / STIFFEST).sqrt().ceil().max(1.0);
-        (f64::from(scene.time.substeps) * parts).min(MOST_SUBSTEPS.max(f64::from(scene.time.substeps))) as u32
+        (f64::from(scene.time.substeps) * parts).min(f64::from(MOST_REPEATS.max(scene.time.substeps))) as u32
     }
 }

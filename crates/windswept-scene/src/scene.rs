@@ -1,102 +1,126 @@
 //! A checked scene: every key has its value, every value is in range, SI throughout.
 
+mod air;
+mod hair;
+mod rods;
+mod turbulence;
+mod viscosity;
+
+pub use air::{Air, Bounds, Gust, Inflow};
+pub(crate) use air::{KERNEL_RADIUS, PARCEL};
+pub use hair::{Curl, Fibre, Hair, RootShape, Roots, Stiffness};
+pub use rods::{Integrator, Rods, Solver};
+pub use turbulence::{Band, Filter, Law, Order, Turbulence};
+pub use viscosity::{Viscosity, ViscosityForm};
+
 use crate::{
     body::Body,
+    declare::{Field, Row, table, words},
+    error::SceneError,
     initial::End,
-    motion::Motion,
-    picture::{AirPicture, Camera, Picture},
+    keys::{
+        Fallback::{Absent, Needed, Value},
+        Key,
+        Kind::{Choice, Count, NonNegative, Positive, Table, Tables, Text, Vector},
+    },
+    limits::{MOST_BODIES, MOST_HAIR_POINTS, MOST_REPEATS},
+    picture::{Camera, Picture},
+    reader::Reader,
+    write::Writer,
 };
 
-/// A whole scene, checked. Made by [`Scene::parse`] or [`Scene::load`]. Two are equal when they mean the same, however
-/// their texts spell it.
-#[derive(Debug, Clone)]
-pub struct Scene {
-    /// The text it was read from, assignments included; empty for a scene made in code.
-    pub text: String,
-    /// Free text, shown in reports.
-    pub title: String,
-    /// Sets the defaults of six keys and nothing else.
-    pub method: Method,
-    /// Acceleration on hair only \[m/s²\].
-    pub gravity: [f64; 3],
-    /// Draws root positions, length variation, curl phase. A file takes 32 bits.
-    pub seed: u64,
-    /// Step, duration, frames.
-    pub time: Time,
-    /// Groups of strands; empty when a groom is to be given.
-    pub hair: Vec<Hair>,
-    /// Wind and air particles; `None` with model `none` and no `[air]`.
-    pub air: Option<Air>,
-    /// How hair and air meet.
-    pub model: Model,
-    /// C_l of a segment in the wind: lift across wind and segment (models `drag` and `particles`, outside the box).
-    pub lift: f64,
-    /// The density constraint (eq. 1).
-    pub fluid: Fluid,
-    /// Vorticity confinement (eqs. 2-6).
-    pub turbulence: Turbulence,
-    /// XSPH (eqs. 7, 8).
-    pub viscosity: Viscosity,
-    /// Cosserat rods.
-    pub rods: Rods,
-    /// What hair and air stay out of.
-    pub bodies: Vec<Body>,
-    /// Where pictures are taken from.
-    pub camera: Camera,
-    /// What pictures show.
-    pub picture: Picture,
-}
+/// Why Gauss-Seidel refuses a clamped tip: it is a joint more, which its sweeps do not take.
+pub(crate) const CLAMPED_TIP: &str =
+    "expected \"pinned\" or \"free\" with rods.solver = \"gauss-seidel\", or the direct solver";
+/// Seed of all chance where the file names none.
+const SEED: u64 = 1;
 
-impl PartialEq for Scene {
-    fn eq(&self, other: &Self) -> bool {
-        // Taken apart, so that a new field cannot be forgotten.
-        let Self {
-            text: _,
-            title,
-            method,
-            gravity,
-            seed,
-            time,
-            hair,
-            air,
-            model,
-            lift,
-            fluid,
-            turbulence,
-            viscosity,
-            rods,
-            bodies,
-            camera,
-            picture,
-        } = self;
-        (title, method, gravity, seed, time, hair, air)
-            == (&other.title, &other.method, &other.gravity, &other.seed, &other.time, &other.hair, &other.air)
-            && (model, lift, fluid, turbulence, viscosity, rods)
-                == (&other.model, &other.lift, &other.fluid, &other.turbulence, &other.viscosity, &other.rods)
-            && (bodies, camera, picture) == (&other.bodies, &other.camera, &other.picture)
+table! {
+    /// A whole scene, checked. Made by [`Scene::parse`] or [`Scene::load`]. Two are equal when they mean the same, however
+    /// their texts spell it.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Scene, checked by Scene::checked {
+        /// Text that the scene was read from.
+        text as "": Source = Text, "", Absent("");
+        /// Free text, shown in reports.
+        title: String = Text, "", Value(String::new());
+        /// Method that sets the defaults of six keys: rods.solver, rods.integrator, turbulence.law, .filter, .cutoff,
+        /// viscosity.form.
+        method: Method = Choice(Method::WORDS), "", Value(Method::Accurate);
+        /// Acceleration on hair; air has none.
+        gravity: [f64; 3] = Vector, "m/s²", Value([0.0, -9.81, 0.0]);
+        /// Seed that draws root positions, length variation, curl phase, inflow turbulence.
+        seed: u64 = Count(0, u32::MAX), "", Value(SEED);
+        /// Step, duration, frames.
+        time: Time = Table, "", Needed;
+        /// Groups of strands; several as `[[hair]]`, each with a name.
+        hair: Vec<Hair> = Tables, "", Absent("no hair: a groom must be given");
+        /// Bodies that hair and air stay out of; several as `[[body]]`, each with a name.
+        bodies as "body": Vec<Body> = Tables, "", Absent("no bodies");
+        /// Wind and air particles.
+        air: Option<Air> = Table, "", Absent("with model none only");
+        /// Interaction of hair and air.
+        interaction: Interaction = Table, "", Absent("model particles");
+        /// Density constraint (eq. 1).
+        fluid: Fluid = Table, "", Absent("its defaults");
+        /// Vorticity confinement (eqs. 2-6).
+        turbulence: Turbulence = Table, "", Absent("no confinement");
+        /// XSPH viscosity (eqs. 7, 8).
+        viscosity: Viscosity = Table, "", Absent("its defaults");
+        /// Cosserat rods.
+        rods: Rods = Table, "", Absent("its defaults");
+        /// Camera that pictures are taken with.
+        camera: Camera = Table, "", Absent("its defaults");
+        /// Contents of pictures.
+        picture: Picture = Table, "", Absent("its defaults");
     }
 }
 
-/// The paper as corrected, or as printed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    /// The best that exists (default).
-    Accurate,
-    /// The paper as printed, with the readings of ARCHITECTURE.md.
-    Published,
+/// Text that a scene was read from, assignments included; empty for a scene made in code. It plays no part in whether two
+/// scenes are equal.
+#[derive(Debug, Clone, Default)]
+pub struct Source(pub String);
+
+impl PartialEq for Source {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
-/// `[time]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Time {
-    /// Δt as written \[s\]; the engine runs `substeps` whole steps of `step / substeps`.
-    pub step: f64,
-    /// Whole steps per Δt.
-    pub substeps: u32,
-    /// Length of the run \[s\].
-    pub duration: f64,
-    /// Exported frames per second.
-    pub frame_rate: f64,
+/// The text has no keys of its own; [`Scene::parse`] puts it in.
+impl Field for Source {
+    fn list(_: Row<Self>, _: &str, _: &mut Vec<Key>) {}
+
+    fn read(_: Row<Self>, _: &Reader<'_>) -> Result<Option<Self>, SceneError> {
+        Ok(Some(Self::default()))
+    }
+
+    fn write(&self, _: &'static str, _: &mut Writer) {}
+}
+
+words! {
+    /// `method`: the paper as corrected, or as printed.
+    pub enum Method {
+        /// The best that exists (default).
+        Accurate = "accurate",
+        /// The paper as printed, with the readings of `ARCHITECTURE.md`.
+        Published = "published",
+    }
+}
+
+table! {
+    /// `[time]`: step, duration, frames.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Time, checked by Time::checked {
+        /// Step Δt as written; the engine runs `substeps` whole steps of `step / substeps`.
+        step: f64 = Positive, "s", Needed;
+        /// Whole steps of Δt/n per Δt; the engine takes more where strands of very short segments need them.
+        substeps: u32 = Count(1, MOST_REPEATS), "", Value(1);
+        /// Length of the run.
+        duration: f64 = Positive, "s", Needed;
+        /// Exported frames per second.
+        frame_rate: f64 = Positive, "1/s", Value(60.0);
+    }
 }
 
 impl Time {
@@ -106,345 +130,100 @@ impl Time {
         (1.0 / (self.frame_rate * self.step)).max(1.0)
     }
 
-    /// Frame `k` is the state after this many steps: round(k / (frame_rate Δt)).
+    /// Number of steps before frame `k`: round(k / (frame_rate Δt)).
     #[must_use]
     pub fn step_of_frame(&self, k: u64) -> u64 {
         (k as f64 * self.steps_per_frame()).round() as u64
     }
+
+    /// Steps and frames must be counted in 32 bits.
+    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+        let (steps, most) = (self.duration / self.step * f64::from(self.substeps), u32::MAX);
+        if steps > f64::from(most) {
+            let words = format!("would take {steps:.3e} steps, substeps included; expected at most {most}");
+            return Err(reader.fault("duration", words));
+        }
+        let frames = self.duration.max(self.step) * self.frame_rate;
+        if frames > f64::from(most) {
+            return Err(reader.fault("frame_rate", format!("would give {frames:.3e} frames; expected at most {most}")));
+        }
+        Ok(self)
+    }
 }
 
-/// One `[[hair]]`: a group of strands that share everything.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Hair {
-    /// Name, for dotted keys and reports.
-    pub name: String,
-    /// Number of strands.
-    pub strands: u32,
-    /// Points per strand, root included; at least 2.
-    pub points: u32,
-    /// Length of a strand \[m\].
-    pub length: f64,
-    /// Strands are shorter by up to this fraction, drawn at random; 0 to below 1.
-    pub length_variation: f64,
-    /// Fibre radius at the root \[m\]; of an elliptic cross-section its semi-major axis, along d2.
-    pub radius: f64,
-    /// Semi-minor axis (along d1) over semi-major axis of the cross-section; above 0, at most 1. A curl turns about d2,
-    /// about which a flat fibre bends easily.
-    pub aspect: f64,
-    /// The tip's radius is `radius * (1 - taper)`; 0 to below 1.
-    pub taper: f64,
-    /// Fibre density \[kg/m³\].
-    pub density: f64,
-    /// How many real hairs a strand stands for; scales mass, stiffness, drag area.
-    pub fibres_per_strand: f64,
-    /// Elastic moduli, or stiffnesses given directly.
-    pub stiffness: Stiffness,
-    /// Mass of every point \[kg\]; `None`: from density, radius and length, halved at both ends.
-    pub point_mass: Option<f64>,
-    /// Helical rest shape; `None` is straight.
-    pub curl: Option<Curl>,
-    /// How the roots are held.
-    pub root: End,
-    /// How the tips are held.
-    pub tip: End,
-    /// Where the strands are rooted.
-    pub roots: Roots,
-    /// How the roots move, about the centre of their shape.
-    pub motion: Motion,
+table! {
+    /// `[interaction]`: how hair and air meet.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Interaction {
+        /// Model of the interaction: one fluid of particles; lift and drag; hair alone.
+        model: Model = Choice(Model::WORDS), "", Value(Model::Particles);
+        /// Lift coefficient C_l of a segment across the wind (model `drag`, and hair outside the box of model `particles`).
+        lift: f64 = NonNegative, "", Value(0.0);
+    }
 }
 
-/// What bends, twists and stretches a strand back.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Stiffness {
-    /// Of the fibre's material; times `fibres_per_strand`.
-    Moduli {
-        /// E \[Pa\].
-        youngs_modulus: f64,
-        /// ν; G = E / (2 (1 + ν)).
-        poissons_ratio: f64,
-    },
-    /// Of the whole strand, given directly.
-    Direct {
-        /// EA \[N\].
-        stretch: f64,
-        /// EI \[N m²\].
-        bend: f64,
-        /// GJ \[N m²\].
-        twist: f64,
-        /// ν, for GA = EA / (2 (1 + ν)).
-        poissons_ratio: f64,
-    },
+words! {
+    /// `interaction.model`.
+    pub enum Model {
+        /// Hair and air as one particle fluid.
+        Particles = "particles",
+        /// Lift and drag on each segment from the mean wind, no air particles.
+        Drag = "drag",
+        /// Hair alone.
+        None = "none",
+    }
 }
 
-/// A right-handed helix about the strand's axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Curl {
-    /// Radius of the helix \[m\].
-    pub radius: f64,
-    /// Advance along the axis per turn \[m\].
-    pub pitch: f64,
-    /// Spread of the helix's phase about the strand's axis over the strands, fraction of a turn, 0 to 1.
-    pub phase: f64,
+table! {
+    /// `[fluid]`: the density constraint.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Fluid {
+        /// Jacobi iterations of the density constraint; 0 leaves it out.
+        iterations: u32 = Count(0, MOST_REPEATS), "", Value(2);
+        /// Fraction of a Jacobi step that is taken.
+        relaxation: f64 = Positive, "", Value(0.5);
+        /// Share of negative C that is let through; 0 clamps, 1 pulls voids together.
+        tension: f64 = NonNegative, "", Value(0.0);
+    }
 }
 
-/// Where the strands of a group are rooted.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Roots {
-    /// Shape on which roots are drawn.
-    pub shape: RootShape,
-    /// Centre of the shape \[m\].
-    pub center: [f64; 3],
-    /// Radius of the disc or cap, half length of the line \[m\].
-    pub radius: f64,
-    /// Strands start along it (unit); a cap faces it.
-    pub direction: [f64; 3],
-    /// Normal of the disc, and of the line (unit).
-    pub normal: [f64; 3],
-}
-
-/// `hair.roots.shape`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RootShape {
-    /// A flat disc.
-    Disc,
-    /// The half sphere of `radius` facing `direction`; strands start along its normals.
-    SphereCap,
-    /// A line of half length `radius`, horizontal where it can be.
-    Line,
-}
-
-/// `[air]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Air {
-    /// The periodic box of air particles; `None` with models `drag` and `none`.
-    pub bounds: Option<Bounds>,
-    /// ρ0 \[kg/m³\].
-    pub rest_density: f64,
-    /// m \[kg\], before the count is rounded.
-    pub particle_mass: f64,
-    /// h \[m\].
-    pub kernel_radius: f64,
-    /// Mean wind U \[m/s\].
-    pub wind: [f64; 3],
-    /// Thickness of the fringe on the faces the wind enters through \[m\]; 0: none.
-    pub fringe: f64,
-    /// The wind rises linearly over this time \[s\]; 0: at once.
-    pub ramp: f64,
-    /// What is added to the wind, in the order of times.
-    pub gust: Vec<Gust>,
-    /// Eddies that the wind brings in.
-    pub inflow: Option<Inflow>,
-    /// Cut the box at load to the hair's reach plus this on all sides \[m\].
-    pub margin: Option<f64>,
-    /// ν of the drag model \[m²/s\].
-    pub kinematic_viscosity: f64,
-}
-
-/// One of `[[air.gust]]`: linear between two, held before the first and after the last.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gust {
-    /// \[s\]
-    pub time: f64,
-    /// Added to the wind \[m/s\].
-    pub velocity: [f64; 3],
-}
-
-/// `air.inflow`: synthetic turbulence that enters with the wind.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Inflow {
-    /// rms of a component of the velocity, over the wind's speed.
-    pub intensity: f64,
-    /// s of the band that it is in \[m\].
-    pub scale: f64,
-    /// Draws its waves.
-    pub seed: u64,
-}
-
-/// An axis-aligned box in the world.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bounds {
-    /// Lower corner \[m\].
-    pub min: [f64; 3],
-    /// Upper corner \[m\].
-    pub max: [f64; 3],
-}
-
-/// `interaction.model`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Model {
-    /// Hair and air as one particle fluid.
-    Particles,
-    /// Lift and drag on each segment from the mean wind, no air particles.
-    Drag,
-    /// Hair alone.
-    None,
-}
-
-/// `[fluid]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Fluid {
-    /// Jacobi iterations of the density constraint; 0 leaves it out.
-    pub iterations: u32,
-    /// Fraction of a Jacobi step taken.
-    pub relaxation: f64,
-    /// Share of negative C that is let through; 0 clamps, 1 pulls voids together.
-    pub tension: f64,
-}
-
-/// `[turbulence]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Turbulence {
-    /// Bands to strengthen; empty: no confinement.
-    pub bands: Vec<Band>,
-    /// U of the law \[m/s\].
-    pub speed: f64,
-    /// The confinement law.
-    pub law: Law,
-    /// How the band velocity is found.
-    pub filter: Filter,
-    /// Of the grid filter's B-spline.
-    pub order: Order,
-    /// Of the grid filter's nodes, at most, in units of s.
-    pub spacing: f64,
-    /// Of the direct filter, in units of s.
-    pub cutoff: f64,
-    /// Divide by the smoothed volume fraction, for air with holes; the grid filter only.
-    pub normalise: bool,
-    /// Take the mean change out, so that confinement drives no wind.
-    pub conserve_momentum: bool,
-}
-
-/// One of `turbulence.bands`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Band {
-    /// s of the Mexican hat \[m\].
-    pub scale: f64,
-    /// S, dimensionless.
-    pub strength: f64,
-    /// I: the band's largest speed over the wind speed.
-    pub intensity: f64,
-}
-
-/// `turbulence.law`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Law {
-    /// Vorticity of the band, self-limiting.
-    Band,
-    /// Eqs. 2-6 as printed.
-    Published,
-}
-
-/// `turbulence.filter`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Filter {
-    /// Three Gaussian passes on a grid.
-    Grid,
-    /// The sum of eq. 5.
-    Direct,
-}
-
-/// `turbulence.order`: the B-spline that carries what particles have to the grid and back.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Order {
-    /// Cloud in cell: linear, 8 nodes.
-    Cic,
-    /// Triangular-shaped cloud: quadratic, 27 nodes.
-    Tsc,
-    /// Cubic, 64 nodes.
-    Cubic,
-}
-
-/// `[viscosity]`: c of eqs. 7 and 8 for the step as written (`time.step`).
-#[derive(Debug, Clone, PartialEq)]
-pub struct Viscosity {
-    /// c of hair.
-    pub hair: f64,
-    /// c of air.
-    pub air: f64,
-    /// With or without the symmetric limiter.
-    pub form: ViscosityForm,
-}
-
-/// `viscosity.form`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ViscosityForm {
-    /// c w / max(1, S_i, S_j): stable at any c.
-    Limited,
-    /// c w.
-    Published,
-}
-
-/// `[rods]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Rods {
-    /// The solver.
-    pub solver: Solver,
-    /// The time integration.
-    pub integrator: Integrator,
-    /// Sweeps of Gauss-Seidel.
-    pub iterations: u32,
-    /// Newton steps of the direct solver, at most.
-    pub newton: u32,
-    /// Zero stretch compliance.
-    pub inextensible: bool,
-    /// Damping of absolute linear and angular velocity \[1/s\].
-    pub damping: f64,
-    /// Whether strands at rest sleep.
-    pub sleep: bool,
-}
-
-/// `rods.solver`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Solver {
-    /// Direct block-tridiagonal dual solve.
-    Direct,
-    /// Gauss-Seidel with compliance.
-    GaussSeidel,
-}
-
-/// `rods.integrator`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Integrator {
-    /// Second order, with the Euler fallback.
-    Bdf2,
-    /// Implicit Euler.
-    Euler,
-}
-
-/// Ties the words of a choice to its variants, both ways.
-macro_rules! words {
-    ($name:ident: $($variant:ident = $word:literal),+) => {
-        impl $name {
-            /// As a scene file spells it.
-            #[must_use]
-            pub fn word(self) -> &'static str {
-                match self {
-                    $(Self::$variant => $word),+
-                }
+impl Scene {
+    /// The scene, if keys of different tables go together.
+    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+        let names = |table: &'static str, names: Vec<&String>| {
+            let again = (1..names.len()).find_map(|i| names[..i].contains(&names[i]).then_some((i, names[i])));
+            again.map_or(Ok(()), |(i, name)| {
+                let words = format!("expected a name of its own for each [[{table}]], found \"{name}\" a second time");
+                Err(reader.fault(&format!("{table}.{i}.name"), words))
+            })
+        };
+        names("hair", self.hair.iter().map(|hair| &hair.name).collect())?;
+        names("body", self.bodies.iter().map(|body| &body.name).collect())?;
+        if self.bodies.len() > MOST_BODIES {
+            let words = format!("expected at most {MOST_BODIES} bodies, found {}", self.bodies.len());
+            return Err(reader.fault("body", words));
+        }
+        let mut points = 0u64;
+        for (i, hair) in self.hair.iter().enumerate() {
+            points += u64::from(hair.strands) * u64::from(hair.points);
+            if points > u64::from(MOST_HAIR_POINTS) {
+                let words = format!("makes {points} hair points; expected at most {MOST_HAIR_POINTS}");
+                return Err(reader.fault(&format!("hair.{i}.strands"), words));
             }
         }
-
-        impl std::str::FromStr for $name {
-            type Err = ();
-
-            fn from_str(word: &str) -> Result<Self, ()> {
-                match word {
-                    $($word => Ok(Self::$variant),)+
-                    _ => Err(()),
-                }
-            }
+        let clamped = self.hair.iter().position(|hair| hair.tip == End::Clamped);
+        if let Some(i) = clamped.filter(|_| self.rods.solver == Solver::GaussSeidel) {
+            return Err(reader.fault(&format!("hair.{i}.tip"), CLAMPED_TIP));
         }
-    };
+        if self.air.is_none() && self.interaction.model != Model::None {
+            let model = self.interaction.model;
+            let needs = if model == Model::Particles { "air.box and air.wind" } else { "air.wind" };
+            let words = format!("is missing: interaction.model = \"{}\" needs {needs}", model.word());
+            return Err(reader.fault("air", words));
+        }
+        self.check_bands(reader)?;
+        self.check_bodies(reader)?;
+        self.check_picture(reader)?;
+        Ok(self)
+    }
 }
-
-words!(Method: Accurate = "accurate", Published = "published");
-words!(RootShape: Disc = "disc", SphereCap = "sphere_cap", Line = "line");
-words!(End: Clamped = "clamped", Pinned = "pinned", Free = "free");
-words!(Model: Particles = "particles", Drag = "drag", None = "none");
-words!(AirPicture: None = "none", Vorticity = "vorticity", BandEnergy = "band_energy");
-words!(Law: Band = "band", Published = "published");
-words!(Filter: Grid = "grid", Direct = "direct");
-words!(Order: Cic = "cic", Tsc = "tsc", Cubic = "cubic");
-words!(ViscosityForm: Limited = "limited", Published = "published");
-words!(Solver: Direct = "direct", GaussSeidel = "gauss-seidel");
-words!(Integrator: Bdf2 = "bdf2", Euler = "euler");

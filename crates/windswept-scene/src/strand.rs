@@ -1,4 +1,4 @@
-//! A strand made of fibres: masses, inertias and compliances of a row of points (design 3.6).
+//! A strand made of fibres: masses, inertias and compliances of a row of points.
 
 use std::f64::consts::PI;
 
@@ -6,40 +6,21 @@ use glam::{DMat3, DQuat, DVec3};
 
 use crate::{
     initial::{End, Ends, Strands},
-    scene::Stiffness,
+    scene::{Fibre, Stiffness},
 };
 
-/// What a strand is made of.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Fibre {
-    /// Semi-major axis of the cross-section at the root, along d2 \[m\].
-    pub(crate) radius: f64,
-    /// The tip's radius is `radius (1 - taper)`.
-    pub(crate) taper: f64,
-    /// Semi-minor axis, along d1, over semi-major axis.
-    pub(crate) aspect: f64,
-    /// \[kg/m³\]
-    pub(crate) density: f64,
-    /// Fibres that the strand stands for.
-    pub(crate) fibres_per_strand: f64,
-    pub(crate) stiffness: Stiffness,
-    /// Of every point \[kg\].
-    pub(crate) point_mass: Option<f64>,
-    pub(crate) inextensible: bool,
-}
-
 impl Fibre {
-    /// \[m\], `part` of the way to the tip.
-    fn radius(&self, part: f64) -> f64 {
+    /// Radius \[m\], `part` of the way to the tip.
+    fn radius_at(&self, part: f64) -> f64 {
         self.radius * (1.0 - self.taper * part)
     }
 
-    /// π a b of all fibres \[m²\].
+    /// Area of all fibres' cross-sections \[m²\]: π a b of each.
     fn area(&self, part: f64) -> f64 {
-        PI * self.radius(part).powi(2) * self.aspect * self.fibres_per_strand
+        PI * self.radius_at(part).powi(2) * self.aspect * self.fibres_per_strand
     }
 
-    /// EA and GA \[N\].
+    /// Stiffness to stretch and to shear, EA and GA \[N\].
     fn stretch(&self, part: f64) -> (f64, f64) {
         let (stretch, poissons_ratio) = match self.stiffness {
             Stiffness::Moduli { youngs_modulus, poissons_ratio } => (youngs_modulus * self.area(part), poissons_ratio),
@@ -48,13 +29,13 @@ impl Fibre {
         (stretch, stretch / (2.0 * (1.0 + poissons_ratio)))
     }
 
-    /// EI about d1 and d2, GJ \[N m²\]. Of an ellipse with semi-axes b along d1 and a along d2: π a³ b/4, π a b³/4 and
-    /// Saint-Venant's π a³ b³/(a² + b²).
+    /// Stiffness to bend and twist: EI about d1 and d2, GJ \[N m²\]. An ellipse with semi-axes b along d1 and a along d2 has
+    /// the moments π a³ b/4, π a b³/4 and Saint-Venant's π a³ b³/(a² + b²).
     fn bend(&self, part: f64) -> DVec3 {
         match self.stiffness {
             Stiffness::Moduli { youngs_modulus, poissons_ratio } => {
                 let shear_modulus = youngs_modulus / (2.0 * (1.0 + poissons_ratio));
-                let (a, b) = (self.radius(part), self.aspect * self.radius(part));
+                let (a, b) = (self.radius_at(part), self.aspect * self.radius_at(part));
                 let (along, across) = (0.25 * PI * a.powi(3) * b, 0.25 * PI * a * b.powi(3));
                 let twist = PI * (a * b).powi(3) / (a * a + b * b);
                 self.fibres_per_strand
@@ -68,34 +49,34 @@ impl Fibre {
 /// A parcel of air that a hair point stands in.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Parcel {
-    /// Of an air particle \[m³\].
+    /// Volume of an air particle \[m³\].
     pub(crate) volume: f64,
-    /// \[m\]
+    /// Kernel radius \[m\].
     pub(crate) kernel_radius: f64,
 }
 
 /// The shape of a strand at the start and at rest: n points, n - 1 segments with a joint before each.
 #[derive(Debug, Clone)]
 pub(crate) struct Shape {
-    /// \[m\]
+    /// Points \[m\].
     pub(crate) points: Vec<DVec3>,
-    /// The ghost frame behind the root.
+    /// Ghost frame behind the root.
     pub(crate) root_frame: DQuat,
-    /// Of the segments.
+    /// Frames of the segments.
     pub(crate) frames: Vec<DQuat>,
-    /// Of the segments, at rest \[m\].
+    /// Rest lengths of the segments \[m\].
     pub(crate) lengths: Vec<f64>,
-    /// Of the joints, at rest.
+    /// Rest rotations of the joints.
     pub(crate) turns: Vec<DQuat>,
-    /// How the root and the tip are held.
+    /// Ways in which the root and the tip are held.
     pub(crate) ends: [End; 2],
-    /// The ghost frame beyond the tip, and its rest rotation from the last frame.
+    /// Ghost frame beyond the tip, and its rest rotation from the last frame.
     pub(crate) tip: (DQuat, DQuat),
 }
 
 impl Shape {
     /// Appends the strand, made of `fibre` and standing in `parcel`s, to `all`.
-    pub(crate) fn append(&self, fibre: &Fibre, parcel: Parcel, all: &mut Strands) {
+    pub(crate) fn append(&self, fibre: &Fibre, inextensible: bool, parcel: Parcel, all: &mut Strands) {
         let segments = self.lengths.len();
         let part = |at: f64| at / segments as f64;
         let mass = |k: usize| fibre.density * fibre.area(part(k as f64 + 0.5)) * self.lengths[k];
@@ -114,12 +95,12 @@ impl Shape {
         for (k, &l) in self.lengths.iter().enumerate() {
             let joint = if k == 0 { 0.5 * l } else { 0.5 * (self.lengths[k - 1] + l) };
             let (stretch, shear) = fibre.stretch(part(k as f64 + 0.5));
-            let loose = if fibre.inextensible { 0.0 } else { 1.0 / (stretch * l) };
+            let loose = if inextensible { 0.0 } else { 1.0 / (stretch * l) };
             let inertia = 0.5 * fibre.point_mass.unwrap_or_else(|| mass(k)) * l * l;
             all.orientations.push(self.frames[k]);
             all.angular_velocities.push(DVec3::ZERO);
             all.rest_length.push(l);
-            all.radius.push(fibre.radius(part(k as f64 + 0.5)));
+            all.radius.push(fibre.radius_at(part(k as f64 + 0.5)));
             all.fibres.push(fibre.fibres_per_strand);
             all.inverse_inertia.push(1.0 / inertia);
             all.stretch_compliance.push(DVec3::new(1.0 / (shear * l), 1.0 / (shear * l), loose));
@@ -141,14 +122,14 @@ impl Shape {
     }
 }
 
-/// d3 along `axis`, d1 by the smallest rotation from +x, from +z if that is parallel.
+/// Frame with d3 along `axis` and d1 by the smallest rotation from +x, from +z if that is parallel.
 pub(crate) fn frame(axis: DVec3) -> DQuat {
     let from = if axis.cross(DVec3::X).length() > 1e-6 { DVec3::X } else { DVec3::Z };
     let d1 = (from - from.dot(axis) * axis).normalize();
     DQuat::from_mat3(&DMat3::from_cols(d1, axis.cross(d1), axis)).normalize()
 }
 
-/// exp(½ κ l): the turn by |κ| l about κ.
+/// Rotation exp(½ κ l): the turn by |κ| l about κ.
 pub(crate) fn turn(darboux: DVec3, length: f64) -> DQuat {
     DQuat::from_scaled_axis(darboux * length)
 }

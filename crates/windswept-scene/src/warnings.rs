@@ -1,20 +1,20 @@
-//! What a scene may do but its user should know.
+//! Warnings: what a scene may do, but its user should know.
 
 use glam::DVec3;
 
 use crate::{
-    body::{Capsule, blocked},
+    body::{Shape, blocked},
     initial::{AirParticles, Strands},
     scene::{Air, Bounds, Scene},
 };
 
 /// Kernel radii in particle spacings between which the density constraint was tried; the paper's is 1.92.
 const TRIED: std::ops::RangeInclusive<f64> = 1.5..=3.0;
-/// Eddies below this, in particle spacings, are passed at the particles' Nyquist wave number with a gain above 7.5 %.
+/// Scale of the smallest eddies that particles carry \[particle spacings\]: smaller ones are passed at the particles' Nyquist wave number with a gain above 7.5 %.
 const SMALLEST_EDDY: f64 = 1.03;
 
-/// Part of the box's cross-section that bodies may block without a word.
-const MOST_BLOCKED: f64 = 0.3;
+/// Part of the box's cross-section that bodies may block without a warning.
+const MUCH_BLOCKED: f64 = 0.3;
 
 /// Warnings about step, wind, particles and bands.
 pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<String> {
@@ -97,15 +97,15 @@ pub(crate) fn of_hair(hair: &Strands, air: &AirParticles, wind: DVec3) -> Vec<St
 
 /// Warnings about hair that starts inside bodies, by more than a thousandth of their radius, which is no rounding, and
 /// about bodies that fit between two points of a strand.
-pub(crate) fn of_bodies(scene: &Scene, hair: &Strands, bodies: &[Capsule]) -> Vec<String> {
+pub(crate) fn of_bodies(scene: &Scene, hair: &Strands, bodies: &[Shape]) -> Vec<String> {
     let mut warnings = Vec::new();
-    let inside = |x: &DVec3| bodies.iter().any(|body| body.distance(*x) < -1e-3 * body.radius);
+    let inside = |x: &DVec3| bodies.iter().any(|body| body.signed_distance(*x).0 < -1e-3 * body.inradius());
     let n = hair.positions.iter().filter(|x| inside(x)).count();
     if n > 0 {
         warnings.push(format!("{n} of {} hair points start inside bodies, which push them out", hair.positions.len()));
     }
     let longest = hair.rest_length.iter().copied().fold(0.0, f64::max);
-    for body in scene.bodies.iter().filter(|body| longest > body.shape.capsule().radius) {
+    for body in scene.bodies.iter().filter(|body| longest > body.shape.inradius()) {
         warnings.push(format!(
             "body {} is thin for segments of {longest:.1e} m: hair may pass through it between two of its points",
             body.name
@@ -115,10 +115,10 @@ pub(crate) fn of_bodies(scene: &Scene, hair: &Strands, bodies: &[Capsule]) -> Ve
 }
 
 /// Warnings about bodies that the wind must pass, or that it steps over.
-pub(crate) fn of_blocked(scene: &Scene, air: &Air, bounds: &Bounds, bodies: &[Capsule]) -> Vec<String> {
+pub(crate) fn of_blocked(scene: &Scene, air: &Air, bounds: &Bounds, bodies: &[Shape]) -> Vec<String> {
     let mut warnings = Vec::new();
     let far = air.largest_wind() * scene.time.step / f64::from(scene.time.substeps);
-    for body in scene.bodies.iter().filter(|body| far > 2.0 * body.shape.capsule().radius) {
+    for body in scene.bodies.iter().filter(|body| far > 2.0 * body.shape.inradius()) {
         warnings.push(format!(
             "air moves {far:.1e} m in a step and may pass through body {}, which is thinner: a shorter time.step stops it",
             body.name
@@ -126,7 +126,7 @@ pub(crate) fn of_blocked(scene: &Scene, air: &Air, bounds: &Bounds, bodies: &[Ca
     }
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         let part = if bodies.is_empty() || air.wind[axis] == 0.0 { 0.0 } else { blocked(bodies, bounds, axis) };
-        if part > MOST_BLOCKED {
+        if part > MUCH_BLOCKED {
             warnings.push(format!(
                 "bodies block {:.0} % of the box across {name}: the air beside them is sped up",
                 100.0 * part

@@ -6,25 +6,21 @@ use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::{
-    error::SceneError,
-    reader::Reader,
-    scene::{Air, Gust, Inflow},
-};
+use crate::scene::{Air, Inflow};
 
-/// Waves that inflow turbulence is made of.
+/// Number of waves that inflow turbulence is made of.
 const WAVES: usize = 64;
-/// Their wave numbers, in parts of the peak's, √2/s.
+/// Wave numbers of the inflow's waves, in parts of the peak's, √2/s.
 const SPREAD: std::ops::Range<f64> = 0.6..1.5;
 
 /// A wave of inflow turbulence: u' = |U| a sin(k · (x − ∫U dt) + φ).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InflowWave {
-    /// k \[1/m\], whole periods along each side of the box.
+    /// Wave vector k \[1/m\], whole periods along each side of the box.
     pub number: DVec3,
-    /// a, across k; of the wind's speed.
+    /// Amplitude a, across k, in parts of the wind's speed.
     pub amplitude: DVec3,
-    /// φ \[rad\].
+    /// Phase φ \[rad\].
     pub phase: f64,
 }
 
@@ -57,7 +53,7 @@ impl Inflow {
     }
 }
 
-/// Any, with the same chance.
+/// A direction, each with the same chance.
 fn direction(rng: &mut Pcg64) -> DVec3 {
     let (z, turn) = (rng.random_range(-1.0_f64..1.0), rng.random_range(0.0..TAU));
     let ring = (1.0 - z * z).sqrt();
@@ -78,7 +74,7 @@ impl Air {
         [0, 1, 2].map(|axis| self.wind[axis] * self.risen(time) + gust[axis])
     }
 
-    /// What gusts add at `time`: linear between keyframes, held before the first and after the last.
+    /// Velocity that gusts add at `time`: linear between keyframes, held before the first and after the last.
     fn gust_at(&self, time: f64) -> [f64; 3] {
         let next = self.gust.partition_point(|gust| gust.time <= time);
         match (next.checked_sub(1).and_then(|last| self.gust.get(last)), self.gust.get(next)) {
@@ -109,7 +105,7 @@ impl Air {
         gusts.fold(before, f64::max)
     }
 
-    /// Whether no wind ever blows.
+    /// Whether no wind blows at any time.
     #[must_use]
     pub fn is_still(&self) -> bool {
         self.wind == [0.0; 3] && self.gust.iter().all(|gust| gust.velocity == [0.0; 3])
@@ -118,38 +114,5 @@ impl Air {
     /// Mean wind U once it has risen \[m/s\], without gusts.
     pub(crate) fn wind(&self) -> DVec3 {
         DVec3::from_array(self.wind)
-    }
-}
-
-impl Reader<'_> {
-    /// `[[air.gust]]`, in the order of their times.
-    pub(crate) fn gust(&self) -> Result<Vec<Gust>, SceneError> {
-        let mut all: Vec<Gust> = Vec::new();
-        for i in 0..self.tables("air.gust") {
-            let at = |name: &str| format!("air.gust.{i}.{name}");
-            let gust = Gust { time: self.number(&at("time"))?, velocity: self.vector(&at("velocity"))? };
-            if let Some(before) = all.last().filter(|before| gust.time <= before.time) {
-                let words = format!(
-                    "expected a time after that of the keyframe before, {} s; found {}",
-                    before.time, gust.time
-                );
-                return Err(self.fault(&at("time"), words));
-            }
-            all.push(gust);
-        }
-        Ok(all)
-    }
-
-    /// `air.inflow`, if there is one.
-    pub(crate) fn inflow(&self) -> Result<Option<Inflow>, SceneError> {
-        if !self.has("air.inflow") {
-            return Ok(None);
-        }
-        let seed = if self.has("air.inflow.seed") { "air.inflow.seed" } else { "seed" };
-        Ok(Some(Inflow {
-            intensity: self.number("air.inflow.intensity")?,
-            scale: self.number("air.inflow.scale")?,
-            seed: self.count(seed)?.into(),
-        }))
     }
 }

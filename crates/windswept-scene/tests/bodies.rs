@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use common::{BRUSH, assert_close, scene_of};
 use glam::{DQuat, DVec3};
-use windswept_scene::{Body, Capsule, InitialState, Keyframe, Motion, Shape};
+use windswept_scene::{Body, InitialState, Keyframe, Motion, Round, Shape};
 
 fn keyframe(time: f64, translation: [f64; 3], rotation: [f64; 3]) -> Keyframe {
     Keyframe { time, translation, rotation }
@@ -54,24 +54,50 @@ fn a_motion_turns_about_the_centre() {
         friction: 0.0,
         motion,
     };
-    let Capsule { ends, radius } = body.at(0.0);
+    let Round { ends, radius } = body.at(0.0).round();
     assert!(ends[0].distance(DVec3::new(4.0, 1.0, 1.0)) < 1e-15 && ends[1].distance(DVec3::new(4.0, 3.0, 1.0)) < 1e-15);
     assert_eq!(radius, 0.5);
 }
 
+/// The gradient is the way to the surface: one goes by the distance along it and is there.
 #[test]
 fn distances_are_to_the_surface() {
-    let bone = Capsule { ends: [DVec3::ZERO, 2.0 * DVec3::X], radius: 0.5 };
-    for (x, distance) in [
-        (DVec3::new(1.0, 2.0, 0.0), 1.5),
-        (DVec3::new(1.0, 0.0, 0.1), -0.4),
-        (DVec3::new(5.0, 4.0, 0.0), 4.5),
-        (DVec3::new(-1.0, 0.0, 0.0), 0.5),
+    let bone = Shape::Capsule { start: [0.0; 3], end: [2.0, 0.0, 0.0], radius: 0.5 };
+    let ball = Shape::Sphere { center: [1.0; 3], radius: 2.0 };
+    for (shape, x, distance, gradient) in [
+        (bone, DVec3::new(1.0, 2.0, 0.0), 1.5, DVec3::Y),
+        (bone, DVec3::new(1.0, 0.0, 0.1), -0.4, DVec3::Z),
+        (bone, DVec3::new(5.0, 4.0, 0.0), 4.5, DVec3::new(0.6, 0.8, 0.0)),
+        (bone, DVec3::new(-1.0, 0.0, 0.0), 0.5, DVec3::NEG_X),
+        (ball, DVec3::new(1.0, 1.0, 1.5), -1.5, DVec3::Z),
     ] {
-        assert_close(bone.distance(x), distance, "distance");
+        let (found, way) = shape.signed_distance(x);
+        assert_close(found, distance, "distance");
+        assert!(way.distance(gradient) < 1e-15, "{way}, not {gradient}");
+        assert!(shape.signed_distance(x - found * way).0.abs() < 1e-15);
     }
-    let ball = Capsule { ends: [DVec3::ONE; 2], radius: 2.0 };
-    assert_close(ball.distance(DVec3::new(1.0, 1.0, 1.5)), -1.5, "distance");
+    // From the middle any way across the axis leads out.
+    assert!(bone.signed_distance(DVec3::X).1.dot(DVec3::X).abs() < 1e-15);
+}
+
+/// The skin's points are on the surface, its normals are the gradient's, and its box is the bounds.
+#[test]
+fn a_skin_lies_on_the_surface() {
+    for shape in [
+        Shape::Sphere { center: [1.0, 2.0, 3.0], radius: 0.5 },
+        Shape::Capsule { start: [0.0, 0.1, 0.0], end: [2.0, -1.0, 0.4], radius: 0.3 },
+    ] {
+        let skin: Vec<(DVec3, DVec3)> = shape.skin(48, 96).collect();
+        assert_eq!(skin.len(), 48 * 97);
+        for (x, normal) in &skin {
+            let (distance, gradient) = shape.signed_distance(*x);
+            assert!(distance.abs() < 1e-15 && gradient.distance(*normal) < 1e-14, "{x}: {distance}");
+        }
+        let [low, high] = shape.bounds();
+        let (least, most) = skin.iter().fold((high, low), |(least, most), (x, _)| (least.min(*x), most.max(*x)));
+        // A ring of 96 misses an extreme of 0.5 m by 0.5 (1 - cos(pi/96)) = 2.7e-4 at most.
+        assert!(least.distance(low) < 1e-3 && most.distance(high) < 1e-3, "{least} {most}");
+    }
 }
 
 /// Air stands on its lattice outside of every body, and fills what they leave of the box at its density.
@@ -91,7 +117,7 @@ fn air_leaves_bodies_out() {
         let scene = scene_of(&format!("{bald}{bodies}"), &[]);
         let state = InitialState::new(&scene).unwrap();
         let (air, hair) = (&state.air, state.hair.volume.iter().sum::<f64>());
-        let inside = |x: &&DVec3| scene.bodies.iter().any(|body| body.at(0.0).distance(**x) < 0.0);
+        let inside = |x: &&DVec3| scene.bodies.iter().any(|body| body.at(0.0).signed_distance(**x).0 < 0.0);
         assert_eq!(air.positions.iter().filter(inside).count(), 0);
         let filled = air.volume * air.positions.len() as f64 + hair;
         let off = (air.size.element_product() - filled) / solid - 1.0;

@@ -225,11 +225,11 @@ fn an_assignment_changes_its_key() {
 #[test]
 fn a_group_is_addressed_by_its_name() {
     let one = SMALL.replace("[hair]", "[[hair]]\nname = \"fringe\"");
-    assert_eq!(set(&one, &["hair.fringe.radius=5e-5"]).unwrap().hair[0].radius, 5e-5);
-    assert_eq!(set(&one, &["hair.radius=5e-5"]).unwrap().hair[0].radius, 5e-5);
+    assert_eq!(set(&one, &["hair.fringe.radius=5e-5"]).unwrap().hair[0].fibre.radius, 5e-5);
+    assert_eq!(set(&one, &["hair.radius=5e-5"]).unwrap().hair[0].fibre.radius, 5e-5);
     // A group without a name is called what the table of keys says.
     for text in [SMALL, &SMALL.replace("[hair]", "[[hair]]")] {
-        assert_eq!(set(text, &["hair.hair.radius=1e-5"]).unwrap().hair[0].radius, 1e-5);
+        assert_eq!(set(text, &["hair.hair.radius=1e-5"]).unwrap().hair[0].fibre.radius, 1e-5);
         assert_eq!(set(text, &["hair.hair.roots.radius=0.002"]).unwrap().hair[0].roots.radius, 0.002);
     }
     let shown = set(&one, &["hair.hair.radius=1e-5"]).unwrap_err().to_string();
@@ -238,7 +238,7 @@ fn a_group_is_addressed_by_its_name() {
     assert!(shown.contains("air.hair: unknown key"), "{shown}");
     let two = two_groups("name = \"a\"", "name = \"b\"\nstrands = 1").unwrap().text().to_owned();
     let scene = set(&two, &["hair.b.radius=5e-5", "hair.0.radius=6e-5"]).unwrap();
-    assert_eq!(scene.hair.iter().map(|hair| hair.radius).collect::<Vec<_>>(), [6e-5, 5e-5]);
+    assert_eq!(scene.hair.iter().map(|hair| hair.fibre.radius).collect::<Vec<_>>(), [6e-5, 5e-5]);
     assert!(set(&two, &["hair.radius=5e-5"]).unwrap_err().to_string().contains("leads nowhere"));
 }
 

@@ -7,7 +7,9 @@ use std::f64::consts::{PI, TAU};
 
 use common::{assert_close, brush};
 use glam::{DMat3, DQuat, DVec3};
-use windswept_scene::{End, Groom, InitialState, PerStrand, RestCurvature, Scene, Strands};
+use windswept_scene::{
+    End, Fibre, Groom, InitialState, PerStrand, RestCurvature, Scene, SceneError, Stiffness, Strands,
+};
 
 fn groom_of(hair: &Strands) -> Groom {
     Groom::new(hair.positions.iter().map(DVec3::to_array).collect(), hair.point_offsets.clone())
@@ -135,16 +137,15 @@ fn curved_strands_are_at_rest_without_twist() {
 #[test]
 fn ellipses_bend_easily_about_their_major_axis() {
     let (a, b, e, l) = (5e-5_f64, 2e-5_f64, 3e9, 0.01);
-    let groom = Groom {
-        radius: vec![4e-5, a].into(),
-        aspect: vec![1.0, b / a].into(),
-        youngs_modulus: vec![4e9, e].into(),
-        poissons_ratio: vec![0.38, 0.25].into(),
-        density: vec![1320.0, 1000.0].into(),
-        fibres_per_strand: vec![1.0, 7.0].into(),
-        group: vec![3, 1].into(),
-        ..two()
+    let flat = Fibre {
+        radius: a,
+        aspect: b / a,
+        stiffness: Stiffness::Moduli { youngs_modulus: e, poissons_ratio: 0.25 },
+        density: 1000.0,
+        fibres_per_strand: 7.0,
+        ..Fibre::default()
     };
+    let groom = Groom { fibre: vec![Fibre::default(), flat].into(), group: vec![3, 1].into(), ..two() };
     let hair = InitialState::with_groom(&bare(), &groom).unwrap().hair;
     let k = hair.segments(1).start + 2;
     assert_close(1.0 / hair.inverse_mass[11], 7.0 * 1000.0 * PI * a * b * l, "mass");
@@ -190,6 +191,13 @@ fn faults_name_the_argument() {
         change(&mut groom);
         groom
     };
+    let of = |change: &dyn Fn(&mut Fibre)| {
+        let mut fibre = Fibre::default();
+        change(&mut fibre);
+        Groom { fibre: fibre.into(), ..two() }
+    };
+    let moduli = |youngs_modulus, poissons_ratio| Stiffness::Moduli { youngs_modulus, poissons_ratio };
+    let direct = Stiffness::Direct { stretch: 20.0, bend: 1e-9, twist: 1e-9, poissons_ratio: 0.38 };
     let cases: Vec<(Groom, &str, &str)> = vec![
         (edit(&|g| g.points[3][1] = f64::NAN), "groom.points", "at point 3"),
         (edit(&|g| g.points[3][1] = f64::INFINITY), "groom.points", "finite"),
@@ -200,14 +208,21 @@ fn faults_name_the_argument() {
         (edit(&|g| g.offsets = vec![1, 14]), "groom.offsets", "from 0 to 14"),
         (edit(&|g| g.offsets = vec![]), "groom.offsets", "found []"),
         (edit(&|g| (g.points, g.offsets) = (vec![], vec![0])), "groom.points", "at least one strand"),
-        (edit(&|g| g.radius = vec![4e-5].into()), "groom.radius", "one value or 2"),
-        (edit(&|g| g.radius = vec![4e-5, 0.0].into()), "groom.radius", "found 0.0 for strand 1"),
-        (edit(&|g| g.density = f64::NAN.into()), "groom.density", "found NaN"),
-        (edit(&|g| g.youngs_modulus = (-1.0).into()), "groom.youngs_modulus", "found -1.0"),
-        (edit(&|g| g.poissons_ratio = 1.0.into()), "groom.poissons_ratio", "below 1"),
-        (edit(&|g| g.fibres_per_strand = 0.0.into()), "groom.fibres_per_strand", "found 0.0"),
-        (edit(&|g| g.point_mass = Some(0.0.into())), "groom.point_mass", "found 0.0"),
-        (edit(&|g| g.aspect = 1.1.into()), "groom.aspect", "at most 1"),
+        (edit(&|g| g.fibre = vec![Fibre::default()].into()), "groom.fibre", "one value or 2"),
+        (
+            edit(&|g| g.fibre = vec![Fibre::default(), Fibre { radius: 0.0, ..Fibre::default() }].into()),
+            "groom.radius",
+            "found 0.0 for strand 1",
+        ),
+        (of(&|f| f.radius = 1e20), "groom.radius", "of magnitude 1e-18 to 1e18, found 1e20"),
+        (of(&|f| f.density = f64::NAN), "groom.density", "found NaN"),
+        (of(&|f| f.stiffness = moduli(-1.0, 0.38)), "groom.youngs_modulus", "found -1.0"),
+        (of(&|f| f.stiffness = moduli(4e9, 1.0)), "groom.poissons_ratio", "below 1"),
+        (of(&|f| f.fibres_per_strand = 0.0), "groom.fibres_per_strand", "found 0.0"),
+        (of(&|f| f.point_mass = Some(0.0)), "groom.point_mass", "found 0.0"),
+        (of(&|f| f.aspect = 1.1), "groom.aspect", "at most 1"),
+        (of(&|f| f.taper = 1.0), "groom.taper", "below 1"),
+        (of(&|f| (f.aspect, f.stiffness) = (0.5, direct)), "groom.aspect", "stiffnesses are given"),
         (edit(&|g| g.group = vec![1, 2, 3].into()), "groom.group", "found 3"),
         (edit(&|g| g.root = vec![End::Free].into()), "groom.root", "found 1"),
         (edit(&|g| g.root_frame = Some([0.0; 4].into())), "groom.root_frame", "not 0"),
@@ -223,7 +238,7 @@ fn faults_name_the_argument() {
             "finite",
         ),
         // Single precision cannot hold it.
-        (edit(&|g| g.youngs_modulus = 1e-18.into()), "groom", "expected 1e-30 to 1e30"),
+        (of(&|f| f.stiffness = moduli(1e-18, 0.38)), "groom", "expected 1e-30 to 1e30"),
     ];
     for (groom, key, words) in cases {
         let error = InitialState::with_groom(&bare(), &groom).unwrap_err();
@@ -241,4 +256,21 @@ fn faults_name_the_argument() {
     assert!(error.key() == Some("groom.tip") && error.to_string().contains("direct solver"), "{error}");
     let error = InitialState::with_groom(&stiff("inextensible = true"), &clamped).unwrap_err();
     assert!(error.to_string().contains("held at both ends"), "{error}");
+}
+
+/// One value changes the fibres of all strands, several those of each; any other number of them is an error.
+#[test]
+fn a_property_of_the_fibres_is_set_for_all_or_each() {
+    let mut fibre = PerStrand::All(Fibre::default());
+    let set = |fibre: &mut PerStrand<Fibre>, radii: PerStrand<f64>| -> Result<(), SceneError> {
+        fibre.set(2, "radius", &radii, |fibre, radius| fibre.radius = radius)
+    };
+    set(&mut fibre, 1e-5.into()).unwrap();
+    assert_eq!(fibre, PerStrand::All(Fibre { radius: 1e-5, ..Fibre::default() }));
+    set(&mut fibre, vec![2e-5, 3e-5].into()).unwrap();
+    fibre.set(2, "density", &1000.0.into(), |fibre, density| fibre.density = density).unwrap();
+    let each = [2e-5, 3e-5].map(|radius| Fibre { radius, density: 1000.0, ..Fibre::default() });
+    assert_eq!(fibre, PerStrand::Each(each.to_vec()));
+    let error = set(&mut fibre, vec![2e-5].into()).unwrap_err();
+    assert_eq!(error.to_string(), "groom.radius: expected one value or 2, one a strand; found 1");
 }

@@ -91,7 +91,7 @@ fn draped(gpu: &Gpu) -> Result<Row, Error> {
         simulation.step(10)?;
         let ball = simulation.scene().bodies[0].at(simulation.time());
         let x = vectors(&simulation.frame()?.hair.positions);
-        nearest = x.iter().map(|x| ball.distance(*x)).fold(nearest, f64::min);
+        nearest = x.iter().map(|x| ball.signed_distance(*x).0).fold(nearest, f64::min);
     }
     Ok(Row::new("hair over a ball: nearest to its surface", 0.0, nearest, 1.3e-8, TOUCHES).in_unit("m"))
 }
@@ -121,7 +121,7 @@ fn passed(gpu: &Gpu) -> Result<Row, Error> {
         simulation.step(1)?;
         let ball = simulation.scene().bodies[0].at(simulation.time());
         let x = vectors(&simulation.frame()?.air.positions);
-        nearest = x.iter().map(|x| ball.distance(*x)).fold(nearest, f64::min);
+        nearest = x.iter().map(|x| ball.signed_distance(*x).0).fold(nearest, f64::min);
     }
     Ok(Row::new("air about a ball: nearest to its surface", half, nearest, 1.7e-8, BESIDE).in_unit("m"))
 }

@@ -60,11 +60,11 @@ fn hair_in_air(gpu: &Gpu) -> Result<Row, Error> {
     };
     let (before, _) = each(&initial.hair.velocities, &initial.air.velocities);
     let mut simulation = Simulation::with_state(gpu, &scene, initial.clone())?;
-    simulation.step(1000)?;
+    simulation.step(300)?;
     let frame = simulation.frame()?;
     let (after, whole) = each(&vectors(&frame.hair.velocities), &vectors(&frame.air.velocities));
     Ok(Row::new(
-        "closed box of air and hair: change of momentum in 1000 steps",
+        "closed box of air and hair: change of momentum in 300 steps",
         0.0,
         (after - before).length() / whole,
         3e-6,
@@ -74,11 +74,11 @@ fn hair_in_air(gpu: &Gpu) -> Result<Row, Error> {
 
 fn air_alone(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let cloud = Cloud::lattice([10; 3], SIMPLE).jittered(0.1, 5).stirred(0.3, 5);
-    let after = air::run(gpu, &air::scene("")?, &cloud, 1000)?;
+    let after = air::run(gpu, &air::scene("")?, &cloud, 300)?;
     let (before, _) = momentum(&cloud);
     let (sum, whole) = momentum(&after);
     let change = (sum - before).length() / whole;
-    Ok(vec![Row::new("closed box of air: change of momentum in 1000 steps", 0.0, change, 1e-6, KEPT)])
+    Ok(vec![Row::new("closed box of air: change of momentum in 300 steps", 0.0, change, 1e-6, KEPT)])
 }
 
 /// Σ m v and Σ m |v| \[kg m/s\].

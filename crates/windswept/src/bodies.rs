@@ -9,11 +9,11 @@ use crate::{motion::Motions, rods::vec3};
 #[must_use]
 pub(crate) fn bodies(scene: &Scene, initial: &InitialState, motions: &Motions) -> Vec<Body> {
     let each = scene.bodies.iter().zip(&motions.bodies).map(|(body, keyframes)| {
-        let capsule = body.shape.capsule();
-        let [start, end] = capsule.ends.map(|end| vec3(end - initial.origin));
+        let round = body.shape.round();
+        let [start, end] = round.ends.map(|end| vec3(end - initial.origin));
         Body {
             start,
-            radius: capsule.radius as f32,
+            radius: round.radius as f32,
             end,
             friction: body.friction as f32,
             first_keyframe: keyframes.start,

@@ -3,7 +3,10 @@
 
 use bytemuck::Pod;
 use glam::DVec3;
-use windswept_scene::{InitialState, Scene, SceneError, Strands};
+use windswept_scene::{
+    InitialState, Scene, SceneError, Strands,
+    limits::{MOST_BUCKETS, MOST_SORTED_NODES},
+};
 use windswept_shaders::common::{params::Params, status::Status};
 
 use crate::{
@@ -12,7 +15,6 @@ use crate::{
     error::{GpuError, RunError},
     gpu::{Gpu, Memory, Profile, Program, wgpu},
     meshes::Meshes,
-    params::MOST_BUCKETS,
     recorder::{Recorder, Recording},
     rods::{self, quat, vec4},
     setup::Setup,
@@ -28,9 +30,6 @@ const GROWTH: f64 = 1.25;
 
 /// Of a node of the band filter's grid, in each of its buffers.
 const NODE_BYTES: u64 = 16;
-
-/// Nodes of it that can be sorted into, with room for the hair outside the box.
-const MOST_NODES: u64 = MOST_BUCKETS as u64 - (1 << 18);
 
 /// The buffers of a scene on a device.
 #[derive(Debug)]
@@ -198,6 +197,18 @@ impl Engine {
         Ok(std::array::from_fn(|_| read.next().unwrap_or_default()))
     }
 
+    /// Shows arrays of four floats where the driver has put them: what is made of them is their only copy.
+    pub(crate) fn view_vec4<const N: usize, R>(
+        &self,
+        arrays: [&Array<[f32; 4]>; N],
+        look: impl FnOnce([&[[f32; 4]]; N]) -> R,
+    ) -> Result<R, GpuError> {
+        // The driver maps to multiples of 8 bytes, floats need 4.
+        self.memory.view(&self.gpu, &arrays.map(|array| **array), |views| {
+            look(std::array::from_fn(|k| bytemuck::cast_slice(views[k])))
+        })
+    }
+
     /// Status word and counters.
     ///
     /// # Errors
@@ -333,7 +344,7 @@ pub fn required_limits(scene: &Scene) -> Result<wgpu::Limits, SceneError> {
 
 /// Whether the adapter binds the finest grid of the band filter.
 fn check_nodes(gpu: &Gpu, meshes: &Meshes) -> Result<(), GpuError> {
-    let most = (gpu.largest_binding() / NODE_BYTES).min(MOST_NODES);
+    let most = (gpu.largest_binding() / NODE_BYTES).min(MOST_SORTED_NODES);
     if meshes.nodes <= most {
         return Ok(());
     }

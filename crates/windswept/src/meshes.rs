@@ -2,7 +2,7 @@
 
 use std::f64::consts::{E, PI, TAU};
 
-use windswept_scene::{Filter, InitialState, Scene};
+use windswept_scene::{Filter, InitialState, Scene, limits::MOST_SORTED_NODES};
 use windswept_shaders::{
     common::mesh::Mesh,
     turbulence::{deposit::BLOCK, smooth::ROW},
@@ -11,8 +11,6 @@ use windswept_shaders::{
 /// Of the Gaussian, and of its second derivative \[1/m²\].
 pub(crate) type Tap = [f32; 2];
 
-/// Larger grids fit no adapter: the engine refuses them by their size, their taps are not made.
-const MOST_NODES: u64 = 1 << 28;
 /// Taps below this part of the middle one are left out: û is then 3e-6 off, 3e-5 with 1e-4.
 const SMALLEST_TAP: f64 = 1e-5;
 /// Waves of which the Gaussian leaves less than e^(-40) add nothing to taps, k s.
@@ -65,7 +63,8 @@ impl Meshes {
             if count > meshes.nodes {
                 (meshes.nodes, meshes.finest) = (count, scale);
             }
-            if count > MOST_NODES {
+            // The engine refuses such a grid by its size: its taps are not made.
+            if count > MOST_SORTED_NODES {
                 continue;
             }
             meshes.grids.push((nodes, [0, 1, 2].map(|axis| size[axis] / nodes[axis])));

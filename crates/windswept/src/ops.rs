@@ -11,7 +11,10 @@
 //! ```
 
 use glam::DVec3;
-use windswept_scene::{AirParticles, Band, Fluid, InitialState, Order, Scene, SceneError, Turbulence};
+use windswept_scene::{
+    AirParticles, Band, Fluid, InitialState, Order, Scene, SceneError, Turbulence,
+    limits::{COARSEST_SPACING, LARGEST, LEAST_KERNEL_RADIUS, MAGNITUDES, MOST_PARTICLES_OF_AN_OPERATION, SMALLEST},
+};
 
 use crate::{
     array::Array,
@@ -25,14 +28,6 @@ use crate::{
     step,
 };
 
-/// The kernel radius in particle spacings below which the density constraint knows no neighbour.
-const LEAST_RADIUS: f64 = 1.2;
-/// What `f32` holds with room for the squares of a step.
-const MAGNITUDES: std::ops::RangeInclusive<f64> = 1e-18..=1e18;
-/// More particles than any list of them could index.
-const MOST_PARTICLES: usize = 1 << 28;
-/// Spacing of the band filter's grid in scales, at most.
-const COARSEST: f64 = 1.0;
 /// Values that the operations set, where they matter.
 const BASE: &str = "
 time = { step = 1.0, duration = 1.0 }
@@ -190,8 +185,8 @@ impl<'a> Particles<'a> {
         self.check_velocities()?;
         positive("scale", scale)?;
         let cutoff = match filter {
-            Filter::Grid { spacing, .. } if !(MAGNITUDES.contains(&spacing) && spacing <= COARSEST) => {
-                let words = format!("expected a number above 0, at most {COARSEST}, found {spacing}");
+            Filter::Grid { spacing, .. } if !(MAGNITUDES.contains(&spacing) && spacing <= COARSEST_SPACING) => {
+                let words = format!("expected a number above 0, at most {COARSEST_SPACING}, found {spacing}");
                 return Err(argument("spacing", words));
             }
             // Images that far off add less than rounding.
@@ -260,9 +255,11 @@ impl<'a> Particles<'a> {
             return Err(argument("tension", format!("expected a number from 0 to 1, found {}", fluid.tension)));
         }
         positive("relaxation", fluid.relaxation)?;
-        if self.radius < LEAST_RADIUS * self.spacing() {
-            let words =
-                format!("expected at least {LEAST_RADIUS} particle spacings, {} m", LEAST_RADIUS * self.spacing());
+        if self.radius < LEAST_KERNEL_RADIUS * self.spacing() {
+            let words = format!(
+                "expected at least {LEAST_KERNEL_RADIUS} particle spacings, {} m",
+                LEAST_KERNEL_RADIUS * self.spacing()
+            );
             return Err(argument("radius", format!("{words}; found {}", self.radius)));
         }
         let Some(mut stage) = self.stage(gpu, self.radius, |scene| scene.fluid = fluid)? else {
@@ -323,8 +320,9 @@ impl<'a> Particles<'a> {
 
     fn check(&self) -> Result<(), OpsError> {
         finite("positions", self.positions)?;
-        if self.positions.len() > MOST_PARTICLES {
-            let words = format!("expected at most {MOST_PARTICLES} rows, found {}", self.positions.len());
+        if self.positions.len() > MOST_PARTICLES_OF_AN_OPERATION {
+            let words =
+                format!("expected at most {MOST_PARTICLES_OF_AN_OPERATION} rows, found {}", self.positions.len());
             return Err(argument("positions", words));
         }
         positive("mass", self.mass)?;
@@ -423,15 +421,15 @@ fn positive(name: &'static str, x: f64) -> Result<(), OpsError> {
     if MAGNITUDES.contains(&x) {
         return Ok(());
     }
-    Err(argument(name, format!("expected a number from {:e} to {:e}, found {x}", MAGNITUDES.start(), MAGNITUDES.end())))
+    Err(argument(name, format!("expected a number from {SMALLEST:e} to {LARGEST:e}, found {x}")))
 }
 
 fn finite(name: &'static str, rows: &[[f64; 3]]) -> Result<(), OpsError> {
-    let held = |x: &f64| x.abs() <= *MAGNITUDES.end();
+    let held = |x: &f64| x.abs() <= LARGEST;
     match rows.iter().position(|row| !row.iter().all(held)) {
         None => Ok(()),
         Some(i) => {
-            let words = format!("row {i} is {:?}, expected finite numbers of at most {:e}", rows[i], MAGNITUDES.end());
+            let words = format!("row {i} is {:?}, expected finite numbers of at most {LARGEST:e}", rows[i]);
             Err(argument(name, words))
         }
     }

@@ -2,20 +2,18 @@
 
 use std::f64::consts::PI;
 
-use windswept_scene::{InitialState, Integrator, Law, Scene, Solver};
+use windswept_scene::{
+    InitialState, Integrator, Law, Scene, Solver,
+    limits::{MOST_BOX_CELLS, MOST_OUTSIDE_BUCKETS},
+};
 use windswept_shaders::common::params::Params;
 
 use crate::rods;
 
-/// Fewest and most buckets for hair outside the box, powers of two.
-const TABLE: [u32; 2] = [64, 1 << 18];
+/// Fewest buckets for hair outside the box; a power of two.
+const LEAST_OUTSIDE_BUCKETS: u32 = 64;
 /// α over D0: softens λ where a particle has hardly a neighbour.
 const SOFTENING: f64 = 1e-3;
-/// Cells that `grid/scan` can sum: each of its 256 invocations walks over its stretch twice, and Mesa's software adapter ends
-/// the loops of an invocation after 65 535 rounds in all, without a word.
-pub(crate) const MOST_BUCKETS: u32 = 256 * 32_760;
-/// Cells of the box, at most.
-const MOST_BOX_CELLS: f64 = 8e6;
 /// Strands that may go bad in one step before the run ends: 3, or 1 %.
 const BAD_STRANDS: u32 = 3;
 
@@ -44,7 +42,7 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
         viscosity_air: (scene.viscosity.air / substeps) as f32,
         damping: scene.rods.damping as f32,
         bad_strand_limit: BAD_STRANDS.max(strands / 100),
-        lift: scene.lift as f32,
+        lift: scene.interaction.lift as f32,
         published_law: u32::from(scene.turbulence.law == Law::Published),
         direct_rods: u32::from(scene.rods.solver == Solver::Direct),
         bdf2: u32::from(scene.rods.integrator == Integrator::Bdf2),
@@ -103,8 +101,7 @@ fn cells(size: [f64; 3], radius: f64) -> [f64; 3] {
 
 /// Buckets for hair outside the box.
 fn table(hair_points: u32) -> u32 {
-    let [least, most] = TABLE;
-    hair_points.min(most).next_power_of_two().max(least)
+    hair_points.min(MOST_OUTSIDE_BUCKETS).next_power_of_two().max(LEAST_OUTSIDE_BUCKETS)
 }
 
 /// D0 = Σ_k w |∇_k C|² of air on its rest lattice, simple cubic of spacing V^(1/3) \[1/(kg m²)\].

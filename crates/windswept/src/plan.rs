@@ -95,7 +95,7 @@ impl Plan {
     pub fn new(setup: &Setup<'_>) -> Self {
         let (scene, initial, sizes) = (setup.scene, setup.initial, setup.sizes());
         let hair = Decision::when(sizes.strands > 0, "the scene has no hair");
-        let air = match scene.model {
+        let air = match scene.interaction.model {
             Model::Particles => Decision::when(sizes.air() > 0, "the scene has no air particles"),
             Model::Drag => Decision::when(false, "interaction.model is drag: no air particles"),
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),
@@ -105,7 +105,7 @@ impl Plan {
         let bands = bands(setup);
         let on_grid = scene.turbulence.filter == Filter::Grid;
         let turbulence = air.and(turbulence(scene, &bands));
-        let drag = hair.and(match scene.model {
+        let drag = hair.and(match scene.interaction.model {
             Model::Drag => Decision::when(true, ""),
             Model::Particles => Decision::when(air.runs, "no air moves"),
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),

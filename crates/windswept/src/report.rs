@@ -42,8 +42,10 @@ pub struct Report {
     /// max |l/l0 − 1| over the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_stretch: Option<f64>,
-    /// How strands went through their steps, all strands and steps: `euler_steps` instead of BDF2, `quiet_steps` that needed no
-    /// solve, `asleep_steps`, `teleports`, `rescued_steps` that Gauss-Seidel solved because the direct solver tore the strand.
+    /// Steps of strands, summed over all strands and steps, that went otherwise than by a solve of the integrator asked for:
+    /// `euler_steps` by implicit Euler instead of BDF2, `quiet_steps` without a solve because nothing pushed the strand,
+    /// `asleep_steps` of strands at rest, `teleports` of strands that a far jump of their root took along as they were, and
+    /// `rescued_steps` by Gauss-Seidel because the direct solve did not converge in f32.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strand_steps: Option<BTreeMap<String, u64>>,
     /// rms of ρ/ρ0 − 1 over the air.

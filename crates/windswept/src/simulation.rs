@@ -264,27 +264,27 @@ impl Simulation {
     /// [`RunError::Gpu`] when the device is lost.
     pub fn frame(&self) -> Result<Frame, RunError> {
         let s = self.engine.state();
-        let [positions, velocities, orientations] =
-            self.engine.read_vec4([&s.position, &s.velocity, &s.orientation])?;
         let hair = self.engine.sizes().hair_points as usize;
         let origin = self.initial.origin;
         let world = |p: &[f32; 4]| (DVec3::new(p[0].into(), p[1].into(), p[2].into()) + origin).as_vec3().to_array();
         let xyz = |v: &[f32; 4]| [v[0], v[1], v[2]];
-        Ok(Frame {
+        let arrays = [&s.position, &s.velocity, &s.orientation];
+        let frame = self.engine.view_vec4(arrays, |[positions, velocities, orientations]| Frame {
             step: self.steps,
             time: self.time(),
             hair: HairFrame {
                 offsets: self.initial.hair.point_offsets.clone(),
                 positions: positions[..hair].iter().map(world).collect(),
                 velocities: velocities[..hair].iter().map(xyz).collect(),
-                orientations,
+                orientations: orientations.to_vec(),
             },
             air: AirFrame {
                 positions: positions[hair..].iter().map(world).collect(),
                 velocities: velocities[hair..].iter().map(xyz).collect(),
                 ..AirFrame::default()
             },
-        })
+        })?;
+        Ok(frame)
     }
 
     /// ρ/ρ0 of every particle now, hair points first; empty when the scene's particles do not meet.
@@ -306,8 +306,10 @@ impl Simulation {
         if !self.plan.neighbours.runs {
             return Ok(Vec::new());
         }
-        let [omega] = self.engine.read_vec4([&self.engine.state().vorticity])?;
-        Ok(omega.into_iter().skip(self.engine.sizes().hair_points as usize).map(|omega| omega[3]).collect())
+        let hair = self.engine.sizes().hair_points as usize;
+        let vorticity = [&self.engine.state().vorticity];
+        let air = |[omega]: [&[[f32; 4]]; 1]| omega.iter().skip(hair).map(|omega| omega[3]).collect();
+        Ok(self.engine.view_vec4(vorticity, air)?)
     }
 
     /// Runs the passes of a quantity over the committed state.

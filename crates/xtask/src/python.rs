@@ -6,7 +6,7 @@ use std::process::Command;
 use crate::tests::Length;
 use crate::{Result, cargo, root, run, say, venv};
 
-/// What the package's tests and users import, and what builds it.
+/// PyPI packages that the package's tests and users import, and maturin, which builds it.
 const PACKAGES: [&str; 10] =
     ["maturin", "numpy", "h5py", "vtk", "pillow", "pytest", "mypy", "matplotlib", "distributed", "tqdm"];
 

@@ -4,7 +4,7 @@ use std::process::{Command, Stdio};
 
 use crate::{Result, line, run, say};
 
-/// How each system's package manager is asked for the same thing.
+/// One thing under the name that each system's package manager has for it.
 #[derive(Clone, Copy)]
 pub(crate) struct Package {
     /// Debian, Ubuntu.

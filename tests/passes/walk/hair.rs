@@ -115,7 +115,7 @@ impl Walk<'_> {
             let got = stage.engine.read(&state.placed).unwrap();
             let wanted = contact::place(self.p(), s.steps);
             let ends = got.iter().zip(&wanted).map(|(got, wanted)| {
-                let (start, end) = (wanted.after.out(wanted.body.start), wanted.after.out(wanted.body.end));
+                let [start, end] = wanted.body.shape.round().ends.map(|end| wanted.after.out(end));
                 (xyz(&got.start) - start).length().max((xyz(&got.end) - end).length())
             });
             self.same("contact/place", largest(ends), bounds.length)?;

@@ -22,7 +22,7 @@ pub(super) struct Groom {
     pub(super) hairs: Vec<Hair>,
     /// (strand, neighbour): what [`likeness`] is about.
     pub(super) pairs: Vec<[u32; 2]>,
-    /// Of each strand: the orientation that clamps its root.
+    /// Orientation that clamps the root of each strand.
     pub(super) root_frames: Vec<Quat>,
     /// Root radius of each hair, as drawn [m].
     pub(super) radius: Vec<f32>,
@@ -30,7 +30,7 @@ pub(super) struct Groom {
 }
 
 impl Groom {
-    /// At least one hair per strand; `start` has at least one strand, of two points or more.
+    /// Spreads hairs over the strands, at least one on each; `start` has at least one strand, of two points or more.
     pub(super) fn new(scene: &Scene, start: &HairFrame, hairs: u32) -> Self {
         let strands = start.offsets.len() - 1;
         let roots: Vec<Vec3> =
@@ -86,7 +86,7 @@ impl Groom {
     }
 }
 
-/// How alike each pair of strands runs now, 0 to 1: the mean cosine between their tangents. Strands of different numbers
+/// Likeness of each pair of strands now, 0 to 1: the mean cosine between their tangents. Strands of different numbers
 /// of points are not.
 pub(super) fn likeness(pairs: &[[u32; 2]], hair: &HairFrame) -> Vec<f32> {
     let points = |s: u32| &hair.positions[hair.offsets[s as usize] as usize..hair.offsets[s as usize + 1] as usize];
@@ -103,7 +103,7 @@ pub(super) fn likeness(pairs: &[[u32; 2]], hair: &HairFrame) -> Vec<f32> {
     pairs.iter().map(alike).collect()
 }
 
-/// What the scene's motion of the roots has turned each strand's clamp by since the start; nothing where strands are not
+/// Rotation of each strand's clamp since the start by the scene's motion of the roots; nothing where strands are not
 /// the scene's own.
 pub(super) fn turns(scene: &Scene, strands: usize, time: f64) -> Vec<Quat> {
     if scene.hair.iter().map(|hair| hair.strands as usize).sum::<usize>() != strands {
@@ -113,7 +113,7 @@ pub(super) fn turns(scene: &Scene, strands: usize, time: f64) -> Vec<Quat> {
     scene.hair.iter().flat_map(|hair| std::iter::repeat_n(turn(hair), hair.strands as usize)).collect()
 }
 
-/// Of each strand what it is rooted on, if the scene says so.
+/// The surface that each strand is rooted on, if the scene says so.
 fn shapes(scene: &Scene, strands: usize) -> Vec<Option<&Roots>> {
     let of_group = |hair: &'_ windswept_scene::Hair| hair.strands as usize;
     if scene.hair.iter().map(of_group).sum::<usize>() != strands {
@@ -122,7 +122,7 @@ fn shapes(scene: &Scene, strands: usize) -> Vec<Option<&Roots>> {
     scene.hair.iter().flat_map(|hair| std::iter::repeat_n(Some(&hair.roots), of_group(hair))).collect()
 }
 
-/// Where a hair of a strand is rooted, `seat` away in the strand's cross-section: beside it on what that is rooted on.
+/// The root of a hair of a strand, `seat` away in the strand's cross-section: beside it on what that is rooted on.
 fn place(roots: Option<&Roots>, root: Vec3, frame: Quat, seat: Vec3) -> Vec3 {
     let across = root + frame * seat;
     let Some(roots) = roots else { return across };
@@ -143,7 +143,7 @@ fn place(roots: Option<&Roots>, root: Vec3, frame: Quat, seat: Vec3) -> Vec3 {
     }
 }
 
-/// What would be beyond an end is as far before it.
+/// Mirrors what would be beyond an end to as far before it.
 fn within(x: f32, end: f32) -> f32 {
     x - 2.0 * (x - x.clamp(-end, end))
 }
@@ -207,13 +207,13 @@ fn radii(scene: &Scene, strands: usize, per_strand: usize) -> Vec<f32> {
     }
     let group = |hair: &windswept_scene::Hair| {
         let needed = COVER * hair.roots.radius as f32 / (hair.strands as usize * per_strand) as f32;
-        let radius = hair.radius as f32;
+        let radius = hair.fibre.radius as f32;
         vec![needed.clamp(THICKER[0] * radius, THICKER[1] * radius); hair.strands as usize]
     };
     scene.hair.iter().flat_map(group).collect()
 }
 
-/// As in common.wgsl.
+/// A drawn hair, laid out as in common.wgsl.
 fn hash(x: u32) -> u32 {
     let state = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
     let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);

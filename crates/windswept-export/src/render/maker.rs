@@ -24,14 +24,14 @@ pub(super) struct Draw {
     group: Option<wgpu::BindGroup>,
 }
 
-/// What a draw does with depth.
+/// The use that a draw makes of depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Depth {
     /// Behind everything.
     Ignored,
     /// Hides what is behind it.
     Solid,
-    /// Is hidden by what is before it, and blended over what is behind.
+    /// Hidden by what is before it, and blended over what is behind.
     Clear,
 }
 

@@ -21,10 +21,10 @@ pub(super) struct Passes {
     guide: wgpu::Buffer,
     frame: wgpu::Buffer,
     likeness: wgpu::Buffer,
-    /// Of each strand, what clamps it.
+    /// Orientation that clamps the root of each strand.
     root_frames: Vec<Quat>,
     grid: wgpu::Buffer,
-    /// In this order.
+    /// The draws, in their order.
     compute: [Compute; 4],
     wall: Draw,
     patch: Option<Patch>,
@@ -49,7 +49,7 @@ struct Triangles {
     count: u32,
 }
 
-/// What is drawn of the air.
+/// The air particles that are drawn.
 #[derive(Debug)]
 pub(super) struct Air {
     group: wgpu::BindGroup,
@@ -182,7 +182,7 @@ impl Passes {
         )
     }
 
-    /// From strands to shaded points of hairs.
+    /// Makes shaded points of hairs of the strands.
     pub(super) fn prepare(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.clear_buffer(&self.grid, 0, None);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -209,7 +209,7 @@ impl Passes {
 }
 
 impl Patch {
-    /// None of no corners.
+    /// A buffer of corners; none where there is no corner.
     fn new(
         m: &Maker<'_>,
         (corners, triangles): &(Vec<Corner>, Vec<u32>),

@@ -69,7 +69,7 @@ fn corners_of(roots: &Roots) -> impl Iterator<Item = (DVec3, DVec3)> + use<> {
     })
 }
 
-/// Where the patch ends: its front, its widest ring and its back [m].
+/// The ends of the patch: its front, its widest ring and its back [m].
 pub(super) fn ends(roots: &Roots) -> impl Iterator<Item = DVec3> {
     let (center, radius, shape) = (DVec3::from_array(roots.center), roots.radius, roots.shape);
     let basis = basis(roots);

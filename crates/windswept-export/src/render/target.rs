@@ -1,4 +1,4 @@
-//! What is drawn to, and how it comes back.
+//! The picture that is drawn to, and its way back.
 
 use std::sync::mpsc;
 
@@ -11,7 +11,7 @@ use crate::ExportError;
 
 /// Linear to sRGB, and back for blending, is the texture's work.
 pub(super) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
-/// Of the depth buffer.
+/// Format of the depth buffer.
 pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Samples of a pixel, as many as every adapter has.
 pub(super) const SAMPLES: u32 = 4;
@@ -116,7 +116,11 @@ impl Target {
         let bytes = {
             let view = self.readback.get_mapped_range(..).map_err(|error| lost(error.to_string()))?;
             let row = 4 * self.size[0] as usize;
-            view.chunks(self.pitch as usize).flat_map(|padded| padded[..row].to_vec()).collect::<Vec<u8>>()
+            let mut bytes = Vec::with_capacity(row * self.size[1] as usize);
+            for padded in view.chunks(self.pitch as usize) {
+                bytes.extend_from_slice(&padded[..row]);
+            }
+            bytes
         };
         self.readback.unmap();
         let [width, height] = self.size;

@@ -1,4 +1,4 @@
-//! Where a picture is taken from, and the lights.
+//! The camera of a picture, and the lights.
 
 use std::f64::consts::{PI, TAU};
 
@@ -19,9 +19,9 @@ const FILLED: f64 = 0.95;
 /// hair as it streams in the wind: from the side, wind from the left, a little from above and downwind.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
-    /// Where it stands [m].
+    /// The point where the camera stands [m].
     pub eye: DVec3,
-    /// What it looks at [m].
+    /// The point that it looks at [m].
     pub target: DVec3,
     /// Vertical field of view [°].
     pub fov: f64,
@@ -86,7 +86,7 @@ impl View {
             * look_at_mat4(self.eye, self.target, self.up())
     }
 
-    /// Where a point of the world lies in the picture [px], from the upper left; `None` behind the camera.
+    /// The place of a point of the world in the picture [px], from the upper left; `None` behind the camera.
     #[must_use]
     pub fn project(&self, point: DVec3) -> Option<[f64; 2]> {
         // What is near or far does not move it in the picture.
@@ -97,7 +97,7 @@ impl View {
         })
     }
 
-    /// What the shaders see, for hair within this box [m].
+    /// The uniform buffer of the shaders, for hair within this box [m].
     pub(super) fn uniform(&self, low: DVec3, high: DVec3, hairs: u32, samples: u32) -> shader::View {
         let forward = (self.target - self.eye).normalize();
         let right = forward.cross(self.up()).normalize();
@@ -125,7 +125,7 @@ impl View {
     }
 }
 
-/// What a film of this hair may cover: its patch, and its tips between where it points and where the wind and gravity
+/// The region that a film of this hair may cover: its patch, and its tips between where it points and where the wind and gravity
 /// take it.
 fn where_hair_goes(hair: &Hair, wind: DVec3, scene: &Scene) -> Vec<DVec3> {
     let (center, radius) = (DVec3::from_array(hair.roots.center), hair.roots.radius);
@@ -167,16 +167,18 @@ fn where_body_goes(body: &Body) -> impl Iterator<Item = DVec3> + '_ {
 fn streaming(hair: &Hair, wind: DVec3, scene: &Scene) -> Option<DVec3> {
     let gravity = DVec3::from_array(scene.gravity);
     let weight = gravity.length()
-        * match hair.point_mass {
+        * match hair.fibre.point_mass {
             Some(mass) => mass * f64::from(hair.points - 1) / hair.length,
-            None => PI * hair.radius.powi(2) * hair.density * hair.fibres_per_strand,
+            None => PI * hair.fibre.radius.powi(2) * hair.fibre.density * hair.fibre.fibres_per_strand,
         };
     let speed = wind.length();
     let drag = scene.air.as_ref().map_or(0.0, |air| {
-        let reynolds = (2.0 * hair.radius * speed / air.kinematic_viscosity).max(1e-9);
-        let width = match scene.model {
+        let reynolds = (2.0 * hair.fibre.radius * speed / air.kinematic_viscosity).max(1e-9);
+        let width = match scene.interaction.model {
             Model::Particles => (air.particle_mass / air.rest_density).cbrt(),
-            Model::Drag => 2.0 * hair.radius * hair.fibres_per_strand * (1.0 + 10.0 * reynolds.powf(-2.0 / 3.0)),
+            Model::Drag => {
+                2.0 * hair.fibre.radius * hair.fibre.fibres_per_strand * (1.0 + 10.0 * reynolds.powf(-2.0 / 3.0))
+            }
             Model::None => 0.0,
         };
         0.5 * 0.5 * air.rest_density * width * speed * speed

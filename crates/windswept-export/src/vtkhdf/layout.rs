@@ -9,7 +9,7 @@ use hdf5::{Attribute, Dataset, Extents, File, Group, H5Type, Result};
 
 use super::{Kind, Provenance};
 
-/// What a frame is written to.
+/// The datasets that a frame is written to.
 #[derive(Debug)]
 pub(super) struct Layout {
     file: File,
@@ -20,9 +20,9 @@ pub(super) struct Layout {
     /// Hair only.
     orientations: Option<Dataset>,
     scalars: Vec<Dataset>,
-    /// One number per frame: its value in frame 0 and what it grows by.
+    /// Datasets of one number per frame: the dataset, the number in frame 0, and what it grows by.
     steps: Vec<(Dataset, usize, usize)>,
-    /// One number per frame and cell group, 0.
+    /// Datasets of one number per frame and cell group, always 0.
     group_steps: [Dataset; 2],
 }
 
@@ -31,7 +31,7 @@ pub(super) struct Rows<'a> {
     pub(super) positions: &'a [[f32; 3]],
     pub(super) velocities: &'a [[f32; 3]],
     pub(super) orientations: &'a [[f32; 4]],
-    /// As many as the file was laid out for.
+    /// Scalars, as many as the file was laid out for.
     pub(super) scalars: &'a [&'a [f32]],
 }
 
@@ -162,7 +162,7 @@ fn write_provenance(file: &File, provenance: &Provenance<'_>) -> Result<()> {
     group.new_dataset::<VarLenUnicode>().create("scene")?.write_scalar(&text(provenance.scene)?)
 }
 
-/// One group of cells; the points are used in their order, each once.
+/// Writes one group of cells; the points are used in their order, each once.
 fn write_cells(group: &Group, offsets: &[i64]) -> Result<()> {
     let connectivity: Vec<i64> = (0..offsets[offsets.len() - 1]).collect();
     table(group, "NumberOfCells", &[offsets.len() as i64 - 1])?;

@@ -52,7 +52,7 @@ impl VtkHdfReader {
         Ok(Self { path: path.into(), kind, root, times, offsets, points })
     }
 
-    /// What does not fit together.
+    /// The error of a file whose parts do not fit together.
     fn fault(&self) -> Option<String> {
         let ends = (self.offsets.first().copied(), self.offsets.last().map(|&last| last as usize));
         let ordered = self.offsets.windows(2).all(|w| w[1] >= w[0].saturating_add(2));

@@ -60,10 +60,20 @@ impl Memory {
 
     /// Reads whole arrays, in one submission.
     pub(crate) fn read<T: Pod>(&self, gpu: &Gpu, arrays: &[AnyArray]) -> Result<Vec<Vec<T>>, GpuError> {
+        self.view(gpu, arrays, |views| views.iter().map(|bytes| bytemuck::pod_collect_to_vec(bytes)).collect())
+    }
+
+    /// Shows the bytes of whole arrays, read in one submission, where the driver has put them.
+    pub(crate) fn view<R>(
+        &self,
+        gpu: &Gpu,
+        arrays: &[AnyArray],
+        look: impl FnOnce(&[&[u8]]) -> R,
+    ) -> Result<R, GpuError> {
         let sizes: Vec<u64> = arrays.iter().map(|array| array.stride() * array.len()).collect();
         let total: u64 = sizes.iter().sum();
         if total == 0 {
-            return Ok(arrays.iter().map(|_| Vec::new()).collect());
+            return Ok(look(&vec![&[][..]; arrays.len()]));
         }
         let doing = || format!("reading {}", arrays.iter().map(|array| array.name()).collect::<Vec<_>>().join(", "));
         let (sender, receiver) = mpsc::channel();
@@ -94,13 +104,16 @@ impl Memory {
         let mapped = receiver.recv().map_err(|_| GpuError::Lost("a readback was never answered".to_owned()))?;
         mapped.map_err(|error| GpuError::Lost(format!("{}: {error}", doing())))?;
         let view = staging.get_mapped_range(..).map_err(|error| GpuError::Lost(format!("{}: {error}", doing())))?;
-        let mut offset = 0;
-        let read = sizes.iter().map(|size| {
-            let bytes = &view[offset..offset + *size as usize];
-            offset += *size as usize;
-            bytemuck::pod_collect_to_vec(bytes)
-        });
-        Ok(read.collect())
+        let mut rest = &view[..];
+        let views: Vec<&[u8]> = sizes
+            .iter()
+            .map(|size| {
+                let (bytes, after) = rest.split_at(*size as usize);
+                rest = after;
+                bytes
+            })
+            .collect();
+        Ok(look(&views))
     }
 }
 

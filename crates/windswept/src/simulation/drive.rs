@@ -1,14 +1,10 @@
 //! What a caller drives from step to step: roots, and the state itself.
 
 use glam::{DQuat, DVec3};
+use windswept_scene::limits::{LARGEST, SMALLEST};
 
 use super::Simulation;
 use crate::{error::RunError, rods, winds};
-
-/// Larger numbers, as a scene's, have squares that `f32` does not hold.
-const LARGEST: f64 = 1e18;
-/// Smaller ones would be lost in them: a wind that passes through zero need not hit it.
-const SMALLEST: f64 = 1e-18;
 
 impl Simulation {
     /// Where the root of each strand goes: `positions` \[m\], world, one per strand, and the ghost frames that clamp them,
@@ -52,6 +48,7 @@ impl Simulation {
         if !held(&wind) {
             return Err(RunError::Input(beyond("wind", &wind)));
         }
+        // A wind that passes through zero need not hit it.
         let wind = DVec3::select(wind.abs().cmplt(DVec3::splat(SMALLEST)), DVec3::ZERO, wind);
         let Some(air) = &mut self.scene.air else {
             return Err(RunError::Input("wind: the scene has no air".to_owned()));

@@ -1,0 +1,305 @@
+//! A run, frame by frame: which steps are exported, how many are taken at a time, what a frame holds, where it goes.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use windswept::{Frame, RunError, Simulation};
+use windswept_scene::{AirPicture, Time};
+
+use crate::{ExportError, Format, FrameSink, Start};
+
+/// Steps and frames of a run, all counted from t = 0.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Schedule {
+    steps: u64,
+    frames: u64,
+    time: Time,
+}
+
+impl Schedule {
+    /// The schedule of these settings; `steps` overrides `time.duration`.
+    #[must_use]
+    pub fn new(time: &Time, steps: Option<u64>) -> Self {
+        let steps = steps.unwrap_or_else(|| (time.duration / time.step).round() as u64);
+        let mut schedule = Self { steps, frames: 0, time: time.clone() };
+        schedule.frames = schedule.frame_after(steps);
+        schedule
+    }
+
+    /// Steps of the whole run.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Frames of the whole run, that of the start included.
+    #[must_use]
+    pub fn frames(&self) -> u64 {
+        self.frames
+    }
+
+    /// The step whose state frame `frame` is: round(frame / (frame_rate Δt)), where that is more than a step a frame.
+    #[must_use]
+    pub fn step(&self, frame: u64) -> u64 {
+        self.time.step_of_frame(frame)
+    }
+
+    /// The first frame that is later than this step.
+    #[must_use]
+    pub fn frame_after(&self, step: u64) -> u64 {
+        // A float quotient is at most one off, either way.
+        let guess = ((step as f64 + 0.5) / self.time.steps_per_frame()) as u64;
+        let (low, high) = (guess.saturating_sub(1), guess.saturating_add(2));
+        (low..high).find(|frame| self.step(*frame) > step).unwrap_or(high)
+    }
+
+    /// The most steps that a run can have: the engine counts its steps, substeps included, in 32 bits.
+    #[must_use]
+    pub fn most_steps(time: &Time) -> u64 {
+        u64::from(u32::MAX) / u64::from(time.substeps)
+    }
+
+    /// Warning that a step is longer than the time between two frames asked for, if it is.
+    #[must_use]
+    pub fn warning(time: &Time) -> Option<String> {
+        (time.frame_rate * time.step > 1.0).then(|| {
+            format!(
+                "time.frame_rate = {} asks for more frames than there are steps of {} s: one frame per step",
+                time.frame_rate, time.step
+            )
+        })
+    }
+}
+
+/// Takes steps in parts that last about equally long, so that whoever waits for one knows how long.
+#[derive(Debug, Clone)]
+pub struct Pace {
+    length: Duration,
+    batch: u64,
+}
+
+impl Pace {
+    /// Parts of about this length; the first is one step.
+    #[must_use]
+    pub fn of(length: Duration) -> Self {
+        Self { length, batch: 1 }
+    }
+
+    /// Takes a part of the steps that are left until `goal`, at least one.
+    ///
+    /// # Errors
+    /// [`RunError`] as [`Simulation::step`].
+    pub fn advance(&mut self, simulation: &mut Simulation, goal: u64) -> Result<(), RunError> {
+        let n = goal.saturating_sub(simulation.steps()).min(self.batch);
+        if n == 0 {
+            return Ok(());
+        }
+        let started = Instant::now();
+        simulation.step(n)?;
+        let per_step = started.elapsed().as_secs_f64() / n as f64;
+        self.batch = ((self.length.as_secs_f64() / per_step) as u64).clamp(1, 2 * self.batch);
+        Ok(())
+    }
+}
+
+/// The place where a run hands control back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stop {
+    /// The state is the frame of this number.
+    Frame(u64),
+    /// Somewhere between two frames.
+    Between,
+    /// The schedule is done.
+    End,
+}
+
+/// Steps a simulation from frame to frame.
+#[derive(Debug, Clone)]
+pub struct Run {
+    schedule: Schedule,
+    pace: Pace,
+    next: u64,
+}
+
+impl Run {
+    /// A run whose first frame is number `next` and that hands control back after about `length` at the latest.
+    #[must_use]
+    pub fn new(schedule: Schedule, next: u64, length: Duration) -> Self {
+        Self { schedule, pace: Pace::of(length), next }
+    }
+
+    /// Steps towards the next frame or the end of the schedule, whichever comes first.
+    ///
+    /// # Errors
+    /// [`RunError`] as [`Simulation::step`]. The state is that of the last good step.
+    pub fn advance(&mut self, simulation: &mut Simulation) -> Result<Stop, RunError> {
+        if let Some(stop) = self.stop(simulation.steps()) {
+            return Ok(stop);
+        }
+        let goal = self.schedule.step(self.next).min(self.schedule.steps);
+        self.pace.advance(simulation, goal)?;
+        Ok(Stop::Between)
+    }
+
+    /// The run's next frame.
+    #[must_use]
+    pub fn next_frame(&self) -> u64 {
+        self.next
+    }
+
+    /// The stop that is due at this step; a frame is due once.
+    fn stop(&mut self, step: u64) -> Option<Stop> {
+        if self.next < self.schedule.frames && self.schedule.step(self.next) == step {
+            self.next += 1;
+            return Some(Stop::Frame(self.next - 1));
+        }
+        (step >= self.schedule.steps).then_some(Stop::End)
+    }
+}
+
+/// The state now with what the scene's `picture.air` colours the air by: the frame that every format gets.
+///
+/// # Errors
+/// [`RunError`] if the device is lost or the quantity cannot be measured.
+pub fn frame(simulation: &mut Simulation) -> Result<Frame, RunError> {
+    let mut frame = simulation.frame()?;
+    match simulation.scene().picture.air {
+        AirPicture::None => {}
+        AirPicture::Vorticity => frame.air.vorticity = simulation.air_vorticity()?,
+        AirPicture::BandEnergy => frame.air.band_energy = simulation.band_energy()?,
+    }
+    Ok(frame)
+}
+
+/// Writes the frames of a run into a folder, in any number of formats.
+pub struct Recording {
+    sinks: Vec<(&'static Format, Box<dyn FrameSink>)>,
+}
+
+/// A format that could not be written, and that the recording goes on without, as it can be made again.
+#[derive(Debug)]
+pub struct Loss {
+    /// The format.
+    pub format: &'static Format,
+    /// Why.
+    pub error: ExportError,
+}
+
+impl Recording {
+    /// Checks that each format can take the state of `simulation` and up to `frames` frames like it. Writes nothing.
+    ///
+    /// # Errors
+    /// [`ExportError`] if a format cannot.
+    pub fn new(
+        formats: &[&'static Format],
+        simulation: &mut Simulation,
+        folder: &Path,
+        frames: usize,
+    ) -> Result<Self, ExportError> {
+        if formats.is_empty() {
+            return Ok(Self { sinks: Vec::new() });
+        }
+        let first = frame(simulation)?;
+        let (gpu, scene) = (simulation.engine().gpu(), simulation.scene());
+        let start = Start { folder, gpu, scene, first: &first, frames };
+        let wanted = crate::FORMATS.iter().filter(|format| formats.iter().any(|wanted| wanted.name == format.name));
+        let sinks = wanted.map(|format| Ok((format, (format.create)(&start)?))).collect::<Result<_, ExportError>>()?;
+        Ok(Self { sinks })
+    }
+
+    /// Writes the state as the next frame; the folder is there by now. Returns what the recording has to go on without.
+    ///
+    /// # Errors
+    /// [`ExportError`] if the state cannot be read, or a format that cannot be made again cannot be written.
+    pub fn append(&mut self, simulation: &mut Simulation) -> Result<Vec<Loss>, ExportError> {
+        let mut losses = Vec::new();
+        if self.sinks.is_empty() {
+            return Ok(losses);
+        }
+        let frame = frame(simulation)?;
+        let mut k = 0;
+        while let Some((format, sink)) = self.sinks.get_mut(k) {
+            match sink.append(&frame) {
+                Ok(()) => k += 1,
+                Err(error) if format.made_again => {
+                    let (format, sink) = self.sinks.remove(k);
+                    // What it has until now stays; why there is no more is known already.
+                    let _ = sink.finish();
+                    losses.push(Loss { format, error });
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(losses)
+    }
+
+    /// Ends all files, each whatever becomes of the others. Returns what is missing and can be made again.
+    ///
+    /// # Errors
+    /// [`ExportError`] if a format that cannot be made again could not be ended.
+    pub fn finish(self) -> Result<Vec<Loss>, ExportError> {
+        let (mut losses, mut failed) = (Vec::new(), Ok(()));
+        for (format, sink) in self.sinks {
+            match sink.finish() {
+                Ok(()) => {}
+                Err(error) if format.made_again => losses.push(Loss { format, error }),
+                Err(error) => failed = failed.and(Err(error)),
+            }
+        }
+        failed.map(|()| losses)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn time(step: f64, duration: f64, frame_rate: f64) -> Time {
+        Time { step, substeps: 1, duration, frame_rate }
+    }
+
+    /// At the paper's step and 60 frames a second: 725 steps in a second, frame 1 after round(12.077) = 12 steps.
+    #[test]
+    fn frames_fall_on_the_nearest_steps() {
+        let schedule = Schedule::new(&time(1.38e-3, 1.0, 60.0), None);
+        assert_eq!((schedule.steps, schedule.frames), (725, 61));
+        assert_eq!([0, 1, 2, 30, 60].map(|k| schedule.step(k)), [0, 12, 24, 362, 725]);
+        assert_eq!([0, 11, 12, 13, 361, 725].map(|step| schedule.frame_after(step)), [1, 1, 2, 2, 30, 61]);
+    }
+
+    /// A frame rate above the step rate exports each step once.
+    #[test]
+    fn no_state_is_exported_twice() {
+        let fast = time(0.01, 0.05, 1e6);
+        let schedule = Schedule::new(&fast, None);
+        assert_eq!((schedule.steps, schedule.frames), (5, 6));
+        assert_eq!([0, 1, 5].map(|k| schedule.step(k)), [0, 1, 5]);
+        assert!(Schedule::warning(&fast).is_some());
+        assert_eq!(Schedule::warning(&time(0.01, 0.05, 100.0)), None);
+    }
+
+    /// However long the run, its last frame fits into it and the next one does not.
+    #[test]
+    fn frames_fill_the_run() {
+        for steps in 0..2000 {
+            for rate in [1.0, 24.0, 60.0, 724.0, 725.0, 3000.0] {
+                let schedule = Schedule::new(&time(1.38e-3, 9.0, rate), Some(steps));
+                assert!(schedule.step(schedule.frames - 1) <= steps, "{steps} steps at {rate}/s");
+                assert!(schedule.step(schedule.frames) > steps, "{steps} steps at {rate}/s");
+            }
+        }
+        assert!(Schedule::new(&time(1.38e-3, 9.0, 1e9), Some(u64::MAX)).frames > 1 << 60);
+    }
+
+    /// A run stops at every frame once, and at its end, whether that is a frame or not.
+    #[test]
+    fn a_run_stops_where_it_should() {
+        let run = || Run::new(Schedule::new(&time(1.38e-3, 1.0, 60.0), Some(30)), 0, Duration::ZERO);
+        let mut whole = run();
+        let stops: Vec<_> = (0..=30).flat_map(|step| [whole.stop(step), whole.stop(step)]).flatten().collect();
+        assert_eq!(stops, [Stop::Frame(0), Stop::Frame(1), Stop::Frame(2), Stop::End, Stop::End]);
+        // A run that begins at frame 2 does not stop before.
+        let mut late = Run { next: 2, ..run() };
+        assert_eq!([0, 12, 24, 24].map(|step| late.stop(step)), [None, None, Some(Stop::Frame(2)), None]);
+    }
+}

@@ -1,0 +1,58 @@
+//! A run's two films: hair.vtkhdf and air.vtkhdf.
+
+use std::path::PathBuf;
+
+use windswept::Frame;
+use windswept_scene::Scene;
+
+use super::{Kind, Provenance, VtkHdfWriter, arrays};
+use crate::{ExportError, FrameSink, Start};
+
+/// Writes strands and air particles, each into a file of its own where there are any.
+pub(crate) struct Films {
+    folder: PathBuf,
+    scene: Scene,
+    adapter: String,
+    frames: usize,
+    /// Laid out with the first frame.
+    files: Option<Vec<VtkHdfWriter>>,
+}
+
+impl Films {
+    pub(crate) fn new(start: &Start<'_>) -> Self {
+        Self {
+            folder: start.folder.into(),
+            scene: start.scene.clone(),
+            adapter: start.gpu.info().to_string(),
+            frames: start.frames,
+            files: None,
+        }
+    }
+
+    fn lay_out(&self, frame: &Frame) -> Result<Vec<VtkHdfWriter>, ExportError> {
+        let kinds = [Kind::Hair, Kind::Air].into_iter().filter(|kind| !arrays(*kind, frame).0.is_empty());
+        let provenance = Provenance::of(&self.scene, &self.adapter);
+        kinds
+            .map(|kind| VtkHdfWriter::create(self.folder.join(kind.file_name()), kind, frame, self.frames, &provenance))
+            .collect()
+    }
+}
+
+impl FrameSink for Films {
+    fn append(&mut self, frame: &Frame) -> Result<(), ExportError> {
+        let files = match &mut self.files {
+            Some(files) => files,
+            None => {
+                let files = self.lay_out(frame)?;
+                self.files.insert(files)
+            }
+        };
+        files.iter_mut().try_for_each(|file| file.append(frame))
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), ExportError> {
+        // Each is closed, whatever the other one's end.
+        let closed: Vec<_> = self.files.into_iter().flatten().map(VtkHdfWriter::finish).collect();
+        closed.into_iter().collect()
+    }
+}

@@ -1,0 +1,67 @@
+//! Limits of what a scene, a groom or a caller's array may hold, each with its unit and the reason for it.
+//!
+//! The scene crate checks files and grooms against them, the engine checks what callers hand it at run time.
+
+use std::ops::RangeInclusive;
+
+/// Largest magnitude of a number, in whatever unit it has: its square still fits `f32`, which ends at 3e38.
+pub const LARGEST: f64 = 1e18;
+/// Smallest magnitude of a number that is not 0, in whatever unit it has: its square is still a normal `f32`, and those begin
+/// at 1.2e-38.
+pub const SMALLEST: f64 = 1e-18;
+/// Magnitudes of a number that may not be 0, in whatever unit it has.
+pub const MAGNITUDES: RangeInclusive<f64> = SMALLEST..=LARGEST;
+/// Magnitudes of the masses, inertias and compliances that strands are made of, in SI units: `f32` holds them with a factor of
+/// 1e8 to spare.
+pub const STRAND_MAGNITUDES: RangeInclusive<f64> = 1e-30..=1e30;
+
+/// Most hair points of a scene: strands take 216 B a point at the start, 3.6 GB in all.
+pub const MOST_HAIR_POINTS: u32 = 1 << 24;
+/// Most points of one strand: one invocation walks along it, and Mesa's software adapter ends the loops of an invocation after
+/// 65 535 rounds in all, without a word.
+pub const MOST_POINTS_OF_A_STRAND: u32 = 16_384;
+/// Most times that something repeats within a step (substeps, iterations, sweeps): each time is a dispatch of its own, and so
+/// many take seconds.
+pub const MOST_REPEATS: u32 = 10_000;
+/// Most Newton steps of the direct rod solver in a step: it converges in one or two.
+pub const MOST_NEWTON_STEPS: u32 = 100;
+
+/// Fewest air particles of a scene, three along each axis: with fewer a particle would meet its own periodic image.
+pub const LEAST_AIR_PARTICLES: f64 = 27.0;
+/// Most air particles of a scene: indices have 32 bits, and a neighbour list has some 30 entries a particle.
+pub const MOST_AIR_PARTICLES: u32 = 100_000_000;
+/// Most particles that a single operation on a caller's arrays takes: a list of any more could not be indexed by 32 bits with
+/// 16 B a particle.
+pub const MOST_PARTICLES_OF_AN_OPERATION: usize = 1 << 28;
+/// Smallest kernel radius in particle spacings: below 1 the lattice has no neighbours, and nothing softens the density
+/// constraint.
+pub const LEAST_KERNEL_RADIUS: f64 = 1.2;
+/// Most cells of one kernel radius in the box of air: Mesa's software adapter ends the loop that sums more.
+pub const MOST_BOX_CELLS: f64 = 8e6;
+/// Most buckets that `grid/scan` sums, those for hair outside the box included: each of its 256 invocations walks over its
+/// stretch twice, and Mesa's software adapter ends the loops of an invocation after 65 535 rounds in all.
+pub const MOST_BUCKETS: u32 = 256 * 32_760;
+/// Most buckets for hair outside the box; a power of two.
+pub const MOST_OUTSIDE_BUCKETS: u32 = 1 << 18;
+
+/// Coarsest spacing of the band filter's nodes, in scales of a band: at 1 the grid still knows the band's centre, coarser
+/// grids do not.
+pub const COARSEST_SPACING: f64 = 1.0;
+/// Most nodes of the band filter's grid that a scene may ask for: 2 GiB a buffer at 16 B a node, which is what adapters bind.
+pub const MOST_NODES: f64 = 1.34e8;
+/// Most nodes of the band filter's grid that air can be sorted into: as many as buckets, less those for hair outside the box.
+pub const MOST_SORTED_NODES: u64 = (MOST_BUCKETS - MOST_OUTSIDE_BUCKETS) as u64;
+/// Most pairs of particles that the direct filter may sum in a step: minutes on a software adapter.
+pub const MOST_PAIRS: f64 = 1e11;
+
+/// Most bodies of a scene: every hair point and every air particle looks at every body, twice in a step.
+pub const MOST_BODIES: usize = 1024;
+/// Largest part of the box's cross-section that bodies may block: what is left lets the wind through.
+pub const MOST_BLOCKED: f64 = 0.9;
+/// Deepest that a root may stand below the surface of a body, in radii of the largest ball that fits into the body.
+pub const DEEPEST_ROOT: f64 = 0.1;
+
+/// Most hairs of a picture: those of ten heads.
+pub const MOST_HAIRS: u32 = 1_000_000;
+/// Fewest pixels along a side of a picture.
+pub const LEAST_PIXELS: u32 = 16;

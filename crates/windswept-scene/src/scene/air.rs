@@ -1,0 +1,185 @@
+//! `[air]`: the wind, its gusts, and the box of air particles.
+
+use crate::{
+    declare::table,
+    error::SceneError,
+    keys::{
+        Fallback::{Absent, Needed, NotBuilt, Value},
+        Kind::{Count, Length, NonNegative, Positive, Table, Tables, Vector},
+    },
+    limits::{LEAST_AIR_PARTICLES, LEAST_KERNEL_RADIUS, MOST_AIR_PARTICLES, MOST_BOX_CELLS},
+    reader::Reader,
+    scene::{Interaction, Model, SEED},
+};
+
+/// Density of air ρ0 \[kg/m³\].
+const REST_DENSITY: f64 = 1.29;
+/// Mass of an air particle: the paper's \[kg\].
+const PARTICLE_MASS: f64 = 1.46e-7;
+/// Kernel radius h: the paper's \[m\].
+pub(crate) const KERNEL_RADIUS: f64 = 9.3e-3;
+/// Volume of a parcel without `[air]`: the paper's \[m³\].
+pub(crate) const PARCEL: f64 = PARTICLE_MASS / REST_DENSITY;
+/// Part of a side of the box that rounding may take: the difference of two corners is rounded, and a side of exactly three
+/// kernel radii must do.
+const ROUNDING: f64 = 1e-9;
+
+table! {
+    /// `[air]`: wind and air particles.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Air, checked by Air::checked {
+        /// Periodic box of the air particles; none with models drag and none.
+        bounds as "box": Option<Bounds> = Table, "", Absent("needed with model particles");
+        /// Rest density ρ0.
+        rest_density: f64 = Positive, "kg/m³", Value(REST_DENSITY);
+        /// Mass of an air particle; the count is rounded, and the mass adjusted so that the mean density is exact.
+        particle_mass: f64 = Positive, "kg", Value(PARTICLE_MASS);
+        /// Kernel radius h.
+        kernel_radius: f64 = Length, "m", Value(KERNEL_RADIUS);
+        /// Mean wind U.
+        wind: [f64; 3] = Vector, "m/s", Absent("needed with models particles and drag") => |air| without_wind(air)?;
+        /// Thickness of the fringe, in which entering air is conditioned; 0: none.
+        fringe: f64 = NonNegative, "m", Absent("4 kernel radii") => |_air| 4.0 * kernel_radius;
+        /// Time over which the wind rises; 0: at once.
+        ramp: f64 = NonNegative, "s", Value(0.05);
+        /// Kinematic viscosity ν of the drag on segments: that of real air.
+        kinematic_viscosity: f64 = Positive, "m²/s", Value(1.5e-5);
+        /// Keyframes of what is added to the wind: linear between them, held before and after.
+        gust: Vec<Gust> = Tables, "", Absent("no gusts");
+        /// Turbulence that enters with the wind.
+        inflow: Option<Inflow> = Table, "", Absent("smooth wind");
+    }
+    without a field {
+        /// Reach about the hair that the box is cut to.
+        margin: f64 = Length, "m", NotBuilt;
+    }
+}
+
+table! {
+    /// One of `[[air.gust]]`: linear between two, held before the first and after the last.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Gust {
+        /// Time of the keyframe; each is later than the one before.
+        time: f64 = NonNegative, "s", Needed;
+        /// Velocity that is added to air.wind.
+        velocity: [f64; 3] = Vector, "m/s", Needed;
+    }
+}
+
+table! {
+    /// `air.inflow`: synthetic turbulence that enters with the wind.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Inflow {
+        /// Intensity: rms of a velocity component over the wind's speed.
+        intensity: f64 = NonNegative, "", Needed;
+        /// Size of the eddies, s of the band that they are in.
+        scale: f64 = Length, "m", Needed;
+        /// Seed that draws the waves.
+        seed: u64 = Count(0, u32::MAX), "", Absent("seed") => |inflow| inflow.root().said("seed").unwrap_or(SEED);
+    }
+}
+
+table! {
+    /// An axis-aligned box in the world.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Bounds {
+        /// Lower corner.
+        min: [f64; 3] = Vector, "m", Needed;
+        /// Upper corner.
+        max: [f64; 3] = Vector, "m", Needed;
+    }
+}
+
+fn model(reader: &Reader<'_>) -> Result<Model, SceneError> {
+    Ok(reader.root().read::<Interaction>("interaction")?.model)
+}
+
+/// Hair alone needs no wind.
+fn without_wind(air: &Reader<'_>) -> Result<[f64; 3], SceneError> {
+    match model(air)? {
+        Model::None => Ok([0.0; 3]),
+        _ => Err(air.fault("wind", "is missing: expected three numbers, [x, y, z] [m/s]")),
+    }
+}
+
+impl Air {
+    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+        let times = self.gust.windows(2).position(|pair| pair[1].time <= pair[0].time);
+        if let Some(i) = times {
+            let (before, after) = (self.gust[i].time, self.gust[i + 1].time);
+            let words = format!("expected a time after that of the keyframe before, {before} s; found {after}");
+            return Err(reader.fault(&format!("gust.{}.time", i + 1), words));
+        }
+        // Only particles fill the box.
+        if model(reader)? != Model::Particles {
+            return Ok(Self { bounds: None, ..self });
+        }
+        let Some(bounds) = self.bounds else {
+            let words = "is missing: interaction.model = \"particles\" needs { min = [x, y, z], max = [x, y, z] }";
+            return Err(reader.fault("box", words));
+        };
+        self.check_box(&bounds, reader)?;
+        self.check_kernel(&bounds, reader)?;
+        Ok(self)
+    }
+
+    fn check_box(&self, bounds: &Bounds, reader: &Reader<'_>) -> Result<(), SceneError> {
+        let (min, max, radius) = (bounds.min, bounds.max, self.kernel_radius);
+        let fault = |words: String| Err(reader.fault("box", words));
+        for axis in 0..3 {
+            let side = max[axis] - min[axis];
+            let name = ["x", "y", "z"][axis];
+            if side <= 0.0 {
+                return fault(format!("expected max above min, found {} and {} in {name}", max[axis], min[axis]));
+            }
+            if side < 3.0 * radius * (1.0 - ROUNDING) {
+                return fault(format!(
+                    "expected sides of at least 3 kernel radii, {} m; found {} m in {name}",
+                    rounded(3.0 * radius),
+                    rounded(side)
+                ));
+            }
+        }
+        let count = (0..3).map(|axis| max[axis] - min[axis]).product::<f64>() * self.rest_density / self.particle_mass;
+        if count < LEAST_AIR_PARTICLES {
+            return fault(format!(
+                "would hold {count:.3} particles of air.particle_mass; expected at least {LEAST_AIR_PARTICLES}"
+            ));
+        }
+        if count > f64::from(MOST_AIR_PARTICLES) {
+            return fault(format!(
+                "would hold {count:.3e} particles of air.particle_mass; expected at most {MOST_AIR_PARTICLES}"
+            ));
+        }
+        Ok(())
+    }
+
+    /// Kernels must reach the next particle, and a grid of them must be summed.
+    fn check_kernel(&self, bounds: &Bounds, reader: &Reader<'_>) -> Result<(), SceneError> {
+        let radius = self.kernel_radius;
+        let cells: f64 = (0..3).map(|axis| ((bounds.max[axis] - bounds.min[axis]) / radius).floor()).product();
+        if cells > MOST_BOX_CELLS {
+            let fits = rounded(radius * (cells / MOST_BOX_CELLS).cbrt());
+            let words =
+                format!("makes {cells:.3e} cells of the box; expected at most {MOST_BOX_CELLS:e}, about {fits} m");
+            return Err(reader.fault("kernel_radius", words));
+        }
+        let spacing = (self.particle_mass / self.rest_density).cbrt();
+        let least = rounded(LEAST_KERNEL_RADIUS * spacing);
+        // As the error rounds it: who follows its advice is right.
+        if rounded(radius) < least {
+            let words = format!(
+                "is {:.3} of the particle spacing, {} m (air.particle_mass); expected at least {LEAST_KERNEL_RADIUS} of it, {least} m",
+                radius / spacing,
+                rounded(spacing),
+            );
+            return Err(reader.fault("kernel_radius", words));
+        }
+        Ok(())
+    }
+}
+
+/// The number to six digits, for people.
+pub(super) fn rounded(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
+}

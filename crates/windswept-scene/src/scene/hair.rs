@@ -1,0 +1,244 @@
+//! `[[hair]]`: groups of strands, and the fibres that they are made of.
+
+use crate::{
+    declare::{Keys, Misfit, table, words},
+    document::Document,
+    error::SceneError,
+    initial::End,
+    keys::{
+        Fallback::{Absent, Needed, NotBuilt, Value},
+        Key,
+        Kind::{Choice, Count, Direction, Fraction, Length, NonNegative, Positive, Share, Table, Tables, Text, Vector},
+    },
+    limits::MOST_POINTS_OF_A_STRAND,
+    motion::Motion,
+    reader::Reader,
+    write::Writer,
+};
+
+table! {
+    /// One `[[hair]]`: a group of strands that share everything.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Hair {
+        /// Name of the group, for dotted keys and reports.
+        name: String = Text, "", Value("hair".to_owned());
+        /// Number of strands.
+        strands: u32 = Count(1, u32::MAX), "", Needed;
+        /// Points per strand, root included.
+        points: u32 = Count(2, MOST_POINTS_OF_A_STRAND), "", Needed;
+        /// Length of a strand along its curl.
+        length: f64 = Length, "m", Needed;
+        /// Fraction by which strands are shorter at most, drawn at random.
+        length_variation: f64 = Fraction, "", Value(0.0);
+        /// Fibres of the strands.
+        fibre as "": Fibre = Table, "", Absent("");
+        /// Helical rest shape, right-handed about the strand's axis.
+        curl: Option<Curl> = Table, "", Absent("straight");
+        /// Spread of the helices' phases over the strands, 0 to 1.
+        curl_phase: f64 = NonNegative, "turns", Value(1.0);
+        /// Hold of the roots: in place and direction, in place, not at all.
+        root: End = Choice(End::WORDS), "", Value(End::Clamped);
+        /// Hold of the tips, as of the roots; clamped with rods.solver = "direct" only.
+        tip: End = Choice(End::WORDS), "", Value(End::Free);
+        /// Shape that the strands are rooted on.
+        roots: Roots = Table, "", Needed;
+        /// Keyframes of the roots, about the centre of their shape.
+        motion: Motion = Tables, "", Absent("roots rest");
+    }
+    without a field {
+        /// Groom file that the strands come from.
+        file: String = Text, "", NotBuilt;
+    }
+}
+
+table! {
+    /// Fibres of a strand: side by side, equal and independent.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Fibre, checked by Fibre::checked {
+        /// Radius of a fibre at its root; the semi-major axis, along d2, where the cross-section is an ellipse.
+        radius: f64 = Length, "m", Value(4e-5);
+        /// Fraction by which the tip's radius is less than the root's.
+        taper: f64 = Fraction, "", Value(0.0);
+        /// Semi-minor axis, along d1, over semi-major axis of the cross-section; a curl turns about d2 and so bends the flat
+        /// way.
+        aspect: f64 = Share, "", Value(1.0);
+        /// Density of a fibre.
+        density: f64 = Positive, "kg/m³", Value(1320.0);
+        /// Fibres that a strand stands for; they scale its mass, stiffness and drag area.
+        fibres_per_strand: f64 = Positive, "", Value(1.0);
+        /// Elastic moduli of a fibre, or stiffnesses of the strand.
+        stiffness as "": Stiffness = Table, "", Absent("");
+        /// Mass of every point; the paper's is 1.46e-7.
+        point_mass: Option<f64> = Positive, "kg", Absent("half of each adjoining segment's mass");
+    }
+}
+
+/// Stiffness that bends, twists and stretches a strand back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stiffness {
+    /// Elastic moduli of a fibre's material; the strand has `fibres_per_strand` times a fibre's stiffness.
+    Moduli {
+        /// Young's modulus E \[Pa\].
+        youngs_modulus: f64,
+        /// Poisson's ratio ν; G = E / (2 (1 + ν)).
+        poissons_ratio: f64,
+    },
+    /// Stiffnesses of the whole strand.
+    Direct {
+        /// Stretch stiffness EA \[N\].
+        stretch: f64,
+        /// Bend stiffness EI \[N m²\].
+        bend: f64,
+        /// Twist stiffness GJ \[N m²\].
+        twist: f64,
+        /// Poisson's ratio ν, for GA = EA / (2 (1 + ν)).
+        poissons_ratio: f64,
+    },
+}
+
+table! {
+    /// The keys that spell a [`Stiffness`].
+    pub(crate) struct SpelledStiffness {
+        /// Young's modulus E of a fibre; not with the three stiffnesses.
+        youngs_modulus: Option<f64> = Positive, "Pa", Value(Some(4e9));
+        /// Poisson's ratio ν: G = E/(2 (1 + ν)), GA = EA/(2 (1 + ν)).
+        poissons_ratio: f64 = Fraction, "", Value(0.38);
+        /// Stretch stiffness EA of the strand; the three stiffnesses go together.
+        stretch_stiffness: Option<f64> = Positive, "N", Absent("from youngs_modulus");
+        /// Bend stiffness EI of the strand.
+        bend_stiffness: Option<f64> = Positive, "N m²", Absent("from youngs_modulus");
+        /// Twist stiffness GJ of the strand.
+        twist_stiffness: Option<f64> = Positive, "N m²", Absent("from youngs_modulus");
+    }
+}
+
+table! {
+    /// A right-handed helix about the strand's axis.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Curl {
+        /// Radius of the helix.
+        radius: f64 = Length, "m", Needed;
+        /// Advance along the axis per turn.
+        pitch: f64 = Length, "m", Needed;
+    }
+}
+
+table! {
+    /// Shape that the strands of a group are rooted on.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Roots, checked by Roots::checked {
+        /// Shape that roots are drawn on.
+        shape: RootShape = Choice(RootShape::WORDS), "", Value(RootShape::Disc);
+        /// Centre of the shape.
+        center: [f64; 3] = Vector, "m", Needed;
+        /// Radius of the disc or cap; half length of the line.
+        radius: f64 = Length, "m", Needed;
+        /// Direction in which strands start, a unit vector; a cap faces it.
+        direction: [f64; 3] = Direction, "", Value([0.0, -1.0, 0.0]);
+        /// Normal of the disc or of the line, a unit vector: strands lean where it is not the direction.
+        normal: [f64; 3] = Direction, "", Absent("direction") => |_reader| direction;
+    }
+}
+
+words! {
+    /// `hair.roots.shape`.
+    pub enum RootShape {
+        /// A flat disc.
+        Disc = "disc",
+        /// The half sphere of `radius` facing `direction`; strands start along its normals.
+        SphereCap = "sphere_cap",
+        /// A line of half length `radius`, horizontal where it can be.
+        Line = "line",
+    }
+}
+
+impl Roots {
+    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+        if self.shape == RootShape::SphereCap && self.normal != self.direction {
+            let words = "expected no normal with shape \"sphere_cap\", which faces direction";
+            return Err(reader.fault("normal", words));
+        }
+        Ok(self)
+    }
+}
+
+impl Default for Fibre {
+    /// The fibre of a `[hair]` that says nothing of it: 40 µm, 1320 kg/m³, 4 GPa.
+    fn default() -> Self {
+        Self::read(&Reader::new(&Document::default())).expect("every key of a fibre has a default")
+    }
+}
+
+impl Fibre {
+    /// Why an aspect is refused with stiffnesses that are given directly: those are a round strand's.
+    pub(crate) const ROUND: &str = "stiffnesses are given: expected youngs_modulus with an aspect, or 1";
+
+    /// Whether the cross-section is flat though stiffnesses are given.
+    pub(crate) fn is_overdetermined(&self) -> bool {
+        self.aspect != 1.0 && matches!(self.stiffness, Stiffness::Direct { .. })
+    }
+
+    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+        if self.is_overdetermined() { Err(reader.fault("aspect", Self::ROUND)) } else { Ok(self) }
+    }
+}
+
+impl Stiffness {
+    fn spelled(self) -> SpelledStiffness {
+        match self {
+            Self::Moduli { youngs_modulus, poissons_ratio } => SpelledStiffness {
+                youngs_modulus: Some(youngs_modulus),
+                poissons_ratio,
+                stretch_stiffness: None,
+                bend_stiffness: None,
+                twist_stiffness: None,
+            },
+            Self::Direct { stretch, bend, twist, poissons_ratio } => SpelledStiffness {
+                youngs_modulus: None,
+                poissons_ratio,
+                stretch_stiffness: Some(stretch),
+                bend_stiffness: Some(bend),
+                twist_stiffness: Some(twist),
+            },
+        }
+    }
+}
+
+impl Keys for Stiffness {
+    fn list(path: &str, all: &mut Vec<Key>) {
+        SpelledStiffness::list(path, all);
+    }
+
+    fn read(reader: &Reader<'_>) -> Result<Self, SceneError> {
+        let spelled = SpelledStiffness::read(reader)?;
+        let poissons_ratio = spelled.poissons_ratio;
+        let direct = (spelled.stretch_stiffness, spelled.bend_stiffness, spelled.twist_stiffness);
+        match (spelled.youngs_modulus, direct) {
+            (Some(youngs_modulus), (None, None, None)) => Ok(Self::Moduli { youngs_modulus, poissons_ratio }),
+            _ if reader.has("youngs_modulus") => {
+                let words = "stiffnesses are given too: expected the modulus or the three stiffnesses";
+                Err(reader.fault("youngs_modulus", words))
+            }
+            (_, (Some(stretch), Some(bend), Some(twist))) => Ok(Self::Direct { stretch, bend, twist, poissons_ratio }),
+            (_, (stretch, bend, _)) => {
+                let missing = if stretch.is_none() {
+                    "stretch_stiffness"
+                } else if bend.is_none() {
+                    "bend_stiffness"
+                } else {
+                    "twist_stiffness"
+                };
+                let words = "is missing: stretch_stiffness, bend_stiffness and twist_stiffness go together";
+                Err(reader.fault(missing, words))
+            }
+        }
+    }
+
+    fn write(&self, writer: &mut Writer) {
+        self.spelled().write(writer);
+    }
+
+    fn misfit(&self) -> Option<Misfit> {
+        self.spelled().misfit()
+    }
+}

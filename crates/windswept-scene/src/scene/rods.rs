@@ -1,0 +1,55 @@
+//! `[rods]`: how Cosserat rods are solved.
+
+use crate::{
+    declare::{table, words},
+    keys::{
+        Fallback::{Method, NotBuilt, Value},
+        Kind::{Bool, Choice, Count, NonNegative},
+    },
+    limits::{MOST_NEWTON_STEPS, MOST_REPEATS},
+};
+
+table! {
+    /// `[rods]`: how Cosserat rods are solved.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Rods {
+        /// Solver of the rods.
+        solver: Solver = Choice(Solver::WORDS), "", Method(Solver::Direct, Solver::GaussSeidel);
+        /// Time integration of hair.
+        integrator: Integrator = Choice(Integrator::WORDS), "", Method(Integrator::Bdf2, Integrator::Euler);
+        /// Sweeps of Gauss-Seidel in a step; gauss-seidel only.
+        iterations: u32 = Count(1, MOST_REPEATS), "", Value(10);
+        /// Newton steps at most; direct only: a strand stops when its segments fit within 1e-5.
+        newton: u32 = Count(1, MOST_NEWTON_STEPS), "", Value(4);
+        /// Whether strands have no stretch compliance.
+        inextensible: bool = Bool, "", Value(false);
+        /// Damping of absolute linear and angular velocity.
+        damping: f64 = NonNegative, "1/s", Value(0.0);
+        /// Whether strands at rest that nothing pushes are left alone (error below 1e-4 of their length).
+        sleep: bool = Bool, "", Value(true);
+    }
+    without a field {
+        /// Internal damping of Kelvin and Voigt.
+        internal_damping: f64 = NonNegative, "s", NotBuilt;
+    }
+}
+
+words! {
+    /// `rods.solver`.
+    pub enum Solver {
+        /// Direct block-tridiagonal dual solve.
+        Direct = "direct",
+        /// Gauss-Seidel with compliance.
+        GaussSeidel = "gauss-seidel",
+    }
+}
+
+words! {
+    /// `rods.integrator`.
+    pub enum Integrator {
+        /// Second order, with the Euler fallback.
+        Bdf2 = "bdf2",
+        /// Implicit Euler.
+        Euler = "euler",
+    }
+}

@@ -1,0 +1,151 @@
+//! `[turbulence]`: vorticity confinement.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::air::rounded;
+use crate::{
+    declare::{table, words},
+    error::SceneError,
+    keys::{
+        Fallback::{Absent, Method, Needed, Value},
+        Kind::{Bool, Choice, Length, NonNegative, Positive, Tables},
+    },
+    limits::{COARSEST_SPACING, MOST_NODES, MOST_PAIRS},
+    reader::Reader,
+    scene::{Air, Scene},
+};
+
+table! {
+    /// `[turbulence]`: vorticity confinement.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Turbulence, checked by Turbulence::checked {
+        /// Bands of eddies to strengthen.
+        bands: Vec<Band> = Tables, "", Absent("no confinement");
+        /// Speed U of the law.
+        speed: f64 = NonNegative, "m/s", Absent("the largest wind") => |turbulence| largest_wind(turbulence)?;
+        /// Confinement law.
+        law: Law = Choice(Law::WORDS), "", Method(Law::Band, Law::Published);
+        /// Filter that finds the band velocity; law published takes direct only.
+        filter: Filter = Choice(Filter::WORDS), "", Method(Filter::Grid, Filter::Direct);
+        /// Order of the grid filter's B-spline: linear, quadratic, cubic.
+        order: Order = Choice(Order::WORDS), "", Value(Order::Cubic);
+        /// Spacing of the grid filter's nodes in units of the scale, at most 1; never more than a kernel radius.
+        spacing: f64 = Positive, "", Value(0.55);
+        /// Cutoff of the direct filter in units of the scale.
+        cutoff: f64 = Positive, "", Method(4.5, 3.0);
+        /// Whether û is divided by the smoothed volume fraction, for air with holes; grid filter only.
+        normalise: bool = Bool, "", Value(false);
+        /// Whether the mean change of the air is taken out, so that confinement drives no wind.
+        conserve_momentum: bool = Bool, "", Absent("true with law band, false with published") => |_turbulence| law == Law::Band;
+    }
+}
+
+table! {
+    /// One of `turbulence.bands`.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Band {
+        /// Scale of the eddies to strengthen: s of the Mexican hat.
+        scale: f64 = Length, "m", Needed;
+        /// Strength S of the band law; the published law has a strength of its own. 0 leaves the band out.
+        strength: f64 = NonNegative, "", Value(3.0);
+        /// Intensity I of the band law: the band's largest speed over turbulence.speed.
+        intensity: f64 = Positive, "", Value(0.3);
+    }
+}
+
+words! {
+    /// `turbulence.law`.
+    pub enum Law {
+        /// Vorticity of the band, self-limiting.
+        Band = "band",
+        /// Eqs. 2-6 as printed.
+        Published = "published",
+    }
+}
+
+words! {
+    /// `turbulence.filter`.
+    pub enum Filter {
+        /// Three Gaussian passes on a grid.
+        Grid = "grid",
+        /// The sum of eq. 5.
+        Direct = "direct",
+    }
+}
+
+words! {
+    /// `turbulence.order`: the B-spline that carries what particles have to the grid and back.
+    pub enum Order {
+        /// Cloud in cell: linear, 8 nodes.
+        Cic = "cic",
+        /// Triangular-shaped cloud: quadratic, 27 nodes.
+        Tsc = "tsc",
+        /// Cubic, 64 nodes.
+        Cubic = "cubic",
+    }
+}
+
+fn largest_wind(reader: &Reader<'_>) -> Result<f64, SceneError> {
+    let root = reader.root();
+    if root.has("air") { Ok(root.read::<Air>("air")?.largest_wind()) } else { Ok(0.0) }
+}
+
+impl Turbulence {
+    fn checked(mut self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+        // The published law knows no other.
+        if self.law == Law::Published && !reader.has("filter") {
+            self.filter = Filter::Direct;
+        }
+        if self.filter == Filter::Grid && self.law == Law::Published {
+            let words = "expected \"direct\" with turbulence.law = \"published\", which sums hair too, without volumes";
+            return Err(reader.fault("filter", words));
+        }
+        if self.filter == Filter::Direct && self.normalise {
+            return Err(reader.fault("normalise", "expected turbulence.filter = \"grid\" with it"));
+        }
+        if self.spacing > COARSEST_SPACING {
+            let words = format!("expected at most {COARSEST_SPACING} scales, found {}", self.spacing);
+            return Err(reader.fault("spacing", words));
+        }
+        Ok(self)
+    }
+}
+
+impl Scene {
+    /// Grids must fit adapters, and direct sums must end.
+    pub(super) fn check_bands(&self, reader: &Reader<'_>) -> Result<(), SceneError> {
+        let Some((air, bounds)) = self.filled() else { return Ok(()) };
+        let size = DVec3::from_array(bounds.max) - DVec3::from_array(bounds.min);
+        for (i, band) in self.turbulence.bands.iter().enumerate() {
+            let fault = |words| Err(reader.fault(&format!("turbulence.bands.{i}.scale"), words));
+            match self.turbulence.filter {
+                Filter::Grid => {
+                    let nodes: f64 = self.turbulence.nodes(band.scale, air.kernel_radius, size).iter().product();
+                    if nodes > MOST_NODES {
+                        let fits = rounded(band.scale * (nodes / MOST_NODES).cbrt());
+                        return fault(format!(
+                            "the filter's grid would have {nodes:.1e} nodes, at most {MOST_NODES:.1e} fit any adapter; expected at least about {fits} m"
+                        ));
+                    }
+                }
+                Filter::Direct => {
+                    let pairs = pairs(air, size, self.turbulence.cutoff * band.scale);
+                    if pairs > MOST_PAIRS {
+                        let fits = band.scale * (MOST_PAIRS / pairs).cbrt();
+                        return fault(format!(
+                            "the direct filter would sum {pairs:.1e} pairs a step; expected at most {fits:.2e} m, or filter = \"grid\""
+                        ));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Pairs of air particles within `reach` \[m\] in a box of `size` \[m\], periodic images included.
+fn pairs(air: &Air, size: DVec3, reach: f64) -> f64 {
+    size.element_product() / air.parcel() * (4.0 / 3.0 * PI * reach.powi(3) / air.parcel())
+}
