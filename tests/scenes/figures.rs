@@ -3,7 +3,11 @@
 use std::path::PathBuf;
 
 use glam::DVec3;
-use windswept::{Simulation, plan};
+use windswept::{
+    Simulation,
+    internals::{Plan, Recorder, Setup, State, step},
+    plan,
+};
 use windswept_scene::{InitialState, Method, Model, Scene};
 
 use crate::support;
@@ -58,6 +62,28 @@ fn figures_have_the_papers_parameters() {
             assert_eq!((row.runs, row.skipped), (1, None), "{file}");
         }
     }
+}
+
+/// A band of large eddies asks for no more work than one of small eddies: its grid is coarser by as much. `cargo bench --bench
+/// price` has what that comes to in time.
+#[test]
+fn large_eddies_cost_no_more_than_small_ones() {
+    let [small, large] = ["fig2b", "fig3c"].map(|name| {
+        let scene = load(name);
+        let initial = InitialState::new(&scene).unwrap();
+        let setup = Setup::new(&scene, &initial);
+        let (plan, sizes) = (Plan::new(&setup), setup.sizes());
+        assert!(plan.grid_filter.runs && !plan.direct_filter.runs, "{name} sums over pairs");
+        let recording = Recorder::record(&State::new(&sizes), |r| step::record(r, &plan));
+        let invocations = |of_band: bool| -> u64 {
+            let passes = recording.running().filter(|command| command.band.is_some() == of_band);
+            passes.map(|command| u64::from(command.invocations)).sum()
+        };
+        println!("{name}: {} invocations of its band, {} taps", invocations(true), sizes.taps);
+        (invocations(true), sizes.taps, invocations(false))
+    });
+    assert!(large.0 < small.0 && large.1 <= small.1, "{large:?} {small:?}");
+    assert_eq!(large.2, small.2, "the other passes");
 }
 
 /// The small fig2b after 0.25 s: nothing non-finite, stretch below 3 %, the wind kept, hair downwind of its roots, and
