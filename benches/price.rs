@@ -54,7 +54,7 @@ impl Run {
 
     /// Steps up to the next that is timed, and that. One in which the neighbour list grew was done in part and does not count.
     fn turn(&mut self) -> Result<()> {
-        let list = |simulation: &Simulation| simulation.engine().state().neighbour_list.len;
+        let list = |simulation: &Simulation| simulation.engine().state().neighbour_list.len();
         let (timed, before) = (self.simulation.timed_steps(), list(&self.simulation));
         while self.simulation.timed_steps() == timed {
             self.simulation.step(1)?;
