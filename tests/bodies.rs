@@ -16,7 +16,7 @@ fn points(of: &[[f32; 3]]) -> Vec<DVec3> {
     of.iter().map(|x| DVec3::from_array(x.map(f64::from))).collect()
 }
 
-/// The deepest of these below the surface of any body now \[m\]; negative: the nearest above it.
+/// Depth of the deepest of these points below the surface of any body now \[m\]; negative if all are outside.
 fn deepest(simulation: &Simulation, of: &[[f32; 3]]) -> f64 {
     let placed: Vec<Shape> = simulation.scene().bodies.iter().map(|body| body.at(simulation.time())).collect();
     let depth = |x: &DVec3| placed.iter().map(|body| -body.signed_distance(*x).0).fold(f64::NEG_INFINITY, f64::max);
@@ -55,7 +55,7 @@ fn hair_sticks_and_slides_by_coulombs_law() {
     }
 }
 
-/// 5 mm between points, clamped above a ball, and falling over it.
+/// A strand with 5 mm between points, clamped above a ball, that falls over it.
 const DRAPED: &str = "interaction.model = \"none\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 1\npoints = 41\nlength = 0.2\n\
     roots = { center = [0, 0.051, 0], radius = 1e-3, direction = [1, 0, 0.0] }\n[rods]\niterations = 60\n\
     [[body]]\nname = \"ball\"\nradius = 0.05\ncenter = [0, 0, 0]\n";
@@ -161,7 +161,7 @@ fn hair_that_starts_inside_comes_out_slowly() {
 const PASSED: &str = "[time]\nstep = 1.38e-3\nduration = 1.0\n[air]\nbox = { min = [0.0, 0.0, 0.0], max = [0.16, 0.09, 0.09] }\nwind = [3.0, 0.0, 0.0]\n\
     [fluid]\niterations = 6\n[[body]]\nname = \"ball\"\nradius = 0.02\ncenter = [0.07, 0.045, 0.045]\n";
 
-/// Mean velocity along x of the air in a place of the ball's own frame.
+/// Mean velocity along x of the air in a region, given in the ball's own frame \[m/s\].
 fn mean_speed(frame: &Frame, ball: DVec3, place: impl Fn(DVec3) -> bool) -> f64 {
     let each = points(&frame.air.positions).into_iter().zip(&frame.air.velocities);
     let (sum, n) =
@@ -170,7 +170,7 @@ fn mean_speed(frame: &Frame, ball: DVec3, place: impl Fn(DVec3) -> bool) -> f64 
     sum / f64::from(n)
 }
 
-/// Nothing is inside, and behind the ball is a wake.
+/// Air that streams past a ball never enters it, and leaves a wake behind it.
 #[test]
 fn air_flows_around_a_ball() {
     let mut simulation = simulation(PASSED, &[]);
@@ -230,7 +230,7 @@ fn hair_stays_on_a_head_that_turns() {
     let (hair, air) = (deepest(&simulation, &frame.hair.positions), deepest(&simulation, &frame.air.positions));
     println!("hair {hair:.1e} m inside, air {air:.1e} m");
     // Roots are on the surface; measured 8.4e-9 m: rounding. Air keeps half a spacing, 2.4 mm, from either body, but for the
-    // crease between head and neck, where the one may undo what the other did: measured 1.3 mm off.
+    // crease between head and neck, where one body may undo what the other did: measured 1.3 mm off.
     assert!(hair < 3e-8 && air < 0.0, "{hair} {air}");
     assert!(frame.hair.velocities.iter().flatten().all(|v| v.abs() < 9.0));
 }

@@ -15,7 +15,7 @@ use windswept_scene::Order;
 /// The whole sum takes its time: one particle of so many has one.
 const SAMPLED: usize = 16;
 
-/// Air in a periodic box: m, m/s.
+/// Air in a periodic box: positions \[m\] and velocities \[m/s\].
 struct Air {
     size: DVec3,
     positions: Vec<[f64; 3]>,
@@ -23,7 +23,7 @@ struct Air {
 }
 
 impl Air {
-    /// A lattice of so many particles, each moved by up to 0.3 of their spacing along each axis, stirred by six solenoidal
+    /// A lattice of particles, each moved by up to 0.3 of their spacing along each axis, stirred by six solenoidal
     /// waves of one to three periods along each axis.
     fn stirred(counts: [usize; 3], seed: u64) -> Self {
         let mut rng = Pcg64::seed_from_u64(seed);
@@ -96,7 +96,7 @@ fn error(got: &[DVec3], wanted: &[DVec3]) -> f64 {
     (squares(&gaps) / squares(wanted)).sqrt()
 }
 
-/// The default reaches 0.8 % at every scale, on two fields, and has the same bits twice.
+/// The default filter is 0.8 % off at most, at every scale and on two fields, and has the same bits in a second run.
 #[test]
 fn the_default_is_within_0_8_percent() {
     for seed in [5, 6] {
@@ -111,7 +111,7 @@ fn the_default_is_within_0_8_percent() {
     }
 }
 
-/// Orders and spacings that a scene may ask for, boxes smaller than the kernel, and sides that differ.
+/// Orders and spacings that a scene may ask for have their errors, in boxes smaller than the kernel and with unequal sides too.
 #[test]
 fn every_order_and_box_is_that_of_the_whole_sum() {
     let cases = [

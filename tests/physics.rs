@@ -1,4 +1,4 @@
-//! What no row of `windswept validate` (tests/formulas.rs) has: momentum of hair and air in one correction.
+//! Momentum of hair and air in one density correction, which no row of `windswept validate` (tests/formulas.rs) measures.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod support;

@@ -1,4 +1,4 @@
-//! Where strands come to rest.
+//! Strands at rest: where they come to rest, and that they stay whole.
 
 use glam::DVec3;
 use windswept::Simulation;
@@ -7,7 +7,7 @@ use windswept_scene::Scene;
 
 use crate::{GRAVITY, LENGTH, LINE_DENSITY, Rod, STRETCH, build, elastica, rest, support, tips};
 
-/// The elastica for every γ, at any step: 34 segments.
+/// Strands of 34 segments come to rest on the elastica for every γ, at any step.
 #[test]
 fn strands_hang_like_the_elastica_at_any_step() {
     assert_hang_like_the_elastica(&[1.38e-3, 4e-3, 8.3e-3, 16.6e-3]);
@@ -44,7 +44,8 @@ fn assert_hang_like_the_elastica(steps: &[f64]) {
     }
 }
 
-/// Second order in the segments' length; the same rod at any number of them within 1.3 x the discretisation's own error.
+/// The error falls with the square of the segments' length; with any number of segments it is within 1.3 times the
+/// discretisation's own.
 #[test]
 fn stiffness_does_not_depend_on_the_number_of_points() {
     let own = [(10.0, [1.3e-2, 3.5e-3, 8.2e-4, 2.4e-4, 6.0e-5]), (100.0, [3.2e-2, 8.6e-3, 2.1e-3, 6.4e-4, 1.7e-4])];
@@ -130,7 +131,7 @@ fn gauss_seidel_hangs_strands_like_elastica_and_helix() {
     }
 }
 
-/// Nothing stretches beyond what its weight asks for: T/EA.
+/// No segment stretches by more than T/EA, the tension of the weight below it over the stretching stiffness.
 #[test]
 fn strands_do_not_stretch() {
     for gamma in [10.0, 100.0] {
@@ -143,7 +144,7 @@ fn strands_do_not_stretch() {
     }
 }
 
-/// Strands of many short segments, and few steps that are long for them, stay whole: with more substeps where they need them.
+/// Strands of many short segments stay whole at steps that are long for them, with more substeps where they need them.
 #[test]
 fn many_points_do_not_tear() {
     assert_whole(&[

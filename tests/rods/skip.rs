@@ -9,22 +9,24 @@ use crate::{LENGTH, Rod, build, rest, support, tips};
 /// Strands in still air that come to rest, and then something is done to them, step by step.
 struct Disturbed {
     what: &'static str,
-    /// Of the scene.
+    /// Keys of the scene.
     keys: &'static str,
     damping: f64,
-    /// [s]
+    /// Step of the scene [s].
     step: f64,
-    /// Until they sleep [s], and what is looked at then.
+    /// Time after which the strands sleep [s].
     rest: f64,
+    /// Time for which they are compared after that [s].
     then: f64,
-    /// What strands are moved by in the end, at least [L].
+    /// Least distance by which the strands have moved in the end [L].
     moves: f64,
 }
 
+/// Strands to which nothing is done.
 const CALM: Disturbed =
     Disturbed { what: "nothing", keys: "", damping: 2.0, step: 4e-3, rest: 4.0, then: 0.6, moves: 0.0 };
 
-/// How far apart two runs ever are, tips in lengths and frames in rad: one that skips what it may, and one that skips nothing.
+/// Largest difference, of tips [L] and of frames [rad], between a run that skips what it may and one that skips nothing.
 fn skipped(case: &Disturbed, drive: impl Fn(&mut Simulation, f64)) -> (f64, f64) {
     let Disturbed { what, keys, damping, step, rest, then, moves } = case;
     let run = |sleep: bool| {
@@ -119,7 +121,7 @@ fn what_is_skipped_in_honey_or_weightless_is_not_missed() {
     assert_not_missed(&apart);
 }
 
-/// Where strands rest, asleep and awake.
+/// Strands that may sleep come to rest where those come to rest that may not.
 #[test]
 fn sleep_does_not_move_what_rests() {
     let rods = [Rod::level(1.0, 34), Rod::level(10.0, 34), Rod::level(100.0, 34)];
@@ -137,7 +139,7 @@ fn sleep_does_not_move_what_rests() {
     }
 }
 
-/// In falls, however short the steps are, tips go where they go with nothing skipped.
+/// Tips of falling strands, however short the steps are, go where they go in a run that skips nothing.
 #[test]
 fn falls_are_not_cut_short() {
     assert_falls_are_whole(&[1, 16]);

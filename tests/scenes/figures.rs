@@ -19,7 +19,7 @@ fn load(name: &str) -> Scene {
     Scene::load(&file).unwrap()
 }
 
-/// Section 4 and table 1 of the paper, figure by figure, and the small copies.
+/// The scenes and their small copies have the values of the paper's section 4 and table 1, figure by figure.
 #[test]
 fn figures_have_the_papers_parameters() {
     for name in FIGURES {
@@ -112,7 +112,8 @@ fn hair_streams_and_leaves_a_wake() {
         assert!(span.x > 0.6 * 0.12 && span.is_finite(), "a tip is {span} from its root");
     }
 
-    // Behind: downwind of the hair, within its width and height; beside: as far downwind, 15 mm or more outside of them.
+    // The air behind is downwind of the hair, within its width and height; the air beside is as far downwind and 15 mm or more
+    // outside of them.
     let hair: Vec<DVec3> = frame.hair.positions.iter().map(vector).collect();
     let low = hair.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = hair.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);

@@ -1,4 +1,5 @@
-//! The whole of examples/scenes/quick.toml: finite, unstretched, at its density, in its wind, blown downwind.
+//! The whole run of examples/scenes/quick.toml: all is finite, strands keep their length, air keeps its density and the wind's
+//! velocity, and hair is blown downwind.
 
 use glam::DVec3;
 use windswept::{Frame, Simulation};
@@ -6,6 +7,7 @@ use windswept_scene::Scene;
 
 use crate::support;
 
+/// Text of the scene.
 const QUICK: &str = include_str!("../../examples/scenes/quick.toml");
 
 fn rms(values: impl Iterator<Item = f64>) -> f64 {

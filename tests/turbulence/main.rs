@@ -24,7 +24,7 @@ fn scene(scale: f64, strength: f64) -> Scene {
     scene
 }
 
-/// What passes leave of the air at the start.
+/// Array that passes leave, of the air at the start.
 fn measure(
     scene: &Scene,
     initial: &InitialState,
@@ -51,7 +51,7 @@ fn with_velocities(mut initial: InitialState, velocity: impl Fn(DVec3) -> DVec3)
     initial
 }
 
-/// A cut at 3 s, 4 s, 4.5 s reads that part of a uniform flow as eddies.
+/// A filter cut at 3 s, 4 s or 4.5 s takes the part of a uniform flow that theory says for eddies.
 #[test]
 fn a_cut_filter_leaks_uniform_flow() {
     let initial = with_velocities(lattice([12; 3], &SIMPLE), |_| DVec3::X);
@@ -64,7 +64,7 @@ fn a_cut_filter_leaks_uniform_flow() {
             // The lattice steps at the edge of the cut: measured at most 3.0 % (at 3 s).
             assert!((*u - wanted * DVec3::X).length() < 0.04 * wanted + 5e-4, "{u} at {cutoff} s");
         }
-        // What blows with the wind is not turbulence: v - U.
+        // Air that blows with the wind is not turbulent: the filter sees v - U.
         scene.air.as_mut().unwrap().wind = [1.0, 0.0, 0.0];
         scene.air.as_mut().unwrap().ramp = 0.0;
         let none = band_velocity(&scene, &initial);
@@ -72,7 +72,7 @@ fn a_cut_filter_leaks_uniform_flow() {
     }
 }
 
-/// Six waves of one to three periods an axis, solenoidal, all of one amplitude, plus a little noise in the positions.
+/// Air with six waves of one to three periods an axis, solenoidal, all of one amplitude, plus a little noise in the positions.
 fn stirred(cells: usize, speed: f64) -> InitialState {
     let mut rng = Pcg64::seed_from_u64(5);
     let mut initial = lattice([cells; 3], &SIMPLE);
@@ -190,7 +190,7 @@ fn bands_that_do_not_fit_are_named() {
     assert!(warned(0.00497) && !warned(0.00500), "1.03 spacings are 4.98 mm");
 }
 
-/// What air is set to before the first step is where its spectrum starts; a wind that is set later changes nothing of it.
+/// The spectrum starts from the air as it is set before the first step; a wind that is set later does not change that.
 #[test]
 fn a_spectrum_starts_where_the_air_does() {
     let initial = stirred(12, 0.05);
@@ -206,8 +206,8 @@ fn a_spectrum_starts_where_the_air_does() {
     assert!(wanted > 1e-4 && (start - wanted).abs() < 1e-3 * wanted, "{start}, {wanted}");
 }
 
-/// Strength is a number: how fast eddies are strengthened depends neither on the step, nor on the spacing of nodes or of
-/// particles, and on the kernel radius only by what its sum loses of the curl.
+/// Strength is a number: how fast eddies are strengthened depends neither on the step nor on the spacing of nodes or
+/// particles, and on the kernel radius only through the part of the curl that its sum loses.
 #[test]
 fn strength_is_independent_of_the_discretisation() {
     let rate = |step: f64, kernel: f64, nodes: f64, finer: usize| {

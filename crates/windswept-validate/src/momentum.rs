@@ -1,4 +1,4 @@
-//! What nothing may change.
+//! Momentum, which nothing inside may change.
 
 use std::f64::consts::TAU;
 
@@ -36,7 +36,8 @@ ramp = 0.0
 sleep = false
 ";
 
-/// Air, and air with loose hair, stirred in a closed periodic box, no wind and no confinement: Σ m v stays.
+/// Rows of the momentum Σ m v of air, and of air with loose hair, stirred in a closed periodic box without wind and
+/// confinement: it stays.
 pub(crate) fn closed_box(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows = air_alone(gpu)?;
     rows.push(hair_in_air(gpu)?);
@@ -81,7 +82,7 @@ fn air_alone(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(vec![Row::new("closed box of air: change of momentum in 300 steps", 0.0, change, 1.4e-7, KEPT)])
 }
 
-/// Σ m v and Σ m |v| \[kg m/s\].
+/// Momentum Σ m v, and Σ m |v| \[kg m/s\].
 fn momentum(cloud: &Cloud) -> (DVec3, f64) {
     let each = cloud.velocities.iter().map(|v| MASS * DVec3::from_array(*v));
     (each.clone().sum(), each.map(|p| p.length()).sum())

@@ -34,7 +34,7 @@ pub struct Gpu {
 type Pipelines = Arc<Mutex<HashMap<&'static str, wgpu::ComputePipeline>>>;
 
 impl Gpu {
-    /// A device of our own on the chosen adapter.
+    /// Opens a device on the chosen adapter.
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`] says what was looked for, what there is and what to install.
@@ -61,7 +61,7 @@ impl Gpu {
         Self::from_device(&adapter, device, queue)
     }
 
-    /// The caller's device. Errors on it are caught in error scopes; its handlers are left alone.
+    /// Takes the caller's device. Errors on it are caught in error scopes; the device's handlers are left alone.
     ///
     /// # Errors
     /// [`GpuError::Limit`] when the device's limits are below WebGPU's defaults in what the passes need.
@@ -120,7 +120,7 @@ impl Gpu {
         &self.info
     }
 
-    /// The largest buffer that a pass can bind \[bytes\].
+    /// Size of the largest buffer that a pass can bind \[bytes\].
     #[must_use]
     pub fn largest_binding(&self) -> u64 {
         let limits = self.device.limits();
@@ -149,7 +149,7 @@ impl Gpu {
     /// Waits until the queue is empty.
     ///
     /// # Errors
-    /// [`GpuError::Lost`].
+    /// [`GpuError::Lost`] when the device is lost.
     pub fn wait(&self) -> Result<(), GpuError> {
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| GpuError::Lost(error.to_string()))?;
         Ok(())

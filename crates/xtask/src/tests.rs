@@ -5,13 +5,13 @@ use std::process::{Command, Stdio};
 
 use crate::{Result, cargo, line, python, say, venv, vulkan};
 
-/// What the tests that read our files with other people's readers import.
+/// PyPI packages of the tests that read our files with other people's readers.
 const PYTHON_PACKAGES: [&str; 4] = ["numpy", "h5py", "vtk", "pillow"];
 
 /// Which tests run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Length {
-    /// What `cargo test` runs, and pytest without the tests marked `long`.
+    /// The tests that `cargo test` runs, and those of pytest without the mark `long`.
     Usual,
     /// Also the tests that are ignored because they take long, the Python tests marked `long`, and a short run of the benches.
     Long,
@@ -68,7 +68,7 @@ pub(crate) fn run(length: Length) -> Result {
     }
 }
 
-/// What test programs say at their end, added up.
+/// Numbers that test programs print at their end, added up.
 #[derive(Debug)]
 struct Count {
     passed: u64,
@@ -104,7 +104,7 @@ fn run_and_count(tests: &mut Command) -> Result<Count> {
     Ok(count)
 }
 
-/// Whether it is the last line of a program of libtest, or of pytest.
+/// Whether a line is the last one of a program of libtest, or of pytest.
 fn closes(row: &str) -> bool {
     let pytest =
         || row.contains(" in ") && row.split(", ").any(|part| before(part, " passed") + before(part, " failed") > 0);
@@ -129,7 +129,7 @@ mod check {
         assert!(closes(&format!("test result: {line}")) && !closes(line));
     }
 
-    /// And that of pytest, which names what there is none of only if there was some.
+    /// The closing line of pytest counts too; it leaves out what there is none of.
     #[test]
     fn closing_line_of_pytest_is_read() {
         for (line, counts) in
