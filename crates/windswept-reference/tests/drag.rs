@@ -1,4 +1,4 @@
-//! wind::drag: lift and drag on segments.
+//! Tests of `wind::drag`: lift and drag on segments.
 
 #![allow(clippy::unwrap_used)]
 
@@ -17,7 +17,7 @@ use windswept_scene::{InitialState, Strands};
 const DENSITY: f64 = 1.29;
 const NU: f64 = 1.5e-5;
 const HAIR: f64 = 4e-5;
-/// As heavy as can be: D and F show in w Δt D u to first order.
+/// Inverse mass so small that D and F show in w Δt D u to first order [1/kg].
 const HEAVY: f64 = 1e-9;
 
 /// Hair in the wind; `keys` are those of `[interaction]`.
@@ -83,7 +83,7 @@ fn drag_along_is_laminar_skin_friction() {
     assert!(bare.length() < 1e-12, "{bare}");
 }
 
-/// Half each point's own; areas go with radius, length as it is, and fibres.
+/// Each point of a segment takes half of its drag; areas go with radius, present length and number of fibres.
 #[test]
 fn area_is_that_of_all_fibres() {
     let mut hair = straight(2, 0.02, Some(HEAVY));
@@ -103,7 +103,8 @@ fn area_is_that_of_all_fibres() {
     assert!((ratio(thick[2], one[0]) - 60.0 * c_d(4.0 * HAIR) / c_d(HAIR)).abs() < 1e-7);
 }
 
-/// Nothing at rest in still air or moving with the wind, and no NaN; nothing at a clamped point; a point of no length either.
+/// Drag is 0 and never NaN at rest in still air, in motion with the wind, at a clamped point, and on a segment of no
+/// length.
 #[test]
 fn what_moves_with_the_air_feels_nothing() {
     let mut hair = straight(4, 0.04, None);
@@ -137,7 +138,8 @@ fn lift_is_normal_to_wind_and_segment() {
     assert!(gained.cross(wanted).length() < 1e-12 * gained.length() * wanted.length() && gained.length() > 0.05);
 }
 
-/// A strand of five segments that point and move anyhow: what each point takes in satisfies its 3×3 system.
+/// Each point of a strand of five segments, which point and move at random, takes a velocity that satisfies its 3×3
+/// system.
 #[test]
 fn change_solves_the_implicit_system() {
     let mut rng = Pcg64::seed_from_u64(51);
@@ -173,8 +175,8 @@ fn change_solves_the_implicit_system() {
     }
 }
 
-/// A hair that falls flat in still air: its speed is where weight and drag balance, D w (v − g Δt) = g with the implicit
-/// update, and within g Δt of the balance in continuous time.
+/// A hair that falls flat in still air reaches the speed at which weight and drag balance, D w (v − g Δt) = g with the
+/// implicit update, and within g Δt of the balance in continuous time.
 #[test]
 fn a_falling_hair_reaches_its_terminal_velocity() {
     // Long enough that no move is capped: a root may move by 0.03 L in a step.
@@ -198,7 +200,7 @@ fn a_falling_hair_reaches_its_terminal_velocity() {
     assert!(state.velocity[1] == state.velocity[0] && state.capped == 0 && state.max_stretch < 1e-9);
 }
 
-/// 100 m/s of wind on a falling hair, 1000 steps: its speed rises to the wind's and never over.
+/// The speed of a falling hair in a wind of 100 m/s rises, in 1000 steps, to the wind's and never above.
 #[test]
 fn a_storm_is_stable() {
     let gravity = DVec3::NEG_Y * 9.81;
@@ -242,7 +244,7 @@ fn a_clamped_strand_weathers_a_storm() {
     );
 }
 
-/// With air particles only hair outside their box is in the wind; without a model none is.
+/// With air particles only hair outside their box feels the mean wind; with the model `none` no hair does.
 #[test]
 fn the_model_says_who_is_in_the_wind() {
     let (size, positions) = lattice([8; 3], &SIMPLE);
