@@ -56,7 +56,7 @@ impl Run {
     /// Runs up to the next timed step and takes its times. A step in which the neighbour list grew was done in part and
     /// does not count.
     fn turn(&mut self) -> Result<()> {
-        let list = |simulation: &Simulation| simulation.engine().state().neighbour_list.len;
+        let list = |simulation: &Simulation| simulation.engine().state().neighbour_list.len();
         let (timed, before) = (self.simulation.timed_steps(), list(&self.simulation));
         while self.simulation.timed_steps() == timed {
             self.simulation.step(1)?;

@@ -122,7 +122,7 @@ fn a_bar_takes_hair_along() {
 #[test]
 fn hair_that_lies_sleeps_until_its_body_goes() {
     let motion = "body.ball.motion=[{ time = 8.0 }, { time = 8.5, translation = [0, -0.3, 0] }]";
-    let mut simulation = simulation(DRAPED, &["rods.damping=8.0", motion]);
+    let mut simulation = simulation(DRAPED, &["time.step=4e-3", "rods.damping=8.0", motion]);
     simulation.step((7.9 / simulation.dt()) as u64).unwrap();
     let lying = points(&simulation.frame().unwrap().hair.positions);
     let slept = simulation.report().unwrap().strand_steps.unwrap()["asleep_steps"];
@@ -214,26 +214,7 @@ fn a_moving_ball_pushes_air() {
     assert!((0.5..1.1).contains(&before) && beside < -0.04, "{before} {beside}");
 }
 
-/// Hair, air and a ball that moves through both have the same bits in a second run.
-#[test]
-fn the_same_scene_gives_the_same_bits() {
-    let hair = "[hair]\nstrands = 12\npoints = 8\nlength = 0.06\nroots = { center = [0.045, 0.07, 0.045], radius = 0.012, direction = [1, 0, 0] }\n";
-    let moving = "body.ball.motion=[{time=0},{time=0.05,translation=[0,0.02,0]}]";
-    let run = || {
-        let mut simulation = simulation(&format!("{PASSED}{hair}"), &[moving]);
-        simulation.step(40).unwrap();
-        simulation.frame().unwrap()
-    };
-    let (first, second) = (run(), run());
-    assert!(first.hair.positions.len() == 96 && first.air.positions.len() > 5000);
-    let bits = |frame: &Frame| -> Vec<u32> {
-        let all = [&frame.hair.positions, &frame.hair.velocities, &frame.air.positions, &frame.air.velocities];
-        all.into_iter().flatten().flatten().map(|x| x.to_bits()).collect()
-    };
-    assert!(bits(&first) == bits(&second));
-}
-
-/// Hair and air of examples/scenes/head.toml stay out of head and neck when the head turns at once, without a warning.
+/// examples/scenes/head.toml, its head turned at once: hair and air stay out of head and neck, nothing to be warned of.
 #[test]
 fn hair_stays_on_a_head_that_turns() {
     let soon = [

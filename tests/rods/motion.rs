@@ -14,6 +14,7 @@ use crate::{LENGTH, LINE_DENSITY, Rod, build, support, tips};
 /// A clamped beam without weight and damping swings at its first frequency and keeps its energy: EI of γ = 10, tip 0.02
 /// L.
 #[test]
+#[ignore = "long: 16 s of CPU time; `windswept validate rods-beam` has the frequency"]
 fn a_beam_keeps_time_and_energy() {
     let (step, amplitude) = (1.38e-3, 0.02);
     let rod = Rod::level(10.0, 34);
@@ -294,7 +295,8 @@ fn violent_starts_recover() {
         }
         let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
         let (mut steps, mut worst) = (1, f64::NAN);
-        for k in 1..=1200 {
+        // Long enough to see that it does not last longer.
+        for k in 1..=2 * most + 250 {
             simulation.step(1).unwrap();
             let hair = simulation.frame().unwrap().hair;
             assert!(hair.positions.iter().flatten().all(|x| x.is_finite()), "{name}: not finite");
@@ -310,19 +312,18 @@ fn violent_starts_recover() {
     assert!(!failed);
 }
 
-/// Fig. 2(b) in small, hair and turbulent air.
+/// Fig. 2(b) in small, hair and turbulent air, at twelve times the paper's step; `tests/scenes/figures.rs` has the paper's.
 #[test]
 fn hair_in_turbulent_air_does_not_stretch() {
     let text = include_str!("../../examples/scenes/small/fig2b.toml");
-    for (step, newton, bound) in [("1.38e-3", 4, 1e-4), ("16.6e-3", 2, 1e-2)] {
-        let sets = [format!("time.step={step}"), format!("rods.newton={newton}")];
-        let scene = Scene::parse_with("fig2b.toml", text, &sets).unwrap();
-        let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
-        simulation.step((0.2 / scene.time.step) as u64).unwrap();
-        let report = simulation.report().unwrap();
-        println!("{step} s: stretch {:.1e}, {:?}", report.max_stretch.unwrap(), report.strand_steps);
-        assert!(report.max_stretch.unwrap() < bound, "{step} s: {}", report.max_stretch.unwrap());
-    }
+    let sets = ["time.step=16.6e-3", "rods.newton=2"].map(str::to_owned);
+    let scene = Scene::parse_with("fig2b.toml", text, &sets).unwrap();
+    let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
+    simulation.step(12).unwrap();
+    let report = simulation.report().unwrap();
+    let stretch = report.max_stretch.unwrap();
+    println!("stretch {stretch:.1e}, {:?}", report.strand_steps);
+    assert!(stretch < 1e-2, "{stretch}");
 }
 
 /// Segments of Fig. 2(b)'s hair in its mean wind stretch, with two Newton steps, by less than 1e-4 at the paper's step,

@@ -145,8 +145,9 @@ pub fn particles(n: usize, hair: usize, layout: Layout, seed: u64) -> InitialSta
     }
 }
 
-/// The awkward sizes: one, a workgroup less one, a workgroup, one more, many.
-pub const SIZES: [usize; 5] = [1, 63, 64, 65, 15_071];
+/// The awkward sizes: one, a workgroup less one, a workgroup, one more, and many: with a third of it hair, more than 64 workgroups
+/// of air, so that sums over workgroups take more than one turn.
+pub const SIZES: [usize; 5] = [1, 63, 64, 65, 6_701];
 
 /// Air alone in a periodic box.
 pub fn air(size: DVec3, positions: Vec<DVec3>) -> InitialState {

@@ -23,10 +23,15 @@ pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     info: AdapterInfo,
-    pipelines: Arc<Mutex<HashMap<&'static str, wgpu::ComputePipeline>>>,
-    /// Sources that replace those of passes, by the pass's name.
+    pipelines: Pipelines,
+    /// Sources that stand in for those of passes.
     sources: Arc<HashMap<&'static str, String>>,
+    /// Pipelines of those sources.
+    replaced: Pipelines,
 }
+
+/// Pipelines by the names of their passes.
+type Pipelines = Arc<Mutex<HashMap<&'static str, wgpu::ComputePipeline>>>;
 
 impl Gpu {
     /// Opens a device on the chosen adapter.
@@ -87,13 +92,14 @@ impl Gpu {
         }
         let info = AdapterInfo::new(&adapter.get_info());
         tracing::debug!(adapter = info.name, backend = info.backend, driver = info.driver, "device");
-        Ok(Self { device, queue, info, pipelines: Arc::default(), sources: Arc::default() })
+        Ok(Self { device, queue, info, pipelines: Arc::default(), sources: Arc::default(), replaced: Arc::default() })
     }
 
-    /// This device with other shaders in place of those of some passes: to see a test fail, or to try a change.
+    /// The same device with other shaders in place of those of some passes: to see a test fail, or to try a change. Pipelines
+    /// of all other passes are shared.
     #[must_use]
     pub fn with_sources(&self, sources: impl IntoIterator<Item = (&'static str, String)>) -> Self {
-        Self { pipelines: Arc::default(), sources: Arc::new(sources.into_iter().collect()), ..self.clone() }
+        Self { sources: Arc::new(sources.into_iter().collect()), replaced: Arc::default(), ..self.clone() }
     }
 
     /// The device, for drawing beside the engine.
@@ -151,11 +157,13 @@ impl Gpu {
 
     /// The pipeline of a pass, made at its first use.
     fn pipeline(&self, pass: &'static Pass) -> Result<wgpu::ComputePipeline, GpuError> {
-        let mut pipelines = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
+        let own = self.sources.get(pass.name);
+        let pipelines = if own.is_some() { &self.replaced } else { &self.pipelines };
+        let mut pipelines = pipelines.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(pipeline) = pipelines.get(pass.name) {
             return Ok(pipeline.clone());
         }
-        let source = self.sources.get(pass.name).map_or(pass.source, String::as_str);
+        let source = own.map_or(pass.source, String::as_str);
         let pipeline = self.checked(
             || format!("making the pipeline of {}", pass.name),
             || {

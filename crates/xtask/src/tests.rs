@@ -13,7 +13,7 @@ const PYTHON_PACKAGES: [&str; 4] = ["numpy", "h5py", "vtk", "pillow"];
 pub(crate) enum Length {
     /// The tests that `cargo test` runs, and those of pytest without the mark `long`.
     Usual,
-    /// All of these, `tests/long`, the Python tests marked `long`, and a short run of the benches.
+    /// Also the tests that are ignored because they take long, the Python tests marked `long`, and a short run of the benches.
     Long,
 }
 
@@ -37,8 +37,6 @@ pub(crate) fn run(length: Length) -> Result {
 
     say("Lints");
     crate::run(&mut run_cargo(&["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"])?)?;
-    // `--all-targets` leaves out what `test = false` keeps out of `cargo test`.
-    crate::run(&mut run_cargo(&["clippy", "--test", "long", "--", "--deny", "warnings"])?)?;
 
     let mut total = Count { passed: 0, failed: 0, succeeded: true };
     let mut count = |mut tests: Command| -> Result {
@@ -47,10 +45,9 @@ pub(crate) fn run(length: Length) -> Result {
         Ok(())
     };
     say("Tests");
-    count(run_cargo(&["test", "--workspace", "--no-fail-fast"])?)?;
+    let ignored: &[&str] = if length == Length::Long { &["--", "--include-ignored"] } else { &[] };
+    count(run_cargo(&[&["test", "--workspace", "--no-fail-fast"], ignored].concat())?)?;
     if length == Length::Long {
-        say("Long tests");
-        count(run_cargo(&["test", "--test", "long"])?)?;
         say("Benches, briefly");
         let mut benches = run_cargo(&["test", "--bench", "work_precision"])?;
         on_software(&mut benches);
