@@ -1,4 +1,4 @@
-//! The scenes of the paper's figures: all of them say what the paper says, and a small one streams, with a wake.
+//! The scenes of the paper's figures: all of them have the paper's values, and air in a small one streams, with a wake.
 
 use std::path::PathBuf;
 
