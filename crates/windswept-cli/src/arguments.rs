@@ -3,9 +3,12 @@
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Parser, Subcommand, builder::PossibleValuesParser};
+#[cfg(feature = "validate")]
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Parser, Subcommand};
 use windswept_export::{DEFAULT_FORMATS, FORMATS, Format};
 use windswept_scene::Scene;
+#[cfg(feature = "validate")]
 use windswept_validate::CHECKS;
 
 use crate::failure::Failure;
