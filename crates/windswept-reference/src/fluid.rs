@@ -36,7 +36,7 @@ pub fn density(
         let mut ratio = volume[i] * poly6(0.0, h);
         let mut own = DVec3::ZERO;
         let mut others = 0.0;
-        for j in near.of(i) {
+        for j in near.of(i).filter(|&j| p.meets(i, j)) {
             let gap = p.separation(i, j, x[i], x[j]);
             let gradient = volume[j] * spiky_gradient(i, j, gap, h);
             ratio += volume[j] * poly6(gap.length(), h);
@@ -65,7 +65,7 @@ pub fn correct(
         let gap = p.separation(i, j, x[i], x[j]);
         (lambda[i] * volume[j] + lambda[j] * volume[i]) * spiky_gradient(i, j, gap, p.kernel_radius)
     };
-    let shift = |i: usize| p.relaxation * inverse_mass[i] * near.of(i).map(|j| pair(i, j)).sum::<DVec3>();
+    let shift = |i: usize| p.relaxation * inverse_mass[i] * near.of(i).filter(|&j| p.meets(i, j)).map(|j| pair(i, j)).sum::<DVec3>();
     (0..x.len()).map(shift).collect()
 }
 
@@ -87,7 +87,7 @@ pub fn limit(p: &Parameters, x: &[DVec3], volume: &[f64], near: &Neighbours, the
     if !p.limited {
         return vec![0.0; x.len()];
     }
-    let sum = |i: usize| near.of(i).map(|j| p.viscosity(i, j) * weight(p, i, j, x, volume, theta)).sum();
+    let sum = |i: usize| near.of(i).filter(|&j| p.meets(i, j)).map(|j| p.viscosity(i, j) * weight(p, i, j, x, volume, theta)).sum();
     (0..x.len()).map(sum).collect()
 }
 
@@ -112,5 +112,6 @@ pub fn viscosity(
         let share = p.viscosity(i, j) * weight(p, i, j, x, volume, theta) / exchange[i].max(exchange[j]).max(1.0);
         2.0 * inverse_mass[i] / both * share * (v[j] - v[i])
     };
-    (0..x.len()).map(|i| v[i] + near.of(i).map(|j| pair(i, j)).sum::<DVec3>()).collect()
+    let sum = |i: usize| near.of(i).filter(|&j| p.meets(i, j)).map(|j| pair(i, j)).sum::<DVec3>();
+    (0..x.len()).map(|i| v[i] + sum(i)).collect()
 }

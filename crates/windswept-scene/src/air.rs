@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::{
     body::Capsule,
     initial::{AirParticles, Strands},
-    scene::{Air, Bounds, Model, Scene},
+    scene::{Air, Bounds, Scene},
 };
 
 /// Air nearer than this to a hair point, in particle spacings, is left out: a sphere of one particle's volume.
@@ -28,7 +28,7 @@ impl Air {
 impl Scene {
     /// Air and the box that its particles fill; `None` without particles.
     pub(crate) fn filled(&self) -> Option<(&Air, Bounds)> {
-        let air = self.air.as_ref().filter(|_| self.model == Model::Particles)?;
+        let air = self.air.as_ref().filter(|_| self.model.has_air())?;
         Some((air, air.bounds?))
     }
 }

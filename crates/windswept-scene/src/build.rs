@@ -190,7 +190,7 @@ impl Reader<'_> {
     }
 
     fn air(&self, model: Model) -> Result<Option<Air>, SceneError> {
-        let particles = model == Model::Particles;
+        let particles = model.has_air();
         if !self.has("air") {
             let needs = if particles { "air.box and air.wind" } else { "air.wind" };
             let missing =
@@ -207,7 +207,7 @@ impl Reader<'_> {
         if particles && !self.has("air.box") {
             return Err(self.fault(
                 "air.box",
-                "is missing: interaction.model = \"particles\" needs { min = [x, y, z], max = [x, y, z] }",
+                format!("is missing: interaction.model = \"{}\" needs {{ min = [x, y, z], max = [x, y, z] }}", model.word()),
             ));
         }
         let kernel_radius = self.number("air.kernel_radius")?;

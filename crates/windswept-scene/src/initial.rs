@@ -2,7 +2,16 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::{air, body::Capsule, error::SceneError, groom::Groom, hair, scene::Scene, strand::Parcel, warnings};
+use crate::{
+    air,
+    body::Capsule,
+    error::SceneError,
+    groom::Groom,
+    hair,
+    scene::{Model, Scene},
+    strand::Parcel,
+    warnings,
+};
 
 /// Everything a run starts from. Points are in strand order, root to tip.
 ///
@@ -338,7 +347,10 @@ impl InitialState {
         }
         let mut state = Self { hair, warnings, ..Self::default() };
         if let Some((air, bounds)) = filled {
-            state.air = air::particles(air, &bounds, &state.hair, &bodies);
+            // Fibres take no room from the air that they exchange drag with.
+            let none = Strands::default();
+            let displaces = if scene.model == Model::TwoWay { &none } else { &state.hair };
+            state.air = air::particles(air, &bounds, displaces, &bodies);
             state.origin = state.air.min;
             if state.air.positions.is_empty() || state.air.volume <= 0.0 {
                 return Err(

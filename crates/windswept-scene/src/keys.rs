@@ -158,7 +158,7 @@ pub const KEYS: &[Key] = &[
     key("air.inflow.scale", Length, Needed, "m", "size of its eddies, s of a band"),
     key("air.inflow.seed", Count(0, ANY), Absent("seed"), "", "draws its waves"),
     key("interaction", Table, Absent("model particles"), "", "how hair and air meet"),
-    key("interaction.model", Choice(&["particles", "drag", "none"]), Value("\"particles\""), "", "one fluid of particles; lift and drag; hair alone"),
+    key("interaction.model", Choice(&["particles", "two-way", "drag", "none"]), Value("\"particles\""), "", "one fluid of particles; hair and air particles that exchange drag; lift and drag; hair alone"),
     key("interaction.lift", NonNegative, Value("0.0"), "", "C_l, lift coefficient of a segment across the wind"),
     key("fluid", Table, Absent("its defaults"), "", "density constraint (eq. 1)"),
     key("fluid.iterations", Count(0, MOST_REPEATS), Value("2"), "", "Jacobi iterations"),

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::{
     error::SceneError,
     reader::Reader,
-    scene::{Law, Model, Scene},
+    scene::{Law, Scene},
 };
 
 /// Ten heads of hair.
@@ -103,7 +103,7 @@ impl Reader<'_> {
         let fault =
             |needs: &str| Err(self.fault("picture.air", format!("\"{}\" needs {needs}", scene.picture.air.word())));
         let there = match scene.picture.air {
-            _ if scene.model != Model::Particles => return fault("air particles: interaction.model = \"particles\""),
+            _ if !scene.model.has_air() => return fault("air particles: interaction.model = \"particles\""),
             AirPicture::BandEnergy => strengthened(scene),
             _ => fluid.iterations > 0 || viscosity.hair > 0.0 || viscosity.air > 0.0 || strengthened(scene),
         };

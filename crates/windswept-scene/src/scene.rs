@@ -274,10 +274,20 @@ pub struct Bounds {
 pub enum Model {
     /// Hair and air as one particle fluid.
     Particles,
+    /// Hair and air particles exchange what the drag of the hair's fibres exchanges.
+    TwoWay,
     /// Lift and drag on each segment from the mean wind, no air particles.
     Drag,
     /// Hair alone.
     None,
+}
+
+impl Model {
+    /// Whether the model fills a box with air particles.
+    #[must_use]
+    pub fn has_air(self) -> bool {
+        matches!(self, Self::Particles | Self::TwoWay)
+    }
 }
 
 /// `[fluid]`.
@@ -440,7 +450,7 @@ macro_rules! words {
 words!(Method: Accurate = "accurate", Published = "published");
 words!(RootShape: Disc = "disc", SphereCap = "sphere_cap", Line = "line");
 words!(End: Clamped = "clamped", Pinned = "pinned", Free = "free");
-words!(Model: Particles = "particles", Drag = "drag", None = "none");
+words!(Model: Particles = "particles", TwoWay = "two-way", Drag = "drag", None = "none");
 words!(AirPicture: None = "none", Vorticity = "vorticity", BandEnergy = "band_energy");
 words!(Law: Band = "band", Published = "published");
 words!(Filter: Grid = "grid", Direct = "direct");

@@ -90,7 +90,7 @@ impl Plan {
     pub fn new(scene: &Scene, initial: &InitialState, sizes: Sizes) -> Self {
         let hair = Decision::when(sizes.strands > 0, "the scene has no hair");
         let air = match scene.model {
-            Model::Particles => Decision::when(sizes.air() > 0, "the scene has no air particles"),
+            Model::Particles | Model::TwoWay => Decision::when(sizes.air() > 0, "the scene has no air particles"),
             Model::Drag => Decision::when(false, "interaction.model is drag: no air particles"),
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),
         };
@@ -103,7 +103,7 @@ impl Plan {
         let turbulence = air.and(turbulence(scene, &bands));
         let drag = hair.and(match scene.model {
             Model::Drag => Decision::when(true, ""),
-            Model::Particles => Decision::when(air.runs, "no air moves"),
+            Model::Particles | Model::TwoWay => Decision::when(air.runs, "no air moves"),
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),
         });
         let blows = if air.runs || drag.runs { blows } else { air.and(drag.clone()) };

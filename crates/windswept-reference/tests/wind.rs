@@ -1,0 +1,61 @@
+#![allow(clippy::unwrap_used)]
+mod support;
+#[path = "support/elastica.rs"]
+mod elastica;
+use elastica::{Hair, REAL};
+use glam::{DQuat, DVec3};
+use std::f64::consts::{FRAC_PI_2, PI};
+use support::Rod;
+use windswept_reference::{Parameters, State, step::step};
+use windswept_scene::{InitialState, Scene, Strands};
+
+fn strand(hair: &Hair, segments: usize) -> Strands {
+    let line = 1320.0 * PI * hair.radius.powi(2);
+    let gamma = line * 9.81 * hair.length.powi(3) / hair.stiffness();
+    Rod { segments, length: hair.length, gamma, darboux: DVec3::ZERO, root_frame: DQuat::from_rotation_x(FRAC_PI_2) }
+        .strand(DVec3::ZERO)
+}
+fn scene(step: f64, wind: f64, keys: &str) -> Scene {
+    let text = format!("gravity = [0.0, -9.81, 0.0]\n[rods]\nsleep = false\n{keys}\n[time]\nstep = {step}\nduration = 1.0\n[air]\nwind = [{wind}, 0.0, 0.0]\nramp = 0.0\n[interaction]\nmodel = \"drag\"\n");
+    Scene::parse(&text).unwrap()
+}
+#[test]
+fn elastica() {
+    for (g, w, t) in [(0.0, 1.0, [0.357108, 0.923896]), (0.0, 3.0, [0.727396, 0.619073]), (9.81, 1.0, [0.327234, 0.936756]), (9.81, 3.0, [0.712715, 0.640759])] {
+        let tip = Hair { gravity: g, wind: w, ..REAL }.tip();
+        println!("{g} {w} {tip:?} {t:?}");
+    }
+}
+#[test]
+fn explore() {
+    let env = |k: &str, d: f64| std::env::var(k).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
+    let n = env("SEG", 34.0) as usize;
+    let end = env("T", 1.0);
+    let keys = std::env::var("KEYS").unwrap_or_default();
+    let dts: Vec<f64> = std::env::var("DT").unwrap_or("1.38,5,16".into()).split(',').map(|x| x.parse().unwrap()).collect();
+    let us: Vec<f64> = std::env::var("U").unwrap_or("1,3,10".into()).split(',').map(|x| x.parse().unwrap()).collect();
+    for &u in &us {
+        let hair = Hair { wind: u, length: env("L", 0.05), ..REAL };
+        let want = hair.tip();
+        for &dt in &dts {
+            let hs = strand(&hair, n);
+            let initial = InitialState { hair: hs, ..InitialState::default() };
+            let p = Parameters::new(&scene(dt * 1e-3, u, &keys), &initial);
+            let mut s = State::new(&initial, p.step);
+            let steps = (end / p.step).round() as usize;
+            let (mut sum, mut sq, mut c) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+            let mut at40 = DVec3::ZERO;
+            for k in 0..steps {
+                step(&mut s, &p).unwrap();
+                let t = s.position[n] / hair.length;
+                if ((k + 1) as f64 * p.step - 0.04).abs() < 0.5 * p.step { at40 = t }
+                if k >= steps * 7 / 10 { sum += t; sq += t * t; c += 1.0; }
+            }
+            let m = sum / c;
+            let rms = (sq / c - m * m).max(DVec3::ZERO);
+            let rms = (rms.x + rms.y + rms.z).sqrt();
+            let off = (m.x - want[0]).hypot(-m.y - want[1]);
+            println!("U {u} dt {dt} tip {:.5} {:.5} want {:.5} {:.5} off {off:.1e} rms {rms:.1e} at40 {:.5} euler {} capped {} rescued {} quiet {} stretch {:.1e}", m.x, -m.y, want[0], want[1], at40.x, s.euler_steps, s.capped, s.rescued_steps, s.quiet_steps, s.max_stretch);
+        }
+    }
+}
