@@ -35,6 +35,8 @@ pub struct Scratch {
     pub blowing: DVec3,
     /// Per hair point: the air there.
     pub local: Vec<wind::Local>,
+    /// Hair points whose exchange with the air was limited.
+    pub limited: usize,
     /// Per hair point: what its load gave it \[N s\].
     pub drag_impulse: Vec<DVec3>,
     /// Per air particle, what ramp and fringe add \[m/s\].
@@ -157,12 +159,14 @@ pub fn prepare(s: &mut State, w: &mut Scratch, p: &Parameters) {
     } else {
         vec![wind::undisturbed(w.blowing); p.hair_points]
     };
-    let steps = (0..s.hair.len()).flat_map(|strand| s.hair.points(strand).map(move |i| (strand, i)));
-    let (x, v): (Vec<_>, Vec<_>) =
-        steps.map(|(strand, i)| rods::ahead(p, &w.moving.points[i], s.position[i], w.drives[strand].step)).unzip();
-    let (loads, limited) = wind::drag(p, &s.hair, &w.local, &x, &v);
-    w.moving.points.iter_mut().zip(loads).for_each(|(point, load)| point.load = load);
-    s.limited += limited;
+    drag(s, w, p);
+    let calm_in_wind = |strand: usize| rods::follows_wind(p, &s.hair, strand, &w.drives[strand], &w.moving);
+    let hasty: Vec<_> = (0..s.hair.len()).filter(|&strand| !calm_in_wind(strand)).collect();
+    if !hasty.is_empty() {
+        hasty.iter().for_each(|&strand| w.drives[strand].step = p.step);
+        drag(s, w, p);
+    }
+    s.limited += w.limited;
     for strand in 0..s.hair.len() {
         let choice = rods::start(p, s, strand, &mut w.drives[strand], &mut w.moving);
         s.capped += choice.capped;
@@ -170,6 +174,16 @@ pub fn prepare(s: &mut State, w: &mut Scratch, p: &Parameters) {
         s.asleep_steps += usize::from(w.drives[strand].state == rods::State::Asleep);
         s.teleports += usize::from(w.drives[strand].state == rods::State::Teleported);
     }
+}
+
+/// The load of the air on each hair point, each strand's where its own step takes it.
+fn drag(s: &State, w: &mut Scratch, p: &Parameters) {
+    let all = (0..s.hair.len()).flat_map(|strand| s.hair.points(strand).map(move |i| (strand, i)));
+    let (x, v): (Vec<_>, Vec<_>) =
+        all.map(|(strand, i)| rods::ahead(p, &w.moving.points[i], s.position[i], w.drives[strand].step)).unzip();
+    let loads;
+    (loads, w.limited) = wind::drag(p, &s.hair, &w.local, &x, &v);
+    w.moving.points.iter_mut().zip(loads).for_each(|(point, load)| point.load = load);
 }
 
 /// Health of each strand; hair goes where its rods took it.

@@ -59,3 +59,44 @@ fn explore() {
         }
     }
 }
+
+#[test]
+fn limits() {
+    let env = |k: &str, d: f64| std::env::var(k).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
+    let n = env("SEG", 34.0) as usize;
+    for (r, e) in [(4e-5, 4e9), (4e-5, 1e9), (3e-5, 4e9), (6e-5, 4e9)] {
+    for l in [0.03, 0.05, 0.1] {
+        for u in [3.0, 6.0, 10.0, 20.0] {
+            let hair = Hair { wind: u, length: l, radius: r, youngs_modulus: e, ..REAL };
+            let still = |dt: f64| {
+                let mut hs = strand(&hair, n);
+                // Rod is of a hair of 40 um: scale
+                let a = (r / 4e-5).powi(2);
+                hs.inverse_mass.iter_mut().for_each(|w| *w /= a);
+                hs.radius.iter_mut().for_each(|x| *x = r);
+                let initial = InitialState { hair: hs, ..InitialState::default() };
+                let mut p = Parameters::new(&scene(dt, u, ""), &initial);
+                p.gravity /= 1.0;
+                let mut s = State::new(&initial, p.step);
+                p.bdf2 = false; p.damping = 30.0;
+                for _ in 0..(0.4 / dt) as usize { step(&mut s, &p).unwrap(); }
+                p.bdf2 = true; p.damping = 0.0;
+                let rest = s.position.clone();
+                s.position[n / 2].x += 1e-6;
+                let mut worst = 0.0_f64;
+                let total = 400;
+                for k in 0..total { step(&mut s, &p).unwrap(); let o = s.position[n].distance(rest[n]) / l; if k > total * 3 / 4 { worst = worst.max(o) } }
+                worst < 1e-4
+            };
+            let (mut lo, mut hi) = (1e-4_f64, 32e-3_f64);
+            if still(hi) { println!("r {r:e} E {e:e} L {l} U {u}: still at 32 ms"); continue }
+            for _ in 0..7 { let m = (lo * hi).sqrt(); if still(m) { lo = m } else { hi = m } }
+            let ei = hair.stiffness();
+            let mu = 1320.0 * PI * r * r;
+            let k = 0.5 * 1.29 * 2.0 * r * (u + 10.0 * (1.5e-5 / (2.0 * r)).powf(2.0 / 3.0) * u.cbrt());
+            let ell = (ei / (k * u)).cbrt();
+            println!("r {r:e} E {e:e} L {l} U {u}: limit {:.2} ms; dt k/mu {:.3} dt U/ell {:.3} dt2kU/mu/ell {:.3} L/ell {:.2} red {:.2}", 1e3 * lo, lo * k / mu, lo * u / ell, lo * lo * k * u / mu / ell, l / ell, u * (mu / ei).sqrt() * l);
+        }
+    }
+    }
+}
