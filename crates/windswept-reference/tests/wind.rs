@@ -12,8 +12,10 @@ use windswept_scene::{InitialState, Scene, Strands};
 fn strand(hair: &Hair, segments: usize) -> Strands {
     let line = 1320.0 * PI * hair.radius.powi(2);
     let gamma = line * 9.81 * hair.length.powi(3) / hair.stiffness();
-    Rod { segments, length: hair.length, gamma, darboux: DVec3::ZERO, root_frame: DQuat::from_rotation_x(FRAC_PI_2) }
-        .strand(DVec3::ZERO)
+    let mut hs = Rod { segments, length: hair.length, gamma, darboux: DVec3::ZERO, root_frame: DQuat::from_rotation_x(FRAC_PI_2) }
+        .strand(DVec3::ZERO);
+    hs.volume.fill(support::VOLUME * (hair.length / segments as f64 / support::RADIUS).min(1.0));
+    hs
 }
 fn scene(step: f64, wind: f64, keys: &str) -> Scene {
     let text = format!("gravity = [0.0, -9.81, 0.0]\n[rods]\nsleep = false\n{keys}\n[time]\nstep = {step}\nduration = 1.0\n[air]\nwind = [{wind}, 0.0, 0.0]\nramp = 0.0\n[interaction]\nmodel = \"drag\"\n");
@@ -98,5 +100,72 @@ fn limits() {
             println!("r {r:e} E {e:e} L {l} U {u}: limit {:.2} ms; dt k/mu {:.3} dt U/ell {:.3} dt2kU/mu/ell {:.3} L/ell {:.2} red {:.2}", 1e3 * lo, lo * k / mu, lo * u / ell, lo * lo * k * u / mu / ell, l / ell, u * (mu / ei).sqrt() * l);
         }
     }
+    }
+}
+
+/// A hair as it rests in a wind: by the drag model.
+fn settled(hair: &Hair, segments: usize) -> Strands {
+    let mut hs = strand(hair, segments);
+    let initial = InitialState { hair: hs.clone(), ..InitialState::default() };
+    let mut p = Parameters::new(&scene(1.38e-3, hair.wind, ""), &initial);
+    p.damping = 20.0;
+    let mut s = State::new(&initial, p.step);
+    for _ in 0..800 {
+        step(&mut s, &p).unwrap();
+    }
+    hs.positions.clone_from(&s.position);
+    hs.orientations.clone_from(&s.orientation);
+    hs
+}
+
+#[test]
+fn two_way() {
+    use rand::{Rng, SeedableRng};
+    let env = |k: &str, d: f64| std::env::var(k).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
+    let n = env("SEG", 34.0) as usize;
+    let end = env("T", 0.3);
+    let keys = std::env::var("KEYS").unwrap_or_default();
+    let its = env("IT", 2.0);
+    let fibres = env("F", 1.0);
+    let dts: Vec<f64> = std::env::var("DT").unwrap_or("1.38,5".into()).split(',').map(|x| x.parse().unwrap()).collect();
+    let us: Vec<f64> = std::env::var("U").unwrap_or("1,3".into()).split(',').map(|x| x.parse().unwrap()).collect();
+    for &u in &us {
+        let hair = Hair { wind: u, ..REAL };
+        let want = hair.tip();
+        let base = settled(&hair, n);
+        for &dt in &dts {
+            let (size, mut positions) = support::lattice([24, 16, 6], &support::SIMPLE);
+            let mut rng = rand_pcg::Pcg64::seed_from_u64(7);
+            for x in &mut positions {
+                let j = 2.0 * DVec3::from_array(rng.random()) - 1.0;
+                *x = (*x + 0.05 * support::VOLUME.cbrt() * j).rem_euclid(size);
+            }
+            let mut hs = base.clone();
+            let root = DVec3::new(0.45 * size.x, 0.5 * size.y + 0.5 * hair.length, 0.5 * size.z);
+            hs.positions.iter_mut().for_each(|x| *x += root);
+            if fibres != 1.0 { }
+            let mut initial = InitialState { hair: hs, ..support::air(size, positions) };
+            initial.air.velocities.fill(DVec3::X * u);
+            let m = size.to_array();
+            let text = format!("gravity = [0.0, -9.81, 0.0]\n[rods]\nsleep = false\n{keys}\n[time]\nstep = {}\nduration = 1.0\n[air]\nbox = {{ min = [0.0, 0.0, 0.0], max = {m:?} }}\nwind = [{u}, 0.0, 0.0]\nramp = 0.0\n[interaction]\nmodel = \"two-way\"\n[fluid]\niterations = {its}\n", dt * 1e-3);
+            let p = Parameters::new(&Scene::parse(&text).unwrap(), &initial);
+            let mut s = State::new(&initial, p.step);
+            s.calm.fill(3);
+            let steps = (end / p.step).round() as usize;
+            let (mut sum, mut sq, mut c) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+            let begin = std::time::Instant::now();
+            for k in 0..steps {
+                step(&mut s, &p).unwrap();
+                let t = (s.position[n] - s.position[0]) / hair.length;
+                if k >= steps / 2 { sum += t; sq += t * t; c += 1.0; }
+            }
+            let m = sum / c;
+            let rms = (sq / c - m * m).max(DVec3::ZERO);
+            let rms3 = [rms.x.sqrt(), rms.y.sqrt(), rms.z.sqrt()];
+            let off = (m.x - want[0]).hypot(-m.y - want[1]);
+            let air = &s.velocity[n + 1..];
+            let noise = (air.iter().map(|v| (*v - DVec3::X * u).length_squared()).sum::<f64>() / air.len() as f64).sqrt();
+            println!("U {u} dt {dt} tip {:.5} {:.5} want {:.5} {:.5} off {off:.1e} rms {:.1e} {:.1e} {:.1e} euler {} capped {} limited {} noise {noise:.3} {:.1?}", m.x, -m.y, want[0], want[1], rms3[0], rms3[1], rms3[2], s.euler_steps, s.capped, s.limited, begin.elapsed());
+        }
     }
 }
