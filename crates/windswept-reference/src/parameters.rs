@@ -92,6 +92,8 @@ pub struct Parameters {
     pub bodies: Vec<Body>,
     /// Per group of hair: the motion of its roots, and the centre that it turns about \[m\].
     pub hair_motions: Vec<(Motion, DVec3)>,
+    /// Per hair point: its strand.
+    pub strand_of: Vec<usize>,
     /// Hair points: particles below this index are hair.
     pub hair_points: usize,
 }
@@ -156,6 +158,7 @@ impl Parameters {
                 .iter()
                 .map(|hair| (hair.motion.clone(), DVec3::from_array(hair.roots.center) - initial.origin))
                 .collect(),
+            strand_of: (0..initial.hair.len()).flat_map(|s| initial.hair.points(s).map(move |_| s)).collect(),
             hair_points: initial.hair.positions.len(),
         }
     }

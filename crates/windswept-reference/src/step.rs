@@ -104,6 +104,7 @@ pub fn fluid(s: &State, w: &mut Scratch, p: &Parameters) {
     if !p.air {
         return;
     }
+    let mut multiplier = vec![0.0; p.hair_points];
     for iteration in 0..p.fluid_iterations.max(1) {
         let lambda;
         (w.density, lambda) = fluid::density(p, &w.predicted, &s.inverse_mass, &s.volume, &w.near);
@@ -113,6 +114,16 @@ pub fn fluid(s: &State, w: &mut Scratch, p: &Parameters) {
                 w.predicted[i] += shift;
                 w.correction[i] += shift;
             }
+            multiplier.iter_mut().zip(&lambda).for_each(|(sum, lambda)| *sum += p.relaxation * lambda);
+        }
+    }
+    if p.model == Model::TwoWay && p.friction > 0.0 {
+        // What each point comes to this step with, and all that acted on it in the last one but impulses: its rod as well.
+        let led: Vec<_> = s.velocity.iter().zip(&s.velocity_before).map(|(now, before)| 2.0 * *now - *before).collect();
+        let change = fluid::friction(p, &w.predicted, &led, &s.inverse_mass, &s.volume, &multiplier, &w.near);
+        for (i, change) in change.into_iter().enumerate() {
+            w.predicted[i] += p.step * change;
+            w.correction[i] += p.step * change;
         }
     }
     if p.model == Model::TwoWay {

@@ -141,7 +141,7 @@ pub fn react(
 /// eigenvalue of D; what D resists less along the fibre is left where v is:
 ///
 /// ```text
-///   force = D u + (D_n − D) v + F,   resistance = D_n       both times min(1, 1/(Δt G D_n))
+///   force = D (u − v) + D_n v + F,   resistance = D_n       both times min(1, 1/(Δt G D_n))
 /// ```
 /// The limit is where air and hair near a point would have one velocity after the step.
 #[must_use]
@@ -170,7 +170,7 @@ pub fn drag(p: &Parameters, hair: &Strands, local: &[Local], x: &[DVec3], v: &[D
         limited += usize::from(part > 1.0);
         let left = 1.0 / part.max(1.0);
         let (d, n) = (left * resistance[i], left * largest[i]);
-        Load { force: d * local[i].wind + (n * v[i] - d * v[i]) + left * lift[i], resistance: n }
+        Load { force: d * (local[i].wind - v[i]) + n * v[i] + left * lift[i], resistance: n }
     };
     let loads = (0..hair.positions.len()).map(load).collect();
     (loads, limited)
