@@ -3,6 +3,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use glam::{DQuat, DVec3};
+use windswept_reference::{Parameters, State, step::step};
+use windswept_scene::{InitialState, Scene, Strands};
+
+use super::support::{self, Rod};
+
 /// A hair whose clamp points straight down in a wind across: SI units.
 #[derive(Debug, Clone, Copy)]
 pub struct Hair {
@@ -79,4 +85,59 @@ impl Hair {
         let y = self.shoot(0.5 * (low + high));
         [-y[4] / self.length, y[5] / self.length]
     }
+
+    /// The hair as a strand that hangs straight down from the origin.
+    pub fn strand(&self, segments: usize) -> Strands {
+        let line = self.density * PI * self.radius.powi(2);
+        let gamma = line * 9.81 * self.length.powi(3) / self.stiffness();
+        let root_frame = DQuat::from_rotation_x(FRAC_PI_2);
+        let rod = Rod { segments, length: self.length, gamma, darboux: DVec3::ZERO, root_frame };
+        let mut strand = rod.strand(DVec3::ZERO);
+        strand.volume.fill(support::VOLUME * (self.length / segments as f64 / support::RADIUS).min(1.0));
+        strand
+    }
+
+    /// It in the model `drag`, from the moment when the wind sets in.
+    pub fn blown(&self, segments: usize, step: f64, rods: &str) -> (Parameters, InitialState) {
+        let initial = InitialState { hair: self.strand(segments), ..InitialState::default() };
+        let scene = scene(self, "", "drag", step, rods);
+        (Parameters::new(&Scene { gravity: [0.0, -self.gravity, 0.0], ..scene }, &initial), initial)
+    }
+
+    /// The strand as it rests in the wind.
+    pub fn settled(&self, segments: usize) -> Strands {
+        let (p, initial) = self.blown(segments, 1.38e-3, "damping = 20.0");
+        let mut state = State::new(&initial, p.step);
+        for _ in 0..800 {
+            step(&mut state, &p).unwrap();
+        }
+        let (positions, orientations) = (state.position, state.orientation);
+        Strands { positions, orientations, ..initial.hair }
+    }
+
+    /// `strand` in the model `two-way`, rooted at 0.45 of a box of so many spacings and half its length above the middle,
+    /// in air that blows already.
+    pub fn in_air(&self, mut strand: Strands, box_size: [usize; 3], step: f64, keys: &str) -> (Parameters, InitialState) {
+        let (size, mut positions) = support::lattice(box_size, &support::SIMPLE);
+        let jitter = 0.05 * support::VOLUME.cbrt();
+        for (x, anyhow) in positions.iter_mut().zip(support::stirred(box_size.iter().product(), 7)) {
+            *x = (*x + jitter / 3.0 * anyhow).rem_euclid(size);
+        }
+        let root = size * DVec3::new(0.45, 0.5, 0.5) + 0.5 * self.length * DVec3::Y;
+        strand.positions.iter_mut().for_each(|x| *x += root);
+        let mut initial = InitialState { hair: strand, ..support::air(size, positions) };
+        initial.air.velocities.fill(DVec3::X * self.wind);
+        let bounds = format!("box = {{ min = [0.0, 0.0, 0.0], max = {:?} }}", size.to_array());
+        (Parameters::new(&scene(self, &bounds, "two-way", step, keys), &initial), initial)
+    }
+}
+
+/// A scene in which the wind blows from the start along +x.
+fn scene(hair: &Hair, bounds: &str, model: &str, step: f64, rods: &str) -> Scene {
+    let text = format!(
+        "gravity = [0.0, -9.81, 0.0]\n[time]\nstep = {step}\nduration = 1.0\n[interaction]\nmodel = \"{model}\"\n\
+         [air]\n{bounds}\nwind = [{}, 0.0, 0.0]\nramp = 0.0\n[rods]\nsleep = false\n{rods}",
+        hair.wind
+    );
+    Scene::parse(&text).unwrap()
 }
