@@ -401,8 +401,7 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
         .collect();
     let length: f64 = s.hair.rest_length[segments.clone()].iter().sum();
     let caps = !ahead || p.model == Model::Particles;
-    let root_held = m.points[points.start].inverse_mass == 0.0;
-    let origin = if root_held { drive.root_travel } else { free.iter().sum::<DVec3>() / free.len() as f64 };
+    let origin = origin(m.points[points.start].inverse_mass == 0.0, drive, &free);
     for (k, i) in points.enumerate() {
         let point = &mut m.points[i];
         let far = (free[k] - origin).length();
@@ -428,6 +427,11 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
         segment.moment = if ahead { segment.moment } else { DVec3::ZERO };
     }
     choice
+}
+
+/// What free moves are measured from when they are capped: the root's, or their mean where the root is free.
+fn origin(root_held: bool, drive: &Drive, free: &[DVec3]) -> DVec3 {
+    if root_held { drive.root_travel } else { free.iter().sum::<DVec3>() / free.len() as f64 }
 }
 
 /// What was put somewhere felt no force on its way.
@@ -547,7 +551,7 @@ pub fn hold(hair: &Strands, s: usize, m: &mut Moving) {
 }
 
 /// A strand that the direct solver tore is left to Gauss-Seidel: back to its free move, nothing held. Says whether it was one.
-pub fn rescue(hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
+pub fn rescue(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
     if drive.state != State::Free {
         return false;
     }
@@ -555,9 +559,13 @@ pub fn rescue(hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bo
         drive.state = State::Solved;
         return false;
     }
-    for point in &mut m.points[hair.points(s)] {
-        let way = point.free - drive.root_travel;
-        point.travel = drive.root_travel + way.clamp_length_max(point.largest);
+    let points = hair.points(s);
+    let free: Vec<_> = m.points[points.clone()].iter().map(|point| point.free).collect();
+    let origin = origin(m.points[points.start].inverse_mass == 0.0, drive, &free);
+    for (point, free) in m.points[points].iter_mut().zip(free) {
+        // Moves of calm strands were not capped, unless they were by the density of `particles`.
+        let capped = p.model == Model::Particles;
+        point.travel = if capped { free } else { origin + (free - origin).clamp_length_max(point.largest) };
     }
     for segment in &mut m.segments[hair.segments(s)] {
         segment.frame = (rotation(segment.free) * segment.start).normalize();

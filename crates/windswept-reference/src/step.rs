@@ -144,7 +144,7 @@ pub fn rods(s: &mut State, w: &mut Scratch, p: &Parameters) {
                 let quiet = rods::direct(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
                 s.quiet_steps += usize::from(quiet);
             }
-            s.rescued_steps += usize::from(rods::rescue(&s.hair, strand, &mut w.drives[strand], &mut w.moving));
+            s.rescued_steps += usize::from(rods::rescue(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving));
         }
         rods::gauss_seidel(p, &s.hair, strand, &w.drives[strand], &mut w.moving);
     }

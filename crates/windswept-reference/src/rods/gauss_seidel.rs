@@ -52,7 +52,7 @@ fn stretch_shear(p: &Parameters, hair: &Strands, m: &mut Moving, k: usize, point
     // Multipliers are forces times the response of frames; a point that more than that resists moves by less.
     let weight = |i: usize| {
         let point = &m.points[i];
-        point.inverse_mass * response(damping(p, point), point.step) / response(p.damping, point.step)
+        point.inverse_mass * (response(damping(p, point), point.step) / response(p.damping, point.step))
     };
     let (w0, w1, wq) = (weight(point), weight(point + 1), hair.inverse_inertia[k]);
     let own = &m.segments[k];
