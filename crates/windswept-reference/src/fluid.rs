@@ -65,7 +65,9 @@ pub fn correct(
         let gap = p.separation(i, j, x[i], x[j]);
         (lambda[i] * volume[j] + lambda[j] * volume[i]) * spiky_gradient(i, j, gap, p.kernel_radius)
     };
-    let shift = |i: usize| p.relaxation * inverse_mass[i] * near.of(i).filter(|&j| p.meets(i, j)).map(|j| pair(i, j)).sum::<DVec3>();
+    let shift = |i: usize| {
+        p.relaxation * inverse_mass[i] * near.of(i).filter(|&j| p.meets(i, j)).map(|j| pair(i, j)).sum::<DVec3>()
+    };
     (0..x.len()).map(shift).collect()
 }
 
@@ -87,7 +89,9 @@ pub fn limit(p: &Parameters, x: &[DVec3], volume: &[f64], near: &Neighbours, the
     if !p.limited {
         return vec![0.0; x.len()];
     }
-    let sum = |i: usize| near.of(i).filter(|&j| p.meets(i, j)).map(|j| p.viscosity(i, j) * weight(p, i, j, x, volume, theta)).sum();
+    let sum = |i: usize| {
+        near.of(i).filter(|&j| p.meets(i, j)).map(|j| p.viscosity(i, j) * weight(p, i, j, x, volume, theta)).sum()
+    };
     (0..x.len()).map(sum).collect()
 }
 

@@ -30,9 +30,11 @@ pub fn neighbours(p: &Parameters, positions: &[DVec3]) -> Neighbours {
     // Along x each particle stands where it is, and where its images are that air may meet through the faces.
     let images = |(j, x): (usize, &DVec3)| {
         let x = x.x;
-        [-1.0, 0.0, 1.0].map(|image| (x + image * p.box_size.x, j as u32)).into_iter().enumerate().filter_map(
-            move |(k, image)| (k == 1 || p.is_air(j)).then_some(image),
-        )
+        [-1.0, 0.0, 1.0]
+            .map(|image| (x + image * p.box_size.x, j as u32))
+            .into_iter()
+            .enumerate()
+            .filter_map(move |(k, image)| (k == 1 || p.is_air(j)).then_some(image))
     };
     let mut along: Vec<(f64, u32)> = positions.iter().enumerate().flat_map(images).collect();
     along.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod support;
 #[path = "support/elastica.rs"]
 mod elastica;
+mod support;
 
 use elastica::{Hair, REAL};
 use glam::DVec3;
@@ -57,7 +57,8 @@ fn covered(p: &Parameters, s: &State, w: &Scratch, i: usize) -> f64 {
 /// own. And the work that hair takes never exceeds the energy that air loses.
 #[test]
 fn momentum_is_exchanged_and_energy_lost() {
-    for (fibres, dt, speed) in [(1.0, 1.38e-3, 3.0), (36.0, 1.38e-3, 3.0), (1000.0, 1.38e-3, 10.0), (200.0, 5e-3, 30.0)] {
+    for (fibres, dt, speed) in [(1.0, 1.38e-3, 3.0), (36.0, 1.38e-3, 3.0), (1000.0, 1.38e-3, 10.0), (200.0, 5e-3, 30.0)]
+    {
         let (p, initial) = tuft(fibres, dt, speed);
         let mut state = State::new(&initial, p.step);
         let (mut worst, mut gain, mut thin, mut limited) = (0.0_f64, f64::NEG_INFINITY, 1.0_f64, 0);
@@ -78,12 +79,16 @@ fn momentum_is_exchanged_and_energy_lost() {
                 work += covered * w.drag_impulse[i].dot(v);
             }
             worst = worst.max((lost + given).length() / size);
-            let scale = w.new_velocity[p.hair_points..].iter().map(|v| v.length_squared()).sum::<f64>() * 0.5 * mass(p.hair_points);
+            let scale = w.new_velocity[p.hair_points..].iter().map(|v| v.length_squared()).sum::<f64>()
+                * 0.5
+                * mass(p.hair_points);
             gain = gain.max((energy + work) / scale);
             limited += w.limited;
             twin::step(&mut state, &p).unwrap();
         }
-        println!("{fibres} fibres, {speed} m/s: momentum {worst:.1e} off, energy {gain:.1e}, thinnest {thin:.2}, {limited} limited");
+        println!(
+            "{fibres} fibres, {speed} m/s: momentum {worst:.1e} off, energy {gain:.1e}, thinnest {thin:.2}, {limited} limited"
+        );
         // Measured 4e-14.
         assert!(worst < 1e-12 && gain < 0.0, "{worst:e}, {gain:e}");
         assert!(thin < 0.5 && (fibres < 200.0 || limited > 0));
@@ -150,7 +155,11 @@ fn the_mean_wind_takes_over_where_air_is_missing() {
         let near = windswept_reference::grid::neighbours(&p, &x);
         let local = wind::sample(&p, DVec3::X, &x, &v, &volume, &near)[0];
         let part = local.wind.y;
-        assert!((local.wind.x - (1.0 - part)).abs() < 1e-12 && (-1e-12..=1.0 + 1e-12).contains(&part), "{}", local.wind);
+        assert!(
+            (local.wind.x - (1.0 - part)).abs() < 1e-12 && (-1e-12..=1.0 + 1e-12).contains(&part),
+            "{}",
+            local.wind
+        );
         assert!(before.is_none_or(|before: f64| (before - part).abs() < 0.12), "{part} after {before:?}");
         (before, least) = (Some(part), least.min(part));
     }

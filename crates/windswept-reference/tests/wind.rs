@@ -3,9 +3,9 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod support;
 #[path = "support/elastica.rs"]
 mod elastica;
+mod support;
 
 use elastica::{Hair, REAL};
 use glam::DVec3;
@@ -61,7 +61,10 @@ fn tip_stands_where_the_solution_is_at_any_step() {
             let (p, initial) = hair.blown(34, 1e-3 * ms, "damping = 20.0");
             let tip = tip(&p, &initial, hair.length, 1.6);
             let off = off(tip.mean, [row.tip, row.drop]);
-            println!("{} m/s, {ms} ms: {:.5} {:.5}, {off:.1e} L off, rms {:.0e}", row.wind, tip.mean.x, -tip.mean.y, tip.rms);
+            println!(
+                "{} m/s, {ms} ms: {:.5} {:.5}, {off:.1e} L off, rms {:.0e}",
+                row.wind, tip.mean.x, -tip.mean.y, tip.rms
+            );
             (low, high) = (low.min(tip.mean), high.max(tip.mean));
             // Measured 2.8e-4 and 7.4e-4 L, the discretisation itself.
             assert!(off < 1e-3 && tip.rms < 1e-5, "{} m/s at {ms} ms: {off:e}", row.wind);
@@ -163,5 +166,32 @@ fn tip_stands_right_in_air_that_it_slows() {
         println!("{wind} m/s, {ms} ms: {:.5} {:.5}, {off:.1e} L off, rms {:.1e} L", tip.mean.x, -tip.mean.y, tip.rms);
         // Measured 6e-4 to 8e-4 L off.
         assert!(off < 3e-3 && tip.rms < trembles, "{wind} m/s at {ms} ms: {off:e}, {:e}", tip.rms);
+    }
+}
+
+/// A hair that rests in still or in steady air sleeps, stays where it is, and wakes when the wind changes.
+#[test]
+fn sleepers_wake_when_the_wind_changes() {
+    for wind in [0.0, 1.0] {
+        let hair = Hair { wind, ..REAL };
+        let (mut p, initial) = hair.blown(34, 1.38e-3, "");
+        p.sleep = true;
+
+        let mut state = State::new(&initial, p.step);
+        for _ in 0..2500 {
+            step(&mut state, &p).unwrap();
+        }
+        assert!(state.asleep[0], "{wind} m/s: awake");
+        let tip = state.position[34] / hair.length;
+        let off = if wind > 0.0 { off(tip, hair.tip()) } else { (tip + DVec3::Y).length() };
+        println!("{wind} m/s: asleep {off:.1e} L off, {} steps", state.asleep_steps);
+        // As far off as awake: 2.8e-4 L.
+        assert!(off < 4e-4, "{off:e}");
+        // As little more as bends it by a thousandth of its length.
+        p.wind.x += if wind > 0.0 { 2e-3 * wind } else { 2e-3 };
+        for _ in 0..20 {
+            step(&mut state, &p).unwrap();
+        }
+        assert!(!state.asleep[0], "{wind} m/s: sleeps on");
     }
 }

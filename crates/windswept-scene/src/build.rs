@@ -207,7 +207,10 @@ impl Reader<'_> {
         if particles && !self.has("air.box") {
             return Err(self.fault(
                 "air.box",
-                format!("is missing: interaction.model = \"{}\" needs {{ min = [x, y, z], max = [x, y, z] }}", model.word()),
+                format!(
+                    "is missing: interaction.model = \"{}\" needs {{ min = [x, y, z], max = [x, y, z] }}",
+                    model.word()
+                ),
             ));
         }
         let kernel_radius = self.number("air.kernel_radius")?;

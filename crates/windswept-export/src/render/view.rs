@@ -175,7 +175,9 @@ fn streaming(hair: &Hair, wind: DVec3, scene: &Scene) -> Option<DVec3> {
         let reynolds = (2.0 * hair.radius * speed / air.kinematic_viscosity).max(1e-9);
         let width = match scene.model {
             Model::Particles => (air.particle_mass / air.rest_density).cbrt(),
-            Model::TwoWay | Model::Drag => 2.0 * hair.radius * hair.fibres_per_strand * (1.0 + 10.0 * reynolds.powf(-2.0 / 3.0)),
+            Model::TwoWay | Model::Drag => {
+                2.0 * hair.radius * hair.fibres_per_strand * (1.0 + 10.0 * reynolds.powf(-2.0 / 3.0))
+            }
             Model::None => 0.0,
         };
         0.5 * 0.5 * air.rest_density * width * speed * speed

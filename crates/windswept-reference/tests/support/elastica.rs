@@ -117,7 +117,13 @@ impl Hair {
 
     /// `strand` in the model `two-way`, rooted at 0.45 of a box of so many spacings and half its length above the middle,
     /// in air that blows already.
-    pub fn in_air(&self, mut strand: Strands, box_size: [usize; 3], step: f64, keys: &str) -> (Parameters, InitialState) {
+    pub fn in_air(
+        &self,
+        mut strand: Strands,
+        box_size: [usize; 3],
+        step: f64,
+        keys: &str,
+    ) -> (Parameters, InitialState) {
         let (size, mut positions) = support::lattice(box_size, &support::SIMPLE);
         let jitter = 0.05 * support::VOLUME.cbrt();
         for (x, anyhow) in positions.iter_mut().zip(support::stirred(box_size.iter().product(), 7)) {
