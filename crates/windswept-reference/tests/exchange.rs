@@ -6,34 +6,9 @@
 mod elastica;
 mod support;
 
-use elastica::{Hair, REAL};
+use elastica::tuft;
 use glam::DVec3;
-use rand::{Rng, SeedableRng};
-use rand_pcg::Pcg64;
-use support::bundle;
 use windswept_reference::{Parameters, State, rods, step as twin, step::Scratch, wind};
-use windswept_scene::{InitialState, Strands};
-
-/// Strands of 50 mm and `fibres` fibres that hang down within a few millimetres of each other, some of them out of the box.
-fn tuft(fibres: f64, dt: f64, speed: f64) -> (Parameters, InitialState) {
-    let hair = Hair { wind: speed, ..REAL };
-    let mut rng = Pcg64::seed_from_u64(3);
-    let strands: Vec<Strands> = (0..12)
-        .map(|k| {
-            let mut one = hair.strand(8);
-            let far = if k == 11 { 0.09 } else { 0.012 };
-            let shift = far * (2.0 * DVec3::from_array(rng.random()) - 1.0) * DVec3::new(1.0, 0.0, 1.0);
-            one.positions.iter_mut().for_each(|x| *x += shift);
-            one.fibres.fill(fibres);
-            one.inverse_mass.iter_mut().for_each(|w| *w /= fibres);
-            one.inverse_inertia.iter_mut().for_each(|w| *w /= fibres);
-            one.stretch_compliance.iter_mut().for_each(|c| *c /= fibres);
-            one.bend_compliance.iter_mut().for_each(|c| *c /= fibres);
-            one
-        })
-        .collect();
-    hair.in_air(bundle(&strands), [16, 14, 6], dt, "[fluid]\niterations = 2")
-}
 
 /// A step up to its rods, and the air's velocities before hair reacted on it.
 fn exchanged(state: &State, p: &Parameters) -> (State, Scratch, Vec<DVec3>) {

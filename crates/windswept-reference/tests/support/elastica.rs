@@ -4,10 +4,12 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DQuat, DVec3};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
 use windswept_reference::{Parameters, State, step::step};
 use windswept_scene::{InitialState, Scene, Strands};
 
-use super::support::{self, Rod};
+use super::support::{self, Rod, bundle};
 
 /// A hair whose clamp points straight down in a wind across: SI units.
 #[derive(Debug, Clone, Copy)]
@@ -146,4 +148,25 @@ fn scene(hair: &Hair, bounds: &str, model: &str, step: f64, rods: &str) -> Scene
         hair.wind
     );
     Scene::parse(&text).unwrap()
+}
+
+/// Strands of 50 mm and `fibres` fibres that hang down within a few millimetres of each other, some of them out of the box.
+pub fn tuft(fibres: f64, dt: f64, speed: f64) -> (Parameters, InitialState) {
+    let hair = Hair { wind: speed, ..REAL };
+    let mut rng = Pcg64::seed_from_u64(3);
+    let strands: Vec<Strands> = (0..12)
+        .map(|k| {
+            let mut one = hair.strand(8);
+            let far = if k == 11 { 0.09 } else { 0.012 };
+            let shift = far * (2.0 * DVec3::from_array(rng.random()) - 1.0) * DVec3::new(1.0, 0.0, 1.0);
+            one.positions.iter_mut().for_each(|x| *x += shift);
+            one.fibres.fill(fibres);
+            one.inverse_mass.iter_mut().for_each(|w| *w /= fibres);
+            one.inverse_inertia.iter_mut().for_each(|w| *w /= fibres);
+            one.stretch_compliance.iter_mut().for_each(|c| *c /= fibres);
+            one.bend_compliance.iter_mut().for_each(|c| *c /= fibres);
+            one
+        })
+        .collect();
+    hair.in_air(bundle(&strands), [16, 14, 6], dt, "[fluid]\niterations = 2")
 }
