@@ -1,6 +1,6 @@
 //! The f64 twin of the step on the CPU: same names, same nine headings, no GPU.
 //!
-//! Written from the equations, with other data structures than the engine's (no sort, no cells, no cut-off grid), so that
+//! Written from the equations, with other data structures than the engine's (no cells, no sorted particles, no cut-off grid), so that
 //! the two cannot share a mistake. Pure functions over slices; [`step::step`] puts them in order.
 
 pub mod contact;
