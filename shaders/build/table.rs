@@ -127,7 +127,7 @@ impl Table {
                 }
                 writeln!(
                     text,
-                    "/// What `shaders/{}.wgsl` declares.\n#[allow(missing_docs)]\npub mod {} {{",
+                    "/// What `shaders/{}.wgsl` declares.\n#[allow(missing_docs, clippy::approx_constant)] // as the WGSL has them\npub mod {} {{",
                     source.name(),
                     source.stem
                 )?;
