@@ -16,7 +16,7 @@ mod provenance;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// What is bounded, and by what.
+/// Ratios of times that are bounded, by name, each with its bound.
 const BOUNDS: [(&str, f64); 2] =
     [("step at 18 mm over step at 6 mm", 1.05), ("turbulence at 6 mm over that by the direct sum cut at 3 s", 0.35)];
 
@@ -39,8 +39,9 @@ struct Arguments {
 struct Run {
     name: &'static str,
     simulation: Simulation,
-    /// Of all timed steps together, by pass, label and band.
+    /// Time of all timed steps together \[ms\], by pass, label and band.
     total: BTreeMap<String, f64>,
+    /// Least time in a step \[ms\], by pass, label and band.
     least: BTreeMap<String, f64>,
 }
 
@@ -52,9 +53,10 @@ impl Run {
         Ok(Self { name, simulation, total: BTreeMap::new(), least: BTreeMap::new() })
     }
 
-    /// Steps up to the next that is timed, and that. One in which the neighbour list grew was done in part and does not count.
+    /// Runs up to the next timed step and takes its times. A step in which the neighbour list grew was done in part and does not
+    /// count.
     fn turn(&mut self) -> Result<()> {
-        let list = |simulation: &Simulation| simulation.engine().state().neighbour_list.len;
+        let list = |simulation: &Simulation| simulation.engine().state().neighbour_list.len();
         let (timed, before) = (self.simulation.timed_steps(), list(&self.simulation));
         while self.simulation.timed_steps() == timed {
             self.simulation.step(1)?;
@@ -72,7 +74,7 @@ impl Run {
         Ok(())
     }
 
-    /// The least of every pass whose row is of `part`, together \[ms\].
+    /// Least times of all passes whose row is of `part`, together \[ms\].
     fn ms(&self, part: impl Fn(&str, bool) -> bool) -> f64 {
         let of_band = |key: &str| key.ends_with(|c: char| c.is_ascii_digit());
         self.least.iter().filter(|(key, _)| part(key, of_band(key))).map(|(_, ms)| ms).sum()
@@ -82,7 +84,7 @@ impl Run {
         self.ms(|_, _| true)
     }
 
-    /// All that turbulence adds: its passes, and the sort into the grid's cells.
+    /// Time that turbulence adds \[ms\]: its passes, and the sort into the grid's cells.
     fn turbulence_ms(&self) -> f64 {
         self.ms(|key, of_band| of_band || key.starts_with("turbulence/"))
     }
@@ -144,8 +146,8 @@ fn run() -> Result<()> {
     }
 }
 
-/// In the order of `BOUNDS`. But for turbulence both scenes have the same passes: they count as in the first, so that noise in
-/// them is not taken for turbulence.
+/// The ratios, in the order of `BOUNDS`. Both scenes have the same passes except for turbulence; those count as in the first
+/// scene, so that noise in them is not taken for turbulence.
 fn ratios([fine, coarse, direct]: &[Run; 3]) -> [f64; 2] {
     let other = fine.step_ms() - fine.turbulence_ms();
     [(other + coarse.turbulence_ms()) / fine.step_ms(), fine.turbulence_ms() / direct.turbulence_ms()]

@@ -16,7 +16,7 @@ fn points(of: &[[f32; 3]]) -> Vec<DVec3> {
     of.iter().map(|x| DVec3::from_array(x.map(f64::from))).collect()
 }
 
-/// The deepest of these below the surface of any body now \[m\]; negative: the nearest above it.
+/// Depth of the deepest of these points below the surface of any body now \[m\]; negative if all are outside.
 fn deepest(simulation: &Simulation, of: &[[f32; 3]]) -> f64 {
     let placed: Vec<Shape> = simulation.scene().bodies.iter().map(|body| body.at(simulation.time())).collect();
     let depth = |x: &DVec3| placed.iter().map(|body| -body.signed_distance(*x).0).fold(f64::NEG_INFINITY, f64::max);
@@ -55,7 +55,7 @@ fn hair_sticks_and_slides_by_coulombs_law() {
     }
 }
 
-/// 5 mm between points, clamped above a ball, and falling over it.
+/// A strand with 5 mm between points, clamped above a ball, that falls over it.
 const DRAPED: &str = "interaction.model = \"none\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 1\npoints = 41\nlength = 0.2\n\
     roots = { center = [0, 0.051, 0], radius = 1e-3, direction = [1, 0, 0.0] }\n[rods]\niterations = 60\n\
     [[body]]\nname = \"ball\"\nradius = 0.05\ncenter = [0, 0, 0]\n";
@@ -122,7 +122,7 @@ fn a_bar_takes_hair_along() {
 #[test]
 fn hair_that_lies_sleeps_until_its_body_goes() {
     let motion = "body.ball.motion=[{ time = 8.0 }, { time = 8.5, translation = [0, -0.3, 0] }]";
-    let mut simulation = simulation(DRAPED, &["rods.damping=8.0", motion]);
+    let mut simulation = simulation(DRAPED, &["time.step=4e-3", "rods.damping=8.0", motion]);
     simulation.step((7.9 / simulation.dt()) as u64).unwrap();
     let lying = points(&simulation.frame().unwrap().hair.positions);
     let slept = simulation.report().unwrap().strand_steps.unwrap()["asleep_steps"];
@@ -161,7 +161,7 @@ fn hair_that_starts_inside_comes_out_slowly() {
 const PASSED: &str = "[time]\nstep = 1.38e-3\nduration = 1.0\n[air]\nbox = { min = [0.0, 0.0, 0.0], max = [0.16, 0.09, 0.09] }\nwind = [3.0, 0.0, 0.0]\n\
     [fluid]\niterations = 6\n[[body]]\nname = \"ball\"\nradius = 0.02\ncenter = [0.07, 0.045, 0.045]\n";
 
-/// Mean velocity along x of the air in a place of the ball's own frame.
+/// Mean velocity along x of the air in a region, given in the ball's own frame \[m/s\].
 fn mean_speed(frame: &Frame, ball: DVec3, place: impl Fn(DVec3) -> bool) -> f64 {
     let each = points(&frame.air.positions).into_iter().zip(&frame.air.velocities);
     let (sum, n) =
@@ -170,7 +170,7 @@ fn mean_speed(frame: &Frame, ball: DVec3, place: impl Fn(DVec3) -> bool) -> f64 
     sum / f64::from(n)
 }
 
-/// Nothing is inside, and behind the ball is a wake.
+/// Air that streams past a ball never enters it, and leaves a wake behind it.
 #[test]
 fn air_flows_around_a_ball() {
     let mut simulation = simulation(PASSED, &[]);
@@ -214,25 +214,6 @@ fn a_moving_ball_pushes_air() {
     assert!((0.5..1.1).contains(&before) && beside < -0.04, "{before} {beside}");
 }
 
-/// Hair, air and a ball that moves through both: the same bits twice.
-#[test]
-fn the_same_scene_gives_the_same_bits() {
-    let hair = "[hair]\nstrands = 12\npoints = 8\nlength = 0.06\nroots = { center = [0.045, 0.07, 0.045], radius = 0.012, direction = [1, 0, 0] }\n";
-    let moving = "body.ball.motion=[{time=0},{time=0.05,translation=[0,0.02,0]}]";
-    let run = || {
-        let mut simulation = simulation(&format!("{PASSED}{hair}"), &[moving]);
-        simulation.step(40).unwrap();
-        simulation.frame().unwrap()
-    };
-    let (first, second) = (run(), run());
-    assert!(first.hair.positions.len() == 96 && first.air.positions.len() > 5000);
-    let bits = |frame: &Frame| -> Vec<u32> {
-        let all = [&frame.hair.positions, &frame.hair.velocities, &frame.air.positions, &frame.air.velocities];
-        all.into_iter().flatten().flatten().map(|x| x.to_bits()).collect()
-    };
-    assert!(bits(&first) == bits(&second));
-}
-
 /// examples/scenes/head.toml, its head turned at once: hair and air stay out of head and neck, nothing to be warned of.
 #[test]
 fn hair_stays_on_a_head_that_turns() {
@@ -249,7 +230,7 @@ fn hair_stays_on_a_head_that_turns() {
     let (hair, air) = (deepest(&simulation, &frame.hair.positions), deepest(&simulation, &frame.air.positions));
     println!("hair {hair:.1e} m inside, air {air:.1e} m");
     // Roots are on the surface; measured 8.4e-9 m: rounding. Air keeps half a spacing, 2.4 mm, from either body, but for the
-    // crease between head and neck, where the one may undo what the other did: measured 1.3 mm off.
+    // crease between head and neck, where one body may undo what the other did: measured 1.3 mm off.
     assert!(hair < 3e-8 && air < 0.0, "{hair} {air}");
     assert!(frame.hair.velocities.iter().flatten().all(|v| v.abs() < 9.0));
 }

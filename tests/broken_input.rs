@@ -35,14 +35,14 @@ air = 0.014
 
 /// One fault: a line of the scene is replaced, and the error must point at `at`, a line of the broken text.
 struct Case {
-    /// The line that is replaced; empty: nothing is, `broken` is put at the end.
+    /// The line that is replaced; if it is empty, `broken` is added at the end.
     line: &'static str,
     broken: &'static str,
-    /// The line that the error names.
+    /// Text of the line that the error names.
     at: &'static str,
-    /// The key that it names.
+    /// Key that the error names.
     key: &'static str,
-    /// What it says besides.
+    /// Words that the error says besides.
     words: &'static [&'static str],
 }
 
@@ -98,12 +98,12 @@ const CASES: &[Case] = &[
     // More particles than memory.
     replaced(BOX, "box = { min = [0.0, 0.0, 0.0], max = [60.0, 40.0, 40.0] }", "air", &["particles"]),
     replaced(STRANDS, "strands = 4000000000", "hair.strands", &["points"]),
-    // What is needed and not there.
+    // A table or key that is needed and missing.
     missing("step = 1.38e-3", "[time]", "time.step"),
     missing("duration = 0.1", "[time]", "time.duration"),
     missing(BOX, "[air]", "air.box"),
     missing("wind = [1.0, 0.0, 0.0]", "[air]", "air.wind"),
-    // Reserved, or asked for by name and not built yet.
+    // A word that is reserved, or that names what is not built yet.
     Case {
         line: "",
         broken: "[[body]]\nshape = \"sphere\"\ncenter = [0, 0, 0]",
@@ -113,7 +113,7 @@ const CASES: &[Case] = &[
     },
     replaced(LENGTH, "file = \"groom.abc\"", "hair.file", &["not in this version"]),
     reserved("[rods]\ninternal_damping = 0.1", "internal_damping = 0.1", "rods.internal_damping"),
-    // Not TOML.
+    // Text that is not TOML.
     replaced(STRANDS, "strands = = 4", "", &[]),
     replaced(RADIUS, "strands = 5", "", &["duplicate key"]),
 ];
@@ -176,7 +176,7 @@ fn the_scene_to_break_is_whole() {
     assert!(said.contains("4 strands, 24 points"), "{said}");
 }
 
-/// Each fault, alone: status 2, the file, the line, the key, the words; nothing is written.
+/// Each fault, alone, ends with status 2 and an error that names file, line and key and has the words; nothing is written.
 #[test]
 fn each_fault_is_named_with_its_line() {
     let mut wrong = Vec::new();
@@ -193,7 +193,7 @@ fn each_fault_is_named_with_its_line() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// A terminal is shown the line itself.
+/// The error on a terminal shows the line itself.
 #[test]
 fn a_terminal_sees_the_line() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -236,7 +236,7 @@ fn no_hair_is_named() {
     assert!(said.contains("bald.toml") && said.contains("hair"), "{said}");
 }
 
-/// Files that are no scene at all.
+/// Files that are no scene at all are refused.
 #[test]
 fn no_scene_is_named() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! Every check of `windswept validate` on the software adapter, and wrong shaders that turn its rows red.
+//! Every check of `windswept validate` on the software adapter, and wrong shaders that make its rows fail.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod support;
@@ -70,7 +70,7 @@ checks! {
     steps_are_those_of_the_twin: "twin-step",
 }
 
-/// A wrong constant in a shader turns at least one row of the check that looks at it red.
+/// A wrong constant in a shader makes at least one row of the check that looks at it fail.
 #[test]
 fn wrong_constants_turn_rows_red() {
     let cases: &[(&Pass, &str, &str, &str)] = &[

@@ -9,6 +9,7 @@ use glam::{DQuat, DVec3};
 use windswept::Simulation;
 use windswept_scene::{End, Fibre, Groom, Scene};
 
+/// Gravity \[m/s²\].
 const GRAVITY: f64 = 9.81;
 
 fn scene(keys: &str) -> Scene {
@@ -19,13 +20,13 @@ fn scene(keys: &str) -> Scene {
     Scene::parse(&text).unwrap()
 }
 
-/// `strands` level strands of 17 points along +x, a metre apart.
+/// Groom of `strands` level strands of 17 points along +x, a metre apart.
 fn level(strands: u32, length: f64) -> Groom {
     let point = |i: u32| [length * f64::from(i % 17) / 16.0, 0.0, f64::from(i / 17)];
     Groom::new((0..17 * strands).map(point).collect(), (0..=strands).map(|s| 17 * s).collect())
 }
 
-/// Where every point is after `seconds`.
+/// Position of every point after `seconds` \[m\].
 fn after(keys: &str, groom: &Groom, seconds: f64) -> Vec<DVec3> {
     let mut simulation = Simulation::with_groom(&support::gpu(), &scene(keys), groom).unwrap();
     simulation.step((seconds / simulation.dt()) as u64).unwrap();
@@ -91,7 +92,8 @@ fn ends_are_held_as_they_say() {
         println!("hangs {:.1e} m off", strand(s)[hanging].distance(below));
         assert!(strand(s)[hanging].distance(below) < 1e-3 * length, "strand {s}: {}", strand(s)[hanging]);
     }
-    // q L⁴/(384 EI) between clamps, five times that between pins, less what their ends, which cannot come closer, pull.
+    // A strand sags by q L⁴/(384 EI) between clamps and by five times that between pins, less the pull of its ends, which cannot
+    // come closer.
     let expected = sag(0, 16) * 8.0 / 384.0;
     println!("between clamps {:.3e}, expected {expected:.3e}; between pins {:.3e}", sag(5, 8), sag(4, 8));
     // Measured 2.7 %, the discretisation of 16 segments; 4.29 times.
@@ -99,7 +101,7 @@ fn ends_are_held_as_they_say() {
     assert!((4.0..5.0).contains(&(sag(4, 8) / sag(5, 8))));
 }
 
-/// ½ g t², and the distances between its points stay.
+/// Asserts that a strand has fallen by ½ g t², and that the distances between its points have stayed.
 #[test]
 fn strands_that_nothing_holds_fall() {
     let groom = Groom { root: End::Free.into(), ..level(2, 0.05) };

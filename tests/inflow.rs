@@ -1,4 +1,4 @@
-//! What the wind does to air in its box: from any side, with gusts, set at run time, with eddies of its own.
+//! The wind in its box of air: from any side, with gusts, set at run time, with eddies of its own.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod support;
@@ -11,7 +11,7 @@ use windswept_scene::{Gust, Inflow, InitialState, Scene};
 /// Thickness of the fringe \[m\].
 const FRINGE: f64 = 0.015;
 
-/// A wind that is there at once.
+/// Keys of a wind that blows from the start, without a ramp.
 fn scene(wind: DVec3) -> Scene {
     let mut scene = support::scene();
     let air = scene.air.as_mut().unwrap();
@@ -30,7 +30,7 @@ fn vectors(rows: &[[f32; 3]]) -> Vec<DVec3> {
     rows.iter().map(|x| DVec3::from_array(x.map(f64::from))).collect()
 }
 
-/// rms of v − U over particles whose depth behind a face of an axis is within the fringe, and over the others.
+/// Root mean squares of v − U: over particles whose depth behind a face of an axis is within the fringe, and over the others.
 fn disturbed(simulation: &Simulation, wind: DVec3, axis: usize, high: bool) -> [f64; 2] {
     let frame = simulation.frame().unwrap();
     let size = simulation.initial().air.size[axis];
@@ -98,7 +98,7 @@ fn a_wind_that_turns_round_enters_from_the_other_side() {
     let off = vectors(&gust.frame().unwrap().air.velocities);
     let other = vectors(&set.frame().unwrap().air.velocities);
     let apart = off.iter().zip(&other).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
-    // Measured 1e-6 m/s: the gust's times are not whole steps in f32.
+    // Measured 1e-6 m/s, because the gust's times are not whole steps in f32.
     assert!(apart < 1e-4, "{apart} m/s apart");
 
     let mut still = Simulation::with_state(&support::gpu(), &scene(DVec3::ZERO), air(DVec3::ZERO)).unwrap();
@@ -110,7 +110,7 @@ fn a_wind_that_turns_round_enters_from_the_other_side() {
     assert!(still.set_wind(DVec3::X * f64::NAN).unwrap_err().to_string().contains("wind"));
 }
 
-/// Air that enters has eddies of the intensity asked for, the same for one seed, others for another.
+/// Air that enters has eddies of the intensity asked for; one seed always gives the same eddies, another gives others.
 #[test]
 fn wind_brings_eddies_in() {
     let wind = DVec3::X * 3.0;
@@ -145,7 +145,7 @@ fn wind_brings_eddies_in() {
     assert!(run(2, 0.2).1 != velocities, "the seed does nothing");
 }
 
-/// Eddies of the size asked for: an inflow of 6 mm brings more at 6 mm, one of 12 mm more at 12 mm.
+/// Eddies that enter have the size asked for: an inflow of 6 mm brings more at 6 mm, one of 12 mm more at 12 mm.
 #[test]
 fn eddies_that_enter_have_their_scale() {
     let scales = [0.006, 0.012];

@@ -1,17 +1,11 @@
-//! What no row of `windswept validate` (tests/formulas.rs) has: momentum of hair and air in one correction.
+//! Momentum of hair and air in one density correction, which no row of `windswept validate` (tests/formulas.rs) measures.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod support;
 
 use glam::DVec3;
-use windswept::internals::{Engine, Plan, Recorder, step};
-use windswept_scene::{InitialState, Scene, Strands};
-
-fn engine(scene: &Scene, initial: &InitialState) -> (Engine, Plan) {
-    let engine = Engine::new(&support::gpu(), scene, initial).unwrap();
-    let plan = Plan::new(scene, initial, engine.sizes());
-    (engine, plan)
-}
+use windswept::internals::{Engine, Plan, Recorder, Setup, step};
+use windswept_scene::Strands;
 
 /// The density correction moves pairs by equal and opposite m dx: hair and air of different masses, no clamped root.
 #[test]
@@ -22,14 +16,15 @@ fn density_correction_keeps_momentum() {
         *mass = 1.0 / (1.46e-7 * (1 + p % 4) as f64);
     }
     let scene = support::scene();
-    let (engine, plan) = engine(&scene, &initial);
+    let setup = Setup::new(&scene, &initial);
+    let (engine, plan) = (Engine::new(&support::gpu(), &setup).unwrap(), Plan::new(&setup));
     engine.copy_state_to_scratch().unwrap();
-    let recording = Recorder::record(|r| {
-        step::neighbours::record(r, engine.state(), &plan);
-        step::fluid::record(r, engine.state(), &plan);
+    let recording = Recorder::record(engine.state(), |r| {
+        step::neighbours::record(r, &plan);
+        step::fluid::record(r, &plan);
     });
     engine.replay(&recording).unwrap();
-    let shift: Vec<[f32; 4]> = engine.read(&engine.state().shift).unwrap();
+    let shift = engine.read(&engine.state().shift).unwrap();
     let (mut sum, mut whole) = (DVec3::ZERO, 0.0);
     for (i, dx) in shift.iter().enumerate() {
         let mass = initial.hair.inverse_mass.get(i).map_or(initial.air.mass, |w| 1.0 / w);

@@ -1,4 +1,4 @@
-//! Whole steps: same bits every time, frozen and replayed when the neighbour list is short, momentum, bad strands.
+//! Whole steps: the same bits every time, steps that freeze and are replayed, momentum, strands and air that are not finite.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod support;
@@ -10,9 +10,9 @@ use windswept::{
     gpu::wgpu,
     internals::{Engine, Setup},
 };
-use windswept_scene::{AirParticles, InitialState, Scene, Strands};
+use windswept_scene::{AirParticles, Body, InitialState, Keyframe, Motion, Scene, Shape, Strands};
 
-/// `n` x `n` straight strands of 0.06 m along +x in a box of 0.10 x 0.06 x 0.06 m, filled with air at rest.
+/// Scene of `n` x `n` straight strands of 0.06 m along +x in a box of 0.10 x 0.06 x 0.06 m, filled with air at rest.
 fn brush(n: usize) -> InitialState {
     let size = DVec3::new(0.10, 0.06, 0.06);
     let points = 7;
@@ -84,12 +84,20 @@ fn run(scene: &Scene, initial: &InitialState, steps: &[u64]) -> (Frame, Simulati
     (simulation.frame().unwrap(), simulation)
 }
 
-/// The same scene gives the same bits, however its steps are cut into submits.
+/// Hair, air and a ball that moves through both: a scene gives the same bits twice, however its steps are cut into submits.
 #[test]
 fn two_runs_give_the_same_bits() {
-    let (first, _) = run(&windy(), &brush(4), &[120]);
-    let (second, _) = run(&windy(), &brush(4), &[1, 30, 7, 82]);
-    assert_eq!(first.step, 120);
+    let at = |time, y| Keyframe { time, translation: [0.0, y, 0.0], rotation: [0.0; 3] };
+    let ball = Body {
+        name: "ball".into(),
+        shape: Shape::Sphere { center: [0.06, 0.0, 0.03], radius: 0.01 },
+        friction: 0.4,
+        motion: Motion { keyframes: vec![at(0.0, 0.0), at(0.1, 0.04)] },
+    };
+    let scene = Scene { bodies: vec![ball], ..windy() };
+    let (first, _) = run(&scene, &brush(4), &[80]);
+    let (second, _) = run(&scene, &brush(4), &[1, 30, 7, 42]);
+    assert_eq!(first.step, 80);
     assert!(first == second, "the runs differ");
     let moved = first.hair.velocities.iter().flatten().any(|v| *v != 0.0);
     assert!(moved, "nothing happened");
@@ -242,7 +250,7 @@ fn hair_outside_the_box_is_counted_after_a_while() {
     assert_eq!(inside.warnings().get("hair_outside_box"), None);
 }
 
-/// On a device of the caller's own, recorded into the caller's encoder: the same bits as `step`.
+/// Steps on a device of the caller's own, recorded into the caller's encoder, give the same bits as `step`.
 #[test]
 fn a_callers_device_and_encoder_give_the_same_bits() {
     let (gpu, device, queue) = callers_device();
@@ -254,7 +262,7 @@ fn a_callers_device_and_encoder_give_the_same_bits() {
         simulation.settle().unwrap();
     }
     assert_eq!(simulation.steps(), 20);
-    // Stepping on it too, timed submits included, though this device has no timestamps.
+    // `step` works on it too, timed submits included, though this device has no timestamps.
     simulation.step(20).unwrap();
     let (frame, _) = run(&windy(), &brush(3), &[40]);
     assert!(simulation.frame().unwrap() == frame);

@@ -10,18 +10,18 @@ use windswept_scene::{AirParticles, InitialState, Scene};
 
 use crate::Result;
 
-/// The paper's particle mass \[kg\].
+/// Mass of a particle in the paper \[kg\].
 const MASS: f64 = 1.46e-7;
-/// ρ0 \[kg/m³\].
+/// Rest density ρ0 of the paper's air \[kg/m³\].
 pub(crate) const REST_DENSITY: f64 = 1.29;
-/// V of a particle \[m³\].
+/// Volume V of a particle \[m³\].
 pub(crate) const VOLUME: f64 = MASS / REST_DENSITY;
-/// h \[m\].
+/// Kernel radius h of the paper \[m\].
 pub(crate) const RADIUS: f64 = 9.3e-3;
-/// Δt \[s\].
+/// Step Δt of the paper \[s\].
 pub(crate) const STEP: f64 = 1.38e-3;
 
-/// Particles in a cube: m, m/s.
+/// Particles in a cube: positions \[m\] and velocities \[m/s\].
 #[derive(Debug, Clone)]
 pub(crate) struct Air {
     /// Side of the cube \[m\].
@@ -39,14 +39,14 @@ impl Air {
         Self { side: spacing * n as f64, velocities: vec![[0.0; 3]; positions.len()], positions }
     }
 
-    /// With each particle moved by up to `part` of the spacing along each axis.
+    /// The air with each particle moved by up to `part` of the spacing along each axis.
     pub(crate) fn jittered(self, part: f64) -> Self {
         let mut rng = Pcg64::seed_from_u64(7);
         let largest = part * VOLUME.cbrt();
         self.moved(|_| largest * (2.0 * DVec3::from_array(rng.random()) - 1.0))
     }
 
-    /// With each particle moved by a field.
+    /// The air with each particle moved by a field.
     pub(crate) fn moved(mut self, mut shift: impl FnMut(DVec3) -> DVec3) -> Self {
         for x in &mut self.positions {
             let at = DVec3::from_array(*x);
@@ -55,7 +55,7 @@ impl Air {
         self
     }
 
-    /// With six solenoidal waves of one to three periods along each axis, of `speed` \[m/s\] each.
+    /// The air with six solenoidal waves of one to three periods along each axis, of `speed` \[m/s\] each.
     pub(crate) fn stirred(mut self, speed: f64) -> Self {
         let mut rng = Pcg64::seed_from_u64(5);
         let waves: Vec<(DVec3, DVec3, f64)> = (0..6)
@@ -72,7 +72,7 @@ impl Air {
         self
     }
 
-    /// For single passes.
+    /// The particles as single passes take them.
     pub(crate) fn particles(&self) -> Particles<'_> {
         Particles {
             positions: &self.positions,
@@ -84,7 +84,7 @@ impl Air {
         }
     }
 
-    /// For whole steps.
+    /// The state that whole steps start from.
     pub(crate) fn initial(&self) -> InitialState {
         let vectors = |rows: &[[f64; 3]]| rows.iter().map(|x| DVec3::from_array(*x)).collect();
         let air = AirParticles {
@@ -99,7 +99,7 @@ impl Air {
     }
 }
 
-/// Such air without wind; `keys` as a scene file has them.
+/// Scene of such air without wind; `keys` as a scene file has them.
 pub(crate) fn scene(keys: &str) -> Result<Scene> {
     let text = format!(
         "time = {{ step = {STEP}, duration = 1.0 }}\n\
@@ -109,12 +109,12 @@ pub(crate) fn scene(keys: &str) -> Result<Scene> {
     Ok(Scene::parse(&text)?)
 }
 
-/// As f64.
+/// The vectors as f64.
 pub(crate) fn vectors(rows: &[[f32; 3]]) -> Vec<DVec3> {
     rows.iter().map(|x| DVec3::from_array(x.map(f64::from))).collect()
 }
 
-/// Root of the mean square; NaN of none.
+/// Root mean square of some values; NaN of none.
 pub(crate) fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
     let (sum, n) = values.into_iter().fold((0.0, 0.0), |(sum, n), x| (sum + x * x, n + 1.0));
     f64::sqrt(sum / n)

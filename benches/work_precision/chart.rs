@@ -14,12 +14,13 @@ use crate::{
     rule,
 };
 
-/// Of a panel \[px\].
+/// Width and height of a panel \[px\].
 const PANEL: (u32, u32) = (470, 360);
-/// Of the title above the panels, and a line of the legend below \[px\].
+/// Height of the title above the panels \[px\].
 const TITLE: u32 = 34;
+/// Height of a line of the legend below the panels \[px\].
 const LEGEND_LINE: u32 = 20;
-/// Entries in a line of the legend.
+/// Number of entries in a line of the legend.
 const LEGEND_COLUMNS: usize = 3;
 /// Line colours that colour-blind eyes tell apart (Okabe & Ito 2008), grey for their yellow, brown and violet after them.
 const COLOURS: [RGBColor; 10] = [
@@ -67,7 +68,7 @@ struct Line<'a> {
     dashed: bool,
 }
 
-/// Candidates in full lines, the others dashed, each in the colours' order.
+/// Lines of a picture, in the order of the colours: candidates are full, the others dashed.
 fn lines(points: &[Point]) -> Vec<Line<'_>> {
     let mut counts = [0; 2];
     let line = |series| {
@@ -87,7 +88,7 @@ fn range(values: impl Iterator<Item = f64> + Clone) -> std::ops::Range<f64> {
     if low <= high { 0.7 * low..1.5 * high } else { 0.1..1.0 }
 }
 
-/// 1, 2 and 5 times powers of ten within a range; over more than three decades the powers alone.
+/// Ticks within a range: 1, 2 and 5 times powers of ten; over more than three decades the powers alone.
 fn ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
     let steps: &[f64] = if range.end / range.start > 1e3 { &[1.0] } else { &[1.0, 2.0, 5.0] };
     let powers = range.start.log10().floor() as i32..=range.end.log10().ceil() as i32;
@@ -144,13 +145,13 @@ fn triangle((x, y): (i32, i32)) -> PathElement<(i32, i32)> {
     PathElement::new([(x - 10, y + 7), (x + 10, y + 7), (x, y - 11), (x - 10, y + 7)], BLACK.stroke_width(2))
 }
 
-/// As short as it is exact to three digits.
+/// A number as short as it is exact to three digits.
 fn number(x: f64) -> String {
     let rounded: f64 = format!("{x:.2e}").parse().unwrap_or(x);
     rounded.to_string()
 }
 
-/// Entries of the legend that are no series.
+/// Number of entries of the legend that are no series.
 const NOTES: usize = 2;
 
 fn key(area: &Area<'_>, family: &Family, lines: &[Line<'_>]) -> Result<()> {

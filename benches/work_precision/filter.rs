@@ -1,4 +1,4 @@
-//! The band filter: where the direct sum is cut, how fine the grid is, against the whole sum.
+//! The band filter's error against the whole sum, by where the direct sum is cut and how fine the grid is.
 
 use glam::DVec3;
 use windswept::ops::Filter;
@@ -12,19 +12,19 @@ use crate::{
     timing,
 };
 
-/// s \[m\].
+/// Scales s of the bands \[m\].
 const SCALES: [f64; 3] = [0.007, 0.011, 0.018];
-/// Of the direct sum, in units of s.
+/// Distances at which the direct sum is cut \[s\].
 const CUTOFFS: [f64; 5] = [3.0, 3.5, 4.0, 4.5, 5.0];
-/// Orders of the grid's B-spline and their spacings, in units of s.
+/// Orders of the grid's B-spline and their spacings \[s\].
 const GRIDS: [(Order, [f64; 5]); 3] = [
     (Order::Cic, [0.5, 0.4, 0.3, 0.25, 0.2]),
     (Order::Tsc, [0.7, 0.6, 0.5, 0.4, 0.3]),
     (Order::Cubic, [1.0, 0.8, 0.65, 0.55, 0.45]),
 ];
-/// Images that are farther off along an axis, in units of s, add less than 1e-12 of the hat's middle.
+/// Distance along an axis beyond which images add less than 1e-12 of the hat's middle \[s\].
 const REACH: f64 = 8.0;
-/// What the filters' time is of: all but what comes after û. The grid sorts once more.
+/// Passes that the filters' time is of: all up to û. The grid sorts once more than the direct sum.
 const PASSES: [&str; 5] =
     ["turbulence/weigh", "turbulence/band", "turbulence/deposit", "turbulence/smooth", "turbulence/gather"];
 
@@ -33,11 +33,11 @@ struct Setting {
     filter: Filter,
     series: String,
     label: String,
-    /// Whether it is what a scene gets that names none.
+    /// Whether a scene that names no filter gets this one.
     default: bool,
 }
 
-/// The settings that are different ones at this scale: no grid is coarser than a kernel radius.
+/// The settings that differ at this scale: no grid is coarser than a kernel radius.
 fn settings(bench: &Bench, scale: f64, default: Filter) -> Vec<Setting> {
     let direct = bench.some(&CUTOFFS).iter().map(|&cutoff| {
         let filter = Filter::Direct { cutoff };
@@ -102,7 +102,7 @@ fn scene(scale: f64, filter: Filter) -> Result<Scene> {
     Ok(scene)
 }
 
-/// û by the sum over all pairs and periodic images, f64: (3 − r²/s²) exp(−r²/2s²) falls into sums along the axes.
+/// Velocity û by the sum over all pairs and periodic images, f64: (3 − r²/s²) exp(−r²/2s²) falls into sums along the axes.
 fn whole_sum(air: &Air, scale: f64) -> Vec<DVec3> {
     let factor = VOLUME * mexican_hat(0.0, scale) / 3.0 / peak_gain(scale);
     let hat = |a: &[f64; 3], b: &[f64; 3]| {
@@ -116,7 +116,7 @@ fn whole_sum(air: &Air, scale: f64) -> Vec<DVec3> {
     air.positions.iter().map(at).collect()
 }
 
-/// Σ exp(−g²/2) and Σ g² exp(−g²/2) over the images of a gap along an axis, gap and side of the box in units of s.
+/// Sums Σ exp(−g²/2) and Σ g² exp(−g²/2) over the images of a gap along an axis, gap and side of the box in units of s.
 fn images(gap: f64, side: f64) -> (f64, f64) {
     let most = (REACH / side + 0.5).ceil() as i32;
     let nearest = gap - side * (gap / side).round();

@@ -1,4 +1,4 @@
-//! The density constraint: iterations, relaxation, tension. One solve of disturbed air, and air that moves.
+//! The density constraint, by iterations, relaxation and tension: one solve of disturbed air, and air that moves.
 
 use std::f64::consts::TAU;
 
@@ -14,17 +14,21 @@ use crate::{
     timing,
 };
 
+/// Numbers of Jacobi iterations: the points of a line.
 const ITERATIONS: [u32; 7] = [1, 2, 3, 4, 6, 8, 12];
+/// Parts of a Jacobi step that are taken.
 const RELAXATIONS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+/// Shares of negative C that are let through.
 const TENSIONS: [f64; 2] = [0.0, 1.0];
-/// Particles along a side.
+/// Number of particles along a side.
 const SIDE: usize = 16;
-/// Amplitude of the compression, of ρ0.
+/// Amplitude of the compression \[ρ0\].
 const COMPRESSION: f64 = 0.1;
-/// Of each wave of the moving air \[m/s\].
+/// Speed of each wave of the moving air \[m/s\].
 const SPEED: f64 = 0.3;
-/// Of the moving air: the lattice has melted by then.
+/// Steps of the moving air, in which the lattice melts.
 const STEPS: u64 = 40;
+/// Passes that the time is of.
 const PASSES: [&str; 3] = ["fluid/density", "fluid/correct", "fluid/move"];
 
 /// Errors and time of each setting.
@@ -86,7 +90,7 @@ fn disturbed() -> Air {
     air.moved(|x| DVec3::X * (COMPRESSION / k * (k * x.x).sin()))
 }
 
-/// rms of ρ/ρ0 − 1 and of what of it is positive, after one solve.
+/// Errors after one solve: rms of ρ/ρ0 − 1, and of its positive part.
 fn solve(bench: &Bench, air: &Air, fluid: Fluid) -> Result<[f64; 2]> {
     let moved = air.particles().solve_density(&bench.gpu, fluid)?;
     let solved = Air { positions: moved.iter().map(|x| x.map(f64::from)).collect(), ..air.clone() };
@@ -95,7 +99,7 @@ fn solve(bench: &Bench, air: &Air, fluid: Fluid) -> Result<[f64; 2]> {
     Ok([rms(errors.clone()), rms(errors.map(|e| e.max(0.0)))])
 }
 
-/// rms of ρ/ρ0 − 1 and rms divergence after some steps; infinite where the run ended before.
+/// Errors after some steps: rms of ρ/ρ0 − 1, and rms divergence; infinite where the run ended before.
 fn run(bench: &Bench, scene: &Scene, air: &Air, steps: u64) -> Result<[f64; 2]> {
     let mut simulation = Simulation::with_state(&bench.gpu, scene, air.initial())?;
     match simulation.step(steps) {
@@ -110,7 +114,7 @@ fn run(bench: &Bench, scene: &Scene, air: &Air, steps: u64) -> Result<[f64; 2]> 
     Ok([rms(density.iter().map(|ratio| f64::from(*ratio) - 1.0)), divergence(scene, &after)])
 }
 
-/// rms over the air of Σ_j V (v_j − v_i)·∇_i W, Spiky \[1/s\].
+/// Divergence, as the rms over the air of Σ_j V (v_j − v_i)·∇_i W, Spiky \[1/s\].
 fn divergence(scene: &Scene, state: &InitialState) -> f64 {
     let p = Parameters::new(scene, state);
     let (x, v) = (&state.air.positions, &state.air.velocities);

@@ -24,18 +24,18 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// Settings of one piece of the step that compete.
 struct Family {
-    /// Of its files, and on the command line.
+    /// Name of the family's files, and on the command line.
     name: &'static str,
-    /// Over its picture.
+    /// Title of the picture.
     title: &'static str,
-    /// What the time is of; the picture's x axis.
+    /// Label of the picture's x axis, which says what the time is of.
     time: &'static str,
-    /// What the points of a line are, from left to right.
+    /// Note that says what the points of a line are, from left to right.
     along: &'static str,
     measure: fn(&Bench) -> Result<Measured>,
 }
 
-/// In the order of the pictures in benches/README.md.
+/// The families, in the order of their pictures in benches/README.md.
 const FAMILIES: &[Family] = &[
     Family {
         name: "rods",
@@ -67,27 +67,27 @@ const FAMILIES: &[Family] = &[
     },
 ];
 
-/// What a family has to report.
+/// Results of a family.
 struct Measured {
     points: Vec<Point>,
-    /// For the head of the CSV file: what was measured against what.
+    /// Notes for the head of the CSV file: what was measured against what.
     notes: Vec<String>,
 }
 
-/// What every family measures with.
+/// Device and extent of the measurements.
 struct Bench {
     gpu: Gpu,
-    /// Few settings, short runs: shows that it works, measures nothing.
+    /// Whether the run has few settings and short runs, which shows that it works and measures nothing.
     quick: bool,
 }
 
 impl Bench {
-    /// Rounds of timing; one in a quick run.
+    /// Number of rounds of timing; one in a quick run.
     fn rounds(&self, whole: u32) -> u32 {
         if self.quick { 1 } else { whole }
     }
 
-    /// All of them; the first two in a quick run.
+    /// The settings to measure: all, or the first two in a quick run.
     fn some<'a, T>(&self, all: &'a [T]) -> &'a [T] {
         if self.quick { &all[..all.len().min(2)] } else { all }
     }

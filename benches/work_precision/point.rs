@@ -1,4 +1,4 @@
-//! What is measured.
+//! A measured point.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,28 +7,28 @@ use crate::timing::Time;
 /// One setting, its time and its error: a row of a CSV file, a point of a picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Point {
-    /// What the error is of, with its unit: a panel of the picture.
+    /// Kind of error, with its unit: a panel of the picture.
     pub(crate) error_kind: String,
-    /// A line of the picture.
+    /// Series that the point belongs to: a line of the picture.
     pub(crate) series: String,
-    /// What varies along the line.
+    /// Setting that varies along the line.
     pub(crate) setting: String,
-    /// Time \[ms\]; of what, the family says.
+    /// Time \[ms\] of what the family says.
     pub(crate) ms: f64,
-    /// `gpu timestamps` or `wall`.
+    /// Clock: `gpu timestamps` or `wall`.
     pub(crate) ms_source: String,
-    /// In the unit of `error_kind`; not finite where the run ended early.
+    /// Error, in the unit of `error_kind`; not finite where the run ended early.
     pub(crate) error: f64,
-    /// How far off what it is compared with may be, same unit: smaller errors say nothing. 0 where that is exact.
+    /// Uncertainty of what the point is compared with, in the same unit: smaller errors say nothing. 0 where that is exact.
     pub(crate) uncertainty: f64,
     /// Whether a scene that leaves the family's keys out has this setting.
     pub(crate) default: bool,
-    /// Whether it may become the default of `method = "accurate"`.
+    /// Whether the setting may become the default of `method = "accurate"`.
     pub(crate) candidate: bool,
 }
 
 impl Point {
-    /// A candidate that is not the default, compared with something exact.
+    /// Point of a candidate that is not the default, compared with something exact.
     pub(crate) fn new(error_kind: &str, series: &str, setting: &str, time: &Time, error: f64) -> Self {
         Self {
             error_kind: error_kind.to_owned(),
@@ -43,7 +43,7 @@ impl Point {
         }
     }
 
-    /// Whether it can be drawn.
+    /// Whether the point can be drawn.
     pub(crate) fn is_finite(&self) -> bool {
         self.error.is_finite() && self.error > 0.0 && self.ms > 0.0
     }

@@ -1,4 +1,4 @@
-//! Of what tree a figure is, and of when.
+//! The tree that a figure was made from, and the day.
 
 use std::process::Command;
 
@@ -16,7 +16,7 @@ pub(crate) fn commit() -> String {
     }
 }
 
-/// Today, UTC.
+/// Today's date, UTC.
 pub(crate) fn date() -> time::Date {
     time::OffsetDateTime::now_utc().date()
 }

@@ -1,4 +1,4 @@
-//! What is written: a CSV file and a picture per family, and what the rule says of each.
+//! The files that are written: a CSV file and a picture per family, and what the rule says of each.
 
 use std::{
     fmt::Write,
@@ -78,7 +78,7 @@ fn provenance(line: &str) -> bool {
     ["# adapter:", "# commit:", "# date:"].iter().any(|start| line.starts_with(start))
 }
 
-/// Per error the rule's choice and the default.
+/// Table of the rule's choice and the default for each error.
 fn table(points: &[Point]) -> String {
     let mut text =
         "\n| Error | Floor | Rule's choice | ms | error | Default | ms | error | Default over choice: time, error |\n\

@@ -1,5 +1,5 @@
-//! Rods: solver, integrator, sweeps or Newton steps, substeps. Tips of strands at rest against the elastica and the helix; tips of falling strands
-//! against a fine f64 run.
+//! Rods, by solver, integrator, sweeps or Newton steps, and substeps: tips of strands at rest against the elastica and the helix,
+//! tips of falling strands against a fine f64 run.
 
 use std::f64::consts::{PI, TAU};
 
@@ -15,17 +15,18 @@ use crate::{
     timing::{self, Time},
 };
 
-/// A solver, and the iterations to try: a row here is a set of lines in the picture.
+/// A solver and the iterations to try, which make a set of lines in the picture.
 struct Row {
     name: &'static str,
     solver: Solver,
     integrator: Integrator,
-    /// Sweeps, or Newton steps at most.
+    /// Numbers of sweeps, or largest numbers of Newton steps.
     iterations: &'static [u32],
-    /// What one is called.
+    /// Name of an iteration.
     unit: &'static str,
 }
 
+/// Solvers to try.
 const SOLVERS: &[Row] = &[
     Row {
         name: "Gauss-Seidel",
@@ -49,53 +50,57 @@ const SOLVERS: &[Row] = &[
         unit: "Newton step",
     },
 ];
+/// Numbers of substeps to try.
 const SUBSTEPS: [u32; 4] = [1, 2, 4, 8];
-/// Sweeps times substeps, at most, where there are substeps.
+/// Largest product of sweeps and substeps where there are several substeps.
 const MOST_SWEEPS: u32 = 160;
-/// Sweeps of many strands, at most.
+/// Largest number of sweeps of many strands.
 const MOST_SWEEPS_OF_MANY: u32 = 20;
 
-/// Strands that are timed: the paper's, and a groom of many, which are timed in falls at one substep.
+/// Number of strands that are timed: the paper's.
 const STRANDS: usize = 550;
+/// Number of strands of a large groom, which is timed in falls at one substep.
 const MANY_STRANDS: usize = 10_000;
 /// Segments of a strand.
 const SEGMENTS: usize = 34;
-/// \[m\]
+/// Length of a strand \[m\].
 const LENGTH: f64 = 0.35;
-/// \[m/s²\]
+/// Gravity \[m/s²\].
 const GRAVITY: f64 = 9.81;
-/// ρA of a hair of 40 µm radius and 1320 kg/m³ \[kg/m\].
+/// Line density ρA of a hair of 40 µm radius and 1320 kg/m³ \[kg/m\].
 const LINE_DENSITY: f64 = 1320.0 * PI * 1.6e-9;
-/// EA of 4 GPa \[N\].
+/// Stretching stiffness EA of 4 GPa and that radius \[N\].
 const STRETCH: f64 = 4e9 * PI * 1.6e-9;
-/// EI/GJ.
+/// Bending stiffness over twisting stiffness, EI/GJ.
 const BEND_OVER_TWIST: f64 = 1.38;
 
-/// Of the strands that come to rest \[1/s\].
+/// Damping of the strands that come to rest \[1/s\].
 const DAMPING: f64 = 8.0;
-/// Until they rest \[s\], after which tips are taken this often, this far apart: f32 keeps them trembling.
+/// Time until they rest \[s\].
 const REST: f64 = 2.0;
+/// Number of samples of the tips after that: f32 keeps them trembling.
 const SAMPLES: usize = 10;
+/// Steps from one sample to the next.
 const SAMPLE_STEPS: u64 = 18;
-/// Of the fall \[s\].
+/// Duration of the fall \[s\].
 const FALL: f64 = 0.2;
-/// Of the f64 run that falling tips are compared with.
+/// Substeps of the f64 run that falling tips are compared with.
 const FINE_SUBSTEPS: u32 = 128;
 
 /// A strand with the tip that it should have.
 struct Rod {
     name: String,
-    /// ρAgL³/EI.
+    /// Weight over stiffness γ = ρAgL³/EI.
     gamma: f64,
-    /// Rest Darboux vector times L; only (0, κ, τ).
+    /// Rest Darboux vector times L, of the form (0, κ, τ).
     darboux: DVec3,
-    /// Of the clamp.
+    /// Frame of the clamp.
     root_frame: DQuat,
-    /// Of the tip at rest, from the root \[L\].
+    /// Place of the tip at rest, from the root \[L\].
     tip: DVec3,
 }
 
-/// What is varied.
+/// A setting, of all that is varied.
 #[derive(Clone, Copy)]
 struct Setting {
     row: &'static Row,
@@ -158,7 +163,7 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
         let Setting { row, substeps, iterations } = setting;
         let plural = |n: u32, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
         let (work, parts) = (plural(*iterations, row.unit), plural(*substeps, "substep"));
-        // Sweeps are what Gauss-Seidel has to choose along a line; the direct solver, substeps.
+        // Along a line Gauss-Seidel varies its sweeps, and the direct solver its substeps.
         let (along, setting_name) = if row.solver == Solver::GaussSeidel { (parts, work) } else { (work, parts) };
         let series = format!("{}, {along}", row.name);
         let is_default = setting.apply(default.clone()) == default;
@@ -209,7 +214,7 @@ fn times_of(bench: &Bench, settings: &[Setting], rods: &[Rod], count: usize) -> 
     timing::passes(&bench.gpu, &scenes, &["rods/"], bench.rounds(4))
 }
 
-/// Straight, clamped level (cantilever.csv).
+/// Rods that are straight and clamped level (cantilever.csv).
 fn level_rods() -> Vec<Rod> {
     let root_frame = DQuat::from_mat3(&DMat3::from_cols(DVec3::NEG_Y, DVec3::NEG_Z, DVec3::X));
     let rows = tables::cantilever().into_iter().filter(|row| [10.0, 100.0].contains(&row.gamma));
@@ -223,7 +228,7 @@ fn level_rods() -> Vec<Rod> {
     .collect()
 }
 
-/// Helical, hanging (helix.csv).
+/// Rods that are helical and hang (helix.csv).
 fn helices() -> Vec<Rod> {
     let root_frame = DQuat::from_mat3(&DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y));
     let rows = tables::helix().into_iter().filter(|row| row.gamma > 0.0);
@@ -237,7 +242,7 @@ fn helices() -> Vec<Rod> {
     .collect()
 }
 
-/// A scene of `copies` strands of each rod; without rods, what a file has that names no setting.
+/// Scene of `copies` strands of each rod; without rods, a scene that names no setting.
 fn text(rods: &[Rod], copies: usize, damping: f64) -> String {
     let group = |(i, rod): (usize, &Rod)| {
         let bend = LINE_DENSITY * GRAVITY * LENGTH.powi(3) / rod.gamma;
@@ -284,7 +289,7 @@ fn tips(simulation: &mut Simulation, steps: u64, count: usize) -> Result<Vec<Vec
     Ok(all)
 }
 
-/// The same of an undamped fall, by the f64 twin, after each step of Δt.
+/// Tips of an undamped fall by the f64 twin \[L\], after each step of Δt.
 fn twin_fall(rods: &[Rod], steps: usize, substeps: u32) -> Result<Vec<Vec<DVec3>>> {
     let (mut scene, initial) = build(rods, 1, 0.0)?;
     scene.time.substeps = substeps;
@@ -302,7 +307,7 @@ fn twin_fall(rods: &[Rod], steps: usize, substeps: u32) -> Result<Vec<Vec<DVec3>
     Ok(all)
 }
 
-/// rms over time of how far apart strand `s` has its tip in two runs \[L\].
+/// Distance of the tips of strand `s` in two runs, rms over time \[L\].
 fn rms_distance(a: &[Vec<DVec3>], b: &[Vec<DVec3>], s: usize) -> f64 {
     rms(a.iter().zip(b).map(|(a, b)| (a[s] - b[s]).length()))
 }

@@ -2,11 +2,11 @@
 
 use crate::point::Point;
 
-/// What counts as on the floor: up to this times the floor.
+/// Largest error that counts as on the floor, over the floor.
 pub(crate) const FLOOR: f64 = 1.1;
 
-/// The least error of the candidates among points of one error; or how uncertain that is with which they are compared,
-/// if that is more.
+/// The floor among points of one error: the least error of the candidates, or the uncertainty of what they are compared with if
+/// that is larger.
 pub(crate) fn floor(points: &[&Point]) -> Option<f64> {
     let least = points.iter().filter(|p| p.candidate && p.is_finite()).map(|p| p.error).min_by(f64::total_cmp)?;
     Some(points.iter().map(|p| p.uncertainty).fold(least, f64::max))

@@ -1,4 +1,4 @@
-//! The whole step: method, density iterations, Gauss-Seidel's sweeps, substeps; a small tuft in the wind against a fine run.
+//! The whole step, by method, density iterations, Gauss-Seidel's sweeps and substeps: a small tuft in the wind against a fine run.
 
 use glam::DVec3;
 use windswept::Simulation;
@@ -6,11 +6,11 @@ use windswept_scene::{InitialState, Method, Scene};
 
 use crate::{Bench, Measured, Result, point::Point, timing};
 
-/// \[m\]
+/// Length of a strand \[m\].
 const LENGTH: f64 = 0.06;
-/// Of the eddies \[m\].
+/// Scale of the eddies \[m\].
 const SCALE: f64 = 0.006;
-/// Without the keys that are varied.
+/// Scene without the keys that are varied.
 const SCENE: &str = "
 [time]
 step = 1.38e-3
@@ -28,13 +28,15 @@ ramp = 0
 [turbulence]
 bands = [{ scale = 0.006 }]
 ";
-/// Of a run, in the second half of which samples are taken so many steps apart. Air crosses the box three times in it.
+/// Steps of a run, in which air crosses the box three times.
 const STEPS: u64 = 90;
+/// Steps from one sample to the next, in the second half of a run.
 const SAMPLE_STEPS: u64 = 3;
-/// Of the fine run.
+/// Setting of the fine run.
 const FINE: Setting = Setting { method: Method::Accurate, iterations: 8, sweeps: None, substeps: 16 };
+/// Numbers of substeps to try.
 const SUBSTEPS: [u32; 3] = [1, 2, 4];
-/// Iterations of the density constraint, and sweeps where rods are solved by them.
+/// Methods with iterations of the density constraint, and sweeps where rods are solved by them.
 const WORK: [(Method, u32, Option<u32>); 6] = [
     (Method::Accurate, 2, None),
     (Method::Published, 2, Some(10)),
@@ -52,11 +54,11 @@ struct Setting {
     substeps: u32,
 }
 
-/// What a run was like in its second half.
+/// Means over the second half of a run.
 struct Flow {
-    /// Mean over strands and samples \[L\].
+    /// Tip from its root, mean over strands and samples \[L\].
     tip: DVec3,
-    /// Of the air's band, mean over samples \[m²/s²\].
+    /// Energy of the air's band, mean over samples \[m²/s²\].
     energy: f64,
     density_error: f64,
     stretch: f64,
@@ -151,12 +153,12 @@ fn run(bench: &Bench, setting: Setting, steps: u64) -> Result<Flow> {
     })
 }
 
-/// How far apart mean tips are \[L\].
+/// Distance of two runs' mean tips \[L\].
 fn tip(a: &Flow, b: &Flow) -> f64 {
     (a.tip - b.tip).length()
 }
 
-/// How far a's energy is off b's, of that.
+/// Relative difference of a's energy from b's.
 fn energy(a: &Flow, b: &Flow) -> f64 {
     (a.energy / b.energy - 1.0).abs()
 }

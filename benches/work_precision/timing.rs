@@ -8,17 +8,17 @@ use crate::Result;
 /// Steps that make at least three submits: the engine times the second pass by pass and the third as a whole.
 const SUBMITS: u64 = 3;
 
-/// How long something took.
+/// A time, and the clock that took it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Time {
-    /// Per scene step Δt \[ms\].
+    /// Time of a step Δt of the scene \[ms\].
     pub(crate) ms: f64,
-    /// `gpu timestamps`, or `wall`: then of whole steps, with the host's share.
+    /// Clock: `gpu timestamps`, or `wall`, which times whole steps with the host's share.
     pub(crate) source: &'static str,
 }
 
 /// Time per scene step of the passes whose names start with one of `passes`, for each scene: the least of `rounds`, in
-/// each of which every scene runs once. Whatever else a machine does only adds, and it adds to all alike.
+/// each of which every scene runs once. Whatever else a machine does only adds time, and adds it to all scenes alike.
 pub(crate) fn passes(gpu: &Gpu, scenes: &[(Scene, InitialState)], passes: &[&str], rounds: u32) -> Result<Vec<Time>> {
     let mut best = vec![Time { ms: f64::INFINITY, source: "" }; scenes.len()];
     for _ in 0..rounds {

@@ -1,4 +1,4 @@
-//! Tells the engine the commit that it is built from, for reports; where nothing knows it, it is left out.
+//! Tells the engine the commit that it is built from, for reports. Where the commit is not known, reports leave it out.
 
 use std::process::Command;
 
@@ -9,7 +9,8 @@ fn main() {
     }
 }
 
-/// The commit that a published crate was packaged from, as Cargo notes it; a repository around such a crate is another's.
+/// The commit that a published crate was packaged from, as Cargo notes it. It is asked before git: a repository around an
+/// unpacked crate is not the crate's own.
 fn packaged() -> Option<String> {
     let note = std::fs::read_to_string(".cargo_vcs_info.json").ok()?;
     Some(note.split_once("\"sha1\": \"")?.1.split_once('"')?.0.to_owned())

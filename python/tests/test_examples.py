@@ -9,7 +9,14 @@ import pytest
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.py"))
 
 
-@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.name)
+# It runs two figures of the paper.
+LONG = "fig3a_against_fig3c.py"
+
+
+@pytest.mark.parametrize(
+    "example",
+    [pytest.param(path, id=path.name, marks=pytest.mark.long if path.name == LONG else ()) for path in EXAMPLES],
+)
 def test_example(example, tmp_path):
     words = ["--small"] if "--small" in example.read_text(encoding="utf-8") else []
     done = subprocess.run([sys.executable, example, *words], capture_output=True, text=True, cwd=tmp_path)

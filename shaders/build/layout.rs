@@ -16,7 +16,7 @@ pub(crate) struct Structs {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Layout {
     pub(crate) fields: Vec<Field>,
-    /// Bytes.
+    /// Size \[bytes\].
     pub(crate) size: u32,
 }
 
@@ -25,19 +25,20 @@ pub(crate) struct Layout {
 pub(crate) enum Field {
     /// A field of the WGSL.
     Named { name: String, kind: Kind },
-    /// So many words that WGSL leaves out.
+    /// A gap of this many words of 4 bytes, which WGSL leaves unnamed.
     Gap { words: u32 },
 }
 
 /// A type, as Rust spells it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// Built in, or an array of such.
+    /// A built-in type, or an array of one.
     Plain(String),
-    /// A shared struct, or an array of them.
+    /// A shared struct, or an array of `count` of them.
     Struct { name: String, count: Option<u32> },
 }
 
+/// Size of an f32, an i32 or a u32 \[bytes\].
 const WORD: u32 = 4;
 
 impl Structs {
@@ -49,7 +50,7 @@ impl Structs {
         Ok(())
     }
 
-    /// The type as Rust spells it; its structs are collected on the way.
+    /// The type as Rust spells it, and its size \[bytes\]; the structs in it are collected on the way.
     fn of(&mut self, shader: &str, module: &Module, ty: Handle<Type>) -> Result<(Kind, u32)> {
         let kind = &module.types[ty];
         let plain = |text: String, bytes: u32| Ok((Kind::Plain(text), bytes));

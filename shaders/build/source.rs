@@ -35,7 +35,7 @@ pub(crate) struct Constant {
 #[derive(Default)]
 pub(crate) struct StructDocs {
     pub(crate) doc: String,
-    /// Per field.
+    /// The comment behind each field, by the field's name.
     pub(crate) fields: BTreeMap<String, String>,
 }
 
@@ -50,19 +50,19 @@ impl Source {
         Ok(source)
     }
 
-    /// `folder/stem`.
+    /// The file's name as passes have it: `folder/stem`.
     pub(crate) fn name(&self) -> String {
         format!("{}/{}", self.folder, self.stem)
     }
 
-    /// Whether it has an entry point; other files are imported.
+    /// Whether the file has an entry point; files without one are imported by others.
     pub(crate) fn runs(&self) -> bool {
         ["@compute", "@vertex"].iter().any(|stage| self.text.lines().any(|line| line.starts_with(stage)))
     }
 
     fn read_declarations(&mut self) -> Result<()> {
         let lines: Vec<String> = self.text.lines().map(str::to_owned).collect();
-        // The comment right above a declaration.
+        // The lines of comment right above a declaration.
         let mut above: Vec<&str> = Vec::new();
         let mut inside: Option<(String, StructDocs)> = None;
         for line in &lines {

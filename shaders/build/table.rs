@@ -25,7 +25,7 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// A pass of the step.
+    /// Adds a pass of the step.
     pub(crate) fn pass(&mut self, source: &Source, target: &str, module: &Module, info: &ModuleInfo) -> Result<()> {
         let name = source.name();
         let fault = |what: &str| format!("shaders/{name}.wgsl: {what}");
@@ -78,7 +78,7 @@ impl Table {
         Ok(())
     }
 
-    /// A shader of the pictures.
+    /// Adds a shader of the pictures.
     pub(crate) fn picture(&mut self, source: &Source, target: &str) {
         let text = self.statics.entry(source.folder).or_default();
         let constant = source.stem.to_uppercase();
@@ -91,7 +91,7 @@ impl Table {
         );
     }
 
-    /// The whole text.
+    /// The whole text that the build writes.
     pub(crate) fn write(mut self, sources: &[Source], structs: &Structs) -> Result<String> {
         let mut owners: BTreeMap<&str, (&Source, &StructDocs)> = BTreeMap::new();
         for source in sources {
@@ -197,7 +197,7 @@ fn write_struct(
     Ok(())
 }
 
-/// A doc comment of a line, or none.
+/// The doc comment that says `words`, on a line; nothing without words.
 fn doc(words: &str) -> String {
     if words.is_empty() {
         return String::new();

@@ -1,18 +1,18 @@
 // One band of eddies, and the stretch of the box that one dispatch of the filter covers.
 
 struct Band {
-    scale: f32,            // m, s of the Mexican hat
-    reach: f32,            // m, the filter's cut
-    gain: f32,             // before the filter's sum: 1/m^3, published mm^(-3/2) * mm/m
-    strength: f32,         // S; published: 1/2 epsilon m, so that the acceleration is strength |u|^2 (N x omega)
-    largest_speed: f32,    // m/s, I U: the band is not strengthened beyond
-    first_block: u32,      // of this dispatch
-    end_block: u32,
-    blocks_in_row: u32,
-    cells_in_block: i32,
-    rows: i32,             // of cells on either side of a block that the filter reaches, in y
-    layers: i32,           // the same in z
-    first_row: i32,        // of this dispatch: (2 rows + 1) (2 layers + 1) there are, y first
-    end_row: i32,
-    @size(204) comes_first: u32,    // of the bands of a step; uniforms are bound at multiples of 256 bytes
+    scale: f32,            // scale of the eddies: s of the Mexican hat [m]
+    reach: f32,            // distance at which the filter is cut [m]
+    gain: f32,             // factor of the filter's sum [1/m^3]; as published [mm^(-3/2) * mm/m]
+    strength: f32,         // S, a number; as published 1/2 epsilon m, so that the acceleration is strength |u|^2 (N x omega)
+    largest_speed: f32,    // speed I U beyond which the band is not strengthened [m/s]
+    first_block: u32,      // first block of cells that this dispatch covers
+    end_block: u32,        // end of the blocks that this dispatch covers
+    blocks_in_row: u32,    // number of blocks in a row of cells along x
+    cells_in_block: i32,   // number of cells in a block, all in a row along x
+    rows: i32,             // number of rows of cells, in y, that the filter reaches on either side of a block
+    layers: i32,           // number of layers of cells, in z, that the filter reaches on either side of a block
+    first_row: i32,        // first row that this dispatch looks at, of (2 rows + 1) (2 layers + 1), counted y first
+    end_row: i32,          // end of the rows that this dispatch looks at
+    @size(204) comes_first: u32,    // 1 for the first band of a step, else 0; a uniform is bound at multiples of 256 bytes
 }

@@ -5,27 +5,28 @@
 import package::common::{quaternion::{conjugate, product, rotate}, motion::Pose};
 
 struct Body {
-    start: vec3f,          // of the axis, unmoved [m]
-    radius: f32,           // m
-    end: vec3f,
-    friction: f32,         // Coulomb's coefficient of hair on it
-    first_keyframe: u32,
-    keyframes: u32,        // 0: it rests
+    start: vec3f,          // start of the axis, before any motion [m]
+    radius: f32,           // distance of the surface from the axis [m]
+    end: vec3f,            // end of the axis, before any motion [m]
+    friction: f32,         // Coulomb's coefficient of hair on the body
+    first_keyframe: u32,   // index of the body's first keyframe
+    keyframes: u32,        // number of the body's keyframes; without any the body rests
 }
 
-// What bodies did to a strand in a step: bits.
-const PUSHED: u32 = 1u;   // a body pushed one of the strand's points
-const MOVED: u32 = 2u;    // some body moved, and the strand may have lain on it
+// The bits below say what bodies did to a strand in a step.
+
+const PUSHED: u32 = 1u;   // bit of `touched`: a body pushed one of the strand's points
+const MOVED: u32 = 2u;    // bit of `touched`: some body moved, and the strand may have lain on it
 
 // A body in this step.
 struct Placed {
-    start: vec3f,          // of the axis, after the step [m]
-    radius: f32,
-    end: vec3f,
-    friction: f32,
-    center: vec3f,         // after the step
-    center_before: vec3f,
-    turn: vec4f,           // of the step
+    start: vec3f,          // start of the axis, after the step [m]
+    radius: f32,           // distance of the surface from the axis [m]
+    end: vec3f,            // end of the axis, after the step [m]
+    friction: f32,         // Coulomb's coefficient of hair on the body
+    center: vec3f,         // middle of the axis, after the step [m]
+    center_before: vec3f,  // middle of the axis, before the step [m]
+    turn: vec4f,           // rotation in the step
 }
 
 // The body after a step that takes it from one pose to another.
@@ -41,8 +42,8 @@ fn place(body: Body, before: Pose, after: Pose) -> Placed {
 
 // The surface seen from a point.
 struct Surface {
-    normal: vec3f,         // outward, unit
-    distance: f32,         // of the point; negative inside [m]
+    normal: vec3f,         // unit vector out of the body
+    distance: f32,         // distance of the point from the surface, negative inside [m]
 }
 
 fn surface(body: Placed, x: vec3f) -> Surface {
@@ -52,7 +53,7 @@ fn surface(body: Placed, x: vec3f) -> Surface {
     let gap = x - (body.start + along * axis);
     let r = length(gap);
     if r > 1e-6 * body.radius { return Surface(gap / r, r - body.radius); }
-    // On the axis any way across it leads out.
+    // From the axis every direction across it leads out.
     let across = select(vec3f(axis.z, 0.0, -axis.x), vec3f(0.0, axis.z, -axis.y), abs(axis.x) > abs(axis.y));
     return Surface(select(vec3f(0.0, 1.0, 0.0), normalize(across), squared > 0.0), -body.radius);
 }
@@ -67,6 +68,7 @@ fn surface_move(body: Placed, x: vec3f) -> vec3f {
     return x - (body.center_before + rotate(conjugate(body.turn), x - body.center));
 }
 
+// Part of a way that says that the way meets nothing: any number above 1 does.
 const NEVER: f32 = 2.0;
 
 // Part of the way at which a x^2 + 2 b x + c = 0 is met from above; 0 where it is below at the start already.

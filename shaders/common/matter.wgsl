@@ -1,14 +1,14 @@
 // Inverse mass and XSPH coefficient of a particle: one value for all air, one mass per point for hair.
 import package::common::{params::params, cells::is_air};
 
-@group(0) @binding(2) var<storage, read> inverse_mass: array<f32>;   // 1/kg per hair point, 0 where clamped
+@group(0) @binding(2) var<storage, read> inverse_mass: array<f32>;   // inverse mass of each hair point [1/kg], 0 where it is held
 
 fn inverse_mass_of(i: u32) -> f32 {
     if is_air(i) { return params.air_inverse_mass; }
     return inverse_mass[i];
 }
 
-// Eq. 8.
+// XSPH coefficient of a pair, the smaller of the two particles' own (eq. 8).
 fn viscosity_between(i: u32, j: u32) -> f32 {
     let own = select(params.viscosity_hair, params.viscosity_air, is_air(i));
     let other = select(params.viscosity_hair, params.viscosity_air, is_air(j));

@@ -2,16 +2,16 @@
 // that carries what particles have to them and back.
 
 struct Mesh {
-    nodes: vec3i,
-    order: u32,              // of the B-spline: 1 cloud in cell, 2 triangular-shaped cloud, 3 cubic
-    spacing: vec3f,          // m
-    gain: f32,               // after the gather: -e/2 s^2 over the volume of a cell [1/m]
-    cell: f32,               // m^3, volume of a cell
-    normalise: u32,          // divide by the smoothed volume fraction
-    axis: u32,               // that this dispatch smooths along
-    nearest: i32,            // node that the first tap is for, from the first that is made
-    first_tap: u32,          // in `taps`
-    @size(204) end_tap: u32, // uniforms are bound at multiples of 256 bytes
+    nodes: vec3i,            // number of nodes along each axis
+    order: u32,              // order of the B-spline: 1 cloud in cell, 2 triangular-shaped cloud, 3 cubic
+    spacing: vec3f,          // distance between nodes along each axis [m]
+    gain: f32,               // factor of what is gathered: -e/2 s^2 over the volume of a cell [1/m]
+    cell: f32,               // volume of a cell [m^3]
+    normalise: u32,          // 1: what is gathered is divided by the smoothed volume fraction; 0: it is not
+    axis: u32,               // axis that this dispatch smooths along: 0 is x, 1 is y, 2 is z
+    nearest: i32,            // node that the first tap is for, counted from the first node that is made
+    first_tap: u32,          // index of the first tap in `taps`
+    @size(204) end_tap: u32, // end of the taps in `taps`; a uniform is bound at multiples of 256 bytes
 }
 
 // Half of the B-spline's support, in spacings.
@@ -32,7 +32,7 @@ fn power(order: u32, x: vec4f) -> vec4f {
     return x * select(vec4f(1.0), x, order >= 2u) * select(vec4f(1.0), x, order >= 3u);
 }
 
-// A node some nodes off the box, by less than its length.
+// The node in the box of which `node` is a periodic image; `node` is off the box by less than the box's length.
 fn node_in_box(node: vec3i, nodes: vec3i) -> vec3i {
     let up = select(node, node + nodes, node < vec3i(0));
     return select(up, up - nodes, up >= nodes);

@@ -5,24 +5,24 @@
 import package::common::quaternion::{product, rotation};
 
 struct Keyframe {
-    translation: vec3f,   // T [m]
-    step: u32,            // its time is `step + fraction` steps
-    rotation: vec4f,      // R
-    travel: vec3f,        // from here to the next keyframe [m]
-    fraction: f32,
-    turn: vec3f,          // rotation vector from here to the next, less than half a turn [rad]
-    rate: f32,            // 1/steps, of the way to the next; 0 for the last
+    translation: vec3f,   // translation T at the keyframe [m]
+    step: u32,            // whole part of the keyframe's time, `step + fraction` [steps]
+    rotation: vec4f,      // rotation R at the keyframe
+    travel: vec3f,        // translation from this keyframe to the next [m]
+    fraction: f32,        // rest of the keyframe's time, 0 to 1 [steps]
+    turn: vec3f,          // rotation vector from this keyframe to the next, less than half a turn [rad]
+    rate: f32,            // part of the way to the next keyframe that one step goes [1/steps]; 0 for the last
 }
 
 struct Pose {
-    translation: vec3f,
-    rotation: vec4f,
+    translation: vec3f,   // translation T [m]
+    rotation: vec4f,      // rotation R
 }
 
-// The last binding, whatever else a pass has.
+// Keyframes of all motions. The binding's number is above those that a pass has of its own.
 @group(0) @binding(10) var<storage, read> keyframes: array<Keyframe>;
 
-// Pose after `steps` steps, of the motion that has `count` keyframes from `first` on; without any it rests.
+// Pose after `steps` steps of the motion that has `count` keyframes from `first` on; a motion without any rests.
 fn pose_after(steps: u32, first: u32, count: u32) -> Pose {
     if count == 0u { return Pose(vec3f(0.0), vec4f(0.0, 0.0, 0.0, 1.0)); }
     // The last keyframe that has begun, else the first.

@@ -1,4 +1,4 @@
-// Where a hair point ends up: its position, what rounding had left off it, and its move.
+// Place of a hair point after a step: its position before, the remainder that rounding had left off it, and its move [m].
 
 fn placed(position: vec3f, remainder: vec3f, travel: vec3f) -> vec3f {
     return position + (travel + remainder);

@@ -12,7 +12,7 @@ fn rotate(q: vec4f, v: vec3f) -> vec3f {
     return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v);
 }
 
-// The third director: the tangent.
+// Tangent of a frame: its third director.
 fn tangent(q: vec4f) -> vec3f {
     return vec3f(
         2.0 * (q.x * q.z + q.w * q.y),
@@ -21,13 +21,13 @@ fn tangent(q: vec4f) -> vec3f {
     );
 }
 
-// Its columns are the directors.
+// Rotation matrix of a frame; its columns are the directors.
 fn matrix(q: vec4f) -> mat3x3f {
     return mat3x3f(rotate(q, vec3f(1.0, 0.0, 0.0)), rotate(q, vec3f(0.0, 1.0, 0.0)), tangent(q));
 }
 
-// The rotation by |turn| about `turn` [rad], half a turn at most: what is longer is cut. WGSL's own sin and cos may be off
-// by 2^-11.
+// The rotation by |turn| about `turn` [rad], half a turn at most: a longer one is cut to half a turn. The series stand here
+// because WGSL's own sin and cos may be off by 2^-11.
 fn rotation(turn: vec3f) -> vec4f {
     let size = length(turn);
     let v = select(turn, turn * (PI / size), size > PI);
@@ -40,8 +40,8 @@ fn rotation(turn: vec3f) -> vec4f {
 
 const PI: f32 = 3.14159265;
 
-// Its rotation vector, half a turn at most [rad]. The angle is halved thrice; of what is left the arcsine's series is good
-// to 1e-8. WGSL's own atan2 may be off by 4096 ulp.
+// Rotation vector of a rotation, half a turn at most [rad]. The angle is halved thrice, after which the arcsine's series is
+// good to 1e-8; WGSL's own atan2 may be off by 4096 ulp.
 fn rotation_vector(q: vec4f) -> vec3f {
     var part = select(-q, q, q.w >= 0.0);
     for (var k = 0; k < 3; k++) {

@@ -17,13 +17,14 @@ fn spiky_slope(r: f32) -> f32 {
     return 45.0 / (PI * h * h * h * h) * q * q;
 }
 
+// A random number from a number: PCG (Jarzynski & Olano 2020, Hash Functions for GPU Rendering).
 fn pcg(x: u32) -> u32 {
     let state = x * 747796405u + 2891336453u;
     let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
     return (word >> 22u) ^ word;
 }
 
-// Unit vector from j to i; for coincident particles a random one, opposite for (j, i), so that they separate.
+// Unit vector from j to i. Coincident particles get a random one, and (j, i) its opposite, so that they separate.
 fn direction(i: u32, j: u32, gap: vec3f, r: f32) -> vec3f {
     if r >= 1e-6 * params.kernel_radius {
         return gap / r;
@@ -37,6 +38,7 @@ fn direction(i: u32, j: u32, gap: vec3f, r: f32) -> vec3f {
     return select(-random, random, i < j);
 }
 
+// grad_i W of Spiky [1/m^4], from `gap` = x_i - x_j [m].
 fn spiky_gradient(i: u32, j: u32, gap: vec3f) -> vec3f {
     let r = length(gap);
     return -spiky_slope(r) * direction(i, j, gap, r);

@@ -1,17 +1,17 @@
 // The mean wind of the step, as `wind/blow` found it; it enters through a fringe behind the faces it blows through.
 import package::common::{params::params, status::status};
 
-// U at the end of the step.
+// U at the end of the step [m/s].
 fn mean_wind() -> vec3f {
     return vec3f(status.wind[0], status.wind[1], status.wind[2]);
 }
 
-// U at its start.
+// U at the start of the step [m/s].
 fn wind_before() -> vec3f {
     return vec3f(status.wind_before[0], status.wind_before[1], status.wind_before[2]);
 }
 
-// How far the wind has carried what it brings in, since the start of the run [m].
+// Way by which the wind has carried the inflow's eddies since the start of the run [m].
 fn way_of_wind() -> vec3f {
     return vec3f(status.way[0], status.way[1], status.way[2]);
 }
@@ -21,8 +21,8 @@ fn depth_of(position: vec3f, wind: vec3f) -> vec3f {
     return select(params.box_size - position, position, wind >= vec3f(0.0));
 }
 
-// Part of a change that the fringe leaves: none behind a face that the wind meets head on, nearly all behind one that it
-// passes along, so that a wind may turn without a jump.
+// Part of a change of velocity that the fringe leaves: nothing behind a face that the wind meets head on, and nearly all
+// behind a face that the wind passes along, so that a wind may turn without a jump.
 fn left_by_fringe(position: vec3f) -> f32 {
     let wind = mean_wind();
     let speed = length(wind);

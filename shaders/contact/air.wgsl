@@ -1,18 +1,18 @@
-// Air flows around bodies: what is nearer than its own parcel allows, half a spacing, goes out by the nearest way and flows
-// toward the surface no longer; along it air slips freely.
+// Air flows around bodies. A particle that is nearer to a surface than its parcel allows, which is half a spacing, is moved
+// out by the nearest way and loses its velocity toward the surface; along the surface air slips freely.
 //
-// The push itself is no velocity: air that a density correction or a turning body has left inside would be shot out.
+// The move itself gives no velocity: air that a density correction or a turning body has left inside would be shot out.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, body::{Placed, surface, surface_move}, status::frozen,
 };
 
 @group(0) @binding(2) var<storage, read>       placed:       array<Placed>;
-@group(0) @binding(3) var<storage, read>       correction:   array<vec4f>;   // m, heading 6 makes velocity of it
+@group(0) @binding(3) var<storage, read>       correction:   array<vec4f>;   // m; `fluid/velocity` makes velocity of it
 @group(0) @binding(4) var<storage, read_write> predicted:    array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> new_velocity: array<vec4f>;
 
-const ROUNDS: u32 = 2u;
-const CLEARANCE: f32 = 0.5;   // particle spacings
+const ROUNDS: u32 = 2u;       // rounds over all bodies: a second one for particles between two bodies
+const CLEARANCE: f32 = 0.5;   // least distance of a particle from a surface, its parcel's half width [particle spacings]
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {

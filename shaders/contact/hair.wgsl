@@ -1,15 +1,15 @@
 // Hair points stay out of bodies, with Coulomb friction (Macklin et al. 2014, Unified particle physics, eq. 24).
 //
-//   A point's way in this step, seen from the body, ends at the plane that touches the body where the way enters it:
-//   however far it goes, it does not come out behind a thin body. What is left along the plane loses up to
-//   mu times the depth that it would have had.
+//   The way of a point in this step, seen from the body, ends at the plane that touches the body where the way enters it:
+//   however far the point goes, it does not come out behind a thin body. The part of the way along the plane is shortened
+//   by up to mu times the depth that the point would have had behind the plane.
 //
-//            start          Where it starts inside, the plane is no deeper than it is itself: what starts in a body comes
-//               \           out slowly, not at the speed of its depth in a step.
+//            start          A point that starts inside is pushed out by no more than RECOVERY allows in a step: it comes
+//               \           out slowly, not at the speed of its whole depth in one step.
 //   ------.------*--- plane
 //       /   body  \\ depth
 //
-// Bodies in order, twice, for points between them.
+// The pass goes through all bodies in order, twice, for points between two bodies.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::Strand,
     body::{Placed, PUSHED, surface, carried, entry}, status::frozen,
@@ -19,13 +19,13 @@ import package::common::{
 @group(0) @binding(4) var<storage, read>       strands:   array<Strand>;
 @group(0) @binding(5) var<storage, read>       placed:    array<Placed>;
 @group(0) @binding(6) var<storage, read_write> predicted: array<vec4f>;
-@group(0) @binding(7) var<storage, read_write> touched:   array<atomic<u32>>;   // per strand
+@group(0) @binding(7) var<storage, read_write> touched:   array<atomic<u32>>;   // bits of each strand: PUSHED, MOVED
 
-const ROUNDS: u32 = 2u;
-const TOUCH: f32 = 1e-6;      // lengths of the strand; what lies on a body is off by rounding
-const RECOVERY: f32 = 0.2;   // m/s, of what starts inside
+const ROUNDS: u32 = 2u;      // rounds over all bodies: a second one for points between two bodies
+const TOUCH: f32 = 1e-6;      // push that counts as a touch [lengths of the strand]; hair at rest on a body is off by rounding
+const RECOVERY: f32 = 0.2;   // speed at which a point that starts inside comes out [m/s]: slow enough not to throw the strand
 
-// The strand that a point is of: the last that starts at or before it.
+// The strand to which a point belongs: the last strand that starts at or before the point.
 fn strand_of(point: u32) -> u32 {
     var low = 0u;
     var high = params.strands;

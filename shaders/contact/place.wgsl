@@ -1,5 +1,6 @@
-// Bodies move: where each is after this step, and how it got there. No strand has touched one yet; but where one moves, all
-// that sleep wake: contacts are not remembered, so that nobody can tell which strands rested on it.
+// Bodies move: this pass finds where each is after the step, and how it got there. It also forgets which strands were
+// pushed in the step before. Any moving body wakes all strands: contacts are not remembered, so that nobody can tell which
+// strands rested on it.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, motion::{Pose, pose_after},
     body::{Body, Placed, MOVED, place}, status::{status, frozen},
@@ -7,7 +8,7 @@ import package::common::{
 
 @group(0) @binding(2) var<storage, read>       bodies:  array<Body>;
 @group(0) @binding(3) var<storage, read_write> placed:  array<Placed>;
-@group(0) @binding(4) var<storage, read_write> touched: array<u32>;   // per strand
+@group(0) @binding(4) var<storage, read_write> touched: array<u32>;   // bits of each strand: PUSHED, MOVED
 
 fn same(a: Pose, b: Pose) -> bool {
     return all(a.translation == b.translation) && all(a.rotation == b.rotation);

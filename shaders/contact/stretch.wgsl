@@ -1,4 +1,4 @@
-// What bodies did to the strands that they touched: `rods/finish` measured stretch before.
+// Measures stretch again, of the strands that a body pushed: `rods/finish` measured it before the push.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, Segment, Health, STRAINED_STEPS, strained_steps},
     body::PUSHED, status::{status, frozen, count, finite, OVER_STRAINED},
@@ -23,7 +23,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     if !finite(stretch) { return; }
     atomicMax(&status.max_stretch, bitcast<u32>(stretch));
-    // Once a step.
+    // A step counts once, even if `rods/finish` and this pass both find the strand over-strained.
     if health[s].found.strained > 0u { return; }
     let strained = strained_steps(health[s].committed.strained, stretch);
     if strained == STRAINED_STEPS { count(OVER_STRAINED); }

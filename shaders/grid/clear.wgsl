@@ -1,4 +1,4 @@
-// Empties the cells.
+// Empties the cells of the neighbour search, and the counters of its list.
 import package::common::{dispatch::{invocation, WORKGROUP}, cells::buckets, status::{status, frozen}};
 
 @group(0) @binding(2) var<storage, read_write> cell_count: array<u32>;

@@ -1,8 +1,8 @@
-// Lists who is nearer than the kernel radius, for every particle, in cell order.
+// Lists, for every particle, the particles that are nearer than the kernel radius, in the order of cells.
 //
-// Air meets air through the periodic faces; air and hair, hair and hair meet directly. The number of entries that the
-// step needs is summed in the status, all of it even when the list is too short: then the step is frozen and the host
-// grows the list.
+// Air meets air through the periodic faces; air and hair, hair and hair meet directly. The status sums the number of
+// entries that the step needs, even beyond the end of a list that is too short: the step is then frozen, and the host grows
+// the list to that number.
 import package::common::{
     params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, near::Near,
     cells::{cell_of, air_cell_of, in_box, turns_of, box_bucket, hashed_bucket},
@@ -15,7 +15,7 @@ import package::common::{
 @group(0) @binding(5) var<storage, read_write> neighbour_range: array<Near>;
 @group(0) @binding(6) var<storage, read_write> neighbour_list:  array<u32>;
 
-const HELD: u32 = 64u;   // entries kept while searching; a particle with more is searched a second time
+const HELD: u32 = 64u;   // entries kept while searching: air at rest has 26, and a particle with more than 64 is searched twice
 
 var<private> own_entry: u32;
 var<private> own: vec4f;
@@ -38,7 +38,7 @@ fn take(j: u32, air: bool) {
     found_others += u32(other);
 }
 
-// Entries of cells in the box; `image` moves them by whole boxes, and then only air meets.
+// Looks at entries of cells in the box; `image` moves them by whole boxes, and only air meets an image.
 fn look(begin: u32, end: u32, image: vec3f, imaged: bool) {
     let reach = params.kernel_radius * params.kernel_radius;
     let here = own.xyz - image;
@@ -51,7 +51,7 @@ fn look(begin: u32, end: u32, image: vec3f, imaged: bool) {
     }
 }
 
-// Hair outside the box: other cells may share the bucket.
+// Looks at hair in a cell outside the box, with which other cells may share the bucket.
 fn look_outside(cell: vec3i) {
     let bucket = hashed_bucket(cell);
     let reach = params.kernel_radius * params.kernel_radius;

@@ -1,12 +1,12 @@
-// First entry of each cell: the exclusive sum of the counts, in one workgroup. Empties the counts for `scatter`.
+// Finds the first entry of each cell, the exclusive sum of the counts, in one workgroup; empties the counts for `scatter`.
 //
-// Each invocation sums a stretch of cells, the workgroup scans the 256 sums, each writes its stretch.
+// Each invocation sums a stretch of cells, the workgroup scans the 256 sums, and each invocation writes its stretch.
 import package::common::cells::buckets;
 
-const LANES: u32 = 256u;
+const LANES: u32 = 256u;   // invocations of the one workgroup: the most that WebGPU's default allows
 
 @group(0) @binding(2) var<storage, read_write> cell_count: array<u32>;
-@group(0) @binding(3) var<storage, read_write> cell_start: array<u32>;   // one more than cells
+@group(0) @binding(3) var<storage, read_write> cell_start: array<u32>;   // first entry of each cell, and the end of the last
 
 var<workgroup> sums: array<u32, LANES>;
 

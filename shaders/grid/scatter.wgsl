@@ -1,4 +1,4 @@
-// Puts every particle into its cell's entries, in any order; `order` makes it the same order every time.
+// Puts every particle into its cell's entries, in any order; `grid/order` makes the order the same every time.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cells::bucket_of, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       predicted:  array<vec4f>;

@@ -9,7 +9,7 @@ struct Vertex {
     @location(1) @interpolate(flat) value:    f32,
 }
 
-// Of a point, at the distance of the picture's middle [px of 540].
+// Diameter of a point at the distance of the picture's middle, in a picture 540 px high [px]; chosen by eye.
 const SIZE: f32 = 6.5;
 
 @vertex
@@ -21,7 +21,7 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) particle: 
     return Vertex(view.clip_from_world * vec4f(x, 1.0), corner, point.w);
 }
 
-// Inferno of matplotlib, a polynomial fit of degree 6 (Zucker 2021, CC0); sRGB.
+// Colour of matplotlib's map inferno, by a polynomial fit of degree 6 (Zucker 2021, CC0); sRGB.
 fn inferno(t: f32) -> vec3f {
     let c0 = vec3f(0.0002189403691192265, 0.001651004631001012, -0.01948089843709184);
     let c1 = vec3f(0.1065134194856116, 0.5639564367884091, 3.932712388889277);
@@ -37,7 +37,7 @@ fn inferno(t: f32) -> vec3f {
 fn fragment(in: Vertex) -> @location(0) vec4f {
     let value = clamp(in.value, 0.0, 1.0);
     let soft = max(1.0 - dot(in.at, in.at), 0.0);
-    // The part of the map that stands out from a light wall, purple to orange.
+    // Only the middle of the map is used, purple to orange: it stands out from a light wall.
     let colour = clamp(inferno(0.25 + 0.5 * value), vec3f(0.0), vec3f(1.0));
     return vec4f(pow(colour, vec3f(2.2)), 0.8 * soft * soft * value);
 }

@@ -1,27 +1,27 @@
 // What every shader of the picture shares.
 
 struct Light {
-    grid_from_world: mat4x4f,  // world [m] -> cells of the light's grid, the light travels along +z
-    toward:          vec4f,    // xyz: unit, to the light; w: area of a cell across the light [m^2]
-    colour:          vec4f,    // rgb: linear radiance
+    grid_from_world: mat4x4f,  // matrix from world [m] to cells of the light's grid; the light travels along +z
+    toward:          vec4f,    // xyz: unit vector to the light; w: area of a cell across the light [m^2]
+    colour:          vec4f,    // rgb: radiance, linear
 }
 
 struct View {
-    clip_from_world: mat4x4f,
-    eye:             vec4f,    // xyz [m]; w: size of a pixel at distance 1 [m/m]
-    right:           vec4f,    // xyz unit; w: distance at which the depth cue starts [m]
-    up:              vec4f,    // xyz unit; w: 1 / range of the depth cue [1/m]
-    size:            vec2f,    // of the picture [px]
-    hairs:           u32,
-    samples:         u32,      // points of a drawn hair
-    lights:          array<Light, 2>,  // key, sky
+    clip_from_world: mat4x4f,  // matrix from world [m] to clip space
+    eye:             vec4f,    // xyz: place of the camera [m]; w: size of a pixel at distance 1 [m/m]
+    right:           vec4f,    // xyz: unit vector to the picture's right; w: distance at which the depth cue starts [m]
+    up:              vec4f,    // xyz: unit vector to the picture's top; w: 1 / range of the depth cue [1/m]
+    size:            vec2f,    // width and height of the picture [px]
+    hairs:           u32,      // number of drawn hairs
+    samples:         u32,      // number of points of a drawn hair
+    lights:          array<Light, 2>,  // key light and sky
 }
 
 @group(0) @binding(0) var<uniform> view: View;
 
-// Cells of a light's grid along each axis.
+// Cells of a light's grid along each axis, chosen by eye; a grid then takes 3.5 MB.
 const GRID: u32 = 96u;
-// One unit of optical depth in the grid's whole numbers; sums of whole numbers do not depend on their order.
+// Optical depth 1 in the grid's whole numbers, whose sums do not depend on their order; 2^16 leaves room for a depth of 65 536.
 const DEPTH_UNIT: f32 = 65536.0;
 
 // PCG (Jarzynski & Olano 2020, Hash Functions for GPU Rendering).
@@ -31,15 +31,15 @@ fn hash(x: u32) -> u32 {
     return (word >> 22u) ^ word;
 }
 
-// In [0, 1).
+// A random number in [0, 1): the draw of this number from a seed.
 fn chance(seed: u32, draw: u32) -> f32 {
     return f32(hash(seed ^ hash(draw)) >> 8u) / 16777216.0;
 }
 
-// Invocations of a workgroup.
+// Invocations of a workgroup: 64 fill a wavefront or two warps, and WebGPU's default allows 256.
 const WORKGROUP: u32 = 64u;
 
-// More workgroups than a dimension holds fold into rows.
+// The index of an invocation; more workgroups than a dimension holds fold into rows.
 fn invocation(group: vec3u, groups: vec3u, local: u32) -> u32 {
     return (group.y * groups.x + group.x) * WORKGROUP + local;
 }

@@ -1,16 +1,16 @@
-// Points of every drawn hair: its guide strand's curve (Catmull-Rom), offset in the strand's frame.
+// Places the points of every drawn hair along its guide strand's curve (Catmull-Rom), offset in the strand's frame.
 //
-// A drawn hair is a parallel fibre of its guide's rod, so that it keeps the guide's curl; where a neighbouring guide runs
-// alike, it is blended toward that, so that straight hair shows no locks. One invocation per point.
+// A drawn hair is a parallel fibre of its guide's rod, so that it keeps the guide's curl. Where a neighbouring guide runs
+// alike, the hair is blended toward that guide, so that straight hair shows no locks. There is one invocation per point.
 import package::pictures::common::{view, chance, invocation, WORKGROUP};
 
 struct Hair {
-    guide:     u32,
-    neighbour: u32,
+    guide:     u32,    // index of the guide strand
+    neighbour: u32,    // index of the neighbouring guide
     pair:      u32,    // index of (guide, neighbour) in `likeness`
-    seed:      u32,
+    seed:      u32,    // seed of the hair's random numbers
     here:      vec4f,  // xyz: root in the frame of the guide's clamp [m]; w: weight of the neighbour, 0 to 1/2
-    there:     vec4f,  // xyz: the same root in that of the neighbour's clamp [m]; w: radius drawn [m]
+    there:     vec4f,  // xyz: root in the frame of the neighbour's clamp [m]; w: radius drawn [m]
 }
 
 @group(0) @binding(1) var<storage, read>       hair:     array<Hair>;
@@ -20,17 +20,16 @@ struct Hair {
 @group(0) @binding(5) var<storage, read>       likeness: array<f32>;    // per pair: 1 where the two run alike, 0 where not
 @group(0) @binding(6) var<storage, read_write> points:   array<vec4f>;  // xyz [m]; w: 0 at the root, 1 at the tip
 
-// How far a lock's hairs draw together at its tip: the largest and the smallest share of their distance that is left.
-const LOOSE: f32 = 1.0;
-const TIGHT: f32 = 0.5;
-// Waviness of a hair, as a share of its length; of the few that stray, so many times more.
-const WAVE: f32 = 0.006;
-const STRAY: f32 = 5.0;
-const STRAYS: f32 = 0.04;
-// Hairs are shorter than their guide by up to this.
-const SHORTER: f32 = 0.35;
+// The numbers below are chosen by eye.
 
-// Segments over which a hair leaves the surface that it is rooted on.
+const LOOSE: f32 = 1.0;      // share of the distance between a lock's hairs that is left at its tip, in the loosest lock
+const TIGHT: f32 = 0.5;      // share of the distance between a lock's hairs that is left at its tip, in the tightest lock
+const WAVE: f32 = 0.006;     // amplitude of a hair's waves [lengths of the hair]
+const STRAY: f32 = 5.0;      // factor of the amplitude for the hairs that stray
+const STRAYS: f32 = 0.04;    // share of the hairs that stray
+const SHORTER: f32 = 0.35;   // largest part of its guide's length by which a hair is shorter
+
+// Length over which a hair turns from its clamp's frame to its strand's [segments]: it leaves the surface as it was rooted.
 const CLAMPED: f32 = 1.5;
 
 fn rotate(q: vec4f, v: vec3f) -> vec3f {
@@ -38,7 +37,7 @@ fn rotate(q: vec4f, v: vec3f) -> vec3f {
     return v + q.w * t + cross(q.xyz, t);
 }
 
-// Point `k` of a guide, and beyond its ends the mirror image.
+// Point `k` of a guide; beyond an end, the mirror image of the point before it.
 fn at(first: u32, last: u32, k: i32) -> vec3f {
     if k < 0 {
         return 2.0 * guide[first].xyz - guide[first + 1u].xyz;
@@ -57,8 +56,8 @@ fn between(a: vec4f, b: vec4f, u: f32) -> vec4f {
     return normalize(mix(a, select(b, -b, dot(a, b) < 0.0), u));
 }
 
-// Orientation half way between those of the nearest segments; toward the root that of the clamp, so that hairs stay where
-// they are rooted whatever their strand does.
+// Orientation of a guide at `x` segments from the root, between those of the nearest segments. Toward the root it becomes
+// that of the clamp, so that hairs stay where they are rooted whatever their strand does.
 fn orientation(first: u32, last: u32, x: f32) -> vec4f {
     let segment = clamp(x - 0.5, 0.0, f32(last - first - 1u));
     let k = first + u32(segment);

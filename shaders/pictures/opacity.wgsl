@@ -1,7 +1,7 @@
-// How much hair lies between a point and a light: a grid of optical depth along the light's direction.
+// Fills a grid with the optical depth of the hair between a point and a light, along the light's direction.
 //
 // `deposit` adds every segment's shadow (its area across the light over a cell's) to the eight nearest cells, `accumulate`
-// sums each column from the light on. Whole numbers throughout: the same bits whatever the order.
+// sums each column from the light on. All are whole numbers, so that the bits do not depend on the order.
 import package::pictures::{common::{view, invocation, GRID, DEPTH_UNIT, WORKGROUP}, taper::taper};
 
 @group(0) @binding(1) var<storage, read>       points: array<vec4f>;
@@ -44,7 +44,7 @@ fn accumulate(@builtin(global_invocation_id) id: vec3u) {
     for (var z = 0u; z < GRID; z++) {
         let index = (light * GRID + z) * GRID * GRID + column;
         let own = atomicLoad(&grid[index]);
-        // To the middle of the cell.
+        // The depth is that at the middle of the cell.
         atomicStore(&grid[index], sum + own / 2u);
         sum += own;
     }

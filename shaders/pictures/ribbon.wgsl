@@ -1,12 +1,12 @@
-// Hairs as ribbons that face the camera, tapered to the tip. No narrower than MIN_WIDTH pixels: a thinner one covers
-// fewer of a pixel's samples instead, each hair its own, so that it fades and does not break up.
+// Draws hairs as ribbons that face the camera and taper to the tip. None is narrower than MIN_WIDTH: a thinner hair covers
+// fewer of a pixel's samples instead, each hair its own samples, so that it fades and does not break up.
 import package::pictures::{common::{view, hash, chance}, taper::taper, backdrop::backdrop};
 
 @group(0) @binding(1) var<storage, read> points: array<vec4f>;
 @group(0) @binding(2) var<storage, read> colour: array<u32>;
 @group(0) @binding(3) var<storage, read> radius: array<f32>;
 
-const MIN_WIDTH: f32 = 1.0;
+const MIN_WIDTH: f32 = 1.0;   // least width of a drawn hair [px]: thinner ribbons would miss pixels
 
 struct Vertex {
     @builtin(position)              position: vec4f,
@@ -37,7 +37,7 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) hair: u32)
     return out;
 }
 
-// Toward the backdrop with distance. `colour` is the square root of linear rgb.
+// Linear rgb of a colour at a distance, nearer to the backdrop's the farther. `colour` is the square root of linear rgb.
 fn faded(colour: vec3f, far: f32, clip: vec4f) -> vec3f {
     let depth = clamp((far - view.right.w) * view.up.w, 0.0, 1.0);
     return mix(colour * colour, backdrop(0.5 - 0.5 * clip.xy / clip.w), 0.10 * depth);

@@ -1,4 +1,4 @@
-// What is behind the hair: the backdrop, and the patch that it grows from.
+// Draws what is behind the hair: the backdrop, and the patch that the hair grows from.
 import package::pictures::{common::view, backdrop::backdrop, shadow::optical_depth};
 
 struct Wall {
@@ -37,7 +37,7 @@ fn patch_vertex(@location(0) x: vec3f, @location(1) normal: vec3f) -> Patch {
 fn patch_fragment(in: Patch) -> @location(0) vec4f {
     let normal = normalize(in.normal);
     let to_eye = normalize(view.eye.xyz - in.x);
-    // What the wall throws back.
+    // The first part is the light that the wall throws back.
     var sum = vec3f(0.45);
     for (var light = 0u; light < 2u; light++) {
         let toward = view.lights[light].toward.xyz;

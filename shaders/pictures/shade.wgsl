@@ -1,20 +1,21 @@
-// Colour of every point of every drawn hair (Marschner et al. 2003, with the lobes' shapes of Karis 2016).
+// Finds the colour of every point of every drawn hair (Marschner et al. 2003, with the lobes' shapes of Karis 2016).
 //
-// Per light three lobes: R off the cuticle, white, shifted toward the root; TT through the fibre, tinted once; TRT back
+// Each light adds three lobes: R off the cuticle, white, shifted toward the root; TT through the fibre, tinted once; TRT back
 // through it, tinted twice, shifted toward the tip; and a diffuse part for light scattered among hairs (Kajiya & Kay 1989).
-// Hair between the point and the light takes away more of the colours that hair absorbs more. One invocation per point.
+// Hair between the point and the light takes away more of the colours that hair absorbs more. There is one invocation per
+// point.
 import package::pictures::{common::{view, chance, invocation, WORKGROUP}, shadow::optical_depth};
 
 @group(0) @binding(2) var<storage, read>       points: array<vec4f>;
 @group(0) @binding(3) var<storage, read>       seed:   array<u32>;   // per hair
 @group(0) @binding(4) var<storage, read_write> colour: array<u32>;   // pack4x8unorm of the square root of linear rgb
 
-// Auburn: what is left of white light after one way through a fibre.
+// Colour of white light after one way through a fibre, linear rgb: auburn.
 const TINT: vec3f = vec3f(0.41, 0.19, 0.082);
+// Radiance of the light that the surroundings throw back, linear rgb: a cool grey, chosen by eye.
 const BOUNCE: vec3f = vec3f(0.075, 0.078, 0.082);
-// Tilt of the cuticle's scales and width of the lobes [rad].
-const SHIFT: f32 = 0.09;
-const ROUGH: f32 = 0.20;
+const SHIFT: f32 = 0.09;   // tilt of the cuticle's scales [rad]: 5 degrees, as Marschner et al. found in hair
+const ROUGH: f32 = 0.20;   // width of the lobes [rad], chosen by eye
 
 fn gaussian(x: f32, width: f32) -> f32 {
     return exp(-0.5 * x * x / (width * width)) / (2.5066 * width);
@@ -50,19 +51,19 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     let tangent = (after - before) * inverseSqrt(max(dot(after - before, after - before), 1e-20));
     let to_eye = normalize(view.eye.xyz - here.xyz);
 
-    // Darker and lighter, redder and browner hairs; tips are bleached a little.
+    // Hairs differ: some are darker, some redder; tips are bleached a little.
     let s = seed[hair];
     let melanin = 1.25 - 0.55 * chance(s, 10u) + 0.25 * (chance(s, 11u) - 0.5) - 0.22 * here.w;
     let tint = pow(TINT * vec3f(1.0, 1.0 + 0.25 * (chance(s, 12u) - 0.5), 1.0), vec3f(max(melanin, 0.3)));
 
     // No two hairs shine in the same place.
     let tilt = 0.22 * (chance(s, 13u) + chance(s, 14u) - 1.0);
-    // Light that has met so many hairs that it comes from everywhere.
+    // The first part is light that has met so many hairs that it comes from everywhere.
     var sum = BOUNCE * tint * (0.4 + 1.2 * chance(s, 15u));
     for (var light = 0u; light < 2u; light++) {
         let toward = view.lights[light].toward.xyz;
         let depth = optical_depth(light, here.xyz);
-        // Most of what a fibre takes from the beam it scatters on, tinted.
+        // A fibre scatters on, tinted, most of what it takes from the beam.
         let through = exp(-depth * (0.22 + 0.40 * (vec3f(1.0) - sqrt(tint))));
         sum += scattered(tangent, toward, to_eye, tint, tilt) * through * view.lights[light].colour.rgb;
     }

@@ -1,14 +1,14 @@
 // Optical depth of the hair between a point and a light, from the grid that opacity.wgsl fills.
 import package::pictures::common::{view, GRID, DEPTH_UNIT};
 
-@group(0) @binding(1) var<storage, read> grid: array<u32>;   // lights x GRID^3, of opacity.wgsl
+@group(0) @binding(1) var<storage, read> grid: array<u32>;   // optical depth, lights x GRID^3, as opacity.wgsl leaves it
 
 fn cell_depth(light: u32, at: vec3u) -> f32 {
     return f32(grid[((light * GRID + at.z) * GRID + at.y) * GRID + at.x]) / DEPTH_UNIT;
 }
 
 fn optical_depth(light: u32, x: vec3f) -> f32 {
-    // A cell toward the light, or a hair would lie in its own shadow.
+    // The depth is read a cell nearer to the light: otherwise a hair would lie in its own shadow.
     let cell = (view.lights[light].grid_from_world * vec4f(x, 1.0)).xyz - vec3f(0.5, 0.5, 1.5);
     if cell.z <= 0.0 || any(cell.xy < vec2f(-0.5)) || any(cell.xy > vec2f(f32(GRID) - 0.5)) {
         return 0.0;

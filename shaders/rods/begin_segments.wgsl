@@ -8,7 +8,7 @@ import package::common::{
 @group(0) @binding(3) var<storage, read>       position:         array<vec4f>;
 @group(0) @binding(4) var<storage, read>       point_history:    array<PointHistory>;
 @group(0) @binding(5) var<storage, read>       orientation:      array<vec4f>;
-@group(0) @binding(6) var<storage, read>       angular_velocity: array<vec4f>;   // rad/s, world
+@group(0) @binding(6) var<storage, read>       angular_velocity: array<vec4f>;   // world axes [rad/s]
 @group(0) @binding(7) var<storage, read>       segment_history:  array<SegmentHistory>;
 @group(0) @binding(8) var<storage, read_write> rod_segments:     array<RodSegment>;
 
@@ -24,7 +24,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     segment.angular_velocity = angular_velocity[k].xyz;
     segment.before = history.angular_velocity;
     segment.carried = history.turn;
-    // Positions round at 3e-8 m; their remainders know better.
+    // Positions are rounded at 3e-8 m; the remainders give the chord the digits that rounding took.
     segment.chord = (position[b].xyz - position[a].xyz) + (point_history[b].remainder - point_history[a].remainder);
     segment.force = history.force;
     segment.moment = history.moment;

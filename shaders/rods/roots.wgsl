@@ -1,6 +1,6 @@
-// Where the clamps go in this step: where their keyframes are at its end, else a part of the way to where the host wants
-// them, all of it in the last substep. A root that jumps farther than its strand is long is teleported, unless its tip is held
-// too. A strand whose clamp does not move may sleep. Roots that are free go where they will.
+// Where the clamps go in this step. A clamp with keyframes goes where they are at the step's end; any other goes a part of
+// the way to where the host wants it, and arrives in the last substep. A strand whose root jumps farther than the strand is
+// long is teleported, unless its tip is held too. A strand whose clamp does not move may sleep. Free roots are left alone.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotate, rotation, rotation_vector},
     motion::pose_after,
@@ -9,7 +9,7 @@ import package::common::{
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
 @group(0) @binding(3) var<storage, read>       root_targets: array<Root>;
-@group(0) @binding(4) var<storage, read>       clamps:       array<Root>;   // as they stand
+@group(0) @binding(4) var<storage, read>       clamps:       array<Root>;   // clamps at the step's start
 @group(0) @binding(5) var<storage, read_write> rod_strands:  array<RodStrand>;
 
 @compute @workgroup_size(WORKGROUP)
@@ -35,7 +35,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var rod: RodStrand;
     rod.root_travel = part * way;
     rod.root_turn = select(rotation(part * turn), vec4f(0.0, 0.0, 0.0, 1.0), still);
-    // To the bit where it arrives: a clamp that was off by rounding would never rest.
+    // A clamp that arrives takes the goal's frame to the bit: if it were off by rounding, it would never rest.
     rod.root_frame = select(normalize(product(rod.root_turn, held.frame)), goal.frame, still || part == 1.0);
     rod.state = select(select(FREE, ASLEEP, still && params.sleep != 0u), TELEPORTED, jumps);
     rod_strands[s] = rod;

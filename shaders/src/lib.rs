@@ -1,19 +1,19 @@
 //! The WGSL of windswept: linked and validated at build time, with what Rust needs to know of it.
 //!
-//! Everything here is written by the build from the WGSL, in modules that mirror its folders and files. A pass is one file,
-//! `shaders/rods/predict.wgsl`, and a static, [`rods::PREDICT`]; the structs and constants of `shaders/common/rod.wgsl` are in
+//! The build writes everything here from the WGSL, in modules that mirror its folders and files. A pass is one file, say
+//! `shaders/rods/choose.wgsl`, and a static, [`rods::CHOOSE`]; the structs and constants of `shaders/common/rod.wgsl` are in
 //! [`common::rod`]. The linked texts are kept, readable, in the build's output folder.
 
 /// A compute pass: its text and what naga knows of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pass {
-    /// `folder/name`, the same in the shader, the twin, the step and the test.
+    /// Name, `folder/name`: the shader's path, which the twin's function, the step and the test have too.
     pub name: &'static str,
     /// Linked WGSL; the entry point is `main`.
     pub source: &'static str,
     /// Invocations per workgroup.
     pub workgroup: u32,
-    /// In the order of their numbers, all in group 0.
+    /// Buffers that the pass binds, in the order of their numbers, all in group 0.
     pub bindings: &'static [Binding],
 }
 
@@ -48,9 +48,9 @@ pub enum BindingKind {
 /// A shader of the pictures, with entry points of its own names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Picture {
-    /// `pictures/name`.
+    /// Name, `pictures/name`.
     pub name: &'static str,
-    /// Linked WGSL.
+    /// Linked WGSL, with the entry points that the file declares.
     pub source: &'static str,
 }
 

@@ -2,14 +2,14 @@
 //
 //   u_i = gain sum_j f_j (3 - q^2) exp(-q^2/2),  q = |x_i - x_j|/s,  f from `weigh`, self included
 //
-// A workgroup takes particles of a block of cells in a row, eight to a lane: what is read of a particle j serves eight
-// sums. One dispatch looks at some of the rows of cells around a block and adds to what those before it found.
+// A workgroup takes the particles of a block of cells in a row, eight to a lane, so that what is read of a particle j serves
+// eight sums. One dispatch looks at some of the rows of cells around a block and adds to what earlier dispatches found.
 import package::common::{
     params::params, cells::{cell_of, turns_of, box_bucket, hashed_bucket}, status::frozen, band::Band,
 };
 
-const LANES: u32 = 8u;
-const SUMS: u32 = 8u;      // of a lane
+const LANES: u32 = 8u;     // invocations of a workgroup: with SUMS each it takes the 56 air particles of an average block
+const SUMS: u32 = 8u;      // sums that a lane makes, one per particle, held as two groups of four
 const SHARES: u32 = 4u;    // workgroups of a block: 256 particles at once, more than it holds unless they clump
 
 @group(0) @binding(2) var<uniform>             band:            Band;
@@ -18,13 +18,13 @@ const SHARES: u32 = 4u;    // workgroups of a block: 256 particles at once, more
 @group(0) @binding(5) var<storage, read>       sorted_position: array<vec4f>;
 @group(0) @binding(6) var<storage, read>       flow_position:   array<vec4f>;
 @group(0) @binding(7) var<storage, read>       flow:            array<vec4f>;
-@group(0) @binding(8) var<storage, read_write> band_velocity:   array<vec4f>;   // m/s; published mm/s
+@group(0) @binding(8) var<storage, read_write> band_velocity:   array<vec4f>;   // velocity of the band [m/s]; as published [mm/s]
 
-// Four vectors: a component each.
+// Four vectors, component by component.
 struct Four { x: vec4f, y: vec4f, z: vec4f }
 
-var<private> near_own: Four;    // m, of the lane's first four
-var<private> far_own: Four;
+var<private> near_own: Four;    // positions of the lane's first four particles [m]
+var<private> far_own: Four;     // positions of the lane's other four particles [m]
 var<private> near_sum: Four;
 var<private> far_sum: Four;
 
@@ -46,7 +46,7 @@ fn add(e: u32, image: vec3f) {
     far_sum = Four(far_sum.x + f.x * far, far_sum.y + f.y * far, far_sum.z + f.z * far);
 }
 
-// That many cells of a row in the box, moved by whole boxes; hair meets air directly only.
+// Adds a number of cells of a row in the box, moved by whole boxes as `image` says; only air meets an image.
 fn add_row(first: vec3i, cells: i32, image: vec3f, imaged: bool) {
     let bucket = box_bucket(first);
     let end = cell_start[bucket + u32(cells)];
@@ -55,7 +55,7 @@ fn add_row(first: vec3i, cells: i32, image: vec3f, imaged: bool) {
     }
 }
 
-// Hair outside the box: other cells may share the bucket.
+// Adds the hair in a cell outside the box, with which other cells may share the bucket.
 fn add_outside(cell: vec3i) {
     let bucket = hashed_bucket(cell);
     let end = cell_start[bucket + 1u];
@@ -64,7 +64,7 @@ fn add_outside(cell: vec3i) {
     }
 }
 
-// The row of cells at (y, z) from `begin` up to `end` in x, cut where the box repeats.
+// Adds the row of cells at (y, z) from `begin` up to `end` in x, cut where the box repeats.
 fn walk(begin: i32, end: i32, y: i32, z: i32) {
     var x = begin;
     while x < end {
@@ -130,7 +130,7 @@ fn main(
         for (var row = band.first_row; row < band.end_row; row++) {
             let y = row % wide - band.rows;
             let z = row / wide - band.layers;
-            // Nearest that cells of this row come, in parts of the reach.
+            // The gap is how near cells of this row come, in parts of the reach.
             let gap = max(vec2f(abs(vec2i(y, z))) - 1.0, vec2f(0.0)) / reach.yz;
             let left = 1.0 - dot(gap, gap);
             if left <= 0.0 { continue; }

@@ -1,4 +1,4 @@
-// Vorticity confinement of one band (Fedkiw et al. 2001), air only, less in the fringe by the cosine of its face.
+// Vorticity confinement of one band (Fedkiw et al. 2001), on air only, and weaker in the fringe (`left_by_fringe`).
 //
 //   eta_i = sum_j V_j (|omega_j| - |omega_i|) grad_i W,  N = eta/(|eta| + 1e-3 |omega_i|/h)
 //   a_i = S |u_i| max(0, 1 - |u_i|^2/(I U)^2) (N x omega_i),  |dt a| <= 0.12 |u_i|
@@ -8,18 +8,18 @@ import package::common::{
     sph_kernels::spiky_gradient, wind::left_by_fringe, band::Band,
 };
 
-const SOFTENING: f32 = 1e-3;   // of |omega|/h: no direction where vorticity is uniform
-const LARGEST: f32 = 0.12;     // part of its speed that a band may gain in a step
+const SOFTENING: f32 = 1e-3;   // part of |omega|/h added to |eta|, so that N vanishes where vorticity is uniform
+const LARGEST: f32 = 0.12;     // largest part of its speed that a band may gain in a step, so that no strength is unstable
 
 @group(0) @binding(2) var<uniform>             band:            Band;
 @group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;
 @group(0) @binding(4) var<storage, read>       neighbour_range: array<Near>;
 @group(0) @binding(5) var<storage, read>       neighbour_list:  array<u32>;
 @group(0) @binding(6) var<storage, read>       band_velocity:   array<vec4f>;
-@group(0) @binding(7) var<storage, read>       vorticity:       array<vec4f>;   // w: its length [1/s]
-@group(0) @binding(8) var<storage, read_write> confinement:     array<vec4f>;   // m/s, of this step, all bands
+@group(0) @binding(7) var<storage, read>       vorticity:       array<vec4f>;   // xyz [1/s]; w: its length [1/s]
+@group(0) @binding(8) var<storage, read_write> confinement:     array<vec4f>;   // change of velocity in this step by all bands so far [m/s]
 
-// m/s, of this band in this step.
+// Change of velocity by this band in this step [m/s].
 fn change(i: u32) -> vec3f {
     let own = predicted[i].xyz;
     let left = left_by_fringe(own);

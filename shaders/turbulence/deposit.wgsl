@@ -1,4 +1,4 @@
-// What the filter sums, carried to the nodes of its grid; w: volume.
+// Carries what the filter sums to the nodes of its grid, and the volume with it.
 //
 //   D_n = sum_j f_j B(x_j/h_g - n),  B the product of three B-splines, f from `weigh`
 //
@@ -9,21 +9,22 @@ import package::common::{
     mesh::{Mesh, half_width, b_spline, node_in_box, node_index},
 };
 
+// Nodes that an invocation makes along each axis: four along x have their weights in one vec4f.
 const BLOCK: vec3i = vec3i(4, 2, 2);
 
 @group(0) @binding(2) var<uniform>             mesh:          Mesh;
 @group(0) @binding(3) var<storage, read>       cell_start:    array<u32>;
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
-@group(0) @binding(5) var<storage, read>       flow:          array<vec4f>;   // xyz: V (v - U) [m^4/s], w: V [m^3]
-@group(0) @binding(6) var<storage, read_write> deposited:     array<vec4f>;
+@group(0) @binding(5) var<storage, read>       flow:          array<vec4f>;   // xyz: V (v - U) [m^4/s]; w: V [m^3]
+@group(0) @binding(6) var<storage, read_write> deposited:     array<vec4f>;   // D: xyz [m^4/s]; w [m^3]
 
-// A row of four nodes along x at one of two y and two z: a column per component, a row per node.
+// Sums for the row of four nodes along x at one of two y and two z: a column per component, a row per node.
 var<private> sum_00: mat4x4f;
 var<private> sum_10: mat4x4f;
 var<private> sum_01: mat4x4f;
 var<private> sum_11: mat4x4f;
 
-// A particle's place less `corner`, in spacings.
+// Adds the particle of entry `e`. `corner` is the block's first node, in spacings, as seen from the particle's image.
 fn add(e: u32, corner: vec3f) {
     let t = sorted_position[e].xyz / mesh.spacing - corner;
     let along = b_spline(mesh.order, vec4f(t.x, t.x - 1.0, t.x - 2.0, t.x - 3.0));
@@ -62,7 +63,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let last = vec3i(ceil(vec3f(block + BLOCK - 1) + half)) - 1;
     for (var z = first.z; z <= last.z; z++) {
         for (var y = first.y; y <= last.y; y++) {
-            // In runs of cells, where the box repeats.
+            // The row is read in runs of cells that end where the box repeats.
             var x = first.x;
             while x <= last.x {
                 let home = node_in_box(vec3i(x, y, z), mesh.nodes);

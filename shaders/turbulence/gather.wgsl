@@ -1,4 +1,4 @@
-// The velocity of one band of eddies from the filter's grid: unit gain at the band's centre.
+// Gathers the velocity of one band of eddies from the filter's grid, with unit gain at the band's centre.
 //
 //   u_i = -(e/2) s^2 sum_n B(x_i/h_g - n) C_n/h_g^3;  normalised: over sum_n B S_n/h_g^3, the smoothed volume fraction
 import package::common::{
@@ -9,8 +9,8 @@ import package::common::{
 @group(0) @binding(2) var<uniform>             mesh:          Mesh;
 @group(0) @binding(3) var<storage, read>       sorted:        array<u32>;
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
-@group(0) @binding(5) var<storage, read>       curvature:     array<vec4f>;   // xyz [m^2/s], w: smoothed volume [m^3]
-@group(0) @binding(6) var<storage, read_write> band_velocity: array<vec4f>;   // m/s
+@group(0) @binding(5) var<storage, read>       curvature:     array<vec4f>;   // C: xyz [m^2/s]; w: smoothed volume S [m^3]
+@group(0) @binding(6) var<storage, read_write> band_velocity: array<vec4f>;   // velocity of the band [m/s]
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -24,7 +24,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let steps = vec4f(0.0, 1.0, 2.0, 3.0);
     let x = b_spline(mesh.order, t.x - steps);
 
-    // Of a lower order's four the last weigh nothing.
+    // Four nodes are read along x whatever the order: the weights of those beyond the order's support are 0.
     let home = node_in_box(first, mesh.nodes);
     let columns = vec4i(home.x, home.x + 1, home.x + 2, home.x + 3);
     let column = vec4u(select(columns, columns - mesh.nodes.x, columns >= vec4i(mesh.nodes.x)));

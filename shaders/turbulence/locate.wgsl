@@ -1,4 +1,4 @@
-// Where particles are now, in the order of the cells that they were sorted into before they moved.
+// Writes where particles are now, in the order of the cells that they were sorted into before they moved.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       sorted:        array<u32>;

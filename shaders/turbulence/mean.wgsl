@@ -1,9 +1,9 @@
-// The mean change of the air, to be taken out where momentum is conserved, and the impulse that the air is left with; the
-// guard books it.
+// Finds the mean change of the air's velocity, which is taken out where momentum is conserved, and the impulse that the air is
+// left with, which the guard adds to the report's.
 import package::common::{params::params, dispatch::WORKGROUP, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       partial_sum:      array<vec4f>;
-@group(0) @binding(3) var<storage, read_write> mean_confinement: array<vec4f>;   // the mean [m/s], the impulse [kg m/s]
+@group(0) @binding(3) var<storage, read_write> mean_confinement: array<vec4f>;   // mean change [m/s], impulse [kg m/s]
 
 var<workgroup> sums: array<vec3f, WORKGROUP>;
 

@@ -1,23 +1,23 @@
-// Gaussian smoothing of the grid along one axis, and the Laplacian with it.
+// Smooths the grid with a Gaussian along one axis, and takes the Laplacian with it.
 //
 //   S <- g * S,  C <- g * C + g'' * S       after x, y and z: S = G * D, C = its Laplacian
 //
 // g and g'' are taps of the periodic Gaussian and of its second derivative, with the blur of the two B-splines along the
-// axis taken out. An invocation makes four nodes in a row: what it reads of a node serves all four.
+// axis taken out. An invocation makes four nodes in a row, so that what it reads of a node serves all four.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::{Mesh, node_index},
 };
 
-const ROW: i32 = 4;   // nodes that an invocation makes
+const ROW: i32 = 4;   // nodes in a row that an invocation makes: the window of their taps is a vec4f
 
 @group(0) @binding(2) var<uniform>             mesh:               Mesh;
-@group(0) @binding(3) var<storage, read>       taps:               array<vec2f>;   // of g, of g'' [1/m^2]
+@group(0) @binding(3) var<storage, read>       taps:               array<vec2f>;   // x: tap of g; y: tap of g'' [1/m^2]
 @group(0) @binding(4) var<storage, read>       smoothed:           array<vec4f>;
 @group(0) @binding(5) var<storage, read>       curvature:          array<vec4f>;
-@group(0) @binding(6) var<storage, read_write> smoother:           array<vec4f>;   // xyz [m^4/s], w [m^3]
-@group(0) @binding(7) var<storage, read_write> smoother_curvature: array<vec4f>;   // xyz [m^2/s], w as that of `smoother`
+@group(0) @binding(6) var<storage, read_write> smoother:           array<vec4f>;   // S: xyz [m^4/s]; w [m^3]
+@group(0) @binding(7) var<storage, read_write> smoother_curvature: array<vec4f>;   // C: xyz [m^2/s]; w: that of `smoother` [m^3]
 
-// The window of taps, one per node that is made, moves on by one.
+// The window of taps, one per node that is made, after it has moved on by one.
 fn moved(window: vec4f, tap: f32) -> vec4f {
     return vec4f(tap, window.xyz);
 }

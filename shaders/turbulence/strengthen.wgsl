@@ -1,4 +1,4 @@
-// The air takes the change of all bands, less its mean.
+// Gives the air the change of velocity by all bands, less the mean change.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       confinement:      array<vec4f>;

@@ -1,8 +1,8 @@
-// Sum of the changes, a workgroup at a time, in a fixed order.
+// Sums the changes of velocity of each workgroup's particles, in a fixed order.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}};
 
 @group(0) @binding(2) var<storage, read>       confinement: array<vec4f>;
-@group(0) @binding(3) var<storage, read_write> partial_sum: array<vec4f>;   // per workgroup [m/s]
+@group(0) @binding(3) var<storage, read_write> partial_sum: array<vec4f>;   // sum of a workgroup's changes [m/s]
 
 var<workgroup> sums: array<vec3f, WORKGROUP>;
 

@@ -1,6 +1,6 @@
-// Vorticity of a field, the plain SPH sum (eq. 2 with the 1/rho_j that is missing in print).
+// Vorticity of a field of velocity, by the plain SPH sum (eq. 2 with the 1/rho_j that is missing in print).
 //
-//   omega_i = sum_j V_j (f_j - f_i) x grad_j W       air only; as printed, hair too
+//   omega_i = sum_j V_j (f_j - f_i) x grad_j W       over air only; as printed, over hair too
 import package::common::{
     params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::{is_air, separation}, status::frozen,
     sph_kernels::spiky_gradient,
@@ -9,8 +9,8 @@ import package::common::{
 @group(0) @binding(2) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(3) var<storage, read>       neighbour_range: array<Near>;
 @group(0) @binding(4) var<storage, read>       neighbour_list:  array<u32>;
-@group(0) @binding(5) var<storage, read>       field:           array<vec4f>;   // m/s
-@group(0) @binding(6) var<storage, read_write> vorticity:       array<vec4f>;   // xyz [1/s], w: its length
+@group(0) @binding(5) var<storage, read>       field:           array<vec4f>;   // velocity [m/s]
+@group(0) @binding(6) var<storage, read_write> vorticity:       array<vec4f>;   // xyz [1/s]; w: its length [1/s]
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {

@@ -1,11 +1,11 @@
-// What the filter sums, in cell order: V (v - U) of air, or v of all particles as printed (eq. 5).
+// Writes what the filter sums, in the order of cells: V (v - U) of air, or, as printed, v of all particles (eq. 5).
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, status::frozen, wind::mean_wind,
 };
 
 @group(0) @binding(2) var<storage, read>       sorted:       array<u32>;
 @group(0) @binding(3) var<storage, read>       new_velocity: array<vec4f>;
-@group(0) @binding(4) var<storage, read_write> flow:         array<vec4f>;   // xyz [m^4/s], w: V [m^3]; published: m/s
+@group(0) @binding(4) var<storage, read_write> flow:         array<vec4f>;   // xyz [m^4/s], w: V [m^3]; published: xyz [m/s]
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {

@@ -3,12 +3,17 @@
 use glam::{DQuat, DVec3};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
-use windswept::internals::{status, step};
+use windswept::internals::step;
 use windswept_reference::{
     State as Twin, rods,
     step::{self as twin, Scratch},
 };
 use windswept_scene::{End, Ends, InitialState, Keyframe, Motion, Shape, Strands};
+use windswept_shaders::common::{
+    integration::{BDF2, EULER, PUT},
+    rod::{Health, PointHistory, SLEEPS, SegmentHistory},
+    status::{ASLEEP_STEP, EULER_STEP, MOVE_CAPPED, RESCUED_STEP, STRAND_RESET, TELEPORT},
+};
 
 use crate::{
     rods::{scene_of, strands},
@@ -139,13 +144,19 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
     let stage = Stage::new(&scene, &initial);
     let (mut s, state) = (stage.twin.clone(), stage.engine.state());
     let (points, segments) = (initial.hair.positions.len(), initial.hair.orientations.len());
-    let mut rows = |sizes: &[f64], n: usize| -> Vec<Vec<[f32; 4]>> {
-        let mut row = |size: f64| any(&mut rng, size).as_vec3().extend(0.0).to_array();
-        (0..n).map(|_| sizes.iter().map(|size| row(*size)).collect()).collect()
-    };
-    let history = rows(&[1e-4, 0.02, 0.0], points).concat();
+    let mut up_to = |size: f64| any(&mut rng, size).as_vec3().to_array();
+    let point = |_| PointHistory { travel: up_to(1e-4), velocity: up_to(0.02), ..PointHistory::default() };
+    let history: Vec<_> = (0..points).map(point).collect();
     stage.engine.write(&state.point_history, &history).unwrap();
-    stage.engine.write(&state.segment_history, &rows(&[1e-3, 1.0, 1e-4, 1e-6], segments).concat()).unwrap();
+    let segment = |_| SegmentHistory {
+        turn: up_to(1e-3),
+        angular_velocity: up_to(1.0),
+        force: up_to(1e-4),
+        moment: up_to(1e-6),
+        ..SegmentHistory::default()
+    };
+    let history: Vec<_> = (0..segments).map(segment).collect();
+    stage.engine.write(&state.segment_history, &history).unwrap();
     stage.adopt(&mut s);
     set_roots(&stage, &mut s, |strand, x, q| {
         let by = CASES[strand % CASES.len()].root * 0.1;
@@ -167,7 +178,8 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
         let tip = s.hair.points(strand).end - 1;
         push[tip] = case.push * stage.parameters.rest[strand].acceleration * stage.parameters.step.powi(2) * DVec3::Y;
     }
-    let health: Vec<[[u32; 4]; 2]> = (0..n).map(|strand| [condition(&s, strand); 2]).collect();
+    let health = |strand| Health { committed: condition(&s, strand), found: condition(&s, strand) };
+    let health: Vec<_> = (0..n).map(health).collect();
     let touched: Vec<u32> = s.touched.iter().map(|touched| u32::from(*touched)).collect();
     stage.engine.write(&state.health, &health).unwrap();
     stage.engine.write(&state.touched, &touched).unwrap();
@@ -180,14 +192,21 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
 fn rods_apart(stage: &Stage, w: &Scratch) -> [f64; 3] {
     let (points, segments) = stage.rods();
     assert_eq!((points.len(), segments.len()), (w.moving.points.len(), w.moving.segments.len()));
-    let same_step = |a: f32, b: f64| if b.is_infinite() { a == 1e30 } else { (f64::from(a) / b - 1.0).abs() < 1e-6 };
+    let step = stage.parameters.step;
+    let step_of = |scheme: u32| match scheme {
+        EULER => step,
+        BDF2 => 2.0 / 3.0 * step,
+        PUT => f64::INFINITY,
+        _ => f64::NAN,
+    };
+    let same_step = |a: u32, b: f64| step_of(a) == b || (step_of(a) / b - 1.0).abs() < 1e-6;
     let (mut moves, mut frames, mut forces, mut strongest) = (0.0_f64, 0.0_f64, 0.0_f64, f64::MIN_POSITIVE);
     for (a, b) in points.iter().zip(&w.moving.points) {
-        assert!(same_step(a.step, b.step), "h {} instead of {}", a.step, b.step);
+        assert!(same_step(a.scheme, b.step), "scheme {} instead of h {}", a.scheme, b.step);
         moves = moves.max((xyz(&a.travel) - b.travel).length()).max((xyz(&a.free) - b.free).length());
     }
     for (a, b) in segments.iter().zip(&w.moving.segments) {
-        assert!(same_step(a.step, b.step), "h {} instead of {}", a.step, b.step);
+        assert!(same_step(a.scheme, b.step), "scheme {} instead of h {}", a.scheme, b.step);
         frames = frames.max((quaternion(a.frame) - b.frame).length());
         frames = frames.max((xyz(&a.free) - b.free).length()).max((xyz(&a.turn) - b.turn).length());
         forces = forces.max((xyz(&a.force) - b.force).length()).max((xyz(&a.moment) - b.moment).length());
@@ -196,16 +215,15 @@ fn rods_apart(stage: &Stage, w: &Scratch) -> [f64; 3] {
     [moves, frames, forces / strongest]
 }
 
-/// What this step counted, by name.
-fn counting(stage: &Stage, name: &str) -> usize {
-    let counter = status::COUNTERS.iter().position(|counter| *counter == name).unwrap();
-    stage.engine.status().unwrap().counting[counter] as usize
+/// What this step counted.
+fn counting(stage: &Stage, counter: u32) -> usize {
+    stage.engine.status().unwrap().counting[counter as usize] as usize
 }
 
 /// Up to the solve: how strands go through the step.
 fn prepared(stage: &Stage, s: &mut Twin, push: Vec<DVec3>) -> Scratch {
     stage.run_only(&["rods/roots"], step::drive::record);
-    stage.run_only(&["rods/predict", "rods/turn", "rods/choose"], step::rods::record);
+    stage.run_only(&["rods/begin_points", "rods/begin_segments", "rods/choose"], step::rods::record);
     let mut w = twin::drive(s, &stage.parameters);
     w.correction = push;
     twin::prepare(s, &mut w, &stage.parameters);
@@ -228,7 +246,7 @@ fn choose_is_that_of_the_twin() {
             let apart = rods_apart(&stage, &w);
             println!("{n} strands, {keys:?}, {step} s: {apart:?}");
             assert_eq!(drives_apart(&stage, &w).2, 0, "{n}, {keys}: strands go another way");
-            for (strand, [_, found]) in stage.health().into_iter().enumerate() {
+            for (strand, Health { found, .. }) in stage.health().into_iter().enumerate() {
                 let case = &CASES[strand % CASES.len()];
                 assert_eq!(found, condition(&s, strand), "{n}, {keys}: strand {strand}, {}", case.what);
                 if s.hair.ends(strand).root == End::Clamped && stage.parameters.sleep {
@@ -238,8 +256,7 @@ fn choose_is_that_of_the_twin() {
             }
             // Measured 5.0e-8 m, 2.1e-7 and 4.0e-7; margin 4.
             assert!(apart[0] < 2e-7 && apart[1] < 9e-7 && apart[2] < 1.6e-6, "{n}, {keys}: {apart:?}");
-            let counted =
-                ["euler_steps", "move_capped", "asleep_steps", "teleports"].map(|name| counting(&stage, name));
+            let counted = [EULER_STEP, MOVE_CAPPED, ASLEEP_STEP, TELEPORT].map(|counter| counting(&stage, counter));
             let wanted = [s.euler_steps, s.capped, s.asleep_steps, s.teleports];
             assert_eq!(counted, wanted, "{n}, {keys}");
             let sleeps = stage.parameters.sleep;
@@ -262,13 +279,13 @@ fn rescue_is_that_of_the_twin() {
             let mut rng = Pcg64::seed_from_u64(8);
             let (mut points, mut segments) = stage.rods();
             for point in &mut points {
-                point.travel = any(&mut rng, 1e-2).as_vec3().extend(0.0).to_array();
+                point.travel = any(&mut rng, 1e-2).as_vec3().to_array();
             }
             for segment in &mut segments {
                 let turned = (quaternion(segment.frame) + DQuat::from_vec4(any(&mut rng, 0.1).extend(0.0))).normalize();
                 segment.frame = turned.as_quat().to_array();
-                segment.force = any(&mut rng, 1.0).as_vec3().extend(0.0).to_array();
-                segment.moment = any(&mut rng, 1e-3).as_vec3().extend(0.0).to_array();
+                segment.force = any(&mut rng, 1.0).as_vec3().to_array();
+                segment.moment = any(&mut rng, 1e-3).as_vec3().to_array();
             }
             let mut rod_strands = stage.rod_strands();
             for (strand, rod) in rod_strands.iter_mut().enumerate().filter(|(_, rod)| rod.state == 0) {
@@ -295,7 +312,7 @@ fn rescue_is_that_of_the_twin() {
             }
             let apart = rods_apart(&stage, &w);
             assert_eq!(drives_apart(&stage, &w).2, 0, "{n}, {keys}: strands go another way");
-            assert_eq!(counting(&stage, "rescued_steps"), s.rescued_steps, "{n}, {keys}");
+            assert_eq!(counting(&stage, RESCUED_STEP), s.rescued_steps, "{n}, {keys}");
             assert!(n < 63 || s.rescued_steps > 0, "nothing is rescued");
             // Measured 1.2e-8 m and 1.2e-7; margin 4. Forces are as they were, or none.
             assert!(apart[0] < 5e-8 && apart[1] < 5e-7 && apart[2] == 0.0, "{n}, {keys}: {apart:?}");
@@ -309,7 +326,7 @@ fn rescue_is_that_of_the_twin() {
             println!("{n} strands, {keys:?}: {} rescued, {apart:?}, solved {after:?}", s.rescued_steps);
             // Measured 3.8e-8 m and 3.3e-7; margin 4.
             assert!(after[0] < 1.6e-7 && after[1] < 1.4e-6 && after[2] == 0.0, "{n}, {keys}: {after:?}");
-            for (strand, [_, found]) in stage.health().into_iter().enumerate() {
+            for (strand, Health { found, .. }) in stage.health().into_iter().enumerate() {
                 assert_eq!(found, condition(&s, strand), "{n}, {keys}: strand {strand}");
             }
         }
@@ -358,21 +375,20 @@ fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
         stage.run(step::record);
         twin::step(&mut s, &stage.parameters).unwrap();
         let status = stage.engine.status().unwrap();
-        let counted =
-            |name: &str| status.counted[status::COUNTERS.iter().position(|counter| *counter == name).unwrap()] as usize;
-        let names = ["strand_reset", "move_capped", "euler_steps", "asleep_steps", "teleports", "rescued_steps"];
+        let counters = [STRAND_RESET, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT, RESCUED_STEP];
+        let counted = counters.map(|counter| status.counted[counter as usize] as usize);
         let wanted = [s.resets, s.capped, s.euler_steps, s.asleep_steps, s.teleports, s.rescued_steps];
         println!("step {number}: {wanted:?}, {} touched", s.touched.iter().filter(|touched| **touched).count());
         let health = stage.health();
-        for (strand, [committed, _]) in health.iter().enumerate() {
+        for (strand, Health { committed, .. }) in health.iter().enumerate() {
             let (mut got, mut wanted) = (*committed, condition(&s, strand));
             if (number >= 19 || number >= 17 && strand % 4 == 0) && !s.asleep[strand] {
                 // Woken, or where positions were rounded anew, strands tremble by as much as one at rest may.
-                (got[3], wanted[3]) = (0, 0);
+                (got.still, wanted.still) = (0, 0);
             }
             assert_eq!(got, wanted, "step {number}: strand {strand}");
         }
-        assert_eq!(names.map(counted), wanted, "step {number}");
+        assert_eq!(counted, wanted, "step {number}");
         let asleep = s.asleep.iter().filter(|asleep| **asleep).count();
         met[0] += usize::from(s.bad.iter().any(|bad| *bad));
         met[1] += usize::from(asleep > 40);
@@ -405,8 +421,8 @@ fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
         twin::step(&mut s, &stage.parameters).unwrap();
     }
     let sent = |strand: &usize| strand % 8 == 4 && slept[*strand];
-    let sleeps = |strand: usize, still: u32| still == u32::MAX && s.asleep[strand];
-    let awake = stage.health().iter().enumerate().filter(|(s, [h, _])| sent(s) && !sleeps(*s, h[3])).count();
+    let sleeps = |strand: usize, still: u32| still == SLEEPS && s.asleep[strand];
+    let awake = stage.health().iter().enumerate().filter(|(s, h)| sent(s) && !sleeps(*s, h.committed.still)).count();
     assert_eq!(awake, 0, "strands that were teleported do not sleep");
     assert!(met.iter().all(|times| *times > 0), "{met:?}");
 }

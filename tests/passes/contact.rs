@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::internals::step;
@@ -10,7 +10,7 @@ use windswept_reference::contact;
 use windswept_scene::{Body, Keyframe, Motion, Round, Scene, Shape};
 
 use crate::{
-    stage::{Stage, relative},
+    stage::{Stage, quaternion, relative, xyz},
     support::{self, Layout},
 };
 
@@ -56,25 +56,28 @@ fn place_is_that_of_the_twin() {
     for steps in [0, 1, 7, 14, 15, 100, 2_608_000, 2_608_405, 2_608_695, 2_608_696, 2_609_058, 4_000_000_000] {
         at_step(&stage, steps);
         stage.run(step::contact::record);
-        let placed: Vec<[f32; 20]> = stage.engine.read(&stage.engine.state().placed).unwrap();
+        let placed = stage.engine.read(&stage.engine.state().placed).unwrap();
         for (got, wanted) in placed.iter().zip(contact::place(&stage.parameters, steps.into())) {
-            let vector = |k: usize| DVec3::new(got[k].into(), got[k + 1].into(), got[k + 2].into());
             let contact::Placed { body, before, after } = wanted;
             let (middle, Round { ends: [start, end], radius }) = (body.shape.center(), body.shape.round());
-            let pairs = [(0, after.out(start)), (4, after.out(end)), (8, after.out(middle)), (12, before.out(middle))];
-            worst = pairs.iter().fold(worst, |worst, (k, x)| worst.max(vector(*k).distance(*x)));
+            let pairs = [
+                (got.start, after.out(start)),
+                (got.end, after.out(end)),
+                (got.center, after.out(middle)),
+                (got.center_before, before.out(middle)),
+            ];
+            worst = pairs.iter().fold(worst, |worst, (got, x)| worst.max(xyz(got).distance(*x)));
             // A point of the body, taken along.
             let y = start + DVec3::new(0.01, 0.02, -0.03);
-            let turn = DQuat::from_xyzw(got[16].into(), got[17].into(), got[18].into(), got[19].into());
-            let went = turn * (before.out(y) - vector(12)) + vector(8);
+            let went = quaternion(got.turn) * (before.out(y) - xyz(&got.center_before)) + xyz(&got.center);
             slowest = slowest.max(went.distance(after.out(y)));
-            assert_eq!([got[3], got[7]], [radius as f32, body.friction as f32]);
+            assert_eq!([got.radius, got.friction], [radius as f32, body.friction as f32]);
         }
     }
     println!("placed to {worst:.1e} m, carried to {slowest:.1e} m");
     // Measured 7.1e-8 m, of up to 0.7 m, and 4.3e-8 m; margin 4.
     assert!(worst < 3e-7 && slowest < 2e-7, "{worst} {slowest}");
-    let touched: Vec<u32> = stage.engine.read(&stage.engine.state().touched).unwrap();
+    let touched = stage.engine.read(&stage.engine.state().touched).unwrap();
     assert!(strands > 0 && touched.iter().all(|&bit| bit == 0), "{touched:?}");
 }
 

@@ -33,21 +33,7 @@ fn predict_moves_air_through_the_faces() {
         let s = stage.engine.state();
         stage.write_vectors(&s.velocity, &v);
         stage.run(|r, plan| {
-            r.run(
-                &passes::PREDICT,
-                "air moves",
-                plan.sizes.air(),
-                &[
-                    &s.params,
-                    &s.status,
-                    &s.position,
-                    &s.velocity,
-                    &s.wind_change,
-                    &s.predicted,
-                    &s.new_velocity,
-                    &s.correction,
-                ],
-            );
+            r.run(&passes::PREDICT, "air moves", plan.sizes.air());
         });
         let first = stage.parameters.hair_points;
         let size = stage.parameters.box_size;

@@ -1,7 +1,7 @@
 //! The spatial hash against O(n²).
 
 use glam::DVec3;
-use windswept::internals::{Engine, Plan, Recorder, step};
+use windswept::internals::{Engine, Plan, Recorder, Setup, status, step};
 use windswept_scene::InitialState;
 
 use crate::support::{self, Layout, RADIUS, SIZES};
@@ -9,20 +9,21 @@ use crate::support::{self, Layout, RADIUS, SIZES};
 /// Runs headings 2 of the step over the initial positions; grows the list as the simulation would.
 fn neighbours(initial: &InitialState) -> Vec<Vec<u32>> {
     let scene = support::scene();
-    let mut engine = Engine::new(&support::gpu(), &scene, initial).unwrap();
-    let plan = Plan::new(&scene, initial, engine.sizes());
+    let setup = Setup::new(&scene, initial);
+    let mut engine = Engine::new(&support::gpu(), &setup).unwrap();
+    let recording = Recorder::record(engine.state(), |r| step::neighbours::record(r, &Plan::new(&setup)));
     engine.copy_state_to_scratch().unwrap();
-    engine.replay(&Recorder::record(|r| step::neighbours::record(r, engine.state(), &plan))).unwrap();
+    engine.replay(&recording).unwrap();
     let mut state = engine.status().unwrap();
     if state.neighbours > engine.sizes().neighbours {
         engine.grow_neighbours(state.neighbours).unwrap();
-        engine.set_status(&state.thawed()).unwrap();
-        engine.replay(&Recorder::record(|r| step::neighbours::record(r, engine.state(), &plan))).unwrap();
+        engine.set_status(&status::thawed(&state)).unwrap();
+        engine.replay(&recording).unwrap();
         state = engine.status().unwrap();
     }
     assert!(state.neighbours <= engine.sizes().neighbours, "needed {} again", state.neighbours);
-    let ranges: Vec<[u32; 2]> = engine.read(&engine.state().neighbour_range).unwrap();
-    let list: Vec<u32> = engine.read(&engine.state().neighbour_list).unwrap();
+    let ranges = engine.read(&engine.state().neighbour_range).unwrap();
+    let list = engine.read(&engine.state().neighbour_list).unwrap();
     let lists = ranges.iter().map(|&[first, n]| list[first as usize..(first + n) as usize].to_vec());
     lists.collect()
 }

@@ -1,12 +1,13 @@
 //! hold, check, commit, commit_frames.
 
 use glam::DVec3;
-use windswept::internals::{status, step};
+use windswept::internals::step;
 use windswept_reference::{
     fluid,
     guard::{self, Frozen},
     step::Scratch,
 };
+use windswept_shaders::common::status::{NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, STRAND_RESET, TOO_MANY_BAD_STRANDS};
 
 use crate::{stage::Stage, support};
 
@@ -49,12 +50,11 @@ fn hold_stills_strands_that_are_not_finite() {
             let wanted = if hair.points(victim).contains(&i) { DVec3::ZERO } else { *given };
             assert_eq!(*got, wanted, "{n} particles: velocity of {i}");
         }
-        let health: Vec<[[u32; 4]; 2]> = stage.engine.read(&s.health).unwrap();
-        for (strand, [[committed, ..], _]) in health.iter().enumerate() {
-            assert_eq!(*committed, u32::from(strand == victim), "{n} particles: strand {strand}");
+        for (strand, health) in stage.health().iter().enumerate() {
+            assert_eq!(health.committed.bad, u32::from(strand == victim), "{n} particles: strand {strand}");
         }
         let status = stage.engine.status().unwrap();
-        assert_eq!((status.step, status.counted[0]), (1, 1), "{n} particles");
+        assert_eq!((status.step, status.counted[STRAND_RESET as usize]), (1, 1), "{n} particles");
     }
 }
 
@@ -93,7 +93,7 @@ fn check_is_that_of_the_twin() {
             let mut health = stage.health();
             for strand in strands - bad..strands {
                 if strand % 2 == 0 {
-                    (twin.bad[strand], health[strand][1][0]) = (true, 1);
+                    (twin.bad[strand], health[strand].found.bad) = (true, 1);
                 } else {
                     v[twin.hair.points(strand).start].x = f64::NAN;
                 }
@@ -119,11 +119,11 @@ fn check_is_that_of_the_twin() {
             println!("{what}, {} outside", status.hair_outside);
             if short {
                 // The scratch arrays mean nothing.
-                assert_eq!(status.causes, status::NEIGHBOUR_OVERFLOW, "{what}");
+                assert_eq!(status.causes, NEIGHBOUR_OVERFLOW, "{what}");
             } else {
                 let lost = place.into_iter().chain(speed).min();
-                let air = lost.map_or(0, |_| status::NON_FINITE_AIR);
-                let hair = if bad > limit { status::TOO_MANY_BAD_STRANDS } else { 0 };
+                let air = lost.map_or(0, |_| NON_FINITE_AIR);
+                let hair = if bad > limit { TOO_MANY_BAD_STRANDS } else { 0 };
                 assert_eq!(status.causes, air | hair, "{what}");
                 // The twin names one cause, the hair's if both hold.
                 let expected = match (bad > limit, lost) {
@@ -143,7 +143,7 @@ fn check_is_that_of_the_twin() {
             let committed = stage.vectors(&s.position) != before;
             assert_eq!((committed, status.step), (status.causes == 0, u32::from(status.causes == 0)), "{what}");
             assert_eq!(
-                status.counted[0],
+                status.counted[STRAND_RESET as usize],
                 if status.causes == 0 { (bad - by_rods as usize) as u32 } else { 0 },
                 "{what}"
             );

@@ -1,6 +1,6 @@
 //! roots: the host or keyframes move clamps.
 
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec3, Quat, Vec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::internals::step;
@@ -9,6 +9,7 @@ use windswept_reference::{
     step::{self as twin, Scratch},
 };
 use windswept_scene::{InitialState, Keyframe, Motion};
+use windswept_shaders::common::rod::Root;
 
 use crate::{
     rods::{ends, scene_of, strands},
@@ -28,7 +29,8 @@ pub fn set_roots(stage: &Stage, s: &mut Twin, target: impl Fn(usize, DVec3, DQua
         (x.as_vec3(), q.as_quat())
     });
     let targets: Vec<_> = targets.collect();
-    let rows: Vec<[[f32; 4]; 2]> = targets.iter().map(|(x, q)| [x.extend(0.0).to_array(), q.to_array()]).collect();
+    let root = |(x, q): &(Vec3, Quat)| Root { position: x.to_array(), frame: q.to_array(), ..Root::default() };
+    let rows: Vec<Root> = targets.iter().map(root).collect();
     stage.engine.write(&stage.engine.state().root_targets, &rows).unwrap();
     s.root_targets = targets.iter().map(|(x, q)| (x.as_dvec3(), q.as_dquat())).collect();
 }

@@ -3,10 +3,11 @@
 use glam::{DQuat, DVec3};
 use windswept::{
     Gpu,
-    internals::{Array, Command, Engine, Plan, Recorder, Recording, State},
+    internals::{Array, Command, Engine, Plan, Recorder, Recording, Setup},
 };
 use windswept_reference::{Parameters, State as Twin, grid::Neighbours};
 use windswept_scene::{InitialState, Scene};
+use windswept_shaders::common::rod::{Condition, Health, RodPoint, RodSegment, RodStrand, Root, SLEEPS};
 
 use crate::support::{self, Layout};
 
@@ -16,50 +17,6 @@ pub struct Stage {
     pub plan: Plan,
     pub twin: Twin,
     pub parameters: Parameters,
-}
-
-/// `RodPoint` of `shaders/common/rod.wgsl`; the engine only needs its size.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct RodPoint {
-    pub velocity: [f32; 3],
-    pub inverse_mass: f32,
-    pub before: [f32; 3],
-    pub largest: f32,
-    pub carried: [f32; 3],
-    pub step: f32,
-    pub change: [f32; 4],
-    pub free: [f32; 4],
-    pub travel: [f32; 4],
-}
-
-/// `RodSegment` of `shaders/common/rod.wgsl`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct RodSegment {
-    pub start: [f32; 4],
-    pub frame: [f32; 4],
-    pub angular_velocity: [f32; 3],
-    pub step: f32,
-    pub before: [f32; 4],
-    pub carried: [f32; 4],
-    pub free: [f32; 4],
-    pub turn: [f32; 4],
-    pub chord: [f32; 4],
-    pub force: [f32; 4],
-    pub moment: [f32; 4],
-}
-
-/// `RodStrand` of `shaders/common/rod.wgsl`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct RodStrand {
-    pub root_travel: [f32; 3],
-    pub state: u32,
-    pub root_frame: [f32; 4],
-    pub root_turn: [f32; 4],
-    pub tip_moment: [f32; 3],
-    pub misfit: f32,
 }
 
 /// The first three of a vector in a struct.
@@ -77,11 +34,12 @@ impl Stage {
     }
 
     pub fn on(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Self {
-        let mut engine = Engine::new(gpu, scene, initial).unwrap();
+        let setup = Setup::new(scene, initial);
+        let mut engine = Engine::new(gpu, &setup).unwrap();
         // Room for every pair of a clump; growing is tested elsewhere.
         let capacity = (initial.hair.positions.len() + initial.air.positions.len()).max(64) as u32 * 300;
         engine.grow_neighbours(capacity).unwrap();
-        let plan = Plan::new(scene, initial, engine.sizes());
+        let plan = Plan::new(&setup);
         let parameters = Parameters::new(scene, initial);
         let mut twin = Twin::new(initial, parameters.step);
         for x in &mut twin.position {
@@ -90,12 +48,12 @@ impl Stage {
         Self { engine, plan, twin, parameters }
     }
 
-    fn recorded(&self, record: impl FnOnce(&mut Recorder, &State, &Plan)) -> Recording {
-        Recorder::record(|r| record(r, self.engine.state(), &self.plan))
+    fn recorded(&self, record: impl FnOnce(&mut Recorder<'_>, &Plan)) -> Recording {
+        Recorder::record(self.engine.state(), |r| record(r, &self.plan))
     }
 
     /// Runs a fragment of the step, which may freeze.
-    pub fn replay(&self, record: impl FnOnce(&mut Recorder, &State, &Plan)) {
+    pub fn replay(&self, record: impl FnOnce(&mut Recorder<'_>, &Plan)) {
         self.engine.replay(&self.recorded(record)).unwrap();
     }
 
@@ -104,13 +62,13 @@ impl Stage {
         assert!(status.causes == 0 && status.neighbours <= self.engine.sizes().neighbours, "frozen: {status:?}");
     }
 
-    pub fn run(&self, record: impl FnOnce(&mut Recorder, &State, &Plan)) {
+    pub fn run(&self, record: impl FnOnce(&mut Recorder<'_>, &Plan)) {
         self.replay(record);
         self.assert_not_frozen();
     }
 
     /// Of a fragment of the step these passes only.
-    pub fn run_only(&self, passes: &[&str], record: impl FnOnce(&mut Recorder, &State, &Plan)) {
+    pub fn run_only(&self, passes: &[&str], record: impl FnOnce(&mut Recorder<'_>, &Plan)) {
         let mut recording = self.recorded(record);
         recording.commands.retain(|command| passes.contains(&command.pass.name));
         assert!(passes.iter().all(|pass| recording.running().any(|command| command.pass.name == *pass)), "{passes:?}");
@@ -119,20 +77,18 @@ impl Stage {
     }
 
     /// A fragment of the step, to run pass by pass.
-    pub fn passes(&self, record: impl FnOnce(&mut Recorder, &State, &Plan)) -> Passes<'_> {
+    pub fn passes(&self, record: impl FnOnce(&mut Recorder<'_>, &Plan)) -> Passes<'_> {
         let mut commands = self.recorded(record).commands;
         commands.retain(|command| command.skipped.is_none());
         Passes { stage: self, commands }
     }
 
-    pub fn vectors(&self, array: &Array) -> Vec<DVec3> {
-        let read: Vec<[f32; 4]> = self.engine.read(array).unwrap();
-        read.iter().map(|v| DVec3::new(v[0].into(), v[1].into(), v[2].into())).collect()
+    pub fn vectors(&self, array: &Array<[f32; 4]>) -> Vec<DVec3> {
+        self.engine.read(array).unwrap().iter().map(|v| xyz(&v[..3])).collect()
     }
 
-    pub fn quaternions(&self, array: &Array) -> Vec<DQuat> {
-        let read: Vec<[f32; 4]> = self.engine.read(array).unwrap();
-        read.iter().map(|q| DQuat::from_array(q.map(f64::from))).collect()
+    pub fn quaternions(&self, array: &Array<[f32; 4]>) -> Vec<DQuat> {
+        self.engine.read(array).unwrap().into_iter().map(quaternion).collect()
     }
 
     /// Hair points and segments of the step, of which a test compares moves, frames and multipliers.
@@ -146,39 +102,38 @@ impl Stage {
         self.engine.read(&self.engine.state().rod_strands).unwrap()
     }
 
-    /// Per strand what it is committed and found as: bad, strained, calm, still.
-    pub fn health(&self) -> Vec<[[u32; 4]; 2]> {
+    /// Per strand what it is committed and found as.
+    pub fn health(&self) -> Vec<Health> {
         self.engine.read(&self.engine.state().health).unwrap()
     }
 
     /// The engine's hair becomes the twin's, so that what rounding made of one step is not held against the next.
     pub fn adopt(&self, s: &mut Twin) {
         let state = self.engine.state();
-        let points: Vec<[[f32; 4]; 3]> = self.engine.read(&state.point_history).unwrap();
-        let segments: Vec<[[f32; 4]; 4]> = self.engine.read(&state.segment_history).unwrap();
-        let roots = |array| -> Vec<_> {
-            let read: Vec<[[f32; 4]; 2]> = self.engine.read(array).unwrap();
-            read.iter().map(|[position, frame]| (xyz(position), quaternion(*frame))).collect()
+        let points = self.engine.read(&state.point_history).unwrap();
+        let segments = self.engine.read(&state.segment_history).unwrap();
+        let roots = |array: &Array<Root>| -> Vec<_> {
+            let read = self.engine.read(array).unwrap();
+            read.iter().map(|root| (xyz(&root.position), quaternion(root.frame))).collect()
         };
         (s.clamps, s.root_targets) = (roots(&state.clamps), roots(&state.root_targets));
         let hair = self.parameters.hair_points;
         let position = self.vectors(&state.position);
         for i in 0..hair {
-            s.position[i] = position[i] + xyz(&points[i][2]);
-            (s.travel[i], s.velocity_before[i]) = (xyz(&points[i][0]), xyz(&points[i][1]));
+            s.position[i] = position[i] + xyz(&points[i].remainder);
+            (s.travel[i], s.velocity_before[i]) = (xyz(&points[i].travel), xyz(&points[i].velocity));
         }
         s.velocity[..hair].copy_from_slice(&self.vectors(&state.velocity)[..hair]);
         s.orientation = self.quaternions(&state.orientation);
         s.angular_velocity = self.vectors(&state.angular_velocity);
         for (k, history) in segments.iter().enumerate() {
-            (s.turn[k], s.angular_velocity_before[k]) = (xyz(&history[0]), xyz(&history[1]));
-            (s.force[k], s.moment[k]) = (xyz(&history[2]), xyz(&history[3]));
+            (s.turn[k], s.angular_velocity_before[k]) = (xyz(&history.turn), xyz(&history.angular_velocity));
+            (s.force[k], s.moment[k]) = (xyz(&history.force), xyz(&history.moment));
         }
     }
 
-    pub fn numbers(&self, array: &Array) -> Vec<f64> {
-        let read: Vec<f32> = self.engine.read(array).unwrap();
-        read.into_iter().map(f64::from).collect()
+    pub fn numbers(&self, array: &Array<f32>) -> Vec<f64> {
+        self.engine.read(array).unwrap().into_iter().map(f64::from).collect()
     }
 
     /// Positions where a step's predicted ones stand, neighbours listed; the twin's neighbours.
@@ -188,7 +143,7 @@ impl Stage {
         windswept_reference::grid::neighbours(&self.parameters, &self.twin.position)
     }
 
-    pub fn write_vectors(&self, array: &Array, values: &[DVec3]) {
+    pub fn write_vectors(&self, array: &Array<[f32; 4]>, values: &[DVec3]) {
         let values: Vec<[f32; 4]> = values.iter().map(|v| v.as_vec3().extend(0.0).to_array()).collect();
         self.engine.write(array, &values).unwrap();
     }
@@ -221,11 +176,14 @@ impl Passes<'_> {
     }
 }
 
-/// How a strand of the twin is, in the engine's words: bad, strained, calm, still.
-pub fn condition(s: &Twin, strand: usize) -> [u32; 4] {
-    let still = if s.asleep[strand] { u32::MAX } else { s.still[strand] };
-    let strained = s.strained_steps[strand].min(windswept_reference::rods::STRAINED_STEPS + 1);
-    [u32::from(s.bad[strand]), strained, s.calm[strand], still]
+/// How a strand of the twin is, in the engine's words.
+pub fn condition(s: &Twin, strand: usize) -> Condition {
+    Condition {
+        bad: s.bad[strand].into(),
+        strained: s.strained_steps[strand].min(windswept_reference::rods::STRAINED_STEPS + 1),
+        calm: s.calm[strand],
+        still: if s.asleep[strand] { SLEEPS } else { s.still[strand] },
+    }
 }
 
 /// The layouts and the share of hair that passes over particles are tried on, for each of the awkward sizes. Hair alone

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept::internals::step;
+use windswept::internals::{Array, step};
 use windswept_reference::{turbulence, wind};
 use windswept_scene::{Band, Filter, InitialState, Law, Order, Scene};
 
@@ -48,8 +48,8 @@ fn stirred(positions: &[DVec3]) -> Vec<DVec3> {
 fn compare(law: Law, filter: Filter, bounds: [f64; 4]) {
     let mut worst = [0.0_f64; 4];
     // With the direct filter the twin looks at every pair and image: of the large crowds it has two.
-    let slow = |what: &str| filter == Filter::Direct && what.starts_with("15071");
-    let chosen = |what: &str| what.contains("5023 of hair, Random") || what.contains("Clustered");
+    let slow = |what: &str| filter == Filter::Direct && what.starts_with("6701");
+    let chosen = |what: &str| what.contains("2233 of hair, Random") || what.contains("Clustered");
     for (what, initial) in crowds().filter(|(what, _)| !slow(what) || chosen(what)) {
         let scene = scene(law, filter);
         let stage = Stage::new(&scene, &initial);
@@ -100,7 +100,7 @@ fn compare(law: Law, filter: Filter, bounds: [f64; 4]) {
     }
 }
 
-fn air(stage: &Stage, array: &windswept::internals::Array) -> Vec<DVec3> {
+fn air(stage: &Stage, array: &Array<[f32; 4]>) -> Vec<DVec3> {
     stage.vectors(array).split_off(stage.parameters.hair_points)
 }
 
@@ -148,8 +148,8 @@ fn the_grid_filter_is_that_of_the_twin() {
             let deposited = turbulence::deposit(p, scale, blowing, &twin.position, &v, &twin.volume);
             let curved = turbulence::smooth(p, scale, &deposited);
             let eddies = turbulence::gather(p, band, &curved, &twin.position);
-            let nodes = |array: &windswept::internals::Array| -> [Vec<DVec3>; 2] {
-                let read: Vec<[f32; 4]> = stage.engine.read(array).unwrap();
+            let nodes = |array: &Array<[f32; 4]>| -> [Vec<DVec3>; 2] {
+                let read = stage.engine.read(array).unwrap();
                 let read = &read[..deposited.values.len()];
                 let volume = read.iter().map(|node| f64::from(node[3]) * DVec3::X).collect();
                 [read.iter().map(|node| DVec3::new(node[0].into(), node[1].into(), node[2].into())).collect(), volume]
@@ -165,8 +165,8 @@ fn the_grid_filter_is_that_of_the_twin() {
             }
             worst[2] = worst[2].max(relative(&air(&stage, &s.band_velocity), &eddies[p.hair_points..], 1e-3));
             println!("{what}, {order:?}: {worst:?}");
-            // Measured 2.0e-6, 3.5e-6, 7.3e-6 (of clumps); margin 4.
-            let within = worst.iter().zip([8e-6, 1.5e-5, 3e-5]).all(|(error, bound)| *error < bound);
+            // Measured 3.1e-6, 1.4e-5, 6.2e-5 (of clumps: hardly any volume is divided by between them); margin 4.
+            let within = worst.iter().zip([1.3e-5, 5.5e-5, 2.5e-4]).all(|(error, bound)| *error < bound);
             assert!(within, "{what}, {order:?}: {worst:?}");
         }
     }

@@ -1,14 +1,16 @@
 //! One step of engine and twin, pass by pass: the first pass that parts is named.
 
 mod hair;
+mod neighbours;
 mod turbulence;
 
 use glam::DVec3;
-use windswept::internals::{Array, status, step};
+use windswept::internals::{Array, step};
 use windswept_reference::{
     Parameters, State as Twin, fluid,
     step::{self as twin, Scratch},
 };
+use windswept_shaders::common::status::{ASLEEP_STEP, EULER_STEP, MOVE_CAPPED, RESCUED_STEP, STRAND_RESET, TELEPORT};
 
 use crate::stage::{Stage, quaternion, xyz};
 
@@ -85,7 +87,7 @@ impl Walk<'_> {
     }
 
     /// Of the engine's vectors those from `from` on.
-    fn vectors(&self, array: &Array, from: usize) -> Vec<DVec3> {
+    fn vectors(&self, array: &Array<[f32; 4]>, from: usize) -> Vec<DVec3> {
         let mut all = self.stage.vectors(array);
         all.truncate(self.stage.twin.position.len());
         all.split_off(from)
@@ -149,39 +151,6 @@ impl Walk<'_> {
         Ok(w)
     }
 
-    fn neighbours(&mut self, w: &mut Scratch) -> Same {
-        let stage = self.stage;
-        let mut passes = stage.passes(step::neighbours::record);
-        twin::neighbours(w, self.p());
-        if passes.through("grid/order") {
-            let mut sorted: Vec<u32> = stage.engine.read(&stage.engine.state().sorted).unwrap();
-            sorted.sort_unstable();
-            self.same("grid/order", differing(&sorted, &(0..sorted.len() as u32).collect::<Vec<_>>()), 0.0)?;
-        }
-        if passes.through("grid/neighbours") {
-            let ranges: Vec<[u32; 2]> = stage.engine.read(&stage.engine.state().neighbour_range).unwrap();
-            let list: Vec<u32> = stage.engine.read(&stage.engine.state().neighbour_list).unwrap();
-            let mut off = 0.0_f64;
-            for (i, [first, n]) in ranges.into_iter().enumerate() {
-                let mut got: Vec<usize> =
-                    list[first as usize..(first + n) as usize].iter().map(|&j| j as usize).collect();
-                got.sort_unstable();
-                let mut others = got.iter().filter(|j| !w.near.of(i).any(|k| k == **j)).copied().collect::<Vec<_>>();
-                others.extend(w.near.of(i).filter(|j| got.binary_search(j).is_err()));
-                // Only of pairs a kernel radius apart rounding may decide.
-                let x = &w.predicted;
-                let from_edge = |j: usize| self.p().separation(i, j, x[i], x[j]).length() - self.p().kernel_radius;
-                off = others.into_iter().map(|j| from_edge(j).abs()).fold(off, f64::max);
-                if got.windows(2).any(|pair| pair[0] == pair[1]) {
-                    off = f64::INFINITY;
-                }
-            }
-            self.same("grid/neighbours", off, 2.0 * self.bounds.length)?;
-        }
-        passes.finish();
-        Ok(())
-    }
-
     fn fluid(&mut self, s: &Twin, w: &mut Scratch) -> Same {
         let (stage, bounds) = (self.stage, self.bounds);
         let state = stage.engine.state();
@@ -238,7 +207,7 @@ impl Walk<'_> {
             self.same("fluid/limit", numbers_apart(&stage.numbers(&state.exchange), &w.exchange), bounds.density)?;
         }
         if passes.through("fluid/viscosity") {
-            let got = self.vectors(&stage.plan.final_velocity(state), 0);
+            let got = self.vectors(&state.viscous_velocity, 0);
             self.same("fluid/viscosity", apart(&got, &w.new_velocity), bounds.speed)?;
         }
         passes.finish();
@@ -251,7 +220,7 @@ impl Walk<'_> {
         let mut passes = stage.passes(step::guard::record);
         twin::guard(s, w, &p).map_err(|frozen| format!("the twin froze: {frozen:?}"))?;
         if passes.through("guard/hold") {
-            let bad = differing(&stage.health().iter().map(|[_, found]| found[0] != 0).collect::<Vec<_>>(), &s.bad);
+            let bad = differing(&stage.health().iter().map(|health| health.found.bad != 0).collect::<Vec<_>>(), &s.bad);
             self.same("guard/hold", bad, 0.0)?;
         }
         assert!(passes.through("guard/check"));
@@ -262,18 +231,18 @@ impl Walk<'_> {
             self.same("guard/commit_frames", frames, bounds.frame)?;
             let spin = apart(&stage.vectors(&state.angular_velocity), &s.angular_velocity);
             self.same("guard/commit_frames", spin, bounds.spin)?;
-            let history: Vec<[[f32; 4]; 4]> = stage.engine.read(&state.segment_history).unwrap();
-            let turns = largest(history.iter().zip(&s.turn).map(|(a, b)| (xyz(&a[0]) - *b).length()));
+            let history = stage.engine.read(&state.segment_history).unwrap();
+            let turns = largest(history.iter().zip(&s.turn).map(|(a, b)| (xyz(&a.turn) - *b).length()));
             self.same("guard/commit_frames", turns, bounds.frame)?;
-            let clamps: Vec<[[f32; 4]; 2]> = stage.engine.read(&state.clamps).unwrap();
-            let clamps = clamps.iter().zip(&s.clamps).map(|([x, _], clamp)| (xyz(x) - clamp.0).length());
+            let clamps = stage.engine.read(&state.clamps).unwrap();
+            let clamps = clamps.iter().zip(&s.clamps).map(|(root, clamp)| (xyz(&root.position) - clamp.0).length());
             self.same("guard/commit_frames", largest(clamps), bounds.length)?;
         }
         if passes.through("guard/commit_hair") {
-            let points: Vec<[[f32; 4]; 3]> = stage.engine.read(&state.point_history).unwrap();
-            let travel = largest(points.iter().zip(&s.travel).map(|(a, b)| (xyz(&a[0]) - *b).length()));
+            let points = stage.engine.read(&state.point_history).unwrap();
+            let travel = largest(points.iter().zip(&s.travel).map(|(a, b)| (xyz(&a.travel) - *b).length()));
             self.same("guard/commit_hair", travel, bounds.length)?;
-            let before = largest(points.iter().zip(&s.velocity_before).map(|(a, b)| (xyz(&a[1]) - *b).length()));
+            let before = largest(points.iter().zip(&s.velocity_before).map(|(a, b)| (xyz(&a.velocity) - *b).length()));
             self.same("guard/commit_hair", before, bounds.speed)?;
         }
         assert!(passes.through("guard/commit"));
@@ -283,12 +252,9 @@ impl Walk<'_> {
         self.same("guard/commit", apart(&self.vectors(&state.velocity, 0), &s.velocity), bounds.speed)?;
         let status = stage.engine.status().unwrap();
         self.same("guard/commit", (f64::from(status.step) - s.steps as f64).abs(), 0.0)?;
-        let counted = |name: &str| -> usize {
-            let counter = status::COUNTERS.iter().position(|counter| *counter == name);
-            counter.map_or(0, |k| status.counted[k] as usize)
-        };
-        let got = ["strand_reset", "move_capped", "euler_steps", "asleep_steps", "teleports", "rescued_steps"];
+        let counters = [STRAND_RESET, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT, RESCUED_STEP];
+        let got = counters.map(|counter| status.counted[counter as usize] as usize);
         let wanted = [s.resets, s.capped, s.euler_steps, s.asleep_steps, s.teleports, s.rescued_steps];
-        self.same("guard/commit", differing(&got.map(counted), &wanted), 0.0)
+        self.same("guard/commit", differing(&got, &wanted), 0.0)
     }
 }

@@ -1,4 +1,5 @@
-//! Strands, by the direct solver unless it says otherwise: statics at any step, dynamics, violent starts (windswept_reference::tables).
+//! Strands by themselves: statics at any step, dynamics, violent starts; by the direct solver unless a test says otherwise.
+//! Expected values are from windswept_reference::tables.
 #![allow(clippy::unwrap_used, clippy::needless_range_loop, missing_docs)]
 
 mod motion;
@@ -15,19 +16,20 @@ use windswept::{HairFrame, Simulation};
 use windswept_reference::tables;
 use windswept_scene::{InitialState, Scene};
 
-/// [m]
+/// Length of a strand [m].
 const LENGTH: f64 = 0.35;
-/// ρA of a hair of 40 µm radius and 1320 kg/m³ [kg/m].
+/// Line density ρA of a hair of 40 µm radius and 1320 kg/m³ [kg/m].
 const LINE_DENSITY: f64 = 1320.0 * PI * 1.6e-9;
-/// EA of 4 GPa [N].
+/// Stretching stiffness EA of 4 GPa and that radius [N].
 const STRETCH: f64 = 4e9 * PI * 1.6e-9;
+/// Gravity [m/s²].
 const GRAVITY: f64 = 9.81;
 
 /// A strand to be built.
 #[derive(Debug, Clone, Copy)]
 struct Rod {
     gamma: f64,
-    /// Rest Darboux vector times L; only (0, κ, τ).
+    /// Rest Darboux vector times L, of the form (0, κ, τ).
     darboux: DVec3,
     root_frame: DQuat,
     segments: usize,
@@ -44,7 +46,7 @@ impl Rod {
         Self { gamma: row.gamma, darboux: row.darboux, root_frame, segments }
     }
 
-    /// EI \[N m²\].
+    /// Bending stiffness EI \[N m²\].
     fn bend(&self) -> f64 {
         LINE_DENSITY * GRAVITY * LENGTH.powi(3) / self.gamma
     }
@@ -81,13 +83,13 @@ fn build(rods: &[Rod], step: f64, keys: &str) -> (Scene, InitialState) {
     (scene, initial)
 }
 
-/// Tip from root over L, per strand.
+/// Tip of each strand, from its root [L].
 fn tips(hair: &HairFrame) -> Vec<DVec3> {
     let at = |i: u32| DVec3::from_array(hair.positions[i as usize].map(f64::from));
     hair.offsets.windows(2).map(|ends| (at(ends[1] - 1) - at(ends[0])) / LENGTH).collect()
 }
 
-/// Where strands come to rest, damped by 8/s.
+/// Tips of strands that have come to rest, damped by 8/s.
 fn rest(rods: &[Rod], step: f64, time: f64) -> (Vec<DVec3>, windswept::Report) {
     let (scene, initial) = build(rods, step, "damping = 8.0");
     let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();

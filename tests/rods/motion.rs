@@ -11,8 +11,9 @@ use windswept_scene::{End, Groom, Scene};
 
 use crate::{LENGTH, LINE_DENSITY, Rod, build, support, tips};
 
-/// First frequency of a clamped beam and its energy, undamped, without weight: EI of γ = 10, 0.02 L.
+/// A clamped beam without weight and damping swings at its first frequency and keeps its energy: EI of γ = 10, tip 0.02 L.
 #[test]
+#[ignore = "long: 16 s of CPU time; `windswept validate rods-beam` has the frequency"]
 fn a_beam_keeps_time_and_energy() {
     let (step, amplitude) = (1.38e-3, 0.02);
     let rod = Rod::level(10.0, 34);
@@ -44,7 +45,7 @@ fn a_beam_keeps_time_and_energy() {
     }
     let periods = passages.len() - 1;
     let measured = 0.5 * periods as f64 / (passages[periods] - passages[0]);
-    // Energy goes with the square of the swing: from the second swing to the last whole one.
+    // Energy goes with the square of the swing, which is compared from the second swing to the last whole one.
     let (first, last) = (swings[1], swings[swings.len() - 2]);
     let drift = ((last.1 / first.1).powi(2) - 1.0) / (last.0 - first.0);
     println!("{measured:.4} Hz, expected {frequency:.4}; energy {:.2} % a second", 100.0 * drift);
@@ -52,7 +53,7 @@ fn a_beam_keeps_time_and_energy() {
     assert!(drift.abs() < 0.01, "energy drifts by {drift} a second");
 }
 
-/// Farthest that any point ever is from its root, in lengths, over a run whose roots are driven each step.
+/// Largest distance of any point from its root [L] in a run whose roots are driven each step.
 fn reach(simulation: &mut Simulation, steps: usize, drive: impl Fn(f64) -> (DVec3, DQuat)) -> f64 {
     let mut worst: f64 = 0.0;
     let strands = simulation.initial().hair.len();
@@ -98,7 +99,7 @@ fn shaken_and_spun_strands_stay_as_long_as_they_are() {
     }
 }
 
-/// A root that jumps farther than its strand is long takes it along as it is, at rest.
+/// A root that jumps farther than its strand is long takes the strand along in its shape, at rest.
 #[test]
 fn a_teleported_strand_keeps_its_shape() {
     let (scene, initial) = build(&[Rod::level(10.0, 34), Rod::level(100.0, 16)], 1.38e-3, "damping = 8.0");
@@ -132,7 +133,7 @@ fn a_teleported_strand_keeps_its_shape() {
     assert!(stretch < 4e-4, "{stretch}");
 }
 
-/// Where a tip is held too there is no teleport: it stays, however far its root goes, and so does its frame.
+/// A strand whose tip is held too is not teleported: the tip and its frame stay, however far the root goes.
 #[test]
 fn held_tips_stay_when_roots_jump() {
     let groom = |tip: End| Groom {
@@ -154,7 +155,7 @@ fn held_tips_stay_when_roots_jump() {
     }
 }
 
-/// Roots that nothing holds go where they will, whatever `set_roots` says.
+/// Roots that nothing holds move freely, whatever `set_roots` says.
 #[test]
 fn free_roots_are_not_set() {
     let mut points: Vec<[f64; 3]> = (0..12).map(|k| [0.01 * f64::from(k), 0.0, 0.0]).collect();
@@ -221,7 +222,7 @@ fn keyframes_move_roots() {
     }
 }
 
-/// Largest | |x_(k+1) - x_k| / l - 1 | of strands of 34 segments.
+/// Largest stretch | |x_(k+1) - x_k| / l - 1 | of strands of 34 segments.
 fn stretch(hair: &HairFrame) -> f64 {
     let strands: Vec<Vec<DVec3>> = hair
         .offsets
@@ -232,7 +233,7 @@ fn stretch(hair: &HairFrame) -> f64 {
     chords.map(|w| (w[0].distance(w[1]) * 34.0 / LENGTH - 1.0).abs()).fold(0.0, f64::max)
 }
 
-/// A root yanked to and fro by 0.3 m, nearly the strand's length, in steps of 16.6 ms; then it is held.
+/// A strand recovers when its root is yanked to and fro by 0.3 m, nearly its length, in steps of 16.6 ms and is then held.
 #[test]
 fn a_yanked_strand_recovers() {
     let (scene, initial) = build(&[Rod::level(100.0, 34)], 16.6e-3, "damping = 8.0");
@@ -257,8 +258,8 @@ fn a_yanked_strand_recovers() {
     assert!(steps <= 130 && worst < 1e-4, "{steps} steps, then {worst}");
 }
 
-/// The first four violent starts of reference/solvers.md: steps of 1.38 ms until stretch stays below 1 %, at most twice the
-/// last column's. γ = 100, damping 8/s.
+/// Strands recover from four violent starts: stretch stays below 1 % after at most twice the number of steps of 1.38 ms that
+/// stands beside each start. γ = 100, damping 8/s.
 #[test]
 fn violent_starts_recover() {
     let rod = Rod::level(100.0, 34);
@@ -266,7 +267,7 @@ fn violent_starts_recover() {
     let mut any = || 2.0 * DVec3::from_array(rng.random()) - 1.0;
     let mut failed = false;
     for (name, most) in [("coincident", 3), ("random", 9), ("zigzag", 9), ("fast", 474)] {
-        // Twelve draws where there is something to draw.
+        // Twelve strands are twelve draws of the starts that are random.
         let (scene, mut initial) = build(&[rod; 12], 1.38e-3, "damping = 8.0");
         let hair = &mut initial.hair;
         for s in 0..hair.len() {
@@ -292,7 +293,8 @@ fn violent_starts_recover() {
         }
         let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
         let (mut steps, mut worst) = (1, f64::NAN);
-        for k in 1..=1200 {
+        // Long enough to see that it does not last longer.
+        for k in 1..=2 * most + 250 {
             simulation.step(1).unwrap();
             let hair = simulation.frame().unwrap().hair;
             assert!(hair.positions.iter().flatten().all(|x| x.is_finite()), "{name}: not finite");
@@ -308,23 +310,22 @@ fn violent_starts_recover() {
     assert!(!failed);
 }
 
-/// Fig. 2(b) in small, hair and turbulent air.
+/// Fig. 2(b) in small, hair and turbulent air, at twelve times the paper's step; `tests/scenes/figures.rs` has the paper's.
 #[test]
 fn hair_in_turbulent_air_does_not_stretch() {
     let text = include_str!("../../examples/scenes/small/fig2b.toml");
-    for (step, newton, bound) in [("1.38e-3", 4, 1e-4), ("16.6e-3", 2, 1e-2)] {
-        let sets = [format!("time.step={step}"), format!("rods.newton={newton}")];
-        let scene = Scene::parse_with("fig2b.toml", text, &sets).unwrap();
-        let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
-        simulation.step((0.2 / scene.time.step) as u64).unwrap();
-        let report = simulation.report().unwrap();
-        println!("{step} s: stretch {:.1e}, {:?}", report.max_stretch.unwrap(), report.strand_steps);
-        assert!(report.max_stretch.unwrap() < bound, "{step} s: {}", report.max_stretch.unwrap());
-    }
+    let sets = ["time.step=16.6e-3", "rods.newton=2"].map(str::to_owned);
+    let scene = Scene::parse_with("fig2b.toml", text, &sets).unwrap();
+    let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
+    simulation.step(12).unwrap();
+    let report = simulation.report().unwrap();
+    let stretch = report.max_stretch.unwrap();
+    println!("stretch {stretch:.1e}, {:?}", report.strand_steps);
+    assert!(stretch < 1e-2, "{stretch}");
 }
 
-/// Fig. 2(b)'s hair in its mean wind: by two Newton steps a segment stretches by less than 1e-4 at the paper's step, by less
-/// than 1 % at twelve times that.
+/// Segments of Fig. 2(b)'s hair in its mean wind stretch, with two Newton steps, by less than 1e-4 at the paper's step, and by
+/// less than 1 % at twelve times that step.
 #[test]
 fn hair_in_wind_does_not_stretch() {
     let text = include_str!("../../examples/scenes/fig2b.toml");

@@ -1,4 +1,4 @@
-//! Where theory says that a strand gives way.
+//! Thresholds at which theory says that a strand gives way.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +8,7 @@ use windswept_scene::{End, Ends, InitialState, Scene};
 
 use crate::{LENGTH, Rod, build, support};
 
-/// A strand that is twisted, bent or loaded past a threshold of the theory, and one short of it.
+/// Two strands that are twisted, bent or loaded, one past a threshold of the theory and one short of it.
 fn grows(scene: &Scene, initial: &InitialState, seconds: f64, measure: impl Fn(&HairFrame) -> f64) -> f64 {
     let mut simulation = Simulation::with_state(&support::gpu(), scene, initial.clone()).unwrap();
     let half = (0.5 * seconds / simulation.dt()) as u64;
@@ -77,7 +77,8 @@ fn a_twisted_ring_leaves_its_plane_where_it_should() {
         scene.gravity = [0.0; 3];
         let hair = &mut initial.hair;
         let (l, turn) = (LENGTH / segments as f64, TAU / segments as f64);
-        // In the plane of x and y, about z: at s the tangent has turned by 2 pi s, and the frame about it by twist s.
+        // The ring lies in the plane of x and y, about z: at s the tangent has turned by 2 pi s, and the frame about it by
+        // twist s.
         let frame = |s: f64| DQuat::from_rotation_z(TAU * s) * hair.root_frame[0] * DQuat::from_rotation_z(twist * s);
         let frames: Vec<DQuat> = (0..segments).map(|k| frame((k as f64 + 0.5) / segments as f64)).collect();
         let (end, root) = (frame(1.0), hair.positions[0]);
@@ -99,7 +100,7 @@ fn a_twisted_ring_leaves_its_plane_where_it_should() {
             tip_rest_rotation: DQuat::IDENTITY,
             tip_compliance: hair.bend_compliance[0],
         }];
-        // Past the threshold it leaves its plane, and comes to rest elsewhere (it may pass through itself).
+        // Past the threshold the ring leaves its plane, and comes to rest elsewhere (it may pass through itself).
         let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
         let mut farthest: f64 = 0.0;
         for _ in 0..100 {

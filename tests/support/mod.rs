@@ -9,8 +9,8 @@ use rand_pcg::Pcg64;
 use windswept::{AdapterChoice, Gpu};
 use windswept_scene::*;
 
-/// The adapter that every test runs on: the one that WGPU_ADAPTER_NAME asks for, a software one without it.
-/// No adapter is a failure, and so is another than the one asked for.
+/// The adapter that every test runs on: the one that WGPU_ADAPTER_NAME names, else a software one. A test fails where there is
+/// no such adapter.
 pub fn gpu() -> Gpu {
     static GPU: OnceLock<Gpu> = OnceLock::new();
     GPU.get_or_init(|| {
@@ -36,7 +36,7 @@ pub const VOLUME: f64 = 1.46e-7 / 1.29;
 /// The paper's kernel radius [m].
 pub const RADIUS: f64 = 9.3e-3;
 
-/// What the tests of single passes take in place of the defaults, and what a scene must say.
+/// Keys of the tests of single passes: values in place of some defaults, and the keys that a scene must have.
 const PLAIN: &str = "
 title = \"test\"
 time = { step = 1.38e-3, duration = 1.0 }
@@ -45,15 +45,15 @@ turbulence.filter = \"direct\"
 rods = { solver = \"gauss-seidel\", integrator = \"euler\", sleep = false }
 ";
 
-/// The paper's parameters, without hair, in still air; the box is that of the particles which a test puts in.
+/// Scene with the paper's parameters, without hair, in still air; its box is that of the particles which a test puts in.
 pub fn scene() -> Scene {
     let scene = Scene::parse(PLAIN).unwrap();
     let air = scene.air.clone().map(|air| Air { bounds: None, ..air });
     Scene { text: Source::default(), air, ..scene }
 }
 
-/// `n` strands of two points each are no rods to speak of: hair for tests of particles, `n` points in strands of 3.
-/// Positions are where the caller puts them; rest lengths are those of the positions.
+/// Hair for tests of particles, in strands of `points_per_strand`, at the positions that the caller gives; rest lengths are
+/// those of the positions.
 pub fn strands(positions: &[DVec3], points_per_strand: usize) -> Strands {
     let mut hair = Strands { point_offsets: vec![0], ..Strands::default() };
     for points in positions.chunks(points_per_strand).filter(|points| points.len() >= 2) {
@@ -88,20 +88,20 @@ pub fn strands(positions: &[DVec3], points_per_strand: usize) -> Strands {
     hair
 }
 
-/// How particles stand.
+/// Layouts of particles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Layout {
-    /// Anywhere in the box.
+    /// Particles anywhere in the box.
     Random,
-    /// In a few tight clumps.
+    /// Particles in a few tight clumps.
     Clustered,
-    /// On a simple cubic lattice.
+    /// Particles on a simple cubic lattice.
     Lattice,
-    /// All within one cell.
+    /// Particles that are all within one cell.
     OneCell,
 }
 
-/// `n` particles, `hair` of them hair points (rounded down to strands of 3), in a box that holds them at rest density,
+/// State of `n` particles, `hair` of them hair points (rounded down to strands of 3), in a box that holds them at rest density,
 /// but at least 4 kernel radii wide. Some hair stands outside the box.
 pub fn particles(n: usize, hair: usize, layout: Layout, seed: u64) -> InitialState {
     let mut rng = Pcg64::seed_from_u64(seed);
@@ -124,7 +124,7 @@ pub fn particles(n: usize, hair: usize, layout: Layout, seed: u64) -> InitialSta
     let hair_points = if hair < 2 { 0 } else { hair - usize::from(hair % 3 == 1) };
     let mut hair = all[..hair_points].to_vec();
     for (i, x) in hair.iter_mut().enumerate() {
-        // Every fifth stands outside the box, near it or far from it.
+        // Every fifth hair point stands outside the box, near it or far from it.
         if i % 5 == 0 {
             *x += DVec3::new(side, 0.0, -0.3 * side) * (1 + i % 3) as f64;
         }
@@ -145,8 +145,9 @@ pub fn particles(n: usize, hair: usize, layout: Layout, seed: u64) -> InitialSta
     }
 }
 
-/// The awkward sizes: one, a workgroup less one, a workgroup, one more, many.
-pub const SIZES: [usize; 5] = [1, 63, 64, 65, 15_071];
+/// The awkward sizes: one, a workgroup less one, a workgroup, one more, and many: with a third of it hair, more than 64 workgroups
+/// of air, so that sums over workgroups take more than one turn.
+pub const SIZES: [usize; 5] = [1, 63, 64, 65, 6_701];
 
 /// Air alone in a periodic box.
 pub fn air(size: DVec3, positions: Vec<DVec3>) -> InitialState {
@@ -157,7 +158,7 @@ pub fn air(size: DVec3, positions: Vec<DVec3>) -> InitialState {
     }
 }
 
-/// `cells` copies of a cubic unit cell that holds `basis` (fractions), at one particle per `VOLUME`.
+/// Lattice of `cells` copies of a cubic unit cell that holds `basis` (fractions), at one particle per `VOLUME`.
 pub fn lattice(cells: [usize; 3], basis: &[[f64; 3]]) -> InitialState {
     let side = (basis.len() as f64 * VOLUME).cbrt();
     let mut positions = Vec::new();

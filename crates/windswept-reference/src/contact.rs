@@ -1,18 +1,19 @@
-//! Nothing enters a body: a body is seen at rest, as it is written, and what meets it is brought there and back.
+//! Nothing enters a body. A body is asked at rest, where the scene has it: what meets the moved body is carried back there,
+//! and the answer is carried along.
 
 use glam::{DQuat, DVec3};
 use windswept_scene::{InitialState, Motion, Scene, Shape, Strands};
 
 use crate::Parameters;
 
-/// Pushed by less than this of its strand's length, what lies on a body is off by rounding.
+/// Smallest push that counts as a touch, as a part of the strand's length: hair that lies on a body is off by rounding.
 const TOUCH: f64 = 1e-6;
-/// Bodies in order, so often: for what is between them.
+/// Rounds over all bodies: a second one for what is between two bodies.
 const ROUNDS: usize = 2;
-/// Hair that starts inside comes out no faster \[m/s\].
+/// Largest speed at which hair that starts inside comes out \[m/s\].
 const RECOVERY: f64 = 0.2;
 
-/// A body where it is written.
+/// A body where the scene has it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// Shape in local coordinates \[m\].
@@ -23,7 +24,7 @@ pub struct Body {
     pub motion: Motion,
 }
 
-/// x = c + R (y − c) + T, y where the body is written.
+/// A rigid motion x = c + R (y − c) + T, y a place on the body where the scene has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     center: DVec3,
@@ -32,13 +33,13 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// From where the body is written to where it is.
+    /// Carries a point from where the scene has the body to where the body is.
     #[must_use]
     pub fn out(&self, y: DVec3) -> DVec3 {
         self.center + self.rotation * (y - self.center) + self.translation
     }
 
-    /// Back again.
+    /// Carries a point from where the body is to where the scene has it.
     #[must_use]
     pub fn back(&self, x: DVec3) -> DVec3 {
         self.center + self.rotation.inverse() * (x - self.translation - self.center)
@@ -48,11 +49,11 @@ impl Pose {
 /// A body before and after a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placed {
-    /// As it is written.
+    /// The body as the scene has it.
     pub body: Body,
-    /// Before the step.
+    /// Pose before the step.
     pub before: Pose,
-    /// After the step.
+    /// Pose after the step.
     pub after: Pose,
 }
 
@@ -74,8 +75,8 @@ impl Body {
         Pose { center: self.shape.center(), translation, rotation }
     }
 
-    /// The first point of the way from `a` to `b` in the body or nearer to it than rounding. Nobody is nearer than its
-    /// distance, so one may go on by that (Hart 1996, Sphere tracing).
+    /// The first point of the way from `a` to `b` in the body or nearer to it than rounding. No body is nearer than its
+    /// distance says, so the search may go on by that distance (Hart 1996, Sphere tracing).
     fn entry(&self, a: DVec3, b: DVec3) -> Option<DVec3> {
         let (length, close) = (a.distance(b), 1e-12 * self.shape.inradius());
         let mut gone = 0.0;
@@ -106,24 +107,24 @@ pub fn any_moves(placed: &[Placed]) -> bool {
     placed.iter().any(|placed| placed.before != placed.after)
 }
 
-/// Whether a push that far \[m\] is one, to a strand of that length \[m\].
+/// Whether a push \[m\] counts as a touch of a strand of that length \[m\].
 #[must_use]
 pub fn touches(push: f64, length: f64) -> bool {
     push > TOUCH * length
 }
 
-/// max |l/l0 − 1| of a strand between its points.
+/// Largest stretch of a strand's segments, max |l/l0 − 1|.
 #[must_use]
 pub fn stretch(hair: &Strands, s: usize, positions: &[DVec3]) -> f64 {
     let chords = hair.points(s).skip(1).map(|i| positions[i].distance(positions[i - 1]));
     chords.zip(hair.segments(s)).map(|(l, k)| (l / hair.rest_length[k] - 1.0).abs()).fold(0.0, f64::max)
 }
 
-/// Where a hair point ends that was at `position` and would be at `predicted`; `None` if no body is in its way.
+/// Place of a hair point that was at `position` and would be at `predicted`; `None` if no body is in its way.
 ///
-/// Seen from the body its way ends at the plane that touches the body where the way enters it, or, if it starts inside, at
-/// its own depth, less what it may recover. Of the depth that it would have had, μ times as much is taken off its way
-/// along the plane (Macklin et al. 2014, eq. 24).
+/// Seen from the body, the way of the point ends at the plane that touches the body where the way enters it. If the point
+/// starts inside, the plane lies at the point's own depth, less what it may recover in a step. The way along the plane is
+/// shortened by up to μ times the depth that the point would have had (Macklin et al. 2014, eq. 24).
 #[must_use]
 pub fn hair(p: &Parameters, placed: &[Placed], position: DVec3, predicted: DVec3) -> Option<DVec3> {
     let mut x = predicted;
@@ -147,8 +148,8 @@ pub fn hair(p: &Parameters, placed: &[Placed], position: DVec3, predicted: DVec3
     touched.then_some(x)
 }
 
-/// Position and velocity of an air particle that would be at `x` with velocity `v`: half a spacing from the bodies by the
-/// nearest way, and not toward them; along them it slips.
+/// Position and velocity of an air particle that would be at `x` with velocity `v`. It is moved by the nearest way to half a
+/// spacing from the bodies, and loses its velocity toward them; along them it slips.
 #[must_use]
 pub fn air(p: &Parameters, placed: &[Placed], mut x: DVec3, mut v: DVec3) -> (DVec3, DVec3) {
     for Placed { body, before, after } in (0..ROUNDS).flat_map(|_| placed) {

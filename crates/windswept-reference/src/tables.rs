@@ -29,7 +29,7 @@ pub const BEAM_MODES: [f64; 3] = [1.875_104_068_7, 4.694_091_133_0, 7.854_757_43
 /// A strand clamped horizontally, under its own weight: the elastica.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cantilever {
-    /// ρAgL³/EI.
+    /// Weight over stiffness γ = ρAgL³/EI.
     pub gamma: f64,
     /// Horizontal distance of the tip from the root, over L.
     pub tip: f64,
@@ -60,7 +60,7 @@ pub fn cantilever() -> Vec<Cantilever> {
 pub struct Helix {
     /// Rest Darboux vector in the material frame, times L.
     pub darboux: DVec3,
-    /// ρAgL³/EI.
+    /// Weight over stiffness γ = ρAgL³/EI.
     pub gamma: f64,
     /// Tip from the root, over L.
     pub tip: DVec3,
@@ -106,10 +106,10 @@ pub fn hair_in_wind() -> Vec<HairInWind> {
         .collect()
 }
 
-/// What one XSPH update with c = 0.014 makes of a shear wave along a lattice axis.
+/// Factor by which one XSPH update with c = 0.014 changes a shear wave along a lattice axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShearWave {
-    /// \[m\]
+    /// Wavelength \[m\].
     pub wavelength: f64,
     /// Factor on the simple cubic lattice; given to 5e-9.
     pub simple_cubic: f64,
@@ -130,7 +130,7 @@ pub fn shear_waves() -> Vec<ShearWave> {
 pub struct DensityError {
     /// Share of negative C let through.
     pub tension: f64,
-    /// Part of a Jacobi step.
+    /// Part of a Jacobi step that is taken.
     pub relaxation: f64,
     /// rms of ρ/ρ0 − 1 after each number of [`DENSITY_ERROR_ITERATIONS`]; another jitter is 3 % off.
     pub rms: [f64; 5],
@@ -139,7 +139,7 @@ pub struct DensityError {
 /// Iterations after which [`DensityError::rms`] was taken.
 pub const DENSITY_ERROR_ITERATIONS: [u32; 5] = [0, 1, 2, 4, 10];
 
-/// Clamped with a full step, both signs with half a step, both signs with a full step (diverges).
+/// Errors of three settings: clamped with a full step, both signs with half a step, both signs with a full step (diverges).
 #[must_use]
 pub fn density_errors() -> Vec<DensityError> {
     rows(include_str!("../data/density_error.csv"))

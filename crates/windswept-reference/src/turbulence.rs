@@ -1,7 +1,7 @@
 //! Vorticity confinement by bands of eddies (eqs. 2, 4-6), air only.
 //!
-//! Arrays run over all particles, hair first; what only air has is zero at hair. *Band* is the accurate law, *published*
-//! the paper as printed, in mg and mm. Every sum is direct: over all particles, through all periodic images in reach.
+//! Arrays run over all particles, hair first; a quantity that only air has is zero at hair. *Band* is the accurate law,
+//! *published* the law as the paper prints it, in mg and mm. Every sum is direct: over all particles, through all periodic images in reach.
 
 mod mesh;
 
@@ -73,8 +73,8 @@ pub fn band(p: &Parameters, band: &Band, wind: DVec3, x: &[DVec3], v: &[DVec3], 
     })
 }
 
-/// Σ f(r) over the images of j that are within `reach` of i, `gap` = x_i − x_j: every periodic one where both are air,
-/// else the one there is.
+/// Sum of f(r) over the images of j that are within `reach` of i, with `gap` = x_i − x_j: all periodic images where both are
+/// air, else j itself.
 fn over_images(p: &Parameters, i: usize, j: usize, gap: DVec3, reach: f64, f: impl Fn(f64) -> f64) -> f64 {
     if p.far_apart(gap, reach) {
         return 0.0;
@@ -125,8 +125,8 @@ pub fn vorticity(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near:
     (0..x.len()).map(at).collect()
 }
 
-/// What a band is strengthened by in a step, Δt a \[m/s\], at each air particle (eqs. 3, 4); in the fringe of a wind `wind` less by
-/// the cosines of the faces.
+/// Change of each air particle's velocity by a band in a step, Δt a \[m/s\] (eqs. 3, 4). In the fringe of the wind `wind` it is
+/// smaller by the cosines of the faces.
 ///
 /// N = η/(|η| + 1e-3 |ω|/h) points to where the vorticity is larger, η_i = Σ_j V_j (|ω_j| − |ω_i|) ∇_i W.
 ///

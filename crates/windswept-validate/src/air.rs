@@ -10,27 +10,30 @@ use windswept_scene::{AirParticles, InitialState, Scene};
 
 use crate::Error;
 
-/// The paper's particle mass \[kg\].
+/// Mass of a particle in the paper \[kg\].
 pub(crate) const MASS: f64 = 1.46e-7;
-/// ρ0 \[kg/m³\].
+/// Rest density ρ0 of the paper's air \[kg/m³\].
 pub(crate) const REST_DENSITY: f64 = 1.29;
-/// V of a particle \[m³\].
+/// Volume V of a particle \[m³\].
 pub(crate) const VOLUME: f64 = MASS / REST_DENSITY;
-/// h \[m\].
+/// Kernel radius h of the paper \[m\].
 pub(crate) const RADIUS: f64 = 9.3e-3;
-/// Δt \[s\].
+/// Step Δt of the paper \[s\].
 pub(crate) const STEP: f64 = 1.38e-3;
 
+/// Basis of the simple cubic lattice \[sides of a cell\].
 pub(crate) const SIMPLE: &[[f64; 3]] = &[[0.0; 3]];
+/// Basis of the body-centred cubic lattice \[sides of a cell\].
 pub(crate) const BODY: &[[f64; 3]] = &[[0.0; 3], [0.5; 3]];
+/// Basis of the face-centred cubic lattice \[sides of a cell\].
 pub(crate) const FACE: &[[f64; 3]] = &[[0.0; 3], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]];
 
-/// d = V^(1/3) \[m\].
+/// Spacing d = V^(1/3) of the particles \[m\].
 pub(crate) fn spacing() -> f64 {
     VOLUME.cbrt()
 }
 
-/// Air particles in a periodic box from the origin: m, m/s.
+/// Air particles in a periodic box from the origin: positions \[m\] and velocities \[m/s\].
 #[derive(Debug, Clone)]
 pub(crate) struct Cloud {
     pub(crate) size: DVec3,
@@ -39,7 +42,7 @@ pub(crate) struct Cloud {
 }
 
 impl Cloud {
-    /// `cells` copies of a cubic unit cell with particles at `basis` (fractions), one per V.
+    /// A lattice of `cells` copies of a cubic unit cell with particles at `basis` (fractions), one per V.
     pub(crate) fn lattice(cells: [usize; 3], basis: &[[f64; 3]]) -> Self {
         let side = (basis.len() as f64 * VOLUME).cbrt();
         let [nx, ny, _] = cells;
@@ -54,7 +57,7 @@ impl Cloud {
         }
     }
 
-    /// A cube at rest density with so many particles along a side, anywhere in it.
+    /// A cube at rest density that holds `side`³ particles, anywhere in it.
     pub(crate) fn random(side: usize, seed: u64) -> Self {
         let mut rng = Pcg64::seed_from_u64(seed);
         let mut cloud = Self::lattice([side; 3], SIMPLE);
@@ -62,7 +65,7 @@ impl Cloud {
         cloud
     }
 
-    /// Each particle moved by up to `part` of the spacing along each axis.
+    /// The cloud with each particle moved by up to `part` of the spacing along each axis.
     pub(crate) fn jittered(mut self, part: f64, seed: u64) -> Self {
         let mut rng = Pcg64::seed_from_u64(seed);
         for x in &mut self.positions {
@@ -72,13 +75,13 @@ impl Cloud {
         self
     }
 
-    /// With velocities of a field.
+    /// The cloud with the velocities of a field.
     pub(crate) fn moving(mut self, field: impl Fn(DVec3) -> DVec3) -> Self {
         self.velocities = self.positions.iter().map(|x| field(DVec3::from_array(*x)).to_array()).collect();
         self
     }
 
-    /// With six solenoidal waves of one to three periods along each axis, of `speed` \[m/s\] each.
+    /// The cloud with six solenoidal waves of one to three periods along each axis, of `speed` \[m/s\] each.
     pub(crate) fn stirred(self, speed: f64, seed: u64) -> Self {
         let mut rng = Pcg64::seed_from_u64(seed);
         let size = self.size;
@@ -93,7 +96,7 @@ impl Cloud {
         self.moving(|x| speed * waves.iter().map(|(k, a, phase)| *a * (k.dot(x) + phase).sin()).sum::<DVec3>())
     }
 
-    /// For single passes.
+    /// The particles as single passes take them.
     pub(crate) fn particles(&self) -> Particles<'_> {
         Particles {
             positions: &self.positions,
@@ -105,7 +108,7 @@ impl Cloud {
         }
     }
 
-    /// For whole steps.
+    /// The state that whole steps start from.
     pub(crate) fn initial(&self) -> InitialState {
         let vectors = |rows: &[[f64; 3]]| rows.iter().map(|x| DVec3::from_array(*x)).collect();
         let air = AirParticles {
@@ -119,13 +122,13 @@ impl Cloud {
         InitialState { air, ..InitialState::default() }
     }
 
-    /// A frame's air in the same box.
+    /// The air of a frame in the cloud's box.
     pub(crate) fn of_frame(&self, air: &AirFrame) -> Self {
         let rows = |rows: &[[f32; 3]]| rows.iter().map(|x| x.map(f64::from)).collect();
         Self { size: self.size, positions: rows(&air.positions), velocities: rows(&air.velocities) }
     }
 
-    /// ½ Σ v² / n \[m²/s²\].
+    /// Kinetic energy ½ Σ v² / n of a unit of mass \[m²/s²\].
     pub(crate) fn energy(&self) -> f64 {
         let sum: f64 = self.velocities.iter().map(|v| DVec3::from_array(*v).length_squared()).sum();
         0.5 * sum / self.velocities.len() as f64
@@ -143,14 +146,14 @@ pub(crate) fn scene(keys: &str) -> Result<Scene, Error> {
     Ok(Scene::parse(&text)?)
 }
 
-/// The air after so many steps.
+/// The air after a number of steps.
 pub(crate) fn run(gpu: &Gpu, scene: &Scene, cloud: &Cloud, steps: u64) -> Result<Cloud, Error> {
     let mut simulation = Simulation::with_state(gpu, scene, cloud.initial())?;
     simulation.step(steps)?;
     Ok(cloud.of_frame(&simulation.frame()?.air))
 }
 
-/// As f64.
+/// The vectors as f64.
 pub(crate) fn vectors(rows: &[[f32; 3]]) -> Vec<DVec3> {
     rows.iter().map(|x| DVec3::from_array(x.map(f64::from))).collect()
 }
@@ -161,7 +164,7 @@ pub(crate) fn farthest(values: impl IntoIterator<Item = f64>, expected: f64) -> 
     values.into_iter().reduce(|a, b| if a.is_nan() { a } else { farther(a, b) }).unwrap_or(f64::NAN)
 }
 
-/// Mean; NaN of none.
+/// Mean of some values; NaN of none.
 pub(crate) fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
     let (sum, n) = values.into_iter().fold((0.0, 0.0), |(sum, n), x| (sum + x, n + 1.0));
     sum / n

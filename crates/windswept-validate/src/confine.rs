@@ -21,17 +21,20 @@ const BAND: &str = "S, |a| = S |û| (1 - û²/(I U)²) |omega| where a plane flo
 const TWIN: &str = "f64 twin from the same û and omega; 1000 particles jittered by half a spacing; largest difference over \
     largest value; measured 1.7e-6 (band), 3.7e-7; margin 4";
 
-/// Largest speed of the flows \[m/s\]: slow, so that no step is limited.
+/// Largest speed of the flows \[m/s\], so slow that no step is limited.
 const SPEED: f64 = 0.02;
+/// Strength S of the band, a number.
 const STRENGTH: f64 = 10.0;
-/// Beside the twin: so much that some particles are limited.
+/// Strength S beside the twin, so large that some particles are limited.
 const STRONG: f64 = 200.0;
-/// U and I of the band law.
+/// U \[m/s\] and I of the band law.
 const LAW: (f64, f64) = (0.1, 0.5);
+/// Millimetres in a metre.
 const MM: f64 = 1e3;
+/// Milligrams in a kilogram.
 const MG: f64 = 1e6;
 
-/// Whether as published, and what it is called.
+/// Laws: whether it is the published one, and its name in the rows.
 const LAWS: [(bool, &str); 2] = [(false, "band"), (true, "published")];
 
 pub(crate) fn laws(gpu: &Gpu) -> Result<Vec<Row>, Error> {
@@ -52,7 +55,7 @@ fn scene(published: bool, scale: f64, strength: f64) -> Result<Scene, Error> {
     ))
 }
 
-/// What turns |û|²|ω| or |û||ω| into what confinement adds: ε or S, where vorticity varies.
+/// The gain of confinement, ε or S, where vorticity varies: the factor that turns |û|²|ω| or |û||ω| into what it adds.
 fn gain(gpu: &Gpu, published: bool, name: &str) -> Result<Row, Error> {
     let lattice = Cloud::lattice([12, 12, 6], SIMPLE);
     let k = TAU / lattice.size.x;
@@ -95,7 +98,7 @@ fn beside_twin(gpu: &Gpu, published: bool, name: &str) -> Result<Row, Error> {
     ))
 }
 
-/// What confinement adds in a step \[m/s\].
+/// Change of velocity by confinement in a step \[m/s\].
 fn confined(stage: &mut Stage) -> Result<Vec<DVec3>, Error> {
     stage.run(|r, plan| {
         step::neighbours::record(r, plan);

@@ -14,14 +14,14 @@ const STAYS: &str = "mu = 0.3 holds it; measured 6.7e-10; margin 4";
 const TOUCHES: &str = "the surface: nothing inside, something on it; measured 3.3e-9; margin 4: f32";
 const BESIDE: &str = "half a spacing, d/2; looked at after each of 20 steps; measured 4.1e-9 off; margin 4: f32";
 
-/// \[m/s²\]
+/// Gravity \[m/s²\].
 const GRAVITY: f64 = 9.81;
-/// μ
+/// Coefficient of friction μ.
 const FRICTION: f64 = 0.3;
-/// Of the bar \[m\].
+/// Radius of the bar \[m\].
 const RADIUS: f64 = 0.05;
 
-/// Hair on a slope, hair over a ball, air about one.
+/// Rows of hair on a slope, of hair over a ball, and of air about a ball.
 pub(crate) fn bodies(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows = slope(gpu, 0.6)?;
     rows.extend(slope(gpu, 0.29)?);
@@ -30,7 +30,7 @@ pub(crate) fn bodies(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// How far a loose strand slides along a bar in a field of gravity that slopes by this.
+/// Row of how far a loose strand slides along a bar, in a field of gravity of this slope.
 fn slope(gpu: &Gpu, slope: f64) -> Result<Vec<Row>, Error> {
     let (steps, angle) = (200, slope.atan());
     let text = format!(
@@ -64,7 +64,7 @@ fn slope(gpu: &Gpu, slope: f64) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// Clamped above a ball that comes up into it, and falling over it.
+/// A strand that is clamped above a ball and falls over it, while the ball comes up into it.
 const DRAPED: &str = "
 interaction = { model = \"none\" }
 [time]

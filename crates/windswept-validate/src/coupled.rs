@@ -1,4 +1,4 @@
-//! Hair and air together: what the one loses the other gets.
+//! Hair and air together: hair receives the momentum that air loses.
 
 use glam::{DQuat, DVec3};
 use windswept::{Gpu, Simulation};
@@ -16,7 +16,7 @@ const HELD: &str = "Newton's third law, rods by Euler, no XSPH: air's and hair's
 const SHARES: &str = "no formula: measured, of air's loss, 6 strands of 30 mm in a stream of 3 m/s, 41 ms; the tolerance keeps \
     the sign";
 
-/// Strands across the middle of a periodic box; no wind, so no fringe; no weight.
+/// Strands across the middle of a periodic box, without weight, and without wind, so that there is no fringe.
 const SCENE: &str = "
 gravity = [0, 0, 0]
 [[hair]]
@@ -35,13 +35,14 @@ ramp = 0.0
 [rods]
 sleep = false
 ";
-/// Of the air at the start \[m/s\].
+/// Velocity of the air at the start \[m/s\].
 const STREAM: DVec3 = DVec3::new(3.0, 0.0, 0.0);
-/// A loose root's mass over that of the point after it: what it receives can be read from its velocity.
+/// Mass of a loose root over that of the point after it: the momentum that the root receives can be read from its velocity.
 const ROOT_MASS: f64 = 20.0;
+/// Steps of a run, 41 ms.
 const STEPS: u64 = 30;
 
-/// What air that streams past strands loses, the hair and its roots receive: loose heavy ones, and clamped ones.
+/// Rows of a stream past strands: hair and its roots, loose and heavy or clamped, receive the momentum that the air loses.
 pub(crate) fn drag(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows = loose(gpu)?;
     rows.extend(clamped(gpu)?);
@@ -76,7 +77,7 @@ fn loose(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// The same, smaller, with clamped roots; what acts on them has two parts only.
+/// Fewer and shorter strands with clamped roots, on which only two things act: the density constraint and the first segment.
 const CLAMPED: &str = "
 gravity = [0, 0, 0]
 [[hair]]
@@ -100,7 +101,7 @@ integrator = \"euler\"
 sleep = false
 ";
 
-/// Air and hair lose what clamped roots take.
+/// Rows of clamped roots: they take the momentum that air and hair lose.
 fn clamped(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let scene = Scene::parse(CLAMPED)?;
     let mut initial = InitialState::new(&scene)?;
@@ -135,7 +136,8 @@ fn clamped(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// What the density constraint gives held roots in the next step \[kg m/s\]: what it would, had they the mass 1.
+/// Momentum that the density constraint gives held roots in the next step \[kg m/s\]: that which it would give to roots of
+/// mass 1.
 fn density_on_roots(s: &State, p: &Parameters) -> DVec3 {
     let mut w = twin::drive(s, p);
     twin::neighbours(&mut w, p);
@@ -153,7 +155,7 @@ fn density_on_roots(s: &State, p: &Parameters) -> DVec3 {
     sum
 }
 
-/// What the first segments gave held roots in the last step \[kg m/s\]: -dt mu/l, by Euler.
+/// Momentum that the first segments gave held roots in the last step \[kg m/s\]: -dt mu/l, by Euler.
 fn rods_on_roots(simulation: &Simulation, s: &State, step: f64) -> Result<DVec3, Error> {
     let engine = simulation.engine();
     let history = engine.read(&engine.state().segment_history)?;

@@ -12,10 +12,10 @@ use crate::{
 const TABLE: &str = "windswept_reference::tables, another jitter; mean of 4 draws measured at most 4 % off, \
     8 % after 10 iterations; margin 1.5";
 
-/// Draws of the jitter that an rms is the mean of.
+/// Number of draws of the jitter that an rms is the mean of.
 const DRAWS: u64 = 4;
 
-/// rms density error of 4096 particles, jitter 0.2 d, after some iterations, for each setting of the table.
+/// Rows of the rms density error of 4096 particles, jitter 0.2 d, after some iterations, for each setting of the table.
 pub(crate) fn density_error(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let start = tables::density_errors().first().map_or(f64::NAN, |row| row.rms[0]);
     let mut rows = vec![row("density error of a jittered lattice, rms".to_owned(), start, rms(gpu, None)?)];

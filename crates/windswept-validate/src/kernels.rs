@@ -14,14 +14,15 @@ const NORMALISED: &str = "closed form; measured 2.5e-7 off, the rounding of dens
 const LONE: &str = "windswept_reference::tables, given to 5e-8; measured 2.7e-8 off";
 const LATTICE: &str = "windswept_reference::tables, given to 5e-6; measured 3.3e-6 off";
 
-/// Distances at which the kernels are read, up to h; Simpson's rule is exact to 1e-9 then.
+/// Intervals between the distances at which the kernels are read, up to h; with 200 Simpson's rule is exact to 1e-9.
 const INTERVALS: usize = 200;
-/// Corners that keep a pair out of another's reach \[h\], along each axis.
+/// Number of pairs along each axis of the box.
 const CORNERS: usize = 6;
+/// Distance between pairs \[h\], which keeps a pair out of another's reach.
 const APART: f64 = 3.0;
 
-/// ∫ 4πr² W dr = 1 of Poly6 from densities, ∫ −4/3 πr³ W' dr = 1 of Spiky from vorticities, of pairs at many distances;
-/// V W(0) of a lone particle.
+/// Rows of the kernels' normalisations: ∫ 4πr² W dr = 1 of Poly6 from densities and ∫ −4/3 πr³ W' dr = 1 of Spiky from
+/// vorticities, of pairs at many distances; and V W(0) of a lone particle.
 pub(crate) fn normalisations(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let distances: Vec<f64> = (1..INTERVALS).map(|k| RADIUS * k as f64 / INTERVALS as f64).collect();
     let corner =
@@ -57,7 +58,7 @@ fn simpson(values: impl Iterator<Item = f64>) -> f64 {
     weighted.sum::<f64>() * RADIUS / INTERVALS as f64 / 3.0
 }
 
-/// ρ/ρ0 of the particle that is farthest off, on three lattices of one particle per V.
+/// Rows of ρ/ρ0 on three lattices of one particle per V, at the particle that is farthest off.
 pub(crate) fn lattices(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let cases = [
         ("simple cubic", 8, SIMPLE, tables::SIMPLE_CUBIC_DENSITY),

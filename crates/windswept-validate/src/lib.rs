@@ -29,13 +29,13 @@ use windswept_scene::SceneError;
 /// Rows that are measured together.
 #[derive(Debug, Clone, Copy)]
 pub struct Check {
-    /// What it is about; one word.
+    /// Subject of the check, in a word.
     pub name: &'static str,
     run: fn(&Gpu) -> Result<Vec<Row>, Error>,
 }
 
 impl Check {
-    /// Measures. What could not be measured is one row that fails and says why.
+    /// Measures the check's rows. A check that could not be done is one row that fails and says why.
     #[must_use]
     pub fn rows(&self, gpu: &Gpu) -> Vec<Row> {
         (self.run)(gpu).unwrap_or_else(|error| vec![Row::failed(self.name, &error)])
@@ -73,16 +73,16 @@ pub const CHECKS: &[Check] = &[
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A single pass.
+    /// A single pass failed.
     #[error(transparent)]
     Ops(#[from] OpsError),
     /// A run that could not go on.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// The device.
+    /// The device failed.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// A check's own scene.
+    /// A check's own scene is at fault.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// A simulation that could not be made.

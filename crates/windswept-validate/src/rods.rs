@@ -21,45 +21,45 @@ const FALL: &str = "-g (t²/2 + 3/4 dt²): BDF2 is exact but for its first step,
 
 /// Segments of a strand.
 const SEGMENTS: usize = 34;
-/// \[m\]
+/// Length of a strand \[m\].
 const LENGTH: f64 = 0.35;
-/// ρA of a hair of 40 µm radius and 1320 kg/m³ \[kg/m\].
+/// Line density ρA of a hair of 40 µm radius and 1320 kg/m³ \[kg/m\].
 const LINE_DENSITY: f64 = 1320.0 * PI * 1.6e-9;
-/// EA of 4 GPa \[N\].
+/// Stretching stiffness EA of 4 GPa and that radius \[N\].
 const STRETCH: f64 = 4e9 * PI * 1.6e-9;
-/// \[m/s²\]
+/// Gravity \[m/s²\].
 const GRAVITY: f64 = 9.81;
 
 /// A strand to be built.
 #[derive(Debug, Clone, Copy)]
 struct Rod {
-    /// ρAgL³/EI.
+    /// Weight over stiffness γ = ρAgL³/EI.
     gamma: f64,
-    /// Rest Darboux vector times L; only (0, κ, τ).
+    /// Rest Darboux vector times L, of the form (0, κ, τ).
     darboux: DVec3,
-    /// Of the clamp.
+    /// Frame of the clamp.
     root_frame: DQuat,
 }
 
 impl Rod {
-    /// Straight and level.
+    /// A strand that is straight and level.
     fn level(gamma: f64) -> Self {
         let root_frame = DQuat::from_mat3(&DMat3::from_cols(DVec3::NEG_Y, DVec3::NEG_Z, DVec3::X));
         Self { gamma, darboux: DVec3::ZERO, root_frame }
     }
 
-    /// A row of helix.csv; without weight a strand of the given γ.
+    /// The strand of a row of helix.csv, with the given γ.
     fn helix(row: &tables::Helix, gamma: f64) -> Self {
         let root_frame = DQuat::from_mat3(&DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y));
         Self { gamma, darboux: row.darboux, root_frame }
     }
 
-    /// EI \[N m²\].
+    /// Bending stiffness EI \[N m²\].
     fn bend(&self) -> f64 {
         LINE_DENSITY * GRAVITY * LENGTH.powi(3) / self.gamma
     }
 
-    /// As a scene file has it.
+    /// The strand's group as a scene file spells it.
     fn group(&self, i: usize) -> String {
         let (bend, twist) = (self.bend(), self.bend() / 1.38);
         let kappa = self.darboux / LENGTH;
@@ -92,7 +92,7 @@ fn build(rods: &[Rod], step: f64, damping: f64, gravity: f64) -> Result<(Scene, 
     Ok((scene, initial))
 }
 
-/// Tip from root over L, per strand.
+/// Tip of each strand, from its root \[L\].
 fn tips(hair: &HairFrame) -> Vec<DVec3> {
     let positions = vectors(&hair.positions);
     hair.offsets
@@ -101,7 +101,7 @@ fn tips(hair: &HairFrame) -> Vec<DVec3> {
         .collect()
 }
 
-/// Without weight a curled strand stays as it is, on the helix of helix.csv.
+/// Rows of a curled strand without weight: it stays as it is, on the helix of helix.csv.
 pub(crate) fn at_rest(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let (step, steps) = (1.38e-3, 100);
     let table = tables::helix();
@@ -122,7 +122,7 @@ pub(crate) fn at_rest(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// Tips of strands that hang still, off the elastica (cantilever.csv) and the helix (helix.csv).
+/// Rows of the tips of strands that hang still: those of the elastica (cantilever.csv) and of the helix (helix.csv).
 pub(crate) fn hanging(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let (step, steps, damping) = (1.38e-3, 2500, 8.0);
     let level = tables::cantilever().into_iter().filter(|row| [1.0, 10.0, 100.0].contains(&row.gamma)).map(|row| {
@@ -142,7 +142,7 @@ pub(crate) fn hanging(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(cases.iter().zip(tips).map(row).collect())
 }
 
-/// First frequency of a clamped-free beam, f = (βL)²/(2πL²) √(EI/ρA), from the tip's second and third passage of zero.
+/// Row of the first frequency of a clamped-free beam, f = (βL)²/(2πL²) √(EI/ρA), from the tip's second and third passage of zero.
 pub(crate) fn beam(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let (step, amplitude) = (1.38e-3, 0.02);
     let rod = Rod::level(1.0);
@@ -178,7 +178,7 @@ fn mode(beta: f64, s: f64) -> (f64, f64) {
     (shape(beta * s) / shape(beta), slope(beta * s) / shape(beta))
 }
 
-/// A loose strand falls by ½ g t². The first step is Euler's and goes twice as far, which BDF2 keeps 3/2 of.
+/// Row of a loose strand that falls by ½ g t². The first step is Euler's and goes twice as far; BDF2 keeps 3/2 of that.
 pub(crate) fn falling(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let (step, steps) = (1.38e-3, 100);
     let (scene, mut initial) = build(&[Rod::level(10.0)], step, 0.0, GRAVITY)?;

@@ -7,22 +7,22 @@ use serde::{Serialize, Serializer, ser::SerializeStruct};
 /// A claim: what was expected, what came out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// What was tested, in words.
+    /// Quantity that was tested, in words.
     pub test: String,
-    /// In `unit`.
+    /// Expected value, in `unit`.
     pub expected: f64,
-    /// In `unit`; NaN where nothing could be measured.
+    /// Measured value, in `unit`; NaN where nothing could be measured.
     pub measured: f64,
     /// Largest |measured − expected| that passes, in `unit`.
     pub tolerance: f64,
-    /// Empty for a pure number.
+    /// Unit of the values; empty for a pure number.
     pub unit: &'static str,
-    /// Where the expected value comes from, and what the tolerance rests on.
+    /// Source of the expected value, and the ground of the tolerance.
     pub source: &'static str,
 }
 
 impl Row {
-    /// Is the measured value within the tolerance? NaN is not.
+    /// Whether the measured value is within the tolerance; NaN is not.
     #[must_use]
     pub fn passes(&self) -> bool {
         (self.measured - self.expected).abs() <= self.tolerance
@@ -49,7 +49,7 @@ impl Row {
     }
 }
 
-/// The fields and `passed`.
+/// The row as JSON: its fields, and `passed`.
 impl Serialize for Row {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut row = serializer.serialize_struct("Row", 7)?;
@@ -68,7 +68,7 @@ impl Serialize for Row {
 mod tests {
     use super::Row;
 
-    /// The tolerance itself passes, more does not, and no comparison lets a NaN through.
+    /// A difference of the tolerance passes, a larger one does not, and NaN never does.
     #[test]
     fn a_row_passes_within_its_tolerance() {
         let row = |measured: f64| Row::new("", 1.0, measured, 0.5, "");

@@ -37,7 +37,7 @@ impl Stage {
         Ok(())
     }
 
-    /// From here on BDF2 where the scene says so: strands have been calm for long enough.
+    /// Counts the strands as calm for long enough that BDF2 takes them from here on, where the scene says so.
     pub(crate) fn calm(&mut self) -> Result<(), Error> {
         let committed = Condition { calm: CALM, ..Condition::default() };
         let health = vec![Health { committed, ..Health::default() }; self.twin.calm.len()];
@@ -46,7 +46,7 @@ impl Stage {
         Ok(())
     }
 
-    /// An array of xyz that they left.
+    /// Vectors of an array that the headings left.
     pub(crate) fn read(&self, array: impl Fn(&internals::State) -> &Array<[f32; 4]>) -> Result<Vec<DVec3>, Error> {
         let rows = self.engine.read(array(self.engine.state()))?;
         Ok(rows.iter().map(|v| DVec3::new(v[0].into(), v[1].into(), v[2].into())).collect())

@@ -23,17 +23,17 @@ const GAIN: &str = "closed form; cut at 6 s, where f32 sees no cut; measured 1.9
 
 const GRID_GAIN: &str = "closed form; default order and spacing; measured 6.0e-5 off; margin 2";
 
-/// A cut that leaves all of the hat that f32 sees \[s\].
+/// Filter by direct sum whose cut leaves all of the hat that f32 sees.
 const WHOLE_HAT: Filter = Filter::Direct { cutoff: 6.0 };
 
-/// ω over 2Ω of a rigid rotation on the simple cubic lattice: the plain sum with Spiky has 0.945 of it.
+/// Rows of ω over 2Ω of a rigid rotation on the simple cubic lattice: the plain sum with Spiky has 0.945 of it.
 pub(crate) fn rotation(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let axis = DVec3::new(3.0, -7.0, 2.0);
     let cloud = Cloud::lattice([11; 3], SIMPLE);
     let center = 0.5 * cloud.size;
     let cloud = cloud.moving(|x| axis.cross(x - center));
     let omega = vectors(&cloud.particles().vorticity(gpu)?);
-    // Away from the faces, where the rotation is not periodic.
+    // Particles near the faces are left out: there the rotation is not periodic.
     let inside = cloud
         .positions
         .iter()
@@ -48,7 +48,7 @@ pub(crate) fn rotation(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// Σ_j V |W'(r)| r/3 over the simple cubic lattice: (v_j − v_i) × ∇_j W of a rotation, averaged over the axes.
+/// Plain sum Σ_j V |W'(r)| r/3 over the simple cubic lattice: (v_j − v_i) × ∇_j W of a rotation, averaged over the axes.
 fn lattice_rotation() -> f64 {
     let reach = (RADIUS / spacing()).ceil() as i32;
     let axis = -reach..=reach;
@@ -64,7 +64,7 @@ fn lattice_rotation() -> f64 {
     sum
 }
 
-/// A uniform translation has no vorticity, XSPH leaves it alone, and where it is the wind there is no band velocity.
+/// Rows of a uniform translation: it has no vorticity, XSPH leaves it alone, and if it is the wind, it has no band velocity.
 pub(crate) fn translation(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let velocity = DVec3::new(3.0, -1.0, 2.0);
     let cloud = Cloud::random(12, 3).moving(|_| velocity);
@@ -86,7 +86,7 @@ pub(crate) fn translation(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// û of the first band as a step of this scene has it.
+/// Velocity û of the first band, as a step of this scene has it.
 fn band_of_step(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Vec<DVec3>, Error> {
     let setup = Setup::new(scene, initial);
     let (mut engine, plan) = (Engine::new(gpu, &setup)?, Plan::new(&setup));
@@ -98,10 +98,10 @@ fn band_of_step(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Vec<
     Ok(band.iter().map(|u| DVec3::new(u[0].into(), u[1].into(), u[2].into())).collect())
 }
 
-/// Scale for the cut \[m\].
+/// Scale of the band whose filter is cut \[m\].
 const LEAK_SCALE: f64 = 0.018;
 
-/// What a cut at 3 s, 4 s, 4.5 s passes of uniform flow, of the peak gain; as printed it is 3 s.
+/// Rows of the part of a uniform flow that a cut at 3 s, 4 s or 4.5 s passes, over the peak gain; the paper prints 3 s.
 pub(crate) fn leak(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let cloud = Cloud::lattice([12; 3], SIMPLE).jittered(0.5, 1).moving(|_| DVec3::X);
     let mut rows = Vec::new();
@@ -119,7 +119,7 @@ pub(crate) fn leak(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// Gain of the Mexican hat over its peak, (ks)² e^(1 − (ks)²/2)/2, on shear waves.
+/// Rows of the gain of the Mexican hat over its peak, (ks)² e^(1 − (ks)²/2)/2, on shear waves.
 pub(crate) fn gain(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let lattice = Cloud::lattice([40, 8, 8], SIMPLE);
     let mut rows = Vec::new();
@@ -138,7 +138,7 @@ pub(crate) fn gain(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// Σ a·b / Σ b².
+/// Projection of a on b: Σ a·b / Σ b².
 pub(crate) fn projection(a: &[DVec3], b: &[[f64; 3]]) -> f64 {
     let both = a.iter().zip(b).map(|(a, b)| (*a, DVec3::from_array(*b)));
     both.clone().map(|(a, b)| a.dot(b)).sum::<f64>() / both.map(|(_, b)| b.length_squared()).sum::<f64>()

@@ -15,7 +15,7 @@ const PASS: &str = "f64 twin, 3375 particles anywhere in a box; largest differen
 const RODS: &str = "f64 twin, 12 curled strands, thrown; what rods change velocities by in a step, largest difference over \
     largest value; measured 2.1e-5, mostly what rounding an orientation stretches; margin 4";
 
-/// Single passes on 3375 particles: largest difference over the largest value.
+/// Rows of single passes on 3375 particles: largest difference over the largest value.
 pub(crate) fn passes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let cloud = Cloud::random(15, 11).stirred(1.0, 11);
     let fluid_settings = Fluid { iterations: 1, relaxation: 0.5, tension: 0.5 };
@@ -57,12 +57,12 @@ pub(crate) fn passes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// The way from one place to another that is nearest in the box.
+/// Shortest way from one place to another in the periodic box.
 fn across(gap: DVec3, size: DVec3) -> DVec3 {
     gap - size * (gap / size).round()
 }
 
-/// Strands alone.
+/// Curled strands without air.
 const STRANDS: &str = "
 interaction = { model = \"none\" }
 [[hair]]
@@ -80,7 +80,7 @@ sleep = false
 /// Largest speed at the start \[m/s\].
 const THROWN: f64 = 0.2;
 
-/// What rods change in one step, by either solver and integrator: velocities after it less those of the free move.
+/// Rows of what rods change in one step, by either solver and integrator: velocities after it less those of the free move.
 ///
 /// Two Newton steps: the first starts without old forces, the second from those that it found.
 pub(crate) fn rods(gpu: &Gpu) -> Result<Vec<Row>, Error> {

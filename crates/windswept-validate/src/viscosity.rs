@@ -19,7 +19,7 @@ const EFFECTIVE: &str = "c h²/(22 dt); 24 spacings a period, 0.02 m/s, steps 80
 const NUMERICAL: &str = "ideal fluid, the same flow without XSPH: measured 1.4e-5 at 0.02 m/s; margin 3; at 0.3 m/s it \
     is 5e-4";
 
-/// Factor of one XSPH update on a shear wave, c = 0.014, simple cubic lattice at rest.
+/// Rows of the factor of one XSPH update on a shear wave, c = 0.014, simple cubic lattice at rest.
 pub(crate) fn shear_waves(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for wave in tables::shear_waves() {
@@ -43,19 +43,20 @@ pub(crate) fn shear_waves(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// Cells of the Taylor-Green box: one period along x and y, and a slab of three kernel radii.
+/// Particles along the sides of the Taylor-Green box: one period along x and y, and a slab of three kernel radii.
 const CELLS: [usize; 3] = [24, 24, 6];
-/// Largest speed \[m/s\]. Slow, so that the lattice lasts: numerical viscosity grows with the speed. At 0.3 m/s the
+/// Largest speed \[m/s\], so slow that the lattice lasts: numerical viscosity grows with the speed. At 0.3 m/s the
 /// lattice melts, and over the first 0.28 s it is 5e-4 m²/s without XSPH, 36 times as much as here and far above what
 /// XSPH adds at c = 0.014 (4e-5); at 0.1 m/s the melting lattice gives energy back, and no viscosity fits.
 const SPEED: f64 = 0.02;
-/// Steps in which the start's lattice, which is 0.14 % too dense, has come to rest; and steps that are measured.
+/// Steps after which the start's lattice, which is 0.14 % too dense, has come to rest.
 const SETTLED: u64 = 80;
+/// Steps that are measured after those.
 const MEASURED: u64 = 120;
-/// c of eq. 7.
+/// Coefficient c of eq. 7, so large that XSPH far outweighs numerical viscosity.
 const COEFFICIENT: f64 = 0.14;
 
-/// The energy of Taylor-Green vortices decays as e^(−4νk²t), ν = c h²/(22 Δt) of XSPH; what remains without XSPH is
+/// Rows of the energy of Taylor-Green vortices, which decays as e^(−4νk²t), ν = c h²/(22 Δt) of XSPH; what remains without XSPH is
 /// numerical.
 pub(crate) fn taylor_green(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let xsph = COEFFICIENT * RADIUS * RADIUS / (22.0 * STEP);
@@ -67,7 +68,7 @@ pub(crate) fn taylor_green(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// ν from the decay of the kinetic energy \[m²/s\].
+/// Viscosity ν from the decay of the kinetic energy \[m²/s\].
 fn effective_viscosity(gpu: &Gpu, c: f64) -> Result<f64, Error> {
     let lattice = Cloud::lattice(CELLS, SIMPLE);
     let k = TAU / lattice.size.x;

@@ -15,28 +15,29 @@ const KEPT: &str = "ideal fluid (Kelvin); at 0.3 m/s the clamped density constra
 const FED: &str = "no formula: measured, S = 10, I = 1, less the run without; holds from step 30 to 60; the tolerance \
     keeps the sign";
 
-/// Particle spacings along x and y, and across the slab.
+/// Particles along x and y, and across the slab.
 const CELLS: [usize; 3] = [22, 22, 6];
-/// Core radius \[d\].
+/// Radius of the vortex's core \[d\].
 const CORE: f64 = 3.0;
-/// Where the vortex ends, so that it is periodic: a factor e^(−(r/R)⁸), of half the box.
+/// Radius R \[half boxes\] at which a factor e^(−(r/R)⁸) ends the vortex, so that it is periodic.
 const EDGE: f64 = 0.9;
-/// Largest speed; U of the law \[m/s\].
+/// Largest speed of the vortex, and U of the law \[m/s\].
 const SPEED: f64 = 0.3;
-/// s of the band that is strengthened: half the core radius \[d\].
+/// Scale s of the band that is strengthened: half the core radius \[d\].
 const SCALE: f64 = 1.5;
-/// The bands beside it \[d\]: a smaller one, which particles can just carry, and one of twice the scale.
+/// Names and scales \[d\] of the bands beside it: a smaller one, which particles can just carry, and one of twice the scale.
 const OTHERS: [(&str, f64); 2] = [("of two thirds the scale", 1.0), ("of twice the scale", 3.0)];
+/// Strength S of the band, a number.
 const STRENGTH: f64 = 10.0;
-/// When the bands are compared. What follows is measured, not derived: the band gains more energy than both others from
-/// about step 30 to 60. Before, the larger gains more; at step 75 the smaller has 1.04 times as much. As a ratio to the
+/// Steps after which the bands are compared. The choice is measured, not derived: the band gains more energy than both others
+/// from about step 30 to 60. Before that the larger one gains more; at step 75 the smaller has 1.04 times as much. As a ratio to the
 /// run without confinement the smaller grows most at all times, for it starts with next to nothing (13, 7 and 1.7 times
 /// for 1, 1.5 and 3 spacings at step 45). With I = 0.5 and a core of 3.5 spacings no band stood out by step 50.
 const STEPS: u64 = 45;
 /// Radius of the ring that circulation is taken on \[core radii\].
 const RING: f64 = 2.5;
 
-/// A Lamb-Oseen vortex, v = Γ/(2πr) (1 − e^(−r²/a²)): alone it keeps its circulation; confinement gives the band
+/// Rows of a Lamb-Oseen vortex, v = Γ/(2πr) (1 − e^(−r²/a²)): alone it keeps its circulation; confinement gives the band
 /// of its own core more energy than others, for a time.
 pub(crate) fn lamb_oseen(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let start = vortex();
@@ -75,7 +76,7 @@ fn vortex() -> Cloud {
     })
 }
 
-/// 2πr times the mean swirl within half a spacing of the ring \[m²/s\].
+/// Circulation: 2πr times the mean swirl within half a spacing of the ring \[m²/s\].
 fn circulation(cloud: &Cloud) -> f64 {
     let center = 0.5 * cloud.size.truncate();
     let radius = RING * CORE * spacing();
@@ -87,7 +88,7 @@ fn circulation(cloud: &Cloud) -> f64 {
     mean(around)
 }
 
-/// Mean ½ |û|² of a band of so many spacings \[m²/s²\].
+/// Energy of a band whose scale is given in spacings: the mean of ½ |û|² \[m²/s²\].
 fn band_energy(gpu: &Gpu, cloud: &Cloud, scale: f64) -> Result<f64, Error> {
     let band = vectors(&cloud.particles().band_velocity(gpu, scale * spacing(), Filter::Direct { cutoff: 4.5 })?);
     Ok(mean(band.iter().map(|u| 0.5 * u.length_squared())))

@@ -33,7 +33,8 @@ fringe = 0.01
 [turbulence]
 bands = [{ scale = 0.006, strength = 10.0 }]
 ";
-/// The accurate defaults, and most of what may drive hair and air. (No strand is torn: `rods/rescue` finds none.)
+/// Keys of the accurate method, and most of what may drive hair and air. No strand is torn in it, so `rods/rescue` has nothing
+/// to do.
 const DRIVEN: &str = "
 [rods]
 sleep = false
@@ -55,7 +56,7 @@ center = [0.06, 0.025, 0.03]
 motion = [{ time = 0.0 }, { time = 0.01, translation = [-5e-3, 0, 0] }]
 ";
 
-/// Steps with the accurate defaults, and with the method as published; no strand sleeps or is left unsolved.
+/// Rows of steps with the accurate defaults, and with the method as published; no strand sleeps or is left unsolved.
 pub(crate) fn steps(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let published = format!("method = \"published\"\n{HAIR_IN_WIND}[rods]\niterations = 20\nsleep = false\n");
     let accurate = format!("{HAIR_IN_WIND}{DRIVEN}");

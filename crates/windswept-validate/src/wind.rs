@@ -22,10 +22,10 @@ const TERMINAL: &str = "rho r (u + 10 (2r/nu)^(-2/3) u^(1/3)) (u - g dt) = rho_h
 const OBLIQUE: &str = "dt k/m u over 1 + dt k/m, one step at 45 degrees to the wind; measured 1.6e-6 off: an \
     orientation's rounding; margin 4";
 
-/// \[m/s\]
+/// Mean wind \[m/s\].
 const WIND: DVec3 = DVec3::new(2.0, 0.0, 0.0);
 
-/// All air takes a gust; the fringe draws air to the wind; roots go where their keyframes say.
+/// Rows of what drives a run: all air takes a gust, the fringe draws air to the wind, roots go where their keyframes say.
 pub(crate) fn drive(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows = vec![gust(gpu)?, fringe(gpu)?];
     rows.extend(keyframes(gpu)?);
@@ -120,17 +120,17 @@ fn keyframes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// Of a fibre \[m\].
+/// Radius of a fibre \[m\].
 const FIBRE: f64 = 4e-5;
-/// \[kg/m³\]
+/// Density of a fibre \[kg/m³\].
 const FIBRE_DENSITY: f64 = 1320.0;
-/// \[kg/m³\]
+/// Density of the air \[kg/m³\].
 const AIR_DENSITY: f64 = 1.29;
-/// ν \[m²/s\].
+/// Kinematic viscosity ν of the air \[m²/s\].
 const VISCOSITY: f64 = 1.5e-5;
-/// C_l of the oblique strand.
+/// Coefficient of lift C_l of the oblique strand.
 const LIFT: f64 = 0.7;
-/// \[m/s²\]
+/// Gravity \[m/s²\].
 const GRAVITY: f64 = 9.81;
 
 /// A loose straight strand in the wind, drag model, and where it is after so many steps.
@@ -152,12 +152,13 @@ fn blown(gpu: &Gpu, direction: DVec3, gravity: f64, lift: f64, steps: u64) -> Re
     Ok(vectors(&simulation.frame()?.hair.velocities))
 }
 
-/// Terminal speed of a level strand that falls across the wind; what drag and lift give an oblique one in a step.
+/// Rows of the terminal speed of a level strand that falls across the wind, and of what drag and lift give an oblique strand
+/// in a step.
 pub(crate) fn drag(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let width = 2.0 * FIBRE;
     let mass = FIBRE_DENSITY * PI * FIBRE * FIBRE;
     let pressure = 0.5 * AIR_DENSITY * width;
-    // Per length: k_n of u across, k_t.
+    // k_n and k_t are resistances to the wind across and along the strand, per length.
     let across = |u: f64| pressure * (u + 10.0 * (width / VISCOSITY).powf(-2.0 / 3.0) * u.cbrt());
     let along = |u: f64| pressure * 5.4 * (VISCOSITY * u / width).sqrt();
 

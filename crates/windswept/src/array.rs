@@ -20,7 +20,7 @@ impl AnyArray {
         self.name
     }
 
-    /// What it holds, with its unit.
+    /// Meaning of an element, with its unit.
     #[must_use]
     pub fn doc(&self) -> &'static str {
         self.doc
@@ -38,7 +38,7 @@ impl AnyArray {
         self.len
     }
 
-    /// Whether it has no element.
+    /// Whether the array has no element.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len == 0
@@ -55,12 +55,12 @@ impl AnyArray {
         self.slot
     }
 
-    /// The one element that is bound, as uniforms are; `None`: the whole buffer.
+    /// Index of the one element that is bound, as uniforms are; `None` binds the whole buffer.
     pub(crate) fn element(&self) -> Option<u64> {
         self.element
     }
 
-    /// The first element as a uniform, unless another was chosen.
+    /// The array with its first element bound as a uniform, unless another element was chosen.
     pub(crate) fn as_uniform(&self) -> Self {
         Self { element: self.element.or(Some(0)), ..*self }
     }
@@ -78,7 +78,7 @@ impl<T> Array<T> {
         Self { any, of: PhantomData }
     }
 
-    /// One element of an array of uniforms.
+    /// The array with one element bound, for arrays of uniforms.
     #[must_use]
     pub(crate) fn at(&self, index: Index<T>) -> AnyArray {
         AnyArray { element: Some(index.0.into()), ..self.any }
@@ -113,11 +113,11 @@ impl<T> fmt::Debug for Array<T> {
     }
 }
 
-/// Which element of an array of `T`: an index of bands cannot be taken for one of grids.
+/// Index of an element of an array of `T`. Its type keeps an index of bands from being taken for one of grids.
 pub struct Index<T>(u32, PhantomData<fn() -> T>);
 
 impl<T> Index<T> {
-    /// The element after so many.
+    /// The index of the element that follows the first `index` elements.
     #[must_use]
     pub fn new(index: usize) -> Self {
         // Saturates: no array has so many elements.

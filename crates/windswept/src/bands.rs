@@ -14,28 +14,28 @@ use windswept_shaders::{
     },
 };
 
-/// Cells of a block, at most: with 7 air particles in a cell about as many particles as a workgroup of the filter takes.
+/// Most cells of a block. With 7 air particles in a cell they hold about as many particles as a workgroup of the filter takes.
 const LARGEST_BLOCK: u32 = 8;
-/// Pairs that one dispatch of the filter looks at, at most: 0.1 s of a software adapter on two cores, and no dispatch may
-/// take 2 s on any.
+/// Most pairs that one dispatch of the filter looks at. They take 0.1 s on a software adapter with two cores; drivers end a
+/// dispatch that takes 2 s.
 const PAIRS: f64 = 2e8;
-/// Particles that one invocation of the filter walks over, at most, where they are spread evenly: Mesa's software adapter
-/// ends the loops of an invocation after 65 535 rounds in all, without a word.
+/// Most particles that one invocation of the filter walks over, where they are spread evenly. Mesa's software adapter ends the
+/// loops of an invocation after 65 535 rounds in all, without an error; a quarter of that leaves room for clumps.
 const ROUNDS: f64 = 16e3;
-/// Slack of the filter's reach in cells: particles have moved since they were sorted (`turbulence/band.wgsl`).
+/// Slack of the filter's reach \[cells\]: particles have moved since they were sorted (`turbulence/band.wgsl`).
 const MOVED: f32 = 0.2;
 /// C0 of eq. 6 with the radical over 15 only: 2/(√15 π^(3/4)).
 const MEXICAN_HAT: f64 = 0.218_837_609;
 /// ε of eq. 2, which has no unit in print, read as an acceleration in mm, mg and s.
 const EPSILON: f64 = 0.008;
 
-/// The bands of a scene, in the order of the file, each cut into the dispatches of the direct filter; one uniform each with
-/// the grid. Empty without air.
+/// The bands of a scene in the order of the file. Each is cut into the dispatches of the direct filter, with a uniform for each;
+/// with the grid filter a band has one uniform. Empty without air.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Bands {
     /// One uniform per dispatch.
     pub(crate) tasks: Vec<Band>,
-    /// Per band of the scene: its tasks.
+    /// The tasks of each band of the scene, as a range of `tasks`.
     pub(crate) ranges: Vec<Range<usize>>,
 }
 
@@ -76,7 +76,7 @@ impl Bands {
     }
 }
 
-/// The band that a step strengthens first: with the grid filter the finest.
+/// The band that a step strengthens first: the finest with the grid filter, else the first that has a strength.
 fn first_of_step(scene: &Scene) -> Option<usize> {
     match scene.turbulence.filter {
         Filter::Grid => scene.turbulence.grids().first().map(|grid| grid[0]),
@@ -90,7 +90,7 @@ fn of(scene: &Scene, initial: &InitialState, band: &windswept_scene::Band) -> Ba
         Law::Band => Band {
             scale: band.scale as f32,
             reach,
-            // Weighted by volume, over the peak of the transfer function: unit gain at the band's centre.
+            // The sum is weighted by volume and divided by the peak of the transfer function: unit gain at the band's centre.
             gain: (E / (2.0 * (2.0 * PI).powf(1.5) * band.scale.powi(3))) as f32,
             strength: band.strength as f32,
             largest_speed: (band.intensity * scene.turbulence.speed) as f32,
@@ -113,8 +113,9 @@ struct Blocks {
     in_row: u32,
     cells: u32,
     count: u32,
-    /// Rows of cells on either side of a block, in y, and layers of them in z.
+    /// Rows of cells, in y, that the filter reaches on either side of a block.
     rows: i32,
+    /// Layers of cells, in z, that the filter reaches on either side of a block.
     layers: i32,
     rows_per_dispatch: i32,
     /// Particles that one invocation walks over in one dispatch.
@@ -171,8 +172,8 @@ pub(crate) fn invocations(task: &Band) -> u32 {
 mod tests {
     use super::*;
 
-    /// Whatever the box and the reach, blocks cover each row once, the dispatches all blocks and rows once, none runs longer
-    /// loops than it may, and none looks at more pairs than it may unless it is as small as can be.
+    /// Whatever the box and the reach, blocks cover each row once, and dispatches cover all blocks and rows once. None runs
+    /// longer loops than it may, and none looks at more pairs than it may unless it is as small as can be.
     #[test]
     fn dispatches_cover_every_block_once() {
         for (cells, particles) in [([3, 3, 3], 27), ([17, 12, 7], 11_000), ([58, 23, 22], 219_000), ([100, 1, 2], 10)] {

@@ -22,20 +22,20 @@ use crate::{
     status,
 };
 
-/// Entries of the neighbour list per particle, at first: the lattice has 26 (h/d = 1.92), clumps more.
+/// Entries of the neighbour list per particle at the start: the lattice has 26 (h/d = 1.92), clumps have more.
 pub(crate) const NEIGHBOURS_PER_PARTICLE: u64 = 36;
 
-/// The neighbour list grows by this over what a step needed.
+/// Length of a neighbour list that has grown, over what the step needed: room for a few steps' changes.
 const GROWTH: f64 = 1.25;
 
-/// Of a node of the band filter's grid, in each of its buffers.
+/// Size of a node of the band filter's grid in each of its buffers: four f32 \[bytes\].
 const NODE_BYTES: u64 = 16;
 
 /// The buffers of a scene on a device.
 #[derive(Debug)]
 pub struct Engine {
     gpu: Gpu,
-    /// The uniforms; the neighbour list's length in them grows.
+    /// The uniforms, of which the length of the neighbour list changes in the course of a run.
     params: Vec<Params>,
     sizes: Sizes,
     state: State,
@@ -88,7 +88,7 @@ impl Engine {
         self.write_air(Some(&local), Some(&air.velocities), air.volume)
     }
 
-    /// Hair where it stands, as if it had come with its velocities; sound, and awake.
+    /// Writes hair where it stands, as if it had come there with its velocities: finite, and awake.
     pub(crate) fn write_hair(&self, hair: &Strands, origin: DVec3) -> Result<(), GpuError> {
         let (s, step) = (&self.state, f64::from(self.seconds_of_step()));
         let positions: Vec<_> = hair.positions.iter().zip(&hair.volume).map(|(x, v)| vec4(*x - origin, *v)).collect();
@@ -104,7 +104,7 @@ impl Engine {
         self.write(&s.segment_history, &rods::segment_histories(hair, step))
     }
 
-    /// Air in the box: local positions \[m\], velocities \[m/s\], where given.
+    /// Writes air in the box: local positions \[m\] and velocities \[m/s\], whichever are given.
     pub(crate) fn write_air(
         &self,
         positions: Option<&[DVec3]>,
@@ -129,12 +129,12 @@ impl Engine {
         &self.gpu
     }
 
-    /// Δt of an engine step, as the shaders have it \[s\].
+    /// Length of an engine step, as the shaders have it \[s\].
     pub(crate) fn seconds_of_step(&self) -> f32 {
         self.params[0].step
     }
 
-    /// Counts of everything.
+    /// Numbers of particles, strands and whatever else has a buffer.
     #[must_use]
     pub fn sizes(&self) -> Sizes {
         self.sizes
@@ -146,19 +146,19 @@ impl Engine {
         &self.state
     }
 
-    /// A buffer, to draw from or to bind beside one's own.
+    /// The buffer of an array, to draw from or to bind beside one's own.
     #[must_use]
     pub fn buffer(&self, array: &AnyArray) -> &wgpu::Buffer {
         self.memory.buffer(array)
     }
 
-    /// Bytes of all buffers.
+    /// Size of all buffers together \[bytes\].
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
         self.state.arrays().iter().map(|array| array.bytes()).sum()
     }
 
-    /// Longest neighbour list that the adapter allows, entries.
+    /// Length of the longest neighbour list that the adapter allows \[entries\].
     #[must_use]
     pub fn largest_list(&self) -> u64 {
         (self.gpu.largest_binding() / self.state.neighbour_list.stride()).min(u32::MAX.into())
@@ -197,7 +197,8 @@ impl Engine {
         Ok(std::array::from_fn(|_| read.next().unwrap_or_default()))
     }
 
-    /// Shows arrays of four floats where the driver has put them: what is made of them is their only copy.
+    /// Shows `read` arrays of four floats in the memory to which the driver has mapped them, so that what it makes of them is
+    /// their only copy.
     pub(crate) fn view_vec4<const N: usize, R>(
         &self,
         arrays: [&Array<[f32; 4]>; N],
@@ -209,7 +210,7 @@ impl Engine {
         })
     }
 
-    /// Status word and counters.
+    /// The status word and the counters.
     ///
     /// # Errors
     /// [`GpuError`] when the device is lost.
@@ -226,8 +227,8 @@ impl Engine {
         self.write(&self.state.status, &[*status])
     }
 
-    /// Runs passes over the committed state, put where a step's own stands; again with a longer neighbour list if it was
-    /// too short. Says whether the list has grown: programs made before then bind the old one.
+    /// Runs passes over the committed state, which is copied to where a step's own state stands, and runs them again with a
+    /// longer neighbour list if the list was too short. Says whether the list has grown; programs made before bind the old one.
     ///
     /// # Errors
     /// [`RunError::TooManyNeighbours`] when the adapter has no room, [`RunError::Gpu`] with the driver's words.
@@ -245,7 +246,7 @@ impl Engine {
         }
     }
 
-    /// Where a step needed a longer neighbour list: makes room, and returns the thawed status.
+    /// Makes room where a step needed a longer neighbour list, and returns the thawed status.
     ///
     /// # Errors
     /// As [`Self::evaluate`].
@@ -288,7 +289,7 @@ impl Engine {
         Ok(program.run_profiled(&self.gpu, profile)?)
     }
 
-    /// Puts the committed positions and velocities where a step's own stand, for headings on their own.
+    /// Copies the committed positions and velocities to where a step's own stand, for headings that run on their own.
     ///
     /// # Errors
     /// [`GpuError`] with the driver's words.
@@ -307,7 +308,7 @@ impl Engine {
         )
     }
 
-    /// A neighbour list of `capacity` entries. Programs made before bind the old one.
+    /// Replaces the neighbour list by one of `capacity` entries. Programs made before bind the old one.
     ///
     /// # Errors
     /// [`GpuError`] when the adapter has no room.

@@ -11,9 +11,9 @@ pub enum GpuError {
     /// No adapter matched.
     #[error("no adapter found: looked for {wanted} among {found}\n{help}")]
     NoAdapter {
-        /// What was asked for.
+        /// Choice that was asked for.
         wanted: String,
-        /// What there is.
+        /// Adapters that there are.
         found: String,
         /// What to do about it.
         help: String,
@@ -21,7 +21,7 @@ pub enum GpuError {
     /// The adapter gave no device.
     #[error("adapter {adapter} gave no device: {reason}")]
     NoDevice {
-        /// Its name.
+        /// Name of the adapter.
         adapter: String,
         /// The driver's words.
         reason: String,
@@ -29,21 +29,21 @@ pub enum GpuError {
     /// A buffer would be larger than the adapter allows.
     #[error("{array} needs {bytes} bytes, the adapter binds at most {limit}; {}", remedy(array, *fits))]
     TooLarge {
-        /// The buffer.
+        /// Name of the buffer.
         array: &'static str,
-        /// What it needs \[bytes\].
+        /// Size that the buffer needs \[bytes\].
         bytes: u64,
-        /// What the adapter allows \[bytes\].
+        /// Size that the adapter allows \[bytes\].
         limit: u64,
-        /// How many particles, or of what else it holds, would fit.
+        /// Number of particles that would fit, or of whatever else the buffer holds.
         fits: u64,
     },
     /// The grid of neighbours has too many cells.
     #[error("air.kernel_radius makes {cells} cells of air.box, of which at most {most} can be sorted")]
     TooManyCells {
-        /// Cells.
+        /// Number of cells.
         cells: u32,
-        /// The most there may be.
+        /// Largest number of cells that there may be.
         most: u32,
     },
     /// The grid of the band filter would be larger than the adapter allows.
@@ -51,23 +51,23 @@ pub enum GpuError {
         "the grid for turbulence.bands of {scale} m would have {nodes} nodes, of which at most {most} fit this adapter; a scale of about {fits:.2e} m would fit"
     )]
     BandTooFine {
-        /// s of the finest band \[m\].
+        /// Scale s of the finest band \[m\].
         scale: f64,
-        /// Nodes of its grid.
+        /// Number of nodes of that band's grid.
         nodes: u64,
-        /// What fits.
+        /// Number of nodes that fit.
         most: u64,
-        /// The scale that would fit \[m\].
+        /// Scale that would fit \[m\].
         fits: f64,
     },
     /// A limit of the device is below what the engine needs.
     #[error("the device allows {limit} = {has}, {needs} are needed")]
     Limit {
-        /// Its name in wgpu.
+        /// Name of the limit in wgpu.
         limit: &'static str,
-        /// What the device has.
+        /// Value that the device has.
         has: u64,
-        /// What the engine needs.
+        /// Value that the engine needs.
         needs: u64,
     },
     /// The driver rejected a call, or is out of memory.
@@ -83,7 +83,7 @@ pub enum GpuError {
     Lost(String),
 }
 
-/// What would fit, and the keys of the scene that decide it.
+/// Advice: how much would fit, and the keys of the scene that decide it.
 fn remedy(array: &str, fits: u64) -> String {
     match array {
         "cell_count" | "cell_start" => {
@@ -112,7 +112,7 @@ pub enum RunError {
         "air particle {particle} became non-finite in step {step} (t = {time:.6} s): the run ends; a smaller time.step may help"
     )]
     NonFiniteAir {
-        /// Stable id of the first.
+        /// Stable id of the first such particle.
         particle: u32,
         /// The step that failed; the state is that before it.
         step: u64,
@@ -124,9 +124,9 @@ pub enum RunError {
         "{count} strands became non-finite in the rod solve of step {step} (t = {time:.6} s), strand {first} among them: the run ends; a smaller time.step or fewer hair.points may help"
     )]
     TooManyBadStrands {
-        /// How many.
+        /// Number of such strands.
         count: u32,
-        /// The smallest index of them.
+        /// Smallest index of such a strand.
         first: u32,
         /// The step that failed; the state is that before it.
         step: u64,
@@ -138,17 +138,17 @@ pub enum RunError {
         "step {step} needs a neighbour list of {needed} entries, the adapter allows {limit}: particles are crowded or too many"
     )]
     TooManyNeighbours {
-        /// Entries.
+        /// Number of entries that the step needs.
         needed: u64,
-        /// Entries that fit a binding.
+        /// Number of entries that fit a binding.
         limit: u64,
-        /// The step.
+        /// The step that needs them.
         step: u64,
     },
-    /// What a caller drives the run with.
+    /// A root, wind or state that the caller gave cannot be used.
     #[error("{0}")]
     Input(String),
-    /// A quantity of the state that cannot be measured.
+    /// A quantity of the state cannot be measured.
     #[error("measuring the state: {0}")]
     Measurement(String),
     /// The GPU.

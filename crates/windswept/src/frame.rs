@@ -9,7 +9,7 @@ pub struct Frame {
     pub time: f64,
     /// The strands.
     pub hair: HairFrame,
-    /// The air; empty without air particles.
+    /// The air particles; empty without any.
     pub air: AirFrame,
 }
 
@@ -18,23 +18,23 @@ pub struct Frame {
 pub struct HairFrame {
     /// First point of each strand, and the number of points: strands + 1.
     pub offsets: Vec<u32>,
-    /// Per point [m].
+    /// Position of each point [m].
     pub positions: Vec<[f32; 3]>,
-    /// Per point [m/s].
+    /// Velocity of each point [m/s].
     pub velocities: Vec<[f32; 3]>,
-    /// Per segment: (x, y, z, w), material frame to world; a strand of n points has n - 1.
+    /// Orientation of each segment: the rotation (x, y, z, w) from material frame to world. A strand of n points has n - 1.
     pub orientations: Vec<[f32; 4]>,
 }
 
 /// Air particles in the order of their stable ids.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AirFrame {
-    /// Per particle [m], wrapped into the box.
+    /// Position of each particle [m], wrapped into the box.
     pub positions: Vec<[f32; 3]>,
-    /// Per particle [m/s].
+    /// Velocity of each particle [m/s].
     pub velocities: Vec<[f32; 3]>,
-    /// Per particle, |curl v| [1/s]; empty unless asked for.
+    /// Vorticity |curl v| at each particle [1/s]; empty unless asked for.
     pub vorticity: Vec<f32>,
-    /// Per particle, ½ |û|² of the first band [m²/s²]; empty unless asked for.
+    /// Energy ½ |û|² of the first band at each particle [m²/s²]; empty unless asked for.
     pub band_energy: Vec<f32>,
 }

@@ -23,13 +23,18 @@ pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     info: AdapterInfo,
-    pipelines: Arc<Mutex<HashMap<&'static str, wgpu::ComputePipeline>>>,
+    pipelines: Pipelines,
     /// Sources that stand in for those of passes.
     sources: Arc<HashMap<&'static str, String>>,
+    /// Pipelines of those sources.
+    replaced: Pipelines,
 }
 
+/// Pipelines by the names of their passes.
+type Pipelines = Arc<Mutex<HashMap<&'static str, wgpu::ComputePipeline>>>;
+
 impl Gpu {
-    /// A device of our own on the chosen adapter.
+    /// Opens a device on the chosen adapter.
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`] says what was looked for, what there is and what to install.
@@ -56,7 +61,7 @@ impl Gpu {
         Self::from_device(&adapter, device, queue)
     }
 
-    /// The caller's device. Errors on it are caught in error scopes; its handlers are left alone.
+    /// Takes the caller's device. Errors on it are caught in error scopes; the device's handlers are left alone.
     ///
     /// # Errors
     /// [`GpuError::Limit`] when the device's limits are below WebGPU's defaults in what the passes need.
@@ -87,13 +92,14 @@ impl Gpu {
         }
         let info = AdapterInfo::new(&adapter.get_info());
         tracing::debug!(adapter = info.name, backend = info.backend, driver = info.driver, "device");
-        Ok(Self { device, queue, info, pipelines: Arc::default(), sources: Arc::default() })
+        Ok(Self { device, queue, info, pipelines: Arc::default(), sources: Arc::default(), replaced: Arc::default() })
     }
 
-    /// The same device with other shaders in place of those of some passes: to see a test fail, or to try a change.
+    /// The same device with other shaders in place of those of some passes: to see a test fail, or to try a change. Pipelines
+    /// of all other passes are shared.
     #[must_use]
     pub fn with_sources(&self, sources: impl IntoIterator<Item = (&'static str, String)>) -> Self {
-        Self { pipelines: Arc::default(), sources: Arc::new(sources.into_iter().collect()), ..self.clone() }
+        Self { sources: Arc::new(sources.into_iter().collect()), replaced: Arc::default(), ..self.clone() }
     }
 
     /// The device, for drawing beside the engine.
@@ -114,7 +120,7 @@ impl Gpu {
         &self.info
     }
 
-    /// The largest buffer that a pass can bind \[bytes\].
+    /// Size of the largest buffer that a pass can bind \[bytes\].
     #[must_use]
     pub fn largest_binding(&self) -> u64 {
         let limits = self.device.limits();
@@ -143,7 +149,7 @@ impl Gpu {
     /// Waits until the queue is empty.
     ///
     /// # Errors
-    /// [`GpuError::Lost`].
+    /// [`GpuError::Lost`] when the device is lost.
     pub fn wait(&self) -> Result<(), GpuError> {
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| GpuError::Lost(error.to_string()))?;
         Ok(())
@@ -151,11 +157,13 @@ impl Gpu {
 
     /// The pipeline of a pass, made at its first use.
     fn pipeline(&self, pass: &'static Pass) -> Result<wgpu::ComputePipeline, GpuError> {
-        let mut pipelines = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
+        let own = self.sources.get(pass.name);
+        let pipelines = if own.is_some() { &self.replaced } else { &self.pipelines };
+        let mut pipelines = pipelines.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(pipeline) = pipelines.get(pass.name) {
             return Ok(pipeline.clone());
         }
-        let source = self.sources.get(pass.name).map_or(pass.source, String::as_str);
+        let source = own.map_or(pass.source, String::as_str);
         let pipeline = self.checked(
             || format!("making the pipeline of {}", pass.name),
             || {

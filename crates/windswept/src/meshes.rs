@@ -8,28 +8,28 @@ use windswept_shaders::{
     turbulence::{deposit::BLOCK, smooth::ROW},
 };
 
-/// Of the Gaussian, and of its second derivative \[1/m²\].
+/// A tap of the Gaussian, and one of its second derivative \[1/m²\].
 pub(crate) type Tap = [f32; 2];
 
-/// Taps below this part of the middle one are left out: û is then 3e-6 off, 3e-5 with 1e-4.
+/// Smallest tap that is kept, as a part of the middle one: û is then 3e-6 off; with 1e-4 it would be 3e-5 off.
 const SMALLEST_TAP: f64 = 1e-5;
-/// Waves of which the Gaussian leaves less than e^(-40) add nothing to taps, k s.
+/// Largest k s of the waves that taps are summed from: of shorter waves the Gaussian leaves less than e^(-40).
 const SHORTEST_WAVE: f64 = 9.0;
-/// No kernel is wider, in scales, where the grid is as coarse as may be.
+/// Widest kernel there is, which is that of the coarsest grid \[scales\].
 const WIDEST: f64 = 9.0;
 
-/// A band on its grid: elements of `mesh`.
+/// A band on its grid, with the elements of `mesh` that its dispatches bind.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct OnMesh {
     /// Index into the scene's bands.
     pub(crate) band: usize,
-    /// Index of its grid.
+    /// Index of the band's grid.
     pub(crate) grid: usize,
-    /// Invocations of the deposit that comes before it; `None`: the grid is that of the band before.
+    /// Invocations of the deposit that comes before the band; `None` if the band before has filled the same grid.
     pub(crate) deposit: Option<u32>,
-    /// First of three elements, one per axis; the invocations that smooth along each.
+    /// Index of the first of the band's three elements, one per axis.
     pub(crate) first: usize,
-    /// Of `turbulence/smooth` along each axis.
+    /// Invocations of `turbulence/smooth` along each axis.
     pub(crate) smooth: [u32; 3],
 }
 
@@ -40,11 +40,11 @@ pub(crate) struct Meshes {
     pub(crate) taps: Vec<Tap>,
     /// Nodes and spacing of each grid.
     pub(crate) grids: Vec<([f64; 3], [f64; 3])>,
-    /// In the order of the step: bands that share a grid follow one another.
+    /// Bands in the order of the step, in which bands that share a grid follow one another.
     pub(crate) bands: Vec<OnMesh>,
-    /// Of the largest grid.
+    /// Number of nodes of the largest grid.
     pub(crate) nodes: u64,
-    /// Scale of the band that has it \[m\].
+    /// Scale of the band that has the largest grid \[m\].
     pub(crate) finest: f64,
 }
 
@@ -75,7 +75,7 @@ impl Meshes {
         meshes
     }
 
-    /// A band on the last grid.
+    /// Adds a band on the last grid.
     fn add(&mut self, scene: &Scene, band: usize, deposits: bool) {
         let Some(&(nodes, spacing)) = self.grids.last() else { return };
         let (scale, order) = (scene.turbulence.bands[band].scale, scene.turbulence.order.degree());
@@ -117,10 +117,11 @@ impl Meshes {
     }
 }
 
-/// Taps of the Gaussian of width s and of its second derivative along a periodic axis of so many nodes, the blur of deposit
-/// and gather (a B-spline of `order` each) taken out: ĝ = e^(−k²s²/2) / sinc(kh/2)^(2(p+1)), ĝ'' = −k² ĝ.
+/// Taps of the Gaussian of width s and of its second derivative along a periodic axis of `nodes` nodes. The blur of deposit and
+/// gather, a B-spline of `order` each, is taken out: ĝ = e^(−k²s²/2) / sinc(kh/2)^(2(p+1)), ĝ'' = −k² ĝ.
 ///
-/// With the offset of the first; the last make way for the row of nodes that `turbulence/smooth` makes at once.
+/// Returns the offset of the first tap with them. The zeros at the end are for the row of nodes that `turbulence/smooth` makes
+/// at once.
 fn taps(nodes: usize, spacing: f64, scale: f64, order: u32) -> (i32, Vec<Tap>) {
     let side = nodes as f64 * spacing;
     let waves = ((SHORTEST_WAVE / scale * side / TAU) as usize + 1).min(nodes / 2);
@@ -138,7 +139,7 @@ fn taps(nodes: usize, spacing: f64, scale: f64, order: u32) -> (i32, Vec<Tap>) {
     let farthest = (nodes / 2).min((WIDEST * scale / spacing).ceil() as usize);
     let tap = |n: usize| {
         spectrum.iter().enumerate().fold([0.0; 2], |[gauss, curve], (m, part)| {
-            // In whole turns, so that the angle stays small.
+            // The angle is reduced by whole turns, so that it stays small.
             let wave = (2.0 * PI * ((m * n) % nodes) as f64 / nodes as f64).cos();
             [gauss + part[0] * wave, curve + part[1] * wave]
         })
@@ -147,7 +148,7 @@ fn taps(nodes: usize, spacing: f64, scale: f64, order: u32) -> (i32, Vec<Tap>) {
     let small = |tap: &[f64; 2]| (0..2).all(|i| tap[i].abs() < SMALLEST_TAP * half[0][i].abs());
     let reach = half.iter().rposition(|tap| !small(tap)).unwrap_or(0);
     let (low, high) = (reach.min((nodes - 1) / 2) as i32, reach as i32);
-    // What was left out goes to the middle: a uniform flow has neither curvature nor another size.
+    // The middle tap takes what was left out, so that a uniform flow keeps its size and has no curvature.
     let all = (-low..=high).map(|n| half[n.unsigned_abs() as usize]);
     let [gauss, curve] = all.fold([0.0; 2], |[gauss, curve], tap| [gauss + tap[0], curve + tap[1]]);
     half[0][0] += 1.0 - gauss;

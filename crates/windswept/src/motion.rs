@@ -8,19 +8,19 @@ use windswept_shaders::common::motion::Keyframe;
 
 use crate::rods::{quat, vec3};
 
-/// The keyframes of all that moves, and whose they are.
+/// The keyframes of all motions, and the groups of hair and bodies that they belong to.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Motions {
-    /// Motion by motion: hair by group, then bodies.
+    /// Keyframes, motion by motion: those of the groups of hair, then those of the bodies.
     pub keyframes: Vec<Keyframe>,
-    /// Per group of hair: its keyframes; empty where the roots rest.
+    /// Keyframes of each group of hair, as a range; empty where the roots rest.
     pub hair: Vec<Range<u32>>,
-    /// Per body.
+    /// Keyframes of each body, as a range; empty where the body rests.
     pub bodies: Vec<Range<u32>>,
 }
 
 impl Motions {
-    /// Of a scene, in steps of the engine.
+    /// The motions of a scene, with times in steps of the engine.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
         let step = scene.time.step / f64::from(scene.time.substeps);
@@ -33,7 +33,7 @@ impl Motions {
     fn append(&mut self, motion: &Motion, step: f64) -> Range<u32> {
         let first = self.keyframes.len() as u32;
         for (k, own) in motion.keyframes.iter().enumerate() {
-            // The last leads nowhere.
+            // From the last keyframe the way leads nowhere.
             let next = motion.keyframes.get(k + 1).unwrap_or(own);
             let ((from, before), (to, after)) = (own.pose(), next.pose());
             let turn = after * before.conjugate();
@@ -54,7 +54,7 @@ impl Motions {
     }
 }
 
-/// The axis times the angle, of a turn by at most half a turn \[rad\].
+/// The rotation vector of a rotation, its axis times its angle of at most half a turn \[rad\].
 fn rotation_vector(turn: DQuat) -> glam::DVec3 {
     let sine = turn.xyz().length();
     if sine > 0.0 { turn.xyz() * (2.0 * sine.atan2(turn.w) / sine) } else { glam::DVec3::ZERO }

@@ -28,7 +28,7 @@ use crate::{
     step,
 };
 
-/// Values that the operations set, where they matter.
+/// A scene of air; operations replace the values that they depend on.
 const BASE: &str = "
 time = { step = 1.0, duration = 1.0 }
 air = { box = { min = [0, 0, 0], max = [1, 1, 1] }, wind = [0, 0, 0], ramp = 0.0 }
@@ -36,18 +36,19 @@ viscosity = { hair = 0.0, air = 0.0 }
 turbulence = { speed = 1.0 }
 ";
 
-/// Equal particles in a periodic box or in free space. Every operation uses `positions` and `bounds`; each says what else.
+/// Equal particles in a periodic box or in free space. Every operation uses `positions` and `bounds`, and says which other
+/// fields it uses.
 ///
 /// Positions are handed to the GPU as `f32` relative to the box, or in free space to their lowest corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Particles<'a> {
-    /// Per particle \[m\].
+    /// Position of each particle \[m\].
     pub positions: &'a [[f64; 3]],
-    /// Per particle \[m/s\].
+    /// Velocity of each particle \[m/s\].
     pub velocities: &'a [[f64; 3]],
-    /// Mass of each \[kg\].
+    /// Mass of each particle \[kg\].
     pub mass: f64,
-    /// ρ0 \[kg/m³\]; a particle's volume is mass / ρ0.
+    /// Rest density ρ0 \[kg/m³\]; a particle's volume is mass / ρ0.
     pub rest_density: f64,
     /// Kernel radius h \[m\].
     pub radius: f64,
@@ -58,22 +59,22 @@ pub struct Particles<'a> {
 /// How a band velocity is found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Filter {
-    /// On a grid: 0.1 to 0.8 % off the whole sum at the default, at a cost that falls as the scale grows.
+    /// A grid: 0.1 to 0.8 % off the whole sum at the default, at a cost that falls as the scale grows.
     Grid {
-        /// B-spline between particles and grid.
+        /// Order of the B-spline between particles and grid.
         order: Order,
-        /// Of the nodes, at most, in scales; up to 1, and never more than a kernel radius.
+        /// Largest distance between nodes, in scales, up to 1; it is never more than a kernel radius.
         spacing: f64,
     },
-    /// By the sum over all pairs nearer than this, in scales: 3 passes a third of the mean flow, 4.5 passes 0.4 %.
+    /// The sum over all pairs nearer than the cut: one at 3 scales passes a third of the mean flow, one at 4.5 scales 0.4 %.
     Direct {
-        /// In scales.
+        /// Distance of the cut, in scales.
         cutoff: f64,
     },
 }
 
 impl Default for Filter {
-    /// The grid, as a scene has it that leaves the keys out.
+    /// The grid, as in a scene that leaves the keys out.
     fn default() -> Self {
         Self::Grid { order: Order::Cubic, spacing: 0.55 }
     }
@@ -89,7 +90,7 @@ impl Filter {
         }
     }
 
-    /// Makes it the filter of a scene.
+    /// Makes this the filter of a scene.
     pub fn set(self, turbulence: &mut Turbulence) {
         match self {
             Self::Grid { order, spacing } => {
@@ -107,9 +108,9 @@ impl Filter {
 /// Who is nearer than the kernel radius to whom, as a compressed sparse row matrix.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Neighbours {
-    /// Per particle the first of its entries, and the end of the last.
+    /// First entry of each particle in `indices`, and the end of the last particle's.
     pub offsets: Vec<u32>,
-    /// Neighbours in rising order; a particle is not its own.
+    /// Neighbours of each particle in rising order; a particle is not its own neighbour.
     pub indices: Vec<u32>,
 }
 
@@ -122,7 +123,7 @@ pub enum OpsError {
     Argument {
         /// The argument.
         name: &'static str,
-        /// What was expected, and found.
+        /// Value that was expected, and the one that was found.
         what: String,
     },
     /// The device.
@@ -189,7 +190,7 @@ impl<'a> Particles<'a> {
                 let words = format!("expected a number above 0, at most {COARSEST_SPACING}, found {spacing}");
                 return Err(argument("spacing", words));
             }
-            // Images that far off add less than rounding.
+            // Images at that distance add less than rounding.
             Filter::Grid { .. } => 4.5,
             Filter::Direct { cutoff } => cutoff,
         };
@@ -302,7 +303,7 @@ impl<'a> Particles<'a> {
         (self.mass / self.rest_density).cbrt()
     }
 
-    /// Into the box, if there is one.
+    /// The position wrapped into the box, if there is one.
     fn wrapped(&self, x: DVec3) -> DVec3 {
         let Some(sides) = self.bounds.map(DVec3::from_array) else { return x };
         let inside = x - sides * (x / sides).floor();
@@ -405,7 +406,8 @@ fn argument(name: &'static str, what: String) -> OpsError {
     OpsError::Argument { name, what }
 }
 
-/// A scale that no grid of this adapter can have is an argument's fault here, and not a scene's.
+/// The error as a caller of an operation should read it: a scale that is too fine for this adapter's grids is the argument's
+/// fault here, not a scene's.
 fn too_fine(scale: f64, error: OpsError) -> OpsError {
     match error {
         OpsError::Run(RunError::Gpu(GpuError::BandTooFine { nodes, most, fits, .. })) => {

@@ -1,4 +1,4 @@
-//! Writes down a step: which pass runs over which arrays, and which is left out and why. No GPU.
+//! Writes down a step: which pass runs over which arrays, and which is left out and why. It needs no GPU.
 
 use windswept_shaders::{Binding, BindingKind, Pass};
 
@@ -7,7 +7,7 @@ use crate::{array::AnyArray, state::State};
 /// Whether a part of the step is needed, and why.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Decision {
-    /// Whether it runs.
+    /// Whether the part runs.
     pub runs: bool,
     /// The reason, a short clause.
     pub why: String,
@@ -20,7 +20,7 @@ impl Decision {
         Self { runs, why: why.into() }
     }
 
-    /// This one if it says no, else the other.
+    /// This decision if it says no, else the other one.
     #[must_use]
     pub fn and(&self, other: Self) -> Self {
         if self.runs { other } else { self.clone() }
@@ -30,19 +30,19 @@ impl Decision {
 /// One pass of the step.
 #[derive(Debug, Clone)]
 pub struct Command {
-    /// The heading it stands under.
+    /// Heading under which the pass stands.
     pub heading: &'static str,
-    /// Its text and bindings.
+    /// Text and bindings of the pass.
     pub pass: &'static Pass,
-    /// A short sentence: its row in the profile, its debug group, its name in errors.
+    /// Label, a short sentence: row in the profile, debug group, name in errors.
     pub label: &'static str,
-    /// Invocations that are wanted.
+    /// Number of invocations that are wanted.
     pub invocations: u32,
-    /// What the pass's bindings are bound to, in their order.
+    /// Arrays that the pass's bindings are bound to, in the order of the bindings.
     pub arrays: Vec<AnyArray>,
-    /// The band of eddies that it is for, an index into `turbulence.bands`.
+    /// Band of eddies that the pass is for, an index into `turbulence.bands`.
     pub band: Option<usize>,
-    /// Why it is left out; `None`: it runs.
+    /// Reason why the pass is left out; `None` if it runs.
     pub skipped: Option<String>,
 }
 
@@ -72,7 +72,7 @@ pub struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// What `record` writes down, over the arrays of `state`.
+    /// The recording that `record` writes down, over the arrays of `state`.
     ///
     /// # Panics
     /// When a pass binds a name that no array has, or an array of other elements, or writes one that it binds twice: mistakes
@@ -98,12 +98,12 @@ impl<'a> Recorder<'a> {
         self.state
     }
 
-    /// The heading under which the next passes stand.
+    /// Begins a heading, under which the next passes stand.
     pub fn heading(&mut self, heading: &'static str) {
         self.heading = heading;
     }
 
-    /// One pass over `invocations` elements. Each of its bindings is bound to the array of its name, but where
+    /// Adds a pass over `invocations` elements. Each of its bindings is bound to the array of its name, but where
     /// [`Bindings::bind`] says otherwise.
     pub fn run(&mut self, pass: &'static Pass, label: &'static str, invocations: u32) -> Bindings<'_> {
         let named = |binding: &Binding| {
@@ -125,14 +125,14 @@ impl<'a> Recorder<'a> {
         Bindings(&mut commands[last])
     }
 
-    /// Passes for one band of eddies: the profile has rows of its own for each.
+    /// Adds passes for one band of eddies, which have rows of their own in the profile.
     pub fn for_band(&mut self, band: usize, record: impl FnOnce(&mut Self)) {
         self.band = Some(band);
         record(self);
         self.band = None;
     }
 
-    /// Passes that run if the decision says so; otherwise they are recorded as skipped, with its reason.
+    /// Adds passes that run if the decision says so, and are otherwise recorded as skipped, with the decision's reason.
     pub fn when(&mut self, decision: &Decision, record: impl FnOnce(&mut Self)) {
         if decision.runs || self.skipping.is_some() {
             record(self);
@@ -143,7 +143,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Passes that run `times` times.
+    /// Adds passes that run `times` times.
     pub fn repeat(&mut self, times: u32, record: impl Fn(&mut Self)) {
         self.when(&Decision::when(times > 0, "0 iterations"), &record);
         for _ in 1..times {
@@ -175,7 +175,7 @@ impl Bindings<'_> {
     }
 }
 
-/// Whether the arrays are what the bindings of the pass take.
+/// Panics unless the arrays are what the bindings of the pass take.
 fn check(command: &Command) {
     let pass = command.pass;
     for (binding, array) in pass.bindings.iter().zip(&command.arrays) {

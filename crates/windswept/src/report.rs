@@ -13,16 +13,16 @@ pub struct Report {
     pub schema: u32,
     /// Version of windswept.
     pub windswept: String,
-    /// Commit that it was built from, where the build knew it.
+    /// Commit that windswept was built from, where the build knew it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub commit: Option<String>,
     /// Title of the scene.
     pub scene: String,
-    /// `accurate` or `published`.
+    /// Method: `accurate` or `published`.
     pub method: String,
     /// The adapter that ran.
     pub adapter: AdapterInfo,
-    /// Counts.
+    /// Numbers of particles.
     pub particles: Particles,
     /// Steps since t = 0.
     pub steps: u64,
@@ -37,63 +37,63 @@ pub struct Report {
     /// GPU time per pass and step, of the timed steps.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub passes: Vec<PassReport>,
-    /// What the scene does not need.
+    /// Passes that the scene does not need.
     pub skipped: Vec<SkippedReport>,
-    /// max |l/l0 − 1| over the run.
+    /// Largest stretch of a segment over the run, max |l/l0 − 1|.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_stretch: Option<f64>,
-    /// Steps of strands, summed over all strands and steps, that went otherwise than by a solve of the integrator asked for:
+    /// Steps of strands that went otherwise than by a solve of the integrator asked for, summed over all strands and steps:
     /// `euler_steps` by implicit Euler instead of BDF2, `quiet_steps` without a solve because nothing pushed the strand,
     /// `asleep_steps` of strands at rest, `teleports` of strands that a far jump of their root took along as they were, and
     /// `rescued_steps` by Gauss-Seidel because the direct solve did not converge in f32.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strand_steps: Option<BTreeMap<String, u64>>,
-    /// rms of ρ/ρ0 − 1 over the air.
+    /// Density error: rms of ρ/ρ0 − 1 over the air.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density_error_rms: Option<f64>,
-    /// rms of max(ρ/ρ0 − 1, 0) over the air.
+    /// Density error of compressed air alone: rms of max(ρ/ρ0 − 1, 0) over the air.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub over_density_rms: Option<f64>,
-    /// Σ m v over hair and air; clamped roots left out.
+    /// Momentum Σ m v of hair and air, without clamped roots.
     pub momentum_kg_m_per_s: [f64; 3],
-    /// What confinement has given the air in the whole run, its mean taken out; without bands left out.
+    /// Impulse that confinement has given the air in the run, after its mean was taken out. Left out without bands.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub confinement_impulse_kg_m_per_s: Option<[f64; 3]>,
-    /// Steps in which the confinement's limiter acted on some particle: a band may gain 0.12 of its speed in a step, which
-    /// strong bands do; without bands left out.
+    /// Steps in which the confinement's limiter acted on some particle: it keeps a strong band from gaining more than 0.12 of
+    /// its speed in a step. Left out without bands.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub confinement_limited_steps: Option<u64>,
-    /// Energy and cost of each of `turbulence.bands`; without air particles or bands left out.
+    /// Energy and cost of each of `turbulence.bands`. Left out without air particles or bands.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub band_energy: Vec<BandEnergy>,
-    /// Bytes of the engine's buffers.
+    /// Size of the engine's buffers \[bytes\].
     pub memory_bytes: u64,
-    /// How often each cause acted.
+    /// Warnings: how often each cause acted.
     pub warnings: BTreeMap<String, u64>,
 }
 
-/// Counts.
+/// Numbers of particles.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Particles {
     /// Points of all strands.
     pub hair: u64,
     /// Air particles.
     pub air: u64,
-    /// Hair points outside the box of air, now.
+    /// Hair points that are outside the box of air now.
     pub hair_outside_box: u64,
 }
 
-/// A band of eddies: the mean over the air of ½ |û|², about the mean wind \[m²/s²\], and what it cost.
+/// A band of eddies: its energy, which is the mean of ½ |û|² over the air, about the mean wind, and its cost.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BandEnergy {
-    /// s \[m\].
+    /// Scale s \[m\].
     pub scale: f64,
-    /// At t = 0.
+    /// Energy at t = 0 \[m²/s²\].
     pub m2_per_s2_at_start: f64,
-    /// Now.
+    /// Energy now \[m²/s²\].
     pub m2_per_s2: f64,
-    /// GPU time of all its passes in a step \[ms\], a grid that bands share with the finest of them; left out where it was
-    /// not timed or has no strength.
+    /// GPU time of all the band's passes in a step \[ms\]; a grid that bands share counts with the finest of them. Left out
+    /// where it was not timed or the band has no strength.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ms: Option<f64>,
 }
@@ -101,23 +101,23 @@ pub struct BandEnergy {
 /// GPU time of a pass.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PassReport {
-    /// Its label.
+    /// Label of the pass.
     pub name: String,
-    /// The pass, `folder/name`.
+    /// Name of the pass, `folder/name`.
     pub pass: String,
-    /// Which of `turbulence.bands` it is for; a grid that bands share counts with the first of them.
+    /// Index of the band in `turbulence.bands` that the pass is for; a grid that bands share counts with the first of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub band: Option<usize>,
-    /// Mean time in a step, all its runs in the step together \[ms\].
+    /// Mean time of all runs in a step together \[ms\].
     pub ms: f64,
-    /// Runs in a step.
+    /// Number of runs in a step.
     pub runs: u64,
 }
 
 /// A pass that the scene does not need.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct SkippedReport {
-    /// Its label.
+    /// Label of the pass.
     pub name: String,
     /// The reason.
     pub why: String,

@@ -21,11 +21,11 @@ use crate::{
     step::{self, Quantity},
 };
 
-/// A submit should take about this long: short enough for progress bars, Ctrl-C and GPU watchdogs.
+/// Time that a submit should take \[s\]: short enough for progress bars, Ctrl-C and GPU watchdogs.
 const SUBMIT_S: f64 = 0.1;
-/// Steps in a submit, at most.
+/// Most steps in a submit: after one that freezes the rest are wasted.
 const STEPS_PER_SUBMIT: u64 = 64;
-/// One step in this many submits is timed pass by pass.
+/// Submits from one that is timed pass by pass to the next. A timed submit is a single step with timers, and slower.
 const TIMED_SUBMITS: u64 = 8;
 
 /// Hair and air of one scene.
@@ -48,18 +48,18 @@ pub struct Simulation {
     timed_steps: u64,
 }
 
-/// The state on the GPU. Elements are four `f32` each.
+/// The state on the GPU. Every element is four `f32`.
 #[derive(Debug, Clone, Copy)]
 pub struct Buffers<'a> {
-    /// Per particle, hair points first and air after them: position less `origin` \[m\], and volume \[m³\].
+    /// Position of each particle less `origin` \[m\], and its volume \[m³\]; hair points first, then air.
     pub positions: &'a wgpu::Buffer,
-    /// Per particle: velocity \[m/s\]; the fourth number means nothing.
+    /// Velocity of each particle \[m/s\]; the fourth number means nothing.
     pub velocities: &'a wgpu::Buffer,
-    /// Per segment: (x, y, z, w), material frame to world.
+    /// Orientation of each segment: the rotation (x, y, z, w) from material frame to world.
     pub orientations: &'a wgpu::Buffer,
-    /// Points of all strands, root to tip and strand by strand.
+    /// Number of points of all strands; they stand root to tip and strand by strand.
     pub hair_points: u32,
-    /// Air particles.
+    /// Number of air particles.
     pub air_particles: u32,
     /// Origin of the positions in the world \[m\].
     pub origin: DVec3,
@@ -75,7 +75,7 @@ impl Simulation {
         Self::with_state(gpu, scene, initial)
     }
 
-    /// A simulation of strands of the caller's own, which replace the scene's `[hair]`.
+    /// A simulation of the caller's own strands, which replace the scene's `[hair]`.
     ///
     /// # Errors
     /// [`Error::Scene`] names what the groom got wrong, [`Error::Gpu`] when it does not fit the adapter.
@@ -84,7 +84,7 @@ impl Simulation {
         Self::with_state(gpu, &Scene { hair: Vec::new(), ..scene.clone() }, initial)
     }
 
-    /// A simulation that starts from arrays of the caller's own; the scene's `[hair]` and lattice are not looked at.
+    /// A simulation that starts from the caller's own arrays; the scene's `[hair]` and lattice are not looked at.
     ///
     /// # Errors
     /// [`Error::Scene`] when the arrays do not belong together, [`Error::Gpu`] when they do not fit the adapter.
@@ -150,11 +150,11 @@ impl Simulation {
         }
     }
 
-    /// Reads the status after a submit: grows the neighbour list when a step needed a longer one (the frozen steps are
-    /// not done; compare [`Self::steps`] and record them again), and turns what ended the run into an error.
+    /// Reads the status after a submit. Grows the neighbour list when a step needed a longer one: the frozen steps are then not
+    /// done, so compare [`Self::steps`] and record them again. Turns what ended the run into an error.
     ///
     /// # Errors
-    /// [`RunError`].
+    /// [`RunError`] names what ended the run.
     pub fn settle(&mut self) -> Result<(), RunError> {
         let status = self.engine.status()?;
         let step = u64::from(status.step) / self.substeps();
@@ -212,32 +212,32 @@ impl Simulation {
         self.steps as f64 * self.dt()
     }
 
-    /// Δt \[s\], `time.step`.
+    /// Step Δt of the scene, `time.step` \[s\].
     #[must_use]
     pub fn dt(&self) -> f64 {
         self.scene.time.step
     }
 
-    /// The scene; with the substeps that its strands need ([`windswept_scene::Strands::substeps`]), if those are more.
+    /// The scene. It has the substeps that its strands need ([`windswept_scene::Strands::substeps`]), if the file has fewer.
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// What it started from.
+    /// The state that the simulation started from.
     #[must_use]
     pub fn initial(&self) -> &InitialState {
         &self.initial
     }
 
-    /// The device that it runs on.
+    /// The device that the simulation runs on.
     #[must_use]
     pub fn gpu(&self) -> &Gpu {
         self.engine.gpu()
     }
 
-    /// Buffers of the state, to be drawn from without a copy. They hold the state between steps, and stay the same ones for
-    /// the whole run.
+    /// Buffers of the state, to be drawn from without a copy. They hold the state between steps, and are never replaced in a
+    /// run.
     #[must_use]
     pub fn buffers(&self) -> Buffers<'_> {
         let s = self.engine.state();
@@ -251,7 +251,7 @@ impl Simulation {
         }
     }
 
-    /// The engine below.
+    /// The engine that runs the steps.
     #[doc(hidden)]
     #[must_use]
     pub fn engine(&self) -> &Engine {
@@ -287,7 +287,7 @@ impl Simulation {
         Ok(frame)
     }
 
-    /// ρ/ρ0 of every particle now, hair points first; empty when the scene's particles do not meet.
+    /// Density ρ/ρ0 at every particle now, hair points first; empty when the scene's particles do not meet.
     ///
     /// # Errors
     /// [`RunError`] when the neighbour list cannot grow or the device is lost.
@@ -297,7 +297,7 @@ impl Simulation {
         if self.plan.neighbours.runs { Ok(self.engine.read(&density)?) } else { Ok(Vec::new()) }
     }
 
-    /// |ω| of the air now, plain SPH sum \[1/s\]; empty when the scene's particles do not meet.
+    /// Vorticity |ω| of the air now, by the plain SPH sum \[1/s\]; empty when the scene's particles do not meet.
     ///
     /// # Errors
     /// As [`Self::density`].

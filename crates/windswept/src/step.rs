@@ -25,13 +25,13 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     guard::record(r, plan); //      9. Commit, or freeze and report.
 }
 
-/// A quantity of the committed state, for reports and pictures: its passes, over the state copied to `predicted` and
+/// A quantity of the committed state, for reports and pictures. Its passes run over the state copied to `predicted` and
 /// `new_velocity`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// ρ/ρ0.
+    /// The density ρ/ρ0.
     Density,
-    /// ω of the velocity.
+    /// The vorticity ω of the velocity.
     Vorticity,
 }
 

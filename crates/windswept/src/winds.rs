@@ -6,25 +6,26 @@ use windswept_shaders::wind::fringe::Wave;
 /// A time that no run reaches \[s\].
 const NEVER: f32 = 1e30;
 
-/// Entries of the table, with room for a wind that is set; the last, which no run reaches, is as the one before.
+/// Number of entries of the table of the mean wind, with room for a wind that is set. The last entry repeats the one before at
+/// a time that no run reaches.
 fn table_len(scene: &Scene) -> usize {
     scene.air.as_ref().map_or(0, |air| air.wind_table().len()).max(2) + 1
 }
 
-/// U \[m/s\] and time \[s\] where the mean wind changes its course.
+/// Table of the mean wind: U \[m/s\] and time \[s\] at every change of its course.
 pub(crate) fn table(scene: &Scene) -> Vec<[f32; 4]> {
     let entries = scene.air.as_ref().map_or_else(|| vec![(0.0, [0.0; 3])], |air| air.wind_table());
     let rows = entries.iter().map(|(time, u)| [u[0] as f32, u[1] as f32, u[2] as f32, *time as f32]);
     filled(rows.collect(), table_len(scene))
 }
 
-/// The wind `to` from the end of a step at `time` \[s\] on that started at `before` with the wind `from` \[m/s\].
+/// Table of a wind that is `to` from `time` \[s\] on, the end of a step that started at `before` with the wind `from` \[m/s\].
 pub(crate) fn turned(from: [f32; 3], before: f32, to: [f32; 3], time: f32, len: usize) -> Vec<[f32; 4]> {
     let row = |u: [f32; 3], time: f32| [u[0], u[1], u[2], time];
     filled(vec![row(from, before), row(to, time)], len)
 }
 
-/// To the length of the buffer: the last wind holds.
+/// The table filled up to the length of the buffer: the last wind holds.
 fn filled(mut table: Vec<[f32; 4]>, len: usize) -> Vec<[f32; 4]> {
     let [x, y, z, _] = table.last().copied().unwrap_or_default();
     let first = table.len();
@@ -32,7 +33,7 @@ fn filled(mut table: Vec<[f32; 4]>, len: usize) -> Vec<[f32; 4]> {
     table
 }
 
-/// The waves of `air.inflow`; none without.
+/// The waves of `air.inflow`; none without an inflow.
 pub(crate) fn waves(scene: &Scene, initial: &InitialState) -> Vec<Wave> {
     let inflow = scene.air.as_ref().and_then(|air| air.inflow);
     let waves = inflow.map(|inflow| inflow.waves(initial.air.size)).unwrap_or_default();

@@ -1,6 +1,6 @@
 //! `cargo xtask demo`, `python`, `test` and `package`: set up what a clean clone lacks, then run it.
 //!
-//! Everything it fetches is either a system package, announced before it is installed, or lies in `target/venv`.
+//! Everything that these commands fetch is either a system package, announced before it is installed, or lies in `target/venv`.
 
 mod package;
 mod python;
@@ -14,6 +14,7 @@ use std::process::{Command, ExitCode};
 
 use crate::tests::Length;
 
+/// Usage, as help prints it.
 const USAGE: &str = "\
 Usage: cargo xtask <COMMAND>
 
@@ -24,7 +25,7 @@ Commands:
            with --long also those that take minutes and seldom break
   package  build the crates and the Python package as they would be published; publishes nothing
 
-Each gets what it needs where it is missing: a Vulkan driver, CMake, packages of PyPI.";
+Each command installs or fetches what it needs and does not find: a Vulkan driver, CMake, packages of PyPI.";
 
 /// An error as the user reads it; it ends with what to do.
 type Error = String;
@@ -56,12 +57,13 @@ fn main() -> ExitCode {
     }
 }
 
-/// Simulated time of the demo [s]: the hair swings out and back once, in a minute or so on a software adapter.
+/// Key that sets the simulated time of the demo, half a second: the hair swings out and back once, in a minute or so on a software adapter.
 const DEMO: &str = "time.duration=0.5";
 
 /// Brings a clean clone to pictures: a driver, CMake, the command, a run.
 ///
-/// It builds for a short wait, not for speed, and without the commands that a simulation does not need.
+/// The command is built so that the wait is short, not so that it runs fast, and without the parts that a simulation does not
+/// need.
 fn demo() -> Result {
     vulkan::any_driver()?;
     let mut cargo = cargo();

@@ -23,7 +23,7 @@ pub(crate) fn build() -> Result {
     };
     let dist = root().join("target/dist");
     let [sdists, unpacked, wheels] = ["sdist", "unpacked", "wheel"].map(|folder| dist.join(folder));
-    // Else files of older versions would be taken for the new ones.
+    // The folder is emptied: files of older versions would be taken for the new ones.
     if dist.exists() {
         std::fs::remove_dir_all(&dist).map_err(|e| format!("{}: {e}", dist.display()))?;
     }
@@ -33,7 +33,8 @@ pub(crate) fn build() -> Result {
     run(module("tarfile").arg("--extract").args([&sdist, &unpacked]))?;
     let mut pip = module("pip");
     pip.args(["wheel", "--quiet", "--disable-pip-version-check", "--no-deps", "--wheel-dir"]).arg(&wheels);
-    // Only whether it builds is asked: the profile and the folder of the tests, where the dependencies are compiled already.
+    // The question is only whether it builds, so the profile and the folder are those of the tests, where the dependencies are
+    // compiled already.
     pip.args(["--config-settings", "build-args=--profile dev"]).env("CARGO_TARGET_DIR", root().join("target"));
     run(pip.arg(the_file_in(&unpacked)?))?;
 

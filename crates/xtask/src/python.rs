@@ -21,14 +21,14 @@ pub(crate) fn provide() -> Result {
 pub(crate) fn install(profile: &str) -> Result<PathBuf> {
     let python = venv::provide(&PACKAGES)?;
     let wheels = root().join("target/wheels");
-    // Else wheels of older versions would be installed too.
+    // The folder is emptied: wheels of older versions would be installed too.
     if wheels.exists() {
         std::fs::remove_dir_all(&wheels).map_err(|e| format!("{}: {e}", wheels.display()))?;
     }
     say("Building the wheel");
     let mut maturin = Command::new(&python);
     maturin.current_dir(root()).args(["-m", "maturin", "build", "--quiet", "--profile", profile, "--out"]).arg(&wheels);
-    // The cargo that runs us is the one that builds.
+    // maturin builds with the cargo that runs this program.
     maturin.env("CARGO", cargo().get_program());
     venv::provide_cmake(&mut maturin)?;
     run(&mut maturin)?;

@@ -7,11 +7,11 @@ use crate::{Result, line, run, say};
 /// One thing under the name that each system's package manager has for it.
 #[derive(Clone, Copy)]
 pub(crate) struct Package {
-    /// Debian, Ubuntu.
+    /// Names of the packages in Debian and Ubuntu.
     pub(crate) apt: &'static str,
-    /// Fedora.
+    /// Names of the packages in Fedora.
     pub(crate) dnf: &'static str,
-    /// Arch.
+    /// Names of the packages in Arch.
     pub(crate) pacman: &'static str,
 }
 
@@ -62,7 +62,7 @@ fn is_root() -> bool {
     id.is_ok_and(|id| id.stdout.trim_ascii() == b"0")
 }
 
-/// The line for this system's package manager, or for all that we know.
+/// The line to type for this system's package manager; the lines for all that we know if it has none of them.
 fn what_to_type(lacking: &str, package: Package) -> String {
     let lines = [
         ("apt-get", format!("sudo apt-get install {}", package.apt)),

@@ -5,15 +5,15 @@ use std::process::{Command, Stdio};
 
 use crate::{Result, cargo, line, python, say, venv, vulkan};
 
-/// What the tests that read our files with other people's readers import.
+/// PyPI packages of the tests that read our files with other people's readers.
 const PYTHON_PACKAGES: [&str; 4] = ["numpy", "h5py", "vtk", "pillow"];
 
 /// Which tests run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Length {
-    /// What `cargo test` runs, and pytest without the tests marked `long`.
+    /// The tests that `cargo test` runs, and those of pytest without the mark `long`.
     Usual,
-    /// Also `tests/long`, the Python tests marked `long`, and a short run of the benches.
+    /// Also the tests that are ignored because they take long, the Python tests marked `long`, and a short run of the benches.
     Long,
 }
 
@@ -37,8 +37,6 @@ pub(crate) fn run(length: Length) -> Result {
 
     say("Lints");
     crate::run(&mut run_cargo(&["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"])?)?;
-    // `--all-targets` leaves out what `test = false` keeps out of `cargo test`.
-    crate::run(&mut run_cargo(&["clippy", "--test", "long", "--", "--deny", "warnings"])?)?;
 
     let mut total = Count { passed: 0, failed: 0, succeeded: true };
     let mut count = |mut tests: Command| -> Result {
@@ -47,10 +45,9 @@ pub(crate) fn run(length: Length) -> Result {
         Ok(())
     };
     say("Tests");
-    count(run_cargo(&["test", "--workspace", "--no-fail-fast"])?)?;
+    let ignored: &[&str] = if length == Length::Long { &["--", "--include-ignored"] } else { &[] };
+    count(run_cargo(&[&["test", "--workspace", "--no-fail-fast"], ignored].concat())?)?;
     if length == Length::Long {
-        say("Long tests");
-        count(run_cargo(&["test", "--test", "long"])?)?;
         say("Benches, briefly");
         let mut benches = run_cargo(&["test", "--bench", "work_precision"])?;
         on_software(&mut benches);
@@ -71,7 +68,7 @@ pub(crate) fn run(length: Length) -> Result {
     }
 }
 
-/// What test programs say at their end, added up.
+/// Numbers that test programs print at their end, added up.
 #[derive(Debug)]
 struct Count {
     passed: u64,
@@ -107,7 +104,7 @@ fn run_and_count(tests: &mut Command) -> Result<Count> {
     Ok(count)
 }
 
-/// Whether it is the last line of a program of libtest, or of pytest.
+/// Whether a line is the last one of a program of libtest, or of pytest.
 fn closes(row: &str) -> bool {
     let pytest =
         || row.contains(" in ") && row.split(", ").any(|part| before(part, " passed") + before(part, " failed") > 0);
@@ -132,7 +129,7 @@ mod check {
         assert!(closes(&format!("test result: {line}")) && !closes(line));
     }
 
-    /// And that of pytest, which names what there is none of only if there was some.
+    /// The closing line of pytest counts too; it leaves out what there is none of.
     #[test]
     fn closing_line_of_pytest_is_read() {
         for (line, counts) in

@@ -6,9 +6,10 @@ use std::process::Command;
 use crate::system::{self, Package};
 use crate::{Result, root, run, say};
 
+/// Python, with the module that makes environments.
 const PYTHON: Package = Package { apt: "python3 python3-venv", dnf: "python3", pacman: "python" };
 
-/// HDF5 is built with CMake; this puts one on the command's PATH where the machine has none.
+/// Puts a CMake on the command's PATH where the machine has none: HDF5 is built with it.
 pub(crate) fn provide_cmake(command: &mut Command) -> Result {
     if std::env::var_os("CMAKE").is_some() || system::succeeds("cmake", &["--version"]) {
         return Ok(());
@@ -57,6 +58,6 @@ fn create(venv: &str) -> Result {
         }
     };
     say("Making target/venv");
-    // --clear: what is there does not work (its base Python may be gone).
+    // --clear: an environment that is there but does not work is replaced (its base Python may be gone).
     run(Command::new(base).args(["-m", "venv", "--clear", venv]))
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::Result;
 use crate::system::{self, Package};
 
+/// The Vulkan loader, and Mesa's drivers with lavapipe among them.
 const MESA: Package = Package {
     apt: "libvulkan1 mesa-vulkan-drivers",
     dnf: "vulkan-loader mesa-vulkan-drivers",
@@ -73,7 +74,7 @@ fn manifests() -> Vec<PathBuf> {
     folders.iter().flat_map(|f| children(&f.join("vulkan/icd.d")).filter(is_manifest).collect::<Vec<_>>()).collect()
 }
 
-/// What a folder holds, sorted; nothing where it cannot be read.
+/// Entries of a folder, sorted; none where it cannot be read.
 fn children(folder: &Path) -> impl Iterator<Item = PathBuf> + use<> {
     let mut found: Vec<PathBuf> =
         std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();

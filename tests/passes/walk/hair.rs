@@ -1,6 +1,6 @@
 //! Headings 4 and 5.
 
-use windswept::internals::step;
+use windswept::internals::{status, step};
 use windswept_reference::{
     State as Twin, contact, rods,
     step::{self as twin, Scratch},
@@ -21,16 +21,16 @@ impl Walk<'_> {
         let (stage, bounds, p) = (self.stage, self.bounds, self.p().clone());
         let mut passes = stage.passes(step::rods::record);
         twin::prepare(s, w, &p);
-        if passes.through("rods/predict") {
+        if passes.through("rods/begin_points") {
             let points = stage.rods().0;
             let pairs = || points.iter().zip(&w.moving.points);
             let velocity = largest(pairs().map(|(a, b)| (xyz(&a.velocity) - b.velocity).length()));
             let before = largest(pairs().map(|(a, b)| (xyz(&a.before) - b.before).length()));
             let carried = largest(pairs().map(|(a, b)| (xyz(&a.carried) - b.carried).length()));
-            self.same("rods/predict", velocity.max(before), bounds.speed)?;
-            self.same("rods/predict", carried, bounds.length)?;
+            self.same("rods/begin_points", velocity.max(before), bounds.speed)?;
+            self.same("rods/begin_points", carried, bounds.length)?;
         }
-        if passes.through("rods/turn") {
+        if passes.through("rods/begin_segments") {
             let segments = stage.rods().1;
             let pairs = || segments.iter().zip(&w.moving.segments);
             let start = largest(pairs().map(|(a, b)| (quaternion(a.start) - b.start).length()));
@@ -38,9 +38,9 @@ impl Walk<'_> {
             let before = largest(pairs().map(|(a, b)| (xyz(&a.before) - b.before).length()));
             let carried = largest(pairs().map(|(a, b)| (xyz(&a.carried) - b.carried).length()));
             let chord = largest(pairs().map(|(a, b)| (xyz(&a.chord) - b.chord).length()));
-            self.same("rods/turn", start.max(carried), bounds.frame)?;
-            self.same("rods/turn", spin.max(before), bounds.spin)?;
-            self.same("rods/turn", chord, bounds.length)?;
+            self.same("rods/begin_segments", start.max(carried), bounds.frame)?;
+            self.same("rods/begin_segments", spin.max(before), bounds.spin)?;
+            self.same("rods/begin_segments", chord, bounds.length)?;
         }
         if passes.through("rods/choose") {
             self.states("rods/choose", w)?;
@@ -90,10 +90,10 @@ impl Walk<'_> {
 
     /// How strands are found, and the largest stretch.
     fn health(&mut self, pass: &'static str, s: &Twin) -> Same {
-        let found: Vec<[u32; 4]> = self.stage.health().iter().map(|[_, found]| *found).collect();
-        let wanted: Vec<[u32; 4]> = (0..s.hair.len()).map(|strand| condition(s, strand)).collect();
+        let found: Vec<_> = self.stage.health().iter().map(|health| health.found).collect();
+        let wanted: Vec<_> = (0..s.hair.len()).map(|strand| condition(s, strand)).collect();
         self.same(pass, differing(&found, &wanted), 0.0)?;
-        let stretch = f64::from(self.stage.engine.status().unwrap().max_stretch());
+        let stretch = f64::from(status::max_stretch(&self.stage.engine.status().unwrap()));
         self.same(pass, (stretch - s.max_stretch).abs(), self.bounds.density)
     }
 
@@ -112,18 +112,18 @@ impl Walk<'_> {
         let mut passes = stage.passes(step::contact::record);
         twin::contact(s, w, self.p());
         if passes.through("contact/place") {
-            let got: Vec<[f32; 20]> = stage.engine.read(&state.placed).unwrap();
+            let got = stage.engine.read(&state.placed).unwrap();
             let wanted = contact::place(self.p(), s.steps);
             let ends = got.iter().zip(&wanted).map(|(got, wanted)| {
                 let [start, end] = wanted.body.shape.round().ends.map(|end| wanted.after.out(end));
-                (xyz(&got[0..3]) - start).length().max((xyz(&got[4..7]) - end).length())
+                (xyz(&got.start) - start).length().max((xyz(&got.end) - end).length())
             });
             self.same("contact/place", largest(ends), bounds.length)?;
         }
         if passes.through("contact/hair") {
             let got = stage.vectors(&state.predicted);
             self.same("contact/hair", apart(&got[..hair], &w.predicted[..hair]), bounds.length)?;
-            let touched: Vec<u32> = stage.engine.read(&state.touched).unwrap();
+            let touched = stage.engine.read(&state.touched).unwrap();
             let touched: Vec<u32> = touched.iter().map(|bits| u32::from(*bits != 0)).collect();
             let wanted: Vec<u32> = w.touched.iter().map(|touched| u32::from(*touched)).collect();
             self.same("contact/hair", differing(&touched, &wanted), 0.0)?;

@@ -1,13 +1,10 @@
 //! Heading 7.
 
 use glam::DVec3;
-use windswept::{
-    internals::{Array, step},
-    plan::BandPlan,
-};
+use windswept::internals::{Array, BandPlan, step};
 use windswept_reference::{State as Twin, step::Scratch, turbulence};
 
-use super::{Same, Walk, apart, largest};
+use super::{Same, Walk, apart, differing, largest};
 use crate::stage::{Passes, xyz};
 
 impl Walk<'_> {
@@ -20,6 +17,20 @@ impl Walk<'_> {
             return Ok(());
         }
         w.confinement = vec![DVec3::ZERO; w.predicted.len()];
+        if plan.direct_filter.runs {
+            assert!(passes.through("turbulence/locate"));
+            let sorted = stage.engine.read(&state.sorted).unwrap();
+            let predicted = stage.engine.read(&state.predicted).unwrap();
+            let at = |i: &u32| {
+                let ([x, y, z, _], air) = (predicted[*i as usize], p.is_air(*i as usize));
+                [x, y, z, f32::from(air)]
+            };
+            let wanted: Vec<_> = sorted.iter().map(at).collect();
+            let got = stage.engine.read(&state.flow_position).unwrap();
+            self.same("turbulence/locate", differing(&got, &wanted), 0.0)?;
+            assert!(passes.through("turbulence/weigh"));
+            self.weighed(s, w)?;
+        }
         if plan.published_law {
             w.vorticity = turbulence::vorticity(&p, &w.predicted, &w.new_velocity, &s.volume, &w.near);
             assert!(passes.through("turbulence/vorticity"));
@@ -49,6 +60,12 @@ impl Walk<'_> {
             let gap = apart(&self.vectors(&state.confinement, p.hair_points), &w.confinement[p.hair_points..]);
             self.same("turbulence/confine", gap, bounds.speed)?;
         }
+        if passes.through("turbulence/sum") {
+            let change = self.vectors(&state.confinement, p.hair_points);
+            let wanted: Vec<DVec3> = change.chunks(64).map(|group| group.iter().sum()).collect();
+            let got = &stage.vectors(&state.partial_sum)[..wanted.len()];
+            self.same("turbulence/sum", apart(got, &wanted), bounds.wind)?;
+        }
         let mean = if p.turbulence.conserve_momentum { turbulence::mean(&p, &w.confinement) } else { DVec3::ZERO };
         if passes.through("turbulence/mean") {
             let got = stage.vectors(&state.mean_confinement)[0];
@@ -75,6 +92,8 @@ impl Walk<'_> {
             let scale = p.grid_scale(band);
             let deposited = turbulence::deposit(&p, scale, w.blowing, &w.predicted, &w.new_velocity, &s.volume);
             if plan.deposit.runs {
+                assert!(passes.through("turbulence/weigh"));
+                self.weighed(s, w)?;
                 assert!(passes.through("turbulence/deposit"));
                 self.nodes("turbulence/deposit", &state.deposited, &deposited)?;
             }
@@ -99,12 +118,35 @@ impl Walk<'_> {
         self.same(last, gap / unit, bound)
     }
 
+    /// What the filter sums of each particle, in the order of the cells: the velocity about the wind and the volume, or as
+    /// printed the velocity.
+    fn weighed(&mut self, s: &Twin, w: &Scratch) -> Same {
+        let (stage, p) = (self.stage, self.p());
+        let published = stage.plan.published_law;
+        let sorted = stage.engine.read(&stage.engine.state().sorted).unwrap();
+        let flow = stage.engine.read(&stage.engine.state().flow).unwrap();
+        let gaps = flow.iter().zip(&sorted).map(|([x, y, z, weight], i)| {
+            let i = *i as usize;
+            let (got, weight) = (DVec3::new((*x).into(), (*y).into(), (*z).into()), f64::from(*weight));
+            match (published, p.is_air(i)) {
+                (true, _) => (got - w.new_velocity[i]).length(),
+                (false, true) => {
+                    let relative = w.new_velocity[i] - w.blowing;
+                    (got / s.volume[i] - relative).length().max((weight / s.volume[i] - 1.0).abs())
+                }
+                (false, false) => got.length().max(weight),
+            }
+        });
+        let gap = largest(gaps);
+        self.same("turbulence/weigh", gap, self.bounds.speed)
+    }
+
     /// Momentum or curvature, and volume, of the nodes of a grid, in parts of their largest.
-    fn nodes(&mut self, pass: &'static str, array: &Array, mesh: &turbulence::Mesh) -> Same {
-        let got: Vec<[f32; 4]> = self.stage.engine.read(array).unwrap();
+    fn nodes(&mut self, pass: &'static str, array: &Array<[f32; 4]>, mesh: &turbulence::Mesh) -> Same {
+        let got = self.stage.engine.read(array).unwrap();
         let pairs = || got.iter().zip(&mesh.values);
         let parts = |gap: f64, most: f64| if most > 0.0 { gap / most } else { gap };
-        let vectors = largest(pairs().map(|(a, b)| (xyz(a) - b.truncate()).length()));
+        let vectors = largest(pairs().map(|(a, b)| (xyz(&a[..3]) - b.truncate()).length()));
         let gap = parts(vectors, largest(mesh.values.iter().map(|node| node.truncate().length())));
         self.same(pass, gap, self.bounds.nodes)?;
         let volumes = largest(pairs().map(|(a, b)| (f64::from(a[3]) - b.w).abs()));

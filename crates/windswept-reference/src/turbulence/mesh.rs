@@ -7,12 +7,12 @@ use windswept_scene::Band;
 
 use crate::{Parameters, parallel};
 
-/// What the nodes of the periodic grid hold: xyz of what particles carry, w of their volume; x runs first.
+/// Values at the nodes of the periodic grid: xyz of what particles carry, w of their volume; x runs first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
-    /// Along each axis.
+    /// Number of nodes along each axis.
     pub nodes: [usize; 3],
-    /// Per node.
+    /// Value of each node.
     pub values: Vec<DVec4>,
 }
 
@@ -23,12 +23,12 @@ impl Mesh {
         Self { nodes, values: vec![DVec4::ZERO; nodes.iter().product()] }
     }
 
-    /// Between nodes \[m\].
+    /// Distance between nodes \[m\].
     fn spacing(&self, p: &Parameters) -> DVec3 {
         p.box_size / DVec3::from_array(self.nodes.map(|n| n as f64))
     }
 
-    /// The nodes that a position has to do with, and their weights: a B-spline per axis.
+    /// The nodes near a position, and their weights, the product of a B-spline per axis.
     fn stencil(&self, p: &Parameters, x: DVec3) -> Vec<(usize, f64)> {
         let degree = p.turbulence.order.degree();
         let at = x / self.spacing(p);
@@ -59,7 +59,7 @@ pub fn b_spline(degree: u32, t: f64) -> f64 {
     ((t + half) * b_spline(degree - 1, t + 0.5) + (half - t) * b_spline(degree - 1, t - 0.5)) / p
 }
 
-/// Σ_j V_j (v_j − U) B(x_j − node) over air \[m⁴/s\], w: Σ_j V_j B \[m³\], on the grid of a band of `scale` \[m\].
+/// Deposit Σ_j V_j (v_j − U) B(x_j − node) of air \[m⁴/s\], with w = Σ_j V_j B \[m³\], on the grid of a band of `scale` \[m\].
 #[must_use]
 pub fn deposit(p: &Parameters, scale: f64, wind: DVec3, x: &[DVec3], v: &[DVec3], volume: &[f64]) -> Mesh {
     let mut mesh = Mesh::of_scale(p, scale);
@@ -121,7 +121,7 @@ fn transformed(nodes: [usize; 3], values: &[[DVec4; 2]], axis: usize, sign: f64)
     })
 }
 
-/// û of each air particle \[m/s\] from what [`smooth`] returns: −(e/2) s² of the Laplacian, per volume of a cell; normalised,
+/// Velocity û of each air particle \[m/s\] from what [`smooth`] returns: −(e/2) s² of the Laplacian, per volume of a cell; normalised,
 /// over the smoothed volume instead.
 #[must_use]
 pub fn gather(p: &Parameters, band: &Band, laplacian: &Mesh, x: &[DVec3]) -> Vec<DVec3> {

@@ -9,13 +9,13 @@ use crate::error::GpuError;
 /// An adapter, as reports name it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct AdapterInfo {
-    /// The driver's name for it.
+    /// Name that the driver gives the adapter.
     pub name: String,
-    /// `vulkan`, `metal` or `dx12`.
+    /// Interface: `vulkan`, `metal` or `dx12`.
     pub backend: String,
     /// The driver and its version.
     pub driver: String,
-    /// `discrete`, `integrated`, `virtual`, `software` or `other`.
+    /// Kind: `discrete`, `integrated`, `virtual`, `software` or `other`.
     pub kind: String,
 }
 
@@ -46,17 +46,17 @@ impl fmt::Display for AdapterInfo {
 /// Which adapter to take.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum AdapterChoice {
-    /// Discrete before integrated before virtual before software.
+    /// The best adapter: discrete before integrated before virtual before software.
     #[default]
     Best,
     /// A software rasteriser: an adapter of kind Cpu on Vulkan (or DX12).
     Software,
-    /// One whose name contains this, whatever the case.
+    /// An adapter whose name contains this, whatever the case.
     Named(String),
 }
 
 impl AdapterChoice {
-    /// From `--adapter`, else from `WGPU_ADAPTER_NAME`, else the best.
+    /// The choice that `--adapter` makes, else `WGPU_ADAPTER_NAME`, else the best adapter.
     #[must_use]
     pub fn from_flag(flag: Option<&str>) -> Self {
         let named = flag.map(str::to_owned).or_else(|| env::var("WGPU_ADAPTER_NAME").ok());
@@ -86,7 +86,7 @@ impl fmt::Display for AdapterChoice {
     }
 }
 
-/// Every adapter of Vulkan, Metal and DX12, the one that would be taken first.
+/// Every adapter of Vulkan, Metal and DX12; first stands the one that [`AdapterChoice::Best`] takes.
 #[must_use]
 pub fn adapters() -> Vec<AdapterInfo> {
     enumerate().iter().map(|adapter| AdapterInfo::new(&adapter.get_info())).collect()
@@ -102,7 +102,7 @@ pub(super) fn choose(choice: &AdapterChoice) -> Result<wgpu::Adapter, GpuError> 
     })
 }
 
-/// Mesa's package carries lavapipe, which needs no GPU.
+/// Advice where there is no adapter: Mesa's package carries lavapipe, which needs no GPU.
 const HELP: &str = if cfg!(target_os = "linux") {
     "A GPU needs its vendor's Vulkan driver. Without a GPU, Mesa's software driver does: \
      on Debian and Ubuntu `apt-get install mesa-vulkan-drivers libvulkan1`, on Fedora `dnf install mesa-vulkan-drivers vulkan-loader`. \
@@ -111,7 +111,7 @@ const HELP: &str = if cfg!(target_os = "linux") {
     "Install or update the graphics driver. `windswept adapters` lists what is found; WGPU_ADAPTER_NAME restricts it."
 };
 
-/// Best first; the order among equals is the driver's.
+/// All adapters, best first; among equals the driver's order holds.
 fn enumerate() -> Vec<wgpu::Adapter> {
     let backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();

@@ -13,7 +13,7 @@ use crate::{
     state::State,
 };
 
-/// One buffer per array, by slot.
+/// The buffer of each array, by the array's slot.
 #[derive(Debug)]
 pub(crate) struct Memory {
     buffers: Vec<wgpu::Buffer>,
@@ -40,7 +40,7 @@ impl Memory {
         &self.buffers[array.slot()]
     }
 
-    /// What a pass binds: the whole buffer, or one element of it.
+    /// The binding of an array: the whole buffer, or one element of it.
     pub(crate) fn binding(&self, array: &AnyArray) -> wgpu::BindingResource<'_> {
         let (offset, size) = array.element().map_or((0, None), |k| (k * array.stride(), NonZero::new(array.stride())));
         wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: self.buffer(array), offset, size })
@@ -63,7 +63,7 @@ impl Memory {
         self.view(gpu, arrays, |views| views.iter().map(|bytes| bytemuck::pod_collect_to_vec(bytes)).collect())
     }
 
-    /// Shows the bytes of whole arrays, read in one submission, where the driver has put them.
+    /// Shows `read` the bytes of whole arrays, fetched in one submission, in the memory to which the driver has mapped them.
     pub(crate) fn view<R>(
         &self,
         gpu: &Gpu,

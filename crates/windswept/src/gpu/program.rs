@@ -32,13 +32,13 @@ struct Dispatch {
 /// GPU time of a pass over all its runs in the measured steps.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PassTime {
-    /// Sum \[ms\].
+    /// Time of all runs together \[ms\].
     pub(crate) ms: f64,
-    /// Runs.
+    /// Number of runs.
     pub(crate) runs: u64,
 }
 
-/// Pass, label and band to time.
+/// Times of passes, by pass, label and band.
 pub(crate) type Profile = BTreeMap<(&'static str, &'static str, Option<usize>), PassTime>;
 
 impl Program {

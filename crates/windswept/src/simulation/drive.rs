@@ -1,4 +1,4 @@
-//! What a caller drives from step to step: roots, and the state itself.
+//! What a caller drives from step to step: roots, the mean wind, and the state itself.
 
 use glam::{DQuat, DVec3};
 use windswept_scene::limits::{LARGEST, SMALLEST};
@@ -7,9 +7,9 @@ use super::Simulation;
 use crate::{error::RunError, rods, winds};
 
 impl Simulation {
-    /// Where the root of each strand goes: `positions` \[m\], world, one per strand, and the ghost frames that clamp them,
-    /// else as they are. They are reached at the end of the next step of Δt, and kept. A root that jumps farther than its
-    /// strand is long takes the strand along as it is, at rest. Roots that are free go where they will.
+    /// Says where the root of each strand goes: `positions` in the world \[m\], one per strand, and the ghost frames that clamp
+    /// them; without frames the roots keep theirs. The roots arrive at the end of the next step of Δt, and stay. A root that
+    /// jumps farther than its strand is long takes the strand along in its shape, at rest. Free roots are not affected.
     ///
     /// # Errors
     /// [`RunError::Input`] when there is not one of each per strand, when one is beyond 1e18 or a frame has no length, and when
@@ -39,8 +39,8 @@ impl Simulation {
         Ok(self.engine.write(&self.engine.state().root_targets, &targets)?)
     }
 
-    /// The mean wind from the next step on \[m/s\], in place of the scene's wind, ramp and gusts. The change is given to all air
-    /// alike in that step; a wind that turns round enters from the other side. `turbulence.speed` stays as it is.
+    /// Sets the mean wind from the next step on \[m/s\], in place of the scene's wind, ramp and gusts. All air takes the change
+    /// in that step. A wind that turns round enters from the other side. `turbulence.speed` does not change.
     ///
     /// # Errors
     /// [`RunError::Input`] when it is beyond 1e18, or the scene has no `[air]`; [`RunError::Gpu`].
@@ -48,7 +48,7 @@ impl Simulation {
         if !held(&wind) {
             return Err(RunError::Input(beyond("wind", &wind)));
         }
-        // A wind that passes through zero need not hit it.
+        // A wind that passes through zero need not be zero at the end of any step.
         let wind = DVec3::select(wind.abs().cmplt(DVec3::splat(SMALLEST)), DVec3::ZERO, wind);
         let Some(air) = &mut self.scene.air else {
             return Err(RunError::Input("wind: the scene has no air".to_owned()));
@@ -71,8 +71,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Puts hair somewhere else: positions \[m\] and velocities \[m/s\] per point, orientations per segment; what is not
-    /// given stays. Strands go on from there as if they had come with these velocities. Held points keep their places.
+    /// Puts hair somewhere else: positions \[m\] and velocities \[m/s\] of points, orientations of segments. An array that is
+    /// not given stays. Strands go on as if they had come there with these velocities. Held points keep their places.
     ///
     /// # Errors
     /// [`RunError::Input`] when an array has not a row for each, or something is beyond 1e18; [`RunError::Gpu`].
@@ -119,8 +119,8 @@ impl Simulation {
         Ok(self.engine.write_hair(&hair, origin)?)
     }
 
-    /// Puts air somewhere else: positions \[m\], wrapped into the box, and velocities \[m/s\], by stable id; what is not given
-    /// stays.
+    /// Puts air somewhere else: positions \[m\], which are wrapped into the box, and velocities \[m/s\], by stable id. An array
+    /// that is not given stays.
     ///
     /// # Errors
     /// As [`Self::set_hair`].
@@ -132,7 +132,7 @@ impl Simulation {
         let local: Option<Vec<DVec3>> = positions.map(|positions| positions.iter().map(into_box).collect());
         self.engine.write_air(local.as_deref(), velocities, air.volume)?;
         if self.steps == 0 {
-            // The run starts from it.
+            // Before the first step this is the air that the run starts from.
             let (min, start) = (self.initial.air.min, &mut self.initial.air);
             if let Some(local) = local {
                 start.positions = local.into_iter().map(|x| x + min).collect();

@@ -9,15 +9,15 @@ use crate::{
     report::BandEnergy,
 };
 
-/// Positions in the box \[m\] and velocities about the mean wind \[m/s\].
+/// Air, as positions in the box \[m\] and velocities about the mean wind \[m/s\].
 struct Air {
     positions: Vec<[f64; 3]>,
     velocities: Vec<[f64; 3]>,
 }
 
 impl Simulation {
-    /// ½ |û|² of the first of `turbulence.bands` at the air now \[m²/s²\], about the wind as it has risen: the accurate
-    /// form, whatever the law. Empty when no band is strengthened.
+    /// Energy ½ |û|² of the first of `turbulence.bands` at each air particle now \[m²/s²\], about the wind as far as it has
+    /// risen, in the accurate form whatever the law. Empty when no band is strengthened.
     ///
     /// # Errors
     /// As [`Self::density`].
@@ -30,8 +30,8 @@ impl Simulation {
         Ok(eddies.iter().map(|u| 0.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2])).collect())
     }
 
-    /// The mean over the air of ½ |û|² now \[m²/s²\], per scale \[m\], about the wind as it has risen. Empty without air
-    /// particles.
+    /// Energy of each scale \[m\] now: the mean of ½ |û|² over the air \[m²/s²\], about the wind as far as it has risen. Empty
+    /// without air particles.
     ///
     /// # Errors
     /// As [`Self::density`], and [`RunError::Measurement`] for a scale that no grid can have.
@@ -43,7 +43,7 @@ impl Simulation {
         scales.iter().map(|&scale| self.mean_energy(&air, scale)).collect()
     }
 
-    /// Of the scene's bands, at the start and now.
+    /// Energies of the scene's bands at the start and now.
     pub(super) fn band_energies(&self) -> Result<Vec<BandEnergy>, RunError> {
         let bands = &self.scene.turbulence.bands;
         if !self.plan.air.runs || bands.is_empty() {

@@ -61,7 +61,7 @@ impl Simulation {
         median(&self.step_ms)
     }
 
-    /// How often each cause acted so far, and what the scene was warned of.
+    /// Warnings: how often each cause acted so far, and those that the scene itself gave.
     #[must_use]
     pub fn warnings(&self) -> std::collections::BTreeMap<String, u64> {
         let mut warnings = status::warnings(&self.last);
@@ -91,7 +91,7 @@ impl Simulation {
         sum.to_array()
     }
 
-    /// What confinement has given the air so far \[kg m/s\]; `None` where no band is strengthened.
+    /// Impulse that confinement has given the air so far \[kg m/s\]; `None` where no band is strengthened.
     ///
     /// # Errors
     /// [`RunError::Gpu`] when the device is lost.
@@ -101,7 +101,7 @@ impl Simulation {
         Ok(sum.filter(|_| self.plan.turbulence.runs))
     }
 
-    /// Steps that were timed pass by pass: one submit in eight, from the second on.
+    /// Number of steps that were timed pass by pass: one in every eighth submit, from the second on.
     #[must_use]
     pub fn timed_steps(&self) -> u64 {
         self.timed_steps
