@@ -87,6 +87,8 @@ fn steps_are_those_of_the_twin() {
         &["fluid.iterations=0", "turbulence.bands=[]"],
         &["interaction.model=none"],
         &["interaction.model=drag", "interaction.lift=1.0", "air.ramp=0.0"],
+        &["interaction.model=two-way", "interaction.lift=0.5", "hair.fibres_per_strand=30"],
+        &["interaction.model=two-way", "rods.solver=gauss-seidel", "rods.integrator=euler", "turbulence.bands=[]"],
         &["hair.strands=1"],
         &[BODIES],
         &[
@@ -106,10 +108,11 @@ fn a_difference_is_named() {
     let moved = "hair.motion=[{time=0,rotation=[0,1,0]},{time=0.008,translation=[0,0.003,0],rotation=[0.1,1.2,0]}]";
     let particles = &[bands, moved, "fluid.iterations=2"][..];
     let drag = &["interaction.model=drag", "interaction.lift=1.0", "air.ramp=0.0"][..];
+    let two_way = &["interaction.model=two-way", "interaction.lift=0.5", "fluid.iterations=2"][..];
     let sweeps = &["rods.solver=gauss-seidel", "interaction.model=none"][..];
     let published = &["method=published"][..];
     let bodies = &[BODIES][..];
-    let cases: [(&Pass, &str, &str, &[&str]); 47] = [
+    let cases: [(&Pass, &str, &str, &[&str]); 51] = [
         (&wind::BLOW, "status.wind[axis] = now[axis]", "status.wind[axis] = before[axis]", particles),
         (&rods::ROOTS, "left = 1u", "left = 2u", particles),
         (&wind::DRAG, "params.lift", "0.9 * params.lift", drag),
@@ -121,18 +124,22 @@ fn a_difference_is_named() {
         (&grid::SCAN, "running += cell_count[b]", "running += cell_count[b] + u32(b == 9u)", particles),
         (&grid::SCATTER, "1u)] = i", "1u)] = max(i, 1u)", particles),
         (&grid::ORDER, "scattered[e] < i", "scattered[e] > i", particles),
-        (&grid::NEIGHBOURS, "vec2u(first, total)", "vec2u(first, total - min(total, 1u))", particles),
+        (&grid::NEIGHBOURS, "first + total);", "first + total - min(total, 1u));", particles),
         (&fluid::DENSITY, "315.0", "314.0", particles),
         (&fluid::CORRECT, "params.relaxation * inverse_mass_of(i)", "0.49 * inverse_mass_of(i)", particles),
         (&fluid::MOVE, "correction[i] += shift[i]", "correction[i] = shift[i]", particles),
         (&rods::BEGIN_POINTS, "correction[p].xyz / params.step", "0.9 * correction[p].xyz / params.step", particles),
         (&rods::BEGIN_SEGMENTS, "segment.before = history.angular_velocity", "segment.before = vec3f(0.0)", particles),
-        (&rods::CHOOSE, "return params.step * point.velocity", "return 0.9 * params.step * point.velocity", particles),
+        (&rods::CHOOSE, "led < TORN", "led > TORN", particles),
+        (&wind::SAMPLE, "share * (new_velocity", "0.9 * share * (new_velocity", two_way),
+        (&rods::LOAD, "force.w * velocity", "0.9 * force.w * velocity", two_way),
+        (&rods::START, "return params.step * point.velocity", "return 0.9 * params.step * point.velocity", particles),
+        (&wind::REACT, "params.air_inverse_mass * given", "0.9 * params.air_inverse_mass * given", two_way),
         (&rods::DIRECT, "own.force += stretch_change", "own.force += 0.9 * stretch_change", particles),
         (&rods::RESCUE, "misfit < LOST", "misfit < 0.0", particles),
         (&rods::GAUSS_SEIDEL, "0.5 * rotate(before", "0.4 * rotate(before", sweeps),
         (&rods::FINISH, "rest_length - 1.0", "rest_length - 1.0001", particles),
-        (&rods::PLACE, "rod_points[p].travel", "0.9 * rod_points[p].travel", particles),
+        (&rods::PLACE, "remainder, point.travel", "remainder, 0.9 * point.travel", particles),
         (&rods::VELOCITY, "rate(point.travel", "0.9 * rate(point.travel", particles),
         (&contact::PLACE, "0.5 * (body.start + body.end)", "0.51 * (body.start + body.end)", bodies),
         (&contact::HAIR, "body.friction * depth", "0.9 * body.friction * depth", bodies),

@@ -133,9 +133,6 @@ impl Walk<'_> {
             self.same("rods/roots", frame.max(turn), bounds.frame)?;
             self.states("rods/roots", &w)?;
         }
-        if passes.through("wind/drag") {
-            self.same("wind/drag", apart(&stage.vectors(&state.drag_change), &w.drag_change), bounds.wind)?;
-        }
         if passes.through("rods/drift") {
             let got = &stage.vectors(&state.predicted)[..hair];
             self.same("rods/drift", apart(got, &w.predicted[..hair]), bounds.length)?;
@@ -176,6 +173,15 @@ impl Walk<'_> {
             let got = stage.vectors(&state.predicted);
             self.same("fluid/move", self.places(&got, &w.predicted, 0), bounds.length)?;
             self.same("fluid/move", apart(&stage.vectors(&state.correction), &w.correction), bounds.length)?;
+        }
+        if passes.through("fluid/velocity") {
+            let hair = self.p().hair_points;
+            for i in hair..w.predicted.len() {
+                w.new_velocity[i] = fluid::velocity(self.p(), w.new_velocity[i], w.correction[i]);
+                w.correction[i] = DVec3::ZERO;
+            }
+            let got = self.vectors(&state.new_velocity, hair);
+            self.same("fluid/velocity", apart(&got, &w.new_velocity[hair..]), bounds.speed)?;
         }
         passes.finish();
         Ok(())

@@ -10,9 +10,6 @@ use crate::{
     sph_kernels::spiky_slope,
 };
 
-/// Coulomb's μ of hair on hair where a scene does not say.
-pub const HAIR_FRICTION: f64 = 0.3;
-
 /// The scene's numbers, per engine step (substeps divided out).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameters {
@@ -46,7 +43,8 @@ pub struct Parameters {
     pub kinematic_viscosity: f64,
     /// C_l of a segment in the wind.
     pub lift: f64,
-    /// Coulomb's μ of hair on hair.
+    /// Coulomb's μ of hair on hair in the model `two-way`; 0 leaves it out. No key of a scene sets it: neither the engine nor the
+    /// twin keeps a mat of hair at rest yet.
     pub friction: f64,
     /// Jacobi iterations.
     pub fluid_iterations: u32,
@@ -127,7 +125,7 @@ impl Parameters {
             rest_density: air.map_or(0.0, |air| air.rest_density),
             kinematic_viscosity: air.map_or(0.0, |air| air.kinematic_viscosity),
             lift: scene.interaction.lift,
-            friction: HAIR_FRICTION,
+            friction: 0.0,
             fluid_iterations: scene.fluid.iterations,
             relaxation: scene.fluid.relaxation,
             tension: scene.fluid.tension,
