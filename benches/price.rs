@@ -53,8 +53,8 @@ impl Run {
         Ok(Self { name, simulation, total: BTreeMap::new(), least: BTreeMap::new() })
     }
 
-    /// Runs up to the next timed step and takes its times. A step in which the neighbour list grew was done in part and does not
-    /// count.
+    /// Runs up to the next timed step and takes its times. A step in which the neighbour list grew was done in part and
+    /// does not count.
     fn turn(&mut self) -> Result<()> {
         let list = |simulation: &Simulation| simulation.engine().state().neighbour_list.len();
         let (timed, before) = (self.simulation.timed_steps(), list(&self.simulation));
@@ -146,8 +146,8 @@ fn run() -> Result<()> {
     }
 }
 
-/// The ratios, in the order of `BOUNDS`. Both scenes have the same passes except for turbulence; those count as in the first
-/// scene, so that noise in them is not taken for turbulence.
+/// The ratios, in the order of `BOUNDS`. Both scenes have the same passes except for turbulence; those count as in the
+/// first scene, so that noise in them is not taken for turbulence.
 fn ratios([fine, coarse, direct]: &[Run; 3]) -> [f64; 2] {
     let other = fine.step_ms() - fine.turbulence_ms();
     [(other + coarse.turbulence_ms()) / fine.step_ms(), fine.turbulence_ms() / direct.turbulence_ms()]

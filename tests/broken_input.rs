@@ -176,7 +176,8 @@ fn the_scene_to_break_is_whole() {
     assert!(said.contains("4 strands, 24 points"), "{said}");
 }
 
-/// Each fault, alone, ends with status 2 and an error that names file, line and key and has the words; nothing is written.
+/// Each fault, alone, ends with status 2 and an error that names file, line and key and has the words; nothing is
+/// written.
 #[test]
 fn each_fault_is_named_with_its_line() {
     let mut wrong = Vec::new();

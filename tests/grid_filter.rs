@@ -67,7 +67,7 @@ impl Air {
         rows.iter().map(|u| DVec3::from_array(u.map(f64::from))).collect()
     }
 
-    /// û of sampled particles by the Mexican hat over all particles and images: (3 − q²) exp(−q²/2) falls into sums along axes.
+    /// Velocity û of sampled particles by the Mexican hat over all particles and images: (3 − q²) exp(−q²/2) falls into sums along axes.
     fn whole_sum(&self, scale: f64) -> Vec<DVec3> {
         let factor = VOLUME * E / (2.0 * TAU.powf(1.5) * scale.powi(3));
         let axis = |gap: f64, side: f64| {
@@ -111,7 +111,8 @@ fn the_default_is_within_0_8_percent() {
     }
 }
 
-/// Orders and spacings that a scene may ask for have their errors, in boxes smaller than the kernel and with unequal sides too.
+/// Orders and spacings that a scene may ask for have their errors, in boxes smaller than the kernel and with unequal
+/// sides too.
 #[test]
 fn every_order_and_box_is_that_of_the_whole_sum() {
     let cases = [

@@ -92,8 +92,8 @@ fn ends_are_held_as_they_say() {
         println!("hangs {:.1e} m off", strand(s)[hanging].distance(below));
         assert!(strand(s)[hanging].distance(below) < 1e-3 * length, "strand {s}: {}", strand(s)[hanging]);
     }
-    // A strand sags by q L⁴/(384 EI) between clamps and by five times that between pins, less the pull of its ends, which cannot
-    // come closer.
+    // A strand sags by q L⁴/(384 EI) between clamps and by five times that between pins, less the pull of its ends,
+    // which cannot come closer.
     let expected = sag(0, 16) * 8.0 / 384.0;
     println!("between clamps {:.3e}, expected {expected:.3e}; between pins {:.3e}", sag(5, 8), sag(4, 8));
     // Measured 2.7 %, the discretisation of 16 segments; 4.29 times.

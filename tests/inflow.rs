@@ -30,7 +30,8 @@ fn vectors(rows: &[[f32; 3]]) -> Vec<DVec3> {
     rows.iter().map(|x| DVec3::from_array(x.map(f64::from))).collect()
 }
 
-/// Root mean squares of v − U: over particles whose depth behind a face of an axis is within the fringe, and over the others.
+/// Root mean squares of v − U: over particles whose depth behind a face of an axis is within the fringe, and over the
+/// others.
 fn disturbed(simulation: &Simulation, wind: DVec3, axis: usize, high: bool) -> [f64; 2] {
     let frame = simulation.frame().unwrap();
     let size = simulation.initial().air.size[axis];

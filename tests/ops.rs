@@ -1,4 +1,5 @@
-//! Single passes on arrays of the caller's own give the twin's numbers, in a box and in free space, and name bad arguments.
+//! Single passes on arrays of the caller's own give the twin's numbers, in a box and in free space, and name bad
+//! arguments.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod support;
@@ -101,7 +102,8 @@ fn error(got: &[DVec3], wanted: &[DVec3], floor: f64) -> f64 {
     got.iter().zip(wanted).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max) / scale
 }
 
-/// Operations give the twin's numbers on every size and layout, in a periodic box and 120 m from the origin in free space.
+/// Operations give the twin's numbers on every size and layout, in a periodic box and 120 m from the origin in free
+/// space.
 #[test]
 fn operations_are_those_of_the_twin() {
     let gpu = support::gpu();

@@ -1,4 +1,5 @@
-//! Whole steps: the same bits every time, steps that freeze and are replayed, momentum, strands and air that are not finite.
+//! Whole steps: the same bits every time, steps that freeze and are replayed, momentum, strands and air that are not
+//! finite.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod support;

@@ -102,7 +102,8 @@ fn scene(scale: f64, filter: Filter) -> Result<Scene> {
     Ok(scene)
 }
 
-/// Velocity û by the sum over all pairs and periodic images, f64: (3 − r²/s²) exp(−r²/2s²) falls into sums along the axes.
+/// Velocity û by the sum over all pairs and periodic images, f64: (3 − r²/s²) exp(−r²/2s²) falls into sums along the
+/// axes.
 fn whole_sum(air: &Air, scale: f64) -> Vec<DVec3> {
     let factor = VOLUME * mexican_hat(0.0, scale) / 3.0 / peak_gain(scale);
     let hat = |a: &[f64; 3], b: &[f64; 3]| {

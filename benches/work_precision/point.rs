@@ -19,7 +19,8 @@ pub(crate) struct Point {
     pub(crate) ms_source: String,
     /// Error, in the unit of `error_kind`; not finite where the run ended early.
     pub(crate) error: f64,
-    /// Uncertainty of what the point is compared with, in the same unit: smaller errors say nothing. 0 where that is exact.
+    /// Uncertainty of what the point is compared with, in the same unit: smaller errors say nothing. 0 where that is
+    /// exact.
     pub(crate) uncertainty: f64,
     /// Whether a scene that leaves the family's keys out has this setting.
     pub(crate) default: bool,

@@ -1,5 +1,5 @@
-//! Rods, by solver, integrator, sweeps or Newton steps, and substeps: tips of strands at rest against the elastica and the helix,
-//! tips of falling strands against a fine f64 run.
+//! Rods, by solver, integrator, sweeps or Newton steps, and substeps: tips of strands at rest against the elastica and
+//! the helix, tips of falling strands against a fine f64 run.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,5 @@
-//! The whole step, by method, density iterations, Gauss-Seidel's sweeps and substeps: a small tuft in the wind against a fine run.
+//! The whole step, by method, density iterations, Gauss-Seidel's sweeps and substeps: a small tuft in the wind against
+//! a fine run.
 
 use glam::DVec3;
 use windswept::Simulation;

@@ -112,7 +112,7 @@ impl Layout {
     }
 }
 
-/// What a binding is an array of, or the type itself.
+/// Type of a binding's elements if it is an array, else its own type.
 pub(crate) fn element(module: &Module, ty: Handle<Type>) -> Handle<Type> {
     match module.types[ty].inner {
         TypeInner::Array { base, size: ArraySize::Dynamic, .. } => base,

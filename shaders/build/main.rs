@@ -26,7 +26,7 @@ use table::Table;
 /// Folders of WGSL: `common` holds what passes import, `pictures` what draws frames, each other one the passes of a heading.
 const FOLDERS: [&str; 9] = ["common", "grid", "fluid", "turbulence", "rods", "wind", "contact", "guard", "pictures"];
 
-/// What a build script does with an error: shows it.
+/// Result of the build, whose error is shown.
 pub(crate) type Result<T> = std::result::Result<T, Box<dyn error::Error>>;
 
 fn main() -> ExitCode {
@@ -79,7 +79,7 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(all.into_keys().filter(|file| file.extension().is_some_and(|extension| extension == "wgsl")).collect())
 }
 
-/// The shader with everything that it imports, and nothing else; names as written.
+/// The shader with everything that it imports, and nothing else, under the names as they are written.
 fn link(root: &Path, name: &str) -> Result<String> {
     let mut compiler = wesl::Wesl::new(root);
     compiler.set_mangler(wesl::ManglerKind::None).use_condcomp(false).use_sourcemap(true);

@@ -31,7 +31,7 @@ pub(crate) struct Constant {
     pub(crate) doc: String,
 }
 
-/// What the comments say about a struct.
+/// The comments on a struct.
 #[derive(Default)]
 pub(crate) struct StructDocs {
     pub(crate) doc: String,

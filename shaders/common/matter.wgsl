@@ -1,7 +1,7 @@
 // Inverse mass and XSPH coefficient of a particle: one value for all air, one mass per point for hair.
 import package::common::{params::params, cells::is_air};
 
-@group(0) @binding(2) var<storage, read> inverse_mass: array<f32>;   // inverse mass of each hair point [1/kg], 0 where it is held
+@group(0) @binding(2) var<storage, read> inverse_mass: array<f32>;   // of each hair point [1/kg], 0 where it is held
 
 fn inverse_mass_of(i: u32) -> f32 {
     if is_air(i) { return params.air_inverse_mass; }

@@ -26,8 +26,8 @@ fn matrix(q: vec4f) -> mat3x3f {
     return mat3x3f(rotate(q, vec3f(1.0, 0.0, 0.0)), rotate(q, vec3f(0.0, 1.0, 0.0)), tangent(q));
 }
 
-// The rotation by |turn| about `turn` [rad], half a turn at most: a longer one is cut to half a turn. The series stand here
-// because WGSL's own sin and cos may be off by 2^-11.
+// The rotation by |turn| about `turn` [rad], half a turn at most: a longer one is cut to half a turn. The series stand
+// here because WGSL's own sin and cos may be off by 2^-11.
 fn rotation(turn: vec3f) -> vec4f {
     let size = length(turn);
     let v = select(turn, turn * (PI / size), size > PI);
@@ -38,10 +38,11 @@ fn rotation(turn: vec3f) -> vec4f {
     return vec4f(0.5 * sine * v, cosine);
 }
 
+// The number pi, to f32.
 const PI: f32 = 3.14159265;
 
-// Rotation vector of a rotation, half a turn at most [rad]. The angle is halved thrice, after which the arcsine's series is
-// good to 1e-8; WGSL's own atan2 may be off by 4096 ulp.
+// Rotation vector of a rotation, half a turn at most [rad]. The angle is halved thrice, after which the arcsine's
+// series is good to 1e-8; WGSL's own atan2 may be off by 4096 ulp.
 fn rotation_vector(q: vec4f) -> vec3f {
     var part = select(-q, q, q.w >= 0.0);
     for (var k = 0; k < 3; k++) {

@@ -1,5 +1,5 @@
-// Air flows around bodies. A particle that is nearer to a surface than its parcel allows, which is half a spacing, is moved
-// out by the nearest way and loses its velocity toward the surface; along the surface air slips freely.
+// Air flows around bodies. A particle that is nearer to a surface than its parcel allows, which is half a spacing, is
+// moved out by the nearest way and loses its velocity toward the surface; along the surface air slips freely.
 //
 // The move itself gives no velocity: air that a density correction or a turning body has left inside would be shot out.
 import package::common::{

@@ -1,6 +1,6 @@
 // Bodies move: this pass finds where each is after the step, and how it got there. It also forgets which strands were
-// pushed in the step before. Any moving body wakes all strands: contacts are not remembered, so that nobody can tell which
-// strands rested on it.
+// pushed in the step before. Any moving body wakes all strands: contacts are not remembered, so that nobody can tell
+// which strands rested on it.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, motion::{Pose, pose_after},
     body::{Body, Placed, MOVED, place}, status::{status, frozen},

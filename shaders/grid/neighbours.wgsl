@@ -1,8 +1,8 @@
 // Lists, for every particle, the particles that are nearer than the kernel radius, in the order of cells.
 //
 // Air meets air through the periodic faces; air and hair, hair and hair meet directly. The status sums the number of
-// entries that the step needs, even beyond the end of a list that is too short: the step is then frozen, and the host grows
-// the list to that number.
+// entries that the step needs, even beyond the end of a list that is too short: the step is then frozen, and the host
+// grows the list to that number.
 import package::common::{
     params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, near::Near,
     cells::{cell_of, air_cell_of, in_box, turns_of, box_bucket, hashed_bucket},

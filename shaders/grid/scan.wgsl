@@ -1,4 +1,5 @@
-// Finds the first entry of each cell, the exclusive sum of the counts, in one workgroup; empties the counts for `scatter`.
+// Finds the first entry of each cell, the exclusive sum of the counts, in one workgroup; empties the counts for
+// `scatter`.
 //
 // Each invocation sums a stretch of cells, the workgroup scans the 256 sums, and each invocation writes its stretch.
 import package::common::cells::buckets;

@@ -21,7 +21,8 @@ struct View {
 
 // Cells of a light's grid along each axis, chosen by eye; a grid then takes 3.5 MB.
 const GRID: u32 = 96u;
-// Optical depth 1 in the grid's whole numbers, whose sums do not depend on their order; 2^16 leaves room for a depth of 65 536.
+// Optical depth 1 in the grid's whole numbers, whose sums do not depend on their order; 2^16 leaves room for a depth of
+// 65 536.
 const DEPTH_UNIT: f32 = 65536.0;
 
 // PCG (Jarzynski & Olano 2020, Hash Functions for GPU Rendering).

@@ -17,7 +17,7 @@ struct Hair {
 @group(0) @binding(2) var<storage, read>       offsets:  array<u32>;    // first point of each guide, and the end
 @group(0) @binding(3) var<storage, read>       guide:    array<vec4f>;  // points [m]
 @group(0) @binding(4) var<storage, read>       frame:    array<vec4f>;  // orientation of the segment that starts there; at a tip, of the clamp
-@group(0) @binding(5) var<storage, read>       likeness: array<f32>;    // per pair: 1 where the two run alike, 0 where not
+@group(0) @binding(5) var<storage, read>       likeness: array<f32>;    // likeness of a pair: 1 where the two run alike, 0 where not
 @group(0) @binding(6) var<storage, read_write> points:   array<vec4f>;  // xyz [m]; w: 0 at the root, 1 at the tip
 
 // The numbers below are chosen by eye.
@@ -29,7 +29,8 @@ const STRAY: f32 = 5.0;      // factor of the amplitude for the hairs that stray
 const STRAYS: f32 = 0.04;    // share of the hairs that stray
 const SHORTER: f32 = 0.35;   // largest part of its guide's length by which a hair is shorter
 
-// Length over which a hair turns from its clamp's frame to its strand's [segments]: it leaves the surface as it was rooted.
+// Length over which a hair turns from its clamp's frame to its strand's [segments]: it leaves the surface as it was
+// rooted.
 const CLAMPED: f32 = 1.5;
 
 fn rotate(q: vec4f, v: vec3f) -> vec3f {

@@ -1,5 +1,5 @@
-// Draws hairs as ribbons that face the camera and taper to the tip. None is narrower than MIN_WIDTH: a thinner hair covers
-// fewer of a pixel's samples instead, each hair its own samples, so that it fades and does not break up.
+// Draws hairs as ribbons that face the camera and taper to the tip. None is narrower than MIN_WIDTH: a thinner hair
+// covers fewer of a pixel's samples instead, each hair its own samples, so that it fades and does not break up.
 import package::pictures::{common::{view, hash, chance}, taper::taper, backdrop::backdrop};
 
 @group(0) @binding(1) var<storage, read> points: array<vec4f>;

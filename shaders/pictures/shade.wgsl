@@ -1,13 +1,13 @@
 // Finds the colour of every point of every drawn hair (Marschner et al. 2003, with the lobes' shapes of Karis 2016).
 //
-// Each light adds three lobes: R off the cuticle, white, shifted toward the root; TT through the fibre, tinted once; TRT back
-// through it, tinted twice, shifted toward the tip; and a diffuse part for light scattered among hairs (Kajiya & Kay 1989).
-// Hair between the point and the light takes away more of the colours that hair absorbs more. There is one invocation per
-// point.
+// Each light adds three lobes: R off the cuticle, white, shifted toward the root; TT through the fibre, tinted once;
+// TRT back through it, tinted twice, shifted toward the tip; and a diffuse part for light scattered among hairs (Kajiya
+// & Kay 1989). Hair between the point and the light takes away more of the colours that hair absorbs more. There is one
+// invocation per point.
 import package::pictures::{common::{view, chance, invocation, WORKGROUP}, shadow::optical_depth};
 
 @group(0) @binding(2) var<storage, read>       points: array<vec4f>;
-@group(0) @binding(3) var<storage, read>       seed:   array<u32>;   // per hair
+@group(0) @binding(3) var<storage, read>       seed:   array<u32>;   // seed of each hair
 @group(0) @binding(4) var<storage, read_write> colour: array<u32>;   // pack4x8unorm of the square root of linear rgb
 
 // Colour of white light after one way through a fibre, linear rgb: auburn.

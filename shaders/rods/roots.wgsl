@@ -1,6 +1,7 @@
-// Where the clamps go in this step. A clamp with keyframes goes where they are at the step's end; any other goes a part of
-// the way to where the host wants it, and arrives in the last substep. A strand whose root jumps farther than the strand is
-// long is teleported, unless its tip is held too. A strand whose clamp does not move may sleep. Free roots are left alone.
+// Where the clamps go in this step. A clamp with keyframes goes where they are at the step's end; any other goes a part
+// of the way to where the host wants it, and arrives in the last substep. A strand whose root jumps farther than the
+// strand is long is teleported, unless its tip is held too. A strand whose clamp does not move may sleep. Free roots
+// are left alone.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotate, rotation, rotation_vector},
     motion::pose_after,

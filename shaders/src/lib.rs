@@ -1,8 +1,8 @@
 //! The WGSL of windswept: linked and validated at build time, with what Rust needs to know of it.
 //!
 //! The build writes everything here from the WGSL, in modules that mirror its folders and files. A pass is one file, say
-//! `shaders/rods/choose.wgsl`, and a static, [`rods::CHOOSE`]; the structs and constants of `shaders/common/rod.wgsl` are in
-//! [`common::rod`]. The linked texts are kept, readable, in the build's output folder.
+//! `shaders/rods/choose.wgsl`, and a static, [`rods::CHOOSE`]; the structs and constants of `shaders/common/rod.wgsl`
+//! are in [`common::rod`]. The linked texts are kept, readable, in the build's output folder.
 
 /// A compute pass: its text and what naga knows of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub struct Binding {
     pub binding: u32,
     /// Name in the shader. The engine's array of that name is bound unless the step says otherwise.
     pub name: &'static str,
-    /// How the shader declares it.
+    /// Kind of the declaration in the shader.
     pub kind: BindingKind,
     /// Whether the pass reads it; an atomic counter is read and written.
     pub reads: bool,
@@ -34,7 +34,7 @@ pub struct Binding {
     pub stride: u32,
 }
 
-/// How a shader declares a buffer.
+/// Kind of a buffer's declaration in a shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BindingKind {
     /// `var<uniform>`.

@@ -17,7 +17,7 @@ const LARGEST: f32 = 0.12;     // largest part of its speed that a band may gain
 @group(0) @binding(5) var<storage, read>       neighbour_list:  array<u32>;
 @group(0) @binding(6) var<storage, read>       band_velocity:   array<vec4f>;
 @group(0) @binding(7) var<storage, read>       vorticity:       array<vec4f>;   // xyz [1/s]; w: its length [1/s]
-@group(0) @binding(8) var<storage, read_write> confinement:     array<vec4f>;   // change of velocity in this step by all bands so far [m/s]
+@group(0) @binding(8) var<storage, read_write> confinement:     array<vec4f>;   // change of velocity by all bands so far [m/s]
 
 // Change of velocity by this band in this step [m/s].
 fn change(i: u32) -> vec3f {

@@ -1,5 +1,5 @@
-// Finds the mean change of the air's velocity, which is taken out where momentum is conserved, and the impulse that the air is
-// left with, which the guard adds to the report's.
+// Finds the mean change of the air's velocity, which is taken out where momentum is conserved, and the impulse that the
+// air is left with, which the guard adds to the report's.
 import package::common::{params::params, dispatch::WORKGROUP, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       partial_sum:      array<vec4f>;

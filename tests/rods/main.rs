@@ -1,5 +1,5 @@
-//! Strands by themselves: statics at any step, dynamics, violent starts; by the direct solver unless a test says otherwise.
-//! Expected values are from windswept_reference::tables.
+//! Strands by themselves: statics at any step, dynamics, violent starts; by the direct solver unless a test says
+//! otherwise. Expected values are from windswept_reference::tables.
 #![allow(clippy::unwrap_used, clippy::needless_range_loop, missing_docs)]
 
 mod motion;

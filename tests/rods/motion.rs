@@ -11,7 +11,8 @@ use windswept_scene::{End, Groom, Scene};
 
 use crate::{LENGTH, LINE_DENSITY, Rod, build, support, tips};
 
-/// A clamped beam without weight and damping swings at its first frequency and keeps its energy: EI of γ = 10, tip 0.02 L.
+/// A clamped beam without weight and damping swings at its first frequency and keeps its energy: EI of γ = 10, tip 0.02
+/// L.
 #[test]
 #[ignore = "long: 16 s of CPU time; `windswept validate rods-beam` has the frequency"]
 fn a_beam_keeps_time_and_energy() {
@@ -233,7 +234,8 @@ fn stretch(hair: &HairFrame) -> f64 {
     chords.map(|w| (w[0].distance(w[1]) * 34.0 / LENGTH - 1.0).abs()).fold(0.0, f64::max)
 }
 
-/// A strand recovers when its root is yanked to and fro by 0.3 m, nearly its length, in steps of 16.6 ms and is then held.
+/// A strand recovers when its root is yanked to and fro by 0.3 m, nearly its length, in steps of 16.6 ms and is then
+/// held.
 #[test]
 fn a_yanked_strand_recovers() {
     let (scene, initial) = build(&[Rod::level(100.0, 34)], 16.6e-3, "damping = 8.0");
@@ -258,8 +260,8 @@ fn a_yanked_strand_recovers() {
     assert!(steps <= 130 && worst < 1e-4, "{steps} steps, then {worst}");
 }
 
-/// Strands recover from four violent starts: stretch stays below 1 % after at most twice the number of steps of 1.38 ms that
-/// stands beside each start. γ = 100, damping 8/s.
+/// Strands recover from four violent starts: stretch stays below 1 % after at most twice the number of steps of 1.38 ms
+/// that stands beside each start. γ = 100, damping 8/s.
 #[test]
 fn violent_starts_recover() {
     let rod = Rod::level(100.0, 34);
@@ -324,8 +326,8 @@ fn hair_in_turbulent_air_does_not_stretch() {
     assert!(stretch < 1e-2, "{stretch}");
 }
 
-/// Segments of Fig. 2(b)'s hair in its mean wind stretch, with two Newton steps, by less than 1e-4 at the paper's step, and by
-/// less than 1 % at twelve times that step.
+/// Segments of Fig. 2(b)'s hair in its mean wind stretch, with two Newton steps, by less than 1e-4 at the paper's step,
+/// and by less than 1 % at twelve times that step.
 #[test]
 fn hair_in_wind_does_not_stretch() {
     let text = include_str!("../../examples/scenes/fig2b.toml");

@@ -77,8 +77,8 @@ fn a_twisted_ring_leaves_its_plane_where_it_should() {
         scene.gravity = [0.0; 3];
         let hair = &mut initial.hair;
         let (l, turn) = (LENGTH / segments as f64, TAU / segments as f64);
-        // The ring lies in the plane of x and y, about z: at s the tangent has turned by 2 pi s, and the frame about it by
-        // twist s.
+        // The ring lies in the plane of x and y, about z: at s the tangent has turned by 2 pi s, and the frame about it
+        // by twist s.
         let frame = |s: f64| DQuat::from_rotation_z(TAU * s) * hair.root_frame[0] * DQuat::from_rotation_z(twist * s);
         let frames: Vec<DQuat> = (0..segments).map(|k| frame((k as f64 + 0.5) / segments as f64)).collect();
         let (end, root) = (frame(1.0), hair.positions[0]);

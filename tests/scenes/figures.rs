@@ -112,8 +112,8 @@ fn hair_streams_and_leaves_a_wake() {
         assert!(span.x > 0.6 * 0.12 && span.is_finite(), "a tip is {span} from its root");
     }
 
-    // The air behind is downwind of the hair, within its width and height; the air beside is as far downwind and 15 mm or more
-    // outside of them.
+    // The air behind is downwind of the hair, within its width and height; the air beside is as far downwind and 15 mm
+    // or more outside of them.
     let hair: Vec<DVec3> = frame.hair.positions.iter().map(vector).collect();
     let low = hair.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = hair.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);

@@ -1,5 +1,5 @@
-//! The whole run of examples/scenes/quick.toml: all is finite, strands keep their length, air keeps its density and the wind's
-//! velocity, and hair is blown downwind.
+//! The whole run of examples/scenes/quick.toml: all is finite, strands keep their length, air keeps its density and the
+//! wind's velocity, and hair is blown downwind.
 
 use glam::DVec3;
 use windswept::{Frame, Simulation};

@@ -9,8 +9,8 @@ use rand_pcg::Pcg64;
 use windswept::{AdapterChoice, Gpu};
 use windswept_scene::*;
 
-/// The adapter that every test runs on: the one that WGPU_ADAPTER_NAME names, else a software one. A test fails where there is
-/// no such adapter.
+/// The adapter that every test runs on: the one that WGPU_ADAPTER_NAME names, else a software one. A test fails where
+/// there is no such adapter.
 pub fn gpu() -> Gpu {
     static GPU: OnceLock<Gpu> = OnceLock::new();
     GPU.get_or_init(|| {
@@ -52,8 +52,8 @@ pub fn scene() -> Scene {
     Scene { text: Source::default(), air, ..scene }
 }
 
-/// Hair for tests of particles, in strands of `points_per_strand`, at the positions that the caller gives; rest lengths are
-/// those of the positions.
+/// Hair for tests of particles, in strands of `points_per_strand`, at the positions that the caller gives; rest lengths
+/// are those of the positions.
 pub fn strands(positions: &[DVec3], points_per_strand: usize) -> Strands {
     let mut hair = Strands { point_offsets: vec![0], ..Strands::default() };
     for points in positions.chunks(points_per_strand).filter(|points| points.len() >= 2) {
@@ -101,8 +101,8 @@ pub enum Layout {
     OneCell,
 }
 
-/// State of `n` particles, `hair` of them hair points (rounded down to strands of 3), in a box that holds them at rest density,
-/// but at least 4 kernel radii wide. Some hair stands outside the box.
+/// State of `n` particles, `hair` of them hair points (rounded down to strands of 3), in a box that holds them at rest
+/// density, but at least 4 kernel radii wide. Some hair stands outside the box.
 pub fn particles(n: usize, hair: usize, layout: Layout, seed: u64) -> InitialState {
     let mut rng = Pcg64::seed_from_u64(seed);
     let side = (n as f64 * VOLUME).cbrt().max(4.0 * RADIUS);

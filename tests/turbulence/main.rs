@@ -72,7 +72,8 @@ fn a_cut_filter_leaks_uniform_flow() {
     }
 }
 
-/// Air with six waves of one to three periods an axis, solenoidal, all of one amplitude, plus a little noise in the positions.
+/// Air with six waves of one to three periods an axis, solenoidal, all of one amplitude, plus a little noise in the
+/// positions.
 fn stirred(cells: usize, speed: f64) -> InitialState {
     let mut rng = Pcg64::seed_from_u64(5);
     let mut initial = lattice([cells; 3], &SIMPLE);

@@ -1,5 +1,5 @@
-//! Nothing enters a body. A body is asked at rest, where the scene has it: what meets the moved body is carried back there,
-//! and the answer is carried along.
+//! Nothing enters a body. A body is asked at rest, where the scene has it: what meets the moved body is carried back
+//! there, and the answer is carried along.
 
 use glam::{DQuat, DVec3};
 use windswept_scene::{InitialState, Motion, Scene, Shape, Strands};
@@ -148,8 +148,8 @@ pub fn hair(p: &Parameters, placed: &[Placed], position: DVec3, predicted: DVec3
     touched.then_some(x)
 }
 
-/// Position and velocity of an air particle that would be at `x` with velocity `v`. It is moved by the nearest way to half a
-/// spacing from the bodies, and loses its velocity toward them; along them it slips.
+/// Position and velocity of an air particle that would be at `x` with velocity `v`. It is moved by the nearest way to
+/// half a spacing from the bodies, and loses its velocity toward them; along them it slips.
 #[must_use]
 pub fn air(p: &Parameters, placed: &[Placed], mut x: DVec3, mut v: DVec3) -> (DVec3, DVec3) {
     for Placed { body, before, after } in (0..ROUNDS).flat_map(|_| placed) {

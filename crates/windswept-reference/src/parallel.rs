@@ -1,8 +1,8 @@
-//! Sums over all pairs take a while: all cores share them.
+//! Sums over all pairs, which take long, shared by all cores.
 
 use std::{panic, thread};
 
-/// `each` of 0 to n, in order, on all cores.
+/// Results of `each` for 0 to n, in order, computed on all cores.
 pub(crate) fn map<T: Send>(n: usize, each: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let share = n.div_ceil(thread::available_parallelism().map_or(1, usize::from)).max(1);
     let part = |first: usize| (first..n.min(first + share)).map(&each).collect::<Vec<T>>();

@@ -4,19 +4,20 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-/// W(r) = 315/(64 π h⁹) (h² − r²)³ \[1/m³\].
+/// Poly6, W(r) = 315/(64 π h⁹) (h² − r²)³ \[1/m³\].
 #[must_use]
 pub fn poly6(r: f64, h: f64) -> f64 {
     if r >= h { 0.0 } else { 315.0 / (64.0 * PI * h.powi(9)) * (h * h - r * r).powi(3) }
 }
 
-/// |∇W|(r) = 45/(π h⁶) (h − r)² \[1/m⁴\].
+/// Spiky's slope, |∇W|(r) = 45/(π h⁶) (h − r)² \[1/m⁴\].
 #[must_use]
 pub fn spiky_slope(r: f64, h: f64) -> f64 {
     if r >= h { 0.0 } else { 45.0 / (PI * h.powi(6)) * (h - r).powi(2) }
 }
 
-/// ∇_i W for x_i − x_j = `gap`; coincident particles take a direction from their indices, opposite for (j, i).
+/// Spiky's gradient ∇_i W for x_i − x_j = `gap`. Coincident particles take a direction from their indices, opposite for
+/// (j, i).
 #[must_use]
 pub fn spiky_gradient(i: usize, j: usize, gap: DVec3, h: f64) -> DVec3 {
     let r = gap.length();

@@ -7,23 +7,23 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-/// V W(0): a lone particle's ρ/ρ0, Poly6, the paper's h/d = 1.92263.
+/// Density ρ/ρ0 = V W(0) of a lone particle, with Poly6 and the paper's h/d = 1.92263.
 pub const LONE_DENSITY: f64 = 0.220_442_3;
-/// ρ/ρ0 of the simple cubic lattice of one particle per V, same kernel; given to 5e-6.
+/// Density ρ/ρ0 of the simple cubic lattice of one particle per V, with that kernel; given to 5e-6.
 pub const SIMPLE_CUBIC_DENSITY: f64 = 1.001_38;
-/// ρ/ρ0 of the body-centred cubic lattice of one particle per V; given to 5e-6.
+/// Density ρ/ρ0 of the body-centred cubic lattice of one particle per V; given to 5e-6.
 pub const BODY_CENTRED_DENSITY: f64 = 1.023_01;
-/// ρ/ρ0 of the face-centred cubic lattice of one particle per V; given to 5e-6.
+/// Density ρ/ρ0 of the face-centred cubic lattice of one particle per V; given to 5e-6.
 pub const FACE_CENTRED_DENSITY: f64 = 1.020_71;
-/// Fourier transform of Poly6 at k h = 1; 1 at k = 0.
+/// Fourier transform of Poly6 at k h = 1; at k = 0 it is 1.
 pub const POLY6_TRANSFORM: f64 = 0.955_409_938_951_0;
-/// γ = ρAgL³/EI at which a strand clamped upright buckles.
+/// Weight over stiffness γ = ρAgL³/EI at which a strand that is clamped upright buckles.
 pub const UPRIGHT_BUCKLING_GAMMA: f64 = 7.837_347_438_9;
 /// Twist \[rad\] times C/B at which the closed ring of a naturally straight rod leaves its plane (B = EI, C = GJ).
 pub const RING_TWIST: f64 = TAU * 1.732_050_807_568_877_2;
-/// γ above which a hanging rod with κL = 8 and B/C = 1.38 is planar.
+/// Weight over stiffness γ above which a hanging rod with κL = 8 and B/C = 1.38 is planar.
 pub const HANGING_PLANAR_GAMMA: f64 = 105.71;
-/// βL of the first modes of a clamped-free beam: f = (βL)²/(2πL²) √(EI/ρA).
+/// Wave numbers βL of the first modes of a clamped-free beam: f = (βL)²/(2πL²) √(EI/ρA).
 pub const BEAM_MODES: [f64; 3] = [1.875_104_068_7, 4.694_091_133_0, 7.854_757_438_2];
 
 /// A strand clamped horizontally, under its own weight: the elastica.
@@ -66,7 +66,7 @@ pub struct Helix {
     pub tip: DVec3,
 }
 
-/// A helix without weight and with two.
+/// A helical strand without weight, and with two weights.
 #[must_use]
 pub fn helix() -> Vec<Helix> {
     rows(include_str!("../data/helix.csv"))
@@ -125,21 +125,22 @@ pub fn shear_waves() -> Vec<ShearWave> {
         .collect()
 }
 
-/// rms density error of a jittered lattice over Jacobi iterations.
+/// Density error of a jittered lattice over Jacobi iterations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DensityError {
     /// Share of negative C let through.
     pub tension: f64,
     /// Part of a Jacobi step that is taken.
     pub relaxation: f64,
-    /// rms of ρ/ρ0 − 1 after each number of [`DENSITY_ERROR_ITERATIONS`]; another jitter is 3 % off.
+    /// Error, rms of ρ/ρ0 − 1, after each number of [`DENSITY_ERROR_ITERATIONS`]; another jitter is 3 % off.
     pub rms: [f64; 5],
 }
 
 /// Iterations after which [`DensityError::rms`] was taken.
 pub const DENSITY_ERROR_ITERATIONS: [u32; 5] = [0, 1, 2, 4, 10];
 
-/// Errors of three settings: clamped with a full step, both signs with half a step, both signs with a full step (diverges).
+/// Errors of three settings: clamped with a full step, both signs with half a step, both signs with a full step
+/// (diverges).
 #[must_use]
 pub fn density_errors() -> Vec<DensityError> {
     rows(include_str!("../data/density_error.csv"))

@@ -1,7 +1,8 @@
 //! Vorticity confinement by bands of eddies (eqs. 2, 4-6), air only.
 //!
 //! Arrays run over all particles, hair first; a quantity that only air has is zero at hair. *Band* is the accurate law,
-//! *published* the law as the paper prints it, in mg and mm. Every sum is direct: over all particles, through all periodic images in reach.
+//! *published* the law as the paper prints it, in mg and mm. Every sum is direct: over all particles, through all
+//! periodic images in reach.
 
 mod mesh;
 
@@ -13,7 +14,7 @@ use windswept_scene::{Band, Filter, Law};
 
 use crate::{Parameters, grid::Neighbours, parallel, sph_kernels::spiky_gradient, wind::depth};
 
-/// ε of the published law, read as an acceleration: a = ε ê (N × ω).
+/// Coefficient ε of the published law, read as an acceleration: a = ε ê (N × ω).
 const PUBLISHED_GAIN: f64 = 0.008;
 /// Millimetres in a metre.
 const MM: f64 = 1e3;
@@ -23,7 +24,7 @@ const MG: f64 = 1e6;
 const LARGEST_CHANGE: f64 = 0.12;
 
 /// ψ(r, s) = 2/(√15 π^(3/4) s^(3/2)) (3 − r²/s²) exp(−r²/2s²), the Mexican hat of L2 norm 1 in space (eq. 6, with the
-/// radical over 15 only). In the unit of s to the power −3/2.
+/// radical over 15 only). The unit is that of s to the power −3/2.
 #[must_use]
 pub fn mexican_hat(r: f64, s: f64) -> f64 {
     let square = (r / s).powi(2);
@@ -73,8 +74,8 @@ pub fn band(p: &Parameters, band: &Band, wind: DVec3, x: &[DVec3], v: &[DVec3], 
     })
 }
 
-/// Sum of f(r) over the images of j that are within `reach` of i, with `gap` = x_i − x_j: all periodic images where both are
-/// air, else j itself.
+/// Sum of f(r) over the images of j that are within `reach` of i, with `gap` = x_i − x_j: all periodic images where
+/// both are air, else j itself.
 fn over_images(p: &Parameters, i: usize, j: usize, gap: DVec3, reach: f64, f: impl Fn(f64) -> f64) -> f64 {
     if p.far_apart(gap, reach) {
         return 0.0;
@@ -110,8 +111,8 @@ fn counts(p: &Parameters, i: usize) -> bool {
     p.is_air(i) || p.law == Law::Published
 }
 
-/// ω_i = Σ_j V_j (v_j − v_i) × ∇_j W \[1/s\], the curl of a velocity field `v` \[m/s\] (eq. 2 with its 1/ρ_j), the plain
-/// sum: 0.945 of it on the paper's simple cubic lattice. Zero at particles that do not count.
+/// Vorticity ω_i = Σ_j V_j (v_j − v_i) × ∇_j W \[1/s\], the curl of a velocity field `v` \[m/s\] (eq. 2 with its
+/// 1/ρ_j), the plain sum: 0.945 of it on the paper's simple cubic lattice. Zero at particles that do not count.
 #[must_use]
 pub fn vorticity(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> Vec<DVec3> {
     let pair = |i: usize, j: usize| {
@@ -125,8 +126,8 @@ pub fn vorticity(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near:
     (0..x.len()).map(at).collect()
 }
 
-/// Change of each air particle's velocity by a band in a step, Δt a \[m/s\] (eqs. 3, 4). In the fringe of the wind `wind` it is
-/// smaller by the cosines of the faces.
+/// Change of each air particle's velocity by a band in a step, Δt a \[m/s\] (eqs. 3, 4). In the fringe of the wind
+/// `wind` it is smaller by the cosines of the faces.
 ///
 /// N = η/(|η| + 1e-3 |ω|/h) points to where the vorticity is larger, η_i = Σ_j V_j (|ω_j| − |ω_i|) ∇_i W.
 ///
@@ -185,14 +186,14 @@ pub fn mean(p: &Parameters, change: &[DVec3]) -> DVec3 {
     air.iter().sum::<DVec3>() / air.len() as f64
 }
 
-/// v_i + change_i − mean for air, hair as it was \[m/s\].
+/// Velocities v_i + change_i − mean of air; hair keeps its own \[m/s\].
 #[must_use]
 pub fn strengthen(p: &Parameters, v: &[DVec3], change: &[DVec3], mean: DVec3) -> Vec<DVec3> {
     let own = |i: usize| if p.is_air(i) { change[i] - mean } else { DVec3::ZERO };
     (0..v.len()).map(|i| v[i] + own(i)).collect()
 }
 
-/// Σ m Δv over air \[kg m/s\].
+/// Impulse Σ m Δv on the air \[kg m/s\].
 #[must_use]
 pub fn impulse(p: &Parameters, inverse_mass: &[f64], before: &[DVec3], after: &[DVec3]) -> DVec3 {
     (p.hair_points..after.len()).map(|i| (after[i] - before[i]) / inverse_mass[i]).sum()

@@ -20,7 +20,7 @@ fn still_box(wind: DVec3) -> Parameters {
     p
 }
 
-/// What the fringe adds to air at rest, with the formula's numbers put in by hand.
+/// The fringe adds to air at rest what the formula says, with numbers put in by hand.
 #[test]
 fn fringe_drives_air_where_the_wind_enters() {
     let gain = |rate: f64| 1.0 - (-rate * 1.38e-3_f64).exp();
@@ -113,7 +113,7 @@ fn a_box_of_air_keeps_its_momentum() {
     assert!(apart(&state.velocity, &initial.air.velocities) > 0.5, "nothing happened");
 }
 
-/// What the density constraint moves shows as velocity: from rest, v = Δx/Δt.
+/// The moves of the density constraint become velocity: from rest, v = Δx/Δt.
 #[test]
 fn the_density_constraint_gives_air_its_velocity() {
     let (size, positions) = jittered(6, 0.2, 9);

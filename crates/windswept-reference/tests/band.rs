@@ -1,4 +1,4 @@
-//! turbulence::band: the Mexican hat's norm and gain, its cut-off, and who is in the sum.
+//! Tests of `turbulence::band`: the Mexican hat's norm and gain, its cut-off, and which particles are in the sum.
 
 mod support;
 
@@ -21,7 +21,7 @@ fn filtered(crowd: &Crowd, scale: f64, wind: DVec3, v: &[DVec3]) -> Vec<DVec3> {
     turbulence::band(&crowd.parameters, &of_scale(scale), wind, &crowd.positions, v, &crowd.volume)
 }
 
-/// ∫ ψ² over space is 1 at every s, with the constant C0 = 2/(√15 π^(3/4)); its transform peaks at k s = √2.
+/// The norm ∫ ψ² over space is 1 at every s, with the constant C0 = 2/(√15 π^(3/4)); its transform peaks at k s = √2.
 #[test]
 fn the_hat_has_norm_one() {
     for s in [0.7, 6.0, 18.0] {
@@ -126,7 +126,7 @@ fn a_grid_finds_what_the_sum_does() {
     }
 }
 
-/// What of a uniform flow the cut-off lets through, in a box of one particle: every other is an image of it.
+/// The cut-off lets the part of a uniform flow through that theory says, in a box of one particle and its images.
 #[test]
 fn cut_offs_leak_uniform_flow_as_in_the_table() {
     for (cutoff, leak, scale) in [
@@ -148,7 +148,8 @@ fn cut_offs_leak_uniform_flow_as_in_the_table() {
     }
 }
 
-/// Band: air alone is summed, weighted by volume, through the faces. Published: hair too, unweighted, where it is, in mm.
+/// The band law sums air alone, weighted by volume and through the faces; the published law sums hair too, unweighted, in
+/// mm, and hair has no images.
 #[test]
 fn laws_differ_in_who_is_summed() {
     // Hair, air; both 4 mm from the air particle at the corner, through the faces.

@@ -1,4 +1,4 @@
-//! fluid::density and fluid::correct: how fast the error falls, and what they keep.
+//! Tests of `fluid::density` and `fluid::correct`: how fast the error falls, and what they conserve.
 
 mod support;
 
@@ -6,7 +6,7 @@ use glam::DVec3;
 use support::{Crowd, MASS, VOLUME, apart, jittered};
 use windswept_reference::tables::{self, DENSITY_ERROR_ITERATIONS};
 
-/// rms of ρ/ρ0 − 1 of a jittered lattice after each of the table's numbers of iterations.
+/// The error, rms of ρ/ρ0 − 1, of a jittered lattice is that of the table after each of its numbers of iterations.
 fn errors(tension: f64, relaxation: f64, seed: u64) -> [f64; 5] {
     let (size, positions) = jittered(16, 0.2, seed);
     let mut crowd = Crowd::new(size, positions);
@@ -36,7 +36,7 @@ fn density_error_falls_as_in_the_table() {
     }
 }
 
-/// Hair and air, masses over a decade, volumes over a factor of two, both signs of C: a pair's moves cancel.
+/// Moves of a pair cancel: hair and air, masses over a decade, volumes over a factor of two, both signs of C.
 #[test]
 fn correct_keeps_the_centre_of_mass() {
     let mut crowd = Crowd::mixed(3_000, 3);
@@ -51,7 +51,7 @@ fn correct_keeps_the_centre_of_mass() {
     assert!(sum < 1e-15 * whole, "{}", sum / whole);
 }
 
-/// A clamped point stays and still counts.
+/// A clamped point stays, and counts in the density of others.
 #[test]
 fn a_clamped_particle_stays() {
     let mut crowd = Crowd::mixed(1_000, 4);

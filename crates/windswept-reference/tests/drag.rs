@@ -1,4 +1,4 @@
-//! wind::drag: lift and drag on segments.
+//! Tests of `wind::drag`: lift and drag on segments.
 
 #![allow(clippy::unwrap_used)]
 
@@ -84,7 +84,7 @@ fn drag_along_is_laminar_skin_friction() {
     assert!(bare.length() < 1e-12, "{bare}");
 }
 
-/// Half each point's own; areas go with radius, length as it is, and fibres.
+/// Each point of a segment takes half of its drag; areas go with radius, present length and number of fibres.
 #[test]
 fn area_is_that_of_all_fibres() {
     let mut hair = straight(2, 0.02);
@@ -211,7 +211,7 @@ fn a_clamped_strand_weathers_a_storm() {
     );
 }
 
-/// With air particles only hair outside their box is in the wind; without a model none is.
+/// With air particles only hair outside their box feels the mean wind; with the model `none` no hair does.
 #[test]
 fn the_model_says_who_is_in_the_wind() {
     let (size, positions) = lattice([8; 3], &SIMPLE);

@@ -1,4 +1,4 @@
-//! grid::neighbours.
+//! Tests of `grid::neighbours`.
 
 mod support;
 
@@ -19,7 +19,7 @@ fn a_periodic_lattice_has_26_neighbours_everywhere() {
     }
 }
 
-/// Air meets air through the faces; hair meets nobody there.
+/// Air meets air through the faces; hair meets nothing there.
 #[test]
 fn hair_has_no_images() {
     let size = DVec3::splat(5.0 * RADIUS);
@@ -44,7 +44,7 @@ fn fifteen_thousand_particles_are_listed() {
     assert!(pairs < 26 * 15_071 && pairs > 26 * 15_071 - 26 * 554, "{pairs}");
 }
 
-/// No pair is skipped that is near: hair and air at random, some of it not wrapped into the box.
+/// No near pair is left out: hair and air at random, some of it not wrapped into the box.
 #[test]
 fn lists_are_those_of_the_distances() {
     let mut crowd = Crowd::mixed(900, 5);

@@ -1,4 +1,4 @@
-//! rods: rest shapes, free fall, and strands that hang like their boundary-value problems.
+//! Tests of `rods`: rest shapes, free fall, and strands that hang as their boundary-value problems say.
 
 #![allow(clippy::unwrap_used)]
 
@@ -9,12 +9,12 @@ use support::{Rod, airless, alone, apart, bundle};
 use windswept_reference::{Parameters, State, rods, step::step, tables};
 use windswept_scene::{InitialState, Strands};
 
-/// d1 = +x, d2 = +z, d3 = −y.
+/// Root frame of a strand that hangs: d1 = +x, d2 = +z, d3 = −y.
 fn hanging_frame() -> DQuat {
     DQuat::from_mat3(&DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y))
 }
 
-/// d3 = +x, d1 = −y: horizontal.
+/// Root frame of a horizontal strand: d3 = +x, d1 = −y.
 fn horizontal_frame() -> DQuat {
     DQuat::from_mat3(&DMat3::from_cols(DVec3::NEG_Y, DVec3::NEG_Z, DVec3::X))
 }
@@ -29,7 +29,7 @@ fn run(state: &mut State, p: &Parameters, steps: u32) {
     }
 }
 
-/// Without weight a curled strand keeps its rest shape.
+/// A curled strand without weight keeps its rest shape.
 #[test]
 fn a_strand_in_its_rest_shape_stays() {
     let (mut state, mut p) = alone(curled(10.0, horizontal_frame()).strand(DVec3::ZERO));
@@ -57,7 +57,7 @@ fn the_sign_of_a_quaternion_does_not_matter() {
     assert!(apart(&state.position, &state.hair.positions) > 1e-3, "nothing moved");
 }
 
-/// Moved as a whole, a strand does the same.
+/// A strand that is moved as a whole behaves as it did.
 #[test]
 fn a_translation_changes_nothing() {
     let shift = DVec3::new(0.1, -0.2, 0.3);
@@ -129,7 +129,7 @@ fn a_loose_segment_spins() {
     }
 }
 
-/// Where a strand comes to rest under its weight: tip from root over its length, after `time` seconds.
+/// Tip of a strand that has come to rest under its weight, from the root and over its length, after `time` seconds.
 ///
 /// Velocities are damped from outside: `rods.damping` acts on v + g Δt and so lessens the weight by c Δt.
 fn hang(rod: &Rod, time_step: f64, sweeps: u32, time: f64) -> DVec3 {

@@ -1,4 +1,4 @@
-//! turbulence::{vorticity, confine, mean, strengthen}, and heading 7 of whole steps.
+//! Tests of `turbulence::{vorticity, confine, mean, strengthen}`, and of heading 7 in whole steps.
 
 #![allow(clippy::unwrap_used)]
 
@@ -22,7 +22,7 @@ fn confine(crowd: &Crowd, band: &Band, eddies: &[DVec3], v: &[DVec3]) -> Vec<DVe
     turbulence::confine(p, band, p.wind, &crowd.positions, eddies, &omega, &crowd.volume, &crowd.inverse_mass, &near)
 }
 
-/// Air at 3 m/s of U.
+/// Air with a wind U of 3 m/s.
 fn windy_crowd(n: usize, seed: u64) -> Crowd {
     let (size, positions) = jittered(n, 0.3, seed);
     let mut crowd = Crowd::new(size, positions);
@@ -114,7 +114,7 @@ fn confinement_drives_a_vortex_on() {
     assert!((change - wanted).length() < 1e-6 * wanted.length(), "{change} instead of {wanted}");
 }
 
-/// At any strength no more than 0.12 of the band's velocity in a step; at I U and above nothing.
+/// A step adds no more than 0.12 of the band's velocity, at any strength, and nothing at I U and above.
 #[test]
 fn the_band_law_limits_itself() {
     let crowd = windy_crowd(8, 33);
@@ -135,8 +135,8 @@ fn the_band_law_limits_itself() {
     assert_eq!(confine(&crowd, &Band { intensity: 0.0, ..BAND }, &vec![DVec3::ZERO; 512], &v), vec![DVec3::ZERO; 512]);
 }
 
-/// Behind a face that the wind meets head on nothing is strengthened, by either law, behind others the less the larger its
-/// cosine; a wind that barely leaves an axis changes next to nothing.
+/// Behind a face that the wind meets head on nothing is strengthened, by either law; behind another face the less, the
+/// larger its cosine; a wind that barely leaves an axis changes next to nothing.
 #[test]
 fn the_fringe_is_left_alone() {
     for law in [Law::Band, Law::Published] {
@@ -195,7 +195,7 @@ fn the_mean_change_is_taken_out() {
     );
 }
 
-/// To the band law hair is not there: air beside it is strengthened as it is without.
+/// The band law does not see hair: air beside hair is strengthened as it is without.
 #[test]
 fn the_band_law_sees_no_hair() {
     let mut crowd = Crowd::mixed(1_000, 41);
@@ -224,7 +224,7 @@ fn what_does_nothing_is_left_out() {
     assert!(p.bands.is_empty() && !p.air && state.velocity[4].x > 0.0);
 }
 
-/// The printed law for a hair point and two air particles, worked by hand in mg, mm and s (a script of its own).
+/// The printed law for a hair point and two air particles has the values that were worked out by hand in mg, mm and s.
 #[test]
 fn the_published_law_is_that_of_the_paper() {
     let mm = |x: f64, y: f64, z: f64| DVec3::new(x, y, z) * 1e-3;
@@ -295,7 +295,7 @@ fn after_steps(keys: &str) -> State {
     state
 }
 
-/// Heading 7 in a step: bands add energy, each its own; no strength, no band, no bits changed; the impulse is booked.
+/// Heading 7 adds each band's energy in a step and counts the impulse; without strength or bands it changes no bit.
 #[test]
 fn steps_strengthen_bands() {
     let energy = |state: &State| {
@@ -320,7 +320,7 @@ fn steps_strengthen_bands() {
     assert!(published.confinement_impulse.length() > 1e-9);
 }
 
-/// The booked impulse is what the momentum gains over a published step, and runs on; hair is no part of it.
+/// The impulse that is counted is what the air's momentum gains in steps by the published law; hair is no part of it.
 #[test]
 fn the_impulse_is_the_momentum_gained() {
     let published = "law = \"published\"\ncutoff = 3.0\nbands = [{ scale = 0.006, strength = 1.0, intensity = 0.3 }]";

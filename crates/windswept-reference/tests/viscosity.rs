@@ -1,4 +1,4 @@
-//! fluid::limit and fluid::viscosity: XSPH.
+//! Tests of `fluid::limit` and `fluid::viscosity`: XSPH.
 
 mod support;
 
@@ -14,7 +14,7 @@ fn with(mut crowd: Crowd, hair: f64, air: f64, limited: bool) -> Crowd {
     crowd
 }
 
-/// Σ_j w_j (1 − cos k x_j) over the infinite simple cubic lattice, w = V W/θ.
+/// Sum Σ_j w_j (1 − cos k x_j) over the infinite simple cubic lattice, w = V W/θ.
 fn lattice_damping(k: f64) -> f64 {
     let d = VOLUME.cbrt();
     let sites = (0..125).map(|i| DVec3::new((i % 5) as f64, (i / 5 % 5) as f64, (i / 25) as f64) - 2.0);
@@ -46,7 +46,7 @@ fn a_shear_wave_decays_as_in_the_table() {
     }
 }
 
-/// Σ m v, with masses over a decade, in both forms; a coefficient so large that the limiter is at work.
+/// The momentum Σ m v stays in both forms, with masses over a decade and a coefficient so large that the limiter acts.
 #[test]
 fn momentum_is_kept() {
     for limited in [true, false] {
@@ -62,7 +62,7 @@ fn momentum_is_kept() {
     }
 }
 
-/// Where nobody exchanges more than its velocity, the limited form is the published one to the bit.
+/// Where no particle exchanges more than its velocity, the limited form is the published one to the bit.
 #[test]
 fn the_limiter_leaves_small_coefficients_alone() {
     let velocities = stirred(2_000, 10);
@@ -72,7 +72,8 @@ fn the_limiter_leaves_small_coefficients_alone() {
     assert!(limited == published && limited != velocities);
 }
 
-/// With the limiter each velocity becomes a mean of its own and its neighbours' at any coefficient; without, they grow.
+/// With the limiter each velocity becomes a mean of its own and its neighbours' at any coefficient; without it
+/// velocities grow.
 #[test]
 fn the_limiter_keeps_any_coefficient_stable() {
     for (limited, stable) in [(true, true), (false, false)] {

@@ -37,12 +37,14 @@ sleep = false
 ";
 /// Velocity of the air at the start \[m/s\].
 const STREAM: DVec3 = DVec3::new(3.0, 0.0, 0.0);
-/// Mass of a loose root over that of the point after it: the momentum that the root receives can be read from its velocity.
+/// Mass of a loose root over that of the point after it: the momentum that the root receives can be read from its
+/// velocity.
 const ROOT_MASS: f64 = 20.0;
 /// Steps of a run, 41 ms.
 const STEPS: u64 = 30;
 
-/// Rows of a stream past strands: hair and its roots, loose and heavy or clamped, receive the momentum that the air loses.
+/// Rows of a stream past strands: hair and its roots, loose and heavy or clamped, receive the momentum that the air
+/// loses.
 pub(crate) fn drag(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows = loose(gpu)?;
     rows.extend(clamped(gpu)?);
@@ -77,7 +79,8 @@ fn loose(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// Fewer and shorter strands with clamped roots, on which only two things act: the density constraint and the first segment.
+/// Fewer and shorter strands with clamped roots, on which only two things act: the density constraint and the first
+/// segment.
 const CLAMPED: &str = "
 gravity = [0, 0, 0]
 [[hair]]
@@ -136,8 +139,8 @@ fn clamped(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// Momentum that the density constraint gives held roots in the next step \[kg m/s\]: that which it would give to roots of
-/// mass 1.
+/// Momentum that the density constraint gives held roots in the next step \[kg m/s\]: that which it would give to roots
+/// of mass 1.
 fn density_on_roots(s: &State, p: &Parameters) -> DVec3 {
     let mut w = twin::drive(s, p);
     twin::neighbours(&mut w, p);

@@ -1,4 +1,4 @@
-//! What the engine computes on a GPU, beside formulas and numbers that were computed independently of it.
+//! Checks of what the engine computes on a GPU, against formulas and numbers that were computed independently of it.
 //!
 //! A [`Check`] measures on the GPU, through [`windswept::ops`] and [`windswept::Simulation`], and returns a [`Row`] per
 //! claim. `windswept validate` prints the rows, `tests/formulas.rs` asserts them: each formula is written once. The

@@ -142,7 +142,8 @@ pub(crate) fn hanging(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(cases.iter().zip(tips).map(row).collect())
 }
 
-/// Row of the first frequency of a clamped-free beam, f = (βL)²/(2πL²) √(EI/ρA), from the tip's second and third passage of zero.
+/// Row of the first frequency of a clamped-free beam, f = (βL)²/(2πL²) √(EI/ρA), from the tip's second and third
+/// passage of zero.
 pub(crate) fn beam(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let (step, amplitude) = (1.38e-3, 0.02);
     let rod = Rod::level(1.0);

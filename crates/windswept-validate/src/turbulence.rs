@@ -64,7 +64,8 @@ fn lattice_rotation() -> f64 {
     sum
 }
 
-/// Rows of a uniform translation: it has no vorticity, XSPH leaves it alone, and if it is the wind, it has no band velocity.
+/// Rows of a uniform translation: it has no vorticity, XSPH leaves it alone, and if it is the wind, it has no band
+/// velocity.
 pub(crate) fn translation(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let velocity = DVec3::new(3.0, -1.0, 2.0);
     let cloud = Cloud::random(12, 3).moving(|_| velocity);

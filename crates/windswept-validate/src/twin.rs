@@ -80,7 +80,8 @@ sleep = false
 /// Largest speed at the start \[m/s\].
 const THROWN: f64 = 0.2;
 
-/// Rows of what rods change in one step, by either solver and integrator: velocities after it less those of the free move.
+/// Rows of what rods change in one step, by either solver and integrator: velocities after it less those of the free
+/// move.
 ///
 /// Two Newton steps: the first starts without old forces, the second from those that it found.
 pub(crate) fn rods(gpu: &Gpu) -> Result<Vec<Row>, Error> {

@@ -25,14 +25,16 @@ const EDGE: f64 = 0.9;
 const SPEED: f64 = 0.3;
 /// Scale s of the band that is strengthened: half the core radius \[d\].
 const SCALE: f64 = 1.5;
-/// Names and scales \[d\] of the bands beside it: a smaller one, which particles can just carry, and one of twice the scale.
+/// Names and scales \[d\] of the bands beside it: a smaller one, which particles can just carry, and one of twice the
+/// scale.
 const OTHERS: [(&str, f64); 2] = [("of two thirds the scale", 1.0), ("of twice the scale", 3.0)];
 /// Strength S of the band, a number.
 const STRENGTH: f64 = 10.0;
-/// Steps after which the bands are compared. The choice is measured, not derived: the band gains more energy than both others
-/// from about step 30 to 60. Before that the larger one gains more; at step 75 the smaller has 1.04 times as much. As a ratio to the
-/// run without confinement the smaller grows most at all times, for it starts with next to nothing (13, 7 and 1.7 times
-/// for 1, 1.5 and 3 spacings at step 45). With I = 0.5 and a core of 3.5 spacings no band stood out by step 50.
+/// Steps after which the bands are compared. The choice is measured, not derived: the band gains more energy than both
+/// others from about step 30 to 60. Before that the larger one gains more; at step 75 the smaller has 1.04 times as
+/// much. As a ratio to the run without confinement the smaller grows most at all times, for it starts with next to
+/// nothing (13, 7 and 1.7 times for 1, 1.5 and 3 spacings at step 45). With I = 0.5 and a core of 3.5 spacings no band
+/// stood out by step 50.
 const STEPS: u64 = 45;
 /// Radius of the ring that circulation is taken on \[core radii\].
 const RING: f64 = 2.5;

@@ -152,8 +152,8 @@ fn blown(gpu: &Gpu, direction: DVec3, gravity: f64, lift: f64, steps: u64) -> Re
     Ok(vectors(&simulation.frame()?.hair.velocities))
 }
 
-/// Rows of the terminal speed of a level strand that falls across the wind, and of what drag and lift give an oblique strand
-/// in a step.
+/// Rows of the terminal speed of a level strand that falls across the wind, and of what drag and lift give an oblique
+/// strand in a step.
 pub(crate) fn drag(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let width = 2.0 * FIBRE;
     let mass = FIBRE_DENSITY * PI * FIBRE * FIBRE;

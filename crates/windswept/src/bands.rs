@@ -14,23 +14,25 @@ use windswept_shaders::{
     },
 };
 
-/// Most cells of a block. With 7 air particles in a cell they hold about as many particles as a workgroup of the filter takes.
+/// Most cells of a block. With 7 air particles in a cell they hold about as many particles as a workgroup of the filter
+/// takes.
 const LARGEST_BLOCK: u32 = 8;
-/// Most pairs that one dispatch of the filter looks at. They take 0.1 s on a software adapter with two cores; drivers end a
-/// dispatch that takes 2 s.
+/// Most pairs that one dispatch of the filter looks at. They take 0.1 s on a software adapter with two cores; drivers
+/// end a dispatch that takes 2 s.
 const PAIRS: f64 = 2e8;
-/// Most particles that one invocation of the filter walks over, where they are spread evenly. Mesa's software adapter ends the
-/// loops of an invocation after 65 535 rounds in all, without an error; a quarter of that leaves room for clumps.
+/// Most particles that one invocation of the filter walks over, where they are spread evenly. Mesa's software adapter
+/// ends the loops of an invocation after 65 535 rounds in all, without an error; a quarter of that leaves room for
+/// clumps.
 const ROUNDS: f64 = 16e3;
 /// Slack of the filter's reach \[cells\]: particles have moved since they were sorted (`turbulence/band.wgsl`).
 const MOVED: f32 = 0.2;
-/// C0 of eq. 6 with the radical over 15 only: 2/(√15 π^(3/4)).
+/// Constant C0 of eq. 6 with the radical over 15 only: 2/(√15 π^(3/4)).
 const MEXICAN_HAT: f64 = 0.218_837_609;
-/// ε of eq. 2, which has no unit in print, read as an acceleration in mm, mg and s.
+/// Coefficient ε of eq. 2, which has no unit in print, read as an acceleration in mm, mg and s.
 const EPSILON: f64 = 0.008;
 
-/// The bands of a scene in the order of the file. Each is cut into the dispatches of the direct filter, with a uniform for each;
-/// with the grid filter a band has one uniform. Empty without air.
+/// The bands of a scene in the order of the file. Each is cut into the dispatches of the direct filter, with a uniform
+/// for each; with the grid filter a band has one uniform. Empty without air.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Bands {
     /// One uniform per dispatch.
@@ -90,7 +92,8 @@ fn of(scene: &Scene, initial: &InitialState, band: &windswept_scene::Band) -> Ba
         Law::Band => Band {
             scale: band.scale as f32,
             reach,
-            // The sum is weighted by volume and divided by the peak of the transfer function: unit gain at the band's centre.
+            // The sum is weighted by volume and divided by the peak of the transfer function: unit gain at the band's
+            // centre.
             gain: (E / (2.0 * (2.0 * PI).powf(1.5) * band.scale.powi(3))) as f32,
             strength: band.strength as f32,
             largest_speed: (band.intensity * scene.turbulence.speed) as f32,
@@ -108,7 +111,7 @@ fn of(scene: &Scene, initial: &InitialState, band: &windswept_scene::Band) -> Ba
     }
 }
 
-/// How the filter cuts the box.
+/// Blocks into which the filter cuts the box, and the size of a dispatch.
 struct Blocks {
     in_row: u32,
     cells: u32,
@@ -172,8 +175,8 @@ pub(crate) fn invocations(task: &Band) -> u32 {
 mod tests {
     use super::*;
 
-    /// Whatever the box and the reach, blocks cover each row once, and dispatches cover all blocks and rows once. None runs
-    /// longer loops than it may, and none looks at more pairs than it may unless it is as small as can be.
+    /// Whatever the box and the reach, blocks cover each row once, and dispatches cover all blocks and rows once. None
+    /// runs longer loops than it may, and none looks at more pairs than it may unless it is as small as can be.
     #[test]
     fn dispatches_cover_every_block_once() {
         for (cells, particles) in [([3, 3, 3], 27), ([17, 12, 7], 11_000), ([58, 23, 22], 219_000), ([100, 1, 2], 10)] {

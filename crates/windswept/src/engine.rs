@@ -197,8 +197,8 @@ impl Engine {
         Ok(std::array::from_fn(|_| read.next().unwrap_or_default()))
     }
 
-    /// Shows `read` arrays of four floats in the memory to which the driver has mapped them, so that what it makes of them is
-    /// their only copy.
+    /// Shows `read` arrays of four floats in the memory to which the driver has mapped them, so that what it makes of
+    /// them is their only copy.
     pub(crate) fn view_vec4<const N: usize, R>(
         &self,
         arrays: [&Array<[f32; 4]>; N],
@@ -227,8 +227,9 @@ impl Engine {
         self.write(&self.state.status, &[*status])
     }
 
-    /// Runs passes over the committed state, which is copied to where a step's own state stands, and runs them again with a
-    /// longer neighbour list if the list was too short. Says whether the list has grown; programs made before bind the old one.
+    /// Runs passes over the committed state, which is copied to where a step's own state stands, and runs them again
+    /// with a longer neighbour list if the list was too short. Says whether the list has grown; programs made before
+    /// bind the old one.
     ///
     /// # Errors
     /// [`RunError::TooManyNeighbours`] when the adapter has no room, [`RunError::Gpu`] with the driver's words.

@@ -1,4 +1,4 @@
-//! What can go wrong, made where the cause is known.
+//! Errors, made where their cause is known.
 
 use windswept_scene::SceneError;
 
@@ -15,7 +15,7 @@ pub enum GpuError {
         wanted: String,
         /// Adapters that there are.
         found: String,
-        /// What to do about it.
+        /// Advice on what to do about it.
         help: String,
     },
     /// The adapter gave no device.
@@ -73,7 +73,7 @@ pub enum GpuError {
     /// The driver rejected a call, or is out of memory.
     #[error("{doing}: {reason}")]
     Driver {
-        /// What was being done.
+        /// Work that was being done.
         doing: String,
         /// The driver's words.
         reason: String,
@@ -116,7 +116,7 @@ pub enum RunError {
         particle: u32,
         /// The step that failed; the state is that before it.
         step: u64,
-        /// Its time \[s\].
+        /// Time of that step \[s\].
         time: f64,
     },
     /// More strands than max(3, 1 %) became non-finite in one step.
@@ -130,7 +130,7 @@ pub enum RunError {
         first: u32,
         /// The step that failed; the state is that before it.
         step: u64,
-        /// Its time \[s\].
+        /// Time of that step \[s\].
         time: f64,
     },
     /// The neighbour list cannot grow as far as the step needs.

@@ -1,4 +1,4 @@
-//! What a run hands out: plain f32 arrays in world coordinates.
+//! Frames: the state of a run as plain f32 arrays in world coordinates.
 
 /// The state at one time.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -22,7 +22,8 @@ pub struct HairFrame {
     pub positions: Vec<[f32; 3]>,
     /// Velocity of each point [m/s].
     pub velocities: Vec<[f32; 3]>,
-    /// Orientation of each segment: the rotation (x, y, z, w) from material frame to world. A strand of n points has n - 1.
+    /// Orientation of each segment: the rotation (x, y, z, w) from material frame to world. A strand of n points has n
+    /// - 1.
     pub orientations: Vec<[f32; 4]>,
 }
 

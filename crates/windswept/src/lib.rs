@@ -56,7 +56,7 @@ pub use plan::{BufferRow, PlanRow, Uses, buffers, memory_bytes, table as plan};
 pub use report::{BandEnergy, Particles, PassReport, Report, SkippedReport};
 pub use simulation::{Buffers, Simulation};
 
-/// What tests and `windswept validate` look at. No part of the interface: it changes without notice.
+/// Parts that tests and `windswept validate` look at. They are no part of the interface and change without notice.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::{

@@ -117,11 +117,11 @@ impl Meshes {
     }
 }
 
-/// Taps of the Gaussian of width s and of its second derivative along a periodic axis of `nodes` nodes. The blur of deposit and
-/// gather, a B-spline of `order` each, is taken out: ĝ = e^(−k²s²/2) / sinc(kh/2)^(2(p+1)), ĝ'' = −k² ĝ.
+/// Taps of the Gaussian of width s and of its second derivative along a periodic axis of `nodes` nodes. The blur of
+/// deposit and gather, a B-spline of `order` each, is taken out: ĝ = e^(−k²s²/2) / sinc(kh/2)^(2(p+1)), ĝ'' = −k² ĝ.
 ///
-/// Returns the offset of the first tap with them. The zeros at the end are for the row of nodes that `turbulence/smooth` makes
-/// at once.
+/// Returns the offset of the first tap with them. The zeros at the end are for the row of nodes that
+/// `turbulence/smooth` makes at once.
 fn taps(nodes: usize, spacing: f64, scale: f64, order: u32) -> (i32, Vec<Tap>) {
     let side = nodes as f64 * spacing;
     let waves = ((SHORTEST_WAVE / scale * side / TAU) as usize + 1).min(nodes / 2);

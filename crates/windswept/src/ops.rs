@@ -36,8 +36,8 @@ viscosity = { hair = 0.0, air = 0.0 }
 turbulence = { speed = 1.0 }
 ";
 
-/// Equal particles in a periodic box or in free space. Every operation uses `positions` and `bounds`, and says which other
-/// fields it uses.
+/// Equal particles in a periodic box or in free space. Every operation uses `positions` and `bounds`, and says which
+/// other fields it uses.
 ///
 /// Positions are handed to the GPU as `f32` relative to the box, or in free space to their lowest corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,7 +56,7 @@ pub struct Particles<'a> {
     pub bounds: Option<[f64; 3]>,
 }
 
-/// How a band velocity is found.
+/// Way in which a band velocity is found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Filter {
     /// A grid: 0.1 to 0.8 % off the whole sum at the default, at a cost that falls as the scale grows.
@@ -66,7 +66,8 @@ pub enum Filter {
         /// Largest distance between nodes, in scales, up to 1; it is never more than a kernel radius.
         spacing: f64,
     },
-    /// The sum over all pairs nearer than the cut: one at 3 scales passes a third of the mean flow, one at 4.5 scales 0.4 %.
+    /// The sum over all pairs nearer than the cut: one at 3 scales passes a third of the mean flow, one at 4.5 scales
+    /// 0.4 %.
     Direct {
         /// Distance of the cut, in scales.
         cutoff: f64,
@@ -105,7 +106,7 @@ impl Filter {
     }
 }
 
-/// Who is nearer than the kernel radius to whom, as a compressed sparse row matrix.
+/// Neighbours nearer than the kernel radius, as a compressed sparse row matrix.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Neighbours {
     /// First entry of each particle in `indices`, and the end of the last particle's.
@@ -147,7 +148,8 @@ impl<'a> Particles<'a> {
         Self { positions, velocities: &[], mass: 1.46e-7, rest_density: 1.29, radius: 9.3e-3, bounds: None }
     }
 
-    /// ρ = m Σ_j W(x_i − x_j), Poly6, self included \[kg/m³\]. Uses `mass`, `rest_density` (as a scale only), `radius`.
+    /// Density ρ = m Σ_j W(x_i − x_j), Poly6, self included \[kg/m³\]. Uses `mass`, `rest_density` (as a scale only),
+    /// `radius`.
     ///
     /// # Errors
     /// [`OpsError`].
@@ -161,8 +163,8 @@ impl<'a> Particles<'a> {
         Ok(ratios.into_iter().map(|ratio| (f64::from(ratio) * self.rest_density) as f32).collect())
     }
 
-    /// ω = Σ_j V (v_j − v_i) × ∇_j W, Spiky, the plain sum (eq. 2 with its missing 1/ρ) \[1/s\]. Uses `velocities`, `mass`,
-    /// `rest_density`, `radius`.
+    /// Vorticity ω = Σ_j V (v_j − v_i) × ∇_j W, Spiky, the plain sum (eq. 2 with its missing 1/ρ) \[1/s\]. Uses
+    /// `velocities`, `mass`, `rest_density`, `radius`.
     ///
     /// # Errors
     /// [`OpsError`].
@@ -176,9 +178,9 @@ impl<'a> Particles<'a> {
         stage.read_vectors(|s| &s.vorticity)
     }
 
-    /// û, the velocity of eddies of scale s: the Mexican hat over the volumes' velocities (eqs. 5, 6), with unit gain at the
-    /// band's centre, ks = √2 \[m/s\]. Uses `velocities`, `mass`, `rest_density`; `radius` sets the cells of the search, and
-    /// how far apart a grid's nodes are at most.
+    /// Velocity û of the eddies of scale s: the Mexican hat over the volumes' velocities (eqs. 5, 6), with unit gain at
+    /// the band's centre, ks = √2 \[m/s\]. Uses `velocities`, `mass`, `rest_density`; `radius` sets the cells of the
+    /// search, and how far apart a grid's nodes are at most.
     ///
     /// # Errors
     /// [`OpsError`].
@@ -212,7 +214,7 @@ impl<'a> Particles<'a> {
         stage.read_vectors(|s| &s.band_velocity)
     }
 
-    /// The mean over the particles of ½ |û|² of eddies of scale s \[m²/s²\]; 0 without particles. See
+    /// Energy of the eddies of scale s: the mean of ½ |û|² over the particles \[m²/s²\]; 0 without particles. See
     /// [`Self::band_velocity`].
     ///
     /// # Errors
@@ -278,7 +280,7 @@ impl<'a> Particles<'a> {
         Ok(moved.iter().map(place).collect())
     }
 
-    /// Who is near whom. Uses `radius`.
+    /// Neighbours of each particle, those nearer than the kernel radius. Uses `radius`.
     ///
     /// # Errors
     /// [`OpsError`].
@@ -406,8 +408,8 @@ fn argument(name: &'static str, what: String) -> OpsError {
     OpsError::Argument { name, what }
 }
 
-/// The error as a caller of an operation should read it: a scale that is too fine for this adapter's grids is the argument's
-/// fault here, not a scene's.
+/// The error as a caller of an operation should read it: a scale that is too fine for this adapter's grids is the
+/// argument's fault here, not a scene's.
 fn too_fine(scale: f64, error: OpsError) -> OpsError {
     match error {
         OpsError::Run(RunError::Gpu(GpuError::BandTooFine { nodes, most, fits, .. })) => {

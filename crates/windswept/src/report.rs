@@ -1,4 +1,4 @@
-//! What a run reports: `report.json`.
+//! The report of a run: `report.json`.
 
 use std::collections::BTreeMap;
 
@@ -42,10 +42,10 @@ pub struct Report {
     /// Largest stretch of a segment over the run, max |l/l0 − 1|.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_stretch: Option<f64>,
-    /// Steps of strands that went otherwise than by a solve of the integrator asked for, summed over all strands and steps:
-    /// `euler_steps` by implicit Euler instead of BDF2, `quiet_steps` without a solve because nothing pushed the strand,
-    /// `asleep_steps` of strands at rest, `teleports` of strands that a far jump of their root took along as they were, and
-    /// `rescued_steps` by Gauss-Seidel because the direct solve did not converge in f32.
+    /// Steps of strands that went otherwise than by a solve of the integrator asked for, summed over all strands and
+    /// steps: `euler_steps` by implicit Euler instead of BDF2, `quiet_steps` without a solve because nothing pushed the
+    /// strand, `asleep_steps` of strands at rest, `teleports` of strands that a far jump of their root took along as
+    /// they were, and `rescued_steps` by Gauss-Seidel because the direct solve did not converge in f32.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strand_steps: Option<BTreeMap<String, u64>>,
     /// Density error: rms of ρ/ρ0 − 1 over the air.
@@ -59,8 +59,8 @@ pub struct Report {
     /// Impulse that confinement has given the air in the run, after its mean was taken out. Left out without bands.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub confinement_impulse_kg_m_per_s: Option<[f64; 3]>,
-    /// Steps in which the confinement's limiter acted on some particle: it keeps a strong band from gaining more than 0.12 of
-    /// its speed in a step. Left out without bands.
+    /// Steps in which the confinement's limiter acted on some particle: it keeps a strong band from gaining more than
+    /// 0.12 of its speed in a step. Left out without bands.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub confinement_limited_steps: Option<u64>,
     /// Energy and cost of each of `turbulence.bands`. Left out without air particles or bands.
@@ -92,8 +92,8 @@ pub struct BandEnergy {
     pub m2_per_s2_at_start: f64,
     /// Energy now \[m²/s²\].
     pub m2_per_s2: f64,
-    /// GPU time of all the band's passes in a step \[ms\]; a grid that bands share counts with the finest of them. Left out
-    /// where it was not timed or the band has no strength.
+    /// GPU time of all the band's passes in a step \[ms\]; a grid that bands share counts with the finest of them. Left
+    /// out where it was not timed or the band has no strength.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ms: Option<f64>,
 }
@@ -105,7 +105,8 @@ pub struct PassReport {
     pub name: String,
     /// Name of the pass, `folder/name`.
     pub pass: String,
-    /// Index of the band in `turbulence.bands` that the pass is for; a grid that bands share counts with the first of them.
+    /// Index of the band in `turbulence.bands` that the pass is for; a grid that bands share counts with the first of
+    /// them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub band: Option<usize>,
     /// Mean time of all runs in a step together \[ms\].

@@ -150,8 +150,8 @@ impl Simulation {
         }
     }
 
-    /// Reads the status after a submit. Grows the neighbour list when a step needed a longer one: the frozen steps are then not
-    /// done, so compare [`Self::steps`] and record them again. Turns what ended the run into an error.
+    /// Reads the status after a submit. Grows the neighbour list when a step needed a longer one: the frozen steps are
+    /// then not done, so compare [`Self::steps`] and record them again. Turns what ended the run into an error.
     ///
     /// # Errors
     /// [`RunError`] names what ended the run.
@@ -218,7 +218,8 @@ impl Simulation {
         self.scene.time.step
     }
 
-    /// The scene. It has the substeps that its strands need ([`windswept_scene::Strands::substeps`]), if the file has fewer.
+    /// The scene. It has the substeps that its strands need ([`windswept_scene::Strands::substeps`]), if the file has
+    /// fewer.
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene
@@ -236,8 +237,8 @@ impl Simulation {
         self.engine.gpu()
     }
 
-    /// Buffers of the state, to be drawn from without a copy. They hold the state between steps, and are never replaced in a
-    /// run.
+    /// Buffers of the state, to be drawn from without a copy. They hold the state between steps, and are never replaced
+    /// in a run.
     #[must_use]
     pub fn buffers(&self) -> Buffers<'_> {
         let s = self.engine.state();

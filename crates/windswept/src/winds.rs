@@ -6,8 +6,8 @@ use windswept_shaders::wind::fringe::Wave;
 /// A time that no run reaches \[s\].
 const NEVER: f32 = 1e30;
 
-/// Number of entries of the table of the mean wind, with room for a wind that is set. The last entry repeats the one before at
-/// a time that no run reaches.
+/// Number of entries of the table of the mean wind, with room for a wind that is set. The last entry repeats the one
+/// before at a time that no run reaches.
 fn table_len(scene: &Scene) -> usize {
     scene.air.as_ref().map_or(0, |air| air.wind_table().len()).max(2) + 1
 }
@@ -19,7 +19,8 @@ pub(crate) fn table(scene: &Scene) -> Vec<[f32; 4]> {
     filled(rows.collect(), table_len(scene))
 }
 
-/// Table of a wind that is `to` from `time` \[s\] on, the end of a step that started at `before` with the wind `from` \[m/s\].
+/// Table of a wind that is `to` from `time` \[s\] on, the end of a step that started at `before` with the wind `from`
+/// \[m/s\].
 pub(crate) fn turned(from: [f32; 3], before: f32, to: [f32; 3], time: f32, len: usize) -> Vec<[f32; 4]> {
     let row = |u: [f32; 3], time: f32| [u[0], u[1], u[2], time];
     filled(vec![row(from, before), row(to, time)], len)

@@ -1,6 +1,7 @@
 //! `cargo xtask demo`, `python`, `test` and `package`: set up what a clean clone lacks, then run it.
 //!
-//! Everything that these commands fetch is either a system package, announced before it is installed, or lies in `target/venv`.
+//! Everything that these commands fetch is either a system package, announced before it is installed, or lies in
+//! `target/venv`.
 
 mod package;
 mod python;
@@ -57,13 +58,14 @@ fn main() -> ExitCode {
     }
 }
 
-/// Key that sets the simulated time of the demo, half a second: the hair swings out and back once, in a minute or so on a software adapter.
+/// Key that sets the simulated time of the demo, half a second: the hair swings out and back once, in a minute or so on
+/// a software adapter.
 const DEMO: &str = "time.duration=0.5";
 
 /// Brings a clean clone to pictures: a driver, CMake, the command, a run.
 ///
-/// The command is built so that the wait is short, not so that it runs fast, and without the parts that a simulation does not
-/// need.
+/// The command is built so that the wait is short, not so that it runs fast, and without the parts that a simulation
+/// does not need.
 fn demo() -> Result {
     vulkan::any_driver()?;
     let mut cargo = cargo();

@@ -33,8 +33,8 @@ pub(crate) fn build() -> Result {
     run(module("tarfile").arg("--extract").args([&sdist, &unpacked]))?;
     let mut pip = module("pip");
     pip.args(["wheel", "--quiet", "--disable-pip-version-check", "--no-deps", "--wheel-dir"]).arg(&wheels);
-    // The question is only whether it builds, so the profile and the folder are those of the tests, where the dependencies are
-    // compiled already.
+    // The question is only whether it builds, so the profile and the folder are those of the tests, where the
+    // dependencies are compiled already.
     pip.args(["--config-settings", "build-args=--profile dev"]).env("CARGO_TARGET_DIR", root().join("target"));
     run(pip.arg(the_file_in(&unpacked)?))?;
 

@@ -59,7 +59,8 @@ pub fn b_spline(degree: u32, t: f64) -> f64 {
     ((t + half) * b_spline(degree - 1, t + 0.5) + (half - t) * b_spline(degree - 1, t - 0.5)) / p
 }
 
-/// Deposit Σ_j V_j (v_j − U) B(x_j − node) of air \[m⁴/s\], with w = Σ_j V_j B \[m³\], on the grid of a band of `scale` \[m\].
+/// Deposit Σ_j V_j (v_j − U) B(x_j − node) of air \[m⁴/s\], with w = Σ_j V_j B \[m³\], on the grid of a band of `scale`
+/// \[m\].
 #[must_use]
 pub fn deposit(p: &Parameters, scale: f64, wind: DVec3, x: &[DVec3], v: &[DVec3], volume: &[f64]) -> Mesh {
     let mut mesh = Mesh::of_scale(p, scale);
@@ -121,8 +122,8 @@ fn transformed(nodes: [usize; 3], values: &[[DVec4; 2]], axis: usize, sign: f64)
     })
 }
 
-/// Velocity û of each air particle \[m/s\] from what [`smooth`] returns: −(e/2) s² of the Laplacian, per volume of a cell; normalised,
-/// over the smoothed volume instead.
+/// Velocity û of each air particle \[m/s\] from what [`smooth`] returns: −(e/2) s² of the Laplacian, per volume of a
+/// cell; normalised, over the smoothed volume instead.
 #[must_use]
 pub fn gather(p: &Parameters, band: &Band, laplacian: &Mesh, x: &[DVec3]) -> Vec<DVec3> {
     let cell = laplacian.spacing(p).element_product();

@@ -27,12 +27,12 @@ pub fn windy(wind: DVec3) -> Scene {
     scene(&format!("[air]\nbox = {{ min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 1.0] }}\nwind = {wind:?}\nramp = 0.0"))
 }
 
-/// Strands alone.
+/// Scene of strands without air.
 pub fn airless() -> Scene {
     scene("[interaction]\nmodel = \"none\"")
 }
 
-/// Particles for the passes that know no strands; those below `parameters.hair_points` count as hair.
+/// Particles for the passes that do not look at strands; those below `parameters.hair_points` count as hair.
 pub struct Crowd {
     pub parameters: Parameters,
     pub positions: Vec<DVec3>,
@@ -54,7 +54,7 @@ impl Crowd {
         }
     }
 
-    /// A third of hair at random, masses over a decade, volumes over a factor of two.
+    /// Particles at random, a third of them hair, with masses over a decade and volumes over a factor of two.
     pub fn mixed(n: usize, seed: u64) -> Self {
         let mut rng = Pcg64::seed_from_u64(seed);
         let side = (n as f64 * VOLUME).cbrt();
@@ -136,13 +136,13 @@ pub fn stirred(n: usize, seed: u64) -> Vec<DVec3> {
 /// A strand from its physical parameters: a hair's mass and EA, B/C = 1.38.
 pub struct Rod {
     pub segments: usize,
-    /// [m]
+    /// Length of the strand [m].
     pub length: f64,
-    /// ρAgL³/EI.
+    /// Weight over stiffness γ = ρAgL³/EI.
     pub gamma: f64,
     /// Rest Darboux vector times L, material frame.
     pub darboux: DVec3,
-    /// Of the clamp, material to world.
+    /// Frame of the clamp, material to world.
     pub root_frame: DQuat,
 }
 

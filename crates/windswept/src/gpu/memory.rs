@@ -63,7 +63,8 @@ impl Memory {
         self.view(gpu, arrays, |views| views.iter().map(|bytes| bytemuck::pod_collect_to_vec(bytes)).collect())
     }
 
-    /// Shows `read` the bytes of whole arrays, fetched in one submission, in the memory to which the driver has mapped them.
+    /// Shows `read` the bytes of whole arrays, fetched in one submission, in the memory to which the driver has mapped
+    /// them.
     pub(crate) fn view<R>(
         &self,
         gpu: &Gpu,

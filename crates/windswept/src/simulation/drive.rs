@@ -7,9 +7,10 @@ use super::Simulation;
 use crate::{error::RunError, rods, winds};
 
 impl Simulation {
-    /// Says where the root of each strand goes: `positions` in the world \[m\], one per strand, and the ghost frames that clamp
-    /// them; without frames the roots keep theirs. The roots arrive at the end of the next step of Δt, and stay. A root that
-    /// jumps farther than its strand is long takes the strand along in its shape, at rest. Free roots are not affected.
+    /// Says where the root of each strand goes: `positions` in the world \[m\], one per strand, and the ghost frames
+    /// that clamp them; without frames the roots keep theirs. The roots arrive at the end of the next step of Δt, and
+    /// stay. A root that jumps farther than its strand is long takes the strand along in its shape, at rest. Free roots
+    /// are not affected.
     ///
     /// # Errors
     /// [`RunError::Input`] when there is not one of each per strand, when one is beyond 1e18 or a frame has no length, and when
@@ -39,8 +40,8 @@ impl Simulation {
         Ok(self.engine.write(&self.engine.state().root_targets, &targets)?)
     }
 
-    /// Sets the mean wind from the next step on \[m/s\], in place of the scene's wind, ramp and gusts. All air takes the change
-    /// in that step. A wind that turns round enters from the other side. `turbulence.speed` does not change.
+    /// Sets the mean wind from the next step on \[m/s\], in place of the scene's wind, ramp and gusts. All air takes
+    /// the change in that step. A wind that turns round enters from the other side. `turbulence.speed` does not change.
     ///
     /// # Errors
     /// [`RunError::Input`] when it is beyond 1e18, or the scene has no `[air]`; [`RunError::Gpu`].
@@ -71,8 +72,9 @@ impl Simulation {
         Ok(())
     }
 
-    /// Puts hair somewhere else: positions \[m\] and velocities \[m/s\] of points, orientations of segments. An array that is
-    /// not given stays. Strands go on as if they had come there with these velocities. Held points keep their places.
+    /// Puts hair somewhere else: positions \[m\] and velocities \[m/s\] of points, orientations of segments. An array
+    /// that is not given stays. Strands go on as if they had come there with these velocities. Held points keep their
+    /// places.
     ///
     /// # Errors
     /// [`RunError::Input`] when an array has not a row for each, or something is beyond 1e18; [`RunError::Gpu`].
@@ -119,8 +121,8 @@ impl Simulation {
         Ok(self.engine.write_hair(&hair, origin)?)
     }
 
-    /// Puts air somewhere else: positions \[m\], which are wrapped into the box, and velocities \[m/s\], by stable id. An array
-    /// that is not given stays.
+    /// Puts air somewhere else: positions \[m\], which are wrapped into the box, and velocities \[m/s\], by stable id.
+    /// An array that is not given stays.
     ///
     /// # Errors
     /// As [`Self::set_hair`].

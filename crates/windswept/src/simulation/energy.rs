@@ -16,8 +16,8 @@ struct Air {
 }
 
 impl Simulation {
-    /// Energy ½ |û|² of the first of `turbulence.bands` at each air particle now \[m²/s²\], about the wind as far as it has
-    /// risen, in the accurate form whatever the law. Empty when no band is strengthened.
+    /// Energy ½ |û|² of the first of `turbulence.bands` at each air particle now \[m²/s²\], about the wind as far as it
+    /// has risen, in the accurate form whatever the law. Empty when no band is strengthened.
     ///
     /// # Errors
     /// As [`Self::density`].
@@ -30,8 +30,8 @@ impl Simulation {
         Ok(eddies.iter().map(|u| 0.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2])).collect())
     }
 
-    /// Energy of each scale \[m\] now: the mean of ½ |û|² over the air \[m²/s²\], about the wind as far as it has risen. Empty
-    /// without air particles.
+    /// Energy of each scale \[m\] now: the mean of ½ |û|² over the air \[m²/s²\], about the wind as far as it has
+    /// risen. Empty without air particles.
     ///
     /// # Errors
     /// As [`Self::density`], and [`RunError::Measurement`] for a scale that no grid can have.

@@ -1,4 +1,4 @@
-//! What a run reports of itself.
+//! The report of a run, and the figures in it.
 
 use glam::DVec3;
 
