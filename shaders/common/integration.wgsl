@@ -3,13 +3,16 @@
 //   move without the rod's forces = carry d + h (v + h a)/(1 + c h)      v = (4 v_n - v_(n-1))/3, h = 2/3 dt, carry = 1/3
 //   v_(n+1) = (move - carry d)/h                                    Euler: v = v_n,               h = dt,     carry = 0
 //
-// A force f moves a point by w f h^2/(1 + c h), w its inverse mass: `response`.
+// A force f moves a point by w f h^2/(1 + c h), w its inverse mass: `response`. c is the scene's damping, and for a point what
+// resists its velocity as well.
 import package::common::params::params;
 
-// How a point or a segment goes through a step: by implicit Euler, by BDF2, or put somewhere, with no velocity.
+// How a point or a segment goes through a step: by implicit Euler, by BDF2, put somewhere with no velocity, or asleep where
+// it is.
 const EULER: u32 = 0u;
 const BDF2: u32 = 1u;
 const PUT: u32 = 2u;
+const STAY: u32 = 3u;
 
 // h, in seconds.
 fn step_of(scheme: u32) -> f32 {
@@ -25,17 +28,19 @@ fn weighted(now: vec3f, before: vec3f, scheme: u32) -> vec3f {
 }
 
 // The move, or turn, without the rod's forces.
-fn free_move(now: vec3f, before: vec3f, carried: vec3f, acceleration: vec3f, scheme: u32) -> vec3f {
+fn free_move(
+    now: vec3f, before: vec3f, carried: vec3f, acceleration: vec3f, damping: f32, scheme: u32,
+) -> vec3f {
     let h = step_of(scheme);
-    return carry(scheme) * carried + h * (weighted(now, before, scheme) + h * acceleration) / (1.0 + params.damping * h);
+    return carry(scheme) * carried + h * (weighted(now, before, scheme) + h * acceleration) / (1.0 + damping * h);
 }
 
 // The velocity, or spin, that a move, or turn, leaves.
 fn rate(shift: vec3f, carried: vec3f, scheme: u32) -> vec3f {
-    return select((shift - carry(scheme) * carried) / step_of(scheme), vec3f(0.0), scheme == PUT);
+    return select((shift - carry(scheme) * carried) / step_of(scheme), vec3f(0.0), scheme >= PUT);
 }
 
-fn response(scheme: u32) -> f32 {
+fn response(damping: f32, scheme: u32) -> f32 {
     let h = step_of(scheme);
-    return h * h / (1.0 + params.damping * h);
+    return h * h / (1.0 + damping * h);
 }

@@ -33,7 +33,14 @@ struct Params {
     bdf2: u32,                    // rods by BDF2 where they are calm, else by implicit Euler
     sleep: u32,                   // strands at rest are left alone
     substeps: u32,                // engine steps of a time step
-    @size(96) conserve_momentum: u32,   // take the mean change by confinement out; bound at multiples of 256 bytes
+    conserve_momentum: u32,       // take the mean change by confinement out
+    @size(92) model: u32,         // of hair and air: PARTICLES, TWO_WAY, MEAN_WIND, ALONE; bound at multiples of 256 bytes
 }
+
+// How hair and air meet: in one fluid of particles, by exchanging drag, in the mean wind without air, or not at all.
+const PARTICLES: u32 = 0u;
+const TWO_WAY: u32 = 1u;
+const MEAN_WIND: u32 = 2u;
+const ALONE: u32 = 3u;
 
 @group(0) @binding(0) var<uniform> params: Params;

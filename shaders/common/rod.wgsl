@@ -58,6 +58,9 @@ struct RodStrand {
     root_turn: vec4f,     // from the ghost frame at the step's start
     tip_moment: vec3f,    // multiplier of the tip joint [N m]
     misfit: f32,          // max |C + alpha mu| of stretch-shear that the direct solver left
+    scheme: u32,          // of `integration`, if it is integrated: EULER, BDF2
+    torn: u32,            // 1: velocities lead to where it is torn
+    whole: u32,           // 1: its segments fit where it is
 }
 
 const FREE: u32 = 0u;         // still to be solved
@@ -72,8 +75,12 @@ struct RodPoint {
     before: vec3f,         // m/s, v_(n-1) with the same
     largest: f32,          // m, the largest move in a step
     carried: vec3f,        // m, the move of the step before
-    scheme: u32,           // of `integration`: EULER, BDF2, PUT
-    change: vec3f,         // m/s, what acts from outside
+    scheme: u32,           // of `integration`: EULER, BDF2, PUT, STAY
+    force: vec3f,          // N, from outside, on the point at rest
+    resistance: f32,       // kg/s, from outside, to its velocity at the step's end
+    outside: vec3f,        // m/s, all that acts from outside in this step
+    push: vec3f,           // m/s, what of it did not act in the last step awake
+    stir: vec3f,           // m/s, the push with the velocity that a sleeper has got since
     free: vec3f,           // m, the move without the rod's forces
     travel: vec3f,         // m, the move
 }
@@ -83,7 +90,7 @@ struct RodSegment {
     start: vec4f,              // frame at the step's start
     frame: vec4f,
     angular_velocity: vec3f,   // rad/s, at the step's start
-    scheme: u32,               // of `integration`: EULER, BDF2, PUT
+    scheme: u32,               // of `integration`: EULER, BDF2, PUT, STAY
     before: vec3f,             // rad/s, of the step before
     carried: vec3f,            // rad, the turn of the step before
     free: vec3f,               // rad, the turn without the rod's forces
@@ -98,6 +105,7 @@ struct PointHistory {
     travel: vec3f,      // m, the last step's move
     velocity: vec3f,    // m/s, of the step before, with all that acted from outside since
     remainder: vec3f,   // m, what rounding left off the position
+    outside: vec3f,     // m/s, all that acted from outside in the last step awake; nothing with the model PARTICLES
 }
 
 // The same of a segment.
@@ -121,6 +129,7 @@ struct Health {
     found: Condition,       // in this step; `commit` makes it the other
 }
 
+const CALM_STEPS: u32 = 3u;        // on end, before a strand takes BDF2
 const SLEEPS: u32 = 0xffffffffu;
 const STRAINED_STEPS: u32 = 50u;   // on end, before it is counted
 const STRAINED: f32 = 0.5;         // |l/l0 - 1|

@@ -16,7 +16,8 @@ const QUIET_STEP: u32 = 6u;      // a strand was where it had to be, and not sol
 const ASLEEP_STEP: u32 = 7u;     // a strand slept
 const TELEPORT: u32 = 8u;        // a strand moved as a whole with its root
 const RESCUED_STEP: u32 = 9u;    // the direct solver tore a strand, and Gauss-Seidel took it
-const COUNTERS: u32 = 10u;
+const EXCHANGE_LIMITED: u32 = 10u;   // a hair point whose exchange with the air was limited
+const COUNTERS: u32 = 11u;
 
 struct Status {
     causes: atomic<u32>,              // bits above
@@ -32,8 +33,8 @@ struct Status {
     wind: array<f32, 3>,              // m/s, mean wind at the end of this step
     wind_before: array<f32, 3>,       // m/s, at its start
     way: array<f32, 3>,               // m, that the wind has blown in committed steps, wrapped into the box
-    counted: array<u32, 10>,          // by cause, committed steps
-    counting: array<atomic<u32>, 10>, // by cause, this step
+    counted: array<u32, COUNTERS>,          // by cause, committed steps
+    counting: array<atomic<u32>, COUNTERS>, // by cause, this step
 }
 
 @group(0) @binding(1) var<storage, read_write> status: Status;
@@ -57,6 +58,10 @@ fn freeze(cause: u32) {
 
 fn count(cause: u32) {
     atomicAdd(&status.counting[cause], 1u);
+}
+
+fn count_many(cause: u32, times: u32) {
+    if times > 0u { atomicAdd(&status.counting[cause], times); }
 }
 
 // Once a step, however many say so.

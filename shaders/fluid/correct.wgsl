@@ -4,12 +4,12 @@
 //
 // Jacobi: everyone's position is read, only `move` changes it.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::separation, status::frozen,
+    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::separation, status::frozen,
     matter::inverse_mass_of, sph_kernels::spiky_gradient,
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;
-@group(0) @binding(4) var<storage, read>       neighbour_range: array<vec2u>;
+@group(0) @binding(4) var<storage, read>       neighbour_range: array<Near>;
 @group(0) @binding(5) var<storage, read>       neighbour_list:  array<u32>;
 @group(0) @binding(6) var<storage, read>       multiplier:      array<f32>;
 @group(0) @binding(7) var<storage, read_write> shift:           array<vec4f>;   // m, of this iteration
@@ -23,7 +23,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let lambda = multiplier[i];
 
     var sum = vec3f(0.0);
-    for (var n = range.x; n < range.x + range.y; n++) {
+    for (var n = range.first; n < range.middle; n++) {
         let j = neighbour_list[n];
         let other = predicted[j];
         let gap = separation(i, j, own.xyz, other.xyz);

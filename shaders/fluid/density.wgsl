@@ -5,12 +5,12 @@
 //
 // Negative C (a void) counts with `tension`. Reads the neighbour list; one invocation per particle.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::separation, status::frozen,
+    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::separation, status::frozen,
     matter::inverse_mass_of, sph_kernels::{poly6, spiky_gradient},
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
-@group(0) @binding(4) var<storage, read>       neighbour_range: array<vec2u>;
+@group(0) @binding(4) var<storage, read>       neighbour_range: array<Near>;
 @group(0) @binding(5) var<storage, read>       neighbour_list:  array<u32>;
 @group(0) @binding(6) var<storage, read_write> density:         array<f32>;     // rho / rho_0
 @group(0) @binding(7) var<storage, read_write> multiplier:      array<f32>;     // lambda [kg m^2]
@@ -25,7 +25,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var ratio = own.w * poly6(0.0);
     var own_gradient = vec3f(0.0);
     var others = 0.0;   // sum over k != i of w_k |grad_k C_i|^2
-    for (var n = range.x; n < range.x + range.y; n++) {
+    for (var n = range.first; n < range.middle; n++) {
         let j = neighbour_list[n];
         let other = predicted[j];
         let gap = separation(i, j, own.xyz, other.xyz);

@@ -1,13 +1,13 @@
 // How much of its velocity a particle would exchange in one XSPH update, S_i = sum_j c_ij w_ij. Where S exceeds 1 the
 // update would overshoot; `viscosity` divides by it, for both partners alike.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::separation, status::frozen,
+    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::separation, status::frozen,
     matter::viscosity_between, sph_kernels::poly6,
 };
 
 @group(0) @binding(2) var<storage, read>       predicted:       array<vec4f>;
 @group(0) @binding(3) var<storage, read>       density:         array<f32>;     // rho / rho_0
-@group(0) @binding(4) var<storage, read>       neighbour_range: array<vec2u>;
+@group(0) @binding(4) var<storage, read>       neighbour_range: array<Near>;
 @group(0) @binding(5) var<storage, read>       neighbour_list:  array<u32>;
 @group(0) @binding(6) var<storage, read_write> exchange:        array<f32>;     // S
 
@@ -18,7 +18,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let own = predicted[i];
     let range = neighbour_range[i];
     var sum = 0.0;
-    for (var n = range.x; n < range.x + range.y; n++) {
+    for (var n = range.first; n < range.middle; n++) {
         let j = neighbour_list[n];
         let other = predicted[j];
         let gap = separation(i, j, own.xyz, other.xyz);

@@ -5,14 +5,14 @@
 //
 // `exchange` is S of `limit`; it stays zero where the limiter is left out.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::separation,
+    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::separation,
     matter::{inverse_mass_of, viscosity_between}, sph_kernels::poly6,
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:        array<vec4f>;
 @group(0) @binding(4) var<storage, read>       density:          array<f32>;
 @group(0) @binding(5) var<storage, read>       exchange:         array<f32>;
-@group(0) @binding(6) var<storage, read>       neighbour_range:  array<vec2u>;
+@group(0) @binding(6) var<storage, read>       neighbour_range:  array<Near>;
 @group(0) @binding(7) var<storage, read>       neighbour_list:   array<u32>;
 @group(0) @binding(8) var<storage, read>       new_velocity:     array<vec4f>;
 @group(0) @binding(9) var<storage, read_write> viscous_velocity: array<vec4f>;
@@ -26,7 +26,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let mass = inverse_mass_of(i);
     let range = neighbour_range[i];
     var sum = vec3f(0.0);
-    for (var n = range.x; n < range.x + range.y; n++) {
+    for (var n = range.first; n < range.middle; n++) {
         let j = neighbour_list[n];
         let other = predicted[j];
         let gap = separation(i, j, own.xyz, other.xyz);

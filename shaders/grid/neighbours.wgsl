@@ -4,7 +4,7 @@
 // entries that the step needs, even beyond the end of a list that is too short: the step is then frozen, and the host
 // grows the list to that number.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP},
+    params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, near::Near,
     cells::{cell_of, air_cell_of, in_box, turns_of, box_bucket, hashed_bucket},
     status::{status, frozen_before},
 };
@@ -12,25 +12,30 @@ import package::common::{
 @group(0) @binding(2) var<storage, read>       cell_start:      array<u32>;
 @group(0) @binding(3) var<storage, read>       sorted:          array<u32>;
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
-@group(0) @binding(5) var<storage, read_write> neighbour_range: array<vec2u>;   // first entry, number of entries
+@group(0) @binding(5) var<storage, read_write> neighbour_range: array<Near>;
 @group(0) @binding(6) var<storage, read_write> neighbour_list:  array<u32>;
 
 const HELD: u32 = 64u;   // entries kept while searching: air at rest has 26, and a particle with more than 64 is searched twice
 
 var<private> own_entry: u32;
 var<private> own: vec4f;
-var<private> found: u32;
+var<private> found: u32;         // of its own kind
+var<private> found_others: u32;
 var<private> held: array<u32, HELD>;
-var<private> writing: bool;      // whether this is the second search, which writes straight into the list
-var<private> first: u32;
+var<private> writing: bool;      // second search: straight into the list
+var<private> near: Near;
 
-fn take(j: u32) {
+// An entry is kept, or written where its kind stands.
+fn take(j: u32, air: bool) {
+    let all = found + found_others;
+    let other = params.model == TWO_WAY && air != (own.w > 0.0);
     if writing {
-        if found >= HELD { neighbour_list[first + found] = j; }
-    } else if found < HELD {
-        held[found] = j;
+        neighbour_list[select(near.first + found, near.middle + found_others, other)] = j;
+    } else if all < HELD {
+        held[all] = j;
     }
-    found++;
+    found += u32(!other);
+    found_others += u32(other);
 }
 
 // Looks at entries of cells in the box; `image` moves them by whole boxes, and only air meets an image.
@@ -41,7 +46,7 @@ fn look(begin: u32, end: u32, image: vec3f, imaged: bool) {
         let other = sorted_position[e];
         let gap = here - other.xyz;
         if dot(gap, gap) < reach && e != own_entry && (other.w > 0.0 || !imaged) {
-            take(sorted[e]);
+            take(sorted[e], other.w > 0.0);
         }
     }
 }
@@ -54,13 +59,14 @@ fn look_outside(cell: vec3i) {
         let other = sorted_position[e];
         let gap = own.xyz - other.xyz;
         if dot(gap, gap) < reach && e != own_entry && all(cell_of(other.xyz) == cell) {
-            take(sorted[e]);
+            take(sorted[e], false);
         }
     }
 }
 
 fn search() {
     found = 0u;
+    found_others = 0u;
     let air = own.w > 0.0;
     var home = cell_of(own.xyz);
     if air { home = air_cell_of(own.xyz); }
@@ -100,22 +106,26 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
 
     writing = false;
     search();
-    let total = found;
-    first = atomicAdd(&status.neighbours, total);
+    let total = found + found_others;
+    let first = atomicAdd(&status.neighbours, total);
     if first + total < total {
         // The sum has passed 32 bits. What a later range overwrites does not matter: the step is frozen.
         atomicAdd(&status.neighbour_carries, 1u);
     }
     if total > params.neighbour_capacity || first > params.neighbour_capacity - total {
-        neighbour_range[i] = vec2u(0u, 0u);
+        neighbour_range[i] = Near(0u, 0u, 0u);
         return;
     }
-    neighbour_range[i] = vec2u(first, total);
-    for (var n = 0u; n < min(total, HELD); n++) {
-        neighbour_list[first + n] = held[n];
-    }
+    near = Near(first, first + found, first + total);
+    neighbour_range[i] = near;
+    writing = true;
     if total > HELD {
-        writing = true;
         search();
+        return;
+    }
+    found = 0u;
+    found_others = 0u;
+    for (var n = 0u; n < total; n++) {
+        take(held[n], held[n] >= params.hair_points);
     }
 }

@@ -17,7 +17,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let k = invocation(id, groups);
     if k >= params.segments || frozen() { return; }
     let segment = rod_segments[k];
-    let anew = segment.scheme == PUT;
+    let anew = segment.scheme >= PUT;
     let turn = rotation_vector(product(segment.frame, conjugate(segment.start)));
     let spin = rate(turn, segment.carried, segment.scheme);
     segment_history[k] = SegmentHistory(

@@ -1,7 +1,7 @@
 // What hair points keep for the next step: their move, this step's first velocity with all that acted from outside since,
 // and what rounding leaves off the position. What was put somewhere starts anew.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, integration::PUT, rod::{RodPoint, PointHistory}, place::placed,
+    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::{PUT, STAY}, rod::{RodPoint, PointHistory}, place::placed,
     status::frozen,
 };
 
@@ -21,11 +21,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let x = position[p].xyz;
     let untouched = all(predicted[p].xyz == placed(x, before, point.travel));
     let left = (x - predicted[p].xyz) + (point.travel + before);
-    let anew = point.scheme == PUT;
+    let anew = point.scheme >= PUT;
     let last = final_velocity[p].xyz;
+    let outside = select(point.outside, vec3f(0.0), params.model == PARTICLES);
     point_history[p] = PointHistory(
         select(point.travel, params.step * last, anew),
         select(point.before + last - new_velocity[p].xyz, last, anew),
         select(vec3f(0.0), left, untouched && !anew),
+        select(outside, point_history[p].outside, point.scheme == STAY),
     );
 }

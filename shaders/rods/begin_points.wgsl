@@ -1,15 +1,15 @@
-// What a hair point starts this step from, and what moves it from outside its rod: its velocities, and what drag, density and viscosity changed
-// them by. The density constraint moved the drifting point by dx: it takes dv = dx/dt, the impulse that the air lost.
+// What a hair point starts this step from. The density constraint moved the drifting point by dx: it takes dv = dx/dt, the
+// impulse that the air lost. Forces on it start at 0; the passes that follow add to them.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{RodPoint, PointHistory}, status::frozen,
 };
 
 @group(0) @binding(3) var<storage, read>       velocity:      array<vec4f>;
 @group(0) @binding(4) var<storage, read>       largest_move:  array<f32>;     // m, in a step
-@group(0) @binding(5) var<storage, read>       drag_change:   array<vec4f>;   // m/s
-@group(0) @binding(6) var<storage, read>       correction:    array<vec4f>;   // m
-@group(0) @binding(7) var<storage, read>       point_history: array<PointHistory>;
-@group(0) @binding(8) var<storage, read_write> rod_points:    array<RodPoint>;
+@group(0) @binding(5) var<storage, read>       correction:    array<vec4f>;   // m
+@group(0) @binding(6) var<storage, read>       point_history: array<PointHistory>;
+@group(0) @binding(7) var<storage, read_write> rod_points:    array<RodPoint>;
+@group(0) @binding(8) var<storage, read_write> hair_force:    array<vec4f>;   // xyz [N], w: resistance [kg/s]
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -17,13 +17,14 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if p >= params.hair_points || frozen() { return; }
     let history = point_history[p];
     let w = inverse_mass[p];
-    let change = select(vec3f(0.0), drag_change[p].xyz + correction[p].xyz / params.step, w > 0.0);
+    let change = select(vec3f(0.0), correction[p].xyz / params.step, w > 0.0);
     var point: RodPoint;
     point.velocity = velocity[p].xyz + change;
     point.before = history.velocity + change;
     point.carried = history.travel;
-    point.change = change;
+    point.outside = change;
     point.inverse_mass = w;
     point.largest = largest_move[p];
     rod_points[p] = point;
+    hair_force[p] = vec4f(0.0);
 }

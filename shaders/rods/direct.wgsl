@@ -15,7 +15,7 @@
 // One invocation per strand, done when its segments fit.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::{frozen, count, QUIET_STEP},
-    quaternion::{product, conjugate, rotate, rotation, tangent, matrix}, integration::response,
+    quaternion::{product, conjugate, rotate, rotation, tangent, matrix}, integration::response, load::damping_of,
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT},
 };
 
@@ -126,7 +126,7 @@ fn link(strand: Strand, k: u32) -> Link {
     let frame = matrix(now.frame);
     let compliance = frame * diagonal(segment.stretch_compliance) * transpose(frame);
     let gap = chord / segment.rest_length - frame[2] + compliance * now.force;
-    let weight = response(now.scheme) * segment.inverse_inertia;
+    let weight = response(params.damping, now.scheme) * segment.inverse_inertia;
     let yielding = 1.0 / (1.0 + weight * max(0.0, -dot(frame[2], now.force)));
     return Link(
         frame[2], 1.0 / segment.rest_length, gap, weight, yielding, compliance, now.force, now.free, now.turn
@@ -140,7 +140,8 @@ fn no_link() -> Link {
 
 // W of a point.
 fn point_weight(p: u32) -> f32 {
-    return response(rod_points[p].scheme) * rod_points[p].inverse_mass;
+    let point = rod_points[p];
+    return response(damping_of(point), point.scheme) * point.inverse_mass;
 }
 
 // What the forces on a point, of the link before it and of that after it, still have to move it by.

@@ -1,4 +1,4 @@
-// Hair points drift as if nothing held them, damped: x + dt (v + dv + g dt)/(1 + c dt). Where hair meets air: what density
+// Hair points drift as if nothing held them, damped: x + dt (v + g dt)/(1 + c dt). Where hair meets air: what density
 // moves hair by from here is an impulse on it (`rods/begin_points`).
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, status::frozen,
@@ -7,9 +7,8 @@ import package::common::{
 @group(0) @binding(3) var<storage, read>       position:     array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(4) var<storage, read>       velocity:     array<vec4f>;
 @group(0) @binding(5) var<storage, read>       largest_move: array<f32>;     // m, in a step
-@group(0) @binding(6) var<storage, read>       drag_change:  array<vec4f>;   // m/s, 0 where the air is particles
-@group(0) @binding(7) var<storage, read_write> predicted:    array<vec4f>;
-@group(0) @binding(8) var<storage, read_write> correction:   array<vec4f>;
+@group(0) @binding(6) var<storage, read_write> predicted:    array<vec4f>;
+@group(0) @binding(7) var<storage, read_write> correction:   array<vec4f>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -17,7 +16,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if p >= params.hair_points || frozen() { return; }
     var shift = params.step * velocity[p].xyz;
     if inverse_mass[p] > 0.0 {
-        let v = velocity[p].xyz + drag_change[p].xyz + params.step * params.gravity;
+        let v = velocity[p].xyz + params.step * params.gravity;
         shift = params.step * v / (1.0 + params.damping * params.step);
         shift *= min(1.0, largest_move[p] / max(length(shift), largest_move[p]));
     }

@@ -27,10 +27,18 @@ fn sound(strand: Strand) -> bool {
     return true;
 }
 
+// What was put somewhere felt no force on its way.
+fn unload(p: u32) {
+    rod_points[p].force = vec3f(0.0);
+    rod_points[p].resistance = 0.0;
+    rod_points[p].outside = vec3f(0.0);
+}
+
 fn hold(strand: Strand) {
     for (var k = 0u; k < strand.points; k++) {
         rod_points[strand.first_point + k].travel = vec3f(0.0);
         rod_points[strand.first_point + k].scheme = PUT;
+        unload(strand.first_point + k);
     }
     for (var k = 0u; k < strand.points - 1u; k++) {
         rod_segments[strand.first_segment + k].frame = rod_segments[strand.first_segment + k].start;
@@ -52,7 +60,7 @@ fn still(strand: Strand) -> bool {
     if (strand.joints & ROOT_HELD) == 0u { return false; }
     for (var k = 0u; k < strand.points; k++) {
         let point = rod_points[strand.first_point + k];
-        let pushed = length(point.change) > strand.still_acceleration * params.step;
+        let pushed = length(point.push) > strand.still_acceleration * params.step;
         if pushed || length(point.velocity) > strand.still_speed { return false; }
     }
     for (var k = 0u; k < strand.points - 1u; k++) {

@@ -10,7 +10,7 @@
 // J W J^T of a segment is diagonal in its own frame; of a joint it is w/4 (I - p_v p_v^T) for a unit p.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen,
-    quaternion::{product, conjugate, rotate, tangent, turned}, integration::response,
+    quaternion::{product, conjugate, rotate, tangent, turned}, integration::response, load::damping_of,
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, ROOT_JOINT},
 };
 
@@ -34,7 +34,7 @@ fn bend_twist(k: u32, before: vec4f, before_inverse_inertia: f32) -> vec3f {
     let p = product(conjugate(before), rod_segments[k].frame);
     let same = dot(p, segment.rest_rotation) >= 0.0;
     let constraint = p.xyz - select(-segment.rest_rotation.xyz, segment.rest_rotation.xyz, same);
-    let compliance = segment.bend_compliance / response(rod_segments[k].scheme);
+    let compliance = segment.bend_compliance / response(params.damping, rod_segments[k].scheme);
     let w = 0.25 * (before_inverse_inertia + segment.inverse_inertia);
     // Scaled by w, so that the determinant stays in the range of f32.
     let v = p.xyz;
@@ -49,16 +49,22 @@ fn bend_twist(k: u32, before: vec4f, before_inverse_inertia: f32) -> vec3f {
     return 0.5 * rotate(before, p.w * change + cross(v, change));
 }
 
+// The inverse mass of a point. Multipliers are forces times the response of frames; a point that more resists moves by less.
+fn yielding(point: RodPoint) -> f32 {
+    if point.resistance == 0.0 { return point.inverse_mass; }
+    return point.inverse_mass * (response(damping_of(point), point.scheme) / response(params.damping, point.scheme));
+}
+
 fn stretch_shear(k: u32, point: u32) {
     let segment = segments[k];
     let q = rod_segments[k].frame;
     let start = rod_points[point].travel;
     let end = rod_points[point + 1u].travel;
-    let start_mass = rod_points[point].inverse_mass;
-    let end_mass = rod_points[point + 1u].inverse_mass;
+    let start_mass = yielding(rod_points[point]);
+    let end_mass = yielding(rod_points[point + 1u]);
     let chord = rod_segments[k].chord + end - start;
     let constraint = rotate(conjugate(q), chord / segment.rest_length) - vec3f(0.0, 0.0, 1.0);
-    let compliance = segment.stretch_compliance / response(rod_segments[k].scheme);
+    let compliance = segment.stretch_compliance / response(params.damping, rod_segments[k].scheme);
     let along = (start_mass + end_mass) / (segment.rest_length * segment.rest_length);
     let matrix = vec3f(along) + vec3f(segment.inverse_inertia, segment.inverse_inertia, 0.0) + compliance;
     let lambda = rod_segments[k].force;

@@ -1,7 +1,7 @@
 // A strand that the direct solver tore (too stiff for its step and its segments: f32 does not resolve the system) is left to
 // Gauss-Seidel, which is inexact but tears nothing: back to its free move, nothing held. The others are done.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotation},
+    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotation},
     rod::{Strand, RodStrand, RodPoint, RodSegment, FREE, SOLVED}, status::{frozen, count, RESCUED_STEP},
 };
 
@@ -12,6 +12,14 @@ import package::common::{
 
 const LOST: f32 = 1.0;   // |C + alpha mu| of stretch-shear from which the direct solver has lost a strand
 
+// What free moves are measured from: the root, or their mean where that is free.
+fn base(strand: Strand, rod: RodStrand) -> vec3f {
+    if rod_points[strand.first_point].inverse_mass == 0.0 { return rod.root_travel; }
+    var sum = vec3f(0.0);
+    for (var k = 0u; k < strand.points; k++) { sum += rod_points[strand.first_point + k].free; }
+    return sum / f32(strand.points);
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
@@ -21,9 +29,14 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         return;
     }
     let strand = strands[s];
+    let origin = base(strand, rod_strands[s]);
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
-        rod_points[p].travel = rod_points[p].free;
+        let way = rod_points[p].free - origin;
+        let far = length(way);
+        // Free moves of calm strands were not capped, unless density moved them.
+        let capped = params.model != PARTICLES && far > rod_points[p].largest;
+        rod_points[p].travel = select(rod_points[p].free, origin + (rod_points[p].largest / far) * way, capped);
     }
     for (var k = 0u; k < strand.points - 1u; k++) {
         let j = strand.first_segment + k;

@@ -4,7 +4,7 @@
 //   a_i = S |u_i| max(0, 1 - |u_i|^2/(I U)^2) (N x omega_i),  |dt a| <= 0.12 |u_i|
 //   as printed (eqs. 2, 4): a_i = epsilon 1/2 m |u_i|^2 (N x omega_i) in mg, mm, s; omega of v, hair in the sum
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, separation}, status::{frozen, count_step, CONFINEMENT_LIMITED},
+    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::{is_air, separation}, status::{frozen, count_step, CONFINEMENT_LIMITED},
     sph_kernels::spiky_gradient, wind::left_by_fringe, band::Band,
 };
 
@@ -13,7 +13,7 @@ const LARGEST: f32 = 0.12;     // largest part of its speed that a band may gain
 
 @group(0) @binding(2) var<uniform>             band:            Band;
 @group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;
-@group(0) @binding(4) var<storage, read>       neighbour_range: array<vec2u>;
+@group(0) @binding(4) var<storage, read>       neighbour_range: array<Near>;
 @group(0) @binding(5) var<storage, read>       neighbour_list:  array<u32>;
 @group(0) @binding(6) var<storage, read>       band_velocity:   array<vec4f>;
 @group(0) @binding(7) var<storage, read>       vorticity:       array<vec4f>;   // xyz [1/s]; w: its length [1/s]
@@ -28,7 +28,7 @@ fn change(i: u32) -> vec3f {
     let published = params.published_law != 0u;
     let range = neighbour_range[i];
     var eta = vec3f(0.0);
-    for (var n = range.x; n < range.x + range.y; n++) {
+    for (var n = range.first; n < range.middle; n++) {
         let j = neighbour_list[n];
         if published || is_air(j) {
             let other = predicted[j];

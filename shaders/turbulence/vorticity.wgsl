@@ -2,12 +2,12 @@
 //
 //   omega_i = sum_j V_j (f_j - f_i) x grad_j W       over air only; as printed, over hair too
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, separation}, status::frozen,
+    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::{is_air, separation}, status::frozen,
     sph_kernels::spiky_gradient,
 };
 
 @group(0) @binding(2) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
-@group(0) @binding(3) var<storage, read>       neighbour_range: array<vec2u>;
+@group(0) @binding(3) var<storage, read>       neighbour_range: array<Near>;
 @group(0) @binding(4) var<storage, read>       neighbour_list:  array<u32>;
 @group(0) @binding(5) var<storage, read>       field:           array<vec4f>;   // velocity [m/s]
 @group(0) @binding(6) var<storage, read_write> vorticity:       array<vec4f>;   // xyz [1/s]; w: its length [1/s]
@@ -22,7 +22,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let value = field[i].xyz;
     let range = neighbour_range[i];
     var omega = vec3f(0.0);
-    for (var n = range.x; n < range.x + range.y; n++) {
+    for (var n = range.first; n < range.middle; n++) {
         let j = neighbour_list[n];
         if all || is_air(j) {
             let other = predicted[j];

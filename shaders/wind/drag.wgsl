@@ -1,63 +1,129 @@
-// Lift and drag of the mean wind on segments (Wilson et al. 2014), where there is no air to push them: everywhere
-// without air particles, else outside the box. Per segment, u the wind relative to it, u_n across it, A = 2 r l n:
+// Lift and drag of the air on hair points, as a force and a resistance that the rods take implicitly. Per segment, u the air
+// relative to it, u_n across it, t along it, A = 2 r l n:
 //
 //   k_n = 1/2 rho A (|u_n| + 10 (2r/nu)^(-2/3) |u_n|^(1/3))   C_d = 1 + 10 Re^(-2/3) (White, Viscous Fluid Flow)
 //   k_t = 1/2 rho A 5.4 sqrt(nu |u_n|/(2r))                   laminar skin friction of an oblique cylinder (Taylor 1952)
 //   D = k_n (1 - t t^T) + k_t t t^T,  F = 1/2 rho A C_l |u_n| (t x u)
 //
-// A point takes half of each segment at it, with D and F of the step before: (1 + dt w D) dv = dt w (D (U - v) + F).
+// A point takes half of each segment at it; D_n is the larger eigenvalue of D:
+//
+//   force = D (u - v) + D_n v + F,  resistance = D_n           both times min(1, 1/(dt G D_n)), where air and hair near the
+//                                                             point would have one velocity after the step
+//
+// BDF2 takes them where the strand is led to, x + dt (3/2 v_n - 1/2 v_(n-1)), and with 2 v_n - v_(n-1); Euler at x and v_n.
+// What BDF2 extrapolates of the drag grows into a flutter from dt w D_n = 0.39 on: such a strand takes Euler.
+//
+// Air that was sampled has been slowed by the fibre itself, as by a porous strip (Taylor 1944): from s |u_n| to |u_n|, with
+// s = 1 + k_n/(2 rho b l n |u_n|). So k_n is s k_n(s |u_n|) there.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{Strand, Segment},
-    cells::{cell_of, in_box}, status::frozen, wind::mean_wind,
+    params::{params, PARTICLES, TWO_WAY}, dispatch::{invocation, WORKGROUP}, rod::{Strand, Segment, RodStrand, RodPoint},
+    integration::{EULER, BDF2}, cells::{cell_of, in_box}, air::{Sampled, THIN}, wind::mean_wind,
+    status::{frozen, count_many, EXCHANGE_LIMITED},
 };
 
-@group(0) @binding(3) var<storage, read>       strands:     array<Strand>;
-@group(0) @binding(4) var<storage, read>       segments:    array<Segment>;
-@group(0) @binding(5) var<storage, read>       position:    array<vec4f>;
-@group(0) @binding(6) var<storage, read>       velocity:    array<vec4f>;
-@group(0) @binding(7) var<storage, read_write> drag_change: array<vec4f>;   // m/s, of this step
+@group(0) @binding(2) var<storage, read>       strands:     array<Strand>;
+@group(0) @binding(3) var<storage, read>       segments:    array<Segment>;
+@group(0) @binding(4) var<storage, read>       position:    array<vec4f>;
+@group(0) @binding(5) var<storage, read>       rod_points:  array<RodPoint>;
+@group(0) @binding(6) var<storage, read>       sampled:     array<Sampled>;
+@group(0) @binding(7) var<storage, read_write> rod_strands: array<RodStrand>;
+@group(0) @binding(8) var<storage, read_write> hair_force:  array<vec4f>;   // xyz [N], w: resistance [kg/s]
 
 const FORM: f32 = 10.0;       // of C_d
 const FRICTION: f32 = 5.4;
 const SLOWEST: f32 = 1e-12;   // m/s: powers of 0 are not portable
+const WAKE: f32 = 1.3;        // kernel radii: b, fitted to fixed strands of 10 to 1000 fibres
+const OWN_WAKE: f32 = 1.1;    // most that a fibre is taken to have slowed the air at it: below 1 cm/s there is no wake
+const STORMY: f32 = 1.0 / 3.0;   // dt w D_n
 
 struct Load {
-    matrix: mat3x3f,   // kg/s
-    force: vec3f,      // N
+    matrix: mat3x3f,   // kg/s, D
+    force: vec3f,      // N, F
+    largest: f32,      // kg/s, D_n
+}
+
+// A point where the drag is taken.
+struct Ahead {
+    position: vec3f,
+    velocity: vec3f,
 }
 
 fn nothing() -> Load {
-    return Load(mat3x3f(), vec3f(0.0));
+    return Load(mat3x3f(), vec3f(0.0), 0.0);
 }
 
-fn load(segment: Segment, a: u32, wind: vec3f) -> Load {
-    let b = a + 1u;
-    if params.box_cells > 0u && in_box(cell_of(0.5 * (position[a].xyz + position[b].xyz))) { return nothing(); }
-    let edge = position[b].xyz - position[a].xyz;
+fn ahead(p: u32, scheme: u32) -> Ahead {
+    let point = rod_points[p];
+    let x = position[p].xyz;
+    if scheme != BDF2 { return Ahead(x, point.velocity); }
+    return Ahead(x + params.step * (1.5 * point.velocity - 0.5 * point.before), 2.0 * point.velocity - point.before);
+}
+
+fn air_at(p: u32) -> Sampled {
+    if params.model == TWO_WAY { return sampled[p]; }
+    return Sampled(vec3f(0.0), 0.0, mean_wind(), 0.0);
+}
+
+fn load(segment: Segment, a: Ahead, b: Ahead, air_a: Sampled, air_b: Sampled) -> Load {
+    if params.model == PARTICLES && in_box(cell_of(0.5 * (a.position + b.position))) { return nothing(); }
+    let edge = b.position - a.position;
     let l = length(edge);
     if l <= 0.0 { return nothing(); }
     let t = edge / l;
-    let u = wind - 0.5 * (velocity[a].xyz + velocity[b].xyz);
-    let across = max(length(u - dot(u, t) * t), SLOWEST);
+    let u = 0.5 * (air_a.wind + air_b.wind) - 0.5 * (a.velocity + b.velocity);
+    let speed = max(length(u - dot(u, t) * t), SLOWEST);
     let width = 2.0 * segment.radius;
-    let pressure = 0.5 * params.air_density * width * l * segment.fibres;   // over the square of a speed
     let viscosity = params.kinematic_viscosity;
-    let normal = pressure * (across + FORM * pow(viscosity / width, 2.0 / 3.0) * pow(across, 1.0 / 3.0));
-    let tangential = pressure * FRICTION * sqrt(viscosity * across / width);
+    let form = FORM * pow(viscosity / width, 2.0 / 3.0);
+    let filled = 0.5 * (min(air_a.filled, THIN) + min(air_b.filled, THIN)) / THIN;
+    let wake = filled * 0.25 * width * (1.0 + form * pow(speed, -2.0 / 3.0)) / (WAKE * params.kernel_radius);
+    let slowed = min(1.0 + wake, OWN_WAKE);
+    let pressure = 0.5 * params.air_density * width * l * segment.fibres;   // over the square of a speed
+    let free = slowed * speed;
+    let normal = pressure * slowed * (free + form * pow(free, 1.0 / 3.0));
+    let tangential = pressure * FRICTION * sqrt(viscosity * speed / width);
     let along = mat3x3f(t.x * t, t.y * t, t.z * t);
     let one = mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
     return Load(
         0.5 * (normal * one + (tangential - normal) * along),
-        0.5 * pressure * params.lift * across * cross(t, u),
+        0.5 * pressure * params.lift * speed * cross(t, u),
+        0.5 * max(normal, tangential),
     );
 }
 
-// x of m x = right, m symmetric and positive definite.
-fn solve(m: mat3x3f, right: vec3f) -> vec3f {
-    let a = cross(m[1], m[2]);
-    let b = cross(m[2], m[0]);
-    let c = cross(m[0], m[1]);
-    return vec3f(dot(a, right), dot(b, right), dot(c, right)) / dot(m[0], a);
+// The loads of a strand, added to the forces on its points where `write`; returns the largest dt w R.
+fn drag(strand: Strand, scheme: u32, write: bool) -> f32 {
+    var worst = 0.0;
+    var limited = 0u;
+    var before = nothing();
+    var here = ahead(strand.first_point, scheme);
+    var air = air_at(strand.first_point);
+    for (var k = 0u; k < strand.points; k++) {
+        let p = strand.first_point + k;
+        var after = nothing();
+        var there = here;
+        var air_there = air;
+        if k + 1u < strand.points {
+            there = ahead(p + 1u, scheme);
+            air_there = air_at(p + 1u);
+            after = load(segments[strand.first_segment + k], here, there, air, air_there);
+        }
+        let largest = before.largest + after.largest;
+        let part = params.step * air.give * largest;
+        let left = 1.0 / max(part, 1.0);
+        worst = max(worst, params.step * rod_points[p].inverse_mass * left * largest);
+        if write {
+            limited += u32(part > 1.0);
+            let drag = (before.matrix + after.matrix) * (air.wind - here.velocity);
+            let force = drag + largest * here.velocity + before.force + after.force;
+            hair_force[p] += left * vec4f(force, largest);
+        }
+        before = after;
+        here = there;
+        air = air_there;
+    }
+    count_many(EXCHANGE_LIMITED, limited);
+    return worst;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -65,17 +131,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let s = invocation(id, groups);
     if s >= params.strands || frozen() { return; }
     let strand = strands[s];
-    let wind = mean_wind();
-    var before = nothing();
-    for (var k = 0u; k < strand.points; k++) {
-        let p = strand.first_point + k;
-        var after = nothing();
-        if k + 1u < strand.points { after = load(segments[strand.first_segment + k], p, wind); }
-        let scale = params.step * inverse_mass[p];
-        let drag = before.matrix + after.matrix;
-        let one = mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
-        let push = drag * (wind - velocity[p].xyz) + before.force + after.force;
-        drag_change[p] = vec4f(solve(one + scale * drag, scale * push), 0.0);
-        before = after;
+    var scheme = rod_strands[s].scheme;
+    if scheme == BDF2 && drag(strand, BDF2, false) > STORMY {
+        scheme = EULER;
+        rod_strands[s].scheme = EULER;
     }
+    drag(strand, scheme, true);
 }

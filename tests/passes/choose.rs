@@ -1,4 +1,4 @@
-//! choose, rescue: strands that sleep, wake, are reset or torn.
+//! choose, load, start, rescue: strands that sleep, wake, are reset or torn.
 
 use glam::{DQuat, DVec3};
 use rand::SeedableRng;
@@ -10,7 +10,7 @@ use windswept_reference::{
 };
 use windswept_scene::{End, Ends, InitialState, Keyframe, Motion, Shape, Strands};
 use windswept_shaders::common::{
-    integration::{BDF2, EULER, PUT},
+    integration::{BDF2, EULER, PUT, STAY},
     rod::{Health, PointHistory, SLEEPS, SegmentHistory},
     status::{ASLEEP_STEP, EULER_STEP, MOVE_CAPPED, RESCUED_STEP, STRAND_RESET, TELEPORT},
 };
@@ -196,7 +196,7 @@ fn rods_apart(stage: &Stage, w: &Scratch) -> [f64; 3] {
     let step_of = |scheme: u32| match scheme {
         EULER => step,
         BDF2 => 2.0 / 3.0 * step,
-        PUT => f64::INFINITY,
+        PUT | STAY => f64::INFINITY,
         _ => f64::NAN,
     };
     let same_step = |a: u32, b: f64| step_of(a) == b || (step_of(a) / b - 1.0).abs() < 1e-6;
@@ -223,7 +223,10 @@ fn counting(stage: &Stage, counter: u32) -> usize {
 /// Up to the solve: how strands go through the step.
 fn prepared(stage: &Stage, s: &mut Twin, push: Vec<DVec3>) -> Scratch {
     stage.run_only(&["rods/roots"], step::drive::record);
-    stage.run_only(&["rods/begin_points", "rods/begin_segments", "rods/choose"], step::rods::record);
+    stage.run_only(
+        &["rods/begin_points", "rods/begin_segments", "rods/choose", "rods/load", "rods/start"],
+        step::rods::record,
+    );
     let mut w = twin::drive(s, &stage.parameters);
     w.correction = push;
     twin::prepare(s, &mut w, &stage.parameters);
@@ -307,7 +310,7 @@ fn rescue_is_that_of_the_twin() {
 
             stage.run_only(&["rods/rescue"], step::rods::record);
             for strand in 0..n {
-                let torn = rods::rescue(&s.hair, strand, &mut w.drives[strand], &mut w.moving);
+                let torn = rods::rescue(&stage.parameters, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
                 s.rescued_steps += usize::from(torn);
             }
             let apart = rods_apart(&stage, &w);

@@ -24,7 +24,7 @@ fn neighbours(initial: &InitialState) -> Vec<Vec<u32>> {
     assert!(state.neighbours <= engine.sizes().neighbours, "needed {} again", state.neighbours);
     let ranges = engine.read(&engine.state().neighbour_range).unwrap();
     let list = engine.read(&engine.state().neighbour_list).unwrap();
-    let lists = ranges.iter().map(|&[first, n]| list[first as usize..(first + n) as usize].to_vec());
+    let lists = ranges.iter().map(|near| list[near.first as usize..near.end as usize].to_vec());
     lists.collect()
 }
 

@@ -36,7 +36,7 @@ pub fn density(
         let mut ratio = volume[i] * poly6(0.0, h);
         let mut own = DVec3::ZERO;
         let mut others = 0.0;
-        for j in near.of(i) {
+        for j in near.of(i).filter(|&j| p.meets(i, j)) {
             let gap = p.separation(i, j, x[i], x[j]);
             let gradient = volume[j] * spiky_gradient(i, j, gap, h);
             ratio += volume[j] * poly6(gap.length(), h);
@@ -65,7 +65,9 @@ pub fn correct(
         let gap = p.separation(i, j, x[i], x[j]);
         (lambda[i] * volume[j] + lambda[j] * volume[i]) * spiky_gradient(i, j, gap, p.kernel_radius)
     };
-    let shift = |i: usize| p.relaxation * inverse_mass[i] * near.of(i).map(|j| pair(i, j)).sum::<DVec3>();
+    let shift = |i: usize| {
+        p.relaxation * inverse_mass[i] * near.of(i).filter(|&j| p.meets(i, j)).map(|j| pair(i, j)).sum::<DVec3>()
+    };
     (0..x.len()).map(shift).collect()
 }
 
@@ -87,7 +89,9 @@ pub fn limit(p: &Parameters, x: &[DVec3], volume: &[f64], near: &Neighbours, the
     if !p.limited {
         return vec![0.0; x.len()];
     }
-    let sum = |i: usize| near.of(i).map(|j| p.viscosity(i, j) * weight(p, i, j, x, volume, theta)).sum();
+    let sum = |i: usize| {
+        near.of(i).filter(|&j| p.meets(i, j)).map(|j| p.viscosity(i, j) * weight(p, i, j, x, volume, theta)).sum()
+    };
     (0..x.len()).map(sum).collect()
 }
 
@@ -112,5 +116,44 @@ pub fn viscosity(
         let share = p.viscosity(i, j) * weight(p, i, j, x, volume, theta) / exchange[i].max(exchange[j]).max(1.0);
         2.0 * inverse_mass[i] / both * share * (v[j] - v[i])
     };
-    (0..x.len()).map(|i| v[i] + near.of(i).map(|j| pair(i, j)).sum::<DVec3>()).collect()
+    let sum = |i: usize| near.of(i).filter(|&j| p.meets(i, j)).map(|j| pair(i, j)).sum::<DVec3>();
+    (0..x.len()).map(|i| v[i] + sum(i)).collect()
+}
+
+/// What friction of hair on hair changes the velocity of each hair point by \[m/s\]: equal and opposite impulses between points of
+/// different strands, across the line that joins them,
+///
+/// ```text
+///   J_ij = −min(μ p_ij, m_ij s_ij |u|) u/|u|      u: what of v_i − v_j is normal to x_i − x_j, m_ij = 1/(w_i + w_j)
+///   p_ij = |(Λ_i V_j + Λ_j V_i) ∇W|/Δt            the impulse that the density constraint gave the pair (Coulomb's cap)
+///   s_ij = W_ij/max(S_i, S_j),  S_i = Σ_j W_ij    its share: all of them together stop a point, and no more
+/// ```
+/// `v` are velocities that lead the step; `multiplier` Λ is the sum of λ times the relaxation over the iterations
+/// \[kg m²\]. Macklin et al. 2014, eq. 24, with the constraint's own impulse for the depth.
+#[must_use]
+pub fn friction(
+    p: &Parameters,
+    x: &[DVec3],
+    v: &[DVec3],
+    inverse_mass: &[f64],
+    volume: &[f64],
+    multiplier: &[f64],
+    near: &Neighbours,
+) -> Vec<DVec3> {
+    let h = p.kernel_radius;
+    let others = |i: usize| near.of(i).filter(move |&j| !p.is_air(j) && p.strand_of[i] != p.strand_of[j]);
+    let kernel = |i: usize, j: usize| poly6((x[i] - x[j]).length(), h);
+    let sums: Vec<f64> = (0..p.hair_points).map(|i| others(i).map(|j| kernel(i, j)).sum()).collect();
+    let pair = |i: usize, j: usize| {
+        let gap = x[i] - x[j];
+        let slip = (v[i] - v[j]).reject_from(gap);
+        let (both, speed) = (inverse_mass[i] + inverse_mass[j], slip.length());
+        if both == 0.0 || speed == 0.0 || gap == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
+        let squeeze = (multiplier[i] * volume[j] + multiplier[j] * volume[i]) * spiky_gradient(i, j, gap, h);
+        let needed = kernel(i, j) / sums[i].max(sums[j]) / both * speed;
+        -needed.min(p.friction * squeeze.length() / p.step) / speed * slip
+    };
+    (0..p.hair_points).map(|i| inverse_mass[i] * others(i).map(|j| pair(i, j)).sum::<DVec3>()).collect()
 }

@@ -1,7 +1,7 @@
 //! What ends a run, and what a step leaves behind.
 
 use glam::DVec3;
-use windswept_scene::Strands;
+use windswept_scene::{Model, Strands};
 
 use crate::{Parameters, State, fluid::wrap, rods, step::Scratch};
 
@@ -64,6 +64,13 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
         let anew = point.step.is_infinite();
         s.travel[i] = if anew { p.step * last } else { point.travel };
         s.velocity_before[i] = if anew { last } else { point.before + last - w.rod_velocity[i] };
+    }
+    if p.model != Model::Particles {
+        for strand in (0..s.hair.len()).filter(|&strand| !s.asleep[strand]) {
+            for i in s.hair.points(strand) {
+                s.outside[i] = w.moving.points[i].outside;
+            }
+        }
     }
     for (clamp, drive) in s.clamps.iter_mut().zip(&w.drives) {
         *clamp = (clamp.0 + drive.root_travel, drive.root_frame);

@@ -43,6 +43,9 @@ pub struct Parameters {
     pub kinematic_viscosity: f64,
     /// C_l of a segment in the wind.
     pub lift: f64,
+    /// Coulomb's μ of hair on hair in the model `two-way`; 0 leaves it out. No key of a scene sets it: neither the engine nor the
+    /// twin keeps a mat of hair at rest yet.
+    pub friction: f64,
     /// Jacobi iterations.
     pub fluid_iterations: u32,
     /// Part of a Jacobi step.
@@ -87,6 +90,8 @@ pub struct Parameters {
     pub bodies: Vec<Body>,
     /// Per group of hair: the motion of its roots, and the centre that it turns about \[m\].
     pub hair_motions: Vec<(Motion, DVec3)>,
+    /// Per hair point: its strand.
+    pub strand_of: Vec<usize>,
     /// Hair points: particles below this index are hair.
     pub hair_points: usize,
 }
@@ -98,7 +103,7 @@ impl Parameters {
         let substeps = f64::from(scene.time.substeps);
         let air = scene.air.as_ref();
         let kernel_radius = air.map_or(1.0, |air| air.kernel_radius);
-        let particles = scene.interaction.model == Model::Particles && !initial.air.positions.is_empty();
+        let particles = scene.interaction.model.has_air() && !initial.air.positions.is_empty();
         // The band law saturates at a part of U: at 0 it is off. The published law knows no U.
         let law_at_work = scene.turbulence.law == Law::Published || scene.turbulence.speed > 0.0;
         let at_work = |band: &Band| particles && law_at_work && band.strength > 0.0;
@@ -120,6 +125,7 @@ impl Parameters {
             rest_density: air.map_or(0.0, |air| air.rest_density),
             kinematic_viscosity: air.map_or(0.0, |air| air.kinematic_viscosity),
             lift: scene.interaction.lift,
+            friction: 0.0,
             fluid_iterations: scene.fluid.iterations,
             relaxation: scene.fluid.relaxation,
             tension: scene.fluid.tension,
@@ -150,6 +156,7 @@ impl Parameters {
                 .iter()
                 .map(|hair| (hair.motion.clone(), DVec3::from_array(hair.roots.center) - initial.origin))
                 .collect(),
+            strand_of: (0..initial.hair.len()).flat_map(|s| initial.hair.points(s).map(move |_| s)).collect(),
             hair_points: initial.hair.positions.len(),
         }
     }
@@ -158,6 +165,12 @@ impl Parameters {
     #[must_use]
     pub fn is_air(&self, i: usize) -> bool {
         i >= self.hair_points
+    }
+
+    /// Whether the density constraint and XSPH see a pair: in `two-way` air meets hair by drag alone.
+    #[must_use]
+    pub fn meets(&self, i: usize, j: usize) -> bool {
+        self.model != Model::TwoWay || self.is_air(i) == self.is_air(j)
     }
 
     /// x_i − x_j: air meets air through the periodic faces, everything else directly.

@@ -4,7 +4,7 @@ mod direct;
 mod gauss_seidel;
 
 use glam::{DMat3, DQuat, DVec3};
-use windswept_scene::Strands;
+use windswept_scene::{Model, Strands};
 
 pub use self::{
     direct::{FITS, QUIET, direct},
@@ -22,6 +22,10 @@ pub const TORN: f64 = 0.1;
 pub const MISFIT: f64 = 1e-3;
 /// Steps on end without it, until BDF2 may go on.
 pub const CALM: u32 = 3;
+/// Δt w D_n from which on a strand in the wind takes Euler.
+pub const STORMY: f64 = 1.0 / 3.0;
+/// What the air may move a free point by in a step, over the length of its strand, where the strand is whole but not calm.
+pub const LOADED: f64 = 0.4;
 /// So long at rest a strand falls asleep \[s\], and so many steps.
 pub const STILL_TIME: f64 = 0.07;
 /// See [`STILL_TIME`].
@@ -61,6 +65,29 @@ pub struct Drive {
     pub tip_moment: DVec3,
     /// max |C + α μ| of stretch-shear that the direct solver left.
     pub misfit: f64,
+    /// Velocities lead to where the strand is torn.
+    pub torn: bool,
+    /// Its segments fit where it is.
+    pub whole: bool,
+    /// h of the strand, if it is integrated \[s\].
+    pub step: f64,
+}
+
+/// What acts on a hair point from outside its rod: `force` − `resistance` v, v its velocity at the step's end.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Load {
+    /// On the point at rest \[N\].
+    pub force: DVec3,
+    /// To its velocity \[kg/s\].
+    pub resistance: f64,
+}
+
+impl Load {
+    /// The force on a point that moves with `velocity` \[N\].
+    #[must_use]
+    pub fn at(&self, velocity: DVec3) -> DVec3 {
+        self.force - self.resistance * velocity
+    }
 }
 
 /// A point within a step.
@@ -72,8 +99,14 @@ pub struct Point {
     pub before: DVec3,
     /// The move of the step before \[m\].
     pub carried: DVec3,
-    /// What acts from outside \[m/s\].
+    /// What density moved the drifting point by, as an impulse \[m/s\].
     pub change: DVec3,
+    /// What acts on it from outside.
+    pub load: Load,
+    /// All that acts from outside in this step \[m/s\].
+    pub outside: DVec3,
+    /// What of it did not act in the last step awake \[m/s\].
+    pub push: DVec3,
     /// \[1/kg\]
     pub inverse_mass: f64,
     /// The largest move in a step \[m\].
@@ -127,11 +160,19 @@ fn carry(p: &Parameters, h: f64) -> f64 {
     if h < p.step { 1.0 / 3.0 } else { 0.0 }
 }
 
-/// carry d + h (v + h a)/(1 + c h), v = (4 v_n − v_{n−1})/3 or v_n: the move without the rod's forces.
+/// carry d + h (v + h a)/(1 + c h), v = (4 v_n − v_{n−1})/3 or v_n: the move without the rod's forces. `damping` is c \[1/s\].
 #[must_use]
-pub fn free_move(p: &Parameters, now: DVec3, before: DVec3, carried: DVec3, acceleration: DVec3, h: f64) -> DVec3 {
+pub fn free_move(
+    p: &Parameters,
+    now: DVec3,
+    before: DVec3,
+    carried: DVec3,
+    acceleration: DVec3,
+    damping: f64,
+    h: f64,
+) -> DVec3 {
     let v = if h < p.step { (4.0 * now - before) / 3.0 } else { now };
-    carry(p, h) * carried + h * (v + h * acceleration) / (1.0 + p.damping * h)
+    carry(p, h) * carried + h * (v + h * acceleration) / (1.0 + damping * h)
 }
 
 /// v_{n+1} = (move − carry d)/h.
@@ -140,10 +181,16 @@ pub fn rate(p: &Parameters, shift: DVec3, carried: DVec3, h: f64) -> DVec3 {
     (shift - carry(p, h) * carried) / h
 }
 
-/// h²/(1 + c h): what a force moves a unit of mass by.
+/// h²/(1 + c h): what a force moves a unit of mass by. `damping` is c \[1/s\].
 #[must_use]
-pub fn response(p: &Parameters, h: f64) -> f64 {
-    h * h / (1.0 + p.damping * h)
+pub fn response(damping: f64, h: f64) -> f64 {
+    h * h / (1.0 + damping * h)
+}
+
+/// c of a point \[1/s\]: the scene's, and what resists its velocity.
+#[must_use]
+pub fn damping(p: &Parameters, point: &Point) -> f64 {
+    p.damping + point.inverse_mass * point.load.resistance
 }
 
 /// Where the clamp of strand `s` goes: where its keyframes are at the step's end, else a part of the way to its target, all of
@@ -185,22 +232,21 @@ pub fn roots(p: &Parameters, s: &state::State, strand: usize) -> Drive {
     }
 }
 
-/// A point that nothing holds: x + Δt (v + dv + g Δt)/(1 + c Δt), the move capped at `largest` \[m\]. Held ones keep their
-/// velocity.
+/// A point that nothing holds: x + Δt (v + g Δt)/(1 + c Δt), the move capped at `largest` \[m\]. Held ones keep their velocity.
 #[must_use]
-pub fn drift(p: &Parameters, w: f64, position: DVec3, velocity: DVec3, drag: DVec3, largest: f64) -> DVec3 {
+pub fn drift(p: &Parameters, w: f64, position: DVec3, velocity: DVec3, largest: f64) -> DVec3 {
     if w == 0.0 {
         return position + p.step * velocity;
     }
-    let shift = p.step * (velocity + drag + p.step * p.gravity) / (1.0 + p.damping * p.step);
+    let shift = p.step * (velocity + p.step * p.gravity) / (1.0 + p.damping * p.step);
     position + shift.clamp_length_max(largest)
 }
 
-/// What moves point `i` from outside its rod: drag, and what density moved the drifting point by, as an impulse.
+/// What point `i` starts from: what density moved the drifting point by is an impulse on it.
 #[must_use]
-pub fn predict(p: &Parameters, s: &state::State, i: usize, drag: DVec3, correction: DVec3, largest: f64) -> Point {
+pub fn predict(p: &Parameters, s: &state::State, i: usize, correction: DVec3, largest: f64) -> Point {
     let inverse_mass = s.inverse_mass[i];
-    let change = if inverse_mass > 0.0 { drag + correction / p.step } else { DVec3::ZERO };
+    let change = if inverse_mass > 0.0 { correction / p.step } else { DVec3::ZERO };
     Point {
         velocity: s.velocity[i] + change,
         before: s.velocity_before[i] + change,
@@ -228,7 +274,7 @@ pub fn turn(s: &state::State, strand: usize, k: usize) -> Segment {
     }
 }
 
-/// What [`choose`] counts of a strand.
+/// What [`start`] counts of a strand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Choice {
     /// Free moves that were capped.
@@ -237,23 +283,92 @@ pub struct Choice {
     pub euler: bool,
 }
 
-/// How a strand goes through the step: reset, teleported, asleep, by BDF2 or by Euler; and where its solver starts.
-pub fn choose(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Drive, m: &mut Moving) -> Choice {
+/// By BDF2 or by Euler a strand is integrated, if it is: by BDF2 where its velocities led without tearing it for
+/// [`CALM`] steps on end.
+pub fn choose(p: &Parameters, s: &state::State, strand: usize, drive: &mut Drive, m: &Moving) {
+    let led = led(p, s, strand, drive, m);
+    let led_turn = led_turn(p, s, strand, m);
+    let first = s.hair.segments(strand).start;
+    let misfit = |k: usize, travel: DVec3, turn: DVec3| {
+        let segment = &m.segments[first + k];
+        let tangent = rotation(turn) * segment.start * DVec3::Z;
+        ((segment.chord + travel) / s.hair.rest_length[first + k] - tangent).length()
+    };
+    let tear = (0..led_turn.len()).map(|k| misfit(k, led[k + 1] - led[k], led_turn[k]));
+    drive.torn = tear.fold(0.0, f64::max) >= TORN;
+    drive.whole = (0..led_turn.len()).all(|k| misfit(k, DVec3::ZERO, DVec3::ZERO) < TORN);
+    let calm = !drive.torn && s.calm[strand] + 1 >= CALM;
+    drive.step = if calm && p.bdf2 { p.step * 2.0 / 3.0 } else { p.step };
+}
+
+/// Where velocities lead the points of a strand \[m\]; held ones go where they are held.
+fn led(p: &Parameters, s: &state::State, strand: usize, drive: &Drive, m: &Moving) -> Vec<DVec3> {
+    let points = s.hair.points(strand);
+    let of = |i: usize| {
+        let point = &m.points[i];
+        if point.inverse_mass == 0.0 { held(points.start, i, drive) } else { p.step * point.velocity }
+    };
+    points.clone().map(of).collect()
+}
+
+/// Where they lead its frames \[rad\].
+fn led_turn(p: &Parameters, s: &state::State, strand: usize, m: &Moving) -> Vec<DVec3> {
+    s.hair.segments(strand).map(|k| p.step * m.segments[k].angular_velocity).collect()
+}
+
+/// What a held point moves by: the root with its clamp, a tip not at all \[m\].
+fn held(first: usize, i: usize, drive: &Drive) -> DVec3 {
+    if i == first { drive.root_travel } else { DVec3::ZERO }
+}
+
+/// Where the drag of a point is taken, and with which velocity: in a step of BDF2 x_n + Δt (3/2 v_n − 1/2 v_{n−1}) and
+/// 2 v_n − v_{n−1}, in one of Euler x_n and v_n.
+///
+/// Taken at the step's start drag is first order, and hair in a storm flutters under BDF2; Euler stands still with nothing
+/// extrapolated only.
+#[must_use]
+pub fn ahead(p: &Parameters, point: &Point, position: DVec3, h: f64) -> (DVec3, DVec3) {
+    if h < p.step {
+        let (now, before) = (point.velocity, point.before);
+        (position + p.step * (1.5 * now - 0.5 * before), 2.0 * now - before)
+    } else {
+        (position, point.velocity)
+    }
+}
+
+/// Whether the air resists no point of a strand by more than BDF2 bears: what it extrapolates of the drag grows into a flutter
+/// from Δt w D_n = 0.39 on (hairs of 30 to 60 µm, 1 and 4 GPa, 30 to 100 mm in 3 to 20 m/s).
+#[must_use]
+pub fn follows_wind(p: &Parameters, hair: &Strands, strand: usize, drive: &Drive, m: &Moving) -> bool {
+    let resisted = |point: &Point| p.step * point.inverse_mass * point.load.resistance > STORMY;
+    drive.step == p.step || !m.points[hair.points(strand)].iter().any(resisted)
+}
+
+/// How a strand goes through the step: reset, teleported, asleep or integrated; and where its solver starts.
+pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Drive, m: &mut Moving) -> Choice {
     let (points, segments) = (s.hair.points(strand), s.hair.segments(strand));
-    // A sleeper has no velocity but what viscosity gave it since, and what acts from outside.
+    for i in points.clone() {
+        let point = &mut m.points[i];
+        // A held point goes where it is held, whatever pushes.
+        point.outside = point.change + p.step * point.inverse_mass * point.load.at(s.velocity[i]);
+        point.push = point.outside - s.outside[i];
+    }
+    // A sleeper has no velocity but what viscosity gave it since.
     let asleep = s.asleep[strand];
-    let push = |point: &Point| if asleep { point.velocity.length() } else { point.change.length() };
-    let pushed = m.points[points.clone()].iter().any(|point| push(point) > p.rest[strand].acceleration * p.step);
+    let push = |i: usize| m.points[i].push + if asleep { s.velocity[i] } else { DVec3::ZERO };
+    let pushed = points.clone().any(|i| push(i).length() > p.rest[strand].acceleration * p.step);
     if s.bad[strand] {
         s.bad[strand] = false;
         (s.calm[strand], s.still[strand], s.asleep[strand]) = (0, 0, false);
         put_at_rest(&s.hair, strand, drive, m);
+        unload(&s.hair, strand, m);
         drive.state = State::Solved;
         return Choice::default();
     }
     let rested = s.still[strand] >= STILL_STEPS && f64::from(s.still[strand]) * p.step >= STILL_TIME;
     if drive.state == State::Teleported {
         (s.calm[strand], s.still[strand]) = (0, 0);
+        unload(&s.hair, strand, m);
     }
     if drive.state == State::Teleported
         || drive.state == State::Asleep && rested && !pushed && !(s.asleep[strand] && s.touched[strand])
@@ -266,59 +381,70 @@ pub fn choose(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut D
     if std::mem::take(&mut s.asleep[strand]) {
         s.still[strand] = 0;
     }
-    // Where velocities lead.
-    let held = |i: usize| if i == points.start { drive.root_travel } else { DVec3::ZERO };
-    let led: Vec<DVec3> = points
-        .clone()
-        .map(|i| {
-            let point = &m.points[i];
-            if point.inverse_mass == 0.0 { held(i) } else { p.step * point.velocity }
-        })
-        .collect();
-    let led_turn: Vec<DVec3> = segments.clone().map(|k| p.step * m.segments[k].angular_velocity).collect();
-    let tear = (0..led_turn.len()).map(|k| {
-        let segment = &m.segments[segments.start + k];
-        let tangent = rotation(led_turn[k]) * segment.start * DVec3::Z;
-        ((segment.chord + led[k + 1] - led[k]) / s.hair.rest_length[segments.start + k] - tangent).length()
-    });
-    let torn = tear.fold(0.0, f64::max) >= TORN;
-    s.calm[strand] = if torn { 0 } else { (s.calm[strand] + 1).min(CALM) };
+    s.calm[strand] = if drive.torn { 0 } else { (s.calm[strand] + 1).min(CALM) };
     let calm = s.calm[strand] == CALM;
-    let h = if calm && p.bdf2 { p.step * 2.0 / 3.0 } else { p.step };
+    let h = drive.step;
     let ahead = calm && p.direct;
+    let (led, led_turn) = (led(p, s, strand, drive, m), led_turn(p, s, strand, m));
 
-    let mut choice = Choice { capped: 0, euler: p.bdf2 && !calm };
+    let mut choice = Choice { capped: 0, euler: p.bdf2 && h == p.step };
     let mut free: Vec<DVec3> = points
         .clone()
         .map(|i| {
             let point = &m.points[i];
-            let moves = || free_move(p, point.velocity, point.before, point.carried, p.gravity, h);
-            if point.inverse_mass == 0.0 { held(i) } else { moves() }
+            if point.inverse_mass == 0.0 {
+                return held(points.start, i, drive);
+            }
+            let acceleration = p.gravity + point.inverse_mass * point.load.force;
+            free_move(p, point.velocity, point.before, point.carried, acceleration, damping(p, point), h)
         })
         .collect();
-    let root_held = m.points[points.start].inverse_mass == 0.0;
-    let origin = if root_held { drive.root_travel } else { free.iter().sum::<DVec3>() / free.len() as f64 };
+    let length: f64 = s.hair.rest_length[segments.clone()].iter().sum();
+    let caps = !ahead || p.model == Model::Particles;
+    let origin = origin(m.points[points.start].inverse_mass == 0.0, drive, &free);
     for (k, i) in points.enumerate() {
         let point = &mut m.points[i];
         let far = (free[k] - origin).length();
-        let capped = point.inverse_mass > 0.0 && far > point.largest;
+        let loaded = response(damping(p, point), h) * point.inverse_mass * point.load.force.length();
+        let largest = point.largest + if drive.whole { loaded.min(LOADED * length) } else { 0.0 };
+        let capped = caps && point.inverse_mass > 0.0 && far > largest;
         if capped {
-            free[k] = origin + (free[k] - origin) * (point.largest / far);
+            free[k] = origin + (free[k] - origin) * (largest / far);
             choice.capped += 1;
         }
+
         (point.step, point.free) = (h, free[k]);
         point.travel = if ahead && !capped { led[k] } else { free[k] };
     }
     for (k, j) in segments.enumerate() {
         let segment = &mut m.segments[j];
         segment.step = h;
-        segment.free = free_move(p, segment.angular_velocity, segment.before, segment.carried, DVec3::ZERO, h);
+        segment.free =
+            free_move(p, segment.angular_velocity, segment.before, segment.carried, DVec3::ZERO, p.damping, h);
         segment.turn = if ahead { led_turn[k] } else { segment.free };
         segment.frame = (rotation(segment.turn) * segment.start).normalize();
         segment.force = if ahead { segment.frame * segment.force } else { DVec3::ZERO };
         segment.moment = if ahead { segment.moment } else { DVec3::ZERO };
     }
     choice
+}
+
+/// What free moves are measured from when they are capped: the root's, or their mean where the root is free.
+fn origin(root_held: bool, drive: &Drive, free: &[DVec3]) -> DVec3 {
+    if root_held { drive.root_travel } else { free.iter().sum::<DVec3>() / free.len() as f64 }
+}
+
+/// What was put somewhere felt no force on its way.
+fn unload(hair: &Strands, strand: usize, m: &mut Moving) {
+    for point in &mut m.points[hair.points(strand)] {
+        (point.load, point.outside) = (Load::default(), DVec3::ZERO);
+    }
+}
+
+/// J = Δt (force − resistance v_{n+1}): what the load of a point gave it \[N s\], v as its rod leaves it; a sleeper's is 0.
+#[must_use]
+pub fn place(p: &Parameters, point: &Point) -> DVec3 {
+    p.step * point.load.at(rate(p, point.travel, point.carried, point.step))
 }
 
 /// The strand as it is, turned with its root and moved with it.
@@ -421,10 +547,11 @@ pub fn hold(hair: &Strands, s: usize, m: &mut Moving) {
         let start = segment.start;
         put_frame(segment, start);
     }
+    unload(hair, s, m);
 }
 
 /// A strand that the direct solver tore is left to Gauss-Seidel: back to its free move, nothing held. Says whether it was one.
-pub fn rescue(hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
+pub fn rescue(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
     if drive.state != State::Free {
         return false;
     }
@@ -432,8 +559,13 @@ pub fn rescue(hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bo
         drive.state = State::Solved;
         return false;
     }
-    for point in &mut m.points[hair.points(s)] {
-        point.travel = point.free;
+    let points = hair.points(s);
+    let free: Vec<_> = m.points[points.clone()].iter().map(|point| point.free).collect();
+    let origin = origin(m.points[points.start].inverse_mass == 0.0, drive, &free);
+    for (point, free) in m.points[points].iter_mut().zip(free) {
+        // Moves of calm strands were not capped, unless they were by the density of `particles`.
+        let capped = p.model == Model::Particles;
+        point.travel = if capped { free } else { origin + (free - origin).clamp_length_max(point.largest) };
     }
     for segment in &mut m.segments[hair.segments(s)] {
         segment.frame = (rotation(segment.free) * segment.start).normalize();
@@ -456,7 +588,7 @@ pub fn still(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
     // A strand that nothing holds may drift as slowly as it will.
     let held = m.points[hair.points(s).start].inverse_mass == 0.0;
     let slow =
-        |point: &Point| point.velocity.length() <= rest.speed && point.change.length() <= rest.acceleration * p.step;
+        |point: &Point| point.velocity.length() <= rest.speed && point.push.length() <= rest.acceleration * p.step;
     held && m.points[hair.points(s)].iter().all(slow)
         && m.segments[hair.segments(s)].iter().all(|segment| segment.angular_velocity.length() <= STILL_SPIN)
 }

@@ -20,6 +20,8 @@ pub struct State {
     pub travel: Vec<DVec3>,
     /// Per hair point: the velocity of the step before, with all that acted from outside since \[m/s\].
     pub velocity_before: Vec<DVec3>,
+    /// Per hair point: all that acted from outside in the last step awake \[m/s\]; nothing with the model `particles`.
+    pub outside: Vec<DVec3>,
     /// Per segment: the last step's turn \[rad\].
     pub turn: Vec<DVec3>,
     /// Per segment: of the step before \[rad/s\].
@@ -60,6 +62,8 @@ pub struct State {
     pub over_strained: usize,
     /// Moves that were capped so far.
     pub capped: usize,
+    /// Hair points, step by step, whose exchange with the air was limited so far.
+    pub limited: usize,
     /// max |l/l0 − 1| so far.
     pub max_stretch: f64,
     /// What confinement gave the air so far \[kg m/s\].
@@ -88,6 +92,7 @@ impl State {
             steps: 0,
             travel: hair.velocities.iter().map(|v| *v * step).collect(),
             velocity_before: hair.velocities.clone(),
+            outside: vec![DVec3::ZERO; hair.velocities.len()],
             turn: hair.angular_velocities.iter().map(|w| *w * step).collect(),
             angular_velocity_before: hair.angular_velocities.clone(),
             force: vec![DVec3::ZERO; hair.orientations.len()],
@@ -113,6 +118,7 @@ impl State {
             strained_steps: vec![0; hair.len()],
             over_strained: 0,
             capped: 0,
+            limited: 0,
             max_stretch: 0.0,
             confinement_impulse: DVec3::ZERO,
             volume: each(&hair.volume, initial.air.volume),

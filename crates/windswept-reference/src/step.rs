@@ -1,7 +1,7 @@
 //! One step, in execution order: the twin of the engine's `step.rs`.
 
 use glam::DVec3;
-use windswept_scene::Law;
+use windswept_scene::{Law, Model};
 
 use crate::{
     Parameters, State, contact, fluid, grid,
@@ -15,10 +15,10 @@ use crate::{
 /// [`Frozen`] says why the step was not committed; the state is as it was before.
 pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     let mut s = state.clone();
-    let mut w = drive(&s, p); //         1. Clamps move; wind enters and drags; air moves, and hair drifts among it.
+    let mut w = drive(&s, p); //         1. Clamps move; wind enters; air moves, and hair drifts among it.
     neighbours(&mut w, p); //            2. List who is near whom.
     fluid(&s, &mut w, p); //           3. Hair and air share one density constraint (eq. 1).
-    rods(&mut s, &mut w, p); //       4. Strands keep their length and shape.
+    rods(&mut s, &mut w, p); //       4. Air drags strands, which keep their length and shape, and strands slow the air.
     contact(&mut s, &mut w, p); //         5. Nothing enters a body.
     velocity(&s, &mut w, p); //          6. Velocities from positions.
     turbulence(&mut s, &mut w, p); //    7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
@@ -33,8 +33,12 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
 pub struct Scratch {
     /// Mean wind in this step \[m/s\].
     pub blowing: DVec3,
-    /// Per hair point, what drag adds \[m/s\].
-    pub drag_change: Vec<DVec3>,
+    /// Per hair point: the air there.
+    pub local: Vec<wind::Local>,
+    /// Hair points whose exchange with the air was limited.
+    pub limited: usize,
+    /// Per hair point: what its load gave it \[N s\].
+    pub drag_impulse: Vec<DVec3>,
     /// Per air particle, what ramp and fringe add \[m/s\].
     pub wind_change: Vec<DVec3>,
     /// Positions \[m\].
@@ -67,17 +71,16 @@ pub struct Scratch {
     pub exchange: Vec<f64>,
 }
 
-/// 1. Clamps move; wind enters and drags; air moves, and hair drifts among it.
+/// 1. Clamps move; wind enters; air moves, and hair drifts among it.
 #[must_use]
 pub fn drive(s: &State, p: &Parameters) -> Scratch {
     let drives = (0..s.hair.len()).map(|strand| rods::roots(p, s, strand)).collect();
     let blowing = wind::blow(p, s.steps + 1);
-    let drag_change = wind::drag(p, &s.hair, blowing, &s.position, &s.velocity, &s.inverse_mass);
     let mut predicted = s.position.clone();
     let mut new_velocity = s.velocity.clone();
     let largest = rods::largest_moves(&s.hair);
     for i in 0..p.hair_points {
-        predicted[i] = rods::drift(p, s.inverse_mass[i], s.position[i], s.velocity[i], drag_change[i], largest[i]);
+        predicted[i] = rods::drift(p, s.inverse_mass[i], s.position[i], s.velocity[i], largest[i]);
     }
     let air = p.hair_points..s.position.len();
     let wind_change: Vec<_> = air.clone().map(|i| wind::fringe(p, s.steps, s.position[i], s.velocity[i])).collect();
@@ -85,7 +88,7 @@ pub fn drive(s: &State, p: &Parameters) -> Scratch {
         new_velocity[i] += *change;
         predicted[i] = fluid::predict(p, s.position[i], new_velocity[i]);
     }
-    Scratch { blowing, drives, drag_change, wind_change, predicted, new_velocity, ..Scratch::default() }
+    Scratch { blowing, drives, wind_change, predicted, new_velocity, ..Scratch::default() }
 }
 
 /// 2. List who is near whom.
@@ -101,6 +104,7 @@ pub fn fluid(s: &State, w: &mut Scratch, p: &Parameters) {
     if !p.air {
         return;
     }
+    let mut multiplier = vec![0.0; p.hair_points];
     for iteration in 0..p.fluid_iterations.max(1) {
         let lambda;
         (w.density, lambda) = fluid::density(p, &w.predicted, &s.inverse_mass, &s.volume, &w.near);
@@ -110,6 +114,23 @@ pub fn fluid(s: &State, w: &mut Scratch, p: &Parameters) {
                 w.predicted[i] += shift;
                 w.correction[i] += shift;
             }
+            multiplier.iter_mut().zip(&lambda).for_each(|(sum, lambda)| *sum += p.relaxation * lambda);
+        }
+    }
+    if p.model == Model::TwoWay && p.friction > 0.0 {
+        // What each point comes to this step with, and all that acted on it in the last one but impulses: its rod as well.
+        let led: Vec<_> = s.velocity.iter().zip(&s.velocity_before).map(|(now, before)| 2.0 * *now - *before).collect();
+        let change = fluid::friction(p, &w.predicted, &led, &s.inverse_mass, &s.volume, &multiplier, &w.near);
+        for (i, change) in change.into_iter().enumerate() {
+            w.predicted[i] += p.step * change;
+            w.correction[i] += p.step * change;
+        }
+    }
+    if p.model == Model::TwoWay {
+        // What hair is to feel has been through the density constraint; nothing is left for heading 6 to add.
+        for i in p.hair_points..w.predicted.len() {
+            w.new_velocity[i] = fluid::velocity(p, w.new_velocity[i], w.correction[i]);
+            w.correction[i] = DVec3::ZERO;
         }
     }
 }
@@ -123,27 +144,56 @@ pub fn rods(s: &mut State, w: &mut Scratch, p: &Parameters) {
                 let quiet = rods::direct(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
                 s.quiet_steps += usize::from(quiet);
             }
-            s.rescued_steps += usize::from(rods::rescue(&s.hair, strand, &mut w.drives[strand], &mut w.moving));
+            s.rescued_steps += usize::from(rods::rescue(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving));
         }
         rods::gauss_seidel(p, &s.hair, strand, &w.drives[strand], &mut w.moving);
     }
     finish(s, w, p);
+    if p.model == Model::TwoWay && p.air {
+        let change = wind::react(p, &w.local, &w.drag_impulse, &w.predicted, &s.volume, &s.inverse_mass, &w.near);
+        w.new_velocity[p.hair_points..].iter_mut().zip(change).for_each(|(v, change)| *v += change);
+    }
 }
 
 /// What moves points and turns segments; how each strand goes through the step.
 pub fn prepare(s: &mut State, w: &mut Scratch, p: &Parameters) {
     let largest = rods::largest_moves(&s.hair);
-    w.moving.points =
-        (0..p.hair_points).map(|i| rods::predict(p, s, i, w.drag_change[i], w.correction[i], largest[i])).collect();
+    w.moving.points = (0..p.hair_points).map(|i| rods::predict(p, s, i, w.correction[i], largest[i])).collect();
     let segments = (0..s.hair.len()).flat_map(|strand| s.hair.segments(strand).map(move |k| (strand, k)));
     w.moving.segments = segments.map(|(strand, k)| rods::turn(s, strand, k)).collect();
     for strand in 0..s.hair.len() {
-        let choice = rods::choose(p, s, strand, &mut w.drives[strand], &mut w.moving);
+        rods::choose(p, s, strand, &mut w.drives[strand], &w.moving);
+    }
+    w.local = if p.model == Model::TwoWay && p.air {
+        wind::sample(p, w.blowing, &w.predicted, &w.new_velocity, &s.volume, &w.near)
+    } else {
+        vec![wind::undisturbed(w.blowing); p.hair_points]
+    };
+    drag(s, w, p);
+    let calm_in_wind = |strand: usize| rods::follows_wind(p, &s.hair, strand, &w.drives[strand], &w.moving);
+    let hasty: Vec<_> = (0..s.hair.len()).filter(|&strand| !calm_in_wind(strand)).collect();
+    if !hasty.is_empty() {
+        hasty.iter().for_each(|&strand| w.drives[strand].step = p.step);
+        drag(s, w, p);
+    }
+    s.limited += w.limited;
+    for strand in 0..s.hair.len() {
+        let choice = rods::start(p, s, strand, &mut w.drives[strand], &mut w.moving);
         s.capped += choice.capped;
         s.euler_steps += usize::from(choice.euler);
         s.asleep_steps += usize::from(w.drives[strand].state == rods::State::Asleep);
         s.teleports += usize::from(w.drives[strand].state == rods::State::Teleported);
     }
+}
+
+/// The load of the air on each hair point, each strand's where its own step takes it.
+fn drag(s: &State, w: &mut Scratch, p: &Parameters) {
+    let all = (0..s.hair.len()).flat_map(|strand| s.hair.points(strand).map(move |i| (strand, i)));
+    let (x, v): (Vec<_>, Vec<_>) =
+        all.map(|(strand, i)| rods::ahead(p, &w.moving.points[i], s.position[i], w.drives[strand].step)).unzip();
+    let loads;
+    (loads, w.limited) = wind::drag(p, &s.hair, &w.local, &x, &v);
+    w.moving.points.iter_mut().zip(loads).for_each(|(point, load)| point.load = load);
 }
 
 /// Health of each strand; hair goes where its rods took it.
@@ -174,6 +224,7 @@ pub fn finish(s: &mut State, w: &mut Scratch, p: &Parameters) {
     for (i, point) in w.moving.points.iter().enumerate() {
         w.predicted[i] = s.position[i] + point.travel;
     }
+    w.drag_impulse = w.moving.points.iter().map(|point| rods::place(p, point)).collect();
 }
 
 /// 5. Nothing enters a body.

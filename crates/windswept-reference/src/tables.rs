@@ -78,6 +78,34 @@ pub fn helix() -> Vec<Helix> {
         .collect()
 }
 
+/// A hair at rest in a steady uniform wind, clamped straight down: radius 40 µm, 4 GPa, 1320 kg/m³; air of 1.29 kg/m³ and
+/// 1.5e-5 m²/s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HairInWind {
+    /// \[m\]
+    pub length: f64,
+    /// \[m/s\]
+    pub wind: f64,
+    /// \[m/s²\]
+    pub gravity: f64,
+    /// How far downwind of the root the tip is, over L.
+    pub tip: f64,
+    /// How far below it, over L.
+    pub drop: f64,
+    /// Of the wind on the whole hair \[N\].
+    pub force: f64,
+}
+
+/// 1 and 3 m/s, with weight and without.
+#[must_use]
+pub fn hair_in_wind() -> Vec<HairInWind> {
+    let part = include_str!("../data/hair_in_wind.csv").lines().filter_map(|line| line.strip_prefix("b,,"));
+    let text = part.collect::<Vec<_>>().join("\n");
+    rows(&text)
+        .map(|[length, wind, gravity, tip, drop, force]| HairInWind { length, wind, gravity, tip, drop, force })
+        .collect()
+}
+
 /// Factor by which one XSPH update with c = 0.014 changes a shear wave along a lattice axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShearWave {
@@ -143,7 +171,7 @@ mod tests {
     #[test]
     fn tables_are_whole() {
         let (cantilever, helix) = (cantilever(), helix());
-        assert_eq!((cantilever.len(), helix.len()), (10, 3));
+        assert_eq!((cantilever.len(), helix.len(), hair_in_wind().len()), (10, 3, 4));
         assert_eq!((cantilever[0].gamma, cantilever[9].tip_angle), (0.1, 1.570_794_299_529));
         assert_eq!((helix[0].darboux, helix[2].tip.z), (DVec3::new(0.0, 10.0, 5.0), 0.286_154_31));
         let (waves, errors, hat) = (shear_waves(), density_errors(), mexican_hat());

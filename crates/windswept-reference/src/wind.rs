@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3};
 use windswept_scene::{InflowWave, Model, Strands};
 
-use crate::Parameters;
+use crate::{Parameters, grid::Neighbours, rods::Load, sph_kernels::poly6};
 
 /// Part of the wind that has risen after `steps` steps.
 #[must_use]
@@ -65,47 +65,139 @@ pub fn fringe(p: &Parameters, steps: u64, position: DVec3, velocity: DVec3) -> D
     change + (1.0 - (-sigma * p.step).exp()) * (brought(p, steps, position) - (velocity + change))
 }
 
-/// What lift and drag from a wind U change the velocity of each hair point by \[m/s\].
-///
-/// Each point takes half of D and F of the segments beside it: (I + Δt w D) δv = Δt w (D (U − v) + F), implicit in the
-/// point's velocity with D and F of the committed state; nothing at a clamped point. `x` in m, `v` in m/s, `inverse_mass`
-/// w in 1/kg, per hair point; `wind` U in m/s.
+/// Part of the mean wind that a hair point feels where the air is this thin, ρ/ρ0: below it air counts by what is there.
+const THIN: f64 = 0.5;
+/// Width of the strip of air that a strand slows, in kernel radii: fitted to fixed strands of 10 to 1000 fibres.
+const WAKE: f64 = 1.3;
+/// Most that a fibre's own wake is taken to have slowed the air at it. More would be in air that passes at less than a
+/// centimetre a second: there is no wake, but viscosity.
+const OWN_WAKE: f64 = 1.1;
+
+/// The air at a hair point.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Local {
+    /// Where the point drifted to \[m\].
+    pub position: DVec3,
+    /// θ, the part of its surroundings that air particles fill.
+    pub filled: f64,
+    /// u \[m/s\]
+    pub wind: DVec3,
+    /// G \[1/kg\]: what an impulse on each hair point near it changes u by.
+    pub give: f64,
+}
+
+/// The mean wind alone.
 #[must_use]
-pub fn drag(p: &Parameters, hair: &Strands, wind: DVec3, x: &[DVec3], v: &[DVec3], inverse_mass: &[f64]) -> Vec<DVec3> {
+pub fn undisturbed(wind: DVec3) -> Local {
+    Local { wind, ..Local::default() }
+}
+
+/// w_ij = V_j W(y_i − x_j)/max(θ_i, 1/2): with which an air particle of `volume` at `position` counts for a hair point.
+#[must_use]
+pub fn weight(p: &Parameters, local: &Local, position: DVec3, volume: f64) -> f64 {
+    volume * poly6((local.position - position).length(), p.kernel_radius) / local.filled.max(THIN)
+}
+
+/// The air at every hair point, after the density constraint: θ_i = Σ_j V_j W, u_i = Σ_j w_ij v_j + (1 − Σ_j w_ij) U over air,
+/// G_i = Σ_k W/ρ0 over hair, itself included.
+#[must_use]
+pub fn sample(p: &Parameters, wind: DVec3, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> Vec<Local> {
+    let h = p.kernel_radius;
+    let each = |i: usize| {
+        let (air, hair): (Vec<_>, Vec<_>) = near.of(i).partition(|&j| p.is_air(j));
+        let number = |j: usize| poly6((x[i] - x[j]).length(), h);
+        let filled = air.iter().map(|&j| volume[j] * number(j)).sum();
+        let give = (number(i) + hair.iter().map(|&k| number(k)).sum::<f64>()) / p.rest_density;
+        let mut local = Local { position: x[i], filled, wind, give };
+        local.wind += air.iter().map(|&j| weight(p, &local, x[j], volume[j]) * (v[j] - wind)).sum::<DVec3>();
+        local
+    };
+    (0..p.hair_points).map(each).collect()
+}
+
+/// What hair gives back to each air particle \[m/s\]: v_j −= Σ_i w_ij J_i/m_j over hair, with the weights that it was
+/// sampled with; `impulse` J per hair point \[N s\].
+#[must_use]
+pub fn react(
+    p: &Parameters,
+    local: &[Local],
+    impulse: &[DVec3],
+    x: &[DVec3],
+    volume: &[f64],
+    inverse_mass: &[f64],
+    near: &Neighbours,
+) -> Vec<DVec3> {
+    let given = |j: usize| {
+        let hair = near.of(j).filter(|&i| !p.is_air(i));
+        -inverse_mass[j] * hair.map(|i| weight(p, &local[i], x[j], volume[j]) * impulse[i]).sum::<DVec3>()
+    };
+    (p.hair_points..x.len()).map(given).collect()
+}
+
+/// Lift and drag of the air on each hair point, and how many of them had to be limited.
+///
+/// Each point takes half of D and F of the segments beside it, u the mean of its two points' less the segment's own
+/// velocity, with tangents of `x` \[m\] and velocities `v` \[m/s\] that lead the step ([`crate::rods::ahead`]). D_n is the larger
+/// eigenvalue of D; what D resists less along the fibre is left where v is:
+///
+/// ```text
+///   force = D (u − v) + D_n v + F,   resistance = D_n       both times min(1, 1/(Δt G D_n))
+/// ```
+/// The limit is where air and hair near a point would have one velocity after the step.
+#[must_use]
+pub fn drag(p: &Parameters, hair: &Strands, local: &[Local], x: &[DVec3], v: &[DVec3]) -> (Vec<Load>, usize) {
     let mut resistance = vec![DMat3::ZERO; hair.positions.len()];
+    let mut largest = vec![0.0; hair.positions.len()];
     let mut lift = vec![DVec3::ZERO; hair.positions.len()];
     for s in 0..hair.len() {
         for (k, a) in hair.segments(s).zip(hair.points(s)) {
             let b = a + 1;
             if exposed(p, 0.5 * (x[a] + x[b])) {
-                let slip = wind - 0.5 * (v[a] + v[b]);
-                let (of_drag, of_lift) = segment(p, x[b] - x[a], slip, hair.radius[k], hair.fibres[k]);
+                let slip = 0.5 * (local[a].wind + local[b].wind) - 0.5 * (v[a] + v[b]);
+                let filled = 0.5 * (local[a].filled.min(THIN) + local[b].filled.min(THIN)) / THIN;
+                let of = segment(p, x[b] - x[a], slip, hair.radius[k], hair.fibres[k], filled);
                 for point in [a, b] {
-                    resistance[point] += 0.5 * of_drag;
-                    lift[point] += 0.5 * of_lift;
+                    resistance[point] += 0.5 * of.resistance;
+                    largest[point] += 0.5 * of.largest;
+                    lift[point] += 0.5 * of.lift;
                 }
             }
         }
     }
-    let change = |i: usize| {
-        let share = p.step * inverse_mass[i];
-        (DMat3::IDENTITY + share * resistance[i]).inverse() * (share * (resistance[i] * (wind - v[i]) + lift[i]))
+    let mut limited = 0;
+    let load = |i: usize| {
+        let part = p.step * local[i].give * largest[i];
+        limited += usize::from(part > 1.0);
+        let left = 1.0 / part.max(1.0);
+        let (d, n) = (left * resistance[i], left * largest[i]);
+        Load { force: d * (local[i].wind - v[i]) + n * v[i] + left * lift[i], resistance: n }
     };
-    (0..hair.positions.len()).map(change).collect()
+    let loads = (0..hair.positions.len()).map(load).collect();
+    (loads, limited)
 }
 
-/// Whether a segment with its middle there is in the wind itself: all are where the scene has no air particles, else
-/// those outside their box.
+/// Whether a segment with its middle there is in the air that is sampled: with `particles` only the mean wind outside their
+/// box drags.
 fn exposed(p: &Parameters, middle: DVec3) -> bool {
     match p.model {
-        Model::Drag => true,
+        Model::Drag | Model::TwoWay => true,
         Model::Particles => !(middle.cmpge(DVec3::ZERO).all() && middle.cmplt(p.box_size).all()),
         Model::None => false,
     }
 }
 
-/// Resistance D \[kg/s\] and lift F \[N\] of a segment of `fibres` fibres along `axis` \[m\] in air that passes with u =
-/// `slip` \[m/s\]; its drag is D u. u_n is what of u is normal to the axis, t its direction, A = 2 r l the frontal area.
+/// What a segment does in the air.
+struct Piece {
+    /// D \[kg/s\]
+    resistance: DMat3,
+    /// max(k_n, k_t) \[kg/s\]
+    largest: f64,
+    /// F \[N\]
+    lift: DVec3,
+}
+
+/// A segment of `fibres` fibres along `axis` \[m\] in air that passes with u = `slip` \[m/s\]; its drag is D u. u_n is what of u
+/// is normal to the axis, t its direction, A = 2 r l the frontal area.
 ///
 /// ```text
 ///        t ^       D = k_n (I − t tᵀ) + k_t t tᵀ
@@ -114,18 +206,32 @@ fn exposed(p: &Parameters, middle: DVec3) -> bool {
 ///                  F = ½ρA C_l |u_n| (t × u)
 /// ```
 /// Re = 2r |u_n|/ν; C_d |u_n| is written without it, for it is 0 at rest and Re^(−2/3) is not.
-fn segment(p: &Parameters, axis: DVec3, slip: DVec3, radius: f64, fibres: f64) -> (DMat3, DVec3) {
+///
+/// The air that was sampled has been slowed by the fibre itself, from s |u_n| to |u_n| where particles fill it: a porous
+/// strip of width b in a free flow slows it by 1 + k_n/(2 ρ b l |u_n|) (Taylor 1944, Air resistance of a flat plate of very
+/// porous material). So k_n is taken as s k_n(s |u_n|).
+fn segment(p: &Parameters, axis: DVec3, slip: DVec3, radius: f64, fibres: f64, filled: f64) -> Piece {
     let length = axis.length();
     if length == 0.0 {
-        return (DMat3::ZERO, DVec3::ZERO);
+        return Piece { resistance: DMat3::ZERO, largest: 0.0, lift: DVec3::ZERO };
     }
     let tangent = axis / length;
     let speed = (slip - slip.dot(tangent) * tangent).length();
     let (nu, width) = (p.kinematic_viscosity, 2.0 * radius);
-    let half_rho_area = 0.5 * p.rest_density * width * length * fibres;
-    let normal = half_rho_area * (speed + 10.0 * (width / nu).powf(-2.0 / 3.0) * speed.cbrt());
-    let tangential = half_rho_area * 5.4 * (nu * speed / width).sqrt();
+    // Of one fibre a metre long, over ρ/2.
+    let across = |speed: f64| width * (speed + 10.0 * (width / nu).powf(-2.0 / 3.0) * speed.cbrt());
+    let slowed = if filled > 0.0 && speed > 0.0 {
+        (1.0 + filled * 0.25 * across(speed) / (WAKE * p.kernel_radius * speed)).min(OWN_WAKE)
+    } else {
+        1.0
+    };
+    let half_rho = 0.5 * p.rest_density * length * fibres;
+    let normal = half_rho * slowed * across(slowed * speed);
+    let tangential = half_rho * width * 5.4 * (nu * speed / width).sqrt();
     let along = DMat3::from_cols(tangent * tangent.x, tangent * tangent.y, tangent * tangent.z);
-    let resistance = normal * (DMat3::IDENTITY - along) + tangential * along;
-    (resistance, half_rho_area * p.lift * speed * tangent.cross(slip))
+    Piece {
+        resistance: normal * (DMat3::IDENTITY - along) + tangential * along,
+        largest: normal.max(tangential),
+        lift: half_rho * width * p.lift * speed * tangent.cross(slip),
+    }
 }

@@ -121,7 +121,7 @@ fn a_loose_segment_spins() {
     let (_, p) = alone(curled(10.0, horizontal_frame()).strand(DVec3::ZERO));
     let (omega, start) = (DVec3::new(3.0, -20.0, 7.0), horizontal_frame());
     for (h, carried) in [(p.step, DVec3::ZERO), (p.step / 1.5, p.step * omega)] {
-        let turn = rods::free_move(&p, omega, omega, carried, DVec3::ZERO, h);
+        let turn = rods::free_move(&p, omega, omega, carried, DVec3::ZERO, p.damping, h);
         let next = DQuat::from_scaled_axis(turn) * start;
         assert!((next - DQuat::from_scaled_axis(p.step * omega) * start).length() < 1e-14, "{next}");
         let measured = rods::rate(&p, rods::rotation_vector(-next * start.conjugate()), carried, h);

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::{
     body::{Shape, inside},
     initial::{AirParticles, Strands},
-    scene::{Air, Bounds, Model, Scene},
+    scene::{Air, Bounds, Scene},
 };
 
 /// Distance to a hair point below which air is left out \[particle spacings\]: that of a sphere of one particle's volume.
@@ -28,7 +28,7 @@ impl Air {
 impl Scene {
     /// Air and the box that its particles fill; `None` without particles.
     pub(crate) fn filled(&self) -> Option<(&Air, Bounds)> {
-        let air = self.air.as_ref().filter(|_| self.interaction.model == Model::Particles)?;
+        let air = self.air.as_ref().filter(|_| self.interaction.model.has_air())?;
         Some((air, air.bounds?))
     }
 }

@@ -10,7 +10,7 @@ use crate::{
     groom::Groom,
     hair,
     limits::{DEEPEST_ROOT, STRAND_MAGNITUDES},
-    scene::{KERNEL_RADIUS, PARCEL, Scene},
+    scene::{KERNEL_RADIUS, Model, PARCEL, Scene},
     strand::Parcel,
     warnings,
 };
@@ -349,7 +349,10 @@ impl InitialState {
         }
         let mut state = Self { hair, warnings, ..Self::default() };
         if let Some((air, bounds)) = filled {
-            state.air = air::particles(air, &bounds, &state.hair, &bodies);
+            // Fibres take no room from the air that they exchange drag with.
+            let none = Strands::default();
+            let displaces = if scene.interaction.model == Model::TwoWay { &none } else { &state.hair };
+            state.air = air::particles(air, &bounds, displaces, &bodies);
             state.origin = state.air.min;
             if state.air.positions.is_empty() || state.air.volume <= 0.0 {
                 return Err(

@@ -11,7 +11,7 @@ use crate::{
     },
     limits::{LEAST_PIXELS, MOST_HAIRS},
     reader::Reader,
-    scene::{Law, Model, Scene},
+    scene::{Law, Scene},
 };
 
 table! {
@@ -104,7 +104,7 @@ impl Scene {
             AirPicture::BandEnergy => "one of turbulence.bands strengthened, and a turbulence.speed to measure it by",
         };
         let fault = |needs: &str| Err(reader.fault("picture.air", format!("\"{}\" needs {needs}", air.word())));
-        if self.interaction.model != Model::Particles {
+        if !self.interaction.model.has_air() {
             return fault("air particles: interaction.model = \"particles\"");
         }
         let (fluid, viscosity) = (&self.fluid, &self.viscosity);

@@ -155,7 +155,8 @@ table! {
     /// `[interaction]`: how hair and air meet.
     #[derive(Debug, Clone, PartialEq)]
     pub struct Interaction {
-        /// Model of the interaction: one fluid of particles; lift and drag; hair alone.
+        /// Model of the interaction: one fluid of particles; hair and air particles that exchange drag; lift and drag of the mean
+        /// wind; hair alone.
         model: Model = Choice(Model::WORDS), "", Value(Model::Particles);
         /// Lift coefficient C_l of a segment across the wind (model `drag`, and hair outside the box of model `particles`).
         lift: f64 = NonNegative, "", Value(0.0);
@@ -167,10 +168,20 @@ words! {
     pub enum Model {
         /// Hair and air as one particle fluid.
         Particles = "particles",
+        /// Hair and air particles that exchange what the drag of the hair's fibres exchanges.
+        TwoWay = "two-way",
         /// Lift and drag on each segment from the mean wind, no air particles.
         Drag = "drag",
         /// Hair alone.
         None = "none",
+    }
+}
+
+impl Model {
+    /// Whether the model fills a box with air particles.
+    #[must_use]
+    pub fn has_air(self) -> bool {
+        matches!(self, Self::Particles | Self::TwoWay)
     }
 }
 
@@ -217,7 +228,7 @@ impl Scene {
         }
         if self.air.is_none() && self.interaction.model != Model::None {
             let model = self.interaction.model;
-            let needs = if model == Model::Particles { "air.box and air.wind" } else { "air.wind" };
+            let needs = if model.has_air() { "air.box and air.wind" } else { "air.wind" };
             let words = format!("is missing: interaction.model = \"{}\" needs {needs}", model.word());
             return Err(reader.fault("air", words));
         }

@@ -289,12 +289,12 @@ impl<'a> Particles<'a> {
             return Ok(Neighbours { offsets: vec![0], indices: Vec::new() });
         };
         stage.evaluate(step::neighbours::record)?;
-        let ranges: Vec<[u32; 2]> = stage.read(|s| &s.neighbour_range)?;
+        let ranges = stage.read(|s| &s.neighbour_range)?;
         let list: Vec<u32> = stage.read(|s| &s.neighbour_list)?;
         let mut all = Neighbours { offsets: vec![0], indices: Vec::new() };
-        for [first, count] in ranges {
+        for near in ranges {
             let start = all.indices.len();
-            all.indices.extend(&list[first as usize..(first + count) as usize]);
+            all.indices.extend(&list[near.first as usize..near.end as usize]);
             all.indices[start..].sort_unstable();
             all.offsets.push(all.indices.len() as u32);
         }

@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use windswept_scene::{
-    InitialState, Integrator, Law, Scene, Solver,
+    InitialState, Integrator, Law, Model, Scene, Solver,
     limits::{MOST_BOX_CELLS, MOST_OUTSIDE_BUCKETS},
 };
-use windswept_shaders::common::params::Params;
+use windswept_shaders::common::params::{ALONE, MEAN_WIND, PARTICLES, Params, TWO_WAY};
 
 use crate::rods;
 
@@ -49,6 +49,12 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
         sleep: u32::from(scene.rods.sleep),
         substeps: scene.time.substeps,
         conserve_momentum: u32::from(scene.turbulence.conserve_momentum),
+        model: match scene.interaction.model {
+            Model::Particles => PARTICLES,
+            Model::TwoWay => TWO_WAY,
+            Model::Drag => MEAN_WIND,
+            Model::None => ALONE,
+        },
         ..Params::default()
     };
     if let Some(air) = &scene.air {

@@ -48,6 +48,12 @@ pub struct Plan {
     pub density_alone: Decision,
     /// Does the mean wind push segments?
     pub drag: Decision,
+    /// Does air have its velocity before hair feels it?
+    pub air_first: Decision,
+    /// Does air have its velocity when hair has its own?
+    pub air_last: Decision,
+    /// Do hair and air particles exchange drag?
+    pub exchange: Decision,
     /// Is any band strengthened?
     pub turbulence: Decision,
     /// Is the confinement that of the paper as printed?
@@ -96,7 +102,7 @@ impl Plan {
         let (scene, initial, sizes) = (setup.scene, setup.initial, setup.sizes());
         let hair = Decision::when(sizes.strands > 0, "the scene has no hair");
         let air = match scene.interaction.model {
-            Model::Particles => Decision::when(sizes.air() > 0, "the scene has no air particles"),
+            Model::Particles | Model::TwoWay => Decision::when(sizes.air() > 0, "the scene has no air particles"),
             Model::Drag => Decision::when(false, "interaction.model is drag: no air particles"),
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),
         };
@@ -108,14 +114,20 @@ impl Plan {
         let drag = hair.and(match scene.interaction.model {
             Model::Drag => Decision::when(true, ""),
             Model::Particles => Decision::when(air.runs, "no air moves"),
+            Model::TwoWay => Decision::when(true, ""),
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),
         });
         let (blows, wind) = wind(scene, &air, &drag);
+        let exchanges = scene.interaction.model == Model::TwoWay && sizes.strands > 0;
         let neighbours = air.and(Decision::when(
-            solved || viscous || turbulence.runs,
-            "neither density nor viscosity nor turbulence asks for neighbours",
+            solved || viscous || turbulence.runs || exchanges,
+            "neither density nor viscosity nor turbulence nor hair asks for neighbours",
         ));
         let fluid = air.and(Decision::when(solved, "fluid.iterations is 0"));
+        let two_way = scene.interaction.model == Model::TwoWay;
+        let hair_meets_air = hair.and(neighbours.clone());
+        let air_first = air.and(Decision::when(two_way, "hair is in air's density constraint: see heading 6"));
+        let air_last = air.and(Decision::when(!two_way, "hair has felt them: see heading 3"));
         let direct = scene.rods.solver == Solver::Direct;
         let viscosity = air.and(Decision::when(viscous, "viscosity.hair and viscosity.air are 0"));
         let density_alone = viscosity.and(Decision::when(!solved, "the density constraint has it already"));
@@ -126,7 +138,7 @@ impl Plan {
             rod_dispatches: scene.rods.iterations / rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
             newton_steps: scene.rods.newton,
             direct: hair.and(Decision::when(direct, "rods.solver is gauss-seidel")),
-            hair_meets_air: hair.and(neighbours.clone()),
+            hair_meets_air: hair_meets_air.clone(),
             hair,
             air,
             blows,
@@ -134,7 +146,10 @@ impl Plan {
             neighbours,
             fluid,
             density_alone,
+            exchange: hair_meets_air.and(Decision::when(two_way, "only interaction.model two-way exchanges drag")),
             drag,
+            air_first,
+            air_last,
             turbulence,
             published_law: scene.turbulence.law == Law::Published,
             direct_filter: Decision::when(!on_grid, "turbulence.filter is grid"),

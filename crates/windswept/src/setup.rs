@@ -1,6 +1,6 @@
 //! What the engine makes of a scene and its initial state, once: uniforms, tables, and how many of everything.
 
-use windswept_scene::{Filter, InitialState, Scene};
+use windswept_scene::{Filter, InitialState, Model, Scene};
 use windswept_shaders::{common::params::Params, wind::fringe::Wave};
 
 use crate::{bands::Bands, meshes::Meshes, motion::Motions, params, state::Sizes, winds};
@@ -46,6 +46,7 @@ impl<'a> Setup<'a> {
             neighbours: 0,
             band_tasks: bands.tasks.len() as u32,
             direct_filter: if direct { params.particles } else { 0 },
+            sampled: if scene.interaction.model == Model::TwoWay { params.hair_points } else { 0 },
             factors: if params.direct_rods != 0 { params.segments } else { 0 },
             keyframes: motions.keyframes.len() as u32,
             bodies: scene.bodies.len() as u32,

@@ -6,10 +6,12 @@
 
 use windswept_shaders::{
     common::{
+        air::Sampled,
         band::Band,
         body::{Body, Placed},
         mesh::Mesh,
         motion::Keyframe,
+        near::Near,
         params::Params,
         rod::{Health, PointHistory, RodPoint, RodSegment, RodStrand, Root, Segment, SegmentHistory, Strand},
         status::Status,
@@ -41,6 +43,8 @@ pub struct Sizes {
     pub band_tasks: u32,
     /// Particles in the order of the direct band filter; none with the grid filter.
     pub direct_filter: u32,
+    /// Hair points that sample the air: those of the model `two-way`, else none.
+    pub sampled: u32,
     /// Blocks of the direct solver: segments, or none.
     pub factors: u32,
     /// Keyframes of all that moves.
@@ -170,8 +174,13 @@ state! {
     viscous_velocity: Vec4, |s| s.particles;
     /// What the wind adds to a particle of air in this step \[m/s\].
     wind_change: Vec4, |s| s.particles;
-    /// What drag adds to a hair point in this step \[m/s\]; 0 inside the box where the air is particles.
-    drag_change: Vec4, |s| s.hair_points;
+    /// Force from outside on a hair point at rest \[N\]; w: what resists its velocity at the step's end \[kg/s\]. Every pass that
+    /// knows a force on hair adds to it, and the rods take it implicitly.
+    hair_force: Vec4, |s| s.hair_points;
+    /// The air at a hair point: where it was sampled, how much of it there is, its velocity, how it gives way.
+    sampled: Sampled, |s| s.sampled;
+    /// Impulse that the air's drag gave a hair point in this step \[N s\].
+    drag_impulse: Vec4, |s| s.hair_points;
     /// What the density constraint moved a particle by in this step \[m\].
     correction: Vec4, |s| s.particles;
     /// What one iteration of the density constraint moves a particle by \[m\].
@@ -232,8 +241,8 @@ state! {
     sorted: u32, |s| s.particles;
     /// Position of a particle in cell order, wrapped into the box \[m\]; w: 1 for air, 0 for hair.
     sorted_position: Vec4, |s| s.particles;
-    /// A particle's first entry in the neighbour list, and the number of its entries.
-    neighbour_range: [u32; 2], |s| s.particles;
+    /// A particle's stretch of the neighbour list: its own kind first, then the other.
+    neighbour_range: Near, |s| s.particles;
     /// Neighbours of all particles, by index.
     neighbour_list: u32, |s| s.neighbours;
 }

@@ -3,16 +3,17 @@
 use std::collections::BTreeMap;
 
 use windswept_shaders::common::status::{
-    ASLEEP_STEP, CONFINEMENT_LIMITED, EULER_STEP, HAIR_OUTSIDE, MOVE_CAPPED, OVER_STRAINED, QUIET_STEP, RESCUED_STEP,
-    STRAND_RESET, Status, TELEPORT,
+    ASLEEP_STEP, CONFINEMENT_LIMITED, EULER_STEP, EXCHANGE_LIMITED, HAIR_OUTSIDE, MOVE_CAPPED, OVER_STRAINED,
+    QUIET_STEP, RESCUED_STEP, STRAND_RESET, Status, TELEPORT,
 };
 
 /// Counters of what a user should know; keys of the report's `warnings`.
-const WARNINGS: [(u32, &str); 4] = [
+const WARNINGS: [(u32, &str); 5] = [
     (STRAND_RESET, "strand_reset"),
     (MOVE_CAPPED, "move_capped"),
     (OVER_STRAINED, "over_strained"),
     (HAIR_OUTSIDE, "hair_outside_box"),
+    (EXCHANGE_LIMITED, "exchange_limited"),
 ];
 /// Counters of how strands were stepped; keys of the report's `strand_steps`.
 const STRAND_STEPS: [(u32, &str); 5] = [

@@ -1,10 +1,13 @@
 //! Headings 4 and 5.
 
+use glam::DVec3;
 use windswept::internals::{status, step};
 use windswept_reference::{
     State as Twin, contact, rods,
     step::{self as twin, Scratch},
+    wind,
 };
+use windswept_shaders::common::integration::BDF2;
 
 use super::{Same, Walk, apart, differing, largest};
 use crate::stage::{condition, quaternion, xyz};
@@ -43,13 +46,58 @@ impl Walk<'_> {
             self.same("rods/begin_segments", chord, bounds.length)?;
         }
         if passes.through("rods/choose") {
-            self.states("rods/choose", w)?;
+            let got: Vec<_> = stage.rod_strands().iter().map(|rod| [rod.torn != 0, rod.whole != 0]).collect();
+            let wanted: Vec<_> = w.drives.iter().map(|drive| [drive.torn, drive.whole]).collect();
+            self.same("rods/choose", differing(&got, &wanted), 0.0)?;
+        }
+        if passes.through("wind/sample") {
+            let got = stage.engine.read(&stage.engine.state().sampled).unwrap();
+            let pairs = || got.iter().zip(&w.local);
+            self.same("wind/sample", largest(pairs().map(|(a, b)| (xyz(&a.wind) - b.wind).length())), bounds.speed)?;
+            self.same(
+                "wind/sample",
+                largest(pairs().map(|(a, b)| (f64::from(a.filled) - b.filled).abs())),
+                bounds.density,
+            )?;
+            self.same(
+                "wind/sample",
+                largest(pairs().map(|(a, b)| (f64::from(a.give) / b.give - 1.0).abs())),
+                bounds.density,
+            )?;
+            let place = largest(pairs().map(|(a, b)| (xyz(&a.position) - b.position).length()));
+            self.same("wind/sample", place, bounds.length)?;
+        }
+        if passes.through("wind/drag") {
+            let schemes: Vec<_> = stage.rod_strands().iter().map(|rod| rod.scheme == BDF2).collect();
+            let wanted: Vec<_> = w.drives.iter().map(|drive| drive.step < p.step).collect();
+            self.same("wind/drag", differing(&schemes, &wanted), 0.0)?;
+            let got = stage.engine.read(&stage.engine.state().hair_force).unwrap();
+            // By what it changes a velocity; strands that are put somewhere are unloaded later.
+            let apart = got.iter().zip(&w.moving.points).filter(|(_, b)| b.step.is_finite()).map(|(a, b)| {
+                let scale = p.step * b.inverse_mass;
+                let resisted = (f64::from(a[3]) - b.load.resistance).abs() * b.velocity.length();
+                scale * ((xyz(&a[..3]) - b.load.force).length() + resisted)
+            });
+            self.same("wind/drag", largest(apart), bounds.wind)?;
+        }
+        if passes.through("rods/load") {
+            let points = stage.rods().0;
+            let pairs = || points.iter().zip(&w.moving.points).filter(|(_, b)| b.step.is_finite());
+            self.same(
+                "rods/load",
+                largest(pairs().map(|(a, b)| (xyz(&a.outside) - b.outside).length())),
+                bounds.speed,
+            )?;
+            self.same("rods/load", largest(pairs().map(|(a, b)| (xyz(&a.push) - b.push).length())), bounds.speed)?;
+        }
+        if passes.through("rods/start") {
+            self.states("rods/start", w)?;
             let (points, segments) = stage.rods();
             let free = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.free) - b.free).length());
-            self.same("rods/choose", largest(free), bounds.hair)?;
+            self.same("rods/start", largest(free), bounds.hair)?;
             let free = segments.iter().zip(&w.moving.segments).map(|(a, b)| (xyz(&a.free) - b.free).length());
-            self.same("rods/choose", largest(free), bounds.spin * p.step)?;
-            self.moves("rods/choose", w)?;
+            self.same("rods/start", largest(free), bounds.spin * p.step)?;
+            self.moves("rods/start", w)?;
         }
         if p.direct {
             for strand in 0..s.hair.len() {
@@ -62,7 +110,7 @@ impl Walk<'_> {
                 self.moves("rods/direct", w)?;
             }
             for strand in 0..s.hair.len() {
-                let torn = rods::rescue(&s.hair, strand, &mut w.drives[strand], &mut w.moving);
+                let torn = rods::rescue(&p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
                 s.rescued_steps += usize::from(torn);
             }
             if passes.through("rods/rescue") {
@@ -83,6 +131,15 @@ impl Walk<'_> {
         if passes.through("rods/place") {
             let got = &stage.vectors(&stage.engine.state().predicted)[..p.hair_points];
             self.same("rods/place", apart(got, &w.predicted[..p.hair_points]), bounds.length)?;
+            let given = stage.vectors(&stage.engine.state().drag_impulse);
+            let of = |(i, (a, b)): (usize, (&DVec3, &DVec3))| s.inverse_mass[i] * (*a - *b).length();
+            self.same("rods/place", largest(given.iter().zip(&w.drag_impulse).enumerate().map(of)), bounds.speed)?;
+        }
+        if passes.through("wind/react") {
+            let change = wind::react(&p, &w.local, &w.drag_impulse, &w.predicted, &s.volume, &s.inverse_mass, &w.near);
+            w.new_velocity[p.hair_points..].iter_mut().zip(change).for_each(|(v, change)| *v += change);
+            let got = self.vectors(&stage.engine.state().new_velocity, p.hair_points);
+            self.same("wind/react", apart(&got, &w.new_velocity[p.hair_points..]), bounds.speed)?;
         }
         passes.finish();
         Ok(())

@@ -2,7 +2,11 @@
 
 use glam::{IVec3, Vec3};
 use windswept::internals::step;
-use windswept_reference::step::{self as twin, Scratch};
+use windswept_reference::{
+    Parameters,
+    step::{self as twin, Scratch},
+};
+use windswept_scene::Model;
 use windswept_shaders::common::params::Params;
 
 use super::{Same, Walk, differing};
@@ -127,8 +131,14 @@ impl Walk<'_> {
         let ranges = engine.read(&engine.state().neighbour_range).unwrap();
         let list = engine.read(&engine.state().neighbour_list).unwrap();
         let mut off = 0.0_f64;
-        for (i, [first, n]) in ranges.into_iter().enumerate() {
-            let mut got: Vec<usize> = list[first as usize..(first + n) as usize].iter().map(|&j| j as usize).collect();
+        for (i, near) in ranges.into_iter().enumerate() {
+            let kinds =
+                [&list[near.first as usize..near.middle as usize], &list[near.middle as usize..near.end as usize]];
+            if p.model == Model::TwoWay && !sorted_by_kind(p, i, kinds) {
+                return f64::INFINITY;
+            }
+            let mut got: Vec<usize> =
+                list[near.first as usize..near.end as usize].iter().map(|&j| j as usize).collect();
             got.sort_unstable();
             if got.windows(2).any(|pair| pair[0] == pair[1]) {
                 return f64::INFINITY;
@@ -141,4 +151,10 @@ impl Walk<'_> {
         }
         off
     }
+}
+
+/// Whether the list of a particle has its own kind first, and the other behind it.
+fn sorted_by_kind(p: &Parameters, i: usize, kinds: [&[u32]; 2]) -> bool {
+    let own = |j: &u32| p.is_air(*j as usize) == p.is_air(i);
+    kinds[0].iter().all(own) && !kinds[1].iter().any(own)
 }

@@ -176,7 +176,7 @@ fn streaming(hair: &Hair, wind: DVec3, scene: &Scene) -> Option<DVec3> {
         let reynolds = (2.0 * hair.fibre.radius * speed / air.kinematic_viscosity).max(1e-9);
         let width = match scene.interaction.model {
             Model::Particles => (air.particle_mass / air.rest_density).cbrt(),
-            Model::Drag => {
+            Model::TwoWay | Model::Drag => {
                 2.0 * hair.fibre.radius * hair.fibre.fibres_per_strand * (1.0 + 10.0 * reynolds.powf(-2.0 / 3.0))
             }
             Model::None => 0.0,

@@ -3,7 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 use windswept_scene::{End, Strands};
 
-use super::{Drive, Moving, Point, Segment, cross_matrix, nearest_rest, response, rotation};
+use super::{Drive, Moving, Point, Segment, cross_matrix, damping, nearest_rest, response, rotation};
 use crate::Parameters;
 
 /// |C + α μ| of stretch-shear at which a strand is done.
@@ -139,7 +139,10 @@ impl Rod<'_> {
     /// W: what a force, or a moment, moves it by. A frame under tension resists turning off the pull.
     fn weight(&self, mover: Mover) -> DMat3 {
         match mover {
-            Mover::Point(k) => DMat3::IDENTITY * (response(self.p, self.points[k].step) * self.points[k].inverse_mass),
+            Mover::Point(k) => {
+                let point = &self.points[k];
+                DMat3::IDENTITY * (response(damping(self.p, point), point.step) * point.inverse_mass)
+            }
             Mover::Frame(k) => {
                 let segment = &self.segments[k];
                 let w = self.frame_weight(k);
@@ -153,7 +156,7 @@ impl Rod<'_> {
 
     fn frame_weight(&self, k: usize) -> f64 {
         let first = self.hair.segments(self.strand).start;
-        response(self.p, self.segments[k].step) * self.hair.inverse_inertia[first + k]
+        response(self.p.damping, self.segments[k].step) * self.hair.inverse_inertia[first + k]
     }
 
     /// How far points and frames still are from where their free moves and the multipliers have them.

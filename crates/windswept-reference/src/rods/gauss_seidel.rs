@@ -3,7 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 use windswept_scene::{End, Strands};
 
-use super::{Drive, Moving, State, cross_matrix, nearest_rest, response, turned};
+use super::{Drive, Moving, State, cross_matrix, damping, nearest_rest, response, turned};
 use crate::Parameters;
 
 /// Sweeps over strand `s`, root to tip: joint k, then segment k. Multipliers persist over the sweeps.
@@ -35,7 +35,7 @@ fn bend_twist(p: &Parameters, hair: &Strands, m: &mut Moving, k: usize, clamp: O
     let a = (DMat3::from_diagonal(DVec3::splat(joint.w)) - cross_matrix(joint.xyz()))
         * DMat3::from_quat(before).transpose()
         * 0.5;
-    let compliance = hair.bend_compliance[k] / response(p, own.step);
+    let compliance = hair.bend_compliance[k] / response(p.damping, own.step);
     let system = a * a.transpose() * (own_w + before_w) + DMat3::from_diagonal(compliance);
     let change = system.inverse() * -(constraint + compliance * own.moment);
     let moment = a.transpose() * change;
@@ -49,13 +49,18 @@ fn bend_twist(p: &Parameters, hair: &Strands, m: &mut Moving, k: usize, clamp: O
 /// C = (x₁ − x₀)/l − d₃; dC = (δx₁ − δx₀)/l + [d₃]× θ. Stiffness, multiplier and system in the material frame.
 fn stretch_shear(p: &Parameters, hair: &Strands, m: &mut Moving, k: usize, point: usize) {
     let l = hair.rest_length[k];
-    let (w0, w1, wq) = (m.points[point].inverse_mass, m.points[point + 1].inverse_mass, hair.inverse_inertia[k]);
+    // Multipliers are forces times the response of frames; a point that more than that resists moves by less.
+    let weight = |i: usize| {
+        let point = &m.points[i];
+        point.inverse_mass * (response(damping(p, point), point.step) / response(p.damping, point.step))
+    };
+    let (w0, w1, wq) = (weight(point), weight(point + 1), hair.inverse_inertia[k]);
     let own = &m.segments[k];
     let q = own.frame;
     let tangent = q * DVec3::Z;
     let chord = own.chord + m.points[point + 1].travel - m.points[point].travel;
     let constraint = q.conjugate() * (chord / l - tangent);
-    let compliance = hair.stretch_compliance[k] / response(p, own.step);
+    let compliance = hair.stretch_compliance[k] / response(p.damping, own.step);
     let system = DVec3::splat((w0 + w1) / (l * l)) + wq * DVec3::new(1.0, 1.0, 0.0) + compliance;
     let wanted = -(constraint + compliance * own.force) / system;
     let change = DVec3::select(system.cmpgt(DVec3::ZERO), wanted, DVec3::ZERO);

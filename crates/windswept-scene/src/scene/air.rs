@@ -111,11 +111,15 @@ impl Air {
             return Err(reader.fault(&format!("gust.{}.time", i + 1), words));
         }
         // Only particles fill the box.
-        if model(reader)? != Model::Particles {
+        let model = model(reader)?;
+        if !model.has_air() {
             return Ok(Self { bounds: None, ..self });
         }
         let Some(bounds) = self.bounds else {
-            let words = "is missing: interaction.model = \"particles\" needs { min = [x, y, z], max = [x, y, z] }";
+            let words = format!(
+                "is missing: interaction.model = \"{}\" needs {{ min = [x, y, z], max = [x, y, z] }}",
+                model.word()
+            );
             return Err(reader.fault("box", words));
         };
         self.check_box(&bounds, reader)?;

@@ -13,9 +13,6 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     });
     r.when(&plan.hair, |r| {
         r.run(&rods::ROOTS, "where clamps go", n.strands);
-        r.when(&plan.drag, |r| {
-            r.run(&wind::DRAG, "wind drags hair", n.strands);
-        });
         r.when(&plan.hair_meets_air, |r| {
             r.run(&rods::DRIFT, "hair drifts among air", n.hair_points);
         });

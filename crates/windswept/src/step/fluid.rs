@@ -1,4 +1,4 @@
-//! 3. Hair and air share one density constraint (eq. 1).
+//! 3. One density constraint (eq. 1), for hair and air together or each for itself.
 
 use windswept_shaders::fluid;
 
@@ -16,6 +16,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         });
     });
     r.when(&plan.density_alone, |r| density(r, plan));
+    r.when(&plan.air_first, |r| {
+        r.run(&fluid::VELOCITY, "velocities of air", n.air());
+    });
 }
 
 /// Records one evaluation of the density.

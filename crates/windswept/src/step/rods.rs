@@ -1,6 +1,6 @@
-//! 4. Strands keep their length and shape.
+//! 4. Air drags strands, which keep their length and shape, and they slow the air.
 
-use windswept_shaders::rods;
+use windswept_shaders::{rods, wind};
 
 use crate::{plan::Plan, recorder::Recorder};
 
@@ -11,7 +11,15 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.hair, |r| {
         r.run(&rods::BEGIN_POINTS, "what hair points start from", n.hair_points);
         r.run(&rods::BEGIN_SEGMENTS, "what segments start from", n.segments);
-        r.run(&rods::CHOOSE, "BDF2, Euler or sleep", n.strands);
+        r.run(&rods::CHOOSE, "BDF2 or Euler", n.strands);
+        r.when(&plan.exchange, |r| {
+            r.run(&wind::SAMPLE, "the air at hair points", n.hair_points);
+        });
+        r.when(&plan.drag, |r| {
+            r.run(&wind::DRAG, "air drags hair", n.strands);
+        });
+        r.run(&rods::LOAD, "what forces are to the rods", n.hair_points);
+        r.run(&rods::START, "how each strand starts", n.strands);
         r.when(&plan.direct, |r| {
             r.repeat(plan.newton_steps, |r| {
                 r.run(&rods::DIRECT, "Cosserat rods, solved directly", n.strands);
@@ -24,5 +32,8 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         });
         r.run(&rods::FINISH, "health of each strand", n.strands);
         r.run(&rods::PLACE, "hair goes where its rods took it", n.hair_points);
+        r.when(&plan.exchange, |r| {
+            r.run(&wind::REACT, "hair slows the air", n.air());
+        });
     });
 }

@@ -11,7 +11,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.hair, |r| {
         r.run(&rods::VELOCITY, "velocities of hair", n.hair_points);
     });
-    r.when(&plan.air, |r| {
+    r.when(&plan.air_last, |r| {
         r.run(&fluid::VELOCITY, "velocities of air", n.air());
     });
 }

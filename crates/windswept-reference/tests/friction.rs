@@ -1,0 +1,159 @@
+//! fluid::friction: Coulomb's law between strands, as equal and opposite impulses.
+
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::f64::consts::FRAC_PI_2;
+
+use glam::{DQuat, DVec3};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use support::{Crowd, RADIUS, Rod, VOLUME, bundle, stirred};
+use windswept_reference::{Parameters, State, fluid, step::step};
+use windswept_scene::{End, Ends, InitialState, Scene, Strands};
+
+/// Hair points anyhow, three of them to a strand.
+fn crowd() -> Crowd {
+    let mut crowd = Crowd::mixed(300, 11);
+    crowd.parameters.strand_of = (0..crowd.parameters.hair_points).map(|i| i / 3).collect();
+    crowd.inverse_mass[5] = 0.0;
+    crowd
+}
+
+fn multipliers(n: usize) -> Vec<f64> {
+    let mut rng = Pcg64::seed_from_u64(5);
+    (0..n).map(|_| -1e-12 * rng.random::<f64>()).collect()
+}
+
+fn friction(crowd: &Crowd, v: &[DVec3], multiplier: &[f64]) -> Vec<DVec3> {
+    let (p, x) = (&crowd.parameters, &crowd.positions);
+    fluid::friction(p, x, v, &crowd.inverse_mass, &crowd.volume, multiplier, &crowd.neighbours())
+}
+
+/// It changes no momentum, takes energy, and leaves alone who is held, who moves with the others, and air.
+#[test]
+fn friction_is_equal_and_opposite() {
+    let mut crowd = crowd();
+    let n = crowd.parameters.hair_points;
+    let (v, multiplier) = (stirred(crowd.positions.len(), 4), multipliers(n));
+    for mu in [0.3, 1e9] {
+        crowd.parameters.friction = mu;
+        let change = friction(&crowd, &v, &multiplier);
+        assert!(change.len() == n && change[5] == DVec3::ZERO);
+        let mass = |i: usize| 1.0 / crowd.inverse_mass[i];
+        let free = || (0..n).filter(|i| *i != 5);
+        let energy: f64 =
+            free().map(|i| 0.5 * mass(i) * ((v[i] + change[i]).length_squared() - v[i].length_squared())).sum();
+        // The held point takes momentum: without its neighbours the rest keeps it.
+        crowd.positions[5] += DVec3::Y * 10.0;
+        let alone = friction(&crowd, &v, &multiplier);
+        let momentum: DVec3 = free().map(|i| mass(i) * alone[i]).sum();
+        let size: f64 = free().map(|i| mass(i) * alone[i].length()).sum();
+        crowd.positions[5] -= DVec3::Y * 10.0;
+        println!("mu = {mu}: momentum {:.1e} of {size:.1e} N s, energy {energy:.1e} J", momentum.length());
+        // Measured 1e-16 of it.
+        assert!(momentum.length() < 1e-13 * size && energy < 0.0 && size > 0.0);
+    }
+    assert!(friction(&crowd, &vec![DVec3::X; v.len()], &multiplier).iter().all(|change| *change == DVec3::ZERO));
+    crowd.parameters.friction = 0.0;
+    assert!(friction(&crowd, &v, &multiplier).iter().all(|change| *change == DVec3::ZERO));
+}
+
+/// Two points of two strands: Coulomb's cap as the constraint squeezes them, and no more than what stops them; nothing within a
+/// strand.
+#[test]
+fn a_pair_slides_or_sticks() {
+    let mut crowd = Crowd::new(DVec3::ONE, vec![DVec3::splat(0.5), DVec3::new(0.504, 0.5, 0.5)]);
+    (crowd.parameters.hair_points, crowd.parameters.strand_of) = (2, vec![0, 1]);
+    crowd.inverse_mass[1] *= 3.0;
+    let v = [DVec3::new(0.4, 0.3, -0.2), DVec3::ZERO];
+    let slip = DVec3::new(0.0, 0.3, -0.2);
+    for (lambda, sticks) in [(-1e-14, false), (-1e-6, true)] {
+        let change = friction(&crowd, &v, &[lambda, 0.0]);
+        let impulse = change[0].length() / crowd.inverse_mass[0];
+        let slope = windswept_reference::sph_kernels::spiky_slope(0.004, RADIUS);
+        let cap = 0.3 * (lambda * VOLUME * slope).abs() / crowd.parameters.step;
+        let after = slip + change[0] - change[1];
+        println!("{impulse:.2e} N s of {cap:.2e}, slip {:.3} m/s", after.length());
+        assert!(change[0].x == 0.0 && change[0].cross(slip).length() < 1e-15);
+        if sticks {
+            assert!(after.length() < 1e-14 && impulse < cap);
+        } else {
+            assert!((impulse / cap - 1.0).abs() < 1e-12 && after.dot(slip) > 0.0);
+        }
+    }
+    crowd.parameters.strand_of = vec![0, 0];
+    assert_eq!(friction(&crowd, &v, &[-1e-6, 0.0]), [DVec3::ZERO; 2]);
+}
+
+const LENGTH: f64 = 0.05;
+const SEGMENTS: usize = 8;
+
+/// Straight strands along +x; `at` are their first points [m].
+fn strands(at: &[DVec3], held: bool) -> Strands {
+    let root_frame = DQuat::from_rotation_y(FRAC_PI_2);
+    let rod = Rod { segments: SEGMENTS, length: LENGTH, gamma: 10.0, darboux: DVec3::ZERO, root_frame };
+    let each = at.iter().map(|x| {
+        let mut one = rod.strand(*x);
+        let w = if held { 0.0 } else { one.inverse_mass[1] };
+        one.inverse_mass.fill(w);
+        one.volume.fill(VOLUME * (LENGTH / SEGMENTS as f64 / RADIUS).min(1.0));
+        one.ends = vec![Ends { root: End::Free, tip: End::Free, ..Ends::default() }];
+        one
+    });
+    let mut all = bundle(&each.collect::<Vec<_>>());
+    all.ends = vec![Ends { root: End::Free, tip: End::Free, ..Ends::default() }; at.len()];
+    all
+}
+
+/// A strand on a bed of held ones, all along the slope: acceleration [m/s²] and speed [m/s] at the end of 0.3 s.
+fn slides(tangent: f64) -> (f64, f64) {
+    // As dense as strands stand by themselves.
+    let gap = 3.5e-3;
+    let part = LENGTH * (1.0 + 1.0 / SEGMENTS as f64);
+    let rows = (0..4 * 7 * 3).map(|k| (k % 3, k / 3 % 7, k / 21));
+    let mut at: Vec<DVec3> = rows
+        .map(|(x, z, y)| DVec3::new(part * (f64::from(x) - 1.0), -gap * f64::from(y), gap * f64::from(z)))
+        .collect();
+    let bed = strands(&at, true);
+    at = vec![DVec3::new(0.0, 2e-3, 3.0 * gap)];
+    let mut hair = bundle(&[bed.clone(), strands(&at, false)]);
+    hair.ends = vec![Ends { root: End::Free, tip: End::Free, ..Ends::default() }; hair.point_offsets.len() - 1];
+    let (sin, cos) = tangent.atan().sin_cos();
+    let text = format!(
+        "gravity = [{}, {}, 0.0]\n[rods]\nsleep = false\n[time]\nstep = 0.5e-3\nduration = 1.0\n[viscosity]\nhair = 0.0\n\
+         [air]\nbox = {{ min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 1.0] }}\nwind = [0.0, 0.0, 0.0]\n\
+         [interaction]\nmodel = \"two-way\"\n[fluid]\niterations = 4\n",
+        9.81 * sin,
+        -9.81 * cos
+    );
+    let far = support::air(DVec3::ONE, vec![DVec3::new(0.5, 0.9, 0.5)]);
+    let initial = InitialState { hair, ..far };
+    let mut p = Parameters::new(&Scene::parse(&text).unwrap(), &initial);
+    // No air to speak of.
+    (p.kinematic_viscosity, p.rest_density) = (1e-12, 1e-6);
+    let mut state = State::new(&initial, p.step);
+    let loose = bed.positions.len()..p.hair_points;
+    let speed = |state: &State| state.velocity[loose.clone()].iter().map(|v| v.x).sum::<f64>() / loose.len() as f64;
+    let mut halfway = 0.0;
+    for k in 0..600 {
+        step(&mut state, &p).unwrap();
+        if k == 299 {
+            halfway = speed(&state);
+        }
+    }
+    ((speed(&state) - halfway) / 0.15, speed(&state))
+}
+
+/// On a slope above μ a strand slides as Coulomb's law says; below it does not speed up.
+#[test]
+fn a_strand_slides_above_mu() {
+    let coulomb = |tangent: f64| 9.81 * tangent.atan().cos() * (tangent - 0.3);
+    let (above, _) = slides(0.36);
+    let (below, creeps) = slides(0.22);
+    println!("above {above:.3} of {:.3} m/s², below {below:.3} m/s² at {creeps:.3} m/s", coulomb(0.36));
+    assert!((above - coulomb(0.36)).abs() < 0.1, "{above}");
+    // It hops on the points of the bed; falling free it would have 0.64 m/s.
+    assert!(below.abs() < 0.15 && creeps < 0.06, "{below}, {creeps}");
+}

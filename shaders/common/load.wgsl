@@ -1,0 +1,6 @@
+// c of a hair point: the scene's damping, and what resists its velocity.
+import package::common::{params::params, rod::RodPoint};
+
+fn damping_of(point: RodPoint) -> f32 {
+    return params.damping + point.inverse_mass * point.resistance;
+}

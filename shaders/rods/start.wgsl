@@ -1,0 +1,191 @@
+// Per strand: how it goes through this step, and from where its solver starts.
+//
+// A strand that was not finite starts again from its rest shape; a teleported one moves as a whole; one at rest that
+// nothing pushes sleeps. The others are integrated. The direct solver starts a calm strand where its velocities lead, held by
+// the forces of the step before, and others at their free move. A free move that a rod could not follow is capped and counted.
+import package::common::{
+    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent},
+    integration::{EULER, PUT, STAY, free_move, response}, rest::{STILL_TIME, STILL_STEPS}, load::damping_of,
+    led::{held_move, led_move, led_turn},
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, CALM_STEPS,
+        TIP_HELD},
+    status::{frozen, count, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT},
+};
+
+@group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
+@group(0) @binding(3) var<storage, read>       segments:     array<Segment>;
+@group(0) @binding(4) var<storage, read_write> rod_strands:  array<RodStrand>;
+@group(0) @binding(5) var<storage, read_write> rod_points:   array<RodPoint>;
+@group(0) @binding(6) var<storage, read_write> rod_segments: array<RodSegment>;
+@group(0) @binding(7) var<storage, read_write> health:       array<Health>;
+@group(0) @binding(8) var<storage, read>       touched:      array<u32>;   // per strand, of the step before: by bodies, or they moved
+
+const LOADED: f32 = 0.4;   // lengths of the strand: what forces may move a free point by, where the strand is whole but not calm
+
+fn put_point(p: u32, travel: vec3f) {
+    rod_points[p].travel = travel;
+    rod_points[p].scheme = PUT;
+}
+
+// What was put somewhere felt no force on its way.
+fn unload(strand: Strand) {
+    for (var k = 0u; k < strand.points; k++) {
+        let p = strand.first_point + k;
+        rod_points[p].force = vec3f(0.0);
+        rod_points[p].resistance = 0.0;
+        rod_points[p].outside = vec3f(0.0);
+    }
+}
+
+// A sleeper remembers what pushed it when it fell asleep.
+fn stay(strand: Strand) {
+    for (var k = 0u; k < strand.points; k++) { rod_points[strand.first_point + k].scheme = STAY; }
+}
+
+fn put_segment(k: u32, frame: vec4f) {
+    rod_segments[k].frame = frame;
+    rod_segments[k].scheme = PUT;
+    rod_segments[k].force = vec3f(0.0);
+    rod_segments[k].moment = vec3f(0.0);
+}
+
+// The strand as it is, turned with its root and moved with it.
+fn put_as_it_is(strand: Strand, rod: RodStrand) {
+    var offset = vec3f(0.0);   // from the root
+    put_point(strand.first_point, rod.root_travel);
+    for (var k = 0u; k < strand.points - 1u; k++) {
+        let j = strand.first_segment + k;
+        offset += rod_segments[j].chord;
+        put_segment(j, normalize(product(rod.root_turn, rod_segments[j].start)));
+        put_point(strand.first_point + k + 1u, rod.root_travel + rotate(rod.root_turn, offset) - offset);
+    }
+}
+
+// The rest shape, unrolled from the clamp; a tip that is held stays.
+fn put_at_rest(strand: Strand, rod: RodStrand) {
+    var frame = rod.root_frame;
+    var offset = vec3f(0.0);   // from the root, as it is
+    var rest = vec3f(0.0);     // and at rest
+    put_point(strand.first_point, rod.root_travel);
+    for (var k = 0u; k < strand.points - 1u; k++) {
+        let j = strand.first_segment + k;
+        frame = normalize(product(frame, segments[j].rest_rotation));
+        offset += rod_segments[j].chord;
+        rest += segments[j].rest_length * tangent(frame);
+        put_segment(j, frame);
+        let stays = k + 2u == strand.points && (strand.joints & TIP_HELD) != 0u;
+        put_point(strand.first_point + k + 1u, select(rod.root_travel + rest - offset, vec3f(0.0), stays));
+    }
+}
+
+fn rested(steps: u32) -> bool {
+    return steps >= STILL_STEPS && f32(steps) * params.step >= STILL_TIME;
+}
+
+// By what acts from outside in this step and did not in the last one awake; a sleeper has no velocity but what viscosity gave
+// it since.
+fn pushed(strand: Strand, asleep: bool) -> bool {
+    for (var k = 0u; k < strand.points; k++) {
+        let point = rod_points[strand.first_point + k];
+        let push = length(select(point.push, point.stir, asleep));
+        if push > strand.still_acceleration * params.step { return true; }
+    }
+    return false;
+}
+
+fn free_point(strand: Strand, rod: RodStrand, k: u32) -> vec3f {
+    let point = rod_points[strand.first_point + k];
+    if point.inverse_mass == 0.0 { return held_move(rod, k); }
+    let acceleration = params.gravity + point.inverse_mass * point.force;
+    return free_move(point.velocity, point.before, point.carried, acceleration, damping_of(point), rod.scheme);
+}
+
+// What the free move is measured from: the root, or the strand's mean where that is free.
+fn base(strand: Strand, rod: RodStrand) -> vec3f {
+    if rod_points[strand.first_point].inverse_mass == 0.0 { return rod.root_travel; }
+    var sum = vec3f(0.0);
+    for (var k = 0u; k < strand.points; k++) { sum += free_point(strand, rod, k); }
+    return sum / f32(strand.points);
+}
+
+fn start(strand: Strand, rod: RodStrand, led: bool) {
+    let origin = base(strand, rod);
+    // Rods follow wherever calm strands go; density can shove a point anywhere.
+    let caps = !led || params.model == PARTICLES;
+    for (var k = 0u; k < strand.points; k++) {
+        let p = strand.first_point + k;
+        let point = rod_points[p];
+        var free = free_point(strand, rod, k);
+        var travel = free;
+        if point.inverse_mass > 0.0 {
+            let far = length(free - origin);
+            if led { travel = led_move(point, rod, k); }
+            let loaded = response(damping_of(point), rod.scheme) * point.inverse_mass * length(point.force);
+            let largest = point.largest + select(0.0, min(loaded, LOADED * strand.length), rod.whole != 0u);
+            if caps && far > largest {
+                free = origin + (largest / far) * (free - origin);
+                travel = free;
+                count(MOVE_CAPPED);
+            }
+        }
+        rod_points[p].free = free;
+        rod_points[p].travel = travel;
+        rod_points[p].scheme = rod.scheme;
+    }
+    for (var k = 0u; k < strand.points - 1u; k++) {
+        let j = strand.first_segment + k;
+        let segment = rod_segments[j];
+        let free = free_move(
+            segment.angular_velocity, segment.before, segment.carried, vec3f(0.0), params.damping, rod.scheme,
+        );
+        var turn = free;
+        if led { turn = led_turn(segment); }
+        let frame = normalize(product(rotation(turn), segment.start));
+        rod_segments[j].free = free;
+        rod_segments[j].turn = turn;
+        rod_segments[j].frame = frame;
+        rod_segments[j].scheme = rod.scheme;
+        rod_segments[j].force = select(vec3f(0.0), rotate(frame, segment.force), led);
+        rod_segments[j].moment = select(vec3f(0.0), segment.moment, led);
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let s = invocation(id, groups);
+    if s >= params.strands || frozen() { return; }
+    let strand = strands[s];
+    let rod = rod_strands[s];
+    var found = health[s].committed;
+    let bad = found.bad != 0u;
+    found.bad = 0u;
+    rod_strands[s].tip_moment = vec3f(0.0);
+    rod_strands[s].misfit = 0.0;
+    if bad {
+        found.calm = 0u;
+        found.still = 0u;
+        put_at_rest(strand, rod);
+        unload(strand);
+        rod_strands[s].state = SOLVED;
+    } else if rod.state == TELEPORTED {
+        found.calm = 0u;
+        found.still = 0u;
+        put_as_it_is(strand, rod);
+        unload(strand);
+        count(TELEPORT);
+    } else if rod.state == ASLEEP && rested(found.still) && !pushed(strand, found.still == SLEEPS)
+        && !(found.still == SLEEPS && touched[s] != 0u) {
+        found.still = SLEEPS;
+        put_as_it_is(strand, rod);
+        stay(strand);
+        count(ASLEEP_STEP);
+    } else {
+        found.calm = select(min(found.calm + 1u, CALM_STEPS), 0u, rod.torn != 0u);
+        let calm = found.calm == CALM_STEPS;
+        if rod.scheme == EULER && params.bdf2 != 0u { count(EULER_STEP); }
+        start(strand, rod, calm && params.direct_rods != 0u);
+        if found.still == SLEEPS { found.still = 0u; }
+        rod_strands[s].state = FREE;
+    }
+    health[s].found = found;
+}
