@@ -244,7 +244,7 @@ pub fn drift(p: &Parameters, w: f64, position: DVec3, velocity: DVec3, largest: 
 
 /// What point `i` starts from: what density moved the drifting point by is an impulse on it.
 #[must_use]
-pub fn predict(p: &Parameters, s: &state::State, i: usize, correction: DVec3, largest: f64) -> Point {
+pub fn begin_points(p: &Parameters, s: &state::State, i: usize, correction: DVec3, largest: f64) -> Point {
     let inverse_mass = s.inverse_mass[i];
     let change = if inverse_mass > 0.0 { correction / p.step } else { DVec3::ZERO };
     Point {
@@ -260,7 +260,7 @@ pub fn predict(p: &Parameters, s: &state::State, i: usize, correction: DVec3, la
 
 /// What segment `k` of strand `strand` starts from.
 #[must_use]
-pub fn turn(s: &state::State, strand: usize, k: usize) -> Segment {
+pub fn begin_segments(s: &state::State, strand: usize, k: usize) -> Segment {
     let point = s.hair.points(strand).start + k - s.hair.segments(strand).start;
     Segment {
         start: s.orientation[k],

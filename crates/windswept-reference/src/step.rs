@@ -158,9 +158,9 @@ pub fn rods(s: &mut State, w: &mut Scratch, p: &Parameters) {
 /// What moves points and turns segments; how each strand goes through the step.
 pub fn prepare(s: &mut State, w: &mut Scratch, p: &Parameters) {
     let largest = rods::largest_moves(&s.hair);
-    w.moving.points = (0..p.hair_points).map(|i| rods::predict(p, s, i, w.correction[i], largest[i])).collect();
+    w.moving.points = (0..p.hair_points).map(|i| rods::begin_points(p, s, i, w.correction[i], largest[i])).collect();
     let segments = (0..s.hair.len()).flat_map(|strand| s.hair.segments(strand).map(move |k| (strand, k)));
-    w.moving.segments = segments.map(|(strand, k)| rods::turn(s, strand, k)).collect();
+    w.moving.segments = segments.map(|(strand, k)| rods::begin_segments(s, strand, k)).collect();
     for strand in 0..s.hair.len() {
         rods::choose(p, s, strand, &mut w.drives[strand], &w.moving);
     }
