@@ -4,9 +4,10 @@
 mod support;
 
 use glam::DVec3;
-use support::{SIMPLE, lattice};
+use support::lattice;
 use windswept::Simulation;
 use windswept_scene::{Gust, Inflow, InitialState, Scene};
+use windswept_validate::internals::SIMPLE;
 
 /// Thickness of the fringe \[m\].
 const FRINGE: f64 = 0.015;
@@ -21,7 +22,7 @@ fn scene(wind: DVec3) -> Scene {
 
 /// Air of a box of 12 particles a side that moves with `velocity`.
 fn air(velocity: DVec3) -> InitialState {
-    let mut initial = lattice([12; 3], &SIMPLE);
+    let mut initial = lattice([12; 3], SIMPLE);
     initial.air.velocities.fill(velocity);
     initial
 }
@@ -121,7 +122,7 @@ fn wind_brings_eddies_in() {
         air_settings.fringe = 0.0372;
         air_settings.inflow = Some(Inflow { intensity, scale: 0.009, seed });
         let mut simulation = Simulation::with_state(&support::gpu(), &scene, {
-            let mut initial = lattice([24, 12, 12], &SIMPLE);
+            let mut initial = lattice([24, 12, 12], SIMPLE);
             initial.air.velocities.fill(wind);
             initial
         })
@@ -155,7 +156,7 @@ fn eddies_that_enter_have_their_scale() {
         let settings = scene.air.as_mut().unwrap();
         settings.fringe = 0.0372;
         settings.inflow = Some(Inflow { intensity: 0.1, scale, seed: 4 });
-        let mut initial = lattice([24, 12, 12], &SIMPLE);
+        let mut initial = lattice([24, 12, 12], SIMPLE);
         initial.air.velocities.fill(DVec3::X * 3.0);
         let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
         simulation.step(30).unwrap();

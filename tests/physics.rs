@@ -13,7 +13,7 @@ fn density_correction_keeps_momentum() {
     let mut initial = support::particles(5_000, 900, support::Layout::Random, 3);
     let hair: &mut Strands = &mut initial.hair;
     for (p, mass) in hair.inverse_mass.iter_mut().enumerate() {
-        *mass = 1.0 / (1.46e-7 * (1 + p % 4) as f64);
+        *mass = 1.0 / (support::MASS * (1 + p % 4) as f64);
     }
     let scene = support::scene();
     let setup = Setup::new(&scene, &initial);

@@ -5,7 +5,7 @@
 mod support;
 
 use glam::{DQuat, DVec3};
-use support::{RADIUS, VOLUME};
+use support::{MASS, RADIUS, VOLUME};
 use windswept::{
     Frame, Gpu, Simulation,
     gpu::wgpu,
@@ -18,7 +18,7 @@ fn brush(n: usize) -> InitialState {
     let size = DVec3::new(0.10, 0.06, 0.06);
     let points = 7;
     let l = 0.06 / (points - 1) as f64;
-    let mass = 1.46e-7;
+    let mass = MASS;
     let mut hair = Strands { point_offsets: vec![0], ..Strands::default() };
     for s in 0..n * n {
         let root = DVec3::new(0.02, 0.02 + 0.006 * (s % n) as f64, 0.02 + 0.006 * (s / n) as f64);

@@ -4,10 +4,11 @@ use glam::DVec3;
 use windswept::ops::Filter;
 use windswept_reference::turbulence::{mexican_hat, peak_gain};
 use windswept_scene::{Band, Order, Scene};
+use windswept_validate::internals::{Cloud, RADIUS, VOLUME, air_scene, vectors};
 
 use crate::{
     Bench, Measured, Result,
-    air::{self, Air, RADIUS, VOLUME, rms, vectors},
+    air::{self, rms},
     point::Point,
     timing,
 };
@@ -67,12 +68,12 @@ fn settings(bench: &Bench, scale: f64, default: Filter) -> Vec<Setting> {
 
 /// Error and time of each filter, at each scale.
 pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
-    let air = Air::lattice(if bench.quick { 8 } else { 17 }).jittered(0.3).stirred(1.0);
+    let air = air::lattice(if bench.quick { 8 } else { 17 }).jittered(0.3, 7).stirred(1.0, 5);
     let mut points = Vec::new();
     for &scale in bench.some(&SCALES) {
         let whole = whole_sum(&air, scale);
         let kind = format!("s = {} mm: rms error of û over its rms", 1e3 * scale);
-        let settings = settings(bench, scale, Filter::of(&air::scene("")?.turbulence));
+        let settings = settings(bench, scale, Filter::of(&air_scene("")?.turbulence));
         let scenes = settings
             .iter()
             .map(|setting| Ok((scene(scale, setting.filter)?, air.initial())))
@@ -96,7 +97,7 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
 
 /// A band that is filtered and hardly fed.
 fn scene(scale: f64, filter: Filter) -> Result<Scene> {
-    let mut scene = air::scene("turbulence.speed = 1.0")?;
+    let mut scene = air_scene("turbulence.speed = 1.0")?;
     scene.turbulence.bands = vec![Band { scale, strength: 1e-9, intensity: 1.0 }];
     filter.set(&mut scene.turbulence);
     Ok(scene)
@@ -104,10 +105,10 @@ fn scene(scale: f64, filter: Filter) -> Result<Scene> {
 
 /// Velocity û by the sum over all pairs and periodic images, f64: (3 − r²/s²) exp(−r²/2s²) falls into sums along the
 /// axes.
-fn whole_sum(air: &Air, scale: f64) -> Vec<DVec3> {
+fn whole_sum(air: &Cloud, scale: f64) -> Vec<DVec3> {
     let factor = VOLUME * mexican_hat(0.0, scale) / 3.0 / peak_gain(scale);
     let hat = |a: &[f64; 3], b: &[f64; 3]| {
-        let [x, y, z] = [0, 1, 2].map(|axis| images((a[axis] - b[axis]) / scale, air.side / scale));
+        let [x, y, z] = [0, 1, 2].map(|axis| images((a[axis] - b[axis]) / scale, air.size[axis] / scale));
         3.0 * x.0 * y.0 * z.0 - (x.1 * y.0 * z.0 + x.0 * y.1 * z.0 + x.0 * y.0 * z.1)
     };
     let at = |a: &[f64; 3]| {

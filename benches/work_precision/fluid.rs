@@ -6,10 +6,11 @@ use glam::DVec3;
 use windswept::{AirFrame, RunError, Simulation};
 use windswept_reference::{Parameters, grid, sph_kernels::spiky_gradient};
 use windswept_scene::{Fluid, InitialState, Scene};
+use windswept_validate::internals::{Cloud, REST_DENSITY, VOLUME, air_scene, vectors};
 
 use crate::{
     Bench, Measured, Result,
-    air::{self, Air, REST_DENSITY, VOLUME, rms, vectors},
+    air::{lattice, moved, rms},
     point::Point,
     timing,
 };
@@ -33,9 +34,9 @@ const PASSES: [&str; 3] = ["fluid/density", "fluid/correct", "fluid/move"];
 
 /// Errors and time of each setting.
 pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
-    let plain = air::scene("")?;
+    let plain = air_scene("")?;
     let disturbed = disturbed();
-    let moving = Air::lattice(SIDE).stirred(SPEED);
+    let moving = lattice(SIDE).stirred(SPEED, 5);
     let steps = if bench.quick { 2 } else { STEPS };
     let settings = settings(bench).into_iter();
     let scenes: Vec<_> = settings.map(|fluid| (Scene { fluid, ..plain.clone() }, moving.initial())).collect();
@@ -84,23 +85,23 @@ fn settings(bench: &Bench) -> Vec<Fluid> {
 }
 
 /// Jittered air in a wave of compression.
-fn disturbed() -> Air {
-    let air = Air::lattice(SIDE).jittered(0.2);
-    let k = TAU / air.side;
-    air.moved(|x| DVec3::X * (COMPRESSION / k * (k * x.x).sin()))
+fn disturbed() -> Cloud {
+    let air = lattice(SIDE).jittered(0.2, 7);
+    let k = TAU / air.size.x;
+    moved(air, |x| DVec3::X * (COMPRESSION / k * (k * x.x).sin()))
 }
 
 /// Errors after one solve: rms of ρ/ρ0 − 1, and of its positive part.
-fn solve(bench: &Bench, air: &Air, fluid: Fluid) -> Result<[f64; 2]> {
+fn solve(bench: &Bench, air: &Cloud, fluid: Fluid) -> Result<[f64; 2]> {
     let moved = air.particles().solve_density(&bench.gpu, fluid)?;
-    let solved = Air { positions: moved.iter().map(|x| x.map(f64::from)).collect(), ..air.clone() };
+    let solved = Cloud { positions: moved.iter().map(|x| x.map(f64::from)).collect(), ..air.clone() };
     let density = solved.particles().density(&bench.gpu)?;
     let errors = density.iter().map(|rho| f64::from(*rho) / REST_DENSITY - 1.0);
     Ok([rms(errors.clone()), rms(errors.map(|e| e.max(0.0)))])
 }
 
 /// Errors after some steps: rms of ρ/ρ0 − 1, and rms divergence; infinite where the run ended before.
-fn run(bench: &Bench, scene: &Scene, air: &Air, steps: u64) -> Result<[f64; 2]> {
+fn run(bench: &Bench, scene: &Scene, air: &Cloud, steps: u64) -> Result<[f64; 2]> {
     let mut simulation = Simulation::with_state(&bench.gpu, scene, air.initial())?;
     match simulation.step(steps) {
         Ok(()) => {}

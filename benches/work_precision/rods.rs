@@ -1,16 +1,15 @@
 //! Rods, by solver, integrator, sweeps or Newton steps, and substeps: tips of strands at rest against the elastica and
 //! the helix, tips of falling strands against a fine f64 run.
 
-use std::f64::consts::{PI, TAU};
-
-use glam::{DMat3, DQuat, DVec3};
+use glam::DVec3;
 use windswept::Simulation;
 use windswept_reference::{Parameters, State, step::step as twin_step, tables};
 use windswept_scene::{InitialState, Integrator, Scene, Solver};
+use windswept_validate::internals::{self, GRAVITY, LENGTH, Rod, STEP};
 
 use crate::{
     Bench, Measured, Result,
-    air::{STEP, rms},
+    air::rms,
     point::Point,
     timing::{self, Time},
 };
@@ -63,17 +62,6 @@ const STRANDS: usize = 550;
 const MANY_STRANDS: usize = 10_000;
 /// Segments of a strand.
 const SEGMENTS: usize = 34;
-/// Length of a strand \[m\].
-const LENGTH: f64 = 0.35;
-/// Gravity \[m/s²\].
-const GRAVITY: f64 = 9.81;
-/// Line density ρA of a hair of 40 µm radius and 1320 kg/m³ \[kg/m\].
-const LINE_DENSITY: f64 = 1320.0 * PI * 1.6e-9;
-/// Stretching stiffness EA of 4 GPa and that radius \[N\].
-const STRETCH: f64 = 4e9 * PI * 1.6e-9;
-/// Bending stiffness over twisting stiffness, EI/GJ.
-const BEND_OVER_TWIST: f64 = 1.38;
-
 /// Damping of the strands that come to rest \[1/s\].
 const DAMPING: f64 = 8.0;
 /// Time until they rest \[s\].
@@ -88,14 +76,9 @@ const FALL: f64 = 0.2;
 const FINE_SUBSTEPS: u32 = 128;
 
 /// A strand with the tip that it should have.
-struct Rod {
+struct Target {
     name: String,
-    /// Weight over stiffness γ = ρAgL³/EI.
-    gamma: f64,
-    /// Rest Darboux vector times L, of the form (0, κ, τ).
-    darboux: DVec3,
-    /// Frame of the clamp.
-    root_frame: DQuat,
+    rod: Rod,
     /// Place of the tip at rest, from the root \[L\].
     tip: DVec3,
 }
@@ -140,7 +123,7 @@ fn settings(bench: &Bench) -> Vec<Setting> {
 
 /// Errors and time of each setting.
 pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
-    let rods: Vec<Rod> = level_rods().into_iter().chain(helices()).collect();
+    let rods: Vec<Target> = level_rods().into_iter().chain(helices()).collect();
     let falling = level_rods();
     let (rest, fall) = if bench.quick { (0.05, 0.02) } else { (REST, FALL) };
     let samples = if bench.quick { 1 } else { SAMPLES };
@@ -149,7 +132,7 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
     let truth = twin_fall(&falling, fall_steps, fine)?;
     let coarser = twin_fall(&falling, fall_steps, fine / 2)?;
     let drift: Vec<f64> = (0..falling.len()).map(|s| rms_distance(&coarser, &truth, s)).collect();
-    let default = Scene::parse(&text(&[], 1, 0.0))?;
+    let default = internals::rods_scene(&[], 1, STEP, GRAVITY, &keys(0.0))?;
 
     let settings = settings(bench);
     let times = times_of(bench, &settings, &rods, STRANDS)?;
@@ -208,73 +191,39 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
 }
 
 /// Time of each setting with `count` strands in all.
-fn times_of(bench: &Bench, settings: &[Setting], rods: &[Rod], count: usize) -> Result<Vec<Time>> {
+fn times_of(bench: &Bench, settings: &[Setting], rods: &[Target], count: usize) -> Result<Vec<Time>> {
     let (many, strands) = build(rods, count.div_ceil(rods.len()), DAMPING)?;
     let scenes: Vec<_> = settings.iter().map(|setting| (setting.apply(many.clone()), strands.clone())).collect();
     timing::passes(&bench.gpu, &scenes, &["rods/"], bench.rounds(4))
 }
 
 /// Rods that are straight and clamped level (cantilever.csv).
-fn level_rods() -> Vec<Rod> {
-    let root_frame = DQuat::from_mat3(&DMat3::from_cols(DVec3::NEG_Y, DVec3::NEG_Z, DVec3::X));
+fn level_rods() -> Vec<Target> {
     let rows = tables::cantilever().into_iter().filter(|row| [10.0, 100.0].contains(&row.gamma));
-    rows.map(|row| Rod {
+    rows.map(|row| Target {
         name: format!("elastica γ = {}", row.gamma),
-        gamma: row.gamma,
-        darboux: DVec3::ZERO,
-        root_frame,
+        rod: Rod::level(row.gamma, SEGMENTS),
         tip: DVec3::new(row.tip, -row.drop, 0.0),
     })
     .collect()
 }
 
 /// Rods that are helical and hang (helix.csv).
-fn helices() -> Vec<Rod> {
-    let root_frame = DQuat::from_mat3(&DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y));
+fn helices() -> Vec<Target> {
     let rows = tables::helix().into_iter().filter(|row| row.gamma > 0.0);
-    rows.map(|row| Rod {
-        name: format!("helix γ = {}", row.gamma),
-        gamma: row.gamma,
-        darboux: row.darboux,
-        root_frame,
-        tip: row.tip,
-    })
-    .collect()
+    rows.map(|row| Target { name: format!("helix γ = {}", row.gamma), rod: Rod::helix(&row, SEGMENTS), tip: row.tip })
+        .collect()
 }
 
-/// Scene of `copies` strands of each rod; without rods, a scene that names no setting.
-fn text(rods: &[Rod], copies: usize, damping: f64) -> String {
-    let group = |(i, rod): (usize, &Rod)| {
-        let bend = LINE_DENSITY * GRAVITY * LENGTH.powi(3) / rod.gamma;
-        let kappa = rod.darboux / LENGTH;
-        let square = kappa.length_squared();
-        let (radius, pitch) = (kappa.y / square, TAU * kappa.z / square);
-        let curl =
-            if square > 0.0 { format!("curl = {{ radius = {radius}, pitch = {pitch} }}\n") } else { String::new() };
-        format!(
-            "[[hair]]\nname = \"{i}\"\nstrands = {copies}\npoints = {}\nlength = {LENGTH}\n{curl}\
-             stretch_stiffness = {STRETCH}\nbend_stiffness = {bend}\ntwist_stiffness = {}\n\
-             roots = {{ center = [0, 0, 0], radius = 1e-3, direction = [1, 0, 0] }}\n",
-            SEGMENTS + 1,
-            bend / BEND_OVER_TWIST
-        )
-    };
-    let groups: String = rods.iter().enumerate().map(group).collect();
-    format!(
-        "interaction = {{ model = \"none\" }}\ngravity = [0, -{GRAVITY}, 0]\n\
-         time = {{ step = {STEP}, duration = 1.0 }}\nrods = {{ damping = {damping:?}, sleep = false }}\n{groups}"
-    )
+/// Keys of the table `rods`; damping in 1/s.
+fn keys(damping: f64) -> String {
+    format!("damping = {damping:?}, sleep = false")
 }
 
-/// The scene and its strands, each clamped as its rod says.
-fn build(rods: &[Rod], copies: usize, damping: f64) -> Result<(Scene, InitialState)> {
-    let scene = Scene::parse(&text(rods, copies, damping))?;
-    let mut initial = InitialState::new(&scene)?;
-    for s in 0..initial.hair.len() {
-        let rod = &rods[initial.hair.group[s] as usize];
-        initial.hair.turn_clamp(s, rod.root_frame);
-    }
-    Ok((scene, initial))
+/// The scene of `copies` strands of each rod, and its strands.
+fn build(targets: &[Target], copies: usize, damping: f64) -> Result<(Scene, InitialState)> {
+    let rods: Vec<Rod> = targets.iter().map(|target| target.rod).collect();
+    Ok(internals::build(&rods, copies, STEP, GRAVITY, &keys(damping))?)
 }
 
 /// Tips from their roots \[L\], per strand, after each of `count` stretches of `steps` steps.
@@ -282,15 +231,13 @@ fn tips(simulation: &mut Simulation, steps: u64, count: usize) -> Result<Vec<Vec
     let mut all = Vec::new();
     for _ in 0..count {
         simulation.step(steps)?;
-        let hair = simulation.frame()?.hair;
-        let point = |i: u32| DVec3::from_array(hair.positions[i as usize].map(f64::from));
-        all.push(hair.offsets.windows(2).map(|ends| (point(ends[1] - 1) - point(ends[0])) / LENGTH).collect());
+        all.push(internals::tips(&simulation.frame()?.hair));
     }
     Ok(all)
 }
 
 /// Tips of an undamped fall by the f64 twin \[L\], after each step of Δt.
-fn twin_fall(rods: &[Rod], steps: usize, substeps: u32) -> Result<Vec<Vec<DVec3>>> {
+fn twin_fall(rods: &[Target], steps: usize, substeps: u32) -> Result<Vec<Vec<DVec3>>> {
     let (mut scene, initial) = build(rods, 1, 0.0)?;
     scene.time.substeps = substeps;
     scene.rods.sleep = false;

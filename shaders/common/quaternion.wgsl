@@ -1,4 +1,5 @@
 // Unit quaternions (x, y, z, w); they rotate material frame to world.
+import package::common::pi::PI;
 
 fn product(a: vec4f, b: vec4f) -> vec4f {
     return vec4f(a.w * b.xyz + b.w * a.xyz + cross(a.xyz, b.xyz), a.w * b.w - dot(a.xyz, b.xyz));
@@ -37,9 +38,6 @@ fn rotation(turn: vec3f) -> vec4f {
     let sine = 1.0 + s / 6.0 * (1.0 + s / 20.0 * (1.0 + s / 42.0 * (1.0 + s / 72.0 * (1.0 + s / 110.0 * (1.0 + s / 156.0)))));
     return vec4f(0.5 * sine * v, cosine);
 }
-
-// The number pi, to f32.
-const PI: f32 = 3.14159265;
 
 // Rotation vector of a rotation, half a turn at most [rad]. The angle is halved thrice, after which the arcsine's
 // series is good to 1e-8; WGSL's own atan2 may be off by 4096 ulp.

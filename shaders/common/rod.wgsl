@@ -85,6 +85,15 @@ struct RodPoint {
     travel: vec3f,         // m, the move
 }
 
+// A point that was put somewhere: it felt no force on its way.
+fn unloaded(point: RodPoint) -> RodPoint {
+    var unloaded = point;
+    unloaded.force = vec3f(0.0);
+    unloaded.resistance = 0.0;
+    unloaded.outside = vec3f(0.0);
+    return unloaded;
+}
+
 // A segment within a step.
 struct RodSegment {
     start: vec4f,              // frame at the step's start

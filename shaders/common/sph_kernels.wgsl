@@ -1,8 +1,5 @@
 // Smoothing kernels (Mueller et al. 2003): Poly6 for densities, Spiky's gradient for corrections.
-import package::common::params::params;
-
-// The number pi.
-const PI: f32 = 3.14159265358979;
+import package::common::{params::params, pi::PI};
 
 // W(r) = 315/(64 pi h^9) (h^2 - r^2)^3, written so that nothing leaves the range of f32.
 fn poly6(squared: f32) -> f32 {

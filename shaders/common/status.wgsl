@@ -64,6 +64,13 @@ fn count_many(cause: u32, times: u32) {
     if times > 0u { atomicAdd(&status.counting[cause], times); }
 }
 
+// A strand that is not finite, and is to be reset.
+fn count_bad_strand(s: u32) {
+    count(STRAND_RESET);
+    atomicAdd(&status.bad_strands, 1u);
+    atomicMin(&status.first_bad_strand, s);
+}
+
 // Once a step, however many say so.
 fn count_step(cause: u32) {
     if atomicLoad(&status.counting[cause]) == 0u { atomicMax(&status.counting[cause], 1u); }

@@ -2,7 +2,7 @@
 // (`rods/finish`).
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, Health},
-    status::{status, frozen, count, finite3, STRAND_RESET},
+    status::{frozen, count_bad_strand, finite3},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:        array<Strand>;
@@ -27,7 +27,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     if health[s].found.bad != 0u { return; }
     health[s].found.bad = 1u;
-    count(STRAND_RESET);
-    atomicAdd(&status.bad_strands, 1u);
-    atomicMin(&status.first_bad_strand, s);
+    count_bad_strand(s);
 }

@@ -138,6 +138,12 @@ fn no_link() -> Link {
     return Link(vec3f(0.0), 0.0, vec3f(0.0), 0.0, 1.0, mat3x3f(), vec3f(0.0), vec3f(0.0), vec3f(0.0));
 }
 
+// The link after link k.
+fn link_after(strand: Strand, k: u32) -> Link {
+    if k + 2u < strand.points { return link(strand, k + 1u); }
+    return no_link();
+}
+
 // W of a point.
 fn point_weight(p: u32) -> f32 {
     let point = rod_points[p];
@@ -180,17 +186,21 @@ fn residual(
     return Residual(bend, stretch, next, turn);
 }
 
+// Where the residuals of a strand with this first link start from: nothing before the root, but the root may have to move.
+fn before_root(strand: Strand, first: Link) -> Residual {
+    return Residual(vec3f(0.0), vec3f(0.0), point_excess(strand.first_point, no_link(), first), vec3f(0.0));
+}
+
 // The largest residual of a strand, and what its points, in lengths of their segments, and frames still have to move by: one
 // that falls as it is has no residual.
 fn unrest(strand: Strand, rod: RodStrand) -> f32 {
     var worst = 0.0;
     var joint_before = joint(strand, rod, 0u);
     var own = link(strand, 0u);
-    var r = Residual(vec3f(0.0), vec3f(0.0), point_excess(strand.first_point, no_link(), own), vec3f(0.0));
+    var r = before_root(strand, own);
     for (var k = 0u; k < strand.points - 1u; k++) {
         let joint_after = joint(strand, rod, k + 1u);
-        var after = no_link();
-        if k + 2u < strand.points { after = link(strand, k + 1u); }
+        let after = link_after(strand, k);
         r = residual(strand, k, own, after, joint_before, joint_after, r.excess, r.turn_excess);
         worst = max(worst, max(length(r.bend), length(r.stretch)));
         worst = max(worst, max(length(r.excess) * own.over_length, length(r.turn_excess)));
@@ -216,11 +226,10 @@ fn eliminate(strand: Strand, rod: RodStrand) -> vec3f {
     var weight_before = mat3x3f();   // of the frame before the joint
     var joint_before = joint(strand, rod, 0u);
     var own = link(strand, 0u);
-    var r = Residual(vec3f(0.0), vec3f(0.0), point_excess(strand.first_point, no_link(), own), vec3f(0.0));
+    var r = before_root(strand, own);
     for (var k = 0u; k < strand.points - 1u; k++) {
         let joint_after = joint(strand, rod, k + 1u);
-        var after = no_link();
-        if k + 2u < strand.points { after = link(strand, k + 1u); }
+        let after = link_after(strand, k);
         r = residual(strand, k, own, after, joint_before, joint_after, r.excess, r.turn_excess);
 
         let a = joint_before.gradient;

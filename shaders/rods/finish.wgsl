@@ -4,8 +4,8 @@ import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, integration::PUT,
     rest::STILL_SPIN,
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SLEEPS, STRAINED_STEPS, strained_steps,
-        ROOT_HELD},
-    status::{status, frozen, count, finite, finite3, finite4, STRAND_RESET, OVER_STRAINED},
+        ROOT_HELD, unloaded},
+    status::{status, frozen, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
@@ -27,18 +27,12 @@ fn sound(strand: Strand) -> bool {
     return true;
 }
 
-// What was put somewhere felt no force on its way.
-fn unload(p: u32) {
-    rod_points[p].force = vec3f(0.0);
-    rod_points[p].resistance = 0.0;
-    rod_points[p].outside = vec3f(0.0);
-}
-
 fn hold(strand: Strand) {
     for (var k = 0u; k < strand.points; k++) {
-        rod_points[strand.first_point + k].travel = vec3f(0.0);
-        rod_points[strand.first_point + k].scheme = PUT;
-        unload(strand.first_point + k);
+        let p = strand.first_point + k;
+        rod_points[p] = unloaded(rod_points[p]);
+        rod_points[p].travel = vec3f(0.0);
+        rod_points[p].scheme = PUT;
     }
     for (var k = 0u; k < strand.points - 1u; k++) {
         rod_segments[strand.first_segment + k].frame = rod_segments[strand.first_segment + k].start;
@@ -84,9 +78,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if !(sound(strand) && finite(stretch)) {
         hold(strand);
         health[s].found.bad = 1u;
-        count(STRAND_RESET);
-        atomicAdd(&status.bad_strands, 1u);
-        atomicMin(&status.first_bad_strand, s);
+        count_bad_strand(s);
         return;
     }
     atomicMax(&status.max_stretch, bitcast<u32>(stretch));

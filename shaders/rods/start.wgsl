@@ -8,7 +8,7 @@ import package::common::{
     integration::{EULER, PUT, STAY, free_move, response}, rest::{STILL_TIME, STILL_STEPS}, load::damping_of,
     led::{held_move, led_move, led_turn},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, CALM_STEPS,
-        TIP_HELD},
+        TIP_HELD, unloaded},
     status::{frozen, count, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT},
 };
 
@@ -27,13 +27,10 @@ fn put_point(p: u32, travel: vec3f) {
     rod_points[p].scheme = PUT;
 }
 
-// What was put somewhere felt no force on its way.
 fn unload(strand: Strand) {
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
-        rod_points[p].force = vec3f(0.0);
-        rod_points[p].resistance = 0.0;
-        rod_points[p].outside = vec3f(0.0);
+        rod_points[p] = unloaded(rod_points[p]);
     }
 }
 

@@ -5,7 +5,7 @@
 //   sigma = sum over faces of cos * 10 max(|U|, 0.3 m/s)/l sin^2(pi x/l)  within the thickness l
 //   u' = |U| sum_m a_m sin(k_m . (x - way) + phi_m), carried along with the wind: frozen turbulence (Taylor 1938), solenoidal
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, sph_kernels::PI, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, pi::PI, status::frozen,
     wind::{mean_wind, wind_before, way_of_wind, depth_of},
 };
 

@@ -8,8 +8,9 @@ use rand_pcg::Pcg64;
 use windswept::{HairFrame, Simulation};
 use windswept_reference::tables;
 use windswept_scene::{End, Groom, Scene};
+use windswept_validate::internals::{LENGTH, LINE_DENSITY, Rod, mode, tips};
 
-use crate::{LENGTH, LINE_DENSITY, Rod, build, support, tips};
+use crate::{build, support};
 
 /// A clamped beam without weight and damping swings at its first frequency and keeps its energy: EI of γ = 10, tip 0.02
 /// L.
@@ -23,14 +24,11 @@ fn a_beam_keeps_time_and_energy() {
     let beta = tables::BEAM_MODES[0];
     let frequency = beta * beta / (TAU * LENGTH * LENGTH) * (rod.bend() / LINE_DENSITY).sqrt();
     let speed = TAU * frequency * amplitude * LENGTH;
-    let sigma = (beta.cosh() + beta.cos()) / (beta.sinh() + beta.sin());
-    let shape = |x: f64| x.cosh() - x.cos() - sigma * (x.sinh() - x.sin());
-    let slope = |x: f64| beta * (x.sinh() + x.sin() - sigma * (x.cosh() - x.cos()));
     for (k, v) in initial.hair.velocities.iter_mut().enumerate() {
-        *v = DVec3::Y * speed * shape(beta * k as f64 / 34.0) / shape(beta);
+        *v = DVec3::Y * speed * mode(beta, k as f64 / 34.0).0;
     }
     for (k, omega) in initial.hair.angular_velocities.iter_mut().enumerate() {
-        *omega = DVec3::Z * speed / LENGTH * slope(beta * (k as f64 + 0.5) / 34.0) / shape(beta);
+        *omega = DVec3::Z * speed / LENGTH * mode(beta, (k as f64 + 0.5) / 34.0).1;
     }
     let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial.clone()).unwrap();
     let (mut before, mut passages, mut swings) = (0.0, Vec::new(), vec![(0.0, 0.0_f64)]);

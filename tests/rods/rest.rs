@@ -4,8 +4,9 @@ use glam::DVec3;
 use windswept::Simulation;
 use windswept_reference::tables;
 use windswept_scene::Scene;
+use windswept_validate::internals::{GRAVITY, LENGTH, LINE_DENSITY, Rod, STRETCH, tips};
 
-use crate::{GRAVITY, LENGTH, LINE_DENSITY, Rod, STRETCH, build, elastica, rest, support, tips};
+use crate::{build, elastica, rest, support};
 
 /// Strands of 34 segments come to rest on the elastica for every γ, at any step.
 #[test]

@@ -3,8 +3,9 @@
 use glam::{DQuat, DVec3};
 use windswept::{HairFrame, Simulation};
 use windswept_scene::Scene;
+use windswept_validate::internals::{LENGTH, Rod, tips};
 
-use crate::{LENGTH, Rod, build, rest, support, tips};
+use crate::{build, rest, support};
 
 /// Strands in still air that come to rest, and then something is done to them, step by step.
 struct Disturbed {

@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 use glam::{DMat3, DQuat, DVec3};
 use windswept::{HairFrame, Simulation};
 use windswept_scene::{End, Ends, InitialState, Scene};
+use windswept_validate::internals::{LENGTH, Rod};
 
-use crate::{LENGTH, Rod, build, support};
+use crate::{build, support};
 
 /// Two strands that are twisted, bent or loaded, one past a threshold of the theory and one short of it.
 fn grows(scene: &Scene, initial: &InitialState, seconds: f64, measure: impl Fn(&HairFrame) -> f64) -> f64 {

@@ -8,6 +8,8 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::{AdapterChoice, Gpu};
 use windswept_scene::*;
+use windswept_validate::internals::Cloud;
+pub use windswept_validate::internals::{MASS, RADIUS, VOLUME};
 
 /// The adapter that every test runs on: the one that WGPU_ADAPTER_NAME names, else a software one. A test fails where
 /// there is no such adapter.
@@ -30,11 +32,6 @@ pub fn gpu() -> Gpu {
     })
     .clone()
 }
-
-/// The paper's particle volume: 0.146 mg at 1.29 kg/m³ [m³].
-pub const VOLUME: f64 = 1.46e-7 / 1.29;
-/// The paper's kernel radius [m].
-pub const RADIUS: f64 = 9.3e-3;
 
 /// Keys of the tests of single passes: values in place of some defaults, and the keys that a scene must have.
 const PLAIN: &str = "
@@ -61,7 +58,7 @@ pub fn strands(positions: &[DVec3], points_per_strand: usize) -> Strands {
             hair.positions.push(*x);
             hair.velocities.push(DVec3::ZERO);
             // Masses and volumes differ from air's and from one another.
-            hair.inverse_mass.push(if k == 0 { 0.0 } else { 1.0 / (1.46e-7 * (1 + k % 4) as f64) });
+            hair.inverse_mass.push(if k == 0 { 0.0 } else { 1.0 / (MASS * (1 + k % 4) as f64) });
             hair.volume.push(VOLUME / (1 + k % 3) as f64);
         }
         for pair in points.windows(2) {
@@ -72,7 +69,7 @@ pub fn strands(positions: &[DVec3], points_per_strand: usize) -> Strands {
             hair.rest_length.push(l);
             hair.radius.push(4e-5);
             hair.fibres.push(1.0 + (hair.radius.len() % 2) as f64);
-            hair.inverse_inertia.push(1.0 / (0.5 * 1.46e-7 * l * l));
+            hair.inverse_inertia.push(1.0 / (0.5 * MASS * l * l));
             hair.stretch_compliance.push(DVec3::new(1.0 / (7.3 * l), 1.0 / (7.3 * l), 1.0 / (20.1 * l)));
             hair.bend_compliance.push(DVec3::new(l / (4.0 * 8.04e-9), l / (4.0 * 8.04e-9), l / (4.0 * 5.8e-9)));
         }
@@ -139,7 +136,7 @@ pub fn particles(n: usize, hair: usize, layout: Layout, seed: u64) -> InitialSta
             velocities: vec![DVec3::ZERO; air.len()],
             positions: air,
             volume: VOLUME,
-            mass: 1.46e-7,
+            mass: MASS,
         },
         warnings: Vec::new(),
     }
@@ -153,25 +150,12 @@ pub const SIZES: [usize; 5] = [1, 63, 64, 65, 6_701];
 pub fn air(size: DVec3, positions: Vec<DVec3>) -> InitialState {
     let velocities = vec![DVec3::ZERO; positions.len()];
     InitialState {
-        air: AirParticles { min: DVec3::ZERO, size, positions, velocities, volume: VOLUME, mass: 1.46e-7 },
+        air: AirParticles { min: DVec3::ZERO, size, positions, velocities, volume: VOLUME, mass: MASS },
         ..InitialState::default()
     }
 }
 
 /// Lattice of `cells` copies of a cubic unit cell that holds `basis` (fractions), at one particle per `VOLUME`.
 pub fn lattice(cells: [usize; 3], basis: &[[f64; 3]]) -> InitialState {
-    let side = (basis.len() as f64 * VOLUME).cbrt();
-    let mut positions = Vec::new();
-    for z in 0..cells[2] {
-        for y in 0..cells[1] {
-            for x in 0..cells[0] {
-                let corner = DVec3::new(x as f64, y as f64, z as f64);
-                positions.extend(basis.iter().map(|&at| side * (corner + DVec3::from_array(at) + 0.125)));
-            }
-        }
-    }
-    air(side * DVec3::from_array(cells.map(|n| n as f64)), positions)
+    Cloud::lattice(cells, basis).initial()
 }
-
-/// The basis of a simple cubic lattice.
-pub const SIMPLE: [[f64; 3]; 1] = [[0.0; 3]];

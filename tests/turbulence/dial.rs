@@ -7,8 +7,9 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::Simulation;
 use windswept_scene::{Band, Filter, InitialState};
+use windswept_validate::internals::SIMPLE;
 
-use crate::support::{self, SIMPLE, VOLUME, lattice};
+use crate::support::{self, VOLUME, lattice};
 
 /// Bands: scale \[m\], strength, and the number of steps after which the band is looked at.
 const BANDS: [(f64, f64, u64); 3] = [(0.006, 10.0, 300), (0.009, 10.0, 300), (0.018, 30.0, 600)];
@@ -23,7 +24,7 @@ const ENERGY: f64 = 1e-4;
 /// each band six such waves across one another, as strong as gives each band the same energy.
 fn stirred() -> InitialState {
     let mut rng = Pcg64::seed_from_u64(11);
-    let mut air = lattice([17; 3], &SIMPLE);
+    let mut air = lattice([17; 3], SIMPLE);
     let (size, jitter) = (air.air.size.x, 0.1 * VOLUME.cbrt());
     for x in &mut air.air.positions {
         *x = (*x + jitter * (2.0 * DVec3::from_array(rng.random()) - 1.0)).rem_euclid(DVec3::splat(size));

@@ -10,12 +10,13 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use support::{SIMPLE, VOLUME, lattice};
+use support::{VOLUME, lattice};
 use windswept::{
     GpuError, Simulation,
     internals::{Array, Engine, Plan, Recorder, Setup, State, step},
 };
 use windswept_scene::{Band, Filter, InitialState, Scene};
+use windswept_validate::internals::{SIMPLE, waves};
 
 fn scene(scale: f64, strength: f64) -> Scene {
     let mut scene = support::scene();
@@ -54,7 +55,7 @@ fn with_velocities(mut initial: InitialState, velocity: impl Fn(DVec3) -> DVec3)
 /// A filter cut at 3 s, 4 s or 4.5 s takes the part of a uniform flow that theory says for eddies.
 #[test]
 fn a_cut_filter_leaks_uniform_flow() {
-    let initial = with_velocities(lattice([12; 3], &SIMPLE), |_| DVec3::X);
+    let initial = with_velocities(lattice([12; 3], SIMPLE), |_| DVec3::X);
     for (cutoff, wanted) in [(3.0, 0.32527), (3.5, 0.10171), (4.0, 0.02328), (4.5, 0.00396)] {
         let mut scene = scene(0.018, 3.0);
         scene.turbulence.cutoff = cutoff;
@@ -76,22 +77,15 @@ fn a_cut_filter_leaks_uniform_flow() {
 /// positions.
 fn stirred(cells: usize, speed: f64) -> InitialState {
     let mut rng = Pcg64::seed_from_u64(5);
-    let mut initial = lattice([cells; 3], &SIMPLE);
+    let mut initial = lattice([cells; 3], SIMPLE);
     let size = initial.air.size;
-    let waves: Vec<(DVec3, DVec3, f64)> = (0..6)
-        .map(|_| {
-            let mut whole = || f64::from(rng.random_range(1..=3)) * if rng.random() { 1.0 } else { -1.0 };
-            let k = TAU * DVec3::new(whole(), whole(), whole()) / size;
-            let across = k.cross(DVec3::from_array(rng.random())).normalize();
-            (k, across, rng.random_range(0.0..TAU))
-        })
-        .collect();
+    let field = waves(size, &mut rng);
     let jitter = 0.1 * VOLUME.cbrt();
     for x in &mut initial.air.positions {
         *x += jitter * (2.0 * DVec3::from_array(rng.random()) - 1.0);
         *x -= size * (*x / size).floor();
     }
-    with_velocities(initial, |x| speed * waves.iter().map(|(k, a, phase)| *a * (k.dot(x) + phase).sin()).sum::<DVec3>())
+    with_velocities(initial, |x| speed * field(x))
 }
 
 /// Confinement raises the energy of its band over a run without, keeps the air's momentum, and strength 0 or speed 0
@@ -216,7 +210,7 @@ fn strength_is_independent_of_the_discretisation() {
         scene.turbulence.filter = Filter::Grid;
         (scene.time.step, scene.turbulence.spacing) = (step, nodes);
         scene.air.as_mut().unwrap().kernel_radius = kernel;
-        let mut initial = lattice([12 * finer; 3], &SIMPLE);
+        let mut initial = lattice([12 * finer; 3], SIMPLE);
         let air = &mut initial.air;
         let parts = (finer * finer * finer) as f64;
         (air.size, air.volume, air.mass) = (air.size / finer as f64, air.volume / parts, air.mass / parts);

@@ -11,18 +11,18 @@ use windswept_scene::{AirParticles, InitialState, Scene};
 use crate::Error;
 
 /// Mass of a particle in the paper \[kg\].
-pub(crate) const MASS: f64 = 1.46e-7;
+pub const MASS: f64 = 1.46e-7;
 /// Rest density ρ0 of the paper's air \[kg/m³\].
-pub(crate) const REST_DENSITY: f64 = 1.29;
+pub const REST_DENSITY: f64 = 1.29;
 /// Volume V of a particle \[m³\].
-pub(crate) const VOLUME: f64 = MASS / REST_DENSITY;
+pub const VOLUME: f64 = MASS / REST_DENSITY;
 /// Kernel radius h of the paper \[m\].
-pub(crate) const RADIUS: f64 = 9.3e-3;
+pub const RADIUS: f64 = 9.3e-3;
 /// Step Δt of the paper \[s\].
-pub(crate) const STEP: f64 = 1.38e-3;
+pub const STEP: f64 = 1.38e-3;
 
 /// Basis of the simple cubic lattice \[sides of a cell\].
-pub(crate) const SIMPLE: &[[f64; 3]] = &[[0.0; 3]];
+pub const SIMPLE: &[[f64; 3]] = &[[0.0; 3]];
 /// Basis of the body-centred cubic lattice \[sides of a cell\].
 pub(crate) const BODY: &[[f64; 3]] = &[[0.0; 3], [0.5; 3]];
 /// Basis of the face-centred cubic lattice \[sides of a cell\].
@@ -35,15 +35,18 @@ pub(crate) fn spacing() -> f64 {
 
 /// Air particles in a periodic box from the origin: positions \[m\] and velocities \[m/s\].
 #[derive(Debug, Clone)]
-pub(crate) struct Cloud {
-    pub(crate) size: DVec3,
-    pub(crate) positions: Vec<[f64; 3]>,
-    pub(crate) velocities: Vec<[f64; 3]>,
+pub struct Cloud {
+    /// Sides of the box.
+    pub size: DVec3,
+    /// Where the particles are.
+    pub positions: Vec<[f64; 3]>,
+    /// How fast they are.
+    pub velocities: Vec<[f64; 3]>,
 }
 
 impl Cloud {
     /// A lattice of `cells` copies of a cubic unit cell with particles at `basis` (fractions), one per V.
-    pub(crate) fn lattice(cells: [usize; 3], basis: &[[f64; 3]]) -> Self {
+    pub fn lattice(cells: [usize; 3], basis: &[[f64; 3]]) -> Self {
         let side = (basis.len() as f64 * VOLUME).cbrt();
         let [nx, ny, _] = cells;
         let corner = |i: usize| DVec3::new((i % nx) as f64, (i / nx % ny) as f64, (i / nx / ny) as f64);
@@ -66,7 +69,7 @@ impl Cloud {
     }
 
     /// The cloud with each particle moved by up to `part` of the spacing along each axis.
-    pub(crate) fn jittered(mut self, part: f64, seed: u64) -> Self {
+    pub fn jittered(mut self, part: f64, seed: u64) -> Self {
         let mut rng = Pcg64::seed_from_u64(seed);
         for x in &mut self.positions {
             let shift = part * spacing() * (2.0 * DVec3::from_array(rng.random()) - 1.0);
@@ -76,28 +79,20 @@ impl Cloud {
     }
 
     /// The cloud with the velocities of a field.
-    pub(crate) fn moving(mut self, field: impl Fn(DVec3) -> DVec3) -> Self {
+    pub fn moving(mut self, field: impl Fn(DVec3) -> DVec3) -> Self {
         self.velocities = self.positions.iter().map(|x| field(DVec3::from_array(*x)).to_array()).collect();
         self
     }
 
-    /// The cloud with six solenoidal waves of one to three periods along each axis, of `speed` \[m/s\] each.
-    pub(crate) fn stirred(self, speed: f64, seed: u64) -> Self {
-        let mut rng = Pcg64::seed_from_u64(seed);
-        let size = self.size;
-        let waves: Vec<(DVec3, DVec3, f64)> = (0..6)
-            .map(|_| {
-                let mut whole = || f64::from(rng.random_range(1..=3)) * if rng.random() { 1.0 } else { -1.0 };
-                let k = TAU * DVec3::new(whole(), whole(), whole()) / size;
-                let across = k.cross(DVec3::from_array(rng.random())).normalize();
-                (k, across, rng.random_range(0.0..TAU))
-            })
-            .collect();
-        self.moving(|x| speed * waves.iter().map(|(k, a, phase)| *a * (k.dot(x) + phase).sin()).sum::<DVec3>())
+    /// The cloud with six solenoidal waves, of `speed` \[m/s\] each.
+    #[must_use]
+    pub fn stirred(self, speed: f64, seed: u64) -> Self {
+        let field = waves(self.size, &mut Pcg64::seed_from_u64(seed));
+        self.moving(|x| speed * field(x))
     }
 
     /// The particles as single passes take them.
-    pub(crate) fn particles(&self) -> Particles<'_> {
+    pub fn particles(&self) -> Particles<'_> {
         Particles {
             positions: &self.positions,
             velocities: &self.velocities,
@@ -109,7 +104,7 @@ impl Cloud {
     }
 
     /// The state that whole steps start from.
-    pub(crate) fn initial(&self) -> InitialState {
+    pub fn initial(&self) -> InitialState {
         let vectors = |rows: &[[f64; 3]]| rows.iter().map(|x| DVec3::from_array(*x)).collect();
         let air = AirParticles {
             min: DVec3::ZERO,
@@ -135,9 +130,21 @@ impl Cloud {
     }
 }
 
+/// Six solenoidal waves of one to three periods along each axis of a box, each of amplitude 1.
+pub fn waves(size: DVec3, rng: &mut Pcg64) -> impl Fn(DVec3) -> DVec3 + use<> {
+    let mut wave = || {
+        let mut whole = || f64::from(rng.random_range(1..=3)) * if rng.random() { 1.0 } else { -1.0 };
+        let k = TAU * DVec3::new(whole(), whole(), whole()) / size;
+        let across = k.cross(DVec3::from_array(rng.random())).normalize();
+        (k, across, rng.random_range(0.0..TAU))
+    };
+    let waves: [(DVec3, DVec3, f64); 6] = std::array::from_fn(|_| wave());
+    move |x| waves.iter().map(|(k, a, phase)| *a * (k.dot(x) + phase).sin()).sum()
+}
+
 /// The paper's parameters in still air without walls: no wind, no fringe, no turbulence; `keys` as a
 /// scene file has them.
-pub(crate) fn scene(keys: &str) -> Result<Scene, Error> {
+pub fn scene(keys: &str) -> Result<Scene, Error> {
     let text = format!(
         "time = {{ step = {STEP}, duration = 1.0 }}\n\
          air = {{ box = {{ min = [0, 0, 0], max = [1, 1, 1] }}, wind = [0, 0, 0], ramp = 0.0, \
@@ -154,7 +161,7 @@ pub(crate) fn run(gpu: &Gpu, scene: &Scene, cloud: &Cloud, steps: u64) -> Result
 }
 
 /// The vectors as f64.
-pub(crate) fn vectors(rows: &[[f32; 3]]) -> Vec<DVec3> {
+pub fn vectors(rows: &[[f32; 3]]) -> Vec<DVec3> {
     rows.iter().map(|x| DVec3::from_array(x.map(f64::from))).collect()
 }
 

@@ -7,6 +7,7 @@ use windswept_scene::{InitialState, Scene};
 use crate::{
     Error, Row,
     air::{STEP, farthest, vectors},
+    rods::GRAVITY,
 };
 
 const SLIDES: &str = "g (sin - mu cos) t²/2, mu = 0.3, 200 steps; measured 1.0e-4 of it off; margin 4";
@@ -14,8 +15,6 @@ const STAYS: &str = "mu = 0.3 holds it; measured 6.7e-10; margin 4";
 const TOUCHES: &str = "the surface: nothing inside, something on it; measured 3.3e-9; margin 4: f32";
 const BESIDE: &str = "half a spacing, d/2; looked at after each of 20 steps; measured 4.1e-9 off; margin 4: f32";
 
-/// Gravity \[m/s²\].
-const GRAVITY: f64 = 9.81;
 /// Coefficient of friction μ.
 const FRICTION: f64 = 0.3;
 /// Radius of the bar \[m\].

@@ -5,7 +5,10 @@ use windswept::{Gpu, Simulation};
 use windswept_reference::{Parameters, State, fluid, step as twin};
 use windswept_scene::{InitialState, Scene};
 
-use crate::{Error, Row, air::vectors};
+use crate::{
+    Error, Row,
+    air::{STEP, vectors},
+};
 
 const DRAG: &str = "no formula: measured, 12 strands of 60 mm in a stream of 3 m/s, 41 ms; the tolerance keeps it \
     positive";
@@ -16,24 +19,12 @@ const HELD: &str = "Newton's third law, rods by Euler, no XSPH: air's and hair's
 const SHARES: &str = "no formula: measured, of air's loss, 6 strands of 30 mm in a stream of 3 m/s, 41 ms; the tolerance keeps \
     the sign";
 
-/// Strands across the middle of a periodic box, without weight, and without wind, so that there is no fringe.
-const SCENE: &str = "
-gravity = [0, 0, 0]
-[[hair]]
+/// Strands across the middle of the box.
+const STRANDS: &str = "
 strands = 12
 points = 12
 length = 0.06
-fibres_per_strand = 100
 roots = { center = [0.04, 0.01, 0.04], radius = 0.012, direction = [0, 1, 0], normal = [0, 1, 0] }
-[time]
-step = 1.38e-3
-duration = 1.0
-[air]
-box = { min = [0, 0, 0], max = [0.12, 0.08, 0.08] }
-wind = [0, 0, 0]
-ramp = 0.0
-[rods]
-sleep = false
 ";
 /// Velocity of the air at the start \[m/s\].
 const STREAM: DVec3 = DVec3::new(3.0, 0.0, 0.0);
@@ -51,8 +42,18 @@ pub(crate) fn drag(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
+/// Hair among air without weight, awake, in a periodic box; without wind, so that there is no fringe. `keys` are a scene
+/// file's, `hair` those of its group.
+pub(crate) fn windless(keys: &str, size: [f64; 3], hair: &str) -> Result<Scene, Error> {
+    Ok(Scene::parse(&format!(
+        "gravity = [0, 0, 0]\ntime = {{ step = {STEP}, duration = 1.0 }}\nrods.sleep = false\n\
+         air = {{ box = {{ min = [0, 0, 0], max = {size:?} }}, wind = [0, 0, 0], ramp = 0.0 }}\n{keys}\n\
+         [[hair]]\nfibres_per_strand = 100\n{hair}"
+    ))?)
+}
+
 fn loose(gpu: &Gpu) -> Result<Vec<Row>, Error> {
-    let scene = Scene::parse(SCENE)?;
+    let scene = windless("", [0.12, 0.08, 0.08], STRANDS)?;
     let mut initial = InitialState::new(&scene)?;
     initial.air.velocities.fill(STREAM);
     let hair = &mut initial.hair;
@@ -79,34 +80,22 @@ fn loose(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// Fewer and shorter strands with clamped roots, on which only two things act: the density constraint and the first
-/// segment.
+/// Fewer and shorter strands with clamped roots.
 const CLAMPED: &str = "
-gravity = [0, 0, 0]
-[[hair]]
 strands = 6
 points = 7
 length = 0.03
-fibres_per_strand = 100
 roots = { center = [0.025, 0.01, 0.025], radius = 0.01, direction = [0, 1, 0], normal = [0, 1, 0] }
-[time]
-step = 1.38e-3
-duration = 1.0
-[air]
-box = { min = [0, 0, 0], max = [0.07, 0.05, 0.05] }
-wind = [0, 0, 0]
-ramp = 0.0
-[viscosity]
-hair = 0.0
-air = 0.0
-[rods]
-integrator = \"euler\"
-sleep = false
+";
+/// Keys with which only two things act on roots: the density constraint and the first segment.
+const TWO_ACT: &str = "
+rods.integrator = \"euler\"
+viscosity = { hair = 0.0, air = 0.0 }
 ";
 
 /// Rows of clamped roots: they take the momentum that air and hair lose.
 fn clamped(gpu: &Gpu) -> Result<Vec<Row>, Error> {
-    let scene = Scene::parse(CLAMPED)?;
+    let scene = windless(TWO_ACT, [0.07, 0.05, 0.05], CLAMPED)?;
     let mut initial = InitialState::new(&scene)?;
     initial.air.velocities.fill(STREAM);
     let p = Parameters::new(&scene, &initial);

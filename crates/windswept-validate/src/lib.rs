@@ -23,6 +23,16 @@ mod whole;
 mod wind;
 
 pub use row::Row;
+
+/// Air and strands that the repository's tests and benches measure on as well; they may change in any version.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::{
+        air::{Cloud, MASS, RADIUS, REST_DENSITY, SIMPLE, STEP, VOLUME, scene as air_scene, vectors, waves},
+        rods::{BEND_OVER_TWIST, GRAVITY, LENGTH, LINE_DENSITY, Rod, STRETCH, build, mode, scene as rods_scene, tips},
+    };
+}
+
 use windswept::{Gpu, GpuError, RunError, ops::OpsError};
 use windswept_scene::SceneError;
 

@@ -4,36 +4,25 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use windswept::{Gpu, Simulation};
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::InitialState;
 
 use crate::{
     Error, Row,
     air::{self, Cloud, MASS, SIMPLE, vectors},
+    coupled::windless,
 };
 
 const KEPT: &str = "over sum m |v| at the end; 1000 particles stirred at 0.3 m/s; measured 2.3e-8; margin 6: f32";
 const BOTH: &str = "over sum m |v| at the end; 4 loose strands by BDF2 in 1700 of air, swirling at 0.3 m/s; measured 3.8e-8; \
     margin 6: f32";
 
-/// Loose strands among air, weightless.
-const HAIR_IN_AIR: &str = "
-gravity = [0, 0, 0]
-[[hair]]
+/// Loose strands.
+const LOOSE: &str = "
 strands = 4
 points = 7
 length = 0.025
-fibres_per_strand = 100
 root = \"free\"
 roots = { center = [0.03, 0.018, 0.03], radius = 0.006, direction = [0, 1, 0] }
-[time]
-step = 1.38e-3
-duration = 2.0
-[air]
-box = { min = [0, 0, 0], max = [0.06, 0.06, 0.06] }
-wind = [0, 0, 0]
-ramp = 0.0
-[rods]
-sleep = false
 ";
 
 /// Rows of the momentum Σ m v of air, and of air with loose hair, stirred in a closed periodic box without wind and
@@ -45,7 +34,7 @@ pub(crate) fn closed_box(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 }
 
 fn hair_in_air(gpu: &Gpu) -> Result<Row, Error> {
-    let scene = Scene::parse(HAIR_IN_AIR)?;
+    let scene = windless("", [0.06; 3], LOOSE)?;
     let mut initial = InitialState::new(&scene)?;
     let k = TAU / initial.air.size;
     for (v, x) in initial.air.velocities.iter_mut().zip(&initial.air.positions) {

@@ -22,78 +22,104 @@ const FALL: &str = "-g (t²/2 + 3/4 dt²): BDF2 is exact but for its first step,
 /// Segments of a strand.
 const SEGMENTS: usize = 34;
 /// Length of a strand \[m\].
-const LENGTH: f64 = 0.35;
+pub const LENGTH: f64 = 0.35;
 /// Line density ρA of a hair of 40 µm radius and 1320 kg/m³ \[kg/m\].
-const LINE_DENSITY: f64 = 1320.0 * PI * 1.6e-9;
+pub const LINE_DENSITY: f64 = 1320.0 * PI * 1.6e-9;
 /// Stretching stiffness EA of 4 GPa and that radius \[N\].
-const STRETCH: f64 = 4e9 * PI * 1.6e-9;
+pub const STRETCH: f64 = 4e9 * PI * 1.6e-9;
+/// Bending stiffness over twisting stiffness, EI/GJ.
+pub const BEND_OVER_TWIST: f64 = 1.38;
 /// Gravity \[m/s²\].
-const GRAVITY: f64 = 9.81;
+pub const GRAVITY: f64 = 9.81;
 
 /// A strand to be built.
 #[derive(Debug, Clone, Copy)]
-struct Rod {
+pub struct Rod {
     /// Weight over stiffness γ = ρAgL³/EI.
-    gamma: f64,
+    pub gamma: f64,
     /// Rest Darboux vector times L, of the form (0, κ, τ).
-    darboux: DVec3,
+    pub darboux: DVec3,
     /// Frame of the clamp.
-    root_frame: DQuat,
+    pub root_frame: DQuat,
+    /// Segments of the strand.
+    pub segments: usize,
 }
 
 impl Rod {
-    /// A strand that is straight and level.
-    fn level(gamma: f64) -> Self {
+    /// A strand that is straight and level, as those of cantilever.csv.
+    #[must_use]
+    pub fn level(gamma: f64, segments: usize) -> Self {
         let root_frame = DQuat::from_mat3(&DMat3::from_cols(DVec3::NEG_Y, DVec3::NEG_Z, DVec3::X));
-        Self { gamma, darboux: DVec3::ZERO, root_frame }
+        Self { gamma, darboux: DVec3::ZERO, root_frame, segments }
     }
 
-    /// The strand of a row of helix.csv, with the given γ.
-    fn helix(row: &tables::Helix, gamma: f64) -> Self {
+    /// The strand of a row of helix.csv.
+    #[must_use]
+    pub fn helix(row: &tables::Helix, segments: usize) -> Self {
         let root_frame = DQuat::from_mat3(&DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y));
-        Self { gamma, darboux: row.darboux, root_frame }
+        Self { gamma: row.gamma, darboux: row.darboux, root_frame, segments }
     }
 
     /// Bending stiffness EI \[N m²\].
-    fn bend(&self) -> f64 {
+    #[must_use]
+    pub fn bend(&self) -> f64 {
         LINE_DENSITY * GRAVITY * LENGTH.powi(3) / self.gamma
     }
 
-    /// The strand's group as a scene file spells it.
-    fn group(&self, i: usize) -> String {
-        let (bend, twist) = (self.bend(), self.bend() / 1.38);
+    /// The strand's group, of `copies` strands, as a scene file spells it.
+    fn group(&self, i: usize, copies: usize) -> String {
+        let (bend, twist) = (self.bend(), self.bend() / BEND_OVER_TWIST);
         let kappa = self.darboux / LENGTH;
         let square = kappa.length_squared();
         let (radius, pitch) = (kappa.y / square, TAU * kappa.z / square);
         let curl =
             if square > 0.0 { format!("curl = {{ radius = {radius}, pitch = {pitch} }}\n") } else { String::new() };
         format!(
-            "[[hair]]\nname = \"{i}\"\nstrands = 1\npoints = {}\nlength = {LENGTH}\n{curl}\
+            "[[hair]]\nname = \"{i}\"\nstrands = {copies}\npoints = {}\nlength = {LENGTH}\n{curl}\
              stretch_stiffness = {STRETCH}\nbend_stiffness = {bend}\ntwist_stiffness = {twist}\n\
              roots = {{ center = [0, 0, {i}], radius = 1e-3, direction = [1, 0, 0] }}\n",
-            SEGMENTS + 1
+            self.segments + 1
         )
     }
 }
 
-/// The strands' scene and state, each clamped as its rod says. Δt in s, damping in 1/s, gravity downward in m/s².
-fn build(rods: &[Rod], step: f64, damping: f64, gravity: f64) -> Result<(Scene, InitialState), Error> {
-    let groups: String = rods.iter().enumerate().map(|(i, rod)| rod.group(i)).collect();
+/// Scene of `copies` strands of each rod; Δt in s, gravity downward in m/s², `keys` of the table `rods`.
+///
+/// # Errors
+/// [`Error::Scene`] if the scene cannot be.
+pub fn scene(rods: &[Rod], copies: usize, step: f64, gravity: f64, keys: &str) -> Result<Scene, Error> {
+    let groups: String = rods.iter().enumerate().map(|(i, rod)| rod.group(i, copies)).collect();
     let text = format!(
         "interaction = {{ model = \"none\" }}\ngravity = [0, {}, 0]\ntime = {{ step = {step}, duration = 1.0 }}\n\
-         rods = {{ solver = \"direct\", integrator = \"bdf2\", sleep = false, damping = {damping} }}\n{groups}",
+         rods = {{ {keys} }}\n{groups}",
         0.0 - gravity
     );
-    let scene = Scene::parse(&text)?;
+    Ok(Scene::parse(&text)?)
+}
+
+/// The [`scene`] and its strands, each clamped as its rod says.
+///
+/// # Errors
+/// [`Error::Scene`] if the scene cannot be.
+pub fn build(rods: &[Rod], copies: usize, step: f64, gravity: f64, keys: &str) -> Result<(Scene, InitialState), Error> {
+    let scene = scene(rods, copies, step, gravity, keys)?;
     let mut initial = InitialState::new(&scene)?;
-    for (s, rod) in rods.iter().enumerate() {
+    for s in 0..initial.hair.len() {
+        let rod = &rods[initial.hair.group[s] as usize];
         initial.hair.turn_clamp(s, rod.root_frame);
     }
     Ok((scene, initial))
 }
 
+/// What this file runs: the direct solver with BDF2, awake. Damping in 1/s.
+fn built(rods: &[Rod], step: f64, damping: f64, gravity: f64) -> Result<(Scene, InitialState), Error> {
+    let keys = format!("solver = \"direct\", integrator = \"bdf2\", sleep = false, damping = {damping}");
+    build(rods, 1, step, gravity, &keys)
+}
+
 /// Tip of each strand, from its root \[L\].
-fn tips(hair: &HairFrame) -> Vec<DVec3> {
+#[must_use]
+pub fn tips(hair: &HairFrame) -> Vec<DVec3> {
     let positions = vectors(&hair.positions);
     hair.offsets
         .windows(2)
@@ -107,7 +133,7 @@ pub(crate) fn at_rest(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let table = tables::helix();
     let row =
         table.iter().find(|row| row.gamma == 0.0).ok_or_else(|| Error::Missing("helix.csv: gamma 0".to_owned()))?;
-    let (scene, initial) = build(&[Rod::helix(row, 10.0)], step, 0.0, 0.0)?;
+    let (scene, initial) = built(&[Rod { gamma: 10.0, ..Rod::helix(row, SEGMENTS) }], step, 0.0, 0.0)?;
     let start = initial.hair.positions.clone();
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
     simulation.step(steps)?;
@@ -126,13 +152,13 @@ pub(crate) fn at_rest(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 pub(crate) fn hanging(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let (step, steps, damping) = (1.38e-3, 2500, 8.0);
     let level = tables::cantilever().into_iter().filter(|row| [1.0, 10.0, 100.0].contains(&row.gamma)).map(|row| {
-        (format!("elastica, gamma {}", row.gamma), Rod::level(row.gamma), DVec3::new(row.tip, -row.drop, 0.0))
+        (format!("elastica, gamma {}", row.gamma), Rod::level(row.gamma, SEGMENTS), DVec3::new(row.tip, -row.drop, 0.0))
     });
     let curled = tables::helix().into_iter().filter(|row| row.gamma > 0.0);
-    let curled = curled.map(|row| (format!("helix, gamma {}", row.gamma), Rod::helix(&row, row.gamma), row.tip));
+    let curled = curled.map(|row| (format!("helix, gamma {}", row.gamma), Rod::helix(&row, SEGMENTS), row.tip));
     let cases: Vec<_> = level.chain(curled).collect();
     let rods: Vec<_> = cases.iter().map(|(_, rod, _)| *rod).collect();
-    let (scene, initial) = build(&rods, step, damping, GRAVITY)?;
+    let (scene, initial) = built(&rods, step, damping, GRAVITY)?;
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
     simulation.step(steps)?;
     let tips = tips(&simulation.frame()?.hair);
@@ -146,8 +172,8 @@ pub(crate) fn hanging(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 /// passage of zero.
 pub(crate) fn beam(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let (step, amplitude) = (1.38e-3, 0.02);
-    let rod = Rod::level(1.0);
-    let (scene, mut initial) = build(&[rod], step, 0.0, 0.0)?;
+    let rod = Rod::level(1.0, SEGMENTS);
+    let (scene, mut initial) = built(&[rod], step, 0.0, 0.0)?;
     let beta = tables::BEAM_MODES[0];
     let frequency = beta * beta / (TAU * LENGTH * LENGTH) * (rod.bend() / LINE_DENSITY).sqrt();
     let speed = TAU * frequency * amplitude * LENGTH;
@@ -172,7 +198,8 @@ pub(crate) fn beam(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 }
 
 /// Shape and slope of a clamped-free beam's mode at s from 0 to 1, in units of the tip's shape.
-fn mode(beta: f64, s: f64) -> (f64, f64) {
+#[must_use]
+pub fn mode(beta: f64, s: f64) -> (f64, f64) {
     let sigma = (beta.cosh() + beta.cos()) / (beta.sinh() + beta.sin());
     let shape = |x: f64| x.cosh() - x.cos() - sigma * (x.sinh() - x.sin());
     let slope = |x: f64| beta * (x.sinh() + x.sin() - sigma * (x.cosh() - x.cos()));
@@ -182,7 +209,7 @@ fn mode(beta: f64, s: f64) -> (f64, f64) {
 /// Row of a loose strand that falls by ½ g t². The first step is Euler's and goes twice as far; BDF2 keeps 3/2 of that.
 pub(crate) fn falling(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let (step, steps) = (1.38e-3, 100);
-    let (scene, mut initial) = build(&[Rod::level(10.0)], step, 0.0, GRAVITY)?;
+    let (scene, mut initial) = built(&[Rod::level(10.0, SEGMENTS)], step, 0.0, GRAVITY)?;
     initial.hair.inverse_mass[0] = initial.hair.inverse_mass[SEGMENTS];
     let start = initial.hair.positions.clone();
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;

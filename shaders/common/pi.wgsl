@@ -1,0 +1,2 @@
+// The number pi, to f32.
+const PI: f32 = 3.14159265;
