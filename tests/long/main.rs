@@ -8,4 +8,5 @@
 mod support;
 
 mod dial;
+mod exchange;
 mod quick;

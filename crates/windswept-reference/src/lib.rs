@@ -4,6 +4,7 @@
 //! the two cannot share a mistake. Pure functions over slices; [`step::step`] puts them in order.
 
 pub mod contact;
+pub mod elastica;
 pub mod fluid;
 pub mod grid;
 pub mod guard;
