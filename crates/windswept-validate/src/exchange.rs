@@ -55,8 +55,8 @@ struct Felt {
 
 impl Fence {
     /// One strand in a small box.
-    fn lone(fibres: f64, step: f64) -> Self {
-        let cells = [24, 16, 6];
+    fn lone(fibres: f64, step: f64, wide: usize) -> Self {
+        let cells = [24, wide, 6];
         let middle = cells.map(|n| n as f64 * spacing());
         Self {
             cells,
@@ -70,11 +70,11 @@ impl Fence {
 
     /// A strip 8 spacings wide in a channel of 36, whose drag on an area is k times ½ρu².
     fn strip(k: f64, step: f64) -> Self {
-        let cells = [72, 36, 4];
+        let cells = [60, 36, 6];
         let d = spacing();
         // Thin fibres in thin air: C_d = 1, and no wake of one fibre to speak of.
         let (radius, apart) = (4e-6, 0.5 * d);
-        let places = (0..16).map(|i| [24.0 * d, 14.0 * d + apart * (f64::from(i) + 0.5)]).collect();
+        let places = (0..16).map(|i| [22.0 * d, 14.0 * d + apart * (f64::from(i) + 0.5)]).collect();
         Self { cells, places, fibres: k * apart / (2.0 * radius), radius, viscosity: 1e-13, step }
     }
 
@@ -162,16 +162,16 @@ fn shielded(fibres: f64, speed: f64, blockage: f64) -> f64 {
 
 /// The force on strands that stand still, momentum, energy.
 pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
-    let mut rows = fixed(gpu, 1.38e-3)?;
+    let mut rows = fixed(gpu, 1.38e-3, 16)?;
     rows.extend(kept(gpu)?);
     Ok(rows)
 }
 
 /// A lone strand that stands still across 3 m/s.
-pub(crate) fn fixed(gpu: &Gpu, step: f64) -> Result<Vec<Row>, Error> {
+pub(crate) fn fixed(gpu: &Gpu, step: f64, wide: usize) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for fibres in [1.0, 10.0, 36.0, 200.0] {
-        let fence = Fence::lone(fibres, step);
+        let fence = Fence::lone(fibres, step, wide);
         let felt = fence.felt(gpu, 0.1, 0.06)?;
         let length = fence.cells[2] as f64 * spacing() - 2.0 * EDGE;
         let part = felt.force / (fibres * length * law(felt.flux));
@@ -183,14 +183,19 @@ pub(crate) fn fixed(gpu: &Gpu, step: f64) -> Result<Vec<Row>, Error> {
         } else if fibres == 36.0 {
             rows.push(Row::new(format!("{name}: force over the law"), 0.74, part, 0.06, LOCK));
         }
-        rows.push(Row::new(format!("{name}: air at it over U"), wanted, got, 0.04, POROUS));
+        // The exchange with 200 fibres is capped at the larger step, and says little of the law.
+        if fibres < 100.0 || step < 1e-3 {
+            rows.push(Row::new(format!("{name}: air at it over U"), wanted, got, 0.04, POROUS));
+        }
     }
     Ok(rows)
 }
 
-/// A lone strand that stands still, at a quarter of the step.
-pub(crate) fn fixed_fine(gpu: &Gpu) -> Result<Vec<Row>, Error> {
-    fixed(gpu, 0.345e-3)
+/// A lone strand that stands still in a box twice as wide, at two steps.
+pub(crate) fn fixed_wide(gpu: &Gpu) -> Result<Vec<Row>, Error> {
+    let mut rows = fixed(gpu, 1.38e-3, 32)?;
+    rows.extend(fixed(gpu, 0.345e-3, 32)?);
+    Ok(rows)
 }
 
 /// Drag of a porous strip across a channel over Taylor's.
@@ -206,7 +211,7 @@ pub(crate) fn strip(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ] {
         let wanted = through(k, 8.0 / 36.0);
         let fence = Fence::strip(k, step);
-        let felt = fence.felt(gpu, 0.2, 0.11)?;
+        let felt = fence.felt(gpu, 0.15, 0.1)?;
         let area = 8.0 * d * (fence.cells[2] as f64 * d - 2.0 * EDGE);
         let part = felt.force / (0.5 * REST_DENSITY * felt.flux.powi(2) * area) / (k * wanted * wanted);
         let name = format!("porous strip, k = {k}, {} ms", 1e3 * step);
