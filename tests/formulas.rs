@@ -65,6 +65,10 @@ checks! {
     taylor_green_vortices_decay: "taylor-green",
     momentum_is_kept: "momentum",
     what_air_loses_hair_receives: "coupled",
+    hair_stands_where_physics_says: "hair-in-wind",
+    hair_stands_right_in_air_that_it_slows: "hair-two-way",
+    bent_hair_sheds_drag_and_limp_hair_is_straight: "hair-limits",
+    hair_and_air_exchange_momentum: "exchange",
     passes_are_those_of_the_twin: "twin",
     rods_are_those_of_the_twin: "twin-rods",
     steps_are_those_of_the_twin: "twin-step",
@@ -76,6 +80,7 @@ fn wrong_constants_turn_rows_red() {
     let cases: &[(&Pass, &str, &str, &str)] = &[
         (&wind::DRAG, "FORM: f32 = 10.0", "FORM: f32 = 10.1", "drag"),
         (&wind::DRAG, "FRICTION: f32 = 5.4", "FRICTION: f32 = 5.41", "drag"),
+        (&wind::REACT, "params.air_inverse_mass * given", "1.01 * params.air_inverse_mass * given", "exchange"),
         (&wind::FRINGE, "GRIP: f32 = 10.0", "GRIP: f32 = 10.1", "wind"),
         (&wind::BLOW, "status.step + 1u", "status.step + 2u", "wind"),
         (&rods::ROOTS, "part * key.travel", "1.001 * part * key.travel", "wind"),

@@ -12,6 +12,7 @@ mod rods;
 mod rule;
 mod step;
 mod timing;
+mod wind;
 
 use std::{error::Error, path::PathBuf, process::ExitCode, time::Instant};
 
@@ -65,6 +66,13 @@ const FAMILIES: &[Family] = &[
         along: "along a line: 1, 2, 4 substeps",
         measure: step::measure,
     },
+    Family {
+        name: "wind",
+        title: "A hair in the wind: model, step, integrator, iterations of the air",
+        time: "all passes per 10 ms of simulated time, one hair [ms]",
+        along: "along a line: steps of 5, 2.5, 1.25, 0.625 ms",
+        measure: wind::measure,
+    },
 ];
 
 /// Results of a family.
@@ -96,7 +104,7 @@ impl Bench {
 /// Run time against error.
 #[derive(Parser)]
 struct Arguments {
-    /// Families to run: rods, fluid, filter, step [default: all]
+    /// Families to run: rods, fluid, filter, step, wind [default: all]
     families: Vec<String>,
     /// Folder for CSV files, pictures and defaults.md
     #[arg(long, default_value = "benches/results")]

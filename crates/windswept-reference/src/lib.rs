@@ -5,6 +5,7 @@
 //! order.
 
 pub mod contact;
+pub mod elastica;
 pub mod fluid;
 pub mod grid;
 pub mod guard;

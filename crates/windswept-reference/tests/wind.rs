@@ -7,7 +7,7 @@
 mod elastica;
 mod support;
 
-use elastica::{Hair, REAL};
+use elastica::{Hair, REAL, Scenes};
 use glam::DVec3;
 use windswept_reference::{Parameters, State, step::step, tables};
 use windswept_scene::InitialState;

@@ -9,7 +9,9 @@ mod air;
 mod confine;
 mod contact;
 mod coupled;
+mod exchange;
 mod fluid;
+mod hair_in_wind;
 mod kernels;
 mod momentum;
 mod rods;
@@ -74,10 +76,18 @@ pub const CHECKS: &[Check] = &[
     Check { name: "taylor-green", run: viscosity::taylor_green },
     Check { name: "momentum", run: momentum::closed_box },
     Check { name: "coupled", run: coupled::drag },
+    Check { name: "hair-in-wind", run: hair_in_wind::prescribed },
+    Check { name: "hair-two-way", run: hair_in_wind::two_way },
+    Check { name: "hair-limits", run: hair_in_wind::limits },
+    Check { name: "exchange", run: exchange::rows },
     Check { name: "twin", run: twin::passes },
     Check { name: "twin-rods", run: twin::rods },
     Check { name: "twin-step", run: whole::steps },
 ];
+
+/// Checks that take minutes on a software adapter; `tests/long` asserts them.
+pub const LONG_CHECKS: &[Check] =
+    &[Check { name: "strip", run: exchange::strip }, Check { name: "fixed-wide", run: exchange::fixed_wide }];
 
 /// A check that could not be done.
 #[derive(Debug, thiserror::Error)]
