@@ -5,33 +5,7 @@ use std::ffi::OsString;
 use std::path::Path;
 
 /// A scene without a fault; every case breaks it in one place.
-const SCENE: &str = r#"title = "a scene"
-method = "accurate"
-[time]
-step = 1.38e-3
-duration = 0.1
-[[hair]]
-name = "fringe"
-strands = 4
-points = 6
-length = 0.03
-radius = 4.0e-5
-youngs_modulus = 4.0e9
-[hair.roots]
-shape = "disc"
-center = [0.01, 0.02, 0.02]
-radius = 0.005
-direction = [1.0, 0.0, 0.0]
-[air]
-box = { min = [0.0, 0.0, 0.0], max = [0.06, 0.04, 0.04] }
-rest_density = 1.29
-particle_mass = 1.46e-7
-kernel_radius = 9.3e-3
-wind = [1.0, 0.0, 0.0]
-fringe = 0.01
-[viscosity]
-air = 0.014
-"#;
+const SCENE: &str = include_str!("../crates/windswept-cli/tests/small.toml");
 
 /// One fault: a line of the scene is replaced, and the error must point at `at`, a line of the broken text.
 struct Case {
@@ -202,7 +176,7 @@ fn a_terminal_sees_the_line() {
     std::fs::write(&scene, SCENE.replace("points = 6", "points = 1")).expect("a file");
     let (status, _, drawn) = windswept(&["check", path(&scene)], true);
     assert_eq!(status, 2);
-    for word in ["hair.points", "broken.toml:9", "points = 1"] {
+    for word in ["hair.points", "broken.toml:10", "points = 1"] {
         assert!(drawn.contains(word), "{word}: {drawn}");
     }
 }

@@ -25,7 +25,7 @@ fn times(path: &Path) -> Vec<f64> {
 #[test]
 fn a_run_writes_what_it_says() {
     let folder = folder();
-    let ran = run(folder.path(), &["--set", "hair.strands=5", "--report", "copy.json"]);
+    let ran = run(folder.path(), &["--set", "hair.fringe.strands=5", "--report", "copy.json"]);
     assert_eq!(ran.status.code(), Some(0), "{ran:?}");
     let out = folder.path().join("out");
     let all = ["air.vtkhdf", "frames", "hair.vtkhdf", "preview.gif", "report.json", "scene.toml"];

@@ -7,30 +7,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 /// 4 strands in about 800 particles of air; 72 steps, 7 frames.
-pub(crate) const SCENE: &str = r#"title = "small"
-[time]
-step = 1.38e-3
-duration = 0.1
-frame_rate = 60.0
-[hair]
-strands = 4
-points = 6
-length = 0.03
-[hair.roots]
-shape = "disc"
-center = [0.01, 0.02, 0.02]
-radius = 0.005
-direction = [1.0, 0.0, 0.0]
-[air]
-box = { min = [0.0, 0.0, 0.0], max = [0.06, 0.04, 0.04] }
-rest_density = 1.29
-particle_mass = 1.46e-7
-kernel_radius = 9.3e-3
-wind = [1.0, 0.0, 0.0]
-fringe = 0.01
-[picture]
-hairs = 40
-"#;
+pub(crate) const SCENE: &str = include_str!("../small.toml");
 
 /// A folder with the scene in it; the program runs there.
 pub(crate) fn folder() -> tempfile::TempDir {
