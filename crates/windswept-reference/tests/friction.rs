@@ -26,6 +26,9 @@ fn multipliers(n: usize) -> Vec<f64> {
     (0..n).map(|_| -1e-12 * rng.random::<f64>()).collect()
 }
 
+/// Coulomb's μ of hair on hair.
+const MU: f64 = 0.3;
+
 fn friction(crowd: &Crowd, v: &[DVec3], multiplier: &[f64]) -> Vec<DVec3> {
     let (p, x) = (&crowd.parameters, &crowd.positions);
     fluid::friction(p, x, v, &crowd.inverse_mass, &crowd.volume, multiplier, &crowd.neighbours())
@@ -66,6 +69,7 @@ fn friction_is_equal_and_opposite() {
 fn a_pair_slides_or_sticks() {
     let mut crowd = Crowd::new(DVec3::ONE, vec![DVec3::splat(0.5), DVec3::new(0.504, 0.5, 0.5)]);
     (crowd.parameters.hair_points, crowd.parameters.strand_of) = (2, vec![0, 1]);
+    crowd.parameters.friction = MU;
     crowd.inverse_mass[1] *= 3.0;
     let v = [DVec3::new(0.4, 0.3, -0.2), DVec3::ZERO];
     let slip = DVec3::new(0.0, 0.3, -0.2);
@@ -73,7 +77,7 @@ fn a_pair_slides_or_sticks() {
         let change = friction(&crowd, &v, &[lambda, 0.0]);
         let impulse = change[0].length() / crowd.inverse_mass[0];
         let slope = windswept_reference::sph_kernels::spiky_slope(0.004, RADIUS);
-        let cap = 0.3 * (lambda * VOLUME * slope).abs() / crowd.parameters.step;
+        let cap = MU * (lambda * VOLUME * slope).abs() / crowd.parameters.step;
         let after = slip + change[0] - change[1];
         println!("{impulse:.2e} N s of {cap:.2e}, slip {:.3} m/s", after.length());
         assert!(change[0].x == 0.0 && change[0].cross(slip).length() < 1e-15);
@@ -133,6 +137,7 @@ fn slides(tangent: f64) -> (f64, f64) {
     let mut p = Parameters::new(&Scene::parse(&text).unwrap(), &initial);
     // No air to speak of.
     (p.kinematic_viscosity, p.rest_density) = (1e-12, 1e-6);
+    p.friction = MU;
     let mut state = State::new(&initial, p.step);
     let loose = bed.positions.len()..p.hair_points;
     let speed = |state: &State| state.velocity[loose.clone()].iter().map(|v| v.x).sum::<f64>() / loose.len() as f64;
@@ -149,7 +154,7 @@ fn slides(tangent: f64) -> (f64, f64) {
 /// On a slope above μ a strand slides as Coulomb's law says; below it does not speed up.
 #[test]
 fn a_strand_slides_above_mu() {
-    let coulomb = |tangent: f64| 9.81 * tangent.atan().cos() * (tangent - 0.3);
+    let coulomb = |tangent: f64| 9.81 * tangent.atan().cos() * (tangent - MU);
     let (above, _) = slides(0.36);
     let (below, creeps) = slides(0.22);
     println!("above {above:.3} of {:.3} m/s², below {below:.3} m/s² at {creeps:.3} m/s", coulomb(0.36));
