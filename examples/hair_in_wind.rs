@@ -56,7 +56,7 @@ fn shapes(gpu: &Gpu, panel: &Panel<'_>) -> Result<(), Box<dyn Error>> {
         .x_label_area_size(40)
         .y_label_area_size(50)
         .build_cartesian_2d(-0.05..1.05, -1.05..0.05)?;
-    chart.configure_mesh().x_desc("downwind / L").y_desc("up / L").draw()?;
+    chart.configure_mesh().light_line_style(WHITE).x_desc("downwind / L").y_desc("up / L").draw()?;
     for (wind, colour) in WINDS.into_iter().zip(COLOURS) {
         let hair = Hair { wind, ..REAL };
         let exact = hair.shape().into_iter().step_by(10).map(|[x, down]| (x, -down));
@@ -87,14 +87,21 @@ fn reconfiguration(gpu: &Gpu, panel: &Panel<'_>) -> Result<(), Box<dyn Error>> {
         .x_label_area_size(40)
         .y_label_area_size(50)
         .build_cartesian_2d((0.3..3000.0).log_scale(), (0.05..1.2).log_scale())?;
-    chart.configure_mesh().x_desc("Ca = 1/2 ρ 2r U² L³/EI").y_desc("R").draw()?;
+    chart
+        .configure_mesh()
+        .light_line_style(WHITE)
+        .x_desc("Ca = 1/2 ρ 2r U² L³/EI")
+        .y_desc("R")
+        .x_label_formatter(&|ca| format!("{ca:.0}"))
+        .y_label_formatter(&|r| format!("{r:.1}"))
+        .draw()?;
     let exact = (0..=38).map(|k| 0.3 * 10.0_f64.powf(f64::from(k) / 10.0)).filter(|ca| *ca < 3000.0);
     let exact = exact.map(|ca| (ca, Hair::with_cauchy_number(ca).reconfiguration()));
     chart.draw_series(LineSeries::new(exact, BLACK.stroke_width(2)))?;
     // U^(-2/3) is Ca^(-1/3).
     let slope = [20.0_f64, 2500.0].map(|ca| (ca, 0.7 * (20.0 / ca).cbrt() * 0.55));
     chart.draw_series(DashedLineSeries::new(slope, 6, 4, BLACK.stroke_width(1)))?;
-    chart.draw_series([Text::new("slope -1/3", (60.0, 0.17), ("sans-serif", 13))])?;
+    chart.draw_series([Text::new("slope -1/3", (200.0, 0.21), ("sans-serif", 13))])?;
     for cauchy in [1.0, 10.0, 100.0, 1000.0] {
         let hair = Hair::with_cauchy_number(cauchy);
         let simulation = blown(gpu, &hair, 69, 60.0)?;
