@@ -90,7 +90,7 @@ fn wrong_constants_turn_rows_red() {
         (&fluid::PREDICT, "params.step *", "1.001 * params.step *", "twin-step"),
         (&rods::DIRECT, "joint_before.gap + joint", "joint_before.gap + 1.01 * joint", "twin-rods"),
         (&rods::GAUSS_SEIDEL, "w = 0.25", "w = 0.252", "twin-rods"),
-        (&rods::CHOOSE, "params.step * (2.0 / 3.0)", "params.step * 0.667", "twin-rods"),
+        (&rods::START, "params.step * (2.0 / 3.0)", "params.step * 0.667", "twin-rods"),
         (&contact::HAIR, "body.friction * depth", "1.01 * body.friction * depth", "contact"),
         (&contact::AIR, "CLEARANCE: f32 = 0.5", "CLEARANCE: f32 = 0.501", "contact"),
         (&turbulence::VORTICITY, "45.0", "45.1", "rotation"),

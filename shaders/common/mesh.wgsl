@@ -11,7 +11,7 @@ struct Mesh {
     axis: u32,               // axis that this dispatch smooths along: 0 is x, 1 is y, 2 is z
     nearest: i32,            // node that the first tap is for, counted from the first node that is made
     first_tap: u32,          // index of the first tap in `taps`
-    @size(204) end_tap: u32, // end of the taps in `taps`; a uniform is bound at multiples of 256 bytes
+    end_tap: u32, // end of the taps in `taps`
 }
 
 // Half of the B-spline's support, in spacings.

@@ -34,7 +34,7 @@ struct Params {
     sleep: u32,                   // strands at rest are left alone
     substeps: u32,                // engine steps of a time step
     conserve_momentum: u32,       // take the mean change by confinement out
-    @size(92) model: u32,         // of hair and air: PARTICLES, TWO_WAY, MEAN_WIND, ALONE; bound at multiples of 256 bytes
+    model: u32,                   // of hair and air: PARTICLES, TWO_WAY, MEAN_WIND, ALONE
 }
 
 // How hair and air meet: in one fluid of particles, by exchanging drag, in the mean wind without air, or not at all.

@@ -1,7 +1,7 @@
 // A strand that the direct solver tore (too stiff for its step and its segments: f32 does not resolve the system) is left to
 // Gauss-Seidel, which is inexact but tears nothing: back to its free move, nothing held. The others are done.
 import package::common::{
-    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotation},
+    params::{params, TWO_WAY, MEAN_WIND}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotation},
     rod::{Strand, RodStrand, RodPoint, RodSegment, FREE, SOLVED}, status::{frozen, count, RESCUED_STEP},
 };
 
@@ -30,12 +30,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     let strand = strands[s];
     let origin = base(strand, rod_strands[s]);
+    // Free moves of calm strands were not capped there.
+    let drags = params.model == TWO_WAY || params.model == MEAN_WIND;
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
         let way = rod_points[p].free - origin;
         let far = length(way);
-        // Free moves of calm strands were not capped, unless density moved them.
-        let capped = params.model != PARTICLES && far > rod_points[p].largest;
+        let capped = drags && rod_points[p].inverse_mass > 0.0 && far > rod_points[p].largest;
         rod_points[p].travel = select(rod_points[p].free, origin + (rod_points[p].largest / far) * way, capped);
     }
     for (var k = 0u; k < strand.points - 1u; k++) {

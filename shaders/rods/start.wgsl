@@ -4,7 +4,7 @@
 // nothing pushes sleeps. The others are integrated. The direct solver starts a calm strand where its velocities lead, held by
 // the forces of the step before, and others at their free move. A free move that a rod could not follow is capped and counted.
 import package::common::{
-    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent},
+    params::{params, TWO_WAY, MEAN_WIND}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent},
     integration::{EULER, PUT, STAY, free_move, response}, rest::{STILL_TIME, STILL_STEPS}, load::damping_of,
     led::{held_move, led_move, led_turn},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, CALM_STEPS,
@@ -97,6 +97,11 @@ fn free_point(strand: Strand, rod: RodStrand, k: u32) -> vec3f {
     return free_move(point.velocity, point.before, point.carried, acceleration, damping_of(point), rod.scheme);
 }
 
+// Whether the model has a drag that the rods take.
+fn drags() -> bool {
+    return params.model == TWO_WAY || params.model == MEAN_WIND;
+}
+
 // What the free move is measured from: the root, or the strand's mean where that is free.
 fn base(strand: Strand, rod: RodStrand) -> vec3f {
     if rod_points[strand.first_point].inverse_mass == 0.0 { return rod.root_travel; }
@@ -107,8 +112,8 @@ fn base(strand: Strand, rod: RodStrand) -> vec3f {
 
 fn start(strand: Strand, rod: RodStrand, led: bool) {
     let origin = base(strand, rod);
-    // Rods follow wherever calm strands go; density can shove a point anywhere.
-    let caps = !led || params.model == PARTICLES;
+    // Where air drags hair, rods follow wherever calm strands go; density can shove a point anywhere.
+    let caps = !led || !drags();
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
         let point = rod_points[p];

@@ -120,7 +120,13 @@ fn print_buffers(rows: &[windswept::BufferRow], console: &mut Console<'_>) {
     let name = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);
     console.print("buffers");
     for row in rows {
-        console.print(format_args!("  {:<name$}  {:>9} x {:>3} B  {}", row.name, row.len, row.stride, row.doc));
+        console.print(format_args!(
+            "  {:<name$}  {:>9} x {:>3} B  {}",
+            row.name,
+            row.len,
+            row.stride,
+            row.doc.replace('\\', "")
+        ));
     }
 }
 

@@ -400,7 +400,7 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
         })
         .collect();
     let length: f64 = s.hair.rest_length[segments.clone()].iter().sum();
-    let caps = !ahead || p.model == Model::Particles;
+    let caps = !ahead || !drags(p);
     let origin = origin(m.points[points.start].inverse_mass == 0.0, drive, &free);
     for (k, i) in points.enumerate() {
         let point = &mut m.points[i];
@@ -427,6 +427,11 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
         segment.moment = if ahead { segment.moment } else { DVec3::ZERO };
     }
     choice
+}
+
+/// Whether the model has a drag that the rods take.
+fn drags(p: &Parameters) -> bool {
+    matches!(p.model, Model::TwoWay | Model::Drag)
 }
 
 /// What free moves are measured from when they are capped: the root's, or their mean where the root is free.
@@ -563,9 +568,9 @@ pub fn rescue(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &m
     let free: Vec<_> = m.points[points.clone()].iter().map(|point| point.free).collect();
     let origin = origin(m.points[points.start].inverse_mass == 0.0, drive, &free);
     for (point, free) in m.points[points].iter_mut().zip(free) {
-        // Moves of calm strands were not capped, unless they were by the density of `particles`.
-        let capped = p.model == Model::Particles;
-        point.travel = if capped { free } else { origin + (free - origin).clamp_length_max(point.largest) };
+        // Moves of calm strands were not capped where air drags them.
+        let capped = drags(p) && point.inverse_mass > 0.0;
+        point.travel = if capped { origin + (free - origin).clamp_length_max(point.largest) } else { free };
     }
     for segment in &mut m.segments[hair.segments(s)] {
         segment.frame = (rotation(segment.free) * segment.start).normalize();

@@ -17,7 +17,7 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     let mut s = state.clone();
     let mut w = drive(&s, p); //         1. Clamps move; wind enters; air moves, and hair drifts among it.
     neighbours(&mut w, p); //            2. List who is near whom.
-    fluid(&s, &mut w, p); //           3. Hair and air share one density constraint (eq. 1).
+    fluid(&s, &mut w, p); //           3. Density constraints (eq. 1), of hair and air together or each for itself.
     rods(&mut s, &mut w, p); //       4. Air drags strands, which keep their length and shape, and strands slow the air.
     contact(&mut s, &mut w, p); //         5. Nothing enters a body.
     velocity(&s, &mut w, p); //          6. Velocities from positions.
@@ -98,7 +98,7 @@ pub fn neighbours(w: &mut Scratch, p: &Parameters) {
     }
 }
 
-/// 3. Hair and air share one density constraint (eq. 1). Viscosity needs the density even where nothing is solved.
+/// 3. Density constraints (eq. 1), of hair and air together or each for itself. Viscosity needs the density even where nothing is solved.
 pub fn fluid(s: &State, w: &mut Scratch, p: &Parameters) {
     w.correction = vec![DVec3::ZERO; w.predicted.len()];
     if !p.air {

@@ -1,4 +1,4 @@
-//! The wind enters, and lifts and drags hair that no air particle reaches.
+//! The wind enters; air lifts and drags hair, and hair slows the air.
 
 use std::f64::consts::PI;
 

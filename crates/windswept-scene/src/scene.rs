@@ -158,7 +158,7 @@ table! {
         /// Model of the interaction: one fluid of particles; hair and air particles that exchange drag; lift and drag of the mean
         /// wind; hair alone.
         model: Model = Choice(Model::WORDS), "", Value(Model::Particles);
-        /// Lift coefficient C_l of a segment across the wind (model `drag`, and hair outside the box of model `particles`).
+        /// Lift coefficient C_l of a segment across the wind (models `two-way` and `drag`, and hair outside the box of model `particles`).
         lift: f64 = NonNegative, "", Value(0.0);
     }
 }

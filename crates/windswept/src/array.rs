@@ -2,11 +2,14 @@
 
 use std::{fmt, marker::PhantomData, mem::size_of, ops::Deref};
 
+use windswept_shaders::{BindingKind, PASSES};
+
 /// A buffer, whatever its elements are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct AnyArray {
     name: &'static str,
     doc: &'static str,
+    size: u64,
     stride: u64,
     len: u64,
     slot: usize,
@@ -27,6 +30,12 @@ impl AnyArray {
     }
 
     /// Size of an element \[bytes\].
+    #[must_use]
+    pub fn size(&self) -> u64 {
+        self.size
+    }
+
+    /// Bytes from one element to the next: its size, or for uniforms a multiple of 256, at which they can be bound.
     #[must_use]
     pub fn stride(&self) -> u64 {
         self.stride
@@ -66,6 +75,15 @@ impl AnyArray {
     }
 }
 
+/// WebGPU's default: multiples of so many bytes at which an element of an array can be bound as a uniform.
+const UNIFORM_ALIGNMENT: u64 = 256;
+
+/// Whether any pass binds the array of this name as a uniform.
+pub(crate) fn is_uniform(name: &str) -> bool {
+    let mut bindings = PASSES.iter().flat_map(|pass| pass.bindings);
+    bindings.any(|binding| binding.name == name && binding.kind == BindingKind::Uniform)
+}
+
 /// A buffer of elements of `T`, which Rust and WGSL lay out alike.
 pub struct Array<T> {
     any: AnyArray,
@@ -74,7 +92,9 @@ pub struct Array<T> {
 
 impl<T> Array<T> {
     pub(crate) fn new(name: &'static str, doc: &'static str, len: u64, slot: usize) -> Self {
-        let any = AnyArray { name, doc, stride: size_of::<T>() as u64, len, slot, element: None };
+        let size = size_of::<T>() as u64;
+        let stride = if is_uniform(name) { size.next_multiple_of(UNIFORM_ALIGNMENT) } else { size };
+        let any = AnyArray { name, doc, size, stride, len, slot, element: None };
         Self { any, of: PhantomData }
     }
 

@@ -46,7 +46,7 @@ pub struct Plan {
     pub fluid: Decision,
     /// Is density needed although the constraint is not solved?
     pub density_alone: Decision,
-    /// Does the mean wind push segments?
+    /// Does air or the mean wind drag segments?
     pub drag: Decision,
     /// Does air have its velocity before hair feels it?
     pub air_first: Decision,

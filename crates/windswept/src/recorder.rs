@@ -181,13 +181,13 @@ fn check(command: &Command) {
     for (binding, array) in pass.bindings.iter().zip(&command.arrays) {
         assert!(*array != AnyArray::default(), "{}: no array is called {}: bind one", pass.name, binding.name);
         assert!(
-            u64::from(binding.stride) == array.stride(),
+            u64::from(binding.stride) == array.size(),
             "{}: {} has elements of {} bytes, the array {} of {}",
             pass.name,
             binding.name,
             binding.stride,
             array.name(),
-            array.stride()
+            array.size()
         );
         let bound = command.arrays.iter().filter(|other| other.slot() == array.slot()).count();
         assert!(!binding.writes || bound == 1, "{}: {} is written while bound twice", pass.name, binding.name);

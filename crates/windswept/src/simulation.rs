@@ -145,7 +145,7 @@ impl Simulation {
     /// Encodes `n` steps of Δt into the caller's encoder, beside the caller's own work. Call [`Self::settle`] after the
     /// submit.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, n: u64) {
-        for _ in 0..n * self.substeps() {
+        for _ in 0..n.saturating_mul(self.substeps()) {
             self.program.encode(encoder);
         }
     }

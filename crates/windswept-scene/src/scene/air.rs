@@ -29,7 +29,7 @@ table! {
     #[derive(Debug, Clone, PartialEq)]
     pub struct Air, checked by Air::checked {
         /// Periodic box of the air particles; none with models drag and none.
-        bounds as "box": Option<Bounds> = Table, "", Absent("needed with model particles");
+        bounds as "box": Option<Bounds> = Table, "", Absent("needed with models particles and two-way");
         /// Rest density ρ0.
         rest_density: f64 = Positive, "kg/m³", Value(REST_DENSITY);
         /// Mass of an air particle; the count is rounded, and the mass adjusted so that the mean density is exact.
@@ -37,7 +37,7 @@ table! {
         /// Kernel radius h.
         kernel_radius: f64 = Length, "m", Value(KERNEL_RADIUS);
         /// Mean wind U.
-        wind: [f64; 3] = Vector, "m/s", Absent("needed with models particles and drag") => |air| without_wind(air)?;
+        wind: [f64; 3] = Vector, "m/s", Absent("needed with every model but none") => |air| without_wind(air)?;
         /// Thickness of the fringe, in which entering air is conditioned; 0: none.
         fringe: f64 = NonNegative, "m", Absent("4 kernel radii") => |_air| 4.0 * kernel_radius;
         /// Time over which the wind rises; 0: at once.

@@ -3,10 +3,9 @@
 use std::{num::NonZero, sync::mpsc};
 
 use bytemuck::Pod;
-use windswept_shaders::{BindingKind, PASSES};
 
 use crate::{
-    array::{AnyArray, Array},
+    array::{AnyArray, Array, is_uniform},
     engine::NEIGHBOURS_PER_PARTICLE,
     error::GpuError,
     gpu::Gpu,
@@ -42,7 +41,7 @@ impl Memory {
 
     /// The binding of an array: the whole buffer, or one element of it.
     pub(crate) fn binding(&self, array: &AnyArray) -> wgpu::BindingResource<'_> {
-        let (offset, size) = array.element().map_or((0, None), |k| (k * array.stride(), NonZero::new(array.stride())));
+        let (offset, size) = array.element().map_or((0, None), |k| (k * array.stride(), NonZero::new(array.size())));
         wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: self.buffer(array), offset, size })
     }
 
@@ -51,16 +50,32 @@ impl Memory {
         if data.is_empty() {
             return Ok(());
         }
-        let (offset, bytes): (u64, &[u8]) = (first as u64 * array.stride(), bytemuck::cast_slice(data));
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        // Uniforms lie apart.
+        let apart = array.stride() != array.size();
+        let part = if apart { array.size() as usize } else { bytes.len() };
         gpu.checked(
             || format!("writing {}", array.name()),
-            || gpu.queue.write_buffer(self.buffer(array), offset, bytes),
+            || {
+                for (k, bytes) in bytes.chunks(part).enumerate() {
+                    gpu.queue.write_buffer(self.buffer(array), (first + k) as u64 * array.stride(), bytes);
+                }
+            },
         )
     }
 
     /// Reads whole arrays, in one submission.
     pub(crate) fn read<T: Pod>(&self, gpu: &Gpu, arrays: &[AnyArray]) -> Result<Vec<Vec<T>>, GpuError> {
-        self.view(gpu, arrays, |views| views.iter().map(|bytes| bytemuck::pod_collect_to_vec(bytes)).collect())
+        self.view(gpu, arrays, |views| {
+            let elements = |(bytes, array): (&&[u8], &AnyArray)| match array.stride() == array.size() {
+                true => bytemuck::pod_collect_to_vec(bytes),
+                false => bytes
+                    .chunks(array.stride() as usize)
+                    .map(|element| bytemuck::pod_read_unaligned(&element[..array.size() as usize]))
+                    .collect(),
+            };
+            views.iter().zip(arrays).map(elements).collect()
+        })
     }
 
     /// Shows `read` the bytes of whole arrays, fetched in one submission, in the memory to which the driver has mapped
@@ -130,9 +145,7 @@ fn check_size(gpu: &Gpu, state: &State, array: &AnyArray) -> Result<(), GpuError
 }
 
 fn allocate(gpu: &Gpu, array: &AnyArray) -> Result<wgpu::Buffer, GpuError> {
-    let bindings = PASSES.iter().flat_map(|pass| pass.bindings);
-    let uniform =
-        bindings.into_iter().any(|binding| binding.name == array.name() && binding.kind == BindingKind::Uniform);
+    let uniform = is_uniform(array.name());
     let kind = if uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
     gpu.checked(
         || format!("allocating {} bytes for {}", array.bytes(), array.name()),

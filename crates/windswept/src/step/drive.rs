@@ -1,4 +1,4 @@
-//! 1. Clamps move; wind enters and drags; air moves, and hair drifts among it.
+//! 1. Clamps move; wind enters; air moves, and hair drifts among it.
 
 use windswept_shaders::{fluid, rods, wind};
 
