@@ -17,9 +17,9 @@ const FRINGE: &str = "(1 - exp(-sigma dt)) U, sigma = 10 |U|/l sin²(pi x/l); la
     margin 4";
 const KEYFRAMES: &str =
     "c + R (x - c) + T, R steady about its axis; 14 ms of 20 ms; measured 1.5e-8 m, 1.2e-7 rad; margin 4";
-const TERMINAL: &str = "rho r (u + 10 (2r/nu)^(-2/3) u^(1/3)) (u - g dt) = rho_hair pi r² g: the implicit step has fallen g dt more; \
-    measured 2e-6 off; margin 4";
-const OBLIQUE: &str = "dt k/m u over 1 + dt k/m, one step at 45 degrees to the wind; measured 1.6e-6 off: an \
+const TERMINAL: &str =
+    "rho r (u + 10 (2r/nu)^(-2/3) u^(1/3)) u = rho_hair pi r² g, whatever the step; measured 2e-6 off; margin 4";
+const OBLIQUE: &str = "dt k/m u over 1 + dt k_n/m, one step at 45 degrees to the wind; measured 1.6e-6 off: an \
     orientation's rounding; margin 4";
 
 /// Mean wind \[m/s\].
