@@ -85,7 +85,7 @@ pub const CHECKS: &[Check] = &[
     Check { name: "twin-step", run: whole::steps },
 ];
 
-/// Checks that take minutes on a software adapter; `tests/long` asserts them.
+/// Checks that take minutes on a software adapter; `tests/exchange.rs` asserts them.
 pub const LONG_CHECKS: &[Check] =
     &[Check { name: "strip", run: exchange::strip }, Check { name: "fixed-wide", run: exchange::fixed_wide }];
 
