@@ -50,8 +50,8 @@ const CASES: &[Case] = &[
     replaced(STRANDS, "strands = 4.5", "hair.strands", &["whole number"]),
     replaced(LENGTH, "length = \"3 cm\"", "hair.length", &["length"]),
     replaced("method = \"accurate\"", "method = \"exact\"", "method", &["accurate", "published"]),
-    replaced("wind = [1.0, 0.0, 0.0]", "wind = [1.0, 0.0]", "air.wind", &["3"]),
-    replaced("wind = [1.0, 0.0, 0.0]", "wind = 1.0", "air.wind", &["3"]),
+    replaced("wind = [1.0, 0.0, 0.0]", "wind = [1.0, 0.0]", "air.wind", &["three numbers"]),
+    replaced("wind = [1.0, 0.0, 0.0]", "wind = 1.0", "air.wind", &["three numbers"]),
     // NaN and infinity.
     replaced("step = 1.38e-3", "step = nan", "time.step", &["nan"]),
     replaced("air = 0.014", "air = inf", "viscosity.air", &["inf"]),
