@@ -16,7 +16,7 @@ use crate::{
 const STEPS: [f64; 4] = [5e-3, 2.5e-3, 1.25e-3, 0.625e-3];
 /// The one that is nearest to the scenes'.
 const USUAL: f64 = 1.25e-3;
-/// Of the fine run, in the model `drag` \[s\].
+/// Step of the fine run in the model `drag` \[s\].
 const FINE: f64 = 0.0625e-3;
 /// After the wind has set in \[s\].
 const SOON: f64 = 0.04;

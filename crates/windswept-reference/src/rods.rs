@@ -14,7 +14,7 @@ use crate::{Parameters, state};
 
 /// A strand is strained where a segment is stretched or crushed by more than this.
 pub const STRAINED: f64 = 0.5;
-/// So many steps of it on end are a warning.
+/// Over-strained steps on end at which a strand is warned of.
 pub const STRAINED_STEPS: u32 = 50;
 /// |C| of stretch-shear where velocities lead: beyond it a strand is not calm.
 pub const TORN: f64 = 0.1;
@@ -67,7 +67,7 @@ pub struct Drive {
     pub misfit: f64,
     /// Velocities lead to where the strand is torn.
     pub torn: bool,
-    /// Its segments fit where it is.
+    /// Whether the segments of the strand fit where it is.
     pub whole: bool,
     /// h of the strand, if it is integrated \[s\].
     pub step: f64,

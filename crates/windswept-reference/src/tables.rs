@@ -92,7 +92,7 @@ pub struct HairInWind {
     pub tip: f64,
     /// How far below it, over L.
     pub drop: f64,
-    /// Of the wind on the whole hair \[N\].
+    /// Force of the wind on the whole hair \[N\].
     pub force: f64,
 }
 

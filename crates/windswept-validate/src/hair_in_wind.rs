@@ -59,7 +59,7 @@ impl Blown<'_> {
         Self { hair, segments: SEGMENTS, step, model: "drag", damping: DAMPING, ramp: 0.0 }
     }
 
-    /// Its scene, with its wind, and the strand hanging straight down from `root`.
+    /// The scene of the blown hair, with its wind, and the strand hanging straight down from `root`.
     fn scene(&self, root: DVec3, bounds: &str) -> Result<Scene, Error> {
         let Hair { radius, density, length, gravity, wind, viscosity, .. } = self.hair;
         // What bends like the hair and stretches like a real one, however limp.

@@ -113,18 +113,16 @@ impl Plan {
         let turbulence = air.and(turbulence(scene, &bands));
         let drag = hair.and(match scene.interaction.model {
             Model::Drag => Decision::when(true, ""),
-            Model::Particles => Decision::when(air.runs, "no air moves"),
-            Model::TwoWay => Decision::when(true, ""),
+            Model::Particles | Model::TwoWay => Decision::when(air.runs, "no air moves"),
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),
         });
         let (blows, wind) = wind(scene, &air, &drag);
-        let exchanges = scene.interaction.model == Model::TwoWay && sizes.strands > 0;
+        let two_way = scene.interaction.model == Model::TwoWay;
         let neighbours = air.and(Decision::when(
-            solved || viscous || turbulence.runs || exchanges,
+            solved || viscous || turbulence.runs || (two_way && hair.runs),
             "neither density nor viscosity nor turbulence nor hair asks for neighbours",
         ));
         let fluid = air.and(Decision::when(solved, "fluid.iterations is 0"));
-        let two_way = scene.interaction.model == Model::TwoWay;
         let hair_meets_air = hair.and(neighbours.clone());
         let air_first = air.and(Decision::when(two_way, "hair is in air's density constraint: see heading 6"));
         let air_last = air.and(Decision::when(!two_way, "hair has felt them: see heading 3"));
