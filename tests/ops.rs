@@ -7,7 +7,7 @@ mod support;
 use glam::DVec3;
 use support::{Layout, RADIUS, VOLUME};
 use windswept::ops::{Filter, OpsError, Particles};
-use windswept_reference::{Parameters, fluid, grid, turbulence};
+use windswept_reference::{Parameters, fluid, neighbours, turbulence, viscosity};
 use windswept_scene::{AirParticles, Band, Fluid, InitialState, Scene};
 
 /// Rest density \[kg/m³\].
@@ -112,11 +112,11 @@ fn operations_are_those_of_the_twin() {
         crowd.scene.fluid = fluid_settings.clone();
         crowd.scene.viscosity.air = 0.9;
         let (p, x, v, volume) = crowd.twin();
-        let near = grid::neighbours(&p, &x);
+        let near = neighbours::neighbours(&p, &x);
         let inverse_mass = vec![1.0 / MASS; x.len()];
         let (theta, lambda) = fluid::density(&p, &x, &inverse_mass, &volume, &near);
         let shift = fluid::correct(&p, &x, &inverse_mass, &volume, &near, &lambda);
-        let exchange = fluid::limit(&p, &x, &volume, &near, &theta);
+        let exchange = viscosity::limit(&p, &x, &volume, &near, &theta);
         let particles = crowd.particles();
 
         let density: Vec<DVec3> =
@@ -131,7 +131,7 @@ fn operations_are_those_of_the_twin() {
         let moved = particles.solve_density(&gpu, fluid_settings.clone()).unwrap();
         let far = moved.iter().zip(x.iter().zip(&shift)).map(gap).fold(0.0, f64::max);
         let band = turbulence::band(&p, &p.bands[0], DVec3::ZERO, &x, &v, &volume);
-        let viscous = fluid::viscosity(&p, &x, &v, &inverse_mass, &volume, &near, &theta, &exchange);
+        let viscous = viscosity::viscosity(&p, &x, &v, &inverse_mass, &volume, &near, &theta, &exchange);
         let errors = [
             error(&density, &theta_wanted, 0.1),
             error(

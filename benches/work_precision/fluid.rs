@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use windswept::{AirFrame, RunError, Simulation};
-use windswept_reference::{Parameters, grid, sph_kernels::spiky_gradient};
+use windswept_reference::{Parameters, neighbours, sph_kernels::spiky_gradient};
 use windswept_scene::{Fluid, InitialState, Scene};
 use windswept_validate::internals::{Cloud, REST_DENSITY, VOLUME, air_scene, vectors};
 
@@ -119,7 +119,7 @@ fn run(bench: &Bench, scene: &Scene, air: &Cloud, steps: u64) -> Result<[f64; 2]
 fn divergence(scene: &Scene, state: &InitialState) -> f64 {
     let p = Parameters::new(scene, state);
     let (x, v) = (&state.air.positions, &state.air.velocities);
-    let near = grid::neighbours(&p, x);
+    let near = neighbours::neighbours(&p, x);
     let pair = |i: usize, j: usize| {
         (v[j] - v[i]).dot(VOLUME * spiky_gradient(i, j, p.separation(i, j, x[i], x[j]), p.kernel_radius))
     };

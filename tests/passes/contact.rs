@@ -1,4 +1,4 @@
-//! place, hair, air.
+//! Heading 5: the passes that keep hair and air out of bodies.
 
 use std::f64::consts::PI;
 
@@ -6,13 +6,61 @@ use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::internals::step;
-use windswept_reference::contact;
+use windswept_reference::{State as Twin, contact, step::Scratch};
 use windswept_scene::{Body, Keyframe, Motion, Round, Scene, Shape};
+use windswept_shaders as passes;
 
 use crate::{
     stage::{Stage, quaternion, relative, xyz},
+    steps::{BODIES, Fault},
     support::{self, Layout},
+    walk::{Same, Walk, apart, differing, largest},
 };
+
+impl Walk<'_> {
+    pub fn contact(&mut self, s: &mut Twin, w: &mut Scratch) -> Same {
+        let (stage, bounds, hair) = (self.stage, self.bounds, self.p().hair_points);
+        let state = stage.engine.state();
+        let mut passes = stage.passes(step::contact::record);
+        contact::run(s, w, self.p());
+        if passes.through("contact/place") {
+            let got = stage.engine.read(&state.placed).unwrap();
+            let wanted = contact::place(self.p(), s.steps);
+            let ends = got.iter().zip(&wanted).map(|(got, wanted)| {
+                let [start, end] = wanted.body.shape.round().ends.map(|end| wanted.after.out(end));
+                (xyz(&got.start) - start).length().max((xyz(&got.end) - end).length())
+            });
+            self.same("contact/place", largest(ends), bounds.length)?;
+        }
+        if passes.through("contact/hair") {
+            let got = stage.vectors(&state.predicted);
+            self.same("contact/hair", apart(&got[..hair], &w.predicted[..hair]), bounds.length)?;
+            let touched = stage.engine.read(&state.touched).unwrap();
+            let touched: Vec<u32> = touched.iter().map(|bits| u32::from(*bits != 0)).collect();
+            let wanted: Vec<u32> = w.touched.iter().map(|touched| u32::from(*touched)).collect();
+            self.same("contact/hair", differing(&touched, &wanted), 0.0)?;
+        }
+        if passes.through("contact/stretch") {
+            self.health("contact/stretch", s)?;
+        }
+        if passes.through("contact/air") {
+            let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
+            self.same("contact/air", gap, bounds.length)?;
+            let got = self.vectors(&state.new_velocity, hair);
+            self.same("contact/air", apart(&got, &w.new_velocity[hair..]), bounds.speed)?;
+        }
+        passes.finish();
+        Ok(())
+    }
+}
+
+/// Planted faults of the passes of this heading.
+pub const FAULTS: &[Fault] = &[
+    (&passes::contact::PLACE, "0.5 * (body.start + body.end)", "0.51 * (body.start + body.end)", BODIES),
+    (&passes::contact::HAIR, "body.friction * depth", "0.9 * body.friction * depth", BODIES),
+    (&passes::contact::STRETCH, "rest_length - 1.0", "rest_length - 2.5", BODIES),
+    (&passes::contact::AIR, "CLEARANCE * pow", "0.9 * CLEARANCE * pow", BODIES),
+];
 
 fn body(shape: Shape, keyframes: &[(f64, [f64; 3], [f64; 3])]) -> Body {
     let keyframe = |&(time, translation, rotation)| Keyframe { time, translation, rotation };

@@ -1,15 +1,79 @@
-//! hold, check, commit, commit_frames.
+//! Heading 9: the passes that commit a step, or freeze.
 
 use glam::DVec3;
 use windswept::internals::step;
 use windswept_reference::{
-    fluid,
+    State as Twin, drive,
     guard::{self, Frozen},
     step::Scratch,
 };
-use windswept_shaders::common::status::{NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, STRAND_RESET, TOO_MANY_BAD_STRANDS};
+use windswept_shaders as passes;
+use windswept_shaders::common::status::{
+    ASLEEP_STEP, EULER_STEP, MOVE_CAPPED, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, RESCUED_STEP, STRAND_RESET, TELEPORT,
+    TOO_MANY_BAD_STRANDS,
+};
 
-use crate::{stage::Stage, support};
+use crate::{
+    stage::{Stage, xyz},
+    steps::{Fault, PARTICLES},
+    support,
+    walk::{Same, Walk, apart, differing, largest},
+};
+
+impl Walk<'_> {
+    pub fn guard(&mut self, s: &mut Twin, w: Scratch) -> Same {
+        let (stage, bounds, p) = (self.stage, self.bounds, self.p().clone());
+        let state = stage.engine.state();
+        let mut passes = stage.passes(step::guard::record);
+        guard::run(s, w, &p).map_err(|frozen| format!("the twin froze: {frozen:?}"))?;
+        if passes.through("guard/hold") {
+            let bad = differing(&stage.health().iter().map(|health| health.found.bad != 0).collect::<Vec<_>>(), &s.bad);
+            self.same("guard/hold", bad, 0.0)?;
+        }
+        assert!(passes.through("guard/check"));
+        self.same("guard/check", stage.engine.status().unwrap().causes.into(), 0.0)?;
+        if passes.through("guard/commit_frames") {
+            let frames = stage.quaternions(&state.orientation);
+            let frames = largest(frames.iter().zip(&s.orientation).map(|(a, b)| (*a - *b).length()));
+            self.same("guard/commit_frames", frames, bounds.frame)?;
+            let spin = apart(&stage.vectors(&state.angular_velocity), &s.angular_velocity);
+            self.same("guard/commit_frames", spin, bounds.spin)?;
+            let history = stage.engine.read(&state.segment_history).unwrap();
+            let turns = largest(history.iter().zip(&s.turn).map(|(a, b)| (xyz(&a.turn) - *b).length()));
+            self.same("guard/commit_frames", turns, bounds.frame)?;
+            let clamps = stage.engine.read(&state.clamps).unwrap();
+            let clamps = clamps.iter().zip(&s.clamps).map(|(root, clamp)| (xyz(&root.position) - clamp.0).length());
+            self.same("guard/commit_frames", largest(clamps), bounds.length)?;
+        }
+        if passes.through("guard/commit_hair") {
+            let points = stage.engine.read(&state.point_history).unwrap();
+            let travel = largest(points.iter().zip(&s.travel).map(|(a, b)| (xyz(&a.travel) - *b).length()));
+            self.same("guard/commit_hair", travel, bounds.length)?;
+            let before = largest(points.iter().zip(&s.velocity_before).map(|(a, b)| (xyz(&a.velocity) - *b).length()));
+            self.same("guard/commit_hair", before, bounds.speed)?;
+        }
+        assert!(passes.through("guard/commit"));
+        passes.finish();
+        let position = self.places(&self.vectors(&state.position, 0), &s.position, 0);
+        self.same("guard/commit", position, bounds.length)?;
+        self.same("guard/commit", apart(&self.vectors(&state.velocity, 0), &s.velocity), bounds.speed)?;
+        let status = stage.engine.status().unwrap();
+        self.same("guard/commit", (f64::from(status.step) - s.steps as f64).abs(), 0.0)?;
+        let counters = [STRAND_RESET, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT, RESCUED_STEP];
+        let got = counters.map(|counter| status.counted[counter as usize] as usize);
+        let wanted = [s.resets, s.capped, s.euler_steps, s.asleep_steps, s.teleports, s.rescued_steps];
+        self.same("guard/commit", differing(&got, &wanted), 0.0)
+    }
+}
+
+/// Planted faults of the passes of this heading.
+pub const FAULTS: &[Fault] = &[
+    (&passes::guard::HOLD, "if sound(strand)", "if !sound(strand)", PARTICLES),
+    (&passes::guard::CHECK, "!(finite3(", "(finite3(", PARTICLES),
+    (&passes::guard::COMMIT_FRAMES, "vec4f(spin, 0.0)", "vec4f(0.9 * spin, 0.0)", PARTICLES),
+    (&passes::guard::COMMIT_HAIR, "point.before + last - new_velocity[p].xyz", "point.before + last", PARTICLES),
+    (&passes::guard::COMMIT, "velocity[i] = final_velocity[i]", "velocity[i] = 0.9 * final_velocity[i]", PARTICLES),
+];
 
 /// Commit wraps air, leaves hair where it is, takes the velocities and counts the step.
 #[test]
@@ -24,7 +88,7 @@ fn commit_wraps_air_and_counts_the_step() {
         stage.write_vectors(&s.viscous_velocity, &stage.twin.position);
         stage.run(step::guard::record);
         for (i, (got, x)) in stage.vectors(&s.position).iter().zip(&moved).enumerate() {
-            let wanted = if p.is_air(i) { fluid::wrap(p, *x) } else { *x };
+            let wanted = if p.is_air(i) { drive::wrap(p, *x) } else { *x };
             assert!((*got - wanted).length() < 1e-7, "{n} particles: {i} at {got}, expected {wanted}");
         }
         let velocity = stage.vectors(&s.velocity);
@@ -113,7 +177,7 @@ fn check_is_that_of_the_twin() {
             let outside = x[..p.hair_points].iter().filter(|x| x.cmplt(DVec3::ZERO).any() || x.cmpge(p.box_size).any());
             let outside = outside.count() as u32;
             let scratch = Scratch { predicted: x, new_velocity: v, ..Scratch::default() };
-            let frozen = windswept_reference::step::guard(&mut twin, scratch, p).err();
+            let frozen = guard::run(&mut twin, scratch, p).err();
             let status = stage.engine.status().unwrap();
             let what = format!("{n} particles, air {place:?} {speed:?}, {bad} of {strands} strands: {frozen:?}");
             println!("{what}, {} outside", status.hair_outside);

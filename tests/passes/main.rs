@@ -4,15 +4,16 @@
 #[path = "../support/mod.rs"]
 mod support;
 
-mod choose;
 mod contact;
+mod drive;
 mod fluid;
-mod grid;
 mod guard;
+mod hair;
+mod neighbours;
 mod rods;
-mod roots;
 mod stage;
 mod steps;
 mod turbulence;
+mod velocity;
+mod viscosity;
 mod walk;
-mod wind;

@@ -1,11 +1,16 @@
 //! An engine and its twin side by side: run a fragment of the step on one, the same headings on the other, compare.
 
 use glam::{DQuat, DVec3};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
 use windswept::{
     Gpu,
     internals::{Array, Command, Engine, Plan, Recorder, Recording, Setup},
 };
-use windswept_reference::{Parameters, State as Twin, grid::Neighbours};
+use windswept_reference::{
+    Parameters, State as Twin,
+    neighbours::{self, Neighbours},
+};
 use windswept_scene::{InitialState, Scene};
 use windswept_shaders::common::rod::{Condition, Health, RodPoint, RodSegment, RodStrand, Root, SLEEPS};
 
@@ -140,7 +145,7 @@ impl Stage {
     pub fn meet(&self) -> Neighbours {
         self.engine.copy_state_to_scratch().unwrap();
         self.run(windswept::internals::step::neighbours::record);
-        windswept_reference::grid::neighbours(&self.parameters, &self.twin.position)
+        neighbours::neighbours(&self.parameters, &self.twin.position)
     }
 
     pub fn write_vectors(&self, array: &Array<[f32; 4]>, values: &[DVec3]) {
@@ -200,6 +205,19 @@ pub fn crowds() -> impl Iterator<Item = (String, InitialState)> {
             (format!("{n} particles, {hair} of hair, {layout:?}"), support::particles(n, hair, layout, n as u64 + 1))
         })
     })
+}
+
+/// Velocities of up to 3 m/s on each axis, rounded to f32.
+pub fn stirred(n: usize) -> Vec<DVec3> {
+    let mut rng = Pcg64::seed_from_u64(11);
+    (0..n).map(|_| (6.0 * DVec3::from_array(rng.random()) - 3.0).as_vec3().as_dvec3()).collect()
+}
+
+/// Compares each of the [`crowds`] in a scene.
+pub fn each(scene: &Scene, mut compare: impl FnMut(&str, &Stage, &InitialState)) {
+    for (what, initial) in crowds() {
+        compare(&what, &Stage::new(scene, &initial), &initial);
+    }
 }
 
 /// Largest |a − b| over largest |b|; below `floor` a value is rounding (pairs exactly a kernel radius apart).

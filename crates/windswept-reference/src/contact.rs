@@ -1,10 +1,10 @@
-//! Nothing enters a body. A body is asked at rest, where the scene has it: what meets the moved body is carried back
+//! Heading 5: nothing enters a body. A body is asked at rest, where the scene has it: what meets the moved body is carried back
 //! there, and the answer is carried along.
 
 use glam::{DQuat, DVec3};
 use windswept_scene::{InitialState, Motion, Scene, Shape, Strands};
 
-use crate::Parameters;
+use crate::{Parameters, State, rods, step::Scratch};
 
 /// Smallest push that counts as a touch, as a part of the strand's length: hair that lies on a body is off by rounding.
 const TOUCH: f64 = 1e-6;
@@ -12,6 +12,38 @@ const TOUCH: f64 = 1e-6;
 const ROUNDS: usize = 2;
 /// Largest speed at which hair that starts inside comes out \[m/s\].
 const RECOVERY: f64 = 0.2;
+
+/// Runs the heading: hair and air leave the bodies that they would be in.
+pub fn run(s: &mut State, w: &mut Scratch, p: &Parameters) {
+    let placed = place(p, s.steps);
+    // A body that moves wakes all strands: contacts are not remembered, so nobody knows which strands lay on it.
+    w.touched = vec![any_moves(&placed); s.hair.len()];
+    for strand in 0..s.hair.len() {
+        let length = s.hair.rest_length[s.hair.segments(strand)].iter().sum();
+        let mut pushed = false;
+        for point in s.hair.points(strand).filter(|&point| s.inverse_mass[point] > 0.0) {
+            if let Some(x) = hair(p, &placed, s.position[point], w.predicted[point]) {
+                pushed |= touches(x.distance(w.predicted[point]), length);
+                w.predicted[point] = x;
+            }
+        }
+        w.touched[strand] |= pushed;
+        if pushed {
+            let stretch = stretch(&s.hair, strand, &w.predicted);
+            s.max_stretch = s.max_stretch.max(stretch);
+            if stretch > rods::STRAINED && s.strained_steps[strand] == 0 {
+                s.strained_steps[strand] = w.strained_before[strand] + 1;
+                s.over_strained += usize::from(s.strained_steps[strand] == rods::STRAINED_STEPS);
+            }
+        }
+    }
+    for i in p.hair_points..w.predicted.len() {
+        // Heading 6 adds what the density constraint gave.
+        let given = w.correction[i] / p.step;
+        let (x, v) = air(p, &placed, w.predicted[i], w.new_velocity[i] + given);
+        (w.predicted[i], w.new_velocity[i]) = (x, v - given);
+    }
+}
 
 /// A body where the scene has it.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,7 +89,7 @@ pub struct Placed {
     pub after: Pose,
 }
 
-/// The bodies of a scene.
+/// Bodies of a scene, in local coordinates.
 #[must_use]
 pub fn bodies(scene: &Scene, initial: &InitialState) -> Vec<Body> {
     let local = |shape: &Shape| shape.moved(|x| x - initial.origin);
@@ -75,7 +107,7 @@ impl Body {
         Pose { center: self.shape.center(), translation, rotation }
     }
 
-    /// The first point of the way from `a` to `b` in the body or nearer to it than rounding. No body is nearer than its
+    /// Entry: the first point of the way from `a` to `b` in the body or nearer to it than rounding. No body is nearer than its
     /// distance says, so the search may go on by that distance (Hart 1996, Sphere tracing).
     fn entry(&self, a: DVec3, b: DVec3) -> Option<DVec3> {
         let (length, close) = (a.distance(b), 1e-12 * self.shape.inradius());
@@ -92,7 +124,7 @@ impl Body {
     }
 }
 
-/// The bodies before and after the step that follows `steps` others.
+/// Bodies before and after the step that follows `steps` others.
 #[must_use]
 pub fn place(p: &Parameters, steps: u64) -> Vec<Placed> {
     let (before, after) = (steps as f64 * p.step, (steps + 1) as f64 * p.step);

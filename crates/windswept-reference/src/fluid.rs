@@ -1,26 +1,55 @@
-//! Hair and air as one position-based fluid (Macklin & Müller 2013), where a particle has a volume and, apart from it, an inertial mass.
+//! Heading 3: hair and air as one position-based fluid (Macklin & Müller 2013), where a particle has a volume and, apart
+//! from it, an inertial mass.
 
 use glam::DVec3;
+use windswept_scene::Model;
 
 use crate::{
-    Parameters,
-    grid::Neighbours,
+    Parameters, State,
+    neighbours::Neighbours,
     sph_kernels::{poly6, spiky_gradient},
+    step::Scratch,
 };
 
-/// x* = wrap(x + Δt v) \[m\]: air leaves the box through one face and enters through the other.
-#[must_use]
-pub fn predict(p: &Parameters, position: DVec3, velocity: DVec3) -> DVec3 {
-    wrap(p, position + p.step * velocity)
+/// Runs the heading: density constraints (eq. 1) of hair and air together, or of each for itself. Where none is solved the
+/// density is found all the same, for viscosity.
+pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
+    w.correction = vec![DVec3::ZERO; w.predicted.len()];
+    if !p.air {
+        return;
+    }
+    let mut multiplier = vec![0.0; p.hair_points];
+    for iteration in 0..p.fluid_iterations.max(1) {
+        let lambda;
+        (w.density, lambda) = density(p, &w.predicted, &s.inverse_mass, &s.volume, &w.near);
+        if iteration < p.fluid_iterations {
+            let shift = correct(p, &w.predicted, &s.inverse_mass, &s.volume, &w.near, &lambda);
+            for (i, shift) in shift.into_iter().enumerate() {
+                w.predicted[i] += shift;
+                w.correction[i] += shift;
+            }
+            multiplier.iter_mut().zip(&lambda).for_each(|(sum, lambda)| *sum += p.relaxation * lambda);
+        }
+    }
+    if p.model == Model::TwoWay && p.friction > 0.0 {
+        // Velocities that lead the step hold all that acted on a point in the last step but impulses, its rod as well.
+        let led: Vec<_> = s.velocity.iter().zip(&s.velocity_before).map(|(now, before)| 2.0 * *now - *before).collect();
+        let change = friction(p, &w.predicted, &led, &s.inverse_mass, &s.volume, &multiplier, &w.near);
+        for (i, change) in change.into_iter().enumerate() {
+            w.predicted[i] += p.step * change;
+            w.correction[i] += p.step * change;
+        }
+    }
+    if p.model == Model::TwoWay {
+        // Air that hair is to feel has been through the density constraint; nothing is left for heading 6 to add.
+        for i in p.hair_points..w.predicted.len() {
+            w.new_velocity[i] = velocity(p, w.new_velocity[i], w.correction[i]);
+            w.correction[i] = DVec3::ZERO;
+        }
+    }
 }
 
-/// Into \[0, box).
-#[must_use]
-pub fn wrap(p: &Parameters, position: DVec3) -> DVec3 {
-    position - p.box_size * (position / p.box_size).floor()
-}
-
-/// ρ_i/ρ0 = Σ_j V_j W, self included, and λ_i = −C_i/(Σ_k w_k |∇_k C_i|² + α) \[kg m²\].
+/// Density ρ_i/ρ0 = Σ_j V_j W, self included, and its multiplier λ_i = −C_i/(Σ_k w_k |∇_k C_i|² + α) \[kg m²\].
 ///
 /// C = ρ/ρ0 − 1; negative C counts with `tension`. `volume` in m³, `inverse_mass` in 1/kg.
 #[must_use]
@@ -51,7 +80,7 @@ pub fn density(
     (0..x.len()).map(each).unzip()
 }
 
-/// Δx_i = relaxation w_i Σ_j (λ_i V_j + λ_j V_i) ∇_i W \[m\]: equal and opposite in m Δx for a pair.
+/// Shift Δx_i = relaxation w_i Σ_j (λ_i V_j + λ_j V_i) ∇_i W \[m\]: equal and opposite in m Δx for a pair.
 #[must_use]
 pub fn correct(
     p: &Parameters,
@@ -71,56 +100,13 @@ pub fn correct(
     (0..x.len()).map(shift).collect()
 }
 
-/// Of air: its own velocity and what the density constraint moved it by \[m/s\].
+/// Velocity of air: its own, and what the density constraint moved it by over Δt \[m/s\].
 #[must_use]
 pub fn velocity(p: &Parameters, own: DVec3, correction: DVec3) -> DVec3 {
     own + correction / p.step
 }
 
-/// w_ij = 2 √(V_i V_j) W/(θ_i + θ_j), symmetric; θ = ρ/ρ0.
-fn weight(p: &Parameters, i: usize, j: usize, x: &[DVec3], volume: &[f64], theta: &[f64]) -> f64 {
-    let r = p.separation(i, j, x[i], x[j]).length();
-    2.0 * (volume[i] * volume[j]).sqrt() * poly6(r, p.kernel_radius) / (theta[i] + theta[j])
-}
-
-/// S_i = Σ_j c_ij w_ij: how much of its velocity a particle would exchange; 0 without the limiter.
-#[must_use]
-pub fn limit(p: &Parameters, x: &[DVec3], volume: &[f64], near: &Neighbours, theta: &[f64]) -> Vec<f64> {
-    if !p.limited {
-        return vec![0.0; x.len()];
-    }
-    let sum = |i: usize| {
-        near.of(i).filter(|&j| p.meets(i, j)).map(|j| p.viscosity(i, j) * weight(p, i, j, x, volume, theta)).sum()
-    };
-    (0..x.len()).map(sum).collect()
-}
-
-/// XSPH as equal and opposite impulses (Schechter & Bridson 2012; eqs. 7, 8):
-/// v_i += Σ_j 2 w_i/(w_i + w_j) c_ij w_ij (v_j − v_i)/max(1, S_i, S_j) \[m/s\].
-#[must_use]
-pub fn viscosity(
-    p: &Parameters,
-    x: &[DVec3],
-    v: &[DVec3],
-    inverse_mass: &[f64],
-    volume: &[f64],
-    near: &Neighbours,
-    theta: &[f64],
-    exchange: &[f64],
-) -> Vec<DVec3> {
-    let pair = |i: usize, j: usize| {
-        let both = inverse_mass[i] + inverse_mass[j];
-        if both == 0.0 {
-            return DVec3::ZERO;
-        }
-        let share = p.viscosity(i, j) * weight(p, i, j, x, volume, theta) / exchange[i].max(exchange[j]).max(1.0);
-        2.0 * inverse_mass[i] / both * share * (v[j] - v[i])
-    };
-    let sum = |i: usize| near.of(i).filter(|&j| p.meets(i, j)).map(|j| pair(i, j)).sum::<DVec3>();
-    (0..x.len()).map(|i| v[i] + sum(i)).collect()
-}
-
-/// What friction of hair on hair changes the velocity of each hair point by \[m/s\]: equal and opposite impulses between points of
+/// Change of the velocity of each hair point by friction of hair on hair \[m/s\]: equal and opposite impulses between points of
 /// different strands, across the line that joins them,
 ///
 /// ```text

@@ -1,26 +1,43 @@
-//! What ends a run, and what a step leaves behind.
+//! Heading 9: what a step arrived at is committed, or the run freezes.
 
 use glam::DVec3;
 use windswept_scene::{Model, Strands};
 
-use crate::{Parameters, State, fluid::wrap, rods, step::Scratch};
+use crate::{Parameters, State, drive::wrap, rods, step::Scratch};
 
-/// Strands that may become non-finite in one step: 3, or 1 %.
+/// Runs the heading: the step is committed, or the run freezes. A strand whose velocity is not finite ends the step at rest,
+/// and is bad.
+///
+/// # Errors
+/// [`Frozen`] says why nothing was committed.
+pub fn run(s: &mut State, mut w: Scratch, p: &Parameters) -> Result<(), Frozen> {
+    for strand in 0..s.hair.len() {
+        if hold(&s.hair, strand, &mut w.new_velocity) && !s.bad[strand] {
+            s.bad[strand] = true;
+            s.resets += 1;
+        }
+    }
+    check(p, &s.bad, &w.predicted, &w.new_velocity)?;
+    commit(p, s, w);
+    Ok(())
+}
+
+/// Number of strands that may become non-finite in one step: 3, or 1 % of them if that is more.
 #[must_use]
 pub fn bad_strand_limit(strands: usize) -> usize {
     (strands / 100).max(3)
 }
 
-/// A step that was not committed.
+/// Cause for which a step was not committed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Frozen {
-    /// This air particle became non-finite.
+    /// Index of the first air particle that became non-finite.
     NonFiniteAir(usize),
-    /// So many strands became non-finite.
+    /// Number of strands that became non-finite.
     BadStrands(usize),
 }
 
-/// A strand with a velocity that is not finite stands still; says whether it was one.
+/// Stills a strand that has a velocity which is not finite; says whether it was one.
 pub fn hold(hair: &Strands, strand: usize, velocities: &mut [DVec3]) -> bool {
     let own = &mut velocities[hair.points(strand)];
     let lost = !own.iter().all(|v| v.is_finite());
@@ -30,7 +47,7 @@ pub fn hold(hair: &Strands, strand: usize, velocities: &mut [DVec3]) -> bool {
     lost
 }
 
-/// Whether what a step arrived at may become the state.
+/// Checks whether what a step arrived at may become the state.
 ///
 /// # Errors
 /// [`Frozen`] when an air particle or more than [`bad_strand_limit`] strands are not finite.
@@ -46,8 +63,8 @@ pub fn check(p: &Parameters, bad: &[bool], positions: &[DVec3], velocities: &[DV
     }
 }
 
-/// What a step arrived at becomes the state; air is wrapped into the box. Hair remembers its move, and the velocities that
-/// it had with all that acted from outside since; what was put somewhere starts anew.
+/// Commits what a step arrived at: it becomes the state, and air is wrapped into the box. Hair remembers its move, and the
+/// velocities that it had with all that acted from outside since; what was put somewhere starts anew.
 pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
     for (k, segment) in w.moving.segments.iter().enumerate() {
         let turn = rods::rotation_vector(segment.frame * segment.start.conjugate());

@@ -5,10 +5,11 @@
 //! order.
 
 pub mod contact;
+pub mod drive;
 pub mod elastica;
 pub mod fluid;
-pub mod grid;
 pub mod guard;
+pub mod neighbours;
 mod parallel;
 pub mod parameters;
 pub mod rods;
@@ -17,7 +18,8 @@ pub mod state;
 pub mod step;
 pub mod tables;
 pub mod turbulence;
-pub mod wind;
+pub mod velocity;
+pub mod viscosity;
 
 pub use parameters::Parameters;
 pub use state::State;

@@ -1,4 +1,4 @@
-//! Vorticity confinement by bands of eddies (eqs. 2, 4-6), air only.
+//! Heading 7: vorticity confinement by bands of eddies (eqs. 2, 4-6), air only.
 //!
 //! Arrays run over all particles, hair first; a quantity that only air has is zero at hair. *Band* is the accurate law,
 //! *published* the law as the paper prints it, in mg and mm. Every sum is direct: over all particles, through all
@@ -12,7 +12,9 @@ use glam::DVec3;
 pub use mesh::{Mesh, b_spline, deposit, gather, smooth};
 use windswept_scene::{Band, Filter, Law};
 
-use crate::{Parameters, grid::Neighbours, parallel, sph_kernels::spiky_gradient, wind::depth};
+use crate::{
+    Parameters, State, drive::depth, neighbours::Neighbours, parallel, sph_kernels::spiky_gradient, step::Scratch,
+};
 
 /// Coefficient ε of the published law, read as an acceleration: a = ε ê (N × ω).
 const PUBLISHED_GAIN: f64 = 0.008;
@@ -22,6 +24,35 @@ const MM: f64 = 1e3;
 const MG: f64 = 1e6;
 /// Part of a band's own velocity that a step may change it by.
 const LARGEST_CHANGE: f64 = 0.12;
+
+/// Runs the heading: the eddies of each band are strengthened.
+pub fn run(s: &mut State, w: &mut Scratch, p: &Parameters) {
+    if p.bands.is_empty() {
+        return;
+    }
+    w.confinement = vec![DVec3::ZERO; w.predicted.len()];
+    for band in &p.bands {
+        w.band_velocity = band_velocity(p, band, w.blowing, &w.predicted, &w.new_velocity, &s.volume);
+        let curled = if p.law == Law::Band { &w.band_velocity } else { &w.new_velocity };
+        w.vorticity = vorticity(p, &w.predicted, curled, &s.volume, &w.near);
+        let own = confine(
+            p,
+            band,
+            w.blowing,
+            &w.predicted,
+            &w.band_velocity,
+            &w.vorticity,
+            &s.volume,
+            &s.inverse_mass,
+            &w.near,
+        );
+        w.confinement.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+    }
+    let mean = if p.turbulence.conserve_momentum { mean(p, &w.confinement) } else { DVec3::ZERO };
+    let stronger = strengthen(p, &w.new_velocity, &w.confinement, mean);
+    s.confinement_impulse += impulse(p, &s.inverse_mass, &w.new_velocity, &stronger);
+    w.new_velocity = stronger;
+}
 
 /// ψ(r, s) = 2/(√15 π^(3/4) s^(3/2)) (3 − r²/s²) exp(−r²/2s²), the Mexican hat of L2 norm 1 in space (eq. 6, with the
 /// radical over 15 only). The unit is that of s to the power −3/2.
@@ -37,7 +68,7 @@ pub fn peak_gain(s: f64) -> f64 {
     2.0 / (15.0_f64.sqrt() * PI.powf(0.75)) * TAU.powf(1.5) * s.powf(1.5) * 2.0 / E
 }
 
-/// The velocity of a band of eddies at each air particle by the scene's filter: [`band`], or [`deposit`], [`smooth`] and
+/// Velocity of a band of eddies at each air particle by the scene's filter: [`band`], or [`deposit`], [`smooth`] and
 /// [`gather`].
 #[must_use]
 pub fn band_velocity(p: &Parameters, band: &Band, wind: DVec3, x: &[DVec3], v: &[DVec3], volume: &[f64]) -> Vec<DVec3> {
@@ -50,7 +81,7 @@ pub fn band_velocity(p: &Parameters, band: &Band, wind: DVec3, x: &[DVec3], v: &
     }
 }
 
-/// The velocity of a band of eddies at each air particle (eq. 5), of what lies within the cut-off, itself included.
+/// Velocity of a band of eddies at each air particle (eq. 5), of what lies within the cut-off, itself included.
 ///
 /// Band: û_i = Σ_j V_j (v_j − U) ψ/peak over air \[m/s\], gain 1 at the band's centre. Published: v̂_i = Σ_j v_j ψ over
 /// air and hair in mm and s \[mm^(−1/2)/s\]. `wind` U, `v` in m/s, `x` in m, `volume` in m³.
@@ -99,7 +130,7 @@ fn over_images(p: &Parameters, i: usize, j: usize, gap: DVec3, reach: f64, f: im
     sum
 }
 
-/// The cosines to `wind` of the faces whose fringe `position` is in, summed.
+/// Sum of the cosines to `wind` of the faces whose fringe `position` is in.
 fn fringed(p: &Parameters, wind: DVec3, position: DVec3) -> f64 {
     let cosines = wind.try_normalize().unwrap_or(DVec3::ZERO);
     let within = |axis: &usize| p.fringe > 0.0 && depth(p, wind, *axis, position) < p.fringe;
@@ -179,7 +210,7 @@ pub fn confine(
     (0..x.len()).map(change).collect()
 }
 
-/// The mean change of all air \[m/s\], which is taken out where momentum is conserved: confinement drives no wind.
+/// Mean change of all air \[m/s\], which is taken out where momentum is conserved: confinement drives no wind.
 #[must_use]
 pub fn mean(p: &Parameters, change: &[DVec3]) -> DVec3 {
     let air = &change[p.hair_points..];

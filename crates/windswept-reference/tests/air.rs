@@ -7,10 +7,9 @@ mod support;
 use glam::{DMat3, DQuat, DVec3};
 use support::{MASS, Rod, SIMPLE, air, apart, jittered, lattice, windy};
 use windswept_reference::{
-    Parameters, State, fluid,
+    Parameters, State, drive,
     guard::{self, Frozen},
     step::step,
-    wind,
 };
 use windswept_scene::InitialState;
 
@@ -25,7 +24,7 @@ fn still_box(wind: DVec3) -> Parameters {
 fn fringe_drives_air_where_the_wind_enters() {
     let gain = |rate: f64| 1.0 - (-rate * 1.38e-3_f64).exp();
     let close = |p: &Parameters, x: DVec3, wanted: DVec3| {
-        let got = wind::fringe(p, 0, x, DVec3::ZERO);
+        let got = drive::fringe(p, 0, x, DVec3::ZERO);
         assert!((got - wanted).length() < 1e-14, "at {x}: {got} instead of {wanted}");
     };
     // Half way: sin² = 1, so 10 · 3 m/s / 40 mm = 750 1/s; a quarter in: half of it; outside: nothing.
@@ -43,7 +42,7 @@ fn fringe_drives_air_where_the_wind_enters() {
     close(&still_box(oblique), DVec3::new(0.02, 0.05, 0.05), oblique * gain(0.6 * 750.0));
     close(&still_box(DVec3::ZERO), DVec3::new(0.02, 0.05, 0.05), DVec3::ZERO);
     // Air that moves with the wind is left alone.
-    assert_eq!(wind::fringe(&p, 0, DVec3::new(0.02, 0.05, 0.05), p.wind), DVec3::ZERO);
+    assert_eq!(drive::fringe(&p, 0, DVec3::new(0.02, 0.05, 0.05), p.wind), DVec3::ZERO);
 }
 
 /// The ramp adds its rise to all air alike, and no more once the wind blows.
@@ -52,7 +51,7 @@ fn ramp_adds_its_rise_everywhere() {
     let mut p = still_box(DVec3::X * 3.0);
     p.ramp = 10.5 * p.step;
     let outside = DVec3::new(0.1, 0.05, 0.05);
-    let rises: Vec<f64> = (0..14).map(|n| wind::fringe(&p, n, outside, DVec3::ZERO).x).collect();
+    let rises: Vec<f64> = (0..14).map(|n| drive::fringe(&p, n, outside, DVec3::ZERO).x).collect();
     let full = 3.0 / 10.5;
     let wanted = |n: usize| {
         if n < 10 {
@@ -229,7 +228,7 @@ fn viscosity_works_without_the_density_constraint() {
     p.fluid_iterations = 0;
     let mut state = State::new(&initial, p.step);
     step(&mut state, &p).unwrap();
-    let free = initial.air.positions.iter().zip(&initial.air.velocities).map(|(x, v)| fluid::predict(&p, *x, *v));
+    let free = initial.air.positions.iter().zip(&initial.air.velocities).map(|(x, v)| drive::predict(&p, *x, *v));
     assert_eq!(state.position, free.collect::<Vec<_>>());
     let changed = apart(&state.velocity, &initial.air.velocities);
     assert!(changed > 1e-3 && changed < 0.5, "{changed}");

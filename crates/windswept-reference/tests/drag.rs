@@ -1,4 +1,4 @@
-//! Tests of `wind::drag`: lift and drag on segments.
+//! Tests of `rods::drag`: lift and drag on segments.
 
 #![allow(clippy::unwrap_used)]
 
@@ -10,7 +10,11 @@ use glam::{DMat3, DQuat, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use support::{Rod, SIMPLE, air, lattice, scene};
-use windswept_reference::{Parameters, State, rods::Load, step::step, wind};
+use windswept_reference::{
+    Parameters, State,
+    rods::{self, Load},
+    step::step,
+};
 use windswept_scene::{InitialState, Strands};
 
 /// Air of the scenes: ρ0 [kg/m³], ν [m²/s]; radius of a hair [m].
@@ -34,8 +38,8 @@ fn straight(segments: usize, length: f64) -> Strands {
 }
 
 fn drag(p: &Parameters, hair: &Strands, v: &[DVec3]) -> Vec<Load> {
-    let local = vec![wind::undisturbed(p.wind); hair.positions.len()];
-    wind::drag(p, hair, &local, &hair.positions, v).0
+    let local = vec![rods::undisturbed(p.wind); hair.positions.len()];
+    rods::drag(p, hair, &local, &hair.positions, v).0
 }
 
 /// The forces on points that move as the loads were taken [N].
@@ -245,8 +249,8 @@ fn a_step_takes_drag_with_gravity() {
     (p.ramp, p.damping) = (10.0 * p.step, 20.0);
     let mut state = State::new(&InitialState { hair: hair.clone(), ..InitialState::default() }, p.step);
     step(&mut state, &p).unwrap();
-    let local = [wind::undisturbed(DVec3::Z * 0.5); 2];
-    let load = wind::drag(&p, &hair, &local, &hair.positions, &[DVec3::ZERO; 2]).0[0];
+    let local = [rods::undisturbed(DVec3::Z * 0.5); 2];
+    let load = rods::drag(&p, &hair, &local, &hair.positions, &[DVec3::ZERO; 2]).0[0];
     let w = hair.inverse_mass[0];
     let wanted = p.step * (p.gravity + w * load.force) / (1.0 + (20.0 + w * load.resistance) * p.step);
     println!("{} instead of {wanted}", state.velocity[0]);

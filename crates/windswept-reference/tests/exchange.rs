@@ -1,4 +1,4 @@
-//! wind::sample and wind::react: what hair and air exchange is momentum, and no energy comes of it.
+//! Tests of `rods::sample` and `rods::react`: what hair and air exchange is momentum, and no energy comes of it.
 
 #![allow(clippy::unwrap_used)]
 
@@ -8,16 +8,16 @@ mod support;
 
 use elastica::tuft;
 use glam::DVec3;
-use windswept_reference::{Parameters, State, rods, step as twin, step::Scratch, wind};
+use windswept_reference::{self as twin, Parameters, State, neighbours, rods, step::Scratch};
 
 /// A step up to its rods, and the air's velocities before hair reacted on it.
 fn exchanged(state: &State, p: &Parameters) -> (State, Scratch, Vec<DVec3>) {
     let mut s = state.clone();
-    let mut w = twin::drive(&s, p);
-    twin::neighbours(&mut w, p);
-    twin::fluid(&s, &mut w, p);
+    let mut w = twin::drive::run(&s, p);
+    twin::neighbours::run(&mut w, p);
+    twin::fluid::run(&s, &mut w, p);
     let before = w.new_velocity.clone();
-    twin::rods(&mut s, &mut w, p);
+    twin::rods::run(&mut s, &mut w, p);
     (s, w, before)
 }
 
@@ -25,7 +25,7 @@ fn exchanged(state: &State, p: &Parameters) -> (State, Scratch, Vec<DVec3>) {
 fn covered(p: &Parameters, s: &State, w: &Scratch, i: usize) -> f64 {
     let air = w.near.of(i).filter(|&j| p.is_air(j));
     // Air has not moved since it was sampled.
-    air.map(|j| wind::weight(p, &w.local[i], w.predicted[j], s.volume[j])).sum()
+    air.map(|j| rods::weight(p, &w.local[i], w.predicted[j], s.volume[j])).sum()
 }
 
 /// What air loses is what hair gains of it, to rounding, in each of 30 steps; what the mean wind gives where air is thin is its
@@ -58,8 +58,8 @@ fn momentum_is_exchanged_and_energy_lost() {
                 * 0.5
                 * mass(p.hair_points);
             gain = gain.max((energy + work) / scale);
-            limited += w.limited;
-            twin::step(&mut state, &p).unwrap();
+            limited = s.limited;
+            twin::step::step(&mut state, &p).unwrap();
         }
         println!(
             "{fibres} fibres, {speed} m/s: momentum {worst:.1e} off, energy {gain:.1e}, thinnest {thin:.2}, {limited} limited"
@@ -82,7 +82,7 @@ fn give_bounds_the_exchange() {
             if k % 8 == 7 {
                 worst = worst.max(largest_ratio(&p, &s, &w));
             }
-            twin::step(&mut state, &p).unwrap();
+            twin::step::step(&mut state, &p).unwrap();
         }
         println!("{speed} m/s: {worst:.3}");
         assert!(worst > 0.3 && worst < 2.0, "{worst}");
@@ -97,11 +97,11 @@ fn largest_ratio(p: &Parameters, s: &State, w: &Scratch) -> f64 {
     let mut size = 0.0;
     for _ in 0..60 {
         let scaled: Vec<DVec3> = z.iter().zip(&give).map(|(z, g)| *z / *g).collect();
-        let air = wind::react(p, &w.local, &scaled, &w.predicted, &s.volume, &s.inverse_mass, &w.near);
+        let air = rods::react(p, &w.local, &scaled, &w.predicted, &s.volume, &s.inverse_mass, &w.near);
         z = (0..n)
             .map(|i| {
                 let of = w.near.of(i).filter(|&j| p.is_air(j));
-                let back = of.map(|j| wind::weight(p, &w.local[i], w.predicted[j], s.volume[j]) * -air[j - n]);
+                let back = of.map(|j| rods::weight(p, &w.local[i], w.predicted[j], s.volume[j]) * -air[j - n]);
                 back.sum::<DVec3>() / give[i]
             })
             .collect();
@@ -127,8 +127,8 @@ fn the_mean_wind_takes_over_where_air_is_missing() {
         for (i, at) in x[..n].iter_mut().enumerate() {
             *at = DVec3::new(0.02 - 4e-4 * f64::from(k), 0.03, 0.01) + 1e-4 * i as f64 * DVec3::Y;
         }
-        let near = windswept_reference::grid::neighbours(&p, &x);
-        let local = wind::sample(&p, DVec3::X, &x, &v, &volume, &near)[0];
+        let near = neighbours::neighbours(&p, &x);
+        let local = rods::sample(&p, DVec3::X, &x, &v, &volume, &near)[0];
         let part = local.wind.y;
         assert!(
             (local.wind.x - (1.0 - part)).abs() < 1e-12 && (-1e-12..=1.0 + 1e-12).contains(&part),

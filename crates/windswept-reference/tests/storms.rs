@@ -7,7 +7,7 @@ mod elastica;
 mod support;
 
 use elastica::tuft;
-use windswept_reference::{State, step as twin};
+use windswept_reference::{State, step::step};
 
 /// From a breeze to a hurricane, at all steps, with one fibre to a strand and with a thousand, masses from a ten-thousandth to a
 /// hundred times a hair's: nothing is lost, and hair is not much faster than the wind.
@@ -23,7 +23,7 @@ fn a_storm_blows_nothing_up() {
                 let mut state = State::new(&initial, p.step);
                 let mut fastest = 0.0_f64;
                 for _ in 0..24 {
-                    twin::step(&mut state, &p).unwrap();
+                    step(&mut state, &p).unwrap();
                     let hair = &state.velocity[..p.hair_points];
                     fastest = fastest.max(hair.iter().map(|v| v.length()).fold(0.0, f64::max) / speed);
                 }

@@ -4,7 +4,7 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use glam::DVec3;
 use windswept::{Gpu, internals::step};
-use windswept_reference::{grid, turbulence};
+use windswept_reference::{neighbours, turbulence};
 use windswept_scene::Scene;
 
 use crate::{
@@ -85,7 +85,7 @@ fn beside_twin(gpu: &Gpu, published: bool, name: &str) -> Result<Row, Error> {
     let added = confined(&mut stage)?;
     let (eddies, omega) = (stage.read(|s| &s.band_velocity)?, stage.read(|s| &s.vorticity)?);
     let (p, s) = (&stage.p, &stage.twin);
-    let near = grid::neighbours(p, &s.position);
+    let near = neighbours::neighbours(p, &s.position);
     let (volume, inverse_mass) = (&s.volume, &s.inverse_mass);
     let wanted =
         turbulence::confine(p, &p.bands[0], DVec3::ZERO, &s.position, &eddies, &omega, volume, inverse_mass, &near);

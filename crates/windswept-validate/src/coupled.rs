@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use windswept::{Gpu, Simulation};
-use windswept_reference::{Parameters, State, fluid, step as twin};
+use windswept_reference::{self as twin, Parameters, State, fluid};
 use windswept_scene::{InitialState, Scene};
 
 use crate::{
@@ -131,8 +131,8 @@ fn clamped(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 /// Momentum that the density constraint gives held roots in the next step \[kg m/s\]: that which it would give to roots
 /// of mass 1.
 fn density_on_roots(s: &State, p: &Parameters) -> DVec3 {
-    let mut w = twin::drive(s, p);
-    twin::neighbours(&mut w, p);
+    let mut w = twin::drive::run(s, p);
+    twin::neighbours::run(&mut w, p);
     let roots: Vec<usize> = (0..s.hair.len()).map(|strand| s.hair.points(strand).start).collect();
     let mut movable = s.inverse_mass.clone();
     roots.iter().for_each(|&root| movable[root] = 1.0);

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use windswept::{Gpu, internals::step, ops::Filter};
-use windswept_reference::{Parameters, fluid, grid, step as twin, turbulence};
+use windswept_reference::{self as twin, Parameters, fluid, neighbours, turbulence, viscosity};
 use windswept_scene::{Band, Fluid, InitialState, Scene};
 
 use crate::{
@@ -28,9 +28,9 @@ pub(crate) fn passes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let single = |rows: &[DVec3]| rows.iter().map(|x| x.as_vec3().as_dvec3()).collect::<Vec<_>>();
     let (x, v) = (single(&initial.air.positions), single(&initial.air.velocities));
     let (volume, inverse_mass) = (vec![VOLUME; x.len()], vec![1.0 / MASS; x.len()]);
-    let near = grid::neighbours(&p, &x);
+    let near = neighbours::neighbours(&p, &x);
     let (theta, lambda) = fluid::density(&p, &x, &inverse_mass, &volume, &near);
-    let exchange = fluid::limit(&p, &x, &volume, &near, &theta);
+    let exchange = viscosity::limit(&p, &x, &volume, &near, &theta);
 
     let particles = cloud.particles();
     let density: Vec<_> = particles.density(gpu)?.iter().map(|rho| DVec3::X * f64::from(*rho) / REST_DENSITY).collect();
@@ -42,7 +42,7 @@ pub(crate) fn passes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let on_grid = vectors(&particles.band_velocity(gpu, band.scale, Filter::of(&scene.turbulence))?);
     let smooth = vectors(&particles.viscosity(gpu, scene.viscosity.air)?);
     let change = |after: &[DVec3]| after.iter().zip(&v).map(|(after, before)| *after - *before).collect::<Vec<_>>();
-    let twin_smooth = fluid::viscosity(&p, &x, &v, &inverse_mass, &volume, &near, &theta, &exchange);
+    let twin_smooth = viscosity::viscosity(&p, &x, &v, &inverse_mass, &volume, &near, &theta, &exchange);
     let twin_grid = turbulence::band_velocity(&p, &band, DVec3::ZERO, &x, &v, &volume);
     let row = |pass: &str, got: &[DVec3], wanted: &[DVec3], tolerance: f64| {
         Row::new(format!("twin: {pass}"), 0.0, error(got, wanted), tolerance, PASS)
@@ -104,12 +104,12 @@ pub(crate) fn rods(gpu: &Gpu) -> Result<Vec<Row>, Error> {
                 step::velocity::record(r, plan);
             })?;
             let (p, mut s) = (stage.p.clone(), stage.twin.clone());
-            let mut w = twin::drive(&s, &p);
-            twin::fluid(&s, &mut w, &p);
-            twin::rods(&mut s, &mut w, &p);
+            let mut w = twin::drive::run(&s, &p);
+            twin::fluid::run(&s, &mut w, &p);
+            twin::rods::run(&mut s, &mut w, &p);
             let free: Vec<_> = w.moving.points.iter().map(|point| point.velocity + p.step * p.gravity).collect();
-            twin::contact(&mut s, &mut w, &p);
-            twin::velocity(&s, &mut w, &p);
+            twin::contact::run(&mut s, &mut w, &p);
+            twin::velocity::run(&s, &mut w, &p);
             let change = |v: &[DVec3]| v.iter().zip(&free).map(|(v, free)| *v - *free).collect::<Vec<_>>();
             let measured = error(&change(&stage.read(|s| &s.new_velocity)?), &change(&w.new_velocity));
             rows.push(Row::new(format!("twin: {pass}, {integrator}"), 0.0, measured, 8.5e-5, RODS));

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use glam::{DQuat, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept_reference::{Parameters, State, fluid, grid};
+use windswept_reference::{Parameters, State, fluid, neighbours, viscosity};
 use windswept_scene::{AirParticles, InitialState, Scene, Strands};
 
 /// The paper's particle mass [kg], volume [m³] and kernel radius [m].
@@ -67,15 +67,15 @@ impl Crowd {
         crowd
     }
 
-    pub fn neighbours(&self) -> grid::Neighbours {
-        grid::neighbours(&self.parameters, &self.positions)
+    pub fn neighbours(&self) -> neighbours::Neighbours {
+        neighbours::neighbours(&self.parameters, &self.positions)
     }
 
-    pub fn density(&self, near: &grid::Neighbours) -> (Vec<f64>, Vec<f64>) {
+    pub fn density(&self, near: &neighbours::Neighbours) -> (Vec<f64>, Vec<f64>) {
         fluid::density(&self.parameters, &self.positions, &self.inverse_mass, &self.volume, near)
     }
 
-    pub fn correct(&self, near: &grid::Neighbours, lambda: &[f64]) -> Vec<DVec3> {
+    pub fn correct(&self, near: &neighbours::Neighbours, lambda: &[f64]) -> Vec<DVec3> {
         fluid::correct(&self.parameters, &self.positions, &self.inverse_mass, &self.volume, near, lambda)
     }
 
@@ -83,9 +83,9 @@ impl Crowd {
     pub fn viscosity(&self, velocities: &[DVec3]) -> (Vec<DVec3>, f64) {
         let (p, x, near) = (&self.parameters, &self.positions, self.neighbours());
         let (theta, _) = self.density(&near);
-        let exchange = fluid::limit(p, x, &self.volume, &near, &theta);
+        let exchange = viscosity::limit(p, x, &self.volume, &near, &theta);
         let largest = exchange.iter().copied().fold(0.0, f64::max);
-        let after = fluid::viscosity(p, x, velocities, &self.inverse_mass, &self.volume, &near, &theta, &exchange);
+        let after = viscosity::viscosity(p, x, velocities, &self.inverse_mass, &self.volume, &near, &theta, &exchange);
         (after, largest)
     }
 }

@@ -1,23 +1,20 @@
-//! choose, load, start, rescue: strands that sleep, wake, are reset or torn.
+//! Strands that sleep, wake, are reset or torn: how they go through one step.
 
 use glam::{DQuat, DVec3};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use windswept::internals::step;
-use windswept_reference::{
-    State as Twin, rods,
-    step::{self as twin, Scratch},
-};
-use windswept_scene::{End, Ends, InitialState, Keyframe, Motion, Shape, Strands};
+use windswept_reference::{State as Twin, drive, rods, step::Scratch};
+use windswept_scene::{End, Ends, Strands};
 use windswept_shaders::common::{
     integration::{BDF2, EULER, PUT, STAY},
-    rod::{Health, PointHistory, SLEEPS, SegmentHistory},
-    status::{ASLEEP_STEP, EULER_STEP, MOVE_CAPPED, RESCUED_STEP, STRAND_RESET, TELEPORT},
+    rod::{Health, PointHistory, SegmentHistory},
+    status::{ASLEEP_STEP, EULER_STEP, MOVE_CAPPED, RESCUED_STEP, TELEPORT},
 };
 
 use crate::{
-    rods::{scene_of, strands},
-    roots::{any, drives_apart, set_roots},
+    drive::drives_apart,
+    hair::{any, set_roots, strands},
     stage::{Stage, condition, quaternion, xyz},
     support,
 };
@@ -67,6 +64,7 @@ const PLAIN: Case = Case {
     goes: rods::State::Free,
     calm_after: 3,
 };
+
 const SLEEPER: Case = Case { still: Still::Asleep, goes: rods::State::Asleep, ..PLAIN };
 
 const CASES: [Case; 22] = [
@@ -227,9 +225,10 @@ fn prepared(stage: &Stage, s: &mut Twin, push: Vec<DVec3>) -> Scratch {
         &["rods/begin_points", "rods/begin_segments", "rods/choose", "rods/load", "rods/start"],
         step::rods::record,
     );
-    let mut w = twin::drive(s, &stage.parameters);
+    let mut w = drive::run(s, &stage.parameters);
     w.correction = push;
-    twin::prepare(s, &mut w, &stage.parameters);
+    rods::begin(s, &mut w, &stage.parameters);
+    rods::set_off(s, &mut w, &stage.parameters);
     w
 }
 
@@ -324,7 +323,7 @@ fn rescue_is_that_of_the_twin() {
             for strand in 0..n {
                 rods::gauss_seidel(p, &s.hair, strand, &w.drives[strand], &mut w.moving);
             }
-            twin::finish(&mut s, &mut w, p);
+            rods::leave(&mut s, &mut w, p);
             let after = rods_apart(&stage, &w);
             println!("{n} strands, {keys:?}: {} rescued, {apart:?}, solved {after:?}", s.rescued_steps);
             // Measured 3.8e-8 m and 3.3e-7; margin 4.
@@ -334,98 +333,4 @@ fn rescue_is_that_of_the_twin() {
             }
         }
     }
-}
-
-/// 26 steps of hair at rest without gravity: strands that are not finite are reset, most fall asleep, some are woken by their
-/// root or a jump of it, all by a body that moves. In the end those that jumped and turned sleep again, where they were sent.
-#[test]
-fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
-    let mut scene = scene_of(65, "sleep = true");
-    scene.gravity = [0.0; 3];
-    scene.time.step = 8e-3;
-    let initial = InitialState::new(&scene).unwrap();
-    let tip = initial.hair.positions[initial.hair.points(30).end - 1].to_array();
-    let leave = Keyframe { time: 18.5 * 8e-3, translation: [0.0; 3], rotation: [0.0; 3] };
-    let left = Keyframe { time: 19.5 * 8e-3, translation: [0.0, -0.3, 0.0], ..leave };
-    scene.bodies.push(windswept_scene::Body {
-        name: "body".into(),
-        shape: Shape::Sphere { center: [tip[0], tip[1] + 0.15, tip[2]], radius: 0.02 },
-        friction: 0.4,
-        motion: Motion { keyframes: vec![leave, left] },
-    });
-    let stage = Stage::new(&scene, &initial);
-    let mut s = stage.twin.clone();
-    // Clamps as the engine rounds them, so that they rest on both.
-    let mut rounded = s.clone();
-    stage.adopt(&mut rounded);
-    (s.clamps, s.root_targets) = (rounded.clamps, rounded.root_targets);
-    let (mut met, mut furthest, mut slept) = ([0; 5], [0.0_f64; 4], Vec::new());
-    for number in 1..=26_u32 {
-        if number == 5 {
-            // Not finite from here on.
-            for strand in [1, 17, 40] {
-                s.velocity[s.hair.points(strand).end - 1].x = f64::NAN;
-            }
-            stage.write_vectors(&stage.engine.state().velocity, &s.velocity);
-        }
-        if number == 17 {
-            set_roots(&stage, &mut s, |strand, x, q| match strand % 8 {
-                0 => (x + 2e-4 * DVec3::X, DQuat::from_rotation_y(0.03) * q),
-                4 => (x + 0.5 * DVec3::Y, DQuat::from_rotation_z(0.7) * q),
-                _ => (x, q),
-            });
-        }
-        stage.run(step::record);
-        twin::step(&mut s, &stage.parameters).unwrap();
-        let status = stage.engine.status().unwrap();
-        let counters = [STRAND_RESET, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT, RESCUED_STEP];
-        let counted = counters.map(|counter| status.counted[counter as usize] as usize);
-        let wanted = [s.resets, s.capped, s.euler_steps, s.asleep_steps, s.teleports, s.rescued_steps];
-        println!("step {number}: {wanted:?}, {} touched", s.touched.iter().filter(|touched| **touched).count());
-        let health = stage.health();
-        for (strand, Health { committed, .. }) in health.iter().enumerate() {
-            let (mut got, mut wanted) = (*committed, condition(&s, strand));
-            if (number >= 19 || number >= 17 && strand % 4 == 0) && !s.asleep[strand] {
-                // Woken, or where positions were rounded anew, strands tremble by as much as one at rest may.
-                (got.still, wanted.still) = (0, 0);
-            }
-            assert_eq!(got, wanted, "step {number}: strand {strand}");
-        }
-        assert_eq!(counted, wanted, "step {number}");
-        let asleep = s.asleep.iter().filter(|asleep| **asleep).count();
-        met[0] += usize::from(s.bad.iter().any(|bad| *bad));
-        met[1] += usize::from(asleep > 40);
-        met[2] += usize::from(s.touched.iter().any(|touched| *touched));
-        if number == 16 {
-            slept.clone_from(&s.asleep);
-        }
-        met[3] += s.teleports;
-        met[4] += usize::from(number > 17 && asleep < 65);
-        let hair = stage.parameters.hair_points;
-        let mut got = s.clone();
-        stage.adopt(&mut got);
-        let most = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
-        let lengths = most(&got.position[..hair], &s.position[..hair]).max(most(&got.travel, &s.travel));
-        let speeds =
-            most(&got.velocity[..hair], &s.velocity[..hair]).max(most(&got.velocity_before, &s.velocity_before));
-        let turns = most(&got.turn, &s.turn);
-        let spins = most(&got.angular_velocity, &s.angular_velocity);
-        let spins = spins.max(most(&got.angular_velocity_before, &s.angular_velocity_before));
-        println!("  {lengths:.1e} m, {speeds:.1e} m/s, {turns:.1e}, {spins:.1e} 1/s");
-        for (most, apart) in furthest.iter_mut().zip([lengths, speeds, turns, spins]) {
-            *most = most.max(apart);
-        }
-    }
-    println!("{furthest:?} from the twin");
-    // Measured 1.0e-6 m, 1.4e-4 m/s, 1.0e-5 and 1.3e-3 1/s; margin 4.
-    assert!(furthest.iter().zip([4e-6, 5e-4, 4e-5, 5e-3]).all(|(apart, bound)| *apart < bound), "{furthest:?}");
-    for _ in 0..20 {
-        stage.run(step::record);
-        twin::step(&mut s, &stage.parameters).unwrap();
-    }
-    let sent = |strand: &usize| strand % 8 == 4 && slept[*strand];
-    let sleeps = |strand: usize, still: u32| still == SLEEPS && s.asleep[strand];
-    let awake = stage.health().iter().enumerate().filter(|(s, h)| sent(s) && !sleeps(*s, h.committed.still)).count();
-    assert_eq!(awake, 0, "strands that were teleported do not sleep");
-    assert!(met.iter().all(|times| *times > 0), "{met:?}");
 }

@@ -1,8 +1,15 @@
-//! Who is near whom: every pair is looked at.
+//! Heading 2: a list says who is near whom. Every pair is looked at.
 
 use glam::DVec3;
 
-use crate::{Parameters, parallel};
+use crate::{Parameters, parallel, step::Scratch};
+
+/// Runs the heading: the pairs that are nearer than the kernel radius are listed.
+pub fn run(w: &mut Scratch, p: &Parameters) {
+    if p.air {
+        w.near = neighbours(p, &w.predicted);
+    }
+}
 
 /// Neighbours of each particle, in rising order.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -11,19 +18,19 @@ pub struct Neighbours {
 }
 
 impl Neighbours {
-    /// Those of particle `i`.
+    /// Neighbours of particle `i`.
     pub fn of(&self, i: usize) -> impl Iterator<Item = usize> + '_ {
         self.lists[i].iter().map(|&j| j as usize)
     }
 
-    /// How many particle `i` has.
+    /// Number of neighbours of particle `i`.
     #[must_use]
     pub fn count(&self, i: usize) -> usize {
         self.lists[i].len()
     }
 }
 
-/// All pairs nearer than the kernel radius, i = j left out. Who is near along x is looked at, on all cores.
+/// Pairs nearer than the kernel radius, i = j left out: of particles sorted along x those in reach, on all cores.
 #[must_use]
 pub fn neighbours(p: &Parameters, positions: &[DVec3]) -> Neighbours {
     let h = p.kernel_radius;

@@ -1,69 +1,10 @@
-//! The wind enters; air lifts and drags hair, and hair slows the air.
-
-use std::f64::consts::PI;
+//! Air lifts and drags hair, and hair slows the air.
 
 use glam::{DMat3, DVec3};
-use windswept_scene::{InflowWave, Model, Strands};
+use windswept_scene::{Model, Strands};
 
-use crate::{Parameters, grid::Neighbours, rods::Load, sph_kernels::poly6};
-
-/// Part of the wind that has risen after `steps` steps.
-#[must_use]
-pub fn risen(p: &Parameters, steps: u64) -> f64 {
-    if p.ramp > 0.0 { (steps as f64 * p.step / p.ramp).min(1.0) } else { 1.0 }
-}
-
-/// The mean wind after `steps` steps \[m/s\]: what has risen of U, and what gusts add, linear between their keyframes.
-#[must_use]
-pub fn blow(p: &Parameters, steps: u64) -> DVec3 {
-    let time = steps as f64 * p.step;
-    let gust = match p.gust.iter().position(|(at, _)| *at > time) {
-        Some(0) => p.gust[0].1,
-        Some(next) => {
-            let ((a, from), (b, to)) = (p.gust[next - 1], p.gust[next]);
-            from.lerp(to, (time - a) / (b - a))
-        }
-        None => p.gust.last().map_or(DVec3::ZERO, |(_, last)| *last),
-    };
-    p.wind * risen(p, steps) + gust
-}
-
-/// What the wind brings in at `position` after `steps` steps \[m/s\]: the mean wind, and waves that it has carried along.
-fn brought(p: &Parameters, steps: u64, position: DVec3) -> DVec3 {
-    let wind = blow(p, steps + 1);
-    let ends = |step| 0.5 * p.step * (blow(p, step) + blow(p, step + 1));
-    let way: DVec3 = if p.inflow.is_empty() { DVec3::ZERO } else { (0..steps).map(ends).sum() };
-    let eddy = |wave: &InflowWave| wave.amplitude * (wave.number.dot(position - way) + wave.phase).sin();
-    wind + wind.length() * p.inflow.iter().map(eddy).sum::<DVec3>()
-}
-
-/// How far `position` is behind the face that the wind enters through on an axis \[m\].
-#[must_use]
-pub fn depth(p: &Parameters, wind: DVec3, axis: usize, position: DVec3) -> f64 {
-    if wind[axis] >= 0.0 { position[axis] } else { p.box_size[axis] - position[axis] }
-}
-
-/// What the wind adds to air at `position` that moves with `velocity` in step number `steps` \[m/s\].
-///
-/// The mean wind's change, then v += (1 − e^{−σΔt})(U + u' − v), u' the turbulence that the wind brings in, σ = 10 max(|U|, 0.3 m/s)/ℓ sin²(π x/ℓ) within the thickness
-/// ℓ of the face that U enters through; several faces count with the cosines of U.
-#[must_use]
-pub fn fringe(p: &Parameters, steps: u64, position: DVec3, velocity: DVec3) -> DVec3 {
-    let (wind, before) = (blow(p, steps + 1), blow(p, steps));
-    let (change, speed) = (wind - before, wind.length());
-    if speed == 0.0 {
-        return change;
-    }
-    let mut sigma = 0.0;
-    for axis in 0..3 {
-        let depth = depth(p, wind, axis, position);
-        if depth < p.fringe {
-            let cosine = wind[axis].abs() / speed;
-            sigma += cosine * 10.0 * speed.max(0.3) / p.fringe * (PI * depth / p.fringe).sin().powi(2);
-        }
-    }
-    change + (1.0 - (-sigma * p.step).exp()) * (brought(p, steps, position) - (velocity + change))
-}
+use super::{Drive, Load, Moving, Point, STORMY};
+use crate::{Parameters, neighbours::Neighbours, sph_kernels::poly6, state, step::Scratch};
 
 /// Part of the mean wind that a hair point feels where the air is this thin, ρ/ρ0: below it air counts by what is there.
 const THIN: f64 = 0.5;
@@ -73,32 +14,32 @@ const WAKE: f64 = 1.3;
 /// centimetre a second: there is no wake, but viscosity.
 const OWN_WAKE: f64 = 1.1;
 
-/// The air at a hair point.
+/// Air at a hair point.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Local {
-    /// Where the point drifted to \[m\].
+    /// Place to which the point drifted \[m\].
     pub position: DVec3,
-    /// θ, the part of its surroundings that air particles fill.
+    /// Part θ of the point's surroundings that air particles fill.
     pub filled: f64,
-    /// u \[m/s\]
+    /// Velocity u of the air \[m/s\].
     pub wind: DVec3,
-    /// G \[1/kg\]: what an impulse on each hair point near it changes u by.
+    /// Change G of u by a unit of impulse on each hair point nearby \[1/kg\].
     pub give: f64,
 }
 
-/// The mean wind alone.
+/// Air that is the mean wind alone.
 #[must_use]
 pub fn undisturbed(wind: DVec3) -> Local {
     Local { wind, ..Local::default() }
 }
 
-/// w_ij = V_j W(y_i − x_j)/max(θ_i, 1/2): with which an air particle of `volume` at `position` counts for a hair point.
+/// Weight w_ij = V_j W(y_i − x_j)/max(θ_i, 1/2) with which an air particle of `volume` at `position` counts for a hair point.
 #[must_use]
 pub fn weight(p: &Parameters, local: &Local, position: DVec3, volume: f64) -> f64 {
     volume * poly6((local.position - position).length(), p.kernel_radius) / local.filled.max(THIN)
 }
 
-/// The air at every hair point, after the density constraint: θ_i = Σ_j V_j W, u_i = Σ_j w_ij v_j + (1 − Σ_j w_ij) U over air,
+/// Air at every hair point, after the density constraint: θ_i = Σ_j V_j W, u_i = Σ_j w_ij v_j + (1 − Σ_j w_ij) U over air,
 /// G_i = Σ_k W/ρ0 over hair, itself included.
 #[must_use]
 pub fn sample(p: &Parameters, wind: DVec3, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> Vec<Local> {
@@ -115,7 +56,7 @@ pub fn sample(p: &Parameters, wind: DVec3, x: &[DVec3], v: &[DVec3], volume: &[f
     (0..p.hair_points).map(each).collect()
 }
 
-/// What hair gives back to each air particle \[m/s\]: v_j −= Σ_i w_ij J_i/m_j over hair, with the weights that it was
+/// Change of each air particle's velocity by hair \[m/s\]: v_j −= Σ_i w_ij J_i/m_j over hair, with the weights that the air was
 /// sampled with; `impulse` J per hair point \[N s\].
 #[must_use]
 pub fn react(
@@ -134,10 +75,55 @@ pub fn react(
     (p.hair_points..x.len()).map(given).collect()
 }
 
+/// Adds the drag of the air to the load of each hair point, each strand's where its own step takes it. A strand that the air
+/// resists by more than BDF2 bears takes Euler.
+pub(super) fn act(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
+    let (mut loads, mut limited) = taken(s, w, p);
+    let calm = |strand: usize| follows_wind(p, &s.hair, strand, &w.drives[strand], &w.moving, &loads);
+    let hasty: Vec<_> = (0..s.hair.len()).filter(|&strand| !calm(strand)).collect();
+    if !hasty.is_empty() {
+        hasty.iter().for_each(|&strand| w.drives[strand].step = p.step);
+        (loads, limited) = taken(s, w, p);
+    }
+    w.hair_force.iter_mut().zip(loads).for_each(|(sum, load)| *sum += load);
+    s.limited += limited;
+}
+
+/// Drag of the air on each hair point where its strand's step takes it, and how many had to be limited.
+fn taken(s: &state::State, w: &Scratch, p: &Parameters) -> (Vec<Load>, usize) {
+    let all = (0..s.hair.len()).flat_map(|strand| s.hair.points(strand).map(move |i| (strand, i)));
+    let (x, v): (Vec<_>, Vec<_>) =
+        all.map(|(strand, i)| ahead(p, &w.moving.points[i], s.position[i], w.drives[strand].step)).unzip();
+    drag(p, &s.hair, &w.local, &x, &v)
+}
+
+/// Place where the drag of a point is taken, and the velocity that it is taken with: in a step of BDF2 x_n + Δt (3/2 v_n − 1/2 v_{n−1}) and
+/// 2 v_n − v_{n−1}, in one of Euler x_n and v_n.
+///
+/// Drag that is taken at the step's start is of first order, and hair in a storm flutters under BDF2. Under Euler hair stands
+/// still only where nothing is extrapolated.
+#[must_use]
+pub fn ahead(p: &Parameters, point: &Point, position: DVec3, h: f64) -> (DVec3, DVec3) {
+    if h < p.step {
+        let (now, before) = (point.velocity, point.before);
+        (position + p.step * (1.5 * now - 0.5 * before), 2.0 * now - before)
+    } else {
+        (position, point.velocity)
+    }
+}
+
+/// Whether `drag` resists no point of a strand by more than BDF2 bears: what BDF2 extrapolates of the drag grows into a flutter
+/// from Δt w D_n = 0.39 on (hairs of 30 to 60 µm, 1 and 4 GPa, 30 to 100 mm in 3 to 20 m/s).
+#[must_use]
+pub fn follows_wind(p: &Parameters, hair: &Strands, strand: usize, drive: &Drive, m: &Moving, drag: &[Load]) -> bool {
+    let resisted = |i: usize| p.step * m.points[i].inverse_mass * drag[i].resistance > STORMY;
+    drive.step == p.step || !hair.points(strand).any(resisted)
+}
+
 /// Lift and drag of the air on each hair point, and how many of them had to be limited.
 ///
 /// Each point takes half of D and F of the segments beside it, u the mean of its two points' less the segment's own
-/// velocity, with tangents of `x` \[m\] and velocities `v` \[m/s\] that lead the step ([`crate::rods::ahead`]). D_n is the larger
+/// velocity, with tangents of `x` \[m\] and velocities `v` \[m/s\] that lead the step ([`ahead`]). D_n is the larger
 /// eigenvalue of D; what D resists less along the fibre is left where v is:
 ///
 /// ```text
@@ -186,17 +172,17 @@ fn exposed(p: &Parameters, middle: DVec3) -> bool {
     }
 }
 
-/// What a segment does in the air.
+/// Drag and lift of a segment.
 struct Piece {
-    /// D \[kg/s\]
+    /// Drag matrix D \[kg/s\].
     resistance: DMat3,
-    /// max(k_n, k_t) \[kg/s\]
+    /// Larger eigenvalue of D, max(k_n, k_t) \[kg/s\].
     largest: f64,
-    /// F \[N\]
+    /// Lift F \[N\].
     lift: DVec3,
 }
 
-/// A segment of `fibres` fibres along `axis` \[m\] in air that passes with u = `slip` \[m/s\]; its drag is D u. u_n is what of u
+/// Drag and lift of a segment of `fibres` fibres along `axis` \[m\] in air that passes with u = `slip` \[m/s\]; its drag is D u. u_n is what of u
 /// is normal to the axis, t its direction, A = 2 r l the frontal area.
 ///
 /// ```text
@@ -218,7 +204,7 @@ fn segment(p: &Parameters, axis: DVec3, slip: DVec3, radius: f64, fibres: f64, f
     let tangent = axis / length;
     let speed = (slip - slip.dot(tangent) * tangent).length();
     let (nu, width) = (p.kinematic_viscosity, 2.0 * radius);
-    // Of one fibre a metre long, over ρ/2.
+    // The value is k_n of one fibre a metre long over ρ/2.
     let across = |speed: f64| width * (speed + 10.0 * (width / nu).powf(-2.0 / 3.0) * speed.cbrt());
     let slowed = if filled > 0.0 && speed > 0.0 {
         (1.0 + filled * 0.25 * across(speed) / (WAKE * p.kernel_radius * speed)).min(OWN_WAKE)

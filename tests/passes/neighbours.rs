@@ -1,16 +1,19 @@
-//! Heading 2. Every pass takes what the engine's pass before it left; who is near whom is held against the twin.
+//! Heading 2: the passes that sort particles into cells and list who is near whom. Every pass takes what the engine's pass
+//! before it left; who is near whom is held against the twin.
 
-use glam::{IVec3, Vec3};
-use windswept::internals::step;
-use windswept_reference::{
-    Parameters,
-    step::{self as twin, Scratch},
-};
-use windswept_scene::Model;
+use glam::{DVec3, IVec3, Vec3};
+use windswept::internals::{Engine, Plan, Recorder, Setup, status, step};
+use windswept_reference::{Parameters, neighbours, step::Scratch};
+use windswept_scene::{InitialState, Model};
+use windswept_shaders as passes;
 use windswept_shaders::common::params::Params;
 
-use super::{Same, Walk, differing};
-use crate::stage::xyz;
+use crate::{
+    stage::xyz,
+    steps::{Fault, PARTICLES},
+    support::{self, Layout, RADIUS, SIZES},
+    walk::{Same, Walk, differing, largest},
+};
 
 /// How far rounding may move a particle across the face of a cell \[m\].
 const EDGE: f32 = 2e-7;
@@ -54,7 +57,7 @@ impl Walk<'_> {
         let stage = self.stage;
         let (state, engine) = (stage.engine.state(), &stage.engine);
         let mut passes = stage.passes(step::neighbours::record);
-        twin::neighbours(w, self.p());
+        neighbours::run(w, self.p());
         if !passes.through("grid/clear") {
             return Ok(());
         }
@@ -114,7 +117,7 @@ impl Walk<'_> {
             let gap = self.places(&[xyz(&got[..3])], &[*x], *i as usize);
             if got[3] == f32::from(air) { gap } else { f64::INFINITY }
         });
-        let gap = super::largest(gaps);
+        let gap = largest(gaps);
         self.same("grid/order", gap, self.bounds.length)?;
 
         assert!(passes.through("grid/neighbours"));
@@ -157,4 +160,87 @@ impl Walk<'_> {
 fn sorted_by_kind(p: &Parameters, i: usize, kinds: [&[u32]; 2]) -> bool {
     let own = |j: &u32| p.is_air(*j as usize) == p.is_air(i);
     kinds[0].iter().all(own) && !kinds[1].iter().any(own)
+}
+
+/// Planted faults of the passes of this heading.
+pub const FAULTS: &[Fault] = &[
+    (&passes::grid::CLEAR, "cell_count[bucket] = 0u", "cell_count[bucket] = 1u", PARTICLES),
+    (&passes::grid::COUNT, "predicted[i].xyz)], 1u", "predicted[i].xyz)], 2u", PARTICLES),
+    (&passes::grid::SCAN, "running += cell_count[b]", "running += cell_count[b] + u32(b == 9u)", PARTICLES),
+    (&passes::grid::SCATTER, "1u)] = i", "1u)] = max(i, 1u)", PARTICLES),
+    (&passes::grid::ORDER, "scattered[e] < i", "scattered[e] > i", PARTICLES),
+    (
+        &passes::grid::NEIGHBOURS,
+        "first + found, first + total);",
+        "first + found - min(found, 1u), first + total - min(total, 1u));",
+        PARTICLES,
+    ),
+];
+
+/// Neighbours that heading 2 lists of the initial positions; the list grows as the simulation would grow it.
+fn lists(initial: &InitialState) -> Vec<Vec<u32>> {
+    let scene = support::scene();
+    let setup = Setup::new(&scene, initial);
+    let mut engine = Engine::new(&support::gpu(), &setup).unwrap();
+    let recording = Recorder::record(engine.state(), |r| step::neighbours::record(r, &Plan::new(&setup)));
+    engine.copy_state_to_scratch().unwrap();
+    engine.replay(&recording).unwrap();
+    let mut state = engine.status().unwrap();
+    if state.neighbours > engine.sizes().neighbours {
+        engine.grow_neighbours(state.neighbours).unwrap();
+        engine.set_status(&status::thawed(&state)).unwrap();
+        engine.replay(&recording).unwrap();
+        state = engine.status().unwrap();
+    }
+    assert!(state.neighbours <= engine.sizes().neighbours, "needed {} again", state.neighbours);
+    let ranges = engine.read(&engine.state().neighbour_range).unwrap();
+    let list = engine.read(&engine.state().neighbour_list).unwrap();
+    let lists = ranges.iter().map(|near| list[near.first as usize..near.end as usize].to_vec());
+    lists.collect()
+}
+
+/// Pairs are the same but for those whose distance is the radius to f32.
+fn assert_same_pairs(initial: &InitialState, lists: &[Vec<u32>], what: &str) {
+    let hair = initial.hair.positions.len();
+    let all: Vec<DVec3> = initial.hair.positions.iter().chain(&initial.air.positions).copied().collect();
+    let side = initial.air.size;
+    let distance = |i: usize, j: usize| {
+        let mut gap = all[i] - all[j];
+        if i >= hair && j >= hair {
+            gap -= side * (gap / side).round();
+        }
+        gap.length()
+    };
+    assert_eq!(lists.len(), all.len());
+    let mut pairs = 0;
+    for (i, list) in lists.iter().enumerate() {
+        let mut found = list.clone();
+        found.sort_unstable();
+        found.dedup();
+        assert_eq!(found.len(), list.len(), "{what}: particle {i} lists a neighbour twice");
+        let mut next = found.iter().peekable();
+        for j in 0..all.len() {
+            let listed = next.next_if(|&&k| k as usize == j).is_some();
+            let r = distance(i, j);
+            // f32 positions of up to 0.3 m are good to 3e-8 m.
+            let near = i != j && r < RADIUS;
+            pairs += usize::from(near);
+            assert!(listed == near || (r - RADIUS).abs() < 1e-7, "{what}: {i} and {j} at {r} m, listed: {listed}");
+        }
+    }
+    println!("{what}: {} particles, {pairs} pairs", all.len());
+}
+
+#[test]
+fn neighbours_are_those_of_the_pair_test() {
+    for n in SIZES {
+        let spread =
+            [(0, Layout::Random), (n / 3, Layout::Random), (n / 3, Layout::Lattice), (n / 4, Layout::Clustered)];
+        // The largest size in one cell would be 2e8 pairs.
+        let crowded = [(0, Layout::OneCell), (n / 3, Layout::OneCell)].into_iter().filter(|_| n < 1000);
+        for (hair, layout) in spread.into_iter().chain(crowded) {
+            let initial = support::particles(n, hair, layout, n as u64);
+            assert_same_pairs(&initial, &lists(&initial), &format!("{n} particles, {hair} of hair, {layout:?}"));
+        }
+    }
 }

@@ -1,0 +1,152 @@
+//! Heading 1: clamps move; the wind enters; air moves, and hair drifts among it.
+
+use std::f64::consts::PI;
+
+use glam::{DQuat, DVec3};
+use windswept_scene::InflowWave;
+
+use crate::{
+    Parameters, State,
+    rods::{self, Drive, rotation, rotation_vector},
+    step::Scratch,
+};
+
+/// Runs the heading: clamps move, the wind enters, air moves, and hair drifts among it as if nothing held it.
+#[must_use]
+pub fn run(s: &State, p: &Parameters) -> Scratch {
+    let drives = (0..s.hair.len()).map(|strand| roots(p, s, strand)).collect();
+    let blowing = blow(p, s.steps + 1);
+    let mut predicted = s.position.clone();
+    let mut new_velocity = s.velocity.clone();
+    let largest = rods::largest_moves(&s.hair);
+    for i in 0..p.hair_points {
+        predicted[i] = drift(p, s.inverse_mass[i], s.position[i], s.velocity[i], largest[i]);
+    }
+    let air = p.hair_points..s.position.len();
+    let wind_change: Vec<_> = air.clone().map(|i| fringe(p, s.steps, s.position[i], s.velocity[i])).collect();
+    for (i, change) in air.zip(&wind_change) {
+        new_velocity[i] += *change;
+        predicted[i] = predict(p, s.position[i], new_velocity[i]);
+    }
+    Scratch { blowing, drives, wind_change, predicted, new_velocity, ..Scratch::default() }
+}
+
+/// Way of the clamp of a strand in the step: to where its keyframes are at the step's end, else a part of the way to its
+/// target, all of it in the last substep. A jump of more than the strand's length is a teleport, unless the tip is held too;
+/// a strand whose clamp rests may sleep. Free roots go where they will.
+#[must_use]
+pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
+    let (held, mut goal) = (s.clamps[strand], s.root_targets[strand]);
+    let mut left = u64::from(p.substeps) - s.steps % u64::from(p.substeps);
+    let group = s.hair.group.get(strand).and_then(|group| p.hair_motions.get(*group as usize));
+    if let Some((motion, center)) = group.filter(|(motion, _)| !motion.keyframes.is_empty()) {
+        // From where it is drawn to where it is at the step's end, by way of where it started.
+        let ((start, turned), (end, turning)) = (motion.at(0.0), motion.at((s.steps + 1) as f64 * p.step));
+        let turn = turning * turned.conjugate();
+        goal = (*center + end + turn * (goal.0 - *center - start), (turn * goal.1).normalize());
+        left = 1;
+    }
+    let (points, free) = (s.hair.points(strand), |i: usize| s.inverse_mass[i] > 0.0);
+    if free(points.start) {
+        goal = held;
+    }
+    let way = goal.0 - held.0;
+    let length: f64 = s.hair.rest_length[s.hair.segments(strand)].iter().sum();
+    let jumps = free(points.end - 1) && way.length() > length;
+    let part = if jumps { 1.0 } else { 1.0 / left as f64 };
+    if held == goal {
+        let state = if p.sleep { rods::State::Asleep } else { rods::State::Free };
+        return Drive { root_frame: held.1, root_turn: DQuat::IDENTITY, state, ..Drive::default() };
+    }
+    let root_turn = rotation(part * rotation_vector(goal.1 * held.1.conjugate()));
+    Drive {
+        root_travel: part * way,
+        root_turn,
+        // To the bit where it arrives: a clamp that was off by rounding would never rest.
+        root_frame: if part == 1.0 { goal.1 } else { (root_turn * held.1).normalize() },
+        state: if jumps { rods::State::Teleported } else { rods::State::Free },
+        ..Drive::default()
+    }
+}
+
+/// Place of a hair point of inverse mass `w` \[1/kg\] that no rod holds: x + Δt (v + g Δt)/(1 + c Δt), the move capped at
+/// `largest` \[m\]. A point of infinite mass goes on with its velocity.
+#[must_use]
+pub fn drift(p: &Parameters, w: f64, position: DVec3, velocity: DVec3, largest: f64) -> DVec3 {
+    if w == 0.0 {
+        return position + p.step * velocity;
+    }
+    let shift = p.step * (velocity + p.step * p.gravity) / (1.0 + p.damping * p.step);
+    position + shift.clamp_length_max(largest)
+}
+
+/// Place of an air particle x* = wrap(x + Δt v) \[m\]: air leaves the box through one face and enters through the other.
+#[must_use]
+pub fn predict(p: &Parameters, position: DVec3, velocity: DVec3) -> DVec3 {
+    wrap(p, position + p.step * velocity)
+}
+
+/// Position within \[0, box) that is `position` but for whole boxes \[m\].
+#[must_use]
+pub fn wrap(p: &Parameters, position: DVec3) -> DVec3 {
+    position - p.box_size * (position / p.box_size).floor()
+}
+
+/// Part of the mean wind that has risen after `steps` steps, by the ramp.
+#[must_use]
+pub fn risen(p: &Parameters, steps: u64) -> f64 {
+    if p.ramp > 0.0 { (steps as f64 * p.step / p.ramp).min(1.0) } else { 1.0 }
+}
+
+/// Mean wind after `steps` steps \[m/s\]: what has risen of U, and what gusts add, linear between their keyframes.
+#[must_use]
+pub fn blow(p: &Parameters, steps: u64) -> DVec3 {
+    let time = steps as f64 * p.step;
+    let gust = match p.gust.iter().position(|(at, _)| *at > time) {
+        Some(0) => p.gust[0].1,
+        Some(next) => {
+            let ((a, from), (b, to)) = (p.gust[next - 1], p.gust[next]);
+            from.lerp(to, (time - a) / (b - a))
+        }
+        None => p.gust.last().map_or(DVec3::ZERO, |(_, last)| *last),
+    };
+    p.wind * risen(p, steps) + gust
+}
+
+/// Velocity that the wind brings in at `position` after `steps` steps \[m/s\]: the mean wind, and waves that it has carried along.
+fn brought(p: &Parameters, steps: u64, position: DVec3) -> DVec3 {
+    let wind = blow(p, steps + 1);
+    let ends = |step| 0.5 * p.step * (blow(p, step) + blow(p, step + 1));
+    let way: DVec3 = if p.inflow.is_empty() { DVec3::ZERO } else { (0..steps).map(ends).sum() };
+    let eddy = |wave: &InflowWave| wave.amplitude * (wave.number.dot(position - way) + wave.phase).sin();
+    wind + wind.length() * p.inflow.iter().map(eddy).sum::<DVec3>()
+}
+
+/// Depth of `position` behind the face that the wind enters through on an axis \[m\].
+#[must_use]
+pub fn depth(p: &Parameters, wind: DVec3, axis: usize, position: DVec3) -> f64 {
+    if wind[axis] >= 0.0 { position[axis] } else { p.box_size[axis] - position[axis] }
+}
+
+/// Change that the wind makes in step number `steps` to air at `position` that moves with `velocity` \[m/s\].
+///
+/// The mean wind's change is added first, then v += (1 − e^{−σΔt})(U + u' − v), with u' the turbulence that the wind brings in
+/// and σ = 10 max(|U|, 0.3 m/s)/ℓ sin²(π x/ℓ) within the thickness ℓ of the face that U enters through; several faces count
+/// with the cosines of U.
+#[must_use]
+pub fn fringe(p: &Parameters, steps: u64, position: DVec3, velocity: DVec3) -> DVec3 {
+    let (wind, before) = (blow(p, steps + 1), blow(p, steps));
+    let (change, speed) = (wind - before, wind.length());
+    if speed == 0.0 {
+        return change;
+    }
+    let mut sigma = 0.0;
+    for axis in 0..3 {
+        let depth = depth(p, wind, axis, position);
+        if depth < p.fringe {
+            let cosine = wind[axis].abs() / speed;
+            sigma += cosine * 10.0 * speed.max(0.3) / p.fringe * (PI * depth / p.fringe).sin().powi(2);
+        }
+    }
+    change + (1.0 - (-sigma * p.step).exp()) * (brought(p, steps, position) - (velocity + change))
+}

@@ -1,0 +1,83 @@
+//! Health of a strand after its solve.
+
+use glam::DVec3;
+use windswept_scene::Strands;
+
+use super::{
+    Drive, Moving, Point, RESCUED, STILL_SPIN, State, rate, rotation,
+    start::{drags, origin, put, put_frame, unload},
+};
+use crate::Parameters;
+
+/// Leaves a strand that the direct solver tore to Gauss-Seidel: it goes back to its free move, and no multiplier is kept. Says
+/// whether the strand was torn.
+pub fn rescue(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
+    if drive.state != State::Free {
+        return false;
+    }
+    if drive.misfit < RESCUED {
+        drive.state = State::Solved;
+        return false;
+    }
+    let points = hair.points(s);
+    let free: Vec<_> = m.points[points.clone()].iter().map(|point| point.free).collect();
+    let origin = origin(m.points[points.start].inverse_mass == 0.0, drive, &free);
+    for (point, free) in m.points[points].iter_mut().zip(free) {
+        // Moves of calm strands were not capped where air drags them.
+        let capped = drags(p) && point.inverse_mass > 0.0;
+        point.travel = if capped { origin + (free - origin).clamp_length_max(point.largest) } else { free };
+    }
+    for segment in &mut m.segments[hair.segments(s)] {
+        segment.frame = (rotation(segment.free) * segment.start).normalize();
+    }
+    forget(hair, s, m);
+    true
+}
+
+/// Largest stretch |l/l0 − 1| of a strand; `None` when a move or a frame of it is not finite.
+#[must_use]
+pub fn finish(hair: &Strands, s: usize, m: &Moving) -> Option<f64> {
+    let (points, segments) = (hair.points(s), hair.segments(s));
+    let finite = m.points[points.clone()].iter().all(|point| point.travel.is_finite())
+        && m.segments[segments.clone()].iter().all(|segment| segment.frame.is_finite());
+    let stretches = points.zip(segments).map(|(i, k)| {
+        let chord = m.segments[k].chord + m.points[i + 1].travel - m.points[i].travel;
+        (chord.length() / hair.rest_length[k] - 1.0).abs()
+    });
+    finite.then(|| stretches.fold(0.0, f64::max))
+}
+
+/// Holds a bad strand where it was for this step, so that it spoils no neighbour.
+pub fn hold(hair: &Strands, s: usize, m: &mut Moving) {
+    m.points[hair.points(s)].iter_mut().for_each(|point| put(point, DVec3::ZERO));
+    for segment in &mut m.segments[hair.segments(s)] {
+        let start = segment.start;
+        put_frame(segment, start);
+    }
+    unload(hair, s, m);
+}
+
+/// Forgets the multipliers of a strand: those of Gauss-Seidel are none that the direct solver could start from.
+pub fn forget(hair: &Strands, s: usize, m: &mut Moving) {
+    for segment in &mut m.segments[hair.segments(s)] {
+        (segment.force, segment.moment) = (DVec3::ZERO, DVec3::ZERO);
+    }
+}
+
+/// Whether a strand was slow, and not pushed, when the step began.
+#[must_use]
+pub fn still(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
+    let rest = p.rest[s];
+    // A strand that nothing holds may drift as slowly as it will.
+    let held = m.points[hair.points(s).start].inverse_mass == 0.0;
+    let slow =
+        |point: &Point| point.velocity.length() <= rest.speed && point.push.length() <= rest.acceleration * p.step;
+    held && m.points[hair.points(s)].iter().all(slow)
+        && m.segments[hair.segments(s)].iter().all(|segment| segment.angular_velocity.length() <= STILL_SPIN)
+}
+
+/// Impulse J = Δt (force − resistance v_{n+1}) that a point had from its load \[N s\], v as the rod leaves it; 0 for a sleeper.
+#[must_use]
+pub fn place(p: &Parameters, point: &Point) -> DVec3 {
+    p.step * point.load.at(rate(p, point.travel, point.carried, point.step))
+}

@@ -1,0 +1,198 @@
+//! How a strand goes through the step, and where its solver starts.
+
+use glam::{DQuat, DVec3};
+use windswept_scene::{Model, Strands};
+
+use super::{
+    CALM, Drive, LOADED, Load, Moving, Point, STILL_STEPS, STILL_TIME, Segment, State, TORN, damping, free_move,
+    response, rotation,
+};
+use crate::{Parameters, state};
+
+/// Chooses the integrator of a strand: BDF2 where its velocities led without tearing it for [`CALM`] steps on end, else
+/// Euler.
+pub fn choose(p: &Parameters, s: &state::State, strand: usize, drive: &mut Drive, m: &Moving) {
+    let led = led(p, s, strand, drive, m);
+    let led_turn = led_turn(p, s, strand, m);
+    let first = s.hair.segments(strand).start;
+    let misfit = |k: usize, travel: DVec3, turn: DVec3| {
+        let segment = &m.segments[first + k];
+        let tangent = rotation(turn) * segment.start * DVec3::Z;
+        ((segment.chord + travel) / s.hair.rest_length[first + k] - tangent).length()
+    };
+    let tear = (0..led_turn.len()).map(|k| misfit(k, led[k + 1] - led[k], led_turn[k]));
+    drive.torn = tear.fold(0.0, f64::max) >= TORN;
+    drive.whole = (0..led_turn.len()).all(|k| misfit(k, DVec3::ZERO, DVec3::ZERO) < TORN);
+    let calm = !drive.torn && s.calm[strand] + 1 >= CALM;
+    drive.step = if calm && p.bdf2 { p.step * 2.0 / 3.0 } else { p.step };
+}
+
+/// Moves by which velocities lead the points of a strand \[m\]; held points go where they are held.
+fn led(p: &Parameters, s: &state::State, strand: usize, drive: &Drive, m: &Moving) -> Vec<DVec3> {
+    let points = s.hair.points(strand);
+    let of = |i: usize| {
+        let point = &m.points[i];
+        if point.inverse_mass == 0.0 { held(points.start, i, drive) } else { p.step * point.velocity }
+    };
+    points.clone().map(of).collect()
+}
+
+/// Turns by which spins lead the frames of a strand \[rad\].
+fn led_turn(p: &Parameters, s: &state::State, strand: usize, m: &Moving) -> Vec<DVec3> {
+    s.hair.segments(strand).map(|k| p.step * m.segments[k].angular_velocity).collect()
+}
+
+/// Move of a held point: the root goes with its clamp, a tip stays \[m\].
+fn held(first: usize, i: usize, drive: &Drive) -> DVec3 {
+    if i == first { drive.root_travel } else { DVec3::ZERO }
+}
+
+/// Counts of a strand by [`start`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Choice {
+    /// Number of free moves that were capped.
+    pub capped: usize,
+    /// Whether Euler is taken where BDF2 is asked for.
+    pub euler: bool,
+}
+
+/// Hands the `load` of hair point `i` to its rod. What pushes that did not in the last step awake may wake a sleeper; a held
+/// point goes where it is held, whatever pushes.
+pub fn load(p: &Parameters, s: &state::State, i: usize, load: Load, point: &mut Point) {
+    point.load = load;
+    point.outside = point.change + p.step * point.inverse_mass * load.at(s.velocity[i]);
+    point.push = point.outside - s.outside[i];
+}
+
+/// Decides how a strand goes through the step: reset, teleported, asleep or integrated; and where its solver starts.
+pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Drive, m: &mut Moving) -> Choice {
+    let (points, segments) = (s.hair.points(strand), s.hair.segments(strand));
+    // A sleeper has no velocity but what viscosity gave it since.
+    let asleep = s.asleep[strand];
+    let push = |i: usize| m.points[i].push + if asleep { s.velocity[i] } else { DVec3::ZERO };
+    let pushed = points.clone().any(|i| push(i).length() > p.rest[strand].acceleration * p.step);
+    if s.bad[strand] {
+        s.bad[strand] = false;
+        (s.calm[strand], s.still[strand], s.asleep[strand]) = (0, 0, false);
+        put_at_rest(&s.hair, strand, drive, m);
+        unload(&s.hair, strand, m);
+        drive.state = State::Solved;
+        return Choice::default();
+    }
+    let rested = s.still[strand] >= STILL_STEPS && f64::from(s.still[strand]) * p.step >= STILL_TIME;
+    if drive.state == State::Teleported {
+        (s.calm[strand], s.still[strand]) = (0, 0);
+        unload(&s.hair, strand, m);
+    }
+    if drive.state == State::Teleported
+        || drive.state == State::Asleep && rested && !pushed && !(s.asleep[strand] && s.touched[strand])
+    {
+        s.asleep[strand] = drive.state == State::Asleep;
+        put_as_it_is(&s.hair, strand, drive, m);
+        return Choice::default();
+    }
+    drive.state = State::Free;
+    if std::mem::take(&mut s.asleep[strand]) {
+        s.still[strand] = 0;
+    }
+    s.calm[strand] = if drive.torn { 0 } else { (s.calm[strand] + 1).min(CALM) };
+    let calm = s.calm[strand] == CALM;
+    let h = drive.step;
+    let ahead = calm && p.direct;
+    let (led, led_turn) = (led(p, s, strand, drive, m), led_turn(p, s, strand, m));
+
+    let mut choice = Choice { capped: 0, euler: p.bdf2 && h == p.step };
+    let mut free: Vec<DVec3> = points
+        .clone()
+        .map(|i| {
+            let point = &m.points[i];
+            if point.inverse_mass == 0.0 {
+                return held(points.start, i, drive);
+            }
+            let acceleration = p.gravity + point.inverse_mass * point.load.force;
+            free_move(p, point.velocity, point.before, point.carried, acceleration, damping(p, point), h)
+        })
+        .collect();
+    let length: f64 = s.hair.rest_length[segments.clone()].iter().sum();
+    let caps = !ahead || !drags(p);
+    let origin = origin(m.points[points.start].inverse_mass == 0.0, drive, &free);
+    for (k, i) in points.enumerate() {
+        let point = &mut m.points[i];
+        let far = (free[k] - origin).length();
+        let loaded = response(damping(p, point), h) * point.inverse_mass * point.load.force.length();
+        let largest = point.largest + if drive.whole { loaded.min(LOADED * length) } else { 0.0 };
+        let capped = caps && point.inverse_mass > 0.0 && far > largest;
+        if capped {
+            free[k] = origin + (free[k] - origin) * (largest / far);
+            choice.capped += 1;
+        }
+
+        (point.step, point.free) = (h, free[k]);
+        point.travel = if ahead && !capped { led[k] } else { free[k] };
+    }
+    for (k, j) in segments.enumerate() {
+        let segment = &mut m.segments[j];
+        segment.step = h;
+        segment.free =
+            free_move(p, segment.angular_velocity, segment.before, segment.carried, DVec3::ZERO, p.damping, h);
+        segment.turn = if ahead { led_turn[k] } else { segment.free };
+        segment.frame = (rotation(segment.turn) * segment.start).normalize();
+        segment.force = if ahead { segment.frame * segment.force } else { DVec3::ZERO };
+        segment.moment = if ahead { segment.moment } else { DVec3::ZERO };
+    }
+    choice
+}
+
+/// Whether the model has a drag that the rods take in any place.
+pub(super) fn drags(p: &Parameters) -> bool {
+    matches!(p.model, Model::TwoWay | Model::Drag)
+}
+
+/// Move that free moves are measured from when they are capped: the root's, or their mean where the root is free.
+pub(super) fn origin(root_held: bool, drive: &Drive, free: &[DVec3]) -> DVec3 {
+    if root_held { drive.root_travel } else { free.iter().sum::<DVec3>() / free.len() as f64 }
+}
+
+/// Takes the load off a strand that was put somewhere: it felt no force on its way.
+pub(super) fn unload(hair: &Strands, strand: usize, m: &mut Moving) {
+    for point in &mut m.points[hair.points(strand)] {
+        (point.load, point.outside) = (Load::default(), DVec3::ZERO);
+    }
+}
+
+/// Puts a strand as it is, turned with its root and moved with it.
+fn put_as_it_is(hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving) {
+    let mut offset = DVec3::ZERO;
+    let first = hair.points(strand).start;
+    put(&mut m.points[first], drive.root_travel);
+    for (k, i) in hair.segments(strand).zip(first + 1..) {
+        offset += m.segments[k].chord;
+        let frame = drive.root_turn * m.segments[k].start;
+        put_frame(&mut m.segments[k], frame);
+        put(&mut m.points[i], drive.root_travel + drive.root_turn * offset - offset);
+    }
+}
+
+/// Puts a strand in its rest shape, unrolled from the clamp; a tip that is held stays.
+fn put_at_rest(hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving) {
+    let (mut frame, mut offset, mut rest) = (drive.root_frame, DVec3::ZERO, DVec3::ZERO);
+    let first = hair.points(strand).start;
+    put(&mut m.points[first], drive.root_travel);
+    for (k, i) in hair.segments(strand).zip(first + 1..) {
+        frame = (frame * hair.rest_rotation[k]).normalize();
+        offset += m.segments[k].chord;
+        rest += hair.rest_length[k] * (frame * DVec3::Z);
+        put_frame(&mut m.segments[k], frame);
+        let stays = i + 1 == hair.points(strand).end && m.points[i].inverse_mass == 0.0;
+        put(&mut m.points[i], if stays { DVec3::ZERO } else { drive.root_travel + rest - offset });
+    }
+}
+
+pub(super) fn put(point: &mut Point, travel: DVec3) {
+    (point.travel, point.step) = (travel, f64::INFINITY);
+}
+
+pub(super) fn put_frame(segment: &mut Segment, frame: DQuat) {
+    (segment.frame, segment.step) = (frame.normalize(), f64::INFINITY);
+    (segment.force, segment.moment) = (DVec3::ZERO, DVec3::ZERO);
+}

@@ -1,0 +1,29 @@
+//! Heading 6: velocities follow from positions.
+
+use glam::DVec3;
+
+use crate::{
+    Parameters, State, fluid,
+    rods::{Point, rate},
+    step::Scratch,
+};
+
+/// Runs the heading: hair's velocity follows from its moves; air adds what the density constraint moved it by.
+pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
+    for (i, point) in w.moving.points.iter_mut().enumerate() {
+        let shift = w.predicted[i] - (s.position[i] + point.travel);
+        w.new_velocity[i] = velocity(p, point, shift);
+        point.before = point.velocity + shift / p.step;
+    }
+    for i in p.hair_points..w.predicted.len() {
+        w.new_velocity[i] = fluid::velocity(p, w.new_velocity[i], w.correction[i]);
+    }
+    w.rod_velocity = w.new_velocity[..p.hair_points].to_vec();
+}
+
+/// Velocity of a hair point from its move, as its integrator says; what a contact added to the move, `shift` \[m\], is an
+/// impulse on top \[m/s\].
+#[must_use]
+pub fn velocity(p: &Parameters, point: &Point, shift: DVec3) -> DVec3 {
+    rate(p, point.travel, point.carried, point.step) + shift / p.step
+}

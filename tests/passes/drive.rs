@@ -1,0 +1,253 @@
+//! Heading 1: the passes that move clamps, let the wind in and let air and hair drift.
+
+use glam::{DQuat, DVec3};
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use windswept::internals::step;
+use windswept_reference::{State as Twin, drive, rods, step::Scratch};
+use windswept_scene::{Gust, Inflow, InitialState, Keyframe, Motion};
+use windswept_shaders as passes;
+
+use crate::{
+    hair::{any, ends, motion, scene_of, set_roots, strands},
+    stage::{Stage, each, quaternion, relative, stirred, xyz},
+    steps::{Fault, PARTICLES},
+    support,
+    walk::{Walk, apart, largest},
+};
+
+impl Walk<'_> {
+    pub fn drive(&mut self, s: &Twin) -> Result<Scratch, String> {
+        let (stage, bounds, hair) = (self.stage, self.bounds, self.p().hair_points);
+        let state = stage.engine.state();
+        let w = drive::run(s, self.p());
+        let mut passes = stage.passes(step::drive::record);
+        if passes.through("wind/blow") {
+            let wind = stage.engine.status().unwrap().wind.map(f64::from);
+            self.same("wind/blow", (DVec3::from_array(wind) - w.blowing).length(), bounds.wind)?;
+        }
+        if passes.through("rods/roots") {
+            let got = stage.rod_strands();
+            let gap = |f: &dyn Fn(usize) -> f64| largest((0..got.len()).map(f));
+            let travel = gap(&|k| (xyz(&got[k].root_travel) - w.drives[k].root_travel).length());
+            let frame = gap(&|k| (quaternion(got[k].root_frame) - w.drives[k].root_frame).length());
+            let turn = gap(&|k| (quaternion(got[k].root_turn) - w.drives[k].root_turn).length());
+            self.same("rods/roots", travel, bounds.length)?;
+            self.same("rods/roots", frame.max(turn), bounds.frame)?;
+            self.states("rods/roots", &w)?;
+        }
+        if passes.through("rods/drift") {
+            let got = &stage.vectors(&state.predicted)[..hair];
+            self.same("rods/drift", apart(got, &w.predicted[..hair]), bounds.length)?;
+        }
+        if passes.through("wind/fringe") {
+            self.same("wind/fringe", apart(&self.vectors(&state.wind_change, hair), &w.wind_change), bounds.wind)?;
+        }
+        if passes.through("fluid/predict") {
+            let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
+            self.same("fluid/predict", gap, bounds.length)?;
+        }
+        passes.finish();
+        Ok(w)
+    }
+}
+
+/// Planted faults of the passes of this heading.
+pub const FAULTS: &[Fault] = &[
+    (&passes::wind::BLOW, "status.wind[axis] = now[axis]", "status.wind[axis] = before[axis]", PARTICLES),
+    (&passes::rods::ROOTS, "left = 1u", "left = 2u", PARTICLES),
+    (&passes::rods::DRIFT, "params.step * params.gravity", "0.9 * params.step * params.gravity", PARTICLES),
+    (&passes::wind::FRINGE, "sin(PI * depth", "sin(0.9 * PI * depth", PARTICLES),
+    (&passes::fluid::PREDICT, "params.step * v", "0.9 * params.step * v", PARTICLES),
+];
+
+/// Largest differences of what clamps do: moves \[m\], frames; and how many strands go in another way.
+pub fn drives_apart(stage: &Stage, w: &Scratch) -> (f64, f64, usize) {
+    let got = stage.rod_strands();
+    assert_eq!(got.len(), w.drives.len());
+    let most = |gap: &dyn Fn(usize) -> f64| (0..got.len()).map(gap).fold(0.0, f64::max);
+    let moves = most(&|k| (xyz(&got[k].root_travel) - w.drives[k].root_travel).length());
+    let frames = most(&|k| (quaternion(got[k].root_frame) - w.drives[k].root_frame).length());
+    let turns = most(&|k| (quaternion(got[k].root_turn) - w.drives[k].root_turn).length());
+    let states = got.iter().zip(&w.drives).filter(|(a, b)| a.state != b.state as u32).count();
+    (moves, frames.max(turns), states)
+}
+
+/// The host moves roots: some stay, some move and turn in this step or over three substeps, some only turn, some jump; free roots go
+/// where they will, and strands that are held at both ends do not jump.
+#[test]
+fn roots_are_those_of_the_twin() {
+    for n in support::SIZES {
+        for (keys, substeps, steps) in [("", 1, 0), ("sleep = false", 1, 7), ("", 3, 0), ("", 3, 1), ("", 3, 3_000_002)]
+        {
+            let (mut scene, mut initial) = strands(n, keys);
+            ends(&mut initial.hair, true);
+            scene.time.substeps = substeps;
+            let stage = Stage::new(&scene, &initial);
+            let (p, mut s) = (&stage.parameters, stage.twin.clone());
+            stage.adopt(&mut s);
+            let mut rng = Pcg64::seed_from_u64(n as u64);
+            let drawn: Vec<[DVec3; 2]> = (0..n).map(|_| [any(&mut rng, 1.0), any(&mut rng, 2.5)]).collect();
+            set_roots(&stage, &mut s, |strand, x, q| {
+                // Strands are 0.1 m long.
+                let by = [0.0, 1e-6, 0.02, 0.0, 0.0999, 0.1001, 0.7][(strand + n) % 7];
+                let turn = if (strand + n) % 7 == 0 { DVec3::ZERO } else { drawn[strand][1] };
+                (x + by * drawn[strand][0].normalize(), DQuat::from_scaled_axis(turn) * q)
+            });
+            let mut status = stage.engine.status().unwrap();
+            status.step = steps;
+            stage.engine.set_status(&status).unwrap();
+            s.steps = steps.into();
+            stage.run_only(&["rods/roots"], step::drive::record);
+            let w = drive::run(&s, p);
+            let (moves, frames, states) = drives_apart(&stage, &w);
+            let count = |state| w.drives.iter().filter(|drive| drive.state == state).count();
+            let counts = [rods::State::Free, rods::State::Asleep, rods::State::Teleported].map(count);
+            println!("{n} strands, {keys:?}, substep {steps} of {substeps}: {moves:.1e} m, {frames:.1e}, {counts:?}");
+            assert_eq!(states, 0, "{n}, {keys}: strands go another way");
+            // Measured 3.6e-8 m and 4.7e-7; margin 4.
+            assert!(moves < 1.5e-7 && frames < 2e-6, "{n}, {keys}: {moves} m, {frames}");
+            assert!(n < 63 || counts.iter().filter(|count| **count > 0).count() == 2 + usize::from(p.sleep));
+        }
+    }
+}
+
+/// Keyframes move roots: before, between and after them, hours into a run, and from far away.
+#[test]
+fn roots_by_keyframes_are_those_of_the_twin() {
+    for n in support::SIZES {
+        let mut scene = scene_of(n, "");
+        for (group, hair) in scene.hair.iter_mut().enumerate() {
+            let start = [0.0, 0.004, 1.0, 3_600.0][group];
+            let keyframe = |time, translation, rotation| Keyframe { time, translation, rotation };
+            let keyframes = vec![
+                keyframe(start, [0.0, 0.01, 0.0], [0.0, 0.3, 0.0]),
+                keyframe(start + 0.004, [0.02, 0.01, 0.0], [1.0, 0.3, 0.2]),
+                keyframe(start + 3.0, [0.0, -0.01, 0.0], [1.0, -0.3, 0.2]),
+            ];
+            hair.motion = Motion { keyframes };
+        }
+        let initial = InitialState::new(&scene).unwrap();
+        let stage = Stage::new(&scene, &initial);
+        let mut s = stage.twin.clone();
+        stage.adopt(&mut s);
+        // The engine's have the motion at the start taken out.
+        s.root_targets.clone_from(&stage.twin.root_targets);
+        for steps in [1, 3, 5, 500, 2_000_000, 2_608_696, 2_609_500] {
+            let mut status = stage.engine.status().unwrap();
+            status.step = steps;
+            stage.engine.set_status(&status).unwrap();
+            s.steps = steps.into();
+            stage.run_only(&["rods/roots"], step::drive::record);
+            let (moves, frames, states) = drives_apart(&stage, &drive::run(&s, &stage.parameters));
+            println!("{n} strands, step {steps}: {moves:.1e} m, {frames:.1e}, {states}");
+            // Measured 1.2e-7 m and 1.9e-7; margin 4.
+            assert!(moves < 5e-7 && frames < 8e-7, "{n}, step {steps}: {moves} m, {frames}");
+            // Where the motion has come to rest rounding says whether the clamp still moves.
+            let rests = |drive: &rods::Drive| drive.root_travel.length() < 1e-6;
+            let w = drive::run(&s, &stage.parameters);
+            let got = stage.rod_strands();
+            let strict = got.iter().zip(&w.drives).filter(|(_, drive)| !rests(drive));
+            let (mut moving, mut other) = (0, 0);
+            for (a, b) in strict {
+                moving += 1;
+                other += usize::from(a.state != b.state as u32);
+            }
+            assert_eq!(other, 0, "{n}, step {steps}: strands go another way");
+            assert!(n < 63 || moving >= n / 4, "{n}, step {steps}: {moving} move");
+        }
+    }
+}
+
+#[test]
+fn drift_is_free_and_damped() {
+    for n in support::SIZES.into_iter().filter(|n| *n >= 9) {
+        let mut initial = support::particles(n, n / 3, support::Layout::Random, 12);
+        // Fast enough that some moves are capped: 3 mm or a segment in 1.38 ms.
+        motion(&mut initial.hair, 40.0, 0.0, 3);
+        let mut scene = support::scene();
+        scene.rods.damping = 2.0;
+        let stage = Stage::new(&scene, &initial);
+        stage.run(step::drive::record);
+        let wanted = drive::run(&stage.twin, &stage.parameters);
+        let hair = stage.parameters.hair_points;
+        let got = stage.vectors(&stage.engine.state().predicted);
+        let error = relative(&got[..hair], &wanted.predicted[..hair], 1e-3);
+        println!("{n} particles: drift {error:.1e}");
+        // Measured at most 1.2e-7; margin 2.
+        assert!(error < 2.5e-7, "{n} particles: {error}");
+    }
+}
+
+/// The table of the mean wind, and what the fringe makes of it: any direction, gusts that turn the wind round, turbulence
+/// that it brings in, at any step of a run.
+#[test]
+fn fringe_is_that_of_the_twin() {
+    let turning = vec![
+        Gust { time: 0.01, velocity: [0.0; 3] },
+        Gust { time: 0.03, velocity: [4.0, -1.0, 0.0] },
+        Gust { time: 0.7, velocity: [3.0, 0.0, 0.5] },
+    ];
+    let eddies = Some(Inflow { intensity: 0.2, scale: 0.009, seed: 3 });
+    for (wind_speed, gust, inflow, steps) in [
+        ([3.0, 0.0, 0.0], Vec::new(), None, 0),
+        ([-2.0, 0.5, 1.0], Vec::new(), eddies, 12),
+        ([0.0, 0.0, -6.0], Vec::new(), None, 500),
+        ([0.0; 3], turning.clone(), None, 3),
+        ([-2.0, 0.5, 0.0], turning.clone(), eddies, 18),
+        ([-2.0, 0.0, 1.0], turning, None, 300),
+    ] {
+        for n in support::SIZES {
+            let mut scene = support::scene();
+            if let Some(air) = &mut scene.air {
+                (air.wind, air.gust, air.inflow) = (wind_speed, gust.clone(), inflow);
+                air.fringe = 0.02;
+            }
+            let initial = support::particles(n, n / 3, support::Layout::Random, 4);
+            let stage = Stage::new(&scene, &initial);
+            let (p, s) = (&stage.parameters, stage.engine.state());
+            let mut status = stage.engine.status().unwrap();
+            status.step = steps;
+            // What committed steps leave.
+            let ways = (0..steps.into()).map(|k| 0.5 * p.step * (drive::blow(p, k) + drive::blow(p, k + 1)));
+            status.way = ways.sum::<DVec3>().rem_euclid(p.box_size).as_vec3().to_array();
+            stage.engine.set_status(&status).unwrap();
+            let v: Vec<DVec3> = stage.twin.position.iter().map(|x| (*x * 20.0).as_vec3().as_dvec3()).collect();
+            stage.write_vectors(&s.velocity, &v);
+            stage.run(step::drive::record);
+            let blown = DVec3::from_array(stage.engine.status().unwrap().wind.map(f64::from));
+            let air = p.hair_points..stage.twin.position.len();
+            let wanted: Vec<DVec3> =
+                air.clone().map(|i| drive::fringe(p, steps.into(), stage.twin.position[i], v[i])).collect();
+            let error = relative(&stage.vectors(&s.wind_change)[air], &wanted, 1e-3);
+            let off = (blown - drive::blow(p, u64::from(steps) + 1)).length();
+            println!("wind {wind_speed:?}, step {steps}, {n} particles: {error:.1e}, mean wind {off:.1e} m/s off");
+            // Measured at most 1e-6, and 5e-7 m/s; margin 4.
+            assert!(error < 4e-6, "{wind_speed:?}: {error}");
+            assert!(off < 2e-6, "{wind_speed:?}: {off} m/s");
+        }
+    }
+}
+
+#[test]
+fn predict_moves_air_through_the_faces() {
+    each(&support::scene(), |what, stage, _| {
+        let v = stirred(stage.twin.position.len());
+        let s = stage.engine.state();
+        stage.write_vectors(&s.velocity, &v);
+        stage.run(|r, plan| {
+            r.run(&passes::fluid::PREDICT, "air moves", plan.sizes.air());
+        });
+        let first = stage.parameters.hair_points;
+        let size = stage.parameters.box_size;
+        for (i, got) in stage.vectors(&s.predicted).into_iter().enumerate().skip(first) {
+            let wanted = drive::predict(&stage.parameters, stage.twin.position[i], v[i]);
+            let gap = got - wanted;
+            // A particle at a face may come out on either side of it.
+            let gap = gap - size * (gap / size).round();
+            // Measured 4e-8 m, the f32 spacing of positions; margin 2.5.
+            assert!(gap.length() < 1e-7, "{what}: {i} at {got}, expected {wanted}");
+            assert!(got.cmpge(DVec3::ZERO).all() && got.cmple(size).all(), "{what}: {got} is outside");
+        }
+    });
+}

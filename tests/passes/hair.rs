@@ -1,0 +1,90 @@
+//! Hair alone, of every kind of end, which tests move about.
+
+use glam::{DQuat, DVec3, Quat, Vec3};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use windswept_reference::State as Twin;
+use windswept_scene::{End, Ends, InitialState, Model, Scene, Strands};
+use windswept_shaders::common::rod::Root;
+
+use crate::stage::Stage;
+
+/// `n` strands of 2 to 40 points, some curled, in random places, alone; of 2 where they are many.
+pub fn scene_of(n: usize, keys: &str) -> Scene {
+    let mut text = format!(
+        "interaction = {{ model = \"none\" }}\nrods = {{ iterations = 10, damping = 2.0, {keys} }}\n\
+         [time]\nstep = 1.38e-3\nduration = 1.0\n"
+    );
+    for (group, (points, curl)) in
+        [(2, ""), (11, "curl = { radius = 0.003, pitch = 0.02 }"), (40, ""), (7, "taper = 0.5")].into_iter().enumerate()
+    {
+        let (points, curl) = if n > 1000 { (2, "") } else { (points, curl) };
+        let share = (n + 3 - group) / 4;
+        if share > 0 {
+            text += &format!(
+                "[[hair]]\nname = \"g{group}\"\nstrands = {share}\npoints = {points}\nlength = 0.1\n{curl}\nroots = {{ center = [0.0, 0.1, {group}.0], radius = 0.05, direction = [1.0, 0.3, 0.2] }}\n"
+            );
+        }
+    }
+    let mut scene = Scene::parse(&text).unwrap();
+    scene.interaction.model = Model::None;
+    scene
+}
+
+/// Scene of [`scene_of`], and the state that it starts from.
+pub fn strands(n: usize, keys: &str) -> (Scene, InitialState) {
+    let scene = scene_of(n, keys);
+    let initial = InitialState::new(&scene).unwrap();
+    (scene, initial)
+}
+
+/// Gives strands every kind of end: clamped, pinned and free roots, and tips, in turn.
+pub fn ends(hair: &mut Strands, tips: bool) {
+    let kinds = [End::Clamped, End::Pinned, End::Free];
+    for s in 0..hair.len() {
+        let (root, tip) = (kinds[s % 3], if tips { kinds[(s / 3) % 3] } else { End::Free });
+        let (points, segments) = (hair.points(s), hair.segments(s));
+        if root == End::Free {
+            hair.inverse_mass[points.start] = 2.0 * hair.inverse_mass[points.end - 1].max(1e6);
+        }
+        if tip != End::Free {
+            hair.inverse_mass[points.end - 1] = 0.0;
+        }
+        let tip_rest_rotation = DQuat::from_scaled_axis(DVec3::new(0.02, 0.05, -0.03));
+        hair.ends.push(Ends {
+            root,
+            tip,
+            tip_frame: hair.orientations[segments.end - 1] * tip_rest_rotation,
+            tip_rest_rotation,
+            tip_compliance: 0.5 * hair.bend_compliance[segments.end - 1],
+        });
+    }
+}
+
+/// Gives all points and segments speeds and spins, rounded to f32.
+pub fn motion(hair: &mut Strands, speed: f64, spin: f64, seed: u64) {
+    let mut rng = Pcg64::seed_from_u64(seed);
+    let mut any = |size: f64| (size * (2.0 * DVec3::from_array(rng.random()) - 1.0)).as_vec3().as_dvec3();
+    for (v, w) in hair.velocities.iter_mut().zip(&hair.inverse_mass) {
+        *v = if *w > 0.0 { any(speed) } else { DVec3::ZERO };
+    }
+    hair.angular_velocities.iter_mut().for_each(|w| *w = any(spin));
+}
+
+/// Vector of up to `size` on each axis, rounded to f32.
+pub fn any(rng: &mut Pcg64, size: f64) -> DVec3 {
+    (size * (2.0 * DVec3::from_array(rng.random()) - 1.0)).as_vec3().as_dvec3()
+}
+
+/// Sets where clamps go, on engine and twin; rounded to f32.
+pub fn set_roots(stage: &Stage, s: &mut Twin, target: impl Fn(usize, DVec3, DQuat) -> (DVec3, DQuat)) {
+    let targets = s.clamps.iter().enumerate().map(|(strand, (x, q))| {
+        let (x, q) = target(strand, *x, *q);
+        (x.as_vec3(), q.as_quat())
+    });
+    let targets: Vec<_> = targets.collect();
+    let root = |(x, q): &(Vec3, Quat)| Root { position: x.to_array(), frame: q.to_array(), ..Root::default() };
+    let rows: Vec<Root> = targets.iter().map(root).collect();
+    stage.engine.write(&stage.engine.state().root_targets, &rows).unwrap();
+    s.root_targets = targets.iter().map(|(x, q)| (x.as_dvec3(), q.as_dquat())).collect();
+}
