@@ -124,13 +124,39 @@ fn no_file_is_left_out_of_the_map() {
     }
 }
 
-/// The twin's modules of a pass's folder, as text.
-fn twin_of(folder: &str) -> String {
+/// Source text of a module of the twin, with the files inside it.
+fn twin_of(module: &str) -> String {
     let source = "crates/windswept-reference/src";
-    let inner = format!("{source}/{folder}");
+    let inner = format!("{source}/{module}");
     let inside = if root().join(&inner).exists() { files(&inner, "rs") } else { Vec::new() };
     let texts = inside.iter().map(|name| read(&format!("{inner}/{name}")));
-    std::iter::once(read(&format!("{source}/{folder}.rs"))).chain(texts).collect()
+    std::iter::once(read(&format!("{source}/{module}.rs"))).chain(texts).collect()
+}
+
+/// Headings of the step.
+fn headings() -> Vec<String> {
+    files("crates/windswept/src/step", "rs").iter().map(|name| name.trim_end_matches(".rs").to_owned()).collect()
+}
+
+#[test]
+fn a_heading_has_one_file_in_each_of_three_places() {
+    let mut missing = Vec::new();
+    for heading in headings() {
+        let test = read(&format!("tests/passes/{heading}.rs"));
+        for (place, text, wanted) in [
+            ("step", read("crates/windswept/src/step.rs"), format!("{heading}::record(")),
+            ("twin's step", twin_of("step"), format!("{heading}::run(")),
+            ("twin", twin_of(&heading), "\npub fn run(".to_owned()),
+            ("walk", test.clone(), format!("pub fn {heading}(&mut self")),
+            ("faults", test, "\npub const FAULTS: &[Fault]".to_owned()),
+            ("planted faults", read("tests/passes/steps.rs"), format!("{heading}::FAULTS")),
+        ] {
+            if !text.contains(&wanted) {
+                missing.push(format!("{place}: {wanted}"));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "{missing:#?}");
 }
 
 #[test]
@@ -141,27 +167,22 @@ fn passes_without_a_twin_function_are_those_that_are_named() {
         .into_iter()
         .filter(|span| PASSES.iter().any(|folder| span.starts_with(folder)) && span != "rods/choose")
         .collect();
+    let headings: Vec<(String, String)> = headings()
+        .iter()
+        .map(|heading| (read(&format!("crates/windswept/src/step/{heading}.rs")), twin_of(heading)))
+        .collect();
     let mut without = BTreeSet::new();
     for folder in PASSES.map(|folder| folder.trim_end_matches('/')) {
-        let twin = twin_of(folder);
         for file in files(&format!("shaders/{folder}"), "wgsl") {
             let name = file.trim_end_matches(".wgsl");
-            if !twin.contains(&format!("\npub fn {name}(")) {
+            let runs = format!("&{folder}::{},", name.to_uppercase());
+            let function = format!("\npub fn {name}(");
+            if !headings.iter().any(|(step, twin)| step.contains(&runs) && twin.contains(&function)) {
                 without.insert(format!("{folder}/{name}"));
             }
         }
     }
     assert_eq!(claimed, without);
-}
-
-/// Every source text of the twin.
-fn twin() -> String {
-    let folder = "crates/windswept-reference/src";
-    let folders = [folder.to_owned(), format!("{folder}/rods"), format!("{folder}/turbulence")];
-    folders
-        .iter()
-        .flat_map(|folder| files(folder, "rs").into_iter().map(move |name| read(&format!("{folder}/{name}"))))
-        .collect()
 }
 
 #[test]
@@ -175,14 +196,16 @@ fn each_equation_leads_to_its_pass_twin_and_test() {
         .map(|line| line.trim_matches('|').split('|').collect())
         .collect();
     let mut wrong = Vec::new();
-    let twin = twin();
     for row in &rows {
         let [equation, pass, function, test] = row[..] else { panic!("{row:?}") };
         let passes = spans(pass).into_iter().filter(|name| PASSES.iter().any(|folder| name.starts_with(folder)));
         if passes.count() == 0 && !pass.contains("shaders/") {
             wrong.push(format!("{equation}: no pass"));
         }
-        let lost = |name: &str| !twin.contains(&format!("pub fn {}(", name.rsplit("::").next().unwrap()));
+        let lost = |name: &str| {
+            let (module, function) = name.split_once("::").unwrap();
+            !twin_of(&module.to_lowercase()).contains(&format!("pub fn {function}("))
+        };
         wrong.extend(spans(function).into_iter().filter(|name| lost(name)).map(|name| format!("{equation}: {name}")));
         let mut file = String::new();
         let mut tests = 0;

@@ -1,8 +1,8 @@
 //! The f64 twin of the step on the CPU, with the names and the nine headings of the engine's step. It needs no GPU.
 //!
 //! The twin is written from the equations, with other data structures than the engine's (no cells, no sorted particles, no cut-off
-//! grid), so that the two cannot share a mistake. It is made of pure functions over slices; [`step::step`] puts them in
-//! order.
+//! grid), so that the two cannot share a mistake. [`step::step`] runs the headings in order. Each heading is a module: its
+//! `run` calls the functions of the heading's passes, which stand beside it and have the names of the passes.
 
 pub mod contact;
 pub mod drive;

@@ -1,4 +1,4 @@
-//! What stays the same from step to step.
+//! Parameters, which stay the same from step to step.
 
 use glam::{DVec3, IVec3};
 use windswept_scene::{
@@ -10,94 +10,94 @@ use crate::{
     sph_kernels::spiky_slope,
 };
 
-/// The scene's numbers, per engine step (substeps divided out).
+/// Numbers of a scene, per engine step: substeps are divided out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameters {
-    /// Δt of a step \[s\].
+    /// Duration Δt of a step \[s\].
     pub step: f64,
-    /// On hair only \[m/s²\].
+    /// Gravity, which acts on hair only \[m/s²\].
     pub gravity: DVec3,
     /// Mean wind after the ramp \[m/s\].
     pub wind: DVec3,
-    /// \[s\]
+    /// Time in which the mean wind rises \[s\].
     pub ramp: f64,
-    /// Time \[s\] and what is added to the wind then \[m/s\].
+    /// Gusts: times \[s\], and velocities that are added to the mean wind then \[m/s\].
     pub gust: Vec<(f64, DVec3)>,
-    /// Turbulence that the wind brings in.
+    /// Waves of the turbulence that the wind brings in.
     pub inflow: Vec<InflowWave>,
-    /// \[m\]
+    /// Thickness of the fringe \[m\].
     pub fringe: f64,
-    /// Periodic box of the air, from the origin \[m\].
+    /// Size of the air's periodic box, whose low corner is the origin \[m\].
     pub box_size: DVec3,
-    /// h \[m\].
+    /// Kernel radius h \[m\].
     pub kernel_radius: f64,
-    /// Air particles there are, and they meet hair.
+    /// Whether there are air particles.
     pub air: bool,
-    /// How hair and air meet.
+    /// Model by which hair and air meet.
     pub model: Model,
-    /// V of an air particle \[m³\].
+    /// Volume V of an air particle \[m³\].
     pub air_volume: f64,
-    /// ρ0 \[kg/m³\].
+    /// Rest density ρ0 of the air \[kg/m³\].
     pub rest_density: f64,
-    /// ν of the drag model \[m²/s\].
+    /// Kinematic viscosity ν of the air that drags hair \[m²/s\].
     pub kinematic_viscosity: f64,
-    /// C_l of a segment in the wind.
+    /// Lift coefficient C_l of a segment in the wind.
     pub lift: f64,
     /// Coulomb's μ of hair on hair in the model `two-way`; 0 leaves it out. No key of a scene sets it: neither the engine nor the
     /// twin keeps a mat of hair at rest yet.
     pub friction: f64,
-    /// Jacobi iterations.
+    /// Number of Jacobi iterations of the density constraint.
     pub fluid_iterations: u32,
-    /// Part of a Jacobi step.
+    /// Part of a Jacobi step that is taken.
     pub relaxation: f64,
-    /// Share of negative C let through.
+    /// Part of a negative density error C that counts.
     pub tension: f64,
-    /// α of the multiplier \[1/(kg m²)\].
+    /// Softening α of the density constraint's multiplier \[1/(kg m²)\].
     pub density_softening: f64,
     /// Bands of eddies to strengthen; none without air, without strength, or where the law is off.
     pub bands: Vec<Band>,
-    /// U of the confinement law \[m/s\].
+    /// Speed U of the confinement law \[m/s\].
     pub turbulence_speed: f64,
-    /// The confinement law.
+    /// Law of the confinement.
     pub law: Law,
-    /// Of the band's sum, in units of s.
+    /// Distance at which the sum of a band ends, in units of its scale s.
     pub cutoff: f64,
-    /// The rest of the scene's `[turbulence]`: filter, order, spacing, whether momentum is conserved.
+    /// Keys of the scene's `[turbulence]`: filter, order, spacing, whether momentum is conserved.
     pub turbulence: Turbulence,
-    /// c of hair, per step.
+    /// Coefficient c of hair's viscosity, per step.
     pub viscosity_hair: f64,
-    /// c of air, per step.
+    /// Coefficient c of air's viscosity, per step.
     pub viscosity_air: f64,
-    /// With the symmetric limiter.
+    /// Whether viscosity has the symmetric limiter.
     pub limited: bool,
-    /// Gauss-Seidel sweeps.
+    /// Number of Gauss-Seidel's sweeps.
     pub rod_iterations: u32,
-    /// Newton steps of the direct solver, at most.
+    /// Largest number of Newton steps of the direct solver.
     pub newton_steps: u32,
-    /// Rods by the direct solver, else by Gauss-Seidel.
+    /// Whether rods are solved by the direct solver, else by Gauss-Seidel.
     pub direct: bool,
-    /// Rods by BDF2 where they are calm, else by Euler.
+    /// Whether calm strands are integrated by BDF2, else by Euler.
     pub bdf2: bool,
-    /// Strands at rest are left alone.
+    /// Whether strands at rest fall asleep.
     pub sleep: bool,
-    /// Per strand: what rest is for it.
+    /// Limits of speed and push below which each strand is at rest.
     pub rest: Vec<Rest>,
-    /// Engine steps of a time step.
+    /// Number of engine steps in a time step.
     pub substeps: u32,
-    /// \[1/s\]
+    /// Damping c of hair \[1/s\].
     pub damping: f64,
-    /// What hair and air stay out of.
+    /// Bodies, which hair and air stay out of.
     pub bodies: Vec<Body>,
-    /// Per group of hair: the motion of its roots, and the centre that it turns about \[m\].
+    /// Motion of the roots of each group of hair, and the centre that it turns about \[m\].
     pub hair_motions: Vec<(Motion, DVec3)>,
-    /// Per hair point: its strand.
+    /// Strand of each hair point.
     pub strand_of: Vec<usize>,
-    /// Hair points: particles below this index are hair.
+    /// Number of hair points: particles below this index are hair.
     pub hair_points: usize,
 }
 
 impl Parameters {
-    /// The parameters of a scene and its initial state.
+    /// Parameters of a scene and its initial state.
     #[must_use]
     pub fn new(scene: &Scene, initial: &InitialState) -> Self {
         let substeps = f64::from(scene.time.substeps);
@@ -173,7 +173,7 @@ impl Parameters {
         self.model != Model::TwoWay || self.is_air(i) == self.is_air(j)
     }
 
-    /// x_i − x_j: air meets air through the periodic faces, everything else directly.
+    /// Separation x_i − x_j of two particles: air meets air through the periodic faces, everything else directly.
     #[must_use]
     pub fn separation(&self, i: usize, j: usize, a: DVec3, b: DVec3) -> DVec3 {
         let gap = a - b;
@@ -188,7 +188,7 @@ impl Parameters {
         (gap.cmpgt(DVec3::splat(reach)) & gap.cmplt(self.box_size - reach)).any()
     }
 
-    /// s of the grid that a band's velocity is found on \[m\]: its own, or that of a finer band which it shares.
+    /// Scale s of the grid that a band's velocity is found on \[m\]: its own, or that of a finer band whose grid it shares.
     #[must_use]
     pub fn grid_scale(&self, band: &Band) -> f64 {
         let bands = &self.turbulence.bands;
@@ -197,7 +197,7 @@ impl Parameters {
         shared.map_or(band.scale, |grid| bands[grid[0]].scale)
     }
 
-    /// c of a pair (eq. 8).
+    /// Viscosity c of a pair (eq. 8).
     #[must_use]
     pub fn viscosity(&self, i: usize, j: usize) -> f64 {
         let own = |i| if self.is_air(i) { self.viscosity_air } else { self.viscosity_hair };
@@ -205,7 +205,7 @@ impl Parameters {
     }
 }
 
-/// Σ_j w V² |∇W|² over the simple cubic lattice of one particle per V: the own gradient vanishes there.
+/// Sum Σ_j w V² |∇W|² over the simple cubic lattice of one particle per V, where a particle's own gradient vanishes.
 fn lattice_gradients(radius: f64, volume: f64, inverse_mass: f64) -> f64 {
     let spacing = volume.cbrt();
     let reach = (radius / spacing).ceil() as i32;

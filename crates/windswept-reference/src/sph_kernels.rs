@@ -25,7 +25,7 @@ pub fn spiky_gradient(i: usize, j: usize, gap: DVec3, h: f64) -> DVec3 {
     -spiky_slope(r, h) * direction
 }
 
-/// A unit vector drawn from two indices, antisymmetric: coincident particles must separate.
+/// Unit vector drawn from two indices, antisymmetric: coincident particles must separate.
 #[must_use]
 pub fn coincident_direction(i: usize, j: usize) -> DVec3 {
     let first = pcg((i.min(j) as u32) ^ pcg(i.max(j) as u32));

@@ -1,83 +1,84 @@
-//! The state between steps: local coordinates, hair points first, then air.
+//! State between steps, in local coordinates: hair points first, then air.
 
 use glam::{DQuat, DVec3};
 use windswept_scene::{InitialState, Strands};
 
-/// Positions, velocities and frames.
+/// State that a step starts from, and counts of all steps so far.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
-    /// Steps since the start.
+    /// Number of steps since the start.
     pub steps: u64,
-    /// Per particle \[m\].
+    /// Position of each particle \[m\].
     pub position: Vec<DVec3>,
-    /// Per particle \[m/s\].
+    /// Velocity of each particle \[m/s\].
     pub velocity: Vec<DVec3>,
-    /// Per segment.
+    /// Frame of each segment.
     pub orientation: Vec<DQuat>,
-    /// Per segment \[rad/s\].
+    /// Spin of each segment \[rad/s\].
     pub angular_velocity: Vec<DVec3>,
-    /// Per hair point: the last step's move \[m\].
+    /// Move of each hair point in the last step \[m\].
     pub travel: Vec<DVec3>,
-    /// Per hair point: the velocity of the step before, with all that acted from outside since \[m/s\].
+    /// Velocity of each hair point one step before, with all that acted from outside since \[m/s\].
     pub velocity_before: Vec<DVec3>,
-    /// Per hair point: all that acted from outside in the last step awake \[m/s\]; nothing with the model `particles`.
+    /// Change of each hair point's velocity by all that acted from outside in its last step awake \[m/s\]; 0 with the model
+    /// `particles`.
     pub outside: Vec<DVec3>,
-    /// Per segment: the last step's turn \[rad\].
+    /// Turn of each segment in the last step \[rad\].
     pub turn: Vec<DVec3>,
-    /// Per segment: of the step before \[rad/s\].
+    /// Spin of each segment one step before \[rad/s\].
     pub angular_velocity_before: Vec<DVec3>,
-    /// Per segment: μ of stretch-shear, material frame \[N m\].
+    /// Multiplier μ of each segment's stretch-shear, in the material frame \[N m\].
     pub force: Vec<DVec3>,
-    /// Per segment: μ of the joint before it, in the frame before \[N m\].
+    /// Multiplier μ of the joint before each segment, in the frame before \[N m\].
     pub moment: Vec<DVec3>,
-    /// Per strand: where its root is \[m\] and its ghost frame.
+    /// Place of each strand's root \[m\], and its ghost frame.
     pub clamps: Vec<(DVec3, DQuat)>,
-    /// Per strand: where they go in the next step, and stay.
+    /// Place \[m\] and ghost frame to which each root goes in the next step, and stays.
     pub root_targets: Vec<(DVec3, DQuat)>,
-    /// Per strand: steps on end that were calm, [`crate::rods::CALM`] at most.
+    /// Number of steps on end in which each strand was calm, [`crate::rods::CALM`] at most.
     pub calm: Vec<u32>,
-    /// Per strand: steps on end at rest.
+    /// Number of steps on end in which each strand was at rest.
     pub still: Vec<u32>,
-    /// Per strand: asleep.
+    /// Whether each strand is asleep.
     pub asleep: Vec<bool>,
-    /// Per strand: a body pushed a point of it in the step before.
+    /// Whether a body pushed a point of each strand in the step before, or any body moved.
     pub touched: Vec<bool>,
-    /// Strand-steps by Euler where BDF2 is asked for so far.
+    /// Number of strand-steps by Euler where BDF2 is asked for, so far.
     pub euler_steps: usize,
-    /// Strand-steps that needed no solve so far.
+    /// Number of strand-steps that needed no solve, so far.
     pub quiet_steps: usize,
-    /// Strand-steps asleep so far.
+    /// Number of strand-steps asleep, so far.
     pub asleep_steps: usize,
-    /// Strand-steps that the direct solver tore so far.
+    /// Number of strand-steps that the direct solver tore, so far.
     pub rescued_steps: usize,
-    /// Teleports so far.
+    /// Number of teleports so far.
     pub teleports: usize,
-    /// Per strand: non-finite in the step before, to be reset.
+    /// Whether each strand was not finite in the step before, and is to be reset.
     pub bad: Vec<bool>,
-    /// Strands that went bad so far.
+    /// Number of times that a strand was not finite, so far.
     pub resets: usize,
-    /// Per strand: steps on end with a segment stretched or crushed by more than half.
+    /// Number of steps on end in which each strand had a segment stretched or crushed by more than half.
     pub strained_steps: Vec<u32>,
-    /// How often a strand was over-strained for [`crate::rods::STRAINED_STEPS`] steps on end so far.
+    /// Number of times that a strand was over-strained for [`crate::rods::STRAINED_STEPS`] steps on end, so far.
     pub over_strained: usize,
-    /// Moves that were capped so far.
+    /// Number of moves that were capped, so far.
     pub capped: usize,
-    /// Hair points, step by step, whose exchange with the air was limited so far.
+    /// Number of times that a hair point's exchange with the air was limited, so far.
     pub limited: usize,
-    /// max |l/l0 − 1| so far.
+    /// Largest stretch |l/l0 − 1| so far.
     pub max_stretch: f64,
-    /// What confinement gave the air so far \[kg m/s\].
+    /// Impulse that confinement gave the air so far \[kg m/s\].
     pub confinement_impulse: DVec3,
-    /// Per particle \[m³\].
+    /// Volume of each particle \[m³\].
     pub volume: Vec<f64>,
-    /// Per particle \[1/kg\].
+    /// Inverse mass of each particle \[1/kg\].
     pub inverse_mass: Vec<f64>,
-    /// Rods: rest shape, compliances; positions and orientations are those of the rest pose, local.
+    /// Rods: rest shape and compliances; positions and orientations are those at the start, in local coordinates.
     pub hair: Strands,
 }
 
 impl State {
-    /// The start: strands come as if they had moved with their velocities for a step of `step` \[s\].
+    /// State at the start: strands come as if they had moved with their velocities for a step of `step` \[s\].
     #[must_use]
     pub fn new(initial: &InitialState, step: f64) -> Self {
         let local = |x: &DVec3| *x - initial.origin;
@@ -99,7 +100,7 @@ impl State {
             moment: vec![DVec3::ZERO; hair.orientations.len()],
             root_targets: clamps.clone(),
             clamps,
-            // One step of Euler, then BDF2: there is no acceleration to carry on before.
+            // The first step is Euler's, then BDF2 may follow: before it there is no acceleration to carry on.
             calm: vec![1; hair.len()],
             still: vec![0; hair.len()],
             asleep: vec![false; hair.len()],

@@ -54,7 +54,7 @@ pub fn run(s: &mut State, w: &mut Scratch, p: &Parameters) {
     w.new_velocity = stronger;
 }
 
-/// ψ(r, s) = 2/(√15 π^(3/4) s^(3/2)) (3 − r²/s²) exp(−r²/2s²), the Mexican hat of L2 norm 1 in space (eq. 6, with the
+/// Mexican hat ψ(r, s) = 2/(√15 π^(3/4) s^(3/2)) (3 − r²/s²) exp(−r²/2s²) of L2 norm 1 in space (eq. 6, with the
 /// radical over 15 only). The unit is that of s to the power −3/2.
 #[must_use]
 pub fn mexican_hat(r: f64, s: f64) -> f64 {

@@ -6,27 +6,27 @@ use windswept_scene::{End, Strands};
 use super::{Drive, Moving, Point, Segment, cross_matrix, damping, nearest_rest, response, rotation};
 use crate::Parameters;
 
-/// |C + α μ| of stretch-shear at which a strand is done.
+/// Gap |C + α μ| of stretch-shear at which a strand is done.
 pub const FITS: f64 = 1e-5;
-/// Added to the diagonal of J W Jᵀ, in parts of it, as the engine needs it in f32.
+/// Part of the diagonal of J W Jᵀ that is added to it, as the engine needs it in f32.
 const GIVE: f64 = 2e-7;
 /// Residual below which a strand need not be solved; see [`quiet_below`].
 pub const QUIET: f64 = 1e-6;
 
-/// What can move: a point, or a frame, of the strand.
+/// Part of a strand that can move: a point, or a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Mover {
     Point(usize),
     Frame(usize),
 }
 
-/// Three rows of C = 0: a joint's bend-twist, or a segment's stretch-shear.
+/// Constraint of three rows, C = 0: a joint's bend-twist, or a segment's stretch-shear.
 struct Constraint {
     gradient: Vec<(Mover, DMat3)>,
-    /// C
+    /// Gap C.
     gap: DVec3,
     compliance: DMat3,
-    /// μ \[N m\]
+    /// Multiplier μ \[N m\].
     multiplier: DVec3,
     holds: Holds,
 }
@@ -37,7 +37,7 @@ enum Holds {
     Tip,
 }
 
-/// A strand within a step.
+/// Strand within a step.
 struct Rod<'a> {
     p: &'a Parameters,
     hair: &'a Strands,
@@ -47,7 +47,7 @@ struct Rod<'a> {
     drive: &'a mut Drive,
 }
 
-/// One Newton step of strand `s`, unless it is done: solved, or (with `rods.sleep`) nowhere off by more than [`quiet_below`].
+/// Solves one Newton step of strand `s`, unless it is done: solved, or (with `rods.sleep`) nowhere off by more than [`quiet_below`].
 /// Returns whether it was quiet.
 pub fn direct(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
     if drive.state != super::State::Free {
@@ -77,7 +77,8 @@ pub fn direct(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &m
     false
 }
 
-/// Left out of every step, however short it is, a residual must not add up to a push that wakes a sleeper.
+/// Residual below which a strand is quiet. A residual that is left out of every step, however short the step is, must not add
+/// up to a push that wakes a sleeper.
 fn quiet_below(p: &Parameters, hair: &Strands, s: usize) -> f64 {
     let lengths = &hair.rest_length[hair.segments(s)];
     let mean_segment = lengths.iter().sum::<f64>() / lengths.len() as f64;
@@ -85,7 +86,7 @@ fn quiet_below(p: &Parameters, hair: &Strands, s: usize) -> f64 {
 }
 
 impl Rod<'_> {
-    /// Joints and segments in turn, from the clamp to the tip; dC of the frames is in world rotation vectors.
+    /// Constraints of joints and segments in turn, from the clamp to the tip; dC of the frames is in world rotation vectors.
     fn constraints(&self) -> Vec<Constraint> {
         let first = self.hair.segments(self.strand).start;
         let ends = self.hair.ends(self.strand);
@@ -136,7 +137,7 @@ impl Rod<'_> {
         all
     }
 
-    /// W: what a force, or a moment, moves it by. A frame under tension resists turning off the pull.
+    /// Weight W: the move of `mover` by a force, or a moment. A frame under tension resists turning off the pull.
     fn weight(&self, mover: Mover) -> DMat3 {
         match mover {
             Mover::Point(k) => {
@@ -159,7 +160,7 @@ impl Rod<'_> {
         response(self.p.damping, self.segments[k].step) * self.hair.inverse_inertia[first + k]
     }
 
-    /// How far points and frames still are from where their free moves and the multipliers have them.
+    /// Excesses of points and frames: their distances from where their free moves and the multipliers have them.
     fn excess(&self, constraints: &[Constraint]) -> (Vec<DVec3>, Vec<DVec3>) {
         let mut points = vec![DVec3::ZERO; self.points.len()];
         let mut frames = vec![DVec3::ZERO; self.segments.len()];
@@ -182,8 +183,7 @@ impl Rod<'_> {
         (points, frames)
     }
 
-    /// The largest of those: of points, in lengths of the segment before, and of frames. A strand that falls as it is has no
-    /// residual.
+    /// Largest excess: of points in lengths of the segment before, and of frames. A strand that falls as it is has no residual.
     fn still_to_go(&self, constraints: &[Constraint]) -> f64 {
         let (points, frames) = self.excess(constraints);
         let lengths = &self.hair.rest_length[self.hair.segments(self.strand)];
@@ -191,7 +191,7 @@ impl Rod<'_> {
         points.chain(frames.iter().map(|excess| excess.length())).fold(0.0, f64::max)
     }
 
-    /// −(C + α μ + J excess).
+    /// Residuals −(C + α μ + J excess).
     fn residuals(&self, constraints: &[Constraint]) -> Vec<DVec3> {
         let (points, frames) = self.excess(constraints);
         let moved = |(mover, gradient): &(Mover, DMat3)| match *mover {
@@ -203,7 +203,7 @@ impl Rod<'_> {
         constraints.iter().map(each).collect()
     }
 
-    /// J W Jᵀ + α.
+    /// System J W Jᵀ + α.
     fn system(&self, constraints: &[Constraint]) -> Banded {
         let mut matrix = Banded::new(3 * constraints.len());
         for (i, a) in constraints.iter().enumerate() {
@@ -240,21 +240,21 @@ impl Rod<'_> {
         }
     }
 
-    /// max |C + α μ| of stretch-shear.
+    /// Largest gap |C + α μ| of stretch-shear.
     fn stretch_gap(&self) -> f64 {
         let gaps = self.constraints().into_iter().filter(|c| matches!(c.holds, Holds::Segment(_)));
         gaps.map(|c| (c.gap + c.compliance * c.multiplier).length()).fold(0.0, f64::max)
     }
 }
 
-/// C = Im(q̄₀ q₁) − s Im(rest), s the sign that is nearer in 4-D; dC = A (θ₁ − θ₀), A = ½(p_w I − [p_v]×) R₀ᵀ.
+/// Bend-twist C = Im(q̄₀ q₁) − s Im(rest), s the sign that is nearer in 4-D; dC = A (θ₁ − θ₀), A = ½(p_w I − [p_v]×) R₀ᵀ.
 fn bend_twist(before: DQuat, after: DQuat, rest: DQuat) -> (DVec3, DMat3) {
     let p = before.conjugate() * after;
     let a = (DMat3::from_diagonal(DVec3::splat(p.w)) - cross_matrix(p.xyz())) * DMat3::from_quat(before).transpose();
     (p.xyz() - nearest_rest(p, rest), a * 0.5)
 }
 
-/// A symmetric positive definite matrix, its lower half in bands: blocks reach two blocks back.
+/// Symmetric positive definite matrix, its lower half in bands: blocks reach two blocks back.
 struct Banded {
     rows: Vec<[f64; WIDTH]>,
 }
@@ -281,7 +281,7 @@ impl Banded {
         }
     }
 
-    /// By Cholesky: L Lᵀ x = b.
+    /// Solution x of L Lᵀ x = b, by Cholesky.
     fn solve(mut self, right: &[DVec3]) -> Vec<DVec3> {
         let n = self.rows.len();
         let start = |row: usize| (row + 1).saturating_sub(WIDTH);

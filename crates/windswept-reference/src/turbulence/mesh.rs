@@ -17,7 +17,7 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// An empty grid for a band of `scale` \[m\].
+    /// Empty grid for a band of `scale` \[m\].
     fn of_scale(p: &Parameters, scale: f64) -> Self {
         let nodes = p.turbulence.nodes(scale, p.kernel_radius, p.box_size).map(|n| n as usize);
         Self { nodes, values: vec![DVec4::ZERO; nodes.iter().product()] }
@@ -28,7 +28,7 @@ impl Mesh {
         p.box_size / DVec3::from_array(self.nodes.map(|n| n as f64))
     }
 
-    /// The nodes near a position, and their weights, the product of a B-spline per axis.
+    /// Nodes near a position, and their weights, the product of a B-spline per axis.
     fn stencil(&self, p: &Parameters, x: DVec3) -> Vec<(usize, f64)> {
         let degree = p.turbulence.order.degree();
         let at = x / self.spacing(p);
@@ -49,7 +49,7 @@ impl Mesh {
     }
 }
 
-/// The central B-spline of a degree at t spacings, by its recurrence (de Boor): the box of width 1, smoothed that often.
+/// Central B-spline of a degree at t spacings, by its recurrence (de Boor): the box of width 1, smoothed that often.
 #[must_use]
 pub fn b_spline(degree: u32, t: f64) -> f64 {
     if degree == 0 {
@@ -73,9 +73,9 @@ pub fn deposit(p: &Parameters, scale: f64, wind: DVec3, x: &[DVec3], v: &[DVec3]
     mesh
 }
 
-/// The Laplacian of what was deposited, smoothed by a Gaussian of width `scale` \[m\]; w: the smoothed volume itself.
+/// Laplacian of what was deposited, smoothed by a Gaussian of width `scale` \[m\]; w is the smoothed volume itself.
 ///
-/// Wave by wave: e^(−k²s²/2) over what deposit and gather blur it by, sinc(k_a h_a/2)^(p+1) along each axis, twice.
+/// The factor of a wave is e^(−k²s²/2) over what deposit and gather blur it by, sinc(k_a h_a/2)^(p+1) along each axis, twice.
 #[must_use]
 pub fn smooth(p: &Parameters, scale: f64, mesh: &Mesh) -> Mesh {
     let spacing = mesh.spacing(p);
@@ -107,7 +107,7 @@ pub fn smooth(p: &Parameters, scale: f64, mesh: &Mesh) -> Mesh {
     Mesh { nodes: mesh.nodes, values: waves.into_iter().map(|[real, _]| real / count).collect() }
 }
 
-/// The discrete Fourier transform along an axis, `sign` −1 forth and 1 back (not divided by n): real and imaginary parts.
+/// Discrete Fourier transform along an axis, `sign` −1 forth and 1 back (not divided by n): real and imaginary parts.
 fn transformed(nodes: [usize; 3], values: &[[DVec4; 2]], axis: usize, sign: f64) -> Vec<[DVec4; 2]> {
     let n = nodes[axis];
     let stride: usize = nodes[..axis].iter().product();
