@@ -8,7 +8,7 @@ use rand_pcg::Pcg64;
 use windswept::internals::step;
 use windswept_reference::{State as Twin, contact, step::Scratch};
 use windswept_scene::{Body, Keyframe, Motion, Round, Scene, Shape};
-use windswept_shaders as passes;
+use windswept_shaders as shaders;
 
 use crate::{
     stage::{Stage, quaternion, relative, xyz},
@@ -56,10 +56,10 @@ impl Walk<'_> {
 
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
-    (&passes::contact::PLACE, "0.5 * (body.start + body.end)", "0.51 * (body.start + body.end)", BODIES),
-    (&passes::contact::HAIR, "body.friction * depth", "0.9 * body.friction * depth", BODIES),
-    (&passes::contact::STRETCH, "rest_length - 1.0", "rest_length - 2.5", BODIES),
-    (&passes::contact::AIR, "CLEARANCE * pow", "0.9 * CLEARANCE * pow", BODIES),
+    (&shaders::contact::PLACE, "0.5 * (body.start + body.end)", "0.51 * (body.start + body.end)", BODIES),
+    (&shaders::contact::HAIR, "body.friction * depth", "0.9 * body.friction * depth", BODIES),
+    (&shaders::contact::STRETCH, "rest_length - 1.0", "rest_length - 2.5", BODIES),
+    (&shaders::contact::AIR, "CLEARANCE * pow", "0.9 * CLEARANCE * pow", BODIES),
 ];
 
 fn body(shape: Shape, keyframes: &[(f64, [f64; 3], [f64; 3])]) -> Body {
@@ -68,7 +68,7 @@ fn body(shape: Shape, keyframes: &[(f64, [f64; 3], [f64; 3])]) -> Body {
     Body { name: "body".into(), shape, friction: 0.4, motion }
 }
 
-/// A sphere at rest, a capsule that tumbles by, a thin one that rests askew and a sphere that overlaps the first.
+/// Scene of a sphere at rest, a capsule that tumbles by, a thin one that rests askew and a sphere that overlaps the first.
 fn scene() -> Scene {
     let bone = |start, end, radius| Shape::Capsule { start, end, radius };
     let tumble = [(0.001, [0.0; 3], [1.0, 0.0, 0.0]), (0.02, [0.01, -0.004, 0.008], [1.0, 1.2, -0.8])];

@@ -6,7 +6,7 @@ use rand_pcg::Pcg64;
 use windswept::internals::step;
 use windswept_reference::{State as Twin, drive, rods, step::Scratch};
 use windswept_scene::{Gust, Inflow, InitialState, Keyframe, Motion};
-use windswept_shaders as passes;
+use windswept_shaders as shaders;
 
 use crate::{
     hair::{any, ends, motion, scene_of, set_roots, strands},
@@ -54,11 +54,11 @@ impl Walk<'_> {
 
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
-    (&passes::wind::BLOW, "status.wind[axis] = now[axis]", "status.wind[axis] = before[axis]", PARTICLES),
-    (&passes::rods::ROOTS, "left = 1u", "left = 2u", PARTICLES),
-    (&passes::rods::DRIFT, "params.step * params.gravity", "0.9 * params.step * params.gravity", PARTICLES),
-    (&passes::wind::FRINGE, "sin(PI * depth", "sin(0.9 * PI * depth", PARTICLES),
-    (&passes::fluid::PREDICT, "params.step * v", "0.9 * params.step * v", PARTICLES),
+    (&shaders::wind::BLOW, "status.wind[axis] = now[axis]", "status.wind[axis] = before[axis]", PARTICLES),
+    (&shaders::rods::ROOTS, "left = 1u", "left = 2u", PARTICLES),
+    (&shaders::rods::DRIFT, "params.step * params.gravity", "0.9 * params.step * params.gravity", PARTICLES),
+    (&shaders::wind::FRINGE, "sin(PI * depth", "sin(0.9 * PI * depth", PARTICLES),
+    (&shaders::fluid::PREDICT, "params.step * v", "0.9 * params.step * v", PARTICLES),
 ];
 
 /// Largest differences of what clamps do: moves \[m\], frames; and how many strands go in another way.
@@ -131,7 +131,7 @@ fn roots_by_keyframes_are_those_of_the_twin() {
         let stage = Stage::new(&scene, &initial);
         let mut s = stage.twin.clone();
         stage.adopt(&mut s);
-        // The engine's have the motion at the start taken out.
+        // Targets of the engine have the motion at the start taken out.
         s.root_targets.clone_from(&stage.twin.root_targets);
         for steps in [1, 3, 5, 500, 2_000_000, 2_608_696, 2_609_500] {
             let mut status = stage.engine.status().unwrap();
@@ -208,7 +208,7 @@ fn fringe_is_that_of_the_twin() {
             let (p, s) = (&stage.parameters, stage.engine.state());
             let mut status = stage.engine.status().unwrap();
             status.step = steps;
-            // What committed steps leave.
+            // Committed steps leave the way of the wind.
             let ways = (0..steps.into()).map(|k| 0.5 * p.step * (drive::blow(p, k) + drive::blow(p, k + 1)));
             status.way = ways.sum::<DVec3>().rem_euclid(p.box_size).as_vec3().to_array();
             stage.engine.set_status(&status).unwrap();
@@ -236,7 +236,7 @@ fn predict_moves_air_through_the_faces() {
         let s = stage.engine.state();
         stage.write_vectors(&s.velocity, &v);
         stage.run(|r, plan| {
-            r.run(&passes::fluid::PREDICT, "air moves", plan.sizes.air());
+            r.run(&shaders::fluid::PREDICT, "air moves", plan.sizes.air());
         });
         let first = stage.parameters.hair_points;
         let size = stage.parameters.box_size;

@@ -7,10 +7,12 @@ use windswept_reference::{
     guard::{self, Frozen},
     step::Scratch,
 };
-use windswept_shaders as passes;
-use windswept_shaders::common::status::{
-    ASLEEP_STEP, EULER_STEP, MOVE_CAPPED, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, RESCUED_STEP, STRAND_RESET, TELEPORT,
-    TOO_MANY_BAD_STRANDS,
+use windswept_shaders::{
+    self as shaders,
+    common::status::{
+        ASLEEP_STEP, EULER_STEP, MOVE_CAPPED, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, RESCUED_STEP, STRAND_RESET, TELEPORT,
+        TOO_MANY_BAD_STRANDS,
+    },
 };
 
 use crate::{
@@ -68,11 +70,11 @@ impl Walk<'_> {
 
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
-    (&passes::guard::HOLD, "if sound(strand)", "if !sound(strand)", PARTICLES),
-    (&passes::guard::CHECK, "!(finite3(", "(finite3(", PARTICLES),
-    (&passes::guard::COMMIT_FRAMES, "vec4f(spin, 0.0)", "vec4f(0.9 * spin, 0.0)", PARTICLES),
-    (&passes::guard::COMMIT_HAIR, "point.before + last - new_velocity[p].xyz", "point.before + last", PARTICLES),
-    (&passes::guard::COMMIT, "velocity[i] = final_velocity[i]", "velocity[i] = 0.9 * final_velocity[i]", PARTICLES),
+    (&shaders::guard::HOLD, "if sound(strand)", "if !sound(strand)", PARTICLES),
+    (&shaders::guard::CHECK, "!(finite3(", "(finite3(", PARTICLES),
+    (&shaders::guard::COMMIT_FRAMES, "vec4f(spin, 0.0)", "vec4f(0.9 * spin, 0.0)", PARTICLES),
+    (&shaders::guard::COMMIT_HAIR, "point.before + last - new_velocity[p].xyz", "point.before + last", PARTICLES),
+    (&shaders::guard::COMMIT, "velocity[i] = final_velocity[i]", "velocity[i] = 0.9 * final_velocity[i]", PARTICLES),
 ];
 
 /// Commit wraps air, leaves hair where it is, takes the velocities and counts the step.

@@ -9,7 +9,7 @@ use windswept_shaders::common::rod::Root;
 
 use crate::stage::Stage;
 
-/// `n` strands of 2 to 40 points, some curled, in random places, alone; of 2 where they are many.
+/// Scene of `n` strands alone, of 2 to 40 points, some curled, in random places; of 2 points where they are many.
 pub fn scene_of(n: usize, keys: &str) -> Scene {
     let mut text = format!(
         "interaction = {{ model = \"none\" }}\nrods = {{ iterations = 10, damping = 2.0, {keys} }}\n\

@@ -5,8 +5,7 @@ use glam::{DVec3, IVec3, Vec3};
 use windswept::internals::{Engine, Plan, Recorder, Setup, status, step};
 use windswept_reference::{Parameters, neighbours, step::Scratch};
 use windswept_scene::{InitialState, Model};
-use windswept_shaders as passes;
-use windswept_shaders::common::params::Params;
+use windswept_shaders::{self as shaders, common::params::Params};
 
 use crate::{
     stage::xyz,
@@ -15,10 +14,10 @@ use crate::{
     walk::{Same, Walk, differing, largest},
 };
 
-/// How far rounding may move a particle across the face of a cell \[m\].
+/// Distance that rounding may move a particle across the face of a cell \[m\].
 const EDGE: f32 = 2e-7;
 
-/// The cells of the neighbour search, as `shaders/common/cells.wgsl` numbers them.
+/// Cells of the neighbour search, as `shaders/common/cells.wgsl` numbers them.
 struct Cells(Params);
 
 impl Cells {
@@ -42,7 +41,7 @@ impl Cells {
         (self.0.box_cells + (mixed & (self.0.hashed_cells - 1))) as usize
     }
 
-    /// The cells that a particle may be in: more than one where it stands at a face.
+    /// Cells that a particle may be in: more than one where it stands at a face.
     fn around(&self, i: usize, x: Vec3) -> Vec<usize> {
         let corner = |k: u32| Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2) as f32) * 2.0 - 1.0;
         let mut cells: Vec<usize> = (0..8).map(|k| self.of(i, x + EDGE * corner(k))).collect();
@@ -127,8 +126,8 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// How far from a kernel radius apart a pair may be that only one of the two lists: of pairs at the radius itself rounding
-    /// decides \[m\].
+    /// Largest distance from the kernel radius of a pair that only engine or only twin lists \[m\]: of pairs at the radius itself
+    /// rounding decides.
     fn pairs_apart(&self, w: &Scratch) -> f64 {
         let (engine, p) = (&self.stage.engine, self.p());
         let ranges = engine.read(&engine.state().neighbour_range).unwrap();
@@ -164,13 +163,13 @@ fn sorted_by_kind(p: &Parameters, i: usize, kinds: [&[u32]; 2]) -> bool {
 
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
-    (&passes::grid::CLEAR, "cell_count[bucket] = 0u", "cell_count[bucket] = 1u", PARTICLES),
-    (&passes::grid::COUNT, "predicted[i].xyz)], 1u", "predicted[i].xyz)], 2u", PARTICLES),
-    (&passes::grid::SCAN, "running += cell_count[b]", "running += cell_count[b] + u32(b == 9u)", PARTICLES),
-    (&passes::grid::SCATTER, "1u)] = i", "1u)] = max(i, 1u)", PARTICLES),
-    (&passes::grid::ORDER, "scattered[e] < i", "scattered[e] > i", PARTICLES),
+    (&shaders::grid::CLEAR, "cell_count[bucket] = 0u", "cell_count[bucket] = 1u", PARTICLES),
+    (&shaders::grid::COUNT, "predicted[i].xyz)], 1u", "predicted[i].xyz)], 2u", PARTICLES),
+    (&shaders::grid::SCAN, "running += cell_count[b]", "running += cell_count[b] + u32(b == 9u)", PARTICLES),
+    (&shaders::grid::SCATTER, "1u)] = i", "1u)] = max(i, 1u)", PARTICLES),
+    (&shaders::grid::ORDER, "scattered[e] < i", "scattered[e] > i", PARTICLES),
     (
-        &passes::grid::NEIGHBOURS,
+        &shaders::grid::NEIGHBOURS,
         "first + found, first + total);",
         "first + found - min(found, 1u), first + total - min(total, 1u));",
         PARTICLES,
@@ -199,7 +198,7 @@ fn lists(initial: &InitialState) -> Vec<Vec<u32>> {
     lists.collect()
 }
 
-/// Pairs are the same but for those whose distance is the radius to f32.
+/// Asserts that pairs are those of the pair test, but for those whose distance is the radius to f32.
 fn assert_same_pairs(initial: &InitialState, lists: &[Vec<u32>], what: &str) {
     let hair = initial.hair.positions.len();
     let all: Vec<DVec3> = initial.hair.positions.iter().chain(&initial.air.positions).copied().collect();

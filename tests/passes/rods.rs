@@ -8,8 +8,7 @@ use glam::DVec3;
 use windswept::internals::step;
 use windswept_reference::{State as Twin, rods, step::Scratch};
 use windswept_scene::Model;
-use windswept_shaders as passes;
-use windswept_shaders::common::integration::BDF2;
+use windswept_shaders::{self as shaders, common::integration::BDF2};
 
 use crate::{
     stage::{Stage, quaternion, relative, xyz},
@@ -162,33 +161,33 @@ impl Walk<'_> {
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
     (
-        &passes::rods::BEGIN_POINTS,
+        &shaders::rods::BEGIN_POINTS,
         "correction[p].xyz / params.step",
         "0.9 * correction[p].xyz / params.step",
         PARTICLES,
     ),
     (
-        &passes::rods::BEGIN_SEGMENTS,
+        &shaders::rods::BEGIN_SEGMENTS,
         "segment.before = history.angular_velocity",
         "segment.before = vec3f(0.0)",
         PARTICLES,
     ),
-    (&passes::rods::CHOOSE, "led < TORN", "led > TORN", PARTICLES),
-    (&passes::wind::SAMPLE, "hair / params.air_density", "0.9 * hair / params.air_density", TWO_WAY),
-    (&passes::wind::DRAG, "params.lift", "0.9 * params.lift", DRAG),
-    (&passes::rods::LOAD, "params.step * point.inverse_mass", "0.9 * params.step * point.inverse_mass", TWO_WAY),
+    (&shaders::rods::CHOOSE, "led < TORN", "led > TORN", PARTICLES),
+    (&shaders::wind::SAMPLE, "hair / params.air_density", "0.9 * hair / params.air_density", TWO_WAY),
+    (&shaders::wind::DRAG, "params.lift", "0.9 * params.lift", DRAG),
+    (&shaders::rods::LOAD, "params.step * point.inverse_mass", "0.9 * params.step * point.inverse_mass", TWO_WAY),
     (
-        &passes::rods::START,
+        &shaders::rods::START,
         "return params.step * point.velocity",
         "return 0.9 * params.step * point.velocity",
         PARTICLES,
     ),
-    (&passes::rods::DIRECT, "own.force += stretch_change", "own.force += 0.9 * stretch_change", PARTICLES),
-    (&passes::rods::RESCUE, "misfit < LOST", "misfit < 0.0", PARTICLES),
-    (&passes::rods::GAUSS_SEIDEL, "0.5 * rotate(before", "0.4 * rotate(before", SWEEPS),
-    (&passes::rods::FINISH, "rest_length - 1.0", "rest_length - 1.0001", PARTICLES),
-    (&passes::rods::PLACE, "remainder, point.travel", "remainder, 0.9 * point.travel", PARTICLES),
-    (&passes::wind::REACT, "params.air_inverse_mass * given", "0.9 * params.air_inverse_mass * given", TWO_WAY),
+    (&shaders::rods::DIRECT, "own.force += stretch_change", "own.force += 0.9 * stretch_change", PARTICLES),
+    (&shaders::rods::RESCUE, "misfit < LOST", "misfit < 0.0", PARTICLES),
+    (&shaders::rods::GAUSS_SEIDEL, "0.5 * rotate(before", "0.4 * rotate(before", SWEEPS),
+    (&shaders::rods::FINISH, "rest_length - 1.0", "rest_length - 1.0001", PARTICLES),
+    (&shaders::rods::PLACE, "remainder, point.travel", "remainder, 0.9 * point.travel", PARTICLES),
+    (&shaders::wind::REACT, "params.air_inverse_mass * given", "0.9 * params.air_inverse_mass * given", TWO_WAY),
 ];
 
 /// Drag and lift of segments in any posture and motion, up to 100 m/s; with air particles outside the box only.

@@ -16,7 +16,7 @@ use windswept_shaders::common::rod::{Condition, Health, RodPoint, RodSegment, Ro
 
 use crate::support::{self, Layout};
 
-/// The engine with its state on the device, and the twin with the same numbers (rounded to f32 as the engine's are).
+/// Engine with its state on the device, and the twin with the same numbers (rounded to f32 as the engine's are).
 pub struct Stage {
     pub engine: Engine,
     pub plan: Plan,
@@ -24,7 +24,7 @@ pub struct Stage {
     pub parameters: Parameters,
 }
 
-/// The first three of a vector in a struct.
+/// Vector of the first three numbers of a vector in a struct.
 pub fn xyz(v: &[f32]) -> DVec3 {
     DVec3::new(v[0].into(), v[1].into(), v[2].into())
 }
@@ -72,7 +72,7 @@ impl Stage {
         self.assert_not_frozen();
     }
 
-    /// Of a fragment of the step these passes only.
+    /// Runs these passes of a fragment of the step, and no others.
     pub fn run_only(&self, passes: &[&str], record: impl FnOnce(&mut Recorder<'_>, &Plan)) {
         let mut recording = self.recorded(record);
         recording.commands.retain(|command| passes.contains(&command.pass.name));
@@ -81,7 +81,7 @@ impl Stage {
         self.assert_not_frozen();
     }
 
-    /// A fragment of the step, to run pass by pass.
+    /// Passes of a fragment of the step, to run one by one.
     pub fn passes(&self, record: impl FnOnce(&mut Recorder<'_>, &Plan)) -> Passes<'_> {
         let mut commands = self.recorded(record).commands;
         commands.retain(|command| command.skipped.is_none());
@@ -107,12 +107,12 @@ impl Stage {
         self.engine.read(&self.engine.state().rod_strands).unwrap()
     }
 
-    /// Per strand what it is committed and found as.
+    /// Health of each strand, committed and found in this step.
     pub fn health(&self) -> Vec<Health> {
         self.engine.read(&self.engine.state().health).unwrap()
     }
 
-    /// The engine's hair becomes the twin's, so that what rounding made of one step is not held against the next.
+    /// Makes the engine's hair the twin's, so that what rounding made of one step is not held against the next.
     pub fn adopt(&self, s: &mut Twin) {
         let state = self.engine.state();
         let points = self.engine.read(&state.point_history).unwrap();
@@ -141,7 +141,7 @@ impl Stage {
         self.engine.read(array).unwrap().into_iter().map(f64::from).collect()
     }
 
-    /// Positions where a step's predicted ones stand, neighbours listed; the twin's neighbours.
+    /// Lists neighbours, on the engine with positions where a step's predicted ones stand; returns the twin's.
     pub fn meet(&self) -> Neighbours {
         self.engine.copy_state_to_scratch().unwrap();
         self.run(windswept::internals::step::neighbours::record);
@@ -154,15 +154,15 @@ impl Stage {
     }
 }
 
-/// A fragment of the step whose passes run one after the other.
+/// Passes of a fragment of the step, which run one after the other.
 pub struct Passes<'a> {
     stage: &'a Stage,
     commands: Vec<Command>,
 }
 
 impl Passes<'_> {
-    /// Runs what is left of the fragment up to the next runs of `pass`, and these. Says whether there were any; without, nothing
-    /// runs.
+    /// Runs what is left of the fragment up to the next runs of `pass`, and these. Says whether there were any; if there are
+    /// none, nothing runs.
     pub fn through(&mut self, pass: &str) -> bool {
         let Some(first) = self.commands.iter().position(|command| command.pass.name == pass) else { return false };
         let runs = self.commands[first..].iter().take_while(|command| command.pass.name == pass).count();
@@ -181,7 +181,7 @@ impl Passes<'_> {
     }
 }
 
-/// How a strand of the twin is, in the engine's words.
+/// Condition of a strand of the twin, in the engine's words.
 pub fn condition(s: &Twin, strand: usize) -> Condition {
     Condition {
         bad: s.bad[strand].into(),
@@ -191,8 +191,8 @@ pub fn condition(s: &Twin, strand: usize) -> Condition {
     }
 }
 
-/// The layouts and the share of hair that passes over particles are tried on, for each of the awkward sizes. Hair alone
-/// never meets (`tests/passes/rods.rs` has it); all in one cell would be 2e8 pairs of the largest size.
+/// Crowds that passes over particles are tried on: layouts and shares of hair, for each of the awkward sizes. Hair alone never
+/// meets (`rods/solve.rs` has it); the largest size in one cell would be 2e8 pairs.
 pub fn crowds() -> impl Iterator<Item = (String, InitialState)> {
     let cases = |n: usize| {
         let spread =
@@ -228,7 +228,7 @@ pub fn relative(got: &[DVec3], wanted: &[DVec3], floor: f64) -> f64 {
     got.iter().zip(wanted).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max) / scale
 }
 
-/// The same for numbers.
+/// Largest |a − b| over largest |b| of numbers; below `floor` a value is rounding.
 pub fn relative_numbers(got: &[f64], wanted: &[f64], floor: f64) -> f64 {
     let vectors = |values: &[f64]| values.iter().map(|x| DVec3::X * *x).collect::<Vec<_>>();
     relative(&vectors(got), &vectors(wanted), floor)

@@ -57,7 +57,7 @@ fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Resul
     let scene = Scene::parse_with("quick.toml", text, &sets).unwrap();
     let mut initial = InitialState::new(&scene).unwrap();
     if sets.iter().any(|set| set == "hair.strands=1") {
-        // Air alone.
+        // This scene is of air alone.
         initial.hair = Strands { point_offsets: vec![0], ..Strands::default() };
     }
     let mut stage = Stage::on(gpu, &scene, &initial);
@@ -79,12 +79,15 @@ fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Resul
     Ok(())
 }
 
+/// Steps of a scene.
 const STEPS: u32 = 6;
-/// Steps of hair and air that exchange drag.
+/// Steps of a scene with hair and air that exchange drag.
 const STEPS_OF_COUPLING: u32 = 10;
 
-/// Measured at most 1.0e-7 m (moves of hair 2.8e-8 m), 4.6e-5 m/s (1.5e-6 m/s of what the wind adds), 3.9e-6, 3.0e-3 1/s and 5.8e-6; of the largest 3.6e-4 (multipliers, at least that of an error of 1 %) and 3.0e-4 (nodes, in air that is still nearly uniform);
-/// margin 4.
+/// Bounds of six steps of the scenes below. Differences were measured at most 1.0e-7 m (2.8e-8 m of moves of hair), 4.6e-5 m/s
+/// (1.5e-6 m/s of what wind and forces add), 3.9e-6 of frames, 3.0e-3 1/s of spins and 5.8e-6 of densities; in parts of the
+/// largest 3.6e-4 of multipliers (the largest is at least that of an error of 1 %) and 3.0e-4 of nodes (in air that is still
+/// nearly uniform). The margin is 4.
 const BOUNDS: Bounds = Bounds {
     length: 4e-7,
     hair: 1.2e-7,

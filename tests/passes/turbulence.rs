@@ -6,7 +6,7 @@ use rand_pcg::Pcg64;
 use windswept::internals::{Array, BandPlan, step};
 use windswept_reference::{State as Twin, drive, step::Scratch, turbulence};
 use windswept_scene::{Band, Filter, InitialState, Law, Order, Scene};
-use windswept_shaders as passes;
+use windswept_shaders as shaders;
 
 use crate::{
     stage::{Passes, Stage, crowds, relative, xyz},
@@ -92,7 +92,7 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// The velocity of a band, by the scene's filter.
+    /// Compares the velocity of a band, by the scene's filter.
     fn filter(&mut self, passes: &mut Passes<'_>, plan: &BandPlan, s: &Twin, w: &mut Scratch) -> Same {
         let (stage, bounds, p) = (self.stage, self.bounds, self.p().clone());
         let (state, band) = (stage.engine.state(), &p.turbulence.bands[plan.index]);
@@ -126,7 +126,7 @@ impl Walk<'_> {
         self.same(last, gap / unit, bound)
     }
 
-    /// What the filter sums of each particle, in the order of the cells: the velocity about the wind and the volume, or as
+    /// Compares what the filter sums of each particle, in the order of the cells: the velocity about the wind and the volume, or as
     /// printed the velocity.
     fn weighed(&mut self, s: &Twin, w: &Scratch) -> Same {
         let (stage, p) = (self.stage, self.p());
@@ -149,7 +149,7 @@ impl Walk<'_> {
         self.same("turbulence/weigh", gap, self.bounds.speed)
     }
 
-    /// Momentum or curvature, and volume, of the nodes of a grid, in parts of their largest.
+    /// Compares momentum or curvature, and volume, of the nodes of a grid, in parts of their largest.
     fn nodes(&mut self, pass: &'static str, array: &Array<[f32; 4]>, mesh: &turbulence::Mesh) -> Same {
         let got = self.stage.engine.read(array).unwrap();
         let pairs = || got.iter().zip(&mesh.values);
@@ -164,23 +164,23 @@ impl Walk<'_> {
 
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
-    (&passes::turbulence::LOCATE, "f32(is_air(i))", "1.0", PUBLISHED),
-    (&passes::turbulence::WEIGH, "params.air_volume *", "0.99 * params.air_volume *", PARTICLES),
-    (&passes::turbulence::BAND, "3.0 - q", "2.9 - q", PUBLISHED),
-    (&passes::turbulence::DEPOSIT, "sum_10)", "sum_00)", PARTICLES),
-    (&passes::turbulence::SMOOTH, "vec4f(0.0)", "vec4f(0.001)", PARTICLES),
-    (&passes::turbulence::GATHER, "mesh.gain", "0.9 * mesh.gain", PARTICLES),
-    (&passes::turbulence::VORTICITY, "omega -= other.w", "omega -= 0.9 * other.w", PARTICLES),
-    (&passes::turbulence::CONFINE, "before + change(i)", "before + 0.9 * change(i)", PARTICLES),
-    (&passes::turbulence::SUM, "reach = WORKGROUP / 2u", "reach = WORKGROUP / 4u", PARTICLES),
-    (&passes::turbulence::MEAN, "mean = sums[0] / air", "mean = sums[0]", PARTICLES),
-    (&passes::turbulence::STRENGTHEN, "+= confinement[i]", "-= confinement[i]", PARTICLES),
+    (&shaders::turbulence::LOCATE, "f32(is_air(i))", "1.0", PUBLISHED),
+    (&shaders::turbulence::WEIGH, "params.air_volume *", "0.99 * params.air_volume *", PARTICLES),
+    (&shaders::turbulence::BAND, "3.0 - q", "2.9 - q", PUBLISHED),
+    (&shaders::turbulence::DEPOSIT, "sum_10)", "sum_00)", PARTICLES),
+    (&shaders::turbulence::SMOOTH, "vec4f(0.0)", "vec4f(0.001)", PARTICLES),
+    (&shaders::turbulence::GATHER, "mesh.gain", "0.9 * mesh.gain", PARTICLES),
+    (&shaders::turbulence::VORTICITY, "omega -= other.w", "omega -= 0.9 * other.w", PARTICLES),
+    (&shaders::turbulence::CONFINE, "before + change(i)", "before + 0.9 * change(i)", PARTICLES),
+    (&shaders::turbulence::SUM, "reach = WORKGROUP / 2u", "reach = WORKGROUP / 4u", PARTICLES),
+    (&shaders::turbulence::MEAN, "mean = sums[0] / air", "mean = sums[0]", PARTICLES),
+    (&shaders::turbulence::STRENGTHEN, "+= confinement[i]", "-= confinement[i]", PARTICLES),
 ];
 
 /// Steps since the start: half of the ramp.
 const STEPS: u32 = 18;
 
-/// A law with two bands in a wind on two axes that has not fully risen, with a thin fringe.
+/// Scene of a law with two bands in a wind on two axes that has not fully risen, with a thin fringe.
 fn scene(law: Law, filter: Filter) -> Scene {
     let mut scene = support::scene();
     scene.turbulence.law = law;
@@ -208,7 +208,7 @@ fn stirred(positions: &[DVec3]) -> Vec<DVec3> {
     positions.iter().map(|x| (DVec3::X + eddy(x) + noise(&mut rng)).as_vec3().as_dvec3()).collect()
 }
 
-/// Heading 7 on the engine and in the twin, pass by pass: each pass of the twin takes what the engine's pass before it
+/// Compares the heading on engine and twin, pass by pass: each pass of the twin takes what the engine's pass before it
 /// left, so that an error is that pass's own.
 fn compare(law: Law, filter: Filter, bounds: [f64; 4]) {
     let mut worst = [0.0_f64; 4];
@@ -337,7 +337,7 @@ fn the_grid_filter_is_that_of_the_twin() {
     }
 }
 
-/// Every seventh particle of air is moved to just outside a face of its box.
+/// Moves every seventh particle of air to just outside a face of its box.
 fn stray(initial: &mut InitialState) {
     let size = initial.air.size;
     for (i, x) in initial.air.positions.iter_mut().enumerate().filter(|(i, _)| i % 7 == 0) {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use windswept::internals::step;
 use windswept_reference::{State as Twin, fluid, step::Scratch, velocity};
-use windswept_shaders as passes;
+use windswept_shaders as shaders;
 
 use crate::{
     stage::{each, relative, stirred},
@@ -32,7 +32,10 @@ impl Walk<'_> {
 }
 
 /// Planted faults of the passes of this heading.
-pub const FAULTS: &[Fault] = &[(&passes::rods::VELOCITY, "rate(point.travel", "0.9 * rate(point.travel", PARTICLES)];
+pub const FAULTS: &[Fault] = &[
+    (&shaders::rods::VELOCITY, "rate(point.travel", "0.9 * rate(point.travel", PARTICLES),
+    (&shaders::fluid::VELOCITY, "correction[i].xyz / params.step", "0.99 * correction[i].xyz / params.step", PARTICLES),
+];
 
 #[test]
 fn velocity_is_airs_own_and_its_correction() {

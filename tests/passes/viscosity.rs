@@ -2,7 +2,7 @@
 
 use windswept::internals::step;
 use windswept_reference::{State as Twin, fluid, step::Scratch, viscosity};
-use windswept_shaders as passes;
+use windswept_shaders as shaders;
 
 use crate::{
     stage::{Stage, each, relative, relative_numbers, stirred},
@@ -31,8 +31,8 @@ impl Walk<'_> {
 
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
-    (&passes::fluid::LIMIT, "2.0 * sqrt", "1.9 * sqrt", PARTICLES),
-    (&passes::fluid::VISCOSITY, "2.0 * mass / both", "1.9 * mass / both", PARTICLES),
+    (&shaders::fluid::LIMIT, "2.0 * sqrt", "1.9 * sqrt", PARTICLES),
+    (&shaders::fluid::VISCOSITY, "2.0 * mass / both", "1.9 * mass / both", PARTICLES),
 ];
 
 #[test]

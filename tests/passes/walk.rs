@@ -6,51 +6,64 @@ use windswept_reference::{Parameters, State as Twin, step::Scratch};
 
 use crate::stage::{Stage, condition};
 
-/// How much may differ: lengths \[m\], also the moves of hair, speeds \[m/s\], also those that the wind adds, frames, spins \[1/s\], ρ/ρ0 (also S), and what is compared in parts
-/// of its largest: multipliers and nodes of the filter's grid.
+/// Bounds of the differences between engine and twin.
 pub struct Bounds {
+    /// Positions and moves \[m\].
     pub length: f64,
+    /// Moves of hair within the rods \[m\].
     pub hair: f64,
+    /// Velocities \[m/s\].
     pub speed: f64,
+    /// Changes of velocity by the wind, and by forces on hair \[m/s\].
     pub wind: f64,
+    /// Frames and turns.
     pub frame: f64,
+    /// Spins \[1/s\].
     pub spin: f64,
+    /// Densities ρ/ρ0, stretches and S of the limiter.
     pub density: f64,
+    /// Multipliers of the density constraint, in parts of the largest.
     pub multiplier: f64,
+    /// Nodes of the band filter's grid, in parts of the largest.
     pub nodes: f64,
 }
 
-/// Names the pass where they part.
+/// Result of a comparison: an error names the pass where engine and twin part.
 pub type Same = Result<(), String>;
 
-/// Both walk from the same state, and compare what every pass left.
+/// Walk of engine and twin from the same state through a step: what every pass left is compared. Each heading's part of it
+/// stands in the file of the heading.
 pub struct Walk<'a> {
     pub stage: &'a Stage,
     pub bounds: &'a Bounds,
-    /// Per pass and bound the largest difference.
+    /// Largest difference so far of each pass, and its bound.
     worst: &'a mut Vec<(&'static str, f64, f64)>,
 }
 
+/// Largest of the gaps; a gap that is not a number counts as infinite.
 pub fn largest(gaps: impl Iterator<Item = f64>) -> f64 {
     gaps.fold(0.0, |most, gap| if gap.is_nan() { f64::INFINITY } else { most.max(gap) })
 }
 
+/// Largest distance of vectors.
 pub fn apart(got: &[DVec3], wanted: &[DVec3]) -> f64 {
     assert_eq!(got.len(), wanted.len());
     largest(got.iter().zip(wanted).map(|(a, b)| (*a - *b).length()))
 }
 
+/// Largest difference of numbers.
 pub fn numbers_apart(got: &[f64], wanted: &[f64]) -> f64 {
     assert_eq!(got.len(), wanted.len());
     largest(got.iter().zip(wanted).map(|(a, b)| (a - b).abs()))
 }
 
+/// Number of values that differ.
 pub fn differing<T: PartialEq>(got: &[T], wanted: &[T]) -> f64 {
     assert_eq!(got.len(), wanted.len());
     got.iter().zip(wanted).filter(|(a, b)| a != b).count() as f64
 }
 
-/// One step of both; the twin's state becomes what it arrived at.
+/// Walks one step; the twin's state becomes what it arrived at.
 pub fn step_of_both(
     stage: &mut Stage,
     bounds: &Bounds,
@@ -63,10 +76,12 @@ pub fn step_of_both(
 }
 
 impl Walk<'_> {
+    /// Parameters of the twin.
     pub fn p(&self) -> &Parameters {
         &self.stage.parameters
     }
 
+    /// Compares a difference with its bound.
     pub fn same(&mut self, pass: &'static str, difference: f64, bound: f64) -> Same {
         if difference.is_nan() || difference > bound {
             return Err(format!("{pass} differs by {difference:.2e} (bound {bound:.1e})"));
@@ -78,14 +93,14 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Of the engine's vectors those from `from` on.
+    /// Vectors of the engine, of the particles from `from` on.
     pub fn vectors(&self, array: &Array<[f32; 4]>, from: usize) -> Vec<DVec3> {
         let mut all = self.stage.vectors(array);
         all.truncate(self.stage.twin.position.len());
         all.split_off(from)
     }
 
-    /// The largest distance of positions, those from `from` on through the faces of the box for air.
+    /// Largest distance of positions of the particles from `from` on; of air through the faces of the box.
     pub fn places(&self, got: &[DVec3], wanted: &[DVec3], from: usize) -> f64 {
         let (p, size) = (self.p(), self.p().box_size);
         largest(got.iter().zip(wanted).enumerate().map(|(i, (a, b))| {
@@ -106,14 +121,14 @@ impl Walk<'_> {
         self.guard(s, w)
     }
 
-    /// How many strands go through the step in another way.
+    /// Compares how strands go through the step.
     pub fn states(&mut self, pass: &'static str, w: &Scratch) -> Same {
         let wanted: Vec<u32> = w.drives.iter().map(|drive| drive.state as u32).collect();
         let got: Vec<u32> = self.stage.rod_strands().iter().map(|strand| strand.state).collect();
         self.same(pass, differing(&got, &wanted), 0.0)
     }
 
-    /// How strands are found, and the largest stretch.
+    /// Compares the health of strands, and the largest stretch.
     pub fn health(&mut self, pass: &'static str, s: &Twin) -> Same {
         let found: Vec<_> = self.stage.health().iter().map(|health| health.found).collect();
         let wanted: Vec<_> = (0..s.hair.len()).map(|strand| condition(s, strand)).collect();

@@ -19,7 +19,7 @@ use crate::{
     support,
 };
 
-/// What a strand comes to a step with, and how it goes through it.
+/// Strand as it comes to a step, and how it goes through the step.
 struct Case {
     what: &'static str,
     bad: bool,
@@ -27,12 +27,12 @@ struct Case {
     /// Steps at rest over those that it takes to fall asleep.
     still: Still,
     touched: bool,
-    /// In parts of the push that wakes.
+    /// Push on its tip, in parts of the push that wakes.
     push: f64,
-    /// In the same parts, what viscosity gave it in the step before.
+    /// Push that viscosity gave it in the step before, in parts of the push that wakes.
     given: f64,
     tip: End,
-    /// What its root moves by, in lengths of the strand.
+    /// Move of its root, in lengths of the strand.
     root: f64,
     /// Speed \[m/s\] and spin \[1/s\] of all that is drawn.
     speed: f64,
@@ -129,7 +129,7 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
         let given = case.given * hair.rest(s, &scene).acceleration * step;
         hair.velocities[points.end - 1] += (given * DVec3::Y).as_vec3().as_dvec3();
         if case.goes != rods::State::Free {
-            // Not at rest: it is seen where it is put.
+            // The frame is not that of rest, so that it is seen where the strand is put.
             points.clone().skip(1).for_each(|i| hair.positions[i] += any(&mut rng, 1e-3));
             for k in segments.clone() {
                 hair.orientations[k] = DQuat::from_scaled_axis(any(&mut rng, 0.1)) * hair.orientations[k];
@@ -213,12 +213,12 @@ fn rods_apart(stage: &Stage, w: &Scratch) -> [f64; 3] {
     [moves, frames, forces / strongest]
 }
 
-/// What this step counted.
+/// Count of this step.
 fn counting(stage: &Stage, counter: u32) -> usize {
     stage.engine.status().unwrap().counting[counter as usize] as usize
 }
 
-/// Up to the solve: how strands go through the step.
+/// Runs both up to the solve, which is how strands go through the step.
 fn prepared(stage: &Stage, s: &mut Twin, push: Vec<DVec3>) -> Scratch {
     stage.run_only(&["rods/roots"], step::drive::record);
     stage.run_only(

@@ -15,17 +15,17 @@ use crate::{
     stage::{Stage, quaternion, xyz},
 };
 
-/// The last of two points each.
+/// Numbers of strands; those of the last have two points each.
 const SIZES: [usize; 6] = [1, 63, 64, 65, 700, 6_701];
 
-/// Largest differences of moves \[m\], frames, and of forces and moments in parts of the largest. Measured 1.2e-6, 6.2e-5 (strands
+/// Bounds of calm strands: moves \[m\], frames, and forces and moments in parts of the largest. Measured 1.2e-6, 6.2e-5 (strands
 /// that fit just about within 1e-5 take a Newton step more on one of the two; others 8e-8, 9e-6), 8.5e-4, 4.9e-4; margin 4.
 const CALM: [f64; 4] = [5e-6, 2.5e-4, 3.5e-3, 2e-3];
 
-/// Measured 6.5e-7, 1.0e-4, 1.2e-4, 1.3e-4; margin 4.
+/// Bounds of torn strands: measured 6.5e-7, 1.0e-4, 1.2e-4, 1.3e-4; margin 4.
 const TORN: [f64; 4] = [2.6e-6, 4e-4, 5e-4, 5e-4];
 
-/// Strung between two ends by forces a million times their weight: measured 8.0e-6, 5.0e-4, 1.2e-2, 8.9e-3; margin 4.
+/// Bounds of strands strung between two ends by forces a million times their weight: measured 8.0e-6, 5.0e-4, 1.2e-2, 8.9e-3; margin 4.
 const STRUNG: [f64; 4] = [3.2e-5, 2e-3, 5e-2, 3.6e-2];
 
 /// Both solvers, both integrators, every kind of end, calm and torn strands: moves, frames, forces and what is counted.
@@ -44,7 +44,7 @@ fn rods_are_those_of_the_twin() {
             ("solver = \"gauss-seidel\", integrator = \"euler\"", 8.0, 100.0, false, CALM),
         ] {
             if tips && (n == 1 || n > 1000) {
-                // Two points, both held: what force there is is rounding.
+                // A strand of two points, both held, has no force but rounding.
                 continue;
             }
             let (scene, mut initial) = strands(n, keys);
