@@ -12,7 +12,7 @@
 //   quiet        its equations already hold where it starts: the direct solver leaves it alone in this step
 //   still        slow, and not pushed, in this step
 //   asleep       still for so long that it is not integrated until something wakes it
-//   rescued      the direct solver left it torn: Gauss-Seidel solves it in this step
+//   rescued      the direct solver left it torn: Gauss-Seidel solves it in this step, or it goes with its root as it is
 //   put          placed instead of moved: it arrives without a velocity and remembers nothing
 //   reset        it was not finite: put into its rest shape
 //   teleported   its root jumped farther than it is long: put there in the shape that it had
@@ -61,6 +61,7 @@ struct RodStrand {
     scheme: u32,          // of `integration`, if it is integrated: EULER, BDF2
     torn: u32,            // 1: velocities lead to where it is torn
     whole: u32,           // 1: its segments fit where it is
+    far: u32,             // 1: forces from outside move a free point farther than anything else may
 }
 
 const FREE: u32 = 0u;         // still to be solved
@@ -131,6 +132,7 @@ struct Condition {
     strained: u32,   // steps of over-strain on end
     calm: u32,       // steps on end that BDF2 could take
     still: u32,      // steps on end at rest; SLEEPS
+    reach: f32,      // m, the farthest free move of the last step awake
 }
 
 struct Health {
@@ -142,6 +144,7 @@ const CALM_STEPS: u32 = 3u;        // on end, before a strand takes BDF2
 const SLEEPS: u32 = 0xffffffffu;
 const STRAINED_STEPS: u32 = 50u;   // on end, before it is counted
 const STRAINED: f32 = 0.5;         // |l/l0 - 1|
+const MISFIT: f32 = 1e-2;          // |C + alpha mu| of stretch-shear that the direct solver may leave in a calm strand
 
 // Steps of over-strain on end after a step that stretched by this much, when there were `before`.
 fn strained_steps(before: u32, stretch: f32) -> u32 {

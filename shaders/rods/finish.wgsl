@@ -4,7 +4,7 @@ import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, integration::PUT,
     rest::STILL_SPIN,
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SLEEPS, STRAINED_STEPS, strained_steps,
-        ROOT_HELD, unloaded},
+        ROOT_HELD, MISFIT, unloaded},
     status::{status, frozen, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED},
 };
 
@@ -14,8 +14,6 @@ import package::common::{
 @group(0) @binding(5) var<storage, read_write> rod_points:   array<RodPoint>;
 @group(0) @binding(6) var<storage, read_write> rod_segments: array<RodSegment>;
 @group(0) @binding(7) var<storage, read_write> health:       array<Health>;
-
-const MISFIT: f32 = 1e-3;   // of stretch-shear
 
 fn sound(strand: Strand) -> bool {
     for (var k = 0u; k < strand.points; k++) {
@@ -78,6 +76,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if !(sound(strand) && finite(stretch)) {
         hold(strand);
         health[s].found.bad = 1u;
+        health[s].found.reach = 0.0;
         count_bad_strand(s);
         return;
     }

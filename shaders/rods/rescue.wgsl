@@ -1,8 +1,9 @@
-// A strand that the direct solver tore (too stiff for its step and its segments: f32 does not resolve the system) is left to
-// Gauss-Seidel, which is inexact but tears nothing: back to its free move, nothing held. The others are done.
+// A strand that the direct solver did not solve in its steps. One that forces from outside carry far goes with its root as it
+// is, and feels nothing in this step. Another that it tore (too stiff for its step and its segments: f32 does not resolve the
+// system) is left to Gauss-Seidel, which is inexact but tears nothing: back to its free move, nothing held. Others are done.
 import package::common::{
-    params::{params, TWO_WAY, MEAN_WIND}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotation},
-    rod::{Strand, RodStrand, RodPoint, RodSegment, FREE, SOLVED}, status::{frozen, count, RESCUED_STEP},
+    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotation}, integration::PUT,
+    rod::{Strand, RodStrand, RodPoint, RodSegment, FREE, SOLVED, MISFIT, unloaded}, status::{frozen, count, RESCUED_STEP},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
@@ -12,38 +13,51 @@ import package::common::{
 
 const LOST: f32 = 1.0;   // |C + alpha mu| of stretch-shear from which the direct solver has lost a strand
 
-// What free moves are measured from: the root, or their mean where that is free.
-fn base(strand: Strand, rod: RodStrand) -> vec3f {
-    if rod_points[strand.first_point].inverse_mass == 0.0 { return rod.root_travel; }
-    var sum = vec3f(0.0);
-    for (var k = 0u; k < strand.points; k++) { sum += rod_points[strand.first_point + k].free; }
-    return sum / f32(strand.points);
+fn put(strand: Strand, rod: RodStrand) {
+    for (var k = 0u; k < strand.points; k++) {
+        let p = strand.first_point + k;
+        rod_points[p] = unloaded(rod_points[p]);
+        rod_points[p].travel = select(rod.root_travel, rod_points[p].free, rod_points[p].inverse_mass == 0.0);
+        rod_points[p].scheme = PUT;
+    }
+    for (var k = 0u; k < strand.points - 1u; k++) {
+        let j = strand.first_segment + k;
+        rod_segments[j].frame = rod_segments[j].start;
+        rod_segments[j].scheme = PUT;
+    }
+}
+
+fn release(strand: Strand) {
+    for (var k = 0u; k < strand.points; k++) {
+        let p = strand.first_point + k;
+        rod_points[p].travel = rod_points[p].free;
+    }
+    for (var k = 0u; k < strand.points - 1u; k++) {
+        let j = strand.first_segment + k;
+        rod_segments[j].frame = normalize(product(rotation(rod_segments[j].free), rod_segments[j].start));
+    }
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
     if s >= params.strands || frozen() || rod_strands[s].state != FREE { return; }
-    if rod_strands[s].misfit < LOST {
+    let rod = rod_strands[s];
+    if rod.misfit <= select(LOST, MISFIT, rod.far != 0u) {
         rod_strands[s].state = SOLVED;
         return;
     }
     let strand = strands[s];
-    let origin = base(strand, rod_strands[s]);
-    // Free moves of calm strands were not capped there.
-    let drags = params.model == TWO_WAY || params.model == MEAN_WIND;
-    for (var k = 0u; k < strand.points; k++) {
-        let p = strand.first_point + k;
-        let way = rod_points[p].free - origin;
-        let far = length(way);
-        let capped = drags && rod_points[p].inverse_mass > 0.0 && far > rod_points[p].largest;
-        rod_points[p].travel = select(rod_points[p].free, origin + (rod_points[p].largest / far) * way, capped);
-    }
     for (var k = 0u; k < strand.points - 1u; k++) {
         let j = strand.first_segment + k;
-        rod_segments[j].frame = normalize(product(rotation(rod_segments[j].free), rod_segments[j].start));
         rod_segments[j].force = vec3f(0.0);
         rod_segments[j].moment = vec3f(0.0);
+    }
+    if rod.far != 0u {
+        put(strand, rod);
+        rod_strands[s].state = SOLVED;
+    } else {
+        release(strand);
     }
     count(RESCUED_STEP);
 }

@@ -2,9 +2,10 @@
 //
 // A strand that was not finite starts again from its rest shape; a teleported one moves as a whole; one at rest that
 // nothing pushes sleeps. The others are integrated. The direct solver starts a calm strand where its velocities lead, held by
-// the forces of the step before, and others at their free move. A free move that a rod could not follow is capped and counted.
+// the forces of the step before, and others at their free move. A free move that a rod could not follow is capped and counted:
+// what is loaded suddenly takes some steps until it feels all of the load.
 import package::common::{
-    params::{params, TWO_WAY, MEAN_WIND}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent},
+    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent},
     integration::{EULER, PUT, STAY, free_move, response}, rest::{STILL_TIME, STILL_STEPS}, load::damping_of,
     led::{held_move, led_move, led_turn},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, CALM_STEPS,
@@ -20,7 +21,8 @@ import package::common::{
 @group(0) @binding(7) var<storage, read_write> health:       array<Health>;
 @group(0) @binding(8) var<storage, read>       touched:      array<u32>;   // per strand, of the step before: by bodies, or they moved
 
-const LOADED: f32 = 0.4;   // lengths of the strand: what forces may move a free point by, where the strand is whole but not calm
+const LOADED: f32 = 0.4;   // lengths of the strand: what forces may move a free point by, where the strand is whole
+const GROWTH: f32 = 2.0;   // times the farthest free move of the step before: the same for a calm strand
 
 fn put_point(p: u32, travel: vec3f) {
     rod_points[p].travel = travel;
@@ -97,11 +99,6 @@ fn free_point(strand: Strand, rod: RodStrand, k: u32) -> vec3f {
     return free_move(point.velocity, point.before, point.carried, acceleration, damping_of(point), rod.scheme);
 }
 
-// Whether the model has a drag that the rods take.
-fn drags() -> bool {
-    return params.model == TWO_WAY || params.model == MEAN_WIND;
-}
-
 // What the free move is measured from: the root, or the strand's mean where that is free.
 fn base(strand: Strand, rod: RodStrand) -> vec3f {
     if rod_points[strand.first_point].inverse_mass == 0.0 { return rod.root_travel; }
@@ -110,10 +107,12 @@ fn base(strand: Strand, rod: RodStrand) -> vec3f {
     return sum / f32(strand.points);
 }
 
-fn start(strand: Strand, rod: RodStrand, led: bool) {
+// Returns the farthest free move.
+fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
     let origin = base(strand, rod);
-    // Where air drags hair, rods follow wherever calm strands go; density can shove a point anywhere.
-    let caps = !led || !drags();
+    let bears = max(LOADED * strand.length, select(0.0, GROWTH * reach, led));
+    var farthest = 0.0;
+    var carried_far = false;
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
         let point = rod_points[p];
@@ -121,14 +120,16 @@ fn start(strand: Strand, rod: RodStrand, led: bool) {
         var travel = free;
         if point.inverse_mass > 0.0 {
             let far = length(free - origin);
-            if led { travel = led_move(point, rod, k); }
             let loaded = response(damping_of(point), rod.scheme) * point.inverse_mass * length(point.force);
-            let largest = point.largest + select(0.0, min(loaded, LOADED * strand.length), rod.whole != 0u);
-            if caps && far > largest {
+            let largest = point.largest + select(0.0, min(loaded, bears), rod.whole != 0u);
+            if far > largest {
                 free = origin + (largest / far) * (free - origin);
-                travel = free;
                 count(MOVE_CAPPED);
             }
+            travel = free;
+            if led { travel = led_move(point, rod, k); }
+            farthest = max(farthest, min(far, largest));
+            carried_far = carried_far || min(far, largest) > point.largest;
         }
         rod_points[p].free = free;
         rod_points[p].travel = travel;
@@ -150,6 +151,8 @@ fn start(strand: Strand, rod: RodStrand, led: bool) {
         rod_segments[j].force = select(vec3f(0.0), rotate(frame, segment.force), led);
         rod_segments[j].moment = select(vec3f(0.0), segment.moment, led);
     }
+    rod_strands[s].far = u32(carried_far);
+    return farthest;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -185,7 +188,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         found.calm = select(min(found.calm + 1u, CALM_STEPS), 0u, rod.torn != 0u);
         let calm = found.calm == CALM_STEPS;
         if rod.scheme == EULER && params.bdf2 != 0u { count(EULER_STEP); }
-        start(strand, rod, calm && params.direct_rods != 0u);
+        found.reach = start(s, strand, rod, found.reach, calm && params.direct_rods != 0u);
         if found.still == SLEEPS { found.still = 0u; }
         rod_strands[s].state = FREE;
     }

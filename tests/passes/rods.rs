@@ -113,7 +113,7 @@ impl Walk<'_> {
                 self.moves("rods/direct", w)?;
             }
             for strand in 0..s.hair.len() {
-                let torn = rods::rescue(&p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
+                let torn = rods::rescue(&s.hair, strand, &mut w.drives[strand], &mut w.moving);
                 s.rescued_steps += usize::from(torn);
             }
             if passes.through("rods/rescue") {
@@ -183,7 +183,7 @@ pub const FAULTS: &[Fault] = &[
         PARTICLES,
     ),
     (&shaders::rods::DIRECT, "own.force += stretch_change", "own.force += 0.9 * stretch_change", PARTICLES),
-    (&shaders::rods::RESCUE, "misfit < LOST", "misfit < 0.0", PARTICLES),
+    (&shaders::rods::RESCUE, "select(LOST, MISFIT, rod.far != 0u)", "-1.0", PARTICLES),
     (&shaders::rods::GAUSS_SEIDEL, "0.5 * rotate(before", "0.4 * rotate(before", SWEEPS),
     (&shaders::rods::FINISH, "rest_length - 1.0", "rest_length - 1.0001", PARTICLES),
     (&shaders::rods::PLACE, "remainder, point.travel", "remainder, 0.9 * point.travel", PARTICLES),

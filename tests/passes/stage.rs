@@ -181,13 +181,16 @@ impl Passes<'_> {
     }
 }
 
-/// Condition of a strand of the twin, in the engine's words.
-pub fn condition(s: &Twin, strand: usize) -> Condition {
+/// Condition of a strand of the twin, in the engine's words. The farthest free move is that of `got`, the engine's condition,
+/// where the two are within 1e-6 m.
+pub fn condition(s: &Twin, strand: usize, got: &Condition) -> Condition {
+    let reach = s.reach[strand];
     Condition {
         bad: s.bad[strand].into(),
         strained: s.strained_steps[strand].min(windswept_reference::rods::STRAINED_STEPS + 1),
         calm: s.calm[strand],
         still: if s.asleep[strand] { SLEEPS } else { s.still[strand] },
+        reach: if (f64::from(got.reach) - reach).abs() < 1e-6 { got.reach } else { reach as f32 },
     }
 }
 

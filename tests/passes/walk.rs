@@ -131,7 +131,7 @@ impl Walk<'_> {
     /// Compares the health of strands, and the largest stretch.
     pub fn health(&mut self, pass: &'static str, s: &Twin) -> Same {
         let found: Vec<_> = self.stage.health().iter().map(|health| health.found).collect();
-        let wanted: Vec<_> = (0..s.hair.len()).map(|strand| condition(s, strand)).collect();
+        let wanted: Vec<_> = found.iter().enumerate().map(|(strand, found)| condition(s, strand, found)).collect();
         self.same(pass, differing(&found, &wanted), 0.0)?;
         let stretch = f64::from(status::max_stretch(&self.stage.engine.status().unwrap()));
         self.same(pass, (stretch - s.max_stretch).abs(), self.bounds.density)

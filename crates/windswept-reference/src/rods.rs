@@ -33,13 +33,15 @@ pub const TORN: f64 = 0.1;
 /// Gap |C + α μ| of stretch-shear at which the direct solver has torn a strand.
 pub const RESCUED: f64 = 1.0;
 /// Gap |C + α μ| that the direct solver may leave in a calm strand.
-pub const MISFIT: f64 = 1e-3;
+pub const MISFIT: f64 = 1e-2;
 /// Steps on end that a strand must lead without tearing before BDF2 may go on.
 pub const CALM: u32 = 3;
 /// Resistance Δt w D_n from which on a strand in the wind takes Euler.
 pub const STORMY: f64 = 1.0 / 3.0;
-/// Largest move of a free point by its load in a step, over the length of its strand, where the strand is whole but not calm.
+/// Move of a free point by its load that any whole strand bears in a step, over the length of the strand.
 pub const LOADED: f64 = 0.4;
+/// Growth of the farthest free move from step to step that a calm strand bears.
+pub const GROWTH: f64 = 2.0;
 /// Time at rest after which a strand falls asleep \[s\].
 pub const STILL_TIME: f64 = 0.07;
 /// Steps at rest that a strand needs to fall asleep, however long they are.
@@ -64,7 +66,7 @@ pub fn run(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
                 let quiet = direct(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
                 s.quiet_steps += usize::from(quiet);
             }
-            s.rescued_steps += usize::from(rescue(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving));
+            s.rescued_steps += usize::from(rescue(&s.hair, strand, &mut w.drives[strand], &mut w.moving));
         }
         gauss_seidel(p, &s.hair, strand, &w.drives[strand], &mut w.moving);
     }
@@ -119,6 +121,7 @@ pub fn leave(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
         s.bad[strand] = stretch.is_none();
         let Some(stretch) = stretch else {
             hold(&s.hair, strand, &mut w.moving);
+            s.reach[strand] = 0.0;
             s.resets += 1;
             continue;
         };

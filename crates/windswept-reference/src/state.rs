@@ -37,6 +37,8 @@ pub struct State {
     pub root_targets: Vec<(DVec3, DQuat)>,
     /// Number of steps on end in which each strand was calm, [`crate::rods::CALM`] at most.
     pub calm: Vec<u32>,
+    /// Farthest free move of each strand in the step before \[m\].
+    pub reach: Vec<f64>,
     /// Number of steps on end in which each strand was at rest.
     pub still: Vec<u32>,
     /// Whether each strand is asleep.
@@ -102,6 +104,7 @@ impl State {
             clamps,
             // The first step is Euler's, then BDF2 may follow: before it there is no acceleration to carry on.
             calm: vec![1; hair.len()],
+            reach: vec![0.0; hair.len()],
             still: vec![0; hair.len()],
             asleep: vec![false; hair.len()],
             touched: vec![false; hair.len()],

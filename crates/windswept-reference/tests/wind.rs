@@ -122,14 +122,16 @@ fn error_falls_with_the_square_of_segments() {
     assert!(errors[0] / errors[1] > 3.5 && errors[1] / errors[2] > 3.5, "{errors:?}");
 }
 
-/// 40 ms after a wind has begun to rise to its strength in 50 ms the tip is where it is with an eighth of the step.
+/// The tip 40 ms after a wind has begun to rise is where it is with an eighth of the step; a wind that is there at once leaves
+/// the error of the first step, which is Euler's.
 #[test]
 fn a_rising_wind_is_followed() {
-    for wind in [1.0, 3.0] {
+    // Measured 9.4e-5 and 3.5e-4 L in 40 ms, 1.2e-3 and 2.7e-3 L at once.
+    for (wind, ramp, given) in [(1.0, 0.04, 2e-4), (3.0, 0.04, 7e-4), (1.0, 0.0, 1.5e-3), (3.0, 0.0, 3.3e-3)] {
         let hair = Hair { wind, ..REAL };
         let after = |ms: f64| {
             let (mut p, initial) = hair.blown(34, 1e-3 * ms, "");
-            p.ramp = 0.05;
+            p.ramp = ramp;
             let mut state = State::new(&initial, p.step);
             for _ in 0..(0.04 / p.step).round() as usize {
                 step(&mut state, &p).unwrap();
@@ -137,8 +139,9 @@ fn a_rising_wind_is_followed() {
             state.position[34] / hair.length
         };
         let (coarse, fine) = (after(1.0), after(0.125));
-        println!("{wind} m/s: {coarse} at 1 ms, {fine} at 0.125 ms: {:.1e} L apart", coarse.distance(fine));
-        assert!(coarse.distance(fine) < 1e-3, "{}", coarse.distance(fine));
+        let apart = coarse.distance(fine);
+        println!("{wind} m/s in {ramp} s: {coarse} at 1 ms, {fine} at 0.125 ms: {apart:.1e} L apart");
+        assert!(apart < given, "{apart}");
     }
 }
 

@@ -62,7 +62,7 @@ fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
         println!("step {number}: {wanted:?}, {} touched", s.touched.iter().filter(|touched| **touched).count());
         let health = stage.health();
         for (strand, Health { committed, .. }) in health.iter().enumerate() {
-            let (mut got, mut wanted) = (*committed, condition(&s, strand));
+            let (mut got, mut wanted) = (*committed, condition(&s, strand, committed));
             if (number >= 19 || number >= 17 && strand % 4 == 0) && !s.asleep[strand] {
                 // Woken, or where positions were rounded anew, strands tremble by as much as one at rest may.
                 (got.still, wanted.still) = (0, 0);

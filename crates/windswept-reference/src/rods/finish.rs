@@ -4,28 +4,36 @@ use glam::DVec3;
 use windswept_scene::Strands;
 
 use super::{
-    Drive, Moving, Point, RESCUED, STILL_SPIN, State, rate, rotation,
-    start::{drags, origin, put, put_frame, unload},
+    Drive, MISFIT, Moving, Point, RESCUED, STILL_SPIN, State, rate, rotation,
+    start::{put, put_frame, unload},
 };
 use crate::Parameters;
 
-/// Leaves a strand that the direct solver tore to Gauss-Seidel: it goes back to its free move, and no multiplier is kept. Says
-/// whether the strand was torn.
-pub fn rescue(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
+/// Rescues a strand that the direct solver did not solve. One that its load carries far goes with its root as it is, and feels
+/// nothing in this step; any other that was torn is left to Gauss-Seidel, from its free move, with no multiplier kept. Says
+/// whether the strand was rescued.
+pub fn rescue(hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
     if drive.state != State::Free {
         return false;
     }
-    if drive.misfit < RESCUED {
+    if drive.misfit <= if drive.far { MISFIT } else { RESCUED } {
         drive.state = State::Solved;
         return false;
     }
-    let points = hair.points(s);
-    let free: Vec<_> = m.points[points.clone()].iter().map(|point| point.free).collect();
-    let origin = origin(m.points[points.start].inverse_mass == 0.0, drive, &free);
-    for (point, free) in m.points[points].iter_mut().zip(free) {
-        // Moves of calm strands were not capped where air drags them.
-        let capped = drags(p) && point.inverse_mass > 0.0;
-        point.travel = if capped { origin + (free - origin).clamp_length_max(point.largest) } else { free };
+    if drive.far {
+        unload(hair, s, m);
+        for point in &mut m.points[hair.points(s)] {
+            put(point, if point.inverse_mass == 0.0 { point.free } else { drive.root_travel });
+        }
+        for segment in &mut m.segments[hair.segments(s)] {
+            let start = segment.start;
+            put_frame(segment, start);
+        }
+        drive.state = State::Solved;
+        return true;
+    }
+    for point in &mut m.points[hair.points(s)] {
+        point.travel = point.free;
     }
     for segment in &mut m.segments[hair.segments(s)] {
         segment.frame = (rotation(segment.free) * segment.start).normalize();

@@ -1,11 +1,11 @@
 //! How a strand goes through the step, and where its solver starts.
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{Model, Strands};
+use windswept_scene::Strands;
 
 use super::{
-    CALM, Drive, LOADED, Load, Moving, Point, STILL_STEPS, STILL_TIME, Segment, State, TORN, damping, free_move,
-    response, rotation,
+    CALM, Drive, GROWTH, LOADED, Load, Moving, Point, STILL_STEPS, STILL_TIME, Segment, State, TORN, damping,
+    free_move, response, rotation,
 };
 use crate::{Parameters, state};
 
@@ -114,22 +114,26 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
         })
         .collect();
     let length: f64 = s.hair.rest_length[segments.clone()].iter().sum();
-    let caps = !ahead || !drags(p);
+    let bears = (LOADED * length).max(if ahead { GROWTH * s.reach[strand] } else { 0.0 });
     let origin = origin(m.points[points.start].inverse_mass == 0.0, drive, &free);
+    let mut farthest = 0.0_f64;
     for (k, i) in points.enumerate() {
         let point = &mut m.points[i];
         let far = (free[k] - origin).length();
         let loaded = response(damping(p, point), h) * point.inverse_mass * point.load.force.length();
-        let largest = point.largest + if drive.whole { loaded.min(LOADED * length) } else { 0.0 };
-        let capped = caps && point.inverse_mass > 0.0 && far > largest;
-        if capped {
-            free[k] = origin + (free[k] - origin) * (largest / far);
-            choice.capped += 1;
+        let largest = point.largest + if drive.whole { loaded.min(bears) } else { 0.0 };
+        if point.inverse_mass > 0.0 {
+            if far > largest {
+                free[k] = origin + (free[k] - origin) * (largest / far);
+                choice.capped += 1;
+            }
+            farthest = farthest.max(far.min(largest));
+            drive.far |= far.min(largest) > point.largest;
         }
-
         (point.step, point.free) = (h, free[k]);
-        point.travel = if ahead && !capped { led[k] } else { free[k] };
+        point.travel = if ahead { led[k] } else { free[k] };
     }
+    s.reach[strand] = farthest;
     for (k, j) in segments.enumerate() {
         let segment = &mut m.segments[j];
         segment.step = h;
@@ -143,13 +147,8 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
     choice
 }
 
-/// Whether the model has a drag that the rods take in any place.
-pub(super) fn drags(p: &Parameters) -> bool {
-    matches!(p.model, Model::TwoWay | Model::Drag)
-}
-
 /// Move that free moves are measured from when they are capped: the root's, or their mean where the root is free.
-pub(super) fn origin(root_held: bool, drive: &Drive, free: &[DVec3]) -> DVec3 {
+fn origin(root_held: bool, drive: &Drive, free: &[DVec3]) -> DVec3 {
     if root_held { drive.root_travel } else { free.iter().sum::<DVec3>() / free.len() as f64 }
 }
 

@@ -37,6 +37,8 @@ pub struct Drive {
     pub torn: bool,
     /// Whether the segments of the strand fit where it is.
     pub whole: bool,
+    /// Whether the load moves a free point farther than any other force may.
+    pub far: bool,
     /// Step h of the strand, if it is integrated \[s\].
     pub step: f64,
 }

@@ -20,7 +20,7 @@ table! {
         /// Sweeps of Gauss-Seidel in a step; gauss-seidel only.
         iterations: u32 = Count(1, MOST_REPEATS), "", Value(10);
         /// Newton steps at most; direct only: a strand stops when its segments fit within 1e-5.
-        newton: u32 = Count(1, MOST_NEWTON_STEPS), "", Value(4);
+        newton: u32 = Count(1, MOST_NEWTON_STEPS), "", Value(8);
         /// Whether strands have no stretch compliance.
         inextensible: bool = Bool, "", Value(false);
         /// Damping of absolute linear and angular velocity.
