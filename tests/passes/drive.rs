@@ -231,7 +231,7 @@ fn fringe_is_that_of_the_twin() {
 
 #[test]
 fn predict_moves_air_through_the_faces() {
-    each(&support::scene(), |what, stage, _| {
+    each(&support::scene(), |what, stage| {
         let v = stirred(stage.twin.position.len());
         let s = stage.engine.state();
         stage.write_vectors(&s.velocity, &v);

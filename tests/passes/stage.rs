@@ -217,9 +217,9 @@ pub fn stirred(n: usize) -> Vec<DVec3> {
 }
 
 /// Compares each of the [`crowds`] in a scene.
-pub fn each(scene: &Scene, mut compare: impl FnMut(&str, &Stage, &InitialState)) {
+pub fn each(scene: &Scene, mut compare: impl FnMut(&str, &Stage)) {
     for (what, initial) in crowds() {
-        compare(&what, &Stage::new(scene, &initial), &initial);
+        compare(&what, &Stage::new(scene, &initial));
     }
 }
 
@@ -229,10 +229,4 @@ pub fn relative(got: &[DVec3], wanted: &[DVec3], floor: f64) -> f64 {
     let scale = wanted.iter().map(|v| v.length()).fold(floor, f64::max);
     assert!(got.iter().all(|v| v.is_finite()), "not finite");
     got.iter().zip(wanted).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max) / scale
-}
-
-/// Largest |a − b| over largest |b| of numbers; below `floor` a value is rounding.
-pub fn relative_numbers(got: &[f64], wanted: &[f64], floor: f64) -> f64 {
-    let vectors = |values: &[f64]| values.iter().map(|x| DVec3::X * *x).collect::<Vec<_>>();
-    relative(&vectors(got), &vectors(wanted), floor)
 }

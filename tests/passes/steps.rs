@@ -9,7 +9,7 @@ use crate::{
     contact, drive, fluid, guard, neighbours, rods,
     stage::Stage,
     support, turbulence, velocity, viscosity,
-    walk::{Bounds, step_of_both},
+    walk::{Bounds, print, step_of_both},
 };
 
 /// Fault to plant: the pass, a text of its WGSL, what stands there instead, and the settings of a scene that shows it.
@@ -71,9 +71,7 @@ fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Resul
         }
     }
     println!("{sets:?}");
-    for (pass, difference, bound) in worst {
-        println!("  {pass}: {difference:.1e} of {bound:.1e}");
-    }
+    print(&worst);
     let moving = stage.twin.velocity.iter().map(|v| v.length()).sum::<f64>() / stage.twin.velocity.len() as f64;
     assert!(steps < STEPS || moving > 0.05, "nothing moves: {moving} m/s on average");
     Ok(())
@@ -88,7 +86,7 @@ const STEPS_OF_COUPLING: u32 = 10;
 /// (1.5e-6 m/s of what wind and forces add), 3.9e-6 of frames, 3.0e-3 1/s of spins and 5.8e-6 of densities; in parts of the
 /// largest 3.6e-4 of multipliers (the largest is at least that of an error of 1 %) and 3.0e-4 of nodes (in air that is still
 /// nearly uniform). The margin is 4.
-const BOUNDS: Bounds = Bounds {
+pub const BOUNDS: Bounds = Bounds {
     length: 4e-7,
     hair: 1.2e-7,
     speed: 2e-4,

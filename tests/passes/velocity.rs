@@ -39,7 +39,7 @@ pub const FAULTS: &[Fault] = &[
 
 #[test]
 fn velocity_is_airs_own_and_its_correction() {
-    each(&support::scene(), |what, stage, _| {
+    each(&support::scene(), |what, stage| {
         let n = stage.twin.position.len();
         let (s, p) = (stage.engine.state(), &stage.parameters);
         let (v, shift) = (stirred(n), stirred(n).iter().map(|v| *v * 1e-3).collect::<Vec<_>>());

@@ -5,10 +5,10 @@ use windswept_reference::{State as Twin, fluid, step::Scratch, viscosity};
 use windswept_shaders as shaders;
 
 use crate::{
-    stage::{Stage, each, relative, relative_numbers, stirred},
-    steps::{Fault, PARTICLES},
+    stage::{Stage, each, stirred},
+    steps::{BOUNDS, Fault, PARTICLES},
     support,
-    walk::{Same, Walk, apart, numbers_apart},
+    walk::{Bounds, Same, Walk, apart, numbers_apart, walk},
 };
 
 impl Walk<'_> {
@@ -42,26 +42,17 @@ fn viscosity_and_its_limiter_are_those_of_the_twin() {
     {
         let mut scene = support::scene();
         scene.viscosity = windswept_scene::Viscosity { hair: coefficient, air: 0.4 * coefficient, form };
-        each(&scene, |what, stage, _| {
+        each(&scene, |what, stage| {
             let near = stage.meet();
-            let (s, twin, p) = (stage.engine.state(), &stage.twin, &stage.parameters);
-            let v = stirred(twin.position.len());
-            stage.write_vectors(&s.new_velocity, &v);
-            stage.run(|r, plan| {
-                step::fluid::record_density(r, plan);
-                step::viscosity::record(r, plan);
-            });
-            let (theta, _) = fluid::density(p, &twin.position, &twin.inverse_mass, &twin.volume, &near);
-            let exchange = viscosity::limit(p, &twin.position, &twin.volume, &near, &theta);
-            let wanted =
-                viscosity::viscosity(p, &twin.position, &v, &twin.inverse_mass, &twin.volume, &near, &theta, &exchange);
-            let errors = (
-                relative_numbers(&stage.numbers(&s.exchange), &exchange, 1e-3),
-                relative(&stage.vectors(&s.viscous_velocity), &wanted, 1e-3),
-            );
-            println!("{what}, {form:?}: exchange {:.1e}, velocity {:.1e}", errors.0, errors.1);
-            // Measured at most 6.4e-7 and 7.5e-7; margin 4.
-            assert!(errors.0 < 3e-6 && errors.1 < 3e-6, "{what}: {errors:?}");
+            let (s, p) = (&stage.twin, &stage.parameters);
+            let v = stirred(s.position.len());
+            stage.write_vectors(&stage.engine.state().new_velocity, &v);
+            stage.run(step::fluid::record_density);
+            let (density, _) = fluid::density(p, &s.position, &s.inverse_mass, &s.volume, &near);
+            let mut w = Scratch { predicted: s.position.clone(), new_velocity: v, near, density, ..Scratch::default() };
+            // Measured 2.1e-6 of S and 3.1e-6 m/s; margin 4.
+            let bounds = Bounds { density: 8e-6, speed: 1.2e-5, ..BOUNDS };
+            walk(&format!("{what}, {form:?}"), stage, &bounds, |walk| walk.viscosity(s, &mut w));
         });
     }
 }

@@ -20,9 +20,9 @@ pub struct Bounds {
     pub frame: f64,
     /// Spins \[1/s\].
     pub spin: f64,
-    /// Densities ρ/ρ0, stretches and S of the limiter.
+    /// Densities ρ/ρ0, in parts of the largest if that is more than 1; stretches; S of the limiter.
     pub density: f64,
-    /// Multipliers of the density constraint, in parts of the largest.
+    /// Multipliers and shifts of the density constraint, in parts of the largest.
     pub multiplier: f64,
     /// Nodes of the band filter's grid, in parts of the largest.
     pub nodes: f64,
@@ -61,6 +61,21 @@ pub fn numbers_apart(got: &[f64], wanted: &[f64]) -> f64 {
 pub fn differing<T: PartialEq>(got: &[T], wanted: &[T]) -> f64 {
     assert_eq!(got.len(), wanted.len());
     got.iter().zip(wanted).filter(|(a, b)| a != b).count() as f64
+}
+
+/// Walks a heading from what a test has put on both sides: fails where they part, and prints the differences.
+pub fn walk(what: &str, stage: &Stage, bounds: &Bounds, heading: impl FnOnce(&mut Walk<'_>) -> Same) {
+    let mut worst = Vec::new();
+    heading(&mut Walk { stage, bounds, worst: &mut worst }).unwrap_or_else(|said| panic!("{what}: {said}"));
+    println!("{what}");
+    print(&worst);
+}
+
+/// Prints the largest difference of each pass.
+pub fn print(worst: &[(&'static str, f64, f64)]) {
+    for (pass, difference, bound) in worst {
+        println!("  {pass}: {difference:.1e} of {bound:.1e}");
+    }
 }
 
 /// Walks one step; the twin's state becomes what it arrived at.

@@ -40,7 +40,7 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
     let mut left = u64::from(p.substeps) - s.steps % u64::from(p.substeps);
     let group = s.hair.group.get(strand).and_then(|group| p.hair_motions.get(*group as usize));
     if let Some((motion, center)) = group.filter(|(motion, _)| !motion.keyframes.is_empty()) {
-        // From where it is drawn to where it is at the step's end, by way of where it started.
+        // The target is as drawn, and is carried from where keyframes start to where they are at the step's end.
         let ((start, turned), (end, turning)) = (motion.at(0.0), motion.at((s.steps + 1) as f64 * p.step));
         let turn = turning * turned.conjugate();
         goal = (*center + end + turn * (goal.0 - *center - start), (turn * goal.1).normalize());
@@ -62,7 +62,7 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
     Drive {
         root_travel: part * way,
         root_turn,
-        // To the bit where it arrives: a clamp that was off by rounding would never rest.
+        // The frame is the target's to the bit where the clamp arrives: one that was off by rounding would never rest.
         root_frame: if part == 1.0 { goal.1 } else { (root_turn * held.1).normalize() },
         state: if jumps { rods::State::Teleported } else { rods::State::Free },
         ..Drive::default()

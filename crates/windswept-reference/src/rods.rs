@@ -34,7 +34,7 @@ pub const TORN: f64 = 0.1;
 pub const RESCUED: f64 = 1.0;
 /// Gap |C + α μ| that the direct solver may leave in a calm strand.
 pub const MISFIT: f64 = 1e-2;
-/// Steps on end that a strand must lead without tearing before BDF2 may go on.
+/// Steps on end in which velocities must lead a strand without tearing it before BDF2 may go on.
 pub const CALM: u32 = 3;
 /// Resistance Δt w D_n from which on a strand in the wind takes Euler.
 pub const STORMY: f64 = 1.0 / 3.0;
