@@ -1,0 +1,92 @@
+//! Hair and air that exchange drag in any wind, on the software adapter: nothing is lost, stretched or shot away.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod support;
+
+use windswept::{Gpu, Simulation};
+use windswept_scene::Scene;
+
+/// Radius \[m\], density \[kg/m³\] and Young's modulus \[Pa\] of a real hair.
+const RADIUS: f64 = 40e-6;
+const DENSITY: f64 = 1320.0;
+const MODULUS: f64 = 4e9;
+/// Number of steps of a run.
+const STEPS: u32 = 24;
+
+/// Storm that begins at once: wind \[m/s\], step \[s\], fibres of a strand, and mass over a hair's.
+#[derive(Debug, Clone, Copy)]
+struct Storm {
+    wind: f64,
+    step: f64,
+    fibres: f64,
+    mass: f64,
+}
+
+impl Storm {
+    /// Twelve strands of 50 mm that hang into a small box of air, some of them out of it.
+    fn scene(self) -> Scene {
+        let text = format!(
+            "method = \"accurate\"\ninteraction = {{ model = \"two-way\" }}\ntime = {{ step = {}, duration = 10.0 }}\n\
+             [air]\nbox = {{ min = [0, 0, 0], max = [0.08, 0.07, 0.03] }}\nwind = [{}, 0, 0]\nramp = 0\nfringe = 0.02\n\
+             [hair]\nstrands = 12\npoints = 9\nlength = 0.05\nradius = {RADIUS}\ndensity = {}\nfibres_per_strand = {}\n\
+             youngs_modulus = {MODULUS}\nroots = {{ center = [0.04, 0.06, 0.015], radius = 0.012 }}\n",
+            self.step,
+            self.wind,
+            DENSITY * self.mass,
+            self.fibres,
+        );
+        Scene::parse(&text).unwrap()
+    }
+
+    fn blow(self, gpu: &Gpu) {
+        let mut simulation = Simulation::new(gpu, &self.scene()).unwrap();
+        let mut fastest = 0.0_f64;
+        for _ in 0..STEPS {
+            simulation.step(1).unwrap();
+            let frame = simulation.frame().unwrap();
+            let speeds =
+                frame.hair.velocities.iter().map(|v| v.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt());
+            fastest = speeds.fold(fastest, f64::max);
+        }
+        let report = simulation.report().unwrap();
+        let (stretch, fastest) = (report.max_stretch.unwrap(), fastest / self.wind);
+        let rescued = report.strand_steps.unwrap()["rescued_steps"];
+        println!("{self:?}: {fastest:.2} U, stretch {stretch:.1e}, {rescued} rescued, {:?}", report.warnings);
+        // Measured 0.73 U and 1.50 U: the tip of a rod without weight goes with 3/2 U, by its lever.
+        let bound = if self.mass >= 1.0 { 1.3 } else { 1.55 };
+        assert!(fastest < bound, "{self:?}: {fastest} U");
+        assert!(stretch < 1e-2, "{self:?}: stretched by {stretch}");
+        assert!(!report.warnings.contains_key("strand_reset"), "{self:?}: {:?}", report.warnings);
+    }
+}
+
+/// Corners of the range of winds, steps, fibres and masses, and real hair in the middle of it.
+#[test]
+fn storms_lose_nothing() {
+    for (wind, step, fibres, mass) in [
+        (3.0, 1e-4, 1.0, 1e-4),
+        (10.0, 1.38e-3, 36.0, 1.0),
+        (30.0, 16e-3, 1.0, 1e-2),
+        (100.0, 1e-4, 1000.0, 1.0),
+        (100.0, 1.38e-3, 1.0, 1.0),
+        (100.0, 5e-3, 36.0, 1e-4),
+        (100.0, 16e-3, 1.0, 100.0),
+        (100.0, 16e-3, 1000.0, 1e-4),
+    ] {
+        Storm { wind, step, fibres, mass }.blow(&support::gpu());
+    }
+}
+
+#[test]
+#[ignore = "long: 256 storms"]
+fn no_storm_loses_anything() {
+    for wind in [3.0, 10.0, 30.0, 100.0] {
+        for step in [1e-4, 1.38e-3, 5e-3, 16e-3] {
+            for fibres in [1.0, 36.0, 200.0, 1000.0] {
+                for mass in [1e-4, 1e-2, 1.0, 100.0] {
+                    Storm { wind, step, fibres, mass }.blow(&support::gpu());
+                }
+            }
+        }
+    }
+}
