@@ -5,7 +5,7 @@
 // the forces of the step before, and others at their free move. A free move that a rod could not follow is capped and counted:
 // what is loaded suddenly takes some steps until it feels all of the load.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent},
+    params::{params, TWO_WAY, MEAN_WIND}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent},
     integration::{EULER, PUT, STAY, free_move, response}, rest::{STILL_TIME, STILL_STEPS}, load::damping_of,
     led::{held_move, led_move, led_turn},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, CALM_STEPS,
@@ -22,7 +22,7 @@ import package::common::{
 @group(0) @binding(8) var<storage, read>       touched:      array<u32>;   // per strand, of the step before: by bodies, or they moved
 
 const LOADED: f32 = 0.4;   // lengths of the strand: what forces may move a free point by, where the strand is whole
-const GROWTH: f32 = 2.0;   // times the farthest free move of the step before: the same for a calm strand
+const GROWTH: f32 = 2.0;   // times the farthest free move of the step before: what a calm strand bears where air drags hair
 
 fn put_point(p: u32, travel: vec3f) {
     rod_points[p].travel = travel;
@@ -110,7 +110,8 @@ fn base(strand: Strand, rod: RodStrand) -> vec3f {
 // Returns the farthest free move.
 fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
     let origin = base(strand, rod);
-    let bears = max(LOADED * strand.length, select(0.0, GROWTH * reach, led));
+    let drags = params.model == TWO_WAY || params.model == MEAN_WIND;
+    let grown = select(0.0, GROWTH * reach, led && drags);
     var farthest = 0.0;
     var carried_far = false;
     for (var k = 0u; k < strand.points; k++) {
@@ -121,7 +122,8 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
         if point.inverse_mass > 0.0 {
             let far = length(free - origin);
             let loaded = response(damping_of(point), rod.scheme) * point.inverse_mass * length(point.force);
-            let largest = point.largest + select(0.0, min(loaded, bears), rod.whole != 0u);
+            let bears = select(0.0, min(loaded, LOADED * strand.length), rod.whole != 0u);
+            let largest = max(point.largest + bears, grown);
             if far > largest {
                 free = origin + (largest / far) * (free - origin);
                 count(MOVE_CAPPED);

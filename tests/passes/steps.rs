@@ -16,7 +16,7 @@ use crate::{
 pub type Fault = (&'static Pass, &'static str, &'static str, &'static [&'static str]);
 
 /// 12 strands in a box of 0.12 x 0.06 x 0.06 m.
-const SMALL: [&str; 8] = [
+const SMALL: &[&str] = &[
     "air.box.max=[0.12,0.06,0.06]",
     "hair.strands=12",
     "hair.length=0.06",
@@ -26,6 +26,9 @@ const SMALL: [&str; 8] = [
     "air.fringe=0.03",
     // One Newton step: a strand that fits just about would take one more on one of the two (`rods.rs` has more).
     "rods.newton=1",
+    "interaction.model=particles",
+    "hair.fibres_per_strand=1",
+    "hair.point_mass=1.46e-7",
 ];
 
 /// Settings with air particles, two bands of eddies and roots that move.

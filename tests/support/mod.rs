@@ -36,13 +36,15 @@ pub fn gpu() -> Gpu {
 /// Keys of the tests of single passes: values in place of some defaults, and the keys that a scene must have.
 const PLAIN: &str = "
 title = \"test\"
+interaction = { model = \"particles\" }
 time = { step = 1.38e-3, duration = 1.0 }
 air = { box = { min = [0, 0, 0], max = [1, 1, 1] }, wind = [0, 0, 0] }
 turbulence.filter = \"direct\"
 rods = { solver = \"gauss-seidel\", integrator = \"euler\", sleep = false }
 ";
 
-/// Scene with the paper's parameters, without hair, in still air; its box is that of the particles which a test puts in.
+/// Scene with the paper's parameters, without hair, in still air; hair that a test puts in is one fluid with the air. Its box
+/// is that of the particles which a test puts in.
 pub fn scene() -> Scene {
     let scene = Scene::parse(PLAIN).unwrap();
     let air = scene.air.clone().map(|air| Air { bounds: None, ..air });

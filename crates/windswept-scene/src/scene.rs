@@ -19,7 +19,7 @@ use crate::{
     error::SceneError,
     initial::End,
     keys::{
-        Fallback::{Absent, Needed, Value},
+        Fallback::{self, Absent, Needed, Value},
         Key,
         Kind::{Choice, Count, NonNegative, Positive, Table, Tables, Text, Vector},
     },
@@ -157,7 +157,7 @@ table! {
     pub struct Interaction {
         /// Model of the interaction: one fluid of particles; hair and air particles that exchange drag; lift and drag of the mean
         /// wind; hair alone.
-        model: Model = Choice(Model::WORDS), "", Value(Model::Particles);
+        model: Model = Choice(Model::WORDS), "", Fallback::Method(Model::TwoWay, Model::Particles);
         /// Lift coefficient C_l of a segment across the wind (models `two-way` and `drag`, and hair outside the box of model `particles`).
         lift: f64 = NonNegative, "", Value(0.0);
     }

@@ -48,7 +48,7 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, \"a\", 0.0]", 13, "air.wind", &["three numbers", "found in y \"a\""]),
     ("wind = [3.0, 0.0, 0.0]", "", 11, "air.wind", &["is missing"]),
     ("box = {", "box2 = {", 12, "air.box2", &["did you mean air.box?"]),
-    ("box = { min = [0.0, 0.0, 0.0], max = [0.1, 0.1, 0.1] }\n", "", 11, "air.box", &["is missing", "particles"]),
+    ("box = { min = [0.0, 0.0, 0.0], max = [0.1, 0.1, 0.1] }\n", "", 11, "air.box", &["is missing", "two-way"]),
     ("min = [0.0, 0.0, 0.0], ", "", 12, "air.box.min", &["is missing", "three numbers"]),
     ("points = 4", "points = 1", 6, "hair.points", &["whole number of at least 2", "found 1"]),
     ("points = 4", "points = 16385", 6, "hair.points", &["at least 2, at most 16384, found 16385"]),
@@ -172,7 +172,7 @@ fn models_say_what_they_need() {
     let (airless, _) = SMALL.split_once("[air]").unwrap();
     let error = Scene::parse_named("bad.toml", airless).unwrap_err();
     assert_eq!((error.key(), error.line()), (Some("air"), None));
-    assert!(error.to_string().contains("\"particles\" needs air.box and air.wind"), "{error}");
+    assert!(error.to_string().contains("\"two-way\" needs air.box and air.wind"), "{error}");
     Scene::parse_with("s", airless, &["interaction.model=none".to_owned()]).unwrap();
 }
 

@@ -127,7 +127,7 @@ fn what_a_file_leaves_out_has_its_default() {
     let (hair, air) = (&scene.hair[0], scene.air.as_ref().unwrap());
     assert_eq!(
         (scene.method, scene.interaction.model, scene.seed, scene.gravity),
-        (Method::Accurate, Model::Particles, 1, [0.0, -9.81, 0.0])
+        (Method::Accurate, Model::TwoWay, 1, [0.0, -9.81, 0.0])
     );
     assert_eq!((scene.time.substeps, scene.time.frame_rate), (1, 60.0));
     let stiffness = Stiffness::Moduli { youngs_modulus: 4e9, poissons_ratio: 0.38 };
@@ -141,23 +141,23 @@ fn what_a_file_leaves_out_has_its_default() {
     assert_eq!((scene.turbulence.bands.len(), scene.turbulence.speed), (0, 5.0));
     assert_eq!((scene.viscosity.hair, scene.viscosity.air), (1.4, 0.014));
     assert_eq!((scene.rods.iterations, scene.rods.damping, scene.rods.inextensible), (10, 0.0, false));
-    assert_eq!((scene.rods.newton, scene.rods.sleep), (4, true));
+    assert_eq!((scene.rods.newton, scene.rods.sleep), (8, true));
     assert_eq!(scene.camera, Camera { look_at: None, fov: 26.0, width: 960, height: 540 });
 }
 
 #[test]
-fn method_sets_six_defaults_and_a_spelled_key_wins() {
-    let six = |scene: Scene| {
+fn method_sets_seven_defaults_and_a_spelled_key_wins() {
+    let seven = |scene: Scene| {
         let (turbulence, rods) = (scene.turbulence, scene.rods);
-        (rods.solver, rods.integrator, turbulence.law, turbulence.filter, turbulence.cutoff, scene.viscosity.form)
+        let law = (turbulence.law, turbulence.filter, turbulence.cutoff);
+        (scene.interaction.model, rods.solver, rods.integrator, law, scene.viscosity.form)
     };
-    let (rods, built) = (Solver::Direct, (Law::Band, Filter::Grid, 4.5));
-    assert_eq!(six(scene(LEAST, &[])), (rods, Integrator::Bdf2, built.0, built.1, built.2, ViscosityForm::Limited));
-    let published = six(scene(LEAST, &["method=published"]));
-    assert_eq!(
-        published,
-        (Solver::GaussSeidel, Integrator::Euler, Law::Published, Filter::Direct, 3.0, ViscosityForm::Published)
-    );
+    let law = (Law::Band, Filter::Grid, 4.5);
+    let accurate = (Model::TwoWay, Solver::Direct, Integrator::Bdf2, law, ViscosityForm::Limited);
+    assert_eq!(seven(scene(LEAST, &[])), accurate);
+    let law = (Law::Published, Filter::Direct, 3.0);
+    let published = (Model::Particles, Solver::GaussSeidel, Integrator::Euler, law, ViscosityForm::Published);
+    assert_eq!(seven(scene(LEAST, &["method=published"])), published);
     let spelled = scene(LEAST, &["method=published", "viscosity.form=limited"]);
     assert_eq!(spelled.viscosity.form, ViscosityForm::Limited);
     // And nothing else.
@@ -165,6 +165,7 @@ fn method_sets_six_defaults_and_a_spelled_key_wins() {
     accurate.method = Method::Published;
     (accurate.rods, accurate.turbulence) = (published.rods.clone(), published.turbulence.clone());
     accurate.viscosity.form = ViscosityForm::Published;
+    accurate.interaction.model = Model::Particles;
     assert_eq!(accurate, published);
 }
 

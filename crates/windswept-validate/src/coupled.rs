@@ -46,7 +46,8 @@ pub(crate) fn drag(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 /// file's, `hair` those of its group.
 pub(crate) fn windless(keys: &str, size: [f64; 3], hair: &str) -> Result<Scene, Error> {
     Ok(Scene::parse(&format!(
-        "gravity = [0, 0, 0]\ntime = {{ step = {STEP}, duration = 1.0 }}\nrods.sleep = false\n\
+        "gravity = [0, 0, 0]\ninteraction.model = \"particles\"\ntime = {{ step = {STEP}, duration = 1.0 }}\n\
+         rods.sleep = false\n\
          air = {{ box = {{ min = [0, 0, 0], max = {size:?} }}, wind = [0, 0, 0], ramp = 0.0 }}\n{keys}\n\
          [[hair]]\nfibres_per_strand = 100\n{hair}"
     ))?)

@@ -1,7 +1,7 @@
 //! How a strand goes through the step, and where its solver starts.
 
 use glam::{DQuat, DVec3};
-use windswept_scene::Strands;
+use windswept_scene::{Model, Strands};
 
 use super::{
     CALM, Drive, GROWTH, LOADED, Load, Moving, Point, STILL_STEPS, STILL_TIME, Segment, State, TORN, damping,
@@ -114,14 +114,14 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
         })
         .collect();
     let length: f64 = s.hair.rest_length[segments.clone()].iter().sum();
-    let bears = (LOADED * length).max(if ahead { GROWTH * s.reach[strand] } else { 0.0 });
+    let grown = if ahead && drags(p) { GROWTH * s.reach[strand] } else { 0.0 };
     let origin = origin(m.points[points.start].inverse_mass == 0.0, drive, &free);
     let mut farthest = 0.0_f64;
     for (k, i) in points.enumerate() {
         let point = &mut m.points[i];
         let far = (free[k] - origin).length();
         let loaded = response(damping(p, point), h) * point.inverse_mass * point.load.force.length();
-        let largest = point.largest + if drive.whole { loaded.min(bears) } else { 0.0 };
+        let largest = grown.max(point.largest + if drive.whole { loaded.min(LOADED * length) } else { 0.0 });
         if point.inverse_mass > 0.0 {
             if far > largest {
                 free[k] = origin + (free[k] - origin) * (largest / far);
@@ -145,6 +145,11 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
         segment.moment = if ahead { segment.moment } else { DVec3::ZERO };
     }
     choice
+}
+
+/// Whether the model has a drag that the rods take in any place.
+fn drags(p: &Parameters) -> bool {
+    matches!(p.model, Model::TwoWay | Model::Drag)
 }
 
 /// Move that free moves are measured from when they are capped: the root's, or their mean where the root is free.

@@ -24,7 +24,9 @@ pub fn scene(keys: &str) -> Scene {
 /// Air in a box; the wind blows from the start.
 pub fn windy(wind: DVec3) -> Scene {
     let wind = wind.to_array();
-    scene(&format!("[air]\nbox = {{ min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 1.0] }}\nwind = {wind:?}\nramp = 0.0"))
+    scene(&format!(
+        "[interaction]\nmodel = \"particles\"\n[air]\nbox = {{ min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 1.0] }}\nwind = {wind:?}\nramp = 0.0"
+    ))
 }
 
 /// Scene of strands without air.

@@ -3,8 +3,9 @@
 
 use windswept_scene::{InitialState, Scene, Strands};
 
-/// 60 strands of 11 points, 10 mm apart, in a box of air; all else by default.
+/// 60 strands of 11 points, 10 mm apart, in a box of air with which they are one fluid; all else by default.
 pub(crate) const BRUSH: &str = "
+interaction.model = \"particles\"
 time = { step = 1.38e-3, duration = 1.0 }
 [hair]
 strands = 60
