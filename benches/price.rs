@@ -11,6 +11,8 @@ use clap::Parser;
 use windswept::{AdapterChoice, Gpu, Simulation};
 use windswept_scene::Scene;
 
+#[path = "work_precision/exit.rs"]
+mod exit;
 #[path = "work_precision/provenance.rs"]
 mod provenance;
 
@@ -91,13 +93,7 @@ impl Run {
 }
 
 fn main() -> ExitCode {
-    match run() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    exit::status(run())
 }
 
 fn run() -> Result<()> {

@@ -3,7 +3,7 @@
 
 mod support;
 
-use windswept::Gpu;
+use windswept::{Gpu, internals::with_sources};
 use windswept_shaders::{Pass, contact, fluid, rods, turbulence, wind};
 use windswept_validate::{CHECKS, Row};
 
@@ -104,7 +104,7 @@ fn wrong_constants_turn_rows_red() {
     ];
     for &(pass, right, wrong, check) in cases {
         assert!(pass.source.contains(right), "{} has no {right:?}:\n{}", pass.name, pass.source);
-        let gpu = support::gpu().with_sources([(pass.name, pass.source.replace(right, wrong))]);
+        let gpu = with_sources(&support::gpu(), [(pass.name, pass.source.replace(right, wrong))]);
         let rows = rows(check, &gpu);
         println!("{} with {wrong}: {:?}", pass.name, failing(&rows));
         assert!(!failing(&rows).is_empty(), "{} with {wrong} passes {check}", pass.name);

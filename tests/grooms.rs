@@ -8,13 +8,11 @@ use std::f64::consts::PI;
 use glam::{DQuat, DVec3};
 use windswept::Simulation;
 use windswept_scene::{End, Fibre, Groom, Scene};
+use windswept_validate::internals::GRAVITY;
 
-/// Gravity \[m/s²\].
-const GRAVITY: f64 = 9.81;
-
-fn scene(keys: &str) -> Scene {
+fn scene(step: f64, keys: &str) -> Scene {
     let text = format!(
-        "interaction = {{ model = \"none\" }}\ngravity = [0, -{GRAVITY}, 0]\ntime = {{ step = 1.38e-3, duration = 1.0 }}\n\
+        "interaction = {{ model = \"none\" }}\ngravity = [0, -{GRAVITY}, 0]\ntime = {{ step = {step}, duration = 1.0 }}\n\
          rods = {{ {keys} }}"
     );
     Scene::parse(&text).unwrap()
@@ -26,9 +24,9 @@ fn level(strands: u32, length: f64) -> Groom {
     Groom::new((0..17 * strands).map(point).collect(), (0..=strands).map(|s| 17 * s).collect())
 }
 
-/// Position of every point after `seconds` \[m\].
-fn after(keys: &str, groom: &Groom, seconds: f64) -> Vec<DVec3> {
-    let mut simulation = Simulation::with_groom(&support::gpu(), &scene(keys), groom).unwrap();
+/// Position of every point after `seconds` in steps of `step` \[m\].
+fn after(step: f64, keys: &str, groom: &Groom, seconds: f64) -> Vec<DVec3> {
+    let mut simulation = Simulation::with_groom(&support::gpu(), &scene(step, keys), groom).unwrap();
     simulation.step((seconds / simulation.dt()) as u64).unwrap();
     let frame = simulation.frame().unwrap();
     frame.hair.positions.iter().map(|x| DVec3::from_array(x.map(f64::from))).collect()
@@ -46,7 +44,7 @@ fn flat_fibres_sag_by_their_stiffness_about_either_axis() {
         root_frame: Some(vec![upright.to_array(), flat.to_array()].into()),
         ..level(2, length)
     };
-    let tips = after("damping = 8.0", &groom, 4.0);
+    let tips = after(4e-3, "damping = 8.0", &groom, 4.0);
     let sag = [-tips[16].y, -tips[33].y];
     let weight = 1320.0 * PI * a * a * aspect * GRAVITY;
     let moments = [PI * a.powi(4) * aspect / 4.0, PI * a.powi(4) * aspect.powi(3) / 4.0];
@@ -72,7 +70,7 @@ fn ends_are_held_as_they_say() {
         tip: ends.iter().map(|ends| ends.1).collect::<Vec<_>>().into(),
         ..level(ends.len() as u32, length)
     };
-    let rest = after("damping = 8.0", &groom, 4.0);
+    let rest = after(4e-3, "damping = 8.0", &groom, 4.0);
     let strand = |s: usize| &rest[17 * s..17 * s + 17];
     let start = |s: usize, k: usize| DVec3::from_array(groom.points[17 * s + k]);
     for (s, (root, tip)) in ends.into_iter().enumerate() {
@@ -105,9 +103,10 @@ fn ends_are_held_as_they_say() {
 #[test]
 fn strands_that_nothing_holds_fall() {
     let groom = Groom { root: End::Free.into(), ..level(2, 0.05) };
+    let step = 1.38e-3;
     for integrator in ["bdf2", "euler"] {
-        let fallen = after(&format!("integrator = \"{integrator}\""), &groom, 0.2);
-        let time = (0.2_f64 / 1.38e-3).floor() * 1.38e-3;
+        let fallen = after(step, &format!("integrator = \"{integrator}\""), &groom, 0.2);
+        let time = (0.2_f64 / step).floor() * step;
         let drop = 0.5 * GRAVITY * time * time;
         for (x, start) in fallen.iter().zip(&groom.points) {
             let way = *x - DVec3::from_array(*start);

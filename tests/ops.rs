@@ -5,15 +5,11 @@
 mod support;
 
 use glam::DVec3;
-use support::{Layout, RADIUS, VOLUME};
+use support::{Layout, MASS, RADIUS, VOLUME};
 use windswept::ops::{Filter, OpsError, Particles};
 use windswept_reference::{Parameters, fluid, neighbours, turbulence, viscosity};
-use windswept_scene::{AirParticles, Band, Fluid, InitialState, Scene};
+use windswept_scene::{Air, AirParticles, Band, Fluid, InitialState, Scene};
 
-/// Rest density \[kg/m³\].
-const DENSITY: f64 = 1.29;
-/// Mass of a particle \[kg\].
-const MASS: f64 = VOLUME * DENSITY;
 /// The band whose velocity is compared.
 const BAND: Band = Band { scale: 6e-3, strength: 1.0, intensity: 1.0 };
 
@@ -35,7 +31,7 @@ impl Crowd {
             positions: &self.positions,
             velocities: &self.velocities,
             mass: MASS,
-            rest_density: DENSITY,
+            rest_density: Air::REST_DENSITY,
             radius: RADIUS,
             bounds: self.bounds,
         }
@@ -120,7 +116,7 @@ fn operations_are_those_of_the_twin() {
         let particles = crowd.particles();
 
         let density: Vec<DVec3> =
-            particles.density(&gpu).unwrap().iter().map(|r| DVec3::X * f64::from(*r) / DENSITY).collect();
+            particles.density(&gpu).unwrap().iter().map(|r| DVec3::X * f64::from(*r) / Air::REST_DENSITY).collect();
         let theta_wanted: Vec<DVec3> = theta.iter().map(|t| DVec3::X * *t).collect();
         let origin = if crowd.bounds.is_some() { DVec3::ZERO } else { crowd.initial.air.min };
         let gap = |(got, (x, shift)): (&[f32; 3], (&DVec3, &DVec3))| {
@@ -178,7 +174,7 @@ fn none_and_one_are_answered() {
     let at = [[3.0, -2.0, 1e3]];
     let one = Particles { velocities: &[[1.0, 2.0, 3.0]], ..Particles::at(&at) };
     // V W(0) = 0.2204423 (reference).
-    assert!((one.density(&gpu).unwrap()[0] / 1.29 - 0.220_442_3).abs() < 1e-6);
+    assert!((f64::from(one.density(&gpu).unwrap()[0]) / Air::REST_DENSITY - 0.220_442_3).abs() < 1e-6);
     assert_eq!(one.neighbours(&gpu).unwrap().offsets, [0, 0]);
     assert_eq!(one.viscosity(&gpu, 5.0).unwrap(), [[1.0, 2.0, 3.0]]);
     assert_eq!(one.vorticity(&gpu).unwrap(), [[0.0; 3]]);
@@ -224,6 +220,10 @@ fn bad_arguments_are_named() {
     refused(good.band_velocity(&gpu, 0.01, Filter::Direct { cutoff: f64::NAN }), "cutoff: expected");
     refused(good.viscosity(&gpu, -0.1), "coefficient: expected");
     let fluid = Fluid { iterations: 2, relaxation: 0.5, tension: 0.0 };
+    refused(
+        good.solve_density(&gpu, Fluid { iterations: 10_001, ..fluid.clone() }),
+        "iterations: expected a whole number from 0 to 10000",
+    );
     refused(good.solve_density(&gpu, Fluid { relaxation: f64::NAN, ..fluid.clone() }), "relaxation: expected");
     refused(good.solve_density(&gpu, Fluid { tension: 2.0, ..fluid.clone() }), "tension: expected");
     refused(Particles { radius: 4e-3, ..good }.solve_density(&gpu, fluid), "radius: expected at least 1.2 particle");

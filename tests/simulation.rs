@@ -185,14 +185,15 @@ fn non_finite_air_ends_the_run() {
     assert_eq!(simulation.steps(), 7);
 }
 
-/// Arrays that do not belong together are refused by name, before anything reaches the device.
+/// Arrays that do not belong together are refused by name, before anything reaches the device or is counted.
 #[test]
 fn a_state_that_does_not_fit_is_refused() {
     let refused = |spoil: &dyn Fn(&mut InitialState), word: &str| {
         let mut initial = brush(2);
         spoil(&mut initial);
+        let uncounted = windswept::memory_bytes(&windy(), &initial).unwrap_err().to_string();
         let error = Simulation::with_state(&support::gpu(), &windy(), initial).unwrap_err().to_string();
-        assert!(error.contains(word), "{error}");
+        assert!(error.contains(word) && uncounted.contains(word), "{error}; {uncounted}");
     };
     refused(&|s| s.hair.radius.clear(), "radius: expected 24 rows, found 0");
     refused(&|s| s.hair.point_offsets[1] = 1, "point_offsets: expected 4 strands of at least 2 points");

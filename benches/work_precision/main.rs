@@ -3,6 +3,7 @@
 
 mod air;
 mod chart;
+mod exit;
 mod filter;
 mod fluid;
 mod point;
@@ -121,13 +122,7 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    match run() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    exit::status(run())
 }
 
 fn run() -> Result<()> {

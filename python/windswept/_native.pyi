@@ -243,7 +243,7 @@ def ops_band_velocity(
     rest_density: float,
     scale: float,
     filter: str,
-    cutoff: float,
+    cutoff: float | None,
     box: _Array | None,
 ) -> NDArray[np.float32]: ...
 def ops_viscosity(

@@ -70,7 +70,7 @@ def band_velocity(
     rest_density: float,
     scale: float,
     filter: str = "grid",
-    cutoff: float = 4.5,
+    cutoff: float | None = None,
     box: ArrayLike | None = None,
 ) -> NDArray[np.float32]:
     """û, the velocity of eddies of one size: the Mexican hat over the particles' velocities (Demura et al. 2019, eqs. 5, 6).
@@ -84,7 +84,7 @@ def band_velocity(
         rest_density: ρ0 [kg/m³].
         scale: s [m].
         filter: "grid" (cost falls as s grows) or "direct" (the sum itself).
-        cutoff: of the direct filter, in units of s.
+        cutoff: of the direct filter, in units of s; None: as a scene's `turbulence.cutoff` by default.
         box: sides of the periodic box [m], each at least 5.77 particle spacings, (mass / rest_density)^⅓: 3 radii of the paper.
 
     Returns:

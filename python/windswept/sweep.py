@@ -1,4 +1,4 @@
-"""Many runs of one scene: every combination of some values, on this machine or on a Dask cluster.
+"""Runs one scene with every combination of some values, on this machine or on a Dask cluster.
 
     from windswept import sweep
 
@@ -42,15 +42,15 @@ class Case:
     """One combination of values."""
 
     index: int
-    #: By dotted key.
+    #: The case's values, by dotted key.
     values: dict[str, Any]
     folder: Path
-    #: "finished" in this call, "skipped" (it was), or "failed".
+    #: "finished" in this call, "skipped" where an earlier call had finished it, or "failed".
     status: str = "waiting"
-    #: Runs that were started in this call, those that a dead worker left among them.
+    #: Number of runs that were started in this call, those that a dead worker left among them.
     attempts: int = 0
     report: dict[str, Any] = field(default_factory=dict)
-    #: The last fault, also of a case that finished in the end.
+    #: The case's last fault, also where the case finished in the end.
     error: str | None = None
     _text: str = field(default="", repr=False)
     _log: str = field(default="", repr=False)
@@ -58,7 +58,7 @@ class Case:
 
 @dataclass(frozen=True)
 class _Job:
-    """What a worker needs to know."""
+    """What a worker needs to know of a case."""
 
     text: str
     adapter: str | None
@@ -146,7 +146,7 @@ def _cases(scene: Scene, vary: Mapping[str, Sequence[Any]], out: Path) -> list[C
 
 
 def _report(case: Case) -> dict[str, Any] | None:
-    """What its folder has of just this scene."""
+    """The report that the case's folder has, if it is of just this scene."""
     try:
         if (case.folder / "scene.toml").read_bytes() != case._text.encode():
             return None
@@ -157,7 +157,7 @@ def _report(case: Case) -> dict[str, Any] | None:
 
 
 def _simulate(job: _Job) -> _Result:
-    """A whole run, in whatever process."""
+    """Runs a case from start to end in this process; returns its report and its last picture."""
     sim = Simulation(Scene.parse(job.text), adapter=job.adapter)
     for _ in sim.frames():
         pass
@@ -170,7 +170,7 @@ def _simulate(job: _Job) -> _Result:
 
 
 def _simulate_on_a_worker(job: _Job, topic: str) -> _Result:
-    """The same, which tells the scheduler where it has begun: workers that die tell nothing."""
+    """A whole run on a worker, which first tells the scheduler that it has begun: workers that die tell nothing."""
     from distributed import get_worker
 
     worker = get_worker()
@@ -181,7 +181,7 @@ def _simulate_on_a_worker(job: _Job, topic: str) -> _Result:
 def _locally(
     cases: list[Case], jobs: dict[int, _Job], workers: int, retries: int
 ) -> Generator[tuple[Case, _Result | None], None, None]:
-    """One process a case: whatever happens to it happens to that case alone."""
+    """Runs each case in a process of its own: whatever happens to it happens to that case alone."""
     waiting = list(reversed(cases))
     running: dict[subprocess.Popen[bytes], tuple[Case, tempfile.TemporaryDirectory[str]]] = {}
     try:
@@ -213,7 +213,7 @@ def _locally(
 
 
 def _fetch(case: Case, folder: Path, status: int) -> _Result | None:
-    """What a process left; without a result its last words are the case's error."""
+    """The result that a process left; without one the process's last words are the case's error."""
     try:
         report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -230,7 +230,7 @@ def _fetch(case: Case, folder: Path, status: int) -> _Result | None:
 def _on(
     client: Any, cases: list[Case], jobs: dict[int, _Job], retries: int
 ) -> Generator[tuple[Case, _Result | None], None, None]:
-    """The same on a cluster, whose scheduler starts again what a worker that died has left."""
+    """Runs the cases on a cluster, whose scheduler starts again what a worker that died has left."""
     from distributed import as_completed
 
     topic, submitted = f"windswept-sweep-{uuid.uuid4()}", dict.fromkeys(jobs, 0)
@@ -268,7 +268,7 @@ def _on(
 
 
 def _settle(case: Case, result: _Result | None) -> None:
-    # Of another case that had this number, or of an earlier try.
+    # The folder may hold files of another case that had this number, or of an earlier try.
     for name in ("report.json", "scene.toml", "picture.png", "error.txt"):
         (case.folder / name).unlink(missing_ok=True)
     if result is None:
@@ -280,7 +280,7 @@ def _settle(case: Case, result: _Result | None) -> None:
     if drawn is not None:
         _write(case.folder / "picture.png", drawn)
     _write(case.folder / "scene.toml", case._text)
-    # Last: who finds it finds a finished case.
+    # The report comes last: who finds it finds a finished case.
     _write(case.folder / "report.json", json.dumps(case.report, indent=2) + "\n")
 
 
@@ -297,19 +297,19 @@ def _write_table(cases: list[Case], vary: Mapping[str, Sequence[Any]], out: Path
 
 
 def _plain(value: Any) -> Any:
-    """NumPy's numbers and arrays as Python's; of what no scene takes, its words."""
+    """A number or an array of NumPy as Python's own; anything that no scene takes as its words."""
     return value.tolist() if hasattr(value, "tolist") else str(value)
 
 
 def _write(path: Path, content: str | bytes) -> None:
-    """Whole or not at all."""
+    """Writes a file whole or not at all."""
     partial = path.with_name(path.name + ".part")
     partial.write_bytes(content.encode() if isinstance(content, str) else content)
     os.replace(partial, path)
 
 
 def _main(folder: Path) -> None:
-    """`python -m windswept.sweep FOLDER`: the process of a case."""
+    """Runs the case of a folder: `python -m windswept.sweep FOLDER` is the process of a case."""
     job = _Job(**json.loads((folder / "job.json").read_text(encoding="utf-8")))
     report, drawn = _simulate(job)
     if drawn is not None:

@@ -13,6 +13,9 @@ struct Body {
     keyframes: u32,        // number of the body's keyframes; without any the body rests
 }
 
+// Rounds that a pass goes over all bodies: a second one for what lies between two bodies.
+const ROUNDS: u32 = 2u;
+
 // The bits below say what bodies did to a strand in a step.
 
 const PUSHED: u32 = 1u;   // bit of `touched`: a body pushed one of the strand's points

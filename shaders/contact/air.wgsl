@@ -3,7 +3,7 @@
 //
 // The move itself gives no velocity: air that a density correction or a turning body has left inside would be shot out.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, body::{Placed, surface, surface_move}, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, body::{Placed, ROUNDS, surface, surface_move}, status::frozen,
 };
 
 @group(0) @binding(2) var<storage, read>       placed:       array<Placed>;
@@ -11,7 +11,6 @@ import package::common::{
 @group(0) @binding(4) var<storage, read_write> predicted:    array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> new_velocity: array<vec4f>;
 
-const ROUNDS: u32 = 2u;       // rounds over all bodies: a second one for particles between two bodies
 const CLEARANCE: f32 = 0.5;   // least distance of a particle from a surface, its parcel's half width [particle spacings]
 
 @compute @workgroup_size(WORKGROUP)

@@ -12,7 +12,7 @@
 // The pass goes through all bodies in order, twice, for points between two bodies.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::Strand,
-    body::{Placed, PUSHED, surface, carried, entry}, status::frozen,
+    body::{Placed, PUSHED, ROUNDS, surface, carried, entry}, status::frozen,
 };
 
 @group(0) @binding(3) var<storage, read>       position:  array<vec4f>;
@@ -21,7 +21,6 @@ import package::common::{
 @group(0) @binding(6) var<storage, read_write> predicted: array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> touched:   array<atomic<u32>>;   // bits of each strand: PUSHED, MOVED
 
-const ROUNDS: u32 = 2u;      // rounds over all bodies: a second one for points between two bodies
 const TOUCH: f32 = 1e-6;      // push that counts as a touch [lengths of the strand]; hair at rest on a body is off by rounding
 const RECOVERY: f32 = 0.2;   // speed at which a point that starts inside comes out [m/s]: slow enough not to throw the strand
 

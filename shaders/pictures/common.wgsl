@@ -36,11 +36,3 @@ fn hash(x: u32) -> u32 {
 fn chance(seed: u32, draw: u32) -> f32 {
     return f32(hash(seed ^ hash(draw)) >> 8u) / 16777216.0;
 }
-
-// Invocations of a workgroup: 64 fill a wavefront or two warps, and WebGPU's default allows 256.
-const WORKGROUP: u32 = 64u;
-
-// The index of an invocation; more workgroups than a dimension holds fold into rows.
-fn invocation(group: vec3u, groups: vec3u, local: u32) -> u32 {
-    return (group.y * groups.x + group.x) * WORKGROUP + local;
-}

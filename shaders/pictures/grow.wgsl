@@ -2,7 +2,8 @@
 //
 // A drawn hair is a parallel fibre of its guide's rod, so that it keeps the guide's curl. Where a neighbouring guide runs
 // alike, the hair is blended toward that guide, so that straight hair shows no locks. There is one invocation per point.
-import package::pictures::common::{view, chance, invocation, WORKGROUP};
+import package::common::dispatch::{invocation, WORKGROUP};
+import package::pictures::common::{view, chance};
 
 struct Hair {
     guide:     u32,    // index of the guide strand
@@ -77,8 +78,8 @@ fn along(g: u32, t: f32, offset: vec3f) -> vec3f {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
-    let i = invocation(group, groups, local);
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = invocation(id, groups);
     if i >= view.hairs * view.samples {
         return;
     }

@@ -2,15 +2,16 @@
 //
 // `deposit` adds every segment's shadow (its area across the light over a cell's) to the eight nearest cells, `accumulate`
 // sums each column from the light on. All are whole numbers, so that the bits do not depend on the order.
-import package::pictures::{common::{view, invocation, GRID, DEPTH_UNIT, WORKGROUP}, taper::taper};
+import package::common::dispatch::{invocation, WORKGROUP};
+import package::pictures::{common::{view, GRID, DEPTH_UNIT}, taper::taper};
 
 @group(0) @binding(1) var<storage, read>       points: array<vec4f>;
 @group(0) @binding(2) var<storage, read_write> grid:   array<atomic<u32>>;  // lights x GRID^3
 @group(0) @binding(3) var<storage, read>       radius: array<f32>;          // drawn radius of each hair [m]
 
 @compute @workgroup_size(WORKGROUP)
-fn deposit(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
-    let i = invocation(group, groups, local);
+fn deposit(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = invocation(id, groups);
     if i >= view.hairs * view.samples || i % view.samples == view.samples - 1u {
         return;
     }

@@ -4,7 +4,8 @@
 // TRT back through it, tinted twice, shifted toward the tip; and a diffuse part for light scattered among hairs (Kajiya
 // & Kay 1989). Hair between the point and the light takes away more of the colours that hair absorbs more. There is one
 // invocation per point.
-import package::pictures::{common::{view, chance, invocation, WORKGROUP}, shadow::optical_depth};
+import package::common::dispatch::{invocation, WORKGROUP};
+import package::pictures::{common::{view, chance}, shadow::optical_depth};
 
 @group(0) @binding(2) var<storage, read>       points: array<vec4f>;
 @group(0) @binding(3) var<storage, read>       seed:   array<u32>;   // seed of each hair
@@ -38,8 +39,8 @@ fn scattered(tangent: vec3f, to_light: vec3f, to_eye: vec3f, tint: vec3f, tilt: 
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
-    let i = invocation(group, groups, local);
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = invocation(id, groups);
     if i >= view.hairs * view.samples {
         return;
     }

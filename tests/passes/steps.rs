@@ -1,6 +1,6 @@
 //! Whole steps against those of the twin, pass by pass: where they part, the pass is named.
 
-use windswept::Gpu;
+use windswept::{Gpu, internals::with_sources};
 use windswept_reference::step::step as twin_step;
 use windswept_scene::{InitialState, Scene, Strands};
 use windswept_shaders::{PASSES, Pass};
@@ -150,7 +150,7 @@ fn a_difference_is_named() {
     let mut wrongly = Vec::new();
     for (pass, right, wrong, sets) in cases() {
         assert!(pass.source.contains(right), "{} has no {right:?}:\n{}", pass.name, pass.source);
-        let gpu = support::gpu().with_sources([(pass.name, pass.source.replace(right, wrong))]);
+        let gpu = with_sources(&support::gpu(), [(pass.name, pass.source.replace(right, wrong))]);
         let said = steps_of_both(&gpu, sets, &BOUNDS, 4).err().unwrap_or_default();
         println!("{wrong}: {said}");
         if !said.contains(&format!(": {} differs by", pass.name)) {

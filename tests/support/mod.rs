@@ -1,7 +1,8 @@
 //! What the tests share: the software adapter, scenes made in code, particles in awkward numbers.
 #![allow(dead_code, unreachable_pub, clippy::unwrap_used, missing_docs)]
 
-use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{LazyLock, OnceLock};
 
 use glam::{DQuat, DVec3};
 use rand::{Rng, SeedableRng};
@@ -11,26 +12,36 @@ use windswept_scene::*;
 use windswept_validate::internals::Cloud;
 pub use windswept_validate::internals::{MASS, RADIUS, VOLUME};
 
-/// The adapter that every test runs on: the one that WGPU_ADAPTER_NAME names, else a software one. A test fails where
-/// there is no such adapter.
+/// A device on the adapter that every test runs on: the one that WGPU_ADAPTER_NAME names, else a software one. A test fails
+/// where there is no such adapter.
+///
+/// There are as many devices as cores, and tests take them in turn: a device does one thing at a time, so that tests which run
+/// side by side would wait for each other.
 pub fn gpu() -> Gpu {
-    static GPU: OnceLock<Gpu> = OnceLock::new();
-    GPU.get_or_init(|| {
-        let asked = std::env::var("WGPU_ADAPTER_NAME").ok();
-        let choice = asked.as_ref().map_or(AdapterChoice::Software, |_| AdapterChoice::from_flag(None));
-        let gpu = Gpu::new(&choice).unwrap_or_else(|error| panic!("tests need an adapter: {error}"));
-        println!("adapter: {}", gpu.info());
-        match asked {
-            Some(name) if name != "software" => assert!(
-                gpu.info().name.to_lowercase().contains(&name.to_lowercase()),
-                "asked for {name}, got {}",
-                gpu.info()
-            ),
-            _ => assert_eq!(gpu.info().kind, "software"),
-        }
-        gpu
-    })
-    .clone()
+    static DEVICES: LazyLock<Vec<OnceLock<Gpu>>> =
+        LazyLock::new(|| vec![OnceLock::new(); std::thread::available_parallelism().map_or(1, usize::from)]);
+    static TESTS: AtomicUsize = AtomicUsize::new(0);
+    thread_local! {
+        // Each test has a thread of its own.
+        static TURN: usize = TESTS.fetch_add(1, Ordering::Relaxed);
+    }
+    DEVICES[TURN.with(|turn| *turn) % DEVICES.len()].get_or_init(open).clone()
+}
+
+fn open() -> Gpu {
+    let asked = std::env::var("WGPU_ADAPTER_NAME").ok();
+    let choice = asked.as_ref().map_or(AdapterChoice::Software, |_| AdapterChoice::from_flag(None));
+    let gpu = Gpu::new(&choice).unwrap_or_else(|error| panic!("tests need an adapter: {error}"));
+    println!("adapter: {}", gpu.info());
+    match asked {
+        Some(name) if name != "software" => assert!(
+            gpu.info().name.to_lowercase().contains(&name.to_lowercase()),
+            "asked for {name}, got {}",
+            gpu.info()
+        ),
+        _ => assert_eq!(gpu.info().kind, "software"),
+    }
+    gpu
 }
 
 /// Keys of the tests of single passes: values in place of some defaults, and the keys that a scene must have.

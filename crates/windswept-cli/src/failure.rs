@@ -50,8 +50,9 @@ impl From<SceneError> for Failure {
 impl From<GpuError> for Failure {
     fn from(error: GpuError) -> Self {
         match error {
-            // The scene asks for more than the adapter holds: that is the scene's fault, and nothing has been written.
-            GpuError::TooLarge { .. } => Self::Input(error.to_string()),
+            // The scene asks for more than the adapter holds, or the caller for an adapter that is not there: that is the input's
+            // fault, and nothing has been written.
+            GpuError::TooLarge { .. } | GpuError::NoAdapter { .. } => Self::Input(error.to_string()),
             _ => Self::Run(error.to_string()),
         }
     }

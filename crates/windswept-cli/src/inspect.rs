@@ -4,7 +4,7 @@ use std::path::Path;
 
 use windswept::{AdapterChoice, Gpu};
 use windswept_export::Schedule;
-use windswept_scene::{InitialState, Method, Scene};
+use windswept_scene::{InitialState, Method, Scene, SceneError};
 
 use crate::arguments::{Changes, SceneOptions};
 use crate::console::Console;
@@ -30,7 +30,7 @@ pub(crate) fn check(
     if explain {
         console.print("");
     }
-    for (what, value) in summary(&scene, &initial) {
+    for (what, value) in summary(&scene, &initial)? {
         console.print(format_args!("{what:<9} {value}"));
     }
     for warning in initial.warnings.iter().cloned().chain(Schedule::warning(&scene.time)) {
@@ -39,7 +39,7 @@ pub(crate) fn check(
     Ok(())
 }
 
-fn summary(scene: &Scene, initial: &InitialState) -> Vec<(&'static str, String)> {
+fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, String)>, SceneError> {
     let schedule = Schedule::new(&scene.time, None);
     let (hair, air) = (&initial.hair, &initial.air);
     let mut rows = vec![("scene", scene.title.clone()), ("method", method(scene.method).into())];
@@ -74,9 +74,9 @@ fn summary(scene: &Scene, initial: &InitialState) -> Vec<(&'static str, String)>
             format!("({}) m/s, over {} s", settings.wind.map(|u| u.to_string()).join(", "), settings.ramp),
         ));
     }
-    let bytes = windswept::memory_bytes(scene, initial);
+    let bytes = windswept::memory_bytes(scene, initial)?;
     rows.push(("memory", format!("{:.1} MB on the GPU, and the neighbour list", bytes as f64 * 1e-6)));
-    rows
+    Ok(rows)
 }
 
 fn method(method: Method) -> &'static str {

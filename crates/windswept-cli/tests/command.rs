@@ -139,14 +139,14 @@ fn the_scene_is_never_overwritten() {
     }
 }
 
-/// No adapter of that name: the run failed, the error says what there is, and no folder was made.
+/// An adapter that is not there is bad input: the error says what there is, and no folder was made.
 #[test]
 fn no_adapter_is_told() {
     let folder = folder();
     let mut command = windswept(folder.path(), &["run", "scene.toml", "--out", "out", "--adapter", "no such GPU"]);
     let failed = command.output().expect("the program starts");
     let said = String::from_utf8_lossy(&failed.stderr).into_owned();
-    assert_eq!(failed.status.code(), Some(1), "{said}");
+    assert_eq!(failed.status.code(), Some(2), "{said}");
     assert!(said.contains("no such GPU") && said.contains("llvmpipe"), "{said}");
     assert_eq!(listing(folder.path()), ["scene.toml"]);
 }

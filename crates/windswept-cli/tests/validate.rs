@@ -36,7 +36,7 @@ fn a_missing_adapter_is_named() {
     let folder = folder();
     let mut command = windswept(folder.path(), &["validate", "--adapter", "abacus"]);
     let ran = command.output().expect("the program starts");
-    assert_eq!((ran.status.code(), ran.stdout.len()), (Some(1), 0), "{ran:?}");
+    assert_eq!((ran.status.code(), ran.stdout.len()), (Some(2), 0), "{ran:?}");
     assert!(String::from_utf8_lossy(&ran.stderr).contains("abacus"), "{ran:?}");
 }
 

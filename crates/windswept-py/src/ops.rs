@@ -6,7 +6,7 @@ use windswept::{
     Gpu,
     ops::{Filter, OpsError, Particles},
 };
-use windswept_scene::Fluid;
+use windswept_scene::{Fluid, Turbulence, limits::MOST_REPEATS};
 
 use crate::{
     arrays::{matrix, rows, triple},
@@ -92,7 +92,7 @@ fn ops_band_velocity<'py>(
     rest_density: f64,
     scale: f64,
     filter: &str,
-    cutoff: f64,
+    cutoff: Option<f64>,
     r#box: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let (positions, velocities, bounds) =
@@ -100,7 +100,7 @@ fn ops_band_velocity<'py>(
     positive("mass", mass)?;
     positive("rest_density", rest_density)?;
     let filter = match filter {
-        "direct" => Filter::Direct { cutoff },
+        "direct" => Filter::Direct { cutoff: cutoff.unwrap_or(Turbulence::CUTOFF) },
         "grid" => Filter::default(),
         other => return Err(of_value("filter", format!("expected \"grid\" or \"direct\", found {other:?}"))),
     };
@@ -149,9 +149,9 @@ fn ops_solve_density<'py>(
     r#box: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let (positions, bounds) = (rows("positions", positions)?, sides(r#box)?);
-    let fits = u32::try_from(iterations).ok().filter(|n| *n <= 10_000);
-    let words = || of_value("iterations", format!("expected a whole number from 0 to 10000, found {iterations}"));
-    let fluid = Fluid { iterations: fits.ok_or_else(words)?, relaxation, tension };
+    let words =
+        || of_value("iterations", format!("expected a whole number from 0 to {MOST_REPEATS}, found {iterations}"));
+    let fluid = Fluid { iterations: u32::try_from(iterations).map_err(|_| words())?, relaxation, tension };
     let moved = run(py, |gpu| {
         Particles { mass, rest_density, radius, bounds, ..Particles::at(&positions) }.solve_density(gpu, fluid)
     })?;

@@ -1,20 +1,20 @@
 //! `windswept.Simulation`.
 
+mod held;
+mod shown;
+
 use std::{
     path::PathBuf,
-    sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicU64, Ordering},
-    },
-    time::Duration,
+    sync::{Arc, Mutex, atomic::AtomicU64},
 };
 
 use glam::{DQuat, DVec3};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use windswept::RunError;
-use windswept_export::{Pace, Renderer, Run, Schedule, Stop};
+use windswept_export::Renderer;
 
+use self::held::lock;
 use crate::{
     arrays::{Numbers, maybe_rows, rows, shown, triple, values},
     errors::{NotInThisVersion, of_export, of_run, of_start, of_value},
@@ -25,9 +25,6 @@ use crate::{
     scene::Scene,
     views::{Air, Hair, Snapshot},
 };
-
-/// The engine is out of reach for about this long at a time: Ctrl-C waits no longer, if a step does not.
-const LENGTH: Duration = Duration::from_millis(100);
 
 /// Hair and air of one scene on a GPU.
 ///
@@ -61,99 +58,6 @@ pub(crate) struct Simulation {
 
 /// Width and height of a picture \[px\].
 type Picture = (Option<u32>, Option<u32>);
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-impl Simulation {
-    /// Works with the engine, the interpreter released.
-    pub(crate) fn engine<T: Send>(
-        &self,
-        py: Python<'_>,
-        work: impl FnOnce(&mut windswept::Simulation) -> T + Send,
-    ) -> PyResult<T> {
-        outside(py, || work(&mut lock(&self.engine)))
-    }
-
-    /// Works with the engine, the interpreter released, where the work is part of a run.
-    pub(crate) fn run_engine<T: Send>(
-        &self,
-        py: Python<'_>,
-        work: impl FnOnce(&mut windswept::Simulation) -> Result<T, RunError> + Send,
-    ) -> PyResult<T> {
-        self.engine(py, work)?.map_err(|error| of_run(&error))
-    }
-
-    /// Takes an array of the state as it is now: read back with all others when the first of them is asked for.
-    pub(crate) fn take<T: Send>(&self, py: Python<'_>, pick: fn(&mut Snapshot) -> Option<T>) -> PyResult<T> {
-        let epoch = self.epoch.load(Ordering::Acquire);
-        let taken = outside(py, || {
-            let mut snapshot = lock(&self.snapshot);
-            if snapshot.epoch == Some(epoch)
-                && let Some(array) = pick(&mut snapshot)
-            {
-                return Ok(array);
-            }
-            *snapshot = Snapshot::new(epoch, lock(&self.engine).frame()?);
-            pick(&mut snapshot).ok_or_else(|| RunError::Measurement("no such array".to_owned()))
-        })?;
-        taken.map_err(|error| of_run(&error))
-    }
-
-    fn changed(&self) {
-        self.epoch.fetch_add(1, Ordering::AcqRel);
-    }
-
-    /// Steps until `goal`, in parts between which Python may stop.
-    pub(crate) fn step_to(&self, py: Python<'_>, goal: u64) -> PyResult<()> {
-        let mut pace = Pace::of(LENGTH);
-        self.stepping(py, |sim| {
-            pace.advance(sim, goal)?;
-            Ok((sim.steps() >= goal).then_some(()))
-        })
-    }
-
-    /// Runs to the next frame of a schedule after the state now; None where the schedule has none left.
-    pub(crate) fn next_frame(&self, py: Python<'_>, schedule: &Schedule) -> PyResult<Option<windswept::Frame>> {
-        let steps = self.steps(py)?;
-        let mut run = Run::new(schedule.clone(), schedule.frame_after(steps), LENGTH);
-        self.stepping(py, |sim| match run.advance(sim)? {
-            Stop::Frame(_) => Ok(Some(Some(windswept_export::frame(sim)?))),
-            Stop::Between => Ok(None),
-            Stop::End => Ok(Some(None)),
-        })
-    }
-
-    /// Repeats a part of the work until it has a result; Python may stop it between two parts.
-    fn stepping<T: Send>(
-        &self,
-        py: Python<'_>,
-        mut part: impl FnMut(&mut windswept::Simulation) -> Result<Option<T>, RunError> + Send,
-    ) -> PyResult<T> {
-        loop {
-            py.check_signals()?;
-            let done = self.run_engine(py, &mut part);
-            self.changed();
-            if let Some(result) = done? {
-                return Ok(result);
-            }
-        }
-    }
-
-    /// The step that is `n` after the one now; what the engine counts must fit 32 bits.
-    fn goal(&self, py: Python<'_>, n: i64) -> PyResult<u64> {
-        let Ok(n) = u64::try_from(n) else {
-            return Err(of_value("n", format!("expected at least 0 steps, found {n}")));
-        };
-        let (steps, most) = self.engine(py, |sim| (sim.steps(), Schedule::most_steps(&sim.scene().time)))?;
-        let goal = steps.saturating_add(n);
-        if goal > most {
-            return Err(of_value("n", format!("expected at most {} steps more, found {n}", most - steps.min(most))));
-        }
-        Ok(goal)
-    }
-}
 
 fn vectors(rows: Option<Vec<[f64; 3]>>) -> Option<Vec<DVec3>> {
     rows.map(|rows| rows.into_iter().map(DVec3::from_array).collect())
@@ -464,49 +368,5 @@ impl Simulation {
         let row = |(name, value): (&str, String)| format!("<tr><th>{name}</th><td>{}</td></tr>", plain(&value));
         let rows: String = self.facts(py)?.into_iter().map(row).collect();
         Ok(format!("<table>{rows}</table>"))
-    }
-}
-
-impl Simulation {
-    /// Names and values that describe it in a line.
-    fn facts(&self, py: Python<'_>) -> PyResult<Vec<(&'static str, String)>> {
-        self.engine(py, |sim| {
-            let sizes = sim.engine().sizes();
-            let mut facts = vec![
-                ("scene", format!("{:?}", sim.scene().title)),
-                ("strands", sizes.strands.to_string()),
-                ("hair points", sizes.hair_points.to_string()),
-                ("air particles", sizes.air().to_string()),
-                ("time", format!("{:.6} s", sim.time())),
-                ("steps", sim.steps().to_string()),
-                ("adapter", sim.engine().gpu().info().name.clone()),
-            ];
-            facts.extend(sim.ms_per_step().map(|ms| ("ms per step", format!("{ms:.2}"))));
-            facts
-        })
-    }
-
-    /// Made once per size: roots near each other at the start share the hairs between them.
-    fn renderer(&self, engine: &windswept::Simulation, size: Picture) -> PyResult<Arc<Renderer>> {
-        let mut renderer = lock(&self.renderer);
-        if let Some((of, renderer)) = &*renderer
-            && *of == size
-        {
-            return Ok(renderer.clone());
-        }
-        let mut scene = engine.scene().clone();
-        scene.camera.width = size.0.unwrap_or(scene.camera.width);
-        scene.camera.height = size.1.unwrap_or(scene.camera.height);
-        let start = &engine.initial().hair;
-        let start = windswept::HairFrame {
-            offsets: start.point_offsets.clone(),
-            positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
-            velocities: Vec::new(),
-            orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
-        };
-        let made = Renderer::new(engine.engine().gpu(), &scene, &start).map_err(|error| of_export(&error))?;
-        let made = Arc::new(made);
-        *renderer = Some((size, made.clone()));
-        Ok(made)
     }
 }

@@ -15,11 +15,11 @@ use windswept_reference::{
     rods::{self, Load},
     step::step,
 };
-use windswept_scene::{InitialState, Strands};
+use windswept_scene::{Air, InitialState, Strands};
 
 /// Air of the scenes: ρ0 [kg/m³], ν [m²/s]; radius of a hair [m].
-const DENSITY: f64 = 1.29;
-const NU: f64 = 1.5e-5;
+const DENSITY: f64 = Air::REST_DENSITY;
+const NU: f64 = Air::KINEMATIC_VISCOSITY;
 const HAIR: f64 = 4e-5;
 
 /// Hair in the wind; `keys` are those of `[interaction]`.

@@ -10,7 +10,7 @@ use crate::{
     groom::Groom,
     hair,
     limits::{DEEPEST_ROOT, STRAND_MAGNITUDES},
-    scene::{KERNEL_RADIUS, Model, PARCEL, Scene},
+    scene::{Air, Model, Scene},
     strand::Parcel,
     warnings,
 };
@@ -271,7 +271,7 @@ impl Strands {
 fn parcel(scene: &Scene) -> Parcel {
     match &scene.air {
         Some(air) => Parcel { volume: air.parcel(), kernel_radius: air.kernel_radius },
-        None => Parcel { volume: PARCEL, kernel_radius: KERNEL_RADIUS },
+        None => Parcel { volume: Air::PARCEL, kernel_radius: Air::KERNEL_RADIUS },
     }
 }
 

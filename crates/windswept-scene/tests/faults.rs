@@ -1,9 +1,10 @@
 //! Each fault names its line and key and says what was expected.
 #![allow(clippy::unwrap_used)]
 
-use windswept_scene::{InitialState, Scene, SceneError};
+mod common;
 
-const QUICK: &str = include_str!("../../../examples/scenes/quick.toml");
+use common::QUICK;
+use windswept_scene::{InitialState, Scene, SceneError};
 
 const SMALL: &str = "\
 [time]

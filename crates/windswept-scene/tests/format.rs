@@ -1,15 +1,17 @@
 //! The format: its keys, its example, its defaults, and writing a scene out.
 #![allow(clippy::unwrap_used, missing_docs)]
 
+mod common;
+
 use std::collections::BTreeMap;
 
+use common::QUICK;
 use toml_edit::{Document, Item, TableLike, Value};
 use windswept_scene::{
     Camera, Fibre, Filter, Integrator, Law, LookAt, Method, Model, Scene, Solver, Stiffness, ViscosityForm,
     keys::{Fallback, KEYS, Key},
 };
 
-const QUICK: &str = include_str!("../../../examples/scenes/quick.toml");
 const LEAST: &str = "
 time = { step = 1e-3, duration = 1.0 }
 air.wind = [0.0, 3.0, -4.0]

@@ -1,10 +1,12 @@
 //! Whatever a file or a `--set` holds: a scene or an error, never a panic, and never a stack that ends.
 #![allow(clippy::unwrap_used, missing_docs)]
 
+mod common;
+
+use common::QUICK;
 use proptest::prelude::*;
 use windswept_scene::{InitialState, Scene};
 
-const QUICK: &str = include_str!("../../../examples/scenes/quick.toml");
 /// Stacks of 2 MiB end before this.
 const DEEP: usize = 100_000;
 

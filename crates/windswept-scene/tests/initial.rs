@@ -3,11 +3,10 @@
 
 mod common;
 
-use common::{BRUSH, assert_close, brush, scene_of};
+use common::{BRUSH, QUICK, assert_close, brush, scene_of};
 use glam::DVec3;
 use windswept_scene::{Band, InitialState};
 
-const QUICK: &str = include_str!("../../../examples/scenes/quick.toml");
 /// The example is as large as the issue says, and there is nothing to warn of.
 #[test]
 fn quick_is_what_it_says() {

@@ -6,18 +6,18 @@ use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::{AirFrame, Gpu, Simulation, ops::Particles};
-use windswept_scene::{AirParticles, InitialState, Scene};
+use windswept_scene::{Air, AirParticles, InitialState, Scene};
 
 use crate::Error;
 
 /// Mass of a particle in the paper \[kg\].
-pub const MASS: f64 = 1.46e-7;
+pub const MASS: f64 = Air::PARTICLE_MASS;
 /// Rest density ρ0 of the paper's air \[kg/m³\].
-pub const REST_DENSITY: f64 = 1.29;
+pub const REST_DENSITY: f64 = Air::REST_DENSITY;
 /// Volume V of a particle \[m³\].
 pub const VOLUME: f64 = MASS / REST_DENSITY;
 /// Kernel radius h of the paper \[m\].
-pub const RADIUS: f64 = 9.3e-3;
+pub const RADIUS: f64 = Air::KERNEL_RADIUS;
 /// Step Δt of the paper \[s\].
 pub const STEP: f64 = 1.38e-3;
 

@@ -37,7 +37,7 @@ const LIMP: &str = "drag across the hair = weight across it, no stiffness; the h
 /// Segments of a strand.
 const SEGMENTS: usize = 34;
 /// Damping that brings a strand to rest soon and leaves where it rests \[1/s\].
-const DAMPING: f64 = 20.0;
+const DAMPING: f64 = 35.0;
 /// Looks at a tip, over [`WATCHED`] seconds.
 const LOOKS: u32 = 20;
 const WATCHED: f64 = 0.1;
@@ -92,7 +92,7 @@ impl Blown<'_> {
 
     /// In the model `two-way`, from the shape in which it rests in `drag`, in a box of so many spacings of air.
     fn in_air(&self, gpu: &Gpu, cells: [usize; 3]) -> Result<Simulation, Error> {
-        let settled = Self::drag(self.hair, 1.38e-3).after(gpu, 1.0)?.frame()?.hair;
+        let settled = Self::drag(self.hair, 1.38e-3).after(gpu, 0.6)?.frame()?.hair;
         let cloud = Cloud::lattice(cells, SIMPLE).jittered(0.05, 7).moving(|_| DVec3::X * self.hair.wind);
         let root = cloud.size * DVec3::new(0.45, 0.5, 0.5) + 0.5 * self.hair.length * DVec3::Y;
         let bounds = format!("box = {{ min = [0, 0, 0], max = {:?} }}", cloud.size.to_array());
@@ -136,7 +136,7 @@ pub(crate) fn prescribed(gpu: &Gpu) -> Result<Vec<Row>, Error> {
         let hair = Hair { wind: row.wind, ..REAL };
         let (mut low, mut high, mut worst) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0_f64);
         for step in [0.35e-3, 1.38e-3, 5e-3, 16e-3] {
-            let mut simulation = Blown::drag(hair, step).after(gpu, 0.9)?;
+            let mut simulation = Blown::drag(hair, step).after(gpu, 0.35)?;
             let (tip, _) = watched(&mut simulation, &hair, step)?;
             (low, high) = (low.min(tip), high.max(tip));
             worst = worst.max(off(tip, [row.tip, row.drop]));

@@ -4,11 +4,12 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use glam::{DQuat, DVec3};
 use windswept::{Gpu, Simulation, internals::step};
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{Air, InitialState, Scene};
 
 use crate::{
     Error, Row,
-    air::{self, Cloud, RADIUS, SIMPLE, STEP, farthest, vectors},
+    air::{self, Cloud, RADIUS, REST_DENSITY, SIMPLE, STEP, farthest, vectors},
+    rods::GRAVITY,
     stage::Stage,
 };
 
@@ -124,25 +125,20 @@ fn keyframes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 const FIBRE: f64 = 4e-5;
 /// Density of a fibre \[kg/m³\].
 const FIBRE_DENSITY: f64 = 1320.0;
-/// Density of the air \[kg/m³\].
-const AIR_DENSITY: f64 = 1.29;
-/// Kinematic viscosity ν of the air \[m²/s\].
-const VISCOSITY: f64 = 1.5e-5;
 /// Coefficient of lift C_l of the oblique strand.
 const LIFT: f64 = 0.7;
-/// Gravity \[m/s²\].
-const GRAVITY: f64 = 9.81;
 
 /// A loose straight strand in the wind, drag model, and where it is after so many steps.
 fn blown(gpu: &Gpu, direction: DVec3, gravity: f64, lift: f64, steps: u64) -> Result<Vec<DVec3>, Error> {
     let text = format!(
         "interaction = {{ model = \"drag\", lift = {lift} }}\ngravity = [0, {}, 0]\n\
          time = {{ step = {STEP}, duration = 1.0 }}\nrods.sleep = false\n\
-         air = {{ wind = {:?}, ramp = 0.0, rest_density = {AIR_DENSITY}, kinematic_viscosity = {VISCOSITY} }}\n\
+         air = {{ wind = {:?}, ramp = 0.0, rest_density = {REST_DENSITY}, kinematic_viscosity = {} }}\n\
          [hair]\nstrands = 1\npoints = 6\nlength = 0.05\nradius = {FIBRE}\ndensity = {FIBRE_DENSITY}\nroot = \"free\"\n\
          roots = {{ center = [0, 0, 0], radius = 1e-3, direction = {:?} }}\n",
         0.0 - gravity,
         WIND.to_array(),
+        Air::KINEMATIC_VISCOSITY,
         direction.to_array()
     );
     let scene = Scene::parse(&text)?;
@@ -157,10 +153,10 @@ fn blown(gpu: &Gpu, direction: DVec3, gravity: f64, lift: f64, steps: u64) -> Re
 pub(crate) fn drag(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let width = 2.0 * FIBRE;
     let mass = FIBRE_DENSITY * PI * FIBRE * FIBRE;
-    let pressure = 0.5 * AIR_DENSITY * width;
+    let pressure = 0.5 * REST_DENSITY * width;
     // k_n and k_t are resistances to the wind across and along the strand, per length.
-    let across = |u: f64| pressure * (u + 10.0 * (width / VISCOSITY).powf(-2.0 / 3.0) * u.cbrt());
-    let along = |u: f64| pressure * 5.4 * (VISCOSITY * u / width).sqrt();
+    let across = |u: f64| pressure * (u + 10.0 * (width / Air::KINEMATIC_VISCOSITY).powf(-2.0 / 3.0) * u.cbrt());
+    let along = |u: f64| pressure * 5.4 * (Air::KINEMATIC_VISCOSITY * u / width).sqrt();
 
     let falls = blown(gpu, DVec3::Z, GRAVITY, 0.0, 600)?;
     let excess = |u: f64| across(u) * u - mass * GRAVITY;

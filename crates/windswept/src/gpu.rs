@@ -95,10 +95,8 @@ impl Gpu {
         Ok(Self { device, queue, info, pipelines: Arc::default(), sources: Arc::default(), replaced: Arc::default() })
     }
 
-    /// The same device with other shaders in place of those of some passes: to see a test fail, or to try a change. Pipelines
-    /// of all other passes are shared.
-    #[must_use]
-    pub fn with_sources(&self, sources: impl IntoIterator<Item = (&'static str, String)>) -> Self {
+    /// The device with other shaders in place of those of some passes. Pipelines of all other passes are shared.
+    pub(crate) fn with_sources(&self, sources: impl IntoIterator<Item = (&'static str, String)>) -> Self {
         Self { sources: Arc::new(sources.into_iter().collect()), replaced: Arc::default(), ..self.clone() }
     }
 
@@ -120,14 +118,14 @@ impl Gpu {
         &self.info
     }
 
-    /// Size of the largest buffer that a pass can bind \[bytes\].
+    /// Size of the largest buffer that a pass can bind \[bytes\]: the engine's, or one that draws beside it.
     #[must_use]
     pub fn largest_binding(&self) -> u64 {
         let limits = self.device.limits();
         limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
     }
 
-    /// Runs `work` and turns what the driver says of it into an error.
+    /// Runs `work`, such as drawing beside the engine, and turns what the driver says of it into an error.
     ///
     /// # Errors
     /// [`GpuError::Driver`] with what was being done and the driver's words.

@@ -59,6 +59,7 @@ pub use simulation::{Buffers, Simulation};
 /// Parts that tests and `windswept validate` look at. They are no part of the interface and change without notice.
 #[doc(hidden)]
 pub mod internals {
+    use crate::Gpu;
     pub use crate::{
         array::{AnyArray, Array, Index},
         engine::Engine,
@@ -68,6 +69,11 @@ pub mod internals {
         setup::Setup,
         state::{Sizes, State},
     };
+    /// The device with other shaders in place of those of some passes, by the passes' names: to see a test fail.
+    #[must_use]
+    pub fn with_sources(gpu: &Gpu, sources: impl IntoIterator<Item = (&'static str, String)>) -> Gpu {
+        gpu.with_sources(sources)
+    }
     /// The status word and the counters.
     pub mod status {
         pub use crate::status::*;

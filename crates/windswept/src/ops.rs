@@ -5,15 +5,18 @@
 //!
 //! let gpu = Gpu::new(&AdapterChoice::Best)?;
 //! let positions = vec![[0.0, 0.0, 0.0], [0.004, 0.0, 0.0]];
-//! let particles = Particles { mass: 1.46e-7, rest_density: 1.29, radius: 9.3e-3, ..Particles::at(&positions) };
+//! let particles = Particles { bounds: Some([0.05, 0.03, 0.03]), ..Particles::at(&positions) };
 //! println!("{:?} kg/m³", particles.density(&gpu)?);
 //! # Ok::<(), windswept::ops::OpsError>(())
 //! ```
 
 use glam::DVec3;
 use windswept_scene::{
-    AirParticles, Band, Fluid, InitialState, Order, Scene, SceneError, Turbulence,
-    limits::{COARSEST_SPACING, LARGEST, LEAST_KERNEL_RADIUS, MAGNITUDES, MOST_PARTICLES_OF_AN_OPERATION, SMALLEST},
+    Air, AirParticles, Band, Fluid, InitialState, Order, Scene, SceneError, Turbulence,
+    limits::{
+        COARSEST_SPACING, LARGEST, LEAST_KERNEL_RADIUS, MAGNITUDES, MOST_PARTICLES_OF_AN_OPERATION, MOST_REPEATS,
+        SMALLEST,
+    },
 };
 
 use crate::{
@@ -77,7 +80,7 @@ pub enum Filter {
 impl Default for Filter {
     /// The grid, as in a scene that leaves the keys out.
     fn default() -> Self {
-        Self::Grid { order: Order::Cubic, spacing: 0.55 }
+        Self::Grid { order: Order::Cubic, spacing: Turbulence::SPACING }
     }
 }
 
@@ -145,7 +148,8 @@ impl<'a> Particles<'a> {
     /// Particles at rest in free space with the paper's mass, rest density and kernel radius.
     #[must_use]
     pub fn at(positions: &'a [[f64; 3]]) -> Self {
-        Self { positions, velocities: &[], mass: 1.46e-7, rest_density: 1.29, radius: 9.3e-3, bounds: None }
+        let (mass, rest_density, radius) = (Air::PARTICLE_MASS, Air::REST_DENSITY, Air::KERNEL_RADIUS);
+        Self { positions, velocities: &[], mass, rest_density, radius, bounds: None }
     }
 
     /// Density ρ = m Σ_j W(x_i − x_j), Poly6, self included \[kg/m³\]. Uses `mass`, `rest_density` (as a scale only),
@@ -193,7 +197,7 @@ impl<'a> Particles<'a> {
                 return Err(argument("spacing", words));
             }
             // Images at that distance add less than rounding.
-            Filter::Grid { .. } => 4.5,
+            Filter::Grid { .. } => Turbulence::CUTOFF,
             Filter::Direct { cutoff } => cutoff,
         };
         positive("cutoff", cutoff)?;
@@ -248,12 +252,16 @@ impl<'a> Particles<'a> {
         stage.read_vectors(|s| &s.viscous_velocity)
     }
 
-    /// Positions after `fluid.iterations` Jacobi iterations of ρ = ρ0 (eq. 1), neighbours searched once \[m\]. Uses `mass`,
-    /// `rest_density`, `radius`.
+    /// Positions after `fluid.iterations` Jacobi iterations of ρ = ρ0 (eq. 1), at most [`MOST_REPEATS`], neighbours searched once
+    /// \[m\]. Uses `mass`, `rest_density`, `radius`.
     ///
     /// # Errors
     /// [`OpsError`].
     pub fn solve_density(&self, gpu: &Gpu, fluid: Fluid) -> Result<Vec<[f32; 3]>, OpsError> {
+        if fluid.iterations > MOST_REPEATS {
+            let words = format!("expected a whole number from 0 to {MOST_REPEATS}, found {}", fluid.iterations);
+            return Err(argument("iterations", words));
+        }
         if !(0.0..=1.0).contains(&fluid.tension) {
             return Err(argument("tension", format!("expected a number from 0 to 1, found {}", fluid.tension)));
         }

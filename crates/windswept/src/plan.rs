@@ -284,9 +284,12 @@ pub struct BufferRow {
 }
 
 /// Bytes of a scene's buffers without its neighbour list.
-#[must_use]
-pub fn memory_bytes(scene: &Scene, initial: &InitialState) -> u64 {
-    State::new(&Setup::new(scene, initial).sizes()).arrays().iter().map(AnyArray::bytes).sum()
+///
+/// # Errors
+/// [`SceneError`] when the arrays of the initial state do not belong together.
+pub fn memory_bytes(scene: &Scene, initial: &InitialState) -> Result<u64, SceneError> {
+    initial.check()?;
+    Ok(State::new(&Setup::new(scene, initial).sizes()).arrays().iter().map(AnyArray::bytes).sum())
 }
 
 /// The step of a scene, pass by pass in execution order: a dry run of `step.rs`, with no GPU.

@@ -9,6 +9,7 @@ use windswept_shaders::{
         air::Sampled,
         band::Band,
         body::{Body, Placed},
+        dispatch::WORKGROUP,
         mesh::Mesh,
         motion::Keyframe,
         near::Near,
@@ -225,8 +226,8 @@ state! {
     vorticity: Vec4, |s| if s.air() > 0 { s.particles } else { 0 };
     /// What confinement adds to a particle in this step, all bands \[m/s\].
     confinement: Vec4, |s| s.turbulent();
-    /// Sums of the confinement over 64 particles each \[m/s\].
-    partial_sum: Vec4, |s| s.turbulent().div_ceil(64);
+    /// Sums of the confinement over the particles of a workgroup each \[m/s\].
+    partial_sum: Vec4, |s| s.turbulent().div_ceil(WORKGROUP);
     /// Mean of the confinement over the air, to be taken out \[m/s\], and the impulse that this leaves the air with \[kg m/s\].
     mean_confinement: Vec4, |_| 2;
 

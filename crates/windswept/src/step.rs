@@ -12,6 +12,9 @@ pub mod viscosity;
 
 use crate::{plan::Plan, recorder::Recorder};
 
+/// Invocations of a pass that is one workgroup: any number up to its size.
+const ONE_WORKGROUP: u32 = 1;
+
 /// Records one step.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     drive::record(r, plan); //      1. Clamps move; wind enters; air moves, and hair drifts among it.

@@ -70,6 +70,7 @@ fn demo() -> Result {
     vulkan::any_driver()?;
     let mut cargo = cargo();
     venv::provide_cmake(&mut cargo)?;
+    vulkan::give_runtime_folder(&mut cargo);
     say("Building windswept and running examples/scenes/quick.toml");
     cargo.args(["run", "--profile", "demo", "--package", "windswept-cli", "--no-default-features", "--"]);
     cargo.args(["run", "examples/scenes/quick.toml", "--set", DEMO, "--out", "out/quick", "--overwrite"]);

@@ -7,8 +7,19 @@ use crate::tests::Length;
 use crate::{Result, cargo, root, run, say, venv};
 
 /// PyPI packages that the package's tests and users import, and maturin, which builds it.
-const PACKAGES: [&str; 10] =
-    ["maturin", "numpy", "h5py", "vtk", "pillow", "pytest", "mypy", "matplotlib", "distributed", "tqdm"];
+const PACKAGES: [&str; 11] = [
+    "maturin",
+    "numpy",
+    "h5py",
+    "vtk",
+    "pillow",
+    "pytest",
+    "pytest-xdist",
+    "mypy",
+    "matplotlib",
+    "distributed",
+    "tqdm",
+];
 
 /// `cargo xtask python`.
 pub(crate) fn provide() -> Result {
@@ -42,7 +53,15 @@ pub(crate) fn install(profile: &str) -> Result<PathBuf> {
 /// The package's tests, to be run. `pyproject.toml` leaves out those marked `long`.
 pub(crate) fn tests(python: &Path, length: Length) -> Command {
     let mut pytest = Command::new(python);
-    pytest.current_dir(root()).args(["-m", "pytest", "--quiet", "--color=no", "--tb=short", "--durations=5"]);
+    pytest.current_dir(root()).args([
+        "-m",
+        "pytest",
+        "--quiet",
+        "--color=no",
+        "--tb=short",
+        "--durations=5",
+        "--numprocesses=auto",
+    ]);
     if length == Length::Long {
         pytest.args(["-m", ""]);
     }

@@ -29,7 +29,10 @@ pub(crate) fn run(length: Length) -> Result {
     let on_software = |command: &mut Command| {
         if let Some(manifest) = &driver {
             command.env("VK_DRIVER_FILES", manifest).env("WGPU_ADAPTER_NAME", "llvmpipe");
+            // Tests run side by side, each on one core: lavapipe's own threads would take more time to start than they save.
+            command.env("LP_NUM_THREADS", "0");
         }
+        vulkan::give_runtime_folder(command);
     };
 
     say("Formatting");

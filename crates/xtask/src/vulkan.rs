@@ -2,9 +2,10 @@
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
-use crate::Result;
 use crate::system::{self, Package};
+use crate::{Result, root};
 
 /// The Vulkan loader, and Mesa's drivers with lavapipe among them.
 const MESA: Package = Package {
@@ -33,6 +34,14 @@ pub(crate) fn software_driver() -> Result<Option<PathBuf>> {
         system::install("No software Vulkan driver (lavapipe) found", MESA)?;
     }
     if has_loader() { lavapipe().map(Some).ok_or_else(not_there_yet) } else { Err(not_there_yet()) }
+}
+
+/// Sets `XDG_RUNTIME_DIR` for a command where it is unset, as on a machine that nobody is logged in to: without it the Vulkan
+/// loader's window systems print an error, though no window is opened.
+pub(crate) fn give_runtime_folder(command: &mut Command) {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        command.env("XDG_RUNTIME_DIR", root().join("target"));
+    }
 }
 
 fn not_there_yet() -> String {

@@ -2,10 +2,8 @@
 
 use windswept_scene::{Scene, Shape};
 
-use super::patch::{Corner, grid_triangles};
+use super::patch::{Corner, SIDES, grid_triangles};
 
-/// Points of a body around its axis.
-const SIDES: u32 = 96;
 /// Points of a body from pole to pole.
 const OUTLINE: u32 = 48;
 /// Part of its inradius that a body is drawn smaller than hair sees it: hair lies on it in chords.

@@ -4,9 +4,12 @@ use glam::Quat;
 use windswept::gpu::wgpu::{self, BufferUsages};
 use windswept::{Frame, Gpu, GpuError, HairFrame};
 use windswept_scene::Scene;
-use windswept_shaders::pictures::{
-    self,
-    common::{GRID, View, WORKGROUP},
+use windswept_shaders::{
+    common::dispatch::WORKGROUP,
+    pictures::{
+        self,
+        common::{GRID, View},
+    },
 };
 
 use super::bodies;

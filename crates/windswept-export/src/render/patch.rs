@@ -6,9 +6,9 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
 use windswept_scene::{Hair, RootShape, Roots, Scene};
 
-/// Sides of the solid of revolution.
-const SIDES: u32 = 96;
-/// Points of its outline.
+/// Sides of a solid of revolution: points around its axis.
+pub(super) const SIDES: u32 = 96;
+/// Points of a patch's outline.
 const OUTLINE: u32 = 32;
 
 /// A vertex of scenery.wgsl's patch.

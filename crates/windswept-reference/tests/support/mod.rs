@@ -7,12 +7,12 @@ use glam::{DQuat, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept_reference::{Parameters, State, fluid, neighbours, viscosity};
-use windswept_scene::{AirParticles, InitialState, Scene, Strands};
+use windswept_scene::{Air, AirParticles, InitialState, Scene, Strands};
 
 /// The paper's particle mass [kg], volume [m³] and kernel radius [m].
-pub const MASS: f64 = 1.46e-7;
-pub const VOLUME: f64 = MASS / 1.29;
-pub const RADIUS: f64 = 9.3e-3;
+pub const MASS: f64 = Air::PARTICLE_MASS;
+pub const VOLUME: f64 = MASS / Air::REST_DENSITY;
+pub const RADIUS: f64 = Air::KERNEL_RADIUS;
 
 /// A scene with no more than it must have, and `keys` on top. Rods by Gauss-Seidel and Euler, which sweeps of 0 leave out.
 pub fn scene(keys: &str) -> Scene {

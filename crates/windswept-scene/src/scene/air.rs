@@ -12,14 +12,6 @@ use crate::{
     scene::{Interaction, Model, SEED},
 };
 
-/// Density of air ρ0 \[kg/m³\].
-const REST_DENSITY: f64 = 1.29;
-/// Mass of an air particle: the paper's \[kg\].
-const PARTICLE_MASS: f64 = 1.46e-7;
-/// Kernel radius h: the paper's \[m\].
-pub(crate) const KERNEL_RADIUS: f64 = 9.3e-3;
-/// Volume of a parcel without `[air]`: the paper's \[m³\].
-pub(crate) const PARCEL: f64 = PARTICLE_MASS / REST_DENSITY;
 /// Part of a side of the box that rounding may take: the difference of two corners is rounded, and a side of exactly three
 /// kernel radii must do.
 const ROUNDING: f64 = 1e-9;
@@ -31,11 +23,11 @@ table! {
         /// Periodic box of the air particles; none with models drag and none.
         bounds as "box": Option<Bounds> = Table, "", Absent("needed with models particles and two-way");
         /// Rest density ρ0.
-        rest_density: f64 = Positive, "kg/m³", Value(REST_DENSITY);
+        rest_density: f64 = Positive, "kg/m³", Value(Air::REST_DENSITY);
         /// Mass of an air particle; the count is rounded, and the mass adjusted so that the mean density is exact.
-        particle_mass: f64 = Positive, "kg", Value(PARTICLE_MASS);
+        particle_mass: f64 = Positive, "kg", Value(Air::PARTICLE_MASS);
         /// Kernel radius h.
-        kernel_radius: f64 = Length, "m", Value(KERNEL_RADIUS);
+        kernel_radius: f64 = Length, "m", Value(Air::KERNEL_RADIUS);
         /// Mean wind U.
         wind: [f64; 3] = Vector, "m/s", Absent("needed with every model but none") => |air| without_wind(air)?;
         /// Thickness of the fringe, in which entering air is conditioned; 0: none.
@@ -43,7 +35,7 @@ table! {
         /// Time over which the wind rises; 0: at once.
         ramp: f64 = NonNegative, "s", Value(0.05);
         /// Kinematic viscosity ν of the drag on segments: that of real air.
-        kinematic_viscosity: f64 = Positive, "m²/s", Value(1.5e-5);
+        kinematic_viscosity: f64 = Positive, "m²/s", Value(Air::KINEMATIC_VISCOSITY);
         /// Keyframes of what is added to the wind: linear between them, held before and after.
         gust: Vec<Gust> = Tables, "", Absent("no gusts");
         /// Turbulence that enters with the wind.
@@ -103,6 +95,17 @@ fn without_wind(air: &Reader<'_>) -> Result<[f64; 3], SceneError> {
 }
 
 impl Air {
+    /// Density of air ρ0, where a scene does not say it \[kg/m³\].
+    pub const REST_DENSITY: f64 = 1.29;
+    /// Mass of an air particle, where a scene does not say it: the paper's \[kg\].
+    pub const PARTICLE_MASS: f64 = 1.46e-7;
+    /// Kernel radius h, where a scene does not say it: the paper's \[m\].
+    pub const KERNEL_RADIUS: f64 = 9.3e-3;
+    /// Kinematic viscosity ν of air, where a scene does not say it \[m²/s\].
+    pub const KINEMATIC_VISCOSITY: f64 = 1.5e-5;
+    /// Volume of a parcel without `[air]`: the paper's \[m³\].
+    pub(crate) const PARCEL: f64 = Self::PARTICLE_MASS / Self::REST_DENSITY;
+
     fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
         let times = self.gust.windows(2).position(|pair| pair[1].time <= pair[0].time);
         if let Some(i) = times {

@@ -32,9 +32,9 @@ table! {
         /// Order of the grid filter's B-spline: linear, quadratic, cubic.
         order: Order = Choice(Order::WORDS), "", Value(Order::Cubic);
         /// Spacing of the grid filter's nodes in units of the scale, at most 1; never more than a kernel radius.
-        spacing: f64 = Positive, "", Value(0.55);
+        spacing: f64 = Positive, "", Value(Turbulence::SPACING);
         /// Cutoff of the direct filter in units of the scale.
-        cutoff: f64 = Positive, "", Method(4.5, 3.0);
+        cutoff: f64 = Positive, "", Method(Turbulence::CUTOFF, 3.0);
         /// Whether û is divided by the smoothed volume fraction, for air with holes; grid filter only.
         normalise: bool = Bool, "", Value(false);
         /// Whether the mean change of the air is taken out, so that confinement drives no wind.
@@ -93,6 +93,11 @@ fn largest_wind(reader: &Reader<'_>) -> Result<f64, SceneError> {
 }
 
 impl Turbulence {
+    /// Spacing of the grid filter's nodes, where a scene does not say it, in units of the scale.
+    pub const SPACING: f64 = 0.55;
+    /// Cutoff of the accurate method's direct filter, where a scene does not say it, in units of the scale.
+    pub const CUTOFF: f64 = 4.5;
+
     fn checked(mut self, reader: &Reader<'_>) -> Result<Self, SceneError> {
         // The published law knows no other.
         if self.law == Law::Published && !reader.has("filter") {

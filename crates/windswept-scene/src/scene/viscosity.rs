@@ -8,7 +8,7 @@ use crate::{
         Kind::{Choice, NonNegative},
     },
     reader::Reader,
-    scene::{Air, KERNEL_RADIUS, Time},
+    scene::{Air, Time},
 };
 
 table! {
@@ -52,7 +52,7 @@ impl Viscosity {
                 return Err(reader.fault(kinematic, words));
             }
             let root = reader.root();
-            let radius = if root.has("air") { root.read::<Air>("air")?.kernel_radius } else { KERNEL_RADIUS };
+            let radius = if root.has("air") { root.read::<Air>("air")?.kernel_radius } else { Air::KERNEL_RADIUS };
             *coefficient = 22.0 * nu * root.read::<Time>("time")?.step / (radius * radius);
         }
         Ok(self)

@@ -1,7 +1,10 @@
-//! A scene that the tests of the initial state vary.
+//! Scenes that the tests vary.
 #![allow(dead_code, clippy::unwrap_used)]
 
 use windswept_scene::{InitialState, Scene, Strands};
+
+/// The scene that a newcomer runs first.
+pub(crate) const QUICK: &str = include_str!("../../../../examples/scenes/quick.toml");
 
 /// 60 strands of 11 points, 10 mm apart, in a box of air with which they are one fluid; all else by default.
 pub(crate) const BRUSH: &str = "

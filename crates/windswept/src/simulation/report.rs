@@ -101,7 +101,8 @@ impl Simulation {
         Ok(sum.filter(|_| self.plan.turbulence.runs))
     }
 
-    /// Number of steps that were timed pass by pass: one in every eighth submit, from the second on.
+    /// Number of steps that were timed pass by pass: one in every eighth submit, from the second on. The times of
+    /// [`Self::pass_times`] are means over them, so that a caller who asks again and again can tell what the newest one took.
     #[must_use]
     pub fn timed_steps(&self) -> u64 {
         self.timed_steps

@@ -2,10 +2,7 @@
 
 use windswept_shaders::{common::params::Params, grid};
 
-use crate::{array::Index, plan::Plan, recorder::Recorder};
-
-/// Invocations of `grid/scan`: one workgroup.
-const ONE_WORKGROUP: u32 = 1;
+use crate::{array::Index, plan::Plan, recorder::Recorder, step::ONE_WORKGROUP};
 
 /// Records the passes of this heading.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {

@@ -6,11 +6,8 @@ use crate::{
     array::{AnyArray, Index},
     plan::{BandPlan, Plan},
     recorder::Recorder,
-    step::neighbours,
+    step::{ONE_WORKGROUP, neighbours},
 };
-
-/// Invocations of `turbulence/mean`: one workgroup.
-const ONE_WORKGROUP: u32 = 1;
 
 /// Records the passes of this heading.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {

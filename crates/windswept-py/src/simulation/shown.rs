@@ -1,0 +1,53 @@
+//! How a simulation is shown: in a line, and drawn.
+
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use windswept_export::Renderer;
+
+use super::{Picture, Simulation, held::lock};
+use crate::errors::of_export;
+
+impl Simulation {
+    /// Names and values that describe it in a line.
+    pub(super) fn facts(&self, py: Python<'_>) -> PyResult<Vec<(&'static str, String)>> {
+        self.engine(py, |sim| {
+            let sizes = sim.engine().sizes();
+            let mut facts = vec![
+                ("scene", format!("{:?}", sim.scene().title)),
+                ("strands", sizes.strands.to_string()),
+                ("hair points", sizes.hair_points.to_string()),
+                ("air particles", sizes.air().to_string()),
+                ("time", format!("{:.6} s", sim.time())),
+                ("steps", sim.steps().to_string()),
+                ("adapter", sim.engine().gpu().info().name.clone()),
+            ];
+            facts.extend(sim.ms_per_step().map(|ms| ("ms per step", format!("{ms:.2}"))));
+            facts
+        })
+    }
+
+    /// Made once per size: roots near each other at the start share the hairs between them.
+    pub(super) fn renderer(&self, engine: &windswept::Simulation, size: Picture) -> PyResult<Arc<Renderer>> {
+        let mut renderer = lock(&self.renderer);
+        if let Some((of, renderer)) = &*renderer
+            && *of == size
+        {
+            return Ok(renderer.clone());
+        }
+        let mut scene = engine.scene().clone();
+        scene.camera.width = size.0.unwrap_or(scene.camera.width);
+        scene.camera.height = size.1.unwrap_or(scene.camera.height);
+        let start = &engine.initial().hair;
+        let start = windswept::HairFrame {
+            offsets: start.point_offsets.clone(),
+            positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
+            velocities: Vec::new(),
+            orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
+        };
+        let made = Renderer::new(engine.engine().gpu(), &scene, &start).map_err(|error| of_export(&error))?;
+        let made = Arc::new(made);
+        *renderer = Some((size, made.clone()));
+        Ok(made)
+    }
+}
