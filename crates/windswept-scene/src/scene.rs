@@ -8,6 +8,7 @@ mod viscosity;
 
 pub use air::{Air, Bounds, Gust, Inflow};
 pub(crate) use air::{KERNEL_RADIUS, PARCEL};
+pub(crate) use hair::FRICTION;
 pub use hair::{Curl, Fibre, Hair, RootShape, Roots, Stiffness};
 pub use rods::{Integrator, Rods, Solver};
 pub use turbulence::{Band, Filter, Law, Order, Turbulence};
