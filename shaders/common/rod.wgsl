@@ -116,7 +116,7 @@ struct PointHistory {
     velocity: vec3f,    // m/s, of the step before, with all that acted from outside since
     remainder: vec3f,   // m, what rounding left off the position
     outside: vec3f,     // m/s, all that acted from outside in the last step awake; nothing with the model PARTICLES
-    own: vec3f,         // m/s, what its rod and gravity gave it in the last step awake
+    own: vec3f,         // m/s, what its rod and gravity gave it in the last step awake; nothing with the model PARTICLES
     grip: vec3f,        // m/s, slip that friction of hair on hair holds it back from
 }
 

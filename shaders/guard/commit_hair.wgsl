@@ -25,13 +25,15 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let anew = point.scheme >= PUT;
     let stays = point.scheme == STAY;
     let last = final_velocity[p].xyz;
-    let outside = select(point.outside, vec3f(0.0), params.model == PARTICLES);
+    let forgets = params.model == PARTICLES;
+    let outside = select(point.outside, vec3f(0.0), forgets);
+    let own = select(new_velocity[p].xyz - point.before, vec3f(0.0), forgets || anew);
     point_history[p] = PointHistory(
         select(point.travel, params.step * last, anew),
         select(point.before + last - new_velocity[p].xyz, last, anew),
         select(vec3f(0.0), left, untouched && !anew),
         select(outside, point_history[p].outside, stays),
-        select(select(new_velocity[p].xyz - point.before, vec3f(0.0), anew), point_history[p].own, stays),
+        select(own, point_history[p].own, stays),
         grip[p].xyz,
     );
 }

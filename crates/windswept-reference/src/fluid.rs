@@ -18,6 +18,7 @@ use crate::{
 /// density is found all the same, for viscosity.
 pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     w.correction = vec![DVec3::ZERO; w.predicted.len()];
+    w.grip.clone_from(&s.grip);
     if !p.air {
         return;
     }
@@ -34,7 +35,6 @@ pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
             multiplier.iter_mut().zip(&lambda).for_each(|(sum, lambda)| *sum += p.relaxation * lambda);
         }
     }
-    w.grip = s.grip.clone();
     if p.rubs() {
         let rubs: Vec<_> = (0..p.hair_points).map(|i| slip(p, s, i, w.correction[i], multiplier[i])).collect();
         let squeezed = squeeze(p, &w.predicted, &s.inverse_mass, &s.volume, &rubs, &w.near);

@@ -23,7 +23,7 @@ pub struct State {
     /// Change of each hair point's velocity by all that acted from outside in its last step awake \[m/s\]; 0 with the model
     /// `particles`.
     pub outside: Vec<DVec3>,
-    /// Change of each hair point's velocity by its rod and gravity in its last step awake \[m/s\].
+    /// Change of each hair point's velocity by its rod and gravity in its last step awake \[m/s\]; 0 with the model `particles`.
     pub own: Vec<DVec3>,
     /// Slip that friction of hair on hair holds each hair point back from \[m/s\]: see [`crate::fluid::friction`].
     pub grip: Vec<DVec3>,
