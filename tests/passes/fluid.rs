@@ -7,7 +7,7 @@ use windswept_shaders as shaders;
 
 use crate::{
     stage::{Passes, Stage, each, xyz},
-    steps::{BOUNDS, Fault, PARTICLES, TWO_WAY},
+    steps::{BOUNDS, CROWDED, Fault, PARTICLES},
     support,
     walk::{Bounds, Same, Walk, apart, largest, numbers_apart, walk},
 };
@@ -110,9 +110,9 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::DENSITY, "315.0", "314.0", PARTICLES),
     (&shaders::fluid::CORRECT, "params.relaxation * inverse_mass_of(i)", "0.49 * inverse_mass_of(i)", PARTICLES),
     (&shaders::fluid::MOVE, "correction[i] += shift[i]", "correction[i] = shift[i]", PARTICLES),
-    (&shaders::fluid::SLIP, "velocity[p].xyz + history.own", "velocity[p].xyz", TWO_WAY),
-    (&shaders::fluid::SQUEEZE, "own.inverse_mass * sum", "0.9 * own.inverse_mass * sum", TWO_WAY),
-    (&shaders::fluid::FRICTION, "min(own.friction, other.friction)", "0.9 * own.friction", TWO_WAY),
+    (&shaders::fluid::SLIP, "velocity[p].xyz + history.own", "velocity[p].xyz", CROWDED),
+    (&shaders::fluid::SQUEEZE, "own.inverse_mass * sum", "0.9 * own.inverse_mass * sum", CROWDED),
+    (&shaders::fluid::FRICTION, "min(own.friction, other.friction)", "0.9 * own.friction", CROWDED),
 ];
 
 /// An iteration of the density constraint on any crowd, with attraction and without.
