@@ -32,6 +32,7 @@ struct Strand {
     keyframes: u32,            // 0: the host says where its root goes
     still_speed: f32,          // m/s, of its points, below which it is at rest
     still_acceleration: f32,   // m/s^2, of what pushes it, below which it stays at rest
+    friction: f32,             // Coulomb's coefficient, on other strands
 }
 
 const ROOT_JOINT: u32 = 1u;   // its frame is held
@@ -116,6 +117,8 @@ struct PointHistory {
     velocity: vec3f,    // m/s, of the step before, with all that acted from outside since
     remainder: vec3f,   // m, what rounding left off the position
     outside: vec3f,     // m/s, all that acted from outside in the last step awake; nothing with the model PARTICLES
+    own: vec3f,         // m/s, what its rod and gravity gave it in the last step awake; nothing with the model PARTICLES
+    grip: vec3f,        // m/s, slip that friction of hair on hair holds it back from
 }
 
 // The same of a segment.

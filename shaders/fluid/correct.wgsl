@@ -12,7 +12,7 @@ import package::common::{
 @group(0) @binding(4) var<storage, read>       neighbour_range: array<Near>;
 @group(0) @binding(5) var<storage, read>       neighbour_list:  array<u32>;
 @group(0) @binding(6) var<storage, read>       multiplier:      array<f32>;
-@group(0) @binding(7) var<storage, read_write> shift:           array<vec4f>;   // m, of this iteration
+@group(0) @binding(7) var<storage, read_write> shift:           array<vec4f>;   // m, of this iteration; w: multiplier times relaxation
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -29,5 +29,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let gap = separation(i, j, own.xyz, other.xyz);
         sum += (lambda * other.w + multiplier[j] * own.w) * spiky_gradient(i, j, gap);
     }
-    shift[i] = vec4f(params.relaxation * inverse_mass_of(i) * sum, 0.0);
+    shift[i] = vec4f(params.relaxation * inverse_mass_of(i) * sum, params.relaxation * lambda);
 }

@@ -1,4 +1,5 @@
-// Applies an iteration's shift, and remembers it: air's velocity changes by the sum of its shifts over the step.
+// Applies an iteration's shift, and remembers it: air's velocity changes by the sum of its shifts over the step, and the sum of
+// the multipliers says how hard hair is squeezed.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       shift:      array<vec4f>;
@@ -9,6 +10,6 @@ import package::common::{params::params, dispatch::{invocation, WORKGROUP}, stat
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = invocation(id, groups);
     if i >= params.particles || frozen() { return; }
-    predicted[i] += shift[i];
+    predicted[i] += vec4f(shift[i].xyz, 0.0);
     correction[i] += shift[i];
 }

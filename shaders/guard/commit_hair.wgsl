@@ -10,7 +10,8 @@ import package::common::{
 @group(0) @binding(4) var<storage, read>       new_velocity:   array<vec4f>;
 @group(0) @binding(5) var<storage, read>       final_velocity: array<vec4f>;
 @group(0) @binding(6) var<storage, read>       rod_points:     array<RodPoint>;
-@group(0) @binding(7) var<storage, read_write> point_history:  array<PointHistory>;
+@group(0) @binding(7) var<storage, read>       grip:           array<vec4f>;
+@group(0) @binding(8) var<storage, read_write> point_history:  array<PointHistory>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -22,12 +23,17 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let untouched = all(predicted[p].xyz == placed(x, before, point.travel));
     let left = (x - predicted[p].xyz) + (point.travel + before);
     let anew = point.scheme >= PUT;
+    let stays = point.scheme == STAY;
     let last = final_velocity[p].xyz;
-    let outside = select(point.outside, vec3f(0.0), params.model == PARTICLES);
+    let forgets = params.model == PARTICLES;
+    let outside = select(point.outside, vec3f(0.0), forgets);
+    let own = select(new_velocity[p].xyz - point.before, vec3f(0.0), forgets || anew);
     point_history[p] = PointHistory(
         select(point.travel, params.step * last, anew),
         select(point.before + last - new_velocity[p].xyz, last, anew),
         select(vec3f(0.0), left, untouched && !anew),
-        select(outside, point_history[p].outside, point.scheme == STAY),
+        select(outside, point_history[p].outside, stays),
+        select(own, point_history[p].own, stays),
+        grip[p].xyz,
     );
 }

@@ -46,14 +46,14 @@ fn forget(strand: Strand) {
     }
 }
 
-// Slow, and not pushed, when the step began: by then contacts and viscosity have had their say. A strand that nothing holds
-// may drift as slowly as it will.
+// Slow, and not pushed, when the step began: by then contacts and viscosity have had their say. What presses as in the last
+// step does not move the strand, however hard. A strand that nothing holds may drift as slowly as it will.
 fn still(strand: Strand) -> bool {
     if (strand.joints & ROOT_HELD) == 0u { return false; }
     for (var k = 0u; k < strand.points; k++) {
         let point = rod_points[strand.first_point + k];
         let pushed = length(point.push) > strand.still_acceleration * params.step;
-        if pushed || length(point.velocity) > strand.still_speed { return false; }
+        if pushed || length(point.stir) > strand.still_speed { return false; }
     }
     for (var k = 0u; k < strand.points - 1u; k++) {
         if length(rod_segments[strand.first_segment + k].angular_velocity) > STILL_SPIN { return false; }

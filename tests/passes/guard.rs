@@ -53,6 +53,9 @@ impl Walk<'_> {
             self.same("guard/commit_hair", travel, bounds.length)?;
             let before = largest(points.iter().zip(&s.velocity_before).map(|(a, b)| (xyz(&a.velocity) - *b).length()));
             self.same("guard/commit_hair", before, bounds.speed)?;
+            let own = largest(points.iter().zip(&s.own).map(|(a, b)| (xyz(&a.own) - *b).length()));
+            let grip = largest(points.iter().zip(&s.grip).map(|(a, b)| (xyz(&a.grip) - *b).length()));
+            self.same("guard/commit_hair", own.max(grip), bounds.speed)?;
         }
         assert!(passes.through("guard/commit"));
         passes.finish();

@@ -127,6 +127,7 @@ impl Stage {
         for i in 0..hair {
             s.position[i] = position[i] + xyz(&points[i].remainder);
             (s.travel[i], s.velocity_before[i]) = (xyz(&points[i].travel), xyz(&points[i].velocity));
+            (s.own[i], s.grip[i]) = (xyz(&points[i].own), xyz(&points[i].grip));
         }
         s.velocity[..hair].copy_from_slice(&self.vectors(&state.velocity)[..hair]);
         s.orientation = self.quaternions(&state.orientation);

@@ -43,6 +43,8 @@ pub const DRAG: &[&str] = &["interaction.model=drag", "interaction.lift=1.0", "a
 const EXCHANGE: &str = "interaction.model=two-way";
 /// Settings with hair that slows the air.
 pub const TWO_WAY: &[&str] = &[EXCHANGE, "hair.fibres_per_strand=100", "air.ramp=0.0", "fluid.iterations=2"];
+/// Settings with strands that press on one another.
+pub const CROWDED: &[&str] = &[EXCHANGE, "hair.roots.radius=0.002", "air.ramp=0.0", "fluid.iterations=2"];
 /// Settings with hair alone, solved by Gauss-Seidel.
 pub const SWEEPS: &[&str] = &["rods.solver=gauss-seidel", "interaction.model=none"];
 /// Settings of the method as printed.
@@ -116,6 +118,7 @@ fn steps_are_those_of_the_twin() {
         DRAG,
         &[EXCHANGE, "interaction.lift=0.5", "hair.fibres_per_strand=30"],
         &[EXCHANGE, "rods.solver=gauss-seidel", "rods.integrator=euler", "turbulence.bands=[]"],
+        CROWDED,
         &["hair.strands=1"],
         BODIES,
         &[

@@ -1,9 +1,12 @@
 //! Heading 3: hair and air as one position-based fluid (Macklin & Müller 2013), where a particle has a volume and, apart
 //! from it, an inertial mass.
 
+mod friction;
+
 use glam::DVec3;
 use windswept_scene::Model;
 
+pub use self::friction::{Rub, STIFFNESS, friction, slip, squeeze};
 use crate::{
     Parameters, State,
     neighbours::Neighbours,
@@ -15,6 +18,7 @@ use crate::{
 /// density is found all the same, for viscosity.
 pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     w.correction = vec![DVec3::ZERO; w.predicted.len()];
+    w.grip.clone_from(&s.grip);
     if !p.air {
         return;
     }
@@ -31,10 +35,11 @@ pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
             multiplier.iter_mut().zip(&lambda).for_each(|(sum, lambda)| *sum += p.relaxation * lambda);
         }
     }
-    if p.model == Model::TwoWay && p.friction > 0.0 {
-        // Velocities that lead the step hold all that acted on a point in the last step but impulses, its rod as well.
-        let led: Vec<_> = s.velocity.iter().zip(&s.velocity_before).map(|(now, before)| 2.0 * *now - *before).collect();
-        let change = friction(p, &w.predicted, &led, &s.inverse_mass, &s.volume, &multiplier, &w.near);
+    if p.rubs() {
+        let rubs: Vec<_> = (0..p.hair_points).map(|i| slip(p, s, i, w.correction[i], multiplier[i])).collect();
+        let squeezed = squeeze(p, &w.predicted, &s.inverse_mass, &s.volume, &rubs, &w.near);
+        let change;
+        (change, w.grip) = friction(p, &w.predicted, &s.grip, &s.inverse_mass, &s.volume, &rubs, &squeezed, &w.near);
         for (i, change) in change.into_iter().enumerate() {
             w.predicted[i] += p.step * change;
             w.correction[i] += p.step * change;
@@ -104,42 +109,4 @@ pub fn correct(
 #[must_use]
 pub fn velocity(p: &Parameters, own: DVec3, correction: DVec3) -> DVec3 {
     own + correction / p.step
-}
-
-/// Change of the velocity of each hair point by friction of hair on hair \[m/s\]: equal and opposite impulses between points of
-/// different strands, across the line that joins them,
-///
-/// ```text
-///   J_ij = −min(μ p_ij, m_ij s_ij |u|) u/|u|      u: what of v_i − v_j is normal to x_i − x_j, m_ij = 1/(w_i + w_j)
-///   p_ij = |(Λ_i V_j + Λ_j V_i) ∇W|/Δt            the impulse that the density constraint gave the pair (Coulomb's cap)
-///   s_ij = W_ij/max(S_i, S_j),  S_i = Σ_j W_ij    its share: all of them together stop a point, and no more
-/// ```
-/// `v` are velocities that lead the step; `multiplier` Λ is the sum of λ times the relaxation over the iterations
-/// \[kg m²\]. Macklin et al. 2014, eq. 24, with the constraint's own impulse for the depth.
-#[must_use]
-pub fn friction(
-    p: &Parameters,
-    x: &[DVec3],
-    v: &[DVec3],
-    inverse_mass: &[f64],
-    volume: &[f64],
-    multiplier: &[f64],
-    near: &Neighbours,
-) -> Vec<DVec3> {
-    let h = p.kernel_radius;
-    let others = |i: usize| near.of(i).filter(move |&j| !p.is_air(j) && p.strand_of[i] != p.strand_of[j]);
-    let kernel = |i: usize, j: usize| poly6((x[i] - x[j]).length(), h);
-    let sums: Vec<f64> = (0..p.hair_points).map(|i| others(i).map(|j| kernel(i, j)).sum()).collect();
-    let pair = |i: usize, j: usize| {
-        let gap = x[i] - x[j];
-        let slip = (v[i] - v[j]).reject_from(gap);
-        let (both, speed) = (inverse_mass[i] + inverse_mass[j], slip.length());
-        if both == 0.0 || speed == 0.0 || gap == DVec3::ZERO {
-            return DVec3::ZERO;
-        }
-        let squeeze = (multiplier[i] * volume[j] + multiplier[j] * volume[i]) * spiky_gradient(i, j, gap, h);
-        let needed = kernel(i, j) / sums[i].max(sums[j]) / both * speed;
-        -needed.min(p.friction * squeeze.length() / p.step) / speed * slip
-    };
-    (0..p.hair_points).map(|i| inverse_mass[i] * others(i).map(|j| pair(i, j)).sum::<DVec3>()).collect()
 }

@@ -85,13 +85,16 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
     if p.model != Model::Particles {
         for strand in (0..s.hair.len()).filter(|&strand| !s.asleep[strand]) {
             for i in s.hair.points(strand) {
-                s.outside[i] = w.moving.points[i].outside;
+                let point = &w.moving.points[i];
+                s.outside[i] = point.outside;
+                s.own[i] = if point.step.is_infinite() { DVec3::ZERO } else { w.rod_velocity[i] - point.before };
             }
         }
     }
     for (clamp, drive) in s.clamps.iter_mut().zip(&w.drives) {
         *clamp = (clamp.0 + drive.root_travel, drive.root_frame);
     }
+    s.grip = w.grip;
     s.touched = w.touched;
     s.position = w.predicted;
     for x in &mut s.position[p.hair_points..] {

@@ -43,9 +43,8 @@ pub struct Parameters {
     pub kinematic_viscosity: f64,
     /// Lift coefficient C_l of a segment in the wind.
     pub lift: f64,
-    /// Coulomb's μ of hair on hair in the model `two-way`; 0 leaves it out. No key of a scene sets it: neither the engine nor the
-    /// twin keeps a mat of hair at rest yet.
-    pub friction: f64,
+    /// Coulomb's μ of each strand on other strands, with the model `two-way`.
+    pub friction: Vec<f64>,
     /// Number of Jacobi iterations of the density constraint.
     pub fluid_iterations: u32,
     /// Part of a Jacobi step that is taken.
@@ -125,7 +124,7 @@ impl Parameters {
             rest_density: air.map_or(0.0, |air| air.rest_density),
             kinematic_viscosity: air.map_or(0.0, |air| air.kinematic_viscosity),
             lift: scene.interaction.lift,
-            friction: 0.0,
+            friction: (0..initial.hair.len()).map(|s| initial.hair.friction(s, scene)).collect(),
             fluid_iterations: scene.fluid.iterations,
             relaxation: scene.fluid.relaxation,
             tension: scene.fluid.tension,
@@ -171,6 +170,13 @@ impl Parameters {
     #[must_use]
     pub fn meets(&self, i: usize, j: usize) -> bool {
         self.model != Model::TwoWay || self.is_air(i) == self.is_air(j)
+    }
+
+    /// Whether hair rubs on hair.
+    #[must_use]
+    pub fn rubs(&self) -> bool {
+        let squeezed = self.model == Model::TwoWay && self.air && self.fluid_iterations > 0;
+        squeezed && self.friction.iter().any(|friction| *friction > 0.0)
     }
 
     /// Separation x_i − x_j of two particles: air meets air through the periodic faces, everything else directly.

@@ -23,6 +23,10 @@ pub struct State {
     /// Change of each hair point's velocity by all that acted from outside in its last step awake \[m/s\]; 0 with the model
     /// `particles`.
     pub outside: Vec<DVec3>,
+    /// Change of each hair point's velocity by its rod and gravity in its last step awake \[m/s\]; 0 with the model `particles`.
+    pub own: Vec<DVec3>,
+    /// Slip that friction of hair on hair holds each hair point back from \[m/s\]: see [`crate::fluid::friction`].
+    pub grip: Vec<DVec3>,
     /// Turn of each segment in the last step \[rad\].
     pub turn: Vec<DVec3>,
     /// Spin of each segment one step before \[rad/s\].
@@ -96,6 +100,8 @@ impl State {
             travel: hair.velocities.iter().map(|v| *v * step).collect(),
             velocity_before: hair.velocities.clone(),
             outside: vec![DVec3::ZERO; hair.velocities.len()],
+            own: vec![DVec3::ZERO; hair.velocities.len()],
+            grip: vec![DVec3::ZERO; hair.velocities.len()],
             turn: hair.angular_velocities.iter().map(|w| *w * step).collect(),
             angular_velocity_before: hair.angular_velocities.clone(),
             force: vec![DVec3::ZERO; hair.orientations.len()],

@@ -45,6 +45,8 @@ pub struct Scratch {
     pub density: Vec<f64>,
     /// Sum of the moves of each particle by the density constraint \[m\].
     pub correction: Vec<DVec3>,
+    /// Grip of each hair point after this step \[m/s\].
+    pub grip: Vec<DVec3>,
     /// Way of each strand through the step, with its clamp's.
     pub drives: Vec<rods::Drive>,
     /// Hair points and segments, as the rods have them.

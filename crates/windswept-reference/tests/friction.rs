@@ -10,13 +10,18 @@ use glam::{DQuat, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use support::{Crowd, RADIUS, Rod, VOLUME, bundle, stirred};
-use windswept_reference::{Parameters, State, fluid, step::step};
+use windswept_reference::{
+    Parameters, State,
+    fluid::{self, Rub, STIFFNESS},
+    step::step,
+};
 use windswept_scene::{End, Ends, InitialState, Scene, Strands};
 
 /// Hair points anyhow, three of them to a strand.
 fn crowd() -> Crowd {
     let mut crowd = Crowd::mixed(300, 11);
-    crowd.parameters.strand_of = (0..crowd.parameters.hair_points).map(|i| i / 3).collect();
+    let n = crowd.parameters.hair_points;
+    (crowd.parameters.strand_of, crowd.parameters.friction) = ((0..n).map(|i| i / 3).collect(), vec![MU; n / 3 + 1]);
     crowd.inverse_mass[5] = 0.0;
     crowd
 }
@@ -29,28 +34,34 @@ fn multipliers(n: usize) -> Vec<f64> {
 /// Coulomb's μ of hair on hair.
 const MU: f64 = 0.3;
 
-fn friction(crowd: &Crowd, v: &[DVec3], multiplier: &[f64]) -> Vec<DVec3> {
-    let (p, x) = (&crowd.parameters, &crowd.positions);
-    fluid::friction(p, x, v, &crowd.inverse_mass, &crowd.volume, multiplier, &crowd.neighbours())
+/// Changes of velocity and grips, for points that go at `v` and gripped `grip`.
+fn friction(crowd: &Crowd, v: &[DVec3], grip: &[DVec3], multiplier: &[f64]) -> (Vec<DVec3>, Vec<DVec3>) {
+    let (p, x, w, volume) = (&crowd.parameters, &crowd.positions, &crowd.inverse_mass, &crowd.volume);
+    let near = crowd.neighbours();
+    let rub = |i: usize| Rub { pull: v[i] + STIFFNESS * grip[i], moved: v[i], multiplier: multiplier[i] };
+    let rubs: Vec<_> = (0..p.hair_points).map(rub).collect();
+    let squeezed = fluid::squeeze(p, x, w, volume, &rubs, &near);
+    fluid::friction(p, x, grip, w, volume, &rubs, &squeezed, &near)
 }
 
-/// It changes no momentum, takes energy, and leaves alone who is held, who moves with the others, and air.
+/// Friction changes no momentum, takes energy, and leaves alone points that are held or that move with the others.
 #[test]
 fn friction_is_equal_and_opposite() {
     let mut crowd = crowd();
     let n = crowd.parameters.hair_points;
     let (v, multiplier) = (stirred(crowd.positions.len(), 4), multipliers(n));
+    let loose = vec![DVec3::ZERO; n];
     for mu in [0.3, 1e9] {
-        crowd.parameters.friction = mu;
-        let change = friction(&crowd, &v, &multiplier);
-        assert!(change.len() == n && change[5] == DVec3::ZERO);
+        crowd.parameters.friction.fill(mu);
+        let (change, grip) = friction(&crowd, &v, &loose, &multiplier);
+        assert!(change.len() == n && change[5] == DVec3::ZERO && grip[5] == DVec3::ZERO);
         let mass = |i: usize| 1.0 / crowd.inverse_mass[i];
         let free = || (0..n).filter(|i| *i != 5);
         let energy: f64 =
             free().map(|i| 0.5 * mass(i) * ((v[i] + change[i]).length_squared() - v[i].length_squared())).sum();
         // The held point takes momentum: without its neighbours the rest keeps it.
         crowd.positions[5] += DVec3::Y * 10.0;
-        let alone = friction(&crowd, &v, &multiplier);
+        let (alone, _) = friction(&crowd, &v, &grip, &multiplier);
         let momentum: DVec3 = free().map(|i| mass(i) * alone[i]).sum();
         let size: f64 = free().map(|i| mass(i) * alone[i].length()).sum();
         crowd.positions[5] -= DVec3::Y * 10.0;
@@ -58,37 +69,41 @@ fn friction_is_equal_and_opposite() {
         // Measured 1e-16 of it.
         assert!(momentum.length() < 1e-13 * size && energy < 0.0 && size > 0.0);
     }
-    assert!(friction(&crowd, &vec![DVec3::X; v.len()], &multiplier).iter().all(|change| *change == DVec3::ZERO));
-    crowd.parameters.friction = 0.0;
-    assert!(friction(&crowd, &v, &multiplier).iter().all(|change| *change == DVec3::ZERO));
+    let (change, grip) = friction(&crowd, &vec![DVec3::X; v.len()], &loose, &multiplier);
+    assert!(change.iter().chain(&grip).all(|vector| *vector == DVec3::ZERO));
+    crowd.parameters.friction.fill(0.0);
+    let (change, grip) = friction(&crowd, &v, &loose, &multiplier);
+    assert!(change.iter().chain(&grip).all(|vector| *vector == DVec3::ZERO));
 }
 
-/// Two points of two strands: Coulomb's cap as the constraint squeezes them, and no more than what stops them; nothing within a
-/// strand.
+/// Two points of two strands feel Coulomb's cap as the constraint squeezes them, and no more than what stops them. They grip
+/// where they stick. Within a strand there is no friction, and the smaller coefficient counts.
 #[test]
 fn a_pair_slides_or_sticks() {
     let mut crowd = Crowd::new(DVec3::ONE, vec![DVec3::splat(0.5), DVec3::new(0.504, 0.5, 0.5)]);
     (crowd.parameters.hair_points, crowd.parameters.strand_of) = (2, vec![0, 1]);
-    crowd.parameters.friction = MU;
+    crowd.parameters.friction = vec![MU, 2.0 * MU];
     crowd.inverse_mass[1] *= 3.0;
     let v = [DVec3::new(0.4, 0.3, -0.2), DVec3::ZERO];
     let slip = DVec3::new(0.0, 0.3, -0.2);
+    let loose = [DVec3::ZERO; 2];
     for (lambda, sticks) in [(-1e-14, false), (-1e-6, true)] {
-        let change = friction(&crowd, &v, &[lambda, 0.0]);
+        let (change, grip) = friction(&crowd, &v, &loose, &[lambda, 0.0]);
         let impulse = change[0].length() / crowd.inverse_mass[0];
         let slope = windswept_reference::sph_kernels::spiky_slope(0.004, RADIUS);
         let cap = MU * (lambda * VOLUME * slope).abs() / crowd.parameters.step;
         let after = slip + change[0] - change[1];
-        println!("{impulse:.2e} N s of {cap:.2e}, slip {:.3} m/s", after.length());
+        println!("{impulse:.2e} N s of {cap:.2e}, slip {:.3} m/s, grip {:.3} m/s", after.length(), grip[0].length());
         assert!(change[0].x == 0.0 && change[0].cross(slip).length() < 1e-15);
         if sticks {
-            assert!(after.length() < 1e-14 && impulse < cap);
+            assert!(after.length() < 1e-14 && impulse < cap && (grip[0] - grip[1] - slip).length() < 1e-14);
         } else {
             assert!((impulse / cap - 1.0).abs() < 1e-12 && after.dot(slip) > 0.0);
+            assert!(grip[0].length() < 1e-2 * slip.length());
         }
     }
     crowd.parameters.strand_of = vec![0, 0];
-    assert_eq!(friction(&crowd, &v, &[-1e-6, 0.0]), [DVec3::ZERO; 2]);
+    assert_eq!(friction(&crowd, &v, &loose, &[-1e-6, 0.0]).0, loose);
 }
 
 const LENGTH: f64 = 0.05;
@@ -137,7 +152,7 @@ fn slides(tangent: f64) -> (f64, f64) {
     let mut p = Parameters::new(&Scene::parse(&text).unwrap(), &initial);
     // No air to speak of.
     (p.kinematic_viscosity, p.rest_density) = (1e-12, 1e-6);
-    p.friction = MU;
+    p.friction.fill(MU);
     let mut state = State::new(&initial, p.step);
     let loose = bed.positions.len()..p.hair_points;
     let speed = |state: &State| state.velocity[loose.clone()].iter().map(|v| v.x).sum::<f64>() / loose.len() as f64;
@@ -151,14 +166,14 @@ fn slides(tangent: f64) -> (f64, f64) {
     ((speed(&state) - halfway) / 0.15, speed(&state))
 }
 
-/// On a slope above μ a strand slides as Coulomb's law says; below it does not speed up.
+/// On a slope above μ a strand slides as Coulomb's law says; below it stays.
 #[test]
 fn a_strand_slides_above_mu() {
     let coulomb = |tangent: f64| 9.81 * tangent.atan().cos() * (tangent - MU);
     let (above, _) = slides(0.36);
-    let (below, creeps) = slides(0.22);
-    println!("above {above:.3} of {:.3} m/s², below {below:.3} m/s² at {creeps:.3} m/s", coulomb(0.36));
-    assert!((above - coulomb(0.36)).abs() < 0.1, "{above}");
-    // It hops on the points of the bed; falling free it would have 0.64 m/s.
-    assert!(below.abs() < 0.15 && creeps < 0.06, "{below}, {creeps}");
+    let (below, creeps) = slides(0.25);
+    println!("above {above:.3} of {:.3} m/s², below {below:.1e} m/s² at {creeps:.1e} m/s", coulomb(0.36));
+    assert!((above - coulomb(0.36)).abs() < 0.05, "{above}");
+    // Falling free it would have 0.7 m/s. Measured 1e-6 m/s and less.
+    assert!(below.abs() < 1e-4 && creeps.abs() < 1e-5, "{below}, {creeps}");
 }

@@ -10,7 +10,7 @@ use crate::{
     groom::Groom,
     hair,
     limits::{DEEPEST_ROOT, STRAND_MAGNITUDES},
-    scene::{Air, Model, Scene},
+    scene::{Air, FRICTION, Hair, Model, Scene},
     strand::Parcel,
     warnings,
 };
@@ -178,10 +178,20 @@ impl Strands {
         self.point_offsets[..self.len()].iter().map(|&point| self.positions[point as usize])
     }
 
+    /// The group of strand `s`, if it has one.
+    fn group<'a>(&self, s: usize, scene: &'a Scene) -> Option<&'a Hair> {
+        scene.hair.get(*self.group.get(s)? as usize)
+    }
+
+    /// Coulomb's μ of strand `s` on other strands: its group's, or the default where it has none.
+    #[must_use]
+    pub fn friction(&self, s: usize, scene: &Scene) -> f64 {
+        self.group(s, scene).map_or(FRICTION, |hair| hair.friction)
+    }
+
     /// The key that strand `s` comes from: `hair.NAME`, or `groom` where the scene has no hair.
     fn origin(&self, s: usize, scene: &Scene) -> String {
-        let group = self.group.get(s).and_then(|group| scene.hair.get(*group as usize));
-        group.map_or_else(|| "groom".to_owned(), |hair| format!("hair.{}", hair.name))
+        self.group(s, scene).map_or_else(|| "groom".to_owned(), |hair| format!("hair.{}", hair.name))
     }
 
     /// Whether the arrays belong together and hold numbers.

@@ -7,6 +7,7 @@ mod turbulence;
 mod viscosity;
 
 pub use air::{Air, Bounds, Gust, Inflow};
+pub(crate) use hair::FRICTION;
 pub use hair::{Curl, Fibre, Hair, RootShape, Roots, Stiffness};
 pub use rods::{Integrator, Rods, Solver};
 pub use turbulence::{Band, Filter, Law, Order, Turbulence};

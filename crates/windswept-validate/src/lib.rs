@@ -11,6 +11,7 @@ mod contact;
 mod coupled;
 mod exchange;
 mod fluid;
+mod friction;
 mod hair_in_wind;
 mod kernels;
 mod momentum;
@@ -80,6 +81,7 @@ pub const CHECKS: &[Check] = &[
     Check { name: "hair-two-way", run: hair_in_wind::two_way },
     Check { name: "hair-limits", run: hair_in_wind::limits },
     Check { name: "exchange", run: exchange::rows },
+    Check { name: "friction", run: friction::rows },
     Check { name: "twin", run: twin::passes },
     Check { name: "twin-rods", run: twin::rods },
     Check { name: "twin-step", run: whole::steps },

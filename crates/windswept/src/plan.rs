@@ -64,6 +64,8 @@ pub struct Plan {
     pub grid_filter: Decision,
     /// Bands of eddies, in the order in which they run.
     pub bands: Vec<BandPlan>,
+    /// Does hair rub on hair?
+    pub friction: Decision,
     /// XSPH.
     pub viscosity: Decision,
     /// Can XSPH overshoot?
@@ -123,6 +125,11 @@ impl Plan {
             "neither density nor viscosity nor turbulence nor hair asks for neighbours",
         ));
         let fluid = air.and(Decision::when(solved, "fluid.iterations is 0"));
+        let rough = (0..initial.hair.len()).any(|s| initial.hair.friction(s, scene) > 0.0);
+        let friction = hair
+            .and(fluid.clone())
+            .and(Decision::when(two_way, "only with interaction.model two-way does hair press on hair alone"))
+            .and(Decision::when(rough, "hair.friction is 0"));
         let hair_meets_air = hair.and(neighbours.clone());
         let air_first = air.and(Decision::when(two_way, "hair is in air's density constraint: see heading 6"));
         let air_last = air.and(Decision::when(!two_way, "hair has felt them: see heading 3"));
@@ -144,6 +151,7 @@ impl Plan {
             neighbours,
             fluid,
             density_alone,
+            friction,
             exchange: hair_meets_air.and(Decision::when(two_way, "only interaction.model two-way exchanges drag")),
             drag,
             air_first,

@@ -15,6 +15,7 @@ use windswept_shaders::{
         near::Near,
         params::Params,
         rod::{Health, PointHistory, RodPoint, RodSegment, RodStrand, Root, Segment, SegmentHistory, Strand},
+        rub::Rub,
         status::Status,
     },
     rods::direct::Factor,
@@ -182,9 +183,16 @@ state! {
     sampled: Sampled, |s| s.sampled;
     /// Impulse that the air's drag gave a hair point in this step \[N s\].
     drag_impulse: Vec4, |s| s.hair_points;
-    /// What the density constraint moved a particle by in this step \[m\].
+    /// What friction of hair on hair asks of a hair point: how it slips, its multipliers, its strand.
+    rubbing: Rub, |s| s.hair_points;
+    /// Squeeze of a hair point between the points of other strands \[m/s\].
+    squeezed: f32, |s| s.hair_points;
+    /// Slip that friction holds a hair point back from, after this step \[m/s\].
+    grip: Vec4, |s| s.hair_points;
+    /// What the density constraint, and friction of hair on hair, moved a particle by in this step \[m\]; w: sum of the multipliers
+    /// times the relaxation \[kg m²\].
     correction: Vec4, |s| s.particles;
-    /// What one iteration of the density constraint moves a particle by \[m\].
+    /// What one iteration of the density constraint, or friction, moves a particle by \[m\]; w: the multiplier times the relaxation.
     shift: Vec4, |s| s.particles;
     /// Density of a particle over the rest density.
     density: f32, |s| s.particles;

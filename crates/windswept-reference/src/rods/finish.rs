@@ -78,8 +78,11 @@ pub fn still(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
     let rest = p.rest[s];
     // A strand that nothing holds may drift as slowly as it will.
     let held = m.points[hair.points(s).start].inverse_mass == 0.0;
-    let slow =
-        |point: &Point| point.velocity.length() <= rest.speed && point.push.length() <= rest.acceleration * p.step;
+    // What presses it as in the last step does not move it, however hard.
+    let slow = |point: &Point| {
+        let stir = point.velocity - point.change + point.push;
+        stir.length() <= rest.speed && point.push.length() <= rest.acceleration * p.step
+    };
     held && m.points[hair.points(s)].iter().all(slow)
         && m.segments[hair.segments(s)].iter().all(|segment| segment.angular_velocity.length() <= STILL_SPIN)
 }

@@ -16,6 +16,9 @@ use crate::{
     write::Writer,
 };
 
+/// Coulomb's coefficient of friction of hair on hair, where a scene says none.
+pub(crate) const FRICTION: f64 = 0.3;
+
 table! {
     /// One `[[hair]]`: a group of strands that share everything.
     #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +39,8 @@ table! {
         curl: Option<Curl> = Table, "", Absent("straight");
         /// Spread of the helices' phases over the strands, 0 to 1.
         curl_phase: f64 = NonNegative, "turns", Value(1.0);
+        /// Coulomb's coefficient of friction of the strands on other strands, of a pair the smaller one; two-way only.
+        friction: f64 = NonNegative, "", Value(FRICTION);
         /// Hold of the roots: in place and direction, in place, not at all.
         root: End = Choice(End::WORDS), "", Value(End::Clamped);
         /// Hold of the tips, as of the roots; clamped with rods.solver = "direct" only.

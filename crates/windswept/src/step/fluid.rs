@@ -15,6 +15,12 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
             r.run(&fluid::MOVE, "apply the shift", n.particles);
         });
     });
+    r.when(&plan.friction, |r| {
+        r.run(&fluid::SLIP, "how hair would slip", n.hair_points);
+        r.run(&fluid::SQUEEZE, "how hard strands are squeezed", n.hair_points);
+        r.run(&fluid::FRICTION, "friction of hair on hair", n.hair_points);
+        r.run(&fluid::MOVE, "apply what friction moves", n.hair_points);
+    });
     r.when(&plan.density_alone, |r| density(r, plan));
     r.when(&plan.air_first, |r| {
         r.run(&fluid::VELOCITY, "velocities of air", n.air());
