@@ -30,9 +30,17 @@ fn files(folder: &str, extension: &str) -> Vec<String> {
 }
 
 fn pages() -> Vec<String> {
-    let mut pages = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "benches/README.md"]
-        .map(str::to_owned)
-        .to_vec();
+    let mut pages = [
+        "README.md",
+        "ARCHITECTURE.md",
+        "CONTRIBUTING.md",
+        "CHANGELOG.md",
+        "benches/README.md",
+        "crates/README.md",
+        "python/README.md",
+    ]
+    .map(str::to_owned)
+    .to_vec();
     for folder in ["docs", "docs/decisions"] {
         pages.extend(files(folder, "md").iter().map(|name| format!("{folder}/{name}")));
     }

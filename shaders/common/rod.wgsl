@@ -12,7 +12,7 @@
 //   quiet        its equations already hold where it starts: the direct solver leaves it alone in this step
 //   still        slow, and not pushed, in this step
 //   asleep       still for so long that it is not integrated until something wakes it
-//   rescued      the direct solver left it torn: Gauss-Seidel solves it in this step, or it goes with its root as it is
+//   rescued      the direct solver did not solve it: Gauss-Seidel does in this step, or it is put, going with its root as it is
 //   put          placed instead of moved: it arrives without a velocity and remembers nothing
 //   reset        it was not finite: put into its rest shape
 //   teleported   its root jumped farther than it is long: put there in the shape that it had
@@ -121,7 +121,7 @@ struct PointHistory {
     grip: vec3f,        // m/s, slip that friction of hair on hair holds it back from
 }
 
-// The same of a segment.
+// What a segment keeps from step to step beside its frame and spin.
 struct SegmentHistory {
     turn: vec3f,               // rad, the last step's
     angular_velocity: vec3f,   // rad/s, of the step before

@@ -15,7 +15,7 @@ const EULER_STEP: u32 = 5u;      // a strand took implicit Euler where BDF2 is a
 const QUIET_STEP: u32 = 6u;      // a strand was where it had to be, and not solved
 const ASLEEP_STEP: u32 = 7u;     // a strand slept
 const TELEPORT: u32 = 8u;        // a strand moved as a whole with its root
-const RESCUED_STEP: u32 = 9u;    // the direct solver tore a strand, and Gauss-Seidel took it
+const RESCUED_STEP: u32 = 9u;    // the direct solver did not solve a strand: it was put as it is, or Gauss-Seidel took it
 const EXCHANGE_LIMITED: u32 = 10u;   // a hair point whose exchange with the air was limited
 const COUNTERS: u32 = 11u;
 

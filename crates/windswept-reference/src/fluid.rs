@@ -1,5 +1,5 @@
-//! Heading 3: hair and air as one position-based fluid (Macklin & Müller 2013), where a particle has a volume and, apart
-//! from it, an inertial mass.
+//! Heading 3: hair and air as position-based fluids (Macklin & Müller 2013), one for both or each for itself. A particle
+//! has a volume and, apart from it, an inertial mass.
 
 mod friction;
 

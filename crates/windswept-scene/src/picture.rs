@@ -105,7 +105,7 @@ impl Scene {
         };
         let fault = |needs: &str| Err(reader.fault("picture.air", format!("\"{}\" needs {needs}", air.word())));
         if !self.interaction.model.has_air() {
-            return fault("air particles: interaction.model = \"particles\"");
+            return fault("air particles: interaction.model = \"two-way\" or \"particles\"");
         }
         let (fluid, viscosity) = (&self.fluid, &self.viscosity);
         let near = fluid.iterations > 0 || viscosity.hair > 0.0 || viscosity.air > 0.0;

@@ -44,8 +44,8 @@ table! {
         text as "": Source = Text, "", Absent("");
         /// Free text, shown in reports.
         title: String = Text, "", Value(String::new());
-        /// Method that sets the defaults of six keys: rods.solver, rods.integrator, turbulence.law, .filter, .cutoff,
-        /// viscosity.form.
+        /// Method that sets the defaults of seven keys: interaction.model, rods.solver, rods.integrator, turbulence.law,
+        /// .filter, .cutoff, viscosity.form.
         method: Method = Choice(Method::WORDS), "", Value(Method::Accurate);
         /// Acceleration on hair; air has none.
         gravity: [f64; 3] = Vector, "m/s²", Value([0.0, -9.81, 0.0]);
@@ -60,7 +60,7 @@ table! {
         /// Wind and air particles.
         air: Option<Air> = Table, "", Absent("with model none only");
         /// Interaction of hair and air.
-        interaction: Interaction = Table, "", Absent("model particles");
+        interaction: Interaction = Table, "", Absent("its defaults");
         /// Density constraint (eq. 1).
         fluid: Fluid = Table, "", Absent("its defaults");
         /// Vorticity confinement (eqs. 2-6).
@@ -103,7 +103,7 @@ words! {
     pub enum Method {
         /// The best that exists (default).
         Accurate = "accurate",
-        /// The paper as printed, with the readings of `ARCHITECTURE.md`.
+        /// The paper as printed; `docs/decisions` says how its gaps are read.
         Published = "published",
     }
 }

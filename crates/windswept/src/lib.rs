@@ -1,7 +1,7 @@
 //! Hair in turbulent wind on the GPU.
 //!
-//! Strands are Cosserat rods; hair and air are one position-based fluid (Demura, Fujisawa & Mikawa 2019). The four things
-//! that a program does with this crate:
+//! Strands are Cosserat rods, air is particles of a position-based fluid, and each drags the other; in the method as
+//! published both are one fluid (Demura, Fujisawa & Mikawa 2019). The four things that a program does with this crate:
 //!
 //! * **Embed.** [`Gpu::new`] opens an adapter, [`Gpu::from_device`] takes a device that the program has already. A
 //!   [`windswept_scene::Scene`], read from a file or made in code, becomes a [`Simulation`], of the scene's own strands or of a

@@ -1,8 +1,8 @@
 //! Every buffer of the engine, in one table. Descriptions only; [`crate::gpu`] owns the memory.
 //!
 //! Hair points come first, root to tip and strand by strand, then air in the order of its stable ids. Positions are
-//! local: world minus the scene's origin. What is committed is written by the passes of heading 9, by `contact/place` and
-//! `contact/hair` (`touched`) and by the host between steps.
+//! local: world minus the scene's origin. Which passes write what lasts from step to step stands in
+//! `docs/decisions/engine.md`, under *Who writes what lasts*.
 
 use windswept_shaders::{
     common::{
@@ -104,7 +104,7 @@ macro_rules! state {
                 Self { $($name,)* }
             }
 
-            /// All of them, in the order of their slots.
+            /// Every buffer, in the order of their slots.
             #[must_use]
             pub fn arrays(&self) -> Vec<AnyArray> {
                 vec![$(*self.$name,)*]
@@ -134,7 +134,8 @@ state! {
     angular_velocity: Vec4, |s| s.segments;
     /// Health of a strand: not finite, over-strained, calm and still, in steps on end; as committed, and as this step found it.
     health: Health, |s| s.strands;
-    /// What a hair point remembers: the last move \[m\], the velocity before \[m/s\], what rounding left off the position \[m\].
+    /// What a hair point remembers: the last move \[m\], the velocity before \[m/s\], what rounding left off the position \[m\],
+    /// what acted on it from outside and from its own rod in the last step awake, its grip \[m/s\].
     point_history: PointHistory, |s| s.hair_points;
     /// What a segment remembers: the last turn \[rad\], the spin before \[rad/s\], the multipliers \[N m\].
     segment_history: SegmentHistory, |s| s.segments;

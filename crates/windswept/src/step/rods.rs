@@ -24,7 +24,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
             r.repeat(plan.newton_steps, |r| {
                 r.run(&rods::DIRECT, "Cosserat rods, solved directly", n.strands);
             });
-            r.run(&rods::RESCUE, "torn strands are left to Gauss-Seidel", n.strands);
+            r.run(&rods::RESCUE, "what the direct solver did not solve is rescued", n.strands);
         });
         // All strands, or those that were rescued. Short dispatches: see `rods::sweeps_per_dispatch`.
         r.repeat(plan.rod_dispatches, |r| {
