@@ -78,14 +78,12 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
         s.moment[k] = segment.moment;
         s.orientation[k] = segment.frame;
     }
-    for strand in 0..s.hair.len() {
-        for i in s.hair.points(strand) {
-            let (point, last) = (&w.moving.points[i], w.new_velocity[i]);
-            let anew = point.step.is_infinite();
-            s.travel[i] = if anew { p.step * last } else { point.travel };
-            let forgets = anew && !s.asleep[strand];
-            s.velocity_before[i] = if forgets { last } else { point.before + last - w.rod_velocity[i] };
-        }
+    for (i, point) in w.moving.points.iter().enumerate() {
+        let last = w.new_velocity[i];
+        let anew = point.step.is_infinite();
+        s.travel[i] = if anew { p.step * last } else { point.travel };
+        let forgets = anew && !s.asleep[p.strand_of[i]];
+        s.velocity_before[i] = if forgets { last } else { point.before + last - w.rod_velocity[i] };
     }
     if p.model != Model::Particles {
         for strand in (0..s.hair.len()).filter(|&strand| !s.asleep[strand]) {
