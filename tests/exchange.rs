@@ -33,7 +33,7 @@ macro_rules! checks {
 }
 
 checks! {
-    lone_strands_feel_the_law: "fixed-wide", "long: minutes of CPU time",
-    porous_strips_slow_a_channel: "strip", "long: minutes of CPU time",
-    bundles_shelter_their_fibres: "bundle", "long: minutes of CPU time",
+    lone_strands_feel_the_law: "fixed-wide", "long: 280 s of CPU time",
+    porous_strips_slow_a_channel: "strip", "long: 360 s of CPU time",
+    bundles_shelter_their_fibres: "bundle", "long: 870 s of CPU time",
 }
