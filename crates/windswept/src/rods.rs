@@ -69,7 +69,6 @@ pub(crate) fn strands(scene: &Scene, initial: &InitialState, motions: &Motions) 
             still_speed: rest.speed as f32,
             still_acceleration: rest.acceleration as f32,
             friction: hair.friction(s) as f32,
-            ..Strand::default()
         }
     };
     (0..hair.len()).map(strand).collect()
