@@ -108,6 +108,7 @@ def test_ends_are_held_as_they_say(bare):
         ("fibres_per_strand", 0),
         ("point_mass", 0.0),
         ("aspect", 1.5),
+        ("friction", -0.1),
         ("group", 0.5),
         ("group", [-1, 0, 0]),
         ("rest_curvature", np.zeros((2, 3))),

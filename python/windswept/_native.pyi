@@ -97,6 +97,7 @@ class Groom:
         point_mass: _Array | None = None,
         aspect: _Array = 1.0,
         tip_frame: _Array | None = None,
+        friction: _Array = 0.3,
     ) -> Self: ...
     def __len__(self) -> int: ...
 

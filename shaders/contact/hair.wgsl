@@ -11,29 +11,17 @@
 //
 // The pass goes through all bodies in order, twice, for points between two bodies.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::Strand,
+    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, owner::{strands, strand_of},
     body::{Placed, PUSHED, ROUNDS, surface, carried, entry}, status::frozen,
 };
 
 @group(0) @binding(3) var<storage, read>       position:  array<vec4f>;
-@group(0) @binding(4) var<storage, read>       strands:   array<Strand>;
 @group(0) @binding(5) var<storage, read>       placed:    array<Placed>;
 @group(0) @binding(6) var<storage, read_write> predicted: array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> touched:   array<atomic<u32>>;   // bits of each strand: PUSHED, MOVED
 
 const TOUCH: f32 = 1e-6;      // push that counts as a touch [lengths of the strand]; hair at rest on a body is off by rounding
 const RECOVERY: f32 = 0.2;   // speed at which a point that starts inside comes out [m/s]: slow enough not to throw the strand
-
-// The strand to which a point belongs: the last strand that starts at or before the point.
-fn strand_of(point: u32) -> u32 {
-    var low = 0u;
-    var high = params.strands;
-    while high - low > 1u {
-        let middle = (low + high) / 2u;
-        if strands[middle].first_point <= point { low = middle; } else { high = middle; }
-    }
-    return low;
-}
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {

@@ -2,14 +2,13 @@
 // its last step awake. The grip pulls with a quarter of the stiffness that one step bears: with it a point that sticks comes to
 // rest without swinging.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{PointHistory, Strand}, rub::Rub,
-    status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, owner::{strands, strand_of}, rod::PointHistory,
+    rub::Rub, status::frozen,
 };
 
 @group(0) @binding(3) var<storage, read>       velocity:      array<vec4f>;
-@group(0) @binding(4) var<storage, read>       correction:    array<vec4f>;   // xyz [m], w: sum of the multipliers [kg m^2]
-@group(0) @binding(5) var<storage, read>       point_history: array<PointHistory>;
-@group(0) @binding(6) var<storage, read>       strands:       array<Strand>;
+@group(0) @binding(5) var<storage, read>       correction:    array<vec4f>;   // xyz [m], w: sum of the multipliers [kg m^2]
+@group(0) @binding(6) var<storage, read>       point_history: array<PointHistory>;
 @group(0) @binding(7) var<storage, read_write> rubbing:       array<Rub>;
 @group(0) @binding(8) var<storage, read_write> grip:          array<vec4f>;   // m/s, before this step
 
@@ -33,15 +32,4 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         strand.first_point + strand.points,
         strand.friction,
     );
-}
-
-// The strand to which a point belongs: the last strand that starts at or before the point.
-fn strand_of(point: u32) -> u32 {
-    var low = 0u;
-    var high = params.strands;
-    while high - low > 1u {
-        let middle = (low + high) / 2u;
-        if strands[middle].first_point <= point { low = middle; } else { high = middle; }
-    }
-    return low;
 }

@@ -1,5 +1,6 @@
 // What hair points keep for the next step: their move, this step's first velocity with all that acted from outside since,
-// and what rounding leaves off the position. What was put somewhere starts anew.
+// and what rounding leaves off the position. What was put somewhere starts anew, but for a sleeper's velocity of the step before:
+// what presses a sleeper all the time must not kick it when it wakes, and BDF2 takes a third of the change of it.
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::{PUT, STAY}, rod::{RodPoint, PointHistory}, place::placed,
     status::frozen,
@@ -30,7 +31,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let own = select(new_velocity[p].xyz - point.before, vec3f(0.0), forgets || anew);
     point_history[p] = PointHistory(
         select(point.travel, params.step * last, anew),
-        select(point.before + last - new_velocity[p].xyz, last, anew),
+        select(point.before + last - new_velocity[p].xyz, last, anew && !stays),
         select(vec3f(0.0), left, untouched && !anew),
         select(outside, point_history[p].outside, stays),
         select(own, point_history[p].own, stays),

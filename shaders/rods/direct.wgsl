@@ -14,7 +14,7 @@
 // so that root to tip  D_k -= O_(k-1)^T U_(k-1), U = D^-1 O, y = D^-1 r  and tip to root  dmu_k = y_k - U_k dmu_(k+1).
 // One invocation per strand, done when its segments fit.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::{frozen, count, QUIET_STEP},
+    params::params, dispatch::{invocation, WORKGROUP}, status::{frozen, count, finite, QUIET_STEP},
     quaternion::{product, conjugate, rotate, rotation, tangent, matrix}, integration::response, load::damping_of,
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT},
 };
@@ -37,6 +37,7 @@ struct Factor {
 @group(0) @binding(7) var<storage, read_write> factors:      array<Factor>;
 
 const FITS: f32 = 1e-5;      // |C + alpha mu| of stretch-shear at which a strand is done
+const BROKEN: f32 = 1e30;    // misfit of what is not finite
 const QUIET: f32 = 1e-6;     // residual below which a strand need not be solved; see `quiet_below`
 // Added to the diagonal of J W J^T, in parts of it: keeps the system within what f32 resolves where segments are stiff and
 // short. Steps come out shorter by that much where they are the least certain; where a strand comes to rest stays the same.
@@ -271,6 +272,12 @@ fn eliminate(strand: Strand, rod: RodStrand) -> vec3f {
     return inverse(f) * (-bend - (transpose(p) * u.bend + transpose(q) * u.stretch));
 }
 
+// The larger misfit; `max` may drop what is not finite.
+fn worse(worst: f32, gap: vec3f) -> f32 {
+    let misfit = length(gap);
+    return max(worst, select(BROKEN, misfit, finite(misfit)));
+}
+
 // Tip to root: multipliers, and the moves that follow from them. Returns max |C + alpha mu| of stretch-shear afterwards.
 fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 {
     let last = strand.points - 1u;
@@ -297,14 +304,14 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
         rod_segments[j].frame = normalize(product(rotation(turn), rod_segments[j].start));
         rod_segments[j].force = own.force;
         rod_segments[j].moment = joint_before.moment;
-        if k < last { worst = max(worst, length(link(strand, k).gap)); }
+        if k < last { worst = worse(worst, link(strand, k).gap); }
         bend = bend_change;
         stretch = stretch_change;
         joint_after = joint_before;
         after = own;
     }
     rod_points[strand.first_point].travel += point_excess(strand.first_point, no_link(), after);
-    return max(worst, length(link(strand, 0u).gap));
+    return worse(worst, link(strand, 0u).gap);
 }
 
 @compute @workgroup_size(WORKGROUP)

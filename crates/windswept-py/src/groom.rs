@@ -31,6 +31,7 @@ use crate::{
 ///     point_mass: of every point [kg]. None: from density, radius and lengths.
 ///     aspect: semi-minor over semi-major axis of the cross-section, above 0, at most 1.
 ///     tip_frame: `(4,)` or `(strands, 4)` quaternion of a clamped tip. None: turned on by half a joint from the last segment.
+///     friction: Coulomb's coefficient of the strands on other strands, at least 0; model two-way only.
 ///
 /// Raises:
 ///     ValueError: a wrong shape or dtype, a NaN; names the argument.
@@ -48,10 +49,10 @@ impl Groom {
     #[pyo3(signature = (
         points, offsets=None, group=None, radius=None, density=None, youngs_modulus=None, poissons_ratio=None,
         rest_curvature=None, root_frame=None, root=None, tip=None, fibres_per_strand=None, point_mass=None, aspect=None,
-        tip_frame=None
+        tip_frame=None, friction=None
     ), text_signature = "(points, offsets=None, group=None, radius=4e-5, density=1320.0, youngs_modulus=4e9, \
         poissons_ratio=0.38, rest_curvature=None, root_frame=None, root='clamped', tip='free', fibres_per_strand=1.0, \
-        point_mass=None, aspect=1.0, tip_frame=None)")]
+        point_mass=None, aspect=1.0, tip_frame=None, friction=0.3)")]
     fn new(
         py: Python<'_>,
         points: &Bound<'_, PyAny>,
@@ -69,6 +70,7 @@ impl Groom {
         point_mass: Option<&Bound<'_, PyAny>>,
         aspect: Option<&Bound<'_, PyAny>>,
         tip_frame: Option<&Bound<'_, PyAny>>,
+        friction: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let (points, offsets) = strands(points, offsets)?;
         let mut groom = windswept_scene::Groom::new(points, offsets);
@@ -100,6 +102,9 @@ impl Groom {
         }
         groom.root_frame = root_frame.map(|value| frames("root_frame", value)).transpose()?;
         groom.tip_frame = tip_frame.map(|value| frames("tip_frame", value)).transpose()?;
+        if let Some(value) = friction {
+            groom.friction = scalars("friction", value)?;
+        }
         if let Some(value) = root {
             groom.root = ends("root", value)?;
         }

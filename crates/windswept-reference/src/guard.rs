@@ -64,7 +64,9 @@ pub fn check(p: &Parameters, bad: &[bool], positions: &[DVec3], velocities: &[DV
 }
 
 /// Commits what a step arrived at: it becomes the state, and air is wrapped into the box. Hair remembers its move, and the
-/// velocities that it had with all that acted from outside since; what was put somewhere starts anew.
+/// velocities that it had with all that acted from outside since. What was put somewhere starts anew, but for a sleeper's
+/// velocity of the step before: what presses a sleeper all the time must not kick it when it wakes, and BDF2 takes a third of
+/// the change of it.
 pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
     for (k, segment) in w.moving.segments.iter().enumerate() {
         let turn = rods::rotation_vector(segment.frame * segment.start.conjugate());
@@ -80,7 +82,8 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
         let last = w.new_velocity[i];
         let anew = point.step.is_infinite();
         s.travel[i] = if anew { p.step * last } else { point.travel };
-        s.velocity_before[i] = if anew { last } else { point.before + last - w.rod_velocity[i] };
+        let forgets = anew && !s.asleep[p.strand_of[i]];
+        s.velocity_before[i] = if forgets { last } else { point.before + last - w.rod_velocity[i] };
     }
     if p.model != Model::Particles {
         for strand in (0..s.hair.len()).filter(|&strand| !s.asleep[strand]) {

@@ -124,7 +124,7 @@ impl Parameters {
             rest_density: air.map_or(0.0, |air| air.rest_density),
             kinematic_viscosity: air.map_or(0.0, |air| air.kinematic_viscosity),
             lift: scene.interaction.lift,
-            friction: (0..initial.hair.len()).map(|s| initial.hair.friction(s, scene)).collect(),
+            friction: (0..initial.hair.len()).map(|s| initial.hair.friction(s)).collect(),
             fluid_iterations: scene.fluid.iterations,
             relaxation: scene.fluid.relaxation,
             tension: scene.fluid.tension,

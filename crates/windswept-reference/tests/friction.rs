@@ -126,17 +126,18 @@ fn strands(at: &[DVec3], held: bool) -> Strands {
     all
 }
 
+/// Distance of strands in a bed [m]: as dense as they stand by themselves.
+const GAP: f64 = 3.5e-3;
+
 /// A strand on a bed of held ones, all along the slope: acceleration [m/s²] and speed [m/s] at the end of 0.3 s.
 fn slides(tangent: f64) -> (f64, f64) {
-    // As dense as strands stand by themselves.
-    let gap = 3.5e-3;
     let part = LENGTH * (1.0 + 1.0 / SEGMENTS as f64);
     let rows = (0..4 * 7 * 3).map(|k| (k % 3, k / 3 % 7, k / 21));
     let mut at: Vec<DVec3> = rows
-        .map(|(x, z, y)| DVec3::new(part * (f64::from(x) - 1.0), -gap * f64::from(y), gap * f64::from(z)))
+        .map(|(x, z, y)| DVec3::new(part * (f64::from(x) - 1.0), -GAP * f64::from(y), GAP * f64::from(z)))
         .collect();
     let bed = strands(&at, true);
-    at = vec![DVec3::new(0.0, 2e-3, 3.0 * gap)];
+    at = vec![DVec3::new(0.0, 2e-3, 3.0 * GAP)];
     let mut hair = bundle(&[bed.clone(), strands(&at, false)]);
     hair.ends = vec![Ends { root: End::Free, tip: End::Free, ..Ends::default() }; hair.point_offsets.len() - 1];
     let (sin, cos) = tangent.atan().sin_cos();
@@ -176,4 +177,66 @@ fn a_strand_slides_above_mu() {
     assert!((above - coulomb(0.36)).abs() < 0.05, "{above}");
     // Falling free it would have 0.7 m/s. Measured 1e-6 m/s and less.
     assert!(below.abs() < 1e-4 && creeps.abs() < 1e-5, "{below}, {creeps}");
+}
+
+/// A mat of strands, clamped at their roots, that lie on a bed of held ones: their number that sleeps after some seconds, and how
+/// far they came after the first two of them, in lengths.
+fn lies(strand_count: usize, damping: f64, seconds: f64) -> (usize, f64) {
+    let rod = Rod {
+        segments: SEGMENTS,
+        length: LENGTH,
+        gamma: 10.0,
+        darboux: DVec3::ZERO,
+        root_frame: DQuat::from_rotation_y(FRAC_PI_2),
+    };
+    let part = LENGTH * (1.0 + 1.0 / SEGMENTS as f64);
+    let rows = (0..2 * 9 * 2).map(|k| (k % 2, k / 2 % 9, k / 18));
+    let at: Vec<DVec3> = rows
+        .map(|(x, z, y)| DVec3::new(part * (f64::from(x) - 0.5), -GAP * f64::from(y), GAP * f64::from(z)))
+        .collect();
+    let bed = strands(&at, true);
+    let mat: Vec<_> = (0..strand_count)
+        .map(|k| {
+            let mut one = rod.strand(DVec3::new(0.0, 3e-3, GAP * (2.5 + k as f64)));
+            one.volume.fill(bed.volume[0]);
+            one
+        })
+        .collect();
+    let mut hair = bundle(&[&[bed.clone()], mat.as_slice()].concat());
+    hair.ends = [bed.ends.clone(), vec![Ends::default(); strand_count]].concat();
+    let text = format!(
+        "gravity = [0.0, -9.81, 0.0]\n[rods]\ndamping = {damping}\n[time]\nstep = 2e-3\nduration = 1.0\n\
+         [viscosity]\nhair = 0.1\n\
+         [air]\nbox = {{ min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 1.0] }}\nwind = [0.0, 0.0, 0.0]\n\
+         [interaction]\nmodel = \"two-way\"\n[fluid]\niterations = 4\n"
+    );
+    let initial = InitialState { hair, ..support::air(DVec3::ONE, vec![DVec3::new(0.5, 0.9, 0.5)]) };
+    let mut p = Parameters::new(&Scene::parse(&text).unwrap(), &initial);
+    p.friction.fill(MU);
+    let mut state = State::new(&initial, p.step);
+    let mut run = |steps: usize| {
+        (0..steps).for_each(|_| step(&mut state, &p).unwrap());
+        state.clone()
+    };
+    let settled = run((2.0 / p.step) as usize);
+    let after = run(((seconds - 2.0) / p.step) as usize);
+    let asleep = after.asleep[at.len()..].iter().filter(|asleep| **asleep).count();
+    (asleep, support::apart(&after.position, &settled.position) / LENGTH)
+}
+
+/// A mat of strands that rub comes to rest, stays where it is, and falls asleep.
+#[test]
+fn a_mat_sleeps() {
+    let (asleep, creeps) = lies(2, 20.0, 5.0);
+    println!("{asleep} of 2 sleep, {creeps:.1e} L");
+    assert!(asleep == 2 && creeps < 1e-4);
+}
+
+/// A larger mat, with less to brake it, does so for ten seconds.
+#[test]
+#[ignore = "long: 20 s of CPU time"]
+fn a_large_mat_sleeps() {
+    let (asleep, creeps) = lies(4, 5.0, 12.0);
+    println!("{asleep} of 4 sleep, {creeps:.1e} L in 10 s");
+    assert!(asleep == 4 && creeps < 1e-4);
 }

@@ -7,7 +7,7 @@ use crate::{
     error::SceneError,
     initial::{End, Strands},
     limits::{LARGEST, MAGNITUDES, MOST_HAIR_POINTS, MOST_POINTS_OF_A_STRAND},
-    scene::{CLAMPED_TIP, Fibre, Scene, Solver},
+    scene::{CLAMPED_TIP, FRICTION, Fibre, Scene, Solver},
     strand::{Parcel, Shape, frame, turn},
 };
 
@@ -45,6 +45,8 @@ pub struct Groom {
     pub root_frame: Option<PerStrand<[f64; 4]>>,
     /// Frame of a clamped tip (x, y, z, w); `None`: as far turned from the last segment as it is from the point before.
     pub tip_frame: Option<PerStrand<[f64; 4]>>,
+    /// Coulomb's coefficient of friction of the strands on other strands, of a pair the smaller one.
+    pub friction: PerStrand<f64>,
     /// Hold of the roots.
     pub root: PerStrand<End>,
     /// Hold of the tips; clamped with the direct solver only.
@@ -167,6 +169,7 @@ impl Groom {
             rest_curvature: None,
             root_frame: None,
             tip_frame: None,
+            friction: FRICTION.into(),
             root: End::Clamped.into(),
             tip: End::Free.into(),
         }
@@ -199,6 +202,7 @@ impl Groom {
                 .map_or(Ok(()), |frames| frames.check(name, strands, "a quaternion (x, y, z, w), not 0", rotates))?;
         }
         self.group.check("group", strands, "", |_| true)?;
+        self.friction.check("friction", strands, "a number of at least 0", |mu| *mu >= 0.0 && mu.is_finite())?;
         self.root.check("root", strands, "", |_| true)?;
         self.tip.check("tip", strands, "", |_| true)?;
         self.check_curvature()
@@ -296,6 +300,7 @@ impl Groom {
         for s in 0..self.len() {
             self.shape(s).append(&self.fibre.get(s), scene.rods.inextensible, parcel, &mut all);
             all.group.push(self.group.get(s));
+            all.friction.push(self.friction.get(s));
         }
         Ok(all)
     }

@@ -36,6 +36,7 @@ pub(crate) fn strands(scene: &Scene, parcel: Parcel, warnings: &mut Vec<String>)
             let root_frame = turn * hair.root_frame(axis, phase);
             hair.shape(root, root_frame, length).append(&hair.fibre, scene.rods.inextensible, parcel, &mut all);
             all.group.push(group as u32);
+            all.friction.push(hair.friction);
         }
         let turn = darboux(hair.curl).length() * hair.length / f64::from(hair.points - 1);
         if turn > COARSE_TURN {

@@ -39,6 +39,8 @@ pub struct Strands {
     pub point_offsets: Vec<u32>,
     /// Per strand: index into `Scene::hair`, or a [`Groom`]'s own number.
     pub group: Vec<u32>,
+    /// Per strand: Coulomb's coefficient of friction on other strands; empty for the default, 0.3, of all.
+    pub friction: Vec<f64>,
     /// Per point: position \[m\].
     pub positions: Vec<DVec3>,
     /// Per point: velocity \[m/s\].
@@ -183,10 +185,10 @@ impl Strands {
         scene.hair.get(*self.group.get(s)? as usize)
     }
 
-    /// Coulomb's μ of strand `s` on other strands: its group's, or the default where it has none.
+    /// Coulomb's coefficient of friction of strand `s` on other strands.
     #[must_use]
-    pub fn friction(&self, s: usize, scene: &Scene) -> f64 {
-        self.group(s, scene).map_or(FRICTION, |hair| hair.friction)
+    pub fn friction(&self, s: usize) -> f64 {
+        self.friction.get(s).copied().unwrap_or(FRICTION)
     }
 
     /// The key that strand `s` comes from: `hair.NAME`, or `groom` where the scene has no hair.
@@ -227,8 +229,16 @@ impl Strands {
                 return fault(format!("{name}: expected {expected} rows, found {found}"));
             }
         }
-        if !self.ends.is_empty() && self.ends.len() != strands {
-            return fault(format!("ends: expected {strands} rows or none, found {}", self.ends.len()));
+        for (name, found) in [("ends", self.ends.len()), ("friction", self.friction.len())] {
+            if found != 0 && found != strands {
+                return fault(format!("{name}: expected {strands} rows or none, found {found}"));
+            }
+        }
+        if let Some(s) = (0..strands).find(|&s| !(self.friction(s) >= 0.0 && self.friction(s).is_finite())) {
+            return fault(format!(
+                "friction: expected numbers of at least 0, found {} of strand {s}",
+                self.friction(s)
+            ));
         }
         let overheld = |s: &usize| {
             let (ends, segments) = (self.points(*s), self.segments(*s));

@@ -183,6 +183,17 @@ fn ends_hold_what_they_say() {
     assert!(brush.hair.inverse_mass[0] > 0.0 && brush.hair.inverse_mass[10] == 0.0);
 }
 
+#[test]
+fn strands_have_the_friction_of_their_groom() {
+    let of = |friction: PerStrand<f64>| {
+        let hair = InitialState::with_groom(&bare(), &Groom { friction, ..two() }).unwrap().hair;
+        [hair.friction(0), hair.friction(1)]
+    };
+    assert_eq!(of(two().friction), [0.3, 0.3]);
+    assert_eq!(of(0.0.into()), [0.0, 0.0]);
+    assert_eq!(of(vec![0.1, 0.7].into()), [0.1, 0.7]);
+}
+
 /// The key is the argument.
 #[test]
 fn faults_name_the_argument() {
@@ -227,6 +238,7 @@ fn faults_name_the_argument() {
         (edit(&|g| g.root = vec![End::Free].into()), "groom.root", "found 1"),
         (edit(&|g| g.root_frame = Some([0.0; 4].into())), "groom.root_frame", "not 0"),
         (edit(&|g| g.tip_frame = Some([f64::NAN; 4].into())), "groom.tip_frame", "not 0"),
+        (edit(&|g| g.friction = (-0.1).into()), "groom.friction", "at least 0"),
         (
             edit(&|g| g.rest_curvature = Some(RestCurvature::Joints(vec![[0.0; 3]; 11]))),
             "groom.rest_curvature",

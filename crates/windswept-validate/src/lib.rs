@@ -88,8 +88,11 @@ pub const CHECKS: &[Check] = &[
 ];
 
 /// Checks that take minutes on a software adapter; `tests/exchange.rs` asserts them.
-pub const LONG_CHECKS: &[Check] =
-    &[Check { name: "strip", run: exchange::strip }, Check { name: "fixed-wide", run: exchange::fixed_wide }];
+pub const LONG_CHECKS: &[Check] = &[
+    Check { name: "fixed-wide", run: exchange::fixed_wide },
+    Check { name: "strip", run: exchange::strip },
+    Check { name: "bundle", run: exchange::bundle },
+];
 
 /// A check that could not be done.
 #[derive(Debug, thiserror::Error)]

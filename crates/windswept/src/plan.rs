@@ -125,7 +125,7 @@ impl Plan {
             "neither density nor viscosity nor turbulence nor hair asks for neighbours",
         ));
         let fluid = air.and(Decision::when(solved, "fluid.iterations is 0"));
-        let rough = (0..initial.hair.len()).any(|s| initial.hair.friction(s, scene) > 0.0);
+        let rough = (0..initial.hair.len()).any(|s| initial.hair.friction(s) > 0.0);
         let friction = hair
             .and(fluid.clone())
             .and(Decision::when(two_way, "only with interaction.model two-way does hair press on hair alone"))

@@ -68,7 +68,7 @@ pub(crate) fn strands(scene: &Scene, initial: &InitialState, motions: &Motions) 
             keyframes: keyframes.end - keyframes.start,
             still_speed: rest.speed as f32,
             still_acceleration: rest.acceleration as f32,
-            friction: hair.friction(s, scene) as f32,
+            friction: hair.friction(s) as f32,
         }
     };
     (0..hair.len()).map(strand).collect()
