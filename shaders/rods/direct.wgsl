@@ -51,7 +51,7 @@ fn diagonal(v: vec3f) -> mat3x3f {
     return mat3x3f(vec3f(v.x, 0.0, 0.0), vec3f(0.0, v.y, 0.0), vec3f(0.0, 0.0, v.z));
 }
 
-// Of a symmetric positive definite matrix, by the adjugate; scaled, so that the determinant stays in the range of f32.
+// Inverse of a symmetric positive definite matrix, by the adjugate; scaled, so that the determinant stays in the range of f32.
 fn inverse(m: mat3x3f) -> mat3x3f {
     let scale = 1.0 / (m[0].x + m[1].y + m[2].z);
     let a = scale * m;
@@ -76,7 +76,7 @@ fn joint_between(before: vec4f, after: vec4f, rest: vec4f, compliance: vec3f, mo
     return Joint(gap, gradient, compliance, moment);
 }
 
-// Its rows of the system are then 1 dmu = 0.
+// A joint where nothing joins: its rows of the system are 1 dmu = 0.
 fn no_joint() -> Joint {
     return Joint(vec3f(0.0), mat3x3f(), vec3f(1.0), vec3f(0.0));
 }

@@ -81,8 +81,8 @@ fn rested(steps: u32) -> bool {
     return steps >= STILL_STEPS && f32(steps) * params.step >= STILL_TIME;
 }
 
-// By what acts from outside in this step and did not in the last one awake; a sleeper has no velocity but what viscosity gave
-// it since.
+// Whether something pushes the strand: what acts from outside in this step and did not in the last one awake. A sleeper has
+// no velocity but what viscosity gave it since.
 fn pushed(strand: Strand, asleep: bool) -> bool {
     for (var k = 0u; k < strand.points; k++) {
         let point = rod_points[strand.first_point + k];

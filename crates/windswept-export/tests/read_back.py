@@ -30,13 +30,13 @@ if kind == "air":
 if kind == "hair":
     segments = np.fromfile(folder / "orientations.f32", np.float32).reshape(steps, -1, 4)
     strands = len(offsets) - 1
-    # Per point, written here in another way than in the crate.
+    # Segment of each point: its own, the last one for the tip; written here in another way than in the crate.
     of_point = [p - s - (p == last - 1) for s, (first, last) in enumerate(zip(offsets, offsets[1:])) for p in range(first, last)]
     orientations = segments[:, of_point]
 
 
 def equal(found, expected, what):
-    """Same shape and same bits."""
+    """Ends the program unless `found` has the shape, type and bits of `expected`."""
     found = np.ascontiguousarray(found)
     if found.shape != expected.shape or found.dtype != expected.dtype or found.tobytes() != expected.tobytes():
         sys.exit(f"{what}: found {found.dtype}{found.shape}\n{found}\nexpected {expected.dtype}{expected.shape}\n{expected}")

@@ -344,12 +344,12 @@ impl Simulation {
         PyArray1::from_vec(py, drawn.into_raw()).reshape([height, width, 4])
     }
 
-    /// Not in this version.
+    /// Saves the state to a file; not in this version: raises `NotInThisVersion`.
     fn save(&self, path: PathBuf) -> PyResult<()> {
         Err(NotInThisVersion::new_err(format!("save({}): not in this version", path.display())))
     }
 
-    /// Not in this version.
+    /// Loads a simulation from a saved state; not in this version: raises `NotInThisVersion`.
     #[staticmethod]
     #[pyo3(signature = (path, adapter=None))]
     fn load(path: PathBuf, adapter: Option<&str>) -> PyResult<Self> {

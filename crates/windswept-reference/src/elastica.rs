@@ -82,14 +82,14 @@ impl Hair {
         [normal * angle.cos() + friction * angle.sin(), normal * angle.sin() - friction * angle.cos()]
     }
 
-    /// d/ds of all.
+    /// Derivatives d/ds of all that is followed along the hair.
     fn slope(&self, y: &Along) -> Along {
         let (sin, cos) = y[0].sin_cos();
         let drag = self.drag(y[0]);
         [y[1], -(y[2] * cos + y[3] * sin) / self.bend_stiffness(), -drag[0], -(drag[1] - self.weight()), sin, -cos]
     }
 
-    /// From a tip at `angle` back to the root, tip first.
+    /// States along the hair, from a tip at `angle` back to the root, tip first.
     fn shoot(&self, angle: f64) -> Vec<Along> {
         let h = -self.length / PARTS as f64;
         let mut all = vec![[angle, 0.0, 0.0, 0.0, 0.0, 0.0]];

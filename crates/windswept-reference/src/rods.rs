@@ -30,12 +30,12 @@ pub const STRAINED: f64 = 0.5;
 pub const STRAINED_STEPS: u32 = 50;
 /// Gap |C| of stretch-shear where velocities lead, beyond which a strand is not calm.
 pub const TORN: f64 = 0.1;
-/// Gap |C + α μ| of stretch-shear at which the direct solver has torn a strand.
-pub const RESCUED: f64 = 1.0;
+/// Gap |C + α μ| of stretch-shear from which the direct solver has lost a strand.
+pub const LOST: f64 = 1.0;
 /// Gap |C + α μ| that the direct solver may leave in a calm strand.
 pub const MISFIT: f64 = 1e-2;
 /// Steps on end in which velocities must lead a strand without tearing it before BDF2 may go on.
-pub const CALM: u32 = 3;
+pub const CALM_STEPS: u32 = 3;
 /// Resistance Δt w D_n from which on a strand in the wind takes Euler.
 pub const STORMY: f64 = 1.0 / 3.0;
 /// Move of a free point by its load that any whole strand bears in a step, over the length of the strand.

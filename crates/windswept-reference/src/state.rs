@@ -39,7 +39,7 @@ pub struct State {
     pub clamps: Vec<(DVec3, DQuat)>,
     /// Place \[m\] and ghost frame to which each root goes in the next step, and stays.
     pub root_targets: Vec<(DVec3, DQuat)>,
-    /// Number of steps on end in which each strand was calm, [`crate::rods::CALM`] at most.
+    /// Number of steps on end in which each strand was calm, [`crate::rods::CALM_STEPS`] at most.
     pub calm: Vec<u32>,
     /// Farthest free move of each strand in the step before \[m\].
     pub reach: Vec<f64>,

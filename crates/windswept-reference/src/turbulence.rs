@@ -19,9 +19,9 @@ use crate::{
 /// Coefficient ε of the published law, read as an acceleration: a = ε ê (N × ω).
 const PUBLISHED_GAIN: f64 = 0.008;
 /// Millimetres in a metre.
-const MM: f64 = 1e3;
+pub const MM: f64 = 1e3;
 /// Milligrams in a kilogram.
-const MG: f64 = 1e6;
+pub const MG: f64 = 1e6;
 /// Part of a band's own velocity that a step may change it by.
 const LARGEST_CHANGE: f64 = 0.12;
 

@@ -102,9 +102,9 @@ pub(crate) trait Keys: Sized {
 
 /// A value that one key spells.
 pub(crate) trait Leaf: Sized {
-    /// From a checked value of the document; `None` for one of another type.
+    /// The value from a checked one of the document; `None` for one of another type.
     fn take(datum: &Datum) -> Option<Self>;
-    /// As TOML.
+    /// The value as TOML.
     fn toml(&self) -> Toml;
     /// Whether its key takes it.
     fn fits(&self, _kind: Kind) -> bool {
@@ -265,7 +265,7 @@ pub(crate) fn misfit_of_leaf<T: Leaf + std::fmt::Debug>(value: &T, key: &'static
     (!value.fits(kind)).then(|| Misfit { key, expected: expected(), found: format!("{value:?}") })
 }
 
-/// As short as reads back to the same bits: 1.46e-7, not 0.000000146.
+/// A number as TOML, as short as reads back to the same bits: 1.46e-7, not 0.000000146.
 fn number(x: f64) -> Toml {
     format!("{x:?}").parse().unwrap_or_else(|_| x.into())
 }

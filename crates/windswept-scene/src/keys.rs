@@ -57,9 +57,9 @@ pub enum Fallback<T> {
 pub struct Key {
     /// Dotted path without indices and names: `turbulence.bands.scale`.
     pub path: String,
-    /// What it takes.
+    /// Values that the key takes.
     pub kind: Kind,
-    /// What it is without being spelled, as TOML.
+    /// Value of the key where the file does not spell it, as TOML.
     pub default: Fallback<String>,
     /// Unit; empty for none.
     pub unit: &'static str,

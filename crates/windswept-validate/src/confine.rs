@@ -4,7 +4,10 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use glam::DVec3;
 use windswept::{Gpu, internals::step};
-use windswept_reference::{neighbours, turbulence};
+use windswept_reference::{
+    neighbours,
+    turbulence::{self, MG, MM},
+};
 use windswept_scene::Scene;
 
 use crate::{
@@ -29,10 +32,6 @@ const STRENGTH: f64 = 10.0;
 const STRONG: f64 = 200.0;
 /// U \[m/s\] and I of the band law.
 const LAW: (f64, f64) = (0.1, 0.5);
-/// Millimetres in a metre.
-const MM: f64 = 1e3;
-/// Milligrams in a kilogram.
-const MG: f64 = 1e6;
 
 /// Laws: whether it is the published one, and its name in the rows.
 const LAWS: [(bool, &str); 2] = [(false, "band"), (true, "published")];

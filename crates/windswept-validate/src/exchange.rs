@@ -13,7 +13,7 @@ use crate::{
 };
 
 const SINGLE: &str = "the law at the wind's speed; own wake taken out; the bound is 0.98 to 1.005";
-const LOCK: &str = "no formula: measured in a prototype, 0.70 to 0.78; self-shielding of a lock 1.3 h wide; the tolerance covers \
+const LOCK: &str = "no formula: an earlier program of the same model has 0.70 to 0.78; self-shielding of a lock 1.3 h wide; the tolerance covers \
     0.68 to 0.80";
 const POROUS: &str = "porous strip of k = f F_1(u)/(1/2 rho u² 1.3 h) across this box (Taylor 1944; Garrett & Cummins 2007); the width is fitted";
 const STRIP: &str = "k (u/U)² of Taylor 1944 in a channel (Garrett & Cummins 2007), blockage 0.222, on the measured flux; at 1.38 ms the \

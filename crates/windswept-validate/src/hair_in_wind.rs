@@ -82,7 +82,7 @@ impl Blown<'_> {
         Ok(Scene::parse(&text)?)
     }
 
-    /// In the model `drag`, so long after the wind has set in \[s\].
+    /// The hair in the model `drag`, at a time after the wind has set in \[s\].
     fn after(&self, gpu: &Gpu, time: f64) -> Result<Simulation, Error> {
         let scene = self.scene(DVec3::ZERO, "")?;
         let mut simulation = Simulation::new(gpu, &scene)?;
@@ -90,7 +90,7 @@ impl Blown<'_> {
         Ok(simulation)
     }
 
-    /// In the model `two-way`, from the shape in which it rests in `drag`, in a box of so many spacings of air.
+    /// The hair in the model `two-way`, from the shape in which it rests in `drag`, in a box of so many spacings of air.
     fn in_air(&self, gpu: &Gpu, cells: [usize; 3]) -> Result<Simulation, Error> {
         let settled = Self::drag(self.hair, 1.38e-3).after(gpu, 0.6)?.frame()?.hair;
         let cloud = Cloud::lattice(cells, SIMPLE).jittered(0.05, 7).moving(|_| DVec3::X * self.hair.wind);
@@ -181,7 +181,7 @@ pub(crate) fn prescribed(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// Where it stands in air that it slows, and how little it trembles.
+/// Rows of where the hair stands in air that it slows, and how little it trembles.
 pub(crate) fn two_way(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for row in tables::hair_in_wind().iter().filter(|row| row.gravity > 0.0) {

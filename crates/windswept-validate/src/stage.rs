@@ -5,7 +5,7 @@ use windswept::{
     Gpu,
     internals::{self, Array, Engine, Plan, Recorder, Setup},
 };
-use windswept_reference::{Parameters, State, rods::CALM};
+use windswept_reference::{Parameters, State, rods::CALM_STEPS};
 use windswept_scene::{InitialState, Scene};
 use windswept_shaders::common::rod::{Condition, Health};
 
@@ -39,10 +39,10 @@ impl Stage {
 
     /// Counts the strands as calm for long enough that BDF2 takes them from here on, where the scene says so.
     pub(crate) fn calm(&mut self) -> Result<(), Error> {
-        let committed = Condition { calm: CALM, ..Condition::default() };
+        let committed = Condition { calm: CALM_STEPS, ..Condition::default() };
         let health = vec![Health { committed, ..Health::default() }; self.twin.calm.len()];
         self.engine.write(&self.engine.state().health, &health)?;
-        self.twin.calm.fill(CALM);
+        self.twin.calm.fill(CALM_STEPS);
         Ok(())
     }
 

@@ -28,49 +28,49 @@ pub struct Plan {
     pub rod_dispatches: u32,
     /// Newton steps of the direct solver, at most.
     pub newton_steps: u32,
-    /// Are rods solved by the direct solver?
+    /// Whether rods are solved by the direct solver.
     pub direct: Decision,
-    /// Does hair meet air particles?
+    /// Whether hair meets air particles.
     pub hair_meets_air: Decision,
-    /// Are there strands?
+    /// Whether there are strands.
     pub hair: Decision,
-    /// Are there air particles?
+    /// Whether there are air particles.
     pub air: Decision,
-    /// Is there a wind at all, for air or hair?
+    /// Whether there is a wind at all, for air or hair.
     pub blows: Decision,
-    /// Does a wind blow over air particles?
+    /// Whether a wind blows over air particles.
     pub wind: Decision,
-    /// Do particles meet?
+    /// Whether particles meet, so that the neighbour list is made.
     pub neighbours: Decision,
-    /// Is the density constraint solved?
+    /// Whether the density constraint is solved.
     pub fluid: Decision,
-    /// Is density needed although the constraint is not solved?
+    /// Whether density is needed although the constraint is not solved.
     pub density_alone: Decision,
-    /// Does air or the mean wind drag segments?
+    /// Whether air or the mean wind drags segments.
     pub drag: Decision,
-    /// Does air have its velocity before hair feels it?
+    /// Whether the moves of the density constraint become the air's velocity before the rods, in heading 3.
     pub air_first: Decision,
-    /// Does air have its velocity when hair has its own?
+    /// Whether the moves of the density constraint become the air's velocity after the rods, in heading 6.
     pub air_last: Decision,
-    /// Do hair and air particles exchange drag?
+    /// Whether hair and air particles exchange drag.
     pub exchange: Decision,
-    /// Is any band strengthened?
+    /// Whether any band is strengthened.
     pub turbulence: Decision,
-    /// Is the confinement that of the paper as printed?
+    /// Whether the confinement is that of the paper as printed.
     pub published_law: bool,
-    /// Is the velocity of a band summed over all pairs?
+    /// Whether the velocity of a band is summed over all pairs.
     pub direct_filter: Decision,
-    /// Is it found on a grid?
+    /// Whether the velocity of a band is found on a grid.
     pub grid_filter: Decision,
     /// Bands of eddies, in the order in which they run.
     pub bands: Vec<BandPlan>,
-    /// Does hair rub on hair?
+    /// Whether hair rubs on hair.
     pub friction: Decision,
-    /// XSPH.
+    /// Whether neighbours exchange velocity by XSPH.
     pub viscosity: Decision,
-    /// Can XSPH overshoot?
+    /// Whether XSPH can overshoot, so that its limiter runs.
     pub limiter: Decision,
-    /// Is there a body to stay out of?
+    /// Whether there is a body to stay out of.
     pub bodies: Decision,
 }
 
@@ -79,7 +79,7 @@ pub struct Plan {
 pub struct BandPlan {
     /// Index into the scene's bands.
     pub index: usize,
-    /// Does it run?
+    /// Whether the band is strengthened.
     pub runs: Decision,
     /// Element of `band` with its law.
     pub law: Index<Band>,
@@ -87,7 +87,7 @@ pub struct BandPlan {
     pub tasks: Vec<(Index<Band>, u32)>,
     /// Element of `params` with the cells of its grid.
     pub cells: Index<Params>,
-    /// Does it need a grid of its own? Close bands share one.
+    /// Whether the band fills a grid of its own; close bands share one.
     pub deposit: Decision,
     /// Invocations of the deposit.
     pub blocks: u32,
@@ -131,8 +131,14 @@ impl Plan {
             .and(Decision::when(two_way, "only with interaction.model two-way does hair press on hair alone"))
             .and(Decision::when(rough, "hair.friction is 0"));
         let hair_meets_air = hair.and(neighbours.clone());
-        let air_first = air.and(Decision::when(two_way, "hair is in air's density constraint: see heading 6"));
-        let air_last = air.and(Decision::when(!two_way, "hair has felt them: see heading 3"));
+        let air_first = air.and(Decision::when(
+            two_way,
+            "air gets its velocity after the rods, in heading 6, unless interaction.model is two-way",
+        ));
+        let air_last = air.and(Decision::when(
+            !two_way,
+            "interaction.model is two-way: air got its velocity before the rods, in heading 3",
+        ));
         let direct = scene.rods.solver == Solver::Direct;
         let viscosity = air.and(Decision::when(viscous, "viscosity.hair and viscosity.air are 0"));
         let density_alone = viscosity.and(Decision::when(!solved, "the density constraint has it already"));
@@ -191,7 +197,7 @@ fn wind(scene: &Scene, air: &Decision, drag: &Decision) -> (Decision, Decision) 
     (if air.runs || drag.runs { blows } else { air.and(drag.clone()) }, wind)
 }
 
-/// In the order in which they run: those that share a grid follow one another. At least one, so that the plan always names
+/// Bands in the order in which they run: those that share a grid follow one another. There is at least one, so that the plan always names
 /// the passes of a band.
 fn bands(setup: &Setup<'_>) -> Vec<BandPlan> {
     let (scene, params, cut, meshes) = (setup.scene, &setup.params, &setup.bands, &setup.meshes);
@@ -269,7 +275,7 @@ pub struct PlanRow {
     pub uses: Uses,
 }
 
-/// A row of `windswept plan --buffers`: what a pass reads and writes.
+/// Arrays that a pass reads and writes, as `windswept plan --buffers` prints them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Uses {
     /// Arrays that it reads.

@@ -23,7 +23,7 @@ pub struct Report {
     /// The adapter that ran.
     pub adapter: AdapterInfo,
     /// Numbers of particles.
-    pub particles: Particles,
+    pub particles: Counts,
     /// Steps since t = 0.
     pub steps: u64,
     /// Time reached \[s\].
@@ -75,7 +75,7 @@ pub struct Report {
 
 /// Numbers of particles.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Particles {
+pub struct Counts {
     /// Points of all strands.
     pub hair: u64,
     /// Air particles.

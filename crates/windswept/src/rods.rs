@@ -98,14 +98,14 @@ pub(crate) fn root(position: DVec3, frame: DQuat) -> Root {
     Root { position: vec3(position), frame: quat(frame), ..Root::default() }
 }
 
-/// Per strand: where it is held at the start.
+/// Where each strand is held at the start.
 #[must_use]
 pub(crate) fn clamps(initial: &InitialState) -> Vec<Root> {
     let hair = &initial.hair;
     hair.roots().zip(&hair.root_frame).map(|(x, frame)| root(x - initial.origin, *frame)).collect()
 }
 
-/// Per strand: where it is held, its motion at the start taken out.
+/// Where each strand is held, its motion at the start taken out.
 #[must_use]
 pub(crate) fn root_targets(scene: &Scene, initial: &InitialState) -> Vec<Root> {
     let hair = &initial.hair;
@@ -119,7 +119,7 @@ pub(crate) fn root_targets(scene: &Scene, initial: &InitialState) -> Vec<Root> {
     hair.roots().enumerate().map(unmoved).collect()
 }
 
-/// Per hair point: as if it had come with the velocity it has, a step of `step` \[s\] ago.
+/// Memory of each hair point, as if the point had moved with its velocity for a step of `step` \[s\].
 #[must_use]
 pub(crate) fn point_histories(hair: &Strands, origin: DVec3, step: f64) -> Vec<PointHistory> {
     let history = |(x, v): (&DVec3, &DVec3)| {
@@ -134,7 +134,7 @@ pub(crate) fn point_histories(hair: &Strands, origin: DVec3, step: f64) -> Vec<P
     hair.positions.iter().zip(&hair.velocities).map(history).collect()
 }
 
-/// Per segment: the same, and no multipliers yet.
+/// Memory of each segment, as if it had turned with its spin for a step of `step` \[s\]; it has no multipliers yet.
 #[must_use]
 pub(crate) fn segment_histories(hair: &Strands, step: f64) -> Vec<SegmentHistory> {
     let history =
@@ -142,7 +142,7 @@ pub(crate) fn segment_histories(hair: &Strands, step: f64) -> Vec<SegmentHistory
     hair.angular_velocities.iter().map(history).collect()
 }
 
-/// Per strand: sound.
+/// Health of each strand at the start: sound.
 #[must_use]
 pub(crate) fn healths(hair: &Strands) -> Vec<Health> {
     let sound = Condition { calm: CALM_AT_START, ..Condition::default() };
@@ -158,7 +158,7 @@ pub(crate) fn sweeps_per_dispatch(iterations: u32, hair: &Strands) -> u32 {
     (1..=most).rev().find(|&sweeps| iterations.is_multiple_of(sweeps)).unwrap_or(1)
 }
 
-/// Per point: the largest move in a step, max(l, 0.03 L) \[m\].
+/// Largest move of each point in a step, max(l, 0.03 L) \[m\].
 #[must_use]
 pub(crate) fn largest_moves(hair: &Strands) -> Vec<f64> {
     let mut moves = Vec::with_capacity(hair.positions.len());

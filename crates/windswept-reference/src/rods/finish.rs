@@ -4,7 +4,7 @@ use glam::DVec3;
 use windswept_scene::Strands;
 
 use super::{
-    Drive, MISFIT, Moving, Point, RESCUED, STILL_SPIN, State, rate, rotation,
+    Drive, LOST, MISFIT, Moving, Point, STILL_SPIN, State, rate, rotation,
     start::{put, put_frame, unload},
 };
 use crate::Parameters;
@@ -16,7 +16,7 @@ pub fn rescue(hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bo
     if drive.state != State::Free {
         return false;
     }
-    if drive.misfit <= if drive.far { MISFIT } else { RESCUED } {
+    if drive.misfit <= if drive.far { MISFIT } else { LOST } {
         drive.state = State::Solved;
         return false;
     }

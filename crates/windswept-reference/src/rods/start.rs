@@ -4,12 +4,12 @@ use glam::{DQuat, DVec3};
 use windswept_scene::{Model, Strands};
 
 use super::{
-    CALM, Drive, GROWTH, LOADED, Load, Moving, Point, STILL_STEPS, STILL_TIME, Segment, State, TORN, damping,
+    CALM_STEPS, Drive, GROWTH, LOADED, Load, Moving, Point, STILL_STEPS, STILL_TIME, Segment, State, TORN, damping,
     free_move, response, rotation,
 };
 use crate::{Parameters, state};
 
-/// Chooses the integrator of a strand: BDF2 where its velocities led without tearing it for [`CALM`] steps on end, else
+/// Chooses the integrator of a strand: BDF2 where its velocities led without tearing it for [`CALM_STEPS`] steps on end, else
 /// Euler.
 pub fn choose(p: &Parameters, s: &state::State, strand: usize, drive: &mut Drive, m: &Moving) {
     let led = led(p, s, strand, drive, m);
@@ -23,7 +23,7 @@ pub fn choose(p: &Parameters, s: &state::State, strand: usize, drive: &mut Drive
     let tear = (0..led_turn.len()).map(|k| misfit(k, led[k + 1] - led[k], led_turn[k]));
     drive.torn = tear.fold(0.0, f64::max) >= TORN;
     drive.whole = (0..led_turn.len()).all(|k| misfit(k, DVec3::ZERO, DVec3::ZERO) < TORN);
-    let calm = !drive.torn && s.calm[strand] + 1 >= CALM;
+    let calm = !drive.torn && s.calm[strand] + 1 >= CALM_STEPS;
     drive.step = if calm && p.bdf2 { p.step * 2.0 / 3.0 } else { p.step };
 }
 
@@ -95,8 +95,8 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
     if std::mem::take(&mut s.asleep[strand]) {
         s.still[strand] = 0;
     }
-    s.calm[strand] = if drive.torn { 0 } else { (s.calm[strand] + 1).min(CALM) };
-    let calm = s.calm[strand] == CALM;
+    s.calm[strand] = if drive.torn { 0 } else { (s.calm[strand] + 1).min(CALM_STEPS) };
+    let calm = s.calm[strand] == CALM_STEPS;
     let h = drive.step;
     let ahead = calm && p.direct;
     let (led, led_turn) = (led(p, s, strand, drive, m), led_turn(p, s, strand, m));

@@ -12,11 +12,11 @@ use windswept_scene::{InitialState, Scene, Strands};
 
 use super::support::{self, Rod, bundle};
 
-/// Scenes with it.
+/// Scenes with a hair in the wind.
 pub trait Scenes {
     /// The hair as a strand that hangs straight down from the origin.
     fn strand(&self, segments: usize) -> Strands;
-    /// It in the model `drag`, from the moment when the wind sets in.
+    /// The hair in the model `drag`, from the moment when the wind sets in.
     fn blown(&self, segments: usize, step: f64, rods: &str) -> (Parameters, InitialState);
     /// The strand as it rests in the wind.
     fn settled(&self, segments: usize) -> Strands;

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::Simulation;
 use crate::{
     error::RunError,
-    report::{Particles, PassReport, Report, SkippedReport},
+    report::{Counts, PassReport, Report, SkippedReport},
     status,
 };
 
@@ -31,7 +31,7 @@ impl Simulation {
             scene: self.scene.title.clone(),
             method: format!("{:?}", self.scene.method).to_lowercase(),
             adapter: self.engine.gpu().info().clone(),
-            particles: Particles {
+            particles: Counts {
                 hair: sizes.hair_points.into(),
                 air: sizes.air().into(),
                 hair_outside_box: self.outside(&positions[..sizes.hair_points as usize]),
