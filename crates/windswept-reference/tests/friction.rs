@@ -202,7 +202,7 @@ fn lies(strand_count: usize, damping: f64, seconds: f64) -> (usize, f64) {
             one
         })
         .collect();
-    let mut hair = bundle(&[&[bed.clone()], mat.as_slice()].concat());
+    let mut hair = bundle(&[std::slice::from_ref(&bed), mat.as_slice()].concat());
     hair.ends = [bed.ends.clone(), vec![Ends::default(); strand_count]].concat();
     let text = format!(
         "gravity = [0.0, -9.81, 0.0]\n[rods]\ndamping = {damping}\n[time]\nstep = 2e-3\nduration = 1.0\n\
