@@ -31,7 +31,12 @@ fn across(v: vec3f, gap: vec3f) -> vec3f {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = invocation(id, groups);
-    if i >= params.hair_points || frozen() { return; }
+    if frozen() { return; }
+    if i >= params.hair_points {
+        // `move` runs next in as many workgroups: what air is in the last of them has been moved already.
+        if i < params.particles { shift[i] = vec4f(0.0); }
+        return;
+    }
     let own = rubbing[i];
     let x = predicted[i];
     let range = neighbour_range[i];
