@@ -22,7 +22,7 @@ import package::common::{
 @group(0) @binding(8) var<storage, read>       touched:      array<u32>;   // per strand, of the step before: by bodies, or they moved
 
 const LOADED: f32 = 0.4;   // lengths of the strand: what forces may move a free point by, where the strand is whole
-const GROWTH: f32 = 2.0;   // times the farthest free move of the step before: what a calm strand bears where air drags hair
+const GROWTH: f32 = 2.0;   // times the farthest free move of the step before: what a strand bears where air drags hair
 
 fn put_point(p: u32, travel: vec3f) {
     rod_points[p].travel = travel;
@@ -111,7 +111,7 @@ fn base(strand: Strand, rod: RodStrand) -> vec3f {
 fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
     let origin = base(strand, rod);
     let drags = params.model == TWO_WAY || params.model == MEAN_WIND;
-    let grown = select(0.0, GROWTH * reach, led && drags);
+    let grown = select(0.0, GROWTH * reach, drags);
     var farthest = 0.0;
     var carried_far = false;
     for (var k = 0u; k < strand.points; k++) {

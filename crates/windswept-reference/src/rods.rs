@@ -40,7 +40,7 @@ pub const CALM_STEPS: u32 = 3;
 pub const STORMY: f64 = 1.0 / 3.0;
 /// Move of a free point by its load that any whole strand bears in a step, over the length of the strand.
 pub const LOADED: f64 = 0.4;
-/// Growth of the farthest free move from step to step that a calm strand bears where air drags it.
+/// Growth of the farthest free move from step to step that a strand bears where air drags it.
 pub const GROWTH: f64 = 2.0;
 /// Time at rest after which a strand falls asleep \[s\].
 pub const STILL_TIME: f64 = 0.07;
