@@ -111,7 +111,7 @@ fn base(strand: Strand, rod: RodStrand) -> vec3f {
 fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
     let origin = base(strand, rod);
     let drags = params.model == TWO_WAY || params.model == MEAN_WIND;
-    let grown = select(0.0, GROWTH * reach, drags);
+    let grown = select(0.0, GROWTH * reach, params.direct_rods != 0u && drags);
     var farthest = 0.0;
     var carried_far = false;
     for (var k = 0u; k < strand.points; k++) {

@@ -114,7 +114,7 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
         })
         .collect();
     let length: f64 = s.hair.rest_length[segments.clone()].iter().sum();
-    let grown = if drags(p) { GROWTH * s.reach[strand] } else { 0.0 };
+    let grown = if p.direct && drags(p) { GROWTH * s.reach[strand] } else { 0.0 };
     let origin = origin(m.points[points.start].inverse_mass == 0.0, drive, &free);
     let mut farthest = 0.0_f64;
     for (k, i) in points.enumerate() {
