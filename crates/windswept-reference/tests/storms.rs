@@ -36,7 +36,7 @@ fn a_storm_blows_nothing_up() {
                 // Measured 0.78 U at most of a hair's mass or more; the tip of a rod without weight goes with 3/2 U.
                 let bound = if heavier >= 1.0 { 1.3 } else { 1.5 };
                 assert!(fastest < bound && state.resets == 0, "{fastest} U, {} resets", state.resets);
-                // Measured 1.6e-3.
+                // Measured 9.9e-3: a strand that is not solved to 1e-2 is left as it is.
                 assert!(state.max_stretch < 1e-2, "stretched by {}", state.max_stretch);
             }
         }
