@@ -18,11 +18,11 @@ const LOCK: &str = "no formula: an earlier program of the same model has 0.70 to
 const POROUS: &str = "porous strip of k = f F_1(u)/(1/2 rho u² 1.3 h) across this box (Taylor 1944; Garrett & Cummins 2007); the width is fitted";
 const STRIP: &str = "k (u/U)² of Taylor 1944 in a channel (Garrett & Cummins 2007), blockage 0.222, on the measured flux; at 1.38 ms the \
     pressure of 4 iterations is late";
-const BUNDLE: &str = "no formula: a prototype in f64 measured 0.625, 0.318, 0.072, 0.014 for 1, 4, 36, 200 fibres; each fibre more \
+const BUNDLE: &str = "no formula: another program, in f64, measured 0.625, 0.318, 0.072, 0.014 for 1, 4, 36, 200 fibres; each fibre more \
     shelters the others, so the share falls";
 const FINER: &str = "the disc is 21 spacings wide, so that its drag does not depend on them; as many steps per spacing";
 const BACKWARDS: &str = "behind a dense array of cylinders air flows back (Chen, Ortiz, Zong & Nepf 2012): 0 to -U";
-const MOMENTUM: &str = "Newton's third law, over the sum of |J|; f32";
+pub(crate) const MOMENTUM: &str = "Newton's third law, over the sum of |J|; f32";
 const ENERGY: &str = "an exchange may only lose energy: air's change plus the hair's work is below 0";
 
 /// U \[m/s\].

@@ -7,13 +7,13 @@ use windswept_scene::{InitialState, Scene};
 use crate::{
     Error, Row,
     air::{STEP, mean, vectors},
+    exchange::MOMENTUM,
     rods::GRAVITY,
     stage::Stage,
 };
 
 const SLIDES: &str = "g (sin - mu cos), mu = 0.3, by v^2 over whole spacings of the bed's points; 2 % in the twin";
 const STAYS: &str = "mu = 0.3 holds it; falling free it would have 0.36 m/s; f32";
-const MOMENTUM: &str = "Newton's third law, over the sum of |J|; f32";
 
 /// Coefficient of friction μ.
 const FRICTION: f64 = 0.3;
