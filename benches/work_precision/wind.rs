@@ -50,7 +50,7 @@ impl Setting {
 
     fn built(self) -> Result<(Scene, InitialState)> {
         let text = format!(
-            "interaction.model = \"{}\"\ntime = {{ step = {}, duration = 10.0 }}\nrods.sleep = false\nviscosity.hair = 0.0\n\
+            "interaction.model = \"{}\"\ntime = {{ step = {}, duration = 10.0 }}\nrods.sleep = false\n\
              [air]\nbox = {{ min = [-0.05, -0.06, -0.0145], max = [0.075, 0.018, 0.0145] }}\n\
              wind = [{}, 0, 0]\nramp = 0.0\n\
              [hair]\nstrands = 1\npoints = 35\nlength = {}\nroots = {{ center = [0, 0, 0], radius = 1e-9 }}\n",
@@ -139,7 +139,6 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
     let notes = vec![
         "one fibre of 50 mm in 34 segments, 40 µm, 4 GPa, that hangs down in 3 m/s; air in a box of 125 x 78 x 29 mm"
             .into(),
-        "viscosity.hair is 0: XSPH also exchanges between the points of one strand, and resists its bending".into(),
         format!("at rest: mean from {REST} to {END} s; 34 segments by themselves are 7.4e-4 L off the elastica"),
         format!(
             "fine run: drag, BDF2, steps of {} ms; with twice as long ones it is {:.1e} L from it",

@@ -6,14 +6,7 @@ struct Rub {
     multiplier: f32,     // kg m^2, sum of lambda times the relaxation over the iterations of this step
     moved: vec3f,        // m/s, how it went through the last step
     inverse_mass: f32,   // 1/kg
-    first: u32,          // point of its strand
-    end: u32,            // of its strand's points
     friction: f32,       // Coulomb's coefficient of its strand
-}
-
-// Whether point `j` is of another strand.
-fn apart(own: Rub, j: u32) -> bool {
-    return j < own.first || j >= own.end;
 }
 
 // p_ij = |(L_i V_j + L_j V_i) grad W|/dt, the impulse by which the density constraint squeezes a pair [N s], from each one's

@@ -9,7 +9,7 @@
 // 2014, eq. 24), with the constraint's own impulse p for the depth. The grip g is the spring of Cundall & Strack (1979), kept
 // by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, rub::{Rub, apart, pressed}, status::frozen,
+    params::params, near::Near, dispatch::{invocation, WORKGROUP}, rub::{Rub, pressed}, status::frozen,
 };
 
 @group(0) @binding(2) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -44,11 +44,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var slid = vec3f(0.0);     // kg m/s
     var held = 0.0;            // sum of k [kg]
     var most = 0.0;            // were all to stick [kg]
-    for (var n = range.first; n < range.middle; n++) {
+    for (var n = range.first; n < range.apart; n++) {
         let j = neighbour_list[n];
         let gap = x.xyz - predicted[j].xyz;
         let both = squeezed[i] + squeezed[j];
-        if !apart(own, j) || both == 0.0 || dot(gap, gap) == 0.0 { continue; }
+        if both == 0.0 || dot(gap, gap) == 0.0 { continue; }
         let other = rubbing[j];
         let squeeze = pressed(own, x.w, other, predicted[j].w, length(gap));
         let pull = across(own.pull - other.pull, gap);

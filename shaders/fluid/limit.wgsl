@@ -1,5 +1,5 @@
 // How much of its velocity a particle would exchange in one XSPH update, S_i = sum_j c_ij w_ij. Where S exceeds 1 the
-// update would overshoot; `viscosity` divides by it, for both partners alike.
+// update would overshoot; `viscosity` divides by it, for both partners alike. The sum is over the pairs of `viscosity`.
 import package::common::{
     params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::separation, status::frozen,
     matter::viscosity_between, sph_kernels::poly6,
@@ -18,7 +18,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let own = predicted[i];
     let range = neighbour_range[i];
     var sum = 0.0;
-    for (var n = range.first; n < range.middle; n++) {
+    for (var n = range.first; n < range.apart; n++) {
         let j = neighbour_list[n];
         let other = predicted[j];
         let gap = separation(i, j, own.xyz, other.xyz);

@@ -20,7 +20,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if p >= params.hair_points || frozen() { return; }
     let history = point_history[p];
     let given = correction[p];
-    let strand = strands[strand_of(p)];
     grip[p] = vec4f(history.grip, 0.0);
     let ahead = velocity[p].xyz + history.own + given.xyz / params.step;
     rubbing[p] = Rub(
@@ -28,8 +27,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         given.w,
         history.travel / params.step,
         inverse_mass[p],
-        strand.first_point,
-        strand.first_point + strand.points,
-        strand.friction,
+        strands[strand_of(p)].friction,
     );
 }

@@ -1,6 +1,6 @@
 // How hard the density constraint squeezes a hair point between the points of other strands: P_i = w_i sum_j p_ij [m/s].
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, rub::{Rub, apart, pressed}, status::frozen,
+    params::params, near::Near, dispatch::{invocation, WORKGROUP}, rub::{Rub, pressed}, status::frozen,
 };
 
 @group(0) @binding(2) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -17,12 +17,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let x = predicted[i];
     let range = neighbour_range[i];
     var sum = 0.0;
-    for (var n = range.first; n < range.middle; n++) {
+    for (var n = range.first; n < range.apart; n++) {
         let j = neighbour_list[n];
-        if apart(own, j) {
-            let other = predicted[j];
-            sum += pressed(own, x.w, rubbing[j], other.w, length(x.xyz - other.xyz));
-        }
+        let other = predicted[j];
+        sum += pressed(own, x.w, rubbing[j], other.w, length(x.xyz - other.xyz));
     }
     squeezed[i] = own.inverse_mass * sum;
 }

@@ -3,7 +3,8 @@
 //   v_i += sum_j 2 w_i/(w_i + w_j) c_ij w_ij (v_j - v_i) / max(1, S_i, S_j)
 //   w_ij = 2 sqrt(V_i V_j) W / (theta_i + theta_j),  theta = rho / rho_0,  w inverse mass
 //
-// `exchange` is S of `limit`; it stays zero where the limiter is left out.
+// `exchange` is S of `limit`; it stays zero where the limiter is left out. With the model TWO_WAY points of one strand exchange
+// nothing: a strand has its rod and `rods.damping`, and XSPH would resist its bending.
 import package::common::{
     params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::separation,
     matter::{inverse_mass_of, viscosity_between}, sph_kernels::poly6,
@@ -26,7 +27,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let mass = inverse_mass_of(i);
     let range = neighbour_range[i];
     var sum = vec3f(0.0);
-    for (var n = range.first; n < range.middle; n++) {
+    for (var n = range.first; n < range.apart; n++) {
         let j = neighbour_list[n];
         let other = predicted[j];
         let gap = separation(i, j, own.xyz, other.xyz);

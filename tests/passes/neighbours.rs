@@ -9,7 +9,7 @@ use windswept_shaders::{self as shaders, common::params::Params};
 
 use crate::{
     stage::xyz,
-    steps::{Fault, PARTICLES},
+    steps::{CROWDED, Fault, PARTICLES},
     support::{self, Layout, RADIUS, SIZES},
     walk::{Same, Walk, differing, largest},
 };
@@ -134,9 +134,9 @@ impl Walk<'_> {
         let list = engine.read(&engine.state().neighbour_list).unwrap();
         let mut off = 0.0_f64;
         for (i, near) in ranges.into_iter().enumerate() {
-            let kinds =
-                [&list[near.first as usize..near.middle as usize], &list[near.middle as usize..near.end as usize]];
-            if p.model == Model::TwoWay && !sorted_by_kind(p, i, kinds) {
+            let kinds = [(near.first, near.apart), (near.apart, near.middle), (near.middle, near.end)]
+                .map(|(from, to)| &list[from as usize..to as usize]);
+            if !sorted_by_kind(p, i, kinds) {
                 return f64::INFINITY;
             }
             let mut got: Vec<usize> =
@@ -155,10 +155,15 @@ impl Walk<'_> {
     }
 }
 
-/// Whether the list of a particle has its own kind first, and the other behind it.
-fn sorted_by_kind(p: &Parameters, i: usize, kinds: [&[u32]; 2]) -> bool {
-    let own = |j: &u32| p.is_air(*j as usize) == p.is_air(i);
-    kinds[0].iter().all(own) && !kinds[1].iter().any(own)
+/// Whether the list of a particle has its own kind first, of that the other strands first, and the other kind behind it. With
+/// `particles` all are one kind.
+fn sorted_by_kind(p: &Parameters, i: usize, kinds: [&[u32]; 3]) -> bool {
+    let kind = |j: usize| match (p.is_air(i), p.is_air(j)) {
+        _ if p.model != Model::TwoWay => 0,
+        (false, false) => usize::from(p.strand_of[i] == p.strand_of[j]),
+        (own, other) => 2 * usize::from(own != other),
+    };
+    (0..3).all(|k| kinds[k].iter().all(|&j| kind(j as usize) == k))
 }
 
 /// Planted faults of the passes of this heading.
@@ -170,10 +175,11 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::grid::ORDER, "scattered[e] < i", "scattered[e] > i", PARTICLES),
     (
         &shaders::grid::NEIGHBOURS,
-        "first + found, first + total);",
-        "first + found - min(found, 1u), first + total - min(total, 1u));",
+        "Near(first, places.y, places.z, first + total)",
+        "Near(first + min(found.x, 1u), places.y, places.z, first + total)",
         PARTICLES,
     ),
+    (&shaders::grid::NEIGHBOURS, "j < strand.y", "j + 1u < strand.y", CROWDED),
 ];
 
 /// Neighbours that heading 2 lists of the initial positions; the list grows as the simulation would grow it.

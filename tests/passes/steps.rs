@@ -43,8 +43,9 @@ pub const DRAG: &[&str] = &["interaction.model=drag", "interaction.lift=1.0", "a
 const EXCHANGE: &str = "interaction.model=two-way";
 /// Settings with hair that slows the air.
 pub const TWO_WAY: &[&str] = &[EXCHANGE, "hair.fibres_per_strand=100", "air.ramp=0.0", "fluid.iterations=2"];
-/// Settings with strands that press on one another.
-pub const CROWDED: &[&str] = &[EXCHANGE, "hair.roots.radius=0.002", "air.ramp=0.0", "fluid.iterations=2"];
+/// Settings with strands that press on one another, and points of one strand nearer than the kernel radius.
+pub const CROWDED: &[&str] =
+    &[EXCHANGE, "hair.roots.radius=0.002", "hair.points=13", "air.ramp=0.0", "fluid.iterations=2"];
 /// Settings with hair alone, solved by Gauss-Seidel.
 pub const SWEEPS: &[&str] = &["rods.solver=gauss-seidel", "interaction.model=none"];
 /// Settings of the method as printed.

@@ -6,7 +6,7 @@ use windswept_shaders as shaders;
 
 use crate::{
     stage::{Stage, each, stirred},
-    steps::{BOUNDS, Fault, PARTICLES},
+    steps::{BOUNDS, CROWDED, Fault, PARTICLES},
     support,
     walk::{Bounds, Same, Walk, apart, numbers_apart, walk},
 };
@@ -32,7 +32,9 @@ impl Walk<'_> {
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::LIMIT, "2.0 * sqrt", "1.9 * sqrt", PARTICLES),
+    (&shaders::fluid::LIMIT, "n < range.apart", "n < range.middle", CROWDED),
     (&shaders::fluid::VISCOSITY, "2.0 * mass / both", "1.9 * mass / both", PARTICLES),
+    (&shaders::fluid::VISCOSITY, "n < range.apart", "n < range.middle", CROWDED),
 ];
 
 #[test]

@@ -166,10 +166,17 @@ impl Parameters {
         i >= self.hair_points
     }
 
-    /// Whether the density constraint and XSPH see a pair: in `two-way` air meets hair by drag alone.
+    /// Whether the density constraint sees a pair: in `two-way` air meets hair by drag alone.
     #[must_use]
     pub fn meets(&self, i: usize, j: usize) -> bool {
         self.model != Model::TwoWay || self.is_air(i) == self.is_air(j)
+    }
+
+    /// Whether XSPH sees a pair: in `two-way` it acts between strands, and within air.
+    #[must_use]
+    pub fn shares(&self, i: usize, j: usize) -> bool {
+        let joined = || !self.is_air(i) && !self.is_air(j) && self.strand_of[i] == self.strand_of[j];
+        self.meets(i, j) && (self.model != Model::TwoWay || !joined())
     }
 
     /// Whether hair rubs on hair.

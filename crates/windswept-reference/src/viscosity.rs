@@ -26,7 +26,7 @@ pub fn limit(p: &Parameters, x: &[DVec3], volume: &[f64], near: &Neighbours, the
         return vec![0.0; x.len()];
     }
     let sum = |i: usize| {
-        near.of(i).filter(|&j| p.meets(i, j)).map(|j| p.viscosity(i, j) * weight(p, i, j, x, volume, theta)).sum()
+        near.of(i).filter(|&j| p.shares(i, j)).map(|j| p.viscosity(i, j) * weight(p, i, j, x, volume, theta)).sum()
     };
     (0..x.len()).map(sum).collect()
 }
@@ -52,6 +52,6 @@ pub fn viscosity(
         let share = p.viscosity(i, j) * weight(p, i, j, x, volume, theta) / exchange[i].max(exchange[j]).max(1.0);
         2.0 * inverse_mass[i] / both * share * (v[j] - v[i])
     };
-    let sum = |i: usize| near.of(i).filter(|&j| p.meets(i, j)).map(|j| pair(i, j)).sum::<DVec3>();
+    let sum = |i: usize| near.of(i).filter(|&j| p.shares(i, j)).map(|j| pair(i, j)).sum::<DVec3>();
     (0..x.len()).map(|i| v[i] + sum(i)).collect()
 }

@@ -6,7 +6,8 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use support::{Crowd, RADIUS, SIMPLE, VOLUME, lattice, stirred};
-use windswept_reference::{sph_kernels::poly6, tables};
+use windswept_reference::{sph_kernels::poly6, tables, viscosity::limit};
+use windswept_scene::Model;
 
 fn with(mut crowd: Crowd, hair: f64, air: f64, limited: bool) -> Crowd {
     let p = &mut crowd.parameters;
@@ -92,6 +93,33 @@ fn uniform_flow_is_untouched() {
     let crowd = with(Crowd::mixed(1_000, 14), 1.4, 0.014, true);
     let wind = vec![DVec3::new(3.0, -1.0, 0.3); 1_000];
     assert_eq!(crowd.viscosity(&wind).0, wind);
+}
+
+/// In `two-way` a hair point shares with other strands: not with its own strand, and not with air. The limiter counts the same
+/// pairs.
+#[test]
+fn in_two_way_strands_share_with_one_another() {
+    let positions = [0.010, 0.012, 0.014, 0.016].map(|x| DVec3::new(x, 0.01, 0.01)).to_vec();
+    let mut crowd = with(Crowd::new(DVec3::splat(0.05), positions), 1.4, 1.4, true);
+    let p = &mut crowd.parameters;
+    (p.model, p.hair_points, p.strand_of) = (Model::TwoWay, 3, vec![0, 0, 1]);
+    let near = crowd.neighbours();
+    let (theta, _) = crowd.density(&near);
+    let exchange = limit(&crowd.parameters, &crowd.positions, &crowd.volume, &near, &theta);
+    let weight = |i: usize, j: usize| {
+        let r = (crowd.positions[i] - crowd.positions[j]).length();
+        1.4 * 2.0 * VOLUME * poly6(r, RADIUS) / (theta[i] + theta[j])
+    };
+    let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-15, "{a} {b}");
+    for (got, wanted) in exchange.iter().zip([weight(0, 2), weight(1, 2), weight(0, 2) + weight(1, 2), 0.0]) {
+        close(*got, wanted);
+    }
+    // Point 1 moves: point 2 of the other strand takes up what point 1 loses, point 0 and the air feel nothing.
+    let (after, largest) = crowd.viscosity(&[DVec3::ZERO, DVec3::X, DVec3::ZERO, DVec3::ZERO]);
+    let share = weight(1, 2) / largest.max(1.0);
+    for (got, wanted) in after.iter().zip([0.0, 1.0 - share, share, 0.0]) {
+        close(got.x, wanted);
+    }
 }
 
 /// A pair of hair and air takes the smaller c; two clamped particles share nothing, one takes nothing in.

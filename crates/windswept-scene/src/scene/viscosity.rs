@@ -15,7 +15,8 @@ table! {
     /// `[viscosity]`: c of eqs. 7 and 8 for the step as written (`time.step`).
     #[derive(Debug, Clone, PartialEq)]
     pub struct Viscosity, checked by Viscosity::checked {
-        /// Coefficient c of hair, per step as written.
+        /// Coefficient c of hair, per step as written. With interaction.model two-way it acts between strands; with particles
+        /// it also acts between the points of one strand.
         hair: f64 = NonNegative, "", Value(1.4);
         /// Coefficient c of air, per step as written.
         air: f64 = NonNegative, "", Value(0.014);
