@@ -1,5 +1,5 @@
 //! What `windswept validate` leaves out for its time: the force on strands that stand still in boxes so large that the flow
-//! around them has room, a porous strip across a channel, and a bundle of strands.
+//! around them has room, a porous strip across a channel, a bundle of strands, and a mat that lies for ten seconds.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -36,4 +36,5 @@ checks! {
     lone_strands_feel_the_law: "fixed-wide", "long: 280 s of CPU time",
     porous_strips_slow_a_channel: "strip", "long: 360 s of CPU time",
     bundles_shelter_their_fibres: "bundle", "long: 870 s of CPU time",
+    large_mats_sleep: "mat-for-long", "long: 50 s of CPU time",
 }

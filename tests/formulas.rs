@@ -70,6 +70,7 @@ checks! {
     bent_hair_sheds_drag_and_limp_hair_is_straight: "hair-limits",
     hair_and_air_exchange_momentum: "exchange",
     strands_rub_as_coulomb_says: "friction",
+    mats_sleep: "mat",
     passes_are_those_of_the_twin: "twin",
     rods_are_those_of_the_twin: "twin-rods",
     steps_are_those_of_the_twin: "twin-step",

@@ -11,17 +11,21 @@ use windswept::{
     gpu::wgpu,
     internals::{Engine, Setup},
 };
-use windswept_scene::{AirParticles, Body, InitialState, Keyframe, Motion, Scene, Shape, Strands};
+use windswept_scene::{AirParticles, Body, InitialState, Keyframe, Model, Motion, Scene, Shape, Strands};
 
-/// Scene of `n` x `n` straight strands of 0.06 m along +x in a box of 0.10 x 0.06 x 0.06 m, filled with air at rest.
+/// Scene of `n` x `n` straight strands of 0.06 m along +x, 6 mm apart, in a box of 0.10 x 0.06 x 0.06 m, filled with air at rest.
 fn brush(n: usize) -> InitialState {
+    brush_of(n, 0.006)
+}
+
+fn brush_of(n: usize, apart: f64) -> InitialState {
     let size = DVec3::new(0.10, 0.06, 0.06);
     let points = 7;
     let l = 0.06 / (points - 1) as f64;
     let mass = MASS;
     let mut hair = Strands { point_offsets: vec![0], ..Strands::default() };
     for s in 0..n * n {
-        let root = DVec3::new(0.02, 0.02 + 0.006 * (s % n) as f64, 0.02 + 0.006 * (s / n) as f64);
+        let root = DVec3::new(0.02, 0.02 + apart * (s % n) as f64, 0.02 + apart * (s / n) as f64);
         let frame = DQuat::from_rotation_arc(DVec3::Z, DVec3::X);
         for k in 0..points {
             hair.positions.push(root + DVec3::X * l * k as f64);
@@ -68,8 +72,14 @@ fn brush(n: usize) -> InitialState {
     }
 }
 
+/// Wind over hair that is one fluid with the air.
 fn windy() -> Scene {
+    with_model(Model::Particles)
+}
+
+fn with_model(model: Model) -> Scene {
     let mut scene = support::scene();
+    scene.interaction.model = model;
     if let Some(air) = &mut scene.air {
         air.wind = [3.0, 0.0, 0.0];
         air.fringe = 2.0 * RADIUS;
@@ -85,7 +95,8 @@ fn run(scene: &Scene, initial: &InitialState, steps: &[u64]) -> (Frame, Simulati
     (simulation.frame().unwrap(), simulation)
 }
 
-/// Hair, air and a ball that moves through both: a scene gives the same bits twice, however its steps are cut into submits.
+/// Hair, air and a ball that moves through both: a scene gives the same bits twice, however its steps are cut into submits. In
+/// `two-way` air drags hair, and strands rub on one another.
 #[test]
 fn two_runs_give_the_same_bits() {
     let at = |time, y| Keyframe { time, translation: [0.0, y, 0.0], rotation: [0.0; 3] };
@@ -95,13 +106,21 @@ fn two_runs_give_the_same_bits() {
         friction: 0.4,
         motion: Motion { keyframes: vec![at(0.0, 0.0), at(0.1, 0.04)] },
     };
-    let scene = Scene { bodies: vec![ball], ..windy() };
-    let (first, _) = run(&scene, &brush(4), &[80]);
-    let (second, _) = run(&scene, &brush(4), &[1, 30, 7, 42]);
-    assert_eq!(first.step, 80);
-    assert!(first == second, "the runs differ");
-    let moved = first.hair.velocities.iter().flatten().any(|v| *v != 0.0);
-    assert!(moved, "nothing happened");
+    for model in [Model::Particles, Model::TwoWay] {
+        let scene = Scene { bodies: vec![ball.clone()], ..with_model(model) };
+        // So dense that strands press on one another.
+        let initial = brush_of(4, 0.003);
+        let (first, simulation) = run(&scene, &initial, &[80]);
+        let (second, _) = run(&scene, &initial, &[1, 30, 7, 42]);
+        assert_eq!(first.step, 80);
+        assert!(first == second, "{model:?}: the runs differ");
+        let moved = first.hair.velocities.iter().flatten().any(|v| *v != 0.0);
+        assert!(moved, "{model:?}: nothing happened");
+        let engine = simulation.engine();
+        let happened = |array| engine.read(array).unwrap().iter().flatten().any(|x: &f32| *x != 0.0);
+        let (dragged, rubbed) = (happened(&engine.state().drag_impulse), happened(&engine.state().grip));
+        assert_eq!([dragged, rubbed], [model == Model::TwoWay; 2], "{model:?}");
+    }
 }
 
 /// A list that is too short freezes the step; it is replayed with a longer one and gives the bits of a run that had
@@ -148,7 +167,13 @@ fn wind_without_hair_stays_uniform() {
 /// neighbours never see it.
 #[test]
 fn a_non_finite_strand_is_reset_and_counted() {
-    let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(4)).unwrap();
+    for model in [Model::Particles, Model::TwoWay] {
+        resets(model);
+    }
+}
+
+fn resets(model: Model) {
+    let mut simulation = Simulation::with_state(&support::gpu(), &with_model(model), brush(4)).unwrap();
     simulation.step(20).unwrap();
     let engine = simulation.engine();
     let mut velocity: Vec<[f32; 4]> = engine.read(&engine.state().velocity).unwrap();

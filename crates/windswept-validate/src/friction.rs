@@ -1,8 +1,9 @@
-//! Friction of hair on hair: Coulomb's law on a bed of strands, and momentum.
+//! Friction of hair on hair: Coulomb's law on a bed of strands, a mat that lies on one, and momentum.
 
 use glam::DVec3;
 use windswept::{Gpu, Simulation, internals::step};
 use windswept_scene::{InitialState, Scene};
+use windswept_shaders::common::rod::SLEEPS;
 
 use crate::{
     Error, Row,
@@ -14,6 +15,8 @@ use crate::{
 
 const SLIDES: &str = "g (sin - mu cos), mu = 0.3, by v^2 over whole spacings of the bed's points; 2 % in the twin";
 const STAYS: &str = "mu = 0.3 holds it; falling free it would have 0.36 m/s; f32";
+const LIES: &str = "friction and rods hold what lies; measured 0, and 2.5e-5 L in 10 s";
+const SLEEPS_THERE: &str = "all of the mat: nothing moves it";
 
 /// Coefficient of friction μ.
 const FRICTION: f64 = 0.3;
@@ -46,13 +49,15 @@ pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// Hair alone in air that is far away, along +x.
+/// Still air above the hair, farther than the kernel radius. Coordinates begin at the box: f32 resolves less far away from it.
+const ABOVE: &str = "air = { box = { min = [0, 0.04, 0], max = [0.04, 0.08, 0.04] }, wind = [0, 0, 0], ramp = 0.0 }\n";
+
+/// Hair below the air, along +x.
 fn scene(strands: usize, gravity: [f64; 3]) -> Result<Scene, Error> {
     Ok(Scene::parse(&format!(
         "gravity = {gravity:?}\ntime = {{ step = {STEP}, duration = 1.0 }}\ninteraction = {{ model = \"two-way\" }}\n\
          rods.sleep = false\nfluid.iterations = 4\nviscosity = {{ hair = 0, air = 0 }}\n\
-         air = {{ box = {{ min = [1, 1, 1], max = [1.04, 1.04, 1.04] }}, wind = [0, 0, 0], ramp = 0.0 }}\n\
-         [[hair]]\nstrands = {strands}\npoints = {POINTS}\nlength = {LENGTH}\nradius = {RADIUS}\nroot = \"free\"\nfriction = {FRICTION}\n\
+         {ABOVE}[[hair]]\nstrands = {strands}\npoints = {POINTS}\nlength = {LENGTH}\nradius = {RADIUS}\nroot = \"free\"\nfriction = {FRICTION}\n\
          roots = {{ center = [0, 0, 0], radius = 1e-3, direction = [1, 0, 0] }}\n"
     ))?)
 }
@@ -64,21 +69,24 @@ fn put(initial: &mut InitialState, s: usize, x: DVec3) {
     initial.hair.positions[points].iter_mut().for_each(|position| *position += onto);
 }
 
-/// Course of a strand down a slope: its way \[m\] and speed \[m/s\] after each step, from a speed on.
-fn slide(gpu: &Gpu, slope: f64, speed: f64) -> Result<Vec<(f64, f64)>, Error> {
-    let (sin, cos) = slope.atan().sin_cos();
-    let [along, across, deep] = BED;
-    let bed = along * across * deep;
-    let scene = scene(bed + 1, [GRAVITY * sin, -GRAVITY * cos, 0.0])?;
-    let mut initial = InitialState::new(&scene)?;
-    let part = LENGTH + SPACING;
-    for s in 0..bed {
+/// Lays the first strands as a bed and holds them: so many along +x, across it, and deep.
+fn lay(initial: &mut InitialState, [along, across, deep]: [usize; 3]) {
+    for s in 0..along * across * deep {
         let at = [s % along, s / along % across, s / along / across].map(|k| k as f64);
-        put(&mut initial, s, DVec3::new(part * (at[0] - 0.5), -GAP * at[2], GAP * at[1]));
+        put(initial, s, DVec3::new((LENGTH + SPACING) * (at[0] - 0.5), -GAP * at[2], GAP * at[1]));
         let points = initial.hair.points(s);
         initial.hair.inverse_mass[points].fill(0.0);
     }
-    put(&mut initial, bed, DVec3::new(0.0, 1.8e-3, GAP * (across / 2) as f64));
+}
+
+/// Course of a strand down a slope: its way \[m\] and speed \[m/s\] after each step, from a speed on.
+fn slide(gpu: &Gpu, slope: f64, speed: f64) -> Result<Vec<(f64, f64)>, Error> {
+    let (sin, cos) = slope.atan().sin_cos();
+    let bed = BED.iter().product();
+    let scene = scene(bed + 1, [GRAVITY * sin, -GRAVITY * cos, 0.0])?;
+    let mut initial = InitialState::new(&scene)?;
+    lay(&mut initial, BED);
+    put(&mut initial, bed, DVec3::new(0.0, 1.8e-3, GAP * (BED[1] / 2) as f64));
     let loose = initial.hair.points(bed);
     initial.hair.velocities[loose.clone()].fill(speed * DVec3::X);
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
@@ -103,6 +111,60 @@ fn gain(course: &[(f64, f64)]) -> f64 {
         })
     };
     (speed(first + 4.0 * SPACING).powi(2) - speed(first + SPACING).powi(2)) / (2.0 * 3.0 * SPACING)
+}
+
+/// Rows of a small mat, for half a second.
+pub(crate) fn mat(gpu: &Gpu) -> Result<Vec<Row>, Error> {
+    lies(gpu, 2, [1.0, 0.5])
+}
+
+/// Rows of a larger mat, for ten seconds.
+pub(crate) fn mat_for_long(gpu: &Gpu) -> Result<Vec<Row>, Error> {
+    lies(gpu, 4, [2.0, 10.0])
+}
+
+/// Rows of hairs that are clamped at their roots and lie on a bed of held ones: how far they creep in a time \[s\] that begins
+/// after another one, and how many of them sleep then.
+fn lies(gpu: &Gpu, strands: usize, [before, watched]: [f64; 2]) -> Result<Vec<Row>, Error> {
+    let hair = format!("radius = 4e-5\nfriction = {FRICTION}\npoints = {POINTS}\nlength = {LENGTH}\n");
+    let group = |name: &str, strands: usize, root: &str| {
+        format!(
+            "[[hair]]\nname = \"{name}\"\nstrands = {strands}\n{hair}root = \"{root}\"\n\
+            roots = {{ center = [0, 0, 0], radius = 1e-3, direction = [1, 0, 0] }}\n"
+        )
+    };
+    let under = [2, 9, 2];
+    let bed = under.iter().product();
+    let text = format!(
+        "gravity = [0, -{GRAVITY}, 0]\ntime = {{ step = 2e-3, duration = 20.0 }}\ninteraction = {{ model = \"two-way\" }}\n\
+         rods.damping = 5.0\nfluid.iterations = 4\nviscosity.hair = 0.1\n{ABOVE}{}{}",
+        group("bed", bed, "free"),
+        group("mat", strands, "clamped")
+    );
+    let scene = Scene::parse(&text)?;
+    let mut initial = InitialState::new(&scene)?;
+    lay(&mut initial, under);
+    for s in 0..strands {
+        put(&mut initial, bed + s, DVec3::new(0.0, 3e-3, GAP * (2.5 + s as f64)));
+    }
+    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
+    simulation.step((before / simulation.dt()).round() as u64)?;
+    let settled = vectors(&simulation.frame()?.hair.positions);
+    simulation.step((watched / simulation.dt()).round() as u64)?;
+    let engine = simulation.engine();
+    let first = simulation.initial().hair.points(bed).start;
+    if engine.read(&engine.state().squeezed)?[first..].iter().all(|squeeze| *squeeze == 0.0) {
+        return Err(Error::Missing("a bed under a mat".to_owned()));
+    }
+    let after = vectors(&simulation.frame()?.hair.positions);
+    let creep = after.iter().zip(&settled).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max) / LENGTH;
+    let health = engine.read(&engine.state().health)?;
+    let asleep = health[bed..].iter().filter(|health| health.committed.still == SLEEPS).count();
+    let name = format!("mat of {strands} hairs");
+    Ok(vec![
+        Row::new(format!("{name}: creep from {before} to {} s", before + watched), 0.0, creep, 1e-4, LIES).in_unit("L"),
+        Row::new(format!("{name}: hairs asleep"), strands as f64, asleep as f64, 0.0, SLEEPS_THERE),
+    ])
 }
 
 /// Row of what friction changes all momentum of a crowd of loose strands by, which pass one another.

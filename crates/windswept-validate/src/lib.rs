@@ -82,16 +82,18 @@ pub const CHECKS: &[Check] = &[
     Check { name: "hair-limits", run: hair_in_wind::limits },
     Check { name: "exchange", run: exchange::rows },
     Check { name: "friction", run: friction::rows },
+    Check { name: "mat", run: friction::mat },
     Check { name: "twin", run: twin::passes },
     Check { name: "twin-rods", run: twin::rods },
     Check { name: "twin-step", run: whole::steps },
 ];
 
-/// Checks that take minutes on a software adapter; `tests/exchange.rs` asserts them.
+/// Checks that take long on a software adapter; `tests/exchange.rs` asserts them.
 pub const LONG_CHECKS: &[Check] = &[
     Check { name: "fixed-wide", run: exchange::fixed_wide },
     Check { name: "strip", run: exchange::strip },
     Check { name: "bundle", run: exchange::bundle },
+    Check { name: "mat-for-long", run: friction::mat_for_long },
 ];
 
 /// A check that could not be done.
