@@ -146,7 +146,7 @@ struct Health {
 const CALM_STEPS: u32 = 3u;        // on end, before a strand takes BDF2
 const SLEEPS: u32 = 0xffffffffu;
 const STRAINED_STEPS: u32 = 50u;   // on end, before it is counted
-const STRAINED: f32 = 0.5;         // |l/l0 - 1|
+const STRAINED: f32 = 0.05;        // |l/l0 - 1|
 const MISFIT: f32 = 1e-2;          // |C + alpha mu| of stretch-shear that the direct solver may leave in a calm strand
 
 // Steps of over-strain on end after a step that stretched by this much, when there were `before`.

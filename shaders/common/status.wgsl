@@ -8,7 +8,7 @@ const TOO_MANY_BAD_STRANDS: u32 = 4u; // the run ends
 
 const STRAND_RESET: u32 = 0u;    // a non-finite strand goes back to its rest pose
 const MOVE_CAPPED: u32 = 1u;     // a point would have moved too far in one step
-const OVER_STRAINED: u32 = 2u;   // a strand stretched by half for 50 steps on end
+const OVER_STRAINED: u32 = 2u;   // a strand with a segment a twentieth too long or short for 50 steps on end
 const HAIR_OUTSIDE: u32 = 3u;    // a step behind 0.1 s on end with more than a twentieth of the hair outside the box
 const CONFINEMENT_LIMITED: u32 = 4u;   // a step in which a band would have changed by more than 0.12 of its speed
 const EULER_STEP: u32 = 5u;      // a strand took implicit Euler where BDF2 is asked for

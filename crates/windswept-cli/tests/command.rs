@@ -227,5 +227,9 @@ fn looking_needs_no_folder() {
     let row = |pass: &str| said.lines().find(|line| line.trim_start().starts_with(pass)).unwrap_or_default().to_owned();
     assert!(row("fluid/correct").ends_with("runs 2 x"), "{said}");
     assert!(row("wind/fringe").contains("skipped: air.wind is zero"), "{said}");
+    let mut plan = windswept(folder.path(), &["plan", "scene.toml", "--set", "interaction.model=drag"]);
+    let said = String::from_utf8_lossy(&plan.output().expect("the program starts").stdout).into_owned();
+    let friction = said.lines().find(|line| line.trim_start().starts_with("fluid/friction")).unwrap_or_default();
+    assert!(friction.contains("skipped: only with interaction.model two-way does hair press on hair alone"), "{said}");
     assert_eq!(listing(folder.path()), ["scene.toml"]);
 }

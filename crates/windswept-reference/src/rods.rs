@@ -25,7 +25,7 @@ pub use self::{
 use crate::{Parameters, state, step::Scratch};
 
 /// Stretch |l/l0 − 1| of a segment beyond which its strand is strained.
-pub const STRAINED: f64 = 0.5;
+pub const STRAINED: f64 = 0.05;
 /// Over-strained steps on end at which a strand is warned of.
 pub const STRAINED_STEPS: u32 = 50;
 /// Gap |C| of stretch-shear where velocities lead, beyond which a strand is not calm.

@@ -63,7 +63,7 @@ pub struct State {
     pub bad: Vec<bool>,
     /// Number of times that a strand was not finite, so far.
     pub resets: usize,
-    /// Number of steps on end in which each strand had a segment stretched or crushed by more than half.
+    /// Number of steps on end in which each strand had a segment stretched or crushed by more than a twentieth.
     pub strained_steps: Vec<u32>,
     /// Number of times that a strand was over-strained for [`crate::rods::STRAINED_STEPS`] steps on end, so far.
     pub over_strained: usize,

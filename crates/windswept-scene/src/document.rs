@@ -34,6 +34,8 @@ pub(crate) struct Entry {
 #[derive(Debug, Default)]
 pub(crate) struct Document {
     pub(crate) entries: BTreeMap<String, Entry>,
+    /// What a table that says its name is called, by its real path: `hair.1` is `hair.fringe`. A name counts once.
+    called: BTreeMap<String, String>,
 }
 
 /// A table and its place.
@@ -49,10 +51,13 @@ impl Document {
         Ok(document)
     }
 
-    /// The error with its key as the user spells it.
+    /// The error with its key as the user spells it: `hair.fringe.radius`, or `hair.radius` where there is a single such table
+    /// without a name.
     pub(crate) fn shown(&self, error: SceneError) -> SceneError {
         let lone = |key: &&str| matches!(self.entries.get(*key), Some(Entry { datum: Datum::Tables(1), .. }));
-        ["hair", "body"].into_iter().filter(lone).fold(error, SceneError::of_lone)
+        let error = self.called.iter().fold(error, |error, (real, called)| error.renamed(real, called));
+        let lone = ["hair", "body"].into_iter().filter(lone);
+        lone.fold(error, |error, table| error.renamed(&format!("{table}.0"), table))
     }
 
     /// Checks the keys of a table; `path` is without indices, `real` with them.
@@ -114,6 +119,10 @@ impl Document {
             if key.kind == Kind::Tables {
                 element = format!("{real}.{index}");
                 self.entries.insert(element.clone(), Entry { datum: Datum::Tables(1), span });
+                let called = table.get("name").and_then(Item::as_str).map(|name| format!("{real}.{name}"));
+                if let Some(called) = called.filter(|called| self.called.values().all(|other| other != called)) {
+                    self.called.insert(element.clone(), called);
+                }
             }
             self.table(table, &key.path, &element)?;
         }

@@ -31,10 +31,11 @@ impl SceneError {
         self
     }
 
-    /// The error with its key as one spells it where there is a single such table: `hair.length`, not `hair.0.length`.
-    pub(crate) fn of_lone(mut self, table: &str) -> Self {
-        if let Some(rest) = self.0.key.as_deref().and_then(|key| key.strip_prefix(&format!("{table}.0"))) {
-            self.0.key = Some(format!("{table}{rest}"));
+    /// The error with its key as one spells it, if it is in the table at `real`: `hair.length`, not `hair.0.length`.
+    pub(crate) fn renamed(mut self, real: &str, called: &str) -> Self {
+        let rest = self.0.key.as_deref().and_then(|key| key.strip_prefix(real));
+        if let Some(rest) = rest.filter(|rest| rest.is_empty() || rest.starts_with('.')) {
+            self.0.key = Some(format!("{called}{rest}"));
         }
         self
     }

@@ -192,7 +192,7 @@ impl Strands {
     }
 
     /// The key that strand `s` comes from: `hair.NAME`, or `groom` where the scene has no hair.
-    fn origin(&self, s: usize, scene: &Scene) -> String {
+    pub(crate) fn origin(&self, s: usize, scene: &Scene) -> String {
         self.group(s, scene).map_or_else(|| "groom".to_owned(), |hair| format!("hair.{}", hair.name))
     }
 
@@ -362,6 +362,7 @@ impl InitialState {
         let bodies: Vec<Shape> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
         rooted_outside(scene, &hair, &bodies)?;
         warnings.extend(warnings::of_rods(scene, &hair));
+        warnings.extend(warnings::of_friction(scene, &hair));
         warnings.extend(warnings::of_bodies(scene, &hair, &bodies));
         let filled = scene.filled();
         if hair.is_empty() && filled.is_none() {

@@ -199,6 +199,15 @@ table! {
 }
 
 impl Scene {
+    /// Why strands do not rub on one another in this scene, whatever their `hair.friction`; `None` where they do.
+    #[must_use]
+    pub fn why_no_friction(&self) -> Option<&'static str> {
+        if self.interaction.model != Model::TwoWay {
+            return Some("only with interaction.model two-way does hair press on hair alone");
+        }
+        (self.fluid.iterations == 0).then_some("fluid.iterations is 0: no density constraint presses hair on hair")
+    }
+
     /// The scene, if keys of different tables go together.
     fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
         let names = |table: &'static str, names: Vec<&String>| {

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::{
     body::{Shape, blocked},
     initial::{AirParticles, Strands},
-    scene::{Air, Bounds, Scene},
+    scene::{Air, Bounds, FRICTION, Scene},
 };
 
 /// Kernel radii in particle spacings between which the density constraint was tried; the paper's is 1.92.
@@ -67,6 +67,15 @@ pub(crate) fn of_rods(scene: &Scene, hair: &Strands) -> Vec<String> {
         "hair has segments so short and stiff that 32 bits do not hold them at this step: each runs as {substeps} substeps; \
          fewer hair.points, or a shorter time.step, need fewer"
     )]
+}
+
+/// A warning for each group of strands whose friction was chosen where nothing presses hair on hair.
+pub(crate) fn of_friction(scene: &Scene, hair: &Strands) -> Vec<String> {
+    let Some(why) = scene.why_no_friction() else { return Vec::new() };
+    let chosen = (0..hair.len()).filter(|&s| ![0.0, FRICTION].contains(&hair.friction(s)));
+    let mut origins: Vec<String> = chosen.map(|s| hair.origin(s, scene)).collect();
+    origins.dedup();
+    origins.iter().map(|origin| format!("{origin}.friction does nothing: {why}")).collect()
 }
 
 /// Warnings about where the hair stands in its box.

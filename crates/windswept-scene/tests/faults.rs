@@ -191,8 +191,8 @@ fn groups_have_names_and_faults_of_their_own() {
     for (first, second, key, line, word) in [
         ("name = \"a\"", "name = \"a\"\nstrands = 1", "hair.1.name", 13, "\"a\" a second time"),
         ("", "strands = 1", "hair.1.name", 12, "a name of its own for each [[hair]]"),
-        ("name = \"a\"", "name = \"b\"", "hair.1.strands", 12, "is missing"),
-        ("name = \"a\"", "name = \"b\"\nstrand = 1", "hair.1.strand", 14, "did you mean hair.strands?"),
+        ("name = \"a\"", "name = \"b\"", "hair.b.strands", 12, "is missing"),
+        ("name = \"a\"", "name = \"b\"\nstrand = 1", "hair.b.strand", 14, "did you mean hair.strands?"),
         ("radius = 0", "strands = 1", "hair.0.radius", 5, "greater than 0"),
     ] {
         let error = two_groups(first, second).unwrap_err();
@@ -234,13 +234,21 @@ fn a_group_is_addressed_by_its_name() {
         assert_eq!(set(text, &["hair.hair.roots.radius=0.002"]).unwrap().hair[0].roots.radius, 0.002);
     }
     let shown = set(&one, &["hair.hair.radius=1e-5"]).unwrap_err().to_string();
-    assert!(shown.contains("hair.hair: unknown key"), "{shown}");
+    assert!(shown.contains("hair.fringe.hair: unknown key"), "{shown}");
     let shown = set(SMALL, &["air.hair.wind=[1,0,0]"]).unwrap_err().to_string();
     assert!(shown.contains("air.hair: unknown key"), "{shown}");
     let two = two_groups("name = \"a\"", "name = \"b\"\nstrands = 1").unwrap().text().to_owned();
     let scene = set(&two, &["hair.b.radius=5e-5", "hair.0.radius=6e-5"]).unwrap();
     assert_eq!(scene.hair.iter().map(|hair| hair.fibre.radius).collect::<Vec<_>>(), [6e-5, 5e-5]);
     assert!(set(&two, &["hair.radius=5e-5"]).unwrap_err().to_string().contains("leads nowhere"));
+    for (text, assignment) in
+        [(&one, "hair.fringe.friction=-1"), (&two, "hair.b.friction=-1"), (&two, "hair.b.frition=1")]
+    {
+        let error = set(text, &[assignment]).unwrap_err();
+        let key = assignment.split('=').next();
+        assert_eq!(error.key(), key, "{error}");
+        assert!(error.to_string().starts_with(&format!("--set {assignment}: {}: ", key.unwrap())), "{error}");
+    }
 }
 
 /// A fault that comes with an assignment names the assignment; one that the file has, the file.

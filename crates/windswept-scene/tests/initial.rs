@@ -121,11 +121,29 @@ fn a_user_is_warned() {
         (&["air.fringe=0.09"], "air.fringe of 0.09 m takes more than half of the box in x"),
         (&["air.kernel_radius=6e-3"], "air.kernel_radius is 1.24 particle spacings"),
         (&["hair.curl={radius=1e-3,pitch=0.01}"], "hair hair: the curl turns by 305 degrees per segment"),
+        (
+            &["hair.friction=0.5", "interaction.model=drag"],
+            "hair.hair.friction does nothing: only with interaction.model two-way",
+        ),
+        (
+            &["hair.friction=0.5", "interaction.model=particles"],
+            "hair.hair.friction does nothing: only with interaction",
+        ),
+        (
+            &["hair.friction=0.5", "interaction.model=two-way", "fluid.iterations=0"],
+            "hair.hair.friction does nothing: fluid.iterations is 0",
+        ),
     ] {
         let warnings = brush(sets).1.warnings;
         assert!(warnings.len() == 1 && warnings[0].contains(words), "{sets:?}: {warnings:?}");
     }
-    assert!(brush(&["time.step=2e-3", "time.substeps=2"]).1.warnings.is_empty());
+    for sets in [
+        &["time.step=2e-3", "time.substeps=2"][..],
+        &["hair.friction=0.5", "interaction.model=two-way"],
+        &["hair.friction=0", "interaction.model=drag"],
+    ] {
+        assert!(brush(sets).1.warnings.is_empty(), "{sets:?}");
+    }
     // Roots in a line along the wind block nothing.
     let along = ["hair.roots.shape=line", "hair.roots.direction=[0,0,1]", "hair.roots.radius=0.05", "hair.length=0.03"];
     let warnings = brush(&[&along[..], &["hair.roots.center=[0.08,0.06,0.01]"]].concat()).1.warnings;

@@ -126,9 +126,10 @@ impl Plan {
         ));
         let fluid = air.and(Decision::when(solved, "fluid.iterations is 0"));
         let rough = (0..initial.hair.len()).any(|s| initial.hair.friction(s) > 0.0);
+        let smooth = scene.why_no_friction();
         let friction = hair
+            .and(Decision::when(smooth.is_none(), smooth.unwrap_or_default()))
             .and(fluid.clone())
-            .and(Decision::when(two_way, "only with interaction.model two-way does hair press on hair alone"))
             .and(Decision::when(rough, "hair.friction is 0"));
         let hair_meets_air = hair.and(neighbours.clone());
         let air_first = air.and(Decision::when(
