@@ -92,6 +92,7 @@ pub const CHECKS: &[Check] = &[
 pub const LONG_CHECKS: &[Check] = &[
     Check { name: "fixed-wide", run: exchange::fixed_wide },
     Check { name: "strip", run: exchange::strip },
+    Check { name: "strip-halved", run: exchange::strip_halved },
     Check { name: "bundle", run: exchange::bundle },
     Check { name: "mat-for-long", run: friction::mat_for_long },
 ];
