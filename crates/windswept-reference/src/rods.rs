@@ -66,7 +66,7 @@ pub fn run(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
                 let quiet = direct(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
                 s.quiet_steps += usize::from(quiet);
             }
-            s.rescued_steps += usize::from(rescue(&s.hair, strand, &mut w.drives[strand], &mut w.moving));
+            s.rescued_steps += usize::from(rescue(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving));
         }
         gauss_seidel(p, &s.hair, strand, &w.drives[strand], &mut w.moving);
     }

@@ -314,7 +314,7 @@ fn rescue_is_that_of_the_twin() {
 
             stage.run_only(&["rods/rescue"], step::rods::record);
             for strand in 0..n {
-                let torn = rods::rescue(&s.hair, strand, &mut w.drives[strand], &mut w.moving);
+                let torn = rods::rescue(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
                 s.rescued_steps += usize::from(torn);
             }
             let apart = rods_apart(&stage, &w);

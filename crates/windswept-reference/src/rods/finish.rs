@@ -10,9 +10,9 @@ use super::{
 use crate::Parameters;
 
 /// Rescues a strand that the direct solver did not solve. One that its load carries far goes with its root as it is, and feels
-/// nothing in this step; any other that was torn is left to Gauss-Seidel, from its free move, with no multiplier kept. Says
+/// nothing in this step; if nothing holds it, it goes on as a whole with its momentum. Any other that was torn is left to Gauss-Seidel, from its free move, with no multiplier kept. Says
 /// whether the strand was rescued.
-pub fn rescue(hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
+pub fn rescue(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
     if drive.state != State::Free {
         return false;
     }
@@ -22,8 +22,15 @@ pub fn rescue(hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bo
     }
     if drive.far {
         unload(hair, s, m);
-        for point in &mut m.points[hair.points(s)] {
-            put(point, if point.inverse_mass == 0.0 { point.free } else { drive.root_travel });
+        let points = &mut m.points[hair.points(s)];
+        if points.iter().all(|point| point.inverse_mass > 0.0) {
+            let mass: f64 = points.iter().map(|point| 1.0 / point.inverse_mass).sum();
+            let momentum: DVec3 = points.iter().map(|point| point.velocity / point.inverse_mass).sum();
+            points.iter_mut().for_each(|point| (point.travel, point.step) = (p.step * momentum / mass, p.step));
+        } else {
+            for point in points {
+                put(point, if point.inverse_mass == 0.0 { point.free } else { drive.root_travel });
+            }
         }
         for segment in &mut m.segments[hair.segments(s)] {
             let start = segment.start;
