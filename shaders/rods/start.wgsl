@@ -5,8 +5,8 @@
 // the forces of the step before, and others at their free move. A free move that a rod could not follow is capped and counted:
 // what is loaded suddenly takes some steps until it feels all of the load.
 import package::common::{
-    params::{params, TWO_WAY, MEAN_WIND}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent},
-    integration::{EULER, PUT, STAY, free_move, response}, rest::{STILL_TIME, STILL_STEPS}, load::damping_of,
+    params::{params, PARTICLES, TWO_WAY, MEAN_WIND}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent},
+    integration::{EULER, PUT, STAY, free_move, response}, rest::STILL_STEPS, load::damping_of,
     led::{held_move, led_move, led_turn},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, CALM_STEPS,
         ROOT_HELD, TIP_HELD, unloaded},
@@ -77,13 +77,14 @@ fn put_at_rest(strand: Strand, rod: RodStrand) {
     }
 }
 
-fn rested(steps: u32) -> bool {
-    return steps >= STILL_STEPS && f32(steps) * params.step >= STILL_TIME;
+fn rested(strand: Strand, steps: u32) -> bool {
+    return steps >= STILL_STEPS && f32(steps) * params.step >= strand.still_time;
 }
 
-// Whether something pushes the strand: what acts from outside in this step and did not in the last one awake. A sleeper has
-// no velocity but what viscosity gave it since.
+// Whether something pushes the strand that did not while it came to rest. A sleeper has no velocity but what viscosity gave it
+// since. One that trembles feels the drag tremble, and is not pushed by that.
 fn pushed(strand: Strand, asleep: bool) -> bool {
+    if !asleep && params.model != PARTICLES { return false; }
     for (var k = 0u; k < strand.points; k++) {
         let point = rod_points[strand.first_point + k];
         let push = length(select(point.push, point.stir, asleep));
@@ -205,7 +206,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         put_as_it_is(strand, rod);
         unload(strand);
         count(TELEPORT);
-    } else if rod.state == ASLEEP && rested(found.still) && !pushed(strand, found.still == SLEEPS)
+    } else if rod.state == ASLEEP && rested(strand, found.still) && !pushed(strand, found.still == SLEEPS)
         && !(found.still == SLEEPS && touched[s] != 0u) {
         found.still = SLEEPS;
         put_as_it_is(strand, rod);

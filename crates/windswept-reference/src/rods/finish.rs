@@ -1,10 +1,10 @@
 //! Health of a strand after its solve.
 
 use glam::DVec3;
-use windswept_scene::Strands;
+use windswept_scene::{Model, Strands};
 
 use super::{
-    Drive, LOST, MISFIT, Moving, Point, STILL_SPIN, State, rate, rotation,
+    Drive, LOST, MISFIT, Moving, Point, STILL_STEPS, STILL_TURN, State, rate, rotation,
     start::{put, put_frame, unload},
 };
 use crate::Parameters;
@@ -79,19 +79,31 @@ pub fn forget(hair: &Strands, s: usize, m: &mut Moving) {
     }
 }
 
-/// Whether a strand was slow, and not pushed, when the step began.
+/// Whether a strand was where it became still when the step began; with `particles`, whose pushes nothing remembers, it must not
+/// be pushed either.
 #[must_use]
 pub fn still(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
     let rest = p.rest[s];
     // A strand that nothing holds may drift as slowly as it will.
     let held = m.points[hair.points(s).start].inverse_mass == 0.0;
-    // What presses it as in the last step does not move it, however hard.
-    let slow = |point: &Point| {
-        let stir = point.velocity - point.change + point.push;
-        stir.length() <= rest.speed && point.push.length() <= rest.acceleration * p.step
-    };
-    held && m.points[hair.points(s)].iter().all(slow)
-        && m.segments[hair.segments(s)].iter().all(|segment| segment.angular_velocity.length() <= STILL_SPIN)
+    let pushed = |point: &Point| p.model == Model::Particles && point.push.length() > rest.acceleration * p.step;
+    let rests = |point: &Point| point.strayed.length() <= rest.way && !pushed(point);
+    held && m.points[hair.points(s)].iter().all(rests)
+        && m.segments[hair.segments(s)].iter().all(|segment| segment.strayed.length() <= STILL_TURN)
+}
+
+/// Takes what acts from outside on a strand that was still for so many `steps` as a mean over the last of them, about
+/// [`STILL_STEPS`]: the strand trembles, and so does its drag.
+pub fn remember(hair: &Strands, s: usize, m: &mut Moving, steps: u32) {
+    for point in &mut m.points[hair.points(s)] {
+        point.outside -= (1.0 - 1.0 / f64::from(steps.min(STILL_STEPS))) * point.push;
+    }
+}
+
+/// Lets a strand become still from here on.
+pub fn settle(hair: &Strands, s: usize, m: &mut Moving) {
+    m.points[hair.points(s)].iter_mut().for_each(|point| point.strayed = DVec3::ZERO);
+    m.segments[hair.segments(s)].iter_mut().for_each(|segment| segment.strayed = DVec3::ZERO);
 }
 
 /// Impulse J = Δt (force − resistance v_{n+1}) that a point had from its load \[N s\], v as the rod leaves it; 0 for a sleeper.

@@ -4,8 +4,8 @@ use glam::{DQuat, DVec3};
 use windswept_scene::{Model, Strands};
 
 use super::{
-    CALM_STEPS, Drive, GROWTH, LOADED, Load, Moving, Point, STILL_STEPS, STILL_TIME, Segment, State, TORN, damping,
-    free_move, response, rotation,
+    CALM_STEPS, Drive, GROWTH, LOADED, Load, Moving, Point, STILL_STEPS, Segment, State, TORN, damping, free_move,
+    response, rotation,
 };
 use crate::{Parameters, state};
 
@@ -56,8 +56,7 @@ pub struct Choice {
     pub euler: bool,
 }
 
-/// Hands the `load` of hair point `i` to its rod. What pushes that did not in the last step awake may wake a sleeper; a held
-/// point goes where it is held, whatever pushes.
+/// Hands the `load` of hair point `i` to its rod. What pushes that did not before may wake a sleeper; a held point goes where it is held, whatever pushes.
 pub fn load(p: &Parameters, s: &state::State, i: usize, load: Load, point: &mut Point) {
     point.load = load;
     point.outside = point.change + p.step * point.inverse_mass * load.at(s.velocity[i]);
@@ -70,7 +69,9 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
     // A sleeper has no velocity but what viscosity gave it since.
     let asleep = s.asleep[strand];
     let push = |i: usize| m.points[i].push + if asleep { s.velocity[i] } else { DVec3::ZERO };
-    let pushed = points.clone().any(|i| push(i).length() > p.rest[strand].acceleration * p.step);
+    // One that trembles feels the drag tremble, and is not pushed by that.
+    let minds = asleep || p.model == Model::Particles;
+    let pushed = minds && points.clone().any(|i| push(i).length() > p.rest[strand].acceleration * p.step);
     if s.bad[strand] {
         s.bad[strand] = false;
         (s.calm[strand], s.still[strand], s.asleep[strand]) = (0, 0, false);
@@ -79,7 +80,7 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
         drive.state = State::Solved;
         return Choice::default();
     }
-    let rested = s.still[strand] >= STILL_STEPS && f64::from(s.still[strand]) * p.step >= STILL_TIME;
+    let rested = s.still[strand] >= STILL_STEPS && f64::from(s.still[strand]) * p.step >= p.rest[strand].time;
     if drive.state == State::Teleported {
         (s.calm[strand], s.still[strand]) = (0, 0);
         unload(&s.hair, strand, m);
