@@ -1,8 +1,7 @@
-// When a strand is at rest: so slow for so long, and so little pushed, that leaving it alone moves its tip by less than 1e-4
-// of its length. Each strand has its own limits of speed and push (`Strand`): a soft strand in much air creeps for
-// long, and nothing but its stiffness resists a push where there is no gravity. A strand that swings is slow at its
-// turning points too, but stays slow for as long as STILL_TIME only where it hardly swings.
+// When a strand is at rest: when for a while (`Strand.still_time`) no point of it went farther than a little
+// (`Strand.still_way`), no frame turned by more than a little, and nothing pushed it by much (`Strand.still_acceleration`).
+// Each strand has its own measures (`Strands::rest`). They are of ways, not of speeds: rounding lets points and
+// frames tremble, by as much however short the step is, and so the faster the shorter it is.
 
-const STILL_SPIN: f32 = 2e-3;   // angular speed of a frame below which it is at rest [rad/s]
-const STILL_TIME: f32 = 0.07;   // time for which a strand must have been still before it sleeps [s]
-const STILL_STEPS: u32 = 10u;   // number of steps for which it must have been still at least, however long they are
+const STILL_TURN: f32 = 1e-3;   // turn of a frame at rest [rad]
+const STILL_STEPS: u32 = 10u;   // number of steps for which a strand must have been still at least, however long they are

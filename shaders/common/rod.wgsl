@@ -10,7 +10,7 @@
 //   torn         a segment breaks its stretch-shear constraint by more than a stated part of its length
 //   calm         where velocities led it was not torn, for three steps on end: BDF2 may integrate it
 //   quiet        its equations already hold where it starts: the direct solver leaves it alone in this step
-//   still        slow, and not pushed, in this step
+//   still        where it became still, within a little, in this step
 //   asleep       still for so long that it is not integrated until something wakes it
 //   rescued      the direct solver did not solve it: Gauss-Seidel does in this step, or it is put, going with its root as it is
 //   put          placed instead of moved: it arrives without a velocity and remembers nothing
@@ -30,7 +30,8 @@ struct Strand {
     center: vec3f,             // m, of its roots' motion
     first_keyframe: u32,
     keyframes: u32,            // 0: the host says where its root goes
-    still_speed: f32,          // m/s, of its points, below which it is at rest
+    still_way: f32,            // m, that a point of it may go while it is at rest
+    still_time: f32,           // s, for which it must have been still before it sleeps
     still_acceleration: f32,   // m/s^2, of what pushes it, below which it stays at rest
     friction: f32,             // Coulomb's coefficient, on other strands
 }
@@ -81,10 +82,11 @@ struct RodPoint {
     force: vec3f,          // N, from outside, on the point at rest
     resistance: f32,       // kg/s, from outside, to its velocity at the step's end
     outside: vec3f,        // m/s, all that acts from outside in this step
-    push: vec3f,           // m/s, what of it did not act in the last step awake
+    push: vec3f,           // m/s, what of it did not act while the strand came to rest
     stir: vec3f,           // m/s, the push with the velocity that a sleeper has got since
     free: vec3f,           // m, the move without the rod's forces
     travel: vec3f,         // m, the move
+    strayed: vec3f,        // m, from where it was when the strand became still
 }
 
 // A point that was put somewhere: it felt no force on its way.
@@ -109,6 +111,7 @@ struct RodSegment {
     chord: vec3f,              // m, from its first point to its second at the step's start
     force: vec3f,              // multiplier of stretch-shear, material frame [N m]
     moment: vec3f,             // multiplier of the joint before it, in the frame before [N m]
+    strayed: vec3f,            // rad, turn since the strand became still
 }
 
 // What a point keeps from step to step beside its position and velocity.
@@ -116,9 +119,11 @@ struct PointHistory {
     travel: vec3f,      // m, the last step's move
     velocity: vec3f,    // m/s, of the step before, with all that acted from outside since
     remainder: vec3f,   // m, what rounding left off the position
-    outside: vec3f,     // m/s, all that acted from outside in the last step awake; nothing with the model PARTICLES
+    outside: vec3f,     // m/s, all that acted from outside in the last step awake, a mean of those on end in which its strand was
+                        // still; nothing with the model PARTICLES
     own: vec3f,         // m/s, what its rod and gravity gave it in the last step awake; nothing with the model PARTICLES
     grip: vec3f,        // m/s, slip that friction of hair on hair holds it back from
+    strayed: vec3f,     // m, from where it was when its strand became still
 }
 
 // What a segment keeps from step to step beside its frame and spin.
@@ -127,6 +132,7 @@ struct SegmentHistory {
     angular_velocity: vec3f,   // rad/s, of the step before
     force: vec3f,              // multipliers, as above [N m]
     moment: vec3f,
+    strayed: vec3f,            // rad, turn since its strand became still
 }
 
 // How a strand is.

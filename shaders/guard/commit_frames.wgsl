@@ -25,6 +25,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         select(segment.angular_velocity, vec3f(0.0), anew),
         rotate(conjugate(segment.frame), segment.force),
         segment.moment,
+        segment.strayed + turn,
     );
     angular_velocity[k] = vec4f(spin, 0.0);
     orientation[k] = segment.frame;

@@ -24,6 +24,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let untouched = all(predicted[p].xyz == placed(x, before, point.travel));
     let left = (x - predicted[p].xyz) + (point.travel + before);
     let anew = point.scheme >= PUT;
+    let remainder = select(vec3f(0.0), left, untouched && !anew);
     let stays = point.scheme == STAY;
     let last = final_velocity[p].xyz;
     let forgets = params.model == PARTICLES;
@@ -32,9 +33,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     point_history[p] = PointHistory(
         select(point.travel, params.step * last, anew),
         select(point.before + last - new_velocity[p].xyz, last, anew && !stays),
-        select(vec3f(0.0), left, untouched && !anew),
+        remainder,
         select(outside, point_history[p].outside, stays),
         select(own, point_history[p].own, stays),
         grip[p].xyz,
+        point.strayed + ((predicted[p].xyz - x) + (remainder - before)),
     );
 }

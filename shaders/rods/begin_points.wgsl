@@ -25,6 +25,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     point.outside = change;
     point.inverse_mass = w;
     point.largest = largest_move[p];
+    point.strayed = history.strayed;
     rod_points[p] = point;
     hair_force[p] = vec4f(0.0);
 }

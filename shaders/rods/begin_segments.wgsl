@@ -28,5 +28,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     segment.chord = (position[b].xyz - position[a].xyz) + (point_history[b].remainder - point_history[a].remainder);
     segment.force = history.force;
     segment.moment = history.moment;
+    segment.strayed = history.strayed;
     rod_segments[k] = segment;
 }

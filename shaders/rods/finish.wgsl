@@ -1,8 +1,8 @@
 // Health of each strand after its solve: a non-finite one is held where it was for this step (so that it spoils no
 // neighbour) and reset in the next; stretch is recorded; over-strain and rest are counted, steps on end.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, integration::PUT,
-    rest::STILL_SPIN,
+    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::PUT,
+    rest::{STILL_STEPS, STILL_TURN},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SLEEPS, STRAINED_STEPS, strained_steps,
         ROOT_HELD, MISFIT, unloaded},
     status::{status, frozen, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED},
@@ -46,19 +46,34 @@ fn forget(strand: Strand) {
     }
 }
 
-// Slow, and not pushed, when the step began: by then contacts and viscosity have had their say. What presses as in the last
-// step does not move the strand, however hard. A strand that nothing holds may drift as slowly as it will.
+// Where it became still when the step began: by then contacts and viscosity have had their say. With the model PARTICLES, whose
+// pushes nothing remembers, it must not be pushed either. A strand that nothing holds may drift as slowly as it will.
 fn still(strand: Strand) -> bool {
     if (strand.joints & ROOT_HELD) == 0u { return false; }
     for (var k = 0u; k < strand.points; k++) {
         let point = rod_points[strand.first_point + k];
-        let pushed = length(point.push) > strand.still_acceleration * params.step;
-        if pushed || length(point.stir) > strand.still_speed { return false; }
+        let pushed = params.model == PARTICLES && length(point.push) > strand.still_acceleration * params.step;
+        if pushed || !(length(point.strayed) <= strand.still_way) { return false; }
     }
     for (var k = 0u; k < strand.points - 1u; k++) {
-        if length(rod_segments[strand.first_segment + k].angular_velocity) > STILL_SPIN { return false; }
+        if !(length(rod_segments[strand.first_segment + k].strayed) <= STILL_TURN) { return false; }
     }
     return true;
+}
+
+// What acts from outside on a strand at rest is taken as a mean over the last steps in which it was still, about STILL_STEPS:
+// the strand trembles, and so does its drag.
+fn remember(strand: Strand, steps: u32) {
+    for (var k = 0u; k < strand.points; k++) {
+        let p = strand.first_point + k;
+        rod_points[p].outside -= (1.0 - 1.0 / f32(min(steps, STILL_STEPS))) * rod_points[p].push;
+    }
+}
+
+// From here on the strand may become still.
+fn settle(strand: Strand) {
+    for (var k = 0u; k < strand.points; k++) { rod_points[strand.first_point + k].strayed = vec3f(0.0); }
+    for (var k = 0u; k < strand.points - 1u; k++) { rod_segments[strand.first_segment + k].strayed = vec3f(0.0); }
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -93,6 +108,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if rod_strands[s].state == FREE { forget(strand); }
     if params.sleep != 0u && found.still != SLEEPS {
         found.still = select(0u, min(found.still, SLEEPS - 2u) + 1u, still(strand));
+        if found.still == 0u { settle(strand); } else { remember(strand, found.still); }
     }
     health[s].found = found;
 }

@@ -1,5 +1,5 @@
 // What the forces on a hair point are to its rod: force F and resistance R act as F - R v, v the point's velocity at the step's
-// end, which the rods find. What pushes that did not in the last step awake may wake a sleeper.
+// end, which the rods find. What pushes that did not before may wake a sleeper.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, rod::{RodPoint, PointHistory}, status::frozen,
 };

@@ -1,9 +1,10 @@
 // A strand that the direct solver did not solve in its steps. One that forces from outside carry far goes with its root as it
-// is, and feels nothing in this step. Another that it tore (too stiff for its step and its segments: f32 does not resolve the
+// is, and feels nothing in this step; if nothing holds it, it goes on as a whole with its momentum. Another that it tore (too stiff for its step and its segments: f32 does not resolve the
 // system) is left to Gauss-Seidel, which is inexact but tears nothing: back to its free move, nothing held. Others are done.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotation}, integration::PUT,
-    rod::{Strand, RodStrand, RodPoint, RodSegment, FREE, SOLVED, MISFIT, unloaded}, status::{frozen, count, RESCUED_STEP},
+    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotation}, integration::{EULER, PUT},
+    rod::{Strand, RodStrand, RodPoint, RodSegment, FREE, SOLVED, MISFIT, ROOT_HELD, TIP_HELD,
+        unloaded}, status::{frozen, count, RESCUED_STEP},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
@@ -13,12 +14,27 @@ import package::common::{
 
 const LOST: f32 = 1.0;   // |C + alpha mu| of stretch-shear from which the direct solver has lost a strand
 
+// The mean velocity of a strand that nothing holds, by mass.
+fn mean_velocity(strand: Strand) -> vec3f {
+    var momentum = vec3f(0.0);
+    var mass = 0.0;
+    for (var k = 0u; k < strand.points; k++) {
+        let point = rod_points[strand.first_point + k];
+        mass += 1.0 / point.inverse_mass;
+        momentum += point.velocity / point.inverse_mass;
+    }
+    return momentum / mass;
+}
+
 fn put(strand: Strand, rod: RodStrand) {
+    let loose = (strand.joints & (ROOT_HELD | TIP_HELD)) == 0u;
+    var way = rod.root_travel;
+    if loose { way = params.step * mean_velocity(strand); }
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
         rod_points[p] = unloaded(rod_points[p]);
-        rod_points[p].travel = select(rod.root_travel, rod_points[p].free, rod_points[p].inverse_mass == 0.0);
-        rod_points[p].scheme = PUT;
+        rod_points[p].travel = select(way, rod_points[p].free, rod_points[p].inverse_mass == 0.0);
+        rod_points[p].scheme = select(PUT, EULER, loose);
     }
     for (var k = 0u; k < strand.points - 1u; k++) {
         let j = strand.first_segment + k;

@@ -5,11 +5,11 @@
 // the forces of the step before, and others at their free move. A free move that a rod could not follow is capped and counted:
 // what is loaded suddenly takes some steps until it feels all of the load.
 import package::common::{
-    params::{params, TWO_WAY, MEAN_WIND}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent},
-    integration::{EULER, PUT, STAY, free_move, response}, rest::{STILL_TIME, STILL_STEPS}, load::damping_of,
+    params::{params, PARTICLES, TWO_WAY, MEAN_WIND}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent},
+    integration::{EULER, PUT, STAY, free_move, response}, rest::STILL_STEPS, load::damping_of,
     led::{held_move, led_move, led_turn},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, CALM_STEPS,
-        TIP_HELD, unloaded},
+        ROOT_HELD, TIP_HELD, unloaded},
     status::{frozen, count, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT},
 };
 
@@ -77,13 +77,14 @@ fn put_at_rest(strand: Strand, rod: RodStrand) {
     }
 }
 
-fn rested(steps: u32) -> bool {
-    return steps >= STILL_STEPS && f32(steps) * params.step >= STILL_TIME;
+fn rested(strand: Strand, steps: u32) -> bool {
+    return steps >= STILL_STEPS && f32(steps) * params.step >= strand.still_time;
 }
 
-// Whether something pushes the strand: what acts from outside in this step and did not in the last one awake. A sleeper has
-// no velocity but what viscosity gave it since.
+// Whether something pushes the strand that did not while it came to rest. A sleeper has no velocity but what viscosity gave it
+// since. One that trembles feels the drag tremble, and is not pushed by that.
 fn pushed(strand: Strand, asleep: bool) -> bool {
+    if !asleep && params.model != PARTICLES { return false; }
     for (var k = 0u; k < strand.points; k++) {
         let point = rod_points[strand.first_point + k];
         let push = length(select(point.push, point.stir, asleep));
@@ -92,40 +93,58 @@ fn pushed(strand: Strand, asleep: bool) -> bool {
     return false;
 }
 
-fn free_point(strand: Strand, rod: RodStrand, k: u32) -> vec3f {
+// Where point k goes without its rod, under this part of the force on it.
+fn free_point(strand: Strand, rod: RodStrand, k: u32, part: f32) -> vec3f {
     let point = rod_points[strand.first_point + k];
     if point.inverse_mass == 0.0 { return held_move(rod, k); }
-    let acceleration = params.gravity + point.inverse_mass * point.force;
+    let acceleration = params.gravity + part * point.inverse_mass * point.force;
     return free_move(point.velocity, point.before, point.carried, acceleration, damping_of(point), rod.scheme);
 }
 
 // What the free move is measured from: the root, or the strand's mean where that is free.
-fn base(strand: Strand, rod: RodStrand) -> vec3f {
+fn base(strand: Strand, rod: RodStrand, part: f32) -> vec3f {
     if rod_points[strand.first_point].inverse_mass == 0.0 { return rod.root_travel; }
     var sum = vec3f(0.0);
-    for (var k = 0u; k < strand.points; k++) { sum += free_point(strand, rod, k); }
+    for (var k = 0u; k < strand.points; k++) { sum += free_point(strand, rod, k, part); }
     return sum / f32(strand.points);
 }
 
-// Returns the farthest free move.
+fn capped(shift: vec3f, origin: vec3f, largest: f32) -> vec3f {
+    let way = shift - origin;
+    return origin + (largest / max(length(way), largest)) * way;
+}
+
+// Returns the farthest free move. What caps take from a strand that nothing holds, beside forces, it keeps as a whole.
 fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
-    let origin = base(strand, rod);
+    let origin = base(strand, rod, 1.0);
+    let bare_origin = base(strand, rod, 0.0);
     let drags = params.model == TWO_WAY || params.model == MEAN_WIND;
     let grown = select(0.0, GROWTH * reach, params.direct_rods != 0u && drags);
+    var lost = vec3f(0.0);   // N, to the caps, beside what is cut of forces
+    var heaviness = 0.0;     // N/m
     var farthest = 0.0;
     var carried_far = false;
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
         let point = rod_points[p];
-        var free = free_point(strand, rod, k);
+        var free = free_point(strand, rod, k, 1.0);
         var travel = free;
         if point.inverse_mass > 0.0 {
             let far = length(free - origin);
-            let loaded = response(damping_of(point), rod.scheme) * point.inverse_mass * length(point.force);
+            let reply = response(damping_of(point), rod.scheme) * point.inverse_mass;
+            let loaded = reply * length(point.force);
             let bears = select(0.0, min(loaded, LOADED * strand.length), rod.whole != 0u);
             let largest = max(point.largest + bears, grown);
+            heaviness += 1.0 / reply;
             if far > largest {
-                free = origin + (largest / far) * (free - origin);
+                free = capped(free, origin, largest);
+                // What the force still moves the point by is all of it that the point feels, and that the air gives.
+                let bare = free_point(strand, rod, k, 0.0);
+                let bare_capped = capped(bare, bare_origin, largest);
+                let felt = (free - bare_capped) / reply;
+                lost += (bare - bare_capped) / reply;
+                rod_points[p].outside += params.step * point.inverse_mass * (felt - point.force);
+                rod_points[p].force = felt;
                 count(MOVE_CAPPED);
             }
             travel = free;
@@ -136,6 +155,13 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
         rod_points[p].free = free;
         rod_points[p].travel = travel;
         rod_points[p].scheme = rod.scheme;
+    }
+    if (strand.joints & (ROOT_HELD | TIP_HELD)) == 0u {
+        for (var k = 0u; k < strand.points; k++) {
+            let p = strand.first_point + k;
+            rod_points[p].free += lost / heaviness;
+            if !led { rod_points[p].travel = rod_points[p].free; }
+        }
     }
     for (var k = 0u; k < strand.points - 1u; k++) {
         let j = strand.first_segment + k;
@@ -180,7 +206,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         put_as_it_is(strand, rod);
         unload(strand);
         count(TELEPORT);
-    } else if rod.state == ASLEEP && rested(found.still) && !pushed(strand, found.still == SLEEPS)
+    } else if rod.state == ASLEEP && rested(strand, found.still) && !pushed(strand, found.still == SLEEPS)
         && !(found.still == SLEEPS && touched[s] != 0u) {
         found.still = SLEEPS;
         put_as_it_is(strand, rod);

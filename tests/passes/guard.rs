@@ -43,6 +43,8 @@ impl Walk<'_> {
             let history = stage.engine.read(&state.segment_history).unwrap();
             let turns = largest(history.iter().zip(&s.turn).map(|(a, b)| (xyz(&a.turn) - *b).length()));
             self.same("guard/commit_frames", turns, bounds.frame)?;
+            let strayed = history.iter().zip(&s.segment_strayed).map(|(a, b)| (xyz(&a.strayed) - *b).length());
+            self.same("guard/commit_frames", largest(strayed), bounds.frame)?;
             let clamps = stage.engine.read(&state.clamps).unwrap();
             let clamps = clamps.iter().zip(&s.clamps).map(|(root, clamp)| (xyz(&root.position) - clamp.0).length());
             self.same("guard/commit_frames", largest(clamps), bounds.length)?;
@@ -51,6 +53,10 @@ impl Walk<'_> {
             let points = stage.engine.read(&state.point_history).unwrap();
             let travel = largest(points.iter().zip(&s.travel).map(|(a, b)| (xyz(&a.travel) - *b).length()));
             self.same("guard/commit_hair", travel, bounds.length)?;
+            let strayed = largest(points.iter().zip(&s.strayed).map(|(a, b)| (xyz(&a.strayed) - *b).length()));
+            self.same("guard/commit_hair", strayed, bounds.length)?;
+            let outside = largest(points.iter().zip(&s.outside).map(|(a, b)| (xyz(&a.outside) - *b).length()));
+            self.same("guard/commit_hair", outside, bounds.speed)?;
             let before = largest(points.iter().zip(&s.velocity_before).map(|(a, b)| (xyz(&a.velocity) - *b).length()));
             self.same("guard/commit_hair", before, bounds.speed)?;
             let own = largest(points.iter().zip(&s.own).map(|(a, b)| (xyz(&a.own) - *b).length()));

@@ -113,7 +113,7 @@ impl Walk<'_> {
                 self.moves("rods/direct", w)?;
             }
             for strand in 0..s.hair.len() {
-                let torn = rods::rescue(&s.hair, strand, &mut w.drives[strand], &mut w.moving);
+                let torn = rods::rescue(&p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
                 s.rescued_steps += usize::from(torn);
             }
             if passes.through("rods/rescue") {

@@ -128,6 +128,7 @@ impl Stage {
             s.position[i] = position[i] + xyz(&points[i].remainder);
             (s.travel[i], s.velocity_before[i]) = (xyz(&points[i].travel), xyz(&points[i].velocity));
             (s.own[i], s.grip[i]) = (xyz(&points[i].own), xyz(&points[i].grip));
+            s.strayed[i] = xyz(&points[i].strayed);
         }
         s.velocity[..hair].copy_from_slice(&self.vectors(&state.velocity)[..hair]);
         s.orientation = self.quaternions(&state.orientation);
@@ -135,6 +136,7 @@ impl Stage {
         for (k, history) in segments.iter().enumerate() {
             (s.turn[k], s.angular_velocity_before[k]) = (xyz(&history.turn), xyz(&history.angular_velocity));
             (s.force[k], s.moment[k]) = (xyz(&history.force), xyz(&history.moment));
+            s.segment_strayed[k] = xyz(&history.strayed);
         }
     }
 

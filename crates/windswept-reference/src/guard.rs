@@ -74,6 +74,7 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
         s.angular_velocity_before[k] = if anew { DVec3::ZERO } else { segment.angular_velocity };
         s.angular_velocity[k] = rods::rate(p, turn, segment.carried, segment.step);
         s.turn[k] = if anew { DVec3::ZERO } else { turn };
+        s.segment_strayed[k] = segment.strayed + turn;
         s.force[k] = segment.frame.conjugate() * segment.force;
         s.moment[k] = segment.moment;
         s.orientation[k] = segment.frame;
@@ -81,6 +82,7 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
     for (i, point) in w.moving.points.iter().enumerate() {
         let last = w.new_velocity[i];
         let anew = point.step.is_infinite();
+        s.strayed[i] = point.strayed + w.predicted[i] - s.position[i];
         s.travel[i] = if anew { p.step * last } else { point.travel };
         let forgets = anew && !s.asleep[p.strand_of[i]];
         s.velocity_before[i] = if forgets { last } else { point.before + last - w.rod_velocity[i] };

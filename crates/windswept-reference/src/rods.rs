@@ -16,7 +16,7 @@ use self::integrate::{cross_matrix, nearest_rest};
 pub use self::{
     direct::{FITS, QUIET, direct},
     drag::{Local, ahead, drag, follows_wind, react, sample, undisturbed, weight},
-    finish::{finish, forget, hold, place, rescue, still},
+    finish::{finish, forget, hold, place, remember, rescue, settle, still},
     gauss_seidel::gauss_seidel,
     integrate::{damping, free_move, largest_moves, rate, response, rotation, rotation_vector, turned},
     start::{Choice, choose, load, start},
@@ -42,12 +42,10 @@ pub const STORMY: f64 = 1.0 / 3.0;
 pub const LOADED: f64 = 0.4;
 /// Growth of the farthest free move from step to step that a strand bears where air drags it.
 pub const GROWTH: f64 = 2.0;
-/// Time at rest after which a strand falls asleep \[s\].
-pub const STILL_TIME: f64 = 0.07;
 /// Steps at rest that a strand needs to fall asleep, however long they are.
 pub const STILL_STEPS: u32 = 10;
-/// Spin below which a frame is at rest \[rad/s\].
-pub const STILL_SPIN: f64 = 2e-3;
+/// Turn of a frame at rest \[rad\].
+pub const STILL_TURN: f64 = 1e-3;
 
 /// Function that adds a force to the load of each hair point, [`Scratch::hair_force`].
 pub type Force = fn(&mut state::State, &mut Scratch, &Parameters);
@@ -66,7 +64,7 @@ pub fn run(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
                 let quiet = direct(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
                 s.quiet_steps += usize::from(quiet);
             }
-            s.rescued_steps += usize::from(rescue(&s.hair, strand, &mut w.drives[strand], &mut w.moving));
+            s.rescued_steps += usize::from(rescue(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving));
         }
         gauss_seidel(p, &s.hair, strand, &w.drives[strand], &mut w.moving);
     }
@@ -136,7 +134,16 @@ pub fn leave(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
             (s.calm[strand], s.still[strand]) = (0, 0);
         }
         if p.sleep {
-            s.still[strand] = if still(p, &s.hair, strand, &w.moving) { s.still[strand] + 1 } else { 0 };
+            let still = still(p, &s.hair, strand, &w.moving);
+            s.still[strand] = if still { s.still[strand] + 1 } else { 0 };
+            if s.asleep[strand] {
+                continue;
+            }
+            if still {
+                remember(&s.hair, strand, &mut w.moving, s.still[strand]);
+            } else {
+                settle(&s.hair, strand, &mut w.moving);
+            }
         }
     }
     for (i, point) in w.moving.points.iter().enumerate() {
@@ -157,6 +164,7 @@ pub fn begin_points(p: &Parameters, s: &state::State, i: usize, correction: DVec
         change,
         inverse_mass,
         largest,
+        strayed: s.strayed[i],
         ..Point::default()
     }
 }
@@ -173,6 +181,7 @@ pub fn begin_segments(s: &state::State, strand: usize, k: usize) -> Segment {
         chord: s.position[point + 1] - s.position[point],
         force: s.force[k],
         moment: s.moment[k],
+        strayed: s.segment_strayed[k],
         ..Segment::default()
     }
 }

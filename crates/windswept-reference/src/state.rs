@@ -20,13 +20,17 @@ pub struct State {
     pub travel: Vec<DVec3>,
     /// Velocity of each hair point one step before, with all that acted from outside since \[m/s\].
     pub velocity_before: Vec<DVec3>,
-    /// Change of each hair point's velocity by all that acted from outside in its last step awake \[m/s\]; 0 with the model
-    /// `particles`.
+    /// Change of each hair point's velocity by all that acted from outside in its last step awake, a mean of those on end in
+    /// which its strand was still \[m/s\]; 0 with the model `particles`.
     pub outside: Vec<DVec3>,
     /// Change of each hair point's velocity by its rod and gravity in its last step awake \[m/s\]; 0 with the model `particles`.
     pub own: Vec<DVec3>,
     /// Slip that friction of hair on hair holds each hair point back from \[m/s\]: see [`crate::fluid::friction`].
     pub grip: Vec<DVec3>,
+    /// Way of each hair point from where it was when its strand became still \[m\].
+    pub strayed: Vec<DVec3>,
+    /// Turn of each segment since its strand became still \[rad\].
+    pub segment_strayed: Vec<DVec3>,
     /// Turn of each segment in the last step \[rad\].
     pub turn: Vec<DVec3>,
     /// Spin of each segment one step before \[rad/s\].
@@ -102,6 +106,8 @@ impl State {
             outside: vec![DVec3::ZERO; hair.velocities.len()],
             own: vec![DVec3::ZERO; hair.velocities.len()],
             grip: vec![DVec3::ZERO; hair.velocities.len()],
+            strayed: vec![DVec3::ZERO; hair.velocities.len()],
+            segment_strayed: vec![DVec3::ZERO; hair.orientations.len()],
             turn: hair.angular_velocities.iter().map(|w| *w * step).collect(),
             angular_velocity_before: hair.angular_velocities.clone(),
             force: vec![DVec3::ZERO; hair.orientations.len()],

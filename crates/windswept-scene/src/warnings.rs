@@ -64,8 +64,8 @@ pub(crate) fn of_rods(scene: &Scene, hair: &Strands) -> Vec<String> {
         return Vec::new();
     }
     vec![format!(
-        "hair has segments so short and stiff that 32 bits do not hold them at this step: each runs as {substeps} substeps; \
-         fewer hair.points, or a shorter time.step, need fewer"
+        "hair has segments so short and stiff, for this step and this wind, that 32 bits do not hold them: each step runs as \
+         {substeps} substeps; fewer hair.points, or a shorter time.step, need fewer"
     )]
 }
 

@@ -160,7 +160,7 @@ pub(crate) fn prescribed(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     }
     for (length, wind, step, bound) in [
         (0.03, 6.5, 0.9e-3, 1.5e-3),
-        (0.03, 10.0, 12e-3, 1.5e-3),
+        (0.03, 10.0, 16e-3, 1.5e-3),
         (0.08, 1.7, 3e-3, 1.5e-3),
         (0.11, 0.5, 7e-3, 1.5e-3),
         (0.15, 2.6, 4e-3, 3e-3),

@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use windswept::{Gpu, Simulation};
-use windswept_scene::InitialState;
+use windswept_scene::{InitialState, Scene};
+use windswept_shaders::common::integration::BDF2;
 
 use crate::{
     Error, Row,
@@ -15,6 +16,8 @@ use crate::{
 const KEPT: &str = "over sum m |v| at the end; 1000 particles stirred at 0.3 m/s; measured 1.5e-9, 2.3e-8 in 300 steps; margin 2 over that: f32";
 const BOTH: &str = "over sum m |v| at the end; 4 loose strands by BDF2 in 1700 of air, swirling at 0.3 m/s; measured 1.1e-8, \
     3.8e-8 in 300 steps; margin 2 over that: f32";
+
+const CUT: &str = "over sum |J| of 6 steps; measured 4e-9 and 1e-6: f32";
 
 /// Steps of a run.
 const STEPS: u64 = 100;
@@ -27,12 +30,65 @@ root = \"free\"
 roots = { center = [0.03, 0.018, 0.03], radius = 0.006, direction = [0, 1, 0] }
 ";
 
+/// Speed of a storm that is there at once \[m/s\].
+const STORM: f64 = 100.0;
+/// Number of steps of a storm.
+const STORM_STEPS: u64 = 6;
+
 /// Rows of the momentum Σ m v of air, and of air with loose hair, stirred in a closed periodic box without wind and
 /// confinement: it stays.
 pub(crate) fn closed_box(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows = air_alone(gpu)?;
     rows.push(hair_in_air(gpu)?);
+    rows.push(storm(gpu, "free moves are cut", 0.055, 1320.0, 16e-3)?);
+    rows.push(storm(gpu, "strands are put", 0.085, 132.0, 5e-3)?);
     Ok(rows)
+}
+
+/// Row of the momentum of hair and air where `what` happens to loose strands in a storm: strands of this density \[kg/m³\] with
+/// their roots at this height \[m\], in steps of `step` \[s\]. BDF2's momentum of a point is m (3 v_n − v_(n−1))/2, Euler's m v_n.
+fn storm(gpu: &Gpu, what: &str, height: f64, density: f64, step: f64) -> Result<Row, Error> {
+    let scene = Scene::parse(&format!(
+        "gravity = [0, 0, 0]\ninteraction = {{ model = \"two-way\" }}\ntime = {{ step = {step}, duration = 1.0 }}\n\
+         rods = {{ sleep = false }}\n\
+         [hair]\nstrands = 6\npoints = 10\nlength = 0.045\nroot = \"free\"\ndensity = {density}\n\
+         roots = {{ center = [0.03, {height}, 0.03], radius = 0.012 }}\n\
+         [air]\nbox = {{ min = [0, 0, 0], max = [0.08, 0.06, 0.06] }}\nwind = [0, 0, 0]\nramp = 0.0\n"
+    ))?;
+    let mut initial = InitialState::new(&scene)?;
+    initial.air.velocities.fill(DVec3::X * STORM);
+    let air_mass = initial.air.mass;
+    let hair_mass: Vec<f64> = initial.hair.inverse_mass.iter().map(|w| 1.0 / w).collect();
+    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
+    // Velocities of hair, those of the step before, and of air.
+    let velocities = |simulation: &Simulation| -> Result<_, Error> {
+        let engine = simulation.engine();
+        let before: Vec<_> = engine.read(&engine.state().point_history)?.iter().map(|point| point.velocity).collect();
+        let frame = simulation.frame()?;
+        Ok((vectors(&frame.hair.velocities), vectors(&before), vectors(&frame.air.velocities)))
+    };
+    let (mut change, mut exchanged) = (DVec3::ZERO, 0.0);
+    let mut start = velocities(&simulation)?;
+    for _ in 0..STORM_STEPS {
+        simulation.step(1)?;
+        let engine = simulation.engine();
+        let end = velocities(&simulation)?;
+        let points = engine.read(&engine.state().rod_points)?;
+        let sampled = engine.read(&engine.state().sampled)?;
+        let impulses = engine.read(&engine.state().drag_impulse)?;
+        for (i, mass) in hair_mass.iter().enumerate() {
+            let (now, earlier) = (end.0[i] - start.0[i], end.1[i] - start.1[i]);
+            change += *mass * if points[i].scheme == BDF2 { 1.5 * now - 0.5 * earlier } else { now };
+            let impulse = DVec3::new(impulses[i][0].into(), impulses[i][1].into(), impulses[i][2].into());
+            exchanged += impulse.length();
+            // What the mean wind gives where air is thin is its own.
+            change -= impulse * (1.0 - f64::from(2.0 * sampled[i].filled)).max(0.0);
+        }
+        change += air_mass * end.2.iter().zip(&start.2).map(|(end, start)| *end - *start).sum::<DVec3>();
+        start = end;
+    }
+    let name = format!("loose strands at {STORM} m/s, {} ms, where {what}: change of all momentum", 1e3 * step);
+    Ok(Row::new(name, 0.0, change.length() / exchanged, 1e-5, CUT))
 }
 
 fn hair_in_air(gpu: &Gpu) -> Result<Row, Error> {

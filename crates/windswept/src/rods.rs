@@ -66,9 +66,11 @@ pub(crate) fn strands(scene: &Scene, initial: &InitialState, motions: &Motions) 
             center: vec3(center),
             first_keyframe: keyframes.start,
             keyframes: keyframes.end - keyframes.start,
-            still_speed: rest.speed as f32,
+            still_way: rest.way as f32,
+            still_time: rest.time as f32,
             still_acceleration: rest.acceleration as f32,
             friction: hair.friction(s) as f32,
+            ..Strand::default()
         }
     };
     (0..hair.len()).map(strand).collect()

@@ -135,9 +135,9 @@ state! {
     /// Health of a strand: not finite, over-strained, calm and still, in steps on end; as committed, and as this step found it.
     health: Health, |s| s.strands;
     /// What a hair point remembers: the last move \[m\], the velocity before \[m/s\], what rounding left off the position \[m\],
-    /// what acted on it from outside and from its own rod in the last step awake, its grip \[m/s\].
+    /// what acted on it from outside and from its own rod in the last step awake, its grip \[m/s\], how far it strayed \[m\].
     point_history: PointHistory, |s| s.hair_points;
-    /// What a segment remembers: the last turn \[rad\], the spin before \[rad/s\], the multipliers \[N m\].
+    /// What a segment remembers: the last turn \[rad\], the spin before \[rad/s\], the multipliers \[N m\], how far it strayed \[rad\].
     segment_history: SegmentHistory, |s| s.segments;
     /// Where a strand's root is and its ghost frame.
     clamps: Root, |s| s.strands;

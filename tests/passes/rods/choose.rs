@@ -161,13 +161,14 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
         let turn = if by > 0.0 { DVec3::new(0.02, -0.3, 0.1) } else { DVec3::ZERO };
         (x + by * DVec3::new(0.6, 0.0, 0.8), DQuat::from_scaled_axis(turn) * q)
     });
-    let rested = (rods::STILL_TIME / stage.parameters.step).ceil().max(f64::from(rods::STILL_STEPS)) as u32;
     let mut push = vec![DVec3::ZERO; points];
     for strand in 0..n {
         let case = &CASES[strand % CASES.len()];
         (s.bad[strand], s.calm[strand], s.touched[strand]) = (case.bad, case.calm, case.touched);
         s.asleep[strand] = case.still == Still::Asleep;
         s.strained_steps[strand] = strand as u32 % 5;
+        let steps = stage.parameters.rest[strand].time / stage.parameters.step;
+        let rested = steps.ceil().max(f64::from(rods::STILL_STEPS)) as u32;
         s.still[strand] = match case.still {
             Still::No => 0,
             Still::Almost => rested - 1,
@@ -314,7 +315,7 @@ fn rescue_is_that_of_the_twin() {
 
             stage.run_only(&["rods/rescue"], step::rods::record);
             for strand in 0..n {
-                let torn = rods::rescue(&s.hair, strand, &mut w.drives[strand], &mut w.moving);
+                let torn = rods::rescue(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
                 s.rescued_steps += usize::from(torn);
             }
             let apart = rods_apart(&stage, &w);

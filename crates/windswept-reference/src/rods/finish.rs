@@ -1,18 +1,18 @@
 //! Health of a strand after its solve.
 
 use glam::DVec3;
-use windswept_scene::Strands;
+use windswept_scene::{Model, Strands};
 
 use super::{
-    Drive, LOST, MISFIT, Moving, Point, STILL_SPIN, State, rate, rotation,
+    Drive, LOST, MISFIT, Moving, Point, STILL_STEPS, STILL_TURN, State, rate, rotation,
     start::{put, put_frame, unload},
 };
 use crate::Parameters;
 
 /// Rescues a strand that the direct solver did not solve. One that its load carries far goes with its root as it is, and feels
-/// nothing in this step; any other that was torn is left to Gauss-Seidel, from its free move, with no multiplier kept. Says
+/// nothing in this step; if nothing holds it, it goes on as a whole with its momentum. Any other that was torn is left to Gauss-Seidel, from its free move, with no multiplier kept. Says
 /// whether the strand was rescued.
-pub fn rescue(hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
+pub fn rescue(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
     if drive.state != State::Free {
         return false;
     }
@@ -22,8 +22,15 @@ pub fn rescue(hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bo
     }
     if drive.far {
         unload(hair, s, m);
-        for point in &mut m.points[hair.points(s)] {
-            put(point, if point.inverse_mass == 0.0 { point.free } else { drive.root_travel });
+        let points = &mut m.points[hair.points(s)];
+        if points.iter().all(|point| point.inverse_mass > 0.0) {
+            let mass: f64 = points.iter().map(|point| 1.0 / point.inverse_mass).sum();
+            let momentum: DVec3 = points.iter().map(|point| point.velocity / point.inverse_mass).sum();
+            points.iter_mut().for_each(|point| (point.travel, point.step) = (p.step * momentum / mass, p.step));
+        } else {
+            for point in points {
+                put(point, if point.inverse_mass == 0.0 { point.free } else { drive.root_travel });
+            }
         }
         for segment in &mut m.segments[hair.segments(s)] {
             let start = segment.start;
@@ -72,19 +79,31 @@ pub fn forget(hair: &Strands, s: usize, m: &mut Moving) {
     }
 }
 
-/// Whether a strand was slow, and not pushed, when the step began.
+/// Whether a strand was where it became still when the step began; with `particles`, whose pushes nothing remembers, it must not
+/// be pushed either.
 #[must_use]
 pub fn still(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
     let rest = p.rest[s];
     // A strand that nothing holds may drift as slowly as it will.
     let held = m.points[hair.points(s).start].inverse_mass == 0.0;
-    // What presses it as in the last step does not move it, however hard.
-    let slow = |point: &Point| {
-        let stir = point.velocity - point.change + point.push;
-        stir.length() <= rest.speed && point.push.length() <= rest.acceleration * p.step
-    };
-    held && m.points[hair.points(s)].iter().all(slow)
-        && m.segments[hair.segments(s)].iter().all(|segment| segment.angular_velocity.length() <= STILL_SPIN)
+    let pushed = |point: &Point| p.model == Model::Particles && point.push.length() > rest.acceleration * p.step;
+    let rests = |point: &Point| point.strayed.length() <= rest.way && !pushed(point);
+    held && m.points[hair.points(s)].iter().all(rests)
+        && m.segments[hair.segments(s)].iter().all(|segment| segment.strayed.length() <= STILL_TURN)
+}
+
+/// Takes what acts from outside on a strand that was still for so many `steps` as a mean over the last of them, about
+/// [`STILL_STEPS`]: the strand trembles, and so does its drag.
+pub fn remember(hair: &Strands, s: usize, m: &mut Moving, steps: u32) {
+    for point in &mut m.points[hair.points(s)] {
+        point.outside -= (1.0 - 1.0 / f64::from(steps.min(STILL_STEPS))) * point.push;
+    }
+}
+
+/// Lets a strand become still from here on.
+pub fn settle(hair: &Strands, s: usize, m: &mut Moving) {
+    m.points[hair.points(s)].iter_mut().for_each(|point| point.strayed = DVec3::ZERO);
+    m.segments[hair.segments(s)].iter_mut().for_each(|segment| segment.strayed = DVec3::ZERO);
 }
 
 /// Impulse J = Δt (force − resistance v_{n+1}) that a point had from its load \[N s\], v as the rod leaves it; 0 for a sleeper.

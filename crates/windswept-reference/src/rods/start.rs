@@ -4,8 +4,8 @@ use glam::{DQuat, DVec3};
 use windswept_scene::{Model, Strands};
 
 use super::{
-    CALM_STEPS, Drive, GROWTH, LOADED, Load, Moving, Point, STILL_STEPS, STILL_TIME, Segment, State, TORN, damping,
-    free_move, response, rotation,
+    CALM_STEPS, Drive, GROWTH, LOADED, Load, Moving, Point, STILL_STEPS, Segment, State, TORN, damping, free_move,
+    response, rotation,
 };
 use crate::{Parameters, state};
 
@@ -56,8 +56,7 @@ pub struct Choice {
     pub euler: bool,
 }
 
-/// Hands the `load` of hair point `i` to its rod. What pushes that did not in the last step awake may wake a sleeper; a held
-/// point goes where it is held, whatever pushes.
+/// Hands the `load` of hair point `i` to its rod. What pushes that did not before may wake a sleeper; a held point goes where it is held, whatever pushes.
 pub fn load(p: &Parameters, s: &state::State, i: usize, load: Load, point: &mut Point) {
     point.load = load;
     point.outside = point.change + p.step * point.inverse_mass * load.at(s.velocity[i]);
@@ -70,7 +69,9 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
     // A sleeper has no velocity but what viscosity gave it since.
     let asleep = s.asleep[strand];
     let push = |i: usize| m.points[i].push + if asleep { s.velocity[i] } else { DVec3::ZERO };
-    let pushed = points.clone().any(|i| push(i).length() > p.rest[strand].acceleration * p.step);
+    // One that trembles feels the drag tremble, and is not pushed by that.
+    let minds = asleep || p.model == Model::Particles;
+    let pushed = minds && points.clone().any(|i| push(i).length() > p.rest[strand].acceleration * p.step);
     if s.bad[strand] {
         s.bad[strand] = false;
         (s.calm[strand], s.still[strand], s.asleep[strand]) = (0, 0, false);
@@ -79,7 +80,7 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
         drive.state = State::Solved;
         return Choice::default();
     }
-    let rested = s.still[strand] >= STILL_STEPS && f64::from(s.still[strand]) * p.step >= STILL_TIME;
+    let rested = s.still[strand] >= STILL_STEPS && f64::from(s.still[strand]) * p.step >= p.rest[strand].time;
     if drive.state == State::Teleported {
         (s.calm[strand], s.still[strand]) = (0, 0);
         unload(&s.hair, strand, m);
@@ -102,38 +103,57 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
     let (led, led_turn) = (led(p, s, strand, drive, m), led_turn(p, s, strand, m));
 
     let mut choice = Choice { capped: 0, euler: p.bdf2 && h == p.step };
-    let mut free: Vec<DVec3> = points
-        .clone()
-        .map(|i| {
+    // Moves without the rod's forces, under this part of the load.
+    let moves = |part: f64, m: &Moving| -> Vec<DVec3> {
+        let of = |i: usize| {
             let point = &m.points[i];
             if point.inverse_mass == 0.0 {
                 return held(points.start, i, drive);
             }
-            let acceleration = p.gravity + point.inverse_mass * point.load.force;
+            let acceleration = p.gravity + part * point.inverse_mass * point.load.force;
             free_move(p, point.velocity, point.before, point.carried, acceleration, damping(p, point), h)
-        })
-        .collect();
+        };
+        points.clone().map(of).collect()
+    };
+    let (mut free, bare) = (moves(1.0, m), moves(0.0, m));
     let length: f64 = s.hair.rest_length[segments.clone()].iter().sum();
     let grown = if p.direct && drags(p) { GROWTH * s.reach[strand] } else { 0.0 };
-    let origin = origin(m.points[points.start].inverse_mass == 0.0, drive, &free);
+    let root_held = m.points[points.start].inverse_mass == 0.0;
+    let (origin, bare_origin) = (origin(root_held, drive, &free), origin(root_held, drive, &bare));
     let mut farthest = 0.0_f64;
-    for (k, i) in points.enumerate() {
+    // Forces \[N\] that the caps took beside the load, and what moves the strand by a metre \[N/m\].
+    let (mut lost, mut heaviness) = (DVec3::ZERO, 0.0);
+    for (k, i) in points.clone().enumerate() {
         let point = &mut m.points[i];
         let far = (free[k] - origin).length();
-        let loaded = response(damping(p, point), h) * point.inverse_mass * point.load.force.length();
+        let reply = response(damping(p, point), h) * point.inverse_mass;
+        let loaded = reply * point.load.force.length();
         let largest = grown.max(point.largest + if drive.whole { loaded.min(LOADED * length) } else { 0.0 });
         if point.inverse_mass > 0.0 {
+            heaviness += 1.0 / reply;
             if far > largest {
-                free[k] = origin + (free[k] - origin) * (largest / far);
+                free[k] = capped(free[k], origin, largest);
+                // What the load still moves the point by is all of it that the point feels.
+                let bare_capped = capped(bare[k], bare_origin, largest);
+                let felt = (free[k] - bare_capped) / reply;
+                lost += (bare[k] - bare_capped) / reply;
+                point.outside += p.step * point.inverse_mass * (felt - point.load.force);
+                point.load.force = felt;
                 choice.capped += 1;
             }
             farthest = farthest.max(far.min(largest));
             drive.far |= far.min(largest) > point.largest;
         }
-        (point.step, point.free) = (h, free[k]);
-        point.travel = if ahead { led[k] } else { free[k] };
     }
     s.reach[strand] = farthest;
+    // A strand that nothing holds keeps it as a whole.
+    let held = points.clone().any(|i| m.points[i].inverse_mass == 0.0);
+    let whole = if held { DVec3::ZERO } else { lost / heaviness };
+    for (k, i) in points.enumerate() {
+        let point = &mut m.points[i];
+        (point.step, point.free) = (h, free[k] + whole);
+        point.travel = if ahead { led[k] } else { point.free };
+    }
     for (k, j) in segments.enumerate() {
         let segment = &mut m.segments[j];
         segment.step = h;
@@ -155,6 +175,11 @@ fn drags(p: &Parameters) -> bool {
 /// Move that free moves are measured from when they are capped: the root's, or their mean where the root is free.
 fn origin(root_held: bool, drive: &Drive, free: &[DVec3]) -> DVec3 {
     if root_held { drive.root_travel } else { free.iter().sum::<DVec3>() / free.len() as f64 }
+}
+
+/// A move that is cut to `largest` from `origin` \[m\].
+fn capped(shift: DVec3, origin: DVec3, largest: f64) -> DVec3 {
+    origin + (shift - origin).clamp_length_max(largest)
 }
 
 /// Takes the load off a strand that was put somewhere: it felt no force on its way.

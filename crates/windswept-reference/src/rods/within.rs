@@ -82,7 +82,7 @@ pub struct Point {
     pub load: Load,
     /// Change of velocity by all that acts from outside in this step \[m/s\].
     pub outside: DVec3,
-    /// Part of `outside` that did not act in the last step awake \[m/s\].
+    /// Part of `outside` that did not act while the strand came to rest \[m/s\].
     pub push: DVec3,
     /// Inverse mass \[1/kg\].
     pub inverse_mass: f64,
@@ -94,6 +94,8 @@ pub struct Point {
     pub free: DVec3,
     /// Move \[m\].
     pub travel: DVec3,
+    /// Way from where the point was when its strand became still \[m\].
+    pub strayed: DVec3,
 }
 
 /// Segment within a step.
@@ -121,6 +123,8 @@ pub struct Segment {
     pub force: DVec3,
     /// Multiplier μ of the joint before the segment, in the frame before \[N m\].
     pub moment: DVec3,
+    /// Turn since the strand became still \[rad\].
+    pub strayed: DVec3,
 }
 
 /// Hair points and segments within a step.
