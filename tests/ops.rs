@@ -103,7 +103,7 @@ fn error(got: &[DVec3], wanted: &[DVec3], floor: f64) -> f64 {
 #[test]
 fn operations_are_those_of_the_twin() {
     let gpu = support::gpu();
-    let fluid_settings = Fluid { iterations: 1, relaxation: 0.5, tension: 0.5 };
+    let fluid_settings = Fluid::pbf(1, 0.5, 0.5);
     for (name, mut crowd) in crowds() {
         crowd.scene.fluid = fluid_settings.clone();
         crowd.scene.viscosity.air = 0.9;
@@ -219,7 +219,7 @@ fn bad_arguments_are_named() {
     refused(good.band_velocity(&gpu, 0.0, Filter::default()), "scale: expected");
     refused(good.band_velocity(&gpu, 0.01, Filter::Direct { cutoff: f64::NAN }), "cutoff: expected");
     refused(good.viscosity(&gpu, -0.1), "coefficient: expected");
-    let fluid = Fluid { iterations: 2, relaxation: 0.5, tension: 0.0 };
+    let fluid = Fluid::pbf(2, 0.5, 0.0);
     refused(
         good.solve_density(&gpu, Fluid { iterations: 10_001, ..fluid.clone() }),
         "iterations: expected a whole number from 0 to 10000",

@@ -1,6 +1,8 @@
 //! Air particles on their lattice, and the mean wind.
 
 use glam::DVec3;
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
 
 use crate::{
     body::{Shape, inside},
@@ -36,7 +38,10 @@ impl Scene {
 /// Fills the box: a simple cubic lattice with the hair's own parcels and the bodies left out, and a volume that makes the
 /// mean density of what bodies leave of the box exact once all hair streams in it: strands that hang out of it at the start
 /// are blown in.
-pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands, bodies: &[Shape]) -> AirParticles {
+///
+/// Each particle stands off its site by up to `air.jitter` spacings along each axis: by chance, which is PCG XSL 128/64
+/// seeded by `seed`.
+pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands, bodies: &[Shape], seed: u64) -> AirParticles {
     let min = DVec3::from_array(bounds.min);
     let size = DVec3::from_array(bounds.max) - min;
     let spacing = air.parcel().cbrt();
@@ -70,6 +75,8 @@ pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands, bodies: &[Sh
     }
 
     let wind = DVec3::from_array(air.wind_at(0.0));
+    let mut rng = Pcg64::seed_from_u64(seed);
+    let mut offset = || DVec3::from_array([(); 3].map(|()| air.jitter * rng.random_range(-1.0..=1.0)));
     let mut positions = Vec::with_capacity(taken.len());
     let mut room = 0.0;
     for (index, taken) in taken.iter().enumerate() {
@@ -77,7 +84,8 @@ pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands, bodies: &[Sh
         let x = min + pitch * (site + 0.5);
         room += outside(bodies, x, pitch);
         if !taken && !inside(bodies, x) {
-            positions.push(x);
+            let shaken = min + (x + pitch * offset() - min).rem_euclid(size);
+            positions.push(if inside(bodies, shaken) { x } else { shaken });
         }
     }
     let whole = room * pitch.element_product();

@@ -373,7 +373,7 @@ impl InitialState {
             // Fibres take no room from the air that they exchange drag with.
             let none = Strands::default();
             let displaces = if scene.interaction.model == Model::TwoWay { &none } else { &state.hair };
-            state.air = air::particles(air, &bounds, displaces, &bodies);
+            state.air = air::particles(air, &bounds, displaces, &bodies, scene.seed);
             state.origin = state.air.min;
             if state.air.positions.is_empty() || state.air.volume <= 0.0 {
                 return Err(

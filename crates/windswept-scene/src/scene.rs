@@ -21,9 +21,9 @@ use crate::{
     keys::{
         Fallback::{self, Absent, Needed, Value},
         Key,
-        Kind::{Choice, Count, NonNegative, Positive, Table, Tables, Text, Vector},
+        Kind::{Bool, Choice, Count, NonNegative, Positive, Table, Tables, Text, Vector},
     },
-    limits::{MOST_BODIES, MOST_HAIR_POINTS, MOST_REPEATS},
+    limits::{MOST_BODIES, MOST_HAIR_POINTS, MOST_PRESSURE_ITERATIONS, MOST_REPEATS},
     picture::{Camera, Picture},
     reader::Reader,
     write::Writer,
@@ -186,15 +186,39 @@ impl Model {
 }
 
 table! {
-    /// `[fluid]`: the density constraint.
+    /// `[fluid]`: what keeps air, and hair among it, from being compressed.
     #[derive(Debug, Clone, PartialEq)]
     pub struct Fluid {
-        /// Jacobi iterations of the density constraint; 0 leaves it out.
+        /// Solver of the air: a constraint on how its velocity diverges, or one on its density by moves (position-based fluids).
+        solver: FluidSolver = Choice(FluidSolver::WORDS), "", Value(FluidSolver::Pbf);
+        /// Iterations of the pressure of solver divergence.
+        pressure_iterations: u32 = Count(1, MOST_PRESSURE_ITERATIONS), "", Value(2);
+        /// Whether solver divergence solves for the pressure on a coarse grid first; not with model particles.
+        coarse: bool = Bool, "", Value(true);
+        /// Jacobi iterations of the density constraint: of solver pbf, and of hair on hair with model two-way; 0 leaves it out.
         iterations: u32 = Count(0, MOST_REPEATS), "", Value(2);
-        /// Fraction of a Jacobi step that is taken.
+        /// Fraction of a Jacobi step that the density constraint takes.
         relaxation: f64 = Positive, "", Value(0.5);
-        /// Share of negative C that is let through; 0 clamps, 1 pulls voids together.
+        /// Share of negative C that the density constraint lets through; 0 clamps, 1 pulls voids together.
         tension: f64 = NonNegative, "", Value(0.0);
+    }
+}
+
+impl Fluid {
+    /// Solver pbf with these numbers of the density constraint.
+    #[must_use]
+    pub fn pbf(iterations: u32, relaxation: f64, tension: f64) -> Self {
+        Self { solver: FluidSolver::Pbf, pressure_iterations: 1, coarse: false, iterations, relaxation, tension }
+    }
+}
+
+words! {
+    /// `fluid.solver`.
+    pub enum FluidSolver {
+        /// Velocities without divergence, by iterated pressures (`docs/decisions/air.md`).
+        Divergence = "divergence",
+        /// Position-based fluids (Macklin & Müller 2013), as the paper has them.
+        Pbf = "pbf",
     }
 }
 

@@ -5,16 +5,19 @@ use crate::{
     error::SceneError,
     keys::{
         Fallback::{Absent, Needed, NotBuilt, Value},
-        Kind::{Count, Length, NonNegative, Positive, Table, Tables, Vector},
+        Kind::{Count, Fraction, Length, NonNegative, Positive, Table, Tables, Vector},
     },
     limits::{LEAST_AIR_PARTICLES, LEAST_KERNEL_RADIUS, MOST_AIR_PARTICLES, MOST_BOX_CELLS},
     reader::Reader,
-    scene::{Interaction, Model, SEED},
+    scene::{Fluid, FluidSolver, Interaction, Model, SEED},
 };
 
 /// Part of a side of the box that rounding may take: the difference of two corners is rounded, and a side of exactly three
 /// kernel radii must do.
 const ROUNDING: f64 = 1e-9;
+
+/// Jitter of the lattice where a scene does not say it and the solver asks for one \[particle spacings\].
+const JITTER: f64 = 0.05;
 
 table! {
     /// `[air]`: wind and air particles.
@@ -38,6 +41,8 @@ table! {
         kinematic_viscosity: f64 = Positive, "m²/s", Value(Air::KINEMATIC_VISCOSITY);
         /// Keyframes of what is added to the wind: linear between them, held before and after.
         gust: Vec<Gust> = Tables, "", Absent("no gusts");
+        /// Largest offset of a particle from its site of the lattice at the start, along each axis, in particle spacings.
+        jitter: f64 = Fraction, "", Absent("0.05 with fluid.solver divergence, 0 with pbf") => |air| jitter(air)?;
         /// Turbulence that enters with the wind.
         inflow: Option<Inflow> = Table, "", Absent("smooth wind");
     }
@@ -84,6 +89,13 @@ table! {
 
 fn model(reader: &Reader<'_>) -> Result<Model, SceneError> {
     Ok(reader.root().read::<Interaction>("interaction")?.model)
+}
+
+/// A sheared lattice breaks along its planes all at once, which the pressure of solver divergence makes noise of; the moves of
+/// solver pbf melt it in any case.
+fn jitter(air: &Reader<'_>) -> Result<f64, SceneError> {
+    let solver = air.root().read::<Fluid>("fluid")?.solver;
+    Ok(if solver == FluidSolver::Divergence { JITTER } else { 0.0 })
 }
 
 /// Hair alone needs no wind.
