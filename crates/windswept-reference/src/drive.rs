@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
-use windswept_scene::InflowWave;
+use windswept_scene::{FluidSolver, InflowWave, Model};
 
 use crate::{
     Parameters, State,
@@ -25,8 +25,14 @@ pub fn run(s: &State, p: &Parameters) -> Scratch {
     let air = p.hair_points..s.position.len();
     let wind_change: Vec<_> = air.clone().map(|i| fringe(p, s.steps, s.position[i], s.velocity[i])).collect();
     for (i, change) in air.zip(&wind_change) {
-        new_velocity[i] += *change;
-        predicted[i] = predict(p, s.position[i], new_velocity[i]);
+        let v = s.velocity[i] + *change;
+        (predicted[i], new_velocity[i]) = match p.solver {
+            FluidSolver::Divergence => advance(p, s.position[i], v, s.pressed[i].change),
+            FluidSolver::Pbf => (predict(p, s.position[i], v), v),
+        };
+    }
+    if p.solver == FluidSolver::Divergence && p.model == Model::Particles {
+        new_velocity[..p.hair_points].iter_mut().enumerate().for_each(|(i, v)| *v = lead(p, s, i));
     }
     Scratch { blowing, drives, wind_change, predicted, new_velocity, ..Scratch::default() }
 }
@@ -78,6 +84,24 @@ pub fn drift(p: &Parameters, w: f64, position: DVec3, velocity: DVec3, largest: 
     }
     let shift = p.step * (velocity + p.step * p.gravity) / (1.0 + p.damping * p.step);
     position + shift.clamp_length_max(largest)
+}
+
+/// Velocity v* by which hair point `i` counts where pressure acts on it, that of the step's end if all went on as before \[m/s\]:
+/// v + ⅓(v − v_{n−1}) where BDF2 is to take the strand, else v. Gravity has no part in it: rods bear most of it, and hair that
+/// hangs at rest must not press on the air below it.
+#[must_use]
+pub fn lead(p: &Parameters, s: &State, i: usize) -> DVec3 {
+    let strand = p.strand_of[i];
+    let carries = p.bdf2 && !s.asleep[strand] && s.calm[strand] + 1 >= rods::CALM_STEPS && s.inverse_mass[i] > 0.0;
+    let change = if carries { s.velocity[i] - s.velocity_before[i] } else { DVec3::ZERO };
+    s.velocity[i] + change / 3.0
+}
+
+/// Place wrap(x + Δt (v + ½ c)) of an air particle \[m\], and its velocity v + ⅓ c \[m/s\], by BDF2: v with what acts from
+/// outside, c the change by pressure in the last step.
+#[must_use]
+pub fn advance(p: &Parameters, position: DVec3, velocity: DVec3, change: DVec3) -> (DVec3, DVec3) {
+    (wrap(p, position + p.step * (velocity + 0.5 * change)), velocity + change / 3.0)
 }
 
 /// Place of an air particle x* = wrap(x + Δt v) \[m\]: air leaves the box through one face and enters through the other.

@@ -1,12 +1,18 @@
-//! Heading 3: hair and air as position-based fluids (Macklin & Müller 2013), one for both or each for itself. A particle
-//! has a volume and, apart from it, an inertial mass.
+//! Heading 3: air is not compressed, by pressure (solver `divergence`) or, as hair on hair, by a constraint on its density
+//! (Macklin & Müller 2013). A particle has a volume and, apart from it, an inertial mass.
 
+mod coarse;
 mod friction;
+mod pressure;
 
 use glam::DVec3;
-use windswept_scene::Model;
+use windswept_scene::{FluidSolver, Model};
 
-pub use self::friction::{Rub, STIFFNESS, friction, slip, squeeze};
+pub use self::{
+    coarse::{coarse_deposit, coarse_push, coarse_solve, coarse_waves, source},
+    friction::{Rub, STIFFNESS, friction, slip, squeeze},
+    pressure::{LASTING, Moments, Pressed, THIN, divergence, moments, push, relax, relaxations, spread, start},
+};
 use crate::{
     Parameters, State,
     neighbours::Neighbours,
@@ -14,27 +20,25 @@ use crate::{
     step::Scratch,
 };
 
-/// Runs the heading: density constraints (eq. 1) of hair and air together, or of each for itself. Where none is solved the
-/// density is found all the same, for viscosity.
+/// Runs the heading: the pressure of solver `divergence`, of air or of hair and air; and density constraints (eq. 1) of all
+/// that it leaves out. Where none is solved the density is found all the same, for viscosity.
 pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     w.correction = vec![DVec3::ZERO; w.predicted.len()];
     w.grip.clone_from(&s.grip);
+    w.pressed.clone_from(&s.pressed);
     if !p.air {
         return;
     }
-    let mut multiplier = vec![0.0; p.hair_points];
-    for iteration in 0..p.fluid_iterations.max(1) {
-        let lambda;
-        (w.density, lambda) = density(p, &w.predicted, &s.inverse_mass, &s.volume, &w.near);
-        if iteration < p.fluid_iterations {
-            let shift = correct(p, &w.predicted, &s.inverse_mass, &s.volume, &w.near, &lambda);
-            for (i, shift) in shift.into_iter().enumerate() {
-                w.predicted[i] += shift;
-                w.correction[i] += shift;
-            }
-            multiplier.iter_mut().zip(&lambda).for_each(|(sum, lambda)| *sum += p.relaxation * lambda);
-        }
+    let constrained = match (p.solver, p.model) {
+        (FluidSolver::Pbf, _) => w.predicted.len(),
+        (FluidSolver::Divergence, Model::TwoWay) => p.hair_points,
+        (FluidSolver::Divergence, _) => 0,
+    };
+    w.density = vec![0.0; w.predicted.len()];
+    if p.solver == FluidSolver::Divergence {
+        pressure::run(s, w, p);
     }
+    let multiplier = constrain(s, w, p, constrained);
     if p.rubs() {
         let rubs: Vec<_> = (0..p.hair_points).map(|i| slip(p, s, i, w.correction[i], multiplier[i])).collect();
         let squeezed = squeeze(p, &w.predicted, &s.inverse_mass, &s.volume, &rubs, &w.near);
@@ -45,13 +49,33 @@ pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
             w.correction[i] += p.step * change;
         }
     }
-    if p.model == Model::TwoWay {
+    if p.model == Model::TwoWay && p.solver == FluidSolver::Pbf {
         // Air that hair is to feel has been through the density constraint; nothing is left for heading 6 to add.
         for i in p.hair_points..w.predicted.len() {
             w.new_velocity[i] = velocity(p, w.new_velocity[i], w.correction[i]);
             w.correction[i] = DVec3::ZERO;
         }
     }
+}
+
+/// Solves the density constraint of the first `count` particles. Returns the sum of each hair point's multipliers times the
+/// relaxation \[kg m²\].
+fn constrain(s: &State, w: &mut Scratch, p: &Parameters, count: usize) -> Vec<f64> {
+    let mut multiplier = vec![0.0; p.hair_points];
+    for iteration in 0..p.fluid_iterations.max(1) {
+        let x = &w.predicted[..count];
+        let (density, lambda) = density(p, x, &s.inverse_mass, &s.volume, &w.near);
+        w.density[..count].copy_from_slice(&density);
+        if iteration < p.fluid_iterations {
+            let shift = correct(p, x, &s.inverse_mass, &s.volume, &w.near, &lambda);
+            for (i, shift) in shift.into_iter().enumerate() {
+                w.predicted[i] += shift;
+                w.correction[i] += shift;
+            }
+            multiplier.iter_mut().zip(&lambda).for_each(|(sum, lambda)| *sum += p.relaxation * lambda);
+        }
+    }
+    multiplier
 }
 
 /// Density ρ_i/ρ0 = Σ_j V_j W, self included, and its multiplier λ_i = −C_i/(Σ_k w_k |∇_k C_i|² + α) \[kg m²\].

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use windswept_scene::{Model, Strands};
 
-use crate::{Parameters, State, drive::wrap, rods, step::Scratch};
+use crate::{Parameters, State, drive::wrap, fluid::Pressed, rods, step::Scratch};
 
 /// Runs the heading: the step is committed, or the run freezes. A strand whose velocity is not finite ends the step at rest,
 /// and is bad.
@@ -100,6 +100,13 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
         *clamp = (clamp.0 + drive.root_travel, drive.root_frame);
     }
     s.grip = w.grip;
+    s.pressed = w.pressed;
+    for (i, point) in w.moving.points.iter().enumerate() {
+        let strand = p.strand_of[i];
+        if s.bad[strand] || point.step.is_infinite() && !s.asleep[strand] {
+            s.pressed[i] = Pressed::default();
+        }
+    }
     s.touched = w.touched;
     s.position = w.predicted;
     for x in &mut s.position[p.hair_points..] {

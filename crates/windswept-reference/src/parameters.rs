@@ -2,13 +2,17 @@
 
 use glam::{DVec3, IVec3};
 use windswept_scene::{
-    Band, InflowWave, InitialState, Integrator, Law, Model, Motion, Rest, Scene, Solver, Turbulence, ViscosityForm,
+    Air, Band, FluidSolver, InflowWave, InitialState, Integrator, Law, Model, Motion, Rest, Scene, Solver, Turbulence,
+    ViscosityForm,
 };
 
 use crate::{
     contact::{self, Body},
     sph_kernels::spiky_slope,
 };
+
+/// Distance of the nodes of the coarse grid \[particle spacings\].
+pub const COARSE: f64 = 3.0;
 
 /// Numbers of a scene, per engine step: substeps are divided out.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +23,8 @@ pub struct Parameters {
     pub gravity: DVec3,
     /// Mean wind after the ramp \[m/s\].
     pub wind: DVec3,
+    /// Largest mean wind of the whole run \[m/s\].
+    pub largest_wind: f64,
     /// Time in which the mean wind rises \[s\].
     pub ramp: f64,
     /// Gusts: times \[s\], and velocities that are added to the mean wind then \[m/s\].
@@ -37,6 +43,8 @@ pub struct Parameters {
     pub model: Model,
     /// Volume V of an air particle \[m³\].
     pub air_volume: f64,
+    /// Mass of an air particle \[kg\].
+    pub air_mass: f64,
     /// Rest density ρ0 of the air \[kg/m³\].
     pub rest_density: f64,
     /// Kinematic viscosity ν of the air that drags hair \[m²/s\].
@@ -45,6 +53,14 @@ pub struct Parameters {
     pub lift: f64,
     /// Coulomb's μ of each strand on other strands, with the model `two-way`.
     pub friction: Vec<f64>,
+    /// Solver of the air.
+    pub solver: FluidSolver,
+    /// Number of iterations of the pressure.
+    pub pressure_iterations: u32,
+    /// Whether the pressure is solved for on a coarse grid first.
+    pub coarse: bool,
+    /// Number of nodes of the coarse grid along each axis, about [`COARSE`] spacings apart.
+    pub coarse_nodes: [usize; 3],
     /// Number of Jacobi iterations of the density constraint.
     pub fluid_iterations: u32,
     /// Part of a Jacobi step that is taken.
@@ -110,6 +126,7 @@ impl Parameters {
             step: scene.time.step / substeps,
             gravity: DVec3::from_array(scene.gravity),
             wind: air.map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind)),
+            largest_wind: air.map_or(0.0, Air::largest_wind),
             ramp: air.map_or(0.0, |air| air.ramp),
             gust: air.map_or_else(Vec::new, |air| {
                 air.gust.iter().map(|gust| (gust.time, DVec3::from_array(gust.velocity))).collect()
@@ -121,10 +138,15 @@ impl Parameters {
             air: particles,
             model: scene.interaction.model,
             air_volume: initial.air.volume,
+            air_mass: initial.air.mass,
             rest_density: air.map_or(0.0, |air| air.rest_density),
             kinematic_viscosity: air.map_or(0.0, |air| air.kinematic_viscosity),
             lift: scene.interaction.lift,
             friction: (0..initial.hair.len()).map(|s| initial.hair.friction(s)).collect(),
+            solver: scene.fluid.solver,
+            pressure_iterations: scene.fluid.pressure_iterations,
+            coarse: scene.fluid.coarse && scene.interaction.model != Model::Particles,
+            coarse_nodes: coarse_nodes(initial),
             fluid_iterations: scene.fluid.iterations,
             relaxation: scene.fluid.relaxation,
             tension: scene.fluid.tension,
@@ -164,6 +186,18 @@ impl Parameters {
     #[must_use]
     pub fn is_air(&self, i: usize) -> bool {
         i >= self.hair_points
+    }
+
+    /// Spacing d of air particles \[m\].
+    #[must_use]
+    pub fn spacing(&self) -> f64 {
+        self.air_volume.cbrt()
+    }
+
+    /// Inverse mass \[1/kg\] over that of an air particle.
+    #[must_use]
+    pub fn weight(&self, inverse_mass: f64) -> f64 {
+        self.air_mass * inverse_mass
     }
 
     /// Whether the density constraint sees a pair: in `two-way` air meets hair by drag alone.
@@ -216,6 +250,13 @@ impl Parameters {
         let own = |i| if self.is_air(i) { self.viscosity_air } else { self.viscosity_hair };
         own(i).min(own(j))
     }
+}
+
+/// Number of nodes of the coarse grid along each axis.
+fn coarse_nodes(initial: &InitialState) -> [usize; 3] {
+    let spacing = COARSE * initial.air.volume.cbrt();
+    // Without air there is no spacing, and one node.
+    (initial.air.size / spacing).to_array().map(|n| (n.round() as usize).max(1))
 }
 
 /// Sum Σ_j w V² |∇W|² over the simple cubic lattice of one particle per V, where a particle's own gradient vanishes.

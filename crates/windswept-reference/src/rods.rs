@@ -57,6 +57,7 @@ pub const FORCES: &[(&str, Force)] = &[("wind/drag", drag::act)];
 pub fn run(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     begin(s, w, p);
     FORCES.iter().for_each(|(_, force)| force(s, w, p));
+    bear(s, w, p);
     set_off(s, w, p);
     for strand in 0..s.hair.len() {
         if p.direct {
@@ -97,11 +98,15 @@ pub fn begin(s: &state::State, w: &mut Scratch, p: &Parameters) {
     };
 }
 
-/// Hands the loads to the rods, and decides how each strand goes through the step.
-pub fn set_off(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
+/// Hands the loads to the rods.
+pub fn bear(s: &state::State, w: &mut Scratch, p: &Parameters) {
     for (i, force) in w.hair_force.iter().enumerate() {
         load(p, s, i, *force, &mut w.moving.points[i]);
     }
+}
+
+/// Decides how each strand goes through the step.
+pub fn set_off(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     for strand in 0..s.hair.len() {
         let choice = start(p, s, strand, &mut w.drives[strand], &mut w.moving);
         s.capped += choice.capped;

@@ -3,6 +3,8 @@
 use glam::{DQuat, DVec3};
 use windswept_scene::{InitialState, Strands};
 
+use crate::fluid::Pressed;
+
 /// State that a step starts from, and counts of all steps so far.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
@@ -27,6 +29,8 @@ pub struct State {
     pub own: Vec<DVec3>,
     /// Slip that friction of hair on hair holds each hair point back from \[m/s\]: see [`crate::fluid::friction`].
     pub grip: Vec<DVec3>,
+    /// What pressure leaves each particle from step to step; 0 with solver `pbf`.
+    pub pressed: Vec<Pressed>,
     /// Way of each hair point from where it was when its strand became still \[m\].
     pub strayed: Vec<DVec3>,
     /// Turn of each segment since its strand became still \[rad\].
@@ -106,6 +110,7 @@ impl State {
             outside: vec![DVec3::ZERO; hair.velocities.len()],
             own: vec![DVec3::ZERO; hair.velocities.len()],
             grip: vec![DVec3::ZERO; hair.velocities.len()],
+            pressed: vec![Pressed::default(); hair.velocities.len() + air],
             strayed: vec![DVec3::ZERO; hair.velocities.len()],
             segment_strayed: vec![DVec3::ZERO; hair.orientations.len()],
             turn: hair.angular_velocities.iter().map(|w| *w * step).collect(),

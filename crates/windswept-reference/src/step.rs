@@ -3,7 +3,9 @@
 use glam::DVec3;
 
 use crate::{
-    Parameters, State, contact, drive, fluid, guard,
+    Parameters, State, contact, drive,
+    fluid::{self, Moments, Pressed},
+    guard,
     guard::Frozen,
     neighbours::{self, Neighbours},
     rods, turbulence, velocity, viscosity,
@@ -17,7 +19,7 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     let mut s = state.clone();
     let mut w = drive::run(&s, p); //      1. Clamps move; wind enters; air moves, and hair drifts among it.
     neighbours::run(&mut w, p); //         2. List who is near whom.
-    fluid::run(&s, &mut w, p); //          3. Density constraints (eq. 1), of hair and air together or each for itself.
+    fluid::run(&s, &mut w, p); //          3. Pressure, or density constraints (eq. 1), of hair and air together or each for itself.
     rods::run(&mut s, &mut w, p); //       4. Air drags strands, which keep their length and shape, and they slow the air.
     contact::run(&mut s, &mut w, p); //    5. Nothing enters a body.
     velocity::run(&s, &mut w, p); //       6. Velocities from positions.
@@ -43,8 +45,13 @@ pub struct Scratch {
     pub near: Neighbours,
     /// Density ρ/ρ0 of each particle.
     pub density: Vec<f64>,
-    /// Sum of the moves of each particle by the density constraint \[m\].
+    /// Sum of the moves of each particle by the density constraint \[m\]; of hair that shares pressure with air, the move by the
+    /// impulse of the pressure over time.
     pub correction: Vec<DVec3>,
+    /// Surroundings of each particle, as pressure sees them.
+    pub moments: Vec<Moments>,
+    /// What pressure leaves each particle for the next step.
+    pub pressed: Vec<Pressed>,
     /// Grip of each hair point after this step \[m/s\].
     pub grip: Vec<DVec3>,
     /// Way of each strand through the step, with its clamp's.

@@ -10,6 +10,7 @@ use std::f64::consts::{E, PI, TAU};
 
 use glam::DVec3;
 pub use mesh::{Mesh, b_spline, deposit, gather, smooth};
+pub(crate) use mesh::{places, spline_nodes, transformed};
 use windswept_scene::{Band, Filter, Law};
 
 use crate::{

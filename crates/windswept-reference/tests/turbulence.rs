@@ -7,7 +7,7 @@ mod support;
 use glam::{DQuat, DVec3};
 use support::{Crowd, MASS, RADIUS, Rod, SIMPLE, VOLUME, air, apart, jittered, lattice, scene, stirred};
 use windswept_reference::{Parameters, State, sph_kernels::spiky_slope, step::step, turbulence};
-use windswept_scene::{Band, InitialState, Law, Scene};
+use windswept_scene::{Band, FluidSolver, InitialState, Law, Scene};
 
 const BAND: Band = Band { scale: 6e-3, strength: 3.0, intensity: 0.3 };
 
@@ -367,7 +367,7 @@ fn a_step_runs_the_passes_in_order() {
         let (mut with, mut p) = stirred_box(1.0, &format!("law = \"{law}\"\n{bands}"));
         (p.ramp, p.fringe, p.viscosity_hair, p.viscosity_air) = (0.02, 0.0, 0.0, 0.0);
         // Else the list would be that of the positions before they were corrected.
-        p.fluid_iterations = 0;
+        (p.solver, p.fluid_iterations) = (FluidSolver::Pbf, 0);
         let mut without = with.clone();
         step(&mut with, &p).unwrap();
         step(&mut without, &Parameters { bands: Vec::new(), ..p.clone() }).unwrap();

@@ -1,6 +1,9 @@
 //! The band filter by way of a grid, its smoothing done wave by wave.
 
-use std::f64::consts::{E, TAU};
+use std::{
+    f64::consts::{E, TAU},
+    ops::{Add, Mul, Sub},
+};
 
 use glam::{DVec3, DVec4};
 use windswept_scene::Band;
@@ -33,10 +36,8 @@ impl Mesh {
         let degree = p.turbulence.order.degree();
         let at = x / self.spacing(p);
         let axis = |axis: usize| -> Vec<(usize, f64)> {
-            let (first, count) = (at[axis].floor() as i64 - 2, self.nodes[axis] as i64);
-            let weights =
-                (first..first + 6).map(|n| (n.rem_euclid(count) as usize, b_spline(degree, at[axis] - n as f64)));
-            weights.filter(|(_, weight)| *weight > 0.0).collect()
+            let near = spline_nodes(degree, at[axis], self.nodes[axis]);
+            near.into_iter().map(|(node, gap)| (node, b_spline(degree, gap))).collect()
         };
         let [along_x, along_y, along_z] = [axis(0), axis(1), axis(2)];
         let mut all = Vec::new();
@@ -47,6 +48,13 @@ impl Mesh {
         }
         all
     }
+}
+
+/// Nodes of a periodic axis of `count` whose B-splines reach the place `at`, and the way from each to there \[node spacings\].
+pub(crate) fn spline_nodes(degree: u32, at: f64, count: usize) -> Vec<(usize, f64)> {
+    let first = at.floor() as i64 - 2;
+    let near = (first..first + 6).map(|n| (n.rem_euclid(count as i64) as usize, at - n as f64));
+    near.filter(|(_, gap)| b_spline(degree, *gap) > 0.0).collect()
 }
 
 /// Central B-spline of a degree at t spacings, by its recurrence (de Boor): the box of width 1, smoothed that often.
@@ -84,9 +92,7 @@ pub fn smooth(p: &Parameters, scale: f64, mesh: &Mesh) -> Mesh {
     for axis in 0..3 {
         waves = transformed(mesh.nodes, &waves, axis, -1.0);
     }
-    for (index, wave) in waves.iter_mut().enumerate() {
-        let place =
-            [index % mesh.nodes[0], index / mesh.nodes[0] % mesh.nodes[1], index / mesh.nodes[0] / mesh.nodes[1]];
+    for (wave, place) in waves.iter_mut().zip(places(mesh.nodes)) {
         let mut gain = 1.0;
         let mut squared = 0.0;
         for axis in 0..3 {
@@ -107,17 +113,26 @@ pub fn smooth(p: &Parameters, scale: f64, mesh: &Mesh) -> Mesh {
     Mesh { nodes: mesh.nodes, values: waves.into_iter().map(|[real, _]| real / count).collect() }
 }
 
+/// Place of each node along the axes, in the order of the values.
+pub(crate) fn places(nodes: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
+    let [nx, ny, nz] = nodes;
+    (0..nx * ny * nz).map(move |index| [index % nx, index / nx % ny, index / nx / ny])
+}
+
 /// Discrete Fourier transform along an axis, `sign` −1 forth and 1 back (not divided by n): real and imaginary parts.
-fn transformed(nodes: [usize; 3], values: &[[DVec4; 2]], axis: usize, sign: f64) -> Vec<[DVec4; 2]> {
+pub(crate) fn transformed<T>(nodes: [usize; 3], values: &[[T; 2]], axis: usize, sign: f64) -> Vec<[T; 2]>
+where
+    T: Copy + Default + Send + Sync + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>,
+{
     let n = nodes[axis];
     let stride: usize = nodes[..axis].iter().product();
     let turns: Vec<(f64, f64)> = (0..n).map(|i| (TAU * i as f64 / n as f64).sin_cos()).collect();
     parallel::map(values.len(), |index| {
         let m = index / stride % n;
         let line = index - m * stride;
-        (0..n).fold([DVec4::ZERO; 2], |[real, imaginary], i| {
+        (0..n).fold([T::default(); 2], |[real, imaginary], i| {
             let ([a, b], (sin, cos)) = (values[line + i * stride], turns[m * i % n]);
-            [real + cos * a - sign * sin * b, imaginary + cos * b + sign * sin * a]
+            [real + a * cos - b * (sign * sin), imaginary + b * cos + a * (sign * sin)]
         })
     })
 }

@@ -1,0 +1,127 @@
+//! Coarse solve for the pressure: what a few iterations do not reach, in one stroke, on nodes about three spacings apart.
+//!
+//! ```text
+//!   r_n  = Σ_i φ_n(x_i) s_i/max(1, θ_i)                       φ_n: product of a quadratic B-spline along each axis
+//!   ĉ(k) = r̂(k)/S(k), ĉ(0) = 0                               S: Σ_i ∇φ_m · ∇φ_n for particles spread evenly
+//!   q_i  = −σ Σ_n c_n ∇φ_n(x_i),  v_i += q_i − mean of q      σ = min(1, d/(U Δt))
+//! ```
+//! The pressure around an obstacle stands still while λ travels with the particles: without the coarse solve it lags. Air is
+//! pushed by the gradient of c itself and not by the transpose of the divergence, since among disordered particles that of a
+//! constant is not zero: forces of a pair are not opposite here, and the mean is taken out instead. c is not kept.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::{Moments, THIN};
+use crate::{
+    Parameters,
+    turbulence::{b_spline, places, spline_nodes, transformed},
+};
+
+/// Degree of the B-splines.
+const DEGREE: u32 = 2;
+
+/// Sum r_n of the divergences `rate` \[1/s\] of air at every node, x first. Where air is dense it counts once; at a surface,
+/// where pressure does not pull, only what is compressed counts.
+#[must_use]
+pub fn coarse_deposit(p: &Parameters, x: &[DVec3], rate: &[f64], moments: &[Moments]) -> Vec<f64> {
+    let mut sums = vec![0.0; p.coarse_nodes.iter().product()];
+    for i in p.hair_points..x.len() {
+        for (node, weight, _) in stencil(p, x[i]) {
+            sums[node] += weight * source(rate[i], &moments[i]);
+        }
+    }
+    sums
+}
+
+/// Divergence that a particle brings to the grid \[1/s\].
+#[must_use]
+pub fn source(rate: f64, moments: &Moments) -> f64 {
+    let density = moments.density;
+    if density < THIN { rate.max(0.0) } else { rate / density.max(1.0) }
+}
+
+/// Hartley transform of the values on the nodes, Σ_m r_m cas(2π k_x m_x/n_x) cas(2π k_y m_y/n_y) cas(2π k_z m_z/n_z) with
+/// cas t = cos t + sin t, which the engine solves by (Bracewell 1983): from Fourier's, whose real part it is along each axis less
+/// the imaginary one.
+#[must_use]
+pub fn coarse_waves(p: &Parameters, values: &[f64]) -> Vec<f64> {
+    (0..3).fold(values.to_vec(), |values, axis| {
+        let waves: Vec<[f64; 2]> = values.iter().map(|value| [*value, 0.0]).collect();
+        let turned = transformed(p.coarse_nodes, &waves, axis, -1.0);
+        turned.into_iter().map(|[real, imaginary]| real - imaginary).collect()
+    })
+}
+
+/// Coefficients c_n of the coarse pressure \[m²/s\] from what was deposited: the equations of all nodes are solved, wave
+/// by wave, for air that fills the box. Where a body or a hole leaves it out c is too small, and so it stays stable.
+#[must_use]
+pub fn coarse_solve(p: &Parameters, deposited: &[f64]) -> Vec<f64> {
+    let nodes = p.coarse_nodes;
+    let spacing = coarse_spacing(p);
+    let each = spacing.element_product() / p.air_volume;
+    let mut waves: Vec<[f64; 2]> = deposited.iter().map(|sum| [*sum, 0.0]).collect();
+    for axis in 0..3 {
+        waves = transformed(nodes, &waves, axis, -1.0);
+    }
+    for (wave, place) in waves.iter_mut().zip(places(nodes)) {
+        let turn = |axis: usize| TAU * place[axis] as f64 / nodes[axis] as f64;
+        let mass = [0, 1, 2].map(|axis| overlap(turn(axis)));
+        let along = |a: usize, b: usize, c: usize| stiffness(turn(a)) / spacing[a].powi(2) * mass[b] * mass[c];
+        let symbol = each * (along(0, 1, 2) + along(1, 2, 0) + along(2, 0, 1));
+        *wave = if place == [0; 3] { [0.0; 2] } else { wave.map(|part| part / symbol) };
+    }
+    for axis in 0..3 {
+        waves = transformed(nodes, &waves, axis, 1.0);
+    }
+    waves.into_iter().map(|[real, _]| real / deposited.len() as f64).collect()
+}
+
+/// Change q_i of each air particle's velocity by the coarse pressure \[m/s\], before its mean is taken out; 0 for hair.
+#[must_use]
+pub fn coarse_push(p: &Parameters, x: &[DVec3], pressure: &[f64]) -> Vec<DVec3> {
+    let part = (p.spacing() / (p.largest_wind * p.step)).min(1.0);
+    let slope = |x: DVec3| stencil(p, x).into_iter().map(|(node, _, slope)| pressure[node] * slope).sum::<DVec3>();
+    (0..x.len()).map(|i| if p.is_air(i) { -part * slope(x[i]) } else { DVec3::ZERO }).collect()
+}
+
+/// Distance between nodes \[m\].
+fn coarse_spacing(p: &Parameters) -> DVec3 {
+    p.box_size / DVec3::from_array(p.coarse_nodes.map(|n| n as f64))
+}
+
+/// Nodes near a position, with φ_n and ∇φ_n \[1/m\] there.
+fn stencil(p: &Parameters, x: DVec3) -> Vec<(usize, f64, DVec3)> {
+    let spacing = coarse_spacing(p);
+    let [nx, ny, _] = p.coarse_nodes;
+    // Node, spline and slope.
+    let along = [0, 1, 2].map(|axis| -> Vec<(usize, f64, f64)> {
+        let near = spline_nodes(DEGREE, x[axis] / spacing[axis], p.coarse_nodes[axis]);
+        let values = near.into_iter().map(|(node, gap)| {
+            let slope = b_spline(DEGREE - 1, gap + 0.5) - b_spline(DEGREE - 1, gap - 0.5);
+            (node, b_spline(DEGREE, gap), slope / spacing[axis])
+        });
+        values.collect()
+    });
+    let mut all = Vec::new();
+    for &(k, c, dc) in &along[2] {
+        for &(j, b, db) in &along[1] {
+            all.extend(along[0].iter().map(|&(i, a, da)| {
+                let slope = DVec3::new(da * b * c, a * db * c, a * b * dc);
+                (i + nx * (j + ny * k), a * b * c, slope)
+            }));
+        }
+    }
+    all
+}
+
+/// ∫ φ_m φ_n dx over a wave that turns by `turn` from node to node, in node spacings.
+fn overlap(turn: f64) -> f64 {
+    (66.0 + 52.0 * turn.cos() + 2.0 * (2.0 * turn).cos()) / 120.0
+}
+
+/// ∫ φ_m' φ_n' dx over a wave that turns by `turn` from node to node, times the node spacing.
+fn stiffness(turn: f64) -> f64 {
+    1.0 - 2.0 / 3.0 * turn.cos() - 1.0 / 3.0 * (2.0 * turn).cos()
+}

@@ -1,0 +1,244 @@
+//! Pressure of solver `divergence`: the velocity of air, and with the model `particles` of hair among it, has no divergence.
+//!
+//! ```text
+//!   s_i  = Σ_j V_j (v_i − v_j) · B_i g_ij                    dθ/dt: where it is positive, air is compressed
+//!   Δv_i = w_i Σ_j (λ_i V_j B_i + λ_j V_i B_j) g_ij          its transpose: equal and opposite in m Δv, whatever B is
+//!   g_ij = ∇_i W(x_i − x_j) by Spiky, w = m_air/m            V volume [m³], B corrects the gradients of a disordered sum
+//! ```
+//! Jacobi iterations find λ, which starts from the step before. Air goes on by BDF2: what pressure changed its velocity by
+//! in the last step, `change`, is all that it remembers, since what acts from outside changes v_n and v_{n−1} alike.
+
+use glam::{DMat3, DVec3};
+use windswept_scene::Model;
+
+use super::{coarse_deposit, coarse_push, coarse_solve};
+use crate::{
+    Parameters, State,
+    neighbours::Neighbours,
+    sph_kernels::{poly6, spiky_gradient},
+    step::Scratch,
+    turbulence,
+};
+
+/// Share of the way U Δt/d by which particles are spread: less leaves clumps, more moves them across the shear behind hair. A
+/// part that goes with the deformation of the flow does that, too: with 0.2 |G| Δt on top a porous strip of k = 4 has 0.954
+/// of its drag at 1.38 ms, without 0.991.
+const BY_WIND: f64 = 0.05;
+/// Largest spread in units of h² s_i.
+const MOST_SPREAD: f64 = 0.1;
+/// Longest move of a particle by the spread \[particle spacings\].
+const LONGEST_SPREAD: f64 = 0.25;
+/// Softening of M, which is about 1 where particles are.
+const SOFTENING: f64 = 0.02;
+/// Least determinant of M, and largest trace of B, with which gradients are corrected.
+const LEAST_DETERMINANT: f64 = 0.15;
+const LARGEST_TRACE: f64 = 6.0;
+/// Density ρ/ρ0 below which a particle is at a surface: there pressure pushes and does not pull.
+pub const THIN: f64 = 0.6;
+/// Largest eigenvalue of a⁻¹ D Dᵀ that the relaxations bear: measured up to 4.32, on a lattice.
+const LARGEST: f64 = 4.5;
+/// Impulse of a push over time: BDF2 hands on a third of each change, and 1 + 1/3 + 1/9 + … = 3/2.
+pub const LASTING: f64 = 1.5;
+
+/// What pressure leaves a particle for the next step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Pressed {
+    /// Change of the particle's velocity by pressure in the last step \[m/s\].
+    pub change: DVec3,
+    /// Multiplier λ \[m²/s\]: pressure over density, times the step; λ < 0 where pressure pushes.
+    pub pressure: f64,
+}
+
+/// Surroundings of a particle.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Moments {
+    /// Density θ = ρ/ρ0.
+    pub density: f64,
+    /// Matrix B, which corrects gradients.
+    pub correction: DMat3,
+    /// Diagonal a of the divergence of a push \[1/m²\].
+    pub diagonal: f64,
+}
+
+/// Projects the velocities of air onto those without divergence, with the model `particles` those of hair as well: it gets
+/// the impulse that pressure has over time.
+pub(super) fn run(s: &State, w: &mut Scratch, p: &Parameters) {
+    let (mass, volume) = (&s.inverse_mass, &s.volume);
+    let shift = spread(p, &w.predicted, &w.new_velocity, volume, &w.near);
+    // The coarse grid sees particles where they were: what they are spread by is little to its nodes.
+    let before = w.predicted.clone();
+    w.predicted.iter_mut().zip(shift).for_each(|(x, shift)| *x += shift);
+    w.moments = moments(p, &w.predicted, mass, volume, &w.near);
+    w.density = w.moments.iter().map(|moments| moments.density).collect();
+    w.pressed = (0..w.predicted.len()).map(|i| start(p, i, &w.moments[i], &s.pressed[i])).collect();
+    let lambda: Vec<f64> = w.pressed.iter().map(|pressed| pressed.pressure).collect();
+    give(w, push(p, &w.predicted, mass, volume, &w.near, &w.moments, &lambda));
+    if p.coarse {
+        let rate = divergence(p, &w.predicted, &w.new_velocity, volume, &w.near, &w.moments);
+        let deposited = coarse_deposit(p, &before, &rate, &w.moments);
+        let pressure = coarse_solve(p, &deposited);
+        let mut change = coarse_push(p, &before, &pressure);
+        let mean = turbulence::mean(p, &change);
+        change[p.hair_points..].iter_mut().for_each(|change| *change -= mean);
+        give(w, change);
+    }
+    for omega in relaxations(p.pressure_iterations) {
+        let rate = divergence(p, &w.predicted, &w.new_velocity, volume, &w.near, &w.moments);
+        let mu: Vec<f64> =
+            (0..rate.len()).map(|i| relax(omega, rate[i], &w.moments[i], w.pressed[i].pressure)).collect();
+        w.pressed.iter_mut().zip(&mu).for_each(|(pressed, mu)| pressed.pressure += mu);
+        give(w, push(p, &w.predicted, mass, volume, &w.near, &w.moments, &mu));
+    }
+    if p.model == Model::Particles {
+        for i in 0..p.hair_points {
+            w.correction[i] = LASTING * p.step * w.pressed[i].change;
+        }
+    }
+}
+
+/// Adds changes to the velocities, and to what pressure is remembered by.
+fn give(w: &mut Scratch, changes: Vec<DVec3>) {
+    for (i, change) in changes.into_iter().enumerate() {
+        w.new_velocity[i] += change;
+        w.pressed[i].change += change;
+    }
+}
+
+/// Particles that share pressure with particle `i`: hair does with the model `particles` only.
+fn others<'a>(p: &'a Parameters, near: &'a Neighbours, i: usize) -> impl Iterator<Item = usize> + 'a {
+    near.of(i).filter(move |&j| p.model == Model::Particles || p.is_air(i) && p.is_air(j))
+}
+
+/// Gradient g_ij = ∇_i W \[1/m⁴\].
+fn gradient(p: &Parameters, i: usize, j: usize, x: &[DVec3]) -> DVec3 {
+    spiky_gradient(i, j, p.separation(i, j, x[i], x[j]), p.kernel_radius)
+}
+
+/// Moves δ of air that keep particles apart, and that velocity never sees \[m\]; 0 for hair.
+///
+/// δ_i = −h² min(0.1, A_s U Δt/d) Σ_j V_j g_ij, |δ_i| ≤ d/4, with the scene's largest wind U, or the particle's own speed where
+/// that is more. It goes with Δt, so that its diffusion |δ|²/2Δt vanishes with the step.
+#[must_use]
+pub fn spread(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> Vec<DVec3> {
+    let spacing = p.spacing();
+    let each = |i: usize| {
+        if !p.is_air(i) {
+            return DVec3::ZERO;
+        }
+        let part = (BY_WIND * p.largest_wind.max(v[i].length()) * p.step / spacing).min(MOST_SPREAD);
+        let uneven: DVec3 = others(p, near, i).map(|j| volume[j] * gradient(p, i, j, x)).sum();
+        (-p.kernel_radius.powi(2) * part * uneven).clamp_length_max(LONGEST_SPREAD * spacing)
+    };
+    (0..x.len()).map(each).collect()
+}
+
+/// Matrix a bᵀ.
+fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}
+
+/// Surroundings of every particle: density θ_i = Σ_j V_j W by Poly6, itself included; B_i = M_i⁻¹ with
+/// M_i = −sym Σ_j V_j g_ij ⊗ (x_i − x_j) + 0.02, or 1 where M is nearly singular; and
+/// a_i = w_i |Σ_j V_j B_i g_ij|² + Σ_j w_j V_j² |B_i g_ij|² + α, α the softening of the density constraint.
+#[must_use]
+pub fn moments(p: &Parameters, x: &[DVec3], inverse_mass: &[f64], volume: &[f64], near: &Neighbours) -> Vec<Moments> {
+    let h = p.kernel_radius;
+    let each = |i: usize| {
+        let mut density = volume[i] * poly6(0.0, h);
+        let mut moment = DMat3::ZERO;
+        for j in others(p, near, i) {
+            let gap = p.separation(i, j, x[i], x[j]);
+            density += volume[j] * poly6(gap.length(), h);
+            moment -= volume[j] * outer(gap, spiky_gradient(i, j, gap, h));
+        }
+        let correction = inverse(0.5 * (moment + moment.transpose()) + DMat3::from_diagonal(DVec3::splat(SOFTENING)));
+        let (mut own, mut sum) = (DVec3::ZERO, 0.0);
+        for j in others(p, near, i) {
+            let corrected = volume[j] * (correction * gradient(p, i, j, x));
+            own += corrected;
+            sum += p.weight(inverse_mass[j]) * corrected.length_squared();
+        }
+        let diagonal = p.weight(inverse_mass[i]) * own.length_squared() + sum + p.weight(p.density_softening);
+        Moments { density, correction, diagonal }
+    };
+    (0..x.len()).map(each).collect()
+}
+
+/// Inverse of M, or 1 where it would be far from it.
+fn inverse(moment: DMat3) -> DMat3 {
+    if moment.determinant() < LEAST_DETERMINANT {
+        return DMat3::IDENTITY;
+    }
+    let inverse = moment.inverse();
+    if inverse.x_axis.x + inverse.y_axis.y + inverse.z_axis.z > LARGEST_TRACE { DMat3::IDENTITY } else { inverse }
+}
+
+/// What a particle takes along from the last step: λ, and of air a third of what pressure changed its velocity by. At a surface
+/// pressure does not pull.
+#[must_use]
+pub fn start(p: &Parameters, i: usize, moments: &Moments, last: &Pressed) -> Pressed {
+    Pressed {
+        change: if p.is_air(i) { last.change / 3.0 } else { DVec3::ZERO },
+        pressure: if moments.density < THIN { last.pressure.min(0.0) } else { last.pressure },
+    }
+}
+
+/// Change Δv_i = w_i Σ_j (λ_i V_j B_i + λ_j V_i B_j) g_ij of every particle's velocity by multipliers λ \[m/s\].
+#[must_use]
+pub fn push(
+    p: &Parameters,
+    x: &[DVec3],
+    inverse_mass: &[f64],
+    volume: &[f64],
+    near: &Neighbours,
+    moments: &[Moments],
+    lambda: &[f64],
+) -> Vec<DVec3> {
+    let pair = |i: usize, j: usize| {
+        let (own, other) = (lambda[i] * volume[j], lambda[j] * volume[i]);
+        (own * moments[i].correction + other * moments[j].correction) * gradient(p, i, j, x)
+    };
+    let each = |i: usize| p.weight(inverse_mass[i]) * others(p, near, i).map(|j| pair(i, j)).sum::<DVec3>();
+    (0..x.len()).map(each).collect()
+}
+
+/// Rate s_i = Σ_j V_j (v_i − v_j) · B_i g_ij at which air is compressed at every particle \[1/s\].
+#[must_use]
+pub fn divergence(
+    p: &Parameters,
+    x: &[DVec3],
+    v: &[DVec3],
+    volume: &[f64],
+    near: &Neighbours,
+    moments: &[Moments],
+) -> Vec<f64> {
+    let pair = |i: usize, j: usize| volume[j] * (v[i] - v[j]).dot(moments[i].correction * gradient(p, i, j, x));
+    (0..x.len()).map(|i| others(p, near, i).map(|j| pair(i, j)).sum()).collect()
+}
+
+/// Increment μ = −ω s/a of a multiplier λ \[m²/s\]; at a surface λ + μ is no more than 0.
+#[must_use]
+pub fn relax(omega: f64, rate: f64, moments: &Moments, lambda: f64) -> f64 {
+    let increment = -omega * rate / moments.diagonal;
+    if moments.density < THIN { increment.min(-lambda) } else { increment }
+}
+
+/// Relaxations ω of the iterations. What they leave of a divergence, Π (1 − ω μ) with μ an eigenvalue of a⁻¹ D Dᵀ, is
+/// between 0 and 1 up to μ = 4.5: λ starts from the step before, and an iteration that overshot would swing from step to step.
+/// So roots come in pairs, those of a Chebyshev polynomial, and an odd one stands at 4.5.
+#[must_use]
+pub fn relaxations(iterations: u32) -> Vec<f64> {
+    // The part of the spectrum that each root is to cover, and where in it the root stands, −1 to 1.
+    let root = |from: f64, to: f64, at: f64| 2.0 / (to + from + (to - from) * at);
+    let (single, pair, quarter) = (1.0 / LARGEST, LARGEST / 4.0, std::f64::consts::FRAC_1_SQRT_2);
+    match iterations {
+        0 => vec![],
+        1 => vec![single],
+        2 => vec![root(pair, LARGEST, 0.0); 2],
+        3 => [vec![single], vec![root(pair, 0.8 * LARGEST, 0.0); 2]].concat(),
+        _ => {
+            let [low, high] = [-quarter, quarter].map(|at| root(LARGEST / 12.0, LARGEST, at));
+            vec![low, high, high, low]
+        }
+    }
+}
