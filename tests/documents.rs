@@ -11,7 +11,7 @@ use std::{
 /// Folders of the repository that a page may name a file of.
 const FOLDERS: [&str; 8] = ["crates/", "shaders/", "tests/", "examples/", "benches/", "python/", "docs/", ".github/"];
 /// Folders of `shaders/` whose files are passes.
-const PASSES: [&str; 7] = ["grid/", "fluid/", "turbulence/", "rods/", "wind/", "contact/", "guard/"];
+const PASSES: [&str; 8] = ["grid/", "fluid/", "coarse/", "turbulence/", "rods/", "wind/", "contact/", "guard/"];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

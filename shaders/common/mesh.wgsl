@@ -32,10 +32,9 @@ fn power(order: u32, x: vec4f) -> vec4f {
     return x * select(vec4f(1.0), x, order >= 2u) * select(vec4f(1.0), x, order >= 3u);
 }
 
-// The node in the box of which `node` is a periodic image; `node` is off the box by less than the box's length.
+// The node in the box of which `node` is a periodic image.
 fn node_in_box(node: vec3i, nodes: vec3i) -> vec3i {
-    let up = select(node, node + nodes, node < vec3i(0));
-    return select(up, up - nodes, up >= nodes);
+    return (node % nodes + nodes) % nodes;
 }
 
 fn node_index(node: vec3i, nodes: vec3i) -> u32 {

@@ -9,6 +9,7 @@ struct Params {
     kernel_radius: f32,           // m
     cell_size: vec3f,             // m
     air_volume: f32,              // m^3
+    spacing: f32,                 // m, of air particles: the cube root of their volume
     particles: u32,               // hair points first, then air
     hair_points: u32,
     segments: u32,
@@ -18,6 +19,7 @@ struct Params {
     neighbour_capacity: u32,      // entries of the list
     rod_sweeps: u32,              // of one dispatch of the rods' solver
     air_inverse_mass: f32,        // 1/kg
+    constrained: u32,             // particles that the density constraint moves, from the first on: hair, or all
     relaxation: f32,
     tension: f32,
     density_softening: f32,       // alpha of the multiplier, 1/(kg m^2)

@@ -32,6 +32,7 @@ struct Status {
     outside_steps: u32,               // steps on end with many of them
     wind: array<f32, 3>,              // m/s, mean wind at the end of this step
     wind_before: array<f32, 3>,       // m/s, at its start
+    fastest_wind: f32,                // m/s, largest speed of the mean wind in its table
     way: array<f32, 3>,               // m, that the wind has blown in committed steps, wrapped into the box
     counted: array<u32, COUNTERS>,          // by cause, committed steps
     counting: array<atomic<u32>, COUNTERS>, // by cause, this step

@@ -20,7 +20,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var x = predicted[i].xyz;
     let corrected = correction[i].xyz / params.step;
     var v = new_velocity[i].xyz + corrected;
-    let clearance = CLEARANCE * pow(params.air_volume, 1.0 / 3.0);
+    let clearance = CLEARANCE * params.spacing;
     let bodies = arrayLength(&placed);
     for (var k = 0u; k < ROUNDS * bodies; k++) {
         let body = placed[k % bodies];

@@ -2,8 +2,8 @@
 //
 //   D_n = sum_j f_j B(x_j/h_g - n),  B the product of three B-splines, f from `weigh`
 //
-// A gather in a fixed order: particles are sorted into cells of the grid itself, and an invocation makes 4 x 2 x 2 nodes
-// from the rows of cells that reach them.
+// A gather in a fixed order: an invocation makes 4 x 2 x 2 nodes from the rows of cells that reach them. Particles may be sorted
+// into any cells that fill the box; a grid finer than those would read many particles in vain.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen,
     mesh::{Mesh, half_width, b_spline, node_in_box, node_index},
@@ -24,7 +24,7 @@ var<private> sum_10: mat4x4f;
 var<private> sum_01: mat4x4f;
 var<private> sum_11: mat4x4f;
 
-// Adds the particle of entry `e`. `corner` is the block's first node, in spacings, as seen from the particle's image.
+// Adds the particle of entry `e`. `corner` is the block's first node, in spacings, as seen from the image of the box.
 fn add(e: u32, corner: vec3f) {
     let t = sorted_position[e].xyz / mesh.spacing - corner;
     let along = b_spline(mesh.order, vec4f(t.x, t.x - 1.0, t.x - 2.0, t.x - 3.0));
@@ -57,20 +57,21 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if b >= blocks.x * blocks.y * blocks.z || frozen() { return; }
     let block = BLOCK * vec3i(b % blocks.x, b / blocks.x % blocks.y, b / (blocks.x * blocks.y));
 
-    // Cell c of the grid lies between nodes c and c + 1.
     let half = half_width(mesh.order);
-    let first = vec3i(floor(vec3f(block) - half));
-    let last = vec3i(ceil(vec3f(block + BLOCK - 1) + half)) - 1;
+    let scale = mesh.spacing / params.cell_size;   // cells from node to node
+    let first = vec3i(floor((vec3f(block) - half) * scale));
+    let last = vec3i(ceil((vec3f(block + BLOCK - 1) + half) * scale)) - 1;
     for (var z = first.z; z <= last.z; z++) {
         for (var y = first.y; y <= last.y; y++) {
             // The row is read in runs of cells that end where the box repeats.
             var x = first.x;
             while x <= last.x {
-                let home = node_in_box(vec3i(x, y, z), mesh.nodes);
-                let run = min(last.x + 1 - x, mesh.nodes.x - home.x);
-                let cell = node_index(home, mesh.nodes);
+                let home = node_in_box(vec3i(x, y, z), params.cells);
+                let run = min(last.x + 1 - x, params.cells.x - home.x);
+                let cell = node_index(home, params.cells);
                 let end = cell_start[cell + u32(run)];
-                let corner = vec3f(block - vec3i(x, y, z) + home);
+                let boxes = (vec3i(x, y, z) - home) / params.cells;
+                let corner = vec3f(block - boxes * mesh.nodes);
                 for (var e = cell_start[cell]; e < end; e++) { add(e, corner); }
                 x += run;
             }

@@ -1,26 +1,19 @@
 // Finds the mean change of the air's velocity, which is taken out where momentum is conserved, and the impulse that the
 // air is left with, which the guard adds to the report's.
-import package::common::{params::params, dispatch::WORKGROUP, status::frozen};
+import package::common::{params::params, dispatch::WORKGROUP, reduce::total, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       partial_sum:      array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> mean_confinement: array<vec4f>;   // mean change [m/s], impulse [kg m/s]
-
-var<workgroup> sums: array<vec3f, WORKGROUP>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(local_invocation_id) lane: vec3u) {
     var own = vec3f(0.0);
     for (var g = lane.x; g < arrayLength(&partial_sum); g += WORKGROUP) { own += partial_sum[g].xyz; }
-    sums[lane.x] = own;
-    workgroupBarrier();
-    for (var reach = WORKGROUP / 2u; reach > 0u; reach /= 2u) {
-        if lane.x < reach { sums[lane.x] += sums[lane.x + reach]; }
-        workgroupBarrier();
-    }
+    let all = total(lane.x, own);
     if lane.x > 0u || frozen() { return; }
     let air = f32(params.particles - params.hair_points);
     var mean = vec3f(0.0);
-    if params.conserve_momentum != 0u { mean = sums[0] / air; }
+    if params.conserve_momentum != 0u { mean = all / air; }
     mean_confinement[0] = vec4f(mean, 0.0);
-    mean_confinement[1] = vec4f((sums[0] - air * mean) / params.air_inverse_mass, 0.0);
+    mean_confinement[1] = vec4f((all - air * mean) / params.air_inverse_mass, 0.0);
 }

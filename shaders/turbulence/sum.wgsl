@@ -1,10 +1,8 @@
 // Sums the changes of velocity of each workgroup's particles, in a fixed order.
-import package::common::{params::params, dispatch::{invocation, WORKGROUP}};
+import package::common::{params::params, dispatch::{invocation, WORKGROUP}, reduce::total};
 
 @group(0) @binding(2) var<storage, read>       confinement: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> partial_sum: array<vec4f>;   // sum of a workgroup's changes [m/s]
-
-var<workgroup> sums: array<vec3f, WORKGROUP>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(
@@ -12,13 +10,9 @@ fn main(
     @builtin(local_invocation_id) lane: vec3u, @builtin(workgroup_id) group: vec3u,
 ) {
     let i = params.hair_points + invocation(id, groups);
-    sums[lane.x] = vec3f(0.0);
-    if i < params.particles { sums[lane.x] = confinement[i].xyz; }
-    workgroupBarrier();
-    for (var reach = WORKGROUP / 2u; reach > 0u; reach /= 2u) {
-        if lane.x < reach { sums[lane.x] += sums[lane.x + reach]; }
-        workgroupBarrier();
-    }
+    var own = vec3f(0.0);
+    if i < params.particles { own = confinement[i].xyz; }
+    let all = total(lane.x, own);
     let g = group.y * groups.x + group.x;
-    if lane.x == 0u && g < arrayLength(&partial_sum) { partial_sum[g] = vec4f(sums[0], 0.0); }
+    if lane.x == 0u && g < arrayLength(&partial_sum) { partial_sum[g] = vec4f(all, 0.0); }
 }

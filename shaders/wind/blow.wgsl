@@ -15,9 +15,16 @@ fn at(time: f32) -> vec3f {
     return wind;
 }
 
+fn fastest() -> f32 {
+    var speed = 0.0;
+    for (var k = 0u; k < arrayLength(&wind_table); k++) { speed = max(speed, length(wind_table[k].xyz)); }
+    return speed;
+}
+
 @compute @workgroup_size(1)
 fn main() {
     if frozen() { return; }
+    status.fastest_wind = fastest();
     let before = at(f32(status.step) * params.step);
     let now = at(f32(status.step + 1u) * params.step);
     for (var axis = 0u; axis < 3u; axis++) {

@@ -59,7 +59,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::contact::PLACE, "0.5 * (body.start + body.end)", "0.51 * (body.start + body.end)", BODIES),
     (&shaders::contact::HAIR, "body.friction * depth", "0.9 * body.friction * depth", BODIES),
     (&shaders::contact::STRETCH, "rest_length - 1.0", "rest_length - 2.5", BODIES),
-    (&shaders::contact::AIR, "CLEARANCE * pow", "0.9 * CLEARANCE * pow", BODIES),
+    (&shaders::contact::AIR, "CLEARANCE * params.spacing", "0.9 * CLEARANCE * params.spacing", BODIES),
 ];
 
 fn body(shape: Shape, keyframes: &[(f64, [f64; 3], [f64; 3])]) -> Body {

@@ -11,7 +11,7 @@ use windswept_shaders as shaders;
 use crate::{
     hair::{any, ends, motion, scene_of, set_roots, strands},
     stage::{Stage, each, quaternion, relative, stirred, xyz},
-    steps::{Fault, PARTICLES},
+    steps::{DIVERGENCE, Fault, PARTICLES, PRESSED_HAIR},
     support,
     walk::{Walk, apart, largest},
 };
@@ -40,8 +40,18 @@ impl Walk<'_> {
             let got = &stage.vectors(&state.predicted)[..hair];
             self.same("rods/drift", apart(got, &w.predicted[..hair]), bounds.length)?;
         }
+        if passes.through("fluid/lead") {
+            let got = &stage.vectors(&state.new_velocity)[..hair];
+            self.same("fluid/lead", apart(got, &w.new_velocity[..hair]), bounds.speed)?;
+        }
         if passes.through("wind/fringe") {
             self.same("wind/fringe", apart(&self.vectors(&state.wind_change, hair), &w.wind_change), bounds.wind)?;
+        }
+        if passes.through("fluid/advance") {
+            let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
+            self.same("fluid/advance", gap, bounds.length)?;
+            let gap = apart(&self.vectors(&state.new_velocity, hair), &w.new_velocity[hair..]);
+            self.same("fluid/advance", gap, bounds.speed)?;
         }
         if passes.through("fluid/predict") {
             let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
@@ -59,6 +69,8 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::rods::DRIFT, "params.step * params.gravity", "0.9 * params.step * params.gravity", PARTICLES),
     (&shaders::wind::FRINGE, "sin(PI * depth", "sin(0.9 * PI * depth", PARTICLES),
     (&shaders::fluid::PREDICT, "params.step * v", "0.9 * params.step * v", PARTICLES),
+    (&shaders::fluid::ADVANCE, "v + before.change / 3.0, 0.0", "v + before.change / 2.0, 0.0", DIVERGENCE),
+    (&shaders::fluid::LEAD, "carries) / 3.0", "carries) / 2.0", PRESSED_HAIR),
 ];
 
 /// Largest differences of what clamps do: moves \[m\], frames; and how many strands go in another way.

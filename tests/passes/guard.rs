@@ -7,6 +7,7 @@ use windswept_reference::{
     guard::{self, Frozen},
     step::Scratch,
 };
+use windswept_scene::Model;
 use windswept_shaders::{
     self as shaders,
     common::status::{
@@ -17,7 +18,7 @@ use windswept_shaders::{
 
 use crate::{
     stage::{Stage, xyz},
-    steps::{Fault, PARTICLES},
+    steps::{DIVERGENCE, Fault, PARTICLES},
     support,
     walk::{Same, Walk, apart, differing, largest},
 };
@@ -63,6 +64,16 @@ impl Walk<'_> {
             let grip = largest(points.iter().zip(&s.grip).map(|(a, b)| (xyz(&a.grip) - *b).length()));
             self.same("guard/commit_hair", own.max(grip), bounds.speed)?;
         }
+        if passes.through("guard/commit_pressure") {
+            let first = if p.model == Model::Particles { 0 } else { p.hair_points };
+            let got = stage.engine.read(&state.pressed_before).unwrap();
+            let both = got.iter().zip(&s.pressed).skip(first);
+            let gap = largest(both.clone().map(|(got, wanted)| (xyz(&got.change) - wanted.change).length()));
+            self.same("guard/commit_pressure", gap, bounds.speed)?;
+            let most = largest(s.pressed.iter().map(|pressed| pressed.pressure.abs())).max(1e-6);
+            let gaps = both.map(|(got, wanted)| (f64::from(got.pressure) - wanted.pressure).abs() / most);
+            self.same("guard/commit_pressure", largest(gaps), bounds.multiplier)?;
+        }
         assert!(passes.through("guard/commit"));
         passes.finish();
         let position = self.places(&self.vectors(&state.position, 0), &s.position, 0);
@@ -83,6 +94,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::guard::CHECK, "!(finite3(", "(finite3(", PARTICLES),
     (&shaders::guard::COMMIT_FRAMES, "vec4f(spin, 0.0)", "vec4f(0.9 * spin, 0.0)", PARTICLES),
     (&shaders::guard::COMMIT_HAIR, "point.before + last - new_velocity[p].xyz", "point.before + last", PARTICLES),
+    (&shaders::guard::COMMIT_PRESSURE, "= pressed[i];", "= Pressed(0.9 * pressed[i].change, 0.0);", DIVERGENCE),
     (&shaders::guard::COMMIT, "velocity[i] = final_velocity[i]", "velocity[i] = 0.9 * final_velocity[i]", PARTICLES),
 ];
 

@@ -82,10 +82,10 @@ impl Walk<'_> {
             });
             self.same(pass, largest(apart), bounds.wind)?;
         }
-        rods::set_off(s, w, &p);
+        rods::bear(s, w, &p);
         if passes.through("rods/load") {
             let points = stage.rods().0;
-            let pairs = || points.iter().zip(&w.moving.points).filter(|(_, b)| b.step.is_finite());
+            let pairs = || points.iter().zip(&w.moving.points);
             self.same(
                 "rods/load",
                 largest(pairs().map(|(a, b)| (xyz(&a.outside) - b.outside).length())),
@@ -93,9 +93,13 @@ impl Walk<'_> {
             )?;
             self.same("rods/load", largest(pairs().map(|(a, b)| (xyz(&a.push) - b.push).length())), bounds.speed)?;
         }
+        rods::set_off(s, w, &p);
         if passes.through("rods/start") {
             self.states("rods/start", w)?;
             let (points, segments) = stage.rods();
+            let integrated = || points.iter().zip(&w.moving.points).filter(|(_, b)| b.step.is_finite());
+            let outside = integrated().map(|(a, b)| (xyz(&a.outside) - b.outside).length());
+            self.same("rods/start", largest(outside), bounds.speed)?;
             let free = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.free) - b.free).length());
             self.same("rods/start", largest(free), bounds.hair)?;
             let free = segments.iter().zip(&w.moving.segments).map(|(a, b)| (xyz(&a.free) - b.free).length());

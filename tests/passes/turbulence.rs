@@ -173,7 +173,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::turbulence::VORTICITY, "omega -= other.w", "omega -= 0.9 * other.w", PARTICLES),
     (&shaders::turbulence::CONFINE, "before + change(i)", "before + 0.9 * change(i)", PARTICLES),
     (&shaders::turbulence::SUM, "reach = WORKGROUP / 2u", "reach = WORKGROUP / 4u", PARTICLES),
-    (&shaders::turbulence::MEAN, "mean = sums[0] / air", "mean = sums[0]", PARTICLES),
+    (&shaders::turbulence::MEAN, "mean = all / air", "mean = sums[0]", PARTICLES),
     (&shaders::turbulence::STRENGTHEN, "+= confinement[i]", "-= confinement[i]", PARTICLES),
 ];
 

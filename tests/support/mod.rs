@@ -48,6 +48,7 @@ fn open() -> Gpu {
 const PLAIN: &str = "
 title = \"test\"
 interaction = { model = \"particles\" }
+fluid = { solver = \"pbf\" }
 time = { step = 1.38e-3, duration = 1.0 }
 air = { box = { min = [0, 0, 0], max = [1, 1, 1] }, wind = [0, 0, 0] }
 turbulence.filter = \"direct\"

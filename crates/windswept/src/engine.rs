@@ -7,7 +7,7 @@ use windswept_scene::{
     InitialState, Scene, SceneError, Strands,
     limits::{MOST_BUCKETS, MOST_SORTED_NODES},
 };
-use windswept_shaders::common::{params::Params, status::Status};
+use windswept_shaders::common::{params::Params, pressure::Pressed, status::Status};
 
 use crate::{
     array::{AnyArray, Array},
@@ -71,7 +71,8 @@ impl Engine {
         let local: Vec<_> = air.positions.iter().map(|x| *x - initial.origin).collect();
         let [u, v, w, _] = setup.wind_table[0];
         self.write(&s.band, &setup.bands.tasks)?;
-        self.write(&s.mesh, &setup.meshes.uniforms)?;
+        self.write(&s.mesh, &setup.mesh_uniforms())?;
+        self.write(&s.iteration, &setup.iterations)?;
         self.write(&s.taps, &setup.meshes.taps)?;
         self.write(&s.status, &[Status { wind: [u, v, w], wind_before: [u, v, w], ..status::start() }])?;
         self.write(&s.wind_table, &setup.wind_table)?;
@@ -104,7 +105,7 @@ impl Engine {
         self.write(&s.segment_history, &rods::segment_histories(hair, step))
     }
 
-    /// Writes air in the box: local positions \[m\] and velocities \[m/s\], whichever are given.
+    /// Writes air in the box: local positions \[m\] and velocities \[m/s\], whichever are given. Pressure starts anew.
     pub(crate) fn write_air(
         &self,
         positions: Option<&[DVec3]>,
@@ -120,7 +121,7 @@ impl Engine {
             let rows: Vec<_> = velocities.iter().map(|v| vec4(*v, 0.0)).collect();
             self.memory.write(&self.gpu, &self.state.velocity, first, &rows)?;
         }
-        Ok(())
+        self.write(&self.state.pressed_before, &vec![Pressed::default(); self.sizes.pressed as usize])
     }
 
     /// The device.

@@ -29,6 +29,7 @@
 mod array;
 mod bands;
 mod bodies;
+mod coarse;
 mod engine;
 mod error;
 mod frame;
@@ -38,6 +39,7 @@ mod motion;
 pub mod ops;
 mod params;
 mod plan;
+mod pressure;
 mod recorder;
 mod report;
 mod rods;

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use windswept_scene::{
-    InitialState, Integrator, Law, Model, Scene, Solver,
+    FluidSolver, InitialState, Integrator, Law, Model, Scene, Solver,
     limits::{MOST_BOX_CELLS, MOST_OUTSIDE_BUCKETS},
 };
 use windswept_shaders::common::params::{ALONE, MEAN_WIND, PARTICLES, Params, TWO_WAY};
@@ -49,6 +49,12 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
         sleep: u32::from(scene.rods.sleep),
         substeps: scene.time.substeps,
         conserve_momentum: u32::from(scene.turbulence.conserve_momentum),
+        // Hair presses on hair by the density constraint whatever the air's solver; in one fluid with air it is air's that counts.
+        constrained: match (scene.fluid.solver, scene.interaction.model) {
+            (FluidSolver::Pbf, _) => hair_points + air_particles,
+            (FluidSolver::Divergence, Model::TwoWay) => hair_points,
+            (FluidSolver::Divergence, _) => 0,
+        },
         model: match scene.interaction.model {
             Model::Particles => PARTICLES,
             Model::TwoWay => TWO_WAY,
@@ -72,6 +78,7 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
             // Saturates: a scene made in code is not checked, and memory for so many is refused.
             params.box_cells = cells.iter().product::<f64>() as u32;
             params.air_volume = initial.air.volume as f32;
+            params.spacing = initial.air.volume.cbrt() as f32;
             params.air_inverse_mass = (1.0 / initial.air.mass) as f32;
             params.density_softening =
                 (SOFTENING * lattice_gradients(air.kernel_radius, initial.air.volume, 1.0 / initial.air.mass)) as f32;

@@ -1,14 +1,16 @@
 //! Which passes a scene needs, and why. Decided once, from the scene; `windswept plan` prints it.
 
-use windswept_scene::{Air, Filter, InitialState, Law, Model, Scene, SceneError, Solver, ViscosityForm};
+use windswept_scene::{Air, Filter, FluidSolver, InitialState, Law, Model, Scene, SceneError, Solver, ViscosityForm};
 use windswept_shaders::{
     Binding,
     common::{band::Band, mesh::Mesh, params::Params},
+    fluid::divergence::Iteration,
 };
 
 use crate::{
     array::{AnyArray, Index},
     bands::invocations,
+    coarse::Coarse,
     params,
     recorder::{Command, Decision, Recorder},
     rods,
@@ -44,6 +46,22 @@ pub struct Plan {
     pub neighbours: Decision,
     /// Whether the density constraint is solved.
     pub fluid: Decision,
+    /// Particles that the density constraint has to do with, from the first on: hair, or all.
+    pub constrained: u32,
+    /// Whether air is integrated with its moves: with solver pbf.
+    pub pbf: Decision,
+    /// Whether velocities are freed of divergence.
+    pub divergence: Decision,
+    /// Whether pressure acts on hair as on air.
+    pub pressed_hair: Decision,
+    /// Elements of `iteration`, one per iteration of the pressure.
+    pub pressure_iterations: Vec<Index<Iteration>>,
+    /// Whether a coarse grid takes the first part.
+    pub coarse: Decision,
+    /// Elements of `mesh` with the coarse grid, one per axis.
+    pub coarse_axes: [Index<Mesh>; 3],
+    /// Invocations of the deposit on the coarse grid.
+    pub coarse_blocks: u32,
     /// Whether density is needed although the constraint is not solved.
     pub density_alone: Decision,
     /// Whether air or the mean wind drags segments.
@@ -120,11 +138,21 @@ impl Plan {
         });
         let (blows, wind) = wind(scene, &air, &drag);
         let two_way = scene.interaction.model == Model::TwoWay;
+        let is_pbf = scene.fluid.solver == FluidSolver::Pbf;
         let neighbours = air.and(Decision::when(
-            solved || viscous || turbulence.runs || (two_way && hair.runs),
+            solved || !is_pbf || viscous || turbulence.runs || (two_way && hair.runs),
             "neither density nor viscosity nor turbulence nor hair asks for neighbours",
         ));
-        let fluid = air.and(Decision::when(solved, "fluid.iterations is 0"));
+        let pbf = air.and(Decision::when(is_pbf, "fluid.solver is divergence"));
+        let divergence = air.and(Decision::when(!is_pbf, "fluid.solver is pbf"));
+        let coarse = divergence.and(Decision::when(scene.fluid.coarse, "fluid.coarse is false")).and(Decision::when(
+            scene.interaction.model != Model::Particles,
+            "interaction.model is particles: the coarse grid does not know hair",
+        ));
+        let constrained = setup.params.constrained;
+        let fluid = air
+            .and(Decision::when(solved, "fluid.iterations is 0"))
+            .and(Decision::when(constrained > 0, "fluid.solver is divergence"));
         let rough = (0..initial.hair.len()).any(|s| initial.hair.friction(s) > 0.0);
         let smooth = scene.why_no_friction();
         let friction = hair
@@ -132,17 +160,19 @@ impl Plan {
             .and(fluid.clone())
             .and(Decision::when(rough, "hair.friction is 0"));
         let hair_meets_air = hair.and(neighbours.clone());
-        let air_first = air.and(Decision::when(
+        let air_first = pbf.and(Decision::when(
             two_way,
             "air gets its velocity after the rods, in heading 6, unless interaction.model is two-way",
         ));
-        let air_last = air.and(Decision::when(
+        let air_last = pbf.and(Decision::when(
             !two_way,
             "interaction.model is two-way: air got its velocity before the rods, in heading 3",
         ));
         let direct = scene.rods.solver == Solver::Direct;
         let viscosity = air.and(Decision::when(viscous, "viscosity.hair and viscosity.air are 0"));
-        let density_alone = viscosity.and(Decision::when(!solved, "the density constraint has it already"));
+        let density_alone = viscosity
+            .and(Decision::when(!solved, "the density constraint has it already"))
+            .and(Decision::when(constrained > 0, "the pressure's moments have it already"));
         let limiter = viscosity.and(limiter(scene, initial));
         Self {
             sizes,
@@ -157,6 +187,17 @@ impl Plan {
             wind,
             neighbours,
             fluid,
+            constrained,
+            pbf,
+            pressure_iterations: (1..setup.iterations.len()).map(Index::new).collect(),
+            pressed_hair: divergence
+                .and(hair_meets_air.clone())
+                .and(Decision::when(!two_way, "interaction.model is two-way: hair and air exchange drag")),
+            divergence,
+            coarse,
+            coarse_axes: [0, 1, 2]
+                .map(|axis| Index::new(setup.coarse.as_ref().map_or(0, |coarse| coarse.first) + axis)),
+            coarse_blocks: setup.coarse.as_ref().map_or(0, Coarse::blocks),
             density_alone,
             friction,
             exchange: hair_meets_air.and(Decision::when(two_way, "only interaction.model two-way exchanges drag")),

@@ -1,9 +1,13 @@
 //! What the engine makes of a scene and its initial state, once: uniforms, tables, and how many of everything.
 
-use windswept_scene::{Filter, InitialState, Model, Scene};
-use windswept_shaders::{common::params::Params, wind::fringe::Wave};
+use windswept_scene::{Filter, FluidSolver, InitialState, Model, Scene};
+use windswept_shaders::{
+    common::{mesh::Mesh, params::Params},
+    fluid::divergence::Iteration,
+    wind::fringe::Wave,
+};
 
-use crate::{bands::Bands, meshes::Meshes, motion::Motions, params, state::Sizes, winds};
+use crate::{bands::Bands, coarse::Coarse, meshes::Meshes, motion::Motions, params, pressure, state::Sizes, winds};
 
 /// Everything that is derived from a scene before anything is allocated. Plan, buffers and what fills them come from here,
 /// so that an index means the same in all of them.
@@ -17,6 +21,10 @@ pub struct Setup<'a> {
     pub(crate) params: Params,
     pub(crate) bands: Bands,
     pub(crate) meshes: Meshes,
+    /// The coarse grid of the pressure, if there is one.
+    pub(crate) coarse: Option<Coarse>,
+    /// One uniform per iteration of the pressure, after one of no relaxation; none with solver pbf.
+    pub(crate) iterations: Vec<Iteration>,
     pub(crate) motions: Motions,
     pub(crate) wind_table: Vec<[f32; 4]>,
     pub(crate) waves: Vec<Wave>,
@@ -31,6 +39,10 @@ impl<'a> Setup<'a> {
         let params = params::uniform(scene, initial);
         let bands = Bands::new(scene, initial, &params);
         let meshes = Meshes::new(scene, initial);
+        let divergence = scene.fluid.solver == FluidSolver::Divergence && params.box_cells > 0;
+        let iterations = if divergence { pressure::iterations(scene.fluid.pressure_iterations) } else { Vec::new() };
+        let coarse = (divergence && scene.fluid.coarse && scene.interaction.model != Model::Particles)
+            .then(|| Coarse::new(initial, meshes.uniforms.len()));
         let motions = Motions::new(scene);
         let wind_table = winds::table(scene);
         let waves = winds::waves(scene, initial);
@@ -47,23 +59,32 @@ impl<'a> Setup<'a> {
             band_tasks: bands.tasks.len() as u32,
             direct_filter: if direct { params.particles } else { 0 },
             sampled: if scene.interaction.model == Model::TwoWay { params.hair_points } else { 0 },
+            pressed: if divergence { params.particles } else { 0 },
+            relaxations: iterations.len() as u32,
+            coarse_nodes: coarse.as_ref().map_or(0, Coarse::nodes),
             factors: if params.direct_rods != 0 { params.segments } else { 0 },
             keyframes: motions.keyframes.len() as u32,
             bodies: scene.bodies.len() as u32,
             wind_table: wind_table.len() as u32,
             waves: waves.len() as u32,
-            mesh_tasks: meshes.uniforms.len() as u32,
+            mesh_tasks: (meshes.uniforms.len() + coarse.as_ref().map_or(0, |coarse| coarse.uniforms.len())) as u32,
             grids: meshes.grids.len() as u32,
             nodes,
             taps: meshes.taps.len() as u32,
         };
-        Self { scene, initial, params, bands, meshes, motions, wind_table, waves, sizes }
+        Self { scene, initial, params, bands, meshes, coarse, iterations, motions, wind_table, waves, sizes }
     }
 
     /// How many of everything, with a neighbour list of no entries.
     #[must_use]
     pub fn sizes(&self) -> Sizes {
         self.sizes
+    }
+
+    /// The grids' uniforms: three per band, then three of the coarse grid.
+    pub(crate) fn mesh_uniforms(&self) -> Vec<Mesh> {
+        let coarse = self.coarse.iter().flat_map(|coarse| coarse.uniforms);
+        self.meshes.uniforms.iter().copied().chain(coarse).collect()
     }
 
     /// The uniforms: of the scene, and of each grid of the band filter with its nodes for cells.

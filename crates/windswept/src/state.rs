@@ -14,10 +14,12 @@ use windswept_shaders::{
         motion::Keyframe,
         near::Near,
         params::Params,
+        pressure::{Gradients, Pressed, Stress},
         rod::{Health, PointHistory, RodPoint, RodSegment, RodStrand, Root, Segment, SegmentHistory, Strand},
         rub::Rub,
         status::Status,
     },
+    fluid::divergence::Iteration,
     rods::direct::Factor,
     wind::fringe::Wave,
 };
@@ -47,6 +49,12 @@ pub struct Sizes {
     pub direct_filter: u32,
     /// Hair points that sample the air: those of the model `two-way`, else none.
     pub sampled: u32,
+    /// Particles that the solver of velocities without divergence keeps something of; none with solver pbf.
+    pub pressed: u32,
+    /// Entries of its table of relaxations.
+    pub relaxations: u32,
+    /// Nodes of its coarse grid.
+    pub coarse_nodes: u32,
     /// Blocks of the direct solver: segments, or none.
     pub factors: u32,
     /// Keyframes of all that moves.
@@ -78,6 +86,12 @@ impl Sizes {
     #[must_use]
     pub fn turbulent(&self) -> u32 {
         if self.band_tasks > 0 { self.particles } else { 0 }
+    }
+
+    /// Particles that bring something to a grid: all, or none without bands and without a coarse grid.
+    #[must_use]
+    pub fn on_grids(&self) -> u32 {
+        if self.coarse_nodes > 0 { self.particles } else { self.turbulent() }
     }
 }
 
@@ -120,6 +134,8 @@ state! {
     band: Band, |s| s.band_tasks;
     /// Uniform per band of the grid filter and axis: nodes, spacing, taps.
     mesh: Mesh, |s| s.mesh_tasks;
+    /// Uniform per iteration of the pressure: its relaxation; the first has none, and finds the divergence alone.
+    iteration: Iteration, |s| s.relaxations;
     /// Causes that freeze, counters, the step's number, the mean wind.
     status: Status, |_| 1;
 
@@ -139,6 +155,8 @@ state! {
     point_history: PointHistory, |s| s.hair_points;
     /// What a segment remembers: the last turn \[rad\], the spin before \[rad/s\], the multipliers \[N m\], how far it strayed \[rad\].
     segment_history: SegmentHistory, |s| s.segments;
+    /// What pressure did to a particle in the step before: its change of the velocity \[m/s\], and the pressure itself \[m²/s\].
+    pressed_before: Pressed, |s| s.pressed;
     /// Where a strand's root is and its ghost frame.
     clamps: Root, |s| s.strands;
     /// What bodies did to a strand in this step: bits of `PUSHED` and `MOVED`. The next step's `rods/choose` reads them.
@@ -195,6 +213,20 @@ state! {
     correction: Vec4, |s| s.particles;
     /// What one iteration of the density constraint, or friction, moves a particle by \[m\]; w: the multiplier times the relaxation.
     shift: Vec4, |s| s.particles;
+    /// What pressure has done to a particle in this step so far.
+    pressed: Pressed, |s| s.pressed;
+    /// What corrects the gradients of the kernel at a particle, and how its divergence gives way \[1/m²\].
+    gradients: Gradients, |s| s.pressed;
+    /// What a particle pushes its neighbours by \[1/(m s)\], and its divergence \[1/s\].
+    stress: Stress, |s| s.pressed;
+    /// What is on a node of the coarse grid: x: the divergence that air brought to it \[1/s\], at last the pressure \[m²/s\].
+    coarse: Vec4, |s| s.coarse_nodes;
+    /// The coarse grid between two transforms.
+    coarse_waves: Vec4, |s| s.coarse_nodes;
+    /// What the coarse pressure changes the velocity of a particle by \[m/s\].
+    coarse_change: Vec4, |s| if s.coarse_nodes > 0 { s.particles } else { 0 };
+    /// Mean of that over the air \[m/s\].
+    coarse_mean: Vec4, |_| 1;
     /// Density of a particle over the rest density.
     density: f32, |s| s.particles;
     /// Lagrange multiplier of a particle's density constraint \[kg m²\].
@@ -215,8 +247,9 @@ state! {
     // Turbulence; empty without bands.
     /// Position of a particle in cell order \[m\]; w: 1 for air, 0 for hair. For the direct filter, whose sort is older.
     flow_position: Vec4, |s| s.direct_filter;
-    /// What the band filter sums, in cell order: V (v − U) \[m⁴/s\], w: V \[m³\]; as printed v \[m/s\].
-    flow: Vec4, |s| s.turbulent();
+    /// What air brings to a grid, in cell order. The band filter's: V (v − U) \[m⁴/s\], w: V \[m³\], as printed v \[m/s\]; the
+    /// coarse grid's: x: divergence \[1/s\].
+    flow: Vec4, |s| s.on_grids();
     /// Taps of the smoothing Gaussian and of its second derivative \[1/m²\], band by band and axis by axis.
     taps: [f32; 2], |s| s.taps;
     /// What the air brought to a node of the filter's grid \[m⁴/s\]; w: volume \[m³\].
@@ -235,8 +268,8 @@ state! {
     vorticity: Vec4, |s| if s.air() > 0 { s.particles } else { 0 };
     /// What confinement adds to a particle in this step, all bands \[m/s\].
     confinement: Vec4, |s| s.turbulent();
-    /// Sums of the confinement over the particles of a workgroup each \[m/s\].
-    partial_sum: Vec4, |s| s.turbulent().div_ceil(WORKGROUP);
+    /// Sums over the particles of a workgroup each: of the confinement, or of what the coarse pressure does \[m/s\].
+    partial_sum: Vec4, |s| s.on_grids().div_ceil(WORKGROUP);
     /// Mean of the confinement over the air, to be taken out \[m/s\], and the impulse that this leaves the air with \[kg m/s\].
     mean_confinement: Vec4, |_| 2;
 

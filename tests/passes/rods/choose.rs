@@ -232,6 +232,7 @@ fn prepared(stage: &Stage, s: &mut Twin, push: Vec<DVec3>) -> Scratch {
     let mut w = drive::run(s, &stage.parameters);
     w.correction = push;
     rods::begin(s, &mut w, &stage.parameters);
+    rods::bear(s, &mut w, &stage.parameters);
     rods::set_off(s, &mut w, &stage.parameters);
     w
 }

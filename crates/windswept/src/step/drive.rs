@@ -16,11 +16,17 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.when(&plan.hair_meets_air, |r| {
             r.run(&rods::DRIFT, "hair drifts among air", n.hair_points);
         });
+        r.when(&plan.pressed_hair, |r| {
+            r.run(&fluid::LEAD, "the velocity that hair counts with", n.strands);
+        });
     });
     r.when(&plan.wind, |r| {
         r.run(&wind::FRINGE, "wind enters", n.air());
     });
-    r.when(&plan.air, |r| {
+    r.when(&plan.pbf, |r| {
         r.run(&fluid::PREDICT, "air moves", n.air());
+    });
+    r.when(&plan.divergence, |r| {
+        r.run(&fluid::ADVANCE, "air moves on as pressure last changed it", n.air());
     });
 }

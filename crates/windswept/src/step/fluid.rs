@@ -1,8 +1,13 @@
-//! 3. One density constraint (eq. 1), for hair and air together or each for itself.
+//! 3. Density constraints (eq. 1), of hair and air together or of each kind; or pressures that free air of divergence.
 
-use windswept_shaders::fluid;
+use windswept_shaders::{coarse, common::mesh::Mesh, fluid, fluid::divergence::Iteration, turbulence};
 
-use crate::{plan::Plan, recorder::Recorder};
+use crate::{
+    array::{AnyArray, Index},
+    plan::Plan,
+    recorder::Recorder,
+    step::ONE_WORKGROUP,
+};
 
 /// Records the passes of this heading.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
@@ -10,9 +15,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     let n = &plan.sizes;
     r.when(&plan.fluid, |r| {
         r.repeat(plan.fluid_iterations, |r| {
-            density(r, plan);
-            r.run(&fluid::CORRECT, "shift toward rest density", n.particles);
-            r.run(&fluid::MOVE, "apply the shift", n.particles);
+            density(r, plan.constrained);
+            r.run(&fluid::CORRECT, "shift toward rest density", plan.constrained);
+            r.run(&fluid::MOVE, "apply the shift", plan.constrained);
         });
     });
     r.when(&plan.friction, |r| {
@@ -21,18 +26,71 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.run(&fluid::FRICTION, "friction of hair on hair", n.hair_points);
         r.run(&fluid::MOVE, "apply what friction moves", n.hair_points);
     });
-    r.when(&plan.density_alone, |r| density(r, plan));
+    r.when(&plan.density_alone, |r| density(r, plan.constrained));
     r.when(&plan.air_first, |r| {
         r.run(&fluid::VELOCITY, "velocities of air", n.air());
     });
+    r.when(&plan.divergence, |r| pressure(r, plan));
 }
 
 /// Records one evaluation of the density.
 pub fn record_density(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("3. fluid");
-    r.when(&plan.neighbours, |r| density(r, plan));
+    r.when(&plan.neighbours, |r| density(r, plan.sizes.particles));
 }
 
-fn density(r: &mut Recorder<'_>, plan: &Plan) {
-    r.run(&fluid::DENSITY, "density and its multiplier", plan.sizes.particles);
+fn density(r: &mut Recorder<'_>, particles: u32) {
+    r.run(&fluid::DENSITY, "density and its multiplier", particles);
+}
+
+/// Air is spread, then its velocity is freed of divergence: by the pressures of the step before, on a coarse grid, by iterations.
+fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
+    let n = &plan.sizes;
+    r.run(&fluid::SPREAD, "how air spreads evenly", n.air());
+    r.run(&fluid::PLACE, "air spreads", n.air());
+    r.run(&fluid::MOMENTS, "density, and gradients corrected", n.particles);
+    r.run(&fluid::PUSH, "the pressure before pushes", n.particles);
+    r.when(&plan.coarse, |r| on_coarse_grid(r, plan));
+    for iteration in &plan.pressure_iterations {
+        divergence(r, plan, *iteration);
+        r.run(&fluid::PUSH, "pressure pushes", n.particles);
+    }
+    r.when(&plan.pressed_hair, |r| {
+        r.run(&fluid::IMPULSE, "what pressure gives hair", n.hair_points);
+    });
+}
+
+fn divergence(r: &mut Recorder<'_>, plan: &Plan, iteration: Index<Iteration>) {
+    let uniform = r.state().iteration.at(iteration);
+    r.run(&fluid::DIVERGENCE, "divergence, and pressure against it", plan.sizes.particles).bind("iteration", &uniform);
+}
+
+/// Long waves of the divergence are taken out on nodes three spacings apart: particles would pass them on from one to the next.
+fn on_coarse_grid(r: &mut Recorder<'_>, plan: &Plan) {
+    let (n, s) = (&plan.sizes, r.state());
+    let mesh = s.mesh.at(plan.coarse_axes[0]);
+    let pairs: [[&AnyArray; 2]; 2] = [[&s.coarse, &s.coarse_waves], [&s.coarse_waves, &s.coarse]];
+    divergence(r, plan, Index::new(0));
+    r.run(&coarse::SOURCE, "divergence that air brings", n.particles);
+    r.run(&turbulence::DEPOSIT, "divergence onto the coarse grid", plan.coarse_blocks)
+        .bind("mesh", &mesh)
+        .bind("deposited", &s.coarse);
+    for (axis, pair) in plan.coarse_axes.into_iter().zip(pairs.iter().cycle()) {
+        wave(r, plan, "waves along an axis", axis, *pair);
+    }
+    r.run(&coarse::SOLVE, "pressure of each wave", n.coarse_nodes).bind("mesh", &mesh).bind("waves", &s.coarse_waves);
+    for (axis, pair) in plan.coarse_axes.into_iter().zip(pairs.iter().rev().cycle()) {
+        wave(r, plan, "back along an axis", axis, *pair);
+    }
+    r.run(&coarse::GATHER, "what the coarse pressure changes", n.particles)
+        .bind("mesh", &mesh)
+        .bind("nodes", &s.coarse);
+    r.run(&turbulence::SUM, "sum of what it changes", n.air()).bind("confinement", &s.coarse_change);
+    r.run(&coarse::MEAN, "mean of what it changes", ONE_WORKGROUP);
+    r.run(&coarse::PUSH, "the coarse pressure pushes", n.air());
+}
+
+fn wave(r: &mut Recorder<'_>, plan: &Plan, label: &'static str, axis: Index<Mesh>, [from, to]: [&AnyArray; 2]) {
+    let mesh = r.state().mesh.at(axis);
+    r.run(&coarse::WAVE, label, plan.sizes.coarse_nodes).bind("mesh", &mesh).bind("nodes", from).bind("waves", to);
 }

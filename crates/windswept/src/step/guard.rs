@@ -17,5 +17,8 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.run(&guard::COMMIT_FRAMES, "commit orientations", n.segments);
         r.run(&guard::COMMIT_HAIR, "commit what hair remembers", n.hair_points).bind("final_velocity", &velocity);
     });
+    r.when(&plan.divergence, |r| {
+        r.run(&guard::COMMIT_PRESSURE, "commit what pressure did", n.particles);
+    });
     r.run(&guard::COMMIT, "commit positions and velocities", n.particles).bind("final_velocity", &velocity);
 }

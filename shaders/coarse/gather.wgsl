@@ -1,0 +1,49 @@
+// What the coarse pressure changes the velocity of each air particle by, in the order of cells:
+//
+//   q_i = -sigma sum_n c_n grad phi_n(x_i),  sigma = min(1, d/(U dt))          phi_n quadratic B-splines, U the largest wind
+//
+// Air that passes several spacings in a step is not where the pressure was found.
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP}, status::{status, frozen}, mesh::{Mesh, b_spline, node_in_box, node_index},
+};
+
+@group(0) @binding(2) var<uniform>             mesh:            Mesh;
+@group(0) @binding(3) var<storage, read>       sorted:          array<u32>;
+@group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
+@group(0) @binding(5) var<storage, read>       nodes:           array<vec4f>;   // x: c [m^2/s]
+@group(0) @binding(6) var<storage, read_write> coarse_change:   array<vec4f>;   // m/s
+
+// Slope of the quadratic B-spline: the difference of two of the order below.
+fn slope(t: vec4f) -> vec4f {
+    return b_spline(1u, t + 0.5) - b_spline(1u, t - 0.5);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let e = invocation(id, groups);
+    if e >= params.particles || frozen() { return; }
+    let own = sorted_position[e];
+    if own.w == 0.0 { return; }
+    let at = own.xyz / mesh.spacing;
+    let first = vec3i(floor(at - 0.5));   // of the three nodes that reach the particle, per axis
+    let t = at - vec3f(first);
+    let steps = vec4f(0.0, 1.0, 2.0, 3.0);
+    let x = b_spline(2u, t.x - steps);
+    let y = b_spline(2u, t.y - steps);
+    let z = b_spline(2u, t.z - steps);
+    let along_x = slope(t.x - steps);
+    let along_y = slope(t.y - steps);
+    let along_z = slope(t.z - steps);
+    var sum = vec3f(0.0);
+    for (var c = 0; c < 3; c++) {
+        for (var b = 0; b < 3; b++) {
+            for (var a = 0; a < 3; a++) {
+                let node = node_in_box(first + vec3i(a, b, c), mesh.nodes);
+                let value = nodes[node_index(node, mesh.nodes)].x;
+                sum += value * vec3f(along_x[a] * y[b] * z[c], x[a] * along_y[b] * z[c], x[a] * y[b] * along_z[c]);
+            }
+        }
+    }
+    let sigma = params.spacing / max(params.spacing, status.fastest_wind * params.step);
+    coarse_change[sorted[e]] = vec4f(-sigma * sum / mesh.spacing, 0.0);
+}

@@ -1,0 +1,45 @@
+// What the solver of velocities without divergence keeps of a particle.
+import package::common::{params::params, cells::is_air, matter::inverse_mass_of};
+import package::common::params::TWO_WAY;
+
+// What pressure did in the last step, from which the next one starts.
+struct Pressed {
+    change: vec3f,   // m/s, what pressure changed the velocity by
+    pressure: f32,   // m^2/s, lambda: pressure over density, times the step
+}
+
+// A symmetric matrix B that corrects the gradients of the kernel at a particle, and how the particle's divergence gives way.
+struct Gradients {
+    diagonal: vec3f,       // of B: xx, yy, zz
+    response: f32,         // 1/m^2, a: change of the divergence by a unit of the particle's own pressure
+    off_diagonal: vec3f,   // of B: yz, zx, xy
+}
+
+// A symmetric matrix by which a particle pushes its neighbours, lambda B/V [1/(m s)], and the divergence that it answers.
+struct Stress {
+    diagonal: vec3f,
+    divergence: f32,       // 1/s, s: the rate at which density rises, over the density
+    off_diagonal: vec3f,
+}
+
+const THIN: f32 = 0.6;   // rho/rho_0 below which air is missing: pressure pushes there, and does not pull
+
+// The pressure that a particle of this density may have.
+fn allowed(pressure: f32, density: f32) -> f32 {
+    return select(pressure, min(pressure, 0.0), density < THIN);
+}
+
+// Whether a particle is in the sums: in `two-way` the solver has to do with air only.
+fn flows(i: u32) -> bool {
+    return is_air(i) || params.model != TWO_WAY;
+}
+
+// What a push moves a particle by, of what it moves air by: 1 for air, 0 where a point is held.
+fn share_of(i: u32) -> f32 {
+    return inverse_mass_of(i) / params.air_inverse_mass;
+}
+
+// A symmetric matrix times a vector.
+fn times(diagonal: vec3f, off_diagonal: vec3f, v: vec3f) -> vec3f {
+    return diagonal * v + off_diagonal.zzy * v.yxx + off_diagonal.yxx * v.zzy;
+}

@@ -1,0 +1,70 @@
+// Density, and the matrix that makes the kernel's gradients exact for a linear field whatever the disorder of the particles
+// (Randles & Libersky 1996):
+//
+//   theta_i = rho_i/rho_0 = sum_j V_j W,  self included
+//   B_i = (0.02 - sum_j V_j grad_i W (x) (x_i - x_j))^-1;  1 where that is hardly a matrix
+//   a_i = w_i |sum_j V_j B_i grad_i W|^2 + sum_j w_j V_j^2 |B_i grad_i W|^2 + alpha        w inverse mass, 1 for air
+//
+// With it the push of the pressure that the step before left, lambda B/V.
+import package::common::{
+    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::separation, sph_kernels::{poly6, spiky_gradient},
+    pressure::{Pressed, Gradients, Stress, allowed, flows, share_of},
+};
+
+const FLOOR: f32 = 0.02;      // added to the matrix before it is inverted
+const LEAST: f32 = 0.15;      // determinant below which it is not
+const LARGEST: f32 = 6.0;     // trace of B above which it is not taken
+
+@group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
+@group(0) @binding(4) var<storage, read>       neighbour_range: array<Near>;
+@group(0) @binding(5) var<storage, read>       neighbour_list:  array<u32>;
+@group(0) @binding(6) var<storage, read>       pressed:         array<Pressed>;
+@group(0) @binding(7) var<storage, read_write> density:         array<f32>;     // rho / rho_0
+@group(0) @binding(8) var<storage, read_write> gradients:       array<Gradients>;
+@group(0) @binding(9) var<storage, read_write> stress:          array<Stress>;
+
+// The inverse of a symmetric matrix, or 1.
+fn corrected(m: mat3x3f) -> mat3x3f {
+    let one = mat3x3f(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+    let across = mat3x3f(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1]));
+    let size = dot(m[0], across[0]);
+    if size < LEAST { return one; }
+    let inverse = (1.0 / size) * across;
+    if inverse[0][0] + inverse[1][1] + inverse[2][2] > LARGEST { return one; }
+    return inverse;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = invocation(id, groups);
+    if i >= params.particles { return; }
+    if !flows(i) { return; }
+    let own = predicted[i];
+    let range = neighbour_range[i];
+    var theta = own.w * poly6(0.0);
+    var sum = vec3f(0.0);
+    var moment = mat3x3f(FLOOR, 0.0, 0.0, 0.0, FLOOR, 0.0, 0.0, 0.0, FLOOR);
+    var square = mat3x3f();   // sum_j w_j V_j^2 grad W (x) grad W
+    for (var n = range.first; n < range.middle; n++) {
+        let j = neighbour_list[n];
+        let other = predicted[j];
+        let gap = separation(i, j, own.xyz, other.xyz);
+        let gradient = other.w * spiky_gradient(i, j, gap);
+        theta += other.w * poly6(dot(gap, gap));
+        sum += gradient;
+        moment -= mat3x3f(gap.x * gradient, gap.y * gradient, gap.z * gradient);
+        let weighed = share_of(j) * gradient;
+        square += mat3x3f(gradient.x * weighed, gradient.y * weighed, gradient.z * weighed);
+    }
+    let b = corrected(moment);
+    let turned = b * sum;
+    let answer = b * square * b;
+    let others = answer[0][0] + answer[1][1] + answer[2][2];
+    let response = share_of(i) * dot(turned, turned) + others + params.density_softening / params.air_inverse_mass;
+    let diagonal = vec3f(b[0][0], b[1][1], b[2][2]);
+    let off_diagonal = vec3f(b[1][2], b[2][0], b[0][1]);
+    density[i] = theta;
+    gradients[i] = Gradients(diagonal, response, off_diagonal);
+    let pressure = allowed(pressed[i].pressure, theta) / own.w;
+    stress[i] = Stress(pressure * diagonal, 0.0, pressure * off_diagonal);
+}
