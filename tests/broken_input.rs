@@ -42,13 +42,13 @@ const BOX: &str = "box = { min = [0.0, 0.0, 0.0], max = [0.06, 0.04, 0.04] }";
 
 const CASES: &[Case] = &[
     // An unknown key, with the nearest one.
-    replaced(RADIUS, "radios = 4.0e-5", "hair.radios", &["unknown", "radius"]),
+    replaced(RADIUS, "radios = 4.0e-5", "hair.fringe.radios", &["unknown", "radius"]),
     replaced("wind = [1.0, 0.0, 0.0]", "wnid = [1.0, 0.0, 0.0]", "air.wnid", &["unknown", "wind"]),
     replaced("[viscosity]", "[viscocity]", "viscocity", &["unknown", "viscosity"]),
     // A wrong type, a wrong word, a wrong number of components.
-    replaced(STRANDS, "strands = \"four\"", "hair.strands", &["whole number"]),
-    replaced(STRANDS, "strands = 4.5", "hair.strands", &["whole number"]),
-    replaced(LENGTH, "length = \"3 cm\"", "hair.length", &["length"]),
+    replaced(STRANDS, "strands = \"four\"", "hair.fringe.strands", &["whole number"]),
+    replaced(STRANDS, "strands = 4.5", "hair.fringe.strands", &["whole number"]),
+    replaced(LENGTH, "length = \"3 cm\"", "hair.fringe.length", &["length"]),
     replaced("method = \"accurate\"", "method = \"exact\"", "method", &["accurate", "published"]),
     replaced("wind = [1.0, 0.0, 0.0]", "wind = [1.0, 0.0]", "air.wind", &["three numbers"]),
     replaced("wind = [1.0, 0.0, 0.0]", "wind = 1.0", "air.wind", &["three numbers"]),
@@ -57,21 +57,21 @@ const CASES: &[Case] = &[
     replaced("air = 0.014", "air = inf", "viscosity.air", &["inf"]),
     replaced("wind = [1.0, 0.0, 0.0]", "wind = [1.0, nan, 0.0]", "air.wind", &["nan"]),
     // Zero and negative lengths and counts.
-    replaced(LENGTH, "length = 0.0", "hair.length", &["0"]),
-    replaced(RADIUS, "radius = -4.0e-5", "hair.radius", &["0"]),
+    replaced(LENGTH, "length = 0.0", "hair.fringe.length", &["0"]),
+    replaced(RADIUS, "radius = -4.0e-5", "hair.fringe.radius", &["0"]),
     replaced("kernel_radius = 9.3e-3", "kernel_radius = 0", "air.kernel_radius", &["0"]),
     replaced("step = 1.38e-3", "step = -1.38e-3", "time.step", &["0"]),
     replaced("particle_mass = 1.46e-7", "particle_mass = 0.0", "air.particle_mass", &["0"]),
-    replaced(STRANDS, "strands = -4", "hair.strands", &["-4"]),
-    replaced("direction = [1.0, 0.0, 0.0]", "direction = [0.0, 0.0, 0.0]", "hair.roots.direction", &[]),
+    replaced(STRANDS, "strands = -4", "hair.fringe.strands", &["-4"]),
+    replaced("direction = [1.0, 0.0, 0.0]", "direction = [0.0, 0.0, 0.0]", "hair.fringe.roots.direction", &[]),
     // A box smaller than 3 h, or inside out.
     replaced(BOX, "box = { min = [0.0, 0.0, 0.0], max = [0.06, 0.04, 0.027] }", "air.box", &["kernel"]),
     replaced(BOX, "box = { min = [0.0, 0.0, 0.0], max = [0.06, 0.04, -0.04] }", "air.box", &[]),
     // A strand of one point.
-    replaced("points = 6", "points = 1", "hair.points", &["2"]),
+    replaced("points = 6", "points = 1", "hair.fringe.points", &["2"]),
     // More particles than memory.
     replaced(BOX, "box = { min = [0.0, 0.0, 0.0], max = [60.0, 40.0, 40.0] }", "air", &["particles"]),
-    replaced(STRANDS, "strands = 4000000000", "hair.strands", &["points"]),
+    replaced(STRANDS, "strands = 4000000000", "hair.fringe.strands", &["points"]),
     // A table or key that is needed and missing.
     missing("step = 1.38e-3", "[time]", "time.step"),
     missing("duration = 0.1", "[time]", "time.duration"),
@@ -85,7 +85,7 @@ const CASES: &[Case] = &[
         key: "body.radius",
         words: &["missing"],
     },
-    replaced(LENGTH, "file = \"groom.abc\"", "hair.file", &["not in this version"]),
+    replaced(LENGTH, "file = \"groom.abc\"", "hair.fringe.file", &["not in this version"]),
     reserved("[rods]\ninternal_damping = 0.1", "internal_damping = 0.1", "rods.internal_damping"),
     // Text that is not TOML.
     replaced(STRANDS, "strands = = 4", "", &[]),
@@ -176,7 +176,7 @@ fn a_terminal_sees_the_line() {
     std::fs::write(&scene, SCENE.replace("points = 6", "points = 1")).expect("a file");
     let (status, _, drawn) = windswept(&["check", path(&scene)], true);
     assert_eq!(status, 2);
-    for word in ["hair.points", "broken.toml:10", "points = 1"] {
+    for word in ["hair.fringe.points", "broken.toml:10", "points = 1"] {
         assert!(drawn.contains(word), "{word}: {drawn}");
     }
 }
@@ -185,7 +185,7 @@ fn a_terminal_sees_the_line() {
 #[test]
 fn a_broken_set_is_named() {
     for (set, words) in [
-        ("hair.fringe.radios=1e-4", &["hair.radios", "radius"][..]),
+        ("hair.fringe.radios=1e-4", &["hair.fringe.radios", "radius"][..]),
         ("time.step=nan", &["time.step", "nan"]),
         ("air.wind=[1,", &["air.wind"]),
         ("time.step", &["time.step", "="]),

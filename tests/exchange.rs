@@ -33,6 +33,7 @@ macro_rules! checks {
 }
 
 checks! {
+    pressure_has_a_limit: "pressure-limits", "long: 15 min of CPU time",
     lone_strands_feel_the_law: "fixed-wide", "long: 280 s of CPU time",
     porous_strips_slow_a_channel: "strip", "long: 390 s of CPU time",
     strips_have_a_limit_as_the_step_falls: "strip-halved", "long: 620 s of CPU time",

@@ -43,7 +43,7 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
     let times = timing::passes(&bench.gpu, &scenes, &PASSES, bench.rounds(8))?;
     let mut points = Vec::new();
     for ((scene, _), time) in scenes.iter().zip(&times) {
-        let Fluid { iterations, relaxation, tension } = scene.fluid;
+        let Fluid { iterations, relaxation, tension, .. } = scene.fluid;
         let [rms_error, over] = solve(bench, &disturbed, scene.fluid.clone())?;
         let [moving_error, divergence] = run(bench, scene, &moving, steps)?;
         let errors = [
@@ -78,7 +78,7 @@ fn settings(bench: &Bench) -> Vec<Fluid> {
     let mut all = Vec::new();
     for tension in TENSIONS {
         for &relaxation in bench.some(&RELAXATIONS) {
-            all.extend(bench.some(&ITERATIONS).iter().map(|&iterations| Fluid { iterations, relaxation, tension }));
+            all.extend(bench.some(&ITERATIONS).iter().map(|&iterations| Fluid::pbf(iterations, relaxation, tension)));
         }
     }
     all

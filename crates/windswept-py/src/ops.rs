@@ -151,7 +151,7 @@ fn ops_solve_density<'py>(
     let (positions, bounds) = (rows("positions", positions)?, sides(r#box)?);
     let words =
         || of_value("iterations", format!("expected a whole number from 0 to {MOST_REPEATS}, found {iterations}"));
-    let fluid = Fluid { iterations: u32::try_from(iterations).map_err(|_| words())?, relaxation, tension };
+    let fluid = Fluid::pbf(u32::try_from(iterations).map_err(|_| words())?, relaxation, tension);
     let moved = run(py, |gpu| {
         Particles { mass, rest_density, radius, bounds, ..Particles::at(&positions) }.solve_density(gpu, fluid)
     })?;

@@ -22,7 +22,7 @@ pub(crate) fn density_error(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     for table in tables::density_errors() {
         for (iterations, expected) in tables::DENSITY_ERROR_ITERATIONS.into_iter().zip(table.rms).skip(1) {
             let (tension, relaxation) = (table.tension, table.relaxation);
-            let measured = rms(gpu, Some(&Fluid { iterations, relaxation, tension }))?;
+            let measured = rms(gpu, Some(&Fluid::pbf(iterations, relaxation, tension)))?;
             let name = format!("density error, {iterations} iterations, tension {tension}, relaxation {relaxation}");
             rows.push(row(name, expected, measured));
         }

@@ -15,6 +15,7 @@ mod friction;
 mod hair_in_wind;
 mod kernels;
 mod momentum;
+mod pressure;
 mod rods;
 mod row;
 mod stage;
@@ -75,6 +76,7 @@ pub const CHECKS: &[Check] = &[
     Check { name: "vortex", run: vortex::lamb_oseen },
     Check { name: "shear-wave", run: viscosity::shear_waves },
     Check { name: "taylor-green", run: viscosity::taylor_green },
+    Check { name: "pressure", run: pressure::rows },
     Check { name: "momentum", run: momentum::closed_box },
     Check { name: "coupled", run: coupled::drag },
     Check { name: "hair-in-wind", run: hair_in_wind::prescribed },
@@ -90,6 +92,7 @@ pub const CHECKS: &[Check] = &[
 
 /// Checks that take long on a software adapter; `tests/exchange.rs` asserts them.
 pub const LONG_CHECKS: &[Check] = &[
+    Check { name: "pressure-limits", run: pressure::limits },
     Check { name: "fixed-wide", run: exchange::fixed_wide },
     Check { name: "strip", run: exchange::strip },
     Check { name: "strip-halved", run: exchange::strip_halved },

@@ -1,0 +1,205 @@
+//! Air whose velocity is freed of divergence: what an ideal fluid keeps, what the solver loses of it, and what it adds.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use windswept::{Gpu, Simulation, ops::Filter};
+use windswept_scene::{InitialState, Scene};
+
+use crate::{
+    Error, Row,
+    air::{self, Cloud, SIMPLE, STEP, mean, spacing, vectors},
+};
+
+const IDEAL: &str = "an ideal fluid keeps it; no step may add to it";
+const HALVED: &str = "the limit of short steps: half of them change it by less";
+const NUMERICAL: &str =
+    "an ideal fluid has none; 3e-6 was measured in f64 by another program of the same scheme; air has 1.5e-5";
+const GALILEO: &str = "a wind that carries vortices does not change them";
+const NOTHING: &str =
+    "uniform air has no divergence at all; f32: a few times 2^-24 of the wind, times the square root of the steps";
+const STIRRED: &str = "the limit of short steps; the flow is chaotic, so that a quarter is scatter";
+const FILLED: &str =
+    "no formula: air flows into a void no faster than it is spread; another program measured 0.83 after 70 ms";
+const IMPULSE: &str = "Newton: no more and no less than what was given; f32";
+
+/// A Taylor-Green flow of one period along x and y: u = U sin kx cos ky, v = −U cos kx sin ky.
+struct Vortices {
+    /// Particles along a period.
+    across: usize,
+    /// Particles along z.
+    deep: usize,
+    /// Largest speed U \[m/s\].
+    speed: f64,
+    /// Speed that it is carried with along x \[m/s\].
+    carried: f64,
+    /// Jitter of the start \[spacings\].
+    jitter: f64,
+    /// Steps of which still air settles before it moves.
+    settling: u64,
+}
+
+/// A flow that is stirred after its particles have come to rest anywhere.
+const MELTED: Vortices = Vortices { across: 16, deep: 8, speed: 0.3, carried: 0.0, jitter: 0.2, settling: 60 };
+/// A flow that starts on a lattice but for a little.
+const FRESH: Vortices = Vortices { across: 24, deep: 24, speed: 0.3, carried: 0.0, jitter: 0.05, settling: 0 };
+
+/// The wind \[m/s\].
+const WIND: DVec3 = DVec3::new(3.0, 0.0, 0.0);
+
+/// Air of solver divergence without friction, at so many substeps. The wind of 3 m/s has no fringe to enter through: it says how
+/// much particles are spread, and does nothing else.
+fn scene(substeps: u32) -> Result<Scene, Error> {
+    let mut scene = air::scene("fluid.solver = \"divergence\"\nviscosity = { hair = 0.0, air = 0.0 }")?;
+    scene.time.substeps = substeps;
+    if let Some(air) = &mut scene.air {
+        (air.wind, air.fringe) = (WIND.to_array(), 0.0);
+    }
+    Ok(scene)
+}
+
+impl Vortices {
+    /// Energy that is left after `time` \[s\], of that at the start.
+    fn left(&self, gpu: &Gpu, substeps: u32, time: f64) -> Result<f64, Error> {
+        let cloud = Cloud::lattice([self.across, self.across, self.deep], SIMPLE).jittered(self.jitter, 7);
+        let mut simulation = Simulation::with_state(gpu, &scene(substeps)?, cloud.initial())?;
+        simulation.step(self.settling)?;
+        let settled = cloud.of_frame(&simulation.frame()?.air);
+        let k = TAU / cloud.size.x;
+        let carried = DVec3::X * self.carried;
+        let start = settled.moving(|x| {
+            let (x, y) = (k * x.x, k * x.y);
+            self.speed * DVec3::new(x.sin() * y.cos(), -x.cos() * y.sin(), 0.0) + carried
+        });
+        let velocities: Vec<DVec3> = start.velocities.iter().map(|v| DVec3::from_array(*v)).collect();
+        simulation.set_air(None, Some(&velocities))?;
+        simulation.step((time / STEP).round() as u64)?;
+        let energy = |v: &[DVec3]| v.iter().map(|v| (*v - carried).length_squared()).sum::<f64>();
+        Ok(energy(&vectors(&simulation.frame()?.air.velocities)) / energy(&velocities))
+    }
+
+    /// Time of one turnover \[s\].
+    fn turnover(&self) -> f64 {
+        self.across as f64 * spacing() / self.speed
+    }
+}
+
+/// What vortices, a void, uniform air and a blow keep.
+pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
+    let turnover = MELTED.turnover();
+    let [one, four] = [1, 4].map(|substeps| MELTED.left(gpu, substeps, turnover));
+    let one = one?;
+    let mut rows = vec![
+        Row::new("Taylor-Green, 16 d, 1 substep: energy after a turnover", 0.97, one, 0.03, IDEAL),
+        Row::new("Taylor-Green, 16 d, 4 substeps: energy after a turnover", 0.99, four?, 0.01, IDEAL),
+    ];
+    let carried = Vortices { carried: 3.0, ..MELTED }.left(gpu, 1, turnover)?;
+    rows.push(Row::new(
+        "Taylor-Green, 16 d, carried by 3 m/s: energy off that at rest",
+        0.0,
+        carried - one,
+        5e-3,
+        GALILEO,
+    ));
+    let time = 0.276;
+    let k = TAU / (FRESH.across as f64 * spacing());
+    let viscosity = -FRESH.left(gpu, 1, time)?.ln() / (4.0 * k * k * time);
+    rows.push(
+        Row::new("Taylor-Green, 24 d: viscosity of the solver", 5e-6, viscosity, 5e-6, NUMERICAL).in_unit("m²/s"),
+    );
+    for substeps in [1, 4, 16] {
+        let name = format!("uniform wind of 3 m/s, {substeps} substeps, 600 steps: rms of the velocity off it");
+        rows.push(Row::new(name, 0.0, noise(gpu, substeps)?, 1e-6, NOTHING).in_unit("m/s"));
+    }
+    rows.push(Row::new("void of 3 d in 3 m/s: air in it after 70 ms", 0.9, filled(gpu)?, 0.1, FILLED));
+    rows.push(Row::new(
+        "a blow on a parcel: momentum of all air off it after 20 steps",
+        0.0,
+        blow(gpu)?,
+        1e-6,
+        IMPULSE,
+    ));
+    Ok(rows)
+}
+
+/// What vortices keep at short steps and when they are large and fast, and what a stirred box does.
+pub(crate) fn limits(gpu: &Gpu) -> Result<Vec<Row>, Error> {
+    let turnover = MELTED.turnover();
+    let (eight, sixteen) = (MELTED.left(gpu, 8, turnover)?, MELTED.left(gpu, 16, turnover)?);
+    let large = Vortices { across: 64, deep: 8, speed: 3.0, ..MELTED };
+    let mut rows = vec![
+        Row::new("Taylor-Green, 16 d, 16 substeps: energy after a turnover", 0.99, sixteen, 0.01, IDEAL),
+        Row::new("Taylor-Green, 16 d: energy at 8 substeps off that at 16", 0.0, eight - sixteen, 0.01, HALVED),
+        Row::new(
+            "Taylor-Green, 64 d, 3 m/s: energy after a turnover",
+            0.94,
+            large.left(gpu, 1, large.turnover())?,
+            0.06,
+            IDEAL,
+        ),
+    ];
+    let (coarse, fine) = (stirred(gpu, 1)?, stirred(gpu, 8)?);
+    for (scale, (coarse, fine)) in SCALES.into_iter().zip(coarse.into_iter().zip(fine)) {
+        let name = format!("stirred box: band of {} mm at 1 substep over that at 8", 1e3 * scale);
+        rows.push(Row::new(name, 1.0, coarse / fine, 0.25, STIRRED));
+    }
+    Ok(rows)
+}
+
+/// Rms of the velocities of jittered air off a uniform wind \[m/s\].
+fn noise(gpu: &Gpu, substeps: u32) -> Result<f64, Error> {
+    let cloud = Cloud::lattice([12; 3], SIMPLE).jittered(0.2, 7).moving(|_| WIND);
+    let mut simulation = Simulation::with_state(gpu, &scene(substeps)?, cloud.initial())?;
+    simulation.step(600 / u64::from(substeps))?;
+    let v = vectors(&simulation.frame()?.air.velocities);
+    Ok(mean(v.iter().map(|v| (*v - WIND).length_squared())).sqrt())
+}
+
+/// Part of its share of air that a void in a wind of 3 m/s has after 70 ms.
+fn filled(gpu: &Gpu) -> Result<f64, Error> {
+    let radius = 3.0 * spacing();
+    let mut cloud = Cloud::lattice([14; 3], SIMPLE).jittered(0.2, 7).moving(|_| WIND);
+    let (size, center) = (cloud.size, 0.5 * cloud.size);
+    let off = |x: &[f64; 3], center: DVec3| {
+        let gap = DVec3::from_array(*x) - center;
+        (gap - size * (gap / size).round()).length()
+    };
+    cloud.positions.retain(|x| off(x, center) > radius);
+    cloud.velocities.truncate(cloud.positions.len());
+    let mut initial = cloud.initial();
+    initial.air.volume = size.element_product() / cloud.positions.len() as f64;
+    let mut simulation = Simulation::with_state(gpu, &scene(1)?, initial.clone())?;
+    simulation.step((0.070 / STEP).round() as u64)?;
+    let moved = center + WIND * simulation.time();
+    let within = cloud.of_frame(&simulation.frame()?.air).positions.iter().filter(|x| off(x, moved) < radius).count();
+    Ok(within as f64 * initial.air.volume / (4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)))
+}
+
+/// Momentum of air at rest in which one parcel was given a blow, off that blow after 20 steps, of it.
+fn blow(gpu: &Gpu) -> Result<f64, Error> {
+    let cloud = Cloud::lattice([12; 3], SIMPLE).jittered(0.05, 7);
+    let mut initial: InitialState = cloud.initial();
+    initial.air.velocities[100] = DVec3::X;
+    let mut simulation = Simulation::with_state(gpu, &scene(1)?, initial)?;
+    simulation.step(20)?;
+    let sum: DVec3 = vectors(&simulation.frame()?.air.velocities).into_iter().sum();
+    Ok((sum - DVec3::X).length())
+}
+
+/// Scales of the bands that are looked at \[m\].
+const SCALES: [f64; 3] = [0.006, 0.009, 0.018];
+
+/// Energy of bands of a box that was stirred at 0.5 m/s, after 0.12 s \[m²/s²\].
+fn stirred(gpu: &Gpu, substeps: u32) -> Result<[f64; 3], Error> {
+    let cloud = Cloud::lattice([16; 3], SIMPLE).jittered(0.2, 7).stirred(0.5 / 3.0_f64.sqrt(), 11);
+    let mut scene = scene(substeps)?;
+    scene.viscosity.air = 0.014;
+    let mut simulation = Simulation::with_state(gpu, &scene, cloud.initial())?;
+    simulation.step((0.12 / STEP).round() as u64)?;
+    let after = cloud.of_frame(&simulation.frame()?.air);
+    let band = |scale: f64| -> Result<f64, Error> {
+        let band = vectors(&after.particles().band_velocity(gpu, scale, Filter::Direct { cutoff: 4.5 })?);
+        Ok(mean(band.iter().map(|u| 0.5 * u.length_squared())))
+    };
+    Ok([band(SCALES[0])?, band(SCALES[1])?, band(SCALES[2])?])
+}
