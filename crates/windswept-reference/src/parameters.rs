@@ -145,7 +145,7 @@ impl Parameters {
             friction: (0..initial.hair.len()).map(|s| initial.hair.friction(s)).collect(),
             solver: scene.fluid.solver,
             pressure_iterations: scene.fluid.pressure_iterations,
-            coarse: scene.fluid.coarse && scene.interaction.model != Model::Particles,
+            coarse: scene.why_no_coarse().is_none(),
             coarse_nodes: coarse_nodes(initial),
             fluid_iterations: scene.fluid.iterations,
             relaxation: scene.fluid.relaxation,

@@ -193,7 +193,7 @@ table! {
         solver: FluidSolver = Choice(FluidSolver::WORDS), "", Value(FluidSolver::Pbf);
         /// Iterations of the pressure of solver divergence.
         pressure_iterations: u32 = Count(1, MOST_PRESSURE_ITERATIONS), "", Value(2);
-        /// Whether solver divergence solves for the pressure on a coarse grid first; not with model particles.
+        /// Whether solver divergence solves for the pressure on a coarse grid first; not with model particles, nor with bodies.
         coarse: bool = Bool, "", Value(true);
         /// Jacobi iterations of the density constraint: of solver pbf, and of hair on hair with model two-way; 0 leaves it out.
         iterations: u32 = Count(0, MOST_REPEATS), "", Value(2);
@@ -223,6 +223,22 @@ words! {
 }
 
 impl Scene {
+    /// Reason why the pressure is not solved for on a coarse grid; `None` if it is.
+    #[must_use]
+    pub fn why_no_coarse(&self) -> Option<&'static str> {
+        if self.fluid.solver == FluidSolver::Pbf {
+            Some("fluid.solver is pbf")
+        } else if !self.fluid.coarse {
+            Some("fluid.coarse is false")
+        } else if self.interaction.model == Model::Particles {
+            Some("interaction.model is particles: the coarse grid does not know hair")
+        } else if !self.bodies.is_empty() {
+            Some("the scene has bodies, through which the coarse grid would push air")
+        } else {
+            None
+        }
+    }
+
     /// Why strands do not rub on one another in this scene, whatever their `hair.friction`; `None` where they do.
     #[must_use]
     pub fn why_no_friction(&self) -> Option<&'static str> {

@@ -145,10 +145,8 @@ impl Plan {
         ));
         let pbf = air.and(Decision::when(is_pbf, "fluid.solver is divergence"));
         let divergence = air.and(Decision::when(!is_pbf, "fluid.solver is pbf"));
-        let coarse = divergence.and(Decision::when(scene.fluid.coarse, "fluid.coarse is false")).and(Decision::when(
-            scene.interaction.model != Model::Particles,
-            "interaction.model is particles: the coarse grid does not know hair",
-        ));
+        let coarse =
+            divergence.and(scene.why_no_coarse().map_or(Decision::when(true, ""), |why| Decision::when(false, why)));
         let constrained = setup.params.constrained;
         let fluid = air
             .and(Decision::when(solved, "fluid.iterations is 0"))

@@ -41,8 +41,8 @@ impl<'a> Setup<'a> {
         let meshes = Meshes::new(scene, initial);
         let divergence = scene.fluid.solver == FluidSolver::Divergence && params.box_cells > 0;
         let iterations = if divergence { pressure::iterations(scene.fluid.pressure_iterations) } else { Vec::new() };
-        let coarse = (divergence && scene.fluid.coarse && scene.interaction.model != Model::Particles)
-            .then(|| Coarse::new(initial, meshes.uniforms.len()));
+        let on_coarse_grid = divergence && scene.why_no_coarse().is_none();
+        let coarse = on_coarse_grid.then(|| Coarse::new(initial, meshes.uniforms.len()));
         let motions = Motions::new(scene);
         let wind_table = winds::table(scene);
         let waves = winds::waves(scene, initial);
