@@ -1,15 +1,18 @@
 // Keeps air particles apart by a small shift of positions, which velocity never sees.
 //
-//   delta_i = -h^2 min(0.1, 0.05 U dt/d) sum_j V_j grad_i W,  at most d/4
+//   delta_i = -h^2 min(0.1, max(0.05 U dt/d, min(0.05, |G| dt))) sum_j V_j grad_i W,  at most d/4
+//   G_i = sum_j V_j (v_j - v_i) (x) grad_i W
 //
-// d the spacing, U the largest mean wind, or the particle's own speed where that is more. After Xu, Stansby & Laurence (2009)
-// and Lind et al. (2012); it goes with the step, so that its diffusion vanishes with it.
+// d the spacing, U the largest mean wind, or the particle's own speed where that is more; |G|, Frobenius's norm, is for air that
+// whirls where no wind blows. After Xu, Stansby & Laurence (2009) and Lind et al. (2012); it goes with the step, so that its
+// diffusion vanishes with it.
 import package::common::{
     params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::separation, status::{status, frozen},
     sph_kernels::spiky_gradient,
 };
 
 const CARRIED: f32 = 0.05;    // of the way in a step: less leaves clumps, more moves air across the shear behind hair
+const DEFORMED: f32 = 0.05;   // at most, of the deformation in a step: with all of it air is moved across that shear, too
 const LARGEST: f32 = 0.1;
 const FARTHEST: f32 = 0.25;   // d, of the shift
 
@@ -25,14 +28,21 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if i >= params.particles || frozen() { return; }
     let own = predicted[i].xyz;
     let range = neighbour_range[i];
+    let velocity = new_velocity[i].xyz;
     var uneven = vec3f(0.0);
+    var deformation = mat3x3f();
     for (var n = range.first; n < range.middle; n++) {
         let j = neighbour_list[n];
         let other = predicted[j];
-        uneven += other.w * spiky_gradient(i, j, separation(i, j, own, other.xyz));
+        let gradient = other.w * spiky_gradient(i, j, separation(i, j, own, other.xyz));
+        let apart = new_velocity[j].xyz - velocity;
+        uneven += gradient;
+        deformation += mat3x3f(gradient.x * apart, gradient.y * apart, gradient.z * apart);
     }
-    let way = params.step * max(status.fastest_wind, length(new_velocity[i].xyz)) / params.spacing;
-    let delta = -params.kernel_radius * params.kernel_radius * min(LARGEST, CARRIED * way) * uneven;
+    let way = params.step * max(status.fastest_wind, length(velocity)) / params.spacing;
+    let deformed = params.step * length(vec3f(length(deformation[0]), length(deformation[1]), length(deformation[2])));
+    let part = min(LARGEST, max(CARRIED * way, min(DEFORMED, deformed)));
+    let delta = -params.kernel_radius * params.kernel_radius * part * uneven;
     let farthest = FARTHEST * params.spacing;
     shift[i] = vec4f(delta * (farthest / max(length(delta), farthest)), 0.0);
 }

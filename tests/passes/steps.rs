@@ -28,6 +28,7 @@ const SMALL: &[&str] = &[
     "rods.newton=1",
     "interaction.model=particles",
     "fluid.solver=pbf",
+    "time.substeps=1",
     "hair.fibres_per_strand=1",
     "hair.point_mass=1.46e-7",
 ];

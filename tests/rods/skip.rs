@@ -163,7 +163,7 @@ fn hair_sleeps_in_steady_wind() {
         ("drag", 0.0, [0.7e-3, 16e-3]),
         ("drag", 1.0, [0.35e-3, 5e-3]),
         ("drag", 3.0, [0.7e-3, 5e-3]),
-        ("two-way", 0.0, [5e-3, 8e-3]),
+        ("two-way", 0.0, [0.35e-3, 5e-3]),
     ] {
         for step in steps {
             let hair = |sleep: bool| {

@@ -144,7 +144,7 @@ fn slides(tangent: f64) -> (f64, f64) {
     let text = format!(
         "gravity = [{}, {}, 0.0]\n[rods]\nsleep = false\n[time]\nstep = 0.5e-3\nduration = 1.0\n[viscosity]\nhair = 0.0\n\
          [air]\nbox = {{ min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 1.0] }}\nwind = [0.0, 0.0, 0.0]\n\
-         [interaction]\nmodel = \"two-way\"\n[fluid]\niterations = 4\n",
+         [interaction]\nmodel = \"two-way\"\n[fluid]\nsolver = \"pbf\"\niterations = 4\n",
         9.81 * sin,
         -9.81 * cos
     );
@@ -208,7 +208,7 @@ fn lies(strand_count: usize, damping: f64, seconds: f64) -> (usize, f64) {
         "gravity = [0.0, -9.81, 0.0]\n[rods]\ndamping = {damping}\n[time]\nstep = 2e-3\nduration = 1.0\n\
          [viscosity]\nhair = 0.1\n\
          [air]\nbox = {{ min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 1.0] }}\nwind = [0.0, 0.0, 0.0]\n\
-         [interaction]\nmodel = \"two-way\"\n[fluid]\niterations = 4\n"
+         [interaction]\nmodel = \"two-way\"\n[fluid]\nsolver = \"pbf\"\niterations = 4\n"
     );
     let initial = InitialState { hair, ..support::air(DVec3::ONE, vec![DVec3::new(0.5, 0.9, 0.5)]) };
     let mut p = Parameters::new(&Scene::parse(&text).unwrap(), &initial);

@@ -44,8 +44,8 @@ table! {
         text as "": Source = Text, "", Absent("");
         /// Free text, shown in reports.
         title: String = Text, "", Value(String::new());
-        /// Method that sets the defaults of seven keys: interaction.model, rods.solver, rods.integrator, turbulence.law,
-        /// .filter, .cutoff, viscosity.form.
+        /// Method that sets the defaults of eight keys: interaction.model, fluid.solver, rods.solver, rods.integrator,
+        /// turbulence.law, .filter, .cutoff, viscosity.form.
         method: Method = Choice(Method::WORDS), "", Value(Method::Accurate);
         /// Acceleration on hair; air has none.
         gravity: [f64; 3] = Vector, "m/s²", Value([0.0, -9.81, 0.0]);
@@ -190,7 +190,7 @@ table! {
     #[derive(Debug, Clone, PartialEq)]
     pub struct Fluid {
         /// Solver of the air: a constraint on how its velocity diverges, or one on its density by moves (position-based fluids).
-        solver: FluidSolver = Choice(FluidSolver::WORDS), "", Value(FluidSolver::Pbf);
+        solver: FluidSolver = Choice(FluidSolver::WORDS), "", Fallback::Method(FluidSolver::Divergence, FluidSolver::Pbf);
         /// Iterations of the pressure of solver divergence.
         pressure_iterations: u32 = Count(1, MOST_PRESSURE_ITERATIONS), "", Value(2);
         /// Whether solver divergence solves for the pressure on a coarse grid first; not with model particles, nor with bodies.

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::{
     body::{Shape, blocked},
     initial::{AirParticles, Strands},
-    scene::{Air, Bounds, FRICTION, Scene},
+    scene::{Air, Bounds, FRICTION, FluidSolver, Scene},
 };
 
 /// Kernel radii in particle spacings between which the density constraint was tried; the paper's is 1.92.
@@ -20,12 +20,12 @@ const MUCH_BLOCKED: f64 = 0.3;
 pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<String> {
     let mut warnings = Vec::new();
     let (spacing, wind, fastest) = (air.parcel().cbrt(), air.wind(), air.largest_wind());
-    let move_of_a_step = fastest * scene.time.step / f64::from(scene.time.substeps);
-    if move_of_a_step > spacing {
+    let (way, most) = (fastest * scene.time.step / spacing, farthest(scene));
+    if way > most * f64::from(scene.time.substeps) {
         warnings.push(format!(
-            "air moves {:.1} particle spacings in a step; a time.step below {:.2e} s leaves fewer voids",
-            move_of_a_step / spacing,
-            spacing / fastest
+            "air moves {:.2} particle spacings in a step, where its pressure keeps up with at most {most}: take time.substeps = {}",
+            way / f64::from(scene.time.substeps),
+            (way / most).ceil()
         ));
     }
     let ratio = air.kernel_radius / spacing;
@@ -55,6 +55,14 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<
         }
     }
     warnings
+}
+
+/// Way of the air in a step for which its pressure is right \[particle spacings\].
+fn farthest(scene: &Scene) -> f64 {
+    match scene.fluid.solver {
+        FluidSolver::Divergence => 0.45,
+        FluidSolver::Pbf => 1.0,
+    }
 }
 
 /// A warning where strands ask for more substeps than the scene does.

@@ -8,7 +8,8 @@ use std::collections::BTreeMap;
 use common::QUICK;
 use toml_edit::{Document, Item, TableLike, Value};
 use windswept_scene::{
-    Camera, Fibre, Filter, Integrator, Law, LookAt, Method, Model, Scene, Solver, Stiffness, ViscosityForm,
+    Camera, Fibre, Filter, FluidSolver, Integrator, Law, LookAt, Method, Model, Scene, Solver, Stiffness,
+    ViscosityForm,
     keys::{Fallback, KEYS, Key},
 };
 
@@ -148,26 +149,29 @@ fn what_a_file_leaves_out_has_its_default() {
 }
 
 #[test]
-fn method_sets_seven_defaults_and_a_spelled_key_wins() {
-    let seven = |scene: Scene| {
+fn method_sets_eight_defaults_and_a_spelled_key_wins() {
+    let eight = |scene: Scene| {
         let (turbulence, rods) = (scene.turbulence, scene.rods);
         let law = (turbulence.law, turbulence.filter, turbulence.cutoff);
-        (scene.interaction.model, rods.solver, rods.integrator, law, scene.viscosity.form)
+        (scene.interaction.model, scene.fluid.solver, rods.solver, rods.integrator, law, scene.viscosity.form)
     };
     let law = (Law::Band, Filter::Grid, 4.5);
-    let accurate = (Model::TwoWay, Solver::Direct, Integrator::Bdf2, law, ViscosityForm::Limited);
-    assert_eq!(seven(scene(LEAST, &[])), accurate);
+    let accurate =
+        (Model::TwoWay, FluidSolver::Divergence, Solver::Direct, Integrator::Bdf2, law, ViscosityForm::Limited);
+    assert_eq!(eight(scene(LEAST, &[])), accurate);
     let law = (Law::Published, Filter::Direct, 3.0);
-    let published = (Model::Particles, Solver::GaussSeidel, Integrator::Euler, law, ViscosityForm::Published);
-    assert_eq!(seven(scene(LEAST, &["method=published"])), published);
+    let published =
+        (Model::Particles, FluidSolver::Pbf, Solver::GaussSeidel, Integrator::Euler, law, ViscosityForm::Published);
+    assert_eq!(eight(scene(LEAST, &["method=published"])), published);
     let spelled = scene(LEAST, &["method=published", "viscosity.form=limited"]);
     assert_eq!(spelled.viscosity.form, ViscosityForm::Limited);
-    // And nothing else.
+    // And nothing else, but for the jitter of the air that goes with its solver.
     let (mut accurate, published) = (scene(LEAST, &[]), scene(LEAST, &["method=published"]));
     accurate.method = Method::Published;
     (accurate.rods, accurate.turbulence) = (published.rods.clone(), published.turbulence.clone());
     accurate.viscosity.form = ViscosityForm::Published;
-    accurate.interaction.model = Model::Particles;
+    (accurate.interaction.model, accurate.fluid.solver) = (Model::Particles, FluidSolver::Pbf);
+    accurate.air.as_mut().unwrap().jitter = 0.0;
     assert_eq!(accurate, published);
 }
 

@@ -114,8 +114,18 @@ fn the_origin_is_among_the_roots() {
 #[test]
 fn a_user_is_warned() {
     for (sets, words) in [
-        (&["time.step=2e-3"][..], "air moves 1.2 particle spacings in a step"),
-        (&["time.step=1e-2", "time.substeps=4"], "air moves 1.6 particle spacings"),
+        (
+            &["time.step=2e-3"][..],
+            "air moves 1.24 particle spacings in a step, where its pressure keeps up with at most 0.45: take time.substeps = 3",
+        ),
+        (
+            &["time.step=1e-2", "time.substeps=4"],
+            "air moves 1.55 particle spacings in a step, where its pressure keeps up with at most 0.45: take time.substeps = 14",
+        ),
+        (
+            &["time.step=2e-3", "fluid.solver=pbf"],
+            "air moves 1.24 particle spacings in a step, where its pressure keeps up with at most 1: take time.substeps = 2",
+        ),
         (&["hair.roots.direction=[-1,0,0]"], "hair points start outside the box"),
         (&["hair.roots.radius=0.025"], "of the box in z: the air beside the hair is sped up"),
         (&["air.fringe=0.09"], "air.fringe of 0.09 m takes more than half of the box in x"),
@@ -138,7 +148,8 @@ fn a_user_is_warned() {
         assert!(warnings.len() == 1 && warnings[0].contains(words), "{sets:?}: {warnings:?}");
     }
     for sets in [
-        &["time.step=2e-3", "time.substeps=2"][..],
+        &["time.step=2e-3", "time.substeps=3"][..],
+        &["time.step=2e-3", "time.substeps=2", "fluid.solver=pbf"],
         &["hair.friction=0.5", "interaction.model=two-way"],
         &["hair.friction=0", "interaction.model=drag"],
     ] {

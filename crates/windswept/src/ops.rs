@@ -36,6 +36,7 @@ const BASE: &str = "
 time = { step = 1.0, duration = 1.0 }
 air = { box = { min = [0, 0, 0], max = [1, 1, 1] }, wind = [0, 0, 0], ramp = 0.0 }
 viscosity = { hair = 0.0, air = 0.0 }
+fluid.solver = \"pbf\"
 turbulence = { speed = 1.0 }
 ";
 

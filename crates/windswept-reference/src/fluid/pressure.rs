@@ -20,10 +20,12 @@ use crate::{
     turbulence,
 };
 
-/// Share of the way U Δt/d by which particles are spread: less leaves clumps, more moves them across the shear behind hair. A
-/// part that goes with the deformation of the flow does that, too: with 0.2 |G| Δt on top a porous strip of k = 4 has 0.954
-/// of its drag at 1.38 ms, without 0.991.
+/// Share of the way U Δt/d by which particles are spread: less leaves clumps, more moves them across the shear behind hair.
 const BY_WIND: f64 = 0.05;
+/// Most of the deformation |G| Δt of the flow in a step by which particles are spread, where that is more: air that whirls
+/// without wind would clump. Added to the part that goes with the wind, and without this bound, it moves particles across the
+/// shear behind hair: with 0.2 |G| Δt on top a porous strip of k = 4 had 0.954 of its drag at 1.38 ms, without 0.991.
+const BY_DEFORMATION: f64 = 0.05;
 /// Largest spread in units of h² s_i.
 const MOST_SPREAD: f64 = 0.1;
 /// Longest move of a particle by the spread \[particle spacings\].
@@ -116,8 +118,9 @@ fn gradient(p: &Parameters, i: usize, j: usize, x: &[DVec3]) -> DVec3 {
 
 /// Moves δ of air that keep particles apart, and that velocity never sees \[m\]; 0 for hair.
 ///
-/// δ_i = −h² min(0.1, A_s U Δt/d) Σ_j V_j g_ij, |δ_i| ≤ d/4, with the scene's largest wind U, or the particle's own speed where
-/// that is more. It goes with Δt, so that its diffusion |δ|²/2Δt vanishes with the step.
+/// δ_i = −h² min(0.1, max(0.05 U Δt/d, min(0.05, |G_i| Δt))) Σ_j V_j g_ij, |δ_i| ≤ d/4, with the scene's largest wind U, or the
+/// particle's own speed where that is more, and |G_i| of G_i = Σ_j V_j (v_j − v_i) ⊗ g_ij. It goes with Δt, so that its
+/// diffusion |δ|²/2Δt vanishes with the step.
 #[must_use]
 pub fn spread(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> Vec<DVec3> {
     let spacing = p.spacing();
@@ -125,8 +128,13 @@ pub fn spread(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &N
         if !p.is_air(i) {
             return DVec3::ZERO;
         }
-        let part = (BY_WIND * p.largest_wind.max(v[i].length()) * p.step / spacing).min(MOST_SPREAD);
-        let uneven: DVec3 = others(p, near, i).map(|j| volume[j] * gradient(p, i, j, x)).sum();
+        let pairs = || others(p, near, i).map(|j| (j, volume[j] * gradient(p, i, j, x)));
+        let uneven: DVec3 = pairs().map(|(_, gradient)| gradient).sum();
+        let bent: DMat3 = pairs().map(|(j, gradient)| outer(v[j] - v[i], gradient)).sum();
+        let by_deformation =
+            (p.step * bent.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt()).min(BY_DEFORMATION);
+        let by_wind = BY_WIND * p.largest_wind.max(v[i].length()) * p.step / spacing;
+        let part = by_wind.max(by_deformation).min(MOST_SPREAD);
         (-p.kernel_radius.powi(2) * part * uneven).clamp_length_max(LONGEST_SPREAD * spacing)
     };
     (0..x.len()).map(each).collect()

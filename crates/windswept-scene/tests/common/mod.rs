@@ -6,10 +6,10 @@ use windswept_scene::{InitialState, Scene, Strands};
 /// The scene that a newcomer runs first.
 pub(crate) const QUICK: &str = include_str!("../../../../examples/scenes/quick.toml");
 
-/// 60 strands of 11 points, 10 mm apart, in a box of air with which they are one fluid; all else by default.
+/// 60 strands of 11 points, 10 mm apart, in a box of air with which they are one fluid, on its lattice; all else by default.
 pub(crate) const BRUSH: &str = "
 interaction.model = \"particles\"
-time = { step = 1.38e-3, duration = 1.0 }
+time = { step = 0.69e-3, duration = 1.0 }
 [hair]
 strands = 60
 points = 11
@@ -21,6 +21,7 @@ direction = [1.0, 0.1, 0.0]
 [air]
 box = { min = [0.0, 0.0, 0.0], max = [0.16, 0.12, 0.07] }
 wind = [3.0, 0.0, 0.0]
+jitter = 0.0
 ";
 
 pub(crate) fn scene_of(text: &str, sets: &[&str]) -> Scene {
