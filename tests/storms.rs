@@ -38,34 +38,44 @@ impl Storm {
         Scene::parse(&text).unwrap()
     }
 
-    fn blow(self, gpu: &Gpu) {
+    /// What the storm did that it must not do.
+    fn blow(self, gpu: &Gpu) -> Vec<String> {
         let mut simulation = Simulation::new(gpu, &self.scene()).unwrap();
-        let mut fastest = 0.0_f64;
+        let fastest = |all: &[[f32; 3]]| {
+            all.iter().map(|v| v.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt()).fold(0.0, f64::max)
+                / self.wind
+        };
+        let (mut hair, mut air) = (0.0_f64, 0.0_f64);
         for _ in 0..STEPS {
             simulation.step(1).unwrap();
             let frame = simulation.frame().unwrap();
-            let speeds =
-                frame.hair.velocities.iter().map(|v| v.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt());
-            fastest = speeds.fold(fastest, f64::max);
+            (hair, air) = (hair.max(fastest(&frame.hair.velocities)), air.max(fastest(&frame.air.velocities)));
         }
         let report = simulation.report().unwrap();
-        let (stretch, fastest) = (report.max_stretch.unwrap(), fastest / self.wind);
+        let stretch = report.max_stretch.unwrap();
         let rescued = report.strand_steps.unwrap()["rescued_steps"];
-        println!("{self:?}: {fastest:.2} U, stretch {stretch:.1e}, {rescued} rescued, {:?}", report.warnings);
-        // Measured 0.73 U and 1.50 U: the tip of a rod without weight goes with 3/2 U, by its lever.
-        let bound = if self.mass >= 1.0 { 1.3 } else { 1.55 };
-        assert!(fastest < bound, "{self:?}: {fastest} U");
-        assert!(stretch < 1e-2, "{self:?}: stretched by {stretch}");
+        println!(
+            "{self:?}: {hair:.2} U, air {air:.2} U, stretch {stretch:.1e}, {rescued} rescued, {:?}",
+            report.warnings
+        );
+        // Measured 0.86 U, and 1.50 times the fastest air: the tip of a rod without weight goes with 3/2 of the air's speed, by its
+        // lever.
+        let bound = if self.mass >= 1.0 { 1.3 } else { 1.55 * air.max(1.0) };
         // Points of 1e-4 of a hair's mass are so light that f32 lost one strand in one of the 64 storms with them.
         let resets = report.warnings.get("strand_reset").copied().unwrap_or(0);
-        assert!(resets <= u64::from(self.mass < 1e-3), "{self:?}: {resets} strands were reset");
+        let faults = [
+            (hair >= bound, format!("{hair} U")),
+            (stretch >= 1e-2, format!("stretched by {stretch}")),
+            (resets > u64::from(self.mass < 1e-3), format!("{resets} strands were reset")),
+        ];
+        faults.into_iter().filter(|(is, _)| *is).map(|(_, fault)| format!("{self:?}: {fault}")).collect()
     }
 }
 
 /// Corners of the range of winds, steps, fibres and masses, and real hair in the middle of it.
 #[test]
 fn storms_lose_nothing() {
-    for (wind, step, fibres, mass) in [
+    let storms = [
         (3.0, 1e-4, 1.0, 1e-4),
         (10.0, 1.38e-3, 36.0, 1.0),
         (30.0, 16e-3, 1.0, 1e-2),
@@ -74,21 +84,24 @@ fn storms_lose_nothing() {
         (100.0, 5e-3, 36.0, 1e-4),
         (100.0, 16e-3, 1.0, 100.0),
         (100.0, 16e-3, 1000.0, 1e-4),
-    ] {
-        Storm { wind, step, fibres, mass }.blow(&support::gpu());
-    }
+    ];
+    let blow = |(wind, step, fibres, mass)| Storm { wind, step, fibres, mass }.blow(&support::gpu());
+    let faults: Vec<String> = storms.into_iter().flat_map(blow).collect();
+    assert!(faults.is_empty(), "{faults:#?}");
 }
 
 #[test]
 #[ignore = "long: 256 storms"]
 fn no_storm_loses_anything() {
+    let mut faults = Vec::new();
     for wind in [3.0, 10.0, 30.0, 100.0] {
         for step in [1e-4, 1.38e-3, 5e-3, 16e-3] {
             for fibres in [1.0, 36.0, 200.0, 1000.0] {
                 for mass in [1e-4, 1e-2, 1.0, 100.0] {
-                    Storm { wind, step, fibres, mass }.blow(&support::gpu());
+                    faults.extend(Storm { wind, step, fibres, mass }.blow(&support::gpu()));
                 }
             }
         }
     }
+    assert!(faults.is_empty(), "{faults:#?}");
 }

@@ -34,15 +34,21 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let along_x = slope(t.x - steps);
     let along_y = slope(t.y - steps);
     let along_z = slope(t.z - steps);
+    let home = node_in_box(first, mesh.nodes);
+    let columns = vec3i(home.x, home.x + 1, home.x + 2);
+    let column = vec3u(select(columns, columns - mesh.nodes.x, columns >= vec3i(mesh.nodes.x)));
     var sum = vec3f(0.0);
+    var node = home;
     for (var c = 0; c < 3; c++) {
         for (var b = 0; b < 3; b++) {
-            for (var a = 0; a < 3; a++) {
-                let node = node_in_box(first + vec3i(a, b, c), mesh.nodes);
-                let value = nodes[node_index(node, mesh.nodes)].x;
-                sum += value * vec3f(along_x[a] * y[b] * z[c], x[a] * along_y[b] * z[c], x[a] * y[b] * along_z[c]);
-            }
+            let row = node_index(vec3i(0, node.y, node.z), mesh.nodes);
+            let values = vec3f(nodes[row + column.x].x, nodes[row + column.y].x, nodes[row + column.z].x);
+            let along = dot(x.xyz, values);
+            sum += vec3f(dot(along_x.xyz, values) * y[b] * z[c], along * along_y[b] * z[c], along * y[b] * along_z[c]);
+            node.y = select(node.y + 1, 0, node.y + 1 == mesh.nodes.y);
         }
+        node.y = home.y;
+        node.z = select(node.z + 1, 0, node.z + 1 == mesh.nodes.z);
     }
     let sigma = params.spacing / max(params.spacing, status.fastest_wind * params.step);
     coarse_change[sorted[e]] = vec4f(-sigma * sum / mesh.spacing, 0.0);

@@ -5,14 +5,25 @@ import package::common::{params::params, pi::PI};
 fn poly6(squared: f32) -> f32 {
     let h = params.kernel_radius;
     let q = max(1.0 - squared / (h * h), 0.0);
-    return 315.0 / (64.0 * PI * h * h * h) * q * q * q;
+    return poly6_factor() * q * q * q;
+}
+
+// 315/(64 pi h^3) [1/m^3].
+fn poly6_factor() -> f32 {
+    let h = params.kernel_radius;
+    return 315.0 / (64.0 * PI * h * h * h);
 }
 
 // |grad W| = 45/(pi h^6) (h - r)^2; the gradient points from i to j: grad_i W = -|grad W| (x_i - x_j)/r.
 fn spiky_slope(r: f32) -> f32 {
+    let q = max(1.0 - r / params.kernel_radius, 0.0);
+    return spiky_factor() * q * q;
+}
+
+// 45/(pi h^4) [1/m^4].
+fn spiky_factor() -> f32 {
     let h = params.kernel_radius;
-    let q = max(1.0 - r / h, 0.0);
-    return 45.0 / (PI * h * h * h * h) * q * q;
+    return 45.0 / (PI * h * h * h * h);
 }
 
 // A random number from a number: PCG (Jarzynski & Olano 2020, Hash Functions for GPU Rendering).

@@ -5,8 +5,8 @@
 //
 // Where air is missing lambda_i is at most 0: what flies apart there is not pulled together.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::separation, sph_kernels::spiky_gradient,
-    pressure::{Pressed, Gradients, Stress, allowed, flows, times},
+    params::params, near::Near, dispatch::{invocation, WORKGROUP},
+    pressure::{Pressed, Gradients, Stress, allowed, flows, times, pairs_of, gradient_to},
 };
 
 struct Iteration {
@@ -31,12 +31,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let own = predicted[i];
     let velocity = new_velocity[i].xyz;
     let range = neighbour_range[i];
+    let pairs = pairs_of(i, own.xyz);
     let at = gradients[i];
     var sum = 0.0;
     for (var n = range.first; n < range.middle; n++) {
         let j = neighbour_list[n];
         let other = predicted[j];
-        let gradient = other.w * spiky_gradient(i, j, separation(i, j, own.xyz, other.xyz));
+        let gradient = other.w * gradient_to(pairs, j, other.xyz);
         sum += dot(velocity - new_velocity[j].xyz, times(at.diagonal, at.off_diagonal, gradient));
     }
     let before = allowed(pressed[i].pressure, density[i]);

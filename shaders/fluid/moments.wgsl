@@ -7,8 +7,8 @@
 //
 // With it the push of the pressure that the step before left, lambda B/V.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::separation, sph_kernels::{poly6, spiky_gradient},
-    pressure::{Pressed, Gradients, Stress, allowed, flows, share_of},
+    params::params, near::Near, dispatch::{invocation, WORKGROUP}, sph_kernels::{poly6, poly6_factor},
+    pressure::{Pressed, Gradients, Stress, allowed, flows, share_of, pairs_of, gap_to, gradient_at},
 };
 
 const FLOOR: f32 = 0.02;      // added to the matrix before it is inverted
@@ -41,6 +41,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if !flows(i) { return; }
     let own = predicted[i];
     let range = neighbour_range[i];
+    let pairs = pairs_of(i, own.xyz);
+    let factor = poly6_factor();
+    let per_square = pairs.per_radius * pairs.per_radius;
     var theta = own.w * poly6(0.0);
     var sum = vec3f(0.0);
     var moment = mat3x3f(FLOOR, 0.0, 0.0, 0.0, FLOOR, 0.0, 0.0, 0.0, FLOOR);
@@ -48,9 +51,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     for (var n = range.first; n < range.middle; n++) {
         let j = neighbour_list[n];
         let other = predicted[j];
-        let gap = separation(i, j, own.xyz, other.xyz);
-        let gradient = other.w * spiky_gradient(i, j, gap);
-        theta += other.w * poly6(dot(gap, gap));
+        let gap = gap_to(pairs, j, other.xyz);
+        let gradient = other.w * gradient_at(pairs, gap);
+        let q = max(1.0 - per_square * dot(gap, gap), 0.0);
+        theta += other.w * factor * q * q * q;
         sum += gradient;
         moment -= mat3x3f(gap.x * gradient, gap.y * gradient, gap.z * gradient);
         let weighed = share_of(j) * gradient;

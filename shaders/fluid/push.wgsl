@@ -4,8 +4,8 @@
 //
 // With the pressures that the step before left, and with each that an iteration adds.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::separation, sph_kernels::spiky_gradient,
-    pressure::{Pressed, Stress, flows, share_of, times},
+    params::params, near::Near, dispatch::{invocation, WORKGROUP},
+    pressure::{Pressed, Stress, flows, share_of, times, pairs_of, gradient_to},
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -22,13 +22,14 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if !flows(i) { return; }
     let own = predicted[i];
     let range = neighbour_range[i];
+    let pairs = pairs_of(i, own.xyz);
     let diagonal = stress[i].diagonal;
     let off_diagonal = stress[i].off_diagonal;
     var sum = vec3f(0.0);
     for (var n = range.first; n < range.middle; n++) {
         let j = neighbour_list[n];
         let other = predicted[j];
-        let gradient = other.w * spiky_gradient(i, j, separation(i, j, own.xyz, other.xyz));
+        let gradient = other.w * gradient_to(pairs, j, other.xyz);
         sum += times(diagonal + stress[j].diagonal, off_diagonal + stress[j].off_diagonal, gradient);
     }
     let change = share_of(i) * own.w * sum;

@@ -7,8 +7,8 @@
 // whirls where no wind blows. After Xu, Stansby & Laurence (2009) and Lind et al. (2012); it goes with the step, so that its
 // diffusion vanishes with it.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::separation, status::{status, frozen},
-    sph_kernels::spiky_gradient,
+    params::params, near::Near, dispatch::{invocation, WORKGROUP}, status::{status, frozen},
+    sph_kernels::spiky_gradient, pressure::{pairs_of, gap_to, coincide, gradient_at},
 };
 
 const CARRIED: f32 = 0.05;    // of the way in a step: less leaves clumps, more moves air across the shear behind hair
@@ -28,17 +28,22 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if i >= params.particles || frozen() { return; }
     let own = predicted[i].xyz;
     let range = neighbour_range[i];
+    let pairs = pairs_of(i, own);
     let velocity = new_velocity[i].xyz;
     var uneven = vec3f(0.0);
     var deformation = mat3x3f();
+    var met = 0u;   // one more than the largest index of a neighbour that lies on the particle
     for (var n = range.first; n < range.middle; n++) {
         let j = neighbour_list[n];
         let other = predicted[j];
-        let gradient = other.w * spiky_gradient(i, j, separation(i, j, own, other.xyz));
+        let gap = gap_to(pairs, j, other.xyz);
+        let gradient = other.w * gradient_at(pairs, gap);
         let apart = new_velocity[j].xyz - velocity;
         uneven += gradient;
         deformation += mat3x3f(gradient.x * apart, gradient.y * apart, gradient.z * apart);
+        met = max(met, select(0u, j + 1u, coincide(pairs, gap)));
     }
+    if met > 0u { uneven += predicted[met - 1u].w * spiky_gradient(i, met - 1u, vec3f(0.0)); }
     let way = params.step * max(status.fastest_wind, length(velocity)) / params.spacing;
     let deformed = params.step * length(vec3f(length(deformation[0]), length(deformation[1]), length(deformation[2])));
     let part = min(LARGEST, max(CARRIED * way, min(DEFORMED, deformed)));

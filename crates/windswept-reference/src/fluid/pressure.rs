@@ -111,16 +111,22 @@ fn others<'a>(p: &'a Parameters, near: &'a Neighbours, i: usize) -> impl Iterato
     near.of(i).filter(move |&j| p.model == Model::Particles || p.is_air(i) && p.is_air(j))
 }
 
-/// Gradient g_ij = ∇_i W \[1/m⁴\].
+/// Gradient g_ij = ∇_i W \[1/m⁴\]; 0 for particles that lie on one another, which have no direction.
 fn gradient(p: &Parameters, i: usize, j: usize, x: &[DVec3]) -> DVec3 {
-    spiky_gradient(i, j, p.separation(i, j, x[i], x[j]), p.kernel_radius)
+    let gap = p.separation(i, j, x[i], x[j]);
+    if coincide(p, gap) { DVec3::ZERO } else { spiky_gradient(i, j, gap, p.kernel_radius) }
+}
+
+/// Whether particles lie on one another.
+fn coincide(p: &Parameters, gap: DVec3) -> bool {
+    gap.length() < 1e-6 * p.kernel_radius
 }
 
 /// Moves δ of air that keep particles apart, and that velocity never sees \[m\]; 0 for hair.
 ///
 /// δ_i = −h² min(0.1, max(0.05 U Δt/d, min(0.05, |G_i| Δt))) Σ_j V_j g_ij, |δ_i| ≤ d/4, with the scene's largest wind U, or the
 /// particle's own speed where that is more, and |G_i| of G_i = Σ_j V_j (v_j − v_i) ⊗ g_ij. It goes with Δt, so that its
-/// diffusion |δ|²/2Δt vanishes with the step.
+/// diffusion |δ|²/2Δt vanishes with the step. A particle that lies on others leaves the last of them in a direction of chance.
 #[must_use]
 pub fn spread(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> Vec<DVec3> {
     let spacing = p.spacing();
@@ -129,7 +135,9 @@ pub fn spread(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &N
             return DVec3::ZERO;
         }
         let pairs = || others(p, near, i).map(|j| (j, volume[j] * gradient(p, i, j, x)));
-        let uneven: DVec3 = pairs().map(|(_, gradient)| gradient).sum();
+        let met = others(p, near, i).filter(|&j| coincide(p, p.separation(i, j, x[i], x[j]))).max();
+        let away = met.map_or(DVec3::ZERO, |j| volume[j] * spiky_gradient(i, j, DVec3::ZERO, p.kernel_radius));
+        let uneven: DVec3 = away + pairs().map(|(_, gradient)| gradient).sum::<DVec3>();
         let bent: DMat3 = pairs().map(|(j, gradient)| outer(v[j] - v[i], gradient)).sum();
         let by_deformation =
             (p.step * bent.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt()).min(BY_DEFORMATION);
@@ -157,7 +165,7 @@ pub fn moments(p: &Parameters, x: &[DVec3], inverse_mass: &[f64], volume: &[f64]
         for j in others(p, near, i) {
             let gap = p.separation(i, j, x[i], x[j]);
             density += volume[j] * poly6(gap.length(), h);
-            moment -= volume[j] * outer(gap, spiky_gradient(i, j, gap, h));
+            moment -= volume[j] * outer(gap, gradient(p, i, j, x));
         }
         let correction = inverse(0.5 * (moment + moment.transpose()) + DMat3::from_diagonal(DVec3::splat(SOFTENING)));
         let (mut own, mut sum) = (DVec3::ZERO, 0.0);
