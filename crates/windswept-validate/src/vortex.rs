@@ -11,8 +11,8 @@ use crate::{
     air::{self, Cloud, SIMPLE, mean, spacing, vectors},
 };
 
-const KEPT: &str = "ideal fluid (Kelvin); at 0.3 m/s the clamped density constraint takes 9 %; margin 1.6";
-const FED: &str = "no formula: measured, S = 10, I = 1, less the run without; holds from step 30 to 60; the tolerance \
+const KEPT: &str = "ideal fluid (Kelvin); the viscosity of XSPH, c = 0.014, spreads the core; at most 2 % may be lost";
+const FED: &str = "no formula: measured, S = 60, I = 1, less the run without; holds from step 20 to 90; the tolerance \
     keeps the sign";
 
 /// Particles along x and y, and across the slab.
@@ -28,19 +28,27 @@ const SCALE: f64 = 1.5;
 /// Names and scales \[d\] of the bands beside it: a smaller one, which particles can just carry, and one of twice the
 /// scale.
 const OTHERS: [(&str, f64); 2] = [("of two thirds the scale", 1.0), ("of twice the scale", 3.0)];
+/// Largest offset of a particle from its site along each axis \[d\]: air that is sheared along the planes of an exact
+/// lattice breaks all at once.
+const JITTER: f64 = 0.05;
+/// Steps after which circulation is taken: 62 ms.
+const TURNING: u64 = 45;
 /// Strength S of the band, a number.
-const STRENGTH: f64 = 10.0;
-/// Steps after which the bands are compared. The choice is measured, not derived: the band gains more energy than both
-/// others from about step 30 to 60. Before that the larger one gains more; at step 75 the smaller has 1.04 times as
-/// much. As a ratio to the run without confinement the smaller grows most at all times, for it starts with next to
-/// nothing (13, 7 and 1.7 times for 1, 1.5 and 3 spacings at step 45). With I = 0.5 and a core of 3.5 spacings no band
-/// stood out by step 50.
-const STEPS: u64 = 45;
+const STRENGTH: f64 = 60.0;
+/// Steps after which the bands are compared, while eddies still grow: the largest energy of the band is 0.045 m²/s².
+///
+/// Strength and steps are measured, not derived. With strengths of 20 to 60, three seeds of the jitter and 20, 30, 45, 60
+/// and 90 steps, the band gained 1.08 to 1.39 times the energy that the smaller one gained, and 1.18 to 9.9 times that of
+/// the larger one; at S = 60 and step 20, 1.32 to 1.35 and 1.24 to 1.34 times. From the exact lattice, a band of S = 10 or
+/// less fell behind the smaller one at some of these steps. As a ratio to the run without confinement the smaller band
+/// grows most, because it starts with next to nothing (8.7, 4.0 and 1.5 times for 1, 1.5 and 3 spacings at S = 30 and
+/// step 20, from the exact lattice).
+const STEPS: u64 = 20;
 /// Radius of the ring that circulation is taken on \[core radii\].
 const RING: f64 = 2.5;
 
 /// Rows of a Lamb-Oseen vortex, v = Γ/(2πr) (1 − e^(−r²/a²)): alone it keeps its circulation; confinement gives the band
-/// of its own core more energy than others, for a time.
+/// that it strengthens more energy than the smaller and the larger one.
 pub(crate) fn lamb_oseen(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let start = vortex();
     let scene = |strength: f64| -> Result<Scene, Error> {
@@ -49,23 +57,24 @@ pub(crate) fn lamb_oseen(gpu: &Gpu) -> Result<Vec<Row>, Error> {
         scene.turbulence.speed = SPEED;
         Ok(scene)
     };
+    let turned = air::run(gpu, &scene(0.0)?, &start, TURNING)?;
     let alone = air::run(gpu, &scene(0.0)?, &start, STEPS)?;
     let confined = air::run(gpu, &scene(STRENGTH)?, &start, STEPS)?;
     let gain = |scale: f64| Ok::<_, Error>(band_energy(gpu, &confined, scale)? - band_energy(gpu, &alone, scale)?);
     let own = gain(SCALE)?;
-    let kept = circulation(&alone) / circulation(&start);
+    let kept = circulation(&turned) / circulation(&start);
     let mut rows = vec![
-        Row::new("vortex: circulation kept, 2.5 core radii, 62 ms", 1.0, kept, 0.15, KEPT),
-        Row::new("vortex: energy that confinement gives its band", 7.4e-3, own, 4e-3, FED).in_unit("m²/s²"),
+        Row::new("vortex: circulation kept, 2.5 core radii, 62 ms", 1.0, kept, 0.02, KEPT),
+        Row::new("vortex: energy that confinement gives its band", 6e-3, own, 2e-3, FED).in_unit("m²/s²"),
     ];
-    for ((name, scale), (expected, tolerance)) in OTHERS.into_iter().zip([(1.2, 0.18), (1.9, 0.8)]) {
+    for ((name, scale), (expected, tolerance)) in OTHERS.into_iter().zip([(1.33, 0.3), (1.29, 0.27)]) {
         rows.push(Row::new(format!("vortex: that over the band {name}"), expected, own / gain(scale)?, tolerance, FED));
     }
     Ok(rows)
 }
 
 fn vortex() -> Cloud {
-    let lattice = Cloud::lattice(CELLS, SIMPLE);
+    let lattice = Cloud::lattice(CELLS, SIMPLE).jittered(JITTER, 1);
     let (core, edge) = (CORE * spacing(), 0.5 * EDGE * lattice.size.x);
     let swirl = |r: f64| (1.0 - (-(r / core).powi(2)).exp()) * core / r * (-(r / edge).powi(8)).exp();
     // 1 − e^(−x²) = 2x² e^(−x²), the largest speed, is at x = 1.1209 core radii.
