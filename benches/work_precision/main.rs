@@ -64,7 +64,7 @@ const FAMILIES: &[Family] = &[
         name: "step",
         title: "The whole step, hair and air",
         time: "all passes per step of 1.38 ms [ms]",
-        along: "along a line: 1, 2, 4 substeps",
+        along: "along a line: 1, 2, 4, 8 substeps",
         measure: step::measure,
     },
     Family {

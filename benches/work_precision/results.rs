@@ -50,7 +50,9 @@ pub(crate) fn show(dir: &Path) -> Result<()> {
     let mut text =
         "# What the rule picks\n\nMade by `cargo bench --bench work_precision`; see [README](../README.md). \
         The rule: of the settings within 10 % of the floor, the cheapest. \
-        The floor is the least error, or how uncertain that is with which it is compared.\n"
+        The floor is the least error, or how uncertain that is with which it is compared. \
+        Where a single setting reaches it there is no floor, and the knee is chosen: the setting after which twice the time buys \
+        less than a halving of the error.\n"
             .to_owned();
     for family in FAMILIES {
         let path = csv_path(dir, family);
