@@ -9,7 +9,10 @@ use windswept::Simulation;
 use windswept_scene::{Band, Filter, InitialState};
 use windswept_validate::internals::SIMPLE;
 
-use crate::support::{self, VOLUME, lattice};
+use crate::{
+    air_scene,
+    support::{self, VOLUME, lattice},
+};
 
 /// Bands: scale \[m\], strength, and the number of steps after which the band is looked at.
 const BANDS: [(f64, f64, u64); 3] = [(0.006, 10.0, 300), (0.009, 10.0, 300), (0.018, 30.0, 600)];
@@ -51,7 +54,7 @@ fn stirred() -> InitialState {
 
 /// A run with one band, without strength or with its own.
 fn run(band: usize, strengthened: bool) -> Simulation {
-    let mut scene = support::scene();
+    let mut scene = air_scene();
     scene.turbulence.filter = Filter::Grid;
     scene.turbulence.speed = SPEED;
     let (scale, strength, _) = BANDS[band];
