@@ -1,12 +1,15 @@
-//! The density constraint, by iterations, relaxation and tension: one solve of disturbed air, and air that moves.
+//! What keeps air from being compressed: the density constraint by iterations, relaxation and tension, on one solve of disturbed
+//! air and on air that moves; both solvers by iterations and substeps, on what an ideal fluid keeps.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 use windswept::{AirFrame, RunError, Simulation};
 use windswept_reference::{Parameters, neighbours, sph_kernels::spiky_gradient};
-use windswept_scene::{Fluid, InitialState, Scene};
-use windswept_validate::internals::{Cloud, REST_DENSITY, VOLUME, air_scene, vectors};
+use windswept_scene::{Fluid, FluidSolver, InitialState, Scene};
+use windswept_validate::internals::{
+    Cloud, REST_DENSITY, VOLUME, air_scene, circulation_kept, energy_left, stirred, vectors,
+};
 
 use crate::{
     Bench, Measured, Result,
@@ -29,12 +32,36 @@ const COMPRESSION: f64 = 0.1;
 const SPEED: f64 = 0.3;
 /// Steps of the moving air, in which the lattice melts.
 const STEPS: u64 = 40;
-/// Passes that the time is of.
-const PASSES: [&str; 3] = ["fluid/density", "fluid/correct", "fluid/move"];
+/// Passes that the time is of, or how their names start.
+const PASSES: [&str; 12] = [
+    "fluid/density",
+    "fluid/correct",
+    "fluid/move",
+    "fluid/advance",
+    "fluid/spread",
+    "fluid/place",
+    "fluid/moments",
+    "fluid/push",
+    "fluid/divergence",
+    "coarse/",
+    "turbulence/deposit",
+    "turbulence/sum",
+];
+/// Numbers of substeps to try, and that of the fine run.
+const SUBSTEPS: [u32; 4] = [1, 2, 4, 8];
+const FINE: u32 = 16;
+/// Iterations of solver pbf, and of the pressure of solver divergence, that ideal flows are tried with.
+const SOLVERS: [(FluidSolver, u32); 5] = [
+    (FluidSolver::Divergence, 2),
+    (FluidSolver::Pbf, 4),
+    (FluidSolver::Divergence, 1),
+    (FluidSolver::Divergence, 3),
+    (FluidSolver::Divergence, 4),
+];
 
 /// Errors and time of each setting.
 pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
-    let plain = air_scene("")?;
+    let plain = air_scene("fluid.solver = \"pbf\"")?;
     let disturbed = disturbed();
     let moving = lattice(SIDE).stirred(SPEED, 5);
     let steps = if bench.quick { 2 } else { STEPS };
@@ -54,15 +81,15 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
         ];
         let series = format!("tension {tension}, relaxation {relaxation}");
         let setting = format!("{iterations} iterations");
-        let default = scene.fluid == plain.fluid;
         points.extend(errors.map(|(kind, error)| Point {
-            default,
             candidate: tension == 0.0,
             ..Point::new(kind, &series, &setting, time, error)
         }));
     }
+    let (ideal, ideal_notes) = ideal(bench, &moving)?;
+    points.extend(ideal);
     let start = divergence(&plain, &moving.initial());
-    let notes = vec![
+    let mut notes = vec![
         format!("one solve: box of {SIDE}³ particles, jitter 0.2 d, compressed along x by a wave of {COMPRESSION} ρ0"),
         format!(
             "moving air: a lattice in six solenoidal waves of {SPEED} m/s, after {steps} steps; divergence \
@@ -71,7 +98,64 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
         "tension does not compete: the more work, the more the air shakes (divergence); error inf: the run ended early"
             .to_owned(),
     ];
+    notes.extend(ideal_notes);
     Ok(Measured { points, notes })
+}
+
+/// Points of both solvers, by iterations and substeps, on flows of which an ideal fluid keeps something; and notes on them.
+fn ideal(bench: &Bench, moving: &Cloud) -> Result<(Vec<Point>, Vec<String>)> {
+    let built = |solver: FluidSolver, iterations: u32, substeps: u32| -> Result<Scene> {
+        let key = if solver == FluidSolver::Pbf { "iterations" } else { "pressure_iterations" };
+        let mut scene = air_scene(&format!("fluid = {{ solver = \"{}\", {key} = {iterations} }}", solver.word()))?;
+        scene.time.substeps = substeps;
+        Ok(scene)
+    };
+    let (solvers, substeps, fine): (&[_], &[_], _) =
+        if bench.quick { (&SOLVERS[..1], &SUBSTEPS[..1], 1) } else { (&SOLVERS, &SUBSTEPS, FINE) };
+    let mut scenes = Vec::new();
+    for &(solver, iterations) in solvers {
+        for &substeps in substeps {
+            scenes.push((built(solver, iterations, substeps)?, moving.initial()));
+        }
+    }
+    let times = timing::passes(&bench.gpu, &scenes, &PASSES, bench.rounds(8))?;
+    let plain = air_scene("")?.fluid;
+    let band = |fluid: &Fluid, substeps: u32| -> Result<f64> { Ok(stirred(&bench.gpu, fluid, substeps)?[0]) };
+    let truth = band(&plain, fine)?;
+    let half = if bench.quick { truth } else { band(&plain, fine / 2)? };
+    let uncertain = (half / truth - 1.0).abs();
+    let mut points = Vec::new();
+    for ((scene, _), time) in scenes.iter().zip(&times) {
+        let (fluid, substeps) = (&scene.fluid, scene.time.substeps);
+        let energy = energy_left(&bench.gpu, fluid, substeps)?;
+        let circulation = circulation_kept(&bench.gpu, scene)?;
+        let band = band(fluid, substeps)?;
+        let errors = [
+            ("Taylor-Green vortices: energy off that of the start, of it", (1.0 - energy).abs(), 0.0),
+            ("Lamb-Oseen vortex: circulation off that of the start, of it", (1.0 - circulation).abs(), 0.0),
+            ("stirred box: band of 6 mm off the fine run's, of it", (band / truth - 1.0).abs(), uncertain),
+        ];
+        let series = match fluid.solver {
+            FluidSolver::Pbf => format!("pbf, {} iterations", fluid.iterations),
+            FluidSolver::Divergence => format!("divergence, {} iterations", fluid.pressure_iterations),
+        };
+        points.extend(errors.map(|(kind, error, uncertainty)| Point {
+            uncertainty,
+            default: *fluid == plain && substeps == 1,
+            ..Point::new(kind, &series, &format!("substeps {substeps}"), time, error)
+        }));
+    }
+    let notes = vec![
+        "Taylor-Green vortices: 16 spacings, 0.3 m/s, no XSPH, after a turnover of 0.26 s; Lamb-Oseen vortex: core of 3 spacings, \
+         0.3 m/s, XSPH of 0.014, after 62 ms"
+            .to_owned(),
+        format!(
+            "stirred box: 16³ particles, 0.5 m/s, after 0.12 s; fine run: divergence, {fine} substeps, 2 iterations; with half as \
+             many substeps its band has {:.1} % less or more",
+            100.0 * uncertain
+        ),
+    ];
+    Ok((points, notes))
 }
 
 fn settings(bench: &Bench) -> Vec<Fluid> {

@@ -6,7 +6,7 @@
 // Where air is missing lambda_i is at most 0: what flies apart there is not pulled together.
 import package::common::{
     params::params, near::Near, dispatch::{invocation, WORKGROUP},
-    pressure::{Pressed, Gradients, Stress, allowed, flows, times, pairs_of, gradient_to},
+    pairs::{pairs_of, gradient_to}, pressure::{Pressed, Gradients, Stress, allowed, flows, times},
 };
 
 struct Iteration {

@@ -1,8 +1,8 @@
 // How much of its velocity a particle would exchange in one XSPH update, S_i = sum_j c_ij w_ij. Where S exceeds 1 the
 // update would overshoot; `viscosity` divides by it, for both partners alike. The sum is over the pairs of `viscosity`.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::separation, status::frozen,
-    matter::viscosity_between, sph_kernels::poly6,
+    params::params, near::Near, dispatch::{invocation, WORKGROUP}, status::frozen,
+    matter::viscosity_between, pairs::{pairs_of, gap_to, kernel_at},
 };
 
 @group(0) @binding(2) var<storage, read>       predicted:       array<vec4f>;
@@ -17,12 +17,14 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if i >= params.particles || frozen() { return; }
     let own = predicted[i];
     let range = neighbour_range[i];
+    let pairs = pairs_of(i, own.xyz);
+    let thickness = density[i];
     var sum = 0.0;
     for (var n = range.first; n < range.apart; n++) {
         let j = neighbour_list[n];
         let other = predicted[j];
-        let gap = separation(i, j, own.xyz, other.xyz);
-        sum += viscosity_between(i, j) * 2.0 * sqrt(own.w * other.w) * poly6(dot(gap, gap)) / (density[i] + density[j]);
+        let weight = 2.0 * sqrt(own.w * other.w) * kernel_at(pairs, gap_to(pairs, j, other.xyz)) / (thickness + density[j]);
+        sum += viscosity_between(i, j) * weight;
     }
     exchange[i] = sum;
 }

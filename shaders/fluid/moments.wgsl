@@ -7,8 +7,8 @@
 //
 // With it the push of the pressure that the step before left, lambda B/V.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, sph_kernels::{poly6, poly6_factor},
-    pressure::{Pressed, Gradients, Stress, allowed, flows, share_of, pairs_of, gap_to, gradient_at},
+    params::params, near::Near, dispatch::{invocation, WORKGROUP},
+    pairs::{pairs_of, gap_to, gradient_at, kernel_at}, pressure::{Pressed, Gradients, Stress, allowed, flows, share_of},
 };
 
 const FLOOR: f32 = 0.02;      // added to the matrix before it is inverted
@@ -42,9 +42,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let own = predicted[i];
     let range = neighbour_range[i];
     let pairs = pairs_of(i, own.xyz);
-    let factor = poly6_factor();
-    let per_square = pairs.per_radius * pairs.per_radius;
-    var theta = own.w * poly6(0.0);
+    var theta = own.w * pairs.height;
     var sum = vec3f(0.0);
     var moment = mat3x3f(FLOOR, 0.0, 0.0, 0.0, FLOOR, 0.0, 0.0, 0.0, FLOOR);
     var square = mat3x3f();   // sum_j w_j V_j^2 grad W (x) grad W
@@ -53,8 +51,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let other = predicted[j];
         let gap = gap_to(pairs, j, other.xyz);
         let gradient = other.w * gradient_at(pairs, gap);
-        let q = max(1.0 - per_square * dot(gap, gap), 0.0);
-        theta += other.w * factor * q * q * q;
+        theta += other.w * kernel_at(pairs, gap);
         sum += gradient;
         moment -= mat3x3f(gap.x * gradient, gap.y * gradient, gap.z * gradient);
         let weighed = share_of(j) * gradient;

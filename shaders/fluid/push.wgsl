@@ -5,7 +5,7 @@
 // With the pressures that the step before left, and with each that an iteration adds.
 import package::common::{
     params::params, near::Near, dispatch::{invocation, WORKGROUP},
-    pressure::{Pressed, Stress, flows, share_of, times, pairs_of, gradient_to},
+    pairs::{pairs_of, gradient_to}, pressure::{Pressed, Stress, flows, share_of, times},
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]

@@ -8,7 +8,7 @@
 // diffusion vanishes with it.
 import package::common::{
     params::params, near::Near, dispatch::{invocation, WORKGROUP}, status::{status, frozen},
-    sph_kernels::spiky_gradient, pressure::{pairs_of, gap_to, coincide, gradient_at},
+    sph_kernels::spiky_gradient, pairs::{pairs_of, gap_to, coincide, gradient_at},
 };
 
 const CARRIED: f32 = 0.05;    // of the way in a step: less leaves clumps, more moves air across the shear behind hair

@@ -6,8 +6,8 @@
 // `exchange` is S of `limit`; it stays zero where the limiter is left out. With the model TWO_WAY points of one strand exchange
 // nothing: a strand has its rod and `rods.damping`, and XSPH would resist its bending.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::separation,
-    matter::{inverse_mass_of, viscosity_between}, sph_kernels::poly6,
+    params::params, near::Near, dispatch::{invocation, WORKGROUP},
+    matter::{inverse_mass_of, viscosity_between}, pairs::{pairs_of, gap_to, kernel_at},
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:        array<vec4f>;
@@ -26,15 +26,17 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let velocity = new_velocity[i].xyz;
     let mass = inverse_mass_of(i);
     let range = neighbour_range[i];
+    let pairs = pairs_of(i, own.xyz);
+    let thickness = density[i];
+    let exchanged = max(1.0, exchange[i]);
     var sum = vec3f(0.0);
     for (var n = range.first; n < range.apart; n++) {
         let j = neighbour_list[n];
         let other = predicted[j];
-        let gap = separation(i, j, own.xyz, other.xyz);
-        let weight = 2.0 * sqrt(own.w * other.w) * poly6(dot(gap, gap)) / (density[i] + density[j]);
+        let weight = 2.0 * sqrt(own.w * other.w) * kernel_at(pairs, gap_to(pairs, j, other.xyz)) / (thickness + density[j]);
         let both = mass + inverse_mass_of(j);
         if both > 0.0 {
-            let share = viscosity_between(i, j) * weight / max(1.0, max(exchange[i], exchange[j]));
+            let share = viscosity_between(i, j) * weight / max(exchanged, exchange[j]);
             sum += 2.0 * mass / both * share * (new_velocity[j].xyz - velocity);
         }
     }

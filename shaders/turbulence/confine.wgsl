@@ -4,8 +4,8 @@
 //   a_i = S |u_i| max(0, 1 - |u_i|^2/(I U)^2) (N x omega_i),  |dt a| <= 0.12 |u_i|
 //   as printed (eqs. 2, 4): a_i = epsilon 1/2 m |u_i|^2 (N x omega_i) in mg, mm, s; omega of v, hair in the sum
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::{is_air, separation}, status::{frozen, count_step, CONFINEMENT_LIMITED},
-    sph_kernels::spiky_gradient, wind::left_by_fringe, band::Band,
+    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::is_air, status::{frozen, count_step, CONFINEMENT_LIMITED},
+    pairs::{pairs_of, gradient_to}, wind::left_by_fringe, band::Band,
 };
 
 const SOFTENING: f32 = 1e-3;   // part of |omega|/h added to |eta|, so that N vanishes where vorticity is uniform
@@ -27,12 +27,13 @@ fn change(i: u32) -> vec3f {
     let omega = vorticity[i];
     let published = params.published_law != 0u;
     let range = neighbour_range[i];
+    let pairs = pairs_of(i, own);
     var eta = vec3f(0.0);
     for (var n = range.first; n < range.middle; n++) {
         let j = neighbour_list[n];
         if published || is_air(j) {
             let other = predicted[j];
-            eta += other.w * (vorticity[j].w - omega.w) * spiky_gradient(i, j, separation(i, j, own, other.xyz));
+            eta += other.w * (vorticity[j].w - omega.w) * gradient_to(pairs, j, other.xyz);
         }
     }
     let size = length(eta) + SOFTENING * omega.w / params.kernel_radius;

@@ -2,8 +2,8 @@
 //
 //   omega_i = sum_j V_j (f_j - f_i) x grad_j W       over air only; as printed, over hair too
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::{is_air, separation}, status::frozen,
-    sph_kernels::spiky_gradient,
+    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::is_air, status::frozen,
+    pairs::{pairs_of, gradient_to},
 };
 
 @group(0) @binding(2) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -21,13 +21,14 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let own = predicted[i].xyz;
     let value = field[i].xyz;
     let range = neighbour_range[i];
+    let pairs = pairs_of(i, own);
     var omega = vec3f(0.0);
     for (var n = range.first; n < range.middle; n++) {
         let j = neighbour_list[n];
         if all || is_air(j) {
             let other = predicted[j];
             // grad_j W = -grad_i W
-            let gradient = spiky_gradient(i, j, separation(i, j, own, other.xyz));
+            let gradient = gradient_to(pairs, j, other.xyz);
             omega -= other.w * cross(field[j].xyz - value, gradient);
         }
     }

@@ -16,13 +16,26 @@ pub fn spiky_slope(r: f64, h: f64) -> f64 {
     if r >= h { 0.0 } else { 45.0 / (PI * h.powi(6)) * (h - r).powi(2) }
 }
 
+/// Distance in units of h below which particles lie on one another.
+const COINCIDENT: f64 = 1e-6;
+
+/// Whether particles lie on one another.
+#[must_use]
+pub fn coincide(gap: DVec3, h: f64) -> bool {
+    gap.length() < COINCIDENT * h
+}
+
+/// Spiky's gradient ∇_i W for x_i − x_j = `gap`; 0 for coincident particles, which have no direction.
+#[must_use]
+pub fn gradient(gap: DVec3, h: f64) -> DVec3 {
+    if coincide(gap, h) { DVec3::ZERO } else { -spiky_slope(gap.length(), h) * gap.normalize() }
+}
+
 /// Spiky's gradient ∇_i W for x_i − x_j = `gap`. Coincident particles take a direction from their indices, opposite for
 /// (j, i).
 #[must_use]
 pub fn spiky_gradient(i: usize, j: usize, gap: DVec3, h: f64) -> DVec3 {
-    let r = gap.length();
-    let direction = if r < 1e-6 * h { coincident_direction(i, j) } else { gap / r };
-    -spiky_slope(r, h) * direction
+    if coincide(gap, h) { -spiky_slope(gap.length(), h) * coincident_direction(i, j) } else { gradient(gap, h) }
 }
 
 /// Unit vector drawn from two indices, antisymmetric: coincident particles must separate.

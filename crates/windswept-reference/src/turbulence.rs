@@ -13,9 +13,7 @@ pub use mesh::{Mesh, b_spline, deposit, gather, smooth};
 pub(crate) use mesh::{places, spline_nodes, transformed};
 use windswept_scene::{Band, Filter, Law};
 
-use crate::{
-    Parameters, State, drive::depth, neighbours::Neighbours, parallel, sph_kernels::spiky_gradient, step::Scratch,
-};
+use crate::{Parameters, State, drive::depth, neighbours::Neighbours, parallel, sph_kernels::gradient, step::Scratch};
 
 /// Coefficient ε of the published law, read as an acceleration: a = ε ê (N × ω).
 const PUBLISHED_GAIN: f64 = 0.008;
@@ -148,7 +146,7 @@ fn counts(p: &Parameters, i: usize) -> bool {
 #[must_use]
 pub fn vorticity(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> Vec<DVec3> {
     let pair = |i: usize, j: usize| {
-        let own_gradient = spiky_gradient(i, j, p.separation(i, j, x[i], x[j]), p.kernel_radius);
+        let own_gradient = gradient(p.separation(i, j, x[i], x[j]), p.kernel_radius);
         volume[j] * (v[j] - v[i]).cross(-own_gradient)
     };
     let at = |i: usize| {
@@ -186,7 +184,7 @@ pub fn confine(
         }
         let own = omega[i].length();
         let toward = |j: usize| {
-            let gradient = spiky_gradient(i, j, p.separation(i, j, x[i], x[j]), p.kernel_radius);
+            let gradient = gradient(p.separation(i, j, x[i], x[j]), p.kernel_radius);
             volume[j] * (omega[j].length() - own) * gradient
         };
         let eta: DVec3 = near.of(i).filter(|&j| counts(p, j)).map(toward).sum();

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use windswept::{Gpu, Simulation, ops::Filter};
-use windswept_scene::{FluidSolver, InitialState, Scene};
+use windswept_scene::{Fluid, FluidSolver, InitialState, Scene};
 
 use crate::{
     Error, Row,
@@ -48,11 +48,11 @@ const FRESH: Vortices = Vortices { across: 24, deep: 8, speed: 0.3, carried: 0.0
 /// The wind \[m/s\].
 const WIND: DVec3 = DVec3::new(3.0, 0.0, 0.0);
 
-/// Air of solver divergence without friction, at so many substeps. The wind of 3 m/s has no fringe to enter through: it says how
-/// much particles are spread, and does nothing else.
-fn scene(substeps: u32) -> Result<Scene, Error> {
-    let mut scene = air::scene("fluid.solver = \"divergence\"\nviscosity = { hair = 0.0, air = 0.0 }")?;
-    scene.time.substeps = substeps;
+/// Air without friction, at so many substeps. The wind of 3 m/s has no fringe to enter through: it says how much particles are
+/// spread, and does nothing else.
+fn scene(fluid: &Fluid, substeps: u32) -> Result<Scene, Error> {
+    let mut scene = air::scene("viscosity = { hair = 0.0, air = 0.0 }")?;
+    (scene.fluid, scene.time.substeps) = (fluid.clone(), substeps);
     if let Some(air) = &mut scene.air {
         (air.wind, air.fringe) = (WIND.to_array(), 0.0);
     }
@@ -61,9 +61,9 @@ fn scene(substeps: u32) -> Result<Scene, Error> {
 
 impl Vortices {
     /// Energy that is left after `time` \[s\], of that at the start.
-    fn left(&self, gpu: &Gpu, substeps: u32, time: f64) -> Result<f64, Error> {
+    fn left(&self, gpu: &Gpu, fluid: &Fluid, substeps: u32, time: f64) -> Result<f64, Error> {
         let cloud = Cloud::lattice([self.across, self.across, self.deep], SIMPLE).jittered(self.jitter, 7);
-        let mut simulation = Simulation::with_state(gpu, &scene(substeps)?, cloud.initial())?;
+        let mut simulation = Simulation::with_state(gpu, &scene(fluid, substeps)?, cloud.initial())?;
         simulation.step(self.settling)?;
         let settled = cloud.of_frame(&simulation.frame()?.air);
         let k = TAU / cloud.size.x;
@@ -87,14 +87,15 @@ impl Vortices {
 
 /// What vortices, a void, uniform air and a blow keep.
 pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
+    let fluid = &air::scene("")?.fluid;
     let turnover = MELTED.turnover();
-    let [one, four] = [1, 4].map(|substeps| MELTED.left(gpu, substeps, turnover));
+    let [one, four] = [1, 4].map(|substeps| MELTED.left(gpu, fluid, substeps, turnover));
     let one = one?;
     let mut rows = vec![
         Row::new("Taylor-Green, 16 d, 1 substep: energy after a turnover", 0.97, one, 0.03, IDEAL),
         Row::new("Taylor-Green, 16 d, 4 substeps: energy after a turnover", 0.99, four?, 0.01, IDEAL),
     ];
-    let carried = Vortices { carried: 3.0, ..MELTED }.left(gpu, 1, turnover)?;
+    let carried = Vortices { carried: 3.0, ..MELTED }.left(gpu, fluid, 1, turnover)?;
     rows.push(Row::new(
         "Taylor-Green, 16 d, carried by 3 m/s: energy off that at rest",
         0.0,
@@ -104,19 +105,19 @@ pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ));
     let time = 0.276;
     let k = TAU / (FRESH.across as f64 * spacing());
-    let viscosity = -FRESH.left(gpu, 1, time)?.ln() / (4.0 * k * k * time);
+    let viscosity = -FRESH.left(gpu, fluid, 1, time)?.ln() / (4.0 * k * k * time);
     rows.push(
         Row::new("Taylor-Green, 24 d: viscosity of the solver", 5e-6, viscosity, 5e-6, NUMERICAL).in_unit("m²/s"),
     );
     for substeps in [1, 4, 16] {
         let name = format!("uniform wind of 3 m/s, {substeps} substeps, 600 steps: rms of the velocity off it");
-        rows.push(Row::new(name, 0.0, noise(gpu, substeps)?, 1e-6, NOTHING).in_unit("m/s"));
+        rows.push(Row::new(name, 0.0, noise(gpu, fluid, substeps)?, 1e-6, NOTHING).in_unit("m/s"));
     }
-    rows.push(Row::new("void of 3 d in 3 m/s: air in it after 70 ms", 0.9, filled(gpu)?, 0.1, FILLED));
+    rows.push(Row::new("void of 3 d in 3 m/s: air in it after 70 ms", 0.9, filled(gpu, fluid)?, 0.1, FILLED));
     rows.push(Row::new(
         "a blow on a parcel: momentum of all air off it after 20 steps",
         0.0,
-        blow(gpu)?,
+        blow(gpu, fluid)?,
         1e-6,
         IMPULSE,
     ));
@@ -125,8 +126,9 @@ pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 
 /// What vortices keep at short steps and when they are large and fast, and what a stirred box does.
 pub(crate) fn limits(gpu: &Gpu) -> Result<Vec<Row>, Error> {
+    let fluid = &air::scene("")?.fluid;
     let turnover = MELTED.turnover();
-    let (eight, sixteen) = (MELTED.left(gpu, 8, turnover)?, MELTED.left(gpu, 16, turnover)?);
+    let (eight, sixteen) = (MELTED.left(gpu, fluid, 8, turnover)?, MELTED.left(gpu, fluid, 16, turnover)?);
     let large = Vortices { across: 64, deep: 6, speed: 3.0, ..MELTED };
     let mut rows = vec![
         Row::new("Taylor-Green, 16 d, 16 substeps: energy after a turnover", 0.99, sixteen, 0.01, IDEAL),
@@ -134,13 +136,13 @@ pub(crate) fn limits(gpu: &Gpu) -> Result<Vec<Row>, Error> {
         Row::new(
             "Taylor-Green, 64 d, 3 m/s: energy after a turnover",
             0.94,
-            large.left(gpu, 1, large.turnover())?,
+            large.left(gpu, fluid, 1, large.turnover())?,
             0.06,
             IDEAL,
         ),
     ];
     rows.push(momentum::air_alone(gpu, FluidSolver::Divergence, 1000, 1e-6)?);
-    let (coarse, fine) = (stirred(gpu, 1)?, stirred(gpu, 8)?);
+    let (coarse, fine) = (stirred(gpu, fluid, 1)?, stirred(gpu, fluid, 8)?);
     for (scale, (coarse, fine)) in SCALES.into_iter().zip(coarse.into_iter().zip(fine)) {
         let name = format!("stirred box: band of {} mm at 1 substep over that at 8", 1e3 * scale);
         rows.push(Row::new(name, 1.0, coarse / fine, 0.25, STIRRED));
@@ -149,16 +151,16 @@ pub(crate) fn limits(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 }
 
 /// Rms of the velocities of jittered air off a uniform wind \[m/s\].
-fn noise(gpu: &Gpu, substeps: u32) -> Result<f64, Error> {
+fn noise(gpu: &Gpu, fluid: &Fluid, substeps: u32) -> Result<f64, Error> {
     let cloud = Cloud::lattice([8; 3], SIMPLE).jittered(0.2, 7).moving(|_| WIND);
-    let mut simulation = Simulation::with_state(gpu, &scene(substeps)?, cloud.initial())?;
+    let mut simulation = Simulation::with_state(gpu, &scene(fluid, substeps)?, cloud.initial())?;
     simulation.step(600 / u64::from(substeps))?;
     let v = vectors(&simulation.frame()?.air.velocities);
     Ok(mean(v.iter().map(|v| (*v - WIND).length_squared())).sqrt())
 }
 
 /// Part of its share of air that a void in a wind of 3 m/s has after 70 ms.
-fn filled(gpu: &Gpu) -> Result<f64, Error> {
+fn filled(gpu: &Gpu, fluid: &Fluid) -> Result<f64, Error> {
     let radius = 3.0 * spacing();
     let mut cloud = Cloud::lattice([14; 3], SIMPLE).jittered(0.2, 7).moving(|_| WIND);
     let (size, center) = (cloud.size, 0.5 * cloud.size);
@@ -170,7 +172,7 @@ fn filled(gpu: &Gpu) -> Result<f64, Error> {
     cloud.velocities.truncate(cloud.positions.len());
     let mut initial = cloud.initial();
     initial.air.volume = size.element_product() / cloud.positions.len() as f64;
-    let mut simulation = Simulation::with_state(gpu, &scene(1)?, initial.clone())?;
+    let mut simulation = Simulation::with_state(gpu, &scene(fluid, 1)?, initial.clone())?;
     simulation.step((0.070 / STEP).round() as u64)?;
     let moved = center + WIND * simulation.time();
     let within = cloud.of_frame(&simulation.frame()?.air).positions.iter().filter(|x| off(x, moved) < radius).count();
@@ -178,11 +180,11 @@ fn filled(gpu: &Gpu) -> Result<f64, Error> {
 }
 
 /// Momentum of air at rest in which one parcel was given a blow, off that blow after 20 steps, of it.
-fn blow(gpu: &Gpu) -> Result<f64, Error> {
+fn blow(gpu: &Gpu, fluid: &Fluid) -> Result<f64, Error> {
     let cloud = Cloud::lattice([12; 3], SIMPLE).jittered(0.05, 7);
     let mut initial: InitialState = cloud.initial();
     initial.air.velocities[100] = DVec3::X;
-    let mut simulation = Simulation::with_state(gpu, &scene(1)?, initial)?;
+    let mut simulation = Simulation::with_state(gpu, &scene(fluid, 1)?, initial)?;
     simulation.step(20)?;
     let sum: DVec3 = vectors(&simulation.frame()?.air.velocities).into_iter().sum();
     Ok((sum - DVec3::X).length())
@@ -191,10 +193,15 @@ fn blow(gpu: &Gpu) -> Result<f64, Error> {
 /// Scales of the bands that are looked at \[m\].
 const SCALES: [f64; 3] = [0.006, 0.009, 0.018];
 
-/// Energy of bands of a box that was stirred at 0.5 m/s, after 0.12 s \[m²/s²\].
-fn stirred(gpu: &Gpu, substeps: u32) -> Result<[f64; 3], Error> {
+/// Energy of vortices of 16 spacings and 0.3 m/s after a turnover, of that at the start.
+pub fn energy_left(gpu: &Gpu, fluid: &Fluid, substeps: u32) -> Result<f64, Error> {
+    MELTED.left(gpu, fluid, substeps, MELTED.turnover())
+}
+
+/// Energy of the bands of [`SCALES`] in a box that was stirred at 0.5 m/s, after 0.12 s \[m²/s²\].
+pub fn stirred(gpu: &Gpu, fluid: &Fluid, substeps: u32) -> Result<[f64; 3], Error> {
     let cloud = Cloud::lattice([16; 3], SIMPLE).jittered(0.2, 7).stirred(0.5 / 3.0_f64.sqrt(), 11);
-    let mut scene = scene(substeps)?;
+    let mut scene = scene(fluid, substeps)?;
     scene.viscosity.air = 0.014;
     let mut simulation = Simulation::with_state(gpu, &scene, cloud.initial())?;
     simulation.step((0.12 / STEP).round() as u64)?;

@@ -15,7 +15,7 @@ use super::{coarse_deposit, coarse_push, coarse_solve};
 use crate::{
     Parameters, State,
     neighbours::Neighbours,
-    sph_kernels::{poly6, spiky_gradient},
+    sph_kernels::{self, poly6, spiky_gradient},
     step::Scratch,
     turbulence,
 };
@@ -111,15 +111,9 @@ fn others<'a>(p: &'a Parameters, near: &'a Neighbours, i: usize) -> impl Iterato
     near.of(i).filter(move |&j| p.model == Model::Particles || p.is_air(i) && p.is_air(j))
 }
 
-/// Gradient g_ij = ∇_i W \[1/m⁴\]; 0 for particles that lie on one another, which have no direction.
+/// Gradient g_ij = ∇_i W \[1/m⁴\]; 0 for particles that lie on one another.
 fn gradient(p: &Parameters, i: usize, j: usize, x: &[DVec3]) -> DVec3 {
-    let gap = p.separation(i, j, x[i], x[j]);
-    if coincide(p, gap) { DVec3::ZERO } else { spiky_gradient(i, j, gap, p.kernel_radius) }
-}
-
-/// Whether particles lie on one another.
-fn coincide(p: &Parameters, gap: DVec3) -> bool {
-    gap.length() < 1e-6 * p.kernel_radius
+    sph_kernels::gradient(p.separation(i, j, x[i], x[j]), p.kernel_radius)
 }
 
 /// Moves δ of air that keep particles apart, and that velocity never sees \[m\]; 0 for hair.
@@ -135,7 +129,9 @@ pub fn spread(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &N
             return DVec3::ZERO;
         }
         let pairs = || others(p, near, i).map(|j| (j, volume[j] * gradient(p, i, j, x)));
-        let met = others(p, near, i).filter(|&j| coincide(p, p.separation(i, j, x[i], x[j]))).max();
+        let met = others(p, near, i)
+            .filter(|&j| sph_kernels::coincide(p.separation(i, j, x[i], x[j]), p.kernel_radius))
+            .max();
         let away = met.map_or(DVec3::ZERO, |j| volume[j] * spiky_gradient(i, j, DVec3::ZERO, p.kernel_radius));
         let uneven: DVec3 = away + pairs().map(|(_, gradient)| gradient).sum::<DVec3>();
         let bent: DMat3 = pairs().map(|(j, gradient)| outer(v[j] - v[i], gradient)).sum();
