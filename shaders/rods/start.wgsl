@@ -21,6 +21,7 @@ import package::common::{
 @group(0) @binding(7) var<storage, read_write> health:       array<Health>;
 @group(0) @binding(8) var<storage, read>       touched:      array<u32>;   // per strand, of the step before: by bodies, or they moved
 
+const AT_TIP: f32 = 0.25;  // force on the tip that bends a strand as far as a force on all of it: 3/8 of a beam, 1/ln n of a chain
 const LOADED: f32 = 0.4;   // lengths of the strand: what forces may move a free point by, where the strand is whole
 const GROWTH: f32 = 2.0;   // times the farthest free move of the step before: what a strand bears where air drags hair
 
@@ -81,16 +82,23 @@ fn rested(strand: Strand, steps: u32) -> bool {
     return steps >= STILL_STEPS && f32(steps) * params.step >= strand.still_time;
 }
 
-// Whether something pushes the strand that did not while it came to rest. A sleeper has no velocity but what viscosity gave it
-// since. One that trembles feels the drag tremble, and is not pushed by that.
+// Whether something pushes the strand that did not while it came to rest: all of it on average, or one point by as much as bends
+// the strand as far. A sleeper has no velocity but what viscosity gave it since. One that trembles feels the drag tremble, and is not pushed by that.
 fn pushed(strand: Strand, asleep: bool) -> bool {
     if !asleep && params.model != PARTICLES { return false; }
+    var count = 0.0;   // of points that nothing holds
+    var sum = vec3f(0.0);
+    var largest = 0.0;
     for (var k = 0u; k < strand.points; k++) {
         let point = rod_points[strand.first_point + k];
-        let push = length(select(point.push, point.stir, asleep));
-        if push > strand.still_acceleration * params.step { return true; }
+        if point.inverse_mass == 0.0 { continue; }
+        let push = select(point.push, point.stir, asleep);
+        count += 1.0;
+        sum += push;
+        largest = max(largest, length(push));
     }
-    return false;
+    let felt = max(length(sum) / max(count, 1.0), largest / max(AT_TIP * count, 1.0));
+    return felt > strand.still_acceleration * params.step;
 }
 
 // Where point k goes without its rod, under this part of the force on it.

@@ -27,9 +27,11 @@ struct Case {
     /// Steps at rest over those that it takes to fall asleep.
     still: Still,
     touched: bool,
-    /// Push on its tip, in parts of the push that wakes.
+    /// Push on its tip, in parts of the push there that wakes.
     push: f64,
-    /// Push that viscosity gave it in the step before, in parts of the push that wakes.
+    /// Push on all of its points, in parts of the push that wakes.
+    breath: f64,
+    /// Push that viscosity gave its tip in the step before, in parts of the push that wakes.
     given: f64,
     tip: End,
     /// Move of its root, in lengths of the strand.
@@ -56,6 +58,7 @@ const PLAIN: Case = Case {
     still: Still::No,
     touched: false,
     push: 0.0,
+    breath: 0.0,
     given: 0.0,
     tip: End::Free,
     root: 0.0,
@@ -67,7 +70,7 @@ const PLAIN: Case = Case {
 
 const SLEEPER: Case = Case { still: Still::Asleep, goes: rods::State::Asleep, ..PLAIN };
 
-const CASES: [Case; 22] = [
+const CASES: [Case; 24] = [
     Case { what: "by Euler", calm: 0, calm_after: 1, ..PLAIN },
     Case { what: "calm for the third time", calm: 2, ..PLAIN },
     Case { what: "calm", root: 0.001, ..PLAIN },
@@ -93,12 +96,19 @@ const CASES: [Case; 22] = [
     Case { what: "falls asleep on a body", still: Still::Rested, touched: true, ..SLEEPER },
     Case { what: "asleep", ..SLEEPER },
     Case { what: "asleep, pushed by too little", push: 0.9, ..SLEEPER },
+    Case { what: "asleep, in too little of a breath", breath: 0.9, ..SLEEPER },
+    Case { what: "woken by a breath", breath: 1.1, goes: rods::State::Free, ..SLEEPER },
     Case { what: "asleep, given too little", given: 0.9, ..SLEEPER },
     Case { what: "woken by its neighbours", given: 1.1, goes: rods::State::Free, ..SLEEPER },
     Case { what: "woken by a push", push: 1.1, goes: rods::State::Free, ..SLEEPER },
     Case { what: "woken by a body", touched: true, goes: rods::State::Free, ..SLEEPER },
     Case { what: "woken by its root", root: 0.001, goes: rods::State::Free, ..SLEEPER },
 ];
+
+/// Push on the tip that wakes a strand of so many points, over a push on all of them that does.
+fn at_tip(points: usize) -> f64 {
+    (0.25 * points as f64).max(1.0)
+}
 
 /// Strands with the cases in turn, each with a history, and forces, of its own; what is committed on both sides.
 fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
@@ -126,7 +136,7 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
             let moves = hair.inverse_mass[i] > 0.0 && case.still != Still::Asleep;
             hair.velocities[i] = if moves { drawn.as_vec3().as_dvec3() } else { DVec3::ZERO };
         }
-        let given = case.given * hair.rest(s, &scene).acceleration * step;
+        let given = case.given * hair.rest(s, &scene).acceleration * step * at_tip(points.len() - 1);
         hair.velocities[points.end - 1] += (given * DVec3::Y).as_vec3().as_dvec3();
         if case.goes != rods::State::Free {
             // The frame is not that of rest, so that it is seen where the strand is put.
@@ -174,8 +184,10 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
             Still::Almost => rested - 1,
             Still::Rested | Still::Asleep => rested,
         };
-        let tip = s.hair.points(strand).end - 1;
-        push[tip] = case.push * stage.parameters.rest[strand].acceleration * stage.parameters.step.powi(2) * DVec3::Y;
+        let points = s.hair.points(strand);
+        let wakes = stage.parameters.rest[strand].acceleration * stage.parameters.step.powi(2) * DVec3::Y;
+        push[points.clone()].fill(case.breath * wakes);
+        push[points.end - 1] += case.push * at_tip(points.len() - 1) * wakes;
     }
     let health = |strand| {
         let committed = condition(&s, strand, &Condition::default());

@@ -4,8 +4,8 @@ use glam::{DQuat, DVec3};
 use windswept_scene::{Model, Strands};
 
 use super::{
-    CALM_STEPS, Drive, GROWTH, LOADED, Load, Moving, Point, STILL_STEPS, Segment, State, TORN, damping, free_move,
-    response, rotation,
+    AT_TIP, CALM_STEPS, Drive, GROWTH, LOADED, Load, Moving, Point, STILL_STEPS, Segment, State, TORN, damping,
+    free_move, response, rotation,
 };
 use crate::{Parameters, state};
 
@@ -63,6 +63,13 @@ pub fn load(p: &Parameters, s: &state::State, i: usize, load: Load, point: &mut 
     point.push = point.outside - s.outside[i];
 }
 
+/// Push on all of a strand that bends it as far as these on its points do: their mean, or the largest alone.
+fn felt(pushes: impl Iterator<Item = DVec3> + Clone) -> f64 {
+    let count = pushes.clone().count() as f64;
+    let largest = pushes.clone().map(|push| push.length()).fold(0.0, f64::max);
+    (pushes.sum::<DVec3>().length() / count.max(1.0)).max(largest / (AT_TIP * count).max(1.0))
+}
+
 /// Decides how a strand goes through the step: reset, teleported, asleep or integrated; and where its solver starts.
 pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Drive, m: &mut Moving) -> Choice {
     let (points, segments) = (s.hair.points(strand), s.hair.segments(strand));
@@ -71,7 +78,8 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
     let push = |i: usize| m.points[i].push + if asleep { s.velocity[i] } else { DVec3::ZERO };
     // One that trembles feels the drag tremble, and is not pushed by that.
     let minds = asleep || p.model == Model::Particles;
-    let pushed = minds && points.clone().any(|i| push(i).length() > p.rest[strand].acceleration * p.step);
+    let pushed = minds
+        && felt(points.clone().filter(|&i| s.inverse_mass[i] > 0.0).map(push)) > p.rest[strand].acceleration * p.step;
     if s.bad[strand] {
         s.bad[strand] = false;
         (s.calm[strand], s.still[strand], s.asleep[strand]) = (0, 0, false);
