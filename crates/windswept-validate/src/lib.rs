@@ -19,6 +19,7 @@ mod pressure;
 mod rods;
 mod row;
 mod stage;
+mod taylor_green;
 mod turbulence;
 mod twin;
 mod viscosity;
@@ -95,6 +96,7 @@ pub const CHECKS: &[Check] = &[
 /// Checks that take long on a software adapter; `tests/exchange.rs` asserts them.
 pub const LONG_CHECKS: &[Check] = &[
     Check { name: "pressure-limits", run: pressure::limits },
+    Check { name: "taylor-green-3d", run: taylor_green::rows },
     Check { name: "fixed-wide", run: exchange::fixed_wide },
     Check { name: "strip", run: exchange::strip },
     Check { name: "strip-halved", run: exchange::strip_halved },
