@@ -2,7 +2,7 @@
 // the air is drawn toward what the wind brings, so that what left downstream comes in again conditioned.
 //
 //   dv = U(t + dt) - U(t);  then  v += (1 - exp(-sigma dt)) (U + u' - v)
-//   sigma = sum over faces of cos * 10 max(|U|, 0.3 m/s)/l sin^2(pi x/l)  within the thickness l
+//   sigma = sum over faces of cos * 30 max(|U|, 0.3 m/s)/l sin^2(pi x/l)  within the thickness l
 //   u' = |U| sum_m a_m sin(k_m . (x - way) + phi_m), carried along with the wind: frozen turbulence (Taylor 1938), solenoidal
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, pi::PI, status::frozen,
@@ -10,7 +10,7 @@ import package::common::{
 };
 
 const SLOWEST: f32 = 0.3;   // m/s: the fringe keeps some grip while the wind rises
-const GRIP: f32 = 10.0;     // of the fringe, per passage
+const GRIP: f32 = 30.0;     // of the fringe, per passage
 
 struct Wave {
     number: vec4f,      // xyz: k [1/m], whole periods to the box; w: phase

@@ -155,7 +155,7 @@ pub fn depth(p: &Parameters, wind: DVec3, axis: usize, position: DVec3) -> f64 {
 /// Change that the wind makes in step number `steps` to air at `position` that moves with `velocity` \[m/s\].
 ///
 /// The mean wind's change is added first, then v += (1 − e^{−σΔt})(U + u' − v), with u' the turbulence that the wind brings in
-/// and σ = 10 max(|U|, 0.3 m/s)/ℓ sin²(π x/ℓ) within the thickness ℓ of the face that U enters through; several faces count
+/// and σ = 30 max(|U|, 0.3 m/s)/ℓ sin²(π x/ℓ) within the thickness ℓ of the face that U enters through; several faces count
 /// with the cosines of U.
 #[must_use]
 pub fn fringe(p: &Parameters, steps: u64, position: DVec3, velocity: DVec3) -> DVec3 {
@@ -169,7 +169,7 @@ pub fn fringe(p: &Parameters, steps: u64, position: DVec3, velocity: DVec3) -> D
         let depth = depth(p, wind, axis, position);
         if depth < p.fringe {
             let cosine = wind[axis].abs() / speed;
-            sigma += cosine * 10.0 * speed.max(0.3) / p.fringe * (PI * depth / p.fringe).sin().powi(2);
+            sigma += cosine * 30.0 * speed.max(0.3) / p.fringe * (PI * depth / p.fringe).sin().powi(2);
         }
     }
     change + (1.0 - (-sigma * p.step).exp()) * (brought(p, steps, position) - (velocity + change))

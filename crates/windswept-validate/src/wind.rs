@@ -68,7 +68,7 @@ fn fringe(gpu: &Gpu) -> Result<Row, Error> {
     let added = stage.read(|s| &s.wind_change)?;
     let wanted = |x: &[f64; 3]| {
         let sigma =
-            if x[0] < thickness { 10.0 * WIND.x / thickness * (PI * x[0] / thickness).sin().powi(2) } else { 0.0 };
+            if x[0] < thickness { 30.0 * WIND.x / thickness * (PI * x[0] / thickness).sin().powi(2) } else { 0.0 };
         (1.0 - (-sigma * STEP).exp()) * WIND
     };
     let off = added.iter().zip(&cloud.positions).map(|(added, x)| (*added - wanted(x)).length() / WIND.length());
