@@ -69,7 +69,7 @@ const FAMILIES: &[Family] = &[
     },
     Family {
         name: "wind",
-        title: "A hair in the wind: model, step, integrator, iterations of the air",
+        title: "A hair in the wind: air, step, integrator",
         time: "all passes per 10 ms of simulated time, one hair [ms]",
         along: "along a line: steps of 5, 2.5, 1.25, 0.625 ms",
         measure: wind::measure,

@@ -25,13 +25,23 @@ const REST: f64 = 0.3;
 const END: f64 = 0.4;
 /// What times are of \[s\].
 const SIMULATED: f64 = 0.01;
-/// Model and iterations of the air.
-const AIR: [(Model, u32); 4] = [(Model::TwoWay, 4), (Model::TwoWay, 2), (Model::TwoWay, 8), (Model::Drag, 0)];
+/// What hair is blown by.
+const AIR: [Blows; 5] = [Blows::Pressure(2), Blows::Pressure(1), Blows::Pressure(4), Blows::Pbf(4), Blows::Mean];
+
+/// What hair is blown by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Blows {
+    /// Air particles of solver divergence, with so many iterations of its pressure.
+    Pressure(u32),
+    /// Air particles of solver pbf, with so many iterations.
+    Pbf(u32),
+    /// The mean wind, which nothing slows.
+    Mean,
+}
 
 #[derive(Debug, Clone, Copy)]
 struct Setting {
-    model: Model,
-    iterations: u32,
+    air: Blows,
     integrator: Integrator,
     step: f64,
 }
@@ -42,26 +52,31 @@ impl Setting {
             Integrator::Bdf2 => "BDF2",
             Integrator::Euler => "Euler",
         };
-        match self.model {
-            Model::Drag => format!("drag alone, {rods}"),
-            _ => format!("two-way, {} iterations, {rods}", self.iterations),
+        match self.air {
+            Blows::Pressure(count) => format!("two-way, divergence, {count} iterations, {rods}"),
+            Blows::Pbf(count) => format!("two-way, pbf, {count} iterations, {rods}"),
+            Blows::Mean => format!("drag alone, {rods}"),
         }
     }
 
     fn built(self) -> Result<(Scene, InitialState)> {
+        let (model, fluid) = match self.air {
+            Blows::Pressure(count) => (Model::TwoWay, format!("fluid.pressure_iterations = {count}")),
+            Blows::Pbf(count) => (Model::TwoWay, format!("fluid = {{ solver = \"pbf\", iterations = {count} }}")),
+            Blows::Mean => (Model::Drag, String::new()),
+        };
         let text = format!(
-            "interaction.model = \"{}\"\ntime = {{ step = {}, duration = 10.0 }}\nrods.sleep = false\n\
+            "interaction.model = \"{}\"\n{fluid}\ntime = {{ step = {}, duration = 10.0 }}\nrods.sleep = false\n\
              [air]\nbox = {{ min = [-0.05, -0.06, -0.0145], max = [0.075, 0.018, 0.0145] }}\n\
              wind = [{}, 0, 0]\nramp = 0.0\n\
              [hair]\nstrands = 1\npoints = 35\nlength = {}\nroots = {{ center = [0, 0, 0], radius = 1e-9 }}\n",
-            self.model.word(),
+            model.word(),
             self.step,
             REAL.wind,
             REAL.length,
         );
         let mut scene = Scene::parse(&text)?;
         scene.rods.integrator = self.integrator;
-        scene.fluid.iterations = self.iterations;
         let mut initial = InitialState::new(&scene)?;
         initial.air.velocities.fill(DVec3::X * REAL.wind);
         Ok((scene, initial))
@@ -98,16 +113,16 @@ fn rest(bench: &Bench, setting: Setting, mut simulation: Simulation) -> Result<D
 
 /// Errors and time of each setting.
 pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
-    let fine = Setting { model: Model::Drag, iterations: 0, integrator: Integrator::Bdf2, step: FINE };
+    let fine = Setting { air: Blows::Mean, integrator: Integrator::Bdf2, step: FINE };
     let truth = soon(bench, fine)?.0;
     let half = soon(bench, Setting { step: 2.0 * FINE, ..fine })?.0;
     let [x, down] = REAL.tip();
     let elastica = DVec3::new(x, -down, 0.0);
     let mut settings = Vec::new();
-    for &(model, iterations) in bench.some(&AIR) {
+    for &air in bench.some(&AIR) {
         for integrator in [Integrator::Bdf2, Integrator::Euler] {
             let steps = bench.some(&STEPS).iter();
-            settings.extend(steps.map(|&step| Setting { model, iterations, integrator, step }));
+            settings.extend(steps.map(|&step| Setting { air, integrator, step }));
         }
     }
     let scenes = settings.iter().map(|setting| setting.built()).collect::<Result<Vec<_>>>()?;
@@ -118,15 +133,14 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
         let time = Time { ms: time.ms * SIMULATED / setting.step, ..*time };
         let (early, simulation) = soon(bench, setting)?;
         let late = rest(bench, setting, simulation)?;
-        let default = setting.model == Model::TwoWay
+        let default = setting.air == Blows::Pressure(usual.fluid.pressure_iterations)
             && setting.integrator == usual.rods.integrator
-            && setting.iterations == usual.fluid.iterations
             && setting.step == USUAL;
         let label = format!("{} ms", 1e3 * setting.step);
         let point = |kind: &str, error: f64, uncertainty: f64| Point {
             uncertainty,
             default,
-            candidate: setting.model == Model::TwoWay,
+            candidate: setting.air != Blows::Mean,
             ..Point::new(kind, &setting.series(), &label, &time, error)
         };
         points.push(point("tip at rest off the elastica [L]", (late - elastica).length(), 0.0));

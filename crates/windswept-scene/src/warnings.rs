@@ -5,6 +5,7 @@ use glam::DVec3;
 use crate::{
     body::{Shape, blocked},
     initial::{AirParticles, Strands},
+    limits::MOST_REPEATS,
     scene::{Air, Bounds, FRICTION, FluidSolver, Scene},
 };
 
@@ -22,10 +23,15 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<
     let (spacing, wind, fastest) = (air.parcel().cbrt(), air.wind(), air.largest_wind());
     let (way, most) = (fastest * scene.time.step / spacing, farthest(scene));
     if way > most * f64::from(scene.time.substeps) {
+        let needed = (way / most).ceil();
+        let what = if needed <= f64::from(MOST_REPEATS) {
+            format!("take time.substeps = {needed}")
+        } else {
+            format!("more substeps than there may be, {MOST_REPEATS}, would do")
+        };
         warnings.push(format!(
-            "air moves {:.2} particle spacings in a step, where its pressure keeps up with at most {most}: take time.substeps = {}",
-            way / f64::from(scene.time.substeps),
-            (way / most).ceil()
+            "air moves {:.2} particle spacings in a step, where its pressure keeps up with at most {most}: {what}",
+            way / f64::from(scene.time.substeps)
         ));
     }
     let ratio = air.kernel_radius / spacing;
