@@ -20,6 +20,7 @@ mod rods;
 mod row;
 mod stage;
 mod taylor_green;
+mod tuft;
 mod turbulence;
 mod twin;
 mod viscosity;
@@ -97,6 +98,7 @@ pub const CHECKS: &[Check] = &[
 pub const LONG_CHECKS: &[Check] = &[
     Check { name: "pressure-limits", run: pressure::limits },
     Check { name: "taylor-green-3d", run: taylor_green::rows },
+    Check { name: "tuft", run: tuft::rows },
     Check { name: "fixed-wide", run: exchange::fixed_wide },
     Check { name: "strip", run: exchange::strip },
     Check { name: "strip-halved", run: exchange::strip_halved },
