@@ -27,19 +27,19 @@ fn fringe_drives_air_where_the_wind_enters() {
         let got = drive::fringe(p, 0, x, DVec3::ZERO);
         assert!((got - wanted).length() < 1e-14, "at {x}: {got} instead of {wanted}");
     };
-    // Half way: sin² = 1, so 10 · 3 m/s / 40 mm = 750 1/s; a quarter in: half of it; outside: nothing.
+    // Half way: sin² = 1, so 30 · 3 m/s / 40 mm = 2250 1/s; a quarter in: half of it; outside: nothing.
     let p = still_box(DVec3::X * 3.0);
-    close(&p, DVec3::new(0.02, 0.05, 0.05), DVec3::X * 3.0 * gain(750.0));
-    close(&p, DVec3::new(0.01, 0.05, 0.05), DVec3::X * 3.0 * gain(375.0));
+    close(&p, DVec3::new(0.02, 0.05, 0.05), DVec3::X * 3.0 * gain(2250.0));
+    close(&p, DVec3::new(0.01, 0.05, 0.05), DVec3::X * 3.0 * gain(1125.0));
     close(&p, DVec3::new(0.05, 0.05, 0.05), DVec3::ZERO);
     close(&p, DVec3::new(0.18, 0.02, 0.02), DVec3::ZERO);
     // A wind the other way enters through the high face; a breath of 0.1 m/s counts as 0.3 m/s in the rate.
-    close(&still_box(DVec3::X * -3.0), DVec3::new(0.18, 0.05, 0.05), DVec3::X * -3.0 * gain(750.0));
-    close(&still_box(DVec3::X * 0.1), DVec3::new(0.02, 0.05, 0.05), DVec3::X * 0.1 * gain(75.0));
+    close(&still_box(DVec3::X * -3.0), DVec3::new(0.18, 0.05, 0.05), DVec3::X * -3.0 * gain(2250.0));
+    close(&still_box(DVec3::X * 0.1), DVec3::new(0.02, 0.05, 0.05), DVec3::X * 0.1 * gain(225.0));
     // Oblique: each face counts with its cosine, 0.6 and 0.8.
     let oblique = DVec3::new(1.8, 0.0, -2.4);
-    close(&still_box(oblique), DVec3::new(0.02, 0.05, 0.08), oblique * gain(0.6 * 750.0 + 0.8 * 750.0));
-    close(&still_box(oblique), DVec3::new(0.02, 0.05, 0.05), oblique * gain(0.6 * 750.0));
+    close(&still_box(oblique), DVec3::new(0.02, 0.05, 0.08), oblique * gain(0.6 * 2250.0 + 0.8 * 2250.0));
+    close(&still_box(oblique), DVec3::new(0.02, 0.05, 0.05), oblique * gain(0.6 * 2250.0));
     close(&still_box(DVec3::ZERO), DVec3::new(0.02, 0.05, 0.05), DVec3::ZERO);
     // Air that moves with the wind is left alone.
     assert_eq!(drive::fringe(&p, 0, DVec3::new(0.02, 0.05, 0.05), p.wind), DVec3::ZERO);

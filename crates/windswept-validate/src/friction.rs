@@ -31,20 +31,22 @@ const RADIUS: f64 = 4e-4;
 /// Distance of strands in the bed \[m\]: as dense as they stand by themselves.
 const GAP: f64 = 3.5e-3;
 /// Strands of the bed: along the slope, across it, deep.
-const BED: [usize; 3] = [2, 7, 3];
-/// Time for which a strand slides \[s\].
+const BED: [usize; 3] = [2, 11, 3];
+/// Loose strands that lie on it, two spacings of its strands apart: nearer ones press one another off it.
+const BUNDLE: usize = 3;
+/// Time for which they slide \[s\].
 const TIME: f64 = 0.15;
 
-/// Rows of a strand on a bed of held ones in fields of gravity of two slopes, and of the momentum of a crowd.
+/// Rows of a bundle of strands on a bed of held ones in fields of gravity of two slopes, and of the momentum of a crowd.
 pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let (steep, flat) = (0.45_f64, 0.25);
     let pull = GRAVITY * steep.atan().cos() * (steep - FRICTION);
     let above = gain(&slide(gpu, steep, 0.1)?);
     let (_, below) = slide(gpu, flat, 0.0)?.pop().unwrap_or_default();
     Ok(vec![
-        Row::new(format!("strand on a bed that slopes {steep}: slides"), pull, above, 0.1 * pull, SLIDES)
+        Row::new(format!("bundle on a bed that slopes {steep}: slides"), pull, above, 0.1 * pull, SLIDES)
             .in_unit("m/s²"),
-        Row::new(format!("strand on a bed that slopes {flat}: speed"), 0.0, below, 1e-4, STAYS).in_unit("m/s"),
+        Row::new(format!("bundle on a bed that slopes {flat}: speed"), 0.0, below, 1e-4, STAYS).in_unit("m/s"),
         momentum(gpu)?,
     ])
 }
@@ -79,15 +81,17 @@ fn lay(initial: &mut InitialState, [along, across, deep]: [usize; 3]) {
     }
 }
 
-/// Course of a strand down a slope: its way \[m\] and speed \[m/s\] after each step, from a speed on.
+/// Course of a bundle of strands down a slope: its way \[m\] and speed \[m/s\] after each step, from a speed on.
 fn slide(gpu: &Gpu, slope: f64, speed: f64) -> Result<Vec<(f64, f64)>, Error> {
     let (sin, cos) = slope.atan().sin_cos();
     let bed = BED.iter().product();
-    let scene = scene(bed + 1, [GRAVITY * sin, -GRAVITY * cos, 0.0])?;
+    let scene = scene(bed + BUNDLE, [GRAVITY * sin, -GRAVITY * cos, 0.0])?;
     let mut initial = InitialState::new(&scene)?;
     lay(&mut initial, BED);
-    put(&mut initial, bed, DVec3::new(0.0, 1.8e-3, GAP * (BED[1] / 2) as f64));
-    let loose = initial.hair.points(bed);
+    for s in 0..BUNDLE {
+        put(&mut initial, bed + s, DVec3::new(0.0, 1.8e-3, GAP * (BED[1] / 2 + 2 * s - BUNDLE + 1) as f64));
+    }
+    let loose = initial.hair.points(bed).start..initial.hair.points(bed + BUNDLE - 1).end;
     initial.hair.velocities[loose.clone()].fill(speed * DVec3::X);
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
     let mut course = || -> Result<(f64, f64), Error> {
