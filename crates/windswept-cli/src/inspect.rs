@@ -4,7 +4,7 @@ use std::path::Path;
 
 use windswept::{AdapterChoice, Gpu};
 use windswept_export::Schedule;
-use windswept_scene::{InitialState, Method, Scene, SceneError};
+use windswept_scene::{InitialState, Scene, SceneError};
 
 use crate::arguments::{Changes, SceneOptions};
 use crate::console::Console;
@@ -42,7 +42,7 @@ pub(crate) fn check(
 fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, String)>, SceneError> {
     let schedule = Schedule::new(&scene.time, None);
     let (hair, air) = (&initial.hair, &initial.air);
-    let mut rows = vec![("scene", scene.title.clone()), ("method", method(scene.method).into())];
+    let mut rows = vec![("scene", scene.title.clone()), ("method", method(scene))];
     rows.push((
         "time",
         format!(
@@ -54,7 +54,11 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
             schedule.frames(),
         ),
     ));
-    rows.push(("hair", format!("{} strands, {} points", hair.len(), hair.positions.len())));
+    let fibres: f64 = scene.hair.iter().map(|group| f64::from(group.strands) * group.fibre.fibres_per_strand).sum();
+    rows.push((
+        "hair",
+        format!("{} strands that stand for {fibres} fibres, {} points", hair.len(), hair.positions.len()),
+    ));
     rows.push((
         "air",
         match (&scene.air, air.positions.len()) {
@@ -79,11 +83,12 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
     Ok(rows)
 }
 
-fn method(method: Method) -> &'static str {
-    match method {
-        Method::Accurate => "accurate",
-        Method::Published => "published",
-    }
+/// The method, and what is taken of it or instead of it.
+fn method(scene: &Scene) -> String {
+    let model = scene.interaction.model;
+    let air = if model.has_air() { format!(", air by {}", scene.fluid.solver.word()) } else { String::new() };
+    let (solver, integrator) = (scene.rods.solver.word(), scene.rods.integrator.word());
+    format!("{}: interaction {}{air}, rods by {solver} and {integrator}", scene.method.word(), model.word())
 }
 
 /// `windswept plan`: the passes of a step in order, under the step's headings.

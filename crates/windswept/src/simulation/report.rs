@@ -9,6 +9,9 @@ use crate::{
     status,
 };
 
+/// Strand steps of which one may go without a solve unmentioned: hair that is left unsolved feels nothing in that step.
+const FEW: u64 = 100;
+
 impl Simulation {
     /// The report of the run so far.
     ///
@@ -65,6 +68,11 @@ impl Simulation {
     #[must_use]
     pub fn warnings(&self) -> std::collections::BTreeMap<String, u64> {
         let mut warnings = status::warnings(&self.last);
+        let rescued = status::strand_steps(&self.last)["rescued_steps"];
+        let all = u64::from(self.engine.sizes().strands) * self.steps * self.substeps();
+        if rescued * FEW > all {
+            warnings.insert("rescued_steps".to_owned(), rescued);
+        }
         warnings.extend(self.initial.warnings.iter().map(|warning| (warning.clone(), 1)));
         warnings
     }
