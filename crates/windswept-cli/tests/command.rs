@@ -218,7 +218,12 @@ fn looking_needs_no_folder() {
     let checked = windswept(folder.path(), &["check", "scene.toml"]).output().expect("the program starts");
     let said = String::from_utf8_lossy(&checked.stdout).into_owned();
     assert_eq!(checked.status.code(), Some(0), "{checked:?}");
-    for word in ["4 strands, 24 points", "72 steps of 1.38 ms, 7 frames", "memory"] {
+    for word in [
+        "4 strands that stand for 400 fibres, 24 points",
+        "accurate: interaction two-way, air by divergence",
+        "72 steps of 1.38 ms, 7 frames",
+        "memory",
+    ] {
         assert!(said.contains(word), "{word}: {said}");
     }
     let mut plan = windswept(folder.path(), &["plan", "scene.toml", "--set", "air.wind=[0, 0, 0]"]);
