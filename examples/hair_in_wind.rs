@@ -1,5 +1,5 @@
-//! Draws docs/hair-in-wind.svg: hair at rest in the wind beside the curves in which it must stand, and its drag over that of
-//! a stiff one. `cargo run --example hair_in_wind`
+//! Draws docs/hair-in-wind.svg: hair at rest in the wind beside the curves in which it must stand, its drag over that of a stiff
+//! one, and the air in a porous strip of strands. `cargo run --example hair_in_wind`
 
 use std::error::Error;
 
@@ -7,6 +7,7 @@ use plotters::prelude::*;
 use windswept::{AdapterChoice, Gpu, Simulation};
 use windswept_reference::elastica::{Hair, REAL};
 use windswept_scene::Scene;
+use windswept_validate::internals::{STRIP_BLOCKAGE, in_strip, through};
 
 const WINDS: [f64; 3] = [1.0, 3.0, 10.0];
 const COLOURS: [RGBColor; 3] = [RGBColor(0, 114, 178), RGBColor(230, 159, 0), RGBColor(213, 94, 0)];
@@ -38,11 +39,12 @@ fn blown(gpu: &Gpu, hair: &Hair, points: u32, damping: f64) -> Result<Simulation
 fn main() -> Result<(), Box<dyn Error>> {
     let gpu = Gpu::new(&AdapterChoice::from_flag(None))?;
     println!("adapter: {}", gpu.info());
-    let root = SVGBackend::new("docs/hair-in-wind.svg", (900, 420)).into_drawing_area();
+    let root = SVGBackend::new("docs/hair-in-wind.svg", (1350, 420)).into_drawing_area();
     root.fill(&WHITE)?;
-    let panels = root.split_evenly((1, 2));
+    let panels = root.split_evenly((1, 3));
     shapes(&gpu, &panels[0])?;
     reconfiguration(&gpu, &panels[1])?;
+    strip(&gpu, &panels[2])?;
     root.present()?;
     Ok(())
 }
@@ -110,6 +112,30 @@ fn reconfiguration(gpu: &Gpu, panel: &Panel<'_>) -> Result<(), Box<dyn Error>> {
         let measured = impulse / STEP / (hair.length * hair.drag(0.0)[0]);
         println!("Ca = {cauchy}: R {measured:.4}, exact {:.4}", hair.reconfiguration());
         chart.draw_series([Circle::new((cauchy, measured), 4, COLOURS[0].filled())])?;
+    }
+    Ok(())
+}
+
+fn strip(gpu: &Gpu, panel: &Panel<'_>) -> Result<(), Box<dyn Error>> {
+    let mut chart = ChartBuilder::on(panel)
+        .caption("Air in a porous strip: line by Taylor's theory, dots measured", ("sans-serif", 15))
+        .margin(10)
+        .x_label_area_size(40)
+        .y_label_area_size(50)
+        .build_cartesian_2d((0.1..10.0).log_scale(), 0.3..1.05)?;
+    chart
+        .configure_mesh()
+        .light_line_style(WHITE)
+        .x_desc("k, drag of the strip over 1/2 ρ u²")
+        .y_desc("u / U")
+        .x_label_formatter(&|k| format!("{k}"))
+        .draw()?;
+    let theory = (0..=40).map(|i| 0.1 * 10.0_f64.powf(f64::from(i) / 20.0)).map(|k| (k, through(k, STRIP_BLOCKAGE)));
+    chart.draw_series(LineSeries::new(theory, BLACK.stroke_width(2)))?;
+    for k in [0.25, 0.5, 1.0, 2.0, 4.0] {
+        let measured = in_strip(gpu, k)?;
+        println!("k = {k}: u/U {measured:.4}, theory {:.4}", through(k, STRIP_BLOCKAGE));
+        chart.draw_series([Circle::new((k, measured), 4, COLOURS[0].filled())])?;
     }
     Ok(())
 }

@@ -147,7 +147,7 @@ fn the_scene_to_break_is_whole() {
     std::fs::write(&scene, SCENE).expect("a file");
     let (status, said, error) = windswept(&["check", path(&scene)], false);
     assert_eq!(status, 0, "{error}");
-    assert!(said.contains("4 strands, 24 points"), "{said}");
+    assert!(said.contains("4 strands that stand for 400 fibres, 24 points"), "{said}");
 }
 
 /// Each fault, alone, ends with status 2 and an error that names file, line and key and has the words; nothing is

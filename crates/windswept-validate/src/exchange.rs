@@ -196,7 +196,7 @@ fn law(speed: f64) -> f64 {
 /// ```text
 /// (b − 1)(b + 2w − 1) = B (b² − w²),  u = w (b + w)/(b + 2w − 1),  k u² = b² − w²
 /// ```
-fn through(k: f64, blockage: f64) -> f64 {
+pub fn through(k: f64, blockage: f64) -> f64 {
     let at = |b: f64| {
         let more = b - 1.0;
         let w = ((more.powi(2) - blockage * (more.powi(2) - blockage * b * b)).sqrt() - more) / blockage;
@@ -303,9 +303,17 @@ struct Strained {
 /// Places of the strip from the start of the channel \[spacings\]: all that differ for nodes three spacings apart.
 const PLACES: [f64; 3] = [22.0, 23.0, 24.0];
 
+/// Part of the channel that the strip takes.
+pub const STRIP_BLOCKAGE: f64 = 8.0 / 36.0;
+
+/// The air in a porous strip across a channel over U, at steps of 1.38 ms.
+pub fn in_strip(gpu: &Gpu, k: f64) -> Result<f64, Error> {
+    Ok(Strained::new(gpu, k, 1.38e-3, PLACES[1])?.speed[0])
+}
+
 impl Strained {
     fn new(gpu: &Gpu, k: f64, step: f64, place: f64) -> Result<Self, Error> {
-        let wanted = through(k, 8.0 / 36.0);
+        let wanted = through(k, STRIP_BLOCKAGE);
         let fence = Fence::strip(k, step, place);
         let felt = fence.felt(gpu, 0.15, 0.1)?;
         let area = 8.0 * spacing() * fence.length();

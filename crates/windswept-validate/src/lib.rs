@@ -35,6 +35,7 @@ pub use row::Row;
 pub mod internals {
     pub use crate::{
         air::{Cloud, MASS, RADIUS, REST_DENSITY, SIMPLE, STEP, VOLUME, scene as air_scene, vectors, waves},
+        exchange::{STRIP_BLOCKAGE, in_strip, through},
         pressure::{energy_left, stirred},
         rods::{BEND_OVER_TWIST, GRAVITY, LENGTH, LINE_DENSITY, Rod, STRETCH, build, mode, scene as rods_scene, tips},
         vortex::circulation_kept,
