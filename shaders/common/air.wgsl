@@ -1,5 +1,4 @@
 // The air that a hair point is dragged by.
-import package::common::{params::params, sph_kernels::poly6};
 
 struct Sampled {
     position: vec3f,   // m, y: where hair drifted to
@@ -9,8 +8,3 @@ struct Sampled {
 }
 
 const THIN: f32 = 0.5;   // rho/rho_0 below which air counts by what is there, and the mean wind takes over
-
-// w_ij = V_j W(y_i - x_j)/max(theta_i, 1/2): with which a particle of this volume at `gap` from y counts for the point.
-fn air_weight(filled: f32, gap: vec3f, volume: f32) -> f32 {
-    return volume * poly6(dot(gap, gap)) / max(filled, THIN);
-}

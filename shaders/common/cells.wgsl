@@ -50,15 +50,6 @@ fn buckets() -> u32 {
     return params.box_cells + params.hashed_cells;
 }
 
-// Air meets air through the periodic faces; everything else meets directly.
-fn separation(i: u32, j: u32, a: vec3f, b: vec3f) -> vec3f {
-    let gap = a - b;
-    if is_air(i) && is_air(j) {
-        return gap - params.box_size * round(gap / params.box_size);
-    }
-    return gap;
-}
-
 fn wrap(position: vec3f) -> vec3f {
     let inside = position - params.box_size * floor(position / params.box_size);
     return select(inside, vec3f(0.0), inside >= params.box_size);

@@ -20,7 +20,7 @@ fn pairs_of(i: u32, own: vec3f) -> Pairs {
     return Pairs(own, first, params.box_size, spiky_factor(), 1.0 / params.box_size, 1.0 / h, poly6_factor());
 }
 
-// x_i - x_j [m].
+// x_i - x_j [m]. Air meets air through the periodic faces; everything else meets directly.
 fn gap_to(pairs: Pairs, j: u32, other: vec3f) -> vec3f {
     let gap = pairs.own - other;
     return gap - select(vec3f(0.0), pairs.box_size * round(pairs.per_box * gap), j >= pairs.first_periodic);

@@ -1,14 +1,7 @@
 // Smoothing kernels (Mueller et al. 2003): Poly6 for densities, Spiky's gradient for corrections.
 import package::common::{params::params, pi::PI};
 
-// W(r) = 315/(64 pi h^9) (h^2 - r^2)^3, written so that nothing leaves the range of f32.
-fn poly6(squared: f32) -> f32 {
-    let h = params.kernel_radius;
-    let q = max(1.0 - squared / (h * h), 0.0);
-    return poly6_factor() * q * q * q;
-}
-
-// 315/(64 pi h^3) [1/m^3].
+// W(r) = 315/(64 pi h^9) (h^2 - r^2)^3 is this times (1 - (r/h)^2)^3 [1/m^3]: so nothing leaves the range of f32.
 fn poly6_factor() -> f32 {
     let h = params.kernel_radius;
     return 315.0 / (64.0 * PI * h * h * h);

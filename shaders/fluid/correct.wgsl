@@ -4,8 +4,8 @@
 //
 // Jacobi: everyone's position is read, only `move` changes it.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::separation, status::frozen,
-    matter::inverse_mass_of, sph_kernels::spiky_gradient,
+    params::params, near::Near, dispatch::{invocation, WORKGROUP}, status::frozen,
+    matter::inverse_mass_of, sph_kernels::spiky_gradient, pairs::{pairs_of, gap_to},
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;
@@ -21,12 +21,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let own = predicted[i];
     let range = neighbour_range[i];
     let lambda = multiplier[i];
+    let pairs = pairs_of(i, own.xyz);
 
     var sum = vec3f(0.0);
     for (var n = range.first; n < range.middle; n++) {
         let j = neighbour_list[n];
         let other = predicted[j];
-        let gap = separation(i, j, own.xyz, other.xyz);
+        let gap = gap_to(pairs, j, other.xyz);
         sum += (lambda * other.w + multiplier[j] * own.w) * spiky_gradient(i, j, gap);
     }
     shift[i] = vec4f(params.relaxation * inverse_mass_of(i) * sum, params.relaxation * lambda);

@@ -5,8 +5,8 @@
 //
 // Negative C (a void) counts with `tension`. Reads the neighbour list; one invocation per particle.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::separation, status::frozen,
-    matter::inverse_mass_of, sph_kernels::{poly6, spiky_gradient},
+    params::params, near::Near, dispatch::{invocation, WORKGROUP}, status::frozen,
+    matter::inverse_mass_of, sph_kernels::spiky_gradient, pairs::{pairs_of, gap_to, kernel_at},
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -22,14 +22,15 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let own = predicted[i];
     let range = neighbour_range[i];
 
-    var ratio = own.w * poly6(0.0);
+    let pairs = pairs_of(i, own.xyz);
+    var ratio = own.w * pairs.height;
     var own_gradient = vec3f(0.0);
     var others = 0.0;   // sum over k != i of w_k |grad_k C_i|^2
     for (var n = range.first; n < range.middle; n++) {
         let j = neighbour_list[n];
         let other = predicted[j];
-        let gap = separation(i, j, own.xyz, other.xyz);
-        ratio += other.w * poly6(dot(gap, gap));
+        let gap = gap_to(pairs, j, other.xyz);
+        ratio += other.w * kernel_at(pairs, gap);
         let gradient = other.w * spiky_gradient(i, j, gap);
         own_gradient += gradient;
         others += inverse_mass_of(j) * dot(gradient, gradient);

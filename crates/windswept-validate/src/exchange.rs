@@ -292,11 +292,11 @@ pub(crate) fn bundle(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 
 /// A porous strip across a channel.
 struct Strained {
-    /// Its drag over Taylor's.
+    /// Drag of the strip over what Taylor's theory gives.
     drag: f64,
-    /// Rms of the drag about its mean, over it.
+    /// Rms of the drag about its mean, over that mean.
     unsteady: f64,
-    /// The air in it over U, and Taylor's.
+    /// Speed of the air in the strip over U: measured, and by Taylor's theory.
     speed: [f64; 2],
 }
 

@@ -24,7 +24,7 @@ impl Coarse {
             nodes: nodes.as_ivec3().to_array(),
             order: 2,
             spacing: (air.size / nodes).as_vec3().to_array(),
-            // The symbol is that of a box full of air: where bodies leave none the pressure is too small, and so stable. The
+            // The symbol is that of a box full of air: where air is missing the pressure is too small, and so stable. The
             // transform and its inverse leave a factor of the number of nodes.
             gain: (air.volume / air.size.element_product()) as f32,
             ..Mesh::default()
