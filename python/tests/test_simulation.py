@@ -1,5 +1,6 @@
 """Simulations: stepping, arrays, frames, reports, threads, interrupts."""
 
+import json
 import os
 import signal
 import threading
@@ -237,6 +238,16 @@ def test_the_report_is_the_commands(sim):
     report = sim.report()
     assert report["schema"] == 1 and report["steps"] == 3 and report["particles"]["hair"] == 48
     assert report["ms_per_step"] > 0 and report["max_stretch"] >= 0
+
+
+def test_a_trace_has_the_timed_passes(sim, tmp_path):
+    sim.keep_trace()
+    sim.step(3)
+    sim.write_trace(tmp_path / "trace.json")
+    bars = json.loads((tmp_path / "trace.json").read_text())["traceEvents"]
+    assert {bar["name"].split(":")[0] for bar in bars} == {row["pass"] for row in sim.report()["passes"]}
+    with pytest.raises(OSError):
+        sim.write_trace(tmp_path / "nowhere" / "trace.json")
 
 
 def test_it_shows_what_it_is(sim):

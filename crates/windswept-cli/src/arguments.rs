@@ -78,7 +78,7 @@ pub(crate) enum Command {
         #[arg(long)]
         explain: bool,
     },
-    /// Print the passes of one step: how often each runs, or why it is skipped (needs no GPU)
+    /// Print the passes of one step: how often each runs and what it moves, or why it is skipped (needs no GPU)
     Plan {
         #[command(flatten)]
         scene: SceneOptions,
@@ -150,6 +150,9 @@ pub(crate) struct RunOptions {
     /// Write the report to this file too
     #[arg(long, value_name = "FILE")]
     pub(crate) report: Option<PathBuf>,
+    /// Write to this file when each pass of the timed steps ran on the GPU, as a trace for chrome://tracing or Perfetto
+    #[arg(long, value_name = "FILE")]
+    pub(crate) trace: Option<PathBuf>,
     /// Replace what an earlier run left in DIR; other files there stay
     #[arg(long)]
     pub(crate) overwrite: bool,

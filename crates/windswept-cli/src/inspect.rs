@@ -79,7 +79,7 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
         ));
     }
     let bytes = windswept::memory_bytes(scene, initial)?;
-    rows.push(("memory", format!("{:.1} MB on the GPU, and the neighbour list", bytes as f64 * 1e-6)));
+    rows.push(("memory", format!("{:.1} MB on the GPU; the neighbour list may grow", megabytes(bytes))));
     Ok(rows)
 }
 
@@ -105,7 +105,7 @@ pub(crate) fn plan(options: &SceneOptions, buffers: bool, console: &mut Console<
         }
         let does = match &row.skipped {
             Some(why) => format!("skipped: {why}"),
-            None => format!("runs {} x", row.runs),
+            None => format!("runs {} x: {} invocations, {:.2} MB", row.runs, row.invocations, megabytes(row.bytes)),
         };
         let band = row.band.map_or(String::new(), |band| format!(" (turbulence.bands.{band})"));
         console.print(format_args!("  {:<pass$}  {:<label$}  {does}{band}", row.pass, row.label));
@@ -114,10 +114,37 @@ pub(crate) fn plan(options: &SceneOptions, buffers: bool, console: &mut Console<
             console.print(format_args!("  {:<pass$}  reads {reads} → writes {writes}", ""));
         }
     }
+    let all = windswept::buffers(&scene)?;
     if buffers {
-        print_buffers(&windswept::buffers(&scene)?, console);
+        print_buffers(&all, console);
     }
+    print_totals(&rows, all, console);
     Ok(())
+}
+
+/// Number of buffers that are named as the largest.
+const LARGEST: usize = 5;
+
+/// What a step moves, by the model of [`windswept::PlanRow::bytes`], and what memory the scene takes.
+fn print_totals(rows: &[windswept::PlanRow], mut buffers: Vec<windswept::BufferRow>, console: &mut Console<'_>) {
+    let (runs, traffic): (u32, u64) = rows.iter().fold((0, 0), |(n, b), row| (n + row.runs, b + row.bytes));
+    console.print(format_args!(
+        "a step: {runs} dispatches move {:.1} MB, if each reads and writes each of its buffers once as a whole",
+        megabytes(traffic)
+    ));
+    let total: u64 = buffers.iter().map(windswept::BufferRow::bytes).sum();
+    buffers.sort_by_key(|row| std::cmp::Reverse(row.bytes()));
+    let largest = buffers.iter().take(LARGEST).map(|row| format!("{} {:.1}", row.name, megabytes(row.bytes())));
+    console.print(format_args!(
+        "{} buffers: {:.1} MB; the largest: {}",
+        buffers.len(),
+        megabytes(total),
+        largest.collect::<Vec<_>>().join(", ")
+    ));
+}
+
+fn megabytes(bytes: u64) -> f64 {
+    bytes as f64 * 1e-6
 }
 
 /// Every buffer: how many elements, of how many bytes, and what they hold.
@@ -126,10 +153,11 @@ fn print_buffers(rows: &[windswept::BufferRow], console: &mut Console<'_>) {
     console.print("buffers");
     for row in rows {
         console.print(format_args!(
-            "  {:<name$}  {:>9} x {:>3} B  {}",
+            "  {:<name$}  {:>9} x {:>3} B = {:>8.2} MB  {}",
             row.name,
             row.len,
             row.stride,
+            megabytes(row.bytes()),
             row.doc.replace('\\', "")
         ));
     }

@@ -4,8 +4,10 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use windswept::Simulation;
 use windswept_export::{FORMATS, Kind, Pictures};
 
+use crate::arguments::RunOptions;
 use crate::failure::Failure;
 
 const REPORT: &str = "report.json";
@@ -24,12 +26,15 @@ pub(crate) struct Output {
     dir: PathBuf,
     /// A second place for the report.
     report: Option<PathBuf>,
+    /// Place of the trace.
+    trace: Option<PathBuf>,
 }
 
 impl Output {
     /// Refuses a folder that holds something already (unless it may be overwritten), paths that cannot be, folders where
     /// files are to be, and what would cost the user the scene file.
-    pub(crate) fn check(dir: &Path, overwrite: bool, report: Option<&Path>, scene: &Path) -> Result<Self, Failure> {
+    pub(crate) fn check(options: &RunOptions) -> Result<Self, Failure> {
+        let (dir, overwrite, scene) = (options.out.as_path(), options.overwrite, options.scene.path());
         let refuse = |path: &Path, why: &str| Err(Failure::Input(format!("{}: {why}", path.display())));
         match fs::read_dir(dir).map(|mut entries| entries.next().is_some()) {
             Ok(true) if !overwrite => {
@@ -39,21 +44,28 @@ impl Output {
             Err(error) if error.kind() == ErrorKind::NotFound => {}
             Err(error) => return refuse(dir, &error.to_string()),
         }
-        let output = Self { dir: dir.into(), report: report.map(PathBuf::from) };
-        if let Some(report) = report {
-            let folder = report.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-            if report.is_dir() {
-                return refuse(report, "is a folder; --report takes a file");
+        let output = Self { dir: dir.into(), report: options.report.clone(), trace: options.trace.clone() };
+        let beside = [("--report", &output.report), ("--trace", &output.trace)];
+        for (flag, file) in beside.into_iter().filter_map(|(flag, file)| Some((flag, file.as_deref()?))) {
+            let folder = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            if file.is_dir() {
+                return refuse(file, &format!("is a folder; {flag} takes a file"));
             }
             if !folder.is_dir() && folder != dir {
-                return refuse(folder, "no such folder (for --report)");
+                return refuse(folder, &format!("no such folder (for {flag})"));
             }
-            if real(report) == real(scene) {
-                return refuse(report, "is the scene itself; --report takes another file");
+            if real(file) == real(scene) {
+                return refuse(file, &format!("is the scene itself; {flag} takes another file"));
             }
-            if output.replaces(report) && real(report) != real(&dir.join(REPORT)) {
-                return refuse(report, "is written by the run itself; --report takes another file");
+            let is_report = flag == "--report" && real(file) == real(&dir.join(REPORT));
+            if output.replaces(file) && !is_report {
+                return refuse(file, &format!("is written by the run itself; {flag} takes another file"));
             }
+        }
+        if let (Some(report), Some(trace)) = (&output.report, &output.trace)
+            && real(report) == real(trace)
+        {
+            return refuse(trace, "is the report; --trace takes another file");
         }
         if output.replaces(scene) {
             return refuse(scene, "would be replaced by the run's own file of that name; --out takes another folder");
@@ -64,7 +76,7 @@ impl Output {
 
     /// The folder of a run that is over.
     pub(crate) fn of_run(dir: &Path) -> Self {
-        Self { dir: dir.into(), report: None }
+        Self { dir: dir.into(), report: None, trace: None }
     }
 
     /// Makes the folder, clears away an earlier run's files, and writes the scene as it runs.
@@ -156,6 +168,12 @@ impl Output {
     pub(crate) fn write_report(&self, report: &str) -> Result<(), Failure> {
         write(&self.dir.join(REPORT), report)?;
         self.report.as_deref().map_or(Ok(()), |path| write(path, report))
+    }
+
+    /// Writes the trace that was asked for.
+    pub(crate) fn write_trace(&self, simulation: &Simulation) -> Result<(), Failure> {
+        let write = |path| simulation.write_trace(path).map_err(|e| cannot("written", path, &e));
+        self.trace.as_deref().map_or(Ok(()), write)
     }
 }
 

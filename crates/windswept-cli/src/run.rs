@@ -25,13 +25,16 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
         let words = format!("{steps} steps (--steps, or time.duration over time.step): expected at most {most}");
         return Err(Failure::Input(words));
     }
-    let output = Output::check(&options.out, options.overwrite, options.report.as_deref(), options.scene.path())?;
+    let output = Output::check(options)?;
     for warning in initial.warnings.iter().cloned().chain(Schedule::warning(&scene.time)) {
         console.warn(warning);
     }
     let gpu = Gpu::new(&AdapterChoice::from_flag(options.adapter.as_deref()))?;
     console.note(format_args!("running on {}", gpu.info()));
     let mut simulation = Simulation::with_state(&gpu, &scene, initial)?;
+    if options.trace.is_some() {
+        simulation.keep_trace();
+    }
     let interrupt = Interrupt::listen().map_err(|e| Failure::Run(format!("Ctrl-C cannot be listened to: {e}")))?;
 
     // More frames than memory can count fit into no file, and the writer says so.
@@ -52,6 +55,11 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
 
     let report = simulation.report()?;
     output.write_report(&json(&report, &frames)?)?;
+    output.write_trace(&simulation)?;
+    if options.trace.is_some() && simulation.traced_passes() == 0 {
+        console
+            .warn("--trace: no step was timed; the adapter has no timestamps, or the run was shorter than two submits");
+    }
     // The scene's own warnings were given at the start.
     let given = &simulation.initial().warnings;
     for (cause, count) in report.warnings.iter().filter(|(cause, _)| !given.contains(cause)) {

@@ -52,6 +52,40 @@ fn a_run_writes_what_it_says() {
     assert_eq!(report, self::report(&folder.path().join("copy.json")));
 }
 
+/// A trace has a bar for each run of a pass in the timed steps, none before the other's end; the report's times are the same.
+#[test]
+fn a_trace_says_when_passes_ran() {
+    let folder = folder();
+    let ran = run(folder.path(), &["--steps", "2", "--formats", "none", "--trace", "trace.json"]);
+    assert_eq!(ran.status.code(), Some(0), "{ran:?}");
+    let trace = report(&folder.path().join("trace.json"));
+    let bars: Vec<(&str, f64, f64)> = trace["traceEvents"]
+        .as_array()
+        .expect("bars")
+        .iter()
+        .map(|bar| {
+            assert_eq!(bar["ph"], "X");
+            let us = |key: &str| bar[key].as_f64().expect("a time in microseconds");
+            (bar["name"].as_str().expect("a name"), us("ts"), us("dur"))
+        })
+        .collect();
+    for pair in bars.windows(2) {
+        // Times are ticks of a clock in f64: measured off by 0.1 us at most.
+        assert!(pair[1].1 > pair[0].1 + pair[0].2 - 1.0, "{pair:?}");
+    }
+    let report = report(&folder.path().join("out/report.json"));
+    let rows = report["passes"].as_array().expect("passes");
+    assert_eq!(bars.len() as u64, rows.iter().map(|row| row["runs"].as_u64().expect("runs")).sum::<u64>());
+    for row in rows {
+        let (pass, name) = (row["pass"].as_str().expect("a pass"), row["name"].as_str().expect("a name"));
+        let ms: f64 = bars.iter().filter(|bar| bar.0 == format!("{pass}: {name}")).map(|bar| bar.2 * 1e-3).sum();
+        // One step was timed, in the second submit, and it is printed with all its digits.
+        let of_all_bands = rows.iter().filter(|other| (&other["pass"], &other["name"]) == (&row["pass"], &row["name"]));
+        let expected: f64 = of_all_bands.map(|row| row["ms"].as_f64().expect("ms")).sum();
+        assert!((ms / expected - 1.0).abs() < 1e-6, "{pass}: {ms} ms in the trace, {expected} ms in the report");
+    }
+}
+
 /// A folder with something in it is left alone without --overwrite; with it, only what windswept writes is replaced.
 #[test]
 fn a_folder_in_use_is_left_alone() {
@@ -103,6 +137,8 @@ fn bad_arguments_write_nothing() {
         (&["--steps", "18446744073709551615"], "18446744073709551615 steps"),
         (&["--steps", "2147483648", "--set", "time.substeps=2"], "expected at most 2147483647"),
         (&["--report", "nowhere/report.json"], "nowhere: no such folder"),
+        (&["--trace", "nowhere/trace.json"], "nowhere: no such folder (for --trace)"),
+        (&["--report", "same.json", "--trace", "same.json"], "same.json: is the report; --trace takes another file"),
         (&["--what"], "--what"),
     ] {
         let folder = folder();
@@ -123,6 +159,8 @@ fn the_scene_is_never_overwritten() {
         (&["--out", "out", "--report", "scene.toml"], "is the scene itself"),
         (&["--out", "out", "--report", "out/../scene.toml"], "is the scene itself"),
         (&["--out", "out", "--report", "out/hair.vtkhdf"], "is written by the run itself"),
+        (&["--out", "out", "--trace", "scene.toml"], "is the scene itself"),
+        (&["--out", "out", "--trace", "out/report.json"], "is written by the run itself"),
     ] {
         let above = tempfile::tempdir().expect("a folder");
         let folder = above.path().join("there");
@@ -230,7 +268,7 @@ fn looking_needs_no_folder() {
     let planned = plan.output().expect("the program starts");
     let said = String::from_utf8_lossy(&planned.stdout).into_owned();
     let row = |pass: &str| said.lines().find(|line| line.trim_start().starts_with(pass)).unwrap_or_default().to_owned();
-    assert!(row("fluid/correct").ends_with("runs 2 x"), "{said}");
+    assert!(row("fluid/correct").contains("runs 2 x: 48 invocations, "), "{said}");
     assert!(row("wind/fringe").contains("skipped: air.wind is zero"), "{said}");
     let mut plan = windswept(folder.path(), &["plan", "scene.toml", "--set", "interaction.model=drag"]);
     let said = String::from_utf8_lossy(&plan.output().expect("the program starts").stdout).into_owned();

@@ -203,6 +203,20 @@ impl Simulation {
         py.import("json")?.call_method1("loads", (text,))
     }
 
+    /// Keeps from now on when each pass of a timed step began and ended on the GPU, for `write_trace`.
+    fn keep_trace(&self, py: Python<'_>) -> PyResult<()> {
+        self.engine(py, windswept::Simulation::keep_trace)
+    }
+
+    /// Writes what was kept since `keep_trace` as a trace in Chrome's format, for chrome://tracing or Perfetto: a bar for each
+    /// run of a pass. About one step in eight is timed, from the second on; none where the adapter has no timestamps.
+    ///
+    /// Raises:
+    ///     OSError: the file cannot be written.
+    fn write_trace(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        Ok(self.engine(py, |sim| sim.write_trace(&path))??)
+    }
+
     /// Energy of the air's eddies now, by their size: the mean of ½ |û|² over the air, about the mean wind.
     ///
     /// û is `ops.band_velocity` of the scene's filter. A scale s stands for waves of about 4.44 s.

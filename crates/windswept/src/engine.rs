@@ -13,7 +13,7 @@ use crate::{
     array::{AnyArray, Array},
     bodies,
     error::{GpuError, RunError},
-    gpu::{Gpu, Memory, Profile, Program, wgpu},
+    gpu::{Gpu, Memory, Profile, Program, Span, wgpu},
     meshes::Meshes,
     recorder::{Recorder, Recording},
     rods::{self, quat, vec4},
@@ -287,7 +287,7 @@ impl Engine {
         )
     }
 
-    pub(crate) fn run_profiled(&self, program: &Program, profile: &mut Profile) -> Result<(), RunError> {
+    pub(crate) fn run_profiled(&self, program: &Program, profile: &mut Profile) -> Result<Vec<Span>, RunError> {
         Ok(program.run_profiled(&self.gpu, profile)?)
     }
 
@@ -335,7 +335,7 @@ impl Engine {
 pub fn required_limits(scene: &Scene) -> Result<wgpu::Limits, SceneError> {
     let initial = InitialState::new(scene)?;
     let setup = Setup::new(scene, &initial);
-    let sizes = Sizes { neighbours: first_capacity(u64::MAX, &setup), ..setup.sizes() };
+    let sizes = first_sizes(&setup);
     let largest = State::new(&sizes).arrays().iter().map(AnyArray::bytes).max().unwrap_or_default();
     let defaults = wgpu::Limits::default();
     Ok(wgpu::Limits {
@@ -354,6 +354,11 @@ fn check_nodes(gpu: &Gpu, meshes: &Meshes) -> Result<(), GpuError> {
     // Nodes go with 1/s³.
     let fits = meshes.finest * (meshes.nodes as f64 / most as f64).cbrt();
     Err(GpuError::BandTooFine { scale: meshes.finest, nodes: meshes.nodes, most, fits })
+}
+
+/// Sizes at the start of a run, on an adapter that binds arrays of any length.
+pub(crate) fn first_sizes(setup: &Setup<'_>) -> Sizes {
+    Sizes { neighbours: first_capacity(u64::MAX, setup), ..setup.sizes() }
 }
 
 fn first_capacity(largest_binding: u64, setup: &Setup<'_>) -> u32 {

@@ -11,7 +11,7 @@ use std::{
 
 pub use adapter::{AdapterChoice, AdapterInfo, adapters};
 pub(crate) use memory::Memory;
-pub(crate) use program::{Profile, Program};
+pub(crate) use program::{Profile, Program, Span, write_trace};
 pub use wgpu;
 use windswept_shaders::{BindingKind, Pass};
 

@@ -3,6 +3,7 @@
 mod drive;
 mod energy;
 mod report;
+mod trace;
 
 use std::time::Instant;
 
@@ -14,7 +15,7 @@ use crate::{
     engine::Engine,
     error::{Error, GpuError, RunError},
     frame::{AirFrame, Frame, HairFrame},
-    gpu::{Gpu, Profile, Program, wgpu},
+    gpu::{Gpu, Profile, Program, Span, wgpu},
     plan::Plan,
     recorder::{Recorder, Recording},
     setup::Setup,
@@ -46,6 +47,8 @@ pub struct Simulation {
     step_ms: Vec<f64>,
     profile: Profile,
     timed_steps: u64,
+    /// When each pass of the timed steps ran; `None` unless somebody asked for it.
+    trace: Option<Vec<Span>>,
 }
 
 /// The state on the GPU. Every element is four `f32`.
@@ -112,6 +115,7 @@ impl Simulation {
             step_ms: Vec::new(),
             profile: Profile::default(),
             timed_steps: 0,
+            trace: None,
             scene,
             initial,
         })
@@ -129,13 +133,16 @@ impl Simulation {
             let before = self.last.step;
             let timed = self.submits % TIMED_SUBMITS == 1;
             if timed {
-                self.engine.run_profiled(&self.program, &mut self.profile)?;
+                let spans = self.engine.run_profiled(&self.program, &mut self.profile)?;
                 self.timed_steps += 1;
+                if let Some(trace) = &mut self.trace {
+                    trace.extend(spans.into_iter().filter(|span| span.time.is_some()));
+                }
             } else {
                 self.engine.run(&self.program, left.min(self.batch()))?;
             }
             self.settle()?;
-            self.record_time(started.elapsed().as_secs_f64(), self.last.step - before, timed);
+            self.record_time(started.elapsed().as_secs_f64() * 1e3, before, timed);
             self.submits += 1;
             self.steps = u64::from(self.last.step) / self.substeps();
         }
@@ -183,20 +190,20 @@ impl Simulation {
         self.scene.time.substeps.into()
     }
 
+    /// Number of substeps to submit together. The first step goes one by one: nobody knows yet how long they take.
     fn batch(&self) -> u64 {
         let Some(ms) = self.step_ms.last().or(self.first_step_ms.as_ref()) else { return 1 };
-        ((SUBMIT_S * 1e3 / ms) as u64).clamp(1, STEPS_PER_SUBMIT)
+        let most = if self.steps == 0 { 1 } else { STEPS_PER_SUBMIT };
+        ((SUBMIT_S * 1e3 / ms) as u64).clamp(1, most)
     }
 
-    fn record_time(&mut self, seconds: f64, engine_steps: u32, timed: bool) {
-        if engine_steps == 0 {
-            return;
-        }
-        let ms = seconds * 1e3 * self.substeps() as f64 / f64::from(engine_steps);
-        if self.first_step_ms.is_none() {
-            self.first_step_ms = Some(ms);
-        } else if !timed {
-            self.step_ms.push(ms);
+    /// Takes down what a submit took \[ms\] that began at substep `before`.
+    fn record_time(&mut self, ms: f64, before: u32, timed: bool) {
+        let substeps = self.last.step - before;
+        if u64::from(before) < self.substeps() {
+            *self.first_step_ms.get_or_insert(0.0) += ms;
+        } else if substeps > 0 && !timed {
+            self.step_ms.push(ms * self.substeps() as f64 / f64::from(substeps));
         }
     }
 

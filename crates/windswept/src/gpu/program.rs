@@ -5,6 +5,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+pub(crate) use wgpu_profiler::chrometrace::write_chrometrace as write_trace;
 use wgpu_profiler::{GpuProfiler, GpuProfilerSettings, GpuTimerQueryResult};
 
 use crate::{
@@ -38,6 +39,9 @@ pub(crate) struct PassTime {
     pub(crate) runs: u64,
 }
 
+/// When a dispatch of a timed run began and ended; without a time where the adapter has no timestamps.
+pub(crate) type Span = GpuTimerQueryResult;
+
 /// Times of passes, by pass, label and band.
 pub(crate) type Profile = BTreeMap<(&'static str, &'static str, Option<usize>), PassTime>;
 
@@ -63,14 +67,15 @@ impl Program {
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("step"), timestamp_writes: None });
         for dispatch in &self.dispatches {
-            let query = profiler.begin_query(dispatch.label, &mut pass);
+            let query = profiler.begin_query(format!("{}: {}", dispatch.pass, dispatch.label), &mut pass);
             dispatch.encode(&mut pass);
             profiler.end_query(&mut pass, query);
         }
     }
 
-    /// Runs the recording once and adds the passes' times to `profile`; without timestamps it runs all the same.
-    pub(crate) fn run_profiled(&self, gpu: &Gpu, profile: &mut Profile) -> Result<(), GpuError> {
+    /// Runs the recording once, adds the passes' times to `profile` and returns when each of them ran; without timestamps it
+    /// runs all the same.
+    pub(crate) fn run_profiled(&self, gpu: &Gpu, profile: &mut Profile) -> Result<Vec<Span>, GpuError> {
         let failed = |error: &dyn std::fmt::Display| GpuError::Driver {
             doing: "timing the passes".to_owned(),
             reason: error.to_string(),
@@ -98,18 +103,14 @@ impl Program {
                 times => break times.unwrap_or_default(),
             }
         };
-        for (dispatch, time) in self.dispatches.iter().zip(times) {
-            self.add(profile, dispatch, &time);
+        for (dispatch, time) in self.dispatches.iter().zip(&times) {
+            if let Some(span) = &time.time {
+                let entry = profile.entry((dispatch.pass, dispatch.label, dispatch.band)).or_default();
+                entry.ms += (span.end - span.start) * 1e3;
+                entry.runs += 1;
+            }
         }
-        Ok(())
-    }
-
-    fn add(&self, profile: &mut Profile, dispatch: &Dispatch, time: &GpuTimerQueryResult) {
-        if let Some(span) = &time.time {
-            let entry = profile.entry((dispatch.pass, dispatch.label, dispatch.band)).or_default();
-            entry.ms += (span.end - span.start) * 1e3;
-            entry.runs += 1;
-        }
+        Ok(times)
     }
 }
 
