@@ -1,0 +1,264 @@
+//! What runs for which scene, and that whatever is left out would have changed nothing.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use windswept::internals::{Decision, Engine, Plan, Recorder, Setup, step};
+use windswept_scene::{InitialState, Scene};
+
+/// The small brush with some keys set, and perhaps without its hair or its air.
+fn scene(sets: &[&str], without: Option<&str>) -> Scene {
+    let text = include_str!("../examples/scenes/quick.toml");
+    let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
+    let mut scene = Scene::parse_with("quick.toml", text, &sets).unwrap();
+    match without {
+        Some("hair") => scene.hair.clear(),
+        Some("air") => scene.air = None,
+        _ => {}
+    }
+    scene
+}
+
+/// Passes in the order in which they first run, each with its number of runs in a step if there are several.
+fn runs(scene: &Scene) -> Vec<String> {
+    let rows = windswept::plan(scene).unwrap();
+    let running = rows.into_iter().filter(|row| row.runs > 0);
+    running.map(|row| if row.runs == 1 { row.pass.to_owned() } else { format!("{} {}", row.pass, row.runs) }).collect()
+}
+
+const SORT: &[&str] = &["grid/clear", "grid/count", "grid/scan", "grid/scatter", "grid/order"];
+const LIST: &[&str] = &["grid/neighbours"];
+/// Strands press on one another and rub.
+const HAIR_ON_HAIR: &[&str] = &[
+    "fluid/density 2",
+    "fluid/correct 2",
+    "fluid/move 2",
+    "fluid/slip",
+    "fluid/squeeze",
+    "fluid/friction",
+    "fluid/move",
+];
+const SPREAD: &[&str] = &["fluid/spread", "fluid/place", "fluid/moments", "fluid/push"];
+/// A solve on the coarse grid, and what its divergence takes.
+const COARSE: &[&str] = &[
+    "fluid/divergence 3",
+    "coarse/source",
+    "turbulence/deposit",
+    "coarse/wave 3",
+    "coarse/solve",
+    "coarse/wave 3",
+    "coarse/gather",
+    "turbulence/sum",
+    "coarse/mean",
+    "coarse/push",
+];
+const PUSH: &[&str] = &["fluid/push 2"];
+const BEGIN: &[&str] = &["rods/begin_points", "rods/begin_segments", "rods/choose"];
+const SOLVE: &[&str] =
+    &["rods/load", "rods/start", "rods/direct 8", "rods/rescue", "rods/gauss_seidel", "rods/finish", "rods/place"];
+const CONFINE: &[&str] = &["turbulence/vorticity", "turbulence/confine"];
+/// A band on a grid, after the sort.
+const FILTER: &[&str] = &[
+    "turbulence/weigh",
+    "turbulence/deposit",
+    "turbulence/smooth",
+    "turbulence/smooth",
+    "turbulence/smooth",
+    "turbulence/gather",
+];
+const STRENGTHEN: &[&str] = &["turbulence/sum", "turbulence/mean", "turbulence/strengthen"];
+const VISCOSITY: &[&str] = &["fluid/limit", "fluid/viscosity"];
+const COMMIT_HAIR: &[&str] = &["guard/hold", "guard/check", "guard/commit_frames", "guard/commit_hair"];
+const COMMIT: &[&str] = &["guard/commit"];
+const COMMIT_AIR: &[&str] = &["guard/commit_pressure", "guard/commit"];
+
+/// A scene's step has the passes that it needs and no others.
+#[test]
+fn a_scene_runs_what_it_needs() {
+    let blow = &["wind/blow"][..];
+    let moves = &["rods/roots", "rods/drift", "wind/fringe", "fluid/advance"][..];
+    let fluid = &[HAIR_ON_HAIR, SPREAD, COARSE, PUSH].concat()[..];
+    let exchange = &[BEGIN, &["wind/sample", "wind/drag"], SOLVE, &["wind/react"]].concat()[..];
+    let velocity = &["rods/velocity"][..];
+    let eddies = &[SORT, FILTER, CONFINE, STRENGTHEN].concat()[..];
+    let hair_alone = &["rods/roots"][..];
+    let bodies = "body=[{name='a',center=[0.1,0.06,0.03],radius=0.012}]";
+    let two_bands = "turbulence.bands=[{scale=0.006,strength=3,intensity=0.3},{scale=0.018,strength=2,intensity=0.3}]";
+    let cases: [(&str, &[&str], Option<&str>, &[&[&str]]); 9] = [
+        ("rods only", &["interaction.model=none"], None, &[hair_alone, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT]),
+        (
+            "hair without air",
+            &["interaction.model=two-way"],
+            Some("air"),
+            &[hair_alone, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT],
+        ),
+        (
+            "drag",
+            &["interaction.model=drag"],
+            None,
+            &[blow, hair_alone, BEGIN, &["wind/drag"], SOLVE, velocity, COMMIT_HAIR, COMMIT],
+        ),
+        (
+            "two-way",
+            &[],
+            None,
+            &[blow, moves, SORT, LIST, fluid, exchange, velocity, eddies, VISCOSITY, COMMIT_HAIR, COMMIT_AIR],
+        ),
+        (
+            "air only",
+            &[],
+            Some("hair"),
+            &[
+                blow,
+                &["wind/fringe", "fluid/advance"],
+                SORT,
+                LIST,
+                SPREAD,
+                COARSE,
+                PUSH,
+                eddies,
+                // Air alone cannot exchange more than it has.
+                &["fluid/viscosity", "guard/check"],
+                COMMIT_AIR,
+            ],
+        ),
+        (
+            "no turbulence",
+            &["turbulence.bands=[]"],
+            None,
+            &[blow, moves, SORT, LIST, fluid, exchange, velocity, VISCOSITY, COMMIT_HAIR, COMMIT_AIR],
+        ),
+        (
+            "no viscosity",
+            &["viscosity.hair=0", "viscosity.air=0"],
+            None,
+            &[blow, moves, SORT, LIST, fluid, exchange, velocity, eddies, COMMIT_HAIR, COMMIT_AIR],
+        ),
+        (
+            "everything",
+            &[bodies, two_bands],
+            None,
+            &[
+                blow,
+                moves,
+                SORT,
+                LIST,
+                HAIR_ON_HAIR,
+                SPREAD,
+                &["fluid/divergence 2"],
+                PUSH,
+                exchange,
+                &["contact/place", "contact/hair", "contact/stretch", "contact/air"],
+                velocity,
+                SORT,
+                FILTER,
+                CONFINE,
+                SORT,
+                FILTER,
+                CONFINE,
+                STRENGTHEN,
+                VISCOSITY,
+                COMMIT_HAIR,
+                COMMIT_AIR,
+            ],
+        ),
+        (
+            "as printed",
+            &["method=published"],
+            None,
+            &[
+                blow,
+                &["rods/roots", "rods/drift", "wind/fringe", "fluid/predict"],
+                SORT,
+                LIST,
+                &["fluid/density 2", "fluid/correct 2", "fluid/move 2"],
+                BEGIN,
+                // The mean wind drags hair outside the box.
+                &["wind/drag", "rods/load", "rods/start", "rods/gauss_seidel", "rods/finish", "rods/place"],
+                velocity,
+                &["fluid/velocity", "turbulence/locate", "turbulence/weigh", "turbulence/vorticity", "turbulence/band"],
+                // Sum and mean are the report's.
+                &["turbulence/confine"],
+                STRENGTHEN,
+                &["fluid/viscosity"],
+                COMMIT_HAIR,
+                COMMIT,
+            ],
+        ),
+    ];
+    for (name, sets, without, expected) in cases {
+        assert_eq!(runs(&scene(sets, without)), expected.concat(), "{name}");
+    }
+}
+
+/// A pass is taken to move each of its arrays once per run, as it reads or writes it.
+#[test]
+fn a_pass_moves_its_arrays_once() {
+    let rows = windswept::plan(&scene(&[], None)).unwrap();
+    let row = rows.iter().find(|row| row.pass == "fluid/move").unwrap();
+    let buffers = windswept::buffers(&scene(&[], None)).unwrap();
+    let bytes = |name: &str| buffers.iter().find(|row| row.name == name).map(|row| row.stride * row.len).unwrap();
+    assert_eq!((row.runs, row.invocations), (2, 2 * 660), "{row:?}");
+    let [reads, writes] = [&row.uses.reads, &row.uses.writes].map(|names| {
+        let arrays = names.iter().filter(|name| **name != "params");
+        arrays.map(|name| bytes(name)).sum::<u64>()
+    });
+    let uniform = size_of::<windswept_shaders::common::params::Params>() as u64;
+    let has_uniform = u64::from(row.uses.reads.contains(&"params"));
+    assert_eq!(row.bytes, 2 * (reads + writes + has_uniform * uniform), "{row:?}");
+}
+
+/// 12 strands in a box of 0.12 x 0.06 x 0.06 m.
+const SMALL: &[&str] = &[
+    "air.box.max=[0.12,0.06,0.06]",
+    "hair.strands=12",
+    "hair.length=0.06",
+    "hair.points=7",
+    "hair.roots.center=[0.04,0.03,0.03]",
+    "hair.roots.radius=0.01",
+    "air.fringe=0.03",
+];
+
+/// Steps of a scene as it is planned, and with passes that its plan leaves out: positions and velocities are the same, bit by bit.
+fn same_bits(sets: &[&str], force: impl FnOnce(&mut Plan)) {
+    let scene = scene(&[SMALL, sets].concat(), None);
+    let initial = InitialState::new(&scene).unwrap();
+    let setup = Setup::new(&scene, &initial);
+    let plan = Plan::new(&setup);
+    let mut full = plan.clone();
+    force(&mut full);
+    let [planned, forced] = [&plan, &full].map(|plan| {
+        let mut engine = Engine::new(&support::gpu(), &setup).unwrap();
+        engine.grow_neighbours(200 * setup.sizes().particles).unwrap();
+        let recording = Recorder::record(engine.state(), |r| step::record(r, plan));
+        for _ in 0..4 {
+            engine.replay(&recording).unwrap();
+        }
+        assert_eq!(engine.status().unwrap().step, 4, "{sets:?}: the step froze");
+        let s = engine.state();
+        let state = [&s.position, &s.velocity, &s.orientation].map(|array| engine.read(array).unwrap());
+        (recording.running().count(), state)
+    });
+    assert!(forced.0 > planned.0, "{sets:?}: no pass was forced to run");
+    assert!(planned.1 == forced.1, "{sets:?}: the passes that were left out change something");
+}
+
+/// Whatever a plan leaves out because a number is zero, or because it can never act, gives the same bits where it runs.
+#[test]
+fn what_is_left_out_changes_nothing() {
+    let runs = || Decision::when(true, "");
+    same_bits(&["viscosity.hair=0", "viscosity.air=0"], |plan| plan.viscosity = runs());
+    same_bits(&["viscosity.hair=0"], |plan| plan.limiter = runs());
+    same_bits(&["air.wind=[0,0,0]", "turbulence.speed=3"], |plan| {
+        plan.blows = runs();
+        plan.wind = runs();
+    });
+    same_bits(&["turbulence.bands=[{scale=0.006,strength=0,intensity=0.3}]"], |plan| {
+        plan.turbulence = runs();
+        plan.bands[0].runs = runs();
+    });
+    // Strands that press on one another.
+    let crowded = ["hair.friction=0", "hair.roots.radius=0.002", "hair.points=13"];
+    same_bits(&crowded, |plan| plan.friction = runs());
+    same_bits(&[], |plan| plan.bodies = runs());
+}
