@@ -83,25 +83,30 @@ fn no_joint() -> Joint {
 
 // Joint k of a strand; k = points - 1 is that of the tip.
 fn joint(strand: Strand, rod: RodStrand, k: u32) -> Joint {
-    let j = strand.first_segment + k;
-    if k == 0u {
-        if (strand.joints & ROOT_JOINT) == 0u { return no_joint(); }
-        let segment = segments[j];
-        return joint_between(
-            rod.root_frame, rod_segments[j].frame, segment.rest_rotation, segment.bend_compliance, rod_segments[j].moment
-        );
+    let last = strand.points - 1u;
+    if (k == 0u && (strand.joints & ROOT_JOINT) == 0u) || (k == last && (strand.joints & TIP_JOINT) == 0u) {
+        return no_joint();
     }
-    if k == strand.points - 1u {
-        if (strand.joints & TIP_JOINT) == 0u { return no_joint(); }
-        return joint_between(
-            rod_segments[j - 1u].frame, strand.tip_frame, strand.tip_rest_rotation, strand.tip_compliance, rod.tip_moment
-        );
+    let j = strand.first_segment + k;
+    var before = rod.root_frame;
+    if k > 0u { before = rod_segments[j - 1u].frame; }
+    if k == last {
+        return joint_between(before, strand.tip_frame, strand.tip_rest_rotation, strand.tip_compliance, rod.tip_moment);
     }
     let segment = segments[j];
     return joint_between(
-        rod_segments[j - 1u].frame, rod_segments[j].frame, segment.rest_rotation, segment.bend_compliance,
-        rod_segments[j].moment
+        before, rod_segments[j].frame, segment.rest_rotation, segment.bend_compliance, rod_segments[j].moment
     );
+}
+
+// C + alpha mu of a segment: from its chord, the matrix of its frame and the force on it.
+fn stretch_gap(chord: vec3f, rest_length: f32, frame: mat3x3f, compliance: mat3x3f, force: vec3f) -> vec3f {
+    return chord / rest_length - frame[2] + compliance * force;
+}
+
+// The compliance of a segment in the world.
+fn in_world(frame: mat3x3f, compliance: vec3f) -> mat3x3f {
+    return frame * diagonal(compliance) * transpose(frame);
 }
 
 // A segment, where it stands and what it weighs.
@@ -117,15 +122,15 @@ struct Link {
     turn: vec3f,
 }
 
-fn link(strand: Strand, k: u32) -> Link {
+// Link k of a strand, whose first point has moved by `travel`.
+fn link(strand: Strand, k: u32, travel: vec3f) -> Link {
     let j = strand.first_segment + k;
     let segment = segments[j];
     let now = rod_segments[j];
-    let p = strand.first_point + k;
-    let chord = now.chord + rod_points[p + 1u].travel - rod_points[p].travel;
+    let chord = now.chord + rod_points[strand.first_point + k + 1u].travel - travel;
     let frame = matrix(now.frame);
-    let compliance = frame * diagonal(segment.stretch_compliance) * transpose(frame);
-    let gap = chord / segment.rest_length - frame[2] + compliance * now.force;
+    let compliance = in_world(frame, segment.stretch_compliance);
+    let gap = stretch_gap(chord, segment.rest_length, frame, compliance, now.force);
     let weight = response(params.damping, now.scheme) * segment.inverse_inertia;
     let yielding = 1.0 / (1.0 + weight * max(0.0, -dot(frame[2], now.force)));
     return Link(
@@ -133,28 +138,27 @@ fn link(strand: Strand, k: u32) -> Link {
     );
 }
 
-// A link of a strand that ends before it: weighs nothing, holds nothing.
+// A link beyond either end of a strand: weighs nothing, holds nothing. Its rows of the system are 1 dmu = 0.
 fn no_link() -> Link {
-    return Link(vec3f(0.0), 0.0, vec3f(0.0), 0.0, 1.0, mat3x3f(), vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    return Link(vec3f(0.0), 0.0, vec3f(0.0), 0.0, 1.0, ONE, vec3f(0.0), vec3f(0.0), vec3f(0.0));
 }
 
-// The link after link k.
-fn link_after(strand: Strand, k: u32) -> Link {
-    if k + 2u < strand.points { return link(strand, k + 1u); }
-    return no_link();
+// A point of a strand.
+struct Node {
+    travel: vec3f,
+    free: vec3f,
+    weight: f32,   // W
 }
 
-// W of a point.
-fn point_weight(p: u32) -> f32 {
+fn node(p: u32) -> Node {
     let point = rod_points[p];
-    return response(damping_of(point), point.scheme) * point.inverse_mass;
+    return Node(point.travel, point.free, response(damping_of(point), point.scheme) * point.inverse_mass);
 }
 
 // What the forces on a point, of the link before it and of that after it, still have to move it by.
-fn point_excess(p: u32, before: Link, after: Link) -> vec3f {
-    let point = rod_points[p];
+fn point_excess(point: Node, before: Link, after: Link) -> vec3f {
     let pull = before.over_length * before.force - after.over_length * after.force;
-    return point.free + point_weight(p) * pull - point.travel;
+    return point.free + point.weight * pull - point.travel;
 }
 
 // W of a frame.
@@ -171,140 +175,152 @@ fn turn_excess(own: Link, before: Joint, after: Joint) -> vec3f {
     return own.yielding * excess + (1.0 - own.yielding) * dot(own.tangent, excess) * own.tangent;
 }
 
-// Residuals of joint and segment k, with the unknown moves as far as the multipliers have them.
-struct Residual { bend: vec3f, stretch: vec3f, excess: vec3f, turn_excess: vec3f }
-
-fn residual(
-    strand: Strand, k: u32, own: Link, after: Link, joint_before: Joint, joint_after: Joint, excess: vec3f,
-    turn_excess_before: vec3f,
-) -> Residual {
-    let next = point_excess(strand.first_point + k + 1u, own, after);
-    let turn = turn_excess(own, joint_before, joint_after);
-    let bend = joint_before.gap + joint_before.compliance * joint_before.moment
-        + joint_before.gradient * (turn - turn_excess_before);
-    let stretch = own.gap + own.over_length * (next - excess) + cross(own.tangent, turn);
-    return Residual(bend, stretch, next, turn);
-}
-
-// Where the residuals of a strand with this first link start from: nothing before the root, but the root may have to move.
-fn before_root(strand: Strand, first: Link) -> Residual {
-    return Residual(vec3f(0.0), vec3f(0.0), point_excess(strand.first_point, no_link(), first), vec3f(0.0));
-}
-
-// The largest residual of a strand, and what its points, in lengths of their segments, and frames still have to move by: one
-// that falls as it is has no residual.
-fn unrest(strand: Strand, rod: RodStrand) -> f32 {
-    var worst = 0.0;
-    var joint_before = joint(strand, rod, 0u);
-    var own = link(strand, 0u);
-    var r = before_root(strand, own);
-    for (var k = 0u; k < strand.points - 1u; k++) {
-        let joint_after = joint(strand, rod, k + 1u);
-        let after = link_after(strand, k);
-        r = residual(strand, k, own, after, joint_before, joint_after, r.excess, r.turn_excess);
-        worst = max(worst, max(length(r.bend), length(r.stretch)));
-        worst = max(worst, max(length(r.excess) * own.over_length, length(r.turn_excess)));
-        joint_before = joint_after;
-        own = after;
-    }
-    return worst;
-}
-
 // Left out of every step, however short it is, a residual must not add up to a push that wakes a sleeper.
 fn quiet_below(strand: Strand) -> f32 {
     let mean_segment = strand.length / f32(strand.points - 1u);
     return min(QUIET, strand.still_acceleration * params.step * params.step / mean_segment);
 }
 
-// Root to tip: U and y of every block. Returns dmu of the tip's joint.
-fn eliminate(strand: Strand, rod: RodStrand) -> vec3f {
+// What elimination leaves.
+struct Eliminated {
+    tip_change: vec3f,   // dmu of the tip's joint
+    unrest: f32,         // the largest residual, and what points, in lengths of their segments, and frames still have to move by:
+                         // a strand that falls as it is has no residual
+}
+
+// Root to tip: U and y of every block. Block k, of joint and segment k, is due when joint and link k + 1 are known; that of the
+// tip's joint, which no segment follows, is the last. Everything stands here once: drivers take long to compile what is
+// written out twice, as they inline all functions.
+fn eliminate(strand: Strand, rod: RodStrand) -> Eliminated {
     // Of the block before: O = [P 0; Q -s I], U and y.
     var p = mat3x3f();
     var q = mat3x3f();
     var shared_point = 0.0;
     var u: Factor;
-    var weight_before = mat3x3f();   // of the frame before the joint
-    var joint_before = joint(strand, rod, 0u);
-    var own = link(strand, 0u);
-    var r = before_root(strand, own);
-    for (var k = 0u; k < strand.points - 1u; k++) {
-        let joint_after = joint(strand, rod, k + 1u);
-        let after = link_after(strand, k);
-        r = residual(strand, k, own, after, joint_before, joint_after, r.excess, r.turn_excess);
+    // Of block k, the frame before its joint, and the point that its segment begins at.
+    var weight_before = mat3x3f();
+    var turn_before = vec3f(0.0);
+    var start_excess = vec3f(0.0);
+    var start_weight = 0.0;
+    var joint_before = no_joint();
+    var own = no_link();
+    var unrest = 0.0;
+    for (var next = 0u; next <= strand.points; next++) {
+        var joint_after = no_joint();
+        var after = no_link();
+        let end = node(strand.first_point + min(next, strand.points - 1u));
+        if next < strand.points { joint_after = joint(strand, rod, next); }
+        if next + 1u < strand.points { after = link(strand, next, end.travel); }
+        let end_excess = point_excess(end, own, after);
+        if next > 0u {
+            // Residuals, with the unknown moves as far as the multipliers have them.
+            let a = joint_before.gradient;
+            let turn = turn_excess(own, joint_before, joint_after);
+            let bend_residual = joint_before.gap + joint_before.compliance * joint_before.moment + a * (turn - turn_before);
+            let stretch_residual = own.gap + own.over_length * (end_excess - start_excess) + cross(own.tangent, turn);
+            if next < strand.points {
+                unrest = max(unrest, max(length(bend_residual), length(stretch_residual)));
+                unrest = max(unrest, max(length(end_excess) * own.over_length, length(turn)));
+            }
 
-        let a = joint_before.gradient;
-        let w0 = point_weight(strand.first_point + k);
-        let w1 = point_weight(strand.first_point + k + 1u);
-        let weight = turn_weight(own);
-        let turns = own.weight * own.yielding * skew(own.tangent);   // W [d3]x
-        let f = (1.0 + GIVE) * a * (weight_before + weight) * transpose(a) + diagonal(joint_before.compliance)
-            - (transpose(p) * u.bend_bend + transpose(q) * u.stretch_bend);
-        let g = a * transpose(turns) - (transpose(p) * u.bend_stretch + transpose(q) * u.stretch_stretch);
-        let h = (1.0 + GIVE) * ((w0 + w1) * own.over_length * own.over_length * ONE + turns * transpose(skew(own.tangent))) + own.compliance
-            + shared_point * u.stretch_stretch;
-        let bend = -r.bend - (transpose(p) * u.bend + transpose(q) * u.stretch);
-        let stretch = -r.stretch + shared_point * u.stretch;
+            let weight = turn_weight(own);
+            let turns = own.weight * own.yielding * skew(own.tangent);   // W [d3]x
+            let f = (1.0 + GIVE) * a * (weight_before + weight) * transpose(a) + diagonal(joint_before.compliance)
+                - (transpose(p) * u.bend_bend + transpose(q) * u.stretch_bend);
+            let g = a * transpose(turns) - (transpose(p) * u.bend_stretch + transpose(q) * u.stretch_stretch);
+            let along = (start_weight + end.weight) * own.over_length * own.over_length;
+            let h = (1.0 + GIVE) * (along * ONE + turns * transpose(skew(own.tangent))) + own.compliance
+                + shared_point * u.stretch_stretch;
+            let bend = -bend_residual - (transpose(p) * u.bend + transpose(q) * u.stretch);
+            let stretch = -stretch_residual + shared_point * u.stretch;
 
-        p = -1.0 * a * weight * transpose(joint_after.gradient);
-        q = transpose(joint_after.gradient * turns);
-        shared_point = w1 * own.over_length * after.over_length;
-        let f_inverse = inverse(f);
-        let t = f_inverse * g;
-        let s_inverse = inverse(h - transpose(g) * t);
-        u.stretch = s_inverse * (stretch - transpose(t) * bend);
-        u.bend = f_inverse * bend - t * u.stretch;
-        u.stretch_bend = s_inverse * (q - transpose(t) * p);
-        u.bend_bend = f_inverse * p - t * u.stretch_bend;
-        u.stretch_stretch = -shared_point * s_inverse;
-        u.bend_stretch = shared_point * t * s_inverse;
-        factors[strand.first_segment + k] = u;
-
-        weight_before = weight;
+            p = -1.0 * a * weight * transpose(joint_after.gradient);
+            q = transpose(joint_after.gradient * turns);
+            shared_point = end.weight * own.over_length * after.over_length;
+            let f_inverse = inverse(f);
+            let t = f_inverse * g;
+            let s_inverse = inverse(h - transpose(g) * t);
+            u.stretch = s_inverse * (stretch - transpose(t) * bend);
+            u.bend = f_inverse * bend - t * u.stretch;
+            u.stretch_bend = s_inverse * (q - transpose(t) * p);
+            u.bend_bend = f_inverse * p - t * u.stretch_bend;
+            u.stretch_stretch = -shared_point * s_inverse;
+            u.bend_stretch = shared_point * t * s_inverse;
+            if next < strand.points { factors[strand.first_segment + next - 1u] = u; }
+            weight_before = weight;
+            turn_before = turn;
+        }
+        start_excess = end_excess;
+        start_weight = end.weight;
         joint_before = joint_after;
         own = after;
     }
-    // The tip's joint: `joint_before` by now, between the last frame and one that is held.
-    let a = joint_before.gradient;
-    let f = (1.0 + GIVE) * a * weight_before * transpose(a) + diagonal(joint_before.compliance)
-        - (transpose(p) * u.bend_bend + transpose(q) * u.stretch_bend);
-    let bend = joint_before.gap + joint_before.compliance * joint_before.moment - a * r.turn_excess;
-    return inverse(f) * (-bend - (transpose(p) * u.bend + transpose(q) * u.stretch));
+    return Eliminated(u.bend, unrest);
 }
 
-// Tip to root: multipliers, and the moves that follow from them. Returns max |C + alpha mu| of stretch-shear afterwards.
+// Tip to root: multipliers, and the moves that follow from them. Returns max |C + alpha mu| of stretch-shear afterwards. Joint
+// and segment k come with the point at the segment's end, at first the tip's joint alone, at last the root's point.
 fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 {
     let last = strand.points - 1u;
     var worst = 0.0;
     var bend = tip_change;
     var stretch = vec3f(0.0);
-    var joint_after = joint(strand, rod, last);
-    joint_after.moment += tip_change;
-    rod_strands[s].tip_moment = joint_after.moment;
+    var joint_after = no_joint();
     var after = no_link();
-    for (var k = last; k > 0u; k--) {
-        let j = strand.first_segment + k - 1u;
-        let p = strand.first_point + k;
-        let u = factors[j];
-        let bend_change = u.bend - u.bend_bend * bend - u.bend_stretch * stretch;
-        let stretch_change = u.stretch - u.stretch_bend * bend - u.stretch_stretch * stretch;
-        var joint_before = joint(strand, rod, k - 1u);
-        var own = link(strand, k - 1u);
-        joint_before.moment += bend_change;
-        own.force += stretch_change;
-        rod_points[p].travel += point_excess(p, own, after);
-        let turn = own.turn + turn_excess(own, joint_before, joint_after);
-        rod_segments[j].turn = turn;
-        rod_segments[j].frame = normalize(product(rotation(turn), rod_segments[j].start));
-        rod_segments[j].force = own.force;
-        rod_segments[j].moment = joint_before.moment;
-        if k < last { worst = max(worst, length(link(strand, k).gap)); }
-        bend = bend_change;
-        stretch = stretch_change;
+    // Where the link after, and the point at its end, are now.
+    var chord_after = vec3f(0.0);
+    var frame_after = ONE;
+    var end_after = vec3f(0.0);
+    for (var done = 0u; done <= strand.points; done++) {
+        let k = last - done;   // wraps at the root's point
+        let j = strand.first_segment + k;
+        let p = strand.first_point + k + 1u;
+        var joint_before = no_joint();
+        var own = no_link();
+        var chord = vec3f(0.0);
+        var frame = ONE;
+        if done <= last {
+            joint_before = joint(strand, rod, k);
+            if done > 0u {
+                let u = factors[j];
+                own = link(strand, k, rod_points[p - 1u].travel);
+                let bend_change = u.bend - u.bend_bend * bend - u.bend_stretch * stretch;
+                stretch = u.stretch - u.stretch_bend * bend - u.stretch_stretch * stretch;
+                bend = bend_change;
+                own.force += stretch;
+            }
+            joint_before.moment += bend;
+        }
+        if done == 0u {
+            rod_strands[s].tip_moment = joint_before.moment;
+        } else {
+            let end = node(p);
+            let travel = end.travel + point_excess(end, own, after);
+            rod_points[p].travel = travel;
+            if done <= last {
+                let turn = own.turn + turn_excess(own, joint_before, joint_after);
+                let turned = normalize(product(rotation(turn), rod_segments[j].start));
+                rod_segments[j].turn = turn;
+                rod_segments[j].frame = turned;
+                rod_segments[j].force = own.force;
+                rod_segments[j].moment = joint_before.moment;
+                frame = matrix(turned);
+                chord = rod_segments[j].chord;
+            }
+            if done > 1u {
+                let segment = segments[j + 1u];
+                let compliance = in_world(frame_after, segment.stretch_compliance);
+                let now = chord_after + end_after - travel;
+                worst = max(worst, length(stretch_gap(now, segment.rest_length, frame_after, compliance, after.force)));
+            }
+            end_after = travel;
+        }
         joint_after = joint_before;
         after = own;
+        chord_after = chord;
+        frame_after = frame;
     }
-    rod_points[strand.first_point].travel += point_excess(strand.first_point, no_link(), after);
-    return max(worst, length(link(strand, 0u).gap));
+    return worst;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -314,13 +330,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let rod = rod_strands[s];
     if rod.state != FREE { return; }
     let strand = strands[s];
-    if params.sleep != 0u && unrest(strand, rod) < quiet_below(strand) {
+    let eliminated = eliminate(strand, rod);
+    if params.sleep != 0u && eliminated.unrest < quiet_below(strand) {
         rod_strands[s].state = SOLVED;
         count(QUIET_STEP);
         return;
     }
-    let tip_change = eliminate(strand, rod);
-    let misfit = substitute(strand, s, rod, tip_change);
+    let misfit = substitute(strand, s, rod, eliminated.tip_change);
     rod_strands[s].misfit = misfit;
     if misfit < FITS { rod_strands[s].state = SOLVED; }
 }
