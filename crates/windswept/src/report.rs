@@ -102,6 +102,8 @@ pub struct BandEnergy {
 /// GPU time of a pass.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PassReport {
+    /// Heading of the step under which the pass runs.
+    pub heading: String,
     /// Label of the pass.
     pub name: String,
     /// Name of the pass, `folder/name`.

@@ -126,12 +126,24 @@ impl Simulation {
     /// # Errors
     /// [`RunError`] names what ended the run; the state is that of the last good step.
     pub fn step(&mut self, n: u64) -> Result<(), RunError> {
+        self.advance(n, |submits| submits % TIMED_SUBMITS == 1)
+    }
+
+    /// Runs `n` steps of Δt, each of them timed pass by pass for [`Self::pass_times`], which is slower.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn step_timed(&mut self, n: u64) -> Result<(), RunError> {
+        self.advance(n, |_| true)
+    }
+
+    fn advance(&mut self, n: u64, is_timed: impl Fn(u64) -> bool) -> Result<(), RunError> {
         let goal = self.steps.saturating_add(n).saturating_mul(self.substeps());
         while u64::from(self.last.step) < goal {
             let left = goal - u64::from(self.last.step);
             let started = Instant::now();
             let before = self.last.step;
-            let timed = self.submits % TIMED_SUBMITS == 1;
+            let timed = is_timed(self.submits);
             if timed {
                 let spans = self.engine.run_profiled(&self.program, &mut self.profile)?;
                 self.timed_steps += 1;

@@ -1,8 +1,9 @@
-//! `cargo xtask demo`, `python`, `test` and `package`: set up what a clean clone lacks, then run it.
+//! `cargo xtask demo`, `python`, `test`, `bench` and `package`: set up what a clean clone lacks, then run it.
 //!
 //! Everything that these commands fetch is either a system package, announced before it is installed, or lies in
 //! `target/venv`.
 
+mod bench;
 mod package;
 mod python;
 mod system;
@@ -24,6 +25,10 @@ Commands:
   python   build the Python wheel into target/wheels and install it into target/venv
   test     check formatting and lints, then run the tests on the software adapter;
            with --long also those that take minutes and seldom break
+  bench    --save FILE keeps the bench as it is now, --compare FILE runs it by turns with
+           the present one and names what became slower, --peer runs fig2b by turns with
+           SPlisHSPlasH; each takes --turns N and --profile NAME.
+           --gpu [--bandwidth GB/S] checks and times the adapter and writes into benches/results
   package  build the crates and the Python package as they would be published; publishes nothing
 
 Each command installs or fetches what it needs and does not find: a Vulkan driver, CMake, packages of PyPI.";
@@ -39,6 +44,10 @@ fn main() -> ExitCode {
         ["python"] => python::provide(),
         ["test"] => tests::run(Length::Usual),
         ["test", "--long"] => tests::run(Length::Long),
+        ["bench", "--save", file, ref rest @ ..] => bench::save(file, rest),
+        ["bench", "--compare", file, ref rest @ ..] => bench::compare(file, rest),
+        ["bench", "--peer", ref rest @ ..] => bench::peer(rest),
+        ["bench", "--gpu", ref rest @ ..] => bench::gpu(rest),
         ["package"] => package::build(),
         ["help" | "-h" | "--help"] => {
             println!("{USAGE}");

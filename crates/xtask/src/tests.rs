@@ -52,7 +52,7 @@ pub(crate) fn run(length: Length) -> Result {
     count(run_cargo(&[&["test", "--workspace", "--no-fail-fast"], ignored].concat())?)?;
     if length == Length::Long {
         say("Benches, briefly");
-        let mut benches = run_cargo(&["test", "--bench", "work_precision"])?;
+        let mut benches = run_cargo(&["test", "--benches"])?;
         on_software(&mut benches);
         crate::run(&mut benches)?;
     }

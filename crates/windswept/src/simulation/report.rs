@@ -109,7 +109,8 @@ impl Simulation {
         Ok(sum.filter(|_| self.plan.turbulence.runs))
     }
 
-    /// Number of steps that were timed pass by pass: one in every eighth submit, from the second on. The times of
+    /// Number of substeps that were timed pass by pass: one in every eighth submit, from the second on, and all of
+    /// [`Self::step_timed`]. The times of
     /// [`Self::pass_times`] are means over them, so that a caller who asks again and again can tell what the newest one took.
     #[must_use]
     pub fn timed_steps(&self) -> u64 {
@@ -128,6 +129,7 @@ impl Simulation {
                 continue;
             }
             rows.push(PassReport {
+                heading: command.heading.to_owned(),
                 name: label.to_owned(),
                 pass: pass.to_owned(),
                 band,

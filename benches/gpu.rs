@@ -1,0 +1,163 @@
+//! What a GPU makes of the step: `cargo xtask bench --gpu --bandwidth GB/S`, or `cargo bench --bench gpu -- --bandwidth GB/S`.
+//!
+//! Checks the adapter first (`windswept validate`, all of it), then times the paper's scenes and one of two million particles, each
+//! at one substep, and sets each pass beside the least time in which its arrays could cross the memory. Writes
+//! `results/gpu-ADAPTER.json`. `cargo test --bench gpu` runs a few steps of a small scene, checks nothing and writes nothing.
+
+use std::{error::Error, fs, path::PathBuf, process::ExitCode, time::Instant};
+
+use clap::Parser;
+use serde_json::{Value, json};
+use windswept::{AdapterChoice, Gpu};
+use windswept_validate::{CHECKS, Row};
+
+#[path = "work_precision/exit.rs"]
+mod exit;
+#[path = "work_precision/provenance.rs"]
+mod provenance;
+#[path = "timed/mod.rs"]
+mod timed;
+use timed::{Timed, scene};
+
+/// Scenes by name, with their files and keys. The box of the last has ten times the volume of fig2b's.
+const SCENES: [(&str, &str, &[&str]); 3] = [
+    ("fig2b", "fig2b.toml", &["time.substeps=1"]),
+    ("fig3c", "fig3c.toml", &["time.substeps=1"]),
+    ("2 million particles", "fig2b.toml", &["time.substeps=1", "air.box.max=[1.0,0.4,0.575]"]),
+];
+/// The scene of a smoke test.
+const SMALL: [(&str, &str, &[&str]); 1] = [("quick", "quick.toml", &["time.substeps=1"])];
+
+/// What a GPU makes of the step.
+#[derive(Parser)]
+struct Arguments {
+    /// Peak bandwidth of the adapter's memory, as its maker states it [GB/s]; without it no pass is set beside it
+    #[arg(long, value_name = "GB/S")]
+    bandwidth: Option<f64>,
+    /// Steps of each scene that are timed pass by pass, and as many that are timed as a whole
+    #[arg(long, default_value_t = 20)]
+    steps: u64,
+    /// A small scene instead of the three large ones
+    #[arg(long)]
+    small: bool,
+    /// Leave the checks out
+    #[arg(long)]
+    unchecked: bool,
+    /// Folder to write into
+    #[arg(long, default_value = "benches/results")]
+    out: PathBuf,
+    /// `cargo bench` passes it
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+fn main() -> ExitCode {
+    exit::status(run())
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
+    let mut arguments = Arguments::parse();
+    if !arguments.bench {
+        (arguments.small, arguments.unchecked, arguments.steps) = (true, true, 2);
+    }
+    let gpu = Gpu::new(&AdapterChoice::from_flag(None))?;
+    println!("adapter: {}", gpu.info());
+    let checked = if arguments.unchecked { Value::Null } else { check(&gpu)? };
+    let scenes = if arguments.small { &SMALL[..] } else { &SCENES };
+    let scenes: Vec<_> = scenes
+        .iter()
+        .map(|(name, file, keys)| measure(&gpu, name, file, keys, &arguments))
+        .collect::<Result<_, _>>()?;
+    let mut document = json!({
+        "adapter": gpu.info(),
+        "commit": provenance::commit(),
+        "date": provenance::date().to_string(),
+        "command": std::env::args().skip(1).collect::<Vec<_>>().join(" "),
+        "bytes": "each array that a pass reads, once as a whole, and each that it writes, once (PlanRow::bytes)",
+        "scenes": scenes,
+    });
+    // What was not measured is left out.
+    if let Some(bandwidth) = arguments.bandwidth {
+        document["peak_bandwidth_gb_per_s"] = bandwidth.into();
+    }
+    if !checked.is_null() {
+        document["validate"] = checked;
+    }
+    if arguments.bench {
+        let name = gpu.info().name.to_lowercase();
+        let words: Vec<_> = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+        fs::create_dir_all(&arguments.out)?;
+        let path = arguments.out.join(format!("gpu-{}.json", words.join("-")));
+        fs::write(&path, serde_json::to_string_pretty(&document)? + "\n")?;
+        println!("written: {}", path.display());
+    }
+    Ok(())
+}
+
+/// How many rows of `windswept validate` pass; an error names those that do not.
+fn check(gpu: &Gpu) -> Result<Value, Box<dyn Error>> {
+    let rows: Vec<Row> = CHECKS.iter().flat_map(|check| check.rows(gpu)).collect();
+    let bad: Vec<&str> = rows.iter().filter(|row| !row.passes()).map(|row| row.test.as_str()).collect();
+    if !bad.is_empty() {
+        return Err(format!("the adapter computes wrongly, and is not timed: {}", bad.join("; ")).into());
+    }
+    println!("{} of {} checks pass", rows.len(), rows.len());
+    Ok(json!({ "rows": rows.len(), "passed": true }))
+}
+
+fn measure(gpu: &Gpu, name: &str, file: &str, keys: &[&str], arguments: &Arguments) -> Result<Value, Box<dyn Error>> {
+    let scene = scene(file, keys)?;
+    let plan = windswept::plan(&scene)?;
+    let mut timed = Timed::new(gpu, &scene)?;
+    let steps = arguments.steps;
+    let mut passes = Vec::new();
+    let (mut gpu_ms, mut all_bytes) = (0.0, 0);
+    for row in timed.steps(steps)? {
+        let same =
+            |other: &&windswept::PlanRow| (other.pass, other.label, other.band) == (&row.pass, &row.name, row.band);
+        let bytes = plan.iter().find(same).map_or(0, |planned| planned.bytes);
+        let ms = row.ms / steps as f64;
+        gpu_ms += ms;
+        all_bytes += bytes;
+        let mut pass = json!({ "pass": row.pass, "name": row.name, "runs": row.runs, "ms": ms, "bytes": bytes });
+        if let Some(band) = row.band {
+            pass["band"] = band.into();
+        }
+        if let Some(peak) = arguments.bandwidth {
+            // GB/s are bytes per nanosecond: 1e6 of them a millisecond.
+            pass["of_peak_bandwidth"] = (bytes as f64 / (peak * 1e6) / ms).into();
+        }
+        passes.push(pass);
+    }
+    let mut walls = Vec::new();
+    for _ in 0..steps {
+        let started = Instant::now();
+        timed.simulation.step(1)?;
+        walls.push(started.elapsed().as_secs_f64() * 1e3);
+    }
+    // Whole steps without timers, one after the other on the GPU.
+    let started = Instant::now();
+    timed.simulation.step(steps)?;
+    let in_a_row = started.elapsed().as_secs_f64() * 1e3 / steps as f64;
+    walls.sort_by(f64::total_cmp);
+    let (least, median) = (walls[0], walls[walls.len() / 2]);
+    println!(
+        "{name}: {} particles, passes {gpu_ms:.3} ms, a step by itself {median:.3} ms (least {least:.3}), in a row {in_a_row:.3} ms",
+        timed.simulation.engine().sizes().particles
+    );
+    let mut of_scene = json!({
+        "name": name,
+        "particles": timed.simulation.engine().sizes().particles,
+        "memory_bytes": timed.simulation.engine().memory_bytes(),
+        "ms_of_passes": gpu_ms,
+        "ms_of_a_step_median": median,
+        "ms_of_a_step_least": least,
+        "ms_of_a_step_in_a_row": in_a_row,
+        "bytes": all_bytes,
+        "passes": passes,
+    });
+    if let Some(peak) = arguments.bandwidth {
+        of_scene["of_peak_bandwidth"] = (all_bytes as f64 / (peak * 1e6) / gpu_ms).into();
+    }
+    Ok(of_scene)
+}

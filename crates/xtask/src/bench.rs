@@ -1,0 +1,267 @@
+//! `cargo xtask bench`: how fast windswept is beside an earlier build of itself, beside a peer, and on a GPU.
+//!
+//! What is compared runs by turns, so that whatever else the machine does falls on both. Spread is the median absolute deviation
+//! of the turns' ratios.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use crate::{Result, cargo, line, root, run, say, venv, vulkan};
+
+/// Turns of a comparison.
+const TURNS: u32 = 10;
+/// Median absolute deviations by which the median ratio must exceed 1 for a row to be called slower.
+const SLOWER: f64 = 3.0;
+/// Steps of the peer in a turn: as many as of ours, and enough for a median.
+const PEER_STEPS: &str = "5";
+
+/// Ending of a row that is a count and no time.
+const PARTICLES: &str = "particles";
+
+/// Times of a turn, or of the others: by row, such as `quick, 3. fluid` \[ms\].
+type Times = BTreeMap<String, f64>;
+
+/// `cargo xtask bench --save FILE`: keeps the bench as it is built now, to be compared with a later one.
+pub(crate) fn save(file: &str, rest: &[&str]) -> Result {
+    let built = build("round", &options(rest)?)?;
+    let times = turn(&mut Command::new(&built))?;
+    std::fs::copy(&built, file).map_err(|e| format!("{file} cannot be written: {e}"))?;
+    for (row, ms) in times.iter().filter(|(row, _)| !row.ends_with(PARTICLES)) {
+        println!("{row:<32} {ms:>10.3} ms");
+    }
+    println!(
+        "\n{file} is the program that took these times. On this machine, after a change: cargo xtask bench --compare {file}"
+    );
+    Ok(())
+}
+
+/// `cargo xtask bench --compare FILE`: the bench as it is built now, by turns with the one that `--save` kept.
+pub(crate) fn compare(file: &str, rest: &[&str]) -> Result {
+    let options = options(rest)?;
+    let old = std::path::absolute(file).ok().filter(|path| path.is_file());
+    let old = old.ok_or(format!("{file}: no such file; cargo xtask bench --save {file} makes it"))?;
+    let built = build("round", &options)?;
+    let mut turns = Vec::new();
+    for k in 0..options.turns {
+        say(&format!("Turn {} of {}", k + 1, options.turns));
+        // Whoever runs second finds the machine warmer: they take turns in that too.
+        turns.push(if k % 2 == 0 {
+            let before = turn(&mut Command::new(&old))?;
+            (before, turn(&mut Command::new(&built))?)
+        } else {
+            let now = turn(&mut Command::new(&built))?;
+            (turn(&mut Command::new(&old))?, now)
+        });
+    }
+    println!("{:<32} {:>12} {:>12} {:>8} {:>8}", "row", "before, ms", "now, ms", "ratio", "spread");
+    let mut slower = Vec::new();
+    for row in rows(&turns) {
+        let of = |times: fn(&(Times, Times)) -> &Times| -> Vec<f64> {
+            turns.iter().filter_map(|turn| times(turn).get(&row).copied()).collect()
+        };
+        let (before, now) = (of(|turn| &turn.0), of(|turn| &turn.1));
+        let ratios = Ratios::new(&before, &now);
+        println!(
+            "{row:<32} {:>12.3} {:>12.3} {:>8.3} {:>8.3}",
+            median(&before),
+            median(&now),
+            ratios.median,
+            ratios.deviation
+        );
+        if ratios.is_slower() {
+            slower.push(row);
+        }
+    }
+    if slower.is_empty() {
+        println!("\nNothing became slower by more than {SLOWER} median absolute deviations.");
+    } else {
+        println!("\nSlower by more than {SLOWER} median absolute deviations: {}", slower.join("; "));
+    }
+    Ok(())
+}
+
+/// `cargo xtask bench --peer`: the whole step of fig2b at one substep, by turns with SPlisHSPlasH on as many particles.
+pub(crate) fn peer(rest: &[&str]) -> Result {
+    let options = options(rest)?;
+    let python = venv::provide(&["pysplishsplash"])?;
+    let built = build("round", &options)?;
+    let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+    for k in 0..options.turns {
+        say(&format!("Turn {} of {}", k + 1, options.turns));
+        let own = turn(Command::new(&built).arg("fig2b"))?;
+        let particles = of(&own, "fig2b, particles")?;
+        ours.push(of(&own, "fig2b, wall")?);
+        let mut command = Command::new(&python);
+        command.arg(root().join("benches/peer/splishsplash.py")).arg(particles.to_string()).arg(PEER_STEPS);
+        let other = turn(&mut command)?;
+        theirs.push(of(&other, "wall")?);
+        println!(
+            "windswept {:.0} ms, SPlisHSPlasH {:.0} ms, {particles} and {} particles",
+            ours[ours.len() - 1],
+            theirs[theirs.len() - 1],
+            of(&other, "particles")?
+        );
+    }
+    let ratios = Ratios::new(&theirs, &ours);
+    println!("\n{:<24} {:>10} {:>10}", "a step, ms", "least", "median");
+    println!("{:<24} {:>10.0} {:>10.0}", "windswept", least(&ours), median(&ours));
+    println!("{:<24} {:>10.0} {:>10.0}", "SPlisHSPlasH", least(&theirs), median(&theirs));
+    println!("{:<24} {:>10.2} {:>10.2}", "ratio", least(&ours) / least(&theirs), median(&ours) / median(&theirs));
+    println!("\nratio of each turn: median {:.2}, spread {:.2}", ratios.median, ratios.deviation);
+    Ok(())
+}
+
+/// `cargo xtask bench --gpu`: checks the adapter, times the paper's scenes and two million particles, and writes a JSON file.
+pub(crate) fn gpu(rest: &[&str]) -> Result {
+    vulkan::any_driver()?;
+    let mut command = cargo();
+    venv::provide_cmake(&mut command)?;
+    vulkan::give_runtime_folder(&mut command);
+    run(command.args(["bench", "--workspace", "--bench", "gpu", "--"]).args(rest))
+}
+
+/// What follows `--save FILE`, `--compare FILE` or `--peer`.
+struct Options {
+    turns: u32,
+    profile: String,
+}
+
+fn options(rest: &[&str]) -> Result<Options> {
+    let mut options = Options { turns: TURNS, profile: "bench".to_owned() };
+    for pair in rest.chunks(2) {
+        match *pair {
+            ["--turns", turns] => {
+                options.turns =
+                    turns.parse().ok().filter(|n| *n > 0).ok_or(format!("--turns {turns}: expected a number"))?;
+            }
+            ["--profile", profile] => options.profile = profile.to_owned(),
+            _ => return Err(format!("{}: expected --turns N or --profile NAME", pair.join(" "))),
+        }
+    }
+    Ok(options)
+}
+
+/// Builds a bench and returns its program.
+fn build(bench: &str, options: &Options) -> Result<PathBuf> {
+    vulkan::any_driver()?;
+    say(&format!("Building the bench {bench}"));
+    let mut command = cargo();
+    venv::provide_cmake(&mut command)?;
+    command.args([
+        "bench",
+        "--workspace",
+        "--no-run",
+        "--bench",
+        bench,
+        "--profile",
+        &options.profile,
+        "--message-format",
+        "json",
+    ]);
+    let output = command.stderr(Stdio::inherit()).output().map_err(|e| format!("{}: {e}", line(&command)))?;
+    if !output.status.success() {
+        return Err(format!("{} ended with {}", line(&command), output.status));
+    }
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let program = text.lines().rev().find_map(|message| executable(message, bench));
+    program.ok_or(format!("{} named no program", line(&command)))
+}
+
+/// The program that a message of cargo says was built of a bench.
+fn executable(message: &str, bench: &str) -> Option<PathBuf> {
+    let is_bench = message.contains(r#""kind":["bench"]"#) && message.contains(&format!(r#""name":"{bench}""#));
+    let (_, rest) = message.split_once(r#""executable":""#).filter(|_| is_bench)?;
+    let (path, _) = rest.split_once('"')?;
+    Some(Path::new(&path.replace(r"\\", r"\")).to_path_buf())
+}
+
+/// Runs a program for one turn and reads its lines: words with tabs between, the last of them a number.
+fn turn(program: &mut Command) -> Result<Times> {
+    program.current_dir(root());
+    if !line(program).contains(".py ") {
+        program.arg("--bench");
+    }
+    vulkan::give_runtime_folder(program);
+    let output = program.stderr(Stdio::inherit()).output().map_err(|e| format!("{}: {e}", line(program)))?;
+    if !output.status.success() {
+        return Err(format!("{} ended with {}", line(program), output.status));
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).lines().filter_map(read).collect())
+}
+
+fn read(text: &str) -> Option<(String, f64)> {
+    let (row, number) = text.rsplit_once('\t')?;
+    Some((row.replace('\t', ", "), number.trim().parse().ok()?))
+}
+
+fn of(times: &Times, row: &str) -> Result<f64> {
+    times.get(row).copied().ok_or(format!("the program printed no line {row:?}"))
+}
+
+/// Rows that both have in every turn, but for the counts.
+fn rows(turns: &[(Times, Times)]) -> Vec<String> {
+    let all = turns.first().map(|(before, _)| before.keys().cloned().collect::<Vec<_>>()).unwrap_or_default();
+    let in_all = |row: &String| turns.iter().all(|(before, now)| before.contains_key(row) && now.contains_key(row));
+    all.into_iter().filter(|row| in_all(row) && !row.ends_with(PARTICLES)).collect()
+}
+
+/// Ratios of two programs' times, turn by turn.
+struct Ratios {
+    median: f64,
+    /// The median absolute deviation.
+    deviation: f64,
+}
+
+impl Ratios {
+    fn new(before: &[f64], now: &[f64]) -> Self {
+        let ratios: Vec<f64> = before.iter().zip(now).map(|(before, now)| now / before).collect();
+        let middle = median(&ratios);
+        let deviations: Vec<f64> = ratios.iter().map(|ratio| (ratio - middle).abs()).collect();
+        Self { median: middle, deviation: median(&deviations) }
+    }
+
+    fn is_slower(&self) -> bool {
+        self.median > 1.0 + SLOWER * self.deviation
+    }
+}
+
+fn least(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+/// The middle one, or the mean of the middle two.
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let n = sorted.len();
+    if n == 0 { f64::NAN } else { 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]) }
+}
+
+#[cfg(test)]
+mod check {
+    use std::path::PathBuf;
+
+    use super::{Ratios, executable, median, read};
+
+    /// A row that takes 5 % longer in every turn is slower, whatever the machine does to both; one that is now faster, now
+    /// slower is not.
+    #[test]
+    fn what_became_slower_is_found() {
+        let before = [10.0, 20.0, 11.0, 35.0, 10.5];
+        let slower: Vec<f64> = before.iter().zip([1.05, 1.06, 1.05, 1.04, 1.05]).map(|(ms, by)| ms * by).collect();
+        let noisy: Vec<f64> = before.iter().zip([1.2, 0.9, 1.05, 0.85, 1.1]).map(|(ms, by)| ms * by).collect();
+        assert!(Ratios::new(&before, &slower).is_slower());
+        assert!(!Ratios::new(&before, &noisy).is_slower());
+        assert_eq!((median(&[3.0, 1.0, 2.0]), median(&[4.0, 1.0, 2.0, 3.0])), (2.0, 2.5));
+    }
+
+    #[test]
+    fn lines_are_read() {
+        assert_eq!(read("quick\t3. fluid\t12.5"), Some(("quick, 3. fluid".to_owned(), 12.5)));
+        assert_eq!(read("adapter: none"), None);
+        let message = r#"{"target":{"kind":["bench"],"name":"round"},"executable":"/target/round-1"}"#;
+        assert_eq!(executable(message, "round"), Some(PathBuf::from("/target/round-1")));
+        assert_eq!(executable(message, "step"), None);
+    }
+}
