@@ -6,8 +6,8 @@ PBF with 2 iterations, vorticity confinement and XSPH, on a cube of about PARTIC
 examples/scenes/fig2b.toml; no boundary. It does less than windswept's step: it has no band filter, no rods and no exchange
 with hair. Prints two lines, `wall` with the median time of a step [ms] and `particles`, as benches/round.rs does.
 
-Needs pysplishsplash from PyPI. Where its import ends the process, the system's libGLdispatch.so.0 must be loaded before it
-(on Debian and Ubuntu `apt-get install libglvnd0`, then LD_PRELOAD with its path).
+Needs pysplishsplash from PyPI, and libGLdispatch.so.0 loaded before it (on Debian and Ubuntu `apt-get install libglvnd0`):
+`cargo xtask bench` sets LD_PRELOAD to it where it finds it. Without it the import ends the process.
 """
 
 import json
@@ -23,8 +23,8 @@ DENSITY = 1.29  # kg/m^3
 WARM_UP = 2  # steps
 
 particles, steps = int(sys.argv[1]), int(sys.argv[2])
-# The block is filled from face to face: half a spacing more than n - 1 spacings makes n particles of it.
-side = (round(particles ** (1 / 3)) - 0.5) * SPACING
+# A block that is n + 1 spacings wide gets n particles; a little more, so that rounding takes none.
+side = (round(particles ** (1 / 3)) + 1.001) * SPACING
 scene = {
     "Configuration": {
         "particleRadius": SPACING / 2,

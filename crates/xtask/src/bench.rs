@@ -16,6 +16,9 @@ const SLOWER: f64 = 3.0;
 /// Steps of the peer in a turn: as many as of ours, and enough for a median.
 const PEER_STEPS: &str = "5";
 
+/// Places of GLVND's dispatcher: Debian's and Ubuntu's, Fedora's and Arch's.
+const GLVND: [&str; 3] =
+    ["/usr/lib/x86_64-linux-gnu/libGLdispatch.so.0", "/usr/lib64/libGLdispatch.so.0", "/usr/lib/libGLdispatch.so.0"];
 /// Ending of a row that is a count and no time.
 const PARTICLES: &str = "particles";
 
@@ -73,7 +76,9 @@ pub(crate) fn compare(file: &str, rest: &[&str]) -> Result {
             slower.push(row);
         }
     }
-    if slower.is_empty() {
+    if options.turns < TURNS {
+        println!("\nFewer than {TURNS} turns: too few to call anything slower.");
+    } else if slower.is_empty() {
         println!("\nNothing became slower by more than {SLOWER} median absolute deviations.");
     } else {
         println!("\nSlower by more than {SLOWER} median absolute deviations: {}", slower.join("; "));
@@ -94,7 +99,11 @@ pub(crate) fn peer(rest: &[&str]) -> Result {
         ours.push(of(&own, "fig2b, wall")?);
         let mut command = Command::new(&python);
         command.arg(root().join("benches/peer/splishsplash.py")).arg(particles.to_string()).arg(PEER_STEPS);
-        let other = turn(&mut command)?;
+        // Its native module needs GLVND and is not linked to it.
+        if let Some(library) = GLVND.iter().find(|path| Path::new(path).is_file()) {
+            command.env("LD_PRELOAD", library);
+        }
+        let other = turn(&mut command).map_err(|e| format!("{e}; benches/peer/splishsplash.py says what it needs"))?;
         theirs.push(of(&other, "wall")?);
         println!(
             "windswept {:.0} ms, SPlisHSPlasH {:.0} ms, {particles} and {} particles",
