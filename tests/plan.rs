@@ -72,6 +72,9 @@ const COMMIT_HAIR: &[&str] = &["guard/hold", "guard/check", "guard/commit_frames
 const COMMIT: &[&str] = &["guard/commit"];
 const COMMIT_AIR: &[&str] = &["guard/commit_pressure", "guard/commit"];
 
+/// A kind of scene: its keys, what it is without, and the passes that it has.
+type Case<'a> = (&'a str, &'a [&'a str], Option<&'a str>, &'a [&'a [&'a str]]);
+
 /// A scene's step has the passes that it needs and no others.
 #[test]
 fn a_scene_runs_what_it_needs() {
@@ -84,7 +87,7 @@ fn a_scene_runs_what_it_needs() {
     let hair_alone = &["rods/roots"][..];
     let bodies = "body=[{name='a',center=[0.1,0.06,0.03],radius=0.012}]";
     let two_bands = "turbulence.bands=[{scale=0.006,strength=3,intensity=0.3},{scale=0.018,strength=2,intensity=0.3}]";
-    let cases: [(&str, &[&str], Option<&str>, &[&[&str]]); 9] = [
+    let cases: [Case<'_>; 9] = [
         ("rods only", &["interaction.model=none"], None, &[hair_alone, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT]),
         (
             "hair without air",

@@ -13,7 +13,7 @@ const WARM_UP: u64 = 2;
 /// A scene of the examples with some keys changed.
 pub(crate) fn scene(file: &str, keys: &[&str]) -> Result<Scene> {
     let keys: Vec<String> = keys.iter().map(|&key| key.to_owned()).collect();
-    Ok(Scene::load_with(&Path::new("examples/scenes").join(file), &keys)?)
+    Ok(Scene::load_with(Path::new("examples/scenes").join(file), &keys)?)
 }
 
 /// A simulation, and what its timed passes have taken so far.
