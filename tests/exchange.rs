@@ -40,6 +40,6 @@ checks! {
     lone_strands_feel_the_law: "fixed-wide", "long: 280 s of CPU time",
     porous_strips_slow_a_channel: "strip", "long: 11 min of CPU time",
     strips_have_a_limit_as_the_step_falls: "strip-halved", "long: 6 min of CPU time",
-    bundles_shelter_their_fibres: "bundle", "long: 870 s of CPU time",
+    bundles_shelter_their_fibres: "bundle", "long: 910 s of CPU time",
     large_mats_sleep: "mat-for-long", "long: 50 s of CPU time",
 }
