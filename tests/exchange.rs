@@ -36,7 +36,7 @@ macro_rules! checks {
 checks! {
     pressure_has_a_limit: "pressure-limits", "long: 200 s of CPU time",
     vortices_decay_as_on_a_grid: "taylor-green-3d", "long: 10 min of CPU time",
-    tufts_have_a_limit: "tuft", "long: 4 min of CPU time",
+    tufts_have_a_limit: "tuft", "long: 10 min of CPU time",
     lone_strands_feel_the_law: "fixed-wide", "long: 280 s of CPU time",
     porous_strips_slow_a_channel: "strip", "long: 11 min of CPU time",
     strips_have_a_limit_as_the_step_falls: "strip-halved", "long: 6 min of CPU time",
