@@ -83,10 +83,10 @@ fn wrong_constants_turn_rows_red() {
     let cases: &[(&Pass, &str, &str, &str)] = &[
         (&wind::DRAG, "FORM: f32 = 10.0", "FORM: f32 = 10.1", "drag"),
         (&wind::DRAG, "FRICTION: f32 = 5.4", "FRICTION: f32 = 5.41", "drag"),
-        (&wind::REACT, "params.air_inverse_mass * given", "1.01 * params.air_inverse_mass * given", "exchange"),
+        (&wind::REACT, "params.air_inverse_mass * own.w", "1.01 * params.air_inverse_mass * own.w", "exchange"),
         (&wind::FRINGE, "GRIP: f32 = 30.0", "GRIP: f32 = 30.3", "wind"),
         (&wind::BLOW, "status.step + 1u", "status.step + 2u", "wind"),
-        (&fluid::FRICTION, "min(own.friction, other.friction)", "0.5 * own.friction", "friction"),
+        (&fluid::FRICTION, "min(own.friction, other.more.y)", "0.5 * own.friction", "friction"),
         (&rods::ROOTS, "part * key.travel", "1.001 * part * key.travel", "wind"),
         (&fluid::DENSITY, "315.0", "314.0", "lattices"),
         (&fluid::CORRECT, "45.0", "30.0", "density"),

@@ -26,7 +26,8 @@ fn runs(scene: &Scene) -> Vec<String> {
     running.map(|row| if row.runs == 1 { row.pass.to_owned() } else { format!("{} {}", row.pass, row.runs) }).collect()
 }
 
-const SORT: &[&str] = &["grid/clear", "grid/count", "grid/scan", "grid/scatter", "grid/order"];
+const SORT: &[&str] =
+    &["grid/clear", "grid/count", "grid/total", "grid/scan", "grid/start", "grid/scatter", "grid/order"];
 const LIST: &[&str] = &["grid/neighbours"];
 /// Strands press on one another and rub.
 const HAIR_ON_HAIR: &[&str] = &[

@@ -8,6 +8,7 @@ mod source;
 mod table;
 
 use std::{
+    borrow::Cow,
     collections::BTreeMap,
     env, error, fs,
     path::{Path, PathBuf},
@@ -59,15 +60,24 @@ fn build() -> Result<()> {
             continue;
         }
         let name = source.name();
-        let text = link(&root, &name)?;
+        let text = link(&root, &name, true)?;
         let (module, info) = validate(&name, &text)?;
         let target = format!("{}.wgsl", name.replace('/', "_"));
         fs::write(out.join(&target), &text)?;
         structs.collect(&name, &module)?;
-        match source.folder {
-            "pictures" => table.picture(source, &target),
-            _ => table.pass(source, &target, &module, &info)?,
+        if source.folder == "pictures" {
+            table.picture(source, &target);
+            continue;
         }
+        let plain = link(&root, &name, false)?;
+        let mut other = None;
+        if plain != text {
+            validate(&name, &plain)?;
+            let target = format!("{}_plain.wgsl", name.replace('/', "_"));
+            fs::write(out.join(&target), &plain)?;
+            other = Some(target);
+        }
+        table.pass(source, &target, other.as_deref(), &module, &info)?;
     }
     fs::write(out.join("shaders.rs"), table.write(&sources, &structs)?)?;
     Ok(())
@@ -80,11 +90,32 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(all.into_keys().filter(|file| file.extension().is_some_and(|extension| extension == "wgsl")).collect())
 }
 
-/// The shader with everything that it imports, and nothing else, under the names as they are written.
-fn link(root: &Path, name: &str) -> Result<String> {
-    let mut compiler = wesl::Wesl::new(root);
-    compiler.set_mangler(wesl::ManglerKind::None).use_condcomp(false).use_sourcemap(true);
-    let path: wesl::ModulePath = format!("package::{}", name.replace('/', "::")).parse()?;
+/// The module name of the shader that is linked, by which what it imports can import from it.
+const PASS: &str = "pass";
+
+/// Files of WGSL by their module paths, and the shader that is linked by the name of [`PASS`].
+struct Files<'a> {
+    all: wesl::FileResolver,
+    name: &'a str,
+}
+
+impl wesl::Resolver for Files<'_> {
+    fn resolve_source<'a>(&'a self, path: &wesl::ModulePath) -> std::result::Result<Cow<'a, str>, wesl::ResolveError> {
+        let mut path = path.clone();
+        if path.components == [PASS] {
+            path.components = self.name.split('/').map(str::to_owned).collect();
+        }
+        self.all.resolve_source(&path)
+    }
+}
+
+/// The shader with everything that it imports, and nothing else, under the names as they are written; with subgroup operations or
+/// without.
+fn link(root: &Path, name: &str, subgroups: bool) -> Result<String> {
+    let files = Files { all: wesl::FileResolver::new(root), name };
+    let mut compiler = wesl::Wesl::new(root).set_custom_resolver(files);
+    compiler.set_mangler(wesl::ManglerKind::None).use_sourcemap(true).set_feature("subgroups", subgroups);
+    let path: wesl::ModulePath = format!("package::{PASS}").parse()?;
     let linked = compiler.compile(&path).map_err(|error| format!("shaders/{name}.wgsl: {error}"))?;
     Ok(linked.to_string())
 }
@@ -92,7 +123,7 @@ fn link(root: &Path, name: &str) -> Result<String> {
 fn validate(name: &str, text: &str) -> Result<(Module, ModuleInfo)> {
     let shown = |error: String| format!("shaders/{name}.wgsl:\n{error}");
     let module = naga::front::wgsl::parse_str(text).map_err(|error| shown(error.emit_to_string(text)))?;
-    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+    let info = Validator::new(ValidationFlags::all(), Capabilities::SUBGROUP)
         .validate(&module)
         .map_err(|error| shown(error.emit_to_string(text)))?;
     Ok((module, info))

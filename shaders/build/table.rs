@@ -25,8 +25,17 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// Adds a pass of the step.
-    pub(crate) fn pass(&mut self, source: &Source, target: &str, module: &Module, info: &ModuleInfo) -> Result<()> {
+    /// Adds a pass of the step: its text in `target`, and in `plain` without subgroup operations.
+    pub(crate) fn pass(
+        &mut self,
+        source: &Source,
+        target: &str,
+        plain: Option<&str>,
+        module: &Module,
+        info: &ModuleInfo,
+    ) -> Result<()> {
+        let file = |target: &str| format!("include_str!(concat!(env!(\"OUT_DIR\"), \"/{target}\"))");
+        let plain = plain.map_or_else(|| "None".to_owned(), |plain| format!("Some({})", file(plain)));
         let name = source.name();
         let fault = |what: &str| format!("shaders/{name}.wgsl: {what}");
         let [entry] = module.entry_points.as_slice() else {
@@ -70,7 +79,8 @@ impl Table {
         writeln!(text, "{}pub static {constant}: Pass = Pass {{", doc(&source.title))?;
         writeln!(
             text,
-            "name: {name:?}, workgroup: {workgroup}, source: include_str!(concat!(env!(\"OUT_DIR\"), \"/{target}\")),"
+            "name: {name:?}, workgroup: {workgroup}, source: {}, source_without_subgroups: {plain},",
+            file(target)
         )?;
         let rows: Vec<_> = bindings.into_values().map(|(row, _)| row).collect();
         writeln!(text, "bindings: &[{}],\n}};", rows.join(",\n"))?;

@@ -1,7 +1,7 @@
-// Where a position belongs, and how far apart two particles are.
+// Where a position belongs.
 //
-// The box of air is cut into cells at least a kernel radius wide, numbered x first. Hair may be anywhere: cells
-// outside the box are hashed into a table behind the box's own cells, and whoever looks there compares cells.
+// The box of air is cut into cells, numbered x first. Air is sorted into them, and hair into as many cells of its own behind them. The
+// box repeats: hair outside it is in the cell that it would be in by whole boxes, and whoever looks there compares distances.
 import package::common::params::params;
 
 fn is_air(i: u32) -> bool {
@@ -10,11 +10,6 @@ fn is_air(i: u32) -> bool {
 
 fn cell_of(position: vec3f) -> vec3i {
     return vec3i(floor(position / params.cell_size));
-}
-
-// Air is in the box by construction; rounding must not put it into the cell behind the last.
-fn air_cell_of(position: vec3f) -> vec3i {
-    return clamp(cell_of(position), vec3i(0), params.cells - vec3i(1));
 }
 
 fn in_box(cell: vec3i) -> bool {
@@ -30,24 +25,27 @@ fn box_bucket(cell: vec3i) -> u32 {
     return u32(cell.x + params.cells.x * (cell.y + params.cells.y * cell.z));
 }
 
-fn hashed_bucket(cell: vec3i) -> u32 {
-    let mixed = (u32(cell.x) * 73856093u) ^ (u32(cell.y) * 19349663u) ^ (u32(cell.z) * 83492791u);
-    return params.box_cells + (mixed & (params.hashed_cells - 1u));
+// The cell of the box that a position is in by whole boxes. Rounding must not put it into the cell behind the last.
+fn home_of(position: vec3f) -> vec3i {
+    return clamp(cell_of(wrap(position)), vec3i(0), params.cells - vec3i(1));
 }
 
 fn bucket_of(i: u32, position: vec3f) -> u32 {
-    if is_air(i) {
-        return box_bucket(air_cell_of(wrap(position)));
-    }
-    let cell = cell_of(position);
-    if in_box(cell) {
-        return box_bucket(cell);
-    }
-    return hashed_bucket(cell);
+    return box_bucket(home_of(position)) + select(params.box_cells, 0u, is_air(i));
+}
+
+// Kinds that are sorted: air, and hair.
+fn kinds() -> u32 {
+    return select(1u, 2u, params.first_sorted < params.hair_points);
+}
+
+// Rows of cells along x: air's, then hair's.
+fn rows() -> u32 {
+    return kinds() * u32(params.cells.y * params.cells.z);
 }
 
 fn buckets() -> u32 {
-    return params.box_cells + params.hashed_cells;
+    return kinds() * params.box_cells;
 }
 
 fn wrap(position: vec3f) -> vec3f {

@@ -1,29 +1,18 @@
-// A particle and its neighbours: how far apart they are, and the kernels there.
-import package::common::{params::params, cells::is_air, sph_kernels::{poly6_factor, spiky_factor}};
+// A particle and its neighbours: the kernels between them.
+import package::common::{params::params, lanes::Near, sph_kernels::{poly6_factor, spiky_factor}};
 
 // What the pairs of a particle share: read once, not once per neighbour.
 struct Pairs {
-    own: vec3f,             // m, position of the particle
-    first_periodic: u32,    // index from which on neighbours are met through the periodic faces: air's, if the particle is air
-    box_size: vec3f,        // m
-    slope: f32,             // 1/m^4, 45/(pi h^4)
-    per_box: vec3f,         // 1/m
-    per_radius: f32,        // 1/m, 1/h
-    height: f32,            // 1/m^3, 315/(64 pi h^3)
+    own: vec3f,         // m, position of the particle
+    slope: f32,         // 1/m^4, 45/(pi h^4)
+    per_radius: f32,    // 1/m, 1/h
+    height: f32,        // 1/m^3, 315/(64 pi h^3)
 }
 
 const SMALLEST_GAP: f32 = 1e-6;   // h; what is nearer has no direction
 
-fn pairs_of(i: u32, own: vec3f) -> Pairs {
-    let first = select(params.particles, params.hair_points, is_air(i));
-    let h = params.kernel_radius;
-    return Pairs(own, first, params.box_size, spiky_factor(), 1.0 / params.box_size, 1.0 / h, poly6_factor());
-}
-
-// x_i - x_j [m]. Air meets air through the periodic faces; everything else meets directly.
-fn gap_to(pairs: Pairs, j: u32, other: vec3f) -> vec3f {
-    let gap = pairs.own - other;
-    return gap - select(vec3f(0.0), pairs.box_size * round(pairs.per_box * gap), j >= pairs.first_periodic);
+fn pairs_of(own: vec3f) -> Pairs {
+    return Pairs(own, spiky_factor(), 1.0 / params.kernel_radius, poly6_factor());
 }
 
 // Whether particles lie on one another.
@@ -31,19 +20,41 @@ fn coincide(pairs: Pairs, gap: vec3f) -> bool {
     return pairs.per_radius * length(gap) < SMALLEST_GAP;
 }
 
-// grad_i W of Spiky [1/m^4]; 0 for particles that lie on one another, which have no direction.
+// grad_i W of Spiky [1/m^4], from `gap` = x_i - x_j [m]; 0 for particles that lie on one another, which have no direction.
 fn gradient_at(pairs: Pairs, gap: vec3f) -> vec3f {
-    let r = pairs.per_radius * length(gap);
-    let q = max(1.0 - r, 0.0);
-    return select(-pairs.slope * pairs.per_radius * q * q / r, 0.0, r < SMALLEST_GAP) * gap;
+    let scaled = pairs.per_radius * gap;
+    let squared = dot(scaled, scaled);
+    let per_length = inverseSqrt(max(squared, SMALLEST_GAP * SMALLEST_GAP));
+    let q = max(1.0 - squared * per_length, 0.0);
+    return (-pairs.slope * per_length * q * q) * scaled;
 }
 
-fn gradient_to(pairs: Pairs, j: u32, other: vec3f) -> vec3f {
-    return gradient_at(pairs, gap_to(pairs, j, other));
+// The gradient again, but with a direction for particles that lie on one another, so that they separate.
+fn gradient_apart(pairs: Pairs, i: u32, j: u32, gap: vec3f) -> vec3f {
+    let r = length(gap);
+    let q = max(1.0 - pairs.per_radius * r, 0.0);
+    let away = select(gap / r, apart(i, j), pairs.per_radius * r < SMALLEST_GAP);
+    return -pairs.slope * q * q * away;
+}
+
+// A unit vector drawn from the indices of two particles, and its opposite for (j, i).
+fn apart(i: u32, j: u32) -> vec3f {
+    var word = (min(i, j) * 2654435769u) ^ (max(i, j) * 2246822519u);
+    word = (word ^ (word >> 15u)) * 3266489917u;
+    let drawn = vec3f(vec3u(word, word >> 10u, word >> 20u) & vec3u(1023u)) - 511.5;
+    return select(-1.0, 1.0, i < j) * normalize(drawn);
+}
+
+fn gradient_to(pairs: Pairs, other: Near) -> vec3f {
+    return gradient_at(pairs, pairs.own - other.at);
 }
 
 // W of Poly6 [1/m^3].
 fn kernel_at(pairs: Pairs, gap: vec3f) -> f32 {
     let q = max(1.0 - pairs.per_radius * pairs.per_radius * dot(gap, gap), 0.0);
     return pairs.height * q * q * q;
+}
+
+fn kernel_to(pairs: Pairs, other: Near) -> f32 {
+    return kernel_at(pairs, pairs.own - other.at);
 }

@@ -5,9 +5,9 @@ struct Params {
     step: f32,                    // s, of one engine step (substeps already divided out)
     gravity: vec3f,               // m/s^2, on hair only
     fringe: f32,                  // m, thickness
-    cells: vec3i,                 // of the box, each at least a kernel radius wide; 0 without air
+    cells: vec3i,                 // of the box; 0 without air
     kernel_radius: f32,           // m
-    cell_size: vec3f,             // m
+    cell_size: vec3f,             // m; of the neighbour search at least a kernel radius, and a quarter of it along x
     air_volume: f32,              // m^3
     spacing: f32,                 // m, of air particles: the cube root of their volume
     particles: u32,               // hair points first, then air
@@ -15,7 +15,9 @@ struct Params {
     segments: u32,
     strands: u32,
     box_cells: u32,               // product of cells
-    hashed_cells: u32,            // for hair outside the box, a power of two
+    first_sorted: u32,            // particle from which on all are sorted into cells: 0, or air's first
+    clusters: u32,                // most clusters of the neighbour list; 0 where it is not made from these cells
+    hair_clusters: u32,           // of them hair's, which come first
     neighbour_capacity: u32,      // entries of the list
     rod_sweeps: u32,              // of one dispatch of the rods' solver
     air_inverse_mass: f32,        // 1/kg

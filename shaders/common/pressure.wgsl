@@ -1,6 +1,5 @@
 // What the solver of velocities without divergence keeps of a particle.
-import package::common::{params::params, cells::is_air, matter::inverse_mass_of};
-import package::common::params::TWO_WAY;
+import package::common::{params::{params, TWO_WAY}, cells::is_air, dispatch::invocation, lanes::LANES, matter::inverse_mass_of};
 
 // What pressure did in the last step, from which the next one starts.
 struct Pressed {
@@ -29,7 +28,12 @@ fn allowed(pressure: f32, density: f32) -> f32 {
     return select(pressure, min(pressure, 0.0), density < THIN);
 }
 
-// Whether a particle is in the sums: in `two-way` the solver has to do with air only.
+// The place of an invocation among those in the sums: in `two-way` the solver has to do with air only.
+fn of_flow(id: vec3u, groups: vec3u) -> u32 {
+    return invocation(id, groups) + select(0u, LANES * params.hair_clusters, params.model == TWO_WAY);
+}
+
+// Whether a particle is in the sums.
 fn flows(i: u32) -> bool {
     return is_air(i) || params.model != TWO_WAY;
 }

@@ -4,31 +4,42 @@
 //
 // Jacobi: everyone's position is read, only `move` changes it.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, status::frozen,
-    matter::inverse_mass_of, sph_kernels::spiky_gradient, pairs::{pairs_of, gap_to},
+    params::params, dispatch::WORKGROUP, lanes::Near, matter::inverse_mass_of, pairs::{Pairs, pairs_of, gradient_apart},
+    clusters::{take_particle, has_none, of_all, meet_own_kind},
 };
 
-@group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;
-@group(0) @binding(4) var<storage, read>       neighbour_range: array<Near>;
-@group(0) @binding(5) var<storage, read>       neighbour_list:  array<u32>;
-@group(0) @binding(6) var<storage, read>       multiplier:      array<f32>;
-@group(0) @binding(7) var<storage, read_write> shift:           array<vec4f>;   // m, of this iteration; w: multiplier times relaxation
+@group(0) @binding(3) var<storage, read>       predicted:  array<vec4f>;   // xyz [m], w: volume [m^3]
+@group(0) @binding(4) var<storage, read>       multiplier: array<f32>;
+@group(0) @binding(5) var<storage, read_write> shift:      array<vec4f>;   // m, of this iteration; w: multiplier times relaxation
+
+var<private> pairs: Pairs;
+var<private> own_index: u32;
+var<private> volume: f32;
+var<private> lambda: f32;
+var<private> sum: vec3f;
+
+fn see(j: u32) -> Near {
+    let other = predicted[j];
+    return Near(j, 0u, other.xyz, other.w, vec4f(multiplier[j]), vec4f());
+}
+
+fn meet(other: Near) {
+    let gradient = gradient_apart(pairs, own_index, other.index, pairs.own - other.at);
+    sum += (lambda * other.volume + other.value.x * volume) * gradient;
+}
 
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let i = invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
+fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = take_particle(of_all(id, groups), local);
     let own = predicted[i];
-    let range = neighbour_range[i];
-    let lambda = multiplier[i];
-    let pairs = pairs_of(i, own.xyz);
-
-    var sum = vec3f(0.0);
-    for (var n = range.first; n < range.middle; n++) {
-        let j = neighbour_list[n];
-        let other = predicted[j];
-        let gap = gap_to(pairs, j, other.xyz);
-        sum += (lambda * other.w + multiplier[j] * own.w) * spiky_gradient(i, j, gap);
-    }
+    pairs = pairs_of(own.xyz);
+    own_index = i;
+    volume = own.w;
+    lambda = multiplier[i];
+    meet_own_kind();
+    if has_none() { return; }
     shift[i] = vec4f(params.relaxation * inverse_mass_of(i) * sum, params.relaxation * lambda);
 }

@@ -3,39 +3,47 @@
 //   rho_i / rho_0 = sum_j V_j W(|x_i - x_j|)                  self included; V volume, not mass
 //   lambda_i = -C_i / (sum_k w_k |grad_k C_i|^2 + alpha)      C_i = rho_i / rho_0 - 1, w inverse mass
 //
-// Negative C (a void) counts with `tension`. Reads the neighbour list; one invocation per particle.
+// Negative C (a void) counts with `tension`.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, status::frozen,
-    matter::inverse_mass_of, sph_kernels::spiky_gradient, pairs::{pairs_of, gap_to, kernel_at},
+    params::params, dispatch::WORKGROUP, lanes::Near, matter::inverse_mass_of,
+    pairs::{Pairs, pairs_of, gradient_apart, kernel_at}, clusters::{take_particle, has_none, of_all, meet_own_kind},
 };
 
-@group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
-@group(0) @binding(4) var<storage, read>       neighbour_range: array<Near>;
-@group(0) @binding(5) var<storage, read>       neighbour_list:  array<u32>;
-@group(0) @binding(6) var<storage, read_write> density:         array<f32>;     // rho / rho_0
-@group(0) @binding(7) var<storage, read_write> multiplier:      array<f32>;     // lambda [kg m^2]
+@group(0) @binding(3) var<storage, read>       predicted:  array<vec4f>;   // xyz [m], w: volume [m^3]
+@group(0) @binding(4) var<storage, read_write> density:    array<f32>;     // rho / rho_0
+@group(0) @binding(5) var<storage, read_write> multiplier: array<f32>;     // lambda [kg m^2]
+
+var<private> pairs: Pairs;
+var<private> own_index: u32;
+var<private> ratio: f32;
+var<private> own_gradient: vec3f;
+var<private> others: f32;   // sum over k != i of w_k |grad_k C_i|^2
+
+fn see(j: u32) -> Near {
+    let other = predicted[j];
+    return Near(j, 0u, other.xyz, other.w, vec4f(inverse_mass_of(j)), vec4f());
+}
+
+fn meet(other: Near) {
+    let gap = pairs.own - other.at;
+    ratio += other.volume * kernel_at(pairs, gap);
+    let gradient = other.volume * gradient_apart(pairs, own_index, other.index, gap);
+    own_gradient += gradient;
+    others += other.value.x * dot(gradient, gradient);
+}
 
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let i = invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
+fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = take_particle(of_all(id, groups), local);
+    own_index = i;
     let own = predicted[i];
-    let range = neighbour_range[i];
-
-    let pairs = pairs_of(i, own.xyz);
-    var ratio = own.w * pairs.height;
-    var own_gradient = vec3f(0.0);
-    var others = 0.0;   // sum over k != i of w_k |grad_k C_i|^2
-    for (var n = range.first; n < range.middle; n++) {
-        let j = neighbour_list[n];
-        let other = predicted[j];
-        let gap = gap_to(pairs, j, other.xyz);
-        ratio += other.w * kernel_at(pairs, gap);
-        let gradient = other.w * spiky_gradient(i, j, gap);
-        own_gradient += gradient;
-        others += inverse_mass_of(j) * dot(gradient, gradient);
-    }
-
+    pairs = pairs_of(own.xyz);
+    ratio = own.w * pairs.height;
+    meet_own_kind();
+    if has_none() { return; }
     let error = ratio - 1.0;
     let constraint = max(error, 0.0) + params.tension * min(error, 0.0);
     let sum = inverse_mass_of(i) * dot(own_gradient, own_gradient) + others;

@@ -5,41 +5,52 @@
 //
 // Where air is missing lambda_i is at most 0: what flies apart there is not pulled together.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP},
-    pairs::{pairs_of, gradient_to}, pressure::{Pressed, Gradients, Stress, allowed, flows, times},
+    params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pairs, pairs_of, gradient_to},
+    clusters::{take_particle, has_none, meet_own_kind}, pressure::{Pressed, Gradients, Stress, allowed, of_flow, times},
 };
 
 struct Iteration {
     relaxation: f32,   // omega; 0: the divergence alone is wanted
 }
 
-@group(0) @binding(2) var<uniform>             iteration:       Iteration;
-@group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
-@group(0) @binding(4) var<storage, read>       new_velocity:    array<vec4f>;   // m/s
-@group(0) @binding(5) var<storage, read>       neighbour_range: array<Near>;
-@group(0) @binding(6) var<storage, read>       neighbour_list:  array<u32>;
-@group(0) @binding(7) var<storage, read>       density:         array<f32>;     // rho / rho_0
-@group(0) @binding(8) var<storage, read>       gradients:       array<Gradients>;
-@group(0) @binding(9) var<storage, read_write> pressed:         array<Pressed>;
-@group(0) @binding(10) var<storage, read_write> stress:         array<Stress>;
+@group(0) @binding(2) var<uniform>             iteration:    Iteration;
+@group(0) @binding(3) var<storage, read>       predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
+@group(0) @binding(4) var<storage, read>       new_velocity: array<vec4f>;   // m/s
+@group(0) @binding(5) var<storage, read>       density:      array<f32>;     // rho / rho_0
+@group(0) @binding(6) var<storage, read>       gradients:    array<Gradients>;
+@group(0) @binding(7) var<storage, read_write> pressed:      array<Pressed>;
+@group(0) @binding(8) var<storage, read_write> stress:       array<Stress>;
+
+var<private> pairs: Pairs;
+var<private> velocity: vec3f;
+var<private> diagonal: vec3f;       // of B
+var<private> off_diagonal: vec3f;
+var<private> sum: f32;
+
+fn see(j: u32) -> Near {
+    let other = predicted[j];
+    return Near(j, 0u, other.xyz, other.w, new_velocity[j], vec4f());
+}
+
+fn meet(other: Near) {
+    let gradient = other.volume * gradient_to(pairs, other);
+    sum += dot(velocity - other.value.xyz, times(diagonal, off_diagonal, gradient));
+}
 
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let i = invocation(id, groups);
-    if i >= params.particles { return; }
-    if !flows(i) { return; }
+fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = take_particle(of_flow(id, groups), local);
     let own = predicted[i];
-    let velocity = new_velocity[i].xyz;
-    let range = neighbour_range[i];
-    let pairs = pairs_of(i, own.xyz);
+    pairs = pairs_of(own.xyz);
+    velocity = new_velocity[i].xyz;
     let at = gradients[i];
-    var sum = 0.0;
-    for (var n = range.first; n < range.middle; n++) {
-        let j = neighbour_list[n];
-        let other = predicted[j];
-        let gradient = other.w * gradient_to(pairs, j, other.xyz);
-        sum += dot(velocity - new_velocity[j].xyz, times(at.diagonal, at.off_diagonal, gradient));
-    }
+    diagonal = at.diagonal;
+    off_diagonal = at.off_diagonal;
+    meet_own_kind();
+    if has_none() { return; }
     let before = allowed(pressed[i].pressure, density[i]);
     let after = allowed(before - iteration.relaxation * sum / at.response, density[i]);
     pressed[i].pressure = after;

@@ -9,57 +9,69 @@
 // 2014, eq. 24), with the constraint's own impulse p for the depth. The grip g is the spring of Cundall & Strack (1979), kept
 // by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, rub::{Rub, pressed}, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, lanes::Near, rub::{Rub, pressed},
+    clusters::{take_particle, has_none, of_all, meet_own_kind}, owner::{Points, points_with, holds},
 };
 
-@group(0) @binding(2) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
-@group(0) @binding(3) var<storage, read>       neighbour_range: array<Near>;
-@group(0) @binding(4) var<storage, read>       neighbour_list:  array<u32>;
-@group(0) @binding(5) var<storage, read>       rubbing:         array<Rub>;
-@group(0) @binding(6) var<storage, read>       squeezed:        array<f32>;     // P [m/s]
-@group(0) @binding(7) var<storage, read_write> shift:           array<vec4f>;   // m, by friction
-@group(0) @binding(8) var<storage, read_write> grip:            array<vec4f>;   // in: before this step [m/s]; out: after it
+@group(0) @binding(2) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]
+@group(0) @binding(3) var<storage, read>       rubbing:   array<Rub>;
+@group(0) @binding(5) var<storage, read>       squeezed:  array<f32>;     // P [m/s]
+@group(0) @binding(6) var<storage, read_write> shift:     array<vec4f>;   // m, by friction
+@group(0) @binding(7) var<storage, read_write> grip:      array<vec4f>;   // in: before this step [m/s]; out: after it
 
 const SLOWEST: f32 = 1e-15;   // m/s: slower than this a pair sticks
 const LEAST: f32 = 1e-30;     // kg, for points that nothing squeezes
+
+var<private> own_strand: Points;
+var<private> x: vec4f;
+var<private> own: Rub;
+var<private> own_squeezed: f32;
+var<private> change: vec3f;   // kg m/s
+var<private> slid: vec3f;     // kg m/s
+var<private> held: f32;       // sum of k [kg]
+var<private> most: f32;       // were all to stick [kg]
 
 // What of v is normal to `gap`.
 fn across(v: vec3f, gap: vec3f) -> vec3f {
     return v - dot(v, gap) / dot(gap, gap) * gap;
 }
 
+fn see(j: u32) -> Near {
+    let other = predicted[j];
+    let rub = rubbing[j];
+    return Near(j, 0u, other.xyz, other.w, vec4f(rub.pull, rub.multiplier), vec4f(squeezed[j], rub.friction, 0.0, 0.0));
+}
+
+fn meet(other: Near) {
+    let gap = x.xyz - other.at;
+    let both = own_squeezed + other.more.x;
+    if both == 0.0 || dot(gap, gap) == 0.0 || holds(own_strand, other.index) { return; }
+    let squeeze = pressed(own.multiplier, x.w, other.value.w, other.volume, length(gap));
+    let pull = across(own.pull - other.value.xyz, gap);
+    let speed = max(length(pull), SLOWEST);
+    let sticks = squeeze / both;
+    let share = min(sticks, min(own.friction, other.more.y) * squeeze / speed);
+    change -= share * pull;
+    slid += share * across(own.moved - rubbing[other.index].moved, gap);
+    held += share;
+    most += sticks;
+}
+
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let i = invocation(id, groups);
-    if frozen() { return; }
-    if i >= params.hair_points {
-        // `move` runs next in as many workgroups: what air is in the last of them has been moved already.
-        if i < params.particles { shift[i] = vec4f(0.0); }
-        return;
-    }
-    let own = rubbing[i];
-    let x = predicted[i];
-    let range = neighbour_range[i];
-    var change = vec3f(0.0);   // kg m/s
-    var slid = vec3f(0.0);     // kg m/s
-    var held = 0.0;            // sum of k [kg]
-    var most = 0.0;            // were all to stick [kg]
-    for (var n = range.first; n < range.apart; n++) {
-        let j = neighbour_list[n];
-        let gap = x.xyz - predicted[j].xyz;
-        let both = squeezed[i] + squeezed[j];
-        if both == 0.0 || dot(gap, gap) == 0.0 { continue; }
-        let other = rubbing[j];
-        let squeeze = pressed(own, x.w, other, predicted[j].w, length(gap));
-        let pull = across(own.pull - other.pull, gap);
-        let speed = max(length(pull), SLOWEST);
-        let sticks = squeeze / both;
-        let share = min(sticks, min(own.friction, other.friction) * squeeze / speed);
-        change -= share * pull;
-        slid += share * across(own.moved - other.moved, gap);
-        held += share;
-        most += sticks;
-    }
+fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let entry = of_all(id, groups);
+    // `move` runs next over hair in as many workgroups: what air is in the last of them has been moved already.
+    if entry >= params.hair_points && entry < params.particles && !frozen() { shift[entry] = vec4f(0.0); }
+    let i = take_particle(entry, local);
+    own_strand = points_with(i);
+    x = predicted[i];
+    own = rubbing[i];
+    own_squeezed = squeezed[i];
+    meet_own_kind();
+    if has_none() { return; }
     shift[i] = vec4f(params.step * own.inverse_mass * change, 0.0);
     let kept = grip[i].xyz + own.inverse_mass * slid;
     grip[i] = vec4f(held / max(most, LEAST) * kept, 0.0);

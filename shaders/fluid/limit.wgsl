@@ -1,30 +1,45 @@
 // How much of its velocity a particle would exchange in one XSPH update, S_i = sum_j c_ij w_ij. Where S exceeds 1 the
 // update would overshoot; `viscosity` divides by it, for both partners alike. The sum is over the pairs of `viscosity`.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, status::frozen,
-    matter::viscosity_between, pairs::{pairs_of, gap_to, kernel_at},
+    params::params, dispatch::WORKGROUP, lanes::Near, matter::viscosity_between, pairs::{Pairs, pairs_of, kernel_to},
+    clusters::{take_particle, has_none, of_all, meet_own_kind}, owner::{Points, points_with, holds},
 };
 
-@group(0) @binding(2) var<storage, read>       predicted:       array<vec4f>;
-@group(0) @binding(3) var<storage, read>       density:         array<f32>;     // rho / rho_0
-@group(0) @binding(4) var<storage, read>       neighbour_range: array<Near>;
-@group(0) @binding(5) var<storage, read>       neighbour_list:  array<u32>;
-@group(0) @binding(6) var<storage, read_write> exchange:        array<f32>;     // S
+@group(0) @binding(2) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]
+@group(0) @binding(3) var<storage, read>       density:   array<f32>;     // rho / rho_0
+@group(0) @binding(5) var<storage, read_write> exchange:  array<f32>;     // S
+
+var<private> pairs: Pairs;
+var<private> own_strand: Points;
+var<private> own_index: u32;
+var<private> root: f32;        // of the volume [m^(3/2)]
+var<private> thickness: f32;
+var<private> sum: f32;
+
+// In place of the volume its root.
+fn see(j: u32) -> Near {
+    let other = predicted[j];
+    return Near(j, 0u, other.xyz, sqrt(other.w), vec4f(density[j]), vec4f());
+}
+
+fn meet(other: Near) {
+    let weight = 2.0 * root * other.volume * kernel_to(pairs, other) / (thickness + other.value.x);
+    sum += select(viscosity_between(own_index, other.index) * weight, 0.0, holds(own_strand, other.index));
+}
 
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let i = invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
+fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = take_particle(of_all(id, groups), local);
     let own = predicted[i];
-    let range = neighbour_range[i];
-    let pairs = pairs_of(i, own.xyz);
-    let thickness = density[i];
-    var sum = 0.0;
-    for (var n = range.first; n < range.apart; n++) {
-        let j = neighbour_list[n];
-        let other = predicted[j];
-        let weight = 2.0 * sqrt(own.w * other.w) * kernel_at(pairs, gap_to(pairs, j, other.xyz)) / (thickness + density[j]);
-        sum += viscosity_between(i, j) * weight;
-    }
+    pairs = pairs_of(own.xyz);
+    own_strand = points_with(i);
+    own_index = i;
+    root = sqrt(own.w);
+    thickness = density[i];
+    meet_own_kind();
+    if has_none() { return; }
     exchange[i] = sum;
 }

@@ -7,21 +7,40 @@
 //
 // With it the push of the pressure that the step before left, lambda B/V.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP},
-    pairs::{pairs_of, gap_to, gradient_at, kernel_at}, pressure::{Pressed, Gradients, Stress, allowed, flows, share_of},
+    params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pairs, pairs_of, gradient_at, kernel_at},
+    clusters::{take_particle, has_none, meet_own_kind}, pressure::{Pressed, Gradients, Stress, allowed, of_flow, share_of},
 };
 
 const FLOOR: f32 = 0.02;      // added to the matrix before it is inverted
 const LEAST: f32 = 0.15;      // determinant below which it is not
 const LARGEST: f32 = 6.0;     // trace of B above which it is not taken
 
-@group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
-@group(0) @binding(4) var<storage, read>       neighbour_range: array<Near>;
-@group(0) @binding(5) var<storage, read>       neighbour_list:  array<u32>;
-@group(0) @binding(6) var<storage, read>       pressed:         array<Pressed>;
-@group(0) @binding(7) var<storage, read_write> density:         array<f32>;     // rho / rho_0
-@group(0) @binding(8) var<storage, read_write> gradients:       array<Gradients>;
-@group(0) @binding(9) var<storage, read_write> stress:          array<Stress>;
+@group(0) @binding(3) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]
+@group(0) @binding(4) var<storage, read>       pressed:   array<Pressed>;
+@group(0) @binding(5) var<storage, read_write> density:   array<f32>;     // rho / rho_0
+@group(0) @binding(6) var<storage, read_write> gradients: array<Gradients>;
+@group(0) @binding(7) var<storage, read_write> stress:    array<Stress>;
+
+var<private> pairs: Pairs;
+var<private> theta: f32;
+var<private> sum: vec3f;
+var<private> moment: mat3x3f;
+var<private> square: mat3x3f;   // sum_j w_j V_j^2 grad W (x) grad W
+
+fn see(j: u32) -> Near {
+    let other = predicted[j];
+    return Near(j, 0u, other.xyz, other.w, vec4f(share_of(j)), vec4f());
+}
+
+fn meet(other: Near) {
+    let gap = pairs.own - other.at;
+    let gradient = other.volume * gradient_at(pairs, gap);
+    theta += other.volume * kernel_at(pairs, gap);
+    sum += gradient;
+    moment -= mat3x3f(gap.x * gradient, gap.y * gradient, gap.z * gradient);
+    let weighed = other.value.x * gradient;
+    square += mat3x3f(gradient.x * weighed, gradient.y * weighed, gradient.z * weighed);
+}
 
 // The inverse of a symmetric matrix, or 1.
 fn corrected(m: mat3x3f) -> mat3x3f {
@@ -35,28 +54,17 @@ fn corrected(m: mat3x3f) -> mat3x3f {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let i = invocation(id, groups);
-    if i >= params.particles { return; }
-    if !flows(i) { return; }
+fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = take_particle(of_flow(id, groups), local);
     let own = predicted[i];
-    let range = neighbour_range[i];
-    let pairs = pairs_of(i, own.xyz);
-    var theta = own.w * pairs.height;
-    var sum = vec3f(0.0);
-    var moment = mat3x3f(FLOOR, 0.0, 0.0, 0.0, FLOOR, 0.0, 0.0, 0.0, FLOOR);
-    var square = mat3x3f();   // sum_j w_j V_j^2 grad W (x) grad W
-    for (var n = range.first; n < range.middle; n++) {
-        let j = neighbour_list[n];
-        let other = predicted[j];
-        let gap = gap_to(pairs, j, other.xyz);
-        let gradient = other.w * gradient_at(pairs, gap);
-        theta += other.w * kernel_at(pairs, gap);
-        sum += gradient;
-        moment -= mat3x3f(gap.x * gradient, gap.y * gradient, gap.z * gradient);
-        let weighed = share_of(j) * gradient;
-        square += mat3x3f(gradient.x * weighed, gradient.y * weighed, gradient.z * weighed);
-    }
+    pairs = pairs_of(own.xyz);
+    moment = mat3x3f(FLOOR, 0.0, 0.0, 0.0, FLOOR, 0.0, 0.0, 0.0, FLOOR);
+    theta = own.w * pairs.height;
+    meet_own_kind();
+    if has_none() { return; }
     let b = corrected(moment);
     let turned = b * sum;
     let answer = b * square * b;

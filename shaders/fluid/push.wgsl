@@ -4,34 +4,43 @@
 //
 // With the pressures that the step before left, and with each that an iteration adds.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP},
-    pairs::{pairs_of, gradient_to}, pressure::{Pressed, Stress, flows, share_of, times},
+    params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pairs, pairs_of, gradient_to},
+    clusters::{take_particle, has_none, meet_own_kind}, pressure::{Pressed, Stress, of_flow, share_of, times},
 };
 
-@group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
-@group(0) @binding(4) var<storage, read>       neighbour_range: array<Near>;
-@group(0) @binding(5) var<storage, read>       neighbour_list:  array<u32>;
-@group(0) @binding(6) var<storage, read>       stress:          array<Stress>;
-@group(0) @binding(7) var<storage, read_write> new_velocity:    array<vec4f>;   // m/s
-@group(0) @binding(8) var<storage, read_write> pressed:         array<Pressed>;
+@group(0) @binding(3) var<storage, read>       predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
+@group(0) @binding(4) var<storage, read>       stress:       array<Stress>;
+@group(0) @binding(5) var<storage, read_write> new_velocity: array<vec4f>;   // m/s
+@group(0) @binding(6) var<storage, read_write> pressed:      array<Pressed>;
+
+var<private> pairs: Pairs;
+var<private> diagonal: vec3f;       // of lambda B/V
+var<private> off_diagonal: vec3f;
+var<private> sum: vec3f;
+
+fn see(j: u32) -> Near {
+    let other = predicted[j];
+    let pushes = stress[j];
+    return Near(j, 0u, other.xyz, other.w, vec4f(pushes.diagonal, 0.0), vec4f(pushes.off_diagonal, 0.0));
+}
+
+fn meet(other: Near) {
+    let gradient = other.volume * gradient_to(pairs, other);
+    sum += times(diagonal + other.value.xyz, off_diagonal + other.more.xyz, gradient);
+}
 
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let i = invocation(id, groups);
-    if i >= params.particles { return; }
-    if !flows(i) { return; }
+fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = take_particle(of_flow(id, groups), local);
     let own = predicted[i];
-    let range = neighbour_range[i];
-    let pairs = pairs_of(i, own.xyz);
-    let diagonal = stress[i].diagonal;
-    let off_diagonal = stress[i].off_diagonal;
-    var sum = vec3f(0.0);
-    for (var n = range.first; n < range.middle; n++) {
-        let j = neighbour_list[n];
-        let other = predicted[j];
-        let gradient = other.w * gradient_to(pairs, j, other.xyz);
-        sum += times(diagonal + stress[j].diagonal, off_diagonal + stress[j].off_diagonal, gradient);
-    }
+    pairs = pairs_of(own.xyz);
+    diagonal = stress[i].diagonal;
+    off_diagonal = stress[i].off_diagonal;
+    meet_own_kind();
+    if has_none() { return; }
     let change = share_of(i) * own.w * sum;
     new_velocity[i] += vec4f(change, 0.0);
     pressed[i].change += change;

@@ -1,26 +1,39 @@
 // How hard the density constraint squeezes a hair point between the points of other strands: P_i = w_i sum_j p_ij [m/s].
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, rub::{Rub, pressed}, status::frozen,
+    params::params, dispatch::WORKGROUP, lanes::Near, rub::{Rub, pressed}, clusters::{take_particle, has_none, of_all, meet_own_kind},
+    owner::{Points, points_with, holds},
 };
 
-@group(0) @binding(2) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
-@group(0) @binding(3) var<storage, read>       neighbour_range: array<Near>;
-@group(0) @binding(4) var<storage, read>       neighbour_list:  array<u32>;
-@group(0) @binding(5) var<storage, read>       rubbing:         array<Rub>;
-@group(0) @binding(6) var<storage, read_write> squeezed:        array<f32>;     // P [m/s]
+@group(0) @binding(2) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]
+@group(0) @binding(3) var<storage, read>       rubbing:   array<Rub>;
+@group(0) @binding(5) var<storage, read_write> squeezed:  array<f32>;     // P [m/s]
+
+var<private> own_strand: Points;
+var<private> x: vec4f;
+var<private> own_multiplier: f32;
+var<private> sum: f32;
+
+fn see(j: u32) -> Near {
+    let other = predicted[j];
+    return Near(j, 0u, other.xyz, other.w, vec4f(rubbing[j].multiplier), vec4f());
+}
+
+fn meet(other: Near) {
+    let squeeze = pressed(own_multiplier, x.w, other.value.x, other.volume, length(x.xyz - other.at));
+    sum += select(squeeze, 0.0, holds(own_strand, other.index));
+}
 
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let i = invocation(id, groups);
-    if i >= params.hair_points || frozen() { return; }
+fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = take_particle(of_all(id, groups), local);
+    own_strand = points_with(i);
+    x = predicted[i];
     let own = rubbing[i];
-    let x = predicted[i];
-    let range = neighbour_range[i];
-    var sum = 0.0;
-    for (var n = range.first; n < range.apart; n++) {
-        let j = neighbour_list[n];
-        let other = predicted[j];
-        sum += pressed(own, x.w, rubbing[j], other.w, length(x.xyz - other.xyz));
-    }
+    own_multiplier = own.multiplier;
+    meet_own_kind();
+    if has_none() { return; }
     squeezed[i] = own.inverse_mass * sum;
 }

@@ -6,39 +6,56 @@
 // `exchange` is S of `limit`; it stays zero where the limiter is left out. With the model TWO_WAY points of one strand exchange
 // nothing: a strand has its rod and `rods.damping`, and XSPH would resist its bending.
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP},
-    matter::{inverse_mass_of, viscosity_between}, pairs::{pairs_of, gap_to, kernel_at},
+    params::params, dispatch::WORKGROUP, lanes::Near, matter::{inverse_mass_of, viscosity_between}, pairs::{Pairs, pairs_of, kernel_to},
+    clusters::{take_particle, has_none, of_all, meet_own_kind}, owner::{Points, points_with, holds},
 };
 
-@group(0) @binding(3) var<storage, read>       predicted:        array<vec4f>;
-@group(0) @binding(4) var<storage, read>       density:          array<f32>;
-@group(0) @binding(5) var<storage, read>       exchange:         array<f32>;
-@group(0) @binding(6) var<storage, read>       neighbour_range:  array<Near>;
-@group(0) @binding(7) var<storage, read>       neighbour_list:   array<u32>;
-@group(0) @binding(8) var<storage, read>       new_velocity:     array<vec4f>;
-@group(0) @binding(9) var<storage, read_write> viscous_velocity: array<vec4f>;
+@group(0) @binding(3) var<storage, read>       predicted:        array<vec4f>;   // xyz [m], w: volume [m^3]
+@group(0) @binding(5) var<storage, read>       density:          array<f32>;     // rho / rho_0
+@group(0) @binding(6) var<storage, read>       exchange:         array<f32>;     // S
+@group(0) @binding(7) var<storage, read>       new_velocity:     array<vec4f>;   // m/s
+@group(0) @binding(8) var<storage, read_write> viscous_velocity: array<vec4f>;
+
+var<private> pairs: Pairs;
+var<private> own_strand: Points;
+var<private> own_index: u32;
+var<private> velocity: vec3f;
+var<private> root: f32;        // of the volume [m^(3/2)]
+var<private> mass: f32;        // its inverse [1/kg]
+var<private> thickness: f32;
+var<private> exchanged: f32;
+var<private> sum: vec3f;
+
+// In place of the volume its root.
+fn see(j: u32) -> Near {
+    let other = predicted[j];
+    return Near(j, 0u, other.xyz, sqrt(other.w), vec4f(new_velocity[j].xyz, density[j]), vec4f(exchange[j], inverse_mass_of(j), 0.0, 0.0));
+}
+
+fn meet(other: Near) {
+    let weight = 2.0 * root * other.volume * kernel_to(pairs, other) / (thickness + other.value.w);
+    let both = mass + other.more.y;
+    let share = viscosity_between(own_index, other.index) * weight / max(exchanged, other.more.x);
+    let left_out = both == 0.0 || holds(own_strand, other.index);
+    sum += select(2.0 * mass / both * share, 0.0, left_out) * (other.value.xyz - velocity);
+}
 
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let i = invocation(id, groups);
-    if i >= params.particles { return; }
+fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = take_particle(of_all(id, groups), local);
     let own = predicted[i];
-    let velocity = new_velocity[i].xyz;
-    let mass = inverse_mass_of(i);
-    let range = neighbour_range[i];
-    let pairs = pairs_of(i, own.xyz);
-    let thickness = density[i];
-    let exchanged = max(1.0, exchange[i]);
-    var sum = vec3f(0.0);
-    for (var n = range.first; n < range.apart; n++) {
-        let j = neighbour_list[n];
-        let other = predicted[j];
-        let weight = 2.0 * sqrt(own.w * other.w) * kernel_at(pairs, gap_to(pairs, j, other.xyz)) / (thickness + density[j]);
-        let both = mass + inverse_mass_of(j);
-        if both > 0.0 {
-            let share = viscosity_between(i, j) * weight / max(exchanged, exchange[j]);
-            sum += 2.0 * mass / both * share * (new_velocity[j].xyz - velocity);
-        }
-    }
+    pairs = pairs_of(own.xyz);
+    own_strand = points_with(i);
+    own_index = i;
+    velocity = new_velocity[i].xyz;
+    root = sqrt(own.w);
+    mass = inverse_mass_of(i);
+    thickness = density[i];
+    exchanged = max(1.0, exchange[i]);
+    meet_own_kind();
+    if has_none() { return; }
     viscous_velocity[i] = vec4f(velocity + sum, 0.0);
 }

@@ -1,15 +1,19 @@
-// Empties the cells of the neighbour search, and the counters of its list.
-import package::common::{dispatch::{invocation, WORKGROUP}, cells::buckets, status::{status, frozen}};
+// Empties the cells of the neighbour search, the table of clusters and the counters of their list.
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP}, cells::buckets, list::HEADER, status::{status, frozen},
+};
 
 @group(0) @binding(2) var<storage, read_write> cell_count: array<u32>;
+@group(0) @binding(3) var<storage, read_write> members:    array<vec2u>;   // of each cluster: its first entry, and their end
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let bucket = invocation(id, groups);
-    if bucket >= buckets() || frozen() { return; }
-    cell_count[bucket] = 0u;
-    if bucket == 0u {
-        atomicStore(&status.neighbours, 0u);
+    let at = invocation(id, groups);
+    if frozen() { return; }
+    if at < buckets() { cell_count[at] = 0u; }
+    if at < params.clusters { members[at] = vec2u(0u); }
+    if at == 0u && params.clusters > 0u {
+        atomicStore(&status.neighbours, HEADER * params.clusters);
         atomicStore(&status.neighbour_carries, 0u);
     }
 }

@@ -1,4 +1,4 @@
-// Counts the particles of each cell: the first of the counting sort's four passes.
+// Counts the particles of each cell: the first part of a counting sort.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cells::bucket_of, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       predicted:  array<vec4f>;
@@ -6,7 +6,7 @@ import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cell
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let i = invocation(id, groups);
+    let i = params.first_sorted + invocation(id, groups);
     if i >= params.particles || frozen() { return; }
     atomicAdd(&cell_count[bucket_of(i, predicted[i].xyz)], 1u);
 }

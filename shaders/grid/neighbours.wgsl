@@ -1,138 +1,250 @@
-// Lists, for every particle, the particles that are nearer than the kernel radius: by kinds (`Near`), each in the order of cells.
+// Lists, for every cluster, the particles that are nearer than the kernel radius to any of its own (`common/list.wgsl`), in the order
+// of cells.
 //
 // Air meets air through the periodic faces; air and hair, hair and hair meet directly. The status sums the number of
-// entries that the step needs, even beyond the end of a list that is too short: the step is then frozen, and the host
+// words that the step needs, even beyond the end of a list that is too short: the step is then frozen, and the host
 // grows the list to that number.
 import package::common::{
-    params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, near::Near,
-    cells::{cell_of, air_cell_of, in_box, turns_of, box_bucket, hashed_bucket},
-    owner::{strands, strand_of}, status::{status, frozen_before},
+    params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, cells::{wrap, home_of, box_bucket},
+    list::{HEADER, BATCH, NOBODY, IMAGE_BITS, INDEX, FAR}, lanes::{Near, LANES, lane_of, show, shown_by, votes, bits_of_all, largest_of_all},
+    status::{status, frozen_before},
 };
 
 @group(0) @binding(2) var<storage, read>       cell_start:      array<u32>;
 @group(0) @binding(3) var<storage, read>       sorted:          array<u32>;
-@group(0) @binding(5) var<storage, read>       sorted_position: array<vec4f>;
-@group(0) @binding(6) var<storage, read_write> neighbour_range: array<Near>;
-@group(0) @binding(7) var<storage, read_write> neighbour_list:  array<u32>;
+@group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
+@group(0) @binding(5) var<storage, read>       members:         array<vec2u>;   // of each cluster: its first entry, and their end
+@group(0) @binding(6) var<storage, read_write> neighbour_list:  array<u32>;
 
-const HELD: u32 = 64u;   // entries kept while searching: air at rest has 26, and a particle with more than 64 is searched twice
+const CLUSTERS: u32 = 8u; // of a workgroup
+const ROWS: u32 = 9u;                      // of cells around a cluster
+const TURNS: u32 = 3u;                     // boxes that a row may reach into: the one before, its own, the one behind
+const HELD: u32 = 128u;                    // entries of a cluster that are kept while searching; with more it is searched again
 
-var<private> own_entry: u32;
-var<private> own: vec4f;
-var<private> strand: vec2u;      // its strand's first point, and the end of the strand's points; air has none
-var<private> found: vec3u;       // of each kind, in the order of `Near`
-var<private> held: array<u32, HELD>;
-var<private> writing: bool;      // second search: straight into the list
-var<private> places: vec3u;      // in the list, where each kind begins
+// Entries of a row of cells in one of the boxes that it reaches into.
+struct Stretch { begin: u32, end: u32 }
 
-fn all_found() -> u32 {
-    return found.x + found.y + found.z;
+var<workgroup> stretches: array<Stretch, CLUSTERS * TURNS * ROWS>;
+var<workgroup> held: array<u32, CLUSTERS * HELD>;
+var<workgroup> held_masks: array<u32, CLUSTERS * HELD>;
+var<workgroup> firsts: array<u32, CLUSTERS>;
+var<workgroup> most: atomic<u32>;   // entries of a cluster of the workgroup
+var<workgroup> all_most: u32;
+
+var<private> local: u32;           // place in the workgroup
+var<private> lane: u32;            // place among the eight
+var<private> reach: f32;           // m^2, square of the kernel radius
+var<private> own: array<vec3f, 8>; // positions of the cluster's particles [m]
+var<private> low: vec3f;           // the least box around them, where they are in the box of air [m]
+var<private> high: vec3f;
+var<private> members_of: vec2u;     // entries of the cluster itself: the first, and the end
+var<private> found: u32;           // entries so far
+var<private> window: u32;          // entry from which on they are kept
+
+fn cluster_in_workgroup() -> u32 {
+    return local / LANES;
 }
 
-// An entry is kept, or written where its kind stands.
-fn take(j: u32, air: bool) {
-    let other = params.model == TWO_WAY && air != (own.w > 0.0);
-    let joined = j >= strand.x && j < strand.y;
-    let kind = vec3u(u32(!other && !joined), u32(joined), u32(other));
-    if writing {
-        neighbour_list[dot(kind, places + found)] = j;
-    } else if all_found() < HELD {
-        held[all_found()] = j;
+// What is to be searched in a row next to the cluster's own: cells of one kind, which start at `bucket`.
+fn stretch(home: vec3i, step: vec2i, turn: i32, bucket: u32, periodic: bool) -> Stretch {
+    let cells = params.cells;
+    let row = home.yz + step;
+    let side = params.cell_size.yz * vec2f(row);
+    let gap = max(max(side - high.yz, low.yz - side - params.cell_size.yz), vec2f(0.0));
+    let left = reach - dot(gap, gap);
+    if left <= 0.0 { return Stretch(0u, 0u); }
+    let half = sqrt(left);
+    let start = i32(floor((low.x - half) / params.cell_size.x));
+    var to = i32(floor((high.x + half) / params.cell_size.x)) + 1;
+    // Hair that is met directly is met once.
+    if !periodic { to = min(to, start + cells.x); }
+    let begin = clamp(start - turn * cells.x, 0, cells.x);
+    let end = clamp(to - turn * cells.x, 0, cells.x);
+    let at = select(select(row, row - cells.yz, row >= cells.yz), row + cells.yz, row < vec2i(0));
+    let bottom = bucket + box_bucket(vec3i(0, at));
+    return Stretch(cell_start[bottom + u32(begin)], cell_start[bottom + u32(max(end, begin))]);
+}
+
+fn turns_of_row(home: vec3i, step: vec2i) -> vec2i {
+    let row = home.yz + step;
+    return select(select(vec2i(0), vec2i(1), row >= params.cells.yz), vec2i(-1), row < vec2i(0));
+}
+
+// The step from the cluster's row to the row number `row`.
+fn step_of(row: u32) -> vec2i {
+    let third = (row * 11u) >> 5u;   // row / 3 of up to 9
+    return vec2i(i32(row - 3u * third), i32(third)) - 1;
+}
+
+// Which of the cluster's particles are nearer than the kernel radius, bit by bit.
+fn met_by(at: vec3f) -> u32 {
+    return near(0u, at) | near(1u, at) | near(2u, at) | near(3u, at) | near(4u, at) | near(5u, at) | near(6u, at) | near(7u, at);
+}
+
+fn near(other: u32, at: vec3f) -> u32 {
+    let gap = own[other] - at;
+    return select(0u, 1u << (lane ^ other), dot(gap, gap) < reach);
+}
+
+// Takes an entry of the order of cells with its image, if any of the cluster's particles meets it.
+fn take(entry: u32, mask: u32, hit: bool) {
+    let bits = votes(local, hit);
+    let place = found + countOneBits(bits & ((1u << lane) - 1u)) - window;
+    if hit && place < HELD {
+        held[cluster_in_workgroup() * HELD + place] = entry;
+        held_masks[cluster_in_workgroup() * HELD + place] = mask;
     }
-    found += kind;
+    found += countOneBits(bits);
 }
 
-// Looks at entries of cells in the box; `image` moves them by whole boxes, and only air meets an image.
-fn look(begin: u32, end: u32, image: vec3f, imaged: bool) {
-    let reach = params.kernel_radius * params.kernel_radius;
-    let here = own.xyz - image;
-    for (var e = begin; e < end; e++) {
-        let other = sorted_position[e];
-        let gap = here - other.xyz;
-        if dot(gap, gap) < reach && e != own_entry && (other.w > 0.0 || !imaged) {
-            take(sorted[e], other.w > 0.0);
+// Fills up the last batch with nobody.
+fn fill() {
+    let over = found & (LANES - 1u);
+    take(NOBODY, 0u, over > 0u && lane >= over);
+}
+
+// Looks for particles of a kind whose cells start at `bucket`.
+fn search(home: vec3i, bucket: u32, periodic: bool) {
+    let base = cluster_in_workgroup() * TURNS * ROWS;
+    var full = 0u;   // bit by bit, the stretches that are not empty
+    for (var turn = 0u; turn < TURNS; turn++) {
+        full |= look_ahead(home, base, turn, lane, bucket, periodic);
+    }
+    if lane < TURNS { full |= look_ahead(home, base, lane, LANES, bucket, periodic); }
+    workgroupBarrier();
+    full = bits_of_all(local, full);
+    while full > 0u {
+        let which = firstTrailingBit(full);
+        full &= full - 1u;
+        let near = stretches[base + which];
+        let batches = largest_of_all(local, (near.end - near.begin + LANES - 1u) / LANES);
+        let turn = (which * 57u) >> 9u;   // which / 9 of up to 27
+        let turns = select(vec3i(0), vec3i(i32(turn) - 1, turns_of_row(home, step_of(which - ROWS * turn))), periodic);
+        let image = params.box_size * vec3f(turns);
+        let seen = vec3u(turns + vec3i(1));
+        let mark = (seen.x | (seen.y << 2u) | (seen.z << 4u)) << IMAGE_BITS;
+        // Nobody is its own neighbour; an image of it may be.
+        let itself = select(members_of, vec2u(0u), any(turns != vec3i(0)));
+        var e = near.begin + lane;
+        for (var b = 0u; b < batches; b++) {
+            let there = e < near.end;
+            let at = sorted_position[select(0u, e, there)].xyz + image;
+            var mask = select(0u, met_by(at), there);
+            mask &= select(0xffffffffu, ~(1u << (e - itself.x)), e >= itself.x && e < itself.y);
+            take(e | mark, mask, mask != 0u);
+            e += LANES;
+        }
+    }
+    workgroupBarrier();
+}
+
+// Notes the stretch of a row in a box; returns a bit for it if there is something in it.
+fn look_ahead(home: vec3i, base: u32, turn: u32, row: u32, bucket: u32, periodic: bool) -> u32 {
+    let which = turn * ROWS + row;
+    let found = stretch(home, step_of(row), i32(turn) - 1, bucket, periodic);
+    stretches[base + which] = found;
+    return select(0u, 1u << which, found.end > found.begin);
+}
+
+// Looks for both kinds; returns the number of entries of the first part.
+fn search_all(home: vec3i, air: bool) -> u32 {
+    found = 0u;
+    let others = params.hair_points > 0u;
+    search(home, select(params.box_cells, 0u, air), air);
+    if params.model == TWO_WAY || !others { fill(); }
+    let middle = found;
+    if others {
+        search(home, select(0u, params.box_cells, air), false);
+        fill();
+    }
+    return select(found, middle, params.model == TWO_WAY);
+}
+
+// Copies what is kept to where the cluster's batches begin.
+fn copy(batches: u32) {
+    let from_here = cluster_in_workgroup() * HELD;
+    for (var n = 0u; n < HELD && window + n < found; n += LANES) {
+        let batch = batches + BATCH * ((window + n) / LANES);
+        let entry = held[from_here + n + lane];
+        let none = entry == NOBODY;
+        neighbour_list[batch + lane] = select(sorted[select(entry & INDEX, 0u, none)] | (entry & ~INDEX), NOBODY, none);
+        if lane < 2u {
+            let at = from_here + n + 4u * lane;
+            neighbour_list[batch + LANES + lane] =
+                held_masks[at] | (held_masks[at + 1u] << 8u) | (held_masks[at + 2u] << 16u) | (held_masks[at + 3u] << 24u);
         }
     }
 }
 
-// Looks at hair in a cell outside the box, with which other cells may share the bucket.
-fn look_outside(cell: vec3i) {
-    let bucket = hashed_bucket(cell);
-    let reach = params.kernel_radius * params.kernel_radius;
-    for (var e = cell_start[bucket]; e < cell_start[bucket + 1u]; e++) {
-        let other = sorted_position[e];
-        let gap = own.xyz - other.xyz;
-        if dot(gap, gap) < reach && e != own_entry && all(cell_of(other.xyz) == cell) {
-            take(sorted[e], false);
-        }
+// Where so many words of the list begin; 0 where they do not fit.
+fn room_for(words: u32) -> u32 {
+    let begin = atomicAdd(&status.neighbours, words);
+    if begin + words < words {
+        // The sum has passed 32 bits. What a later cluster overwrites does not matter: the step is frozen.
+        atomicAdd(&status.neighbour_carries, 1u);
     }
-}
-
-fn search() {
-    found = vec3u(0u);
-    let air = own.w > 0.0;
-    var home = cell_of(own.xyz);
-    if air { home = air_cell_of(own.xyz); }
-    for (var z = -1; z <= 1; z++) {
-        for (var y = -1; y <= 1; y++) {
-            let row = home + vec3i(-1, y, z);
-            if in_box(row) && in_box(row + vec3i(2, 0, 0)) {
-                // Three cells in a row are neighbours in memory too.
-                let bucket = box_bucket(row);
-                look(cell_start[bucket], cell_start[bucket + 3u], vec3f(0.0), false);
-                continue;
-            }
-            for (var x = 0; x <= 2; x++) {
-                let cell = row + vec3i(x, 0, 0);
-                if in_box(cell) {
-                    let bucket = box_bucket(cell);
-                    look(cell_start[bucket], cell_start[bucket + 1u], vec3f(0.0), false);
-                    continue;
-                }
-                if air {
-                    let turns = turns_of(cell);
-                    let bucket = box_bucket(cell - turns * params.cells);
-                    look(cell_start[bucket], cell_start[bucket + 1u], params.box_size * vec3f(turns), true);
-                }
-                look_outside(cell);
-            }
-        }
-    }
+    let fits = words <= params.neighbour_capacity && begin <= params.neighbour_capacity - words;
+    return select(0u, begin, fits);
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    own_entry = invocation(id, groups);
-    if own_entry >= params.particles || frozen_before() { return; }
-    own = sorted_position[own_entry];
-    let i = sorted[own_entry];
-    strand = vec2u(0u);
-    if params.model == TWO_WAY && own.w == 0.0 {
-        let whose = strands[strand_of(i)];
-        strand = vec2u(whose.first_point, whose.first_point + whose.points);
-    }
+fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) index: u32,
+) {
+    local = index;
+    lane = lane_of(local);
+    reach = params.kernel_radius * params.kernel_radius;
+    let c = invocation(id, groups) / LANES;
+    var entries = vec2u(0u);
+    if c < params.clusters && !frozen_before() { entries = members[c]; }
+    members_of = entries;
+    let e = entries.x + lane;
+    let there = e < entries.y;
+    let position = sorted_position[select(entries.x, e, there)];
+    let air = position.w > 0.0;
+    let inside = wrap(position.xyz);
+    show(local, Near(0u, 0u, select(vec3f(FAR), position.xyz, there), 0.0, vec4f(inside, 0.0), vec4f()));
+    var near = shown_by(0u);
+    own[0] = near.at; low = near.value.xyz; high = low;
+    near = shown_by(1u); own[1] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
+    near = shown_by(2u); own[2] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
+    near = shown_by(3u); own[3] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
+    near = shown_by(4u); own[4] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
+    near = shown_by(5u); own[5] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
+    near = shown_by(6u); own[6] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
+    near = shown_by(7u); own[7] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
 
-    writing = false;
-    search();
-    let total = all_found();
-    let first = atomicAdd(&status.neighbours, total);
-    if first + total < total {
-        // The sum has passed 32 bits. What a later range overwrites does not matter: the step is frozen.
-        atomicAdd(&status.neighbour_carries, 1u);
+    let used = entries.x < entries.y;
+    if !used {
+        low = vec3f(FAR);
+        high = vec3f(-FAR);
     }
-    if total > params.neighbour_capacity || first > params.neighbour_capacity - total {
-        neighbour_range[i] = Near(0u, 0u, 0u, 0u);
-        return;
+    if local == 0u { atomicStore(&most, 0u); }
+
+    let home = home_of(sorted_position[entries.x].xyz);
+    let own_kind = search_all(home, air);
+    if lane == 0u {
+        atomicMax(&most, found);
+        firsts[cluster_in_workgroup()] = 0u;
+        if used { firsts[cluster_in_workgroup()] = room_for(LANES + BATCH * (found / LANES)); }
     }
-    places = first + vec3u(0u, found.x, found.x + found.y);
-    neighbour_range[i] = Near(first, places.y, places.z, first + total);
-    writing = true;
-    if total > HELD {
-        search();
-        return;
+    workgroupBarrier();
+    let first = firsts[cluster_in_workgroup()];
+    if first > 0u { neighbour_list[first + lane] = select(NOBODY, sorted[select(0u, e, there)], there); }
+    if lane == 0u && c < params.clusters {
+        neighbour_list[HEADER * c] = first;
+        neighbour_list[HEADER * c + 1u] = select(0u, own_kind / LANES, first > 0u);
+        neighbour_list[HEADER * c + 2u] = select(0u, (found - own_kind) / LANES, first > 0u);
     }
-    found = vec3u(0u);
-    for (var n = 0u; n < total; n++) {
-        take(held[n], held[n] >= params.hair_points);
+    if local == 0u { all_most = atomicLoad(&most); }
+    let searches = (workgroupUniformLoad(&all_most) + HELD - 1u) / HELD;
+    for (var k = 0u; k < searches; k++) {
+        if k > 0u {
+            workgroupBarrier();
+            window = HELD * k;
+            let again = search_all(home, air);
+        }
+        if first > 0u { copy(first + LANES); }
     }
 }

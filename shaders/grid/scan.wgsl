@@ -1,31 +1,29 @@
-// Finds the first entry of each cell, the exclusive sum of the counts, in one workgroup; empties the counts for
-// `scatter`.
+// Finds what is before each row of cells, the exclusive sums of its entries and its clusters, in one workgroup.
 //
-// Each invocation sums a stretch of cells, the workgroup scans the 256 sums, and each invocation writes its stretch.
-import package::common::cells::buckets;
+// Each invocation sums a stretch of rows, the workgroup scans the 256 sums, and each invocation writes its stretch.
+import package::common::{cells::rows, row::Row};
 
 const LANES: u32 = 256u;   // invocations of the one workgroup: the most that WebGPU's default allows
 
-@group(0) @binding(2) var<storage, read_write> cell_count: array<u32>;
-@group(0) @binding(3) var<storage, read_write> cell_start: array<u32>;   // first entry of each cell, and the end of the last
+@group(0) @binding(2) var<storage, read_write> cell_rows: array<Row>;   // one more than there are: the last has all before it
 
-var<workgroup> sums: array<u32, LANES>;
+var<workgroup> sums: array<vec2u, LANES>;
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(local_invocation_id) id: vec3u) {
     let lane = id.x;
-    let stretch = (buckets() + LANES - 1u) / LANES;
-    let begin = min(lane * stretch, buckets());
-    let end = min(begin + stretch, buckets());
+    let stretch = (rows() + LANES - 1u) / LANES;
+    let begin = min(lane * stretch, rows());
+    let end = min(begin + stretch, rows());
 
-    var own = 0u;
-    for (var b = begin; b < end; b++) {
-        own += cell_count[b];
+    var own = vec2u(0u);
+    for (var r = begin; r < end; r++) {
+        own += vec2u(cell_rows[r].entries, cell_rows[r].clusters);
     }
     sums[lane] = own;
     workgroupBarrier();
     for (var reach = 1u; reach < LANES; reach *= 2u) {
-        var before = 0u;
+        var before = vec2u(0u);
         if lane >= reach {
             before = sums[lane - reach];
         }
@@ -35,12 +33,12 @@ fn main(@builtin(local_invocation_id) id: vec3u) {
     }
 
     var running = sums[lane] - own;
-    for (var b = begin; b < end; b++) {
-        cell_start[b] = running;
-        running += cell_count[b];
-        cell_count[b] = 0u;
+    for (var r = begin; r < end; r++) {
+        let row = cell_rows[r];
+        cell_rows[r] = Row(running.x, running.y);
+        running += vec2u(row.entries, row.clusters);
     }
     if lane == LANES - 1u {
-        cell_start[buckets()] = sums[lane];
+        cell_rows[rows()] = Row(sums[lane].x, sums[lane].y);
     }
 }

@@ -8,7 +8,7 @@ import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cell
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let i = invocation(id, groups);
+    let i = params.first_sorted + invocation(id, groups);
     if i >= params.particles || frozen() { return; }
     let bucket = bucket_of(i, predicted[i].xyz);
     scattered[cell_start[bucket] + atomicAdd(&cell_count[bucket], 1u)] = i;

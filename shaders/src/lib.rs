@@ -11,6 +11,8 @@ pub struct Pass {
     pub name: &'static str,
     /// Linked WGSL; the entry point is `main`.
     pub source: &'static str,
+    /// The text for devices without subgroups of at least eight lanes, where `source` has subgroup operations.
+    pub source_without_subgroups: Option<&'static str>,
     /// Invocations per workgroup.
     pub workgroup: u32,
     /// Buffers that the pass binds, in the order of their numbers, all in group 0.

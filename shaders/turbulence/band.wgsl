@@ -6,7 +6,7 @@
 // serves eight sums. One dispatch looks at some of the rows of cells around a block and adds to what earlier dispatches
 // found.
 import package::common::{
-    params::params, cells::{cell_of, turns_of, box_bucket, hashed_bucket}, status::frozen, band::Band,
+    params::params, cells::{cell_of, turns_of, box_bucket}, status::frozen, band::Band,
 };
 
 const LANES: u32 = 8u;     // invocations of a workgroup: with SUMS each it takes the 56 air particles of an average block
@@ -47,18 +47,18 @@ fn add(e: u32, image: vec3f) {
     far_sum = Four(far_sum.x + f.x * far, far_sum.y + f.y * far, far_sum.z + f.z * far);
 }
 
-// Adds a number of cells of a row in the box, moved by whole boxes as `image` says; only air meets an image.
-fn add_row(first: vec3i, cells: i32, image: vec3f, imaged: bool) {
+// Adds the air in a number of cells of a row in the box, moved by whole boxes as `image` says.
+fn add_row(first: vec3i, cells: i32, image: vec3f) {
     let bucket = box_bucket(first);
     let end = cell_start[bucket + u32(cells)];
     for (var e = cell_start[bucket]; e < end; e++) {
-        if !imaged || flow_position[e].w > 0.0 { add(e, image); }
+        add(e, image);
     }
 }
 
-// Adds the hair in a cell outside the box, with which other cells may share the bucket.
-fn add_outside(cell: vec3i) {
-    let bucket = hashed_bucket(cell);
+// Adds the hair in a cell, which may be outside the box: it stands with hair of all cells that are whole boxes away.
+fn add_hair(cell: vec3i, home: vec3i) {
+    let bucket = params.box_cells + box_bucket(home);
     let end = cell_start[bucket + 1u];
     for (var e = cell_start[bucket]; e < end; e++) {
         if all(cell_of(sorted_position[e].xyz) == cell) { add(e, vec3f(0.0)); }
@@ -72,10 +72,9 @@ fn walk(begin: i32, end: i32, y: i32, z: i32) {
         let turns = turns_of(vec3i(x, y, z));
         let home = vec3i(x, y, z) - turns * params.cells;
         let run = min(end - x, params.cells.x - home.x);
-        let imaged = any(turns != vec3i(0));
-        add_row(home, run, vec3f(turns) * params.box_size, imaged);
-        if imaged && params.published_law != 0u && params.hair_points > 0u {
-            for (var k = 0; k < run; k++) { add_outside(vec3i(x + k, y, z)); }
+        add_row(home, run, vec3f(turns) * params.box_size);
+        if params.published_law != 0u && params.hair_points > 0u {
+            for (var k = 0; k < run; k++) { add_hair(vec3i(x + k, y, z), home + vec3i(k, 0, 0)); }
         }
         x += run;
     }
@@ -117,8 +116,8 @@ fn main(
     let first = cell_start[box_bucket(home)];
     let end = cell_start[box_bucket(home) + u32(max(width, 0))];
 
-    // Particles have moved since they were sorted, by less than a fifth of a cell.
-    let reach = band.reach / params.cell_size + vec3f(0.2);
+    // Particles have moved since they were sorted, by less than a fifth of the kernel radius.
+    let reach = (band.reach + 0.2 * params.kernel_radius) / params.cell_size;
     let wide = 2 * band.rows + 1;
     let batches = LANES * SUMS;
     for (var batch = first + workgroup % SHARES * batches; batch < end; batch += SHARES * batches) {

@@ -4,44 +4,41 @@
 //   a_i = S |u_i| max(0, 1 - |u_i|^2/(I U)^2) (N x omega_i),  |dt a| <= 0.12 |u_i|
 //   as printed (eqs. 2, 4): a_i = epsilon 1/2 m |u_i|^2 (N x omega_i) in mg, mm, s; omega of v, hair in the sum
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, cells::is_air, status::{frozen, count_step, CONFINEMENT_LIMITED},
-    pairs::{pairs_of, gradient_to}, wind::left_by_fringe, band::Band,
+    params::params, dispatch::WORKGROUP, cells::is_air, status::{count_step, CONFINEMENT_LIMITED}, lanes::Near,
+    pairs::{Pairs, pairs_of, gradient_to}, clusters::{take_particle, has_none, of_air, meet_own_kind}, wind::left_by_fringe, band::Band,
 };
 
 const SOFTENING: f32 = 1e-3;   // part of |omega|/h added to |eta|, so that N vanishes where vorticity is uniform
 const LARGEST: f32 = 0.12;     // largest part of its speed that a band may gain in a step, so that no strength is unstable
 
-@group(0) @binding(2) var<uniform>             band:            Band;
-@group(0) @binding(3) var<storage, read>       predicted:       array<vec4f>;
-@group(0) @binding(4) var<storage, read>       neighbour_range: array<Near>;
-@group(0) @binding(5) var<storage, read>       neighbour_list:  array<u32>;
-@group(0) @binding(6) var<storage, read>       band_velocity:   array<vec4f>;
-@group(0) @binding(7) var<storage, read>       vorticity:       array<vec4f>;   // xyz [1/s]; w: its length [1/s]
-@group(0) @binding(8) var<storage, read_write> confinement:     array<vec4f>;   // change of velocity by all bands so far [m/s]
+@group(0) @binding(2) var<uniform>             band:          Band;
+@group(0) @binding(3) var<storage, read>       predicted:     array<vec4f>;   // xyz [m], w: volume [m^3]
+@group(0) @binding(4) var<storage, read>       band_velocity: array<vec4f>;
+@group(0) @binding(5) var<storage, read>       vorticity:     array<vec4f>;   // xyz [1/s]; w: its length [1/s]
+@group(0) @binding(6) var<storage, read_write> confinement:   array<vec4f>;   // change of velocity by all bands so far [m/s]
 
-// Change of velocity by this band in this step [m/s].
-fn change(i: u32) -> vec3f {
-    let own = predicted[i].xyz;
-    let left = left_by_fringe(own);
-    if left <= 0.0 { return vec3f(0.0); }
+var<private> pairs: Pairs;
+var<private> length_of_omega: f32;
+var<private> eta: vec3f;
+
+fn see(j: u32) -> Near {
+    let other = predicted[j];
+    return Near(j, 0u, other.xyz, select(0.0, other.w, params.published_law != 0u || is_air(j)), vorticity[j], vec4f());
+}
+
+fn meet(other: Near) {
+    eta += other.volume * (other.value.w - length_of_omega) * gradient_to(pairs, other);
+}
+
+// Change of velocity by this band in this step [m/s], where so much of it is left by the fringe.
+fn change(i: u32, left: f32) -> vec3f {
     let omega = vorticity[i];
-    let published = params.published_law != 0u;
-    let range = neighbour_range[i];
-    let pairs = pairs_of(i, own);
-    var eta = vec3f(0.0);
-    for (var n = range.first; n < range.middle; n++) {
-        let j = neighbour_list[n];
-        if published || is_air(j) {
-            let other = predicted[j];
-            eta += other.w * (vorticity[j].w - omega.w) * gradient_to(pairs, j, other.xyz);
-        }
-    }
     let size = length(eta) + SOFTENING * omega.w / params.kernel_radius;
-    if size <= 0.0 { return vec3f(0.0); }
+    if left <= 0.0 || size <= 0.0 { return vec3f(0.0); }
 
     let along = cross(eta / size, omega.xyz);
     let speed = length(band_velocity[i].xyz);
-    if published { return left * params.step * band.strength * speed * speed * along; }
+    if params.published_law != 0u { return left * params.step * band.strength * speed * speed * along; }
     let part = speed / band.largest_speed;
     let gain = params.step * band.strength * speed * max(0.0, 1.0 - part * part);
     let turning = length(along);
@@ -52,9 +49,16 @@ fn change(i: u32) -> vec3f {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let i = params.hair_points + invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
+fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = take_particle(of_air(id, groups), local);
+    let own = predicted[i].xyz;
+    pairs = pairs_of(own);
+    length_of_omega = vorticity[i].w;
+    meet_own_kind();
+    if has_none() { return; }
     let before = select(confinement[i].xyz, vec3f(0.0), band.comes_first != 0u);
-    confinement[i] = vec4f(before + change(i), 0.0);
+    confinement[i] = vec4f(before + change(i, left_by_fringe(own)), 0.0);
 }

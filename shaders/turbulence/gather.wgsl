@@ -15,7 +15,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let e = invocation(id, groups);
-    if e >= params.particles || frozen() { return; }
+    if e >= params.particles - params.first_sorted || frozen() { return; }
     let own = sorted_position[e];
     if own.w == 0.0 { return; }
     let at = own.xyz / mesh.spacing;

@@ -1,31 +1,36 @@
 // What hair gives back to each air particle, with the weights that it was sampled with: v_j -= sum_i w_ij J_i/m_j over hair,
 // w_ij = V_j W(y_i - x_j)/max(theta_i, 1/2).
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, status::frozen, air::{Sampled, THIN},
-    pairs::{pairs_of, gap_to, kernel_at},
+    params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pairs, pairs_of, kernel_to},
+    clusters::{take_particle, has_none, of_air, meet_other_kind}, air::{Sampled, THIN},
 };
 
-@group(0) @binding(2) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
-@group(0) @binding(3) var<storage, read>       neighbour_range: array<Near>;
-@group(0) @binding(4) var<storage, read>       neighbour_list:  array<u32>;
-@group(0) @binding(5) var<storage, read>       sampled:         array<Sampled>;
-@group(0) @binding(6) var<storage, read>       drag_impulse:    array<vec4f>;   // N s
-@group(0) @binding(7) var<storage, read_write> new_velocity:    array<vec4f>;
+@group(0) @binding(2) var<storage, read>       predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
+@group(0) @binding(3) var<storage, read>       sampled:      array<Sampled>;
+@group(0) @binding(4) var<storage, read>       drag_impulse: array<vec4f>;   // N s
+@group(0) @binding(5) var<storage, read_write> new_velocity: array<vec4f>;
+
+var<private> pairs: Pairs;
+var<private> given: vec3f;
+
+fn see(i: u32) -> Near {
+    let point = sampled[i];
+    return Near(i, 0u, point.position, 0.0, drag_impulse[i] / max(point.filled, THIN), vec4f());
+}
+
+fn meet(other: Near) {
+    given += kernel_to(pairs, other) * other.value.xyz;
+}
 
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let j = params.hair_points + invocation(id, groups);
-    if j >= params.particles || frozen() { return; }
-    let range = neighbour_range[j];
-    if range.middle == range.end { return; }
+fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let j = take_particle(of_air(id, groups), local);
     let own = predicted[j];
-    let pairs = pairs_of(j, own.xyz);
-    var given = vec3f(0.0);
-    for (var n = range.middle; n < range.end; n++) {
-        let i = neighbour_list[n];
-        let point = sampled[i];
-        let kernel = kernel_at(pairs, gap_to(pairs, i, point.position));
-        given += own.w * kernel / max(point.filled, THIN) * drag_impulse[i].xyz;
-    }
-    new_velocity[j] -= vec4f(params.air_inverse_mass * given, 0.0);
+    pairs = pairs_of(own.xyz);
+    meet_other_kind();
+    if has_none() { return; }
+    new_velocity[j] -= vec4f(params.air_inverse_mass * own.w * given, 0.0);
 }

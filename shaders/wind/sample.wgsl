@@ -3,38 +3,48 @@
 //   theta_i = sum_j V_j W(y_i - x_j),  u_i = U + sum_j w_ij (v_j - U)  over air; where air thins out the mean wind takes over
 //   G_i = (W(0) + sum_k W(y_i - y_k))/rho_0                            over hair
 import package::common::{
-    params::params, near::Near, dispatch::{invocation, WORKGROUP}, status::frozen, wind::mean_wind,
-    air::{Sampled, THIN}, pairs::{pairs_of, gap_to, kernel_at},
+    params::params, dispatch::WORKGROUP, cells::is_air, wind::mean_wind, lanes::Near, pairs::{Pairs, pairs_of, kernel_to},
+    clusters::{take_particle, has_none, of_all, meet_own_kind, meet_other_kind}, air::{Sampled, THIN},
 };
 
-@group(0) @binding(2) var<storage, read>       predicted:       array<vec4f>;   // xyz [m], w: volume [m^3]
-@group(0) @binding(3) var<storage, read>       new_velocity:    array<vec4f>;
-@group(0) @binding(4) var<storage, read>       neighbour_range: array<Near>;
-@group(0) @binding(5) var<storage, read>       neighbour_list:  array<u32>;
-@group(0) @binding(6) var<storage, read_write> sampled:         array<Sampled>;
+@group(0) @binding(2) var<storage, read>       predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
+@group(0) @binding(3) var<storage, read>       new_velocity: array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> sampled:      array<Sampled>;
+
+var<private> pairs: Pairs;
+var<private> wind: vec3f;
+var<private> hair: f32;
+var<private> filled: f32;
+var<private> relative: vec3f;
+
+// A point of hair has no volume here, and a one where air has none.
+fn see(j: u32) -> Near {
+    let other = predicted[j];
+    let air = is_air(j);
+    return Near(j, 0u, other.xyz, select(0.0, other.w, air), vec4f(new_velocity[j].xyz, select(1.0, 0.0, air)), vec4f());
+}
+
+fn meet(other: Near) {
+    let kernel = kernel_to(pairs, other);
+    hair += other.value.w * kernel;
+    let share = other.volume * kernel;
+    filled += share;
+    relative += share * (other.value.xyz - wind);
+}
 
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let p = invocation(id, groups);
-    if p >= params.hair_points || frozen() { return; }
+fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let p = take_particle(of_all(id, groups), local);
     let own = predicted[p].xyz;
-    let range = neighbour_range[p];
-    let wind = mean_wind();
-    let pairs = pairs_of(p, own);
-    var hair = pairs.height;
-    for (var n = range.first; n < range.middle; n++) {
-        let k = neighbour_list[n];
-        hair += kernel_at(pairs, gap_to(pairs, k, predicted[k].xyz));
-    }
-    var filled = 0.0;
-    var relative = vec3f(0.0);
-    for (var n = range.middle; n < range.end; n++) {
-        let j = neighbour_list[n];
-        let other = predicted[j];
-        let share = other.w * kernel_at(pairs, gap_to(pairs, j, other.xyz));
-        filled += share;
-        relative += share * (new_velocity[j].xyz - wind);
-    }
+    pairs = pairs_of(own);
+    wind = mean_wind();
+    hair = pairs.height;
+    meet_own_kind();
+    meet_other_kind();
+    if has_none() { return; }
     let u = wind + relative / max(filled, THIN);
     sampled[p] = Sampled(own, filled, u, hair / params.air_density);
 }

@@ -294,7 +294,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::coarse::PUSH, "coarse_change[i].xyz - coarse_mean[0].xyz", "5.0 * coarse_change[i].xyz", DIVERGENCE),
     (&shaders::fluid::SLIP, "velocity[p].xyz + history.own", "velocity[p].xyz", CROWDED),
     (&shaders::fluid::SQUEEZE, "own.inverse_mass * sum", "0.9 * own.inverse_mass * sum", CROWDED),
-    (&shaders::fluid::FRICTION, "min(own.friction, other.friction)", "0.9 * own.friction", CROWDED),
+    (&shaders::fluid::FRICTION, "min(own.friction, other.more.y)", "0.9 * own.friction", CROWDED),
 ];
 
 /// An iteration of the density constraint on any crowd, with attraction and without.

@@ -2,10 +2,20 @@
 //! before it left; who is near whom is held against the twin.
 
 use glam::{DVec3, IVec3, Vec3};
-use windswept::internals::{Engine, Plan, Recorder, Setup, status, step};
+use windswept::{
+    Gpu,
+    internals::{
+        Engine, Plan, Setup,
+        clusters::{self, Cluster, Seen},
+        step, without_subgroups,
+    },
+};
 use windswept_reference::{Parameters, neighbours, step::Scratch};
 use windswept_scene::{InitialState, Model};
-use windswept_shaders::{self as shaders, common::params::Params};
+use windswept_shaders::{
+    self as shaders,
+    common::{lanes::LANES, params::Params, row::Row},
+};
 
 use crate::{
     stage::xyz,
@@ -22,23 +32,20 @@ struct Cells(Params);
 
 impl Cells {
     fn len(&self) -> usize {
-        (self.0.box_cells + self.0.hashed_cells) as usize
+        self.0.box_cells as usize * if self.0.hair_points > 0 { 2 } else { 1 }
+    }
+
+    /// Cells of a row along x.
+    fn in_row(&self) -> usize {
+        self.0.cells[0] as usize
     }
 
     fn of(&self, i: usize, x: Vec3) -> usize {
         let (size, cells) = (Vec3::from_array(self.0.box_size), IVec3::from_array(self.0.cells));
-        let cell = |x: Vec3| (x / Vec3::from_array(self.0.cell_size)).floor().as_ivec3();
-        let in_box = |cell: IVec3| (cell.x + cells.x * (cell.y + cells.y * cell.z)) as usize;
-        if i >= self.0.hair_points as usize {
-            return in_box(cell(x - size * (x / size).floor()).clamp(IVec3::ZERO, cells - 1));
-        }
-        let cell = cell(x);
-        if cell.cmpge(IVec3::ZERO).all() && cell.cmplt(cells).all() {
-            return in_box(cell);
-        }
-        let [x, y, z] = cell.to_array().map(|k| k as u32);
-        let mixed = x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663) ^ z.wrapping_mul(83_492_791);
-        (self.0.box_cells + (mixed & (self.0.hashed_cells - 1))) as usize
+        let inside = x - size * (x / size).floor();
+        let cell = (inside / Vec3::from_array(self.0.cell_size)).floor().as_ivec3().clamp(IVec3::ZERO, cells - 1);
+        let hair = i < self.0.hair_points as usize;
+        (cell.x + cells.x * (cell.y + cells.y * cell.z)) as usize + if hair { self.0.box_cells as usize } else { 0 }
     }
 
     /// Cells that a particle may be in: more than one where it stands at a face.
@@ -48,6 +55,24 @@ impl Cells {
         cells.sort_unstable();
         cells.dedup();
         cells
+    }
+
+    /// Clusters of rows with so many entries: of each its first entry, and their end; hair's first.
+    fn members(&self, in_row: &[u32]) -> Vec<[u32; 2]> {
+        let mut members = vec![[0; 2]; self.0.clusters as usize];
+        let of_air = self.0.box_cells as usize / self.in_row();
+        let (mut entry, mut next) = (0, self.0.hair_clusters as usize);
+        for (row, entries) in in_row.iter().enumerate() {
+            if row == of_air {
+                next = 0;
+            }
+            let end = entry + entries;
+            while entry < end {
+                members[next] = [entry, end.min(entry + LANES)];
+                (entry, next) = (members[next][1], next + 1);
+            }
+        }
+        members
     }
 }
 
@@ -83,15 +108,32 @@ impl Walk<'_> {
         let all = counted.iter().sum::<u32>() as f64;
         self.same("grid/count", (all - position.len() as f64).abs(), 0.0)?;
 
+        let rows = cells.len() / cells.in_row();
+        let read_rows = || engine.read(&state.cell_rows).unwrap()[..rows].to_vec();
+        let in_row: Vec<u32> = counted.chunks(cells.in_row()).map(|row| row.iter().sum()).collect();
+        let wanted: Vec<_> = in_row.iter().map(|&entries| Row { entries, clusters: entries.div_ceil(LANES) }).collect();
+        assert!(passes.through("grid/total"));
+        self.same("grid/total", differing(&read_rows(), &wanted), 0.0)?;
+
         assert!(passes.through("grid/scan"));
+        let before = wanted.iter().scan(Row::default(), |sum, row| {
+            let before = *sum;
+            *sum = Row { entries: sum.entries + row.entries, clusters: sum.clusters + row.clusters };
+            Some(before)
+        });
+        self.same("grid/scan", differing(&read_rows(), &before.collect::<Vec<_>>()), 0.0)?;
+
+        assert!(passes.through("grid/start"));
         let sums = counted.iter().scan(0, |sum, count| {
             *sum += count;
             Some(*sum)
         });
         let wanted: Vec<u32> = std::iter::once(0).chain(sums).collect();
         let start = engine.read(&state.cell_start).unwrap()[..=cells.len()].to_vec();
-        self.same("grid/scan", differing(&start, &wanted), 0.0)?;
-        self.same("grid/scan", differing(&counts(), &none), 0.0)?;
+        self.same("grid/start", differing(&start, &wanted), 0.0)?;
+        self.same("grid/start", differing(&counts(), &none), 0.0)?;
+        let members = engine.read(&state.members).unwrap();
+        self.same("grid/start", differing(&members, &cells.members(&in_row)), 0.0)?;
 
         assert!(passes.through("grid/scatter"));
         let mut scattered = engine.read(&state.scattered).unwrap();
@@ -127,26 +169,22 @@ impl Walk<'_> {
     }
 
     /// Largest distance from the kernel radius of a pair that only engine or only twin lists \[m\]: of pairs at the radius itself
-    /// rounding decides.
+    /// rounding decides. A list that does not hold to its layout is infinitely far off.
     fn pairs_apart(&self, w: &Scratch) -> f64 {
         let (engine, p) = (&self.stage.engine, self.p());
-        let ranges = engine.read(&engine.state().neighbour_range).unwrap();
         let list = engine.read(&engine.state().neighbour_list).unwrap();
+        let clusters = clusters::read(&list, engine.params().clusters);
+        if !each_once(&clusters, w.predicted.len()) || !clusters.iter().all(|cluster| of_kinds(p, cluster)) {
+            return f64::INFINITY;
+        }
+        let all = lists(engine);
         let mut off = 0.0_f64;
-        for (i, near) in ranges.into_iter().enumerate() {
-            let kinds = [(near.first, near.apart), (near.apart, near.middle), (near.middle, near.end)]
-                .map(|(from, to)| &list[from as usize..to as usize]);
-            if !sorted_by_kind(p, i, kinds) {
-                return f64::INFINITY;
-            }
-            let mut got: Vec<usize> =
-                list[near.first as usize..near.end as usize].iter().map(|&j| j as usize).collect();
-            got.sort_unstable();
+        for (i, got) in all.iter().enumerate() {
             if got.windows(2).any(|pair| pair[0] == pair[1]) {
                 return f64::INFINITY;
             }
-            let extra = got.iter().filter(|j| !w.near.of(i).any(|k| k == **j)).copied();
-            let missing = w.near.of(i).filter(|j| got.binary_search(j).is_err());
+            let extra = got.iter().map(|j| *j as usize).filter(|j| !w.near.of(i).any(|k| k == *j));
+            let missing = w.near.of(i).filter(|j| got.binary_search(&(*j as u32)).is_err());
             let x = &w.predicted;
             let from_edge = |j: usize| p.separation(i, j, x[i], x[j]).length() - p.kernel_radius;
             off = extra.chain(missing).map(|j| from_edge(j).abs()).fold(off, f64::max);
@@ -155,53 +193,53 @@ impl Walk<'_> {
     }
 }
 
-/// Whether the list of a particle has its own kind first, of that the other strands first, and the other kind behind it. With
-/// `particles` all are one kind.
-fn sorted_by_kind(p: &Parameters, i: usize, kinds: [&[u32]; 3]) -> bool {
-    let kind = |j: usize| match (p.is_air(i), p.is_air(j)) {
-        _ if p.model != Model::TwoWay => 0,
-        (false, false) => usize::from(p.strand_of[i] == p.strand_of[j]),
-        (own, other) => 2 * usize::from(own != other),
-    };
-    (0..3).all(|k| kinds[k].iter().all(|&j| kind(j as usize) == k))
+/// Whether every particle is in one cluster.
+fn each_once(clusters: &[Cluster], particles: usize) -> bool {
+    let mut all: Vec<u32> = clusters.iter().flat_map(|cluster| cluster.particles.clone()).collect();
+    all.sort_unstable();
+    all == (0..particles as u32).collect::<Vec<_>>()
+}
+
+/// Whether a cluster is of one kind, and its list has those of its own kind first; unless the model is `two-way` all are one kind there.
+fn of_kinds(p: &Parameters, cluster: &Cluster) -> bool {
+    let air = p.is_air(cluster.particles[0] as usize);
+    let is = |near: &Seen, kind: bool| p.is_air(near.index as usize) == kind;
+    let apart = p.model == Model::TwoWay;
+    cluster.particles.iter().all(|i| p.is_air(*i as usize) == air)
+        && cluster.own_kind.iter().all(|near| !apart || is(near, air))
+        && cluster.other_kind.iter().all(|near| apart && is(near, !air))
+}
+
+/// Neighbours of each particle, as the engine's list has them.
+fn lists(engine: &Engine) -> Vec<Vec<u32>> {
+    let list = engine.read(&engine.state().neighbour_list).unwrap();
+    clusters::neighbours(&clusters::read(&list, engine.params().clusters), engine.params().particles)
 }
 
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
-    (&shaders::grid::CLEAR, "cell_count[bucket] = 0u", "cell_count[bucket] = 1u", PARTICLES),
+    (&shaders::grid::CLEAR, "cell_count[at] = 0u", "cell_count[at] = 1u", PARTICLES),
     (&shaders::grid::COUNT, "predicted[i].xyz)], 1u", "predicted[i].xyz)], 2u", PARTICLES),
-    (&shaders::grid::SCAN, "running += cell_count[b]", "running += cell_count[b] + u32(b == 9u)", PARTICLES),
+    (&shaders::grid::TOTAL, "Row(entries,", "Row(entries + u32(row == 3u),", PARTICLES),
+    (&shaders::grid::SCAN, "sums[lane] += before", "sums[lane] += before + vec2u(u32(lane == 9u))", PARTICLES),
+    (&shaders::grid::START, "running += cell_count[cell]", "running += cell_count[cell] + u32(cell == 9u)", PARTICLES),
+    (&shaders::grid::START, "min(first + LANES, end)", "min(first + LANES - 1u, end)", PARTICLES),
     (&shaders::grid::SCATTER, "1u)] = i", "1u)] = max(i, 1u)", PARTICLES),
     (&shaders::grid::ORDER, "scattered[e] < i", "scattered[e] > i", PARTICLES),
-    (
-        &shaders::grid::NEIGHBOURS,
-        "Near(first, places.y, places.z, first + total)",
-        "Near(first + min(found.x, 1u), places.y, places.z, first + total)",
-        PARTICLES,
-    ),
-    (&shaders::grid::NEIGHBOURS, "j < strand.y", "j + 1u < strand.y", CROWDED),
+    (&shaders::grid::NEIGHBOURS, "found += countOneBits(bits)", "found += countOneBits(bits & 127u)", PARTICLES),
+    (&shaders::grid::NEIGHBOURS, "~(1u << (e - members_of.x))", "~(2u << (e - members_of.x))", CROWDED),
+    (&shaders::grid::NEIGHBOURS, "select(found, middle, params.model == TWO_WAY)", "found", CROWDED),
 ];
 
 /// Neighbours that heading 2 lists of the initial positions; the list grows as the simulation would grow it.
-fn lists(initial: &InitialState) -> Vec<Vec<u32>> {
+fn listed(gpu: &Gpu, initial: &InitialState) -> Vec<Vec<u32>> {
     let scene = support::scene();
     let setup = Setup::new(&scene, initial);
-    let mut engine = Engine::new(&support::gpu(), &setup).unwrap();
-    let recording = Recorder::record(engine.state(), |r| step::neighbours::record(r, &Plan::new(&setup)));
-    engine.copy_state_to_scratch().unwrap();
-    engine.replay(&recording).unwrap();
-    let mut state = engine.status().unwrap();
-    if state.neighbours > engine.sizes().neighbours {
-        engine.grow_neighbours(state.neighbours).unwrap();
-        engine.set_status(&status::thawed(&state)).unwrap();
-        engine.replay(&recording).unwrap();
-        state = engine.status().unwrap();
-    }
+    let mut engine = Engine::new(gpu, &setup).unwrap();
+    engine.evaluate(|r| step::neighbours::record(r, &Plan::new(&setup))).unwrap();
+    let state = engine.status().unwrap();
     assert!(state.neighbours <= engine.sizes().neighbours, "needed {} again", state.neighbours);
-    let ranges = engine.read(&engine.state().neighbour_range).unwrap();
-    let list = engine.read(&engine.state().neighbour_list).unwrap();
-    let lists = ranges.iter().map(|near| list[near.first as usize..near.end as usize].to_vec());
-    lists.collect()
+    lists(&engine)
 }
 
 /// Asserts that pairs are those of the pair test, but for those whose distance is the radius to f32.
@@ -238,14 +276,24 @@ fn assert_same_pairs(initial: &InitialState, lists: &[Vec<u32>], what: &str) {
 
 #[test]
 fn neighbours_are_those_of_the_pair_test() {
-    for n in SIZES {
+    pairs_on(&support::gpu(), &SIZES);
+}
+
+/// A device without subgroup operations has other texts of the passes.
+#[test]
+fn neighbours_are_the_same_without_subgroups() {
+    pairs_on(&without_subgroups(&support::gpu()), &SIZES[..2]);
+}
+
+fn pairs_on(gpu: &Gpu, sizes: &[usize]) {
+    for &n in sizes {
         let spread =
             [(0, Layout::Random), (n / 3, Layout::Random), (n / 3, Layout::Lattice), (n / 4, Layout::Clustered)];
         // The largest size in one cell would be 2e8 pairs.
         let crowded = [(0, Layout::OneCell), (n / 3, Layout::OneCell)].into_iter().filter(|_| n < 1000);
         for (hair, layout) in spread.into_iter().chain(crowded) {
             let initial = support::particles(n, hair, layout, n as u64);
-            assert_same_pairs(&initial, &lists(&initial), &format!("{n} particles, {hair} of hair, {layout:?}"));
+            assert_same_pairs(&initial, &listed(gpu, &initial), &format!("{n} particles, {hair} of hair, {layout:?}"));
         }
     }
 }

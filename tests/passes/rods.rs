@@ -191,7 +191,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::rods::GAUSS_SEIDEL, "0.5 * rotate(before", "0.4 * rotate(before", SWEEPS),
     (&shaders::rods::FINISH, "rest_length - 1.0", "rest_length - 1.0001", PARTICLES),
     (&shaders::rods::PLACE, "remainder, point.travel", "remainder, 0.9 * point.travel", PARTICLES),
-    (&shaders::wind::REACT, "params.air_inverse_mass * given", "0.9 * params.air_inverse_mass * given", TWO_WAY),
+    (&shaders::wind::REACT, "params.air_inverse_mass * own.w", "0.9 * params.air_inverse_mass * own.w", TWO_WAY),
 ];
 
 /// Drag and lift of segments in any posture and motion, up to 100 m/s; with air particles outside the box only.

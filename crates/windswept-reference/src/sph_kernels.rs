@@ -41,18 +41,10 @@ pub fn spiky_gradient(i: usize, j: usize, gap: DVec3, h: f64) -> DVec3 {
 /// Unit vector drawn from two indices, antisymmetric: coincident particles must separate.
 #[must_use]
 pub fn coincident_direction(i: usize, j: usize) -> DVec3 {
-    let first = pcg((i.min(j) as u32) ^ pcg(i.max(j) as u32));
-    let second = pcg(first);
-    let unit = |word: u32| f64::from(word) / 4_294_967_296.0;
-    let (z, angle) = (2.0 * unit(first) - 1.0, 2.0 * PI * unit(second));
-    let ring = (1.0 - z * z).sqrt();
-    let direction = DVec3::new(ring * angle.cos(), ring * angle.sin(), z);
+    let (low, high) = (i.min(j) as u32, i.max(j) as u32);
+    let word = low.wrapping_mul(2_654_435_769) ^ high.wrapping_mul(2_246_822_519);
+    let word = (word ^ (word >> 15)).wrapping_mul(3_266_489_917);
+    let drawn = |bits: u32| f64::from(bits & 1023) - 511.5;
+    let direction = DVec3::new(drawn(word), drawn(word >> 10), drawn(word >> 20)).normalize();
     if i < j { direction } else { -direction }
-}
-
-/// PCG hash (Jarzynski & Olano 2020).
-fn pcg(x: u32) -> u32 {
-    let state = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
-    (word >> 22) ^ word
 }

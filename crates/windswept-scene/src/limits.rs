@@ -39,21 +39,18 @@ pub const MOST_PARTICLES_OF_AN_OPERATION: usize = 1 << 28;
 /// Smallest kernel radius in particle spacings: below 1 the lattice has no neighbours, and nothing softens the density
 /// constraint.
 pub const LEAST_KERNEL_RADIUS: f64 = 1.2;
-/// Most cells of one kernel radius in the box of air: Mesa's software adapter ends the loop that sums more.
+/// Most cells of one kernel radius in the box of air.
 pub const MOST_BOX_CELLS: f64 = 8e6;
-/// Most buckets that `grid/scan` sums, those for hair outside the box included: each of its 256 invocations walks over its
-/// stretch twice, and Mesa's software adapter ends the loops of an invocation after 65 535 rounds in all.
+/// Most cells that are sorted into, those of air and those of hair: the four passes that walk over cells stay short.
 pub const MOST_BUCKETS: u32 = 256 * 32_760;
-/// Most buckets for hair outside the box; a power of two.
-pub const MOST_OUTSIDE_BUCKETS: u32 = 1 << 18;
 
 /// Coarsest spacing of the band filter's nodes, in scales of a band: at 1 the grid still knows the band's centre, coarser
 /// grids do not.
 pub const COARSEST_SPACING: f64 = 1.0;
 /// Most nodes of the band filter's grid that a scene may ask for: 2 GiB a buffer at 16 B a node, which is what adapters bind.
 pub const MOST_NODES: f64 = 1.34e8;
-/// Most nodes of the band filter's grid that air can be sorted into: as many as buckets, less those for hair outside the box.
-pub const MOST_SORTED_NODES: u64 = (MOST_BUCKETS - MOST_OUTSIDE_BUCKETS) as u64;
+/// Most nodes of the band filter's grid that air can be sorted into: as many as there may be cells.
+pub const MOST_SORTED_NODES: u64 = MOST_BUCKETS as u64;
 /// Most pairs of particles that the direct filter may sum in a step: minutes on a software adapter.
 pub const MOST_PAIRS: f64 = 1e11;
 

@@ -14,9 +14,9 @@ use windswept_shaders::{
     },
 };
 
-/// Most cells of a block. With 7 air particles in a cell they hold about as many particles as a workgroup of the filter
+/// Most cells of a block. With not quite 2 air particles in a cell they hold about as many particles as a workgroup of the filter
 /// takes.
-const LARGEST_BLOCK: u32 = 8;
+const LARGEST_BLOCK: u32 = 32;
 /// Most pairs that one dispatch of the filter looks at. They take 0.1 s on a software adapter with two cores; drivers
 /// end a dispatch that takes 2 s.
 const PAIRS: f64 = 2e8;
@@ -24,7 +24,7 @@ const PAIRS: f64 = 2e8;
 /// ends the loops of an invocation after 65 535 rounds in all, without an error; a quarter of that leaves room for
 /// clumps.
 const ROUNDS: f64 = 16e3;
-/// Slack of the filter's reach \[cells\]: particles have moved since they were sorted (`turbulence/band.wgsl`).
+/// Slack of the filter's reach \[kernel radii\]: particles have moved since they were sorted (`turbulence/band.wgsl`).
 const MOVED: f32 = 0.2;
 /// Constant C0 of eq. 6 with the radical over 15 only: 2/(√15 π^(3/4)).
 const MEXICAN_HAT: f64 = 0.218_837_609;
@@ -133,7 +133,7 @@ impl Blocks {
         let in_row = nx.div_ceil(LARGEST_BLOCK);
         let cells = nx.div_ceil(in_row);
         let in_a_cell = f64::from(params.particles) / f64::from(params.box_cells);
-        let [x, y, z] = params.cell_size.map(|size| (reach / size + MOVED).ceil());
+        let [x, y, z] = params.cell_size.map(|size| ((reach + MOVED * params.kernel_radius) / size).ceil());
         let in_a_row = f64::from(2.0 * x + cells as f32) * in_a_cell;
         let (rows, layers) = (y as i32, z as i32);
         let rows_per_dispatch = ((ROUNDS / in_a_row) as i32).max(1).min((2 * rows + 1).saturating_mul(2 * layers + 1));

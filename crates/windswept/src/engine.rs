@@ -22,8 +22,8 @@ use crate::{
     status,
 };
 
-/// Entries of the neighbour list per particle at the start: the lattice has 26 (h/d = 1.92), clumps have more.
-pub(crate) const NEIGHBOURS_PER_PARTICLE: u64 = 36;
+/// Words of the neighbour list per cluster at the start: on the lattice some 75 particles are near its eight (h/d = 1.92).
+pub(crate) const WORDS_PER_CLUSTER: u64 = 112;
 
 /// Length of a neighbour list that has grown, over what the step needed: room for a few steps' changes.
 const GROWTH: f64 = 1.25;
@@ -135,6 +135,12 @@ impl Engine {
         self.params[0].step
     }
 
+    /// What the shaders get told of the scene.
+    #[must_use]
+    pub fn params(&self) -> &Params {
+        &self.params[0]
+    }
+
     /// Numbers of particles, strands and whatever else has a buffer.
     #[must_use]
     pub fn sizes(&self) -> Sizes {
@@ -159,7 +165,7 @@ impl Engine {
         self.state.arrays().iter().map(|array| array.bytes()).sum()
     }
 
-    /// Length of the longest neighbour list that the adapter allows \[entries\].
+    /// Length of the longest neighbour list that the adapter allows \[words\].
     #[must_use]
     pub fn largest_list(&self) -> u64 {
         (self.gpu.largest_binding() / self.state.neighbour_list.stride()).min(u32::MAX.into())
@@ -310,7 +316,7 @@ impl Engine {
         )
     }
 
-    /// Replaces the neighbour list by one of `capacity` entries. Programs made before bind the old one.
+    /// Replaces the neighbour list by one of `capacity` words. Programs made before bind the old one.
     ///
     /// # Errors
     /// [`GpuError`] when the adapter has no room.
@@ -362,6 +368,6 @@ pub(crate) fn first_sizes(setup: &Setup<'_>) -> Sizes {
 }
 
 fn first_capacity(largest_binding: u64, setup: &Setup<'_>) -> u32 {
-    let wanted = u64::from(setup.sizes().particles) * NEIGHBOURS_PER_PARTICLE;
+    let wanted = u64::from(setup.sizes().clusters) * WORDS_PER_CLUSTER;
     wanted.min(largest_binding / size_of::<u32>() as u64).min(u32::MAX.into()) as u32
 }

@@ -13,7 +13,7 @@ pub use adapter::{AdapterChoice, AdapterInfo, adapters};
 pub(crate) use memory::Memory;
 pub(crate) use program::{Profile, Program, Span, write_trace};
 pub use wgpu;
-use windswept_shaders::{BindingKind, Pass};
+use windswept_shaders::{BindingKind, Pass, common::lanes::LANES};
 
 use crate::error::GpuError;
 
@@ -23,6 +23,8 @@ pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     info: AdapterInfo,
+    /// Whether passes may use subgroup operations.
+    subgroups: bool,
     pipelines: Pipelines,
     /// Sources that stand in for those of passes.
     sources: Arc<HashMap<&'static str, String>>,
@@ -43,7 +45,8 @@ impl Gpu {
         let info = AdapterInfo::new(&adapter.get_info());
         let wanted = wgpu::Features::TIMESTAMP_QUERY
             | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES
-            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
+            | wgpu::Features::SUBGROUP;
         let has = adapter.limits();
         let limits = wgpu::Limits {
             max_storage_buffer_binding_size: has.max_storage_buffer_binding_size,
@@ -91,13 +94,28 @@ impl Gpu {
             }
         }
         let info = AdapterInfo::new(&adapter.get_info());
-        tracing::debug!(adapter = info.name, backend = info.backend, driver = info.driver, "device");
-        Ok(Self { device, queue, info, pipelines: Arc::default(), sources: Arc::default(), replaced: Arc::default() })
+        let subgroups =
+            device.features().contains(wgpu::Features::SUBGROUP) && adapter.get_info().subgroup_min_size >= LANES;
+        tracing::debug!(adapter = info.name, backend = info.backend, driver = info.driver, subgroups, "device");
+        Ok(Self {
+            device,
+            queue,
+            info,
+            subgroups,
+            pipelines: Arc::default(),
+            sources: Arc::default(),
+            replaced: Arc::default(),
+        })
     }
 
     /// The device with other shaders in place of those of some passes. Pipelines of all other passes are shared.
     pub(crate) fn with_sources(&self, sources: impl IntoIterator<Item = (&'static str, String)>) -> Self {
         Self { sources: Arc::new(sources.into_iter().collect()), replaced: Arc::default(), ..self.clone() }
+    }
+
+    /// The device with the passes that do without subgroup operations, as on an adapter that has none.
+    pub(crate) fn without_subgroups(&self) -> Self {
+        Self { subgroups: false, pipelines: Arc::default(), replaced: Arc::default(), ..self.clone() }
     }
 
     /// The device, for drawing beside the engine.
@@ -161,7 +179,8 @@ impl Gpu {
         if let Some(pipeline) = pipelines.get(pass.name) {
             return Ok(pipeline.clone());
         }
-        let source = own.map_or(pass.source, String::as_str);
+        let plain = if self.subgroups { None } else { pass.source_without_subgroups };
+        let source = own.map_or(plain.unwrap_or(pass.source), String::as_str);
         let pipeline = self.checked(
             || format!("making the pipeline of {}", pass.name),
             || {

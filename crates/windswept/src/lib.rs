@@ -29,6 +29,7 @@
 mod array;
 mod bands;
 mod bodies;
+mod clusters;
 mod coarse;
 mod engine;
 mod error;
@@ -76,9 +77,18 @@ pub mod internals {
     pub fn with_sources(gpu: &Gpu, sources: impl IntoIterator<Item = (&'static str, String)>) -> Gpu {
         gpu.with_sources(sources)
     }
+    /// The device with the passes that do without subgroup operations, as on an adapter that has none.
+    #[must_use]
+    pub fn without_subgroups(gpu: &Gpu) -> Gpu {
+        gpu.without_subgroups()
+    }
     /// The status word and the counters.
     pub mod status {
         pub use crate::status::*;
+    }
+    /// The neighbour list, read on the CPU.
+    pub mod clusters {
+        pub use crate::clusters::*;
     }
     /// The step's fragments.
     pub mod step {

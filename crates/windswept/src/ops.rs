@@ -21,6 +21,7 @@ use windswept_scene::{
 
 use crate::{
     array::Array,
+    clusters,
     engine::Engine,
     error::{GpuError, RunError},
     gpu::Gpu,
@@ -298,13 +299,11 @@ impl<'a> Particles<'a> {
             return Ok(Neighbours { offsets: vec![0], indices: Vec::new() });
         };
         stage.evaluate(step::neighbours::record)?;
-        let ranges = stage.read(|s| &s.neighbour_range)?;
         let list: Vec<u32> = stage.read(|s| &s.neighbour_list)?;
+        let params = stage.engine.params();
         let mut all = Neighbours { offsets: vec![0], indices: Vec::new() };
-        for near in ranges {
-            let start = all.indices.len();
-            all.indices.extend(&list[near.first as usize..near.end as usize]);
-            all.indices[start..].sort_unstable();
+        for near in clusters::neighbours(&clusters::read(&list, params.clusters), params.particles) {
+            all.indices.extend(near);
             all.offsets.push(all.indices.len() as u32);
         }
         Ok(all)

@@ -2,16 +2,21 @@
 
 use std::f64::consts::PI;
 
-use windswept_scene::{
-    FluidSolver, InitialState, Integrator, Law, Model, Scene, Solver,
-    limits::{MOST_BOX_CELLS, MOST_OUTSIDE_BUCKETS},
+use windswept_scene::{FluidSolver, InitialState, Integrator, Law, Model, Scene, Solver, limits::MOST_BUCKETS};
+use windswept_shaders::common::{
+    dispatch::WORKGROUP,
+    lanes::LANES,
+    params::{ALONE, MEAN_WIND, PARTICLES, Params, TWO_WAY},
 };
-use windswept_shaders::common::params::{ALONE, MEAN_WIND, PARTICLES, Params, TWO_WAY};
 
 use crate::rods;
 
-/// Fewest buckets for hair outside the box; a power of two.
-const LEAST_OUTSIDE_BUCKETS: u32 = 64;
+/// Cells of the neighbour search in a kernel radius, per axis: fine along x, where cells of a row follow one another in memory.
+const CELLS_IN_RADIUS: [f64; 3] = [4.0, 1.0, 1.0];
+/// Most cells in the box of air: hair is sorted into as many of its own.
+const MOST_CELLS: f64 = (MOST_BUCKETS / 2) as f64;
+/// Fewest kernel radii along each side of the box: fewer, and a particle would meet an image of itself.
+const LEAST_RADII: f64 = 3.0;
 /// α over D0: softens λ where a particle has hardly a neighbour.
 const SOFTENING: f64 = 1e-3;
 /// Strands that may go bad in one step before the run ends: 3, or 1 %.
@@ -34,7 +39,6 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
         hair_points,
         segments: initial.hair.orientations.len() as u32,
         strands,
-        hashed_cells: if hair_points > 0 { table(hair_points) } else { 1 },
         rod_sweeps: rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
         relaxation: scene.fluid.relaxation as f32,
         tension: scene.fluid.tension as f32,
@@ -77,6 +81,10 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
             params.cell_size = [0, 1, 2].map(|axis| (size[axis] / cells[axis]) as f32);
             // Saturates: a scene made in code is not checked, and memory for so many is refused.
             params.box_cells = cells.iter().product::<f64>() as u32;
+            let rows = (cells[1] * cells[2]) as u32;
+            // Air's begin with a workgroup of their own: passes over hair end before them.
+            params.hair_clusters = clusters(hair_points, rows).next_multiple_of(WORKGROUP / LANES);
+            params.clusters = params.hair_clusters + clusters(air_particles, rows);
             params.air_volume = initial.air.volume as f32;
             params.spacing = initial.air.volume.cbrt() as f32;
             params.air_inverse_mass = (1.0 / initial.air.mass) as f32;
@@ -95,26 +103,33 @@ pub(crate) fn with_cells(params: &Params, (nodes, spacing): ([f64; 3], [f64; 3])
         cells: nodes.map(|n| n as i32),
         cell_size: spacing.map(|h| h as f32),
         box_cells: nodes.iter().product::<f64>() as u32,
+        first_sorted: params.hair_points,
+        clusters: 0,
+        hair_clusters: 0,
         ..*params
     }
 }
 
-/// Cells along each axis: of one kernel radius or a little more, at least 3, and larger where there would be too many.
+/// Cells along each axis: as many as there are of their size, at least so many as three kernel radii have, and larger ones where there
+/// would be too many.
 fn cells(size: [f64; 3], radius: f64) -> [f64; 3] {
+    let fewest = CELLS_IN_RADIUS.map(|n| n * LEAST_RADII);
     let mut side = radius;
     loop {
-        let cells = size.map(|length| (length / side).floor().max(3.0));
+        let cells = [0, 1, 2].map(|axis| (size[axis] / side * CELLS_IN_RADIUS[axis]).floor().max(fewest[axis]));
         let all: f64 = cells.iter().product();
-        if all <= MOST_BOX_CELLS || cells == [3.0; 3] {
+        if all <= MOST_CELLS || cells == fewest {
             return cells;
         }
-        side *= (all / MOST_BOX_CELLS).cbrt().max(1.01);
+        side *= (all / MOST_CELLS).cbrt().max(1.01);
     }
 }
 
-/// Buckets for hair outside the box.
-fn table(hair_points: u32) -> u32 {
-    hair_points.min(MOST_OUTSIDE_BUCKETS).next_power_of_two().max(LEAST_OUTSIDE_BUCKETS)
+/// Most clusters of eight that particles of so many rows of cells make: each row may end with one that is not full.
+fn clusters(particles: u32, rows: u32) -> u32 {
+    let (particles, rows) = (u64::from(particles), u64::from(rows));
+    let most = (particles + (u64::from(LANES) - 1) * rows.min(particles)) / u64::from(LANES);
+    most.min(u32::MAX.into()) as u32
 }
 
 /// D0 = Σ_k w |∇_k C|² of air on its rest lattice, simple cubic of spacing V^(1/3) \[1/(kg m²)\].

@@ -45,6 +45,8 @@ pub struct Plan {
     pub wind: Decision,
     /// Whether particles meet, so that the neighbour list is made.
     pub neighbours: Decision,
+    /// How particles are sorted for the neighbour search.
+    pub sort: Sort,
     /// Whether the density constraint is solved.
     pub fluid: Decision,
     /// Particles that the density constraint has to do with, from the first on: hair, or all.
@@ -89,8 +91,36 @@ pub struct Plan {
     pub viscosity: Decision,
     /// Whether XSPH can overshoot, so that its limiter runs.
     pub limiter: Decision,
+    /// Invocations of the limiter: over the clusters of hair, where only hair can overshoot, or over all.
+    pub limited_in_clusters: u32,
     /// Whether there is a body to stay out of.
     pub bodies: Decision,
+}
+
+/// A counting sort: of how many particles, into how many cells.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Sort {
+    /// Particles.
+    pub particles: u32,
+    /// Cells, of air and of hair.
+    pub buckets: u32,
+    /// Rows of cells.
+    pub rows: u32,
+    /// Clusters that are made of the rows, at most.
+    pub clusters: u32,
+}
+
+impl Sort {
+    pub(crate) fn new(params: &Params) -> Self {
+        let kinds = if params.first_sorted < params.hair_points { 2 } else { 1 };
+        let rows = params.cells[1].max(0).saturating_mul(params.cells[2].max(0)).unsigned_abs();
+        Self {
+            particles: params.particles - params.first_sorted,
+            buckets: params.box_cells.saturating_mul(kinds),
+            rows: rows.saturating_mul(kinds),
+            clusters: params.clusters,
+        }
+    }
 }
 
 /// A band of eddies: whether it is strengthened, and the dispatches of its filter.
@@ -110,8 +140,8 @@ pub struct BandPlan {
     pub deposit: Decision,
     /// Invocations of the deposit.
     pub blocks: u32,
-    /// Cells of its grid, those for hair outside the box included.
-    pub buckets: u32,
+    /// How air is sorted into the cells of its grid.
+    pub sort: Sort,
     /// Per axis: the element of `mesh`, and the invocations that smooth along it.
     pub axes: [(Index<Mesh>, u32); 3],
 }
@@ -172,7 +202,9 @@ impl Plan {
         let density_alone = viscosity
             .and(Decision::when(!solved, "the density constraint has it already"))
             .and(Decision::when(constrained > 0, "the pressure's moments have it already"));
-        let limiter = viscosity.and(limiter(scene, initial));
+        let bounds = exchanges(scene, initial);
+        let limiter = viscosity.and(limiter(scene, bounds));
+        let limited_in_clusters = if bounds.air > 1.0 { sizes.in_clusters() } else { sizes.hair_in_clusters() };
         Self {
             sizes,
             fluid_iterations: scene.fluid.iterations,
@@ -185,6 +217,7 @@ impl Plan {
             blows,
             wind,
             neighbours,
+            sort: Sort::new(&setup.params),
             fluid,
             constrained,
             pbf,
@@ -210,6 +243,7 @@ impl Plan {
             bands,
             viscosity,
             limiter,
+            limited_in_clusters,
             bodies: Decision::when(sizes.bodies > 0, "the scene has no bodies"),
         }
     }
@@ -220,6 +254,18 @@ impl Plan {
         let changed = blows != self.blows;
         (self.blows, self.wind) = (blows, wind);
         changed
+    }
+
+    /// Invocations of a pass over the clusters that the density constraint has to do with.
+    #[must_use]
+    pub fn constrained_in_clusters(&self) -> u32 {
+        if self.constrained == self.sizes.particles { self.sizes.in_clusters() } else { self.sizes.hair_in_clusters() }
+    }
+
+    /// Invocations of a pass over the clusters whose velocity is freed of divergence.
+    #[must_use]
+    pub fn flowing_in_clusters(&self) -> u32 {
+        if self.pressed_hair.runs { self.sizes.in_clusters() } else { self.sizes.air_in_clusters() }
     }
 
     /// The array that holds the velocities at the end of the step.
@@ -258,7 +304,7 @@ fn bands(setup: &Setup<'_>) -> Vec<BandPlan> {
             cells: Index::new(mesh.map_or(0, |mesh| 1 + mesh.grid)),
             deposit: Decision::when(blocks.is_some() || mesh.is_none(), "it shares the grid of the band before"),
             blocks: blocks.unwrap_or(0),
-            buckets: grid_params.map_or(0, |params| params.box_cells.saturating_add(params.hashed_cells)),
+            sort: grid_params.as_ref().map_or_else(Sort::default, Sort::new),
             axes: [0, 1, 2].map(|axis| (Index::new(first + axis), smooth[axis])),
         }
     };
@@ -279,21 +325,39 @@ fn turbulence(scene: &Scene, bands: &[BandPlan]) -> Decision {
         .and(Decision::when(!still, "turbulence.speed is 0: nothing to measure the bands against"))
 }
 
-/// S_i = Σ c_ij w_ij ≤ 2 c √(V_max/V_min), since Σ_j V_j W ≤ θ_i: below 1 the limiter can never act.
-fn limiter(scene: &Scene, initial: &InitialState) -> Decision {
+/// The largest S, the part of its velocity that a particle exchanges by XSPH, which the limiter need not look for.
+#[derive(Debug, Clone, Copy)]
+struct Exchanges {
+    air: f64,
+    hair: f64,
+}
+
+/// S_i = Σ c_ij w_ij ≤ 2 c √(V_max/V_min), since Σ_j V_j W ≤ θ_i, with the volumes and the coefficient of those that the particle meets.
+fn exchanges(scene: &Scene, initial: &InitialState) -> Exchanges {
+    let bound = |coefficient: f64, volumes: &mut dyn Iterator<Item = f64>| {
+        let (smallest, largest) = volumes.fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(v), b.max(v)));
+        if largest > 0.0 {
+            2.0 * coefficient / f64::from(scene.time.substeps) * (largest / smallest).sqrt()
+        } else {
+            0.0
+        }
+    };
+    let hair = || initial.hair.volume.iter().copied();
+    let air = || (!initial.air.positions.is_empty()).then_some(initial.air.volume).into_iter();
+    let of_hair = if initial.hair.is_empty() { 0.0 } else { scene.viscosity.hair };
+    if scene.interaction.model == Model::TwoWay {
+        return Exchanges { air: bound(scene.viscosity.air, &mut air()), hair: bound(of_hair, &mut hair()) };
+    }
+    let all = bound(of_hair.max(scene.viscosity.air), &mut hair().chain(air()));
+    Exchanges { air: all, hair: all }
+}
+
+/// Below 1 the limiter can never act.
+fn limiter(scene: &Scene, bounds: Exchanges) -> Decision {
     if scene.viscosity.form == ViscosityForm::Published {
         return Decision::when(false, "viscosity.form is published");
     }
-    let volumes = initial.hair.volume.iter().copied();
-    let air = (!initial.air.positions.is_empty()).then_some(initial.air.volume);
-    let (mut smallest, mut largest) = (f64::INFINITY, 0.0_f64);
-    for volume in volumes.chain(air) {
-        smallest = smallest.min(volume);
-        largest = largest.max(volume);
-    }
-    let hair = if initial.hair.is_empty() { 0.0 } else { scene.viscosity.hair };
-    let coefficient = hair.max(scene.viscosity.air) / f64::from(scene.time.substeps);
-    let bound = 2.0 * coefficient * (largest / smallest).sqrt();
+    let bound = bounds.air.max(bounds.hair);
     Decision::when(bound > 1.0, format!("no particle can exchange more than {bound:.2} of its velocity"))
 }
 

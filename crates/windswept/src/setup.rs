@@ -7,7 +7,9 @@ use windswept_shaders::{
     wind::fringe::Wave,
 };
 
-use crate::{bands::Bands, coarse::Coarse, meshes::Meshes, motion::Motions, params, pressure, state::Sizes, winds};
+use crate::{
+    bands::Bands, coarse::Coarse, meshes::Meshes, motion::Motions, params, plan::Sort, pressure, state::Sizes, winds,
+};
 
 /// Everything that is derived from a scene before anything is allocated. Plan, buffers and what fills them come from here,
 /// so that an index means the same in all of them.
@@ -48,13 +50,19 @@ impl<'a> Setup<'a> {
         let waves = winds::waves(scene, initial);
         let nodes = meshes.nodes.min(u32::MAX.into()) as u32;
         let direct = scene.turbulence.filter == Filter::Direct && !bands.tasks.is_empty();
+        let sort = Sort::new(&params);
+        let grids = || meshes.grids.iter().map(|grid| Sort::new(&params::with_cells(&params, *grid)));
+        let sorts = || std::iter::once(sort).chain(grids());
         let sizes = Sizes {
             particles: params.particles,
             hair_points: params.hair_points,
             segments: params.segments,
             strands: params.strands,
-            buckets: params.box_cells.saturating_add(params.hashed_cells),
-            cells: params.box_cells.max(nodes).saturating_add(params.hashed_cells),
+            buckets: sort.buckets,
+            cells: sorts().map(|sort| sort.buckets).max().unwrap_or_default(),
+            rows: sorts().map(|sort| sort.rows).max().unwrap_or_default(),
+            clusters: params.clusters,
+            hair_clusters: params.hair_clusters,
             neighbours: 0,
             band_tasks: bands.tasks.len() as u32,
             direct_filter: if direct { params.particles } else { 0 },

@@ -10,12 +10,13 @@ use windswept_shaders::{
         band::Band,
         body::{Body, Placed},
         dispatch::WORKGROUP,
+        lanes::LANES,
         mesh::Mesh,
         motion::Keyframe,
-        near::Near,
         params::Params,
         pressure::{Gradients, Pressed, Stress},
         rod::{Health, PointHistory, RodPoint, RodSegment, RodStrand, Root, Segment, SegmentHistory, Strand},
+        row::Row,
         rub::Rub,
         status::Status,
     },
@@ -37,11 +38,17 @@ pub struct Sizes {
     pub segments: u32,
     /// Strands.
     pub strands: u32,
-    /// Cells of the neighbour search: those of the box, and hashed ones for hair outside it.
+    /// Cells of the neighbour search, those of air and those of hair.
     pub buckets: u32,
     /// Cells of the neighbour search, or those of the band filter's largest grid if it has more.
     pub cells: u32,
-    /// Entries of the neighbour list.
+    /// Rows of those cells.
+    pub rows: u32,
+    /// Clusters of eight particles that the neighbour list is made for, at most.
+    pub clusters: u32,
+    /// Clusters of hair, which come first.
+    pub hair_clusters: u32,
+    /// Words of the neighbour list.
     pub neighbours: u32,
     /// Dispatches of the direct band filter; with the grid filter the number of bands.
     pub band_tasks: u32,
@@ -80,6 +87,24 @@ impl Sizes {
     #[must_use]
     pub fn air(&self) -> u32 {
         self.particles - self.hair_points
+    }
+
+    /// Invocations of a pass over all clusters.
+    #[must_use]
+    pub fn in_clusters(&self) -> u32 {
+        LANES * self.clusters
+    }
+
+    /// Invocations of a pass over the clusters of hair.
+    #[must_use]
+    pub fn hair_in_clusters(&self) -> u32 {
+        LANES * self.hair_clusters
+    }
+
+    /// Invocations of a pass over the clusters of air.
+    #[must_use]
+    pub fn air_in_clusters(&self) -> u32 {
+        LANES * (self.clusters - self.hair_clusters)
     }
 
     /// Particles that turbulence has to do with: all, or none without bands.
@@ -284,8 +309,10 @@ state! {
     sorted: u32, |s| s.particles;
     /// Position of a particle in cell order, wrapped into the box \[m\]; w: 1 for air, 0 for hair.
     sorted_position: Vec4, |s| s.particles;
-    /// A particle's stretch of the neighbour list: its own kind first, then the other.
-    neighbour_range: Near, |s| s.particles;
-    /// Neighbours of all particles, by index.
+    /// A row of cells along x: the entries and the clusters of all rows before it; behind the last row those of all.
+    cell_rows: Row, |s| s.rows.saturating_add(1);
+    /// Entries of a cluster: the first, and the end of them.
+    members: [u32; 2], |s| s.clusters;
+    /// Who is near the particles of each cluster (`shaders/common/list.wgsl`).
     neighbour_list: u32, |s| s.neighbours;
 }

@@ -4,9 +4,11 @@ use std::{num::NonZero, sync::mpsc};
 
 use bytemuck::Pod;
 
+use windswept_shaders::common::lanes::LANES;
+
 use crate::{
     array::{AnyArray, Array, is_uniform},
-    engine::NEIGHBOURS_PER_PARTICLE,
+    engine::WORDS_PER_CLUSTER,
     error::GpuError,
     gpu::Gpu,
     state::State,
@@ -139,7 +141,7 @@ fn check_size(gpu: &Gpu, state: &State, array: &AnyArray) -> Result<(), GpuError
         return Ok(());
     }
     // A particle takes room in the neighbour list too, and most there.
-    let list = state.neighbour_list.stride() * NEIGHBOURS_PER_PARTICLE;
+    let list = state.neighbour_list.stride() * WORDS_PER_CLUSTER / u64::from(LANES);
     let each = if array.len() == state.position.len() { list.max(array.stride()) } else { array.stride() };
     Err(GpuError::TooLarge { array: array.name(), bytes: array.bytes(), limit, fits: limit / each })
 }

@@ -15,18 +15,18 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     let n = &plan.sizes;
     r.when(&plan.fluid, |r| {
         r.repeat(plan.fluid_iterations, |r| {
-            density(r, plan.constrained);
-            r.run(&fluid::CORRECT, "shift toward rest density", plan.constrained);
+            density(r, plan.constrained_in_clusters());
+            r.run(&fluid::CORRECT, "shift toward rest density", plan.constrained_in_clusters());
             r.run(&fluid::MOVE, "apply the shift", plan.constrained);
         });
     });
     r.when(&plan.friction, |r| {
         r.run(&fluid::SLIP, "how hair would slip", n.hair_points);
-        r.run(&fluid::SQUEEZE, "how hard strands are squeezed", n.hair_points);
-        r.run(&fluid::FRICTION, "friction of hair on hair", n.hair_points);
+        r.run(&fluid::SQUEEZE, "how hard strands are squeezed", n.hair_in_clusters());
+        r.run(&fluid::FRICTION, "friction of hair on hair", n.hair_in_clusters());
         r.run(&fluid::MOVE, "apply what friction moves", n.hair_points);
     });
-    r.when(&plan.density_alone, |r| density(r, plan.constrained));
+    r.when(&plan.density_alone, |r| density(r, plan.constrained_in_clusters()));
     r.when(&plan.air_first, |r| {
         r.run(&fluid::VELOCITY, "velocities of air", n.air());
     });
@@ -36,7 +36,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
 /// Records one evaluation of the density.
 pub fn record_density(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("3. fluid");
-    r.when(&plan.neighbours, |r| density(r, plan.sizes.particles));
+    r.when(&plan.neighbours, |r| density(r, plan.sizes.in_clusters()));
 }
 
 fn density(r: &mut Recorder<'_>, particles: u32) {
@@ -46,14 +46,14 @@ fn density(r: &mut Recorder<'_>, particles: u32) {
 /// Air is spread, then its velocity is freed of divergence: by the pressures of the step before, on a coarse grid, by iterations.
 fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
     let n = &plan.sizes;
-    r.run(&fluid::SPREAD, "how air spreads evenly", n.air());
+    r.run(&fluid::SPREAD, "how air spreads evenly", n.air_in_clusters());
     r.run(&fluid::PLACE, "air spreads", n.air());
-    r.run(&fluid::MOMENTS, "density, and gradients corrected", n.particles);
-    r.run(&fluid::PUSH, "the pressure before pushes", n.particles);
+    r.run(&fluid::MOMENTS, "density, and gradients corrected", plan.flowing_in_clusters());
+    r.run(&fluid::PUSH, "the pressure before pushes", plan.flowing_in_clusters());
     r.when(&plan.coarse, |r| on_coarse_grid(r, plan));
     for iteration in &plan.pressure_iterations {
         divergence(r, plan, *iteration);
-        r.run(&fluid::PUSH, "pressure pushes", n.particles);
+        r.run(&fluid::PUSH, "pressure pushes", plan.flowing_in_clusters());
     }
     r.when(&plan.pressed_hair, |r| {
         r.run(&fluid::IMPULSE, "what pressure gives hair", n.hair_points);
@@ -62,7 +62,8 @@ fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
 
 fn divergence(r: &mut Recorder<'_>, plan: &Plan, iteration: Index<Iteration>) {
     let uniform = r.state().iteration.at(iteration);
-    r.run(&fluid::DIVERGENCE, "divergence, and pressure against it", plan.sizes.particles).bind("iteration", &uniform);
+    r.run(&fluid::DIVERGENCE, "divergence, and pressure against it", plan.flowing_in_clusters())
+        .bind("iteration", &uniform);
 }
 
 /// Long waves of the divergence are taken out on nodes three spacings apart: particles would pass them on from one to the next.

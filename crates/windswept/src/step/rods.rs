@@ -13,7 +13,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.run(&rods::BEGIN_SEGMENTS, "what segments start from", n.segments);
         r.run(&rods::CHOOSE, "BDF2 or Euler", n.strands);
         r.when(&plan.exchange, |r| {
-            r.run(&wind::SAMPLE, "the air at hair points", n.hair_points);
+            r.run(&wind::SAMPLE, "the air at hair points", n.hair_in_clusters());
         });
         r.when(&plan.drag, |r| {
             r.run(&wind::DRAG, "air drags hair", n.strands);
@@ -33,7 +33,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.run(&rods::FINISH, "health of each strand", n.strands);
         r.run(&rods::PLACE, "hair goes where its rods took it", n.hair_points);
         r.when(&plan.exchange, |r| {
-            r.run(&wind::REACT, "hair slows the air", n.air());
+            r.run(&wind::REACT, "hair slows the air", n.air_in_clusters());
         });
     });
 }

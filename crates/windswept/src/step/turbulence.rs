@@ -26,7 +26,8 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
                     if !plan.published_law {
                         vorticity(r, plan, &s.band_velocity);
                     }
-                    r.run(&turbulence::CONFINE, "vorticity confinement", n.air()).bind("band", &s.band.at(band.law));
+                    r.run(&turbulence::CONFINE, "vorticity confinement", n.air_in_clusters())
+                        .bind("band", &s.band.at(band.law));
                 });
             });
         }
@@ -75,8 +76,8 @@ fn grid(r: &mut Recorder<'_>, plan: &Plan, band: &BandPlan) {
     let (axis, _) = band.axes[0];
     let (params, mesh) = (s.params.at(band.cells), s.mesh.at(axis));
     r.when(&band.deposit, |r| {
-        neighbours::sort(r, plan, band.cells, band.buckets);
-        r.run(&turbulence::WEIGH, "what the filter sums", plan.sizes.particles);
+        neighbours::sort(r, band.cells, &band.sort);
+        r.run(&turbulence::WEIGH, "what the filter sums", plan.sizes.air()).bind("params", &params);
         r.run(&turbulence::DEPOSIT, "air onto the filter's grid", band.blocks)
             .bind("params", &params)
             .bind("mesh", &mesh);
@@ -84,7 +85,9 @@ fn grid(r: &mut Recorder<'_>, plan: &Plan, band: &BandPlan) {
     smooth(r, "smooth along x", band.axes[0], [&s.deposited, &s.deposited], [&s.smoothed, &s.curvature]);
     smooth(r, "smooth along y", band.axes[1], [&s.smoothed, &s.curvature], [&s.smoother, &s.smoother_curvature]);
     smooth(r, "smooth along z", band.axes[2], [&s.smoother, &s.smoother_curvature], [&s.smoothed, &s.curvature]);
-    r.run(&turbulence::GATHER, "band velocity from the grid", plan.sizes.particles).bind("mesh", &mesh);
+    r.run(&turbulence::GATHER, "band velocity from the grid", plan.sizes.air())
+        .bind("params", &params)
+        .bind("mesh", &mesh);
 }
 
 fn smooth(
@@ -104,5 +107,5 @@ fn smooth(
 }
 
 fn vorticity(r: &mut Recorder<'_>, plan: &Plan, field: &AnyArray) {
-    r.run(&turbulence::VORTICITY, "vorticity", plan.sizes.particles).bind("field", field);
+    r.run(&turbulence::VORTICITY, "vorticity", plan.sizes.in_clusters()).bind("field", field);
 }

@@ -1,0 +1,100 @@
+// The loop over neighbours, which all passes share.
+//
+// A cluster is up to eight particles of one kind that are next to one another in the order of cells. One list says who is nearer
+// than the kernel radius to any of them. Its eight invocations, one per particle, read a batch of eight entries at once, one
+// each; then each of them meets all eight. A pass says what it needs of a neighbour, in `see`, and what a pair adds to its sums, in `meet`.
+// A pair that was not nearer than the kernel radius when the list was made does not meet, wherever it is by now.
+import package::common::{params::params, dispatch::{invocation, WORKGROUP}};
+import package::common::lanes::{Near, LANES, lane_of, show, shown_by, largest_of_all};
+import package::common::list::{HEADER, BATCH, NOBODY, INDEX, IMAGE_BITS, FAR};
+import package::pass::{see, meet};
+
+@group(0) @binding(20) var<storage, read> neighbour_list: array<u32>;
+
+struct Cluster {
+    first: u32,    // word of its first particle
+    own: u32,      // batches of its own kind
+    others: u32,   // batches of the other kind
+}
+
+var<private> cluster: Cluster;
+var<private> place: u32;    // of the invocation in its workgroup
+var<private> box: vec3f;    // m, sides of the box of air
+var<private> own_bit: u32;  // of the invocation among the eight
+var<private> nobody: bool;  // the invocation reads for the others, and has no particle
+
+// The particle of an invocation, whose cluster `meet_own_kind` and `meet_other_kind` go through from now on. Where `has_none` says that the
+// invocation has none, it is some particle.
+fn take_particle(entry: u32, local: u32) -> u32 {
+    place = local;
+    box = params.box_size;
+    own_bit = 1u << lane_of(local);
+    cluster = Cluster();
+    let c = entry / LANES;
+    if c < params.clusters {
+        cluster = Cluster(neighbour_list[HEADER * c], neighbour_list[HEADER * c + 1u], neighbour_list[HEADER * c + 2u]);
+    }
+    let own = neighbour_list[cluster.first + lane_of(local)];
+    nobody = cluster.first == 0u || own == NOBODY;
+    return select(own, 0u, nobody);
+}
+
+fn has_none() -> bool {
+    return nobody;
+}
+
+// The entry of an invocation of a pass over all clusters, over those of air, or over those in the air's sums. Hair's come first.
+fn of_all(id: vec3u, groups: vec3u) -> u32 {
+    return invocation(id, groups);
+}
+
+fn of_air(id: vec3u, groups: vec3u) -> u32 {
+    return LANES * params.hair_clusters + invocation(id, groups);
+}
+
+// Meets those of the own kind, or all unless the model is TWO_WAY.
+fn meet_own_kind() {
+    meet_batches(cluster.first + LANES, cluster.own);
+}
+
+// Meets those of the other kind, if the model is TWO_WAY.
+fn meet_other_kind() {
+    meet_batches(cluster.first + LANES + BATCH * cluster.own, cluster.others);
+}
+
+fn meet_batches(first: u32, count: u32) {
+    let lane = lane_of(place);
+    let batches = largest_of_all(place, count);
+    var at = first;
+    for (var b = 0u; b < batches; b++) {
+        show(place, seen(at, lane, b < count));
+        meet_one(0u);
+        meet_one(1u);
+        meet_one(2u);
+        meet_one(3u);
+        meet_one(4u);
+        meet_one(5u);
+        meet_one(6u);
+        meet_one(7u);
+        at += BATCH;
+    }
+}
+
+// Meets the one that another of the eight has read, if it is a neighbour: else it is far.
+fn meet_one(other: u32) {
+    var near = shown_by(other);
+    near.at.x = select(FAR, near.at.x, (near.met_by & own_bit) != 0u);
+    meet(near);
+}
+
+// What this invocation reads of a batch.
+fn seen(batch: u32, lane: u32, there: bool) -> Near {
+    let at = select(0u, batch, there);
+    let entry = neighbour_list[at + lane];
+    let none = !there || entry == NOBODY;
+    var near = see(select(entry & INDEX, 0u, none));
+    let image = vec3u(entry >> IMAGE_BITS, entry >> (IMAGE_BITS + 2u), entry >> (IMAGE_BITS + 4u)) & vec3u(3u);
+    near.at += box * (vec3f(image) - 1.0);
+    near.met_by = select((neighbour_list[at + LANES + (lane >> 2u)] >> (8u * (lane & 3u))) & 255u, 0u, none);
+    return near;
+}
