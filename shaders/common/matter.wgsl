@@ -8,9 +8,7 @@ fn inverse_mass_of(i: u32) -> f32 {
     return inverse_mass[i];
 }
 
-// XSPH coefficient of a pair, the smaller of the two particles' own (eq. 8).
-fn viscosity_between(i: u32, j: u32) -> f32 {
-    let own = select(params.viscosity_hair, params.viscosity_air, is_air(i));
-    let other = select(params.viscosity_hair, params.viscosity_air, is_air(j));
-    return min(own, other);
+// XSPH coefficient of a particle. A pair has the smaller of its two (eq. 8).
+fn viscosity_of(i: u32) -> f32 {
+    return select(params.viscosity_hair, params.viscosity_air, is_air(i));
 }

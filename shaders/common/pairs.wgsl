@@ -7,34 +7,38 @@ struct Pairs {
     slope: f32,         // 1/m^4, 45/(pi h^4)
     per_radius: f32,    // 1/m, 1/h
     height: f32,        // 1/m^3, 315/(64 pi h^3)
+    nearest: f32,       // m^2, square of the distance below which particles lie on one another
 }
 
 const SMALLEST_GAP: f32 = 1e-6;   // h; what is nearer has no direction
 
 fn pairs_of(own: vec3f) -> Pairs {
-    return Pairs(own, spiky_factor(), 1.0 / params.kernel_radius, poly6_factor());
+    let nearest = SMALLEST_GAP * params.kernel_radius;
+    return Pairs(own, spiky_factor(), 1.0 / params.kernel_radius, poly6_factor(), nearest * nearest);
 }
 
 // Whether particles lie on one another.
 fn coincide(pairs: Pairs, gap: vec3f) -> bool {
-    return pairs.per_radius * length(gap) < SMALLEST_GAP;
+    return dot(gap, gap) < pairs.nearest;
 }
 
-// grad_i W of Spiky [1/m^4], from `gap` = x_i - x_j [m]; 0 for particles that lie on one another, which have no direction.
-fn gradient_at(pairs: Pairs, gap: vec3f) -> vec3f {
-    let scaled = pairs.per_radius * gap;
-    let squared = dot(scaled, scaled);
-    let per_length = inverseSqrt(max(squared, SMALLEST_GAP * SMALLEST_GAP));
-    let q = max(1.0 - squared * per_length, 0.0);
-    return (-pairs.slope * per_length * q * q) * scaled;
+// grad_i W of Spiky over `gap` = x_i - x_j [1/m^5]; for particles that lie on one another, which have no direction, what it tends to.
+fn slope_at(pairs: Pairs, gap: vec3f) -> f32 {
+    let squared = max(dot(gap, gap), pairs.nearest);
+    let per_length = inverseSqrt(squared);
+    let q = max(1.0 - pairs.per_radius * squared * per_length, 0.0);
+    return -pairs.slope * q * q * per_length;
 }
 
-// The gradient again, but with a direction for particles that lie on one another, so that they separate.
+// V_j grad_i W of Spiky [1/m].
+fn gradient_to(pairs: Pairs, other: Near) -> vec3f {
+    let gap = pairs.own - other.at;
+    return (other.volume * slope_at(pairs, gap)) * gap;
+}
+
+// grad_i W of Spiky [1/m^4], with a direction for particles that lie on one another, so that they separate.
 fn gradient_apart(pairs: Pairs, i: u32, j: u32, gap: vec3f) -> vec3f {
-    let r = length(gap);
-    let q = max(1.0 - pairs.per_radius * r, 0.0);
-    let away = select(gap / r, apart(i, j), pairs.per_radius * r < SMALLEST_GAP);
-    return -pairs.slope * q * q * away;
+    return select(slope_at(pairs, gap) * gap, -pairs.slope * apart(i, j), coincide(pairs, gap));
 }
 
 // A unit vector drawn from the indices of two particles, and its opposite for (j, i).
@@ -43,10 +47,6 @@ fn apart(i: u32, j: u32) -> vec3f {
     word = (word ^ (word >> 15u)) * 3266489917u;
     let drawn = vec3f(vec3u(word, word >> 10u, word >> 20u) & vec3u(1023u)) - 511.5;
     return select(-1.0, 1.0, i < j) * normalize(drawn);
-}
-
-fn gradient_to(pairs: Pairs, other: Near) -> vec3f {
-    return gradient_at(pairs, pairs.own - other.at);
 }
 
 // W of Poly6 [1/m^3].

@@ -33,7 +33,7 @@ fn see(j: u32) -> Near {
 }
 
 fn meet(other: Near) {
-    let gradient = other.volume * gradient_to(pairs, other);
+    let gradient = gradient_to(pairs, other);
     sum += dot(velocity - other.value.xyz, times(diagonal, off_diagonal, gradient));
 }
 

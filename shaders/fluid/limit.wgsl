@@ -1,7 +1,7 @@
 // How much of its velocity a particle would exchange in one XSPH update, S_i = sum_j c_ij w_ij. Where S exceeds 1 the
 // update would overshoot; `viscosity` divides by it, for both partners alike. The sum is over the pairs of `viscosity`.
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, matter::viscosity_between, pairs::{Pairs, pairs_of, kernel_to},
+    params::params, dispatch::WORKGROUP, lanes::Near, matter::viscosity_of, pairs::{Pairs, pairs_of, kernel_to},
     clusters::{take_particle, has_none, of_all, meet_own_kind}, owner::{Points, points_with, holds},
 };
 
@@ -11,20 +11,20 @@ import package::common::{
 
 var<private> pairs: Pairs;
 var<private> own_strand: Points;
-var<private> own_index: u32;
 var<private> root: f32;        // of the volume [m^(3/2)]
+var<private> coefficient: f32;
 var<private> thickness: f32;
 var<private> sum: f32;
 
 // In place of the volume its root.
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, 0u, other.xyz, sqrt(other.w), vec4f(density[j]), vec4f());
+    return Near(j, 0u, other.xyz, sqrt(other.w), vec4f(density[j], viscosity_of(j), 0.0, 0.0), vec4f());
 }
 
 fn meet(other: Near) {
     let weight = 2.0 * root * other.volume * kernel_to(pairs, other) / (thickness + other.value.x);
-    sum += select(viscosity_between(own_index, other.index) * weight, 0.0, holds(own_strand, other.index));
+    sum += select(min(coefficient, other.value.y) * weight, 0.0, holds(own_strand, other.index));
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -36,7 +36,7 @@ fn main(
     let own = predicted[i];
     pairs = pairs_of(own.xyz);
     own_strand = points_with(i);
-    own_index = i;
+    coefficient = viscosity_of(i);
     root = sqrt(own.w);
     thickness = density[i];
     meet_own_kind();

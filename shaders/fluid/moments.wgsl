@@ -7,7 +7,7 @@
 //
 // With it the push of the pressure that the step before left, lambda B/V.
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pairs, pairs_of, gradient_at, kernel_at},
+    params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pairs, pairs_of, slope_at, kernel_at},
     clusters::{take_particle, has_none, meet_own_kind}, pressure::{Pressed, Gradients, Stress, allowed, of_flow, share_of},
 };
 
@@ -24,8 +24,11 @@ const LARGEST: f32 = 6.0;     // trace of B above which it is not taken
 var<private> pairs: Pairs;
 var<private> theta: f32;
 var<private> sum: vec3f;
-var<private> moment: mat3x3f;
-var<private> square: mat3x3f;   // sum_j w_j V_j^2 grad W (x) grad W
+// Sums of symmetric matrices, times gap (x) gap: xx, yy, zz; yz, zx, xy.
+var<private> moment: vec3f;
+var<private> moment_off: vec3f;
+var<private> square: vec3f;       // sum_j w_j V_j^2 grad W (x) grad W
+var<private> square_off: vec3f;
 
 fn see(j: u32) -> Near {
     let other = predicted[j];
@@ -34,12 +37,21 @@ fn see(j: u32) -> Near {
 
 fn meet(other: Near) {
     let gap = pairs.own - other.at;
-    let gradient = other.volume * gradient_at(pairs, gap);
+    let slope = other.volume * slope_at(pairs, gap);   // V_j grad_i W is this times the gap
     theta += other.volume * kernel_at(pairs, gap);
-    sum += gradient;
-    moment -= mat3x3f(gap.x * gradient, gap.y * gradient, gap.z * gradient);
-    let weighed = other.value.x * gradient;
-    square += mat3x3f(gradient.x * weighed, gradient.y * weighed, gradient.z * weighed);
+    sum += slope * gap;
+    let diagonal = gap * gap;
+    let off_diagonal = gap.yzx * gap.zxy;
+    moment -= slope * diagonal;
+    moment_off -= slope * off_diagonal;
+    let weighed = other.value.x * slope * slope;
+    square += weighed * diagonal;
+    square_off += weighed * off_diagonal;
+}
+
+// The symmetric matrix of a diagonal and what is off it.
+fn matrix(diagonal: vec3f, off: vec3f) -> mat3x3f {
+    return mat3x3f(diagonal.x, off.z, off.y, off.z, diagonal.y, off.x, off.y, off.x, diagonal.z);
 }
 
 // The inverse of a symmetric matrix, or 1.
@@ -61,13 +73,13 @@ fn main(
     let i = take_particle(of_flow(id, groups), local);
     let own = predicted[i];
     pairs = pairs_of(own.xyz);
-    moment = mat3x3f(FLOOR, 0.0, 0.0, 0.0, FLOOR, 0.0, 0.0, 0.0, FLOOR);
+    moment = vec3f(FLOOR);
     theta = own.w * pairs.height;
     meet_own_kind();
     if has_none() { return; }
-    let b = corrected(moment);
+    let b = corrected(matrix(moment, moment_off));
     let turned = b * sum;
-    let answer = b * square * b;
+    let answer = b * matrix(square, square_off) * b;
     let others = answer[0][0] + answer[1][1] + answer[2][2];
     let response = share_of(i) * dot(turned, turned) + others + params.density_softening / params.air_inverse_mass;
     let diagonal = vec3f(b[0][0], b[1][1], b[2][2]);

@@ -14,19 +14,18 @@ import package::common::{
 @group(0) @binding(6) var<storage, read_write> pressed:      array<Pressed>;
 
 var<private> pairs: Pairs;
-var<private> diagonal: vec3f;       // of lambda B/V
-var<private> off_diagonal: vec3f;
-var<private> sum: vec3f;
+var<private> gradients: vec3f;   // sum_j V_j grad_i W [1/m]
+var<private> pushes: vec3f;      // sum_j lambda_j B_j/V_j V_j grad_i W
 
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    let pushes = stress[j];
-    return Near(j, 0u, other.xyz, other.w, vec4f(pushes.diagonal, 0.0), vec4f(pushes.off_diagonal, 0.0));
+    return Near(j, 0u, other.xyz, other.w, vec4f(stress[j].diagonal, 0.0), vec4f(stress[j].off_diagonal, 0.0));
 }
 
 fn meet(other: Near) {
-    let gradient = other.volume * gradient_to(pairs, other);
-    sum += times(diagonal + other.value.xyz, off_diagonal + other.more.xyz, gradient);
+    let gradient = gradient_to(pairs, other);
+    gradients += gradient;
+    pushes += times(other.value.xyz, other.more.xyz, gradient);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -37,11 +36,10 @@ fn main(
     let i = take_particle(of_flow(id, groups), local);
     let own = predicted[i];
     pairs = pairs_of(own.xyz);
-    diagonal = stress[i].diagonal;
-    off_diagonal = stress[i].off_diagonal;
     meet_own_kind();
     if has_none() { return; }
-    let change = share_of(i) * own.w * sum;
+    let of_own = times(stress[i].diagonal, stress[i].off_diagonal, gradients);
+    let change = share_of(i) * own.w * (of_own + pushes);
     new_velocity[i] += vec4f(change, 0.0);
     pressed[i].change += change;
 }

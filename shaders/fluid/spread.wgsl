@@ -9,7 +9,7 @@
 //
 // After Xu, Stansby & Laurence (2009) and Lind et al. (2012); it goes with the step, so that its diffusion vanishes with it.
 import package::common::{
-    params::params, dispatch::WORKGROUP, status::status, lanes::Near, pairs::{Pairs, pairs_of, coincide, gradient_at, apart},
+    params::params, dispatch::WORKGROUP, status::status, lanes::Near, pairs::{Pairs, pairs_of, coincide, gradient_to, apart},
     clusters::{take_particle, has_none, of_air, meet_own_kind},
 };
 
@@ -35,7 +35,7 @@ fn see(j: u32) -> Near {
 
 fn meet(other: Near) {
     let gap = pairs.own - other.at;
-    let gradient = other.volume * gradient_at(pairs, gap);
+    let gradient = gradient_to(pairs, other);
     uneven += gradient;
     met = max(met, select(0u, other.index + 1u, coincide(pairs, gap)));
     let faster = other.value.xyz - velocity;

@@ -6,7 +6,7 @@
 // `exchange` is S of `limit`; it stays zero where the limiter is left out. With the model TWO_WAY points of one strand exchange
 // nothing: a strand has its rod and `rods.damping`, and XSPH would resist its bending.
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, matter::{inverse_mass_of, viscosity_between}, pairs::{Pairs, pairs_of, kernel_to},
+    params::params, dispatch::WORKGROUP, lanes::Near, matter::{inverse_mass_of, viscosity_of}, pairs::{Pairs, pairs_of, kernel_to},
     clusters::{take_particle, has_none, of_all, meet_own_kind}, owner::{Points, points_with, holds},
 };
 
@@ -18,10 +18,10 @@ import package::common::{
 
 var<private> pairs: Pairs;
 var<private> own_strand: Points;
-var<private> own_index: u32;
 var<private> velocity: vec3f;
 var<private> root: f32;        // of the volume [m^(3/2)]
 var<private> mass: f32;        // its inverse [1/kg]
+var<private> coefficient: f32;
 var<private> thickness: f32;
 var<private> exchanged: f32;
 var<private> sum: vec3f;
@@ -29,15 +29,16 @@ var<private> sum: vec3f;
 // In place of the volume its root.
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, 0u, other.xyz, sqrt(other.w), vec4f(new_velocity[j].xyz, density[j]), vec4f(exchange[j], inverse_mass_of(j), 0.0, 0.0));
+    let value = vec4f(new_velocity[j].xyz, density[j]);
+    return Near(j, 0u, other.xyz, sqrt(other.w), value, vec4f(exchange[j], inverse_mass_of(j), viscosity_of(j), 0.0));
 }
 
 fn meet(other: Near) {
-    let weight = 2.0 * root * other.volume * kernel_to(pairs, other) / (thickness + other.value.w);
     let both = mass + other.more.y;
-    let share = viscosity_between(own_index, other.index) * weight / max(exchanged, other.more.x);
+    let exchange_of_pair = min(coefficient, other.more.z) * root * other.volume * kernel_to(pairs, other);
+    let parts = (thickness + other.value.w) * max(exchanged, other.more.x) * both;
     let left_out = both == 0.0 || holds(own_strand, other.index);
-    sum += select(2.0 * mass / both * share, 0.0, left_out) * (other.value.xyz - velocity);
+    sum += select(4.0 * mass * exchange_of_pair / parts, 0.0, left_out) * (other.value.xyz - velocity);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -49,7 +50,7 @@ fn main(
     let own = predicted[i];
     pairs = pairs_of(own.xyz);
     own_strand = points_with(i);
-    own_index = i;
+    coefficient = viscosity_of(i);
     velocity = new_velocity[i].xyz;
     root = sqrt(own.w);
     mass = inverse_mass_of(i);

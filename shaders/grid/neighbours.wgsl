@@ -19,12 +19,15 @@ import package::common::{
 const CLUSTERS: u32 = 8u; // of a workgroup
 const ROWS: u32 = 9u;                      // of cells around a cluster
 const TURNS: u32 = 3u;                     // boxes that a row may reach into: the one before, its own, the one behind
-const HELD: u32 = 128u;                    // entries of a cluster that are kept while searching; with more it is searched again
+const AIR: u32 = 0u;
+const HAIR: u32 = 1u;
+const KINDS: u32 = 2u;
+const HELD: u32 = 112u;                    // entries of a cluster that are kept while searching; with more it is searched again
 
 // Entries of a row of cells in one of the boxes that it reaches into.
 struct Stretch { begin: u32, end: u32 }
 
-var<workgroup> stretches: array<Stretch, CLUSTERS * TURNS * ROWS>;
+var<workgroup> stretches: array<Stretch, CLUSTERS * KINDS * TURNS * ROWS>;
 var<workgroup> held: array<u32, CLUSTERS * HELD>;
 var<workgroup> held_masks: array<u32, CLUSTERS * HELD>;
 var<workgroup> firsts: array<u32, CLUSTERS>;
@@ -38,6 +41,7 @@ var<private> own: array<vec3f, 8>; // positions of the cluster's particles [m]
 var<private> low: vec3f;           // the least box around them, where they are in the box of air [m]
 var<private> high: vec3f;
 var<private> members_of: vec2u;     // entries of the cluster itself: the first, and the end
+var<private> full: array<u32, 2>;  // of each kind, bit by bit, the stretches that are not empty
 var<private> found: u32;           // entries so far
 var<private> window: u32;          // entry from which on they are kept
 
@@ -45,24 +49,37 @@ fn cluster_in_workgroup() -> u32 {
     return local / LANES;
 }
 
-// What is to be searched in a row next to the cluster's own: cells of one kind, which start at `bucket`.
-fn stretch(home: vec3i, step: vec2i, turn: i32, bucket: u32, periodic: bool) -> Stretch {
+// Where the stretches of a kind are kept.
+fn stretches_of(kind: u32) -> u32 {
+    return (cluster_in_workgroup() * KINDS + kind) * TURNS * ROWS;
+}
+
+// Notes what is to be searched, of both kinds, in a row next to the cluster's own.
+fn look_ahead(home: vec3i, row: u32, air: bool) {
     let cells = params.cells;
-    let row = home.yz + step;
-    let side = params.cell_size.yz * vec2f(row);
+    let line = home.yz + step_of(row);
+    let side = params.cell_size.yz * vec2f(line);
     let gap = max(max(side - high.yz, low.yz - side - params.cell_size.yz), vec2f(0.0));
     let left = reach - dot(gap, gap);
-    if left <= 0.0 { return Stretch(0u, 0u); }
-    let half = sqrt(left);
+    let half = sqrt(max(left, 0.0));
     let start = i32(floor((low.x - half) / params.cell_size.x));
-    var to = i32(floor((high.x + half) / params.cell_size.x)) + 1;
-    // Hair that is met directly is met once.
-    if !periodic { to = min(to, start + cells.x); }
-    let begin = clamp(start - turn * cells.x, 0, cells.x);
-    let end = clamp(to - turn * cells.x, 0, cells.x);
-    let at = select(select(row, row - cells.yz, row >= cells.yz), row + cells.yz, row < vec2i(0));
-    let bottom = bucket + box_bucket(vec3i(0, at));
-    return Stretch(cell_start[bottom + u32(begin)], cell_start[bottom + u32(max(end, begin))]);
+    let end = select(start, i32(floor((high.x + half) / params.cell_size.x)) + 1, left > 0.0);
+    // Who is met directly is met once.
+    let once = min(end, start + cells.x);
+    let at = select(select(line, line - cells.yz, line >= cells.yz), line + cells.yz, line < vec2i(0));
+    let bucket = box_bucket(vec3i(0, at));
+    for (var turn = 0u; turn < TURNS; turn++) {
+        let from_here = vec3i(start, end, once) - (i32(turn) - 1) * cells.x;
+        let span = bucket + vec3u(clamp(from_here, vec3i(0), vec3i(cells.x)));
+        note(AIR, turn * ROWS + row, span.x, select(span.z, span.y, air));
+        if params.hair_points > 0u { note(HAIR, turn * ROWS + row, params.box_cells + span.x, params.box_cells + span.z); }
+    }
+}
+
+fn note(kind: u32, which: u32, begin: u32, end: u32) {
+    let found = Stretch(cell_start[begin], cell_start[end]);
+    stretches[stretches_of(kind) + which] = found;
+    full[kind] |= select(0u, 1u << which, found.end > found.begin);
 }
 
 fn turns_of_row(home: vec3i, step: vec2i) -> vec2i {
@@ -103,19 +120,13 @@ fn fill() {
     take(NOBODY, 0u, over > 0u && lane >= over);
 }
 
-// Looks for particles of a kind whose cells start at `bucket`.
-fn search(home: vec3i, bucket: u32, periodic: bool) {
-    let base = cluster_in_workgroup() * TURNS * ROWS;
-    var full = 0u;   // bit by bit, the stretches that are not empty
-    for (var turn = 0u; turn < TURNS; turn++) {
-        full |= look_ahead(home, base, turn, lane, bucket, periodic);
-    }
-    if lane < TURNS { full |= look_ahead(home, base, lane, LANES, bucket, periodic); }
-    workgroupBarrier();
-    full = bits_of_all(local, full);
-    while full > 0u {
-        let which = firstTrailingBit(full);
-        full &= full - 1u;
+// Looks for particles of a kind.
+fn search(home: vec3i, kind: u32, periodic: bool) {
+    let base = stretches_of(kind);
+    var left = bits_of_all(local, full[kind]);
+    while left > 0u {
+        let which = firstTrailingBit(left);
+        left &= left - 1u;
         let near = stretches[base + which];
         let batches = largest_of_all(local, (near.end - near.begin + LANES - 1u) / LANES);
         let turn = (which * 57u) >> 9u;   // which / 9 of up to 27
@@ -135,26 +146,17 @@ fn search(home: vec3i, bucket: u32, periodic: bool) {
             e += LANES;
         }
     }
-    workgroupBarrier();
-}
-
-// Notes the stretch of a row in a box; returns a bit for it if there is something in it.
-fn look_ahead(home: vec3i, base: u32, turn: u32, row: u32, bucket: u32, periodic: bool) -> u32 {
-    let which = turn * ROWS + row;
-    let found = stretch(home, step_of(row), i32(turn) - 1, bucket, periodic);
-    stretches[base + which] = found;
-    return select(0u, 1u << which, found.end > found.begin);
 }
 
 // Looks for both kinds; returns the number of entries of the first part.
 fn search_all(home: vec3i, air: bool) -> u32 {
     found = 0u;
     let others = params.hair_points > 0u;
-    search(home, select(params.box_cells, 0u, air), air);
+    search(home, select(HAIR, AIR, air), air);
     if params.model == TWO_WAY || !others { fill(); }
     let middle = found;
     if others {
-        search(home, select(0u, params.box_cells, air), false);
+        search(home, select(AIR, HAIR, air), false);
         fill();
     }
     return select(found, middle, params.model == TWO_WAY);
@@ -223,7 +225,11 @@ fn main(
     if local == 0u { atomicStore(&most, 0u); }
 
     let home = home_of(sorted_position[entries.x].xyz);
+    look_ahead(home, lane, air);
+    if lane == 0u { look_ahead(home, LANES, air); }
+    workgroupBarrier();
     let own_kind = search_all(home, air);
+    workgroupBarrier();
     if lane == 0u {
         atomicMax(&most, found);
         firsts[cluster_in_workgroup()] = 0u;
@@ -244,6 +250,7 @@ fn main(
             workgroupBarrier();
             window = HELD * k;
             let again = search_all(home, air);
+            workgroupBarrier();
         }
         if first > 0u { copy(first + LANES); }
     }

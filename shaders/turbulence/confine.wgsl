@@ -27,7 +27,7 @@ fn see(j: u32) -> Near {
 }
 
 fn meet(other: Near) {
-    eta += other.volume * (other.value.w - length_of_omega) * gradient_to(pairs, other);
+    eta += (other.value.w - length_of_omega) * gradient_to(pairs, other);
 }
 
 // Change of velocity by this band in this step [m/s], where so much of it is left by the fringe.

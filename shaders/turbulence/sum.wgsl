@@ -4,14 +4,20 @@ import package::common::{params::params, dispatch::{invocation, WORKGROUP}, redu
 @group(0) @binding(2) var<storage, read>       confinement: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> partial_sum: array<vec4f>;   // sum of a workgroup's changes [m/s]
 
+const TERMS: u32 = 16u;   // particles of an invocation
+
 @compute @workgroup_size(WORKGROUP)
 fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_id) lane: vec3u, @builtin(workgroup_id) group: vec3u,
 ) {
-    let i = params.hair_points + invocation(id, groups);
+    let all_of_them = groups.x * groups.y * WORKGROUP;
+    var i = params.hair_points + invocation(id, groups);
     var own = vec3f(0.0);
-    if i < params.particles { own = confinement[i].xyz; }
+    for (var term = 0u; term < TERMS && i < params.particles; term++) {
+        own += confinement[i].xyz;
+        i += all_of_them;
+    }
     let all = total(lane.x, own);
     let g = group.y * groups.x + group.x;
     if lane.x == 0u && g < arrayLength(&partial_sum) { partial_sum[g] = vec4f(all, 0.0); }

@@ -3,7 +3,7 @@
 //   omega_i = sum_j V_j (f_j - f_i) x grad_j W       over air only; as printed, over hair too
 import package::common::{
     params::params, dispatch::WORKGROUP, cells::is_air, lanes::Near, pairs::{Pairs, pairs_of, gradient_to},
-    clusters::{take_particle, has_none, of_all, meet_own_kind},
+    clusters::{take_particle, has_none, of_all, of_air, meet_own_kind},
 };
 
 @group(0) @binding(2) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -18,6 +18,11 @@ fn counts(i: u32) -> bool {
     return params.published_law != 0u || is_air(i);
 }
 
+// The place of an invocation among those that have a vorticity.
+fn entry(id: vec3u, groups: vec3u) -> u32 {
+    return select(of_air(id, groups), of_all(id, groups), params.published_law != 0u);
+}
+
 fn see(j: u32) -> Near {
     let other = predicted[j];
     return Near(j, 0u, other.xyz, select(0.0, other.w, counts(j)), field[j], vec4f());
@@ -25,7 +30,7 @@ fn see(j: u32) -> Near {
 
 fn meet(other: Near) {
     // grad_j W = -grad_i W
-    omega -= other.volume * cross(other.value.xyz - value, gradient_to(pairs, other));
+    omega -= cross(other.value.xyz - value, gradient_to(pairs, other));
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -33,7 +38,7 @@ fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let i = take_particle(of_all(id, groups), local);
+    let i = take_particle(entry(id, groups), local);
     pairs = pairs_of(predicted[i].xyz);
     value = field[i].xyz;
     meet_own_kind();

@@ -227,7 +227,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::grid::SCATTER, "1u)] = i", "1u)] = max(i, 1u)", PARTICLES),
     (&shaders::grid::ORDER, "scattered[e] < i", "scattered[e] > i", PARTICLES),
     (&shaders::grid::NEIGHBOURS, "found += countOneBits(bits)", "found += countOneBits(bits & 127u)", PARTICLES),
-    (&shaders::grid::NEIGHBOURS, "~(1u << (e - members_of.x))", "~(2u << (e - members_of.x))", CROWDED),
+    (&shaders::grid::NEIGHBOURS, "~(1u << (e - itself.x))", "~(2u << (e - itself.x))", CROWDED),
     (&shaders::grid::NEIGHBOURS, "select(found, middle, params.model == TWO_WAY)", "found", CROWDED),
 ];
 

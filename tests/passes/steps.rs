@@ -1,6 +1,9 @@
 //! Whole steps against those of the twin, pass by pass: where they part, the pass is named.
 
-use windswept::{Gpu, internals::with_sources};
+use windswept::{
+    Gpu,
+    internals::{with_sources, without_subgroups},
+};
 use windswept_reference::step::step as twin_step;
 use windswept_scene::{InitialState, Scene, Strands};
 use windswept_shaders::{PASSES, Pass};
@@ -152,6 +155,15 @@ fn steps_are_those_of_the_twin() {
         let bounds = bounds(sets);
         let steps = if sets.contains(&EXCHANGE) { STEPS_OF_COUPLING } else { STEPS };
         steps_of_both(&support::gpu(), sets, &bounds, steps).unwrap_or_else(|said| panic!("{sets:?}: {said}"));
+    }
+}
+
+/// A device without subgroup operations runs other texts of the passes over neighbours.
+#[test]
+fn steps_without_subgroups_are_those_of_the_twin() {
+    let gpu = without_subgroups(&support::gpu());
+    for sets in [PUBLISHED, CROWDED, DIVERGENCE] {
+        steps_of_both(&gpu, sets, &bounds(sets), 2).unwrap_or_else(|said| panic!("{sets:?}: {said}"));
     }
 }
 

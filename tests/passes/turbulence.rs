@@ -6,7 +6,7 @@ use rand_pcg::Pcg64;
 use windswept::internals::{Array, BandPlan, step};
 use windswept_reference::{State as Twin, drive, step::Scratch, turbulence};
 use windswept_scene::{Band, Filter, InitialState, Law, Order, Scene};
-use windswept_shaders as shaders;
+use windswept_shaders::{self as shaders, common::dispatch::WORKGROUP, turbulence::sum::TERMS};
 
 use crate::{
     stage::{Passes, Stage, crowds, relative, xyz},
@@ -70,7 +70,11 @@ impl Walk<'_> {
         }
         if passes.through("turbulence/sum") {
             let change = self.vectors(&state.confinement, p.hair_points);
-            let wanted: Vec<DVec3> = change.chunks(64).map(|group| group.iter().sum()).collect();
+            let groups = change.len().div_ceil((TERMS * WORKGROUP) as usize);
+            let mut wanted = vec![DVec3::ZERO; groups];
+            for (k, change) in change.iter().enumerate() {
+                wanted[k / WORKGROUP as usize % groups] += *change;
+            }
             let got = &stage.vectors(&state.partial_sum)[..wanted.len()];
             self.same("turbulence/sum", apart(got, &wanted), bounds.wind)?;
         }
@@ -170,7 +174,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::turbulence::DEPOSIT, "sum_10)", "sum_00)", PARTICLES),
     (&shaders::turbulence::SMOOTH, "vec4f(0.0)", "vec4f(0.001)", PARTICLES),
     (&shaders::turbulence::GATHER, "mesh.gain", "0.9 * mesh.gain", PARTICLES),
-    (&shaders::turbulence::VORTICITY, "omega -= other.volume", "omega -= 0.9 * other.volume", PARTICLES),
+    (&shaders::turbulence::VORTICITY, "omega -= cross", "omega -= 0.9 * cross", PARTICLES),
     (&shaders::turbulence::CONFINE, "before + change(i,", "before + 0.9 * change(i,", PARTICLES),
     (&shaders::turbulence::SUM, "reach = WORKGROUP / 2u", "reach = WORKGROUP / 4u", PARTICLES),
     (&shaders::turbulence::MEAN, "mean = all / air", "mean = sums[0]", PARTICLES),

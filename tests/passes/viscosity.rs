@@ -39,7 +39,7 @@ impl Walk<'_> {
 pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::LIMIT, "2.0 * root", "1.9 * root", PARTICLES),
     (&shaders::fluid::LIMIT, "i < points.end", "i + 1u < points.end", CROWDED),
-    (&shaders::fluid::VISCOSITY, "2.0 * mass / both", "1.9 * mass / both", PARTICLES),
+    (&shaders::fluid::VISCOSITY, "4.0 * mass", "3.9 * mass", PARTICLES),
     (&shaders::fluid::VISCOSITY, "0.0 || holds", "0.0 && holds", CROWDED),
 ];
 

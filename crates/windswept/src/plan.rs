@@ -268,6 +268,12 @@ impl Plan {
         if self.pressed_hair.runs { self.sizes.in_clusters() } else { self.sizes.air_in_clusters() }
     }
 
+    /// Invocations of a pass over the clusters that have a vorticity: of air, as printed of hair too.
+    #[must_use]
+    pub fn whirling_in_clusters(&self) -> u32 {
+        if self.published_law { self.sizes.in_clusters() } else { self.sizes.air_in_clusters() }
+    }
+
     /// The array that holds the velocities at the end of the step.
     #[must_use]
     pub fn final_velocity(&self, s: &State) -> AnyArray {

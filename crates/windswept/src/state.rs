@@ -22,6 +22,7 @@ use windswept_shaders::{
     },
     fluid::divergence::Iteration,
     rods::direct::Factor,
+    turbulence::sum::TERMS,
     wind::fringe::Wave,
 };
 
@@ -294,7 +295,7 @@ state! {
     /// What confinement adds to a particle in this step, all bands \[m/s\].
     confinement: Vec4, |s| s.turbulent();
     /// Sums over the particles of a workgroup each: of the confinement, or of what the coarse pressure does \[m/s\].
-    partial_sum: Vec4, |s| s.on_grids().div_ceil(WORKGROUP);
+    partial_sum: Vec4, |s| s.on_grids().div_ceil(WORKGROUP * TERMS);
     /// Mean of the confinement over the air, to be taken out \[m/s\], and the impulse that this leaves the air with \[kg m/s\].
     mean_confinement: Vec4, |_| 2;
 

@@ -1,6 +1,12 @@
 //! 3. Density constraints (eq. 1), of hair and air together or of each kind; or pressures that free air of divergence.
 
-use windswept_shaders::{coarse, common::mesh::Mesh, fluid, fluid::divergence::Iteration, turbulence};
+use windswept_shaders::{
+    coarse,
+    common::mesh::Mesh,
+    fluid,
+    fluid::divergence::Iteration,
+    turbulence::{self, sum::TERMS},
+};
 
 use crate::{
     array::{AnyArray, Index},
@@ -86,7 +92,7 @@ fn on_coarse_grid(r: &mut Recorder<'_>, plan: &Plan) {
     r.run(&coarse::GATHER, "what the coarse pressure changes", n.particles)
         .bind("mesh", &mesh)
         .bind("nodes", &s.coarse);
-    r.run(&turbulence::SUM, "sum of what it changes", n.air()).bind("confinement", &s.coarse_change);
+    r.run(&turbulence::SUM, "sum of what it changes", n.air().div_ceil(TERMS)).bind("confinement", &s.coarse_change);
     r.run(&coarse::MEAN, "mean of what it changes", ONE_WORKGROUP);
     r.run(&coarse::PUSH, "the coarse pressure pushes", n.air());
 }

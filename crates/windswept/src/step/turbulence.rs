@@ -1,6 +1,9 @@
 //! 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
 
-use windswept_shaders::{common::mesh::Mesh, turbulence};
+use windswept_shaders::{
+    common::mesh::Mesh,
+    turbulence::{self, sum::TERMS},
+};
 
 use crate::{
     array::{AnyArray, Index},
@@ -31,7 +34,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
                 });
             });
         }
-        r.run(&turbulence::SUM, "sum of the changes", n.air());
+        r.run(&turbulence::SUM, "sum of the changes", n.air().div_ceil(TERMS));
         r.run(&turbulence::MEAN, "mean change of the air", ONE_WORKGROUP);
         r.run(&turbulence::STRENGTHEN, "eddies are strengthened", n.air());
     });
@@ -107,5 +110,5 @@ fn smooth(
 }
 
 fn vorticity(r: &mut Recorder<'_>, plan: &Plan, field: &AnyArray) {
-    r.run(&turbulence::VORTICITY, "vorticity", plan.sizes.in_clusters()).bind("field", field);
+    r.run(&turbulence::VORTICITY, "vorticity", plan.whirling_in_clusters()).bind("field", field);
 }
