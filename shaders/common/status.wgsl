@@ -26,7 +26,7 @@ struct Status {
     neighbour_carries: atomic<u32>,   // the high half
     bad_strands: atomic<u32>,         // non-finite in this step
     first_bad_strand: atomic<u32>,    // smallest index, in this step
-    first_bad_air: atomic<u32>,       // smallest index
+    first_bad_air: atomic<u32>,       // smallest id
     max_stretch: atomic<u32>,         // max |l/l0 - 1| over the run, the bits of a positive f32
     hair_outside: atomic<u32>,        // hair points outside the box of air, this step
     outside_steps: u32,               // steps on end with many of them

@@ -9,6 +9,7 @@ import package::common::{
 
 @group(0) @binding(2) var<storage, read> predicted:      array<vec4f>;
 @group(0) @binding(3) var<storage, read> final_velocity: array<vec4f>;
+@group(0) @binding(4) var<storage, read> air_id:         array<u32>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -27,6 +28,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     if is_air(i) && !(finite3(predicted[i].xyz) && finite3(final_velocity[i].xyz)) {
         freeze(NON_FINITE_AIR);
-        atomicMin(&status.first_bad_air, i - params.hair_points);
+        atomicMin(&status.first_bad_air, air_id[i - params.hair_points]);
     }
 }

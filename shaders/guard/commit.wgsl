@@ -1,7 +1,7 @@
-// Commits the step: positions, velocities, the strands' health, the counters and the step's number. A frozen step leaves
-// all as it was.
+// Commits the step of hair, and what is one for all: positions, velocities, the strands' health, the counters and the step's
+// number. A frozen step leaves all as it was.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, wrap}, rod::Health,
+    params::params, dispatch::{invocation, WORKGROUP}, rod::Health,
     status::{status, frozen, COUNTERS, HAIR_OUTSIDE},
 };
 
@@ -20,11 +20,11 @@ const NONE: u32 = 0xffffffffu;
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
-    var x = predicted[i];
-    if is_air(i) { x = vec4f(wrap(x.xyz), x.w); }
-    position[i] = x;
-    velocity[i] = final_velocity[i];
+    if frozen() { return; }
+    if i < params.hair_points {
+        position[i] = predicted[i];
+        velocity[i] = final_velocity[i];
+    }
     if i < params.strands { health[i].committed = health[i].found; }
     if i == 0u {
         status.step += 1u;

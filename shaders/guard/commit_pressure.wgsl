@@ -1,20 +1,24 @@
-// What pressure did in this step is what the next one starts from; hair that was put somewhere starts anew.
+// What pressure did in this step is what the next one starts from; hair that was put somewhere starts anew. What it did to air goes
+// to the slot in which the step's last sort has the particle.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, pressure::{Pressed, flows},
+    params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, status::frozen, pressure::{Pressed, flows},
     integration::PUT, rod::RodPoint,
 };
 
 @group(0) @binding(2) var<storage, read>       rod_points:     array<RodPoint>;
 @group(0) @binding(3) var<storage, read>       pressed:        array<Pressed>;
-@group(0) @binding(4) var<storage, read_write> pressed_before: array<Pressed>;
+@group(0) @binding(4) var<storage, read>       sorted:         array<u32>;
+@group(0) @binding(5) var<storage, read_write> pressed_before: array<Pressed>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let i = invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
-    if !flows(i) { return; }
-    pressed_before[i] = pressed[i];
-    if i < params.hair_points {
-        if rod_points[i].scheme == PUT { pressed_before[i] = Pressed(vec3f(0.0), 0.0); }
+    let slot = invocation(id, groups);
+    if slot >= params.particles || frozen() { return; }
+    if !flows(slot) { return; }
+    if is_air(slot) {
+        pressed_before[slot] = pressed[sorted[slot - params.hair_points]];
+        return;
     }
+    pressed_before[slot] = pressed[slot];
+    if rod_points[slot].scheme == PUT { pressed_before[slot] = Pressed(vec3f(0.0), 0.0); }
 }

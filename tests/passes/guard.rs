@@ -18,7 +18,7 @@ use windswept_shaders::{
 
 use crate::{
     stage::{Stage, xyz},
-    steps::{DIVERGENCE, Fault, PARTICLES},
+    steps::{DIVERGENCE, Fault, PARTICLES, PRESSED_HAIR},
     support,
     walk::{Same, Walk, apart, differing, largest},
 };
@@ -64,6 +64,25 @@ impl Walk<'_> {
             let grip = largest(points.iter().zip(&s.grip).map(|(a, b)| (xyz(&a.grip) - *b).length()));
             self.same("guard/commit_hair", own.max(grip), bounds.speed)?;
         }
+        if passes.through("guard/commit_order") {
+            let before = stage.engine.slots().unwrap();
+            let sorted = stage.engine.read(&state.sorted).unwrap();
+            let of = |i: &u32| before.ids()[*i as usize - p.hair_points];
+            let wanted: Vec<u32> = sorted[..before.ids().len()].iter().map(of).collect();
+            let next = stage.engine.read(&state.next_air_id).unwrap();
+            self.same("guard/commit_order", differing(&next, &wanted), 0.0)?;
+            let mut all = next;
+            all.sort_unstable();
+            self.same("guard/commit_order", differing(&all, &(0..all.len() as u32).collect::<Vec<_>>()), 0.0)?;
+            assert!(passes.through("guard/commit_air"));
+            let now = stage.engine.slots().unwrap();
+            self.same("guard/commit_air", differing(now.ids(), &wanted), 0.0)?;
+            stage.follow(s, &before);
+            let (x, v) = (self.vectors(&state.position, p.hair_points), self.vectors(&state.velocity, p.hair_points));
+            let position = self.places(&x, &s.position[p.hair_points..], p.hair_points);
+            self.same("guard/commit_air", position, bounds.length)?;
+            self.same("guard/commit_air", apart(&v, &s.velocity[p.hair_points..]), bounds.speed)?;
+        }
         if passes.through("guard/commit_pressure") {
             let first = if p.model == Model::Particles { 0 } else { p.hair_points };
             let got = stage.engine.read(&state.pressed_before).unwrap();
@@ -76,9 +95,10 @@ impl Walk<'_> {
         }
         assert!(passes.through("guard/commit"));
         passes.finish();
-        let position = self.places(&self.vectors(&state.position, 0), &s.position, 0);
-        self.same("guard/commit", position, bounds.length)?;
-        self.same("guard/commit", apart(&self.vectors(&state.velocity, 0), &s.velocity), bounds.speed)?;
+        let hair = |array| self.vectors(array, 0)[..p.hair_points].to_vec();
+        let (x, v) = (hair(&state.position), hair(&state.velocity));
+        self.same("guard/commit", self.places(&x, &s.position[..p.hair_points], 0), bounds.length)?;
+        self.same("guard/commit", apart(&v, &s.velocity[..p.hair_points]), bounds.speed)?;
         let status = stage.engine.status().unwrap();
         self.same("guard/commit", (f64::from(status.step) - s.steps as f64).abs(), 0.0)?;
         let counters = [STRAND_RESET, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT, RESCUED_STEP];
@@ -94,7 +114,12 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::guard::CHECK, "!(finite3(", "(finite3(", PARTICLES),
     (&shaders::guard::COMMIT_FRAMES, "vec4f(spin, 0.0)", "vec4f(0.9 * spin, 0.0)", PARTICLES),
     (&shaders::guard::COMMIT_HAIR, "point.before + last - new_velocity[p].xyz", "point.before + last", PARTICLES),
-    (&shaders::guard::COMMIT_PRESSURE, "= pressed[i];", "= Pressed(0.9 * pressed[i].change, 0.0);", DIVERGENCE),
+    (&shaders::guard::COMMIT_ORDER, "air_id[sorted[slot] - params.hair_points]", "air_id[slot]", PARTICLES),
+    (&shaders::guard::COMMIT_AIR, "predicted[i]", "predicted[params.hair_points + slot]", PARTICLES),
+    (&shaders::guard::COMMIT_AIR, "= final_velocity[i]", "= 0.9 * final_velocity[i]", PARTICLES),
+    (&shaders::guard::COMMIT_AIR, "air_id[slot] = next_air_id[slot];", "", PARTICLES),
+    (&shaders::guard::COMMIT_PRESSURE, "pressed[sorted[slot - params.hair_points]]", "pressed[slot]", DIVERGENCE),
+    (&shaders::guard::COMMIT_PRESSURE, "= pressed[slot];", "= Pressed(0.9 * pressed[slot].change, 0.0);", PRESSED_HAIR),
     (&shaders::guard::COMMIT, "velocity[i] = final_velocity[i]", "velocity[i] = 0.9 * final_velocity[i]", PARTICLES),
 ];
 

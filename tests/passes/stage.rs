@@ -5,7 +5,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::{
     Gpu,
-    internals::{Array, Command, Engine, Plan, Recorder, Recording, Setup},
+    internals::{Array, Command, Engine, Plan, Recorder, Recording, Setup, Slots},
 };
 use windswept_reference::{
     Parameters, State as Twin,
@@ -138,6 +138,20 @@ impl Stage {
             (s.force[k], s.moment[k]) = (xyz(&history.force), xyz(&history.moment));
             s.segment_strayed[k] = xyz(&history.strayed);
         }
+    }
+
+    /// Puts the twin's air into the engine's slots; it was in those of `before`.
+    pub fn follow(&self, s: &mut Twin, before: &Slots) {
+        let slot_of = before.by_id(0..before.ids().len());
+        let from = self.engine.slots().unwrap().by_slot(&slot_of);
+        fn put<T: Copy>(air: &mut [T], from: &[usize]) {
+            let rows: Vec<T> = from.iter().map(|slot| air[*slot]).collect();
+            air.copy_from_slice(&rows);
+        }
+        let first = self.parameters.hair_points;
+        put(&mut s.position[first..], &from);
+        put(&mut s.velocity[first..], &from);
+        put(&mut s.pressed[first..], &from);
     }
 
     pub fn numbers(&self, array: &Array<f32>) -> Vec<f64> {

@@ -84,10 +84,11 @@ fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Resul
     let mut stage = Stage::on(gpu, &scene, &initial);
     let mut worst = Vec::new();
     for number in 1..=steps {
-        let before = (number == 3).then(|| stage.twin.clone());
+        let before = (number == 3).then(|| (stage.twin.clone(), stage.engine.slots().unwrap()));
         step_of_both(&mut stage, bounds, &mut worst).map_err(|said| format!("step {number}: {said}"))?;
-        if let Some(mut whole) = before {
+        if let Some((mut whole, slots)) = before {
             twin_step(&mut whole, &stage.parameters).unwrap();
+            stage.follow(&mut whole, &slots);
             assert!(whole == stage.twin, "the twin's passes in turn are not its step");
         }
     }

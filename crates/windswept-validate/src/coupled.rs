@@ -104,8 +104,7 @@ pub(crate) fn lasting(simulation: &Simulation) -> Result<Vec<DVec3>, Error> {
     let pressed = engine.read(&engine.state().pressed_before)?;
     // With solver pbf nothing is kept of pressures, and nothing is to come.
     let changes = pressed.iter().skip(pressed.len().saturating_sub(air.len()));
-    let coming: Vec<_> = changes.map(|pressed| pressed.change).collect();
-    let coming = vectors(&coming).into_iter().chain(std::iter::repeat(DVec3::ZERO));
+    let coming = vectors(&engine.slots()?.by_id(changes.map(|pressed| pressed.change)));
     Ok(air.iter().zip(coming).map(|(v, change)| *v + 0.5 * change).collect())
 }
 

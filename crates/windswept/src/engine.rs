@@ -18,6 +18,7 @@ use crate::{
     recorder::{Recorder, Recording},
     rods::{self, quat, vec4},
     setup::Setup,
+    slots::Slots,
     state::{Sizes, State},
     status,
 };
@@ -86,6 +87,9 @@ impl Engine {
         self.write(&s.clamps, &rods::clamps(initial))?;
         self.write(&s.root_targets, &rods::root_targets(scene, initial))?;
         self.write_hair(hair, initial.origin)?;
+        let (points, particles) = (self.sizes.hair_points, self.sizes.particles);
+        self.write(&s.air_id, &(0..self.sizes.air()).collect::<Vec<_>>())?;
+        self.write(&s.sorted, &(points..particles).chain(0..points).collect::<Vec<_>>())?;
         self.write_air(Some(&local), Some(&air.velocities), air.volume)
     }
 
@@ -105,20 +109,21 @@ impl Engine {
         self.write(&s.segment_history, &rods::segment_histories(hair, step))
     }
 
-    /// Writes air in the box: local positions \[m\] and velocities \[m/s\], whichever are given. Pressure starts anew.
+    /// Writes air in the box, by stable id: local positions \[m\] and velocities \[m/s\], whichever are given. Pressure starts
+    /// anew.
     pub(crate) fn write_air(
         &self,
         positions: Option<&[DVec3]>,
         velocities: Option<&[DVec3]>,
         volume: f64,
     ) -> Result<(), GpuError> {
-        let first = self.sizes.hair_points as usize;
+        let (first, slots) = (self.sizes.hair_points as usize, self.slots()?);
         if let Some(positions) = positions {
-            let rows: Vec<_> = positions.iter().map(|x| vec4(*x, volume)).collect();
+            let rows: Vec<_> = slots.by_slot(positions).into_iter().map(|x| vec4(x, volume)).collect();
             self.memory.write(&self.gpu, &self.state.position, first, &rows)?;
         }
         if let Some(velocities) = velocities {
-            let rows: Vec<_> = velocities.iter().map(|v| vec4(*v, 0.0)).collect();
+            let rows: Vec<_> = slots.by_slot(velocities).into_iter().map(|v| vec4(v, 0.0)).collect();
             self.memory.write(&self.gpu, &self.state.velocity, first, &rows)?;
         }
         self.write(&self.state.pressed_before, &vec![Pressed::default(); self.sizes.pressed as usize])
@@ -215,6 +220,14 @@ impl Engine {
         self.memory.view(&self.gpu, &arrays.map(|array| **array), |views| {
             look(std::array::from_fn(|k| bytemuck::cast_slice(views[k])))
         })
+    }
+
+    /// Who is in each slot of air now.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the device is lost.
+    pub fn slots(&self) -> Result<Slots, GpuError> {
+        Ok(Slots(self.read(&self.state.air_id)?))
     }
 
     /// The status word and the counters.

@@ -46,6 +46,7 @@ mod report;
 mod rods;
 mod setup;
 mod simulation;
+mod slots;
 mod state;
 mod status;
 mod step;
@@ -70,6 +71,7 @@ pub mod internals {
         plan::{BandPlan, Plan},
         recorder::{Bindings, Command, Decision, Recorder, Recording},
         setup::Setup,
+        slots::Slots,
         state::{Sizes, State},
     };
     /// The device with other shaders in place of those of some passes, by the passes' names: to see a test fail.

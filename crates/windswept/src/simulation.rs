@@ -51,13 +51,16 @@ pub struct Simulation {
     trace: Option<Vec<Span>>,
 }
 
-/// The state on the GPU. Every element is four `f32`.
+/// The state on the GPU. Every element is four `f32`, but for the ids.
 #[derive(Debug, Clone, Copy)]
 pub struct Buffers<'a> {
-    /// Position of each particle less `origin` \[m\], and its volume \[m³\]; hair points first, then air.
+    /// Position of each particle less `origin` \[m\], and its volume \[m³\]; hair points first, then air in the order of its slots.
     pub positions: &'a wgpu::Buffer,
     /// Velocity of each particle \[m/s\]; the fourth number means nothing.
     pub velocities: &'a wgpu::Buffer,
+    /// Stable id of the particle in each slot of air, a `u32`. Air lies in memory as it lies in the box, so that a step may give a
+    /// particle another slot; who draws all air alike need not look.
+    pub air_ids: &'a wgpu::Buffer,
     /// Orientation of each segment: the rotation (x, y, z, w) from material frame to world.
     pub orientations: &'a wgpu::Buffer,
     /// Number of points of all strands; they stand root to tip and strand by strand.
@@ -264,6 +267,7 @@ impl Simulation {
         Buffers {
             positions: self.engine.buffer(&s.position),
             velocities: self.engine.buffer(&s.velocity),
+            air_ids: self.engine.buffer(&s.air_id),
             orientations: self.engine.buffer(&s.orientation),
             hair_points: self.engine.sizes().hair_points,
             air_particles: self.engine.sizes().air(),
@@ -288,6 +292,7 @@ impl Simulation {
         let origin = self.initial.origin;
         let world = |p: &[f32; 4]| (DVec3::new(p[0].into(), p[1].into(), p[2].into()) + origin).as_vec3().to_array();
         let xyz = |v: &[f32; 4]| [v[0], v[1], v[2]];
+        let slots = self.engine.slots()?;
         let arrays = [&s.position, &s.velocity, &s.orientation];
         let frame = self.engine.view_vec4(arrays, |[positions, velocities, orientations]| Frame {
             step: self.steps,
@@ -299,25 +304,30 @@ impl Simulation {
                 orientations: orientations.to_vec(),
             },
             air: AirFrame {
-                positions: positions[hair..].iter().map(world).collect(),
-                velocities: velocities[hair..].iter().map(xyz).collect(),
+                positions: slots.by_id(positions[hair..].iter().map(world)),
+                velocities: slots.by_id(velocities[hair..].iter().map(xyz)),
                 ..AirFrame::default()
             },
         })?;
         Ok(frame)
     }
 
-    /// Density ρ/ρ0 at every particle now, hair points first; empty when the scene's particles do not meet.
+    /// Density ρ/ρ0 at every particle now, hair points first, then air by stable id; empty when the scene's particles do not meet.
     ///
     /// # Errors
     /// [`RunError`] when the neighbour list cannot grow or the device is lost.
     pub fn density(&mut self) -> Result<Vec<f32>, RunError> {
         self.measure(Quantity::Density)?;
-        let density = self.engine.state().density;
-        if self.plan.neighbours.runs { Ok(self.engine.read(&density)?) } else { Ok(Vec::new()) }
+        if !self.plan.neighbours.runs {
+            return Ok(Vec::new());
+        }
+        let mut density = self.engine.read(&self.engine.state().density)?;
+        let air = density.split_off(self.engine.sizes().hair_points as usize);
+        density.extend(self.engine.slots()?.by_id(air));
+        Ok(density)
     }
 
-    /// Vorticity |ω| of the air now, by the plain SPH sum \[1/s\]; empty when the scene's particles do not meet.
+    /// Vorticity |ω| of the air now by stable id, by the plain SPH sum \[1/s\]; empty when the scene's particles do not meet.
     ///
     /// # Errors
     /// As [`Self::density`].
@@ -327,8 +337,8 @@ impl Simulation {
             return Ok(Vec::new());
         }
         let hair = self.engine.sizes().hair_points as usize;
-        let vorticity = [&self.engine.state().vorticity];
-        let air = |[omega]: [&[[f32; 4]]; 1]| omega.iter().skip(hair).map(|omega| omega[3]).collect();
+        let (slots, vorticity) = (self.engine.slots()?, [&self.engine.state().vorticity]);
+        let air = |[omega]: [&[[f32; 4]]; 1]| slots.by_id(omega.iter().skip(hair).map(|omega| omega[3]));
         Ok(self.engine.view_vec4(vorticity, air)?)
     }
 

@@ -1,6 +1,7 @@
 //! Every buffer of the engine, in one table. Descriptions only; [`crate::gpu`] owns the memory.
 //!
-//! Hair points come first, root to tip and strand by strand, then air in the order of its stable ids. Positions are
+//! Hair points come first, root to tip and strand by strand, then air. Air lies in memory as it lies in the box: a step commits it
+//! in the order of its last sort into cells, and `air_id` says which particle is in which slot. Positions are
 //! local: world minus the scene's origin. Which passes write what lasts from step to step stands in
 //! `docs/decisions/engine.md`, under *Who writes what lasts*.
 
@@ -170,6 +171,8 @@ state! {
     position: Vec4, |s| s.particles;
     /// Velocity of a particle \[m/s\].
     velocity: Vec4, |s| s.particles;
+    /// Stable id of the particle in a slot of air.
+    air_id: u32, |s| s.air();
     /// Orientation of a segment: quaternion (x, y, z, w), material frame to world.
     orientation: Vec4, |s| s.segments;
     /// Angular velocity of a segment in the world \[rad/s\].
@@ -269,6 +272,8 @@ state! {
     factors: Factor, |s| s.factors;
     /// A body in this step: where it is after it, and how it got there.
     placed: Placed, |s| s.bodies;
+    /// Stable id of the particle that will be in a slot of air once the step is committed.
+    next_air_id: u32, |s| s.air();
 
     // Turbulence; empty without bands.
     /// Position of a particle in cell order \[m\]; w: 1 for air, 0 for hair. For the direct filter, whose sort is older.
@@ -306,7 +311,7 @@ state! {
     cell_start: u32, |s| s.cells.saturating_add(1);
     /// Particles by cell, in any order.
     scattered: u32, |s| s.particles;
-    /// Particles by cell, ordered by index.
+    /// Particles by cell, ordered by index: air first, then hair. Air as it is where nothing is sorted.
     sorted: u32, |s| s.particles;
     /// Position of a particle in cell order, wrapped into the box \[m\]; w: 1 for air, 0 for hair.
     sorted_position: Vec4, |s| s.particles;

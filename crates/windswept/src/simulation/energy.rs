@@ -16,7 +16,7 @@ struct Air {
 }
 
 impl Simulation {
-    /// Energy ½ |û|² of the first of `turbulence.bands` at each air particle now \[m²/s²\], about the wind as far as it
+    /// Energy ½ |û|² of the first of `turbulence.bands` at each air particle now, by stable id \[m²/s²\], about the wind as far as it
     /// has risen, in the accurate form whatever the law. Empty when no band is strengthened.
     ///
     /// # Errors
@@ -97,11 +97,11 @@ impl Simulation {
     fn air_now(&self) -> Result<Air, RunError> {
         let s = self.engine.state();
         let [positions, velocities] = self.engine.read_vec4([&s.position, &s.velocity])?;
-        let hair = self.engine.sizes().hair_points as usize;
+        let (hair, slots) = (self.engine.sizes().hair_points as usize, self.engine.slots()?);
         let wind = DVec3::from_array(self.last.wind.map(f64::from));
         let rows = |values: &[[f32; 4]], less: DVec3| -> Vec<[f64; 3]> {
             let row = |v: &[f32; 4]| (DVec3::new(v[0].into(), v[1].into(), v[2].into()) - less).to_array();
-            values[hair..].iter().map(row).collect()
+            slots.by_id(values[hair..].iter().map(row))
         };
         Ok(Air { positions: rows(&positions, DVec3::ZERO), velocities: rows(&velocities, wind) })
     }

@@ -17,8 +17,12 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.run(&guard::COMMIT_FRAMES, "commit orientations", n.segments);
         r.run(&guard::COMMIT_HAIR, "commit what hair remembers", n.hair_points).bind("final_velocity", &velocity);
     });
+    r.when(&plan.air, |r| {
+        r.run(&guard::COMMIT_ORDER, "who is where in the order of cells", n.air());
+        r.run(&guard::COMMIT_AIR, "commit air in the order of cells", n.air()).bind("final_velocity", &velocity);
+    });
     r.when(&plan.divergence, |r| {
         r.run(&guard::COMMIT_PRESSURE, "commit what pressure did", n.particles);
     });
-    r.run(&guard::COMMIT, "commit positions and velocities", n.particles).bind("final_velocity", &velocity);
+    r.run(&guard::COMMIT, "commit hair, and count the step", n.hair_points.max(1)).bind("final_velocity", &velocity);
 }

@@ -1,0 +1,21 @@
+// Commits positions and velocities of air, to the slots in which the step's last sort has the particles, and who is in each slot.
+import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cells::wrap, status::frozen};
+
+@group(0) @binding(2) var<storage, read>       sorted:         array<u32>;
+@group(0) @binding(3) var<storage, read>       next_air_id:    array<u32>;
+@group(0) @binding(4) var<storage, read>       predicted:      array<vec4f>;
+@group(0) @binding(5) var<storage, read>       final_velocity: array<vec4f>;
+@group(0) @binding(6) var<storage, read_write> position:       array<vec4f>;
+@group(0) @binding(7) var<storage, read_write> velocity:       array<vec4f>;
+@group(0) @binding(8) var<storage, read_write> air_id:         array<u32>;
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let slot = invocation(id, groups);
+    if slot >= params.particles - params.hair_points || frozen() { return; }
+    let i = sorted[slot];
+    let x = predicted[i];
+    position[params.hair_points + slot] = vec4f(wrap(x.xyz), x.w);
+    velocity[params.hair_points + slot] = final_velocity[i];
+    air_id[slot] = next_air_id[slot];
+}
