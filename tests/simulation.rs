@@ -203,10 +203,12 @@ fn non_finite_air_ends_the_run() {
     let mut velocity: Vec<[f32; 4]> = engine.read(&engine.state().velocity).unwrap();
     let hair = engine.sizes().hair_points as usize;
     velocity[hair + 11][0] = f32::INFINITY;
+    let id = engine.slots().unwrap().ids()[11];
+    assert_ne!(id, 11);
     engine.write(&engine.state().velocity, &velocity).unwrap();
     let error = simulation.step(5).unwrap_err().to_string();
     println!("{error}");
-    assert!(error.contains("air particle") && error.contains("step 7"), "{error}");
+    assert!(error.contains(&format!("air particle {id} ")) && error.contains("step 7"), "{error}");
     assert_eq!(simulation.steps(), 7);
 }
 
@@ -308,6 +310,8 @@ fn steps_behind_a_frozen_one_do_nothing() {
         queue.submit([encoder.finish()]);
         simulation.settle().unwrap();
         assert_eq!(simulation.steps(), 0, "a frozen step was committed");
+        let ids = simulation.engine().slots().unwrap();
+        assert!(ids.ids().iter().copied().eq(0..simulation.engine().sizes().air()), "air has changed its slots");
         simulation.engine().sizes().neighbours
     };
     assert_eq!(grown(5), grown(1));

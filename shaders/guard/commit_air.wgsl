@@ -1,4 +1,4 @@
-// Commits positions and velocities of air, to the slots in which the step's last sort has the particles, and who is in each slot.
+// Commits positions and velocities of air in the order of cells, and who is in each slot (`guard/commit_order`).
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cells::wrap, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       sorted:         array<u32>;

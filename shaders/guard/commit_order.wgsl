@@ -1,5 +1,5 @@
-// Says who will be in each slot of air when the step is committed: the particle that its entry in the last sort names. So air lies in
-// memory as it lies in the box.
+// Says who will be in each slot of air when the step is committed: the particle of the entry of the same number in the order of
+// cells. So air lies in memory as it lies in the box.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       sorted:      array<u32>;

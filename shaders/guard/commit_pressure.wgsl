@@ -1,5 +1,5 @@
-// What pressure did in this step is what the next one starts from; hair that was put somewhere starts anew. What it did to air goes
-// to the slot in which the step's last sort has the particle.
+// What pressure did in this step is what the next one starts from; hair that was put somewhere starts anew. Air is
+// committed in the order of cells.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, status::frozen, pressure::{Pressed, flows},
     integration::PUT, rod::RodPoint,

@@ -37,7 +37,7 @@ impl Walk<'_> {
             let got = stage.engine.read(&state.flow_position).unwrap();
             self.same("turbulence/locate", differing(&got, &wanted), 0.0)?;
             assert!(passes.through("turbulence/weigh"));
-            self.weighed(s, w)?;
+            self.weighed(&sorted, s, w)?;
         }
         if plan.published_law {
             w.vorticity = turbulence::vorticity(&p, &w.predicted, &w.new_velocity, &s.volume, &w.near);
@@ -105,7 +105,7 @@ impl Walk<'_> {
             let deposited = turbulence::deposit(&p, scale, w.blowing, &w.predicted, &w.new_velocity, &s.volume);
             if plan.deposit.runs {
                 assert!(passes.through("turbulence/weigh"));
-                self.weighed(s, w)?;
+                self.weighed(&stage.engine.read(&state.flow_sorted).unwrap(), s, w)?;
                 assert!(passes.through("turbulence/deposit"));
                 self.nodes("turbulence/deposit", &state.deposited, &deposited)?;
             }
@@ -132,12 +132,11 @@ impl Walk<'_> {
 
     /// Compares what the filter sums of each particle, in the order of the cells: the velocity about the wind and the volume, or as
     /// printed the velocity.
-    fn weighed(&mut self, s: &Twin, w: &Scratch) -> Same {
+    fn weighed(&mut self, sorted: &[u32], s: &Twin, w: &Scratch) -> Same {
         let (stage, p) = (self.stage, self.p());
         let published = stage.plan.published_law;
-        let sorted = stage.engine.read(&stage.engine.state().sorted).unwrap();
         let flow = stage.engine.read(&stage.engine.state().flow).unwrap();
-        let gaps = flow.iter().zip(&sorted).map(|([x, y, z, weight], i)| {
+        let gaps = flow.iter().zip(sorted).map(|([x, y, z, weight], i)| {
             let i = *i as usize;
             let (got, weight) = (DVec3::new((*x).into(), (*y).into(), (*z).into()), f64::from(*weight));
             match (published, p.is_air(i)) {

@@ -1,7 +1,7 @@
 //! Every buffer of the engine, in one table. Descriptions only; [`crate::gpu`] owns the memory.
 //!
 //! Hair points come first, root to tip and strand by strand, then air. Air lies in memory as it lies in the box: a step commits it
-//! in the order of its last sort into cells, and `air_id` says which particle is in which slot. Positions are
+//! in the order of the cells that heading 2 sorted it into, and `air_id` says which particle is in which slot. Positions are
 //! local: world minus the scene's origin. Which passes write what lasts from step to step stands in
 //! `docs/decisions/engine.md`, under *Who writes what lasts*.
 
@@ -281,6 +281,8 @@ state! {
     /// What air brings to a grid, in cell order. The band filter's: V (v − U) \[m⁴/s\], w: V \[m³\], as printed v \[m/s\]; the
     /// coarse grid's: x: divergence \[1/s\].
     flow: Vec4, |s| s.on_grids();
+    /// Air by the cells of the filter's grid, ordered by index.
+    flow_sorted: u32, |s| if s.grids > 0 { s.air() } else { 0 };
     /// Taps of the smoothing Gaussian and of its second derivative \[1/m²\], band by band and axis by axis.
     taps: [f32; 2], |s| s.taps;
     /// What the air brought to a node of the filter's grid \[m⁴/s\]; w: volume \[m³\].
@@ -304,7 +306,7 @@ state! {
     /// Mean of the confinement over the air, to be taken out \[m/s\], and the impulse that this leaves the air with \[kg m/s\].
     mean_confinement: Vec4, |_| 2;
 
-    // Cells and neighbours. The band filter sorts again, into the cells of its own grid.
+    // Cells and neighbours. The band filter sorts again, into the cells of its own grid and an order of its own.
     /// Particles in a cell.
     cell_count: u32, |s| s.cells;
     /// First entry of a cell, and the end of the last.

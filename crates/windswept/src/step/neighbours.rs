@@ -3,7 +3,7 @@
 use windswept_shaders::{common::params::Params, grid};
 
 use crate::{
-    array::Index,
+    array::{AnyArray, Index},
     plan::{Plan, Sort},
     recorder::Recorder,
     step::ONE_WORKGROUP,
@@ -13,13 +13,14 @@ use crate::{
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("2. neighbours");
     r.when(&plan.neighbours, |r| {
-        sort(r, Index::new(0), &plan.sort);
+        let sorted = r.state().sorted;
+        sort(r, Index::new(0), &plan.sort, &sorted);
         r.run(&grid::NEIGHBOURS, "who is near whom", plan.sizes.in_clusters());
     });
 }
 
-/// Particles by the cells of an element of `params`, ordered by index within each: a counting sort, row by row.
-pub(crate) fn sort(r: &mut Recorder<'_>, cells: Index<Params>, sort: &Sort) {
+/// Particles by the cells of an element of `params`, ordered by index within each, into `sorted`: a counting sort, row by row.
+pub(crate) fn sort(r: &mut Recorder<'_>, cells: Index<Params>, sort: &Sort, sorted: &AnyArray) {
     let params = &r.state().params.at(cells);
     r.run(&grid::CLEAR, "empty the cells", sort.buckets.max(sort.clusters)).bind("params", params);
     r.run(&grid::COUNT, "count particles per cell", sort.particles).bind("params", params);
@@ -27,5 +28,5 @@ pub(crate) fn sort(r: &mut Recorder<'_>, cells: Index<Params>, sort: &Sort) {
     r.run(&grid::SCAN, "first entry of each row", ONE_WORKGROUP).bind("params", params);
     r.run(&grid::START, "first entry of each cell", sort.rows).bind("params", params);
     r.run(&grid::SCATTER, "particles into cells", sort.particles).bind("params", params);
-    r.run(&grid::ORDER, "order within cells", sort.particles).bind("params", params);
+    r.run(&grid::ORDER, "order within cells", sort.particles).bind("params", params).bind("sorted", sorted);
 }

@@ -79,8 +79,10 @@ fn grid(r: &mut Recorder<'_>, plan: &Plan, band: &BandPlan) {
     let (axis, _) = band.axes[0];
     let (params, mesh) = (s.params.at(band.cells), s.mesh.at(axis));
     r.when(&band.deposit, |r| {
-        neighbours::sort(r, band.cells, &band.sort);
-        r.run(&turbulence::WEIGH, "what the filter sums", plan.sizes.air()).bind("params", &params);
+        neighbours::sort(r, band.cells, &band.sort, &s.flow_sorted);
+        r.run(&turbulence::WEIGH, "what the filter sums", plan.sizes.air())
+            .bind("params", &params)
+            .bind("sorted", &s.flow_sorted);
         r.run(&turbulence::DEPOSIT, "air onto the filter's grid", band.blocks)
             .bind("params", &params)
             .bind("mesh", &mesh);
@@ -90,7 +92,8 @@ fn grid(r: &mut Recorder<'_>, plan: &Plan, band: &BandPlan) {
     smooth(r, "smooth along z", band.axes[2], [&s.smoother, &s.smoother_curvature], [&s.smoothed, &s.curvature]);
     r.run(&turbulence::GATHER, "band velocity from the grid", plan.sizes.air())
         .bind("params", &params)
-        .bind("mesh", &mesh);
+        .bind("mesh", &mesh)
+        .bind("sorted", &s.flow_sorted);
 }
 
 fn smooth(
