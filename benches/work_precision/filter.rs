@@ -25,7 +25,7 @@ const GRIDS: [(Order, [f64; 5]); 3] = [
 ];
 /// Distance along an axis beyond which images add less than 1e-12 of the hat's middle \[s\].
 const REACH: f64 = 8.0;
-/// Passes that the filters' time is of: all up to û. The grid sorts once more than the direct sum.
+/// Passes that the filters' time is of, or how their names start: all up to û. The grid sorts once more than the direct sum.
 const PASSES: [&str; 5] =
     ["turbulence/weigh", "turbulence/band", "turbulence/deposit", "turbulence/smooth", "turbulence/gather"];
 

@@ -33,7 +33,7 @@ const SPEED: f64 = 0.3;
 /// Steps of the moving air, in which the lattice melts.
 const STEPS: u64 = 40;
 /// Passes that the time is of, or how their names start.
-const PASSES: [&str; 12] = [
+const PASSES: [&str; 11] = [
     "fluid/density",
     "fluid/correct",
     "fluid/move",
@@ -44,7 +44,6 @@ const PASSES: [&str; 12] = [
     "fluid/push",
     "fluid/divergence",
     "coarse/",
-    "turbulence/deposit",
     "turbulence/sum",
 ];
 /// Numbers of substeps to try, and that of the fine run.

@@ -4,37 +4,31 @@
 //
 // Air that passes several spacings in a step is not where the pressure was found.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::{status, frozen}, mesh::{Mesh, b_spline, node_in_box, node_index},
+    params::params, dispatch::{invocation, WORKGROUP}, status::{status, frozen}, mesh::{Mesh, node_index},
+    coarse::{quadratic, slope},
 };
 
 @group(0) @binding(2) var<uniform>             mesh:            Mesh;
 @group(0) @binding(3) var<storage, read>       sorted:          array<u32>;
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
-@group(0) @binding(5) var<storage, read>       nodes:           array<vec4f>;   // x: c [m^2/s]
+@group(0) @binding(5) var<storage, read>       nodes:           array<f32>;     // c [m^2/s]
 @group(0) @binding(6) var<storage, read_write> coarse_change:   array<vec4f>;   // m/s
-
-// Slope of the quadratic B-spline: the difference of two of the order below.
-fn slope(t: vec4f) -> vec4f {
-    return b_spline(1u, t + 0.5) - b_spline(1u, t - 0.5);
-}
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let e = invocation(id, groups);
-    if e >= params.particles || frozen() { return; }
-    let own = sorted_position[e];
-    if own.w == 0.0 { return; }
-    let at = own.xyz / mesh.spacing;
+    if e >= params.particles - params.hair_points || frozen() { return; }
+    let at = sorted_position[e].xyz / mesh.spacing;
     let first = vec3i(floor(at - 0.5));   // of the three nodes that reach the particle, per axis
     let t = at - vec3f(first);
     let steps = vec4f(0.0, 1.0, 2.0, 3.0);
-    let x = b_spline(2u, t.x - steps);
-    let y = b_spline(2u, t.y - steps);
-    let z = b_spline(2u, t.z - steps);
+    let x = quadratic(t.x - steps);
+    let y = quadratic(t.y - steps);
+    let z = quadratic(t.z - steps);
     let along_x = slope(t.x - steps);
     let along_y = slope(t.y - steps);
     let along_z = slope(t.z - steps);
-    let home = node_in_box(first, mesh.nodes);
+    let home = select(first, first + mesh.nodes, first < vec3i(0));
     let columns = vec3i(home.x, home.x + 1, home.x + 2);
     let column = vec3u(select(columns, columns - mesh.nodes.x, columns >= vec3i(mesh.nodes.x)));
     var sum = vec3f(0.0);
@@ -42,7 +36,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     for (var c = 0; c < 3; c++) {
         for (var b = 0; b < 3; b++) {
             let row = node_index(vec3i(0, node.y, node.z), mesh.nodes);
-            let values = vec3f(nodes[row + column.x].x, nodes[row + column.y].x, nodes[row + column.z].x);
+            let values = vec3f(nodes[row + column.x], nodes[row + column.y], nodes[row + column.z]);
             let along = dot(x.xyz, values);
             sum += vec3f(dot(along_x.xyz, values) * y[b] * z[c], along * along_y[b] * z[c], along * y[b] * along_z[c]);
             node.y = select(node.y + 1, 0, node.y + 1 == mesh.nodes.y);

@@ -10,7 +10,7 @@ import package::common::{
 };
 
 @group(0) @binding(2) var<uniform>             mesh:  Mesh;
-@group(0) @binding(3) var<storage, read_write> waves: array<vec4f>;
+@group(0) @binding(3) var<storage, read_write> waves: array<f32>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {

@@ -7,8 +7,8 @@ import package::common::{
 };
 
 @group(0) @binding(2) var<uniform>             mesh:  Mesh;
-@group(0) @binding(3) var<storage, read>       nodes: array<vec4f>;
-@group(0) @binding(4) var<storage, read_write> waves: array<vec4f>;
+@group(0) @binding(3) var<storage, read>       nodes: array<f32>;
+@group(0) @binding(4) var<storage, read_write> waves: array<f32>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -24,9 +24,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var turn = 0;   // k m, less whole turns
     for (var m = 0; m < all; m++) {
         let t = 2.0 * PI * f32(turn) / f32(all);
-        sum += nodes[line + m * stride].x * (cos(t) + sin(t));
+        sum += nodes[line + m * stride] * (cos(t) + sin(t));
         turn += k;
         if turn >= all { turn -= all; }
     }
-    waves[index] = vec4f(sum, 0.0, 0.0, 0.0);
+    waves[index] = sum;
 }

@@ -3,7 +3,7 @@
 //   u_i = -(e/2) s^2 sum_n B(x_i/h_g - n) C_n/h_g^3;  normalised: over sum_n B S_n/h_g^3, the smoothed volume fraction
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen,
-    mesh::{Mesh, half_width, b_spline, node_in_box, node_index},
+    mesh::{Mesh, spline_of, b_spline},
 };
 
 @group(0) @binding(2) var<uniform>             mesh:          Mesh;
@@ -12,36 +12,38 @@ import package::common::{
 @group(0) @binding(5) var<storage, read>       curvature:     array<vec4f>;   // C: xyz [m^2/s]; w: smoothed volume S [m^3]
 @group(0) @binding(6) var<storage, read_write> band_velocity: array<vec4f>;   // velocity of the band [m/s]
 
+// Four nodes in a row along an axis of so many, which repeats.
+fn four_from(first: i32, nodes: i32) -> vec4i {
+    let row = first + vec4i(0, 1, 2, 3);
+    return select(row, row - nodes, row >= vec4i(nodes));
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let e = invocation(id, groups);
     if e >= params.particles - params.first_sorted || frozen() { return; }
-    let own = sorted_position[e];
-    if own.w == 0.0 { return; }
-    let at = own.xyz / mesh.spacing;
-    let first = vec3i(ceil(at - half_width(mesh.order)));
+    let at = sorted_position[e].xyz / mesh.spacing;
+    let spline = spline_of(mesh.order);
+    let first = vec3i(ceil(at - spline.half));
     let t = at - vec3f(first);
     let steps = vec4f(0.0, 1.0, 2.0, 3.0);
-    let x = b_spline(mesh.order, t.x - steps);
+    let x = b_spline(spline, t.x - steps);
+    let y = b_spline(spline, t.y - steps);
+    let z = b_spline(spline, t.z - steps);
 
     // Four nodes are read along x whatever the order: the weights of those beyond the order's support are 0.
-    let home = node_in_box(first, mesh.nodes);
-    let columns = vec4i(home.x, home.x + 1, home.x + 2, home.x + 3);
-    let column = vec4u(select(columns, columns - mesh.nodes.x, columns >= vec4i(mesh.nodes.x)));
+    let nodes = mesh.nodes;
+    let home = select(first, first + nodes, first < vec3i(0));
+    let columns = four_from(home.x, nodes.x);
+    let rows = nodes.x * four_from(home.y, nodes.y);
+    let layers = nodes.x * nodes.y * four_from(home.z, nodes.z);
     var sum = vec4f(0.0);
-    var node = home;
-    for (var c = 0u; c <= mesh.order; c++) {
-        let z = b_spline(mesh.order, vec4f(t.z - f32(c))).x;
-        for (var b = 0u; b <= mesh.order; b++) {
-            let y = b_spline(mesh.order, vec4f(t.y - f32(b))).x;
-            let row = node_index(vec3i(0, node.y, node.z), mesh.nodes);
-            let along = x.x * curvature[row + column.x] + x.y * curvature[row + column.y]
-                + x.z * curvature[row + column.z] + x.w * curvature[row + column.w];
-            sum += y * z * along;
-            node.y = select(node.y + 1, 0, node.y + 1 == mesh.nodes.y);
+    for (var c = 0u; c < 4u; c++) {
+        for (var b = 0u; b < 4u; b++) {
+            let n = columns + rows[b] + layers[c];
+            let along = x.x * curvature[n.x] + x.y * curvature[n.y] + x.z * curvature[n.z] + x.w * curvature[n.w];
+            sum += y[b] * z[c] * along;
         }
-        node.y = home.y;
-        node.z = select(node.z + 1, 0, node.z + 1 == mesh.nodes.z);
     }
     var gain = mesh.gain;
     if mesh.normalise != 0u { gain *= mesh.cell / sum.w; }

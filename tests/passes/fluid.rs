@@ -1,7 +1,7 @@
 //! Heading 3: the passes of the density constraint.
 
 use glam::DVec3;
-use windswept::internals::{Array, step};
+use windswept::internals::step;
 use windswept_reference::{State as Twin, fluid, step::Scratch, turbulence};
 use windswept_scene::{FluidSolver, Model};
 use windswept_shaders as shaders;
@@ -218,18 +218,23 @@ impl Walk<'_> {
         self.diverging(&rate, w)?;
         assert!(passes.through("coarse/source"));
         let sorted = stage.engine.read(&state.sorted).unwrap();
-        let source = |i: usize| if p.is_air(i) { fluid::source(rate[i], &w.moments[i]) } else { 0.0 };
         let got = stage.engine.read(&state.flow).unwrap();
-        let gaps = sorted.iter().zip(&got).map(|(i, got)| (f64::from(got[0]) - source(*i as usize)).abs());
+        // Air stands first.
+        let brought = || sorted.iter().map(|i| *i as usize).zip(&got).take(before.len() - hair);
+        let gaps = brought().map(|(i, got)| (f64::from(got[3]) - fluid::source(rate[i], &w.moments[i])).abs());
         let most = largest(rate.iter().map(|rate| rate.abs())).max(8.0);
         self.same("coarse/source", largest(gaps) / most, bounds.multiplier)?;
+        let spacing = p.box_size / DVec3::from_array(p.coarse_nodes.map(|n| n as f64));
+        let wrapped = |x: DVec3| (x - p.box_size * (x / p.box_size).floor()) / spacing;
+        let gaps = brought().map(|(i, got)| (xyz(&got[..3]) - wrapped(before[i])).length());
+        self.same("coarse/source", largest(gaps), bounds.nodes)?;
 
-        let nodes = |array: &Array<[f32; 4]>| stage.vectors(array).iter().map(|node| node.x).collect::<Vec<_>>();
+        let nodes = |array| -> Vec<f64> { stage.engine.read(array).unwrap().into_iter().map(f64::from).collect() };
         let deposited = fluid::coarse_deposit(&p, before, &rate, &w.moments);
-        passes.through("turbulence/deposit");
+        passes.through("coarse/deposit");
         let most = largest(deposited.iter().map(|sum| sum.abs())).max(1e-3);
         let gap = numbers_apart(&nodes(&state.coarse), &deposited) / most;
-        self.same("turbulence/deposit", gap, bounds.nodes)?;
+        self.same("coarse/deposit", gap, bounds.nodes)?;
 
         let pressure = fluid::coarse_solve(&p, &deposited);
         let most = largest(pressure.iter().map(|c| c.abs())).max(1e-9);
@@ -287,6 +292,8 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::DIVERGENCE, "iteration.relaxation * sum", "0.9 * iteration.relaxation * sum", DIVERGENCE),
     (&shaders::fluid::IMPULSE, "LASTING: f32 = 1.5", "LASTING: f32 = 1.4", PRESSED_HAIR),
     (&shaders::coarse::SOURCE, "max(1.0, density[i])", "max(1.1, density[i])", DIVERGENCE),
+    (&shaders::coarse::SOURCE, "sorted_position[e].xyz /", "0.9 * sorted_position[e].xyz /", DIVERGENCE),
+    (&shaders::coarse::DEPOSIT, "across.y * across.z", "across.x * across.z", DIVERGENCE),
     (&shaders::coarse::WAVE, "cos(t) + sin(t)", "cos(t)", DIVERGENCE),
     (&shaders::coarse::SOLVE, "52.0 * cos(t)", "50.0 * cos(t)", DIVERGENCE),
     (&shaders::coarse::GATHER, "-sigma * sum", "-0.9 * sigma * sum", DIVERGENCE),

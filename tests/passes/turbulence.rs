@@ -109,9 +109,20 @@ impl Walk<'_> {
                 assert!(passes.through("turbulence/deposit"));
                 self.nodes("turbulence/deposit", &state.deposited, &deposited)?;
             }
+            let partly = [
+                ("turbulence/smooth_x", [&state.smoothed, &state.curvature]),
+                ("turbulence/smooth_y", [&state.smoother, &state.smoother_curvature]),
+            ];
+            for (axes, (pass, arrays)) in (1..).zip(partly) {
+                assert!(passes.through(pass));
+                let [smoothed, mut curved] = turbulence::smooth_along(&p, band.scale, &deposited, axes);
+                self.nodes(pass, arrays[0], &smoothed)?;
+                curved.values.iter_mut().for_each(|node| node.w = 0.0);
+                self.nodes(pass, arrays[1], &curved)?;
+            }
             let curved = turbulence::smooth(&p, band.scale, &deposited);
-            assert!(passes.through("turbulence/smooth"));
-            self.nodes("turbulence/smooth", &state.curvature, &curved)?;
+            assert!(passes.through("turbulence/smooth_z"));
+            self.nodes("turbulence/smooth_z", &state.curvature, &curved)?;
             w.band_velocity = turbulence::gather(&p, band, &curved, &w.predicted);
             "turbulence/gather"
         } else {
@@ -171,7 +182,9 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::turbulence::WEIGH, "params.air_volume *", "0.99 * params.air_volume *", PARTICLES),
     (&shaders::turbulence::BAND, "3.0 - q", "2.9 - q", PUBLISHED),
     (&shaders::turbulence::DEPOSIT, "sum_10)", "sum_00)", PARTICLES),
-    (&shaders::turbulence::SMOOTH, "vec4f(0.0)", "vec4f(0.001)", PARTICLES),
+    (&shaders::turbulence::SMOOTH_X, "sum[1]", "sum[0]", PARTICLES),
+    (&shaders::turbulence::SMOOTH_Y, "value.xyz, curve", "value.xyz, 1.01 * curve", PARTICLES),
+    (&shaders::turbulence::SMOOTH_Z, "value.w * gauss", "0.99 * value.w * gauss", PARTICLES),
     (&shaders::turbulence::GATHER, "mesh.gain", "0.9 * mesh.gain", PARTICLES),
     (&shaders::turbulence::VORTICITY, "omega -= cross", "omega -= 0.9 * cross", PARTICLES),
     (&shaders::turbulence::CONFINE, "before + change(i,", "before + 0.9 * change(i,", PARTICLES),

@@ -4,12 +4,12 @@ use std::f64::consts::{E, PI, TAU};
 
 use windswept_scene::{Filter, InitialState, Scene, limits::MOST_SORTED_NODES};
 use windswept_shaders::{
-    common::mesh::Mesh,
-    turbulence::{deposit::BLOCK, smooth::ROW},
+    common::{mesh::Mesh, smoothing::ROW},
+    turbulence::deposit::BLOCK,
 };
 
-/// A tap of the Gaussian, and one of its second derivative \[1/m²\].
-pub(crate) type Tap = [f32; 2];
+/// Two taps in a row: of the Gaussian, and of its second derivative \[1/m²\].
+pub(crate) type Taps = [f32; 4];
 
 /// Smallest tap that is kept, as a part of the middle one: û is then 3e-6 off; with 1e-4 it would be 3e-5 off.
 const SMALLEST_TAP: f64 = 1e-5;
@@ -29,7 +29,7 @@ pub(crate) struct OnMesh {
     pub(crate) deposit: Option<u32>,
     /// Index of the first of the band's three elements, one per axis.
     pub(crate) first: usize,
-    /// Invocations of `turbulence/smooth` along each axis.
+    /// Invocations that smooth along each axis.
     pub(crate) smooth: [u32; 3],
 }
 
@@ -37,7 +37,7 @@ pub(crate) struct OnMesh {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Meshes {
     pub(crate) uniforms: Vec<Mesh>,
-    pub(crate) taps: Vec<Tap>,
+    pub(crate) taps: Vec<Taps>,
     /// Nodes and spacing of each grid.
     pub(crate) grids: Vec<([f64; 3], [f64; 3])>,
     /// Bands in the order of the step, in which bands that share a grid follow one another.
@@ -93,7 +93,6 @@ impl Meshes {
                 gain: (-0.5 * E * scale * scale / cell) as f32,
                 cell: cell as f32,
                 normalise: u32::from(scene.turbulence.normalise),
-                axis: axis as u32,
                 nearest,
                 first_tap,
                 end_tap: self.taps.len() as u32,
@@ -120,9 +119,9 @@ impl Meshes {
 /// Taps of the Gaussian of width s and of its second derivative along a periodic axis of `nodes` nodes. The blur of
 /// deposit and gather, a B-spline of `order` each, is taken out: ĝ = e^(−k²s²/2) / sinc(kh/2)^(2(p+1)), ĝ'' = −k² ĝ.
 ///
-/// Returns the offset of the first tap with them. The zeros at the end are for the row of nodes that
-/// `turbulence/smooth` makes at once.
-fn taps(nodes: usize, spacing: f64, scale: f64, order: u32) -> (i32, Vec<Tap>) {
+/// Returns the offset of the first tap with them. The zeros at the end are for the row of nodes that a pass
+/// makes at once.
+fn taps(nodes: usize, spacing: f64, scale: f64, order: u32) -> (i32, Vec<Taps>) {
     let side = nodes as f64 * spacing;
     let waves = ((SHORTEST_WAVE / scale * side / TAU) as usize + 1).min(nodes / 2);
     let spectrum: Vec<[f64; 2]> = (0..=waves)
@@ -153,9 +152,9 @@ fn taps(nodes: usize, spacing: f64, scale: f64, order: u32) -> (i32, Vec<Tap>) {
     let [gauss, curve] = all.fold([0.0; 2], |[gauss, curve], tap| [gauss + tap[0], curve + tap[1]]);
     half[0][0] += 1.0 - gauss;
     half[0][1] -= curve;
-    let read = -low..high + ROW;
     let tap = |n: i32| if n <= high { half[n.unsigned_abs() as usize].map(|x| x as f32) } else { [0.0; 2] };
-    (-low, read.map(tap).collect())
+    let two = |n: i32| [tap(n), tap(n + 1)].as_flattened().try_into().unwrap_or_default();
+    (-low, (-low..high + ROW).step_by(2).map(two).collect())
 }
 
 #[cfg(test)]
@@ -167,9 +166,10 @@ mod tests {
     fn taps_are_those_of_a_periodic_gaussian() {
         let spacing = 0.0033;
         for (nodes, scale, order) in [(4, 0.02, 3), (5, 0.02, 2), (24, 0.006, 3), (25, 0.018, 1), (200, 0.006, 3)] {
-            let (nearest, taps) = taps(nodes, spacing, scale, order);
-            let own = &taps[..taps.len() - 3];
-            assert!(taps[own.len()..].iter().all(|tap| *tap == [0.0; 2]));
+            let (nearest, pairs) = taps(nodes, spacing, scale, order);
+            let all: Vec<[f32; 2]> = pairs.iter().flat_map(|&[a, b, c, d]| [[a, b], [c, d]]).collect();
+            let own = &all[..all.iter().rposition(|tap| *tap != [0.0; 2]).unwrap() + 1];
+            assert!(all.len() >= own.len() + 3, "no zeros for the other nodes of a row");
             assert!(own.len() <= nodes && nearest <= 0 && -nearest < nodes as i32, "{nodes}: {} taps", own.len());
             let gain = |m: f64, i: usize| -> f64 {
                 let wave = |n: usize| (TAU * m * (nearest as f64 + n as f64) / nodes as f64).cos();

@@ -248,10 +248,10 @@ state! {
     gradients: Gradients, |s| s.pressed;
     /// What a particle pushes its neighbours by \[1/(m s)\], and its divergence \[1/s\].
     stress: Stress, |s| s.pressed;
-    /// What is on a node of the coarse grid: x: the divergence that air brought to it \[1/s\], at last the pressure \[m²/s\].
-    coarse: Vec4, |s| s.coarse_nodes;
+    /// What is on a node of the coarse grid: the divergence that air brought to it \[1/s\], at last the pressure \[m²/s\].
+    coarse: f32, |s| s.coarse_nodes;
     /// The coarse grid between two transforms.
-    coarse_waves: Vec4, |s| s.coarse_nodes;
+    coarse_waves: f32, |s| s.coarse_nodes;
     /// What the coarse pressure changes the velocity of a particle by \[m/s\].
     coarse_change: Vec4, |s| if s.coarse_nodes > 0 { s.particles } else { 0 };
     /// Mean of that over the air \[m/s\].
@@ -279,15 +279,15 @@ state! {
     /// Position of a particle in cell order \[m\]; w: 1 for air, 0 for hair. For the direct filter, whose sort is older.
     flow_position: Vec4, |s| s.direct_filter;
     /// What air brings to a grid, in cell order. The band filter's: V (v − U) \[m⁴/s\], w: V \[m³\], as printed v \[m/s\]; the
-    /// coarse grid's: x: divergence \[1/s\].
+    /// coarse grid's: place \[node spacings\], w: divergence \[1/s\].
     flow: Vec4, |s| s.on_grids();
     /// Air by the cells of the filter's grid, ordered by index.
     flow_sorted: u32, |s| if s.grids > 0 { s.air() } else { 0 };
-    /// Taps of the smoothing Gaussian and of its second derivative \[1/m²\], band by band and axis by axis.
-    taps: [f32; 2], |s| s.taps;
+    /// Taps of the smoothing Gaussian and of its second derivative \[1/m²\], two of each, band by band and axis by axis.
+    taps: Vec4, |s| s.taps;
     /// What the air brought to a node of the filter's grid \[m⁴/s\]; w: volume \[m³\].
     deposited: Vec4, |s| s.nodes;
-    /// A node's deposit after smoothing along x, and again along z.
+    /// A node's deposit after smoothing along x.
     smoothed: Vec4, |s| s.nodes;
     /// A node's curvature after smoothing along x, and again along z \[m²/s\]; w: volume \[m³\].
     curvature: Vec4, |s| s.nodes;

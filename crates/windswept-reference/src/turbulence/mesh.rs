@@ -82,20 +82,29 @@ pub fn deposit(p: &Parameters, scale: f64, wind: DVec3, x: &[DVec3], v: &[DVec3]
 }
 
 /// Laplacian of what was deposited, smoothed by a Gaussian of width `scale` \[m\]; w is the smoothed volume itself.
+#[must_use]
+pub fn smooth(p: &Parameters, scale: f64, mesh: &Mesh) -> Mesh {
+    let [smoothed, curved] = smooth_along(p, scale, mesh, 3);
+    let values = smoothed.values.iter().zip(&curved.values);
+    Mesh { nodes: mesh.nodes, values: values.map(|(smoothed, curved)| curved.truncate().extend(smoothed.w)).collect() }
+}
+
+/// What was deposited after smoothing along the first `axes` axes, and its second derivatives along them, summed.
 ///
 /// The factor of a wave is e^(−k²s²/2) over what deposit and gather blur it by, sinc(k_a h_a/2)^(p+1) along each axis, twice.
 #[must_use]
-pub fn smooth(p: &Parameters, scale: f64, mesh: &Mesh) -> Mesh {
+pub fn smooth_along(p: &Parameters, scale: f64, mesh: &Mesh, axes: usize) -> [Mesh; 2] {
     let spacing = mesh.spacing(p);
     let blur = 2 * (p.turbulence.order.degree() as i32 + 1);
     let mut waves: Vec<[DVec4; 2]> = mesh.values.iter().map(|value| [*value, DVec4::ZERO]).collect();
-    for axis in 0..3 {
+    for axis in 0..axes {
         waves = transformed(mesh.nodes, &waves, axis, -1.0);
     }
-    for (wave, place) in waves.iter_mut().zip(places(mesh.nodes)) {
+    let mut curved = waves.clone();
+    for ((wave, curved), place) in waves.iter_mut().zip(&mut curved).zip(places(mesh.nodes)) {
         let mut gain = 1.0;
         let mut squared = 0.0;
-        for axis in 0..3 {
+        for axis in 0..axes {
             let (m, n) = (place[axis] as f64, mesh.nodes[axis] as f64);
             let k = TAU * if 2.0 * m > n { m - n } else { m } / p.box_size[axis];
             let half = 0.5 * k * spacing[axis];
@@ -103,14 +112,17 @@ pub fn smooth(p: &Parameters, scale: f64, mesh: &Mesh) -> Mesh {
             gain *= (-0.5 * (k * scale).powi(2)).exp() / sinc.powi(blur);
             squared += k * k;
         }
-        let gains = gain * DVec3::splat(-squared).extend(1.0);
-        *wave = wave.map(|part| part * gains);
+        *wave = wave.map(|part| part * gain);
+        *curved = wave.map(|part| part * -squared);
     }
-    for axis in 0..3 {
-        waves = transformed(mesh.nodes, &waves, axis, 1.0);
-    }
-    let count = mesh.values.len() as f64;
-    Mesh { nodes: mesh.nodes, values: waves.into_iter().map(|[real, _]| real / count).collect() }
+    [waves, curved].map(|mut waves| {
+        let mut count = 1.0;
+        for axis in 0..axes {
+            waves = transformed(mesh.nodes, &waves, axis, 1.0);
+            count *= mesh.nodes[axis] as f64;
+        }
+        Mesh { nodes: mesh.nodes, values: waves.into_iter().map(|[real, _]| real / count).collect() }
+    })
 }
 
 /// Place of each node along the axes, in the order of the values.

@@ -78,10 +78,8 @@ fn on_coarse_grid(r: &mut Recorder<'_>, plan: &Plan) {
     let mesh = s.mesh.at(plan.coarse_axes[0]);
     let pairs: [[&AnyArray; 2]; 2] = [[&s.coarse, &s.coarse_waves], [&s.coarse_waves, &s.coarse]];
     divergence(r, plan, Index::new(0));
-    r.run(&coarse::SOURCE, "divergence that air brings", n.particles);
-    r.run(&turbulence::DEPOSIT, "divergence onto the coarse grid", plan.coarse_blocks)
-        .bind("mesh", &mesh)
-        .bind("deposited", &s.coarse);
+    r.run(&coarse::SOURCE, "divergence that air brings", n.air()).bind("mesh", &mesh);
+    r.run(&coarse::DEPOSIT, "divergence onto the coarse grid", plan.coarse_blocks).bind("mesh", &mesh);
     for (axis, pair) in plan.coarse_axes.into_iter().zip(pairs.iter().cycle()) {
         wave(r, plan, "waves along an axis", axis, *pair);
     }
@@ -89,9 +87,7 @@ fn on_coarse_grid(r: &mut Recorder<'_>, plan: &Plan) {
     for (axis, pair) in plan.coarse_axes.into_iter().zip(pairs.iter().rev().cycle()) {
         wave(r, plan, "back along an axis", axis, *pair);
     }
-    r.run(&coarse::GATHER, "what the coarse pressure changes", n.particles)
-        .bind("mesh", &mesh)
-        .bind("nodes", &s.coarse);
+    r.run(&coarse::GATHER, "what the coarse pressure changes", n.air()).bind("mesh", &mesh).bind("nodes", &s.coarse);
     r.run(&turbulence::SUM, "sum of what it changes", n.air().div_ceil(TERMS)).bind("confinement", &s.coarse_change);
     r.run(&coarse::MEAN, "mean of what it changes", ONE_WORKGROUP);
     r.run(&coarse::PUSH, "the coarse pressure pushes", n.air());

@@ -1,12 +1,9 @@
 //! 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
 
-use windswept_shaders::{
-    common::mesh::Mesh,
-    turbulence::{self, sum::TERMS},
-};
+use windswept_shaders::turbulence::{self, sum::TERMS};
 
 use crate::{
-    array::{AnyArray, Index},
+    array::AnyArray,
     plan::{BandPlan, Plan},
     recorder::Recorder,
     step::{ONE_WORKGROUP, neighbours},
@@ -87,29 +84,18 @@ fn grid(r: &mut Recorder<'_>, plan: &Plan, band: &BandPlan) {
             .bind("params", &params)
             .bind("mesh", &mesh);
     });
-    smooth(r, "smooth along x", band.axes[0], [&s.deposited, &s.deposited], [&s.smoothed, &s.curvature]);
-    smooth(r, "smooth along y", band.axes[1], [&s.smoothed, &s.curvature], [&s.smoother, &s.smoother_curvature]);
-    smooth(r, "smooth along z", band.axes[2], [&s.smoother, &s.smoother_curvature], [&s.smoothed, &s.curvature]);
+    let smooth = [
+        (&turbulence::SMOOTH_X, "smooth along x"),
+        (&turbulence::SMOOTH_Y, "smooth along y"),
+        (&turbulence::SMOOTH_Z, "smooth along z"),
+    ];
+    for ((pass, label), (axis, invocations)) in smooth.into_iter().zip(band.axes) {
+        r.run(pass, label, invocations).bind("mesh", &s.mesh.at(axis));
+    }
     r.run(&turbulence::GATHER, "band velocity from the grid", plan.sizes.air())
         .bind("params", &params)
         .bind("mesh", &mesh)
         .bind("sorted", &s.flow_sorted);
-}
-
-fn smooth(
-    r: &mut Recorder<'_>,
-    label: &'static str,
-    (axis, invocations): (Index<Mesh>, u32),
-    [smoothed, curvature]: [&AnyArray; 2],
-    [smoother, smoother_curvature]: [&AnyArray; 2],
-) {
-    let mesh = r.state().mesh.at(axis);
-    r.run(&turbulence::SMOOTH, label, invocations)
-        .bind("mesh", &mesh)
-        .bind("smoothed", smoothed)
-        .bind("curvature", curvature)
-        .bind("smoother", smoother)
-        .bind("smoother_curvature", smoother_curvature);
 }
 
 fn vorticity(r: &mut Recorder<'_>, plan: &Plan, field: &AnyArray) {

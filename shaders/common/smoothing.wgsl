@@ -1,0 +1,20 @@
+// What the three passes share that smooth the filter's grid along x, y and z.
+//
+// An invocation makes four nodes in a row along its axis, so that what it reads of a node serves all four. It goes along the
+// nodes that reach them; the window of taps, one for each of the four, moves on with every node.
+
+const ROW: i32 = 4;   // nodes in a row that an invocation makes: the window of their taps is a vec4f
+
+// The window of taps after it has moved on by one node.
+fn moved(window: vec4f, tap: f32) -> vec4f {
+    return vec4f(tap, window.xyz);
+}
+
+// What a node brings to each of the four.
+fn spread(value: vec4f, taps: vec4f) -> mat4x4f {
+    return mat4x4f(value * taps.x, value * taps.y, value * taps.z, value * taps.w);
+}
+
+fn spread3(value: vec3f, taps: vec4f) -> mat4x3f {
+    return mat4x3f(value * taps.x, value * taps.y, value * taps.z, value * taps.w);
+}

@@ -1,0 +1,62 @@
+// Smooths the grid along y, and its curvature with it.
+//
+//   G <- g * G,  C <- g * C + g'' * G       taps as in `smooth_x`
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, moved, spread, spread3},
+};
+
+@group(0) @binding(2) var<uniform>             mesh:               Mesh;
+@group(0) @binding(3) var<storage, read>       taps:               array<vec4f>;
+@group(0) @binding(4) var<storage, read>       smoothed:           array<vec4f>;
+@group(0) @binding(5) var<storage, read>       curvature:          array<vec4f>;
+@group(0) @binding(6) var<storage, read_write> smoother:           array<vec4f>;   // G: xyz [m^4/s]; w [m^3]
+@group(0) @binding(7) var<storage, read_write> smoother_curvature: array<vec4f>;   // C: xyz [m^2/s]
+
+var<private> gauss: vec4f;
+var<private> curve: vec4f;
+var<private> sum: mat4x4f;
+var<private> bent: mat4x3f;
+
+fn take(tap: vec2f, node: i32) {
+    gauss = moved(gauss, tap.x);
+    curve = moved(curve, tap.y);
+    let value = smoothed[node];
+    sum += spread(value, gauss);
+    bent += spread3(value.xyz, curve) + spread3(curvature[node].xyz, gauss);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let nodes = mesh.nodes;
+    let rows = (nodes.y + ROW - 1) / ROW;
+    let stride = nodes.x;
+    let row = i32(invocation(id, groups));
+    let line = row / nodes.x;   // of rows of nodes
+    let z = line / rows;
+    if z >= nodes.z || frozen() { return; }
+    let place = ROW * (line - z * rows);
+    let begin = row - line * nodes.x + stride * nodes.y * z;
+    let end = begin + stride * nodes.y;
+
+    var at = begin + stride * (place + mesh.nearest);
+    if at < begin { at += end - begin; }
+    let end_tap = mesh.end_tap;
+    for (var t = mesh.first_tap; t < end_tap; t++) {
+        let pair = taps[t];
+        take(pair.xy, at);
+        at = select(at + stride, begin, at + stride == end);
+        take(pair.zw, at);
+        at = select(at + stride, begin, at + stride == end);
+    }
+    write(begin, place, sum[0], bent[0]);
+    write(begin, place + 1, sum[1], bent[1]);
+    write(begin, place + 2, sum[2], bent[2]);
+    write(begin, place + 3, sum[3], bent[3]);
+}
+
+fn write(line: i32, place: i32, value: vec4f, curved: vec3f) {
+    if place >= mesh.nodes.y { return; }
+    let node = line + mesh.nodes.x * place;
+    smoother[node] = value;
+    smoother_curvature[node] = vec4f(curved, 0.0);
+}
