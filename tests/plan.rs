@@ -44,7 +44,7 @@ const SPREAD: &[&str] = &["fluid/spread", "fluid/place", "fluid/moments", "fluid
 const COARSE: &[&str] = &[
     "fluid/divergence 3",
     "coarse/source",
-    "turbulence/deposit",
+    "coarse/deposit",
     "coarse/wave 3",
     "coarse/solve",
     "coarse/wave 3",
@@ -62,16 +62,16 @@ const CONFINE: &[&str] = &["turbulence/vorticity", "turbulence/confine"];
 const FILTER: &[&str] = &[
     "turbulence/weigh",
     "turbulence/deposit",
-    "turbulence/smooth",
-    "turbulence/smooth",
-    "turbulence/smooth",
+    "turbulence/smooth_x",
+    "turbulence/smooth_y",
+    "turbulence/smooth_z",
     "turbulence/gather",
 ];
 const STRENGTHEN: &[&str] = &["turbulence/sum", "turbulence/mean", "turbulence/strengthen"];
 const VISCOSITY: &[&str] = &["fluid/limit", "fluid/viscosity"];
 const COMMIT_HAIR: &[&str] = &["guard/hold", "guard/check", "guard/commit_frames", "guard/commit_hair"];
 const COMMIT: &[&str] = &["guard/commit"];
-const COMMIT_AIR: &[&str] = &["guard/commit_pressure", "guard/commit"];
+const COMMIT_AIR: &[&str] = &["guard/commit_order", "guard/commit_air", "guard/commit_pressure", "guard/commit"];
 
 /// A kind of scene: its keys, what it is without, and the passes that it has.
 type Case<'a> = (&'a str, &'a [&'a str], Option<&'a str>, &'a [&'a [&'a str]]);
@@ -186,6 +186,7 @@ fn a_scene_runs_what_it_needs() {
                 STRENGTHEN,
                 &["fluid/viscosity"],
                 COMMIT_HAIR,
+                &["guard/commit_order", "guard/commit_air"],
                 COMMIT,
             ],
         ),
