@@ -6,7 +6,7 @@
 // A pair that was not nearer than the kernel radius when the list was made does not meet, wherever it is by now.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}};
 import package::common::lanes::{Near, LANES, lane_of, show, shown_by, largest_of_all};
-import package::common::list::{HEADER, BATCH, NOBODY, INDEX, IMAGE_BITS, FAR};
+import package::common::list::{HEADER, BATCH, NOBODY, INDEX, IMAGE_BITS, FRAME_BITS, FAR};
 import package::pass::{see, meet};
 
 @group(0) @binding(20) var<storage, read> neighbour_list: array<u32>;
@@ -20,6 +20,7 @@ struct Cluster {
 var<private> cluster: Cluster;
 var<private> place: u32;    // of the invocation in its workgroup
 var<private> box: vec3f;    // m, sides of the box of air
+var<private> frame: vec3f;  // m, by which the cluster is moved towards 0 to meet others
 var<private> own_bit: u32;  // of the invocation among the eight
 var<private> nobody: bool;  // the invocation reads for the others, and has no particle
 
@@ -32,7 +33,10 @@ fn take_particle(entry: u32, local: u32) -> u32 {
     cluster = Cluster();
     let c = entry / LANES;
     if c < params.clusters {
-        cluster = Cluster(neighbour_list[HEADER * c], neighbour_list[HEADER * c + 1u], neighbour_list[HEADER * c + 2u]);
+        let own = neighbour_list[HEADER * c + 1u];
+        let moved = vec3u(own >> FRAME_BITS, own >> (FRAME_BITS + 1u), own >> (FRAME_BITS + 2u)) & vec3u(1u);
+        frame = box * vec3f(moved);
+        cluster = Cluster(neighbour_list[HEADER * c], own & ((1u << FRAME_BITS) - 1u), neighbour_list[HEADER * c + 2u]);
     }
     let own = neighbour_list[cluster.first + lane_of(local)];
     nobody = cluster.first == 0u || own == NOBODY;

@@ -1,6 +1,9 @@
 // How the neighbour list is laid out.
 //
-// It begins with three words per cluster: where its own words begin, and how many batches it has of its own kind and of the other kind.
+// It begins with three words per cluster: where its own words begin, and how many batches it has of its own kind and of the other kind. With
+// the first number come three bits, its frame: along which axes the cluster is moved by a box towards 0 to meet the others. A cluster
+// at the upper faces is, so that who comes through them stands where it is: to add a box to a position would round it,
+// to take one away does not, and the impulses of a pair are opposite to the last bit.
 // Its own words are its particles, then the batches: those of its own kind, or of both kinds unless the model is TWO_WAY, then the others.
 // A batch is eight entries, and two words with a byte for each: whose neighbour it is. What is left over in a part's last batch is
 // NOBODY, and a cluster's particles are filled up with it too.
@@ -9,5 +12,6 @@ const HEADER: u32 = 3u;           // words per cluster
 const BATCH: u32 = 10u;           // words of a batch
 const NOBODY: u32 = 0xffffffffu;  // an entry that is no particle
 const INDEX: u32 = 0x03ffffffu;   // bits of an entry that are the particle's index
-const IMAGE_BITS: u32 = 26u;      // bit from which on an entry says which image of the box its particle is in: 1 and -1, 0 or 1 per axis
+const IMAGE_BITS: u32 = 26u;      // bit from which on an entry says which image its particle is in, as seen from the frame: 1 and -1, 0 or 1 per axis
+const FRAME_BITS: u32 = 29u;      // bit from which on the number of the own kind's batches has the frame
 const FAR: f32 = 1e9;             // m, where nobody is

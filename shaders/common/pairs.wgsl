@@ -1,9 +1,9 @@
 // A particle and its neighbours: the kernels between them.
-import package::common::{params::params, lanes::Near, sph_kernels::{poly6_factor, spiky_factor}};
+import package::common::{params::params, lanes::Near, clusters::frame, sph_kernels::{poly6_factor, spiky_factor}};
 
 // What the pairs of a particle share: read once, not once per neighbour.
 struct Pairs {
-    own: vec3f,         // m, position of the particle
+    own: vec3f,         // m, position of the particle, where it meets the others
     slope: f32,         // 1/m^4, 45/(pi h^4)
     per_radius: f32,    // 1/m, 1/h
     height: f32,        // 1/m^3, 315/(64 pi h^3)
@@ -14,7 +14,7 @@ const SMALLEST_GAP: f32 = 1e-6;   // h; what is nearer has no direction
 
 fn pairs_of(own: vec3f) -> Pairs {
     let nearest = SMALLEST_GAP * params.kernel_radius;
-    return Pairs(own, spiky_factor(), 1.0 / params.kernel_radius, poly6_factor(), nearest * nearest);
+    return Pairs(own - frame, spiky_factor(), 1.0 / params.kernel_radius, poly6_factor(), nearest * nearest);
 }
 
 // Whether particles lie on one another.

@@ -6,7 +6,7 @@
 // grows the list to that number.
 import package::common::{
     params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, cells::{wrap, home_of, box_bucket},
-    list::{HEADER, BATCH, NOBODY, IMAGE_BITS, INDEX, FAR}, lanes::{Near, LANES, lane_of, show, shown_by, votes, bits_of_all, largest_of_all},
+    list::{HEADER, BATCH, NOBODY, IMAGE_BITS, FRAME_BITS, INDEX, FAR}, lanes::{Near, LANES, lane_of, show, shown_by, votes, bits_of_all, largest_of_all},
     status::{status, frozen_before},
 };
 
@@ -42,6 +42,7 @@ var<private> low: vec3f;           // the least box around them, where they are 
 var<private> high: vec3f;
 var<private> members_of: vec2u;     // entries of the cluster itself: the first, and the end
 var<private> full: array<u32, 2>;  // of each kind, bit by bit, the stretches that are not empty
+var<private> frame: vec3i;         // boxes by which the cluster is moved to meet others
 var<private> found: u32;           // entries so far
 var<private> window: u32;          // entry from which on they are kept
 
@@ -132,7 +133,7 @@ fn search(home: vec3i, kind: u32, periodic: bool) {
         let turn = (which * 57u) >> 9u;   // which / 9 of up to 27
         let turns = select(vec3i(0), vec3i(i32(turn) - 1, turns_of_row(home, step_of(which - ROWS * turn))), periodic);
         let image = params.box_size * vec3f(turns);
-        let seen = vec3u(turns + vec3i(1));
+        let seen = vec3u(turns + vec3i(1) - frame);
         let mark = (seen.x | (seen.y << 2u) | (seen.z << 4u)) << IMAGE_BITS;
         // Nobody is its own neighbour; an image of it may be.
         let itself = select(members_of, vec2u(0u), any(turns != vec3i(0)));
@@ -218,6 +219,8 @@ fn main(
     near = shown_by(7u); own[7] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
 
     let used = entries.x < entries.y;
+    let through = high + params.kernel_radius >= params.box_size;
+    frame = select(vec3i(0), vec3i(1), through & (low >= vec3f(params.kernel_radius)) & vec3<bool>(air));
     if !used {
         low = vec3f(FAR);
         high = vec3f(-FAR);
@@ -240,7 +243,8 @@ fn main(
     if first > 0u { neighbour_list[first + lane] = select(NOBODY, sorted[select(0u, e, there)], there); }
     if lane == 0u && c < params.clusters {
         neighbour_list[HEADER * c] = first;
-        neighbour_list[HEADER * c + 1u] = select(0u, own_kind / LANES, first > 0u);
+        let moved = vec3u(frame) << vec3u(FRAME_BITS, FRAME_BITS + 1u, FRAME_BITS + 2u);
+        neighbour_list[HEADER * c + 1u] = select(0u, (own_kind / LANES) | moved.x | moved.y | moved.z, first > 0u);
         neighbour_list[HEADER * c + 2u] = select(0u, (found - own_kind) / LANES, first > 0u);
     }
     if local == 0u { all_most = atomicLoad(&most); }

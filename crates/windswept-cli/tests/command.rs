@@ -268,7 +268,7 @@ fn looking_needs_no_folder() {
     let planned = plan.output().expect("the program starts");
     let said = String::from_utf8_lossy(&planned.stdout).into_owned();
     let row = |pass: &str| said.lines().find(|line| line.trim_start().starts_with(pass)).unwrap_or_default().to_owned();
-    assert!(row("fluid/correct").contains("runs 2 x: 48 invocations, "), "{said}");
+    assert!(row("fluid/correct").contains("runs 2 x: 384 invocations, "), "{said}");
     assert!(row("wind/fringe").contains("skipped: air.wind is zero"), "{said}");
     let mut plan = windswept(folder.path(), &["plan", "scene.toml", "--set", "interaction.model=drag"]);
     let said = String::from_utf8_lossy(&plan.output().expect("the program starts").stdout).into_owned();

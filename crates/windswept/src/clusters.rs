@@ -3,7 +3,7 @@
 use glam::IVec3;
 use windswept_shaders::common::{
     lanes::LANES,
-    list::{BATCH, HEADER, IMAGE_BITS, INDEX, NOBODY},
+    list::{BATCH, FRAME_BITS, HEADER, IMAGE_BITS, INDEX, NOBODY},
 };
 
 /// A particle that is near a cluster.
@@ -32,29 +32,32 @@ pub struct Cluster {
 #[must_use]
 pub fn read(list: &[u32], clusters: u32) -> Vec<Cluster> {
     let headers = list.chunks_exact(HEADER as usize).take(clusters as usize).filter(|header| header[0] > 0);
-    let batches = |first: u32, count: u32| -> Vec<Seen> {
+    let batches = |first: u32, count: u32, frame: IVec3| -> Vec<Seen> {
         let words = &list[first as usize..(first + BATCH * count) as usize];
-        words.chunks_exact(BATCH as usize).flat_map(batch).collect()
+        words.chunks_exact(BATCH as usize).flat_map(|words| batch(words, frame)).collect()
     };
     let cluster = |header: &[u32]| {
         let near = header[0] + LANES;
+        let moved = |bit: u32| (header[1] >> (FRAME_BITS + bit) & 1).cast_signed();
+        let frame = IVec3::new(moved(0), moved(1), moved(2));
+        let own = header[1] & ((1 << FRAME_BITS) - 1);
         let particles = &list[header[0] as usize..near as usize];
         Cluster {
             particles: particles.iter().copied().filter(|word| *word != NOBODY).collect(),
-            own_kind: batches(near, header[1]),
-            other_kind: batches(near + BATCH * header[1], header[2]),
+            own_kind: batches(near, own, frame),
+            other_kind: batches(near + BATCH * own, header[2], frame),
         }
     };
     headers.map(cluster).collect()
 }
 
-fn batch(words: &[u32]) -> Vec<Seen> {
+fn batch(words: &[u32], frame: IVec3) -> Vec<Seen> {
     let (entries, masks) = words.split_at(LANES as usize);
     let seen = |(k, word): (usize, &u32)| {
         let turns = |bit: u32| (word >> (IMAGE_BITS + bit) & 3).cast_signed() - 1;
         Seen {
             index: word & INDEX,
-            image: IVec3::new(turns(0), turns(2), turns(4)),
+            image: IVec3::new(turns(0), turns(2), turns(4)) + frame,
             met_by: masks[k / 4] >> (8 * (k % 4)) & 0xff,
         }
     };
