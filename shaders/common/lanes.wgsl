@@ -1,5 +1,6 @@
 // Eight invocations side by side show one another what each of them has read: by subgroup operations, or through the workgroup's
-// memory on a device whose subgroups may have fewer than eight lanes, or that has none.
+// memory on a device whose subgroups may have fewer than eight lanes, or that has none. Invocations are taken to be numbered in
+// a subgroup as they are in the workgroup, which drivers do where workgroups have one dimension.
 import package::common::dispatch::WORKGROUP;
 
 const LANES: u32 = 8u;             // invocations that work together, and particles of a cluster

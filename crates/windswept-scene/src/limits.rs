@@ -31,11 +31,10 @@ pub const MOST_NEWTON_STEPS: u32 = 100;
 
 /// Fewest air particles of a scene, three along each axis: with fewer a particle would meet its own periodic image.
 pub const LEAST_AIR_PARTICLES: f64 = 27.0;
-/// Most air particles of a scene: indices have 32 bits, and a neighbour list has some 30 entries a particle.
-pub const MOST_AIR_PARTICLES: u32 = 100_000_000;
-/// Most particles that a single operation on a caller's arrays takes: a list of any more could not be indexed by 32 bits with
-/// 16 B a particle.
-pub const MOST_PARTICLES_OF_AN_OPERATION: usize = 1 << 28;
+/// Most air particles of a scene: an entry of the neighbour list has 26 bits for an index, hair may have a quarter of these.
+pub const MOST_AIR_PARTICLES: u32 = 50_000_000;
+/// Most particles that a single operation on a caller's arrays takes: as many as an entry of the neighbour list can tell apart.
+pub const MOST_PARTICLES_OF_AN_OPERATION: usize = 1 << 26;
 /// Smallest kernel radius in particle spacings: below 1 the lattice has no neighbours, and nothing softens the density
 /// constraint.
 pub const LEAST_KERNEL_RADIUS: f64 = 1.2;
