@@ -47,7 +47,7 @@ fn has_none() -> bool {
     return nobody;
 }
 
-// The entry of an invocation of a pass over all clusters, over those of air, or over those in the air's sums. Hair's come first.
+// The place of an invocation in the order of clusters, in a pass over all of them or over those of air. Clusters of hair come first.
 fn of_all(id: vec3u, groups: vec3u) -> u32 {
     return invocation(id, groups);
 }

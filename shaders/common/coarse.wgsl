@@ -5,7 +5,7 @@ fn quadratic(t: vec4f) -> vec4f {
     return b_spline(spline_of(2u), t);
 }
 
-// Its slope: the difference of two B-splines of the order below.
+// The slope of the quadratic B-spline: the difference of two B-splines of the order below.
 fn slope(t: vec4f) -> vec4f {
     let linear = spline_of(1u);
     return b_spline(linear, t + 0.5) - b_spline(linear, t - 0.5);

@@ -4,7 +4,8 @@
 // the first number come three bits, its frame: along which axes the cluster is moved by a box towards 0 to meet the others. A cluster
 // at the upper faces is, so that who comes through them stands where it is: to add a box to a position would round it,
 // to take one away does not, and the impulses of a pair are opposite to the last bit.
-// Its own words are its particles, then the batches: those of its own kind, or of both kinds unless the model is TWO_WAY, then the others.
+// The words of a cluster are its particles, then its batches: first those of the cluster's kind, or of both kinds unless the model is
+// TWO_WAY, then those of the other kind.
 // A batch is eight entries, and two words with a byte for each: whose neighbour it is. What is left over in a part's last batch is
 // NOBODY, and a cluster's particles are filled up with it too.
 

@@ -17,7 +17,7 @@ use crate::{
     rods,
     setup::Setup,
     state::{Sizes, State},
-    step,
+    step::{self, neighbours::Sort},
 };
 
 /// What runs, and over how many elements.
@@ -95,32 +95,6 @@ pub struct Plan {
     pub limited_in_clusters: u32,
     /// Whether there is a body to stay out of.
     pub bodies: Decision,
-}
-
-/// A counting sort: of how many particles, into how many cells.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Sort {
-    /// Particles.
-    pub particles: u32,
-    /// Cells, of air and of hair.
-    pub buckets: u32,
-    /// Rows of cells.
-    pub rows: u32,
-    /// Clusters that are made of the rows, at most.
-    pub clusters: u32,
-}
-
-impl Sort {
-    pub(crate) fn new(params: &Params) -> Self {
-        let kinds = if params.first_sorted < params.hair_points { 2 } else { 1 };
-        let rows = params.cells[1].max(0).saturating_mul(params.cells[2].max(0)).unsigned_abs();
-        Self {
-            particles: params.particles - params.first_sorted,
-            buckets: params.box_cells.saturating_mul(kinds),
-            rows: rows.saturating_mul(kinds),
-            clusters: params.clusters,
-        }
-    }
 }
 
 /// A band of eddies: whether it is strengthened, and the dispatches of its filter.

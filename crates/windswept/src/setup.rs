@@ -8,7 +8,8 @@ use windswept_shaders::{
 };
 
 use crate::{
-    bands::Bands, coarse::Coarse, meshes::Meshes, motion::Motions, params, plan::Sort, pressure, state::Sizes, winds,
+    bands::Bands, coarse::Coarse, meshes::Meshes, motion::Motions, params, pressure, state::Sizes,
+    step::neighbours::Sort, winds,
 };
 
 /// Everything that is derived from a scene before anything is allocated. Plan, buffers and what fills them come from here,

@@ -99,7 +99,7 @@ pub(crate) fn peer(rest: &[&str]) -> Result {
         ours.push(of(&own, "fig2b, wall")?);
         let mut command = Command::new(&python);
         command.arg(root().join("benches/peer/splishsplash.py")).arg(particles.to_string()).arg(PEER_STEPS);
-        // Its native module needs GLVND and is not linked to it.
+        // The native module of pysplishsplash needs GLVND and is not linked to it.
         if let Some(library) = GLVND.iter().find(|path| Path::new(path).is_file()) {
             command.env("LD_PRELOAD", library);
         }
