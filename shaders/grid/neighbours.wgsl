@@ -73,7 +73,8 @@ fn look_ahead(home: vec3i, row: u32, air: bool) {
         let from_here = vec3i(start, end, once) - (i32(turn) - 1) * cells.x;
         let span = bucket + vec3u(clamp(from_here, vec3i(0), vec3i(cells.x)));
         note(AIR, turn * ROWS + row, span.x, select(span.z, span.y, air));
-        if params.hair_points > 0u { note(HAIR, turn * ROWS + row, params.box_cells + span.x, params.box_cells + span.z); }
+        let hair = select(vec2u(0u), params.box_cells + span.xz, params.hair_points > 0u);
+        note(HAIR, turn * ROWS + row, hair.x, hair.y);
     }
 }
 
@@ -115,10 +116,10 @@ fn take(entry: u32, mask: u32, hit: bool) {
     found += countOneBits(bits);
 }
 
-// Fills up the last batch with nobody.
-fn fill() {
+// Fills up the last batch with nobody, where the batches of a part end.
+fn fill(ends: bool) {
     let over = found & (LANES - 1u);
-    take(NOBODY, 0u, over > 0u && lane >= over);
+    take(NOBODY, 0u, ends && over > 0u && lane >= over);
 }
 
 // Looks for particles of a kind.
@@ -152,14 +153,11 @@ fn search(home: vec3i, kind: u32, periodic: bool) {
 // Looks for both kinds; returns the number of entries of the first part.
 fn search_all(home: vec3i, air: bool) -> u32 {
     found = 0u;
-    let others = params.hair_points > 0u;
     search(home, select(HAIR, AIR, air), air);
-    if params.model == TWO_WAY || !others { fill(); }
+    fill(params.model == TWO_WAY);
     let middle = found;
-    if others {
-        search(home, select(AIR, HAIR, air), false);
-        fill();
-    }
+    search(home, select(AIR, HAIR, air), false);
+    fill(true);
     return select(found, middle, params.model == TWO_WAY);
 }
 

@@ -73,9 +73,8 @@ fn walk(begin: i32, end: i32, y: i32, z: i32) {
         let home = vec3i(x, y, z) - turns * params.cells;
         let run = min(end - x, params.cells.x - home.x);
         add_row(home, run, vec3f(turns) * params.box_size);
-        if params.published_law != 0u && params.hair_points > 0u {
-            for (var k = 0; k < run; k++) { add_hair(vec3i(x + k, y, z), home + vec3i(k, 0, 0)); }
-        }
+        let with_hair = select(0, run, (params.published_law != 0u) & (params.hair_points > 0u));
+        for (var k = 0; k < with_hair; k++) { add_hair(vec3i(x + k, y, z), home + vec3i(k, 0, 0)); }
         x += run;
     }
 }

@@ -23,7 +23,7 @@ var<private> eta: vec3f;
 
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, 0u, other.xyz, select(0.0, other.w, params.published_law != 0u || is_air(j)), vorticity[j], vec4f());
+    return Near(j, 0u, other.xyz, select(0.0, other.w, (params.published_law != 0u) | is_air(j)), vorticity[j], vec4f());
 }
 
 fn meet(other: Near) {
@@ -37,13 +37,13 @@ fn change(i: u32, left: f32) -> vec3f {
     if left <= 0.0 || size <= 0.0 { return vec3f(0.0); }
 
     let along = cross(eta / size, omega.xyz);
-    let speed = length(band_velocity[i].xyz);
-    if params.published_law != 0u { return left * params.step * band.strength * speed * speed * along; }
-    let part = speed / band.largest_speed;
-    let gain = params.step * band.strength * speed * max(0.0, 1.0 - part * part);
     let turning = length(along);
     if turning <= 0.0 { return vec3f(0.0); }
-    let largest = LARGEST * speed / turning;
+    let as_printed = params.published_law != 0u;
+    let speed = length(band_velocity[i].xyz);
+    let part = speed / band.largest_speed;
+    let gain = params.step * band.strength * speed * select(max(0.0, 1.0 - part * part), speed, as_printed);
+    let largest = select(LARGEST * speed / turning, gain, as_printed);
     if gain > largest { count_step(CONFINEMENT_LIMITED); }
     return left * min(gain, largest) * along;
 }

@@ -45,7 +45,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             sum += y[b] * z[c] * along;
         }
     }
-    var gain = mesh.gain;
-    if mesh.normalise != 0u { gain *= mesh.cell / sum.w; }
+    let gain = mesh.gain * select(1.0, mesh.cell / sum.w, mesh.normalise != 0u);
     band_velocity[sorted[e]] = vec4f(gain * sum.xyz, 0.0);
 }

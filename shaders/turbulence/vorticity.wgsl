@@ -15,7 +15,7 @@ var<private> value: vec3f;
 var<private> omega: vec3f;
 
 fn counts(i: u32) -> bool {
-    return params.published_law != 0u || is_air(i);
+    return (params.published_law != 0u) | is_air(i);
 }
 
 // The place of an invocation among those that have a vorticity.

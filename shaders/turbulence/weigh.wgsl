@@ -14,10 +14,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let i = sorted[e];
     let air = is_air(i);
     let v = new_velocity[i].xyz;
-    if params.published_law != 0u {
-        flow[e] = vec4f(v, 0.0);
-    } else {
-        let relative = v - mean_wind();
-        flow[e] = select(vec4f(0.0), params.air_volume * vec4f(relative, 1.0), air);
-    }
+    let weighed = select(vec4f(0.0), params.air_volume * vec4f(v - mean_wind(), 1.0), air);
+    flow[e] = select(weighed, vec4f(v, 0.0), params.published_law != 0u);
 }
