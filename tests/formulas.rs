@@ -84,7 +84,7 @@ fn wrong_constants_turn_rows_red() {
         (&wind::DRAG, "FORM: f32 = 10.0", "FORM: f32 = 10.1", "drag"),
         (&wind::DRAG, "FRICTION: f32 = 5.4", "FRICTION: f32 = 5.41", "drag"),
         (&wind::REACT, "params.air_inverse_mass * own.w", "1.01 * params.air_inverse_mass * own.w", "exchange"),
-        (&wind::FRINGE, "GRIP: f32 = 30.0", "GRIP: f32 = 30.3", "wind"),
+        (&wind::FRINGE, "GRIP: f32 = 10.0", "GRIP: f32 = 10.1", "wind"),
         (&wind::BLOW, "status.step + 1u", "status.step + 2u", "wind"),
         (&fluid::FRICTION, "min(own.friction, other.more.y)", "0.5 * own.friction", "friction"),
         (&rods::ROOTS, "part * key.travel", "1.001 * part * key.travel", "wind"),
@@ -109,7 +109,7 @@ fn wrong_constants_turn_rows_red() {
         (&turbulence::GATHER, "1.0 / 6.0", "0.167", "twin"),
         (&turbulence::CONFINE, "1.0 - part * part", "1.0 - 1.01 * part * part", "confinement"),
         (&turbulence::CONFINE, "LARGEST: f32 = 0.1", "LARGEST: f32 = 0.101", "confinement"),
-        (&turbulence::CONFINE, "band.strength * speed * speed", "1.02 * band.strength * speed * speed", "confinement"),
+        (&turbulence::CONFINE, "speed, as_printed)", "1.02 * speed, as_printed)", "confinement"),
     ];
     for &(pass, right, wrong, check) in cases {
         assert!(pass.source.contains(right), "{} has no {right:?}:\n{}", pass.name, pass.source);

@@ -80,7 +80,7 @@ type Case<'a> = (&'a str, &'a [&'a str], Option<&'a str>, &'a [&'a [&'a str]]);
 #[test]
 fn a_scene_runs_what_it_needs() {
     let blow = &["wind/blow"][..];
-    let moves = &["rods/roots", "rods/drift", "wind/fringe", "fluid/advance"][..];
+    let moves = &["rods/roots", "rods/drift", "wind/miss", "wind/hold", "wind/fringe", "fluid/advance"][..];
     let fluid = &[HAIR_ON_HAIR, SPREAD, COARSE, PUSH].concat()[..];
     let exchange = &[BEGIN, &["wind/sample", "wind/drag"], SOLVE, &["wind/react"]].concat()[..];
     let velocity = &["rods/velocity"][..];
@@ -114,7 +114,7 @@ fn a_scene_runs_what_it_needs() {
             Some("hair"),
             &[
                 blow,
-                &["wind/fringe", "fluid/advance"],
+                &["wind/miss", "wind/hold", "wind/fringe", "fluid/advance"],
                 SORT,
                 LIST,
                 SPREAD,
@@ -172,7 +172,7 @@ fn a_scene_runs_what_it_needs() {
             None,
             &[
                 blow,
-                &["rods/roots", "rods/drift", "wind/fringe", "fluid/predict"],
+                &["rods/roots", "rods/drift", "wind/miss", "wind/hold", "wind/fringe", "fluid/predict"],
                 SORT,
                 LIST,
                 &["fluid/density 2", "fluid/correct 2", "fluid/move 2"],

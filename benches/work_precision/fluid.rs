@@ -136,7 +136,7 @@ fn ideal(bench: &Bench, moving: &Cloud) -> Result<(Vec<Point>, Vec<String>)> {
         ];
         let series = match fluid.solver {
             FluidSolver::Pbf => format!("pbf, {} iterations", fluid.iterations),
-            FluidSolver::Divergence => format!("divergence, {} iterations", fluid.pressure_iterations),
+            FluidSolver::Divergence => format!("divergence, {} iterations", scene.pressure_iterations()),
         };
         points.extend(errors.map(|(kind, error, uncertainty)| Point {
             uncertainty,

@@ -133,7 +133,7 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
         let time = Time { ms: time.ms * SIMULATED / setting.step, ..*time };
         let (early, simulation) = soon(bench, setting)?;
         let late = rest(bench, setting, simulation)?;
-        let default = setting.air == Blows::Pressure(usual.fluid.pressure_iterations)
+        let default = setting.air == Blows::Pressure(usual.pressure_iterations())
             && setting.integrator == usual.rods.integrator
             && setting.step == USUAL;
         let label = format!("{} ms", 1e3 * setting.step);

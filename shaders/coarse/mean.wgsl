@@ -7,8 +7,8 @@ import package::common::{params::params, dispatch::WORKGROUP, reduce::total};
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(local_invocation_id) lane: vec3u) {
-    var own = vec3f(0.0);
-    for (var g = lane.x; g < arrayLength(&partial_sum); g += WORKGROUP) { own += partial_sum[g].xyz; }
+    var own = vec4f(0.0);
+    for (var g = lane.x; g < arrayLength(&partial_sum); g += WORKGROUP) { own += partial_sum[g]; }
     let all = total(lane.x, own);
-    if lane.x == 0u { coarse_mean[0] = vec4f(all / f32(params.particles - params.hair_points), 0.0); }
+    if lane.x == 0u { coarse_mean[0] = all / f32(params.particles - params.hair_points); }
 }

@@ -7,9 +7,9 @@ import package::common::{params::params, dispatch::WORKGROUP, reduce::total, sta
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(local_invocation_id) lane: vec3u) {
-    var own = vec3f(0.0);
-    for (var g = lane.x; g < arrayLength(&partial_sum); g += WORKGROUP) { own += partial_sum[g].xyz; }
-    let all = total(lane.x, own);
+    var own = vec4f(0.0);
+    for (var g = lane.x; g < arrayLength(&partial_sum); g += WORKGROUP) { own += partial_sum[g]; }
+    let all = total(lane.x, own).xyz;
     if lane.x > 0u || frozen() { return; }
     let air = f32(params.particles - params.hair_points);
     var mean = vec3f(0.0);

@@ -1,10 +1,8 @@
 // Sums the changes of velocity of each workgroup's particles, in a fixed order.
-import package::common::{params::params, dispatch::{invocation, WORKGROUP}, reduce::total};
+import package::common::{params::params, dispatch::{invocation, WORKGROUP}, reduce::{total, TERMS}};
 
 @group(0) @binding(2) var<storage, read>       confinement: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> partial_sum: array<vec4f>;   // sum of a workgroup's changes [m/s]
-
-const TERMS: u32 = 16u;   // particles of an invocation
 
 @compute @workgroup_size(WORKGROUP)
 fn main(
@@ -13,12 +11,12 @@ fn main(
 ) {
     let all_of_them = groups.x * groups.y * WORKGROUP;
     var i = params.hair_points + invocation(id, groups);
-    var own = vec3f(0.0);
+    var own = vec4f(0.0);
     for (var term = 0u; term < TERMS && i < params.particles; term++) {
-        own += confinement[i].xyz;
+        own += vec4f(confinement[i].xyz, 0.0);
         i += all_of_them;
     }
     let all = total(lane.x, own);
     let g = group.y * groups.x + group.x;
-    if lane.x == 0u && g < arrayLength(&partial_sum) { partial_sum[g] = vec4f(all, 0.0); }
+    if lane.x == 0u && g < arrayLength(&partial_sum) { partial_sum[g] = all; }
 }

@@ -44,6 +44,15 @@ impl Walk<'_> {
             let got = &stage.vectors(&state.new_velocity)[..hair];
             self.same("fluid/lead", apart(got, &w.new_velocity[..hair]), bounds.speed)?;
         }
+        if passes.through("wind/miss") {
+            let all = stage.engine.read(&state.partial_sum).unwrap();
+            let sum = |axis: usize| all.iter().map(|part| f64::from(part[axis])).sum::<f64>();
+            let missed = DVec3::from_array([0, 1, 2].map(sum)) / sum(3).max(f64::MIN_POSITIVE);
+            self.same("wind/miss", (missed - w.missed).length(), bounds.wind)?;
+        }
+        if passes.through("wind/hold") {
+            self.same("wind/hold", (stage.vectors(&state.lack)[0] - w.lack).length(), bounds.wind)?;
+        }
         if passes.through("wind/fringe") {
             self.same("wind/fringe", apart(&self.vectors(&state.wind_change, hair), &w.wind_change), bounds.wind)?;
         }
@@ -67,6 +76,8 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::wind::BLOW, "status.wind[axis] = now[axis]", "status.wind[axis] = before[axis]", PARTICLES),
     (&shaders::rods::ROOTS, "left = 1u", "left = 2u", PARTICLES),
     (&shaders::rods::DRIFT, "params.step * params.gravity", "0.9 * params.step * params.gravity", PARTICLES),
+    (&shaders::wind::MISS, "- v - change", "- 0.9 * v - change", PARTICLES),
+    (&shaders::wind::HOLD, "along * wind", "0.9 * along * wind", PARTICLES),
     (&shaders::wind::FRINGE, "sin(PI * depth", "sin(0.9 * PI * depth", PARTICLES),
     (&shaders::fluid::PREDICT, "params.step * v", "0.9 * params.step * v", PARTICLES),
     (&shaders::fluid::ADVANCE, "v + before.change / 3.0, 0.0", "v + before.change / 2.0, 0.0", DIVERGENCE),
@@ -229,10 +240,12 @@ fn fringe_is_that_of_the_twin() {
             stage.run(step::drive::record);
             let blown = DVec3::from_array(stage.engine.status().unwrap().wind.map(f64::from));
             let air = p.hair_points..stage.twin.position.len();
+            let steps = u64::from(steps);
+            let lack = drive::hold(p, steps, drive::miss(p, steps, &stage.twin.position[air.clone()], &v[air.clone()]));
             let wanted: Vec<DVec3> =
-                air.clone().map(|i| drive::fringe(p, steps.into(), stage.twin.position[i], v[i])).collect();
+                air.clone().map(|i| drive::fringe(p, steps, lack, stage.twin.position[i], v[i])).collect();
             let error = relative(&stage.vectors(&s.wind_change)[air], &wanted, 1e-3);
-            let off = (blown - drive::blow(p, u64::from(steps) + 1)).length();
+            let off = (blown - drive::blow(p, steps + 1)).length();
             println!("wind {wind_speed:?}, step {steps}, {n} particles: {error:.1e}, mean wind {off:.1e} m/s off");
             // Measured at most 1e-6, and 5e-7 m/s; margin 4.
             assert!(error < 4e-6, "{wind_speed:?}: {error}");

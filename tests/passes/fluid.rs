@@ -328,6 +328,7 @@ fn pressure_is_that_of_the_twin() {
         let mut scene = support::scene();
         (scene.fluid.solver, scene.fluid.coarse) = (FluidSolver::Divergence, true);
         (scene.fluid.iterations, scene.interaction.model) = (0, model);
+        scene.fluid.pressure_iterations = Some(2);
         each(&scene, |what, stage| {
             let (near, s) = (stage.meet(), &stage.twin);
             let velocities = stirred(s.position.len());

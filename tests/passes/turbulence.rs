@@ -6,7 +6,10 @@ use rand_pcg::Pcg64;
 use windswept::internals::{Array, BandPlan, step};
 use windswept_reference::{State as Twin, drive, step::Scratch, turbulence};
 use windswept_scene::{Band, Filter, InitialState, Law, Order, Scene};
-use windswept_shaders::{self as shaders, common::dispatch::WORKGROUP, turbulence::sum::TERMS};
+use windswept_shaders::{
+    self as shaders,
+    common::{dispatch::WORKGROUP, reduce::TERMS},
+};
 
 use crate::{
     stage::{Passes, Stage, crowds, relative, xyz},
@@ -189,7 +192,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::turbulence::VORTICITY, "omega -= cross", "omega -= 0.9 * cross", PARTICLES),
     (&shaders::turbulence::CONFINE, "before + change(i,", "before + 0.9 * change(i,", PARTICLES),
     (&shaders::turbulence::SUM, "reach = WORKGROUP / 2u", "reach = WORKGROUP / 4u", PARTICLES),
-    (&shaders::turbulence::MEAN, "mean = all / air", "mean = sums[0]", PARTICLES),
+    (&shaders::turbulence::MEAN, "mean = all / air", "mean = sums[0].xyz", PARTICLES),
     (&shaders::turbulence::STRENGTHEN, "+= confinement[i]", "-= confinement[i]", PARTICLES),
 ];
 

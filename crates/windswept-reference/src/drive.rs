@@ -23,7 +23,9 @@ pub fn run(s: &State, p: &Parameters) -> Scratch {
         predicted[i] = drift(p, s.inverse_mass[i], s.position[i], s.velocity[i], largest[i]);
     }
     let air = p.hair_points..s.position.len();
-    let wind_change: Vec<_> = air.clone().map(|i| fringe(p, s.steps, s.position[i], s.velocity[i])).collect();
+    let missed = miss(p, s.steps, &s.position[air.clone()], &s.velocity[air.clone()]);
+    let lack = hold(p, s.steps, missed);
+    let wind_change: Vec<_> = air.clone().map(|i| fringe(p, s.steps, lack, s.position[i], s.velocity[i])).collect();
     for (i, change) in air.zip(&wind_change) {
         let v = s.velocity[i] + *change;
         (predicted[i], new_velocity[i]) = match p.solver {
@@ -34,7 +36,7 @@ pub fn run(s: &State, p: &Parameters) -> Scratch {
     if p.solver == FluidSolver::Divergence && p.model == Model::Particles {
         new_velocity[..p.hair_points].iter_mut().enumerate().for_each(|(i, v)| *v = lead(p, s, i));
     }
-    Scratch { blowing, drives, wind_change, predicted, new_velocity, ..Scratch::default() }
+    Scratch { blowing, drives, missed, lack, wind_change, predicted, new_velocity, ..Scratch::default() }
 }
 
 /// Way of the clamp of a strand in the step: to where its keyframes are at the step's end, else a part of the way to its
@@ -152,25 +154,50 @@ pub fn depth(p: &Parameters, wind: DVec3, axis: usize, position: DVec3) -> f64 {
     if wind[axis] >= 0.0 { position[axis] } else { p.box_size[axis] - position[axis] }
 }
 
-/// Change that the wind makes in step number `steps` to air at `position` that moves with `velocity` \[m/s\].
-///
-/// The mean wind's change is added first, then v += (1 − e^{−σΔt})(U + u' − v), with u' the turbulence that the wind brings in
-/// and σ = 30 max(|U|, 0.3 m/s)/ℓ sin²(π x/ℓ) within the thickness ℓ of the face that U enters through; several faces count
-/// with the cosines of U.
-#[must_use]
-pub fn fringe(p: &Parameters, steps: u64, position: DVec3, velocity: DVec3) -> DVec3 {
-    let (wind, before) = (blow(p, steps + 1), blow(p, steps));
-    let (change, speed) = (wind - before, wind.length());
-    if speed == 0.0 {
-        return change;
-    }
-    let mut sigma = 0.0;
-    for axis in 0..3 {
+/// Rate at which the fringe draws air at `position` to the wind U of step number `steps` \[1/s\]:
+/// 10 max(|U|, 0.3 m/s)/ℓ sin²(π x/ℓ) within the thickness ℓ of the face that U enters through; several faces count with the
+/// cosines of U.
+fn rate(p: &Parameters, steps: u64, position: DVec3) -> f64 {
+    let wind = blow(p, steps + 1);
+    let speed = wind.length();
+    let face = |axis: usize| {
         let depth = depth(p, wind, axis, position);
-        if depth < p.fringe {
-            let cosine = wind[axis].abs() / speed;
-            sigma += cosine * 30.0 * speed.max(0.3) / p.fringe * (PI * depth / p.fringe).sin().powi(2);
+        let bump = if depth < p.fringe { (PI * depth / p.fringe).sin().powi(2) } else { 0.0 };
+        wind[axis].abs() / speed * 10.0 * speed.max(0.3) / p.fringe * bump
+    };
+    if speed > 0.0 && p.fringe > 0.0 { (0..3).map(face).sum() } else { 0.0 }
+}
+
+/// What the air in the fringe misses of the wind \[m/s\]: the mean of U + u' less the air's velocity, weighted by the rates, once the
+/// mean wind's change in step number `steps` is added to all air.
+#[must_use]
+pub fn miss(p: &Parameters, steps: u64, positions: &[DVec3], velocities: &[DVec3]) -> DVec3 {
+    let change = blow(p, steps + 1) - blow(p, steps);
+    let (mut sum, mut all) = (DVec3::ZERO, 0.0);
+    for (x, v) in positions.iter().zip(velocities) {
+        let rate = rate(p, steps, *x);
+        if rate > 0.0 && v.is_finite() {
+            sum += rate * (brought(p, steps, *x) - *v - change);
+            all += rate;
         }
     }
-    change + (1.0 - (-sigma * p.step).exp()) * (brought(p, steps, position) - (velocity + change))
+    if all > 0.0 { sum / all } else { DVec3::ZERO }
+}
+
+/// What all air lacks of the wind of step number `steps` \[m/s\]: what the fringe misses, along the wind.
+#[must_use]
+pub fn hold(p: &Parameters, steps: u64, missed: DVec3) -> DVec3 {
+    let wind = blow(p, steps + 1);
+    if wind.length() > 0.0 { missed.project_onto(wind) } else { DVec3::ZERO }
+}
+
+/// Change that the wind makes in step number `steps` to air at `position` that moves with `velocity` \[m/s\].
+///
+/// The mean wind's change and the lack are added first, then v += (1 − e^{−σΔt})(U + u' − v), with u' the turbulence that the wind
+/// brings in and σ the rate of the fringe.
+#[must_use]
+pub fn fringe(p: &Parameters, steps: u64, lack: DVec3, position: DVec3, velocity: DVec3) -> DVec3 {
+    let change = blow(p, steps + 1) - blow(p, steps) + lack;
+    let left = (-rate(p, steps, position) * p.step).exp();
+    if left < 1.0 { change + (1.0 - left) * (brought(p, steps, position) - velocity - change) } else { change }
 }

@@ -144,7 +144,7 @@ impl Parameters {
             lift: scene.interaction.lift,
             friction: (0..initial.hair.len()).map(|s| initial.hair.friction(s)).collect(),
             solver: scene.fluid.solver,
-            pressure_iterations: scene.fluid.pressure_iterations,
+            pressure_iterations: scene.pressure_iterations(),
             coarse: scene.why_no_coarse().is_none(),
             coarse_nodes: coarse_nodes(initial),
             fluid_iterations: scene.fluid.iterations,

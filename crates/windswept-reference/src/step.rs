@@ -35,6 +35,10 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
 pub struct Scratch {
     /// Mean wind in this step \[m/s\].
     pub blowing: DVec3,
+    /// What the air in the fringe misses of the wind, on average \[m/s\].
+    pub missed: DVec3,
+    /// What all air lacks of the wind, along it \[m/s\].
+    pub lack: DVec3,
     /// Change that ramp, gusts and fringe make to each air particle \[m/s\].
     pub wind_change: Vec<DVec3>,
     /// Position of each particle \[m\].

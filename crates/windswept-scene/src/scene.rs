@@ -192,7 +192,7 @@ table! {
         /// Solver of the air: a constraint on how its velocity diverges, or one on its density by moves (position-based fluids).
         solver: FluidSolver = Choice(FluidSolver::WORDS), "", Fallback::Method(FluidSolver::Divergence, FluidSolver::Pbf);
         /// Iterations of the pressure of solver divergence.
-        pressure_iterations: u32 = Count(1, MOST_PRESSURE_ITERATIONS), "", Value(2);
+        pressure_iterations: Option<u32> = Count(1, MOST_PRESSURE_ITERATIONS), "", Absent("2, or 4 with model particles");
         /// Whether solver divergence solves for the pressure on a coarse grid first; not with model particles, nor with bodies.
         coarse: bool = Bool, "", Value(true);
         /// Jacobi iterations of the density constraint: of solver pbf, and of hair on hair with model two-way; 0 leaves it out.
@@ -208,7 +208,7 @@ impl Fluid {
     /// Solver pbf with these numbers of the density constraint.
     #[must_use]
     pub fn pbf(iterations: u32, relaxation: f64, tension: f64) -> Self {
-        Self { solver: FluidSolver::Pbf, pressure_iterations: 1, coarse: false, iterations, relaxation, tension }
+        Self { solver: FluidSolver::Pbf, pressure_iterations: None, coarse: false, iterations, relaxation, tension }
     }
 }
 
@@ -237,6 +237,12 @@ impl Scene {
         } else {
             None
         }
+    }
+
+    /// Iterations of the pressure: two are few where hair is in air's own sums (`docs/decisions/air.md`).
+    #[must_use]
+    pub fn pressure_iterations(&self) -> u32 {
+        self.fluid.pressure_iterations.unwrap_or(if self.interaction.model == Model::Particles { 4 } else { 2 })
     }
 
     /// Why strands do not rub on one another in this scene, whatever their `hair.friction`; `None` where they do.

@@ -36,9 +36,6 @@ const WATCHED: f64 = 0.16;
 /// Looks in that time.
 const LOOKS: usize = 16;
 
-/// Iterations of the pressure: without a coarse grid, which hair in air's sums leaves out, two are too few
-/// (`docs/decisions/air.md`).
-const ITERATIONS: u32 = 4;
 /// Starts of the air, each with a jitter of its own.
 const SEEDS: [u64; 3] = [7, 8, 9];
 /// Scale of the eddies behind the circle \[m\], and how far behind it they are \[spacings\].
@@ -73,7 +70,7 @@ fn start(step: f64, wind: f64, weight: f64, seed: u64) -> Result<(Scene, Initial
     let strands: String = across.iter().flat_map(|x| across.map(|y| strand(*x, y))).collect();
     let scene = Scene::parse(&format!(
         "gravity = [0, 0, 0]\ninteraction = {{ model = \"particles\" }}\n\
-         fluid = {{ solver = \"divergence\", pressure_iterations = {ITERATIONS} }}\n\
+         fluid = {{ solver = \"divergence\" }}\n\
          time = {{ step = {step}, duration = 1.0 }}\nrods = {{ sleep = false }}\n\
          viscosity = {{ hair = {c}, air = {c} }}\n\
          [air]\nbox = {{ min = [0, 0, 0], max = {:?} }}\nwind = [{wind}, 0, 0]\nramp = 0.0\n\

@@ -2,9 +2,8 @@
 
 use windswept_scene::{Filter, FluidSolver, InitialState, Model, Scene};
 use windswept_shaders::{
-    common::{mesh::Mesh, params::Params},
+    common::{inflow::Wave, mesh::Mesh, params::Params},
     fluid::divergence::Iteration,
-    wind::fringe::Wave,
 };
 
 use crate::{
@@ -43,7 +42,7 @@ impl<'a> Setup<'a> {
         let bands = Bands::new(scene, initial, &params);
         let meshes = Meshes::new(scene, initial);
         let divergence = scene.fluid.solver == FluidSolver::Divergence && params.box_cells > 0;
-        let iterations = if divergence { pressure::iterations(scene.fluid.pressure_iterations) } else { Vec::new() };
+        let iterations = if divergence { pressure::iterations(scene.pressure_iterations()) } else { Vec::new() };
         let on_coarse_grid = divergence && scene.why_no_coarse().is_none();
         let coarse = on_coarse_grid.then(|| Coarse::new(initial, meshes.uniforms.len()));
         let motions = Motions::new(scene);

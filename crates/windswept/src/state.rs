@@ -11,11 +11,13 @@ use windswept_shaders::{
         band::Band,
         body::{Body, Placed},
         dispatch::WORKGROUP,
+        inflow::Wave,
         lanes::LANES,
         mesh::Mesh,
         motion::Keyframe,
         params::Params,
         pressure::{Gradients, Pressed, Stress},
+        reduce::TERMS,
         rod::{Health, PointHistory, RodPoint, RodSegment, RodStrand, Root, Segment, SegmentHistory, Strand},
         row::Row,
         rub::Rub,
@@ -23,8 +25,6 @@ use windswept_shaders::{
     },
     fluid::divergence::Iteration,
     rods::direct::Factor,
-    turbulence::sum::TERMS,
-    wind::fringe::Wave,
 };
 
 use crate::array::{AnyArray, Array};
@@ -222,6 +222,8 @@ state! {
     new_velocity: Vec4, |s| s.particles;
     /// Velocity of a particle after XSPH \[m/s\].
     viscous_velocity: Vec4, |s| s.particles;
+    /// What the air behind the face of entry lacks of the wind \[m/s\].
+    lack: Vec4, |_| 1;
     /// What the wind adds to a particle of air in this step \[m/s\].
     wind_change: Vec4, |s| s.particles;
     /// Force from outside on a hair point at rest \[N\]; w: what resists its velocity at the step's end \[kg/s\]. Every pass that
@@ -301,8 +303,9 @@ state! {
     vorticity: Vec4, |s| if s.air() > 0 { s.particles } else { 0 };
     /// What confinement adds to a particle in this step, all bands \[m/s\].
     confinement: Vec4, |s| s.turbulent();
-    /// Sums over the particles of a workgroup each: of the confinement, or of what the coarse pressure does \[m/s\].
-    partial_sum: Vec4, |s| s.on_grids().div_ceil(WORKGROUP * TERMS);
+    /// Sums over the particles of a workgroup each: of what air in the fringe misses of the wind \[m/s²\], of the confinement, or
+    /// of what the coarse pressure does \[m/s\].
+    partial_sum: Vec4, |s| s.air().div_ceil(WORKGROUP * TERMS);
     /// Mean of the confinement over the air, to be taken out \[m/s\], and the impulse that this leaves the air with \[kg m/s\].
     mean_confinement: Vec4, |_| 2;
 

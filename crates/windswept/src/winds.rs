@@ -1,7 +1,7 @@
 //! The wind as the shaders see it: the table of the mean wind, the waves of the inflow.
 
 use windswept_scene::{InitialState, Scene};
-use windswept_shaders::wind::fringe::Wave;
+use windswept_shaders::common::inflow::Wave;
 
 /// A time that no run reaches \[s\].
 const NEVER: f32 = 1e30;

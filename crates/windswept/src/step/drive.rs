@@ -1,8 +1,8 @@
 //! 1. Clamps move; wind enters; air moves, and hair drifts among it.
 
-use windswept_shaders::{fluid, rods, wind};
+use windswept_shaders::{common::reduce::TERMS, fluid, rods, wind};
 
-use crate::{plan::Plan, recorder::Recorder};
+use crate::{plan::Plan, recorder::Recorder, step::ONE_WORKGROUP};
 
 /// Records the passes of this heading.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
@@ -21,6 +21,8 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         });
     });
     r.when(&plan.wind, |r| {
+        r.run(&wind::MISS, "what the fringe misses of the wind", n.air().div_ceil(TERMS));
+        r.run(&wind::HOLD, "what the air lacks of the wind", ONE_WORKGROUP);
         r.run(&wind::FRINGE, "wind enters", n.air());
     });
     r.when(&plan.pbf, |r| {

@@ -2,10 +2,10 @@
 
 use windswept_shaders::{
     coarse,
-    common::mesh::Mesh,
+    common::{mesh::Mesh, reduce::TERMS},
     fluid,
     fluid::divergence::Iteration,
-    turbulence::{self, sum::TERMS},
+    turbulence,
 };
 
 use crate::{

@@ -1,6 +1,6 @@
 //! 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
 
-use windswept_shaders::turbulence::{self, sum::TERMS};
+use windswept_shaders::{common::reduce::TERMS, turbulence};
 
 use crate::{
     array::AnyArray,

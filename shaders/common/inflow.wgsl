@@ -1,0 +1,34 @@
+// What the wind brings in: behind the faces that it enters through, the fringe draws the air towards it.
+import package::common::{params::params, pi::PI, wind::{mean_wind, way_of_wind, depth_of}};
+
+const SLOWEST: f32 = 0.3;   // m/s: the fringe keeps some grip while the wind rises
+const GRIP: f32 = 10.0;     // of the fringe, per passage
+
+struct Wave {
+    number: vec4f,      // xyz: k [1/m], whole periods to the box; w: phase
+    amplitude: vec4f,   // a, of the wind's speed
+}
+
+@group(0) @binding(4) var<storage, read> inflow: array<Wave>;   // one of no amplitude without inflow turbulence
+
+// Velocity that the wind brings in at a place [m/s].
+fn brought(place: vec3f) -> vec3f {
+    let carried = place - way_of_wind();
+    var eddies = vec3f(0.0);
+    for (var m = 0u; m < arrayLength(&inflow); m++) {
+        let wave = inflow[m];
+        eddies += wave.amplitude.xyz * sin(dot(wave.number.xyz, carried) + wave.number.w);
+    }
+    return mean_wind() + length(mean_wind()) * eddies;
+}
+
+// Rate at which the fringe draws air at a place towards that [1/s].
+fn rate_at(place: vec3f) -> f32 {
+    let wind = mean_wind();
+    let speed = length(wind);
+    if params.fringe * speed <= 0.0 { return 0.0; }
+    let depth = depth_of(place, wind);
+    let bump = sin(PI * depth / params.fringe);
+    let within = select(vec3f(0.0), bump * bump, depth < vec3f(params.fringe));
+    return dot(abs(wind) / speed, within) * GRIP * max(speed, SLOWEST) / params.fringe;
+}
