@@ -10,6 +10,7 @@ use crate::{
     groom::Groom,
     hair,
     limits::{DEEPEST_ROOT, STRAND_MAGNITUDES},
+    reach,
     scene::{Air, FRICTION, Hair, Model, Scene},
     strand::Parcel,
     warnings,
@@ -181,7 +182,7 @@ impl Strands {
     }
 
     /// The group of strand `s`, if it has one.
-    fn group<'a>(&self, s: usize, scene: &'a Scene) -> Option<&'a Hair> {
+    pub(crate) fn group<'a>(&self, s: usize, scene: &'a Scene) -> Option<&'a Hair> {
         scene.hair.get(*self.group.get(s)? as usize)
     }
 
@@ -335,8 +336,8 @@ impl InitialState {
     /// The state at t = 0 of a scene: strands in their rest shape, air on its lattice.
     ///
     /// # Errors
-    /// [`SceneError`] when the scene has neither hair nor air, when hair fills the box of air, when a root is deep inside a
-    /// body, and when a strand's masses or compliances are beyond what `f32` holds. It has a key but no line: a scene may
+    /// [`SceneError`] when the scene has neither hair nor air, when hair fills the box of air, when `air.margin` leaves no box,
+    /// when a root is deep inside a body, and when a strand's masses or compliances are beyond what `f32` holds. It has a key but no line: a scene may
     /// have been made in code.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let mut warnings = Vec::new();
@@ -370,6 +371,7 @@ impl InitialState {
         }
         let mut state = Self { hair, warnings, ..Self::default() };
         if let Some((air, bounds)) = filled {
+            let bounds = reach::cut(scene, air, bounds, &state.hair)?;
             // Fibres take no room from the air that they exchange drag with.
             let none = Strands::default();
             let displaces = if scene.interaction.model == Model::TwoWay { &none } else { &state.hair };

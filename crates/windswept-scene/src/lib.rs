@@ -17,6 +17,7 @@ mod load;
 mod mesh;
 mod motion;
 mod picture;
+mod reach;
 mod reader;
 mod rest;
 mod scene;

@@ -20,7 +20,7 @@ const MUCH_BLOCKED: f64 = 0.3;
 /// Warnings about step, wind, particles and bands.
 pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<String> {
     let mut warnings = Vec::new();
-    let (spacing, wind, fastest) = (air.parcel().cbrt(), air.wind(), air.largest_wind());
+    let (spacing, fastest) = (air.parcel().cbrt(), air.largest_wind());
     let (way, most) = (fastest * scene.time.step / spacing, farthest(scene));
     if way > most * f64::from(scene.time.substeps) {
         let needed = (way / most).ceil();
@@ -51,9 +51,8 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<
             ));
         }
     }
-    let blows = |axis: usize| wind[axis] != 0.0 || air.gust.iter().any(|gust| gust.velocity[axis] != 0.0);
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        if blows(axis) && air.fringe > 0.5 * particles.size[axis] {
+        if (air.blows(axis, 1.0) || air.blows(axis, -1.0)) && air.fringe > 0.5 * particles.size[axis] {
             warnings.push(format!(
                 "air.fringe of {} m takes more than half of the box in {name}, {} m",
                 air.fringe, particles.size[axis]

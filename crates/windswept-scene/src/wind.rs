@@ -105,6 +105,12 @@ impl Air {
         gusts.fold(before, f64::max)
     }
 
+    /// Whether the wind blows at any time along an axis, in the direction of `sign`.
+    pub(crate) fn blows(&self, axis: usize, sign: f64) -> bool {
+        let gusts = self.gust.iter().map(|gust| self.wind[axis] + gust.velocity[axis]);
+        std::iter::once(self.wind[axis]).chain(gusts).any(|wind| sign * wind > 0.0)
+    }
+
     /// Whether no wind blows at any time.
     #[must_use]
     pub fn is_still(&self) -> bool {

@@ -126,7 +126,7 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[turbulence]\nlaw = \"bands\"\n[air]", 12, "turbulence.law", &["\"band\", \"published\""]),
     ("[air]", "[turbulence]\nbands = [3]\n[air]", 12, "turbulence.bands", &["array of tables", "found 3 in it"]),
     ("[air]", "[turbulence]\norder = \"quintic\"\n[air]", 12, "turbulence.order", &["\"cic\", \"tsc\", \"cubic\""]),
-    ("[air]", "[air]\nmargin = 0.1", 12, "air.margin", &["not in this version"]),
+    ("[air]", "[air]\nmargin = -0.1", 12, "air.margin", &["at least 0", "found -0.1"]),
     ("[air]", "[[air.gust]]\nvelocity = [1, 0, 0]\n[air]", 11, "air.gust.0.time", &["is missing"]),
     ("[air]", "[air.inflow]\nscale = 0.01\n[air]", 11, "air.inflow.intensity", &["is missing"]),
     ("[air]", "[air.inflow]\nscale = 0\nintensity = 0.1\n[air]", 12, "air.inflow.scale", &["greater than 0"]),

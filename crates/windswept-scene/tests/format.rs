@@ -105,7 +105,7 @@ fn explain_lists_every_key_with_type_unit_default_and_help() {
     }
     for (key, words) in [
         ("rods.solver", "\"direct\" (accurate), \"gauss-seidel\" (published)"),
-        ("air.margin", "not in this version"),
+        ("rods.internal_damping", "not in this version"),
         ("time.step", "a number greater than 0 [s]; needed"),
     ] {
         let line = text.lines().find(|line| line.starts_with(key)).unwrap();

@@ -5,7 +5,7 @@ mod common;
 
 use common::{BRUSH, QUICK, assert_close, brush, scene_of};
 use glam::DVec3;
-use windswept_scene::{Band, InitialState};
+use windswept_scene::{Band, InitialState, Scene};
 
 /// The example is as large as the issue says, and there is nothing to warn of.
 #[test]
@@ -181,4 +181,50 @@ fn states_that_cannot_be_computed_are_refused() {
     }
     let error = refused(&["hair.strands=20000", "hair.points=50"]);
     assert_eq!(error.key(), Some("air.box"), "{error}");
+}
+
+/// `air.margin` cuts the box to where hair may get: its length from its roots, wherever they move, and upwind the fringe more. It
+/// never makes the box larger, and leaves all of it to strands that may fly off.
+#[test]
+fn a_margin_cuts_the_box_to_the_hairs_reach() {
+    let large = ["air.box={min=[-0.2,-0.2,-0.1],max=[0.4,0.3,0.2]}", "hair.roots.radius=1e-9", "hair.length=0.03"];
+    let cut = |sets: &[&str]| {
+        let air = brush(&[&large[..], sets].concat()).1.air;
+        [air.min, air.min + air.size]
+    };
+    let assert_box = |found: [DVec3; 2], expected: [DVec3; 2], what: &str| {
+        let off = (found[0] - expected[0]).length() + (found[1] - expected[1]).length();
+        assert!(off < 1e-7, "{what}: {found:?}, expected {expected:?}");
+    };
+    let whole = [DVec3::new(-0.2, -0.2, -0.1), DVec3::new(0.4, 0.3, 0.2)];
+    let (root, fringe) = (DVec3::new(0.045, 0.065, 0.035), 4.0 * 9.3e-3);
+    let around = |reach: f64| [root - reach - DVec3::X * fringe, root + reach];
+    assert_box(cut(&[]), whole, "no margin");
+    assert_box(cut(&["air.margin=0.02"]), around(0.05), "a margin");
+    assert_box(cut(&["air.margin=0"]), around(0.03), "none to spare");
+    assert_box(cut(&["air.margin=3"]), whole, "more than there is");
+    let [low, high] = around(0.05);
+    let back = "air.wind=[-3,0,0]";
+    assert_box(cut(&["air.margin=0.02", back]), [root - 0.05, high + DVec3::X * fringe], "wind from the other side");
+    let gust = "air.gust=[{time=0.1,velocity=[0,0,-1]}]";
+    assert_box(cut(&["air.margin=0.02", gust]), [low, high + DVec3::Z * fringe], "a gust from behind");
+    let way = "hair.motion=[{time=0},{time=1,translation=[0,0.1,0]},{time=2}]";
+    assert_box(cut(&["air.margin=0.02", way]), [low, high + DVec3::Y * 0.1], "roots that move");
+    let turn = "hair.motion=[{time=0},{time=1,rotation=[0,0,1]}]";
+    assert_box(cut(&["air.margin=0.02", turn]), [low, high], "roots that turn about themselves");
+    assert_box(cut(&["air.margin=0.02", "hair.root=free", "hair.roots.radius=1e-9"]), whole, "loose strands");
+    // Three kernel radii are the least.
+    let [low, high] = cut(&["air.margin=0", "hair.length=0.001", "air.wind=[0,0,0]"]);
+    assert!(
+        (high - low).cmpge(DVec3::splat(3.0 * 9.3e-3 - 1e-9)).all() && low.cmplt(root).all() && high.cmpgt(root).all()
+    );
+
+    let refused = |sets: &[&str]| InitialState::new(&scene_of(BRUSH, sets)).unwrap_err();
+    let error = refused(&["air.margin=0.01", "hair.roots.center=[3,3,3]"]);
+    assert_eq!(error.key(), Some("air.margin"), "{error}");
+    // A box that holds too many particles is refused, unless it is cut.
+    let huge = "air.box={min=[-2,-2,-2],max=[2,2,2]}";
+    assert!(Scene::parse_with("scene", BRUSH, &[huge.to_owned()]).unwrap_err().to_string().contains("would hold"));
+    let air = brush(&[huge, "air.margin=0.01", "hair.length=0.03"]).1.air;
+    assert!(air.positions.len() < 40_000, "{}", air.positions.len());
 }

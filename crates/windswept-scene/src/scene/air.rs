@@ -4,7 +4,7 @@ use crate::{
     declare::table,
     error::SceneError,
     keys::{
-        Fallback::{Absent, Needed, NotBuilt, Value},
+        Fallback::{Absent, Needed, Value},
         Kind::{Count, Fraction, Length, NonNegative, Positive, Table, Tables, Vector},
     },
     limits::{LEAST_AIR_PARTICLES, LEAST_KERNEL_RADIUS, MOST_AIR_PARTICLES, MOST_BOX_CELLS},
@@ -25,6 +25,8 @@ table! {
     pub struct Air, checked by Air::checked {
         /// Periodic box of the air particles; none with models drag and none.
         bounds as "box": Option<Bounds> = Table, "", Absent("needed with models particles and two-way");
+        /// Distance about the hair's reach that the box is cut to at load, and the fringe's thickness more where wind enters.
+        margin: Option<f64> = NonNegative, "m", Absent("the whole box");
         /// Rest density ρ0.
         rest_density: f64 = Positive, "kg/m³", Value(Air::REST_DENSITY);
         /// Mass of an air particle; the count is rounded, and the mass adjusted so that the mean density is exact.
@@ -45,10 +47,6 @@ table! {
         jitter: f64 = Fraction, "", Absent("0.05 with fluid.solver divergence, 0 with pbf") => |air| jitter(air)?;
         /// Turbulence that enters with the wind.
         inflow: Option<Inflow> = Table, "", Absent("smooth wind");
-    }
-    without a field {
-        /// Reach about the hair that the box is cut to.
-        margin: f64 = Length, "m", NotBuilt;
     }
 }
 
@@ -138,7 +136,7 @@ impl Air {
             return Err(reader.fault("box", words));
         };
         self.check_box(&bounds, reader)?;
-        self.check_kernel(&bounds, reader)?;
+        self.check_kernel(reader)?;
         Ok(self)
     }
 
@@ -159,30 +157,43 @@ impl Air {
                 ));
             }
         }
-        let count = (0..3).map(|axis| max[axis] - min[axis]).product::<f64>() * self.rest_density / self.particle_mass;
-        if count < LEAST_AIR_PARTICLES {
-            return fault(format!(
-                "would hold {count:.3} particles of air.particle_mass; expected at least {LEAST_AIR_PARTICLES}"
-            ));
+        // A box that is to be cut is counted once it is.
+        if self.margin.is_some() {
+            return Ok(());
         }
-        if count > f64::from(MOST_AIR_PARTICLES) {
-            return fault(format!(
-                "would hold {count:.3e} particles of air.particle_mass; expected at most {MOST_AIR_PARTICLES}"
-            ));
-        }
-        Ok(())
+        self.check_size(bounds).or_else(|(key, words)| Err(reader.fault(key, words)))
     }
 
-    /// Kernels must reach the next particle, and a grid of them must be summed.
-    fn check_kernel(&self, bounds: &Bounds, reader: &Reader<'_>) -> Result<(), SceneError> {
-        let radius = self.kernel_radius;
-        let cells: f64 = (0..3).map(|axis| ((bounds.max[axis] - bounds.min[axis]) / radius).floor()).product();
+    /// The box must hold some particles, and no more of them and of cells than fit; else the key and what is wrong with it.
+    pub(crate) fn check_size(&self, bounds: &Bounds) -> Result<(), (&'static str, String)> {
+        let (least, most, radius) = (LEAST_AIR_PARTICLES, MOST_AIR_PARTICLES, self.kernel_radius);
+        let side = |axis: usize| bounds.max[axis] - bounds.min[axis];
+        let count = (0..3).map(side).product::<f64>() / self.parcel();
+        if count < least {
+            return Err((
+                "box",
+                format!("would hold {count:.3} particles of air.particle_mass; expected at least {least}"),
+            ));
+        }
+        if count > f64::from(most) {
+            return Err((
+                "box",
+                format!("would hold {count:.3e} particles of air.particle_mass; expected at most {most}"),
+            ));
+        }
+        let cells: f64 = (0..3).map(|axis| (side(axis) / radius).floor()).product();
         if cells > MOST_BOX_CELLS {
             let fits = rounded(radius * (cells / MOST_BOX_CELLS).cbrt());
             let words =
                 format!("makes {cells:.3e} cells of the box; expected at most {MOST_BOX_CELLS:e}, about {fits} m");
-            return Err(reader.fault("kernel_radius", words));
+            return Err(("kernel_radius", words));
         }
+        Ok(())
+    }
+
+    /// Kernels must reach the next particle.
+    fn check_kernel(&self, reader: &Reader<'_>) -> Result<(), SceneError> {
+        let radius = self.kernel_radius;
         let spacing = (self.particle_mass / self.rest_density).cbrt();
         let least = rounded(LEAST_KERNEL_RADIUS * spacing);
         // As the error rounds it: who follows its advice is right.
