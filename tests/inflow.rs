@@ -109,6 +109,10 @@ fn a_wind_that_turns_round_enters_from_the_other_side() {
     still.step(1).unwrap();
     let velocities = vectors(&still.frame().unwrap().air.velocities);
     assert!(velocities.iter().all(|v| (*v - after).length() < 1e-5), "not all air moves: {}", velocities[0]);
+    still.set_wind(DVec3::ZERO).unwrap();
+    still.step(3).unwrap();
+    let velocities = vectors(&still.frame().unwrap().air.velocities);
+    assert!(velocities.iter().all(|v| v.length() < 1e-5), "not all air stands: {}", velocities[0]);
     assert!(still.set_wind(DVec3::X * f64::NAN).unwrap_err().to_string().contains("wind"));
 }
 

@@ -222,8 +222,12 @@ impl Plan {
         }
     }
 
-    /// Takes another wind into account; says whether other passes run now.
+    /// Takes another wind into account; says whether other passes run now. Where a wind has blown its passes stay: they bring the
+    /// air to rest.
     pub(crate) fn set_wind(&mut self, scene: &Scene) -> bool {
+        if self.blows.runs {
+            return false;
+        }
         let (blows, wind) = wind(scene, &self.air, &self.drag);
         let changed = blows != self.blows;
         (self.blows, self.wind) = (blows, wind);
