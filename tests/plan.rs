@@ -3,7 +3,7 @@
 
 mod support;
 
-use windswept::internals::{Decision, Engine, Plan, Recorder, Setup, step};
+use windswept::internals::{AnyArray, Decision, Engine, Plan, Recorder, Recording, Setup, Sharing, State, step};
 use windswept_scene::{InitialState, Scene};
 
 /// The small brush with some keys set, and perhaps without its hair or its air.
@@ -74,11 +74,13 @@ const COMMIT: &[&str] = &["guard/commit"];
 const COMMIT_AIR: &[&str] = &["guard/commit_order", "guard/commit_air", "guard/commit_pressure", "guard/commit"];
 
 /// A kind of scene: its keys, what it is without, and the passes that it has.
-type Case<'a> = (&'a str, &'a [&'a str], Option<&'a str>, &'a [&'a [&'a str]]);
+type Case = (&'static str, &'static [&'static str], Option<&'static str>, Vec<&'static str>);
 
-/// A scene's step has the passes that it needs and no others.
-#[test]
-fn a_scene_runs_what_it_needs() {
+const BODY: &str = "body=[{name='a',center=[0.1,0.06,0.03],radius=0.012}]";
+const TWO_BANDS: &str =
+    "turbulence.bands=[{scale=0.006,strength=3,intensity=0.3},{scale=0.018,strength=2,intensity=0.3}]";
+
+fn cases() -> [Case; 9] {
     let blow = &["wind/blow"][..];
     let moves = &["rods/roots", "rods/drift", "wind/miss", "wind/hold", "wind/fringe", "fluid/advance"][..];
     let fluid = &[HAIR_ON_HAIR, SPREAD, COARSE, PUSH].concat()[..];
@@ -86,33 +88,36 @@ fn a_scene_runs_what_it_needs() {
     let velocity = &["rods/velocity"][..];
     let eddies = &[SORT, FILTER, CONFINE, STRENGTHEN].concat()[..];
     let hair_alone = &["rods/roots"][..];
-    let bodies = "body=[{name='a',center=[0.1,0.06,0.03],radius=0.012}]";
-    let two_bands = "turbulence.bands=[{scale=0.006,strength=3,intensity=0.3},{scale=0.018,strength=2,intensity=0.3}]";
-    let cases: [Case<'_>; 9] = [
-        ("rods only", &["interaction.model=none"], None, &[hair_alone, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT]),
+    [
+        (
+            "rods only",
+            &["interaction.model=none"],
+            None,
+            [hair_alone, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
+        ),
         (
             "hair without air",
             &["interaction.model=two-way"],
             Some("air"),
-            &[hair_alone, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT],
+            [hair_alone, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
         ),
         (
             "drag",
             &["interaction.model=drag"],
             None,
-            &[blow, hair_alone, BEGIN, &["wind/drag"], SOLVE, velocity, COMMIT_HAIR, COMMIT],
+            [blow, hair_alone, BEGIN, &["wind/drag"], SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
         ),
         (
             "two-way",
             &[],
             None,
-            &[blow, moves, SORT, LIST, fluid, exchange, velocity, eddies, VISCOSITY, COMMIT_HAIR, COMMIT_AIR],
+            [blow, moves, SORT, LIST, fluid, exchange, velocity, eddies, VISCOSITY, COMMIT_HAIR, COMMIT_AIR].concat(),
         ),
         (
             "air only",
             &[],
             Some("hair"),
-            &[
+            [
                 blow,
                 &["wind/miss", "wind/hold", "wind/fringe", "fluid/advance"],
                 SORT,
@@ -124,25 +129,26 @@ fn a_scene_runs_what_it_needs() {
                 // Air alone cannot exchange more than it has.
                 &["fluid/viscosity", "guard/check"],
                 COMMIT_AIR,
-            ],
+            ]
+            .concat(),
         ),
         (
             "no turbulence",
             &["turbulence.bands=[]"],
             None,
-            &[blow, moves, SORT, LIST, fluid, exchange, velocity, VISCOSITY, COMMIT_HAIR, COMMIT_AIR],
+            [blow, moves, SORT, LIST, fluid, exchange, velocity, VISCOSITY, COMMIT_HAIR, COMMIT_AIR].concat(),
         ),
         (
             "no viscosity",
             &["viscosity.hair=0", "viscosity.air=0"],
             None,
-            &[blow, moves, SORT, LIST, fluid, exchange, velocity, eddies, COMMIT_HAIR, COMMIT_AIR],
+            [blow, moves, SORT, LIST, fluid, exchange, velocity, eddies, COMMIT_HAIR, COMMIT_AIR].concat(),
         ),
         (
             "everything",
-            &[bodies, two_bands],
+            &[BODY, TWO_BANDS],
             None,
-            &[
+            [
                 blow,
                 moves,
                 SORT,
@@ -164,13 +170,14 @@ fn a_scene_runs_what_it_needs() {
                 VISCOSITY,
                 COMMIT_HAIR,
                 COMMIT_AIR,
-            ],
+            ]
+            .concat(),
         ),
         (
             "as printed",
             &["method=published"],
             None,
-            &[
+            [
                 blow,
                 &["rods/roots", "rods/drift", "wind/miss", "wind/hold", "wind/fringe", "fluid/predict"],
                 SORT,
@@ -188,11 +195,17 @@ fn a_scene_runs_what_it_needs() {
                 COMMIT_HAIR,
                 &["guard/commit_order", "guard/commit_air"],
                 COMMIT,
-            ],
+            ]
+            .concat(),
         ),
-    ];
-    for (name, sets, without, expected) in cases {
-        assert_eq!(runs(&scene(sets, without)), expected.concat(), "{name}");
+    ]
+}
+
+/// A scene's step has the passes that it needs and no others.
+#[test]
+fn a_scene_runs_what_it_needs() {
+    for (name, sets, without, expected) in cases() {
+        assert_eq!(runs(&scene(sets, without)), expected, "{name}");
     }
 }
 
@@ -266,4 +279,87 @@ fn what_is_left_out_changes_nothing() {
     let crowded = ["hair.friction=0", "hair.roots.radius=0.002", "hair.points=13"];
     same_bits(&crowded, |plan| plan.friction = runs());
     same_bits(&[], |plan| plan.bodies = runs());
+}
+
+/// The recordings of a simulation of a scene.
+fn recordings(setup: &Setup<'_>, state: &State) -> Vec<Recording> {
+    step::recordings(state, &Plan::new(setup))
+}
+
+/// No pass is bound to memory that another array has had since the pass's own was written, nor reads what no pass has written.
+#[test]
+fn arrays_in_the_same_memory_are_not_needed_at_a_time() {
+    for (name, sets, without, _) in cases() {
+        let scene = scene(sets, without);
+        let initial = InitialState::new(&scene).unwrap();
+        let setup = Setup::new(&scene, &initial);
+        let state = State::new(&setup.sizes());
+        let (arrays, recordings) = (state.arrays(), recordings(&setup, &state));
+        let sharing = Sharing::of(&arrays, &recordings);
+        let overwritten = |sharing: &Sharing| recordings.iter().find_map(|recording| sharing.overwritten(recording));
+        assert_eq!(overwritten(&sharing), None, "{name}");
+        let (apart, shared) = (Sharing::none(&arrays).bytes(&arrays), sharing.bytes(&arrays));
+        println!("{name}: {shared} bytes of {apart}");
+        assert!(shared < apart, "{name}: nothing is shared");
+        // Shared as if no pass bound anything.
+        assert!(overwritten(&Sharing::of(&arrays, &[])).is_some(), "{name}: an overwritten array goes unseen");
+    }
+}
+
+/// Steps in shared memory have the bits of steps in memory of their own, whatever lay in what is shared before: every scratch
+/// array that shares its memory is filled with rubbish before each step.
+#[test]
+fn sharing_memory_changes_nothing() {
+    // Not a number, and the largest index; a large number.
+    const RUBBISH: [u8; 2] = [0xff, 0x71];
+    for (name, sets, without, _) in cases() {
+        let scene = scene(&[SMALL, sets].concat(), without);
+        let initial = InitialState::new(&scene).unwrap();
+        let setup = Setup::new(&scene, &initial);
+        let gpu = support::gpu();
+        // What there is after four steps, and before a step what `spoil` does.
+        let steps = |mut engine: Engine, spoil: &dyn Fn(&Engine)| {
+            engine.grow_neighbours(200 * setup.sizes().particles).unwrap();
+            let recording = recordings(&setup, engine.state()).swap_remove(0);
+            for _ in 0..4 {
+                spoil(&engine);
+                engine.replay(&recording).unwrap();
+            }
+            let s = engine.state();
+            let vectors = [&s.position, &s.velocity, &s.orientation, &s.drag_impulse];
+            let vectors = vectors.map(|array| bytemuck::cast_vec::<_, [u32; 4]>(engine.read(array).unwrap()));
+            (
+                engine.status().unwrap().step,
+                vectors,
+                engine.read(&s.air_id).unwrap(),
+                engine.read(&s.pressed_before).unwrap(),
+            )
+        };
+        let apart = || Engine::new(&gpu, &setup).unwrap();
+        let clean = steps(apart(), &|_| {});
+        assert_eq!(clean.0, 4, "{name}: the step froze");
+        for rubbish in RUBBISH {
+            let changed_by = |spoiled: &[AnyArray]| {
+                let spoil = |engine: &Engine| {
+                    for array in spoiled {
+                        let bytes = vec![rubbish; array.bytes() as usize];
+                        engine.gpu().queue().write_buffer(engine.buffer(array), 0, &bytes);
+                    }
+                };
+                steps(apart(), &spoil) != clean
+            };
+            let state = State::new(&setup.sizes());
+            let mut arrays = state.arrays();
+            let sharing = Sharing::of(&arrays, &recordings(&setup, &state));
+            arrays.retain(|array| !sharing.is_alone(array));
+            if changed_by(&arrays) {
+                arrays.retain(|array| changed_by(&[*array]));
+                let names: Vec<_> = arrays.iter().map(AnyArray::name).collect();
+                panic!("{name}: a pass reads what was in {names:?} before the step");
+            }
+        }
+        let shared = Engine::sharing(&gpu, &setup, |state| recordings(&setup, state)).unwrap();
+        assert!(shared.memory_bytes() < apart().memory_bytes());
+        assert!(steps(shared, &|_| {}) == clean, "{name}: sharing changes something");
+    }
 }

@@ -13,7 +13,7 @@ const BLOCK: vec3i = vec3i(4, 2, 2);
 
 @group(0) @binding(2) var<uniform>             mesh:       Mesh;
 @group(0) @binding(3) var<storage, read>       cell_start: array<u32>;
-@group(0) @binding(4) var<storage, read>       flow:       array<vec4f>;   // xyz: place in spacings; w: s [1/s]
+@group(0) @binding(4) var<storage, read>       brought:    array<vec4f>;   // xyz: place in spacings; w: s [1/s]
 @group(0) @binding(5) var<storage, read_write> coarse:     array<f32>;     // r [1/s]
 
 // Sums for the rows of four nodes along x at one of two y and two z.
@@ -74,8 +74,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 let run = min(left, cells.x - cell.x);
                 let end = cell_start[row + cell.x + run];
                 for (var e = cell_start[row + cell.x]; e < end; e++) {
-                    let brought = flow[e];
-                    add(brought.w, brought.xyz - vec3f(corner));
+                    let one = brought[e];
+                    add(one.w, one.xyz - vec3f(corner));
                 }
                 left -= run;
                 cell.x = 0;

@@ -9,7 +9,7 @@ import package::common::{
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
 @group(0) @binding(5) var<storage, read>       stress:          array<Stress>;
 @group(0) @binding(6) var<storage, read>       density:         array<f32>;     // rho / rho_0
-@group(0) @binding(7) var<storage, read_write> flow:            array<vec4f>;   // xyz: place in node spacings; w: s/max(1, theta) [1/s]
+@group(0) @binding(7) var<storage, read_write> brought:         array<vec4f>;   // xyz: place in node spacings; w: s/max(1, theta) [1/s]
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -18,5 +18,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let i = sorted[e];
     var source = stress[i].divergence / max(1.0, density[i]);
     if density[i] < THIN { source = max(source, 0.0); }
-    flow[e] = vec4f(sorted_position[e].xyz / mesh.spacing, source);
+    brought[e] = vec4f(sorted_position[e].xyz / mesh.spacing, source);
 }

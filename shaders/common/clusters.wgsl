@@ -23,9 +23,10 @@ var<private> box: vec3f;    // m, sides of the box of air
 var<private> frame: vec3f;  // m, by which the cluster is moved towards 0 to meet others
 var<private> own_bit: u32;  // of the invocation among the eight
 var<private> nobody: bool;  // the invocation reads for the others, and has no particle
+var<private> member: u32;   // a particle of the cluster, which is read where an entry is none: what it has is of the cluster's kind
 
 // The particle of an invocation, whose cluster `meet_own_kind` and `meet_other_kind` go through from now on. Where `has_none` says that the
-// invocation has none, it is some particle.
+// invocation has none, it is another one of the cluster.
 fn take_particle(entry: u32, local: u32) -> u32 {
     place = local;
     box = params.box_size;
@@ -39,8 +40,9 @@ fn take_particle(entry: u32, local: u32) -> u32 {
         cluster = Cluster(neighbour_list[HEADER * c], own & ((1u << FRAME_BITS) - 1u), neighbour_list[HEADER * c + 2u]);
     }
     let own = neighbour_list[cluster.first + lane_of(local)];
+    member = select(neighbour_list[cluster.first], 0u, cluster.first == 0u);
     nobody = cluster.first == 0u || own == NOBODY;
-    return select(own, 0u, nobody);
+    return select(own, member, nobody);
 }
 
 fn has_none() -> bool {
@@ -96,7 +98,7 @@ fn seen(batch: u32, lane: u32, there: bool) -> Near {
     let at = select(0u, batch, there);
     let entry = neighbour_list[at + lane];
     let none = !there || entry == NOBODY;
-    var near = see(select(entry & INDEX, 0u, none));
+    var near = see(select(entry & INDEX, member, none));
     let image = vec3u(entry >> IMAGE_BITS, entry >> (IMAGE_BITS + 2u), entry >> (IMAGE_BITS + 4u)) & vec3u(3u);
     near.at += box * (vec3f(image) - 1.0);
     near.met_by = select((neighbour_list[at + LANES + (lane >> 2u)] >> (8u * (lane & 3u))) & 255u, 0u, none);

@@ -18,7 +18,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let i = params.hair_points + invocation(id, groups);
     if i >= params.particles || frozen() { return; }
     var x = predicted[i].xyz;
-    let corrected = correction[i].xyz / params.step;
+    let corrected = select(vec3f(0.0), correction[i].xyz / params.step, i < params.constrained);
     var v = new_velocity[i].xyz + corrected;
     let clearance = CLEARANCE * params.spacing;
     let bodies = arrayLength(&placed);

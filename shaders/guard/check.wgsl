@@ -14,7 +14,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = invocation(id, groups);
-    if i >= params.particles { return; }
+    if i >= params.particles || status.ended != 0u { return; }
     if list_too_short() {
         // The scratch arrays mean nothing.
         freeze(NEIGHBOUR_OVERFLOW);

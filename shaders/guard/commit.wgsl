@@ -20,7 +20,10 @@ const NONE: u32 = 0xffffffffu;
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = invocation(id, groups);
-    if frozen() { return; }
+    if frozen() {
+        if i == 0u { status.ended = 1u; }
+        return;
+    }
     if i < params.hair_points {
         position[i] = predicted[i];
         velocity[i] = final_velocity[i];

@@ -218,7 +218,7 @@ impl Walk<'_> {
         self.diverging(&rate, w)?;
         assert!(passes.through("coarse/source"));
         let sorted = stage.engine.read(&state.sorted).unwrap();
-        let got = stage.engine.read(&state.flow).unwrap();
+        let got = stage.engine.read(&state.brought).unwrap();
         // Air stands first.
         let brought = || sorted.iter().map(|i| *i as usize).zip(&got).take(before.len() - hair);
         let gaps = brought().map(|(i, got)| (f64::from(got[3]) - fluid::source(rate[i], &w.moments[i])).abs());

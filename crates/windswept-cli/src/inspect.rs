@@ -132,11 +132,13 @@ fn print_totals(rows: &[windswept::PlanRow], mut buffers: Vec<windswept::BufferR
         "a step: {runs} dispatches move {:.1} MB, if each reads and writes each of its buffers once as a whole",
         megabytes(traffic)
     ));
+    let all = buffers.len();
+    buffers.retain(windswept::BufferRow::is_largest);
     let total: u64 = buffers.iter().map(windswept::BufferRow::bytes).sum();
     buffers.sort_by_key(|row| std::cmp::Reverse(row.bytes()));
     let largest = buffers.iter().take(LARGEST).map(|row| format!("{} {:.1}", row.name, megabytes(row.bytes())));
     console.print(format_args!(
-        "{} buffers: {:.1} MB; the largest: {}",
+        "{all} buffers in {} blocks of memory: {:.1} MB; the largest: {}",
         buffers.len(),
         megabytes(total),
         largest.collect::<Vec<_>>().join(", ")
@@ -147,13 +149,14 @@ fn megabytes(bytes: u64) -> f64 {
     bytes as f64 * 1e-6
 }
 
-/// Every buffer: how many elements, of how many bytes, and what they hold.
+/// Every buffer: how many elements, of how many bytes, in whose memory if not in its own, and what they hold.
 fn print_buffers(rows: &[windswept::BufferRow], console: &mut Console<'_>) {
     let name = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);
     console.print("buffers");
     for row in rows {
+        let memory = if row.is_largest() { String::new() } else { format!("in {}: ", row.memory) };
         console.print(format_args!(
-            "  {:<name$}  {:>9} x {:>3} B = {:>8.2} MB  {}",
+            "  {:<name$}  {:>9} x {:>3} B = {:>8.2} MB  {memory}{}",
             row.name,
             row.len,
             row.stride,

@@ -4,6 +4,18 @@ use std::{fmt, marker::PhantomData, mem::size_of, ops::Deref};
 
 use windswept_shaders::{BindingKind, PASSES};
 
+/// How long what an array holds is needed, which says whether others may lie in its memory ([`crate::sharing`]).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Life {
+    /// For good: it has memory of its own.
+    #[default]
+    Kept,
+    /// Until the recording that wrote it has run, and somebody has read it.
+    Left,
+    /// Until the last pass of the recording that binds it.
+    Scratch,
+}
+
 /// A buffer, whatever its elements are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct AnyArray {
@@ -13,6 +25,7 @@ pub struct AnyArray {
     stride: u64,
     len: u64,
     slot: usize,
+    life: Life,
     element: Option<u64>,
 }
 
@@ -59,7 +72,13 @@ impl AnyArray {
         self.stride * self.len.max(1)
     }
 
-    /// Index in the engine's memory.
+    /// How long what it holds is needed.
+    #[must_use]
+    pub fn life(&self) -> Life {
+        self.life
+    }
+
+    /// Index among the arrays of a state.
     pub(crate) fn slot(&self) -> usize {
         self.slot
     }
@@ -91,10 +110,10 @@ pub struct Array<T> {
 }
 
 impl<T> Array<T> {
-    pub(crate) fn new(name: &'static str, doc: &'static str, len: u64, slot: usize) -> Self {
+    pub(crate) fn new(name: &'static str, doc: &'static str, len: u64, slot: usize, life: Life) -> Self {
         let size = size_of::<T>() as u64;
         let stride = if is_uniform(name) { size.next_multiple_of(UNIFORM_ALIGNMENT) } else { size };
-        let any = AnyArray { name, doc, size, stride, len, slot, element: None };
+        let any = AnyArray { name, doc, size, stride, len, slot, life, element: None };
         Self { any, of: PhantomData }
     }
 

@@ -18,6 +18,7 @@ use crate::{
     recorder::{Recorder, Recording},
     rods::{self, quat, vec4},
     setup::Setup,
+    sharing::Sharing,
     slots::Slots,
     state::{Sizes, State},
     status,
@@ -44,12 +45,29 @@ pub struct Engine {
 }
 
 impl Engine {
-    /// Allocates and fills the buffers of an initial state.
+    /// Allocates and fills the buffers of an initial state. Every array has memory of its own, so that it can be looked at after
+    /// any pass.
     ///
     /// # Errors
     /// Before anything is allocated, [`GpuError::TooLarge`] if a buffer exceeds what the adapter binds, and
     /// [`GpuError::TooManyCells`].
     pub fn new(gpu: &Gpu, setup: &Setup<'_>) -> Result<Self, GpuError> {
+        Self::with(gpu, setup, |state| Sharing::none(&state.arrays()))
+    }
+
+    /// As [`Self::new`], but arrays that none of these recordings needs at the same time share memory. The engine runs no others.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn sharing(
+        gpu: &Gpu,
+        setup: &Setup<'_>,
+        recordings: impl FnOnce(&State) -> Vec<Recording>,
+    ) -> Result<Self, GpuError> {
+        Self::with(gpu, setup, |state| Sharing::of(&state.arrays(), &recordings(state)))
+    }
+
+    fn with(gpu: &Gpu, setup: &Setup<'_>, share: impl FnOnce(&State) -> Sharing) -> Result<Self, GpuError> {
         let capacity = first_capacity(gpu.largest_binding(), setup);
         let sizes = Sizes { neighbours: capacity, ..setup.sizes() };
         check_nodes(gpu, &setup.meshes)?;
@@ -57,7 +75,7 @@ impl Engine {
             return Err(GpuError::TooManyCells { cells: sizes.buckets, most: MOST_BUCKETS });
         }
         let state = State::new(&sizes);
-        let memory = Memory::new(gpu, &state)?;
+        let memory = Memory::new(gpu, &state, share(&state))?;
         let mut engine = Self { gpu: gpu.clone(), params: setup.uniforms(), sizes, state, memory };
         engine.write_capacity(capacity)?;
         engine.write_setup(setup)?;
@@ -167,7 +185,7 @@ impl Engine {
     /// Size of all buffers together \[bytes\].
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
-        self.state.arrays().iter().map(|array| array.bytes()).sum()
+        self.memory.sharing().bytes(&self.state.arrays())
     }
 
     /// Length of the longest neighbour list that the adapter allows \[words\].
@@ -194,6 +212,9 @@ impl Engine {
     }
 
     /// Reads an array.
+    ///
+    /// # Panics
+    /// When it is scratch that shares its memory with others ([`Self::sharing`]).
     ///
     /// # Errors
     /// [`GpuError`] when the device is lost.
@@ -288,6 +309,7 @@ impl Engine {
     }
 
     pub(crate) fn program(&self, recording: &Recording) -> Result<Program, GpuError> {
+        debug_assert_eq!(self.memory.sharing().overwritten(recording), None, "a pass whose array is gone");
         Program::new(&self.gpu, &self.memory, recording)
     }
 

@@ -45,6 +45,7 @@ mod recorder;
 mod report;
 mod rods;
 mod setup;
+mod sharing;
 mod simulation;
 mod slots;
 mod state;
@@ -65,12 +66,13 @@ pub use simulation::{Buffers, Simulation};
 pub mod internals {
     use crate::Gpu;
     pub use crate::{
-        array::{AnyArray, Array, Index},
+        array::{AnyArray, Array, Index, Life},
         engine::Engine,
         motion::Motions,
         plan::{BandPlan, Plan},
         recorder::{Bindings, Command, Decision, Recorder, Recording},
         setup::Setup,
+        sharing::Sharing,
         slots::Slots,
         state::{Sizes, State},
     };

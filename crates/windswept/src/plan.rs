@@ -16,6 +16,7 @@ use crate::{
     recorder::{Command, Decision, Recorder},
     rods,
     setup::Setup,
+    sharing::Sharing,
     state::{Sizes, State},
     step::{self, neighbours::Sort},
 };
@@ -389,6 +390,8 @@ pub struct BufferRow {
     pub len: u64,
     /// Size of an element \[bytes\].
     pub stride: u64,
+    /// The largest buffer of those in the same memory, no two of which are needed at a time; its own name where it is the largest.
+    pub memory: &'static str,
     /// What it holds, with its unit.
     pub doc: &'static str,
 }
@@ -399,6 +402,20 @@ impl BufferRow {
     pub fn bytes(&self) -> u64 {
         self.stride * self.len.max(1)
     }
+
+    /// Whether it is the largest of those in its memory, so that the memory is as large as it is.
+    #[must_use]
+    pub fn is_largest(&self) -> bool {
+        self.memory == self.name
+    }
+}
+
+/// The buffers of a setup at the start of a run, and how they share memory.
+fn first_arrays(setup: &Setup<'_>) -> (Vec<AnyArray>, Sharing) {
+    let state = State::new(&first_sizes(setup));
+    let arrays = state.arrays();
+    let sharing = Sharing::of(&arrays, &step::recordings(&state, &Plan::new(setup)));
+    (arrays, sharing)
 }
 
 /// Bytes of a scene's buffers at the start of a run; its neighbour list may grow.
@@ -407,7 +424,8 @@ impl BufferRow {
 /// [`SceneError`] when the arrays of the initial state do not belong together.
 pub fn memory_bytes(scene: &Scene, initial: &InitialState) -> Result<u64, SceneError> {
     initial.check()?;
-    Ok(State::new(&first_sizes(&Setup::new(scene, initial))).arrays().iter().map(AnyArray::bytes).sum())
+    let (arrays, sharing) = first_arrays(&Setup::new(scene, initial));
+    Ok(sharing.bytes(&arrays))
 }
 
 /// The step of a scene, pass by pass in execution order: a dry run of `step.rs`, with no GPU.
@@ -473,8 +491,14 @@ fn uses(command: &Command) -> Uses {
 /// [`SceneError`] when the initial state cannot be made.
 pub fn buffers(scene: &Scene) -> Result<Vec<BufferRow>, SceneError> {
     let initial = InitialState::new(scene)?;
-    let state = State::new(&first_sizes(&Setup::new(scene, &initial)));
-    let row =
-        |array: AnyArray| BufferRow { name: array.name(), len: array.len(), stride: array.stride(), doc: array.doc() };
-    Ok(state.arrays().into_iter().map(row).collect())
+    let (arrays, sharing) = first_arrays(&Setup::new(scene, &initial));
+    let largest = sharing.largest(&arrays);
+    let row = |array: &AnyArray| BufferRow {
+        name: array.name(),
+        len: array.len(),
+        stride: array.stride(),
+        memory: largest[sharing.block(array)].name(),
+        doc: array.doc(),
+    };
+    Ok(arrays.iter().map(row).collect())
 }

@@ -99,8 +99,8 @@ impl Simulation {
         let mut scene = scene.clone();
         scene.time.substeps = initial.hair.substeps(&scene);
         let setup = Setup::new(&scene, &initial);
-        let engine = Engine::new(gpu, &setup)?;
         let plan = Plan::new(&setup);
+        let engine = Engine::sharing(gpu, &setup, |state| step::recordings(state, &plan))?;
         let recording = Recorder::record(engine.state(), |r| step::record(r, &plan));
         let program = engine.program(&recording)?;
         let last = engine.status()?;

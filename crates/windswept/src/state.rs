@@ -27,7 +27,7 @@ use windswept_shaders::{
     rods::direct::Factor,
 };
 
-use crate::array::{AnyArray, Array};
+use crate::array::{AnyArray, Array, Life};
 
 /// How many of everything.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -114,22 +114,16 @@ impl Sizes {
     pub fn turbulent(&self) -> u32 {
         if self.band_tasks > 0 { self.particles } else { 0 }
     }
-
-    /// Particles that bring something to a grid: all, or none without bands and without a coarse grid.
-    #[must_use]
-    pub fn on_grids(&self) -> u32 {
-        if self.coarse_nodes > 0 { self.particles } else { self.turbulent() }
-    }
 }
 
 type Vec4 = [f32; 4];
 
 macro_rules! state {
-    ($($(#[doc = $doc:literal])* $name:ident: $element:ty, $len:expr;)*) => {
+    ($([$life:ident] $($(#[doc = $doc:literal])* $name:ident: $element:ty, $len:expr;)*)*) => {
         /// Every buffer: its element, the number of elements, and in its doc what it holds and the unit.
         #[derive(Debug, Clone, PartialEq)]
         pub struct State {
-            $($(#[doc = $doc])* pub $name: Array<$element>,)*
+            $($($(#[doc = $doc])* pub $name: Array<$element>,)*)*
         }
 
         impl State {
@@ -137,24 +131,26 @@ macro_rules! state {
             #[must_use]
             pub fn new(sizes: &Sizes) -> Self {
                 let mut slots = 0..;
-                $(let $name = {
+                $($(let $name = {
                     let len: fn(&Sizes) -> u32 = $len;
                     let slot = slots.next().unwrap_or_default();
-                    Array::new(stringify!($name), concat!($($doc),*).trim_ascii(), len(sizes).into(), slot)
-                };)*
-                Self { $($name,)* }
+                    let doc = concat!($($doc),*).trim_ascii();
+                    Array::new(stringify!($name), doc, len(sizes).into(), slot, Life::$life)
+                };)*)*
+                Self { $($($name,)*)* }
             }
 
             /// Every buffer, in the order of their slots.
             #[must_use]
             pub fn arrays(&self) -> Vec<AnyArray> {
-                vec![$(*self.$name,)*]
+                vec![$($(*self.$name,)*)*]
             }
         }
     };
 }
 
 state! {
+    [Kept] // Lies alone. First what the host derives from the scene.
     /// Uniform: what stays the same from step to step; again per grid of the band filter, with its cells in place of the box's.
     params: Params, |s| 1 + s.grids;
     /// Uniform per dispatch of the band filter: scale, law and the stretch of the box.
@@ -206,6 +202,8 @@ state! {
     keyframes: Keyframe, |s| s.keyframes;
     /// A body before it moves: axis, radius, friction, keyframes.
     bodies: Body, |s| s.bodies;
+    /// Taps of the smoothing Gaussian and of its second derivative \[1/m²\], two of each, band by band and axis by axis.
+    taps: Vec4, |s| s.taps;
 
     // Written by the host between steps.
     /// Where a strand's clamp goes in the next step, and stays.
@@ -215,7 +213,31 @@ state! {
     /// A wave of the turbulence that the wind brings in: wave number \[1/m\] and phase, amplitude over the wind's speed.
     inflow: Wave, |s| s.waves;
 
-    // Scratch: means something within a step only.
+    // What a caller may look at between steps, as the last step left it.
+    /// The air at a hair point: where it was sampled, how much of it there is, its velocity, how it gives way.
+    sampled: Sampled, |s| s.sampled;
+    /// Impulse that the air's drag gave a hair point in this step \[N s\].
+    drag_impulse: Vec4, |s| s.hair_points;
+    /// Squeeze of a hair point between the points of other strands \[m/s\].
+    squeezed: f32, |s| s.hair_points;
+    /// Slip that friction holds a hair point back from, after this step \[m/s\].
+    grip: Vec4, |s| s.hair_points;
+
+    // Written by a pass in part: the rest is zero for good.
+    /// S of the XSPH limiter: the share of its velocity that a particle would exchange.
+    exchange: f32, |s| s.particles;
+
+    // Passes over neighbours run on in a frozen step, and would follow whatever another array left here.
+    /// Who is near the particles of each cluster (`shaders/common/list.wgsl`).
+    neighbour_list: u32, |s| s.neighbours;
+
+    [Left] // What is measured between steps.
+    /// Density of a particle over the rest density.
+    density: f32, |s| s.particles;
+    /// Vorticity at a particle \[1/s\]; w: its length.
+    vorticity: Vec4, |s| if s.air() > 0 { s.particles } else { 0 };
+
+    [Scratch] // Means something within a step only.
     /// Position of a particle in this step, before it is committed \[m\]; w: volume \[m³\].
     predicted: Vec4, |s| s.particles;
     /// Velocity of a particle in this step \[m/s\].
@@ -229,16 +251,8 @@ state! {
     /// Force from outside on a hair point at rest \[N\]; w: what resists its velocity at the step's end \[kg/s\]. Every pass that
     /// knows a force on hair adds to it, and the rods take it implicitly.
     hair_force: Vec4, |s| s.hair_points;
-    /// The air at a hair point: where it was sampled, how much of it there is, its velocity, how it gives way.
-    sampled: Sampled, |s| s.sampled;
-    /// Impulse that the air's drag gave a hair point in this step \[N s\].
-    drag_impulse: Vec4, |s| s.hair_points;
     /// What friction of hair on hair asks of a hair point: how it slips, its multipliers, its strand.
     rubbing: Rub, |s| s.hair_points;
-    /// Squeeze of a hair point between the points of other strands \[m/s\].
-    squeezed: f32, |s| s.hair_points;
-    /// Slip that friction holds a hair point back from, after this step \[m/s\].
-    grip: Vec4, |s| s.hair_points;
     /// What the density constraint, and friction of hair on hair, moved a particle by in this step \[m\]; w: sum of the multipliers
     /// times the relaxation \[kg m²\].
     correction: Vec4, |s| s.particles;
@@ -250,6 +264,8 @@ state! {
     gradients: Gradients, |s| s.pressed;
     /// What a particle pushes its neighbours by \[1/(m s)\], and its divergence \[1/s\].
     stress: Stress, |s| s.pressed;
+    /// What air brings to the coarse grid, in cell order: its place \[node spacings\]; w: its divergence \[1/s\].
+    brought: Vec4, |s| if s.coarse_nodes > 0 { s.particles } else { 0 };
     /// What is on a node of the coarse grid: the divergence that air brought to it \[1/s\], at last the pressure \[m²/s\].
     coarse: f32, |s| s.coarse_nodes;
     /// The coarse grid between two transforms.
@@ -258,12 +274,8 @@ state! {
     coarse_change: Vec4, |s| if s.coarse_nodes > 0 { s.particles } else { 0 };
     /// Mean of that over the air \[m/s\].
     coarse_mean: Vec4, |_| 1;
-    /// Density of a particle over the rest density.
-    density: f32, |s| s.particles;
     /// Lagrange multiplier of a particle's density constraint \[kg m²\].
     multiplier: f32, |s| s.particles;
-    /// S of the XSPH limiter: the share of its velocity that a particle would exchange.
-    exchange: f32, |s| s.particles;
     /// What a strand's clamp does in this step, and whether the strand is solved.
     rod_strands: RodStrand, |s| s.strands;
     /// Velocities, free move and move of a hair point in this step.
@@ -280,13 +292,10 @@ state! {
     // Turbulence; empty without bands.
     /// Position of a particle in cell order \[m\]; w: 1 for air, 0 for hair. For the direct filter, whose sort is older.
     flow_position: Vec4, |s| s.direct_filter;
-    /// What air brings to a grid, in cell order. The band filter's: V (v − U) \[m⁴/s\], w: V \[m³\], as printed v \[m/s\]; the
-    /// coarse grid's: place \[node spacings\], w: divergence \[1/s\].
-    flow: Vec4, |s| s.on_grids();
+    /// What air brings to the band filter, in cell order: V (v − U) \[m⁴/s\], w: V \[m³\]; as printed v \[m/s\].
+    flow: Vec4, |s| s.turbulent();
     /// Air by the cells of the filter's grid, ordered by index.
     flow_sorted: u32, |s| if s.grids > 0 { s.air() } else { 0 };
-    /// Taps of the smoothing Gaussian and of its second derivative \[1/m²\], two of each, band by band and axis by axis.
-    taps: Vec4, |s| s.taps;
     /// What the air brought to a node of the filter's grid \[m⁴/s\]; w: volume \[m³\].
     deposited: Vec4, |s| s.nodes;
     /// A node's deposit after smoothing along x.
@@ -299,8 +308,6 @@ state! {
     smoother_curvature: Vec4, |s| s.nodes;
     /// Velocity û of a band at a particle \[m/s\], as printed \[mm/s\]; hair has none.
     band_velocity: Vec4, |s| s.turbulent();
-    /// Vorticity at a particle \[1/s\]; w: its length.
-    vorticity: Vec4, |s| if s.air() > 0 { s.particles } else { 0 };
     /// What confinement adds to a particle in this step, all bands \[m/s\].
     confinement: Vec4, |s| s.turbulent();
     /// Sums over the particles of a workgroup each: of what air in the fringe misses of the wind \[m/s²\], of the confinement, or
@@ -324,6 +331,4 @@ state! {
     cell_rows: Row, |s| s.rows.saturating_add(1);
     /// Entries of a cluster: the first, and the end of them.
     members: [u32; 2], |s| s.clusters;
-    /// Who is near the particles of each cluster (`shaders/common/list.wgsl`).
-    neighbour_list: u32, |s| s.neighbours;
 }

@@ -35,6 +35,7 @@ pub fn start() -> Status {
 pub fn thawed(status: &Status) -> Status {
     Status {
         causes: 0,
+        ended: 0,
         neighbours: 0,
         neighbour_carries: 0,
         bad_strands: 0,

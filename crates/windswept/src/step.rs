@@ -10,7 +10,11 @@ pub mod turbulence;
 pub mod velocity;
 pub mod viscosity;
 
-use crate::{plan::Plan, recorder::Recorder};
+use crate::{
+    plan::Plan,
+    recorder::{Recorder, Recording},
+    state::State,
+};
 
 /// Invocations of a pass that is one workgroup: any number up to its size.
 const ONE_WORKGROUP: u32 = 1;
@@ -36,6 +40,14 @@ pub enum Quantity {
     Density,
     /// The vorticity ω of the velocity.
     Vorticity,
+}
+
+/// All that a simulation of this plan runs: its step, and the passes of each quantity.
+#[must_use]
+pub fn recordings(state: &State, plan: &Plan) -> Vec<Recording> {
+    let quantities = [Quantity::Density, Quantity::Vorticity];
+    let measured = quantities.map(|quantity| Recorder::record(state, |r| record_quantity(r, plan, quantity)));
+    std::iter::once(Recorder::record(state, |r| record(r, plan))).chain(measured).collect()
 }
 
 /// Records the passes that a quantity takes.

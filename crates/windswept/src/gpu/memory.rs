@@ -7,44 +7,52 @@ use bytemuck::Pod;
 use windswept_shaders::common::lanes::LANES;
 
 use crate::{
-    array::{AnyArray, Array, is_uniform},
+    array::{AnyArray, Array, Life, is_uniform},
     engine::WORDS_PER_CLUSTER,
     error::GpuError,
     gpu::Gpu,
+    sharing::Sharing,
     state::State,
 };
 
-/// The buffer of each array, by the array's slot.
+/// A buffer for each block of memory, and which array lies in which block.
 #[derive(Debug)]
 pub(crate) struct Memory {
     buffers: Vec<wgpu::Buffer>,
+    sharing: Sharing,
 }
 
 impl Memory {
     /// Allocates everything, zeroed, after checking each size.
-    pub(crate) fn new(gpu: &Gpu, state: &State) -> Result<Self, GpuError> {
+    pub(crate) fn new(gpu: &Gpu, state: &State, sharing: Sharing) -> Result<Self, GpuError> {
         let arrays = state.arrays();
         for array in &arrays {
             check_size(gpu, state, array)?;
         }
-        let buffers = arrays.iter().map(|array| allocate(gpu, array)).collect::<Result<_, _>>()?;
-        Ok(Self { buffers })
+        let buffers = sharing.largest(&arrays).iter().map(|array| allocate(gpu, array)).collect::<Result<_, _>>()?;
+        Ok(Self { buffers, sharing })
     }
 
-    /// Gives an array that has grown a new, zeroed buffer.
+    /// Which array lies in which block.
+    pub(crate) fn sharing(&self) -> &Sharing {
+        &self.sharing
+    }
+
+    /// Gives an array that has grown, and lies alone, a new, zeroed buffer.
     pub(crate) fn reallocate(&mut self, gpu: &Gpu, array: &AnyArray) -> Result<(), GpuError> {
-        self.buffers[array.slot()] = allocate(gpu, array)?;
+        self.buffers[self.sharing.block(array)] = allocate(gpu, array)?;
         Ok(())
     }
 
     pub(crate) fn buffer(&self, array: &AnyArray) -> &wgpu::Buffer {
-        &self.buffers[array.slot()]
+        &self.buffers[self.sharing.block(array)]
     }
 
-    /// The binding of an array: the whole buffer, or one element of it.
+    /// The binding of an array: the whole of it, or one element. Its buffer may be longer.
     pub(crate) fn binding(&self, array: &AnyArray) -> wgpu::BindingResource<'_> {
-        let (offset, size) = array.element().map_or((0, None), |k| (k * array.stride(), NonZero::new(array.size())));
-        wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: self.buffer(array), offset, size })
+        let (offset, size) = array.element().map_or((0, array.bytes()), |k| (k * array.stride(), array.size()));
+        let (buffer, size) = (self.buffer(array), NonZero::new(size));
+        wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size })
     }
 
     /// Replaces elements of an array from `first` on.
@@ -82,12 +90,19 @@ impl Memory {
 
     /// Shows `read` the bytes of whole arrays, fetched in one submission, in the memory to which the driver has mapped
     /// them.
+    ///
+    /// # Panics
+    /// When one is scratch that shares its memory, and so has nothing to show.
     pub(crate) fn view<R>(
         &self,
         gpu: &Gpu,
         arrays: &[AnyArray],
         look: impl FnOnce(&[&[u8]]) -> R,
     ) -> Result<R, GpuError> {
+        for array in arrays {
+            let gone = array.life() == Life::Scratch && !self.sharing.is_alone(array);
+            assert!(!gone, "{} shares its memory: read it from an engine whose arrays lie apart", array.name());
+        }
         let sizes: Vec<u64> = arrays.iter().map(|array| array.stride() * array.len()).collect();
         let total: u64 = sizes.iter().sum();
         if total == 0 {
