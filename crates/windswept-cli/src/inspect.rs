@@ -54,7 +54,7 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
             schedule.frames(),
         ),
     ));
-    let fibres: f64 = scene.hair.iter().map(|group| f64::from(group.strands) * group.fibre.fibres_per_strand).sum();
+    let fibres: f64 = (0..hair.len()).map(|s| hair.fibres[hair.segments(s).start]).sum();
     rows.push((
         "hair",
         format!("{} strands that stand for {fibres} fibres, {} points", hair.len(), hair.positions.len()),

@@ -1,5 +1,5 @@
-//! The `windswept` command: `run`, `render`, `spectrum`, `check`, `plan`, `validate`, `adapters`. `spectrum` and `validate` are
-//! features of the crate, both on by default.
+//! The `windswept` command: `run`, `render`, `spectrum`, `check`, `plan`, `groom`, `validate`, `adapters`. `spectrum` and `validate`
+//! are features of the crate, both on by default.
 //!
 //! [`run`] is the whole command. Exit status 0: done; 1: the run failed; 2: bad input, and nothing was written;
 //! 130: stopped by Ctrl-C, and the files hold every frame finished until then.
@@ -7,6 +7,7 @@
 mod arguments;
 mod console;
 mod failure;
+mod groom;
 mod inspect;
 mod interrupt;
 mod output;
@@ -78,6 +79,7 @@ fn dispatch(command: &Command, console: &mut Console<'_>) -> Result<(), Failure>
         Command::Spectrum(options) => spectrum::spectrum(options, console),
         #[cfg(feature = "validate")]
         Command::Validate(options) => validate::validate(options, console),
+        Command::Groom(command) => groom::groom(command, console),
         Command::Adapters => inspect::adapters(console),
     }
 }

@@ -7,6 +7,8 @@ use pyo3::{
     types::{PyDict, PyTuple},
 };
 
+use windswept_scene::HairSource;
+
 use crate::{errors::of_scene, outside, toml};
 
 /// A checked scene: what to simulate, in SI. Made by `Scene.load` and `Scene.parse`, changed by `replace`.
@@ -87,9 +89,13 @@ impl Scene {
 
     fn __repr__(&self) -> String {
         let scene = &self.inner;
-        let strands: u64 = scene.hair.iter().map(|hair| u64::from(hair.strands)).sum();
+        let strands = scene.hair.iter().map(|hair| match &hair.source {
+            HairSource::Drawn(drawn) => format!("{} strands, ", drawn.strands),
+            HairSource::File(file) => format!("strands of {}, ", file.file),
+        });
+        let strands: String = strands.collect();
         format!(
-            "<windswept.Scene {:?}: {strands} strands, model {}, method {}, {} s in steps of {} s>",
+            "<windswept.Scene {:?}: {strands}model {}, method {}, {} s in steps of {} s>",
             scene.title,
             scene.interaction.model.word(),
             scene.method.word(),

@@ -172,11 +172,7 @@ impl Parameters {
             substeps: scene.time.substeps,
             damping: scene.rods.damping,
             bodies: contact::bodies(scene, initial),
-            hair_motions: scene
-                .hair
-                .iter()
-                .map(|hair| (hair.motion.clone(), DVec3::from_array(hair.roots.center) - initial.origin))
-                .collect(),
+            hair_motions: scene.hair.iter().map(|hair| (hair.motion.clone(), hair.center() - initial.origin)).collect(),
             strand_of: (0..initial.hair.len()).flat_map(|s| initial.hair.points(s).map(move |_| s)).collect(),
             hair_points: initial.hair.positions.len(),
         }

@@ -1,5 +1,7 @@
 //! `--set key=value`: assignments written into a scene's text, comments kept.
 
+use std::path::Path;
+
 use toml_edit::{DocumentMut, InlineTable, Item, TableLike, Value};
 
 use crate::{document, error::SceneError, keys::Key};
@@ -29,6 +31,29 @@ pub(crate) fn set(text: &str, assignment: &str) -> Result<String, SceneError> {
         .and_then(|()| assign(document.as_table_mut(), &path, value))
         .ok_or_else(|| fault(format!("{} leads nowhere in this scene", document::short(key.trim()))))?;
     Ok(document.to_string())
+}
+
+/// The text with the groom files of its hair, where their paths are relative, looked for in `folder`; `None` where there are
+/// none.
+pub(crate) fn files_beside(text: &str, folder: &Path) -> Option<String> {
+    let mut document: DocumentMut = text.parse().ok()?;
+    let tables: Vec<&mut dyn TableLike> = match document.get_mut("hair")? {
+        Item::ArrayOfTables(array) => array.iter_mut().map(|table| table as _).collect(),
+        Item::Value(Value::Array(array)) => {
+            array.iter_mut().filter_map(Value::as_inline_table_mut).map(|table| table as _).collect()
+        }
+        item => item.as_table_like_mut().into_iter().collect(),
+    };
+    let mut found = false;
+    for table in tables {
+        let file = table.get("file").and_then(Item::as_str).map(Path::new);
+        if let Some(file) = file.filter(|file| file.is_relative()) {
+            let beside = std::path::absolute(folder.join(file)).ok()?;
+            assign(table, &["file"], beside.to_string_lossy().as_ref().into())?;
+            found = true;
+        }
+    }
+    found.then(|| document.to_string())
 }
 
 /// A TOML value; words are a string: `method=published`.

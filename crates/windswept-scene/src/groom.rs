@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// Points nearer to each other than this part of their strand's length are one.
-const COINCIDENT: f64 = 1e-6;
+pub(crate) const COINCIDENT: f64 = 1e-6;
 
 /// Strands of the caller's own: they replace a scene's `[hair]` wholly, for [`crate::InitialState::with_groom`].
 ///
@@ -35,6 +35,8 @@ pub struct Groom {
     pub points: Vec<[f64; 3]>,
     /// Index of each strand's first point, and the number of points: strands + 1.
     pub offsets: Vec<u32>,
+    /// Number of each strand in the file that it came from; empty: its index.
+    pub ids: Vec<u32>,
     /// Number of a strand's group, for the caller's own use.
     pub group: PerStrand<u32>,
     /// Fibres that the strands are made of.
@@ -164,6 +166,7 @@ impl Groom {
         Self {
             points,
             offsets,
+            ids: Vec::new(),
             group: 0.into(),
             fibre: Fibre::default().into(),
             rest_curvature: None,
@@ -200,6 +203,10 @@ impl Groom {
             frames
                 .as_ref()
                 .map_or(Ok(()), |frames| frames.check(name, strands, "a quaternion (x, y, z, w), not 0", rotates))?;
+        }
+        if !self.ids.is_empty() && self.ids.len() != strands {
+            let words = format!("expected {strands} numbers, one a strand, or none; found {}", self.ids.len());
+            return Err(fault("ids", words));
         }
         self.group.check("group", strands, "", |_| true)?;
         self.friction.check("friction", strands, "a number of at least 0", |mu| *mu >= 0.0 && mu.is_finite())?;
@@ -297,12 +304,17 @@ impl Groom {
             return Err(fault("tip", CLAMPED_TIP.to_owned()));
         }
         let mut all = Strands { point_offsets: vec![0], ..Strands::default() };
+        self.append(scene, parcel, &mut all);
+        Ok(all)
+    }
+
+    /// Appends the strands of a groom that was checked.
+    pub(crate) fn append(&self, scene: &Scene, parcel: Parcel, all: &mut Strands) {
         for s in 0..self.len() {
-            self.shape(s).append(&self.fibre.get(s), scene.rods.inextensible, parcel, &mut all);
+            self.shape(s).append(&self.fibre.get(s), scene.rods.inextensible, parcel, all);
             all.group.push(self.group.get(s));
             all.friction.push(self.friction.get(s));
         }
-        Ok(all)
     }
 
     /// The rest turn of joint `k` of strand `s`, `length` long; the tip's joint is as the one before it.

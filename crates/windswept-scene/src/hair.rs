@@ -7,8 +7,11 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
 use crate::{
-    initial::Strands,
-    scene::{Curl, Hair, RootShape, Roots, Scene},
+    error::SceneError,
+    groom::{Groom, PerStrand},
+    initial::{End, Strands},
+    limits::MOST_HAIR_POINTS,
+    scene::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, RootShape, Roots, Scene},
     strand::{Parcel, Shape, frame, turn},
 };
 
@@ -22,32 +25,91 @@ const COARSE_TURN: f64 = PI / 2.0;
 /// The strands of every group.
 ///
 /// Chance is PCG XSL 128/64 (`rand_pcg`), seeded by the scene's seed and the group's index: the same on every machine.
-pub(crate) fn strands(scene: &Scene, parcel: Parcel, warnings: &mut Vec<String>) -> Strands {
+///
+/// # Errors
+/// [`SceneError`] where a groom file cannot be read, or its strands cannot be simulated.
+pub(crate) fn strands(scene: &Scene, parcel: Parcel, warnings: &mut Vec<String>) -> Result<Strands, SceneError> {
     let mut all = Strands { point_offsets: vec![0], ..Strands::default() };
     for (group, hair) in scene.hair.iter().enumerate() {
-        let mut rng = Pcg64::seed_from_u64(scene.seed.wrapping_mul(0x9e37_79b9).wrapping_add(group as u64));
-        for i in 0..hair.strands {
-            let (root, axis) = seat(&hair.roots, i, hair.strands, &mut rng);
-            // Where the motion has it at the start.
-            let (center, turn) = (DVec3::from_array(hair.roots.center), hair.motion.at(0.0).1);
-            let root = hair.motion.place(center, root, 0.0);
-            let length = hair.length * (1.0 - hair.length_variation * rng.random::<f64>());
-            let phase = rng.random::<f64>();
-            let root_frame = turn * hair.root_frame(axis, phase);
-            hair.shape(root, root_frame, length).append(&hair.fibre, scene.rods.inextensible, parcel, &mut all);
-            all.group.push(group as u32);
-            all.friction.push(hair.friction);
-        }
-        let turn = darboux(hair.curl).length() * hair.length / f64::from(hair.points - 1);
-        if turn > COARSE_TURN {
-            warnings.push(format!(
-                "hair {}: the curl turns by {:.0} degrees per segment; more points would follow it better",
-                hair.name,
-                turn.to_degrees()
-            ));
+        match &hair.source {
+            HairSource::Drawn(drawn) => draw(scene, group, hair, drawn, parcel, &mut all, warnings),
+            HairSource::File(file) => {
+                let groom = groom(scene, group, hair, file, warnings);
+                let groom = groom.map_err(|error| error.at(format!("hair.{}.file", hair.name), None))?;
+                if all.positions.len() + groom.points.len() > MOST_HAIR_POINTS as usize {
+                    let points = all.positions.len() + groom.points.len();
+                    let words = format!("makes {points} hair points; expected at most {MOST_HAIR_POINTS}");
+                    return Err(SceneError::new(words).at(format!("hair.{}.strands", hair.name), None));
+                }
+                groom.append(scene, parcel, &mut all);
+            }
         }
     }
-    all
+    Ok(all)
+}
+
+/// The strands of a group's file, where the group's motion has them at the start.
+fn groom(
+    scene: &Scene,
+    group: usize,
+    hair: &Hair,
+    file: &GroomFile,
+    warnings: &mut Vec<String>,
+) -> Result<Groom, SceneError> {
+    let (read, notes) = file.groom(scene.seed)?;
+    warnings.extend(notes.into_iter().map(|note| format!("hair {}: {note}", hair.name)));
+    let fibre = match read.fibre {
+        PerStrand::All(_) => hair.fibre.into(),
+        PerStrand::Each(fibres) => {
+            fibres.iter().map(|own| Fibre { radius: own.radius, ..hair.fibre }).collect::<Vec<_>>().into()
+        }
+    };
+    let place = |x: [f64; 3]| hair.motion.place(hair.center(), DVec3::from_array(x), 0.0).to_array();
+    let groom = Groom {
+        points: read.points.into_iter().map(place).collect(),
+        group: (group as u32).into(),
+        fibre,
+        friction: hair.friction.into(),
+        root: hair.root.into(),
+        tip: hair.tip.into(),
+        ..Groom::new(Vec::new(), read.offsets)
+    };
+    groom.check()?;
+    Ok(groom)
+}
+
+/// Appends the strands of a group that is drawn.
+fn draw(
+    scene: &Scene,
+    group: usize,
+    hair: &Hair,
+    drawn: &Drawn,
+    parcel: Parcel,
+    all: &mut Strands,
+    warnings: &mut Vec<String>,
+) {
+    let mut rng = Pcg64::seed_from_u64(scene.seed.wrapping_mul(0x9e37_79b9).wrapping_add(group as u64));
+    for i in 0..drawn.strands {
+        let (root, axis) = seat(&drawn.roots, i, drawn.strands, &mut rng);
+        // Where the motion has it at the start.
+        let turn = hair.motion.at(0.0).1;
+        let root = hair.motion.place(hair.center(), root, 0.0);
+        let length = drawn.length * (1.0 - drawn.length_variation * rng.random::<f64>());
+        let phase = rng.random::<f64>();
+        let root_frame = turn * drawn.root_frame(axis, phase);
+        let shape = drawn.shape(root, root_frame, length, [hair.root, hair.tip]);
+        shape.append(&hair.fibre, scene.rods.inextensible, parcel, all);
+        all.group.push(group as u32);
+        all.friction.push(hair.friction);
+    }
+    let turn = darboux(drawn.curl).length() * drawn.length / f64::from(drawn.points - 1);
+    if turn > COARSE_TURN {
+        warnings.push(format!(
+            "hair {}: the curl turns by {:.0} degrees per segment; more points would follow it better",
+            hair.name,
+            turn.to_degrees()
+        ));
+    }
 }
 
 /// Position and direction of root `i` of `n`: a jittered sunflower on disc and cap, equal parts of a line. A lone root
@@ -91,9 +153,9 @@ fn darboux(curl: Option<Curl>) -> DVec3 {
     })
 }
 
-impl Hair {
-    /// A strand at rest.
-    fn shape(&self, root: DVec3, root_frame: DQuat, length: f64) -> Shape {
+impl Drawn {
+    /// A strand at rest, whose root and tip are held as `ends` say.
+    fn shape(&self, root: DVec3, root_frame: DQuat, length: f64, ends: [End; 2]) -> Shape {
         let segments = self.points as usize - 1;
         let l = length / segments as f64;
         let kappa = darboux(self.curl);
@@ -110,7 +172,7 @@ impl Hair {
             points.push(x);
         }
         let tip = ((frame * turn(kappa, 0.5 * l)).normalize(), turn(kappa, 0.5 * l));
-        Shape { points, root_frame, frames, lengths: vec![l; segments], turns, ends: [self.root, self.tip], tip }
+        Shape { points, root_frame, frames, lengths: vec![l; segments], turns, ends, tip }
     }
 
     /// The clamp: a helix is tilted so that its axis, the direction of the Darboux vector, runs along the strand's;

@@ -337,11 +337,12 @@ impl InitialState {
     ///
     /// # Errors
     /// [`SceneError`] when the scene has neither hair nor air, when hair fills the box of air, when `air.margin` leaves no box,
-    /// when a root is deep inside a body, and when a strand's masses or compliances are beyond what `f32` holds. It has a key but no line: a scene may
+    /// when a root is deep inside a body, when a groom file cannot be read, and when a strand's masses or compliances are beyond
+    /// what `f32` holds. It has a key but no line: a scene may
     /// have been made in code.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let mut warnings = Vec::new();
-        let hair = hair::strands(scene, parcel(scene), &mut warnings);
+        let hair = hair::strands(scene, parcel(scene), &mut warnings)?;
         Self::with_hair(scene, hair, warnings)
     }
 

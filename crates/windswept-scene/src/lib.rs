@@ -5,6 +5,7 @@
 mod air;
 mod assign;
 mod body;
+mod curves;
 mod declare;
 mod document;
 mod error;
@@ -27,6 +28,7 @@ mod wind;
 mod write;
 
 pub use body::{Body, Round, Shape};
+pub use curves::{Curves, Dropped, GroomFormat};
 pub use error::SceneError;
 pub use groom::{Groom, PerStrand, RestCurvature};
 pub use initial::{AirParticles, End, Ends, InitialState, Strands};

@@ -13,7 +13,7 @@ use crate::{
 };
 
 impl Scene {
-    /// Reads a scene from text.
+    /// Reads a scene from text. Files that it names are beside the program, unless their paths are absolute.
     ///
     /// # Errors
     /// [`SceneError`] names the line and the key, says what was expected and suggests the nearest key.
@@ -29,7 +29,7 @@ impl Scene {
         Self::parse_with(name, text, &[])
     }
 
-    /// Reads a scene file.
+    /// Reads a scene file. Files that it names are beside it, unless their paths are absolute; its text has them absolute.
     ///
     /// # Errors
     /// As [`Self::parse`], and when the file cannot be read.
@@ -47,7 +47,13 @@ impl Scene {
         let name = path.display().to_string();
         let text = fs::read_to_string(path)
             .map_err(|error| SceneError::new(format!("cannot be read: {error}")).of(&name, ""))?;
-        Self::parse_with(&name, &text, sets)
+        let scene = Self::parse_with(&name, &text, sets)?;
+        // From here on the scene goes by itself: to a run's folder, to another process.
+        let folder = path.parent().unwrap_or(Path::new(""));
+        match assign::files_beside(scene.text(), folder) {
+            Some(text) => Self::parse_named(&name, &text),
+            None => Ok(scene),
+        }
     }
 
     /// Reads a scene from text with assignments, as [`Self::load_with`].

@@ -8,7 +8,7 @@ mod viscosity;
 
 pub use air::{Air, Bounds, Gust, Inflow};
 pub(crate) use hair::FRICTION;
-pub use hair::{Curl, Fibre, Hair, RootShape, Roots, Stiffness};
+pub use hair::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, RootShape, Roots, Stiffness, Up};
 pub use rods::{Integrator, Rods, Solver};
 pub use turbulence::{Band, Filter, Law, Order, Turbulence};
 pub use viscosity::{Viscosity, ViscosityForm};
@@ -271,7 +271,7 @@ impl Scene {
         }
         let mut points = 0u64;
         for (i, hair) in self.hair.iter().enumerate() {
-            points += u64::from(hair.strands) * u64::from(hair.points);
+            points += hair.drawn().map_or(0, |drawn| u64::from(drawn.strands) * u64::from(drawn.points));
             if points > u64::from(MOST_HAIR_POINTS) {
                 let words = format!("makes {points} hair points; expected at most {MOST_HAIR_POINTS}");
                 return Err(reader.fault(&format!("hair.{i}.strands"), words));

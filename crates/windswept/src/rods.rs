@@ -34,7 +34,7 @@ pub(crate) fn quat(q: DQuat) -> [f32; 4] {
 fn motion<'a>(scene: &'a Scene, initial: &InitialState, s: usize) -> Option<(usize, &'a Hair, DVec3)> {
     let group = *initial.hair.group.get(s)? as usize;
     let hair = scene.hair.get(group).filter(|hair| !hair.motion.keyframes.is_empty())?;
-    Some((group, hair, DVec3::from_array(hair.roots.center) - initial.origin))
+    Some((group, hair, hair.center() - initial.origin))
 }
 
 /// Per strand.

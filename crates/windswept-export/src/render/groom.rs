@@ -4,7 +4,7 @@ use std::f32::consts::TAU;
 
 use glam::{Quat, Vec3};
 use windswept::HairFrame;
-use windswept_scene::{RootShape, Roots, Scene};
+use windswept_scene::{Hair as Group, RootShape, Roots, Scene};
 use windswept_shaders::pictures::grow::Hair;
 
 /// Neighbours of a strand that its hairs may lean toward.
@@ -106,20 +106,29 @@ pub(super) fn likeness(pairs: &[[u32; 2]], hair: &HairFrame) -> Vec<f32> {
 /// Rotation of each strand's clamp since the start by the scene's motion of the roots; nothing where strands are not
 /// the scene's own.
 pub(super) fn turns(scene: &Scene, strands: usize, time: f64) -> Vec<Quat> {
-    if scene.hair.iter().map(|hair| hair.strands as usize).sum::<usize>() != strands {
-        return vec![Quat::IDENTITY; strands];
+    let turn = |hair: &'_ Group| (hair.motion.at(time).1 * hair.motion.at(0.0).1.inverse()).as_quat();
+    let of_group = |(hair, count)| std::iter::repeat_n(turn(hair), count);
+    groups(scene, strands)
+        .map_or_else(|| vec![Quat::IDENTITY; strands], |all| all.into_iter().flat_map(of_group).collect())
+}
+
+/// The scene's groups and how many of the strands are theirs, in order; `None` where that is not known: of strands that are
+/// not the scene's own, and of a groom file beside another group.
+fn groups(scene: &Scene, strands: usize) -> Option<Vec<(&Group, usize)>> {
+    if let [only] = &scene.hair[..]
+        && only.drawn().is_none()
+    {
+        return Some(vec![(only, strands)]);
     }
-    let turn = |hair: &'_ windswept_scene::Hair| (hair.motion.at(time).1 * hair.motion.at(0.0).1.inverse()).as_quat();
-    scene.hair.iter().flat_map(|hair| std::iter::repeat_n(turn(hair), hair.strands as usize)).collect()
+    let all: Option<Vec<_>> = scene.hair.iter().map(|hair| Some((hair, hair.drawn()?.strands as usize))).collect();
+    all.filter(|all| all.iter().map(|(_, count)| count).sum::<usize>() == strands)
 }
 
 /// The surface that each strand is rooted on, if the scene says so.
-fn shapes(scene: &Scene, strands: usize) -> Vec<Option<&Roots>> {
-    let of_group = |hair: &'_ windswept_scene::Hair| hair.strands as usize;
-    if scene.hair.iter().map(of_group).sum::<usize>() != strands {
-        return vec![None; strands];
-    }
-    scene.hair.iter().flat_map(|hair| std::iter::repeat_n(Some(&hair.roots), of_group(hair))).collect()
+fn shapes<'a>(scene: &'a Scene, strands: usize) -> Vec<Option<&'a Roots>> {
+    let of_group =
+        |(hair, count): (&'a Group, usize)| std::iter::repeat_n(hair.drawn().map(|drawn| &drawn.roots), count);
+    groups(scene, strands).map_or_else(|| vec![None; strands], |all| all.into_iter().flat_map(of_group).collect())
 }
 
 /// The root of a hair of a strand, `seat` away in the strand's cross-section: beside it on what that is rooted on.
@@ -201,16 +210,16 @@ fn root_frame(hair: &HairFrame, s: usize) -> Quat {
 
 /// Radius of each strand's hairs as drawn [m], with this many hairs per strand.
 fn radii(scene: &Scene, strands: usize, per_strand: usize) -> Vec<f32> {
-    let counts: usize = scene.hair.iter().map(|hair| hair.strands as usize).sum();
-    if counts != strands {
-        return vec![THICKER[0] * RADIUS; strands];
-    }
-    let group = |hair: &windswept_scene::Hair| {
-        let needed = COVER * hair.roots.radius as f32 / (hair.strands as usize * per_strand) as f32;
+    let group = |(hair, count): (&Group, usize)| {
         let radius = hair.fibre.radius as f32;
-        vec![needed.clamp(THICKER[0] * radius, THICKER[1] * radius); hair.strands as usize]
+        let drawn = hair.drawn().map_or(THICKER[0] * radius, |drawn| {
+            let needed = COVER * drawn.roots.radius as f32 / (count * per_strand) as f32;
+            needed.clamp(THICKER[0] * radius, THICKER[1] * radius)
+        });
+        std::iter::repeat_n(drawn, count)
     };
-    scene.hair.iter().flat_map(group).collect()
+    groups(scene, strands)
+        .map_or_else(|| vec![THICKER[0] * RADIUS; strands], |all| all.into_iter().flat_map(group).collect())
 }
 
 /// A drawn hair, laid out as in common.wgsl.

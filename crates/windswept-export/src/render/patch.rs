@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
-use windswept_scene::{Hair, RootShape, Roots, Scene};
+use windswept_scene::{Drawn, Hair, RootShape, Roots, Scene};
 
 /// Sides of a solid of revolution: points around its axis.
 pub(super) const SIDES: u32 = 96;
@@ -19,22 +19,27 @@ pub(super) struct Corner {
     pub(super) normal: [f32; 3],
 }
 
-/// Corners of every group's patch at `time` [s], group by group.
+/// Corners of the patch of every group that is drawn at `time` [s], group by group.
 pub(super) fn corners(scene: &Scene, time: f64) -> Vec<Corner> {
-    let of_group = |hair: &Hair| {
-        let (motion, center) = (hair.motion.clone(), DVec3::from_array(hair.roots.center));
+    let of_group = |(hair, drawn): (&Hair, &Drawn)| {
+        let (motion, center) = (hair.motion.clone(), hair.center());
         let (_, turn) = motion.at(time);
-        corners_of(&hair.roots).map(move |(position, normal)| {
+        corners_of(&drawn.roots).map(move |(position, normal)| {
             let position = motion.place(center, position, time);
             Corner { position: position.as_vec3().to_array(), normal: (turn * normal).as_vec3().to_array() }
         })
     };
-    scene.hair.iter().flat_map(of_group).collect()
+    drawn(scene).flat_map(of_group).collect()
 }
 
-/// Triangles of so many patches.
-pub(super) fn triangles(groups: usize) -> Vec<u32> {
-    grid_triangles(groups, OUTLINE, SIDES)
+/// Groups whose roots are on a shape: what a groom file grows from is not known.
+fn drawn(scene: &Scene) -> impl Iterator<Item = (&Hair, &Drawn)> {
+    scene.hair.iter().filter_map(|hair| Some((hair, hair.drawn()?)))
+}
+
+/// Triangles of every group's patch.
+pub(super) fn triangles(scene: &Scene) -> Vec<u32> {
+    grid_triangles(drawn(scene).count(), OUTLINE, SIDES)
 }
 
 /// Triangles of so many solids of revolution whose corners follow one another, outline by outline.

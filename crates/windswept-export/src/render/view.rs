@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::dcamera::lh::view::look_to_mat4;
 use glam::dcamera::rh::{proj, view::look_at_mat4};
 use glam::{DMat4, DVec3, Vec3, Vec4};
-use windswept_scene::{Body, Camera, Hair, LookAt, Model, Scene};
+use windswept_scene::{Body, Camera, Drawn, Hair, LookAt, Model, Scene};
 
 use windswept_shaders::pictures::common::{self as shader, GRID, Light};
 
@@ -54,20 +54,21 @@ impl View {
     fn automatic(scene: &Scene, points: &[[f32; 3]]) -> Self {
         let wind = scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind));
         let mut reach = Vec::new();
-        for hair in &scene.hair {
-            let goes = where_hair_goes(hair, wind, scene);
+        for (hair, drawn) in scene.hair.iter().filter_map(|hair| Some((hair, hair.drawn()?))) {
+            let goes = where_hair_goes(hair, drawn, wind, scene);
             let moved = hair.motion.keyframes.iter().map(|keyframe| keyframe.pose().0);
             reach.extend(std::iter::once(DVec3::ZERO).chain(moved).flat_map(|by| goes.iter().map(move |x| *x + by)));
         }
-        if reach.is_empty() {
-            reach = points.iter().map(|p| Vec3::from_array(*p).as_dvec3()).collect();
+        // Of strands from elsewhere it is known where they are.
+        if reach.is_empty() || scene.hair.iter().any(|hair| hair.drawn().is_none()) {
+            reach.extend(points.iter().map(|p| Vec3::from_array(*p).as_dvec3()));
         }
         reach.extend(scene.bodies.iter().flat_map(where_body_goes));
         // Wind from left to right; without wind the way the hair points.
         let level = |v: DVec3| DVec3::new(v.x, 0.0, v.z).normalize_or_zero();
         let directions =
-            [wind].into_iter().chain(scene.hair.iter().map(|hair| DVec3::from_array(hair.roots.direction)));
-        let right = directions.map(level).find(|v| *v != DVec3::ZERO).unwrap_or(DVec3::X);
+            scene.hair.iter().filter_map(Hair::drawn).map(|drawn| DVec3::from_array(drawn.roots.direction));
+        let right = [wind].into_iter().chain(directions).map(level).find(|v| *v != DVec3::ZERO).unwrap_or(DVec3::X);
         let side = right.cross(DVec3::Y);
         // Half way toward a three-quarter view, and 12° above.
         let away = (side + 0.42 * right + 0.26 * DVec3::Y).normalize();
@@ -127,19 +128,19 @@ impl View {
 
 /// The region that a film of this hair may cover: its patch, and its tips between where it points and where the wind and gravity
 /// take it.
-fn where_hair_goes(hair: &Hair, wind: DVec3, scene: &Scene) -> Vec<DVec3> {
-    let (center, radius) = (DVec3::from_array(hair.roots.center), hair.roots.radius);
+fn where_hair_goes(hair: &Hair, drawn: &Drawn, wind: DVec3, scene: &Scene) -> Vec<DVec3> {
+    let (center, radius) = (hair.center(), drawn.roots.radius);
     // A helix has its root on itself, not on its axis.
-    let curl = hair.curl.map_or(0.0, |curl| 2.0 * curl.radius);
+    let curl = drawn.curl.map_or(0.0, |curl| 2.0 * curl.radius);
     // A curl is as long as its axis at first; the wind draws it out about half way.
-    let curled = hair.curl.map_or(1.0, |curl| curl.pitch / (TAU * curl.radius).hypot(curl.pitch));
-    let (short, length) = (hair.length * curled, hair.length * curled.sqrt());
-    let start = DVec3::from_array(hair.roots.direction);
-    let streams = streaming(hair, wind, scene).unwrap_or(start);
+    let curled = drawn.curl.map_or(1.0, |curl| curl.pitch / (TAU * curl.radius).hypot(curl.pitch));
+    let (short, length) = (drawn.length * curled, drawn.length * curled.sqrt());
+    let start = DVec3::from_array(drawn.roots.direction);
+    let streams = streaming(hair, drawn, wind, scene).unwrap_or(start);
     let between = (start + streams).normalize_or(start);
     // Before the wind has it, and in the lee of others, hair hangs lower.
     let lower = (streams + 0.12 * DVec3::from_array(scene.gravity).normalize_or_zero()).normalize_or(start);
-    let mut all: Vec<DVec3> = ends(&hair.roots).collect();
+    let mut all: Vec<DVec3> = ends(&drawn.roots).collect();
     for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
         let wide = radius + curl;
         all.extend([center + wide * axis, center - wide * axis]);
@@ -164,11 +165,11 @@ fn where_body_goes(body: &Body) -> impl Iterator<Item = DVec3> + '_ {
 /// Direction of a strand at rest in the wind: its weight across itself is the drag across itself, with the drag model's
 /// C_d = 1 + 10 Re^(-2/3) on its fibres, or C_d = 1 on its parcels of air. Strands shelter each other, so that one feels
 /// about half of it. `None` where neither wind nor weight pulls.
-fn streaming(hair: &Hair, wind: DVec3, scene: &Scene) -> Option<DVec3> {
+fn streaming(hair: &Hair, drawn: &Drawn, wind: DVec3, scene: &Scene) -> Option<DVec3> {
     let gravity = DVec3::from_array(scene.gravity);
     let weight = gravity.length()
         * match hair.fibre.point_mass {
-            Some(mass) => mass * f64::from(hair.points - 1) / hair.length,
+            Some(mass) => mass * f64::from(drawn.points - 1) / drawn.length,
             None => PI * hair.fibre.radius.powi(2) * hair.fibre.density * hair.fibre.fibres_per_strand,
         };
     let speed = wind.length();

@@ -1,14 +1,18 @@
 //! `[[hair]]`: groups of strands, and the fibres that they are made of.
 
+use glam::DVec3;
+
 use crate::{
     declare::{Keys, Misfit, table, words},
     document::Document,
     error::SceneError,
     initial::End,
     keys::{
-        Fallback::{Absent, Needed, NotBuilt, Value},
+        Fallback::{self, Absent, Needed, Value},
         Key,
-        Kind::{Choice, Count, Direction, Fraction, Length, NonNegative, Positive, Share, Table, Tables, Text, Vector},
+        Kind::{
+            Bool, Choice, Count, Direction, Fraction, Length, NonNegative, Positive, Share, Table, Tables, Text, Vector,
+        },
     },
     limits::MOST_POINTS_OF_A_STRAND,
     motion::Motion,
@@ -25,6 +29,34 @@ table! {
     pub struct Hair {
         /// Name of the group, for dotted keys and reports.
         name: String = Text, "", Value("hair".to_owned());
+        /// Shapes of the strands: drawn, or from a file.
+        source as "": HairSource = Table, "", Absent("");
+        /// Fibres of the strands.
+        fibre as "": Fibre = Table, "", Absent("");
+        /// Coulomb's coefficient of friction of the strands on other strands, of a pair the smaller one; two-way only.
+        friction: f64 = NonNegative, "", Value(FRICTION);
+        /// Hold of the roots: in place and direction, in place, not at all.
+        root: End = Choice(End::WORDS), "", Value(End::Clamped);
+        /// Hold of the tips, as of the roots; clamped with rods.solver = "direct" only.
+        tip: End = Choice(End::WORDS), "", Value(End::Free);
+        /// Keyframes of the roots, about the centre of their shape, or about the origin of a groom file.
+        motion: Motion = Tables, "", Absent("roots rest");
+    }
+}
+
+/// Where the shapes of a group's strands come from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum HairSource {
+    /// Helices of one length on a shape.
+    Drawn(Drawn),
+    /// Curves of a groom file.
+    File(GroomFile),
+}
+
+table! {
+    /// Strands that are drawn on a shape.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Drawn {
         /// Number of strands.
         strands: u32 = Count(1, u32::MAX), "", Needed;
         /// Points per strand, root included.
@@ -33,26 +65,57 @@ table! {
         length: f64 = Length, "m", Needed;
         /// Fraction by which strands are shorter at most, drawn at random.
         length_variation: f64 = Fraction, "", Value(0.0);
-        /// Fibres of the strands.
-        fibre as "": Fibre = Table, "", Absent("");
         /// Helical rest shape, right-handed about the strand's axis.
         curl: Option<Curl> = Table, "", Absent("straight");
         /// Spread of the helices' phases over the strands, 0 to 1.
         curl_phase: f64 = NonNegative, "turns", Value(1.0);
-        /// Coulomb's coefficient of friction of the strands on other strands, of a pair the smaller one; two-way only.
-        friction: f64 = NonNegative, "", Value(FRICTION);
-        /// Hold of the roots: in place and direction, in place, not at all.
-        root: End = Choice(End::WORDS), "", Value(End::Clamped);
-        /// Hold of the tips, as of the roots; clamped with rods.solver = "direct" only.
-        tip: End = Choice(End::WORDS), "", Value(End::Free);
         /// Shape that the strands are rooted on.
         roots: Roots = Table, "", Needed;
-        /// Keyframes of the roots, about the centre of their shape.
-        motion: Motion = Tables, "", Absent("roots rest");
     }
-    without a field {
-        /// Groom file that the strands come from.
-        file: String = Text, "", NotBuilt;
+}
+
+table! {
+    /// A groom file, and how its curves become strands.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct GroomFile {
+        /// Groom file that the strands come from (.hair, .data, .bin, .npz, .npy, .ply); relative to the scene's own file.
+        file: String = Text, "", Needed;
+        /// Metres per unit of the file: 0.01 for centimetres.
+        scale: Option<f64> = Positive, "m", Absent("needed, unless the file says its unit");
+        /// Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror.
+        up: Up = Choice(Up::WORDS), "", Value(Up::Y);
+        /// Whether strands take their radius from the file, where it has one that is a hair's, 15 to 150 µm on average.
+        file_radius: bool = Bool, "", Value(true);
+        /// Points of each strand of a file that does not say where one ends: a .ply without strands, an array (points, 3).
+        points_per_strand: Option<u32> = Count(1, MOST_POINTS_OF_A_STRAND), "", Absent("the file must say");
+        /// Number of strands; of a file's strands those whose roots are far from one another.
+        strands: Option<u32> = Count(1, u32::MAX), "", Absent("all of the file's");
+        /// Points per strand, root included; strands of a file are divided anew, evenly along their length.
+        points: Option<u32> = Count(2, MOST_POINTS_OF_A_STRAND), "", Absent("the file's");
+    }
+}
+
+words! {
+    /// `hair.up`.
+    #[derive(Default)]
+    pub enum Up {
+        /// Axes stay.
+        #[default]
+        Y = "y",
+        /// A quarter turn about x: (x, z, -y).
+        Z = "z",
+        /// A quarter turn about z: (-y, x, z).
+        X = "x",
+        /// A turn: (y, z, x).
+        Yzx = "yzx",
+        /// A turn: (z, x, y).
+        Zxy = "zxy",
+        /// A mirror image: (x, z, y).
+        Xzy = "xzy",
+        /// A mirror image: (y, x, z).
+        Yxz = "yxz",
+        /// A mirror image: (z, y, x).
+        Zyx = "zyx",
     }
 }
 
@@ -154,6 +217,102 @@ words! {
         SphereCap = "sphere_cap",
         /// A line of half length `radius`, horizontal where it can be.
         Line = "line",
+    }
+}
+
+impl Hair {
+    /// What the strands are drawn by; `None` where they come from a file.
+    #[must_use]
+    pub fn drawn(&self) -> Option<&Drawn> {
+        match &self.source {
+            HairSource::Drawn(drawn) => Some(drawn),
+            HairSource::File(_) => None,
+        }
+    }
+
+    /// The point that the roots' motion turns about \[m\]: the centre of their shape, or the origin of their file.
+    #[must_use]
+    pub fn center(&self) -> DVec3 {
+        self.drawn().map_or(DVec3::ZERO, |drawn| DVec3::from_array(drawn.roots.center))
+    }
+}
+
+impl GroomFile {
+    /// A file whose curves are taken as they are.
+    #[must_use]
+    pub fn new(file: impl Into<String>) -> Self {
+        Self {
+            file: file.into(),
+            scale: None,
+            up: Up::Y,
+            file_radius: true,
+            points_per_strand: None,
+            strands: None,
+            points: None,
+        }
+    }
+}
+
+impl HairSource {
+    /// The keys of the table at `path` that spell strands of a file and drawn ones; two are keys of both.
+    fn keys(path: &str) -> [Vec<Key>; 2] {
+        let (mut of_file, mut of_drawn) = (Vec::new(), Vec::new());
+        GroomFile::list(path, &mut of_file);
+        Drawn::list(path, &mut of_drawn);
+        [of_file, of_drawn]
+    }
+}
+
+impl Keys for HairSource {
+    fn list(path: &str, all: &mut Vec<Key>) {
+        let [of_file, of_drawn] = Self::keys(path);
+        for mut key in of_file {
+            let shared = of_drawn.iter().any(|other| other.path == key.path);
+            key.default = match key.default {
+                Needed => Absent("strands are drawn"),
+                Absent(_) if shared => Absent("needed, or with a file what the file has"),
+                default => default,
+            };
+            all.push(key);
+        }
+        for mut key in of_drawn {
+            if all.iter().any(|other| other.path == key.path) {
+                continue;
+            }
+            let own = key.path.rsplit_once('.').is_some_and(|(table, _)| table == path);
+            if own && key.default == Fallback::Needed {
+                key.default = Absent("needed, unless strands come from a file");
+            }
+            all.push(key);
+        }
+    }
+
+    fn read(reader: &Reader<'_>) -> Result<Self, SceneError> {
+        let [of_file, of_drawn] = Self::keys("");
+        let (own, other, words) = if reader.has("file") {
+            (of_file, of_drawn, "goes with strands that are drawn: expected no such key with hair.file")
+        } else {
+            (of_drawn, of_file, "goes with hair.file: expected a file, or no such key")
+        };
+        let foreign = |key: &&Key| reader.has(&key.path) && own.iter().all(|known| known.path != key.path);
+        if let Some(key) = other.iter().find(foreign) {
+            return Err(reader.fault(&key.path, words));
+        }
+        if reader.has("file") { GroomFile::read(reader).map(Self::File) } else { Drawn::read(reader).map(Self::Drawn) }
+    }
+
+    fn write(&self, writer: &mut Writer) {
+        match self {
+            Self::Drawn(drawn) => drawn.write(writer),
+            Self::File(file) => file.write(writer),
+        }
+    }
+
+    fn misfit(&self) -> Option<Misfit> {
+        match self {
+            Self::Drawn(drawn) => drawn.misfit(),
+            Self::File(file) => file.misfit(),
+        }
     }
 }
 

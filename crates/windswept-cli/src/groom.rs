@@ -1,0 +1,95 @@
+//! `windswept groom`: what a groom file holds, and one turned into another.
+
+use std::path::Path;
+
+use windswept_scene::{Curves, GroomFile, Up};
+
+use crate::arguments::{ConvertOptions, Groom};
+use crate::console::Console;
+use crate::failure::Failure;
+
+pub(crate) fn groom(command: &Groom, console: &mut Console<'_>) -> Result<(), Failure> {
+    match command {
+        Groom::Info { file, points_per_strand } => info(file, *points_per_strand, console),
+        Groom::Convert(options) => convert(options, console),
+    }
+}
+
+fn info(file: &Path, points_per_strand: Option<u32>, console: &mut Console<'_>) -> Result<(), Failure> {
+    let curves = Curves::load(file, points_per_strand)?;
+    for (what, value) in summary(&curves) {
+        console.print(format_args!("{what:<9} {value}"));
+    }
+    Ok(())
+}
+
+/// What a groom file holds, line by line.
+fn summary(curves: &Curves) -> Vec<(&'static str, String)> {
+    let range = |of: &mut dyn Iterator<Item = f64>| {
+        of.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    };
+    let mut rows = vec![("strands", curves.len().to_string())];
+    let [fewest, most] = range(&mut (0..curves.len()).map(|s| curves.strand(s).len() as f64));
+    let points = if curves.is_empty() { String::new() } else { format!(", {fewest} to {most} a strand") };
+    rows.push(("points", format!("{}{points}", curves.points.len())));
+    let unit = if curves.unit.is_some() { "m" } else { "units" };
+    let scale = curves.unit.unwrap_or(1.0);
+    if let Some([low, high]) = curves.bounds() {
+        let corner = |x: [f64; 3]| x.map(|x| format!("{:.4}", scale * x)).join(", ");
+        let sides = [0, 1, 2].map(|k| format!("{:.4}", scale * (high[k] - low[k]))).join(" x ");
+        rows.push(("box", format!("{sides} {unit}, from ({}) to ({})", corner(low), corner(high))));
+    }
+    if let [thinnest, thickest] = range(&mut curves.radius.iter().copied())
+        && thinnest.is_finite()
+    {
+        rows.push(("radius", format!("{:.3e} to {:.3e} {unit}", scale * thinnest, scale * thickest)));
+    }
+    rows.push((
+        "unit",
+        match curves.unit {
+            Some(unit) => format!("{unit} m"),
+            None => "not in the file: a scene needs hair.scale, the metres per unit".to_owned(),
+        },
+    ));
+    let (fit, dropped) = curves.clone().fit();
+    if dropped.total() > 0 {
+        rows.push(("left out", format!("{} strands, which cannot be simulated: {dropped}", dropped.total())));
+    }
+    let lengths = |s: usize| fit.strand(s).windows(2).map(|pair| distance(pair[0], pair[1])).sum::<f64>();
+    let [shortest, longest] = range(&mut (0..fit.len()).map(lengths));
+    if !fit.is_empty() {
+        rows.push(("length", format!("{:.4} to {:.4} {unit} along a strand", scale * shortest, scale * longest)));
+    }
+    rows
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    [0, 1, 2].map(|k| (a[k] - b[k]).powi(2)).iter().sum::<f64>().sqrt()
+}
+
+fn convert(options: &ConvertOptions, console: &mut Console<'_>) -> Result<(), Failure> {
+    if options.output.exists() && !options.overwrite {
+        let words = format!("{} is there already: --overwrite replaces it", options.output.display());
+        return Err(Failure::Input(words));
+    }
+    let curves = Curves::load(&options.input, options.points_per_strand)?;
+    let up = options.up.unwrap_or(Up::Y);
+    let curves = match options.scale.or(curves.unit) {
+        Some(scale) => curves.in_metres(scale, up),
+        // The unit stays whatever it is.
+        None => Curves { unit: None, ..curves.in_metres(1.0, up) },
+    };
+    let file = GroomFile {
+        points: options.points,
+        strands: options.strands,
+        ..GroomFile::new(options.input.display().to_string())
+    };
+    let (curves, notes) = file.fitted(curves, options.seed)?;
+    for note in notes {
+        console.warn(note);
+    }
+    curves.save(&options.output).map_err(|error| Failure::Run(error.to_string()))?;
+    let (strands, points) = (curves.len(), curves.points.len());
+    console.print(format_args!("{}: {strands} strands, {points} points", options.output.display()));
+    Ok(())
+}

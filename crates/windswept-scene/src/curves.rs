@@ -1,0 +1,212 @@
+//! Curves of groom files: what a file says, in its own units and axes, and how it becomes strands.
+
+mod bytes;
+mod cyhair;
+mod fit;
+mod npy;
+mod npz;
+mod ply;
+mod usc;
+
+use std::{fs, path::Path};
+
+pub use fit::Dropped;
+
+use crate::{error::SceneError, limits::LARGEST};
+
+/// Curves of a groom file, in the units and axes of the file.
+///
+/// ```no_run
+/// use windswept_scene::Curves;
+///
+/// let curves = Curves::load("wCurly.hair", None)?;
+/// println!("{} strands in {:?}", curves.len(), curves.bounds());
+/// curves.save("curly.npz")?;
+/// # Ok::<(), windswept_scene::SceneError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Curves {
+    /// Points of all strands, strand by strand, root to tip \[units of the file\].
+    pub points: Vec<[f64; 3]>,
+    /// Index of each strand's first point, and the number of points: strands + 1.
+    pub offsets: Vec<u32>,
+    /// Number of each strand: the file's, or its index in the file.
+    pub ids: Vec<u32>,
+    /// Radius at each point \[units of the file\]; empty where the file has none.
+    pub radius: Vec<f64>,
+    /// Metres per unit, where the file says it.
+    pub unit: Option<f64>,
+}
+
+/// A format of groom files.
+pub struct GroomFormat {
+    /// Ending of the files' names, without the dot.
+    pub extension: &'static str,
+    /// What the format is, for people.
+    pub what: &'static str,
+    read: fn(&[u8], Option<u32>) -> Result<Curves, SceneError>,
+    write: Option<fn(&Curves) -> Result<Vec<u8>, SceneError>>,
+}
+
+impl GroomFormat {
+    /// Every format there is.
+    pub const ALL: &'static [Self] = &[
+        Self {
+            extension: "hair",
+            what: "Cem Yuksel's hair files",
+            read: |bytes, _| cyhair::read(bytes),
+            write: Some(cyhair::write),
+        },
+        Self {
+            extension: "data",
+            what: "USC-HairSalon, Perm",
+            read: |bytes, _| usc::read(bytes, usc::Record::Point),
+            write: Some(usc::write),
+        },
+        Self {
+            extension: "bin",
+            what: "CT2Hair; read only",
+            read: |bytes, _| usc::read(bytes, usc::Record::Labelled),
+            write: None,
+        },
+        Self { extension: "npz", what: "NumPy arrays; keeps everything", read: npz::read, write: Some(npz::write) },
+        Self { extension: "npy", what: "a NumPy array (strands, n, 3)", read: npy::read, write: Some(npy::write) },
+        Self { extension: "ply", what: "GaussianHaircut, hairutil", read: ply::read, write: Some(ply::write) },
+    ];
+
+    /// The format of a file by the ending of its name.
+    fn of(path: &Path) -> Result<&'static Self, SceneError> {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+        Self::ALL.iter().find(|format| format.extension == ending).ok_or_else(|| {
+            let known: Vec<_> = Self::ALL.iter().map(|format| format!(".{}", format.extension)).collect();
+            SceneError::new(format!("expected a groom file: {}", known.join(", ")))
+        })
+    }
+
+    /// Whether files of the format can be written.
+    #[must_use]
+    pub fn writes(&self) -> bool {
+        self.write.is_some()
+    }
+}
+
+impl Curves {
+    /// Reads a groom file; `points_per_strand` is for files that do not say where a strand ends.
+    ///
+    /// # Errors
+    /// [`SceneError`] names the file and the byte, and says what was expected there.
+    pub fn load(path: impl AsRef<Path>, points_per_strand: Option<u32>) -> Result<Self, SceneError> {
+        let path = path.as_ref();
+        let read = || {
+            let format = GroomFormat::of(path)?;
+            let unread = |error: std::io::Error| SceneError::new(format!("cannot be read: {error}"));
+            // What is no file, a pipe or a device, may never end.
+            if !fs::metadata(path).map_err(unread)?.is_file() {
+                return Err(SceneError::new("expected a file"));
+            }
+            (format.read)(&fs::read(path).map_err(unread)?, points_per_strand)
+        };
+        read().map_err(|error: SceneError| error.of(&path.display().to_string(), ""))
+    }
+
+    /// Writes a groom file of the format that its name ends in; a file of this name is replaced.
+    ///
+    /// # Errors
+    /// [`SceneError`] where the format cannot hold the curves, and where the file cannot be written.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), SceneError> {
+        let path = path.as_ref();
+        let write = || {
+            let format = GroomFormat::of(path)?;
+            let Some(write) = format.write else {
+                return Err(SceneError::new(format!(".{} files are read, not written", format.extension)));
+            };
+            fs::write(path, write(self)?).map_err(|error| SceneError::new(format!("cannot be written: {error}")))
+        };
+        write().map_err(|error: SceneError| error.of(&path.display().to_string(), ""))
+    }
+
+    /// Curves from the number of points of each; `points` are as many in all.
+    fn of(points: Vec<[f64; 3]>, counts: impl Iterator<Item = u32>) -> Self {
+        let mut offsets = vec![0];
+        let mut end = 0u32;
+        offsets.extend(counts.map(|count| {
+            end += count;
+            end
+        }));
+        let ids = (0..offsets.len() as u32 - 1).collect();
+        Self { points, offsets, ids, ..Self::default() }
+    }
+
+    /// Curves of equally many points each.
+    fn even(points: Vec<[f64; 3]>, each: Option<u32>) -> Result<Self, SceneError> {
+        let Some(each) = each else {
+            let words =
+                format!("the {} points do not say where a strand ends: expected points_per_strand", points.len());
+            return Err(SceneError::new(words));
+        };
+        let total = count32(points.len())?;
+        if each == 0 || total % each != 0 {
+            let words = format!("expected points_per_strand that divides the {total} points of the file, found {each}");
+            return Err(SceneError::new(words));
+        }
+        Ok(Self::of(points, std::iter::repeat_n(each, (total / each) as usize)))
+    }
+
+    /// Number of strands.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.offsets.len().saturating_sub(1)
+    }
+
+    /// Whether there is no strand.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The points of strand `s`.
+    #[must_use]
+    pub fn strand(&self, s: usize) -> &[[f64; 3]] {
+        &self.points[self.range(s)]
+    }
+
+    fn range(&self, s: usize) -> std::ops::Range<usize> {
+        self.offsets[s] as usize..self.offsets[s + 1] as usize
+    }
+
+    /// Number of points of each strand.
+    fn counts(&self) -> impl Iterator<Item = u32> + '_ {
+        self.offsets.windows(2).map(|pair| pair[1] - pair[0])
+    }
+
+    /// Number of segments of each strand, as `format` has it.
+    fn segments(&self, format: &str) -> Result<Vec<u16>, SceneError> {
+        let segments = |(s, count): (usize, u32)| {
+            let words = || format!("strand {s} has {count} points; {format} holds strands of 1 to 65536");
+            let fits = count.checked_sub(1).and_then(|segments| u16::try_from(segments).ok());
+            fits.ok_or_else(|| SceneError::new(words()))
+        };
+        self.counts().enumerate().map(segments).collect()
+    }
+
+    /// Corners of the box about all points that are finite; `None` where there are none.
+    #[must_use]
+    pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
+        let finite = self.points.iter().filter(|x| is_finite(x));
+        finite.fold(None, |all, x| {
+            let [low, high] = all.unwrap_or([*x, *x]);
+            let each = |pick: fn(f64, f64) -> f64, y: [f64; 3]| [0, 1, 2].map(|k| pick(x[k], y[k]));
+            Some([each(f64::min, low), each(f64::max, high)])
+        })
+    }
+}
+
+/// Whether a point can be computed with.
+fn is_finite(x: &[f64; 3]) -> bool {
+    x.iter().all(|x| x.abs() <= LARGEST)
+}
+
+/// A number of points or strands: 32 bits number them.
+fn count32(count: usize) -> Result<u32, SceneError> {
+    u32::try_from(count).map_err(|_| SceneError::new(format!("expected at most {} points, found {count}", u32::MAX)))
+}

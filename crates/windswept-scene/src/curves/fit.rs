@@ -1,0 +1,361 @@
+//! Curves made fit to be simulated: in metres and Y up, without strands that cannot be, as many strands and points as asked
+//! for.
+
+use std::fmt;
+
+use glam::DVec3;
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+
+use super::{Curves, is_finite};
+use crate::{
+    declare::Keys,
+    error::SceneError,
+    groom::{COINCIDENT, Groom, PerStrand},
+    keys::{Key, Kind},
+    limits::{MOST_HAIR_POINTS, MOST_POINTS_OF_A_STRAND},
+    scene::{GroomFile, Up},
+};
+
+/// Radii that a hair may have \[m\]: a file's that are not, on average, were meant for a renderer.
+const RADII: std::ops::RangeInclusive<f64> = 15e-6..=150e-6;
+
+/// Strands of a file that cannot be simulated, by the reason.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Dropped {
+    /// Strands with a coordinate that is not finite, or beyond 1e18.
+    pub not_finite: usize,
+    /// Strands of fewer than two points.
+    pub short: usize,
+    /// Strands of more points than a strand may have.
+    pub long: usize,
+    /// Strands whose points are all in one place.
+    pub no_length: usize,
+    /// Strands with two successive points in one place.
+    pub doubled: usize,
+}
+
+impl Dropped {
+    /// Number of strands.
+    #[must_use]
+    pub fn total(&self) -> usize {
+        self.reasons().iter().map(|(count, _)| count).sum()
+    }
+
+    fn reasons(&self) -> [(usize, &'static str); 5] {
+        [
+            (self.not_finite, "not finite"),
+            (self.short, "of fewer than two points"),
+            (self.long, "of too many points"),
+            (self.no_length, "of no length"),
+            (self.doubled, "with doubled points"),
+        ]
+    }
+}
+
+/// `2 not finite, 1 of no length`.
+impl fmt::Display for Dropped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let reasons = self.reasons();
+        let words = reasons.iter().filter(|(count, _)| *count > 0).map(|(count, reason)| format!("{count} {reason}"));
+        f.write_str(&words.collect::<Vec<_>>().join(", "))
+    }
+}
+
+impl Up {
+    /// A point of the file, as the axes say.
+    fn turned(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        match self {
+            Self::Y => [x, y, z],
+            Self::Z => [x, z, -y],
+            Self::X => [-y, x, z],
+            Self::Yzx => [y, z, x],
+            Self::Zxy => [z, x, y],
+            Self::Xzy => [x, z, y],
+            Self::Yxz => [y, x, z],
+            Self::Zyx => [z, y, x],
+        }
+    }
+}
+
+impl Curves {
+    /// The curves in metres, with the file's `up` turned to +Y; `scale` is metres per unit.
+    #[must_use]
+    pub fn in_metres(mut self, scale: f64, up: Up) -> Self {
+        for point in &mut self.points {
+            *point = up.turned(point.map(|x| scale * x));
+        }
+        self.radius.iter_mut().for_each(|radius| *radius *= scale);
+        self.unit = Some(1.0);
+        self
+    }
+
+    /// The curves with `points` points each, evenly along them; strands that have no length stay as they are.
+    #[must_use]
+    pub fn resampled(&self, points: u32) -> Self {
+        let mut all = Self { ids: self.ids.clone(), unit: self.unit, offsets: vec![0], ..Self::default() };
+        for s in 0..self.len() {
+            let strand = self.strand(s);
+            let radius = if self.radius.is_empty() { &[][..] } else { &self.radius[self.range(s)] };
+            match places(strand, points) {
+                Some(places) => {
+                    let point = |&(k, part): &(usize, f64)| between(strand[k], strand[k + 1], part);
+                    all.points.extend(places.iter().map(point));
+                    if !radius.is_empty() {
+                        let radius = |&(k, part): &(usize, f64)| radius[k] + part * (radius[k + 1] - radius[k]);
+                        all.radius.extend(places.iter().map(radius));
+                    }
+                }
+                None => {
+                    all.points.extend(strand);
+                    all.radius.extend(radius);
+                }
+            }
+            all.offsets.push(all.points.len() as u32);
+        }
+        all
+    }
+
+    /// The curves that can be simulated, and how many cannot.
+    #[must_use]
+    pub fn fit(self) -> (Self, Dropped) {
+        let mut dropped = Dropped::default();
+        let curves = self.kept(false, &mut dropped);
+        (curves, dropped)
+    }
+
+    /// The curves that can be simulated, or can be once their points are placed anew; the others are counted.
+    fn kept(self, anew: bool, dropped: &mut Dropped) -> Self {
+        let mut kept = Vec::with_capacity(self.len());
+        for s in 0..self.len() {
+            match misfit(self.strand(s), anew, dropped) {
+                Some(count) => *count += 1,
+                None => kept.push(s),
+            }
+        }
+        if kept.len() == self.len() { self } else { self.only(&kept) }
+    }
+
+    /// The curves whose roots are far from one another, `strands` of them, in their order: each is the one whose root is
+    /// farthest from the roots taken before it; `seed` draws the first.
+    #[must_use]
+    pub fn spread(self, strands: u32, seed: u64) -> Self {
+        let strands = strands as usize;
+        if strands >= self.len() {
+            return self;
+        }
+        let roots: Vec<DVec3> = (0..self.len()).map(|s| DVec3::from_array(self.strand(s)[0])).collect();
+        let mut taken = farthest(&roots, strands, Pcg64::seed_from_u64(seed).random_range(0..roots.len()));
+        taken.sort_unstable();
+        self.only(&taken)
+    }
+
+    /// The strands of these indices.
+    fn only(&self, strands: &[usize]) -> Self {
+        let mut all = Self { unit: self.unit, offsets: vec![0], ..Self::default() };
+        for &s in strands {
+            all.points.extend(self.strand(s));
+            if !self.radius.is_empty() {
+                all.radius.extend(&self.radius[self.range(s)]);
+            }
+            all.ids.push(self.ids[s]);
+            all.offsets.push(all.points.len() as u32);
+        }
+        all
+    }
+
+    /// Mean radius of each strand; empty where the file has none.
+    fn mean_radii(&self) -> Vec<f64> {
+        if self.radius.is_empty() {
+            return Vec::new();
+        }
+        let mean = |radii: &[f64]| radii.iter().sum::<f64>() / radii.len() as f64;
+        (0..self.len()).map(|s| mean(&self.radius[self.range(s)])).collect()
+    }
+}
+
+/// Indices of `count` points, each the farthest from those before it, from `first` on; of several the first.
+fn farthest(points: &[DVec3], count: usize, first: usize) -> Vec<usize> {
+    let mut taken = vec![first];
+    let mut distance = vec![f64::INFINITY; points.len()];
+    while taken.len() < count {
+        let last = taken[taken.len() - 1];
+        // Never again, wherever the others are.
+        distance[last] = -1.0;
+        let mut next = (0, -1.0);
+        for (i, (point, distance)) in points.iter().zip(&mut distance).enumerate() {
+            *distance = distance.min(point.distance_squared(points[last]));
+            if *distance > next.1 {
+                next = (i, *distance);
+            }
+        }
+        taken.push(next.0);
+    }
+    taken
+}
+
+/// The count of `dropped` that a strand belongs to; `None` for one that can be simulated, or can be `anew`, once its points
+/// are placed evenly.
+fn misfit<'a>(strand: &[[f64; 3]], anew: bool, dropped: &'a mut Dropped) -> Option<&'a mut usize> {
+    if !strand.iter().all(is_finite) {
+        return Some(&mut dropped.not_finite);
+    }
+    if strand.len() < 2 {
+        return Some(&mut dropped.short);
+    }
+    if !anew && strand.len() > MOST_POINTS_OF_A_STRAND as usize {
+        return Some(&mut dropped.long);
+    }
+    let length: f64 = lengths(strand).sum();
+    if length <= 0.0 {
+        return Some(&mut dropped.no_length);
+    }
+    (!anew && lengths(strand).any(|l| l <= COINCIDENT * length)).then_some(&mut dropped.doubled)
+}
+
+fn lengths(strand: &[[f64; 3]]) -> impl Iterator<Item = f64> + '_ {
+    strand.windows(2).map(|pair| DVec3::from_array(pair[0]).distance(DVec3::from_array(pair[1])))
+}
+
+/// A point `part` of the way from `a` to `b`; at the ends exactly those.
+fn between(a: [f64; 3], b: [f64; 3], part: f64) -> [f64; 3] {
+    [0, 1, 2].map(|k| (1.0 - part) * a[k] + part * b[k])
+}
+
+/// Places of `points` points evenly along a strand: a segment, and a part of it. `None` for a strand of no length.
+fn places(strand: &[[f64; 3]], points: u32) -> Option<Vec<(usize, f64)>> {
+    let along: Vec<f64> = std::iter::once(0.0)
+        .chain(lengths(strand).scan(0.0, |sum, l| {
+            *sum += l;
+            Some(*sum)
+        }))
+        .collect();
+    let length = along.last().copied().filter(|length| length.is_finite() && *length > 0.0)?;
+    let mut segment = 0;
+    let place = |k: u32| {
+        let at = length * f64::from(k) / f64::from(points - 1);
+        while segment + 2 < along.len() && along[segment + 1] < at {
+            segment += 1;
+        }
+        let l = along[segment + 1] - along[segment];
+        let part = if k + 1 == points {
+            1.0
+        } else if l > 0.0 {
+            ((at - along[segment]) / l).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        (segment, part)
+    };
+    // The last point is the tip, whatever doubled points stand there.
+    let mut places: Vec<(usize, f64)> = (0..points).map(place).collect();
+    if let Some(last) = places.last_mut() {
+        *last = (along.len() - 2, 1.0);
+    }
+    Some(places)
+}
+
+impl GroomFile {
+    /// The curves as strands are made of them, in metres and Y up, and what a user should know of them; `seed` draws which of
+    /// many strands are taken.
+    ///
+    /// # Errors
+    /// As [`Curves::load`]; where no unit is known; where no strand is left.
+    pub fn curves(&self, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
+        self.checked_in_code()?;
+        let curves = Curves::load(&self.file, self.points_per_strand)?;
+        let fault = |words: String| SceneError::new(words).of(&self.file, "");
+        let Some(scale) = self.scale.or(curves.unit) else {
+            return Err(fault(no_unit(&curves)).with_help("give scale, the metres per unit"));
+        };
+        self.fitted(curves.in_metres(scale, self.up), seed).map_err(|error| error.of(&self.file, ""))
+    }
+
+    /// Whether the numbers are such as their keys take, in a struct that was made in code.
+    fn checked_in_code(&self) -> Result<(), SceneError> {
+        let fault = |key, words| Err(SceneError::new(words).at(key, None));
+        if let Some(misfit) = Keys::misfit(self) {
+            return fault(misfit.key, format!("expected {}, found {}", misfit.expected, misfit.found));
+        }
+        let counts =
+            [("points_per_strand", self.points_per_strand), ("strands", self.strands), ("points", self.points)];
+        for (key, count) in counts.into_iter().filter_map(|(key, count)| Some((key, count?))) {
+            let kind = Key::find(&format!("hair.{key}")).map(|key| key.kind);
+            if let Some(kind @ Kind::Count(least, most)) = kind
+                && !(least..=most).contains(&count)
+            {
+                return fault(key, format!("expected {}, found {count}", kind.expected()));
+            }
+        }
+        Ok(())
+    }
+
+    /// The curves with as many strands and points as asked for, without those that cannot be simulated, and what a user
+    /// should know of them.
+    ///
+    /// # Errors
+    /// [`SceneError`] where no strand is left.
+    pub fn fitted(&self, curves: Curves, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
+        let total = curves.len();
+        let mut dropped = Dropped::default();
+        let mut curves = curves.kept(self.points.is_some(), &mut dropped);
+        if let Some(strands) = self.strands {
+            curves = curves.spread(strands, seed);
+        }
+        if let Some(points) = self.points {
+            let most = u64::from(MOST_HAIR_POINTS);
+            if curves.len() as u64 * u64::from(points) > most {
+                let words = format!("{} strands of {points} points each: expected at most {most} points", curves.len());
+                return Err(SceneError::new(words));
+            }
+            // A strand that turns back on itself may have points in one place even so.
+            curves = curves.resampled(points).kept(false, &mut dropped);
+        }
+        let mut notes = Vec::new();
+        if dropped.total() > 0 {
+            notes.push(format!("{} of the {total} strands of {} are left out: {dropped}", dropped.total(), self.file));
+        }
+        if curves.is_empty() {
+            let words = if total == 0 { "there are none".to_owned() } else { dropped.to_string() };
+            return Err(SceneError::new(format!("expected strands that can be simulated: {words}")));
+        }
+        Ok((curves, notes))
+    }
+
+    /// The strands, of default fibres but for the radius where the file has one, and what a user should know of them.
+    ///
+    /// # Errors
+    /// As [`Self::curves`].
+    pub fn groom(&self, seed: u64) -> Result<(Groom, Vec<String>), SceneError> {
+        let (curves, mut notes) = self.curves(seed)?;
+        let radii = curves.mean_radii();
+        let mut groom = Groom { ids: curves.ids, ..Groom::new(curves.points, curves.offsets) };
+        if self.file_radius && !radii.is_empty() {
+            let mean = radii.iter().sum::<f64>() / radii.len() as f64;
+            if RADII.contains(&mean) && radii.iter().all(|radius| *radius > 0.0) {
+                notes.push(format!("strands have the radius that {} says, {mean:.2e} m on average", self.file));
+                groom
+                    .fibre
+                    .set(groom.ids.len(), "radius", &PerStrand::Each(radii), |fibre, radius| fibre.radius = radius)?;
+            } else {
+                notes.push(format!(
+                    "{} says a radius of {mean:.2e} m on average, which is no hair's, and is not taken",
+                    self.file
+                ));
+            }
+        }
+        Ok((groom, notes))
+    }
+}
+
+/// What is said where a file has no unit: how large it is.
+fn no_unit(curves: &Curves) -> String {
+    let Some([low, high]) = curves.bounds() else { return "the file has no points".to_owned() };
+    let sides = [0, 1, 2].map(|k| high[k] - low[k]);
+    let shown = |factor: f64| sides.map(|side| format!("{:.3}", factor * side)).join(" x ");
+    format!(
+        "the file does not say its unit: it spans {} m if that is the metre, {} m if the centimetre",
+        shown(1.0),
+        shown(0.01)
+    )
+}

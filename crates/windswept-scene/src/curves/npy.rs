@@ -1,0 +1,179 @@
+//! NumPy's `.npy` files: one array.
+//!
+//! ```text
+//! 0  char[6]  "\x93NUMPY"
+//! 6  u8, u8   version of the format
+//! 8  u16      length of what follows; u32 from version 2 on
+//!    text     {'descr': '<f4', 'fortran_order': False, 'shape': (100, 20, 3), }
+//!    the numbers
+//! ```
+//!
+//! Source: `numpy.lib.format`. Arrays of Python's objects are pickles, which run code: they are refused.
+
+use super::{
+    Curves,
+    bytes::{Bytes, fault_at},
+    count32,
+};
+use crate::error::SceneError;
+
+/// Start of every file.
+const MAGIC: &[u8; 6] = b"\x93NUMPY";
+/// What the header's length is a multiple of.
+const ALIGNMENT: usize = 64;
+
+/// An array, in C order.
+pub(super) struct Array {
+    pub(super) shape: Vec<usize>,
+    pub(super) values: Vec<f64>,
+}
+
+impl Array {
+    pub(super) fn read(bytes: &[u8]) -> Result<Self, SceneError> {
+        let mut bytes = Bytes::new(bytes);
+        if bytes.array::<6>("a NumPy array")? != *MAGIC {
+            return Err(fault_at(0, "expected a NumPy array, which starts with \\x93NUMPY"));
+        }
+        let [major, _] = bytes.array("the format's version")?;
+        let length = match major {
+            1 => u32::from(u16::from_le_bytes(bytes.array("the header's length")?)),
+            2 | 3 => bytes.u32("the header's length")?,
+            _ => return Err(fault_at(6, format!("expected version 1, 2 or 3 of the format, found {major}"))),
+        };
+        let at = bytes.at();
+        let header = bytes.take(length.into(), 1, "the header")?;
+        let header = std::str::from_utf8(header).map_err(|_| fault_at(at, "expected the header as text"))?;
+        let kind = quoted(field(header, "descr", at)?).ok_or_else(|| fault_at(at, NUMBERS))?;
+        let fortran = field(header, "fortran_order", at)?.starts_with("True");
+        let shape = shape(field(header, "shape", at)?)
+            .ok_or_else(|| fault_at(at, "expected a shape of whole numbers, (100, 20, 3)"))?;
+        let values = numbers(kind, &shape, &mut bytes, at)?;
+        bytes.end()?;
+        let values = if fortran && shape.len() > 1 { in_c_order(&values, &shape) } else { values };
+        Ok(Self { shape, values })
+    }
+
+    /// The rows of an array of shape (…, 3).
+    pub(super) fn points(&self) -> Vec<[f64; 3]> {
+        self.values.as_chunks::<3>().0.to_vec()
+    }
+
+    /// The curves of an array of shape (strands, n, 3) or (points, 3).
+    pub(super) fn curves(&self, points_per_strand: Option<u32>) -> Result<Curves, SceneError> {
+        match self.shape[..] {
+            [0, _, 3] => Ok(Curves::of(Vec::new(), std::iter::empty())),
+            [_, n, 3] if n > 0 => Curves::even(self.points(), Some(count32(n)?)),
+            [_, 3] => Curves::even(self.points(), points_per_strand),
+            _ => {
+                let found = &self.shape;
+                Err(SceneError::new(format!("expected shape (strands, n, 3) or (points, 3), found {found:?}")))
+            }
+        }
+    }
+}
+
+const NUMBERS: &str = "expected an array of numbers";
+
+/// Text of the header behind a key.
+fn field<'a>(header: &'a str, key: &str, at: usize) -> Result<&'a str, SceneError> {
+    let rest = header.split_once(&format!("'{key}'")).and_then(|(_, rest)| rest.trim_start().strip_prefix(':'));
+    rest.map(str::trim_start).ok_or_else(|| fault_at(at, format!("expected a header with '{key}'")))
+}
+
+fn quoted(text: &str) -> Option<&str> {
+    text.strip_prefix('\'')?.split('\'').next()
+}
+
+fn shape(text: &str) -> Option<Vec<usize>> {
+    let (inside, _) = text.strip_prefix('(')?.split_once(')')?;
+    let numbers = inside.split(',').map(str::trim).filter(|number| !number.is_empty());
+    numbers.map(|number| number.parse().ok()).collect()
+}
+
+/// The numbers of an array of this kind and shape.
+fn numbers(kind: &str, shape: &[usize], bytes: &mut Bytes<'_>, at: usize) -> Result<Vec<f64>, SceneError> {
+    let count = shape.iter().try_fold(1u64, |count, &n| count.checked_mul(n as u64));
+    let count = count.ok_or_else(|| fault_at(at, "expected a shape that 64 bits can count"))?;
+    let (big, kind) = (kind.starts_with('>'), kind.trim_start_matches(['<', '>', '|', '=']));
+    let mut of = |size| bytes.take(count, size, "the numbers");
+    Ok(match kind {
+        "f4" => decoded(of(4)?, big, |x| f32::from_le_bytes(x).into()),
+        "f8" => decoded(of(8)?, big, f64::from_le_bytes),
+        "u1" => decoded(of(1)?, big, |x| u8::from_le_bytes(x).into()),
+        "i4" => decoded(of(4)?, big, |x| i32::from_le_bytes(x).into()),
+        "u4" => decoded(of(4)?, big, |x| u32::from_le_bytes(x).into()),
+        "i8" => decoded(of(8)?, big, |x| i64::from_le_bytes(x) as f64),
+        "u8" => decoded(of(8)?, big, |x| u64::from_le_bytes(x) as f64),
+        _ => return Err(fault_at(at, format!("{NUMBERS} of type f4, f8, i4, i8, u1, u4 or u8, found {kind:?}"))),
+    })
+}
+
+fn decoded<const N: usize>(bytes: &[u8], big: bool, number: impl Fn([u8; N]) -> f64) -> Vec<f64> {
+    let little = |bytes: &[u8; N]| {
+        let mut bytes = *bytes;
+        if big {
+            bytes.reverse();
+        }
+        number(bytes)
+    };
+    bytes.as_chunks::<N>().0.iter().map(little).collect()
+}
+
+/// The numbers of an array whose first index runs fastest, so that its last one does.
+fn in_c_order(values: &[f64], shape: &[usize]) -> Vec<f64> {
+    let mut index = vec![0; shape.len()];
+    let next = |_: usize| {
+        let place = index.iter().zip(shape).rev().fold(0, |place, (i, n)| place * n + i);
+        for (i, n) in index.iter_mut().zip(shape).rev() {
+            *i += 1;
+            if *i < *n {
+                break;
+            }
+            *i = 0;
+        }
+        values[place]
+    };
+    (0..values.len()).map(next).collect()
+}
+
+pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curves, SceneError> {
+    Array::read(bytes)?.curves(points_per_strand)
+}
+
+pub(super) fn write(curves: &Curves) -> Result<Vec<u8>, SceneError> {
+    let each = curves.counts().next().unwrap_or_default();
+    if curves.counts().any(|count| count != each) {
+        let words =
+            "strands of unlike numbers of points make no array: expected a .npz file, or as many points of each";
+        return Err(SceneError::new(words));
+    }
+    Ok(of_floats(&[curves.len(), each as usize, 3], curves.points.as_flattened()))
+}
+
+/// A file of floats: of 32 bits, where those hold them exactly.
+pub(super) fn of_floats(shape: &[usize], values: &[f64]) -> Vec<u8> {
+    if values.iter().all(|x| f64::from(*x as f32) == *x) {
+        file("<f4", shape, values.iter().flat_map(|x| (*x as f32).to_le_bytes()))
+    } else {
+        file("<f8", shape, values.iter().flat_map(|x| x.to_le_bytes()))
+    }
+}
+
+/// A file of whole numbers.
+pub(super) fn of_whole(values: &[u32]) -> Vec<u8> {
+    file("<i8", &[values.len()], values.iter().flat_map(|&n| i64::from(n).to_le_bytes()))
+}
+
+fn file(kind: &str, shape: &[usize], values: impl Iterator<Item = u8>) -> Vec<u8> {
+    let sides: String = shape.iter().map(|n| format!("{n}, ")).collect();
+    let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({}), }}", sides.trim_end());
+    let before = MAGIC.len() + 4;
+    let padding = ALIGNMENT - 1 - (before + header.len()) % ALIGNMENT;
+    header.extend(std::iter::repeat_n(' ', padding).chain(['\n']));
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend([1, 0]);
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(values);
+    bytes
+}

@@ -1,0 +1,138 @@
+//! NumPy's `.npz` files: arrays by name.
+//!
+//! | Name | Shape | What it is |
+//! |---|---|---|
+//! | `points`, or `positions` as DiffLocks has it | (strands, n, 3), or (points, 3) with offsets | points, root to tip |
+//! | `offsets` | (strands + 1) | first point of each strand, and the number of points |
+//! | `ids` | (strands) | number of each strand; its index where there is none |
+//! | `radius` | (points) | radius at each point |
+//! | `meters_per_unit` | () | unit of points and radius |
+//!
+//! Other arrays are not looked at.
+
+use std::io::{Cursor, Read, Write};
+
+use zip::{CompressionMethod, ZipArchive, ZipWriter, result::ZipError, write::SimpleFileOptions};
+
+use super::{
+    Curves,
+    npy::{Array, of_floats, of_whole},
+};
+use crate::error::SceneError;
+
+/// Most bytes that one byte of a compressed array can stand for, by the definition of deflate.
+const MOST_DEFLATED: u64 = 1032;
+
+const POINTS: [&str; 2] = ["points", "positions"];
+
+/// The arrays of a file.
+struct Arrays<'a> {
+    archive: ZipArchive<Cursor<&'a [u8]>>,
+}
+
+impl Arrays<'_> {
+    fn get(&mut self, name: &str) -> Result<Option<Array>, SceneError> {
+        let mut member = match self.archive.by_name(&format!("{name}.npy")) {
+            Ok(member) => member,
+            Err(ZipError::FileNotFound) => return Ok(None),
+            Err(error) => return Err(of_array(name, &error)),
+        };
+        let (size, packed) = (member.size(), member.compressed_size());
+        if size > packed.saturating_mul(MOST_DEFLATED) {
+            return Err(of_array(name, &format!("{packed} bytes cannot hold the {size} that the archive says")));
+        }
+        let mut bytes = Vec::new();
+        // One more than there should be, to see whether there are more.
+        member.by_ref().take(size.saturating_add(1)).read_to_end(&mut bytes).map_err(|error| of_array(name, &error))?;
+        Array::read(&bytes).map(Some).map_err(|error| of_array(name, &error.message()))
+    }
+
+    /// The numbers of an array that has one for each of `count`, or that is not there.
+    fn each(&mut self, name: &str, count: usize) -> Result<Vec<f64>, SceneError> {
+        let Some(Array { shape, values }) = self.get(name)? else { return Ok(Vec::new()) };
+        if shape == [count] {
+            Ok(values)
+        } else {
+            Err(of_array(name, &format!("expected shape [{count}], found {shape:?}")))
+        }
+    }
+}
+
+fn of_array(name: &str, error: &dyn std::fmt::Display) -> SceneError {
+    SceneError::new(format!("{name}: {error}"))
+}
+
+/// Whole numbers that 32 bits hold.
+fn whole(name: &str, values: &[f64]) -> Result<Vec<u32>, SceneError> {
+    let fits = |x: &f64| x.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(x);
+    match values.iter().find(|x| !fits(x)) {
+        Some(x) => Err(of_array(name, &format!("expected whole numbers from 0 to {}, found {x}", u32::MAX))),
+        None => Ok(values.iter().map(|x| *x as u32).collect()),
+    }
+}
+
+pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curves, SceneError> {
+    let archive = ZipArchive::new(Cursor::new(bytes));
+    let archive =
+        archive.map_err(|error| SceneError::new(format!("expected NumPy arrays in a zip archive: {error}")))?;
+    let mut arrays = Arrays { archive };
+    let mut found = None;
+    for name in POINTS {
+        if found.is_none() {
+            found = arrays.get(name)?.map(|array| (name, array));
+        }
+    }
+    let Some((name, array)) = found else {
+        let names: Vec<_> = arrays.archive.file_names().map(|name| name.trim_end_matches(".npy")).take(8).collect();
+        return Err(SceneError::new(format!("expected an array {}, found {names:?}", POINTS.join(" or "))));
+    };
+    let mut curves = match (arrays.get("offsets")?, &array.shape[..]) {
+        (Some(offsets), [total, 3]) => {
+            let offsets = whole("offsets", &offsets.values)?;
+            let rising = offsets.windows(2).all(|pair| pair[0] <= pair[1]);
+            let ends = (offsets.first().map(|&first| first as usize), offsets.last().map(|&last| last as usize));
+            if !rising || ends != (Some(0), Some(*total)) {
+                return Err(of_array("offsets", &format!("expected rising numbers from 0 to {total}, the points")));
+            }
+            Curves::of(array.points(), offsets.windows(2).map(|pair| pair[1] - pair[0]))
+        }
+        _ => array.curves(points_per_strand).map_err(|error| of_array(name, &error.message()))?,
+    };
+    let ids = arrays.each("ids", curves.len())?;
+    if !ids.is_empty() {
+        curves.ids = whole("ids", &ids)?;
+    }
+    curves.radius = arrays.each("radius", curves.points.len())?;
+    if let Some(unit) = arrays.get("meters_per_unit")? {
+        curves.unit = Some(match unit.values[..] {
+            [unit] if unit > 0.0 && unit.is_finite() => unit,
+            _ => return Err(of_array("meters_per_unit", &"expected a number greater than 0")),
+        });
+    }
+    Ok(curves)
+}
+
+pub(super) fn write(curves: &Curves) -> Result<Vec<u8>, SceneError> {
+    let mut arrays = vec![
+        ("points", of_floats(&[curves.points.len(), 3], curves.points.as_flattened())),
+        ("offsets", of_whole(&curves.offsets)),
+        ("ids", of_whole(&curves.ids)),
+    ];
+    if !curves.radius.is_empty() {
+        arrays.push(("radius", of_floats(&[curves.radius.len()], &curves.radius)));
+    }
+    if let Some(unit) = curves.unit {
+        arrays.push(("meters_per_unit", of_floats(&[], &[unit])));
+    }
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    let mut write = || {
+        for (name, bytes) in &arrays {
+            let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+            archive.start_file(format!("{name}.npy"), options.large_file(bytes.len() as u64 >= u64::from(u32::MAX)))?;
+            archive.write_all(bytes)?;
+        }
+        Ok(())
+    };
+    let packed = write().and_then(|()| archive.finish());
+    packed.map(Cursor::into_inner).map_err(|error: ZipError| SceneError::new(format!("cannot be packed: {error}")))
+}

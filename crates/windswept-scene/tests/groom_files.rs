@@ -1,0 +1,423 @@
+//! Groom files: the same curves out as in, in every format; what is broken is an error or sane curves, never a panic.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use windswept_scene::{Curves, GroomFile, GroomFormat, HairSource, InitialState, Scene, Up};
+
+/// A folder that goes with its test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("windswept-{name}-{}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
+        let path = self.0.join(name);
+        fs::write(&path, bytes).unwrap();
+        path
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn f32s(numbers: &[f32]) -> Vec<u8> {
+    numbers.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+/// A `.hair` file, written from the description of the format: 128 bytes of header, then arrays.
+fn hair_file(strands: &[Vec<[f32; 3]>], thickness: Option<&[f32]>) -> Vec<u8> {
+    let points: usize = strands.iter().map(Vec::len).sum();
+    let mut bytes = b"HAIR".to_vec();
+    let arrays = 0b11 + if thickness.is_some() { 0b100 } else { 0 };
+    for number in [strands.len() as u32, points as u32, arrays, 0] {
+        bytes.extend(number.to_le_bytes());
+    }
+    bytes.extend(f32s(&[0.1, 0.0, 1.0, 1.0, 1.0]));
+    bytes.resize(128, 0);
+    bytes.extend(strands.iter().flat_map(|strand| (strand.len() as u16 - 1).to_le_bytes()));
+    bytes.extend(strands.iter().flat_map(|strand| f32s(strand.as_flattened())));
+    bytes.extend(thickness.map(f32s).unwrap_or_default());
+    bytes
+}
+
+/// Wavy strands of 2 to 33 points, on a sphere of 10 units.
+fn strands(count: usize) -> Vec<Vec<[f32; 3]>> {
+    let mut rng = Pcg64::seed_from_u64(7);
+    let strand = |_| {
+        let root: [f32; 3] = [0, 1, 2].map(|_| rng.random_range(-10.0..10.0));
+        let n = rng.random_range(2..34);
+        let point = |k: i32| {
+            let t = k as f32;
+            [root[0] + 0.3 * (0.5 * t).sin(), root[1] - 0.5 * t, root[2] + 0.2 * (0.7 * t).cos()]
+        };
+        (0..n).map(point).collect()
+    };
+    (0..count).map(strand).collect()
+}
+
+/// A file of every format, of the same curves where the format holds them.
+fn a_file_of_each(folder: &Folder) -> Vec<PathBuf> {
+    let many =
+        folder.write("many.hair", &hair_file(&strands(31), Some(&vec![0.02; strands(31).iter().map(Vec::len).sum()])));
+    let curves = Curves::load(&many, None).unwrap();
+    let even = curves.resampled(5);
+    let mut files = vec![many];
+    for format in GroomFormat::ALL.iter().filter(|format| format.writes() && format.extension != "hair") {
+        let path = folder.0.join(format!("some.{}", format.extension));
+        if format.extension == "npy" { &even } else { &curves }.save(&path).unwrap();
+        files.push(path);
+    }
+    // Read only: 7 numbers a point.
+    let mut bin = (curves.len() as u32).to_le_bytes().to_vec();
+    for s in 0..curves.len() {
+        bin.extend((curves.strand(s).len() as u32).to_le_bytes());
+        for point in curves.strand(s) {
+            bin.extend(f32s(&point.map(|x| x as f32)));
+            bin.extend(f32s(&[0.0, 1.0, 0.0, 3.0]));
+        }
+    }
+    files.push(folder.write("some.bin", &bin));
+    let text = "ply\nformat ascii 1.0\ncomment a list before, as faces may be\nelement face 1\nproperty list uchar int i\n\
+                element vertex 4\nproperty double y\nproperty float x\nproperty float z\nelement strand 2\nproperty int nsegs\n\
+                end_header\n3 7 8 9\n1 0 0\n2 0 0\n3 5 0\n4 5 1e-1\n1\n1\n";
+    files.push(folder.write("text.ply", text.as_bytes()));
+    files
+}
+
+/// 10 000 strands, an odd number of them in all, come back from every format as they were, in their order.
+#[test]
+fn strands_come_back_as_they_were() {
+    let folder = Folder::new("round");
+    let given = strands(10_001);
+    let points: Vec<[f32; 3]> = given.iter().flatten().copied().collect();
+    let thickness: Vec<f32> = (0..points.len()).map(|i| 0.01 + 1e-6 * i as f32).collect();
+    let path = folder.write("in.hair", &hair_file(&given, Some(&thickness)));
+    let curves = Curves::load(&path, None).unwrap();
+    assert_eq!((curves.len(), curves.points.len()), (10_001, points.len()));
+    assert_eq!(curves.ids, (0..10_001).collect::<Vec<u32>>());
+    for (s, strand) in given.iter().enumerate() {
+        assert_eq!(curves.strand(s), strand.iter().map(|x| x.map(f64::from)).collect::<Vec<_>>());
+    }
+    assert!(curves.radius.iter().zip(&thickness).all(|(radius, thickness)| *radius == 0.5 * f64::from(*thickness)));
+    for format in GroomFormat::ALL.iter().filter(|format| format.writes()) {
+        let path = folder.0.join(format!("out.{}", format.extension));
+        if format.extension == "npy" {
+            assert!(curves.save(&path).unwrap_err().message().contains("expected a .npz file"));
+            let even = curves.resampled(9);
+            even.save(&path).unwrap();
+            assert_eq!(Curves::load(&path, None).unwrap().points, even.points);
+            continue;
+        }
+        curves.save(&path).unwrap();
+        let back = Curves::load(&path, None).unwrap();
+        assert_eq!((&back.offsets, &back.ids), (&curves.offsets, &curves.ids), ".{}", format.extension);
+        // Measured 0: files of 32 bits hold what a file of 32 bits held.
+        assert_eq!(back.points, curves.points, ".{}", format.extension);
+        assert_eq!(back.radius.is_empty(), format.extension == "data");
+        assert!(back.radius.is_empty() || back.radius == curves.radius, ".{}", format.extension);
+    }
+    // Strands keep the file's numbers where some are left out, and the archive knows the unit.
+    let (fit, dropped) = Curves { ids: curves.ids.iter().map(|id| 2 * id).collect(), ..curves }
+        .in_metres(0.01, Up::Y)
+        .spread(100, 1)
+        .fit();
+    assert_eq!((fit.len(), dropped.total()), (100, 0));
+    let path = folder.0.join("few.npz");
+    fit.save(&path).unwrap();
+    assert_eq!(Curves::load(&path, None).unwrap(), fit);
+    assert!(fit.ids.is_sorted() && fit.ids.iter().all(|id| id % 2 == 0) && fit.unit == Some(1.0));
+}
+
+/// Bytes of the files, changed at random: cut, with some set to others, with some taken out or put in. Files of each format
+/// are an error that says something, or curves that hold together, and never a panic.
+#[test]
+fn broken_files_are_errors_or_sane() {
+    let folder = Folder::new("broken");
+    for path in a_file_of_each(&folder) {
+        let whole = fs::read(&path).unwrap();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        assert!(Curves::load(&path, None).is_ok(), "{name}");
+        let mut rng = Pcg64::seed_from_u64(3);
+        let mut refused = 0;
+        for case in 0..300 {
+            let mut bytes = whole.clone();
+            // Headers are short, and where counts are.
+            let reach = if case % 2 == 0 { bytes.len().min(160) } else { bytes.len() };
+            match case % 6 {
+                0 | 1 => bytes.truncate(rng.random_range(0..reach)),
+                2 | 3 => {
+                    for _ in 0..rng.random_range(1..5) {
+                        bytes[rng.random_range(0..reach)] = rng.random();
+                    }
+                }
+                4 => drop(bytes.remove(rng.random_range(0..reach))),
+                _ => {
+                    let at = rng.random_range(0..=reach - 4);
+                    let extreme = [u32::MAX, i32::MAX as u32, 0, f32::NAN.to_bits()][rng.random_range(0..4)];
+                    bytes[at..at + 4].copy_from_slice(&extreme.to_le_bytes());
+                }
+            }
+            match Curves::load(folder.write(&name, &bytes), [None, Some(5)][case % 2]) {
+                Ok(curves) => sane(&curves, &folder),
+                Err(error) => {
+                    refused += 1;
+                    assert!(error.source_name().ends_with(&name) && !error.message().is_empty(), "{error}");
+                    assert!(error.to_string().len() < 600, "{error}");
+                }
+            }
+        }
+        assert!(refused > 100, "{name}: {refused} of 300 were refused");
+    }
+}
+
+/// Whether arrays belong together, and what becomes of the curves can be simulated.
+fn sane(curves: &Curves, folder: &Folder) {
+    let total = curves.points.len();
+    assert_eq!((curves.offsets[0], *curves.offsets.last().unwrap() as usize), (0, total));
+    assert!(curves.offsets.is_sorted() && curves.ids.len() == curves.len());
+    assert!(curves.radius.is_empty() || curves.radius.len() == total);
+    let (fit, dropped) = curves.clone().fit();
+    assert_eq!(fit.len() + dropped.total(), curves.len());
+    assert!(fit.points.as_flattened().iter().all(|x| x.is_finite()));
+    let path = folder.0.join("sane.npz");
+    fit.save(&path).unwrap();
+    let groom = GroomFile { scale: Some(0.01), points: Some(7), ..GroomFile::new(path.to_string_lossy()) };
+    if let Ok((groom, _)) = groom.groom(1) {
+        groom.check().unwrap();
+    }
+}
+
+/// Every count that a header can hold, however large: an error, and no room is made for it.
+#[test]
+fn counts_beyond_the_file_are_errors() {
+    let folder = Folder::new("counts");
+    let refused = |name: &str, bytes: &[u8], expected: &[&str]| {
+        let error = Curves::load(folder.write(name, bytes), None).unwrap_err().to_string();
+        assert!(expected.iter().all(|words| error.contains(words)), "{error}");
+    };
+    let hair = hair_file(&strands(3), None);
+    let with = |at: usize, number: u32| {
+        let mut bytes = hair.clone();
+        bytes[at..at + 4].copy_from_slice(&number.to_le_bytes());
+        bytes
+    };
+    refused("a.hair", b"HAI", &["at byte 0", "the word HAIR", "ends at byte 3"]);
+    refused("a.hair", b"PNG of some length", &["found \"PNG \""]);
+    refused("a.hair", &with(4, u32::MAX), &["at byte 128", "the segments of each strand", "ends at byte"]);
+    refused("a.hair", &with(8, u32::MAX), &["at byte 8", "found 4294967295"]);
+    refused("a.hair", &with(12, 1), &["at byte 12", "bit 1 (points)"]);
+    refused("a.hair", &with(12, 1 << 20), &["at byte 12"]);
+    let mut lone = with(4, u32::MAX);
+    lone[8..20].copy_from_slice(&[0xff, 0xff, 0xff, 0xff, 2, 0, 0, 0, 0, 0, 0, 0]);
+    refused("a.hair", &lone, &["at byte 128", "the points"]);
+    refused("a.hair", &hair[..hair.len() - 1], &[&format!("ends at byte {}", hair.len() - 1)]);
+    refused("a.hair", &[&hair[..], b"x"].concat(), &["expected the end of the file, found 1 bytes more"]);
+    refused("a.data", &u32::MAX.to_le_bytes(), &["at least 0; found -1"]);
+    refused("a.data", &i32::MAX.to_le_bytes(), &["at byte 4", "the strands"]);
+    refused("a.bin", &[1, 0, 0, 0, 0xff, 0xff, 0xff, 0x7f], &["at byte 8", "2147483647 points of strand 0"]);
+    let npy =
+        |header: &str| [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes()].concat();
+    refused(
+        "a.npy",
+        &npy("{'descr': '<f4', 'fortran_order': False, 'shape': (99999999999, 9, 3), }"),
+        &["the numbers"],
+    );
+    refused("a.npy", &npy("{'descr': '<f4', 'fortran_order': False, 'shape': (99999999999, 0, 3), }"), &["points"]);
+    refused("a.npy", &npy("{'descr': '|O', 'fortran_order': False, 'shape': (9, 9, 3), }"), &["found \"O\""]);
+    refused("a.npy", &npy("{'descr': '<f4', 'fortran_order': False, 'shape': (-1, 9, 3), }"), &["a shape of whole"]);
+    refused("a.npz", b"PK\x03\x04", &["zip archive"]);
+    let ply = |body: &str| format!("ply\nformat binary_little_endian 1.0\n{body}end_header\n");
+    let vertex = "element vertex 18446744073709551615\nproperty float x\nproperty float y\nproperty float z\n";
+    refused("a.ply", ply(vertex).as_bytes(), &["expected vertex"]);
+    refused("a.ply", ply("element vertex 0\nproperty float x\n").as_bytes(), &["a property y"]);
+    refused("a.ply", ply("property float x\n").as_bytes(), &["an element before"]);
+    refused("a.ply", ply("element junk 18446744073709551615\n").as_bytes(), &["expected an element vertex"]);
+    refused("a.usd", b"", &[".hair, .data, .bin, .npz, .npy, .ply"]);
+    let error = Curves::load(&folder.0, None).unwrap_err();
+    assert!(error.message().contains("expected a"), "{error}");
+    let error = Curves::load(folder.0.join("none.hair"), None).unwrap_err();
+    assert!(error.message().contains("cannot be read"), "{error}");
+}
+
+/// Files without an end of strands: equally many points each, once it is said how many.
+#[test]
+fn equal_strands_need_their_number_of_points() {
+    let folder = Folder::new("equal");
+    let text = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nend_header\n\
+                0 0 0\n0 1 0\n5 0 0\n5 1 0";
+    let path = folder.write("gaussian.ply", text.as_bytes());
+    let refused = |points| Curves::load(&path, points).unwrap_err().message().to_owned();
+    assert!(refused(None).contains("expected points_per_strand"));
+    assert!(refused(Some(3)).contains("divides the 4 points"));
+    assert!(refused(Some(0)).contains("divides the 4 points"));
+    let curves = Curves::load(&path, Some(2)).unwrap();
+    assert_eq!(curves.offsets, [0, 2, 4]);
+    assert_eq!(curves.strand(1), [[5.0, 0.0, 0.0], [5.0, 1.0, 0.0]]);
+}
+
+/// Strands that cannot be are left out, each for its reason, and the others keep order and number.
+#[test]
+fn what_cannot_be_a_strand_is_left_out_and_counted() {
+    let folder = Folder::new("misfits");
+    let line = |x: f32| (0..4).map(|k| [x, -0.1 * k as f32, 0.0]).collect::<Vec<_>>();
+    let mut doubled = line(1.0);
+    doubled[2] = doubled[1];
+    let mut not_finite = line(2.0);
+    not_finite[3][1] = f32::NAN;
+    let given = [line(0.0), doubled, not_finite, vec![[3.0; 3]], vec![[4.0; 3]; 4], line(5.0)];
+    let path = folder.write("some.hair", &hair_file(&given, None));
+    let file = GroomFile { scale: Some(1.0), ..GroomFile::new(path.to_string_lossy()) };
+    let (curves, notes) = file.curves(1).unwrap();
+    assert_eq!(curves.ids, [0, 5]);
+    let [note] = &notes[..] else { panic!("{notes:?}") };
+    assert!(note.contains("4 of the 6 strands"), "{note}");
+    assert!(
+        note.ends_with("1 not finite, 1 of fewer than two points, 1 of no length, 1 with doubled points"),
+        "{note}"
+    );
+    // Points that are placed anew are not doubled.
+    let (curves, notes) = GroomFile { points: Some(3), ..file.clone() }.curves(1).unwrap();
+    assert_eq!((&curves.ids[..], &curves.offsets[..]), (&[0, 1, 5][..], &[0, 3, 6, 9][..]));
+    assert!(notes[0].contains("3 of the 6 strands"), "{notes:?}");
+    // None is left.
+    let path = folder.write("none.hair", &hair_file(&given[2..5], None));
+    let error = GroomFile { scale: Some(1.0), ..GroomFile::new(path.to_string_lossy()) }.curves(1).unwrap_err();
+    assert!(error.message().contains("expected strands that can be simulated"), "{error}");
+}
+
+/// Points placed anew are equally far apart along the strand, on it, from root to tip.
+#[test]
+fn points_are_placed_evenly() {
+    // An L of 3 and 1.
+    let curves = Curves {
+        points: vec![[0.0; 3], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 1.0, 0.0]],
+        offsets: vec![0, 4],
+        ids: vec![9],
+        radius: vec![4.0, 3.0, 1.0, 0.0],
+        unit: None,
+    };
+    let even = curves.resampled(9);
+    let expected: Vec<[f64; 3]> =
+        (0..=6).map(|k| [0.5 * f64::from(k), 0.0, 0.0]).chain([[3.0, 0.5, 0.0], [3.0, 1.0, 0.0]]).collect();
+    assert_eq!((even.points, even.ids), (expected, vec![9]));
+    assert_eq!(even.radius, [4.0, 3.5, 3.0, 2.5, 2.0, 1.5, 1.0, 0.5, 0.0]);
+}
+
+/// The roots that are kept leave no hole: on a line of 101, the farthest from 5 of them is an eighth of the line away.
+#[test]
+fn the_strands_that_are_kept_are_far_apart() {
+    let points: Vec<[f64; 3]> = (0..101).flat_map(|k| [[f64::from(k), 0.0, 0.0], [f64::from(k), -1.0, 0.0]]).collect();
+    let curves =
+        Curves { points, offsets: (0..=101).map(|s| 2 * s).collect(), ids: (0..101).collect(), ..Curves::default() };
+    for seed in 0..10 {
+        let few = curves.clone().spread(5, seed);
+        assert!(few.ids.is_sorted() && few.len() == 5);
+        let gaps = |x: u32| few.ids.iter().map(|id| id.abs_diff(x)).min().unwrap();
+        // The greedy choice is at most twice as far as the best one, 10.1.
+        assert!((0..101).all(|x| gaps(x) <= 20), "{:?}", few.ids);
+        assert_eq!(few, curves.clone().spread(5, seed));
+    }
+    // Roots in one place are different strands.
+    let same = Curves {
+        points: vec![[0.0; 3], [0.0, 1.0, 0.0]].repeat(4),
+        offsets: vec![0, 2, 4, 6, 8],
+        ids: vec![0, 1, 2, 3],
+        ..Curves::default()
+    };
+    assert_eq!(same.spread(3, 1).len(), 3);
+}
+
+fn scene_of(folder: &Folder, keys: &str) -> Result<Scene, windswept_scene::SceneError> {
+    let text = format!("time = {{ step = 1e-3, duration = 1 }}\ninteraction.model = \"none\"\n[hair]\n{keys}\n");
+    Scene::load(folder.write("scene.toml", text.as_bytes()))
+}
+
+/// A scene names a file beside it, whatever the folder that one is in; it carries the path from then on.
+#[test]
+fn a_scene_takes_its_strands_from_a_file() {
+    let folder = Folder::new("scene");
+    let given = [vec![[0.0, 0.0, 0.0], [0.0, 0.0, -10.0], [0.0, 0.0, -20.0]], vec![[1.0, 0.0, 0.0], [1.0, 5.0, 0.0]]];
+    folder.write("two.hair", &hair_file(&given, Some(&[0.01; 5])));
+    let scene = scene_of(&folder, "file = \"two.hair\" # ours\nscale = 0.01\nup = \"z\"\ndensity = 1000").unwrap();
+    let HairSource::File(file) = &scene.hair[0].source else { panic!("{scene:?}") };
+    assert!(Path::new(&file.file).is_absolute() && file.file.ends_with("two.hair"));
+    assert!(scene.text().contains("# ours"));
+    assert_eq!(Scene::parse(scene.text()).unwrap(), scene);
+    assert_eq!(Scene::parse(&scene.to_toml()).unwrap(), scene);
+    let state = InitialState::new(&scene).unwrap();
+    let points: Vec<[f64; 3]> = state.hair.positions.iter().map(|x| x.to_array()).collect();
+    let expected = [[0.0, 0.0, 0.0], [0.0, -0.1, 0.0], [0.0, -0.2, 0.0], [0.01, 0.0, 0.0], [0.01, 0.0, -0.05]];
+    for (x, y) in points.iter().flatten().zip(expected.iter().flatten()) {
+        assert!((x - y).abs() < 1e-9, "{points:?}");
+    }
+    assert_eq!((state.hair.group, state.hair.point_offsets), (vec![0, 0], vec![0, 3, 5]));
+    // 0.01 units are 0.1 mm across.
+    assert!(state.hair.radius.iter().all(|radius| (radius - 5e-5).abs() < 1e-10), "{:?}", state.hair.radius);
+    assert!(state.warnings.iter().any(|warning| warning.contains("the radius that")), "{:?}", state.warnings);
+    let scene = scene_of(&folder, "file = \"two.hair\"\nscale = 0.01\nfile_radius = false\nradius = 6e-5").unwrap();
+    assert!(InitialState::new(&scene).unwrap().hair.radius.iter().all(|radius| *radius == 6e-5));
+    // A tenth of a metre is no hair's.
+    let scene = scene_of(&folder, "file = \"two.hair\"\nscale = 1").unwrap();
+    let state = InitialState::new(&scene).unwrap();
+    assert!(state.hair.radius.iter().all(|radius| *radius == 4e-5));
+    assert!(state.warnings.iter().any(|warning| warning.contains("no hair's")), "{:?}", state.warnings);
+    // Keyframes move the roots about the file's origin.
+    let keys = "file = \"two.hair\"\nscale = 0.01\nmotion = [{ time = 0, translation = [0, 1, 0], rotation = [0, 0, 1.5707963267948966] }]";
+    let moved = InitialState::new(&scene_of(&folder, keys).unwrap()).unwrap();
+    let root = moved.hair.positions[3];
+    assert!((root - glam::DVec3::new(0.0, 1.01, 0.0)).length() < 1e-12, "{root}");
+}
+
+/// Faults of the keys, and of the file behind them.
+#[test]
+fn faults_of_files_name_the_key() {
+    let folder = Folder::new("faults");
+    folder.write("two.hair", &hair_file(&strands(5), None));
+    let refused = |keys: &str, key: &str, words: &[&str]| {
+        let error = scene_of(&folder, keys).and_then(|scene| InitialState::new(&scene)).unwrap_err();
+        assert_eq!(error.key(), Some(key), "{error}");
+        assert!(words.iter().all(|words| error.to_string().contains(words)), "{error}");
+    };
+    refused(
+        "file = \"two.hair\"",
+        "hair.hair.file",
+        &["does not say its unit", "m if that is the metre", "give scale"],
+    );
+    refused("file = \"none.hair\"\nscale = 1", "hair.hair.file", &["none.hair", "cannot be read"]);
+    refused("file = \"two.hair\"\nscale = 1\nlength = 0.1", "hair.length", &["no such key with hair.file"]);
+    refused("file = \"two.hair\"\nscale = 1\nroots = { center = [0, 0, 0], radius = 1 }", "hair.roots", &["hair.file"]);
+    refused("file = \"two.hair\"\nscale = 0", "hair.scale", &["greater than 0"]);
+    refused("file = \"two.hair\"\nscale = 1\nup = \"q\"", "hair.up", &["\"yzx\""]);
+    refused("strands = 1\npoints = 2\nlength = 1\nscale = 1", "hair.scale", &["goes with hair.file"]);
+    folder.write("two.hair", b"HAIR");
+    refused("file = \"two.hair\"\nscale = 1", "hair.hair.file", &["two.hair", "at byte 4", "the number of strands"]);
+}
+
+/// A struct that was made in code is checked as a scene is.
+#[test]
+fn numbers_made_in_code_are_checked() {
+    let file = GroomFile::new("none.hair");
+    for (bad, key) in [
+        (GroomFile { scale: Some(f64::NAN), ..file.clone() }, "scale"),
+        (GroomFile { scale: Some(-1.0), ..file.clone() }, "scale"),
+        (GroomFile { points: Some(1), ..file.clone() }, "points"),
+        (GroomFile { points: Some(u32::MAX), ..file.clone() }, "points"),
+        (GroomFile { strands: Some(0), ..file.clone() }, "strands"),
+        (GroomFile { points_per_strand: Some(0), ..file.clone() }, "points_per_strand"),
+    ] {
+        assert_eq!(bad.curves(1).unwrap_err().key(), Some(key), "{bad:?}");
+    }
+}
