@@ -99,6 +99,24 @@ class Groom:
         tip_frame: _Array | None = None,
         friction: _Array = 0.3,
     ) -> Self: ...
+    @staticmethod
+    def load(
+        path: _Path,
+        scale: float | None = None,
+        up: Literal["y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx"] = "y",
+        points: int | None = None,
+        strands: int | None = None,
+        radius: _Array | None = None,
+        points_per_strand: int | None = None,
+        seed: int = 1,
+    ) -> Groom: ...
+    def save(self, path: _Path) -> None: ...
+    @property
+    def points(self) -> NDArray[np.float64]: ...
+    @property
+    def offsets(self) -> NDArray[np.int64]: ...
+    @property
+    def ids(self) -> NDArray[np.int64]: ...
     def __len__(self) -> int: ...
 
 @final
@@ -150,6 +168,8 @@ class Hair:
     def orientations(self) -> NDArray[np.float32]: ...
     @property
     def offsets(self) -> NDArray[np.int64]: ...
+    @property
+    def ids(self) -> NDArray[np.int64]: ...
 
 @final
 class Air:

@@ -12,7 +12,7 @@
 //!     Orientation (frames n, 4)  f32, hair only: of the segment that starts at the point; the tip, where none starts,
 //!                                repeats the last. (x, y, z, w), material frame to world
 //!   CellData
-//!     StrandId (strands)         i32, hair only
+//!     StrandId (strands)         i32, hair only: number in the groom file that it comes from, else its index
 //!   Steps                        NSteps: how many frames are finished
 //!     Values (NSteps)            [s]
 //!     PointOffsets, PointDataOffsets/*    where a frame starts: k n
@@ -153,7 +153,12 @@ impl VtkHdfWriter {
             _ => {}
         }
         let scalars: Vec<_> = scalars(kind, frame).into_iter().map(|(name, _)| name).collect();
-        let layout = Layout::create(&path, kind, &cells, points, &scalars, frames, provenance)
+        let ids: Vec<i32> = match (kind, &frame.hair.ids[..]) {
+            (Kind::Hair, []) => (0..).take(cells.len() - 1).collect(),
+            (Kind::Hair, ids) => ids.iter().map(|&id| id as i32).collect(),
+            (Kind::Air, _) => Vec::new(),
+        };
+        let layout = Layout::create(&path, kind, &cells, &ids, points, &scalars, frames, provenance)
             .map_err(|e| failed(&path, "could not be created", &e))?;
         Ok(Self {
             path,
@@ -295,6 +300,9 @@ fn checked_strands(hair: &HairFrame) -> Result<Vec<u32>, String> {
     }
     match hair.offsets.windows(2).position(|w| w[1] < w[0].saturating_add(2)) {
         Some(strand) => Err(format!("strand {strand} has fewer than two points")),
+        None if !hair.ids.is_empty() && hair.ids.len() + 1 != hair.offsets.len() => {
+            Err(format!("{} ids are not one for each of {} strands", hair.ids.len(), hair.offsets.len() - 1))
+        }
         None => Ok(hair.offsets.clone()),
     }
 }

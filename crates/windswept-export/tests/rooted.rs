@@ -49,6 +49,7 @@ fn leaning_hair_grows_from_its_plate() {
     let start = InitialState::new(&leaning).unwrap().hair;
     let hair = HairFrame {
         offsets: start.point_offsets.clone(),
+        ids: Vec::new(),
         positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
         velocities: vec![[0.0; 3]; start.positions.len()],
         orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),

@@ -120,6 +120,14 @@ pub(crate) fn triple(name: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]>
     }
 }
 
+/// Numbers of strands, which are their indices where there are none.
+pub(crate) fn strand_ids<'py>(py: Python<'py>, ids: &[u32], strands: usize) -> Bound<'py, PyArray1<i64>> {
+    match ids {
+        [] => PyArray1::from_iter(py, 0..strands as i64),
+        ids => PyArray1::from_iter(py, ids.iter().map(|&id| id.into())),
+    }
+}
+
 /// An `(n, N)` array, which takes the memory over.
 pub(crate) fn matrix<const N: usize>(py: Python<'_>, rows: Vec<[f32; N]>) -> PyResult<Bound<'_, PyArray2<f32>>> {
     let count = rows.len();

@@ -1,14 +1,18 @@
 //! `windswept.Groom`.
 
-use pyo3::prelude::*;
-use windswept_scene::{End, Fibre, PerStrand, RestCurvature, Stiffness};
+use std::{ffi::CString, path::PathBuf};
+
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::{exceptions::PyUserWarning, prelude::*};
+use windswept_scene::{End, Fibre, GroomFile, PerStrand, RestCurvature, Stiffness, keys::Key};
 
 use crate::{
-    arrays::{Numbers, chunks, shown, values},
+    arrays::{Numbers, chunks, shown, strand_ids, values},
     errors::{of_scene, of_value},
+    outside,
 };
 
-/// Strands of your own: they replace the scene's [hair] wholly.
+/// Strands of your own, or of a groom file (`Groom.load`): they replace the scene's [hair] wholly.
 ///
 /// Each value is a scalar or an array `(strands,)`.
 ///
@@ -116,6 +120,97 @@ impl Groom {
         Ok(Self { inner: groom })
     }
 
+    /// Reads strands from a groom file, as `hair.file` of a scene does.
+    ///
+    /// The ending of the name says the format: .hair, .data, .bin, .npz, .npy or .ply. Strands that cannot be simulated are
+    /// left out, and a `UserWarning` says how many and why.
+    ///
+    /// Args:
+    ///     path: the file.
+    ///     scale: metres per unit of the file; needed, unless the file says its unit.
+    ///     up: axis of the file that points up ("y", "z" or "x"), or its axes that become x, y and z ("yzx").
+    ///     points: points per strand; they are placed anew, evenly along each. None: the file's.
+    ///     strands: how many, those whose roots are far from one another. None: all.
+    ///     radius: of a fibre [m]. None: the file's, where it has one that is a hair's, 15 to 150 µm on average; else 40 µm.
+    ///     points_per_strand: of a file that does not say where a strand ends.
+    ///     seed: draws the first of the strands that are kept.
+    ///
+    /// Raises:
+    ///     SceneError: a file that cannot be read, with the byte and what was expected there; no strand that can be simulated.
+    ///     ValueError: a number out of range; names the argument.
+    #[staticmethod]
+    #[pyo3(signature = (
+        path, scale=None, up="y", points=None, strands=None, radius=None, points_per_strand=None, seed=1
+    ))]
+    fn load(
+        py: Python<'_>,
+        path: PathBuf,
+        scale: Option<f64>,
+        up: &str,
+        points: Option<i64>,
+        strands: Option<i64>,
+        radius: Option<&Bound<'_, PyAny>>,
+        points_per_strand: Option<i64>,
+        seed: u64,
+    ) -> PyResult<Self> {
+        let up = up.parse().map_err(|()| {
+            let expected = Key::find("hair.up").map(Key::expected).unwrap_or_default();
+            of_value("up", format!("expected {expected}; found {up:?}"))
+        })?;
+        let file = GroomFile {
+            scale,
+            up,
+            file_radius: radius.is_none(),
+            points_per_strand: count("points_per_strand", points_per_strand)?,
+            strands: count("strands", strands)?,
+            points: count("points", points)?,
+            ..GroomFile::new(path.to_string_lossy())
+        };
+        let (mut inner, notes) = outside(py, || file.groom(seed))?.map_err(|error| of_scene(py, &error))?;
+        if let Some(radius) = radius {
+            let values = scalars("radius", radius)?;
+            let set = |fibre: &mut Fibre, x| fibre.radius = x;
+            inner.fibre.set(inner.len(), "radius", &values, set).map_err(|error| of_scene(py, &error))?;
+        }
+        inner.check().map_err(|error| of_scene(py, &error))?;
+        let user = py.get_type::<PyUserWarning>();
+        for note in notes {
+            PyErr::warn(py, &user, &CString::new(note)?, 1)?;
+        }
+        Ok(Self { inner })
+    }
+
+    /// Writes the strands to a groom file, in metres; the ending of its name says the format: .hair, .data, .npz, .npy, .ply.
+    ///
+    /// A .npz file keeps everything: `points`, `offsets`, `ids`, `radius` and `meters_per_unit`. A file that is there is
+    /// replaced.
+    ///
+    /// Raises:
+    ///     SceneError: a format that cannot hold the strands; a file that cannot be written.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let saved = outside(py, || self.inner.curves().and_then(|curves| curves.save(&path)))?;
+        saved.map_err(|error| of_scene(py, &error))
+    }
+
+    /// Points of all strands, strand by strand, root to tip: `(points, 3)` float64 [m].
+    #[getter]
+    fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let points = &self.inner.points;
+        PyArray1::from_slice(py, points.as_flattened()).reshape([points.len(), 3])
+    }
+
+    /// First point of each strand, and the number of points: `(strands + 1,)` int64.
+    #[getter]
+    fn offsets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        PyArray1::from_iter(py, self.inner.offsets.iter().map(|&offset| offset.into()))
+    }
+
+    /// Number of each strand in the file that it came from, or its index: `(strands,)` int64.
+    #[getter]
+    fn ids<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        strand_ids(py, &self.inner.ids, self.inner.len())
+    }
+
     fn __len__(&self) -> usize {
         self.inner.len()
     }
@@ -163,6 +258,12 @@ fn scalars(name: &str, value: &Bound<'_, PyAny>) -> PyResult<PerStrand<f64>> {
         1 => Ok(numbers.into()),
         _ => Err(of_value(name, format!("expected a scalar or shape (strands,), found {}", shown(&shape)))),
     }
+}
+
+/// A number of strands or points.
+fn count(name: &str, value: Option<i64>) -> PyResult<Option<u32>> {
+    let fits = |n: i64| u32::try_from(n).map_err(|_| of_value(name, format!("expected a whole number, found {n}")));
+    value.map(fits).transpose()
 }
 
 fn groups(value: &Bound<'_, PyAny>) -> PyResult<PerStrand<u32>> {

@@ -3,7 +3,10 @@
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::{arrays::matrix, simulation::Simulation};
+use crate::{
+    arrays::{matrix, strand_ids},
+    simulation::Simulation,
+};
 
 /// A read-back of which each array is handed out once, without a copy.
 #[derive(Debug, Default)]
@@ -64,6 +67,14 @@ impl Hair {
     fn offsets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<i64>>> {
         let offsets = self.sim.get().engine(py, |sim| sim.initial().hair.point_offsets.clone())?;
         Ok(PyArray1::from_iter(py, offsets.into_iter().map(i64::from)))
+    }
+
+    /// `(strands,)` int64: number of each strand in the groom file that it comes from, or its index.
+    #[getter]
+    fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        let (ids, strands) =
+            self.sim.get().engine(py, |sim| (sim.initial().hair.ids.clone(), sim.initial().hair.len()))?;
+        Ok(strand_ids(py, &ids, strands))
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

@@ -3,12 +3,14 @@
 use glam::{DQuat, DVec3};
 
 use crate::{
-    declare::Keys,
+    curves::Curves,
+    declare::{Keys, words},
     error::SceneError,
+    hang::Hung,
     initial::{End, Strands},
     limits::{LARGEST, MAGNITUDES, MOST_HAIR_POINTS, MOST_POINTS_OF_A_STRAND},
     scene::{CLAMPED_TIP, FRICTION, Fibre, Scene, Solver},
-    strand::{Parcel, Shape, frame, turn},
+    strand::{Parcel, Shape, frame, turn, turned_onto},
 };
 
 /// Points nearer to each other than this part of their strand's length are one.
@@ -43,6 +45,8 @@ pub struct Groom {
     pub fibre: PerStrand<Fibre>,
     /// Curvature at rest; `None`: the shape that the strands are given in.
     pub rest_curvature: Option<RestCurvature>,
+    /// What the shape that the strands are given in is, where there is no curvature at rest.
+    pub rest: RestShape,
     /// Frame of the clamp (x, y, z, w); `None`: d3 along the first segment, d1 by the smallest rotation from +x, or from +z.
     pub root_frame: Option<PerStrand<[f64; 4]>>,
     /// Frame of a clamped tip (x, y, z, w); `None`: as far turned from the last segment as it is from the point before.
@@ -53,6 +57,19 @@ pub struct Groom {
     pub root: PerStrand<End>,
     /// Hold of the tips; clamped with the direct solver only.
     pub tip: PerStrand<End>,
+}
+
+words! {
+    /// `hair.rest`: what the shape is that strands are given in.
+    #[derive(Default)]
+    pub enum RestShape {
+        /// The rest shape: weight bends the strands from it.
+        #[default]
+        Weightless = "weightless",
+        /// The shape that gravity alone leaves the strands in, clamped at the root and free at the tip: the rest shape is found
+        /// from it.
+        Hanging = "hanging",
+    }
 }
 
 /// A value for all strands, or one for each.
@@ -170,6 +187,7 @@ impl Groom {
             group: 0.into(),
             fibre: Fibre::default().into(),
             rest_curvature: None,
+            rest: RestShape::Weightless,
             root_frame: None,
             tip_frame: None,
             friction: FRICTION.into(),
@@ -286,6 +304,26 @@ impl Groom {
         }
     }
 
+    /// The strands as curves in metres, for a file: what they are made of is left behind, but for the radius.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub fn curves(&self) -> Result<Curves, SceneError> {
+        self.check()?;
+        let of_strand = |s: usize| {
+            let (fibre, points) = (self.fibre.get(s), self.points_of(s).len());
+            (0..points).map(move |k| fibre.radius_at(k as f64 / (points - 1) as f64))
+        };
+        let ids = if self.ids.is_empty() { (0..self.len() as u32).collect() } else { self.ids.clone() };
+        Ok(Curves {
+            points: self.points.clone(),
+            offsets: self.offsets.clone(),
+            ids,
+            radius: (0..self.len()).flat_map(of_strand).collect(),
+            unit: Some(1.0),
+        })
+    }
+
     /// The points of strand `s` \[m\].
     fn points_of(&self, s: usize) -> &[[f64; 3]] {
         &self.points[self.offsets[s] as usize..self.offsets[s + 1] as usize]
@@ -297,24 +335,45 @@ impl Groom {
     }
 
     /// The strands, in a scene.
-    pub(crate) fn strands(&self, scene: &Scene, parcel: Parcel) -> Result<Strands, SceneError> {
+    pub(crate) fn strands(
+        &self,
+        scene: &Scene,
+        parcel: Parcel,
+        warnings: &mut Vec<String>,
+    ) -> Result<Strands, SceneError> {
         self.check()?;
         let clamped = (0..self.len()).any(|s| self.tip.get(s) == End::Clamped);
         if clamped && scene.rods.solver == Solver::GaussSeidel {
             return Err(fault("tip", CLAMPED_TIP.to_owned()));
         }
         let mut all = Strands { point_offsets: vec![0], ..Strands::default() };
-        self.append(scene, parcel, &mut all);
+        warnings.extend(self.append(scene, parcel, &mut all).iter().map(|what| format!("groom: {what}")));
         Ok(all)
     }
 
-    /// Appends the strands of a groom that was checked.
-    pub(crate) fn append(&self, scene: &Scene, parcel: Parcel, all: &mut Strands) {
+    /// Appends the strands of a groom that was checked, and returns what a user should know of them.
+    pub(crate) fn append(&self, scene: &Scene, parcel: Parcel, all: &mut Strands) -> Vec<String> {
+        let hangs = self.rest == RestShape::Hanging && self.rest_curvature.is_none();
+        let (mut soft, mut unstable) = (0, 0);
+        all.ids.extend(&self.ids);
         for s in 0..self.len() {
-            self.shape(s).append(&self.fibre.get(s), scene.rods.inextensible, parcel, all);
+            let (mut shape, fibre) = (self.shape(s), self.fibre.get(s));
+            if hangs {
+                match shape.hang(&fibre, scene.rods.inextensible, vec3(scene.gravity)) {
+                    Hung::Held => {}
+                    Hung::TooSoft => soft += 1,
+                    Hung::Unstable => unstable += 1,
+                }
+            }
+            shape.append(&fibre, scene.rods.inextensible, parcel, all);
             all.group.push(self.group.get(s));
             all.friction.push(self.friction.get(s));
         }
+        let of = |count: usize, what: &str| (count > 0).then(|| format!("{count} of {} strands {what}", self.len()));
+        let soft = of(soft, "are too soft to hang as they are given, and sag: more points bend farther");
+        let unstable =
+            of(unstable, "are so soft that they do not stay as they are given: the least push takes them away");
+        soft.into_iter().chain(unstable).collect()
     }
 
     /// The rest turn of joint `k` of strand `s`, `length` long; the tip's joint is as the one before it.
@@ -341,7 +400,7 @@ impl Groom {
             let rest = self.rest_turn(s, k, joint);
             // As the rest shape would go on, turned onto the segment by the smallest rotation.
             let ahead = before * rest.unwrap_or(DQuat::IDENTITY);
-            let own = (DQuat::from_rotation_arc(ahead * DVec3::Z, *tangent) * ahead).normalize();
+            let own = turned_onto(ahead, *tangent);
             frames.push(own);
             turns.push(rest.unwrap_or_else(|| (before.conjugate() * own).normalize()));
             before = own;

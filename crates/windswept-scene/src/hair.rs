@@ -41,9 +41,13 @@ pub(crate) fn strands(scene: &Scene, parcel: Parcel, warnings: &mut Vec<String>)
                     let words = format!("makes {points} hair points; expected at most {MOST_HAIR_POINTS}");
                     return Err(SceneError::new(words).at(format!("hair.{}.strands", hair.name), None));
                 }
-                groom.append(scene, parcel, &mut all);
+                let notes = groom.append(scene, parcel, &mut all);
+                warnings.extend(notes.iter().map(|note| format!("hair {}: {note}", hair.name)));
             }
         }
+    }
+    if scene.hair.iter().all(|hair| hair.drawn().is_some()) {
+        all.ids.clear();
     }
     Ok(all)
 }
@@ -69,9 +73,11 @@ fn groom(
         points: read.points.into_iter().map(place).collect(),
         group: (group as u32).into(),
         fibre,
+        rest: file.rest,
         friction: hair.friction.into(),
         root: hair.root.into(),
         tip: hair.tip.into(),
+        ids: read.ids,
         ..Groom::new(Vec::new(), read.offsets)
     };
     groom.check()?;
@@ -100,6 +106,7 @@ fn draw(
         let shape = drawn.shape(root, root_frame, length, [hair.root, hair.tip]);
         shape.append(&hair.fibre, scene.rods.inextensible, parcel, all);
         all.group.push(group as u32);
+        all.ids.push(i);
         all.friction.push(hair.friction);
     }
     let turn = darboux(drawn.curl).length() * drawn.length / f64::from(drawn.points - 1);

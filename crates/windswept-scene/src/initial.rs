@@ -40,6 +40,8 @@ pub struct Strands {
     pub point_offsets: Vec<u32>,
     /// Per strand: index into `Scene::hair`, or a [`Groom`]'s own number.
     pub group: Vec<u32>,
+    /// Per strand: its number in the groom file that it comes from, or in its group; empty for its index.
+    pub ids: Vec<u32>,
     /// Per strand: Coulomb's coefficient of friction on other strands; empty for the default, 0.3, of all.
     pub friction: Vec<f64>,
     /// Per point: position \[m\].
@@ -230,7 +232,7 @@ impl Strands {
                 return fault(format!("{name}: expected {expected} rows, found {found}"));
             }
         }
-        for (name, found) in [("ends", self.ends.len()), ("friction", self.friction.len())] {
+        for (name, found) in [("ids", self.ids.len()), ("ends", self.ends.len()), ("friction", self.friction.len())] {
             if found != 0 && found != strands {
                 return fault(format!("{name}: expected {strands} rows or none, found {found}"));
             }
@@ -351,8 +353,9 @@ impl InitialState {
     /// # Errors
     /// As [`Self::new`] and [`Groom::check`].
     pub fn with_groom(scene: &Scene, groom: &Groom) -> Result<Self, SceneError> {
-        let hair = groom.strands(scene, parcel(scene))?;
-        Self::with_hair(&Scene { hair: Vec::new(), ..scene.clone() }, hair, Vec::new())
+        let mut warnings = Vec::new();
+        let hair = groom.strands(scene, parcel(scene), &mut warnings)?;
+        Self::with_hair(&Scene { hair: Vec::new(), ..scene.clone() }, hair, warnings)
     }
 
     fn with_hair(scene: &Scene, mut hair: Strands, mut warnings: Vec<String>) -> Result<Self, SceneError> {

@@ -11,7 +11,7 @@ use crate::{
 
 impl Fibre {
     /// Radius \[m\], `part` of the way to the tip.
-    fn radius_at(&self, part: f64) -> f64 {
+    pub(crate) fn radius_at(&self, part: f64) -> f64 {
         self.radius * (1.0 - self.taper * part)
     }
 
@@ -21,7 +21,7 @@ impl Fibre {
     }
 
     /// Stiffness to stretch and to shear, EA and GA \[N\].
-    fn stretch(&self, part: f64) -> (f64, f64) {
+    pub(crate) fn stretch(&self, part: f64) -> (f64, f64) {
         let (stretch, poissons_ratio) = match self.stiffness {
             Stiffness::Moduli { youngs_modulus, poissons_ratio } => (youngs_modulus * self.area(part), poissons_ratio),
             Stiffness::Direct { stretch, poissons_ratio, .. } => (stretch, poissons_ratio),
@@ -31,7 +31,7 @@ impl Fibre {
 
     /// Stiffness to bend and twist: EI about d1 and d2, GJ \[N m²\]. An ellipse with semi-axes b along d1 and a along d2 has
     /// the moments π a³ b/4, π a b³/4 and Saint-Venant's π a³ b³/(a² + b²).
-    fn bend(&self, part: f64) -> DVec3 {
+    pub(crate) fn bend(&self, part: f64) -> DVec3 {
         match self.stiffness {
             Stiffness::Moduli { youngs_modulus, poissons_ratio } => {
                 let shear_modulus = youngs_modulus / (2.0 * (1.0 + poissons_ratio));
@@ -79,24 +79,22 @@ impl Shape {
     pub(crate) fn append(&self, fibre: &Fibre, inextensible: bool, parcel: Parcel, all: &mut Strands) {
         let segments = self.lengths.len();
         let part = |at: f64| at / segments as f64;
-        let mass = |k: usize| fibre.density * fibre.area(part(k as f64 + 0.5)) * self.lengths[k];
+        let masses = self.masses(fibre);
         let [root, tip] = self.ends;
         for (i, x) in self.points.iter().enumerate() {
             // The segments on both sides; at an end the one.
             let beside = i.saturating_sub(1)..(i + 1).min(segments);
-            let own: f64 = beside.clone().map(|k| 0.5 * mass(k)).sum();
             let length = self.lengths[beside.clone()].iter().sum::<f64>() / beside.len() as f64;
             let held = (i == 0 && root != End::Free) || (i == segments && tip != End::Free);
             all.positions.push(*x);
             all.velocities.push(DVec3::ZERO);
-            all.inverse_mass.push(if held { 0.0 } else { 1.0 / fibre.point_mass.unwrap_or(own) });
+            all.inverse_mass.push(if held { 0.0 } else { 1.0 / masses[i] });
             all.volume.push(parcel.volume * (length / parcel.kernel_radius).min(1.0));
         }
         for (k, &l) in self.lengths.iter().enumerate() {
-            let joint = if k == 0 { 0.5 * l } else { 0.5 * (self.lengths[k - 1] + l) };
             let (stretch, shear) = fibre.stretch(part(k as f64 + 0.5));
             let loose = if inextensible { 0.0 } else { 1.0 / (stretch * l) };
-            let inertia = 0.5 * fibre.point_mass.unwrap_or_else(|| mass(k)) * l * l;
+            let inertia = 0.5 * fibre.point_mass.unwrap_or_else(|| self.mass(fibre, k)) * l * l;
             all.orientations.push(self.frames[k]);
             all.angular_velocities.push(DVec3::ZERO);
             all.rest_length.push(l);
@@ -104,7 +102,7 @@ impl Shape {
             all.fibres.push(fibre.fibres_per_strand);
             all.inverse_inertia.push(1.0 / inertia);
             all.stretch_compliance.push(DVec3::new(1.0 / (shear * l), 1.0 / (shear * l), loose));
-            all.bend_compliance.push(0.25 * joint / fibre.bend(part(k as f64)));
+            all.bend_compliance.push(self.bend_compliance(fibre, k));
             all.rest_rotation.push(self.turns[k]);
         }
         all.root_frame.push(self.root_frame);
@@ -120,6 +118,33 @@ impl Shape {
             _ => Ends { root, tip, ..Ends::default() },
         });
     }
+}
+
+impl Shape {
+    /// Mass of segment `k` \[kg\].
+    fn mass(&self, fibre: &Fibre, k: usize) -> f64 {
+        let part = (k as f64 + 0.5) / self.lengths.len() as f64;
+        fibre.density * fibre.area(part) * self.lengths[k]
+    }
+
+    /// Mass of each point \[kg\]: half of the segments on both sides, where the fibre does not say it.
+    pub(crate) fn masses(&self, fibre: &Fibre) -> Vec<f64> {
+        let segments = self.lengths.len();
+        let own = |i: usize| (i.saturating_sub(1)..(i + 1).min(segments)).map(|k| 0.5 * self.mass(fibre, k)).sum();
+        (0..=segments).map(|i| fibre.point_mass.unwrap_or_else(|| own(i))).collect()
+    }
+
+    /// Compliance l̄/(4EI), l̄/(4EI), l̄/(4GJ) of joint `k` \[1/(N m)\].
+    pub(crate) fn bend_compliance(&self, fibre: &Fibre, k: usize) -> DVec3 {
+        let l = self.lengths[k];
+        let joint = if k == 0 { 0.5 * l } else { 0.5 * (self.lengths[k - 1] + l) };
+        0.25 * joint / fibre.bend(k as f64 / self.lengths.len() as f64)
+    }
+}
+
+/// A frame turned onto the tangent `d3` by the smallest rotation.
+pub(crate) fn turned_onto(frame: DQuat, d3: DVec3) -> DQuat {
+    (DQuat::from_rotation_arc(frame * DVec3::Z, d3) * frame).normalize()
 }
 
 /// Frame with d3 along `axis` and d1 by the smallest rotation from +x, from +z if that is parallel.

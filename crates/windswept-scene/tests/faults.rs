@@ -210,9 +210,9 @@ fn set(text: &str, assignments: &[&str]) -> Result<Scene, SceneError> {
 
 #[test]
 fn an_assignment_changes_its_key() {
-    assert_eq!(set(QUICK, &["hair.length=0.2"]).unwrap().hair[0].length, 0.2);
+    assert_eq!(set(QUICK, &["hair.length=0.2"]).unwrap().hair[0].drawn().unwrap().length, 0.2);
     assert_eq!(set(QUICK, &["hair.0.length = 0.2"]).unwrap().hair[0].drawn().unwrap().length, 0.2);
-    assert_eq!(set(QUICK, &["hair.length=0.2", "hair.length=0.3"]).unwrap().hair[0].length, 0.3);
+    assert_eq!(set(QUICK, &["hair.length=0.2", "hair.length=0.3"]).unwrap().hair[0].drawn().unwrap().length, 0.3);
     assert_eq!(set(QUICK, &["air.box.max=[0.2,0.12,0.07]"]).unwrap().air.unwrap().bounds.unwrap().max[0], 0.2);
     assert_eq!(set(QUICK, &["method=published"]).unwrap().method, windswept_scene::Method::Published);
     assert_eq!(set(QUICK, &["title=\"a = b\""]).unwrap().title, "a = b");
@@ -230,7 +230,7 @@ fn a_group_is_addressed_by_its_name() {
     // A group without a name is called what the table of keys says.
     for text in [SMALL, &SMALL.replace("[hair]", "[[hair]]")] {
         assert_eq!(set(text, &["hair.hair.radius=1e-5"]).unwrap().hair[0].fibre.radius, 1e-5);
-        assert_eq!(set(text, &["hair.hair.roots.radius=0.002"]).unwrap().hair[0].roots.radius, 0.002);
+        assert_eq!(set(text, &["hair.hair.roots.radius=0.002"]).unwrap().hair[0].drawn().unwrap().roots.radius, 0.002);
     }
     let shown = set(&one, &["hair.hair.radius=1e-5"]).unwrap_err().to_string();
     assert!(shown.contains("hair.fringe.hair: unknown key"), "{shown}");

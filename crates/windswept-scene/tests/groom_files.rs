@@ -363,7 +363,8 @@ fn a_scene_takes_its_strands_from_a_file() {
     for (x, y) in points.iter().flatten().zip(expected.iter().flatten()) {
         assert!((x - y).abs() < 1e-9, "{points:?}");
     }
-    assert_eq!((state.hair.group, state.hair.point_offsets), (vec![0, 0], vec![0, 3, 5]));
+    assert_eq!((state.hair.group, state.hair.ids), (vec![0, 0], vec![0, 1]));
+    assert_eq!(state.hair.point_offsets, [0, 3, 5]);
     // 0.01 units are 0.1 mm across.
     assert!(state.hair.radius.iter().all(|radius| (radius - 5e-5).abs() < 1e-10), "{:?}", state.hair.radius);
     assert!(state.warnings.iter().any(|warning| warning.contains("the radius that")), "{:?}", state.warnings);

@@ -299,6 +299,7 @@ impl Simulation {
             time: self.time(),
             hair: HairFrame {
                 offsets: self.initial.hair.point_offsets.clone(),
+                ids: self.initial.hair.ids.clone(),
                 positions: positions[..hair].iter().map(world).collect(),
                 velocities: velocities[..hair].iter().map(xyz).collect(),
                 orientations: orientations.to_vec(),

@@ -270,6 +270,7 @@ mod tests {
             let start = windswept_scene::InitialState::new(&scene).unwrap_or_else(|error| panic!("{error}")).hair;
             let frame = HairFrame {
                 offsets: start.point_offsets.clone(),
+                ids: Vec::new(),
                 positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
                 velocities: Vec::new(),
                 orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),

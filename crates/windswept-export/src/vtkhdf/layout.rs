@@ -36,11 +36,13 @@ pub(super) struct Rows<'a> {
 }
 
 impl Layout {
-    /// Makes all of the file but the frames. Cell i has the points `cells[i]..cells[i + 1]`.
+    /// Makes all of the file but the frames. Cell i has the points `cells[i]..cells[i + 1]`, and of
+    /// hair the number `ids[i]`.
     pub(super) fn create(
         path: &Path,
         kind: Kind,
         cells: &[i64],
+        ids: &[i32],
         points: usize,
         scalars: &[&str],
         frames: usize,
@@ -90,8 +92,7 @@ impl Layout {
         ];
         let mut orientations = None;
         if kind == Kind::Hair {
-            let ids: Vec<i32> = (0..).take(cells.len() - 1).collect();
-            table(&root, "CellData/StrandId", &ids)?;
+            table(&root, "CellData/StrandId", ids)?;
             steps.push((number("CellDataOffsets/StrandId")?, 0, 0));
             steps.push((number("PointDataOffsets/Orientation")?, 0, points));
             orientations = Some(vectors("PointData/Orientation", 4)?);

@@ -17,6 +17,8 @@ pub struct VtkHdfReader {
     times: Vec<f64>,
     /// First point of each strand, and the end; hair only.
     offsets: Vec<u32>,
+    /// Numbers of the strands; empty for their indices.
+    ids: Vec<u32>,
     points: usize,
 }
 
@@ -49,7 +51,11 @@ impl VtkHdfReader {
         let lines = number("Lines/Offsets")?;
         let kind = if lines.len() > 1 { Kind::Hair } else { Kind::Air };
         let offsets = if kind == Kind::Hair { lines.iter().map(|&first| first as u32).collect() } else { Vec::new() };
-        Ok(Self { path: path.into(), kind, root, times, offsets, points })
+        let ids = if kind == Kind::Hair { root.dataset("CellData/StrandId")?.read_raw::<i32>()? } else { Vec::new() };
+        // None where they are what an index says.
+        let own = ids.iter().zip(0..).any(|(id, index)| *id != index);
+        let ids = if own { ids.into_iter().map(|id| id as u32).collect() } else { Vec::new() };
+        Ok(Self { path: path.into(), kind, root, times, offsets, ids, points })
     }
 
     /// The error of a file whose parts do not fit together.
@@ -58,6 +64,13 @@ impl VtkHdfReader {
         let ordered = self.offsets.windows(2).all(|w| w[1] >= w[0].saturating_add(2));
         if self.kind == Kind::Hair && !(ends == (Some(0), Some(self.points)) && ordered) {
             return Some(format!("its lines do not make strands of {} points", self.points));
+        }
+        if !self.ids.is_empty() && self.ids.len() + 1 != self.offsets.len() {
+            return Some(format!(
+                "it has {} strands and {} numbers of strands",
+                self.offsets.len() - 1,
+                self.ids.len()
+            ));
         }
         let rows = self.root.dataset("Points").map_or(0, |points| points.shape().first().copied().unwrap_or(0));
         (rows < self.times.len() * self.points).then(|| format!("it lacks points of its {} frames", self.times.len()))
@@ -101,6 +114,7 @@ impl VtkHdfReader {
             velocities: self.rows("PointData/Velocity", k)?,
             orientations: per_segment.copied().collect(),
             offsets: self.offsets.clone(),
+            ids: self.ids.clone(),
         })
     }
 

@@ -31,6 +31,7 @@ pub(crate) fn frame(k: usize) -> Frame {
         time: 12.0 * 1.38e-3 * k as f64,
         hair: HairFrame {
             offsets: vec![0, 2, 7, 10],
+            ids: vec![5, 0, 9],
             positions: rows(10),
             velocities,
             orientations: rows(7).iter().map(|&[x, y, z]| [x, y, z, x + y]).collect(),

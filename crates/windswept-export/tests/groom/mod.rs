@@ -31,6 +31,7 @@ pub(crate) fn strands(roots: &[Vec3], along: Vec3) -> HairFrame {
     let frame = glam::Quat::from_rotation_arc(Vec3::Z, along.normalize());
     HairFrame {
         offsets: (0..=roots.len() as u32).map(|s| 9 * s).collect(),
+        ids: Vec::new(),
         positions: roots
             .iter()
             .flat_map(|&root| (0..9).map(move |k| (root + along * k as f32 / 8.0).to_array()))

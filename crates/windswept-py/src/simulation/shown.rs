@@ -41,6 +41,7 @@ impl Simulation {
         let start = &engine.initial().hair;
         let start = windswept::HairFrame {
             offsets: start.point_offsets.clone(),
+            ids: Vec::new(),
             positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
             velocities: Vec::new(),
             orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),

@@ -329,7 +329,7 @@ impl GroomFile {
     pub fn groom(&self, seed: u64) -> Result<(Groom, Vec<String>), SceneError> {
         let (curves, mut notes) = self.curves(seed)?;
         let radii = curves.mean_radii();
-        let mut groom = Groom { ids: curves.ids, ..Groom::new(curves.points, curves.offsets) };
+        let mut groom = Groom { ids: curves.ids, rest: self.rest, ..Groom::new(curves.points, curves.offsets) };
         if self.file_radius && !radii.is_empty() {
             let mean = radii.iter().sum::<f64>() / radii.len() as f64;
             if RADII.contains(&mean) && radii.iter().all(|radius| *radius > 0.0) {

@@ -6,6 +6,7 @@ use crate::{
     declare::{Keys, Misfit, table, words},
     document::Document,
     error::SceneError,
+    groom::RestShape,
     initial::End,
     keys::{
         Fallback::{self, Absent, Needed, Value},
@@ -84,6 +85,8 @@ table! {
         scale: Option<f64> = Positive, "m", Absent("needed, unless the file says its unit");
         /// Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror.
         up: Up = Choice(Up::WORDS), "", Value(Up::Y);
+        /// Whether the shape in the file is the one at rest, from which weight bends the strands, or the one that they hang in.
+        rest: RestShape = Choice(RestShape::WORDS), "", Value(RestShape::Hanging);
         /// Whether strands take their radius from the file, where it has one that is a hair's, 15 to 150 µm on average.
         file_radius: bool = Bool, "", Value(true);
         /// Points of each strand of a file that does not say where one ends: a .ply without strands, an array (points, 3).
@@ -245,6 +248,7 @@ impl GroomFile {
             file: file.into(),
             scale: None,
             up: Up::Y,
+            rest: RestShape::Hanging,
             file_radius: true,
             points_per_strand: None,
             strands: None,
