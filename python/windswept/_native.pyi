@@ -12,6 +12,7 @@ from typing_extensions import Self
 #: What arrays come in as: floats, `(n, 3)` or as documented.
 _Array: TypeAlias = ArrayLike
 _End: TypeAlias = Literal["clamped", "pinned", "free"]
+_Rest: TypeAlias = Literal["hanging", "weightless"]
 _Path: TypeAlias = str | PathLike[str]
 
 __all__ = [
@@ -98,6 +99,7 @@ class Groom:
         aspect: _Array = 1.0,
         tip_frame: _Array | None = None,
         friction: _Array = 0.3,
+        rest: _Rest = "weightless",
     ) -> Self: ...
     @staticmethod
     def load(
@@ -109,6 +111,7 @@ class Groom:
         radius: _Array | None = None,
         points_per_strand: int | None = None,
         seed: int = 1,
+        rest: _Rest = "hanging",
     ) -> Groom: ...
     def save(self, path: _Path) -> None: ...
     @property

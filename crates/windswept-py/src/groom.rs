@@ -4,7 +4,7 @@ use std::{ffi::CString, path::PathBuf};
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::{exceptions::PyUserWarning, prelude::*};
-use windswept_scene::{End, Fibre, GroomFile, PerStrand, RestCurvature, Stiffness, keys::Key};
+use windswept_scene::{End, Fibre, GroomFile, PerStrand, RestCurvature, RestShape, Stiffness, keys::Key};
 
 use crate::{
     arrays::{Numbers, chunks, shown, strand_ids, values},
@@ -36,6 +36,8 @@ use crate::{
 ///     aspect: semi-minor over semi-major axis of the cross-section, above 0, at most 1.
 ///     tip_frame: `(4,)` or `(strands, 4)` quaternion of a clamped tip. None: turned on by half a joint from the last segment.
 ///     friction: Coulomb's coefficient of the strands on other strands, at least 0; model two-way only.
+///     rest: "weightless": the given shape is the rest shape, and weight bends strands from it. "hanging": gravity alone
+///         leaves strands with a clamped root and a free tip as they are given. Not with rest_curvature.
 ///
 /// Raises:
 ///     ValueError: a wrong shape or dtype, a NaN; names the argument.
@@ -53,10 +55,10 @@ impl Groom {
     #[pyo3(signature = (
         points, offsets=None, group=None, radius=None, density=None, youngs_modulus=None, poissons_ratio=None,
         rest_curvature=None, root_frame=None, root=None, tip=None, fibres_per_strand=None, point_mass=None, aspect=None,
-        tip_frame=None, friction=None
+        tip_frame=None, friction=None, rest=None
     ), text_signature = "(points, offsets=None, group=None, radius=4e-5, density=1320.0, youngs_modulus=4e9, \
         poissons_ratio=0.38, rest_curvature=None, root_frame=None, root='clamped', tip='free', fibres_per_strand=1.0, \
-        point_mass=None, aspect=1.0, tip_frame=None, friction=0.3)")]
+        point_mass=None, aspect=1.0, tip_frame=None, friction=0.3, rest='weightless')")]
     fn new(
         py: Python<'_>,
         points: &Bound<'_, PyAny>,
@@ -75,6 +77,7 @@ impl Groom {
         aspect: Option<&Bound<'_, PyAny>>,
         tip_frame: Option<&Bound<'_, PyAny>>,
         friction: Option<&Bound<'_, PyAny>>,
+        rest: Option<&str>,
     ) -> PyResult<Self> {
         let (points, offsets) = strands(points, offsets)?;
         let mut groom = windswept_scene::Groom::new(points, offsets);
@@ -115,6 +118,7 @@ impl Groom {
         if let Some(value) = tip {
             groom.tip = ends("tip", value)?;
         }
+        groom.rest = rest.map_or(Ok(RestShape::Weightless), rest_shape)?;
         groom.rest_curvature = rest_curvature.map(|value| curvature(value, &groom)).transpose()?;
         groom.check().map_err(|error| of_scene(py, &error))?;
         Ok(Self { inner: groom })
@@ -134,13 +138,14 @@ impl Groom {
     ///     radius: of a fibre [m]. None: the file's, where it has one that is a hair's, 15 to 150 µm on average; else 40 µm.
     ///     points_per_strand: of a file that does not say where a strand ends.
     ///     seed: draws the first of the strands that are kept.
+    ///     rest: "hanging": gravity alone leaves the strands as the file has them. "weightless": it bends them from there.
     ///
     /// Raises:
     ///     SceneError: a file that cannot be read, with the byte and what was expected there; no strand that can be simulated.
     ///     ValueError: a number out of range; names the argument.
     #[staticmethod]
     #[pyo3(signature = (
-        path, scale=None, up="y", points=None, strands=None, radius=None, points_per_strand=None, seed=1
+        path, scale=None, up="y", points=None, strands=None, radius=None, points_per_strand=None, seed=1, rest="hanging"
     ))]
     fn load(
         py: Python<'_>,
@@ -152,6 +157,7 @@ impl Groom {
         radius: Option<&Bound<'_, PyAny>>,
         points_per_strand: Option<i64>,
         seed: u64,
+        rest: &str,
     ) -> PyResult<Self> {
         let up = up.parse().map_err(|()| {
             let expected = Key::find("hair.up").map(Key::expected).unwrap_or_default();
@@ -160,6 +166,7 @@ impl Groom {
         let file = GroomFile {
             scale,
             up,
+            rest: rest_shape(rest)?,
             file_radius: radius.is_none(),
             points_per_strand: count("points_per_strand", points_per_strand)?,
             strands: count("strands", strands)?,
@@ -258,6 +265,10 @@ fn scalars(name: &str, value: &Bound<'_, PyAny>) -> PyResult<PerStrand<f64>> {
         1 => Ok(numbers.into()),
         _ => Err(of_value(name, format!("expected a scalar or shape (strands,), found {}", shown(&shape)))),
     }
+}
+
+fn rest_shape(word: &str) -> PyResult<RestShape> {
+    word.parse().map_err(|()| of_value("rest", format!("expected \"hanging\" or \"weightless\", found {word:?}")))
 }
 
 /// A number of strands or points.

@@ -287,6 +287,9 @@ impl Groom {
     fn check_curvature(&self) -> Result<(), SceneError> {
         let holds = |kappa: &[f64; 3]| kappa.iter().all(|x| x.abs() <= LARGEST);
         let name = "rest_curvature";
+        if self.rest_curvature.is_some() && self.rest == RestShape::Hanging {
+            return Err(fault(name, "expected none with rest \"hanging\", which finds it".to_owned()));
+        }
         match &self.rest_curvature {
             None => Ok(()),
             Some(RestCurvature::Strand(values)) => values.check(name, self.len(), "three finite numbers", holds),
@@ -353,12 +356,11 @@ impl Groom {
 
     /// Appends the strands of a groom that was checked, and returns what a user should know of them.
     pub(crate) fn append(&self, scene: &Scene, parcel: Parcel, all: &mut Strands) -> Vec<String> {
-        let hangs = self.rest == RestShape::Hanging && self.rest_curvature.is_none();
         let (mut soft, mut unstable) = (0, 0);
         all.ids.extend(&self.ids);
         for s in 0..self.len() {
             let (mut shape, fibre) = (self.shape(s), self.fibre.get(s));
-            if hangs {
+            if self.rest == RestShape::Hanging {
                 match shape.hang(&fibre, scene.rods.inextensible, vec3(scene.gravity)) {
                     Hung::Held => {}
                     Hung::TooSoft => soft += 1,

@@ -64,7 +64,7 @@ impl Shape {
             }
         }
         let mut held = true;
-        let mut joints = vec![Joint::default(); segments + 1];
+        let mut joints = vec![Joint::FREE; segments + 1];
         for k in (0..segments).rev() {
             let moment = joints[k + 1].moment + (self.frames[k] * DVec3::Z).cross(self.lengths[k] * forces[k]);
             let before = if k == 0 { self.root_frame } else { self.frames[k - 1] };
@@ -108,8 +108,8 @@ impl Shape {
     }
 }
 
-/// A joint under load; by default the free end beyond the tip.
-#[derive(Debug, Clone, Copy, Default)]
+/// A joint under load.
+#[derive(Debug, Clone, Copy)]
 struct Joint {
     /// Im(p), of the turn from the frame before to the one after.
     turn: DVec3,
@@ -124,6 +124,10 @@ struct Joint {
 }
 
 impl Joint {
+    /// The end beyond the tip, which bears nothing.
+    const FREE: Self =
+        Self { turn: DVec3::ZERO, cosine: 1.0, multiplier: DVec3::ZERO, moment: DVec3::ZERO, stiffness: DMat3::ZERO };
+
     /// The joint that bears `moment` between these frames.
     fn of(before: DQuat, after: DQuat, moment: DVec3, compliance: DVec3) -> Self {
         let p = before.conjugate() * after;
