@@ -35,7 +35,8 @@ fn summary(curves: &Curves) -> Vec<(&'static str, String)> {
     let unit = if curves.unit.is_some() { "m" } else { "units" };
     let scale = curves.unit.unwrap_or(1.0);
     if let Some([low, high]) = curves.bounds() {
-        let corner = |x: [f64; 3]| x.map(|x| format!("{:.4}", scale * x)).join(", ");
+        // A 0 has no sign.
+        let corner = |x: [f64; 3]| x.map(|x| format!("{:.4}", scale * x + 0.0)).join(", ");
         let sides = [0, 1, 2].map(|k| format!("{:.4}", scale * (high[k] - low[k]))).join(" x ");
         rows.push(("box", format!("{sides} {unit}, from ({}) to ({})", corner(low), corner(high))));
     }

@@ -38,14 +38,19 @@ pub struct Curves {
     pub unit: Option<f64>,
 }
 
+/// Curves of a file's bytes; the number is that of each strand's points, where the file does not say.
+type Read = fn(&[u8], Option<u32>) -> Result<Curves, SceneError>;
+/// Bytes of a file with the curves.
+type Write = fn(&Curves) -> Result<Vec<u8>, SceneError>;
+
 /// A format of groom files.
 pub struct GroomFormat {
     /// Ending of the files' names, without the dot.
     pub extension: &'static str,
     /// What the format is, for people.
     pub what: &'static str,
-    read: fn(&[u8], Option<u32>) -> Result<Curves, SceneError>,
-    write: Option<fn(&Curves) -> Result<Vec<u8>, SceneError>>,
+    read: Read,
+    write: Option<Write>,
 }
 
 impl GroomFormat {

@@ -209,7 +209,7 @@ impl Found {
                     Some(many) => {
                         let at = bytes.at();
                         let n = number(bytes, encoding, many)?;
-                        if !(n >= 0.0) {
+                        if n.is_nan() || n < 0.0 {
                             return Err(fault_at(at, format!("expected the length of a list, found {n}")));
                         }
                         for _ in 0..n as u64 {
