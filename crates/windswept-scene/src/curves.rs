@@ -16,6 +16,10 @@ use crate::{error::SceneError, limits::LARGEST};
 
 /// Curves of a groom file, in the units and axes of the file.
 ///
+/// Offsets rise from 0 to the number of points; there is an id for each strand, and a radius for each point or none. What is
+/// read from a file is so; what is made in code is checked where it is written or becomes strands, and what does not belong
+/// together panics elsewhere, as an index that is too large does.
+///
 /// ```no_run
 /// use windswept_scene::Curves;
 ///
@@ -125,6 +129,7 @@ impl Curves {
             let Some(write) = format.write else {
                 return Err(SceneError::new(format!(".{} files are read, not written", format.extension)));
             };
+            self.check()?;
             fs::write(path, write(self)?).map_err(|error| SceneError::new(format!("cannot be written: {error}")))
         };
         write().map_err(|error: SceneError| error.of(&path.display().to_string(), ""))
@@ -155,6 +160,23 @@ impl Curves {
             return Err(SceneError::new(words));
         }
         Ok(Self::of(points, std::iter::repeat_n(each, (total / each) as usize)))
+    }
+
+    /// Whether the arrays belong together.
+    fn check(&self) -> Result<(), SceneError> {
+        let (points, strands) = (self.points.len(), self.len());
+        let ends = (self.offsets.first().copied(), self.offsets.last().map(|&last| last as usize));
+        let (ids, radii) = (self.ids.len(), self.radius.len());
+        if ends != (Some(0), Some(points)) || !self.offsets.is_sorted() {
+            return Err(SceneError::new(format!("offsets: expected rising numbers from 0 to {points}, the points")));
+        }
+        if ids != strands {
+            return Err(SceneError::new(format!("ids: expected {strands}, one a strand, found {ids}")));
+        }
+        if radii != 0 && radii != points {
+            return Err(SceneError::new(format!("radius: expected {points}, one a point, or none, found {radii}")));
+        }
+        Ok(())
     }
 
     /// Number of strands.

@@ -425,6 +425,29 @@ fn numbers_made_in_code_are_checked() {
     }
 }
 
+/// Arrays that do not belong together are an error where they are written or become strands.
+#[test]
+fn curves_made_in_code_are_checked() {
+    let folder = Folder::new("code");
+    let good =
+        Curves { points: vec![[0.0; 3], [0.0, 1.0, 0.0]], offsets: vec![0, 2], ids: vec![7], ..Curves::default() };
+    let file = GroomFile::new("code");
+    assert!(good.save(folder.0.join("a.npz")).is_ok() && file.fitted(good.clone(), 1).is_ok());
+    for (bad, word) in [
+        (Curves { offsets: vec![0, 3], ..good.clone() }, "offsets"),
+        (Curves { offsets: vec![], ..good.clone() }, "offsets"),
+        (Curves { offsets: vec![0, 2, 1, 2], ..good.clone() }, "offsets"),
+        (Curves { ids: vec![], ..good.clone() }, "ids"),
+        (Curves { radius: vec![1.0], ..good.clone() }, "radius"),
+    ] {
+        let errors = [bad.save(folder.0.join("a.npz")).unwrap_err(), file.fitted(bad, 1).unwrap_err()];
+        assert!(errors.iter().all(|error| error.message().starts_with(word)), "{errors:?}");
+    }
+    // A strand without points has no root, and is one all the same.
+    let none = Curves { points: vec![], offsets: vec![0, 0, 0], ids: vec![0, 1], ..Curves::default() };
+    assert_eq!(none.spread(1, 1).len(), 1);
+}
+
 /// Warnings of a straight upright strand of this γ = ρAgL³/EI, given as it hangs.
 fn upright(gamma: f64, lean: f64) -> Vec<String> {
     let (length, radius) = (0.1, 4e-5);

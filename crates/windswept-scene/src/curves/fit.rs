@@ -144,7 +144,8 @@ impl Curves {
         if strands >= self.len() {
             return self;
         }
-        let roots: Vec<DVec3> = (0..self.len()).map(|s| DVec3::from_array(self.strand(s)[0])).collect();
+        let roots: Vec<DVec3> =
+            (0..self.len()).map(|s| self.strand(s).first().copied().unwrap_or_default().into()).collect();
         let mut taken = farthest(&roots, strands, Pcg64::seed_from_u64(seed).random_range(0..roots.len()));
         taken.sort_unstable();
         self.only(&taken)
@@ -296,6 +297,7 @@ impl GroomFile {
     /// # Errors
     /// [`SceneError`] where no strand is left.
     pub fn fitted(&self, curves: Curves, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
+        curves.check()?;
         let total = curves.len();
         let mut dropped = Dropped::default();
         let mut curves = curves.kept(self.points.is_some(), &mut dropped);
