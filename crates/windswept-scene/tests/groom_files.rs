@@ -72,8 +72,9 @@ fn strands(count: usize) -> Vec<Vec<[f32; 3]>> {
 
 /// A file of every format, of the same curves where the format holds them.
 fn a_file_of_each(folder: &Folder) -> Vec<PathBuf> {
-    let many =
-        folder.write("many.hair", &hair_file(&strands(31), Some(&vec![0.02; strands(31).iter().map(Vec::len).sum()])));
+    let given = strands(31);
+    let thickness = vec![0.02; given.iter().map(Vec::len).sum()];
+    let many = folder.write("many.hair", &hair_file(&given, Some(&thickness)));
     let curves = Curves::load(&many, None).unwrap();
     let even = curves.resampled(5);
     let mut files = vec![many];
@@ -334,7 +335,7 @@ fn the_strands_that_are_kept_are_far_apart() {
     }
     // Roots in one place are different strands.
     let same = Curves {
-        points: vec![[0.0; 3], [0.0, 1.0, 0.0]].repeat(4),
+        points: [[0.0; 3], [0.0, 1.0, 0.0]].repeat(4),
         offsets: vec![0, 2, 4, 6, 8],
         ids: vec![0, 1, 2, 3],
         ..Curves::default()
