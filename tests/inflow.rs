@@ -75,7 +75,7 @@ fn wind_enters_through_the_face_it_blows_through() {
 }
 
 /// A gust is given to all air alike, and one that turns the wind round moves the fringe to the other side; `set_wind` does the
-/// same, also where the scene has no wind at all.
+/// same, also where the scene has no wind at all, and takes a wind away again.
 #[test]
 fn a_wind_that_turns_round_enters_from_the_other_side() {
     let (wind, after) = (DVec3::X * 2.0, DVec3::X * -2.0);
@@ -109,10 +109,11 @@ fn a_wind_that_turns_round_enters_from_the_other_side() {
     still.step(1).unwrap();
     let velocities = vectors(&still.frame().unwrap().air.velocities);
     assert!(velocities.iter().all(|v| (*v - after).length() < 1e-5), "not all air moves: {}", velocities[0]);
+    // A wind that is set to zero leaves the air as it came, in one step.
     still.set_wind(DVec3::ZERO).unwrap();
     still.step(3).unwrap();
-    let velocities = vectors(&still.frame().unwrap().air.velocities);
-    assert!(velocities.iter().all(|v| v.length() < 1e-5), "not all air stands: {}", velocities[0]);
+    let fastest = vectors(&still.frame().unwrap().air.velocities).iter().map(|v| v.length()).fold(0.0, f64::max);
+    assert!(fastest < 1e-5, "{fastest} m/s are left");
     assert!(still.set_wind(DVec3::X * f64::NAN).unwrap_err().to_string().contains("wind"));
 }
 

@@ -172,9 +172,7 @@ impl Simulation {
     #[getter]
     fn scene(&self, py: Python<'_>) -> PyResult<Scene> {
         let mut inner = self.engine(py, |sim| sim.scene().clone())?;
-        if windswept_scene::Scene::parse(inner.text()).as_ref() != Ok(&inner) {
-            inner.text = windswept_scene::Source(inner.to_toml());
-        }
+        inner.text = windswept_scene::Source(inner.text_now());
         Ok(Scene { inner })
     }
 

@@ -1,6 +1,7 @@
 //! Strands of the caller's own, in place of `[hair]`.
 
 use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 
 use crate::{
     curves::Curves,
@@ -31,7 +32,7 @@ pub(crate) const COINCIDENT: f64 = 1e-6;
 /// assert_eq!(InitialState::with_groom(&scene, &groom)?.hair.len(), 2);
 /// # Ok::<(), windswept_scene::SceneError>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Groom {
     /// Points of all strands, strand by strand, root to tip \[m\].
     pub points: Vec<[f64; 3]>,
@@ -73,7 +74,7 @@ words! {
 }
 
 /// A value for all strands, or one for each.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum PerStrand<T> {
     /// One value for all strands.
     All(T),
@@ -82,7 +83,7 @@ pub enum PerStrand<T> {
 }
 
 /// The rest Darboux vector (κ1, κ2, τ) in the material frame \[1/m\].
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum RestCurvature {
     /// One vector for all joints of a strand.
     Strand(PerStrand<[f64; 3]>),

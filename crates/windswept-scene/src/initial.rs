@@ -1,6 +1,7 @@
 //! The arrays that the engine and the reference both start from: world coordinates, f64, SI.
 
 use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 
 use crate::{
     air,
@@ -21,7 +22,7 @@ use crate::{
 /// Segment `k` of strand `s` has index `point_offsets[s] - s + k`; a strand of n points has n - 1 segments.
 /// Joint `k` precedes segment `k` and has the same index: joint 0 is the clamp, between the ghost frame behind the
 /// root and segment 0, with half a segment's length.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct InitialState {
     /// Origin of the engine's local coordinates in the world \[m\]: the box's lower corner, else the mean of the roots.
     pub origin: DVec3,
@@ -34,7 +35,7 @@ pub struct InitialState {
 }
 
 /// Strands: arrays per point, per segment, per joint and per strand.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Strands {
     /// Index of each strand's first point, and the number of points at the end: strands + 1.
     pub point_offsets: Vec<u32>,
@@ -78,7 +79,7 @@ pub struct Strands {
 
 words! {
     /// How an end of a strand is held.
-    #[derive(Default)]
+    #[derive(Default, Serialize, Deserialize)]
     pub enum End {
         /// Held in place and direction.
         Clamped = "clamped",
@@ -91,7 +92,7 @@ words! {
 }
 
 /// How the ends of a strand are held. Points that are held have no inverse mass.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Ends {
     /// Hold of the root.
     pub root: End,
@@ -118,7 +119,7 @@ impl Default for Ends {
 }
 
 /// Air particles, in the order of their stable ids.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct AirParticles {
     /// Lower corner of the box \[m\]; meaningless without particles.
     pub min: DVec3,

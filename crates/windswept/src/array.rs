@@ -10,6 +10,8 @@ pub enum Life {
     /// For good: it has memory of its own.
     #[default]
     Kept,
+    /// For good, and it carries something from one step to the next: checkpoints hold it.
+    Lasting,
     /// Until the recording that wrote it has run, and somebody has read it.
     Left,
     /// Until the last pass of the recording that binds it.
@@ -76,6 +78,12 @@ impl AnyArray {
     #[must_use]
     pub fn life(&self) -> Life {
         self.life
+    }
+
+    /// Whether the array carries something from one step to the next.
+    #[must_use]
+    pub fn lasts(&self) -> bool {
+        self.life == Life::Lasting
     }
 
     /// Index among the arrays of a state.

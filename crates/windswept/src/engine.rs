@@ -222,6 +222,16 @@ impl Engine {
         Ok(self.memory.read(&self.gpu, &[**array])?.pop().unwrap_or_default())
     }
 
+    /// Reads an array as its bytes.
+    pub(crate) fn read_bytes(&self, array: &AnyArray) -> Result<Vec<u8>, GpuError> {
+        self.memory.view(&self.gpu, &[*array], |views| views.concat())
+    }
+
+    /// Overwrites an array by bytes that were read from one of its length.
+    pub(crate) fn write_bytes(&self, array: &AnyArray, bytes: &[u8]) -> Result<(), GpuError> {
+        self.memory.write_bytes(&self.gpu, array, 0, bytes)
+    }
+
     pub(crate) fn read_vec4<const N: usize>(
         &self,
         arrays: [&Array<[f32; 4]>; N],

@@ -165,6 +165,44 @@ impl From<OpsError> for RunError {
     }
 }
 
+/// A checkpoint that could not be written or read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// The operating system refused.
+    #[error("{file}: cannot be {be}: {reason}")]
+    File {
+        /// The file.
+        file: String,
+        /// What was to be done with it, a participle.
+        be: &'static str,
+        /// The system's words.
+        reason: std::io::Error,
+    },
+    /// The file is no checkpoint, of another version, cut off or damaged.
+    #[error("{file}: {problem}")]
+    Content {
+        /// The file.
+        file: String,
+        /// What is wrong, and where.
+        problem: String,
+    },
+    /// The scene was made in code and cannot be written as the text of a scene.
+    #[error("the scene cannot be saved: its text is not a scene file's: {0}")]
+    Text(String),
+    /// What was saved does not make a simulation, or does not fit the adapter.
+    #[error("{file}: {error}")]
+    Start {
+        /// The file.
+        file: String,
+        /// Why not.
+        error: Error,
+    },
+    /// The GPU.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
 /// A simulation that could not be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

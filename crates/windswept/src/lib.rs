@@ -1,7 +1,7 @@
 //! Hair in turbulent wind on the GPU.
 //!
 //! Strands are Cosserat rods, air is particles of a position-based fluid, and each drags the other; in the method as
-//! published both are one fluid (Demura, Fujisawa & Mikawa 2019). The four things that a program does with this crate:
+//! published both are one fluid (Demura, Fujisawa & Mikawa 2019). The five things that a program does with this crate:
 //!
 //! * **Embed.** [`Gpu::new`] opens an adapter, [`Gpu::from_device`] takes a device that the program has already. A
 //!   [`windswept_scene::Scene`], read from a file or made in code, becomes a [`Simulation`], of the scene's own strands or of a
@@ -9,6 +9,8 @@
 //! * **Step.** [`Simulation::step`] runs steps and waits for them; [`Simulation::record`] and [`Simulation::settle`] put them
 //!   into the program's own command encoder. [`Simulation::set_roots`] and [`Simulation::set_wind`] drive it between steps.
 //! * **Read.** [`Simulation::frame`] is the state as arrays, [`Simulation::report`] what ran, how fast and how well.
+//! * **Keep.** [`Simulation::save`] writes all that lasts from step to step into a file, [`Simulation::load`] goes on from it with
+//!   the same bits.
 //! * **Draw.** [`Simulation::buffers`] are the positions and frames on the GPU, to be drawn without a copy. Pictures are made by
 //!   the crate `windswept-export`.
 //!
@@ -44,6 +46,7 @@ mod pressure;
 mod recorder;
 mod report;
 mod rods;
+mod sections;
 mod setup;
 mod sharing;
 mod simulation;
@@ -54,12 +57,12 @@ mod step;
 mod winds;
 
 pub use engine::required_limits;
-pub use error::{Error, GpuError, RunError};
+pub use error::{CheckpointError, Error, GpuError, RunError};
 pub use frame::{AirFrame, Frame, HairFrame};
 pub use gpu::{AdapterChoice, AdapterInfo, Gpu, adapters};
 pub use plan::{BufferRow, PlanRow, Uses, buffers, memory_bytes, table as plan};
 pub use report::{BandEnergy, Counts, PassReport, Report, SkippedReport};
-pub use simulation::{Buffers, Simulation};
+pub use simulation::{Buffers, Checkpoint, Simulation};
 
 /// Parts that tests and `windswept validate` look at. They are no part of the interface and change without notice.
 #[doc(hidden)]

@@ -142,7 +142,8 @@ impl Plan {
             Model::Particles | Model::TwoWay => Decision::when(air.runs, "no air moves"),
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),
         });
-        let (blows, wind) = wind(scene, &air, &drag);
+        let is_still = scene.air.as_ref().is_none_or(Air::is_still);
+        let (blows, wind) = wind(&Decision::when(!is_still, "air.wind is zero"), &air, &drag);
         let two_way = scene.interaction.model == Model::TwoWay;
         let is_pbf = scene.fluid.solver == FluidSolver::Pbf;
         let neighbours = air.and(Decision::when(
@@ -223,13 +224,10 @@ impl Plan {
         }
     }
 
-    /// Takes another wind into account; says whether other passes run now. Where a wind has blown its passes stay: they bring the
-    /// air to rest.
-    pub(crate) fn set_wind(&mut self, scene: &Scene) -> bool {
-        if self.blows.runs {
-            return false;
-        }
-        let (blows, wind) = wind(scene, &self.air, &self.drag);
+    /// Lets the wind's passes run from now on, as the caller sets it: what was blowing is taken from the air by them too. Says
+    /// whether other passes run now.
+    pub(crate) fn set_wind(&mut self) -> bool {
+        let (blows, wind) = wind(&Decision::when(true, ""), &self.air, &self.drag);
         let changed = blows != self.blows;
         (self.blows, self.wind) = (blows, wind);
         changed
@@ -263,10 +261,8 @@ impl Plan {
 const NO_BANDS: &str = "the scene names no turbulence.bands";
 
 /// Whether a wind blows at all, and whether it blows over air particles.
-fn wind(scene: &Scene, air: &Decision, drag: &Decision) -> (Decision, Decision) {
-    let blows = Decision::when(!scene.air.as_ref().is_none_or(Air::is_still), "air.wind is zero");
-    let wind = air.and(blows.clone());
-    (if air.runs || drag.runs { blows } else { air.and(drag.clone()) }, wind)
+fn wind(blows: &Decision, air: &Decision, drag: &Decision) -> (Decision, Decision) {
+    (if air.runs || drag.runs { blows.clone() } else { air.and(drag.clone()) }, air.and(blows.clone()))
 }
 
 /// Bands in the order in which they run: those that share a grid follow one another. There is at least one, so that the plan always names

@@ -1,7 +1,7 @@
 //! Which arrays lie in the same memory: those of which no recording needs two at a time.
 //!
 //! When an array is needed follows from what was recorded: from the first pass that binds it to the last one, in each recording.
-//! An array that is kept ([`Life::Kept`]) lies alone, and so does one that a recording reads before any of its passes wrote it:
+//! An array that is kept ([`Life::Kept`], [`Life::Lasting`]) lies alone, and so does one that a recording reads before any of its passes wrote it:
 //! what it holds came from elsewhere.
 
 use std::{cmp::Reverse, ops::Range};
@@ -43,8 +43,8 @@ impl Sharing {
                     .zip(&times)
                     .all(|(a, b)| a.is_empty() || b.is_empty() || a.end <= b.start || b.end <= a.start)
             };
-            let alone =
-                array.life() == Life::Kept || recordings.iter().any(|recording| comes_from_elsewhere(array, recording));
+            let kept = matches!(array.life(), Life::Kept | Life::Lasting);
+            let alone = kept || recordings.iter().any(|recording| comes_from_elsewhere(array, recording));
             let free = |block: &Option<Vec<_>>| block.as_ref().is_some_and(|others| others.iter().all(apart));
             let found = taken.iter().position(free).filter(|_| !alone);
             blocks[array.slot()] = found.unwrap_or(taken.len());
@@ -120,7 +120,7 @@ fn needed(array: &AnyArray, recording: &Recording) -> Range<usize> {
     let Some(first) = places.next() else { return 0..0 };
     match array.life() {
         Life::Scratch => first..places.next_back().unwrap_or(first) + 1,
-        Life::Left | Life::Kept => first..usize::MAX,
+        Life::Left | Life::Kept | Life::Lasting => first..usize::MAX,
     }
 }
 

@@ -1,5 +1,6 @@
 //! A simulation: a scene on a GPU, stepped, read back, reported.
 
+mod checkpoint;
 mod drive;
 mod energy;
 mod report;
@@ -10,6 +11,8 @@ use std::time::Instant;
 use glam::{DQuat, DVec3};
 use windswept_scene::{Groom, InitialState, Scene};
 use windswept_shaders::common::status::{NON_FINITE_AIR, Status, TOO_MANY_BAD_STRANDS};
+
+pub use checkpoint::Checkpoint;
 
 use crate::{
     engine::Engine,
@@ -32,6 +35,8 @@ const TIMED_SUBMITS: u64 = 8;
 /// Hair and air of one scene.
 #[derive(Debug)]
 pub struct Simulation {
+    /// The scene as it was given: without the substeps that its strands need, and without a wind that was set.
+    given: Scene,
     scene: Scene,
     initial: InitialState,
     plan: Plan,
@@ -40,6 +45,10 @@ pub struct Simulation {
     program: Program,
     root_frames: Vec<DQuat>,
     wind_at_start: DVec3,
+    /// The wind that [`Self::set_wind`] has set last \[m/s\].
+    wind_set: Option<DVec3>,
+    /// Engine steps that the state had when this simulation was made: more than 0 if it goes on from a checkpoint.
+    begun: u32,
     steps: u64,
     last: Status,
     submits: u64,
@@ -96,7 +105,7 @@ impl Simulation {
     /// [`Error::Scene`] when the arrays do not belong together, [`Error::Gpu`] when they do not fit the adapter.
     pub fn with_state(gpu: &Gpu, scene: &Scene, initial: InitialState) -> Result<Self, Error> {
         initial.check()?;
-        let mut scene = scene.clone();
+        let (given, mut scene) = (scene.clone(), scene.clone());
         scene.time.substeps = initial.hair.substeps(&scene);
         let setup = Setup::new(&scene, &initial);
         let plan = Plan::new(&setup);
@@ -111,6 +120,8 @@ impl Simulation {
             engine,
             root_frames: initial.hair.root_frame.clone(),
             wind_at_start: scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind_at(0.0))),
+            wind_set: None,
+            begun: 0,
             steps: 0,
             last,
             submits: 0,
@@ -119,6 +130,7 @@ impl Simulation {
             profile: Profile::default(),
             timed_steps: 0,
             trace: None,
+            given,
             scene,
             initial,
         })
@@ -205,17 +217,22 @@ impl Simulation {
         self.scene.time.substeps.into()
     }
 
+    /// Whether an engine step after `step` of them is part of the first step that this simulation makes.
+    fn is_first_step(&self, step: u32) -> bool {
+        u64::from(step) < u64::from(self.begun) + self.substeps()
+    }
+
     /// Number of substeps to submit together. The first step goes one by one: nobody knows yet how long they take.
     fn batch(&self) -> u64 {
         let Some(ms) = self.step_ms.last().or(self.first_step_ms.as_ref()) else { return 1 };
-        let most = if self.steps == 0 { 1 } else { STEPS_PER_SUBMIT };
+        let most = if self.is_first_step(self.last.step) { 1 } else { STEPS_PER_SUBMIT };
         ((SUBMIT_S * 1e3 / ms) as u64).clamp(1, most)
     }
 
     /// Takes down what a submit took \[ms\] that began at substep `before`.
     fn record_time(&mut self, ms: f64, before: u32, timed: bool) {
         let substeps = self.last.step - before;
-        if u64::from(before) < self.substeps() {
+        if self.is_first_step(before) {
             *self.first_step_ms.get_or_insert(0.0) += ms;
         } else if substeps > 0 && !timed {
             self.step_ms.push(ms * self.substeps() as f64 / f64::from(substeps));

@@ -145,6 +145,12 @@ macro_rules! state {
             pub fn arrays(&self) -> Vec<AnyArray> {
                 vec![$($(*self.$name,)*)*]
             }
+
+            /// The buffers that last from step to step, of which a checkpoint is made.
+            #[must_use]
+            pub fn lasting(&self) -> Vec<AnyArray> {
+                self.arrays().into_iter().filter(AnyArray::lasts).collect()
+            }
         }
     };
 }
@@ -159,10 +165,10 @@ state! {
     mesh: Mesh, |s| s.mesh_tasks;
     /// Uniform per iteration of the pressure: its relaxation; the first has none, and finds the divergence alone.
     iteration: Iteration, |s| s.relaxations;
+
+    [Lasting] // The state between steps: committed, and the status.
     /// Causes that freeze, counters, the step's number, the mean wind.
     status: Status, |_| 1;
-
-    // Committed: the state between steps.
     /// Position of a particle \[m\]; w: its volume \[m³\].
     position: Vec4, |s| s.particles;
     /// Velocity of a particle \[m/s\].
@@ -189,7 +195,7 @@ state! {
     /// Impulse that confinement has given the air in the whole run \[kg m/s\].
     confinement_impulse: Vec4, |_| 1;
 
-    // Constant.
+    [Kept] // Constant.
     /// Inverse mass of a hair point \[1/kg\]; 0 where it is held.
     inverse_mass: f32, |s| s.hair_points;
     /// A strand's first point and segment, number of points, length, and how its ends are held.
@@ -205,11 +211,12 @@ state! {
     /// Taps of the smoothing Gaussian and of its second derivative \[1/m²\], two of each, band by band and axis by axis.
     taps: Vec4, |s| s.taps;
 
-    // Written by the host between steps.
+    [Lasting] // Written by the host between steps.
     /// Where a strand's clamp goes in the next step, and stays.
     root_targets: Root, |s| s.strands;
     /// Mean wind \[m/s\]; w: time \[s\]; linear in between.
     wind_table: Vec4, |s| s.wind_table;
+    [Kept]
     /// A wave of the turbulence that the wind brings in: wave number \[1/m\] and phase, amplitude over the wind's speed.
     inflow: Wave, |s| s.waves;
 

@@ -1,6 +1,7 @@
 //! `[[hair]]`: groups of strands, and the fibres that they are made of.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::{
     declare::{Keys, Misfit, table, words},
@@ -124,7 +125,7 @@ words! {
 
 table! {
     /// Fibres of a strand: side by side, equal and independent.
-    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
     pub struct Fibre, checked by Fibre::checked {
         /// Radius of a fibre at its root; the semi-major axis, along d2, where the cross-section is an ellipse.
         radius: f64 = Length, "m", Value(4e-5);
@@ -145,7 +146,7 @@ table! {
 }
 
 /// Stiffness that bends, twists and stretches a strand back.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Stiffness {
     /// Elastic moduli of a fibre's material; the strand has `fibres_per_strand` times a fibre's stiffness.
     Moduli {

@@ -2,12 +2,12 @@
 
 use std::{env, fmt};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::error::GpuError;
 
 /// An adapter, as reports name it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AdapterInfo {
     /// Name that the driver gives the adapter.
     pub name: String,

@@ -57,10 +57,14 @@ impl Memory {
 
     /// Replaces elements of an array from `first` on.
     pub(crate) fn write<T: Pod>(&self, gpu: &Gpu, array: &Array<T>, first: usize, data: &[T]) -> Result<(), GpuError> {
-        if data.is_empty() {
+        self.write_bytes(gpu, array, first, bytemuck::cast_slice(data))
+    }
+
+    /// Replaces elements of an array from `first` on, whatever they are.
+    pub(crate) fn write_bytes(&self, gpu: &Gpu, array: &AnyArray, first: usize, bytes: &[u8]) -> Result<(), GpuError> {
+        if bytes.is_empty() {
             return Ok(());
         }
-        let bytes: &[u8] = bytemuck::cast_slice(data);
         // Uniforms lie apart.
         let apart = array.stride() != array.size();
         let part = if apart { array.size() as usize } else { bytes.len() };

@@ -4,7 +4,10 @@ use glam::{DQuat, DVec3};
 use windswept_scene::limits::{LARGEST, SMALLEST};
 
 use super::Simulation;
-use crate::{error::RunError, rods, winds};
+use crate::{
+    error::{GpuError, RunError},
+    rods, winds,
+};
 
 impl Simulation {
     /// Says where the root of each strand goes: `positions` in the world \[m\], one per strand, and the ghost frames
@@ -51,10 +54,9 @@ impl Simulation {
         }
         // A wind that passes through zero need not be zero at the end of any step.
         let wind = DVec3::select(wind.abs().cmplt(DVec3::splat(SMALLEST)), DVec3::ZERO, wind);
-        let Some(air) = &mut self.scene.air else {
+        if self.scene.air.is_none() {
             return Err(RunError::Input("wind: the scene has no air".to_owned()));
-        };
-        (air.wind, air.ramp, air.gust) = (wind.to_array(), 0.0, Vec::new());
+        }
         let step = self.engine.seconds_of_step();
         let before = self.last.step as f32 * step;
         let table = &self.engine.state().wind_table;
@@ -62,14 +64,20 @@ impl Simulation {
             self.last.wind,
             before,
             wind.as_vec3().to_array(),
-            (self.last.step + 1) as f32 * step,
+            self.last.step.saturating_add(1) as f32 * step,
             table.len() as usize,
         );
         self.engine.write(table, &entries)?;
-        if self.plan.set_wind(&self.scene) {
-            self.record_again()?;
+        Ok(self.plan_wind(wind)?)
+    }
+
+    /// Gives scene and plan this wind \[m/s\] in place of the scene's own.
+    pub(super) fn plan_wind(&mut self, wind: DVec3) -> Result<(), GpuError> {
+        if let Some(air) = &mut self.scene.air {
+            (air.wind, air.ramp, air.gust) = (wind.to_array(), 0.0, Vec::new());
         }
-        Ok(())
+        self.wind_set = Some(wind);
+        if self.plan.set_wind() { self.record_again() } else { Ok(()) }
     }
 
     /// Puts hair somewhere else: positions \[m\] and velocities \[m/s\] of points, orientations of segments. An array

@@ -1,0 +1,318 @@
+//! A simulation in a file, from which it goes on with the same bits.
+
+use std::{
+    fs::{self, File},
+    io::{self, BufReader, BufWriter, Read, Write},
+    path::Path,
+};
+
+use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use windswept_scene::{InitialState, Scene};
+
+use super::Simulation;
+use crate::{
+    error::CheckpointError,
+    gpu::{AdapterChoice, AdapterInfo, Gpu, adapters},
+    sections::{Fault, Reading, Writing},
+    state::{Sizes, State},
+};
+
+/// Format of the files. It rises when a section gets another content, or a buffer that lasts another layout or meaning.
+const FORMAT: u32 = 1;
+
+const ABOUT: &str = "about";
+const SCENE: &str = "scene";
+const START: &str = "start";
+const DRIVEN: &str = "driven";
+const NOTES: &str = "notes";
+
+/// The origin of a checkpoint.
+#[derive(Debug, Serialize, Deserialize)]
+struct About {
+    /// Version of windswept.
+    windswept: String,
+    /// Commit that windswept was built from, where the build knew it.
+    commit: Option<String>,
+    adapter: AdapterInfo,
+}
+
+impl About {
+    fn of(gpu: &Gpu) -> Self {
+        Self {
+            windswept: env!("CARGO_PKG_VERSION").to_owned(),
+            commit: option_env!("WINDSWEPT_COMMIT").map(str::to_owned),
+            adapter: gpu.info().clone(),
+        }
+    }
+
+    /// A sentence if what goes on here is something else than what was saved.
+    fn differs_from(&self, now: &Self) -> Option<String> {
+        let version = |about: &Self| {
+            let commit = about.commit.as_deref().map(|commit| format!(" ({commit})")).unwrap_or_default();
+            format!("windswept {}{commit}", about.windswept)
+        };
+        let differ = |what: &str, then: String, now: String| {
+            (then != now)
+                .then(|| format!("goes on with another {what}, and so with other bits: saved by {then}, now {now}"))
+        };
+        differ("adapter", self.adapter.to_string(), now.adapter.to_string())
+            .or_else(|| differ("version", version(self), version(now)))
+    }
+}
+
+/// What the host keeps of how the simulation was driven.
+#[derive(Debug, Serialize, Deserialize)]
+struct Driven {
+    /// Frame that clamps the root of each strand.
+    root_frames: Vec<DQuat>,
+    /// Mean wind that was set last, in place of the scene's own \[m/s\].
+    wind: Option<DVec3>,
+}
+
+/// A simulation that was saved, read and checked, and not yet on a GPU.
+///
+/// ```no_run
+/// use windswept::{AdapterChoice, Checkpoint, Gpu};
+///
+/// let checkpoint = Checkpoint::open("now.windswept")?;
+/// println!("{}, saved on {}", checkpoint.scene().title, checkpoint.adapter());
+/// let mut simulation = checkpoint.start(&Gpu::new(&AdapterChoice::Best)?)?;
+/// simulation.step(100)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Checkpoint {
+    file: String,
+    about: About,
+    scene: Scene,
+    initial: InitialState,
+    driven: Driven,
+    notes: Vec<u8>,
+    /// The content of each buffer that lasts, in the order of [`State::lasting`].
+    buffers: Vec<Vec<u8>>,
+}
+
+impl Checkpoint {
+    /// Reads a file that [`Simulation::save`] wrote, to its end.
+    ///
+    /// # Errors
+    /// [`CheckpointError::File`], and [`CheckpointError::Content`] for a file that is foreign, of another version, cut off or
+    /// damaged: it says what is wrong, and where.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, CheckpointError> {
+        let path = path.as_ref();
+        let opened = File::open(path).and_then(|file| Ok((file.metadata()?.len(), file)));
+        let name = path.display().to_string();
+        let (len, file) = opened.map_err(|reason| unreadable(&name, reason))?;
+        Self::read(BufReader::new(file), len, name)
+    }
+
+    /// Reads what [`Simulation::to_bytes`] returned; errors call it by this name.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Content`] as [`Self::open`].
+    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self, CheckpointError> {
+        Self::read(bytes, bytes.len() as u64, name.to_owned())
+    }
+
+    fn read(from: impl Read, len: u64, file: String) -> Result<Self, CheckpointError> {
+        let refused = |fault| match fault {
+            Fault::Io(reason) => unreadable(&file, reason),
+            Fault::Content(problem) => CheckpointError::Content { file: file.clone(), problem },
+        };
+        let mut reading = Reading::begin(from, len, FORMAT).map_err(refused)?;
+        let mut section = |name: &str| reading.section(name).map_err(refused);
+        let about = decoded(&file, ABOUT, &section(ABOUT)?)?;
+        let text = section(SCENE)?;
+        let initial = decoded(&file, START, &section(START)?)?;
+        let driven = decoded(&file, DRIVEN, &section(DRIVEN)?)?;
+        let notes = section(NOTES)?;
+        let buffers = State::new(&Sizes::default()).lasting();
+        let buffers = buffers.iter().map(|array| section(array.name())).collect::<Result<_, _>>()?;
+        reading.end().map_err(refused)?;
+        let text = std::str::from_utf8(&text).map_err(|error| misfit(&file, format!("section {SCENE}: {error}")))?;
+        let scene = Scene::parse_named(&format!("{file}, section {SCENE}"), text);
+        let scene = scene.map_err(|error| misfit(&file, error.to_string()))?;
+        Ok(Self { file, about, scene, initial, driven, notes, buffers })
+    }
+
+    /// The scene as it was given, without a wind that was set.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The adapter that the simulation ran on.
+    #[must_use]
+    pub fn adapter(&self) -> &AdapterInfo {
+        &self.about.adapter
+    }
+
+    /// Notes of the caller's own, as [`Simulation::save_with`] was given them.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Content`] if they are something else.
+    pub fn notes<N: DeserializeOwned>(&self) -> Result<N, CheckpointError> {
+        decoded(&self.file, NOTES, &self.notes)
+    }
+
+    /// The adapter to go on with: the one that `flag` names, as [`AdapterChoice::from_flag`]; without a flag the one that the simulation
+    /// ran on, if it is there.
+    #[must_use]
+    pub fn choice(&self, flag: Option<&str>) -> AdapterChoice {
+        let own = || flag.is_none() && adapters().contains(&self.about.adapter);
+        match AdapterChoice::from_flag(flag) {
+            AdapterChoice::Best if own() => AdapterChoice::Named(self.about.adapter.name.clone()),
+            choice => choice,
+        }
+    }
+
+    /// The simulation, as it was when it was saved. On the same adapter it goes on with the same bits; on another one, or with another
+    /// version of windswept, [`Simulation::warnings`] says so.
+    ///
+    /// Timings start anew, and [`Simulation::step_timed`] and the trace with them.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Start`] if the simulation does not fit the adapter, [`CheckpointError::Content`] if what was saved does not
+    /// belong together.
+    pub fn start(self, gpu: &Gpu) -> Result<Simulation, CheckpointError> {
+        let Self { file, about, scene, mut initial, driven, buffers, .. } = self;
+        initial.warnings.extend(about.differs_from(&About::of(gpu)));
+        let failed = |error| CheckpointError::Start { file: file.clone(), error };
+        let mut simulation = Simulation::with_state(gpu, &scene, initial).map_err(failed)?;
+        let strands = simulation.initial.hair.len();
+        if driven.root_frames.len() != strands {
+            let words = format!("section {DRIVEN} has {} root frames for {strands} strands", driven.root_frames.len());
+            return Err(misfit(&file, words));
+        }
+        let engine = &simulation.engine;
+        for (array, bytes) in engine.state().lasting().iter().zip(&buffers) {
+            let (found, expected) = (bytes.len() as u64, array.stride() * array.len());
+            if found != expected {
+                let words = format!("section {} has {found} bytes, the scene needs {expected}", array.name());
+                return Err(misfit(&file, words));
+            }
+            engine.write_bytes(array, bytes)?;
+        }
+        simulation.last = engine.status()?;
+        simulation.begun = simulation.last.step;
+        simulation.steps = u64::from(simulation.begun) / simulation.substeps();
+        simulation.root_frames = driven.root_frames;
+        if let Some(wind) = driven.wind {
+            simulation.plan_wind(wind)?;
+        }
+        Ok(simulation)
+    }
+}
+
+impl Simulation {
+    /// Saves the simulation to a file, from which [`Self::load`] goes on with the same bits: all that lasts from step to step, the scene,
+    /// the strands and air that it started from, what was set since, and by which windswept and on which adapter it ran.
+    ///
+    /// The file is written beside `path` (its name with `.part` behind it), flushed to the disk and renamed: whatever becomes of the
+    /// process, `path` is a whole checkpoint or what it was before.
+    ///
+    /// # Errors
+    /// [`CheckpointError::File`] if the file cannot be written, [`CheckpointError::Text`] for a scene that was made in code and is no scene
+    /// file's, [`CheckpointError::Gpu`] if the device is lost.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
+        self.save_with(path, &())
+    }
+
+    /// Saves the simulation with notes of the caller's own, which [`Checkpoint::notes`] returns.
+    ///
+    /// # Errors
+    /// As [`Self::save`].
+    pub fn save_with(&self, path: impl AsRef<Path>, notes: &impl Serialize) -> Result<(), CheckpointError> {
+        let path = path.as_ref();
+        let mut part = path.as_os_str().to_owned();
+        part.push(".part");
+        let name = path.display().to_string();
+        let io = |reason| CheckpointError::File { file: name.clone(), be: "written", reason };
+        let written = File::create(&part).map_err(io).and_then(|file| {
+            let out = self.write(BufWriter::new(file), &name, notes)?;
+            let file = out.into_inner().map_err(|error| io(error.into_error()))?;
+            file.sync_all().map_err(io)?;
+            fs::rename(&part, path).map_err(io)
+        });
+        if written.is_err() {
+            // Why there is no checkpoint is known already.
+            let _ = fs::remove_file(&part);
+        }
+        written?;
+        sync_folder(path).map_err(io)
+    }
+
+    /// The bytes of the file that [`Self::save`] writes.
+    ///
+    /// # Errors
+    /// As [`Self::save`].
+    pub fn to_bytes(&self) -> Result<Vec<u8>, CheckpointError> {
+        self.write(Vec::new(), "the simulation", &())
+    }
+
+    /// Goes on with a simulation that [`Self::save`] wrote. To look at what was saved before it is on a GPU, use [`Checkpoint`].
+    ///
+    /// # Errors
+    /// As [`Checkpoint::open`] and [`Checkpoint::start`].
+    pub fn load(gpu: &Gpu, path: impl AsRef<Path>) -> Result<Self, CheckpointError> {
+        Checkpoint::open(path)?.start(gpu)
+    }
+
+    fn write<W: Write>(&self, out: W, file: &str, notes: &impl Serialize) -> Result<W, CheckpointError> {
+        let io = |reason| CheckpointError::File { file: file.to_owned(), be: "written", reason };
+        let text = self.given.text_now();
+        match Scene::parse(&text) {
+            Ok(scene) if scene == self.given => {}
+            Ok(_) => return Err(CheckpointError::Text("it reads as another scene".to_owned())),
+            Err(error) => return Err(CheckpointError::Text(error.to_string())),
+        }
+        let driven = Driven { root_frames: self.root_frames.clone(), wind: self.wind_set };
+        let mut writing = Writing::begin(out, FORMAT).map_err(io)?;
+        let mut section = |name: &str, content: &[u8]| writing.section(name, content).map_err(io);
+        section(ABOUT, &encoded(file, &About::of(self.gpu()))?)?;
+        section(SCENE, text.as_bytes())?;
+        section(START, &encoded(file, &self.initial)?)?;
+        section(DRIVEN, &encoded(file, &driven)?)?;
+        section(NOTES, &encoded(file, notes)?)?;
+        for array in self.engine.state().lasting() {
+            section(array.name(), &self.engine.read_bytes(&array)?)?;
+        }
+        writing.end().map_err(io)
+    }
+}
+
+fn misfit(file: &str, problem: String) -> CheckpointError {
+    CheckpointError::Content { file: file.to_owned(), problem }
+}
+
+fn unreadable(file: &str, reason: io::Error) -> CheckpointError {
+    CheckpointError::File { file: file.to_owned(), be: "read", reason }
+}
+
+fn encoded(file: &str, content: &impl Serialize) -> Result<Vec<u8>, CheckpointError> {
+    postcard::to_stdvec(content).map_err(|error| misfit(file, error.to_string()))
+}
+
+fn decoded<T: DeserializeOwned>(file: &str, section: &str, bytes: &[u8]) -> Result<T, CheckpointError> {
+    let wrong =
+        |words: &str| misfit(file, format!("section {section} is not what this windswept writes there: {words}"));
+    match postcard::take_from_bytes(bytes) {
+        Ok((content, [])) => Ok(content),
+        Ok((_, rest)) => Err(wrong(&format!("{} bytes are left", rest.len()))),
+        Err(error) => Err(wrong(&error.to_string())),
+    }
+}
+
+/// Makes the renaming of a file last.
+#[cfg(unix)]
+fn sync_folder(path: &Path) -> io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    File::open(folder)?.sync_all()
+}
+
+/// Elsewhere a folder cannot be opened as a file.
+#[cfg(not(unix))]
+fn sync_folder(_: &Path) -> io::Result<()> {
+    Ok(())
+}

@@ -1,0 +1,286 @@
+//! Checkpoints: a simulation that was saved goes on with the same bits, nothing that lasts is missing, and a file that is not whole is
+//! refused.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod support;
+
+use std::fs;
+
+use glam::{DQuat, DVec3};
+use windswept::{
+    Checkpoint, CheckpointError, Simulation,
+    internals::{Plan, Recorder, Setup, State, step},
+};
+use windswept_scene::{Groom, InitialState, Scene};
+
+/// A dozen strands in about 800 particles of air.
+const SMALL: &str = "
+title = \"small\"
+time = { step = 1.38e-3, duration = 0.1, substeps = 2 }
+[[hair]]
+name = \"fringe\"
+strands = 12
+points = 6
+length = 0.03
+fibres_per_strand = 100.0
+[hair.roots]
+shape = \"disc\"
+center = [0.01, 0.02, 0.02]
+radius = 0.004
+direction = [1.0, 0.0, 0.0]
+[air]
+box = { min = [0.0, 0.0, 0.0], max = [0.06, 0.04, 0.04] }
+rest_density = 1.29
+particle_mass = 1.46e-7
+kernel_radius = 9.3e-3
+wind = [2.0, 0.0, 0.0]
+fringe = 0.01
+";
+
+const BALL: &str = "body=[{ name = 'ball', shape = 'sphere', center = [0.03, 0.0, 0.02], radius = 0.006, friction = 0.4, \
+                    motion = [{ time = 0.0 }, { time = 0.05, translation = [0.0, 0.03, 0.0] }] }]";
+
+const TURN: &str = "hair.fringe.motion=[{ time = 0.01 }, { time = 0.05, rotation = [0.0, 0.5, 0.0] }]";
+
+/// Names of kinds of scenes, and what makes them of [`SMALL`]. Together they have every solver, model and law, and every buffer that
+/// lasts in use.
+const KINDS: [(&str, &[&str]); 9] = [
+    ("two-way, divergence", &[]),
+    (
+        "two-way, bands, inflow, ramp and gusts",
+        &[
+            "turbulence.bands=[{ scale = 0.009, strength = 3.0, intensity = 0.3 }]",
+            "air.inflow={ intensity = 0.2, scale = 0.009 }",
+            "air.ramp=0.03",
+            "air.gust=[{ time = 0.02, velocity = [0.0, 0.0, 0.0] }, { time = 0.04, velocity = [1.0, 1.0, 0.0] }]",
+        ],
+    ),
+    ("two-way, pbf", &["fluid.solver=pbf", "turbulence.filter=direct"]),
+    ("published", &["method=published", "turbulence.bands=[{ scale = 0.009, strength = 3.0 }]"]),
+    (
+        "particles, divergence",
+        &["interaction.model=particles", "hair.fringe.strands=4", "hair.fringe.roots.radius=0.01"],
+    ),
+    ("gauss-seidel, euler", &["rods.solver=gauss-seidel", "rods.integrator=euler"]),
+    ("drag", &["interaction.model=drag"]),
+    ("asleep", &["interaction.model=none", "hair.fringe.roots.direction=[0.0, -1.0, 0.0]", "rods.damping=200"]),
+    ("a ball that rubs, roots that turn", &[BALL, TURN]),
+];
+
+fn scene(sets: &[&str]) -> Scene {
+    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+    Scene::parse_with("small", SMALL, &sets).unwrap()
+}
+
+/// Names and contents of a checkpoint's sections.
+fn sections(bytes: &[u8]) -> Vec<(String, &[u8])> {
+    let number = |at: usize, bytes_of: usize| {
+        bytes[at..at + bytes_of].iter().rev().fold(0, |number, byte| number << 8 | usize::from(*byte))
+    };
+    let (mut all, mut at) = (Vec::new(), 16);
+    while at < bytes.len() {
+        let name = at + 4..at + 4 + number(at, 4);
+        let content = name.end + 12..name.end + 12 + number(name.end, 8);
+        at = content.end + 4;
+        all.push((String::from_utf8(bytes[name].to_vec()).unwrap(), &bytes[content]));
+    }
+    all
+}
+
+/// Saves and loads `simulation`, and steps both: they have the same bits, in every buffer that lasts, now and after each of 20 steps.
+fn goes_on(simulation: &mut Simulation, name: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("now.windswept");
+    simulation.save(&path).unwrap();
+    let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left, ["now.windswept"], "{name}");
+    let mut loaded = Simulation::load(simulation.gpu(), &path).unwrap();
+    assert_eq!((loaded.steps(), loaded.time()), (simulation.steps(), simulation.time()), "{name}");
+    assert_eq!(loaded.scene(), simulation.scene(), "{name}");
+    assert_eq!(loaded.warnings(), simulation.warnings(), "{name}");
+    for k in 0..=20 {
+        let (own, other) = (simulation.to_bytes().unwrap(), loaded.to_bytes().unwrap());
+        let differ: Vec<_> =
+            sections(&own).into_iter().zip(sections(&other)).filter(|(a, b)| a != b).map(|(a, _)| a.0).collect();
+        assert!(differ.is_empty() && own == other, "{name}: {differ:?} differ {k} steps on");
+        assert!(simulation.frame().unwrap() == loaded.frame().unwrap(), "{name}: the frames differ {k} steps on");
+        simulation.step(1).unwrap_or_else(|error| panic!("{name}: {error}"));
+        loaded.step(1).unwrap();
+    }
+    let (own, other) = (simulation.report().unwrap(), loaded.report().unwrap());
+    let figures = |report: &windswept::Report| {
+        format!(
+            "{:?} {:?} {:?} {:?} {:?} {:?}",
+            report.max_stretch,
+            report.strand_steps,
+            report.warnings,
+            report.momentum_kg_m_per_s,
+            report.density_error_rms,
+            report.band_energy.iter().map(|band| (band.m2_per_s2_at_start, band.m2_per_s2)).collect::<Vec<_>>()
+        )
+    };
+    assert_eq!(figures(&own), figures(&other), "{name}");
+}
+
+/// Each kind of scene, saved in its course.
+#[test]
+fn what_was_saved_goes_on_with_the_same_bits() {
+    for (name, sets) in KINDS {
+        let mut simulation = Simulation::new(&support::gpu(), &scene(sets)).unwrap();
+        simulation.step(23).unwrap();
+        goes_on(&mut simulation, name);
+    }
+}
+
+/// Hair that sleeps goes on sleeping.
+#[test]
+fn who_sleeps_sleeps_on() {
+    let (name, sets) = KINDS[7];
+    let mut simulation = Simulation::new(&support::gpu(), &scene(sets)).unwrap();
+    simulation.step(400).unwrap();
+    let asleep = |simulation: &mut Simulation| simulation.report().unwrap().strand_steps.unwrap()["asleep_steps"];
+    let before = asleep(&mut simulation);
+    goes_on(&mut simulation, name);
+    let slept = asleep(&mut simulation) - before;
+    assert_eq!(slept, 12 * 2 * 21, "all strands sleep through 21 steps of two substeps");
+}
+
+/// A simulation that is driven by its caller: roots, wind, hair and air. What was set and has not acted yet is saved too.
+#[test]
+fn what_was_set_is_saved() {
+    let gusts = KINDS[1].1;
+    let mut simulation = Simulation::new(&support::gpu(), &scene(gusts)).unwrap();
+    simulation.set_air(None, Some(&vec![DVec3::Y; simulation.initial().air.positions.len()])).unwrap();
+    simulation.step(5).unwrap();
+    let roots: Vec<DVec3> = simulation.initial().hair.roots().collect();
+    let frames: Vec<DQuat> =
+        simulation.initial().hair.root_frame.iter().map(|frame| DQuat::from_rotation_y(0.3) * *frame).collect();
+    let moved = |by: f64| roots.iter().map(|x| *x + DVec3::Y * by).collect::<Vec<_>>();
+    simulation.set_roots(&moved(1e-3), Some(&frames)).unwrap();
+    simulation.step(3).unwrap();
+    let speeds = vec![DVec3::Z; simulation.initial().hair.positions.len()];
+    simulation.set_hair(None, Some(&speeds), None).unwrap();
+    simulation.set_wind(DVec3::new(0.0, 1.5, 0.0)).unwrap();
+    simulation.set_roots(&moved(2e-3), None).unwrap();
+    goes_on(&mut simulation, "driven");
+    // A wind that was set to nothing is another plan, and roots that are set without frames keep those that were set.
+    simulation.set_wind(DVec3::ZERO).unwrap();
+    goes_on(&mut simulation, "calm");
+    let mut loaded =
+        Checkpoint::from_bytes(&simulation.to_bytes().unwrap(), "bytes").unwrap().start(simulation.gpu()).unwrap();
+    for simulation in [&mut simulation, &mut loaded] {
+        simulation.set_roots(&moved(3e-3), None).unwrap();
+        simulation.set_wind(DVec3::X).unwrap();
+        simulation.step(4).unwrap();
+    }
+    assert!(simulation.to_bytes().unwrap() == loaded.to_bytes().unwrap());
+}
+
+/// Strands of the caller's own are saved with the simulation.
+#[test]
+fn a_groom_is_saved() {
+    let points = (0..30).map(|k| [0.004 * f64::from(k % 6), 0.0, 0.01 * f64::from(k / 6)]).collect();
+    let groom = Groom::new(points, vec![0, 6, 12, 18, 24, 30]);
+    let mut simulation = Simulation::with_groom(&support::gpu(), &scene(&["interaction.model=drag"]), &groom).unwrap();
+    simulation.step(7).unwrap();
+    goes_on(&mut simulation, "groom");
+}
+
+/// What a step reads before any of its passes has written it, and what some pass writes, carries something from one step to the next:
+/// it is declared to last. So is what the host writes between steps.
+#[test]
+fn what_a_step_reads_from_the_one_before_is_declared_to_last() {
+    for (name, sets) in KINDS {
+        let scene = scene(sets);
+        let initial = InitialState::new(&scene).unwrap();
+        let setup = Setup::new(&scene, &initial);
+        let (state, plan) = (State::new(&setup.sizes()), Plan::new(&setup));
+        let recording = Recorder::record(&state, |r| step::record(r, &plan));
+        let lasting: Vec<_> = state.lasting().iter().map(|array| array.name()).collect();
+        for array in state.arrays() {
+            let uses = recording.running().flat_map(|command| {
+                let bound = command.pass.bindings.iter().zip(&command.arrays);
+                bound
+                    .filter(|(_, bound)| bound.name() == array.name())
+                    .map(|(binding, _)| (binding.reads, binding.writes))
+            });
+            let uses: Vec<_> = uses.collect();
+            let carries = uses.iter().any(|(_, writes)| *writes) && uses.first() == Some(&(true, false));
+            assert!(
+                !carries || lasting.contains(&array.name()),
+                "{name}: {} lasts and is not declared so",
+                array.name()
+            );
+        }
+    }
+}
+
+/// A file that is cut off, has a flipped bit, goes on behind its end, is another file or of a newer version is refused, with its name, what is
+/// wrong and where.
+#[test]
+fn what_is_not_whole_is_refused() {
+    let mut simulation = Simulation::new(&support::gpu(), &scene(&[])).unwrap();
+    simulation.step(2).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("now.windswept");
+    simulation.save(&path).unwrap();
+    let whole = fs::read(&path).unwrap();
+    let refused = |bytes: &[u8]| {
+        fs::write(&path, bytes).unwrap();
+        let error = Checkpoint::open(&path).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(error.starts_with(&path.display().to_string()), "{error}");
+        error
+    };
+    println!("{} bytes: {}", whole.len(), refused(&whole[..whole.len() / 2]));
+    for k in 0..200 {
+        let place = whole.len() * k / 200;
+        assert!(refused(&whole[..place]).contains(if place < 16 { "no checkpoint" } else { "is cut off" }));
+        let mut flipped = whole.clone();
+        flipped[place] ^= 1 << (k % 8);
+        let said = refused(&flipped);
+        assert!(["damaged", "no checkpoint", "cut off"].iter().any(|word| said.contains(word)), "byte {place}: {said}");
+    }
+    let velocity = whole.windows(8).position(|bytes| bytes == b"velocity").unwrap() + 100;
+    let mut flipped = whole.clone();
+    flipped[velocity] ^= 1;
+    assert!(refused(&flipped).contains("of section velocity, do not have their checksum"));
+    assert!(refused(&[&whole[..], b"more"].concat()).contains("goes on for 4 bytes behind its end"));
+    assert!(refused(b"\x89PNG and what else a picture has").contains("no checkpoint"));
+    assert!(matches!(Checkpoint::open(folder.path()), Err(CheckpointError::File { .. })));
+    assert!(matches!(Checkpoint::open(folder.path().join("none")), Err(CheckpointError::File { .. })));
+    fs::write(&path, &whole).unwrap();
+    assert_eq!(Checkpoint::open(&path).unwrap().adapter(), simulation.gpu().info());
+}
+
+/// What cannot be written is an error with the path, and leaves what was there and nothing else.
+#[test]
+fn what_cannot_be_saved_is_an_error() {
+    let simulation = Simulation::new(&support::gpu(), &scene(&[])).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let taken = folder.path().join("taken");
+    fs::create_dir(&taken).unwrap();
+    for path in [taken, folder.path().join("nowhere/now.windswept")] {
+        let said = simulation.save(&path).unwrap_err().to_string();
+        assert!(said.contains(&path.display().to_string()) && said.contains("cannot be written"), "{said}");
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    // A scene that no file can have: particles without a box that they are in.
+    let scene = support::scene();
+    let initial = support::particles(64, 0, support::Layout::Lattice, 1);
+    let simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
+    let said = simulation.save(folder.path().join("now.windswept")).unwrap_err().to_string();
+    assert!(said.contains("the scene cannot be saved") && said.contains("box"), "{said}");
+}
+
+/// Notes come back as they were given, and are of the type that they were given in.
+#[test]
+fn notes_come_back() {
+    let simulation = Simulation::new(&support::gpu(), &scene(&[])).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("now.windswept");
+    let notes = (vec!["png".to_owned()], 0.1_f64, Some(7_u64));
+    simulation.save_with(&path, &notes).unwrap();
+    let checkpoint = Checkpoint::open(&path).unwrap();
+    assert_eq!(checkpoint.notes::<(Vec<String>, f64, Option<u64>)>().unwrap(), notes);
+    assert!(checkpoint.notes::<()>().is_err());
+}
