@@ -1,6 +1,6 @@
 //! The arguments that can be typed.
 
-use std::num::NonZeroUsize;
+use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::{Path, PathBuf};
 
 #[cfg(feature = "validate")]
@@ -53,6 +53,9 @@ Examples:
       new pictures of that run, with more hairs
   windswept render out/wind --contact-sheet 0,0.5,1,1.5
       four moments of it in one picture
+  windswept run scene.toml --out out/long --checkpoint-every 500
+  windswept run --resume out/long
+      a long run, and on from its last checkpoint if it was ended, or past its end with a larger --steps
   windswept check --explain
       every key there is, with its default and its meaning
   windswept plan scene.toml
@@ -199,11 +202,6 @@ impl Changes {
 }
 
 impl SceneOptions {
-    /// The file.
-    pub(crate) fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// The scene with its `--set`s, checked.
     pub(crate) fn load(&self) -> Result<Scene, Failure> {
         self.changes.load(&self.path)
@@ -212,17 +210,20 @@ impl SceneOptions {
 
 #[derive(Debug, Args)]
 pub(crate) struct RunOptions {
+    /// Scene file (TOML)
+    #[arg(value_name = "SCENE", required_unless_present = "resume")]
+    path: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) scene: SceneOptions,
-    #[arg(long, value_name = "DIR", help = out_help())]
-    pub(crate) out: PathBuf,
+    changes: Changes,
+    #[arg(long, value_name = "DIR", required_unless_present = "resume", help = out_help())]
+    out: Option<PathBuf>,
     /// Stop after this many steps since t = 0, whatever time.duration says
     #[arg(long, value_name = "N")]
     pub(crate) steps: Option<u64>,
     /// Part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else the best]
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
-    #[arg(long, value_delimiter = ',', default_values = DEFAULT_FORMATS, value_parser = format, help = formats_help())]
+    #[arg(long, value_delimiter = ',', value_parser = format, help = formats_help())]
     formats: Vec<String>,
     /// Write the report to this file too
     #[arg(long, value_name = "FILE")]
@@ -233,10 +234,19 @@ pub(crate) struct RunOptions {
     /// Replace what an earlier run left in DIR; other files there stay
     #[arg(long)]
     pub(crate) overwrite: bool,
-    #[arg(long, hide = true, value_name = "K")]
-    checkpoint_every: Option<u64>,
-    #[arg(long, hide = true)]
-    resume: bool,
+    #[arg(long, value_name = "K", help = checkpoint_help())]
+    pub(crate) checkpoint_every: Option<NonZeroU64>,
+    /// Go on with the run in DIR from its checkpoint, with its scene, formats, --steps and --checkpoint-every, unless others are given
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["path", "out", "sets", "overwrite"])]
+    resume: Option<PathBuf>,
+}
+
+/// The run that is asked for.
+pub(crate) enum Asked<'a> {
+    /// A scene from its start, into a folder.
+    Start(&'a Path, &'a Path),
+    /// The run of a folder, behind its checkpoint.
+    GoOn(&'a Path),
 }
 
 /// The word that `--formats` takes beside the names of [`FORMATS`].
@@ -252,22 +262,41 @@ fn format(word: &str) -> Result<String, String> {
 
 fn formats_help() -> String {
     let rows = FORMATS.iter().map(|format| format!("{} ({})", format.name, format.writes));
-    format!("What to write per frame: {}, or {NONE}", rows.collect::<Vec<_>>().join(", "))
+    let default = DEFAULT_FORMATS.join(",");
+    format!("What to write per frame: {}, or {NONE} [default: {default}]", rows.collect::<Vec<_>>().join(", "))
 }
 
 fn out_help() -> String {
     format!("Folder for {}; made if it is not there; frames are numbered from 0000 on", output::files().join(", "))
 }
 
+fn checkpoint_help() -> String {
+    let name = output::CHECKPOINT;
+    format!("Write {name} after every K steps, at the start and at the end, for --resume; a new one replaces the last")
+}
+
 impl RunOptions {
-    /// Formats that are written per frame; refuses what is reserved for later versions.
-    pub(crate) fn formats(&self) -> Result<Vec<&'static Format>, Failure> {
-        let reserved = [("--checkpoint-every", self.checkpoint_every.is_some()), ("--resume", self.resume)];
-        if let Some((flag, _)) = reserved.iter().find(|(_, given)| *given) {
-            return Err(Failure::Input(format!("{flag}: not in this version")));
+    /// The run that is asked for.
+    pub(crate) fn asked(&self) -> Asked<'_> {
+        match (&self.path, &self.out, &self.resume) {
+            (Some(scene), Some(out), None) => Asked::Start(scene, out),
+            // The parser lets nothing else through.
+            (_, _, dir) => Asked::GoOn(dir.as_deref().unwrap_or(Path::new("."))),
         }
+    }
+
+    /// The scene with its `--set`s, checked.
+    pub(crate) fn load(&self, path: &Path) -> Result<Scene, Failure> {
+        self.changes.load(path)
+    }
+
+    /// Formats that are written per frame; `own` where none are named.
+    pub(crate) fn formats(&self, own: &[impl AsRef<str>]) -> Result<Vec<&'static Format>, Failure> {
         if self.formats.len() > 1 && self.formats.iter().any(|word| word == NONE) {
             return Err(Failure::Input(format!("--formats: {NONE} stands alone")));
+        }
+        if self.formats.is_empty() {
+            return Ok(own.iter().filter_map(|word| Format::named(word.as_ref())).collect());
         }
         Ok(self.formats.iter().filter_map(|word| Format::named(word)).collect())
     }

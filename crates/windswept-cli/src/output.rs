@@ -12,13 +12,15 @@ use crate::failure::Failure;
 
 const REPORT: &str = "report.json";
 const SCENE: &str = "scene.toml";
+/// What `--checkpoint-every` writes.
+pub(crate) const CHECKPOINT: &str = "checkpoint.windswept";
 /// Written by `windswept render` only.
 const SHEET: &str = "contact-sheet.png";
 
-/// Every name that a run writes: its formats' files, the report and the scene. As in [`windswept_export::Format::files`], a
+/// Every name that a run writes: its formats' files, the report, the scene and the checkpoint. As in [`windswept_export::Format::files`], a
 /// stem of zeros stands for a file per frame.
 pub(crate) fn files() -> Vec<&'static str> {
-    FORMATS.iter().flat_map(|format| format.files).copied().chain([REPORT, SCENE]).collect()
+    FORMATS.iter().flat_map(|format| format.files).copied().chain([REPORT, SCENE, CHECKPOINT]).collect()
 }
 
 /// A folder that may be written to; nothing is touched before [`Output::create`].
@@ -33,17 +35,30 @@ pub(crate) struct Output {
 impl Output {
     /// Refuses a folder that holds something already (unless it may be overwritten), paths that cannot be, folders where
     /// files are to be, and what would cost the user the scene file.
-    pub(crate) fn check(options: &RunOptions) -> Result<Self, Failure> {
-        let (dir, overwrite, scene) = (options.out.as_path(), options.overwrite, options.scene.path());
-        let refuse = |path: &Path, why: &str| Err(Failure::Input(format!("{}: {why}", path.display())));
+    pub(crate) fn check(options: &RunOptions, scene: &Path, dir: &Path) -> Result<Self, Failure> {
         match fs::read_dir(dir).map(|mut entries| entries.next().is_some()) {
-            Ok(true) if !overwrite => {
+            Ok(true) if !options.overwrite => {
                 return refuse(dir, "not empty; --overwrite replaces what an earlier run left there");
             }
             Ok(_) => {}
             Err(error) if error.kind() == ErrorKind::NotFound => {}
             Err(error) => return refuse(dir, &error.to_string()),
         }
+        let output = Self::beside(options, dir, Some(scene))?;
+        if output.replaces(scene) {
+            return refuse(scene, "would be replaced by the run's own file of that name; --out takes another folder");
+        }
+        output.check_files(&replaced())?;
+        Ok(output)
+    }
+
+    /// The folder of a run that goes on. Refuses what cannot be written beside it.
+    pub(crate) fn go_on(options: &RunOptions, dir: &Path) -> Result<Self, Failure> {
+        Self::beside(options, dir, None)
+    }
+
+    /// The folder with the files that were asked for beside it, if these can be written and do not replace the scene.
+    fn beside(options: &RunOptions, dir: &Path, scene: Option<&Path>) -> Result<Self, Failure> {
         let output = Self { dir: dir.into(), report: options.report.clone(), trace: options.trace.clone() };
         let beside = [("--report", &output.report), ("--trace", &output.trace)];
         for (flag, file) in beside.into_iter().filter_map(|(flag, file)| Some((flag, file.as_deref()?))) {
@@ -54,7 +69,7 @@ impl Output {
             if !folder.is_dir() && folder != dir {
                 return refuse(folder, &format!("no such folder (for {flag})"));
             }
-            if real(file) == real(scene) {
+            if scene.is_some_and(|scene| real(file) == real(scene)) {
                 return refuse(file, &format!("is the scene itself; {flag} takes another file"));
             }
             let is_report = flag == "--report" && real(file) == real(&dir.join(REPORT));
@@ -67,10 +82,6 @@ impl Output {
         {
             return refuse(trace, "is the report; --trace takes another file");
         }
-        if output.replaces(scene) {
-            return refuse(scene, "would be replaced by the run's own file of that name; --out takes another folder");
-        }
-        output.check_files(&replaced())?;
         Ok(output)
     }
 
@@ -154,9 +165,19 @@ impl Output {
         })
     }
 
+    /// The folder.
+    pub(crate) fn dir(&self) -> &Path {
+        &self.dir
+    }
+
     /// The scene as it ran.
     pub(crate) fn scene(&self) -> PathBuf {
         self.dir.join(SCENE)
+    }
+
+    /// The run's checkpoint.
+    pub(crate) fn checkpoint(&self) -> PathBuf {
+        self.dir.join(CHECKPOINT)
     }
 
     /// The run's film of strands or of air.
@@ -175,6 +196,10 @@ impl Output {
         let write = |path| simulation.write_trace(path).map_err(|e| cannot("written", path, &e));
         self.trace.as_deref().map_or(Ok(()), write)
     }
+}
+
+fn refuse<T>(path: &Path, why: &str) -> Result<T, Failure> {
+    Err(Failure::Input(format!("{}: {why}", path.display())))
 }
 
 /// Everything that `--overwrite` removes.

@@ -1,13 +1,16 @@
-//! `windswept run`: everything is checked first, then the folder is made, then time passes.
+//! `windswept run`: everything is checked first, then the folder is made or its checkpoint read, then time passes.
 
+use std::num::NonZeroU64;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use serde_json::{Value, json};
-use windswept::{AdapterChoice, Gpu, Report, Simulation};
-use windswept_export::{Loss, Recording, Run, Schedule, Stop};
-use windswept_scene::InitialState;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use windswept::{AdapterChoice, Checkpoint, CheckpointError, Gpu, Report, Simulation};
+use windswept_export::{DEFAULT_FORMATS, Format, Loss, Recording, Run, Schedule, Stop};
+use windswept_scene::{InitialState, Time};
 
-use crate::arguments::RunOptions;
+use crate::arguments::{Asked, RunOptions};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -15,46 +18,27 @@ use crate::output::Output;
 use crate::progress::Progress;
 
 pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(), Failure> {
-    let formats = options.formats()?;
-    let scene = options.scene.load()?;
-    let initial = InitialState::new(&scene)?;
-    let schedule = Schedule::new(&scene.time, options.steps);
-    let most = Schedule::most_steps(&scene.time);
-    if schedule.steps() > most {
-        let steps = schedule.steps();
-        let words = format!("{steps} steps (--steps, or time.duration over time.step): expected at most {most}");
-        return Err(Failure::Input(words));
-    }
-    let output = Output::check(options)?;
-    for warning in initial.warnings.iter().cloned().chain(Schedule::warning(&scene.time)) {
-        console.warn(warning);
-    }
-    let gpu = Gpu::new(&AdapterChoice::from_flag(options.adapter.as_deref()))?;
-    console.note(format_args!("running on {}", gpu.info()));
-    let mut simulation = Simulation::with_state(&gpu, &scene, initial)?;
-    if options.trace.is_some() {
-        simulation.keep_trace();
-    }
+    let begun = match options.asked() {
+        Asked::Start(scene, out) => start(options, scene, out, console)?,
+        Asked::GoOn(dir) => go_on(options, dir, console)?,
+    };
+    let Begun { mut filmed, mut run, output, steps } = begun;
     let interrupt = Interrupt::listen().map_err(|e| Failure::Run(format!("Ctrl-C cannot be listened to: {e}")))?;
-
-    // More frames than memory can count fit into no file, and the writer says so.
-    let room = usize::try_from(schedule.frames()).unwrap_or(usize::MAX);
-    let recording = Recording::new(&formats, &mut simulation, &options.out, room)?;
-    output.create(scene.text())?;
-    let mut filmed = Filmed { simulation, recording, lost: None, frames: Vec::new() };
+    if options.trace.is_some() {
+        filmed.simulation.keep_trace();
+    }
     let started = Instant::now();
-    let mut run = Run::new(schedule.clone(), 0, LENGTH);
-    let mut progress = Progress::new("steps", schedule.steps(), console.terminal);
+    let mut progress = Progress::new("steps", steps, console.terminal);
     let stepped = filmed.run(&mut run, &interrupt, &mut progress, console);
     progress.finish();
     // Whatever ended the run, the frames it finished stay readable.
-    let Filmed { mut simulation, recording, lost, frames } = filmed;
+    let Filmed { mut simulation, recording, lost, notes, .. } = filmed;
     let ended = recording.finish();
     stepped?;
     let lost = lost.or(ended?.into_iter().next());
 
     let report = simulation.report()?;
-    output.write_report(&json(&report, &frames)?)?;
+    output.write_report(&json(&report, &notes.frames)?)?;
     output.write_trace(&simulation)?;
     if options.trace.is_some() && simulation.traced_passes() == 0 {
         console
@@ -66,19 +50,137 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
         console.warn(format_args!("{cause}: {count}"));
     }
     let done = format!(
-        "{}: {} frames, {} of {} steps in {:.1} s{}",
-        options.out.display(),
+        "{}: {} frames, {} of {steps} steps in {:.1} s{}",
+        output.dir().display(),
         run.next_frame(),
         report.steps,
-        schedule.steps(),
         started.elapsed().as_secs_f64(),
         report.ms_per_step.map(|ms| format!(" ({ms:.1} ms a step)")).unwrap_or_default(),
     );
-    if report.steps < schedule.steps() {
+    if report.steps < steps {
         return Err(Failure::Interrupted(format!("interrupted; {done}")));
     }
     console.print(done);
     lost.map_or(Ok(()), |loss| Err(Failure::Run(loss.error.to_string())))
+}
+
+/// A run that may begin: all that could be refused was looked at.
+struct Begun {
+    filmed: Filmed,
+    run: Run,
+    output: Output,
+    /// Steps of the whole run.
+    steps: u64,
+}
+
+/// Begins the run of a scene.
+fn start(options: &RunOptions, path: &Path, out: &Path, console: &mut Console<'_>) -> Result<Begun, Failure> {
+    let formats = options.formats(&DEFAULT_FORMATS)?;
+    let scene = options.load(path)?;
+    let initial = InitialState::new(&scene)?;
+    let schedule = schedule(&scene.time, options.steps)?;
+    let output = Output::check(options, path, out)?;
+    for warning in initial.warnings.iter().cloned().chain(Schedule::warning(&scene.time)) {
+        console.warn(warning);
+    }
+    let gpu = Gpu::new(&AdapterChoice::from_flag(options.adapter.as_deref()))?;
+    console.note(format_args!("running on {}", gpu.info()));
+    let mut simulation = Simulation::with_state(&gpu, &scene, initial)?;
+    let recording = Recording::new(&formats, &mut simulation, out, room(&schedule))?;
+    output.create(scene.text())?;
+    let notes = Notes::new(options.steps, &formats, options.checkpoint_every);
+    let checkpoint = output.checkpoint();
+    let steps = schedule.steps();
+    let run = Run::new(schedule, 0, LENGTH);
+    let run = options.checkpoint_every.into_iter().fold(run, |run, every| run.with_checkpoints(every, None));
+    Ok(Begun { filmed: Filmed { simulation, recording, lost: None, notes, checkpoint }, run, output, steps })
+}
+
+/// Goes on with the run of a folder, behind its checkpoint.
+fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<Begun, Failure> {
+    let output = Output::go_on(options, dir)?;
+    let path = output.checkpoint();
+    if !path.exists() {
+        let words = "no checkpoint: expected that of a run with --checkpoint-every";
+        return Err(Failure::Input(format!("{}: {words}", path.display())));
+    }
+    // What cannot be read is bad input: nothing was written.
+    let refused = |error: CheckpointError| match error {
+        CheckpointError::Start { error, .. } => error.into(),
+        CheckpointError::Gpu(error) => error.into(),
+        error => Failure::Input(error.to_string()),
+    };
+    let checkpoint = Checkpoint::open(&path).map_err(refused)?;
+    let mut notes: Notes = checkpoint.notes().map_err(refused)?;
+    let formats = options.formats(&notes.formats)?;
+    let steps = options.steps.or(notes.steps);
+    let every = options.checkpoint_every.or(notes.every);
+    let schedule = schedule(&checkpoint.scene().time, steps)?;
+    let gpu = Gpu::new(&checkpoint.choice(options.adapter.as_deref()))?;
+    console.note(format_args!("running on {}", gpu.info()));
+    let mut simulation = checkpoint.start(&gpu).map_err(refused)?;
+    for warning in &simulation.initial().warnings {
+        console.warn(warning);
+    }
+    let now = simulation.steps();
+    if now > schedule.steps() {
+        let words = format!("--steps {}: the checkpoint in {} is at step {now}", schedule.steps(), dir.display());
+        return Err(Failure::Input(words));
+    }
+    console.note(format_args!("going on from step {now} of {}", schedule.steps()));
+    // The checkpoint came behind the frame of its step.
+    let next = schedule.frame_after(now);
+    let written: Vec<f64> = (0..next).map(|frame| schedule.step(frame) as f64 * simulation.dt()).collect();
+    let recording = Recording::behind(&formats, &mut simulation, dir, room(&schedule), &written)
+        .map_err(|error| Failure::Input(error.to_string()))?;
+    notes = Notes { frames: notes.frames, ..Notes::new(steps, &formats, every) };
+    let steps = schedule.steps();
+    let run = Run::new(schedule, next, LENGTH);
+    let run = every.into_iter().fold(run, |run, every| run.with_checkpoints(every, Some(now)));
+    Ok(Begun { filmed: Filmed { simulation, recording, lost: None, notes, checkpoint: path }, run, output, steps })
+}
+
+/// The schedule, if the engine can count its steps.
+fn schedule(time: &Time, steps: Option<u64>) -> Result<Schedule, Failure> {
+    let (schedule, most) = (Schedule::new(time, steps), Schedule::most_steps(time));
+    if schedule.steps() > most {
+        let steps = schedule.steps();
+        let words = format!("{steps} steps (--steps, or time.duration over time.step): expected at most {most}");
+        return Err(Failure::Input(words));
+    }
+    Ok(schedule)
+}
+
+/// Frames that there may be. More than memory can count fit into no file, and the writer says so.
+fn room(schedule: &Schedule) -> usize {
+    usize::try_from(schedule.frames()).unwrap_or(usize::MAX)
+}
+
+/// What a run keeps in its checkpoint beside the simulation.
+#[derive(Debug, Serialize, Deserialize)]
+struct Notes {
+    /// `--steps`, if it was given.
+    steps: Option<u64>,
+    /// Names of the formats.
+    formats: Vec<String>,
+    /// `--checkpoint-every`.
+    every: Option<NonZeroU64>,
+    /// Rows for the report, of the frames that have one.
+    frames: Vec<Row>,
+}
+
+impl Notes {
+    fn new(steps: Option<u64>, formats: &[&'static Format], every: Option<NonZeroU64>) -> Self {
+        let formats = formats.iter().map(|format| format.name.to_owned()).collect();
+        Self { steps, formats, every, frames: Vec::new() }
+    }
+}
+
+/// Time of a frame, and what confinement had given the air by then.
+#[derive(Debug, Serialize, Deserialize)]
+struct Row {
+    time_s: f64,
+    confinement_impulse_kg_m_per_s: [f64; 3],
 }
 
 /// A run under way.
@@ -87,8 +189,9 @@ struct Filmed {
     recording: Recording,
     /// The first format that could not be written and can be made again.
     lost: Option<Loss>,
-    /// Rows for the report: the time of each frame, and what confinement has given the air by then; none without bands.
-    frames: Vec<Value>,
+    notes: Notes,
+    /// Place of the checkpoint.
+    checkpoint: PathBuf,
 }
 
 impl Filmed {
@@ -102,8 +205,10 @@ impl Filmed {
     ) -> Result<(), Failure> {
         loop {
             let stop = run.advance(&mut self.simulation)?;
-            if let Stop::Frame(_) = stop {
-                self.record(console)?;
+            match stop {
+                Stop::Frame(_) => self.record(console)?,
+                Stop::Checkpoint => self.save()?,
+                Stop::Between | Stop::End => {}
             }
             progress.show(self.simulation.steps(), self.simulation.time(), console);
             if stop == Stop::End || interrupt.asked() {
@@ -112,17 +217,24 @@ impl Filmed {
         }
     }
 
+    /// Writes a checkpoint, behind frames that outlast the machine.
+    fn save(&self) -> Result<(), Failure> {
+        self.recording.sync().map_err(|e| Failure::Run(e.to_string()))?;
+        self.simulation.save_with(&self.checkpoint, &self.notes).map_err(|e| Failure::Run(e.to_string()))
+    }
+
     /// Writes the state as the next frame.
     fn record(&mut self, console: &mut Console<'_>) -> Result<(), Failure> {
         // What was refused at the start was bad input; now it is a failure.
         let losses = self.recording.append(&mut self.simulation).map_err(|e| Failure::Run(e.to_string()))?;
         for loss in losses {
             console.warn(format_args!("no more {}: {}", loss.format.writes, loss.error));
+            self.notes.formats.retain(|format| format != loss.format.name);
             self.lost.get_or_insert(loss);
         }
         if let Some(impulse) = self.simulation.confinement_impulse()? {
-            let time = self.simulation.time();
-            self.frames.push(json!({ "time_s": time, "confinement_impulse_kg_m_per_s": impulse }));
+            let row = Row { time_s: self.simulation.time(), confinement_impulse_kg_m_per_s: impulse };
+            self.notes.frames.push(row);
         }
         Ok(())
     }
@@ -132,11 +244,11 @@ impl Filmed {
 const LENGTH: Duration = Duration::from_millis(250);
 
 /// report.json. JSON has no NaN and would say null: a run that reports one has failed.
-fn json(report: &Report, frames: &[Value]) -> Result<String, Failure> {
+fn json(report: &Report, frames: &[Row]) -> Result<String, Failure> {
     let defect = |e: serde_json::Error| Failure::Run(format!("the report cannot be written: {e}"));
     let mut value = serde_json::to_value(report).map_err(defect)?;
     if !frames.is_empty() {
-        value["frames"] = frames.into();
+        value["frames"] = serde_json::to_value(frames).map_err(defect)?;
     }
     match not_finite(&value) {
         Some(key) => Err(Failure::Run(format!("the run ended with a {key} that is not finite"))),

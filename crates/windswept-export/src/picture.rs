@@ -5,7 +5,7 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder, Rgba, RgbaImage};
+use image::{ExtendedColorType, ImageEncoder, ImageReader, Rgba, RgbaImage};
 
 use crate::ExportError;
 
@@ -25,6 +25,14 @@ pub fn write_png(path: impl AsRef<Path>, picture: &RgbaImage) -> Result<(), Expo
         .write_image(&rgb, picture.width(), picture.height(), ExtendedColorType::Rgb8)
         .map_err(|e| failed(e.to_string()))?;
     file.flush().map_err(|e| failed(e.to_string()))
+}
+
+/// Reads a picture that [`write_png`] wrote.
+pub(crate) fn read_png(path: impl AsRef<Path>) -> Result<RgbaImage, ExportError> {
+    let path = path.as_ref();
+    let failed = |reason: String| ExportError::File { path: path.into(), doing: "could not be read", reason };
+    let picture = ImageReader::open(path).map_err(|e| failed(e.to_string()))?.decode();
+    Ok(picture.map_err(|e| failed(e.to_string()))?.into_rgba8())
 }
 
 /// Pictures of one size side by side, in rows as wide as they are many, up to four.

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use windswept::{Frame, Gpu};
 use windswept_scene::Scene;
 
+use crate::picture::read_png;
 use crate::{ExportError, FrameSink, Preview, Renderer, write_png};
 
 /// Draws frames and saves them into a folder.
@@ -31,18 +32,42 @@ impl Pictures {
         Ok(Self { renderer, preview: Preview::new(folder.join(preview)), folder: folder.join("frames"), made: 0 })
     }
 
+    /// Goes on with a film whose first frames, at these times [s], were drawn; pictures behind them are removed.
+    ///
+    /// # Errors
+    /// [`ExportError::File`] if a picture that the preview shows cannot be read, or another one not removed.
+    pub fn go_on(&mut self, written: &[f64]) -> Result<(), ExportError> {
+        if written.is_empty() {
+            return Ok(());
+        }
+        self.made = written.len() as u64;
+        for path in fs::read_dir(&self.folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path())) {
+            let number = path.file_stem().and_then(|stem| stem.to_str()?.parse::<u64>().ok());
+            if path.extension().is_some_and(|ending| ending == "png") && number.is_some_and(|k| k >= self.made) {
+                fs::remove_file(&path).map_err(|e| file_error(&path, "could not be removed", &e))?;
+            }
+        }
+        for (k, &time) in (0..).zip(written) {
+            if self.preview.takes(time) {
+                self.preview.add(&read_png(self.path(k))?, time)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The file of frame `k`.
+    fn path(&self, k: u64) -> PathBuf {
+        self.folder.join(format!("{k:04}.png"))
+    }
+
     /// Draws frame `k` of the film.
     ///
     /// # Errors
     /// [`ExportError`] if it cannot be drawn or saved.
     pub fn add(&mut self, k: u64, frame: &Frame) -> Result<(), ExportError> {
         let picture = self.renderer.render(frame)?;
-        fs::create_dir_all(&self.folder).map_err(|e| ExportError::File {
-            path: self.folder.clone(),
-            doing: "could not be made",
-            reason: e.to_string(),
-        })?;
-        write_png(self.folder.join(format!("{k:04}.png")), &picture)?;
+        fs::create_dir_all(&self.folder).map_err(|e| file_error(&self.folder, "could not be made", &e))?;
+        write_png(self.path(k), &picture)?;
         self.preview.add(&picture, frame.time)?;
         self.made += 1;
         Ok(())
@@ -53,6 +78,10 @@ impl Pictures {
     pub fn made(&self) -> u64 {
         self.made
     }
+}
+
+fn file_error(path: &Path, doing: &'static str, error: &std::io::Error) -> ExportError {
+    ExportError::File { path: path.into(), doing, reason: error.to_string() }
 }
 
 impl FrameSink for Pictures {

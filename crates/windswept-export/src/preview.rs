@@ -52,19 +52,27 @@ impl Preview {
         }
     }
 
+    /// Whether the film takes a picture at this time [s], or it comes too soon after the last or after the end.
+    #[must_use]
+    pub fn takes(&self, time: f64) -> bool {
+        let passed = time - self.start;
+        // Frames fall on whole steps, so that a time may be a little early.
+        let soon = passed < f64::from(self.taken) * PERIOD - 0.2 * PERIOD;
+        self.taken == 0 || !(soon || passed > LENGTH - PERIOD)
+    }
+
     /// Takes a picture at this time [s], unless it comes too soon after the last or after the end. All have one size.
     ///
     /// # Errors
     /// [`ExportError::File`] if the file cannot be written.
     pub fn add(&mut self, picture: &RgbaImage, time: f64) -> Result<(), ExportError> {
+        if !self.takes(time) {
+            return Ok(());
+        }
         if self.taken == 0 {
             self.start = time;
         }
         let passed = time - self.start;
-        // Frames fall on whole steps, so that a time may be a little early.
-        if passed < f64::from(self.taken) * PERIOD - 0.2 * PERIOD || passed > LENGTH - PERIOD {
-            return Ok(());
-        }
         self.taken += 1;
         let when = (100.0 * passed).round() as u16;
         if let Some((waiting, since)) = self.waiting.take() {

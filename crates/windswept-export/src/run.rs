@@ -1,5 +1,6 @@
 //! A run, frame by frame: which steps are exported, how many are taken at a time, what a frame holds, where it goes.
 
+use std::num::NonZeroU64;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -107,6 +108,8 @@ impl Pace {
 pub enum Stop {
     /// The state is the frame of this number.
     Frame(u64),
+    /// The state is that of a checkpoint, and the frame of this step was handed out.
+    Checkpoint,
     /// Somewhere between two frames.
     Between,
     /// The schedule is done.
@@ -119,13 +122,22 @@ pub struct Run {
     schedule: Schedule,
     pace: Pace,
     next: u64,
+    /// Steps between two checkpoints, and the step of the last one.
+    checkpoints: Option<(NonZeroU64, Option<u64>)>,
 }
 
 impl Run {
     /// A run whose first frame is number `next` and that hands control back after about `length` at the latest.
     #[must_use]
     pub fn new(schedule: Schedule, next: u64, length: Duration) -> Self {
-        Self { schedule, pace: Pace::of(length), next }
+        Self { schedule, pace: Pace::of(length), next, checkpoints: None }
+    }
+
+    /// The run with a stop for a checkpoint at each multiple of `every` steps, at the start and at the end; none at the step `last`,
+    /// of which there is one already.
+    #[must_use]
+    pub fn with_checkpoints(self, every: NonZeroU64, last: Option<u64>) -> Self {
+        Self { checkpoints: Some((every, last)), ..self }
     }
 
     /// Steps towards the next frame or the end of the schedule, whichever comes first.
@@ -136,7 +148,10 @@ impl Run {
         if let Some(stop) = self.stop(simulation.steps()) {
             return Ok(stop);
         }
-        let goal = self.schedule.step(self.next).min(self.schedule.steps);
+        let mut goal = self.schedule.step(self.next).min(self.schedule.steps);
+        if let Some((every, _)) = self.checkpoints {
+            goal = goal.min((simulation.steps() / every + 1).saturating_mul(every.get()));
+        }
         self.pace.advance(simulation, goal)?;
         Ok(Stop::Between)
     }
@@ -153,7 +168,15 @@ impl Run {
             self.next += 1;
             return Some(Stop::Frame(self.next - 1));
         }
-        (step >= self.schedule.steps).then_some(Stop::End)
+        let is_end = step >= self.schedule.steps;
+        if let Some((every, last)) = &mut self.checkpoints
+            && (is_end || step % *every == 0)
+            && *last != Some(step)
+        {
+            *last = Some(step);
+            return Some(Stop::Checkpoint);
+        }
+        is_end.then_some(Stop::End)
     }
 }
 
@@ -196,12 +219,29 @@ impl Recording {
         folder: &Path,
         frames: usize,
     ) -> Result<Self, ExportError> {
+        Self::behind(formats, simulation, folder, frames, &[])
+    }
+
+    /// Goes on with the files of a run that was ended, behind the frames of these times \[s\]: what is behind them is dropped at once.
+    ///
+    /// # Errors
+    /// [`ExportError`] if a format has not these frames, or cannot take the state of `simulation`.
+    pub fn behind(
+        formats: &[&'static Format],
+        simulation: &mut Simulation,
+        folder: &Path,
+        frames: usize,
+        written: &[f64],
+    ) -> Result<Self, ExportError> {
         if formats.is_empty() {
             return Ok(Self { sinks: Vec::new() });
         }
-        let first = frame(simulation)?;
+        let mut first = frame(simulation)?;
+        if !written.is_empty() {
+            first.hair = simulation.hair_at_start();
+        }
         let (gpu, scene) = (simulation.engine().gpu(), simulation.scene());
-        let start = Start { folder, gpu, scene, first: &first, frames };
+        let start = Start { folder, gpu, scene, first: &first, written, frames };
         let wanted = crate::FORMATS.iter().filter(|format| formats.iter().any(|wanted| wanted.name == format.name));
         let sinks = wanted.map(|format| Ok((format, (format.create)(&start)?))).collect::<Result<_, ExportError>>()?;
         Ok(Self { sinks })
@@ -231,6 +271,14 @@ impl Recording {
             }
         }
         Ok(losses)
+    }
+
+    /// Makes the frames outlast the machine too, before a checkpoint behind them is written.
+    ///
+    /// # Errors
+    /// [`ExportError`] if the disk refuses.
+    pub fn sync(&self) -> Result<(), ExportError> {
+        self.sinks.iter().try_for_each(|(_, sink)| sink.sync())
     }
 
     /// Ends all files, each whatever becomes of the others. Returns what is missing and can be made again.
@@ -298,6 +346,11 @@ mod tests {
         let mut whole = run();
         let stops: Vec<_> = (0..=30).flat_map(|step| [whole.stop(step), whole.stop(step)]).flatten().collect();
         assert_eq!(stops, [Stop::Frame(0), Stop::Frame(1), Stop::Frame(2), Stop::End, Stop::End]);
+        // Checkpoints come after the frame of their step, once.
+        let mut kept = run().with_checkpoints(NonZeroU64::new(12).unwrap(), Some(0));
+        let stops: Vec<_> = [0, 12, 12, 12, 24, 24, 30, 30].iter().map(|step| kept.stop(*step)).collect();
+        let (frame, checkpoint) = (|k| Some(Stop::Frame(k)), Some(Stop::Checkpoint));
+        assert_eq!(stops, [frame(0), frame(1), checkpoint, None, frame(2), checkpoint, checkpoint, Some(Stop::End)]);
         // A run that begins at frame 2 does not stop before.
         let mut late = Run { next: 2, ..run() };
         assert_eq!([0, 12, 24, 24].map(|step| late.stop(step)), [None, None, Some(Stop::Frame(2)), None]);

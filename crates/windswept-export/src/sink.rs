@@ -17,6 +17,14 @@ pub trait FrameSink: Send {
     /// [`ExportError`] if the frame does not belong here or cannot be written.
     fn append(&mut self, frame: &Frame) -> Result<(), ExportError>;
 
+    /// Makes what was appended outlast the machine too, before a checkpoint behind it is written. What can be made again need not.
+    ///
+    /// # Errors
+    /// [`ExportError`] if the disk refuses.
+    fn sync(&self) -> Result<(), ExportError> {
+        Ok(())
+    }
+
     /// Ends the files. Dropping a sink does the same without a word about errors.
     ///
     /// # Errors
@@ -36,7 +44,8 @@ pub struct Format {
     /// `windswept render` can make these files from the others. A run goes on without them when one cannot be written, since
     /// what was simulated is worth more.
     pub made_again: bool,
-    /// Makes its sink, and writes nothing before the first frame is appended.
+    /// Makes its sink, and writes nothing before the first frame is appended, if no frames are there already. If there are, it drops
+    /// those behind them.
     pub create: fn(&Start<'_>) -> Result<Box<dyn FrameSink>, ExportError>,
 }
 
@@ -50,14 +59,18 @@ pub const FORMATS: &[Format] = &[
         writes: "strands and air particles, for ParaView",
         files: &[Kind::Hair.file_name(), Kind::Air.file_name()],
         made_again: false,
-        create: |start| Ok(Box::new(Films::new(start))),
+        create: |start| Ok(Box::new(Films::new(start)?)),
     },
     Format {
         name: "png",
         writes: "pictures and preview.gif",
         files: &Pictures::FILES,
         made_again: true,
-        create: |start| Ok(Box::new(Pictures::new(start.folder, start.gpu, start.scene, start.first)?)),
+        create: |start| {
+            let mut pictures = Pictures::new(start.folder, start.gpu, start.scene, start.first)?;
+            pictures.go_on(start.written)?;
+            Ok(Box::new(pictures))
+        },
     },
 ];
 
@@ -81,8 +94,10 @@ pub struct Start<'a> {
     pub gpu: &'a Gpu,
     /// The scene as it runs.
     pub scene: &'a Scene,
-    /// The first frame, which is not yet appended.
+    /// The first frame of the run, of which that of a run which goes on has the strands only.
     pub first: &'a Frame,
+    /// Times of the frames that are in the folder already, from the first on, and that the sink goes on behind \[s\]; of a new run none.
+    pub written: &'a [f64],
     /// Number of frames that there may be.
     pub frames: usize,
 }

@@ -125,22 +125,8 @@ impl VtkHdfWriter {
         provenance: &Provenance<'_>,
     ) -> Result<Self, ExportError> {
         let path = path.as_ref().to_path_buf();
-        let points = arrays(kind, frame).0.len();
-        let misfit = |problem: String| ExportError::Frame { path: path.clone(), problem };
-        if points == 0 {
-            let what = match kind {
-                Kind::Hair => "strands",
-                Kind::Air => "air particles",
-            };
-            return Err(misfit(format!("the frame has no {what}")));
-        }
-        if Self::bytes(kind, frame, frames) > isize::MAX as u64 {
-            return Err(misfit(format!("{frames} frames fit into no file")));
-        }
-        let strands = match kind {
-            Kind::Hair => checked_strands(&frame.hair).map_err(misfit)?,
-            Kind::Air => Vec::new(),
-        };
+        let (points, strands) =
+            checked(kind, frame, frames).map_err(|problem| ExportError::Frame { path: path.clone(), problem })?;
         let cells: Vec<i64> = match kind {
             Kind::Hair => strands.iter().map(|&first| first.into()).collect(),
             Kind::Air => (0..).take(points + 1).collect(),
@@ -172,6 +158,67 @@ impl VtkHdfWriter {
             last_time: f64::NEG_INFINITY,
             orientations: Vec::new(),
         })
+    }
+
+    /// Goes on with a file of such frames, which may be that of a killed run, behind its first `written` frames; those behind them are
+    /// dropped. Where it has not room for `frames` frames in all, it is laid out anew, with `.part` behind its name until that is done.
+    ///
+    /// # Errors
+    /// As [`VtkHdfWriter::create`], and [`ExportError::Frame`] if the file has fewer frames or is not of such.
+    pub fn go_on(
+        path: impl AsRef<Path>,
+        kind: Kind,
+        frame: &Frame,
+        written: usize,
+        frames: usize,
+        provenance: &Provenance<'_>,
+    ) -> Result<Self, ExportError> {
+        let path = path.as_ref().to_path_buf();
+        let misfit = |problem: String| ExportError::Frame { path: path.clone(), problem };
+        let (points, strands) = checked(kind, frame, frames).map_err(misfit)?;
+        let reader = VtkHdfReader::open(&path)?;
+        if reader.times().len() < written {
+            return Err(misfit(format!("has {} frames, expected the first {written}", reader.times().len())));
+        }
+        let last_time = written.checked_sub(1).map_or(f64::NEG_INFINITY, |last| reader.times()[last]);
+        if !reader.is_of(kind, points, &strands) {
+            return Err(misfit("has other strands or particles than the run that is to go on".to_owned()));
+        }
+        if reader.room() < frames {
+            let mut part = path.clone().into_os_string();
+            part.push(".part");
+            let mut copy = Self::create(&part, kind, frame, frames, provenance)?;
+            (0..written).try_for_each(|k| copy.append(&reader.frame(k)?))?;
+            copy.finish()?;
+            drop(reader);
+            let renamed = std::fs::rename(&part, &path).map_err(|e| e.to_string());
+            renamed.map_err(|reason| ExportError::File {
+                path: path.clone(),
+                doing: "could not be replaced",
+                reason,
+            })?;
+        } else {
+            drop(reader);
+        }
+        let scalars: Vec<_> = scalars(kind, frame).into_iter().map(|(name, _)| name).collect();
+        let (layout, frames) = Layout::go_on(&path, kind, points, &scalars, written)
+            .map_err(|e| failed(&path, "could not be opened to go on", &e))?;
+        Ok(Self { path, kind, layout, points, strands, scalars, frames, written, last_time, orientations: Vec::new() })
+    }
+
+    /// Hands what was appended to the disk, so that it outlasts the machine too. It outlasts the process in any case.
+    ///
+    /// # Errors
+    /// [`ExportError::File`] if the disk refuses.
+    pub fn sync(&self) -> Result<(), ExportError> {
+        // Elsewhere than on Unix a file that HDF5 has open cannot be opened a second time.
+        let synced = if cfg!(unix) { std::fs::File::open(&self.path).and_then(|file| file.sync_all()) } else { Ok(()) };
+        let failed = |e: std::io::Error| ExportError::File {
+            path: self.path.clone(),
+            doing: "could not be flushed to the disk",
+            reason: e.to_string(),
+        };
+        synced.map_err(failed)
     }
 
     /// Writes the next frame. Once this returns, readers of the file find it.
@@ -270,8 +317,31 @@ impl FrameSink for VtkHdfWriter {
         self.append(frame)
     }
 
+    fn sync(&self) -> Result<(), ExportError> {
+        self.sync()
+    }
+
     fn finish(self: Box<Self>) -> Result<(), ExportError> {
         Self::finish(*self)
+    }
+}
+
+/// Number of points of a frame of this kind, and the strands' offsets, if a file of `frames` such frames can be.
+fn checked(kind: Kind, frame: &Frame, frames: usize) -> Result<(usize, Vec<u32>), String> {
+    let points = arrays(kind, frame).0.len();
+    if points == 0 {
+        let what = match kind {
+            Kind::Hair => "strands",
+            Kind::Air => "air particles",
+        };
+        return Err(format!("the frame has no {what}"));
+    }
+    if VtkHdfWriter::bytes(kind, frame, frames) > isize::MAX as u64 {
+        return Err(format!("{frames} frames fit into no file"));
+    }
+    match kind {
+        Kind::Hair => Ok((points, checked_strands(&frame.hair)?)),
+        Kind::Air => Ok((points, Vec::new())),
     }
 }
 

@@ -21,6 +21,7 @@ use crate::{
     gpu::{Gpu, Profile, Program, Span, wgpu},
     plan::Plan,
     recorder::{Recorder, Recording},
+    rods,
     setup::Setup,
     step::{self, Quantity},
 };
@@ -307,7 +308,7 @@ impl Simulation {
         let s = self.engine.state();
         let hair = self.engine.sizes().hair_points as usize;
         let origin = self.initial.origin;
-        let world = |p: &[f32; 4]| (DVec3::new(p[0].into(), p[1].into(), p[2].into()) + origin).as_vec3().to_array();
+        let world = |p: &[f32; 4]| in_world(p, origin);
         let xyz = |v: &[f32; 4]| [v[0], v[1], v[2]];
         let slots = self.engine.slots()?;
         let arrays = [&s.position, &s.velocity, &s.orientation];
@@ -328,6 +329,19 @@ impl Simulation {
             },
         })?;
         Ok(frame)
+    }
+
+    /// The strands that the simulation started from, in the numbers that [`Self::frame`] had for them before the first step.
+    #[must_use]
+    pub fn hair_at_start(&self) -> HairFrame {
+        let (hair, origin) = (&self.initial.hair, self.initial.origin);
+        HairFrame {
+            offsets: hair.point_offsets.clone(),
+            ids: hair.ids.clone(),
+            positions: hair.positions.iter().map(|x| in_world(&rods::vec4(*x - origin, 0.0), origin)).collect(),
+            velocities: hair.velocities.iter().map(|v| v.as_vec3().to_array()).collect(),
+            orientations: hair.orientations.iter().map(|q| rods::quat(*q)).collect(),
+        }
     }
 
     /// Density ρ/ρ0 at every particle now, hair points first, then air by stable id; empty when the scene's particles do not meet.
@@ -371,4 +385,9 @@ impl Simulation {
         }
         self.settle()
     }
+}
+
+/// A local position in the world \[m\].
+fn in_world(local: &[f32; 4], origin: DVec3) -> [f32; 3] {
+    (DVec3::new(local[0].into(), local[1].into(), local[2].into()) + origin).as_vec3().to_array()
 }

@@ -14,27 +14,37 @@ pub(crate) struct Films {
     scene: Scene,
     adapter: String,
     frames: usize,
-    /// Laid out with the first frame.
+    /// Laid out with the first frame, or opened where there are frames already.
     files: Option<Vec<VtkHdfWriter>>,
 }
 
 impl Films {
-    pub(crate) fn new(start: &Start<'_>) -> Self {
-        Self {
+    pub(crate) fn new(start: &Start<'_>) -> Result<Self, ExportError> {
+        let mut films = Self {
             folder: start.folder.into(),
             scene: start.scene.clone(),
             adapter: start.gpu.info().to_string(),
             frames: start.frames,
             files: None,
+        };
+        let written = start.written.len();
+        if written > 0 {
+            films.files = Some(films.each(start.first, |path, kind, provenance| {
+                VtkHdfWriter::go_on(path, kind, start.first, written, start.frames, provenance)
+            })?);
         }
+        Ok(films)
     }
 
-    fn lay_out(&self, frame: &Frame) -> Result<Vec<VtkHdfWriter>, ExportError> {
+    /// The writer of each kind that the frame has.
+    fn each(
+        &self,
+        frame: &Frame,
+        writer: impl Fn(PathBuf, Kind, &Provenance<'_>) -> Result<VtkHdfWriter, ExportError>,
+    ) -> Result<Vec<VtkHdfWriter>, ExportError> {
         let kinds = [Kind::Hair, Kind::Air].into_iter().filter(|kind| !arrays(*kind, frame).0.is_empty());
         let provenance = Provenance::of(&self.scene, &self.adapter);
-        kinds
-            .map(|kind| VtkHdfWriter::create(self.folder.join(kind.file_name()), kind, frame, self.frames, &provenance))
-            .collect()
+        kinds.map(|kind| writer(self.folder.join(kind.file_name()), kind, &provenance)).collect()
     }
 }
 
@@ -43,11 +53,17 @@ impl FrameSink for Films {
         let files = match &mut self.files {
             Some(files) => files,
             None => {
-                let files = self.lay_out(frame)?;
+                let files = self.each(frame, |path, kind, provenance| {
+                    VtkHdfWriter::create(path, kind, frame, self.frames, provenance)
+                })?;
                 self.files.insert(files)
             }
         };
         files.iter_mut().try_for_each(|file| file.append(frame))
+    }
+
+    fn sync(&self) -> Result<(), ExportError> {
+        self.files.iter().flatten().try_for_each(VtkHdfWriter::sync)
     }
 
     fn finish(self: Box<Self>) -> Result<(), ExportError> {

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use hdf5::dataset::{AllocTime, FillTime};
 use hdf5::types::{FixedAscii, VarLenUnicode};
-use hdf5::{Attribute, Dataset, Extents, File, Group, H5Type, Result};
+use hdf5::{Attribute, Dataset, Extents, File, FileBuilder, Group, H5Type, Result};
 
 use super::{Kind, Provenance};
 
@@ -48,9 +48,7 @@ impl Layout {
         frames: usize,
         provenance: &Provenance<'_>,
     ) -> Result<Self> {
-        // The earliest format has no mark for "open for writing", which would make readers refuse a killed run's file.
-        // Without the sieve buffer a number is written as 8 bytes, not as the 64 kB around it.
-        let file = File::with_options().with_fapl(|access| access.libver_earliest().sieve_buf_size(0)).create(path)?;
+        let file = options().create(path)?;
         let root = file.create_group("VTKHDF")?;
         let steps_group = root.create_group("Steps")?;
         let finished = steps_group.new_attr::<i64>().create("NSteps")?;
@@ -62,7 +60,6 @@ impl Layout {
         let times = steps_group
             .new_dataset::<f64>()
             .chunk(frames.max(1))
-            .chunk_cache(0, 0, 1.0)
             .alloc_time(Some(AllocTime::Early))
             .fill_time(FillTime::Alloc)
             .shape(1..)
@@ -80,10 +77,52 @@ impl Layout {
             write_cells(&root.create_group(group)?, if group == own { cells } else { &[0] })?;
         }
 
+        if kind == Kind::Hair {
+            table(&root, "CellData/StrandId", ids)?;
+        }
+        let layout = Self::of_frames(Place::New(&root), file, finished, times, kind, points, scalars, frames)?;
+        write_provenance(&layout.file, provenance)?;
+        layout.finished.write_scalar(&0_i64)?;
+        layout.flush()?;
+        Ok(layout)
+    }
+
+    /// Opens a file that [`Layout::create`] made of as many points and of the same scalars, and shows its first `written` frames
+    /// only. Also returns how many frames it has room for.
+    pub(super) fn go_on(
+        path: &Path,
+        kind: Kind,
+        points: usize,
+        scalars: &[&str],
+        written: usize,
+    ) -> Result<(Self, usize)> {
+        let file = options().open_rw(path)?;
+        let root = file.group("VTKHDF")?;
+        let steps = root.group("Steps")?;
+        let (finished, times) = (steps.attr("NSteps")?, steps.dataset("Values")?);
+        let frames = root.dataset("Steps/PartOffsets")?.size();
+        let layout = Self::of_frames(Place::There(&root), file, finished, times, kind, points, scalars, frames)?;
+        layout.times.resize(written.max(1))?;
+        layout.finished.write_scalar(&(written as i64))?;
+        layout.flush()?;
+        Ok((layout, frames))
+    }
+
+    /// The layout of a file with the datasets that a frame is written to.
+    fn of_frames(
+        place: Place<'_>,
+        file: File,
+        finished: Attribute,
+        times: Dataset,
+        kind: Kind,
+        points: usize,
+        scalars: &[&str],
+        frames: usize,
+    ) -> Result<Self> {
         // Flat, as a frame is a run of rows: those of frame k start at k points.
-        let vectors = |name, width| empty::<f32>(&root, name, [frames * points, width]);
-        let number = |name: &str| empty::<i64>(&root, &format!("Steps/{name}"), frames);
-        let per_group = |name| empty::<i64>(&root, name, [frames, 4]);
+        let vectors = |name, width| place.dataset::<f32>(name, &[frames * points, width]);
+        let number = |name: &str| place.dataset::<i64>(&format!("Steps/{name}"), &[frames]);
+        let per_group = |name| place.dataset::<i64>(name, &[frames, 4]);
         let mut steps = vec![
             (number("PartOffsets")?, 0, 0),
             (number("NumberOfParts")?, 1, 0),
@@ -92,7 +131,6 @@ impl Layout {
         ];
         let mut orientations = None;
         if kind == Kind::Hair {
-            table(&root, "CellData/StrandId", ids)?;
             steps.push((number("CellDataOffsets/StrandId")?, 0, 0));
             steps.push((number("PointDataOffsets/Orientation")?, 0, points));
             orientations = Some(vectors("PointData/Orientation", 4)?);
@@ -100,9 +138,9 @@ impl Layout {
         let mut per_particle = Vec::new();
         for name in scalars {
             steps.push((number(&format!("PointDataOffsets/{name}"))?, 0, points));
-            per_particle.push(empty::<f32>(&root, &format!("PointData/{name}"), frames * points)?);
+            per_particle.push(place.dataset::<f32>(&format!("PointData/{name}"), &[frames * points])?);
         }
-        let layout = Self {
+        Ok(Self {
             times,
             positions: vectors("Points", 3)?,
             velocities: vectors("PointData/Velocity", 3)?,
@@ -112,11 +150,7 @@ impl Layout {
             group_steps: [per_group("Steps/CellOffsets")?, per_group("Steps/ConnectivityIdOffsets")?],
             finished,
             file,
-        };
-        write_provenance(&layout.file, provenance)?;
-        layout.finished.write_scalar(&0_i64)?;
-        layout.flush()?;
-        Ok(layout)
+        })
     }
 
     /// Writes frame k, where no reader looks for it before [`Layout::show`].
@@ -149,6 +183,39 @@ impl Layout {
     /// Hands all to the operating system.
     pub(super) fn flush(&self) -> Result<()> {
         self.file.flush()
+    }
+}
+
+/// How every file is opened.
+fn options() -> FileBuilder {
+    let mut options = File::with_options();
+    // The earliest format has no mark for "open for writing", which would make readers refuse a killed run's file. Without the sieve
+    // buffer a number is written as 8 bytes, not as the 64 kB around it; without a cache of chunks a row of Values as itself.
+    options.with_fapl(|access| access.libver_earliest().sieve_buf_size(0).chunk_cache(0, 0, 1.0));
+    options
+}
+
+/// A file whose datasets are made, or are there.
+#[derive(Clone, Copy)]
+enum Place<'a> {
+    New(&'a Group),
+    There(&'a Group),
+}
+
+impl Place<'_> {
+    /// The dataset of this name and shape.
+    fn dataset<T: H5Type>(self, name: &str, shape: &[usize]) -> Result<Dataset> {
+        match self {
+            Self::New(root) => empty::<T>(root, name, shape),
+            Self::There(root) => {
+                let dataset = root.dataset(name)?;
+                let found = dataset.shape();
+                if found != shape || !dataset.dtype()?.is::<T>() {
+                    return Err(format!("{name} has the shape {found:?} or other numbers, expected {shape:?}").into());
+                }
+                Ok(dataset)
+            }
+        }
     }
 }
 

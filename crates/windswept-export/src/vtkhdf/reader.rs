@@ -82,6 +82,16 @@ impl VtkHdfReader {
         self.kind
     }
 
+    /// Whether its frames are of this kind and have so many points, in these strands where they are hair.
+    pub(super) fn is_of(&self, kind: Kind, points: usize, strands: &[u32]) -> bool {
+        self.kind == kind && self.points == points && self.offsets == strands
+    }
+
+    /// Number of frames that it was laid out for.
+    pub(super) fn room(&self) -> usize {
+        self.root.dataset("Steps/PartOffsets").map_or(0, |numbers| numbers.size())
+    }
+
     /// Times of the finished frames [s].
     #[must_use]
     pub fn times(&self) -> &[f64] {

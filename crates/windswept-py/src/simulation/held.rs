@@ -78,7 +78,7 @@ impl Simulation {
         let mut run = Run::new(schedule.clone(), schedule.frame_after(steps), LENGTH);
         self.stepping(py, |sim| match run.advance(sim)? {
             Stop::Frame(_) => Ok(Some(Some(windswept_export::frame(sim)?))),
-            Stop::Between => Ok(None),
+            Stop::Checkpoint | Stop::Between => Ok(None),
             Stop::End => Ok(Some(None)),
         })
     }

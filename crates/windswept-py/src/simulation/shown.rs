@@ -38,14 +38,7 @@ impl Simulation {
         let mut scene = engine.scene().clone();
         scene.camera.width = size.0.unwrap_or(scene.camera.width);
         scene.camera.height = size.1.unwrap_or(scene.camera.height);
-        let start = &engine.initial().hair;
-        let start = windswept::HairFrame {
-            offsets: start.point_offsets.clone(),
-            ids: Vec::new(),
-            positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
-            velocities: Vec::new(),
-            orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
-        };
+        let start = engine.hair_at_start();
         let made = Renderer::new(engine.engine().gpu(), &scene, &start).map_err(|error| of_export(&error))?;
         let made = Arc::new(made);
         *renderer = Some((size, made.clone()));

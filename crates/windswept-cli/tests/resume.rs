@@ -1,0 +1,198 @@
+//! Runs that are killed and go on: each frame is there once, and the last is that of a run that nobody killed.
+
+#![allow(clippy::expect_used)] // a test may panic
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+use std::process::{Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use support::{folder, listing, run, windswept};
+use windswept::Frame;
+use windswept_export::VtkHdfReader;
+
+/// What a run writes that has films, pictures and a checkpoint.
+const FILES: [&str; 7] =
+    ["air.vtkhdf", "checkpoint.windswept", "frames", "hair.vtkhdf", "preview.gif", "report.json", "scene.toml"];
+/// Eddies that are strengthened, so that the report has a row for each frame.
+const BANDS: [&str; 4] =
+    ["--checkpoint-every", "5", "--set", "turbulence.bands=[{ scale = 0.009, strength = 3.0, intensity = 0.3 }]"];
+
+fn resume(folder: &Path, out: &str, more: &[&str]) -> Output {
+    let mut command = windswept(folder, &["run", "--resume", out]);
+    command.args(more).output().expect("the program starts")
+}
+
+/// All frames of a film.
+fn film(path: &Path) -> Vec<Frame> {
+    let reader = VtkHdfReader::open(path).expect("a film");
+    (0..reader.times().len()).map(|k| reader.frame(k).expect("a frame")).collect()
+}
+
+/// Asserts that two folders hold the same run, bit by bit, whatever its timings.
+fn assert_same(folder: &Path, one: &str, other: &str) {
+    let [one, other] = [one, other].map(|name| folder.join(name));
+    assert_eq!(listing(&one), FILES);
+    assert_eq!(listing(&other), FILES);
+    for name in ["hair.vtkhdf", "air.vtkhdf"] {
+        assert!(film(&one.join(name)) == film(&other.join(name)), "{name} differs");
+    }
+    let pictures = listing(&one.join("frames"));
+    assert_eq!(pictures, listing(&other.join("frames")));
+    let pictures = pictures.iter().map(|name| format!("frames/{name}"));
+    for name in pictures.chain(["preview.gif".to_owned(), "scene.toml".to_owned()]) {
+        let [one, other] = [&one, &other].map(|dir| fs::read(dir.join(&name)).expect("a file"));
+        assert!(one == other, "{name} differs");
+    }
+    let reports = [one, other].map(|dir| {
+        let text = fs::read_to_string(dir.join("report.json")).expect("a report");
+        let report: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let bands = report["band_energy"].as_array().map(|bands| {
+            bands.iter().map(|band| [band["m2_per_s2_at_start"].clone(), band["m2_per_s2"].clone()]).collect::<Vec<_>>()
+        });
+        let figures = ["steps", "time_s", "max_stretch", "strand_steps", "momentum_kg_m_per_s", "frames", "warnings"]
+            .map(|key| report[key].clone());
+        (figures, bands)
+    });
+    assert_eq!(reports[0], reports[1]);
+    assert!(reports[0].0[5].as_array().is_some_and(|frames| !frames.is_empty()), "{reports:?}");
+}
+
+/// Kills a run with films and pictures at three random moments, goes on each time and at last to the end; all of it so many times.
+fn killed(rounds: usize, seed: u64) {
+    let folder = folder();
+    let started = Instant::now();
+    let whole = run(folder.path(), &BANDS);
+    let length = started.elapsed();
+    assert_eq!(whole.status.code(), Some(0), "{whole:?}");
+    let out = folder.path().join("killed");
+    let leg = || match out.join("checkpoint.windswept").exists() {
+        true => windswept(folder.path(), &["run", "--resume", "killed"]),
+        // Killed before there was a checkpoint.
+        false => {
+            let begin = ["run", "scene.toml", "--out", "killed", "--adapter", "software", "--overwrite"];
+            windswept(folder.path(), &[&begin[..], &BANDS].concat())
+        }
+    };
+    let (mut random, mut hit) = (Pcg64::seed_from_u64(seed), 0);
+    for round in 0..rounds {
+        for _ in 0..3 {
+            let mut child = leg().stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts");
+            let moment = length.mul_f64(random.random_range(0.1..0.8));
+            sleep(moment);
+            let running = child.try_wait().expect("a child").is_none();
+            hit += usize::from(running);
+            child.kill().expect("it is ours");
+            child.wait().expect("an end");
+            let (after, frames) = (moment.as_secs_f64(), finished(&out));
+            println!(
+                "round {round}: {after:.2} s of {:.2} s, running: {running}, {frames} frames",
+                length.as_secs_f64()
+            );
+        }
+        let ended = leg().output().expect("the program starts");
+        assert_eq!(ended.status.code(), Some(0), "{ended:?}");
+        assert_same(folder.path(), "out", "killed");
+        fs::remove_dir_all(&out).expect("it is ours");
+    }
+    println!("killed while it ran: {hit} times");
+    assert!(hit > rounds, "the moments are too late: {hit} of {} were within a run", 3 * rounds);
+}
+
+/// Number of frames in the film of a folder, if there is one.
+fn finished(out: &Path) -> usize {
+    VtkHdfReader::open(out.join("hair.vtkhdf")).map_or(0, |reader| reader.times().len())
+}
+
+/// Killed three times.
+#[test]
+fn a_killed_run_goes_on() {
+    killed(1, 1);
+}
+
+/// Killed at thirty moments.
+#[test]
+#[ignore = "long: starts the program 40 times"]
+fn a_run_that_is_killed_at_thirty_moments_goes_on() {
+    killed(10, 2);
+}
+
+/// A finished run goes on to nothing, and with a larger `--steps` beyond its end, as if it had been asked for so much.
+#[test]
+fn a_run_goes_on_beyond_its_end() {
+    let folder = folder();
+    let short = run(folder.path(), &[&BANDS[..], &["--steps", "26"]].concat());
+    assert_eq!(short.status.code(), Some(0), "{short:?}");
+    let before = fs::read(folder.path().join("out/hair.vtkhdf")).expect("a film");
+    let again = resume(folder.path(), "out", &[]);
+    assert_eq!(again.status.code(), Some(0), "{again:?}");
+    assert!(String::from_utf8_lossy(&again.stdout).contains("3 frames, 26 of 26 steps"), "{again:?}");
+    assert!(fs::read(folder.path().join("out/hair.vtkhdf")).expect("a film") == before, "the film was written");
+
+    let longer = resume(folder.path(), "out", &["--steps", "50"]);
+    assert_eq!(longer.status.code(), Some(0), "{longer:?}");
+    let begin = ["run", "scene.toml", "--out", "whole", "--steps", "50", "--adapter", "software"];
+    let whole = windswept(folder.path(), &[&begin[..], &BANDS].concat()).output().expect("the program starts");
+    assert_eq!(whole.status.code(), Some(0), "{whole:?}");
+    assert_same(folder.path(), "out", "whole");
+}
+
+/// A run that cannot go on is refused with status 2 and a word why, and nothing is touched.
+#[test]
+fn what_cannot_go_on_is_refused() {
+    let folder = folder();
+    let out = folder.path().join("out");
+    let refused = |more: &[&str], words: &str| {
+        let said = resume(folder.path(), "out", more);
+        let words_said = String::from_utf8_lossy(&said.stderr).into_owned();
+        assert_eq!(said.status.code(), Some(2), "{words_said}");
+        assert!(words_said.contains(words), "{words}: {words_said}");
+    };
+    refused(&[], "checkpoint.windswept: no checkpoint");
+    let plain = run(folder.path(), &["--steps", "13"]);
+    assert_eq!(plain.status.code(), Some(0), "{plain:?}");
+    refused(&[], "checkpoint.windswept: no checkpoint");
+    let kept = run(folder.path(), &["--steps", "13", "--checkpoint-every", "13", "--overwrite"]);
+    assert_eq!(kept.status.code(), Some(0), "{kept:?}");
+    let whole = fs::read(out.join("checkpoint.windswept")).expect("a checkpoint");
+    let film = fs::read(out.join("hair.vtkhdf")).expect("a film");
+
+    refused(&["--steps", "12"], "--steps 12: the checkpoint in out is at step 13");
+    refused(&["--adapter", "no such GPU"], "no such GPU");
+    refused(&["--report", "out/hair.vtkhdf"], "is written by the run itself");
+    fs::write(out.join("checkpoint.windswept"), &whole[..whole.len() - 1]).expect("a file");
+    refused(&[], "checkpoint.windswept: is cut off");
+    let mut flipped = whole.clone();
+    flipped[whole.len() / 2] ^= 8;
+    fs::write(out.join("checkpoint.windswept"), &flipped).expect("a file");
+    refused(&[], "checkpoint.windswept: is damaged");
+    fs::write(out.join("checkpoint.windswept"), &whole).expect("a file");
+    assert!(fs::read(out.join("hair.vtkhdf")).expect("a film") == film, "the film was touched");
+
+    fs::remove_file(out.join("frames/0000.png")).expect("a picture");
+    refused(&[], "0000.png: could not be read");
+    fs::remove_file(out.join("air.vtkhdf")).expect("a film");
+    refused(&[], "air.vtkhdf: could not be read");
+}
+
+/// The first checkpoint is written at the start, behind the first frame.
+#[test]
+fn a_checkpoint_is_there_from_the_start() {
+    let folder = folder();
+    let begin = ["run", "scene.toml", "--out", "out", "--adapter", "software", "--checkpoint-every", "1000000"];
+    let mut child = windswept(folder.path(), &begin).stderr(Stdio::null()).spawn().expect("the program starts");
+    let path = folder.path().join("out/checkpoint.windswept");
+    let started = Instant::now();
+    while !path.exists() && started.elapsed() < Duration::from_secs(60) {
+        sleep(Duration::from_millis(5));
+    }
+    child.kill().expect("it is ours");
+    child.wait().expect("an end");
+    let frames = film(&folder.path().join("out/hair.vtkhdf"));
+    assert!(!frames.is_empty(), "a checkpoint comes behind the frame of its step");
+}
