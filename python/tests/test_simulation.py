@@ -259,12 +259,6 @@ def test_it_shows_what_it_is(sim):
     assert "<script>" not in ws.Simulation(sim.scene.replace(title="<script>"))._repr_html_()
 
 
-def test_what_is_not_built_says_so(sim):
-    for call in (lambda: sim.save("x"), lambda: ws.Simulation.load("x")):
-        with pytest.raises(ws.NotInThisVersion, match="not in this version"):
-            call()
-
-
 def test_an_adapter_that_is_not_there_is_a_gpu_error(scene):
     assert ws.adapters() and {"name", "backend", "kind"} <= set(ws.adapters()[0])
     with pytest.raises(ws.GpuError, match="no such thing"):

@@ -2,10 +2,10 @@
 
 use pyo3::{
     create_exception,
-    exceptions::{PyNotImplementedError, PyRuntimeError, PyValueError},
+    exceptions::{PyRuntimeError, PyValueError},
     prelude::*,
 };
-use windswept::ops::OpsError;
+use windswept::{CheckpointError, ops::OpsError};
 
 use crate::gpu;
 
@@ -18,12 +18,6 @@ create_exception!(
 create_exception!(windswept, GpuError, PyRuntimeError, "No adapter, no device, a device that is lost or too small.");
 create_exception!(windswept, RunError, PyRuntimeError, "A run that cannot go on: what blew up, in which step.");
 create_exception!(windswept, ExportError, PyRuntimeError, "A file or a picture that cannot be made.");
-create_exception!(
-    windswept,
-    NotInThisVersion,
-    PyNotImplementedError,
-    "A part of the contract that this version has not built."
-);
 
 pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = m.py();
@@ -34,8 +28,7 @@ pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("SceneError", py.get_type::<SceneError>())?;
     m.add("GpuError", py.get_type::<GpuError>())?;
     m.add("RunError", py.get_type::<RunError>())?;
-    m.add("ExportError", py.get_type::<ExportError>())?;
-    m.add("NotInThisVersion", py.get_type::<NotInThisVersion>())
+    m.add("ExportError", py.get_type::<ExportError>())
 }
 
 pub(crate) fn of_value(name: &str, what: impl std::fmt::Display) -> PyErr {
@@ -82,6 +75,16 @@ pub(crate) fn of_start(py: Python<'_>, error: &windswept::Error) -> PyErr {
         windswept::Error::Scene(error) => of_scene(py, error),
         windswept::Error::Gpu(error) => of_gpu(error),
         error => RunError::new_err(error.to_string()),
+    }
+}
+
+pub(crate) fn of_checkpoint(py: Python<'_>, error: &CheckpointError) -> PyErr {
+    match error {
+        // An error of the system is Python's own for it, with the path.
+        CheckpointError::File { reason, .. } => std::io::Error::new(reason.kind(), error.to_string()).into(),
+        CheckpointError::Start { error, .. } => of_start(py, error),
+        CheckpointError::Gpu(error) => of_gpu(error),
+        error => PyValueError::new_err(error.to_string()),
     }
 }
 

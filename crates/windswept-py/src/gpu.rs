@@ -16,7 +16,11 @@ static DEVICES: Mutex<Option<Devices>> = Mutex::new(None);
 
 /// The device of an adapter: `software`, part of a name, or without either `WGPU_ADAPTER_NAME` or the best.
 pub(crate) fn device(py: Python<'_>, adapter: Option<&str>) -> PyResult<Gpu> {
-    let choice = AdapterChoice::from_flag(adapter);
+    device_of(py, &AdapterChoice::from_flag(adapter))
+}
+
+/// The device of the adapter that is chosen.
+pub(crate) fn device_of(py: Python<'_>, choice: &AdapterChoice) -> PyResult<Gpu> {
     let made = outside(py, || {
         let mut devices = DEVICES.lock().unwrap_or_else(PoisonError::into_inner);
         let devices = devices.get_or_insert_default();
@@ -24,7 +28,7 @@ pub(crate) fn device(py: Python<'_>, adapter: Option<&str>) -> PyResult<Gpu> {
         if let Some(gpu) = devices.get(&key) {
             return Ok(gpu.clone());
         }
-        let gpu = Gpu::new(&choice)?;
+        let gpu = Gpu::new(choice)?;
         // What was asked for in other words may be an adapter whose device is there.
         let mut ours = devices.iter().filter(|((process, _), _)| *process == key.0).map(|(_, known)| known);
         let gpu = ours.find(|known| known.info() == gpu.info()).cloned().unwrap_or(gpu);

@@ -3,7 +3,7 @@
 use std::{ffi::CString, path::PathBuf};
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
-use pyo3::{exceptions::PyUserWarning, prelude::*};
+use pyo3::{exceptions::PyUserWarning, prelude::*, types::PyBytes};
 use windswept_scene::{End, Fibre, GroomFile, PerStrand, RestCurvature, RestShape, Stiffness, keys::Key};
 
 use crate::{
@@ -11,6 +11,8 @@ use crate::{
     errors::{of_scene, of_value},
     outside,
 };
+
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Strands of your own, or of a groom file (`Groom.load`): they replace the scene's [hair] wholly.
 ///
@@ -218,6 +220,24 @@ impl Groom {
         strand_ids(py, &self.inner.ids, self.inner.len())
     }
 
+    /// What `pickle` makes a groom of again.
+    #[staticmethod]
+    fn _unpickled(py: Python<'_>, version: &str, bytes: Vec<u8>) -> PyResult<Self> {
+        let refused = |what: String| of_value("the pickled groom", what);
+        if version != VERSION {
+            return Err(refused(format!("expected one of windswept {VERSION}, found one of {version}")));
+        }
+        let inner: windswept_scene::Groom = postcard::from_bytes(&bytes).map_err(|e| refused(e.to_string()))?;
+        inner.check().map_err(|error| of_scene(py, &error))?;
+        Ok(Self { inner })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        let bytes = postcard::to_stdvec(&self.inner).map_err(|e| of_value("groom", e))?;
+        let unpickled = py.get_type::<Self>().getattr("_unpickled")?;
+        Ok((unpickled, (VERSION, PyBytes::new(py, &bytes))))
+    }
+
     fn __len__(&self) -> usize {
         self.inner.len()
     }
@@ -226,6 +246,9 @@ impl Groom {
         format!("<windswept.Groom: {} strands, {} points>", self.inner.len(), self.inner.points.len())
     }
 }
+
+/// What `__reduce__` returns: a function, and the version and the bytes that it is called with.
+type Reduced<'py> = (Bound<'py, PyAny>, (&'static str, Bound<'py, PyBytes>));
 
 /// Points and offsets, from either way to say them.
 fn strands(points: &Bound<'_, PyAny>, offsets: Option<&Bound<'_, PyAny>>) -> PyResult<(Vec<[f64; 3]>, Vec<u32>)> {

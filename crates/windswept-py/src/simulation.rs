@@ -4,20 +4,25 @@ mod held;
 mod shown;
 
 use std::{
+    ffi::CString,
     path::PathBuf,
     sync::{Arc, Mutex, atomic::AtomicU64},
 };
 
 use glam::{DQuat, DVec3};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
-use pyo3::prelude::*;
-use windswept::RunError;
+use pyo3::{
+    exceptions::PyUserWarning,
+    prelude::*,
+    types::{PyBytes, PyTuple},
+};
+use windswept::{Checkpoint, CheckpointError, RunError};
 use windswept_export::Renderer;
 
 use self::held::lock;
 use crate::{
     arrays::{Numbers, maybe_rows, rows, shown, triple, values},
-    errors::{NotInThisVersion, of_export, of_run, of_start, of_value},
+    errors::{of_checkpoint, of_export, of_run, of_start, of_value},
     frames::{Frame, Frames},
     gpu,
     groom::Groom,
@@ -73,6 +78,30 @@ fn quaternions(rows: Option<Vec<[f64; 4]>>) -> Option<Vec<DQuat>> {
     rows.map(|rows| rows.into_iter().map(DQuat::from_array).collect())
 }
 
+impl Simulation {
+    fn of(engine: windswept::Simulation) -> Self {
+        Self {
+            engine: Arc::new(Mutex::new(engine)),
+            epoch: AtomicU64::new(0),
+            snapshot: Mutex::default(),
+            renderer: Mutex::default(),
+        }
+    }
+
+    /// The simulation of a checkpoint that was read.
+    fn go_on(py: Python<'_>, read: Result<Checkpoint, CheckpointError>, adapter: Option<&str>) -> PyResult<Self> {
+        let checkpoint = read.map_err(|error| of_checkpoint(py, &error))?;
+        let choice = outside(py, || checkpoint.choice(adapter))?;
+        let gpu = gpu::device_of(py, &choice)?;
+        if let Some(words) = checkpoint.differs(&gpu) {
+            let words = CString::new(words).map_err(|e| of_value("adapter", e))?;
+            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &words, 1)?;
+        }
+        let started = outside(py, || checkpoint.start(&gpu))?;
+        Ok(Self::of(started.map_err(|error| of_checkpoint(py, &error))?))
+    }
+}
+
 #[pymethods]
 impl Simulation {
     #[new]
@@ -83,13 +112,7 @@ impl Simulation {
             Some(groom) => windswept::Simulation::with_groom(&gpu, &scene.inner, &groom.inner),
             None => windswept::Simulation::new(&gpu, &scene.inner),
         })?;
-        let engine = made.map_err(|error| of_start(py, &error))?;
-        Ok(Self {
-            engine: Arc::new(Mutex::new(engine)),
-            epoch: AtomicU64::new(0),
-            snapshot: Mutex::default(),
-            renderer: Mutex::default(),
-        })
+        Ok(Self::of(made.map_err(|error| of_start(py, &error))?))
     }
 
     /// Runs n steps of dt. Ctrl-C stops between steps.
@@ -356,17 +379,48 @@ impl Simulation {
         PyArray1::from_vec(py, drawn.into_raw()).reshape([height, width, 4])
     }
 
-    /// Saves the state to a file; not in this version: raises `NotInThisVersion`.
-    fn save(&self, path: PathBuf) -> PyResult<()> {
-        Err(NotInThisVersion::new_err(format!("save({}): not in this version", path.display())))
+    /// Saves the simulation to a file, from which `load` goes on with the same bits.
+    ///
+    /// The file is written beside `path`, flushed to the disk and renamed: whatever becomes of the process, `path` is a whole
+    /// checkpoint or what it was before. A simulation can be pickled and copied too.
+    ///
+    /// Raises:
+    ///     OSError: the file cannot be written.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        self.engine(py, |sim| sim.save(&path))?.map_err(|error| of_checkpoint(py, &error))
     }
 
-    /// Loads a simulation from a saved state; not in this version: raises `NotInThisVersion`.
+    /// Goes on with a simulation that `save` wrote, or `windswept run --checkpoint-every`. Timings start anew.
+    ///
+    /// On the adapter that it was saved on it has the same bits as if it had never been saved. On another one, or with another
+    /// version of windswept, it goes on with a warning.
+    ///
+    /// Args:
+    ///     path: the file.
+    ///     adapter: as `Simulation`'s; None: `WGPU_ADAPTER_NAME`, else the one that it was saved on if it is there.
+    ///
+    /// Raises:
+    ///     OSError: the file cannot be read.
+    ///     ValueError: it is no checkpoint, of another version, cut off or damaged; says what, and where.
+    ///     GpuError: as `Simulation`.
     #[staticmethod]
     #[pyo3(signature = (path, adapter=None))]
-    fn load(path: PathBuf, adapter: Option<&str>) -> PyResult<Self> {
-        let on = adapter.unwrap_or("any adapter");
-        Err(NotInThisVersion::new_err(format!("load({}) on {on}: not in this version", path.display())))
+    fn load(py: Python<'_>, path: PathBuf, adapter: Option<&str>) -> PyResult<Self> {
+        let opened = outside(py, || Checkpoint::open(&path))?;
+        Self::go_on(py, opened, adapter)
+    }
+
+    /// What `pickle` makes a simulation of again.
+    #[staticmethod]
+    fn _unpickled(py: Python<'_>, bytes: Vec<u8>) -> PyResult<Self> {
+        let read = outside(py, || Checkpoint::from_bytes(&bytes, "the pickled simulation"))?;
+        Self::go_on(py, read, None)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let bytes = self.engine(py, |sim| sim.to_bytes())?.map_err(|error| of_checkpoint(py, &error))?;
+        let unpickled = py.get_type::<Self>().getattr("_unpickled")?;
+        Ok((unpickled, PyTuple::new(py, [PyBytes::new(py, &bytes)])?))
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

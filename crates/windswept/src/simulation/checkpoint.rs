@@ -167,6 +167,13 @@ impl Checkpoint {
         }
     }
 
+    /// What is another one on this device, a sentence: the adapter or the version of windswept, so that other bits will follow. `None` where
+    /// nothing is.
+    #[must_use]
+    pub fn differs(&self, gpu: &Gpu) -> Option<String> {
+        self.about.differs_from(&About::of(gpu))
+    }
+
     /// The simulation, as it was when it was saved. On the same adapter it goes on with the same bits; on another one, or with another
     /// version of windswept, [`Simulation::warnings`] says so.
     ///
@@ -176,8 +183,9 @@ impl Checkpoint {
     /// [`CheckpointError::Start`] if the simulation does not fit the adapter, [`CheckpointError::Content`] if what was saved does not
     /// belong together.
     pub fn start(self, gpu: &Gpu) -> Result<Simulation, CheckpointError> {
-        let Self { file, about, scene, mut initial, driven, buffers, .. } = self;
-        initial.warnings.extend(about.differs_from(&About::of(gpu)));
+        let differs = self.differs(gpu);
+        let Self { file, scene, mut initial, driven, buffers, .. } = self;
+        initial.warnings.extend(differs);
         let failed = |error| CheckpointError::Start { file: file.clone(), error };
         let mut simulation = Simulation::with_state(gpu, &scene, initial).map_err(failed)?;
         let strands = simulation.initial.hair.len();
