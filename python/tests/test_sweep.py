@@ -89,6 +89,43 @@ def test_a_process_that_dies_is_started_again(short, tmp_path, monkeypatch):
     assert len(started) == 3
 
 
+def test_a_case_goes_on_in_its_middle(short, tmp_path, monkeypatch):
+    longer, vary = short.replace(**{"time.duration": 0.2}), {"viscosity.hair": [0.05]}
+    (whole,) = sweep.run(longer, vary, tmp_path / "whole", picture=False)
+    popen, killers = sweep.subprocess.Popen, []
+
+    def killed_behind_its_checkpoint(*words, **more):
+        process = popen(*words, **more)
+
+        def kill():
+            while not list((tmp_path / "killed" / "0000").glob("checkpoint-*")):
+                time.sleep(0.005)
+            process.kill()
+
+        killers.append(threading.Thread(target=kill))
+        killers[-1].start()
+        return process
+
+    monkeypatch.setattr(sweep.subprocess, "Popen", killed_behind_its_checkpoint)
+    (case,) = sweep.run(longer, vary, tmp_path / "killed", picture=False, retries=0, checkpoint_every=10)
+    killers[0].join()
+    assert case.status == "failed" and "status -9" in case.error
+    # Goes on in this process, which may not make a simulation of a scene.
+    job = sweep._Job(case._text, None, False, sweep._checkpoint(case, 10))
+    with monkeypatch.context() as only_loads:
+        only_loads.setattr(sweep, "Simulation", types.SimpleNamespace(load=ws.Simulation.load))
+        report, _ = sweep._simulate(job)
+    figures = ["steps", "max_stretch", "momentum_kg_m_per_s", "strand_steps", "density_error_rms"]
+    assert [report[key] for key in figures] == [whole.report[key] for key in figures]
+    # The sweep itself goes on too, and leaves no checkpoint. One of another scene is not its.
+    monkeypatch.setattr(sweep.subprocess, "Popen", popen)
+    (case,) = sweep.run(longer, vary, tmp_path / "killed", picture=False, checkpoint_every=10)
+    assert case.status == "finished" and [case.report[key] for key in figures] == [whole.report[key] for key in figures]
+    assert sorted(path.name for path in case.folder.iterdir()) == ["report.json", "scene.toml"]
+    with pytest.raises(ValueError, match="checkpoint_every"):
+        sweep.run(longer, vary, tmp_path / "killed", checkpoint_every=0)
+
+
 def test_a_cluster_goes_on_when_a_worker_is_killed(short, tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed")
     longer = short.replace(**{"time.duration": 0.1})

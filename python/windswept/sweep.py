@@ -5,7 +5,7 @@
     cases = sweep.run(scene, vary={"turbulence.bands.0.scale": [0.006, 0.018], "viscosity.hair": [0.05, 1.4]}, out="sweep")
 
 `out` gets a folder per case (`scene.toml`, `report.json`, `picture.png`, or `error.txt`), `table.csv` of all, and `sheet.png`
-of their pictures. Called again it runs what is missing.
+of their pictures. Called again it runs what is missing; with `checkpoint_every` a case goes on in its middle.
 
 A script that has no `if __name__ == "__main__":` may call it: cases are processes of their own, which never import the script.
 """
@@ -13,6 +13,7 @@ A script that has no `if __name__ == "__main__":` may call it: cases are process
 from __future__ import annotations
 
 import csv
+import hashlib
 import itertools
 import json
 import os
@@ -35,6 +36,9 @@ __all__ = ["Case", "run"]
 
 #: Columns of the table that come from a report.
 _REPORTED = ["steps", "time_s", "ms_per_step", "max_stretch", "density_error_rms"]
+
+#: What names of checkpoints begin with.
+_CHECKPOINT = "checkpoint-"
 
 
 @dataclass
@@ -63,6 +67,8 @@ class _Job:
     text: str
     adapter: str | None
     picture: bool
+    #: File of its checkpoint and steps between two; None: it has none.
+    checkpoint: tuple[str, int] | None = None
 
 
 #: Report and PNG of a finished run.
@@ -79,6 +85,7 @@ def run(
     retries: int = 2,
     adapter: str | None = None,
     picture: bool = True,
+    checkpoint_every: int | None = None,
 ) -> list[Case]:
     """Runs the scene for its duration with every combination of the values.
 
@@ -92,6 +99,8 @@ def run(
         retries: how often a case that fails, or whose worker dies, is started again.
         adapter: as `Simulation`'s.
         picture: whether the last state of each case is drawn.
+        checkpoint_every: steps after which a case that runs on this machine writes a checkpoint into its folder, from which
+            it goes on when it is started again; None: it starts anew.
 
     Returns:
         Every case, in the order of the product of the values. A case that fails does not stop the others.
@@ -103,9 +112,12 @@ def run(
         raise ValueError("vary: expected at least one key with at least one value")
     if workers < 1 or retries < 0:
         raise ValueError(f"expected workers >= 1 and retries >= 0, found {workers} and {retries}")
+    if checkpoint_every is not None and checkpoint_every < 1:
+        raise ValueError(f"checkpoint_every: expected at least 1 step, found {checkpoint_every}")
     cases = _cases(scene, vary, Path(out))
     missing = [case for case in cases if case.status == "waiting"]
-    jobs = {case.index: _Job(case._text, adapter, picture) for case in missing}
+    every = checkpoint_every if client is None else None
+    jobs = {case.index: _Job(case._text, adapter, picture, _checkpoint(case, every)) for case in missing}
     work = _locally(missing, jobs, workers, retries) if client is None else _on(client, missing, jobs, retries)
     try:
         for case, result in work:
@@ -145,6 +157,14 @@ def _cases(scene: Scene, vary: Mapping[str, Sequence[Any]], out: Path) -> list[C
     return cases
 
 
+def _checkpoint(case: Case, every: int | None) -> tuple[str, int] | None:
+    """The file of a case's checkpoint: other scenes have files of other names."""
+    if every is None:
+        return None
+    name = hashlib.sha256(case._text.encode()).hexdigest()[:16]
+    return str((case.folder / f"{_CHECKPOINT}{name}").absolute()), every
+
+
 def _report(case: Case) -> dict[str, Any] | None:
     """The report that the case's folder has, if it is of just this scene."""
     try:
@@ -157,10 +177,18 @@ def _report(case: Case) -> dict[str, Any] | None:
 
 
 def _simulate(job: _Job) -> _Result:
-    """Runs a case from start to end in this process; returns its report and its last picture."""
-    sim = Simulation(Scene.parse(job.text), adapter=job.adapter)
+    """Runs a case to its end in this process, from its start or from its checkpoint; returns its report and its last picture."""
+    path, every = job.checkpoint or ("", 0)
+    try:
+        sim = Simulation.load(path, adapter=job.adapter)
+    except (OSError, ValueError):
+        # There is none, or it is not whole.
+        sim = Simulation(Scene.parse(job.text), adapter=job.adapter)
+    saved = sim.steps
     for _ in sim.frames():
-        pass
+        if every and sim.steps >= saved + every:
+            sim.save(path)
+            saved = sim.steps
     drawn = None
     if job.picture:
         with tempfile.TemporaryDirectory() as folder:
@@ -190,7 +218,7 @@ def _locally(
                 case, folder = waiting.pop(), tempfile.TemporaryDirectory()
                 case.attempts += 1
                 job = jobs[case.index]
-                words = {"text": job.text, "adapter": job.adapter, "picture": job.picture}
+                words = {"text": job.text, "adapter": job.adapter, "picture": job.picture, "checkpoint": job.checkpoint}
                 (Path(folder.name) / "job.json").write_text(json.dumps(words), encoding="utf-8")
                 with open(Path(folder.name) / "log.txt", "wb") as log:
                     command = [sys.executable, "-m", "windswept.sweep", folder.name]
@@ -271,6 +299,9 @@ def _settle(case: Case, result: _Result | None) -> None:
     # The folder may hold files of another case that had this number, or of an earlier try.
     for name in ("report.json", "scene.toml", "picture.png", "error.txt"):
         (case.folder / name).unlink(missing_ok=True)
+    if result is not None:
+        for checkpoint in case.folder.glob(f"{_CHECKPOINT}*"):
+            checkpoint.unlink()
     if result is None:
         case.status = "failed"
         _write(case.folder / "error.txt", "\n\n".join(filter(None, [case.error, case._log])) + "\n")
