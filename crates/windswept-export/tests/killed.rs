@@ -11,6 +11,7 @@ mod film;
 use std::io::{BufRead, BufReader, Lines};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use windswept_export::{Kind, VtkHdfWriter};
@@ -20,12 +21,20 @@ use film::{PROVENANCE, assert_holds, film, finished, frame};
 /// Tells this test program to write frames until it is killed: the number after which it stops to wait, the file.
 const VICTIM: &str = "WINDSWEPT_TEST_VICTIM";
 
+/// Held by a test as long as it starts processes or has files open: those of one would have the files of the other, with their locks.
+static ALONE: Mutex<()> = Mutex::new(());
+
+fn alone() -> MutexGuard<'static, ()> {
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Killed between two frames (SIGKILL on Unix): the frames reported as appended are there, and no other.
 #[test]
 fn killed_between_frames() {
     if let Some(orders) = std::env::var_os(VICTIM) {
         write_until_killed(&orders.to_string_lossy());
     }
+    let _alone = alone();
     let folder = tempfile::tempdir().unwrap();
     for appended in [0, 1, 4] {
         let path = folder.path().join(format!("{appended}.vtkhdf"));
@@ -37,6 +46,7 @@ fn killed_between_frames() {
 /// Killed at any moment, 40 times: never less than what was reported, and what the file shows is right.
 #[test]
 fn killed_while_writing() {
+    let _alone = alone();
     let folder = tempfile::tempdir().unwrap();
     for moment in 0..40 {
         let path = folder.path().join(format!("{moment}.vtkhdf"));
@@ -48,6 +58,34 @@ fn killed_while_writing() {
         assert!((moment..FRAMES).contains(&finished), "{finished} frames, {moment} reported, {FRAMES} announced");
         assert_holds(&path, Kind::Hair, &film(finished));
     }
+}
+
+/// The file of a process that was killed at any moment goes on behind any of its frames: what was behind is dropped, and what is
+/// appended stands there. It does so in place, or in a file with more room.
+#[test]
+fn a_killed_film_goes_on() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    for moment in 1..12 {
+        let path = folder.path().join(format!("{moment}.vtkhdf"));
+        let victim = Victim::start(&path, FRAMES, moment);
+        std::thread::sleep(Duration::from_micros(37 * moment as u64));
+        victim.kill();
+        for (behind, room) in [(moment, FRAMES), (1, FRAMES), (1, FRAMES + moment)] {
+            let go_on = || VtkHdfWriter::go_on(&path, Kind::Hair, &frame(0), behind, room, &PROVENANCE).unwrap();
+            drop(go_on());
+            assert_holds(&path, Kind::Hair, &film(behind));
+            let mut writer = go_on();
+            for k in behind..behind + 3 {
+                writer.append(&frame(k)).unwrap();
+                writer.sync().unwrap();
+            }
+            writer.finish().unwrap();
+            assert_holds(&path, Kind::Hair, &film(behind + 3));
+        }
+        std::fs::remove_file(&path).unwrap();
+    }
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0, "nothing is left beside the films");
 }
 
 /// Far more than are written before the kill.

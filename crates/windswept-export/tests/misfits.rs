@@ -70,6 +70,30 @@ fn senseless_layouts_are_refused() {
     }
 }
 
+/// A film goes on only with as many frames as it has, of its own kind and its own strands; it is left as it was.
+#[test]
+fn a_film_of_something_else_does_not_go_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("film.vtkhdf");
+    write(&path, Kind::Hair, &film(2), 4);
+    let mut other = frame(0);
+    other.hair.offsets[1] = 3;
+    for (kind, frame, written, words) in [
+        (Kind::Hair, frame(0), 3, "has 2 frames, expected the first 3"),
+        (Kind::Air, frame(0), 1, "other strands or particles"),
+        (Kind::Hair, other, 1, "other strands or particles"),
+    ] {
+        let refused = VtkHdfWriter::go_on(&path, kind, &frame, written, 4, &PROVENANCE);
+        expect(refused.map(drop), &["film.vtkhdf", words]);
+    }
+    let none = VtkHdfWriter::go_on(folder.path().join("none.vtkhdf"), Kind::Hair, &frame(0), 1, 4, &PROVENANCE);
+    expect(none.map(drop), &["none.vtkhdf", "No such file"]);
+    std::fs::write(folder.path().join("text.vtkhdf"), "text").unwrap();
+    let text = VtkHdfWriter::go_on(folder.path().join("text.vtkhdf"), Kind::Hair, &frame(0), 1, 4, &PROVENANCE);
+    expect(text.map(drop), &["text.vtkhdf", "could not be read"]);
+    assert_holds(&path, Kind::Hair, &film(2));
+}
+
 /// A path that cannot be written is an error that names it and the system's reason.
 #[test]
 fn unwritable_paths_are_named() {
