@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use windswept::{AdapterChoice, Checkpoint, CheckpointError, Gpu, Report, Simulation};
+use windswept::{AdapterChoice, Checkpoint, CheckpointError, Gpu, Report, RunError, Simulation};
 use windswept_export::{DEFAULT_FORMATS, Format, Loss, Recording, Run, Schedule, Stop};
 use windswept_scene::{InitialState, Time};
 
@@ -204,7 +204,7 @@ impl Filmed {
         console: &mut Console<'_>,
     ) -> Result<(), Failure> {
         loop {
-            let stop = run.advance(&mut self.simulation)?;
+            let stop = run.advance(&mut self.simulation).map_err(|error| self.ended(&error))?;
             match stop {
                 Stop::Frame(_) => self.record(console)?,
                 Stop::Checkpoint => self.save()?,
@@ -215,6 +215,19 @@ impl Filmed {
                 return Ok(());
             }
         }
+    }
+
+    /// The failure of a run that was ended by this error. A blow-up leaves a checkpoint of the state before it, of which no frame is
+    /// due: a step that was not reached has none.
+    fn ended(&self, error: &RunError) -> Failure {
+        let again = match error {
+            RunError::NonFiniteAir { .. } | RunError::TooManyBadStrands { .. } => self.save().ok().map(|()| {
+                let path = self.checkpoint.display();
+                format!("; {path} has the state before that step, from which `windswept run --resume` takes it again")
+            }),
+            _ => None,
+        };
+        Failure::Run(format!("{error}{}", again.unwrap_or_default()))
     }
 
     /// Writes a checkpoint, behind frames that outlast the machine.

@@ -16,6 +16,7 @@ use crate::{
     gpu::{AdapterChoice, AdapterInfo, Gpu, adapters},
     sections::{Fault, Reading, Writing},
     state::{Sizes, State},
+    status,
 };
 
 /// Format of the files. It rises when a section gets another content, or a buffer that lasts another layout or meaning.
@@ -177,7 +178,8 @@ impl Checkpoint {
     /// The simulation, as it was when it was saved. On the same adapter it goes on with the same bits; on another one, or with another
     /// version of windswept, [`Simulation::warnings`] says so.
     ///
-    /// Timings start anew, and [`Simulation::step_timed`] and the trace with them.
+    /// A simulation whose run was ended by something that is not finite is as it was before that step, which it takes again. Timings
+    /// start anew, and [`Simulation::step_timed`] and the trace with them.
     ///
     /// # Errors
     /// [`CheckpointError::Start`] if the simulation does not fit the adapter, [`CheckpointError::Content`] if what was saved does not
@@ -203,6 +205,11 @@ impl Checkpoint {
             engine.write_bytes(array, bytes)?;
         }
         simulation.last = engine.status()?;
+        if simulation.last.causes != 0 {
+            // What ended the run comes again, if it comes again.
+            simulation.last = status::thawed(&simulation.last);
+            engine.set_status(&simulation.last)?;
+        }
         simulation.begun = simulation.last.step;
         simulation.steps = u64::from(simulation.begun) / simulation.substeps();
         simulation.root_frames = driven.root_frames;
