@@ -7,6 +7,8 @@ mod support;
 use std::fs;
 
 use glam::{DQuat, DVec3};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
 use windswept::{
     Checkpoint, CheckpointError, Simulation,
     internals::{Plan, Recorder, Setup, State, step},
@@ -263,17 +265,66 @@ fn what_is_saved_is_needed() {
 
 /// A checkpoint with the content that another one has for a section; `None` where they have the same.
 fn with_section_of(bytes: &[u8], other: &[u8], name: &str) -> Option<Vec<u8>> {
-    let content = |bytes: &[u8]| {
-        let content = sections(bytes).into_iter().find(|section| section.0 == name).unwrap().1;
-        let start = content.as_ptr() as usize - bytes.as_ptr() as usize;
-        start..start + content.len()
-    };
-    let (own, other) = (content(bytes), &other[content(other)]);
-    if bytes[own.clone()] == *other {
-        return None;
+    let content = |bytes| sections(bytes).into_iter().find(|section| section.0 == name).unwrap().1;
+    let (own, other) = (content(bytes), content(other));
+    (own != other).then(|| with_section(bytes, name, other))
+}
+
+/// A checkpoint with another content of a section, and the length and checksums for it.
+fn with_section(bytes: &[u8], name: &str, content: &[u8]) -> Vec<u8> {
+    let own = sections(bytes).into_iter().find(|section| section.0 == name).unwrap().1;
+    let start = own.as_ptr() as usize - bytes.as_ptr() as usize;
+    let mut head = (name.len() as u32).to_le_bytes().to_vec();
+    head.extend(name.as_bytes());
+    head.extend((content.len() as u64).to_le_bytes());
+    let checksums = [&head[..], content].map(|part| crc32fast::hash(part).to_le_bytes());
+    let before = &bytes[..start - head.len() - 4];
+    [before, &head, &checksums[0], content, &checksums[1], &bytes[start + own.len() + 4..]].concat()
+}
+
+/// Whatever stands in a section, with checksums that fit: an error or a simulation, and no panic. Every section is spoiled, in its length, in
+/// single bytes and in runs of them.
+#[test]
+fn no_content_is_a_panic() {
+    let mut simulation = Simulation::new(&support::gpu(), &scene(&[BALL, TURN])).unwrap();
+    simulation.step(2).unwrap();
+    simulation.set_wind(DVec3::X).unwrap();
+    let whole = simulation.to_bytes().unwrap();
+    let names: Vec<_> = sections(&whole).into_iter().map(|section| (section.0, section.1.len())).collect();
+    let mut random = Pcg64::seed_from_u64(3);
+    let (mut refused, mut taken) = (0, 0);
+    for round in 0..20 {
+        for (name, len) in names.iter().filter(|(_, len)| *len > 0) {
+            let own = sections(&whole).into_iter().find(|section| section.0 == *name).unwrap().1;
+            let mut content = own.to_vec();
+            match round % 4 {
+                0 => content.truncate(random.random_range(0..*len)),
+                1 => content.extend([7; 9]),
+                // What counts and offsets stand first.
+                2 => content[random.random_range(0..(*len).min(64))] = random.random(),
+                _ => {
+                    let start = random.random_range(0..*len);
+                    let end = (start + random.random_range(1..40)).min(*len);
+                    content[start..end].iter_mut().for_each(|byte| *byte = random.random());
+                }
+            }
+            let spoilt = with_section(&whole, name, &content);
+            match Checkpoint::from_bytes(&spoilt, "spoilt").and_then(|read| read.start(simulation.gpu())) {
+                Err(error) => {
+                    assert!(error.to_string().starts_with("spoilt: "), "{name}: {error}");
+                    refused += 1;
+                }
+                Ok(mut loaded) => {
+                    // What is not finite may end it.
+                    let _ = loaded.step(1);
+                    let _ = loaded.report();
+                    taken += 1;
+                }
+            }
+        }
     }
-    let checksum = crc32fast::hash(other).to_le_bytes();
-    Some([&bytes[..own.start], other, &checksum, &bytes[own.end + 4..]].concat())
+    println!("{refused} were refused, {taken} were simulations");
+    assert!(refused > 0 && taken > 0);
 }
 
 /// A file that is cut off, has a flipped bit, goes on behind its end, is another file or of a newer version is refused, with its name, what is
