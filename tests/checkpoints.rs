@@ -199,6 +199,23 @@ fn a_groom_is_saved() {
     goes_on(&mut simulation, "groom");
 }
 
+/// A simulation whose neighbour list has grown goes on although a new one has a shorter list, which freezes its first step.
+#[test]
+fn a_list_that_has_grown_grows_again() {
+    let scene = scene(&["fluid.solver=pbf", "air.wind=[0.0, 0.0, 0.0]"]);
+    let mut initial = InitialState::new(&scene).unwrap();
+    let middle = initial.air.min + 0.5 * initial.air.size;
+    initial.air.positions.iter_mut().for_each(|x| *x = middle + 0.6 * (*x - middle));
+    let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
+    let first = simulation.engine().sizes().neighbours;
+    simulation.step(1).unwrap();
+    let grown = simulation.engine().sizes().neighbours;
+    assert!(grown > first, "the list did not have to grow: {grown} words");
+    let loaded = Checkpoint::from_bytes(&simulation.to_bytes().unwrap(), "bytes").unwrap().start(simulation.gpu());
+    assert_eq!(loaded.unwrap().engine().sizes().neighbours, first);
+    goes_on(&mut simulation, "grown");
+}
+
 /// What a step reads before any of its passes has written it, and what some pass writes, carries something from one step to the next:
 /// it is declared to last. So is what the host writes between steps.
 #[test]

@@ -220,7 +220,7 @@ pub(crate) struct RunOptions {
     /// Stop after this many steps since t = 0, whatever time.duration says
     #[arg(long, value_name = "N")]
     pub(crate) steps: Option<u64>,
-    /// Part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else the best]
+    /// Part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else the run's own with --resume, else the best]
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
     #[arg(long, value_delimiter = ',', value_parser = format, help = formats_help())]
