@@ -211,10 +211,24 @@ impl Filmed {
                 Stop::Between | Stop::End => {}
             }
             progress.show(self.simulation.steps(), self.simulation.time(), console);
-            if stop == Stop::End || interrupt.asked() {
+            if stop == Stop::End {
                 return Ok(());
             }
+            if interrupt.asked() {
+                return self.interrupted(run, console);
+            }
         }
+    }
+
+    /// Keeps the state between two steps for a run that goes on, if it keeps any: behind the frame of this step.
+    fn interrupted(&mut self, run: &mut Run, console: &mut Console<'_>) -> Result<(), Failure> {
+        if self.notes.every.is_none() {
+            return Ok(());
+        }
+        if let Some(Stop::Frame(_)) = run.due(self.simulation.steps()) {
+            self.record(console)?;
+        }
+        self.save()
     }
 
     /// The failure of a run that was ended by this error. A blow-up leaves a checkpoint of the state before it, of which no frame is

@@ -122,6 +122,33 @@ fn a_run_that_is_killed_at_thirty_moments_goes_on() {
     killed(10, 2);
 }
 
+/// A run that is interrupted keeps all its steps, however far the next checkpoint is, and goes on from there.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_goes_on_from_where_it_was() {
+    let folder = folder();
+    let whole = run(folder.path(), &BANDS);
+    assert_eq!(whole.status.code(), Some(0), "{whole:?}");
+    let begin = ["run", "scene.toml", "--out", "stopped", "--adapter", "software", "--checkpoint-every", "1000"];
+    let mut command = windswept(folder.path(), &[&begin[..], &BANDS[2..]].concat());
+    let mut child = command.stderr(Stdio::piped()).spawn().expect("the program starts");
+    while !folder.path().join("stopped/frames/0002.png").exists() {
+        assert!(child.try_wait().expect("a child").is_none(), "ended by itself");
+        sleep(Duration::from_millis(5));
+    }
+    let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
+    assert!(sent.success());
+    let ended = child.wait_with_output().expect("an end");
+    assert_eq!(ended.status.code(), Some(130), "{ended:?}");
+    let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+    let steps = said.split_once(" frames, ").and_then(|(_, rest)| rest.split_once(" of ")).expect("a count").0;
+    let on = resume(folder.path(), "stopped", &[]);
+    assert_eq!(on.status.code(), Some(0), "{on:?}");
+    let said = String::from_utf8_lossy(&on.stderr).into_owned();
+    assert!(said.contains(&format!("going on from step {steps} of 72")), "{steps}: {said}");
+    assert_same(folder.path(), "out", "stopped");
+}
+
 /// A finished run goes on to nothing, and with a larger `--steps` beyond its end, as if it had been asked for so much.
 #[test]
 fn a_run_goes_on_beyond_its_end() {

@@ -145,7 +145,7 @@ impl Run {
     /// # Errors
     /// [`RunError`] as [`Simulation::step`]. The state is that of the last good step.
     pub fn advance(&mut self, simulation: &mut Simulation) -> Result<Stop, RunError> {
-        if let Some(stop) = self.stop(simulation.steps()) {
+        if let Some(stop) = self.due(simulation.steps()) {
             return Ok(stop);
         }
         let mut goal = self.schedule.step(self.next).min(self.schedule.steps);
@@ -162,8 +162,8 @@ impl Run {
         self.next
     }
 
-    /// The stop that is due at this step; a frame is due once.
-    fn stop(&mut self, step: u64) -> Option<Stop> {
+    /// The stop that is due at this step, without a step towards the next; each is due once.
+    pub fn due(&mut self, step: u64) -> Option<Stop> {
         if self.next < self.schedule.frames && self.schedule.step(self.next) == step {
             self.next += 1;
             return Some(Stop::Frame(self.next - 1));
@@ -344,15 +344,15 @@ mod tests {
     fn a_run_stops_where_it_should() {
         let run = || Run::new(Schedule::new(&time(1.38e-3, 1.0, 60.0), Some(30)), 0, Duration::ZERO);
         let mut whole = run();
-        let stops: Vec<_> = (0..=30).flat_map(|step| [whole.stop(step), whole.stop(step)]).flatten().collect();
+        let stops: Vec<_> = (0..=30).flat_map(|step| [whole.due(step), whole.due(step)]).flatten().collect();
         assert_eq!(stops, [Stop::Frame(0), Stop::Frame(1), Stop::Frame(2), Stop::End, Stop::End]);
         // Checkpoints come after the frame of their step, once.
         let mut kept = run().with_checkpoints(NonZeroU64::new(12).unwrap(), Some(0));
-        let stops: Vec<_> = [0, 12, 12, 12, 24, 24, 30, 30].iter().map(|step| kept.stop(*step)).collect();
+        let stops: Vec<_> = [0, 12, 12, 12, 24, 24, 30, 30].iter().map(|step| kept.due(*step)).collect();
         let (frame, checkpoint) = (|k| Some(Stop::Frame(k)), Some(Stop::Checkpoint));
         assert_eq!(stops, [frame(0), frame(1), checkpoint, None, frame(2), checkpoint, checkpoint, Some(Stop::End)]);
         // A run that begins at frame 2 does not stop before.
         let mut late = Run { next: 2, ..run() };
-        assert_eq!([0, 12, 24, 24].map(|step| late.stop(step)), [None, None, Some(Stop::Frame(2)), None]);
+        assert_eq!([0, 12, 24, 24].map(|step| late.due(step)), [None, None, Some(Stop::Frame(2)), None]);
     }
 }
