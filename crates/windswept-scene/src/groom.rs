@@ -62,7 +62,7 @@ pub struct Groom {
 
 words! {
     /// `hair.rest`: what the shape is that strands are given in.
-    #[derive(Default)]
+    #[derive(Default, Serialize, Deserialize)]
     pub enum RestShape {
         /// The rest shape: weight bends the strands from it.
         #[default]

@@ -55,7 +55,7 @@ pub(crate) fn cut(scene: &Scene, air: &Air, bounds: Bounds, hair: &Strands) -> R
 /// Where a root that is at `root` at the start gets \[m\].
 fn places(scene: &Scene, hair: &Strands, s: usize, root: DVec3) -> Vec<DVec3> {
     let Some(group) = hair.group(s, scene) else { return vec![root] };
-    let (motion, center) = (&group.motion, DVec3::from_array(group.roots.center));
+    let (motion, center) = (&group.motion, group.center());
     let (translation, rotation) = motion.at(0.0);
     let drawn = center + rotation.conjugate() * (root - center - translation);
     times(motion).into_iter().map(|time| motion.place(center, drawn, time)).collect()
