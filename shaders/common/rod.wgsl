@@ -71,7 +71,7 @@ const SOLVED: u32 = 1u;
 const TELEPORTED: u32 = 2u;   // moved as a whole
 const ASLEEP: u32 = 3u;       // stays where it is
 
-// A point within a step.
+// A point within a step. One that is put somewhere felt no force on its way: force, resistance and outside are 0.
 struct RodPoint {
     velocity: vec3f,       // m/s, v_n with what acts from outside in this step
     inverse_mass: f32,     // 1/kg
@@ -87,15 +87,6 @@ struct RodPoint {
     free: vec3f,           // m, the move without the rod's forces
     travel: vec3f,         // m, the move
     strayed: vec3f,        // m, from where it was when the strand became still
-}
-
-// A point that was put somewhere: it felt no force on its way.
-fn unloaded(point: RodPoint) -> RodPoint {
-    var unloaded = point;
-    unloaded.force = vec3f(0.0);
-    unloaded.resistance = 0.0;
-    unloaded.outside = vec3f(0.0);
-    return unloaded;
 }
 
 // A segment within a step.

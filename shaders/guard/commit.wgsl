@@ -31,18 +31,22 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if i < params.strands { health[i].committed = health[i].found; }
     if i == 0u {
         status.step += 1u;
-        for (var axis = 0u; axis < 3u; axis++) {
-            status.way[axis] += params.step * 0.5 * (status.wind_before[axis] + status.wind[axis]);
-            let side = params.box_size[axis];
-            if side > 0.0 { status.way[axis] -= side * floor(status.way[axis] / side); }
-        }
         confinement_impulse[0] += mean_confinement[1];
         atomicStore(&status.bad_strands, 0u);
         atomicStore(&status.first_bad_strand, NONE);
-        for (var cause = 0u; cause < COUNTERS; cause++) {
-            // Ten thousand sleepers fill 32 bits in ten minutes: full is full.
-            status.counted[cause] += min(atomicExchange(&status.counting[cause], 0u), 0xffffffffu - status.counted[cause]);
-        }
+    }
+    // An invocation per axis and per cause: drivers write out loops over so few.
+    if i < 3u {
+        let side = params.box_size[i];
+        var way = status.way[i] + params.step * 0.5 * (status.wind_before[i] + status.wind[i]);
+        if side > 0.0 { way -= side * floor(way / side); }
+        status.way[i] = way;
+    }
+    if i < COUNTERS {
+        // Ten thousand sleepers fill 32 bits in ten minutes: full is full.
+        status.counted[i] += min(atomicExchange(&status.counting[i], 0u), 0xffffffffu - status.counted[i]);
+    }
+    if i == HAIR_OUTSIDE {
         let many = atomicExchange(&status.hair_outside, 0u) * MANY > params.hair_points;
         status.outside_steps = select(0u, status.outside_steps + 1u, many);
         if f32(status.outside_steps) * params.step > LONG {

@@ -4,7 +4,7 @@ import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::PUT,
     rest::{STILL_STEPS, STILL_TURN},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SLEEPS, STRAINED_STEPS, strained_steps,
-        ROOT_HELD, MISFIT, unloaded},
+        ROOT_HELD, MISFIT},
     status::{status, frozen, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED},
 };
 
@@ -15,20 +15,12 @@ import package::common::{
 @group(0) @binding(6) var<storage, read_write> rod_segments: array<RodSegment>;
 @group(0) @binding(7) var<storage, read_write> health:       array<Health>;
 
-fn sound(strand: Strand) -> bool {
-    for (var k = 0u; k < strand.points; k++) {
-        if !finite3(rod_points[strand.first_point + k].travel) { return false; }
-    }
-    for (var k = 0u; k < strand.points - 1u; k++) {
-        if !finite4(rod_segments[strand.first_segment + k].frame) { return false; }
-    }
-    return true;
-}
-
 fn hold(strand: Strand) {
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
-        rod_points[p] = unloaded(rod_points[p]);
+        rod_points[p].force = vec3f(0.0);
+        rod_points[p].resistance = 0.0;
+        rod_points[p].outside = vec3f(0.0);
         rod_points[p].travel = vec3f(0.0);
         rod_points[p].scheme = PUT;
     }
@@ -82,13 +74,17 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if s >= params.strands || frozen() { return; }
     let strand = strands[s];
     var stretch = 0.0;
+    var before = rod_points[strand.first_point].travel;
+    var sound = finite3(before);
     for (var k = 0u; k < strand.points - 1u; k++) {
-        let p = strand.first_point + k;
         let segment = rod_segments[strand.first_segment + k];
-        let l = length(segment.chord + rod_points[p + 1u].travel - rod_points[p].travel);
+        let after = rod_points[strand.first_point + k + 1u].travel;
+        let l = length(segment.chord + after - before);
+        sound = sound && finite3(after) && finite4(segment.frame);
+        before = after;
         stretch = max(stretch, abs(l / segments[strand.first_segment + k].rest_length - 1.0));
     }
-    if !(sound(strand) && finite(stretch)) {
+    if !(sound && finite(stretch)) {
         hold(strand);
         health[s].found.bad = 1u;
         health[s].found.reach = 0.0;

@@ -3,8 +3,7 @@
 // system) is left to Gauss-Seidel, which is inexact but tears nothing: back to its free move, nothing held. Others are done.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotation}, integration::{EULER, PUT},
-    rod::{Strand, RodStrand, RodPoint, RodSegment, FREE, SOLVED, MISFIT, ROOT_HELD, TIP_HELD,
-        unloaded}, status::{frozen, count, RESCUED_STEP},
+    rod::{Strand, RodStrand, RodPoint, RodSegment, FREE, SOLVED, MISFIT, ROOT_HELD, TIP_HELD}, status::{frozen, count, RESCUED_STEP},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
@@ -32,7 +31,9 @@ fn put(strand: Strand, rod: RodStrand) {
     if loose { way = params.step * mean_velocity(strand); }
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
-        rod_points[p] = unloaded(rod_points[p]);
+        rod_points[p].force = vec3f(0.0);
+        rod_points[p].resistance = 0.0;
+        rod_points[p].outside = vec3f(0.0);
         rod_points[p].travel = select(way, rod_points[p].free, rod_points[p].inverse_mass == 0.0);
         rod_points[p].scheme = select(PUT, EULER, loose);
     }

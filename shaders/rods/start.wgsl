@@ -9,7 +9,7 @@ import package::common::{
     integration::{EULER, PUT, STAY, free_move, response}, rest::STILL_STEPS, load::damping_of,
     led::{held_move, led_move, led_turn},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, CALM_STEPS,
-        ROOT_HELD, TIP_HELD, unloaded},
+        ROOT_HELD, TIP_HELD},
     status::{frozen, count, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT},
 };
 
@@ -25,56 +25,39 @@ const AT_TIP: f32 = 0.25;  // force on the tip that bends a strand as far as a f
 const LOADED: f32 = 0.4;   // lengths of the strand: what forces may move a free point by, where the strand is whole
 const GROWTH: f32 = 2.0;   // times the farthest free move of the step before: what a strand bears where air drags hair
 
-fn put_point(p: u32, travel: vec3f) {
+fn put_point(p: u32, travel: vec3f, scheme: u32) {
     rod_points[p].travel = travel;
-    rod_points[p].scheme = PUT;
+    rod_points[p].scheme = scheme;
+    // A sleeper remembers what pushed it when it fell asleep.
+    if scheme == STAY { return; }
+    rod_points[p].force = vec3f(0.0);
+    rod_points[p].resistance = 0.0;
+    rod_points[p].outside = vec3f(0.0);
 }
 
-fn unload(strand: Strand) {
-    for (var k = 0u; k < strand.points; k++) {
-        let p = strand.first_point + k;
-        rod_points[p] = unloaded(rod_points[p]);
-    }
-}
-
-// A sleeper remembers what pushed it when it fell asleep.
-fn stay(strand: Strand) {
-    for (var k = 0u; k < strand.points; k++) { rod_points[strand.first_point + k].scheme = STAY; }
-}
-
-fn put_segment(k: u32, frame: vec4f) {
-    rod_segments[k].frame = frame;
-    rod_segments[k].scheme = PUT;
-    rod_segments[k].force = vec3f(0.0);
-    rod_segments[k].moment = vec3f(0.0);
-}
-
-// The strand as it is, turned with its root and moved with it.
-fn put_as_it_is(strand: Strand, rod: RodStrand) {
-    var offset = vec3f(0.0);   // from the root
-    put_point(strand.first_point, rod.root_travel);
-    for (var k = 0u; k < strand.points - 1u; k++) {
-        let j = strand.first_segment + k;
-        offset += rod_segments[j].chord;
-        put_segment(j, normalize(product(rod.root_turn, rod_segments[j].start)));
-        put_point(strand.first_point + k + 1u, rod.root_travel + rotate(rod.root_turn, offset) - offset);
-    }
-}
-
-// The rest shape, unrolled from the clamp; a tip that is held stays.
-fn put_at_rest(strand: Strand, rod: RodStrand) {
+// A strand that is placed: as it is, turned with its root and moved with it; or in its rest shape, unrolled from the clamp, where
+// a tip that is held stays.
+fn put(strand: Strand, rod: RodStrand, at_rest: bool, scheme: u32) {
     var frame = rod.root_frame;
     var offset = vec3f(0.0);   // from the root, as it is
     var rest = vec3f(0.0);     // and at rest
-    put_point(strand.first_point, rod.root_travel);
+    var travel = rod.root_travel;
+    put_point(strand.first_point, travel, scheme);
     for (var k = 0u; k < strand.points - 1u; k++) {
         let j = strand.first_segment + k;
-        frame = normalize(product(frame, segments[j].rest_rotation));
-        offset += rod_segments[j].chord;
+        let segment = rod_segments[j];
+        offset += segment.chord;
+        frame = normalize(product(
+            select(rod.root_turn, frame, at_rest), select(segment.start, segments[j].rest_rotation, at_rest),
+        ));
+        rod_segments[j].frame = frame;
+        rod_segments[j].scheme = PUT;
+        rod_segments[j].force = vec3f(0.0);
+        rod_segments[j].moment = vec3f(0.0);
         rest += segments[j].rest_length * tangent(frame);
-        put_segment(j, frame);
-        let stays = k + 2u == strand.points && (strand.joints & TIP_HELD) != 0u;
-        put_point(strand.first_point + k + 1u, select(rod.root_travel + rest - offset, vec3f(0.0), stays));
+        travel = rod.root_travel + select(rotate(rod.root_turn, offset), rest, at_rest) - offset;
+        let stays = at_rest && k + 2u == strand.points && (strand.joints & TIP_HELD) != 0u;
+        put_point(strand.first_point + k + 1u, select(travel, vec3f(0.0), stays), scheme);
     }
 }
 
@@ -101,20 +84,36 @@ fn pushed(strand: Strand, asleep: bool) -> bool {
     return felt > strand.still_acceleration * params.step;
 }
 
-// Where point k goes without its rod, under this part of the force on it.
-fn free_point(strand: Strand, rod: RodStrand, k: u32, part: f32) -> vec3f {
-    let point = rod_points[strand.first_point + k];
-    if point.inverse_mass == 0.0 { return held_move(rod, k); }
-    let acceleration = params.gravity + part * point.inverse_mass * point.force;
-    return free_move(point.velocity, point.before, point.carried, acceleration, damping_of(point), rod.scheme);
+// A move without the rod: with all forces, and without those from outside.
+struct Free {
+    whole: vec3f,
+    bare: vec3f,
 }
 
-// What the free move is measured from: the root, or the strand's mean where that is free.
-fn base(strand: Strand, rod: RodStrand, part: f32) -> vec3f {
-    if rod_points[strand.first_point].inverse_mass == 0.0 { return rod.root_travel; }
-    var sum = vec3f(0.0);
-    for (var k = 0u; k < strand.points; k++) { sum += free_point(strand, rod, k, part); }
-    return sum / f32(strand.points);
+// Where point k goes without its rod.
+fn free_point(point: RodPoint, rod: RodStrand, k: u32) -> Free {
+    if point.inverse_mass == 0.0 {
+        let held = held_move(rod, k);
+        return Free(held, held);
+    }
+    let damping = damping_of(point);
+    let loaded = params.gravity + point.inverse_mass * point.force;
+    return Free(
+        free_move(point.velocity, point.before, point.carried, loaded, damping, rod.scheme),
+        free_move(point.velocity, point.before, point.carried, params.gravity, damping, rod.scheme),
+    );
+}
+
+// What free moves are measured from: the root, or the strand's mean where that is free.
+fn base(strand: Strand, rod: RodStrand) -> Free {
+    if rod_points[strand.first_point].inverse_mass == 0.0 { return Free(rod.root_travel, rod.root_travel); }
+    var sum = Free();
+    for (var k = 0u; k < strand.points; k++) {
+        let free = free_point(rod_points[strand.first_point + k], rod, k);
+        sum.whole += free.whole;
+        sum.bare += free.bare;
+    }
+    return Free(sum.whole / f32(strand.points), sum.bare / f32(strand.points));
 }
 
 fn capped(shift: vec3f, origin: vec3f, largest: f32) -> vec3f {
@@ -124,8 +123,7 @@ fn capped(shift: vec3f, origin: vec3f, largest: f32) -> vec3f {
 
 // Returns the farthest free move. What caps take from a strand that nothing holds, beside forces, it keeps as a whole.
 fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
-    let origin = base(strand, rod, 1.0);
-    let bare_origin = base(strand, rod, 0.0);
+    let origin = base(strand, rod);
     let drags = params.model == TWO_WAY || params.model == MEAN_WIND;
     let grown = select(0.0, GROWTH * reach, params.direct_rods != 0u && drags);
     var lost = vec3f(0.0);   // N, to the caps, beside what is cut of forces
@@ -135,22 +133,22 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
         let point = rod_points[p];
-        var free = free_point(strand, rod, k, 1.0);
+        let moves = free_point(point, rod, k);
+        var free = moves.whole;
         var travel = free;
         if point.inverse_mass > 0.0 {
-            let far = length(free - origin);
+            let far = length(free - origin.whole);
             let reply = response(damping_of(point), rod.scheme) * point.inverse_mass;
             let loaded = reply * length(point.force);
             let bears = select(0.0, min(loaded, LOADED * strand.length), rod.whole != 0u);
             let largest = max(point.largest + bears, grown);
             heaviness += 1.0 / reply;
             if far > largest {
-                free = capped(free, origin, largest);
+                free = capped(free, origin.whole, largest);
                 // What the force still moves the point by is all of it that the point feels, and that the air gives.
-                let bare = free_point(strand, rod, k, 0.0);
-                let bare_capped = capped(bare, bare_origin, largest);
+                let bare_capped = capped(moves.bare, origin.bare, largest);
                 let felt = (free - bare_capped) / reply;
-                lost += (bare - bare_capped) / reply;
+                lost += (moves.bare - bare_capped) / reply;
                 rod_points[p].outside += params.step * point.inverse_mass * (felt - point.force);
                 rod_points[p].force = felt;
                 count(MOVE_CAPPED);
@@ -202,24 +200,19 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     found.bad = 0u;
     rod_strands[s].tip_moment = vec3f(0.0);
     rod_strands[s].misfit = 0.0;
-    if bad {
-        found.calm = 0u;
-        found.still = 0u;
-        put_at_rest(strand, rod);
-        unload(strand);
-        rod_strands[s].state = SOLVED;
-    } else if rod.state == TELEPORTED {
-        found.calm = 0u;
-        found.still = 0u;
-        put_as_it_is(strand, rod);
-        unload(strand);
-        count(TELEPORT);
-    } else if rod.state == ASLEEP && rested(strand, found.still) && !pushed(strand, found.still == SLEEPS)
-        && !(found.still == SLEEPS && touched[s] != 0u) {
-        found.still = SLEEPS;
-        put_as_it_is(strand, rod);
-        stay(strand);
-        count(ASLEEP_STEP);
+    let jumps = bad || rod.state == TELEPORTED;
+    let sleeps = !jumps && rod.state == ASLEEP && rested(strand, found.still) && !pushed(strand, found.still == SLEEPS)
+        && !(found.still == SLEEPS && touched[s] != 0u);
+    if jumps || sleeps {
+        put(strand, rod, bad, select(PUT, STAY, sleeps));
+        if sleeps {
+            found.still = SLEEPS;
+            count(ASLEEP_STEP);
+        } else {
+            found.calm = 0u;
+            found.still = 0u;
+            if bad { rod_strands[s].state = SOLVED; } else { count(TELEPORT); }
+        }
     } else {
         found.calm = select(min(found.calm + 1u, CALM_STEPS), 0u, rod.torn != 0u);
         let calm = found.calm == CALM_STEPS;

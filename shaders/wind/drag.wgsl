@@ -132,9 +132,15 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if s >= params.strands || frozen() { return; }
     let strand = strands[s];
     var scheme = rod_strands[s].scheme;
-    if scheme == BDF2 && drag(strand, BDF2, false) > STORMY {
-        scheme = EULER;
-        rod_strands[s].scheme = EULER;
+    // Once, or with BDF2 twice: first it looks, then it writes. The call stands here once, as drivers inline it.
+    var looks = scheme == BDF2;
+    loop {
+        let worst = drag(strand, scheme, !looks);
+        if !looks { break; }
+        looks = false;
+        if worst > STORMY {
+            scheme = EULER;
+            rod_strands[s].scheme = EULER;
+        }
     }
-    drag(strand, scheme, true);
 }
