@@ -23,9 +23,11 @@ fn entry(id: vec3u, groups: vec3u) -> u32 {
     return select(of_air(id, groups), of_all(id, groups), params.published_law != 0u);
 }
 
+// Who does not count has nothing in the field that means anything.
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, 0u, other.xyz, select(0.0, other.w, counts(j)), field[j], vec4f());
+    let there = counts(j);
+    return Near(j, 0u, other.xyz, select(0.0, other.w, there), select(vec4f(), field[j], there), vec4f());
 }
 
 fn meet(other: Near) {
