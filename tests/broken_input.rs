@@ -85,7 +85,14 @@ const CASES: &[Case] = &[
         key: "body.radius",
         words: &["missing"],
     },
-    replaced(LENGTH, "file = \"groom.abc\"", "hair.fringe.file", &["not in this version"]),
+    // Strands are drawn, or come from a file.
+    Case {
+        line: LENGTH,
+        broken: "file = \"groom.abc\"",
+        at: "[hair.roots]",
+        key: "hair.fringe.roots",
+        words: &["goes with strands that are drawn"],
+    },
     reserved("[rods]\ninternal_damping = 0.1", "internal_damping = 0.1", "rods.internal_damping"),
     // Text that is not TOML.
     replaced(STRANDS, "strands = = 4", "", &[]),

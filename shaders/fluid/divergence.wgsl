@@ -1,8 +1,9 @@
 // One iteration of the pressure: the divergence of the velocity at each particle, and the pressure that takes a part of it out.
 //
 //   s_i = sum_j V_j (v_i - v_j) . B_i grad_i W                the rate at which the density rises, over the density
-//   mu_i = -omega s_i/a_i,  lambda_i += mu_i                  `fluid/push` does the rest
+//   mu_i = -omega s_i/(a_i max(1, theta_i)),  lambda_i += mu_i                  `fluid/push` does the rest
 //
+// Particles that crowd see the same divergence, and would all take it out: theta is their density over that at rest.
 // Where air is missing lambda_i is at most 0: what flies apart there is not pulled together.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pairs, pairs_of, gradient_to},
@@ -52,7 +53,8 @@ fn main(
     meet_own_kind();
     if has_none() { return; }
     let before = allowed(pressed[i].pressure, density[i]);
-    let after = allowed(before - iteration.relaxation * sum / at.response, density[i]);
+    let relaxation = iteration.relaxation / max(1.0, density[i]);
+    let after = allowed(before - relaxation * sum / at.response, density[i]);
     pressed[i].pressure = after;
     let push = (after - before) / own.w;
     stress[i] = Stress(push * at.diagonal, sum, push * at.off_diagonal);

@@ -239,6 +239,8 @@ state! {
     neighbour_list: u32, |s| s.neighbours;
 
     [Left] // What is measured between steps.
+    /// Velocities, free move and move of a hair point in this step.
+    rod_points: RodPoint, |s| s.hair_points;
     /// Density of a particle over the rest density.
     density: f32, |s| s.particles;
     /// Vorticity at a particle \[1/s\]; w: its length.
@@ -285,8 +287,6 @@ state! {
     multiplier: f32, |s| s.particles;
     /// What a strand's clamp does in this step, and whether the strand is solved.
     rod_strands: RodStrand, |s| s.strands;
-    /// Velocities, free move and move of a hair point in this step.
-    rod_points: RodPoint, |s| s.hair_points;
     /// Frames, spins, turns and forces of a segment in this step.
     rod_segments: RodSegment, |s| s.segments;
     /// A segment's block of the direct solver, eliminated; none for Gauss-Seidel.

@@ -42,12 +42,16 @@ pub enum Quantity {
     Vorticity,
 }
 
-/// All that a simulation of this plan runs: its step, and the passes of each quantity.
+/// All that a simulation of this plan runs: its step, also as it is once a wind is set, and the passes of each quantity.
 #[must_use]
 pub fn recordings(state: &State, plan: &Plan) -> Vec<Recording> {
+    let mut windy = plan.clone();
+    let changes = windy.set_wind();
+    let steps = [Some(plan), changes.then_some(&windy)].into_iter().flatten();
+    let steps = steps.map(|plan| Recorder::record(state, |r| record(r, plan)));
     let quantities = [Quantity::Density, Quantity::Vorticity];
     let measured = quantities.map(|quantity| Recorder::record(state, |r| record_quantity(r, plan, quantity)));
-    std::iter::once(Recorder::record(state, |r| record(r, plan))).chain(measured).collect()
+    steps.chain(measured).collect()
 }
 
 /// Records the passes that a quantity takes.

@@ -234,26 +234,19 @@ pub fn divergence(
 /// Increment μ = −ω s/a of a multiplier λ \[m²/s\]; at a surface λ + μ is no more than 0.
 #[must_use]
 pub fn relax(omega: f64, rate: f64, moments: &Moments, lambda: f64) -> f64 {
-    let increment = -omega * rate / moments.diagonal;
+    let increment = -omega * rate / (moments.diagonal * moments.density.max(1.0));
     if moments.density < THIN { increment.min(-lambda) } else { increment }
 }
 
 /// Relaxations ω of the iterations. What they leave of a divergence, Π (1 − ω μ) with μ an eigenvalue of a⁻¹ D Dᵀ, is
 /// between 0 and 1 up to μ = 4.5: λ starts from the step before, and an iteration that overshot would swing from step to step.
-/// So roots come in pairs, those of a Chebyshev polynomial, and an odd one stands at 4.5.
+/// So roots come in pairs, in the middle of 4.5/4 and 4.5, and an odd one stands at 4.5.
 #[must_use]
 pub fn relaxations(iterations: u32) -> Vec<f64> {
-    // The part of the spectrum that each root is to cover, and where in it the root stands, −1 to 1.
-    let root = |from: f64, to: f64, at: f64| 2.0 / (to + from + (to - from) * at);
-    let (single, pair, quarter) = (1.0 / LARGEST, LARGEST / 4.0, std::f64::consts::FRAC_1_SQRT_2);
-    match iterations {
-        0 => vec![],
-        1 => vec![single],
-        2 => vec![root(pair, LARGEST, 0.0); 2],
-        3 => [vec![single], vec![root(pair, 0.8 * LARGEST, 0.0); 2]].concat(),
-        _ => {
-            let [low, high] = [-quarter, quarter].map(|at| root(LARGEST / 12.0, LARGEST, at));
-            vec![low, high, high, low]
-        }
+    let middle = |from: f64, to: f64| 2.0 / (from + to);
+    let pairs = |to: f64, count: u32| vec![middle(LARGEST / 4.0, to); count as usize];
+    match iterations % 2 {
+        0 => pairs(LARGEST, iterations),
+        _ => [vec![1.0 / LARGEST], pairs(0.8 * LARGEST, iterations - 1)].concat(),
     }
 }
