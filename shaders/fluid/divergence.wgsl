@@ -1,7 +1,7 @@
 // One iteration of the pressure: the divergence of the velocity at each particle, and the pressure that takes a part of it out.
 //
 //   s_i = sum_j V_j (v_i - v_j) . B_i grad_i W                the rate at which the density rises, over the density
-//   mu_i = -omega s_i/(a_i max(1, theta_i)),  lambda_i += mu_i                  `fluid/push` does the rest
+//   mu_i = -omega s_i/(a_i max(1, 0.8 theta_i)),  lambda_i += mu_i                  `fluid/push` does the rest
 //
 // Particles that crowd see the same divergence, and would all take it out: theta is their density over that at rest.
 // Where air is missing lambda_i is at most 0: what flies apart there is not pulled together.
@@ -38,6 +38,8 @@ fn meet(other: Near) {
     sum += dot(velocity - other.value.xyz, times(diagonal, off_diagonal, gradient));
 }
 
+const CROWD: f32 = 0.8;   // a crowd counts beyond 1.25 of the rest density: so much more than air's the iterations bear
+
 @compute @workgroup_size(WORKGROUP)
 fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
@@ -53,7 +55,7 @@ fn main(
     meet_own_kind();
     if has_none() { return; }
     let before = allowed(pressed[i].pressure, density[i]);
-    let relaxation = iteration.relaxation / max(1.0, density[i]);
+    let relaxation = iteration.relaxation / max(1.0, CROWD * density[i]);
     let after = allowed(before - relaxation * sum / at.response, density[i]);
     pressed[i].pressure = after;
     let push = (after - before) / own.w;

@@ -38,6 +38,8 @@ const LARGEST_TRACE: f64 = 6.0;
 pub const THIN: f64 = 0.6;
 /// Largest eigenvalue of a⁻¹ D Dᵀ that the relaxations bear: measured up to 4.32, on a lattice.
 const LARGEST: f64 = 4.5;
+/// Density over that at rest beyond which a crowd takes less of a divergence, inverted.
+const CROWD: f64 = 0.8;
 /// Impulse of a push over time: BDF2 hands on a third of each change, and 1 + 1/3 + 1/9 + … = 3/2.
 pub const LASTING: f64 = 1.5;
 
@@ -234,7 +236,7 @@ pub fn divergence(
 /// Increment μ = −ω s/a of a multiplier λ \[m²/s\]; at a surface λ + μ is no more than 0.
 #[must_use]
 pub fn relax(omega: f64, rate: f64, moments: &Moments, lambda: f64) -> f64 {
-    let increment = -omega * rate / (moments.diagonal * moments.density.max(1.0));
+    let increment = -omega * rate / (moments.diagonal * (CROWD * moments.density).max(1.0));
     if moments.density < THIN { increment.min(-lambda) } else { increment }
 }
 

@@ -161,7 +161,7 @@ impl Air {
         if self.margin.is_some() {
             return Ok(());
         }
-        self.check_size(bounds).or_else(|(key, words)| Err(reader.fault(key, words)))
+        self.check_size(bounds).map_err(|(key, words)| reader.fault(key, words))
     }
 
     /// The box must hold some particles, and no more of them and of cells than fit; else the key and what is wrong with it.
