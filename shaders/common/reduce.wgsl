@@ -1,7 +1,9 @@
-// Sums in a fixed order: over the terms of an invocation, over a workgroup, and over workgroups by a second pass.
+// Sums in a fixed order: over the terms of an invocation, over a workgroup (`common/terms.wgsl`), and over workgroups, in a second pass.
 import package::common::dispatch::WORKGROUP;
 
 const TERMS: u32 = 16u;   // terms of an invocation, in a sum over particles
+
+@group(0) @binding(21) var<storage, read_write> partial_sum: array<vec4f>;   // one of each workgroup of the first pass
 
 var<workgroup> sums: array<vec4f, WORKGROUP>;
 
@@ -14,4 +16,11 @@ fn total(lane: u32, own: vec4f) -> vec4f {
         workgroupBarrier();
     }
     return sums[0];
+}
+
+// Sum of all partial sums, in a dispatch of one workgroup; only lane 0 may use it.
+fn total_of_partial_sums(lane: u32) -> vec4f {
+    var own = vec4f(0.0);
+    for (var g = lane; g < arrayLength(&partial_sum); g += WORKGROUP) { own += partial_sum[g]; }
+    return total(lane, own);
 }

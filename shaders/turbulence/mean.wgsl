@@ -1,15 +1,12 @@
 // Finds the mean change of the air's velocity, which is taken out where momentum is conserved, and the impulse that the
 // air is left with, which the guard adds to the report's.
-import package::common::{params::params, dispatch::WORKGROUP, reduce::total, status::frozen};
+import package::common::{params::params, dispatch::WORKGROUP, reduce::total_of_partial_sums, status::frozen};
 
-@group(0) @binding(2) var<storage, read>       partial_sum:      array<vec4f>;
-@group(0) @binding(3) var<storage, read_write> mean_confinement: array<vec4f>;   // mean change [m/s], impulse [kg m/s]
+@group(0) @binding(2) var<storage, read_write> mean_confinement: array<vec4f>;   // mean change [m/s], impulse [kg m/s]
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(local_invocation_id) lane: vec3u) {
-    var own = vec4f(0.0);
-    for (var g = lane.x; g < arrayLength(&partial_sum); g += WORKGROUP) { own += partial_sum[g]; }
-    let all = total(lane.x, own).xyz;
+    let all = total_of_partial_sums(lane.x).xyz;
     if lane.x > 0u || frozen() { return; }
     let air = f32(params.particles - params.hair_points);
     var mean = vec3f(0.0);

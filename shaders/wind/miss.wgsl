@@ -2,31 +2,27 @@
 //
 //   sum_i sigma_i (U + u' - v_i - (U(t + dt) - U(t))),  and sum_i sigma_i
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, reduce::{total, TERMS}, status::finite3, wind::{mean_wind, wind_before}, inflow::{brought, rate_at},
+    dispatch::WORKGROUP, terms::sum_terms, status::finite3, wind::{mean_wind, wind_before}, inflow::{brought, rate_at},
 };
 
-@group(0) @binding(2) var<storage, read>       position:    array<vec4f>;
-@group(0) @binding(3) var<storage, read>       velocity:    array<vec4f>;
-@group(0) @binding(5) var<storage, read_write> partial_sum: array<vec4f>;   // xyz [m/s^2], w: [1/s]
+@group(0) @binding(2) var<storage, read> position: array<vec4f>;
+@group(0) @binding(3) var<storage, read> velocity: array<vec4f>;
+
+// xyz [m/s^2], w: [1/s].
+fn term(i: u32) -> vec4f {
+    let place = position[i].xyz;
+    let rate = rate_at(place);
+    let v = velocity[i].xyz;
+    // Air that is not finite ends the run, and is not to take all other air with it.
+    if rate <= 0.0 || !finite3(v) { return vec4f(0.0); }
+    let change = mean_wind() - wind_before();
+    return rate * vec4f(brought(place) - v - change, 1.0);
+}
 
 @compute @workgroup_size(WORKGROUP)
 fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_id) lane: vec3u, @builtin(workgroup_id) group: vec3u,
 ) {
-    let all_of_them = groups.x * groups.y * WORKGROUP;
-    let change = mean_wind() - wind_before();
-    var i = params.hair_points + invocation(id, groups);
-    var own = vec4f(0.0);
-    for (var term = 0u; term < TERMS && i < params.particles; term++) {
-        let place = position[i].xyz;
-        let rate = rate_at(place);
-        let v = velocity[i].xyz;
-        // Air that is not finite ends the run, and is not to take all other air with it.
-        if rate > 0.0 && finite3(v) { own += rate * vec4f(brought(place) - v - change, 1.0); }
-        i += all_of_them;
-    }
-    let all = total(lane.x, own);
-    let g = group.y * groups.x + group.x;
-    if lane.x == 0u && g < arrayLength(&partial_sum) { partial_sum[g] = all; }
+    sum_terms(id, groups, lane.x, group);
 }

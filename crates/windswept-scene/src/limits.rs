@@ -38,6 +38,8 @@ pub const MOST_PARTICLES_OF_AN_OPERATION: usize = 1 << 26;
 /// Smallest kernel radius in particle spacings: below 1 the lattice has no neighbours, and nothing softens the density
 /// constraint.
 pub const LEAST_KERNEL_RADIUS: f64 = 1.2;
+/// Shortest side of the box of air in kernel radii: in a shorter one a particle would meet a neighbour and its periodic image.
+pub const LEAST_BOX_SIDE: f64 = 3.0;
 /// Most cells of one kernel radius in the box of air.
 pub const MOST_BOX_CELLS: f64 = 8e6;
 /// Most cells that are sorted into, those of air and those of hair: the four passes that walk over cells stay short.

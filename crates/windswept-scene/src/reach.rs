@@ -5,15 +5,13 @@ use glam::DVec3;
 use crate::{
     error::SceneError,
     initial::{End, Strands},
+    limits::LEAST_BOX_SIDE,
     motion::Motion,
     scene::{Air, Bounds, Scene},
 };
 
 /// Poses of a moving root that are looked at between two of its keyframes.
 const POSES: u32 = 16;
-
-/// Kernel radii that a side of the box has at least.
-const LEAST_SIDE: f64 = 3.0;
 
 /// The part of the box of air within `air.margin` of where hair may get, and on the sides that wind enters through also the
 /// fringe: all of it without `air.margin`, without hair, and with strands whose roots are free.
@@ -44,7 +42,7 @@ pub(crate) fn cut(scene: &Scene, air: &Air, bounds: Bounds, hair: &Strands) -> R
     let from = (low - margin - entered(1.0)).clamp(min, max);
     let to = (high + margin + entered(-1.0)).clamp(min, max);
     // A box must hold a few kernels.
-    let short = |from: DVec3, to: DVec3| (LEAST_SIDE * air.kernel_radius - (to - from)).max(DVec3::ZERO);
+    let short = |from: DVec3, to: DVec3| (LEAST_BOX_SIDE * air.kernel_radius - (to - from)).max(DVec3::ZERO);
     let from = (from - short(from, to)).max(min);
     let to = (to + short(from, to)).min(max);
     let cut = Bounds { min: from.to_array(), max: to.to_array() };

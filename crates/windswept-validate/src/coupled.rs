@@ -38,7 +38,7 @@ const STEPS: u64 = 30;
 /// loses.
 pub(crate) fn drag(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows = loose(gpu, FluidSolver::Pbf, 2.6e-3, 7e-9)?;
-    rows.extend(loose(gpu, FluidSolver::Divergence, 12.8e-3, 6e-8)?);
+    rows.extend(loose(gpu, FluidSolver::Divergence, 12.1e-3, 6e-8)?);
     rows.extend(clamped(gpu)?);
     Ok(rows)
 }

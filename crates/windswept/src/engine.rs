@@ -213,11 +213,9 @@ impl Engine {
 
     /// Reads an array.
     ///
-    /// # Panics
-    /// When it is scratch that shares its memory with others ([`Self::sharing`]).
-    ///
     /// # Errors
-    /// [`GpuError`] when the device is lost.
+    /// [`GpuError::Shared`] when it is scratch that shares its memory with others ([`Self::sharing`]); [`GpuError`]
+    /// when the device is lost.
     pub fn read<T: Pod>(&self, array: &Array<T>) -> Result<Vec<T>, GpuError> {
         Ok(self.memory.read(&self.gpu, &[**array])?.pop().unwrap_or_default())
     }

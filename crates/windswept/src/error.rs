@@ -70,6 +70,12 @@ pub enum GpuError {
         /// Value that the engine needs.
         needs: u64,
     },
+    /// An array has no memory of its own, so that it holds nothing once its step is over.
+    #[error("{array} shares its memory with other arrays of a step: expected an array that outlasts the step")]
+    Shared {
+        /// Name of the array.
+        array: &'static str,
+    },
     /// The driver rejected a call, or is out of memory.
     #[error("{doing}: {reason}")]
     Driver {

@@ -44,6 +44,8 @@ pub struct Plan {
     pub blows: Decision,
     /// Whether a wind blows over air particles.
     pub wind: Decision,
+    /// Whether the wind draws the air behind the faces that it enters through, and is held at what it is there.
+    pub fringe: Decision,
     /// Whether particles meet, so that the neighbour list is made.
     pub neighbours: Decision,
     /// How particles are sorted for the neighbour search.
@@ -192,6 +194,7 @@ impl Plan {
             air,
             blows,
             wind,
+            fringe: Decision::when(scene.air.as_ref().is_some_and(|air| air.fringe > 0.0), "air.fringe is 0"),
             neighbours,
             sort: Sort::new(&setup.params),
             fluid,

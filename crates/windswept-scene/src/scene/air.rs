@@ -7,7 +7,7 @@ use crate::{
         Fallback::{Absent, Needed, Value},
         Kind::{Count, Fraction, Length, NonNegative, Positive, Table, Tables, Vector},
     },
-    limits::{LEAST_AIR_PARTICLES, LEAST_KERNEL_RADIUS, MOST_AIR_PARTICLES, MOST_BOX_CELLS},
+    limits::{LEAST_AIR_PARTICLES, LEAST_BOX_SIDE, LEAST_KERNEL_RADIUS, MOST_AIR_PARTICLES, MOST_BOX_CELLS},
     reader::Reader,
     scene::{Fluid, FluidSolver, Interaction, Model, SEED},
 };
@@ -149,10 +149,10 @@ impl Air {
             if side <= 0.0 {
                 return fault(format!("expected max above min, found {} and {} in {name}", max[axis], min[axis]));
             }
-            if side < 3.0 * radius * (1.0 - ROUNDING) {
+            if side < LEAST_BOX_SIDE * radius * (1.0 - ROUNDING) {
                 return fault(format!(
                     "expected sides of at least 3 kernel radii, {} m; found {} m in {name}",
-                    rounded(3.0 * radius),
+                    rounded(LEAST_BOX_SIDE * radius),
                     rounded(side)
                 ));
             }

@@ -92,11 +92,8 @@ impl Memory {
         })
     }
 
-    /// Shows `read` the bytes of whole arrays, fetched in one submission, in the memory to which the driver has mapped
-    /// them.
-    ///
-    /// # Panics
-    /// When one is scratch that shares its memory, and so has nothing to show.
+    /// Shows `look` the bytes of whole arrays, fetched in one submission, in the memory to which the driver has mapped
+    /// them. Scratch that shares its memory with other arrays has nothing to show: an error.
     pub(crate) fn view<R>(
         &self,
         gpu: &Gpu,
@@ -104,8 +101,9 @@ impl Memory {
         look: impl FnOnce(&[&[u8]]) -> R,
     ) -> Result<R, GpuError> {
         for array in arrays {
-            let gone = array.life() == Life::Scratch && !self.sharing.is_alone(array);
-            assert!(!gone, "{} shares its memory: read it from an engine whose arrays lie apart", array.name());
+            if array.life() == Life::Scratch && !self.sharing.is_alone(array) {
+                return Err(GpuError::Shared { array: array.name() });
+            }
         }
         let sizes: Vec<u64> = arrays.iter().map(|array| array.stride() * array.len()).collect();
         let total: u64 = sizes.iter().sum();

@@ -21,8 +21,10 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         });
     });
     r.when(&plan.wind, |r| {
-        r.run(&wind::MISS, "what the fringe misses of the wind", n.air().div_ceil(TERMS));
-        r.run(&wind::HOLD, "what the air lacks of the wind", ONE_WORKGROUP);
+        r.when(&plan.fringe, |r| {
+            r.run(&wind::MISS, "what the fringe misses of the wind", n.air().div_ceil(TERMS));
+            r.run(&wind::HOLD, "what the air lacks of the wind", ONE_WORKGROUP);
+        });
         r.run(&wind::FRINGE, "wind enters", n.air());
     });
     r.when(&plan.pbf, |r| {
