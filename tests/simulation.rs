@@ -7,7 +7,7 @@ mod support;
 use glam::{DQuat, DVec3};
 use support::{MASS, RADIUS, VOLUME};
 use windswept::{
-    Frame, Gpu, Simulation,
+    Frame, Simulation,
     gpu::wgpu,
     internals::{Engine, Setup},
 };
@@ -282,7 +282,9 @@ fn hair_outside_the_box_is_counted_after_a_while() {
 /// Steps on a device of the caller's own, recorded into the caller's encoder, give the same bits as `step`.
 #[test]
 fn a_callers_device_and_encoder_give_the_same_bits() {
-    let (gpu, device, queue) = callers_device();
+    let (device, gpu) = support::callers_device(&wgpu::DeviceDescriptor::default());
+    let gpu = gpu.unwrap();
+    let queue = gpu.queue().clone();
     let mut simulation = Simulation::with_state(&gpu, &windy(), brush(3)).unwrap();
     for _ in 0..4 {
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -301,7 +303,9 @@ fn a_callers_device_and_encoder_give_the_same_bits() {
 /// Steps that were recorded behind one that froze do nothing: the list grows to what that one step needs.
 #[test]
 fn steps_behind_a_frozen_one_do_nothing() {
-    let (gpu, device, queue) = callers_device();
+    let (device, gpu) = support::callers_device(&wgpu::DeviceDescriptor::default());
+    let gpu = gpu.unwrap();
+    let queue = gpu.queue().clone();
     let initial = support::particles(600, 60, support::Layout::OneCell, 5);
     let grown = |steps| {
         let mut simulation = Simulation::with_state(&gpu, &support::scene(), initial.clone()).unwrap();
@@ -315,16 +319,4 @@ fn steps_behind_a_frozen_one_do_nothing() {
         simulation.engine().sizes().neighbours
     };
     assert_eq!(grown(5), grown(1));
-}
-
-/// A device that an application would own, on the adapter of the tests.
-fn callers_device() -> (Gpu, wgpu::Device, wgpu::Queue) {
-    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-    descriptor.backends = wgpu::Backends::VULKAN;
-    let instance = wgpu::Instance::new(descriptor);
-    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN));
-    let adapter = adapters.into_iter().find(|adapter| adapter.get_info().name == support::gpu().info().name).unwrap();
-    let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).unwrap();
-    let gpu = Gpu::from_device(&adapter, device.clone(), queue.clone()).unwrap();
-    (gpu, device, queue)
 }

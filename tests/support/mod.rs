@@ -7,7 +7,7 @@ use std::sync::{LazyLock, OnceLock};
 use glam::{DQuat, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept::{AdapterChoice, Gpu};
+use windswept::{AdapterChoice, Gpu, GpuError, gpu::wgpu};
 use windswept_scene::*;
 use windswept_validate::internals::Cloud;
 pub use windswept_validate::internals::{MASS, RADIUS, VOLUME};
@@ -42,6 +42,17 @@ fn open() -> Gpu {
         _ => assert_eq!(gpu.info().kind, "software"),
     }
     gpu
+}
+
+/// A device that an application would own, on the adapter of the tests, and what the engine says of it.
+pub fn callers_device(asked: &wgpu::DeviceDescriptor<'_>) -> (wgpu::Device, Result<Gpu, GpuError>) {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = wgpu::Backends::VULKAN;
+    let instance = wgpu::Instance::new(descriptor);
+    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN));
+    let adapter = adapters.into_iter().find(|adapter| adapter.get_info().name == gpu().info().name).unwrap();
+    let (device, queue) = pollster::block_on(adapter.request_device(asked)).unwrap();
+    (device.clone(), Gpu::from_device(&adapter, device, queue))
 }
 
 /// Keys of the tests of single passes: values in place of some defaults, and the keys that a scene must have.

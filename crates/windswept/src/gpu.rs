@@ -146,8 +146,18 @@ impl Gpu {
     /// Runs `work`, such as drawing beside the engine, and turns what the driver says of it into an error.
     ///
     /// # Errors
-    /// [`GpuError::Driver`] with what was being done and the driver's words.
+    /// [`GpuError::Driver`] with what was being done and the driver's words, [`GpuError::Lost`] when the device is gone.
     pub fn checked<T>(&self, doing: impl Fn() -> String, work: impl FnOnce() -> T) -> Result<T, GpuError> {
+        let (result, error) = self.scoped(work);
+        match error {
+            Some(_) if self.is_lost() => Err(GpuError::Lost(doing())),
+            Some(error) => Err(GpuError::Driver { doing: doing(), reason: error.to_string() }),
+            None => Ok(result),
+        }
+    }
+
+    /// Runs `work`, and returns the first error that it made beside its result.
+    fn scoped<T>(&self, work: impl FnOnce() -> T) -> (T, Option<wgpu::Error>) {
         let filters = [wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal];
         let scopes = filters.map(|filter| self.device.push_error_scope(filter));
         let result = work();
@@ -156,10 +166,19 @@ impl Gpu {
             let error = pollster::block_on(scope.pop());
             first = first.or(error);
         }
-        match first {
-            Some(error) => Err(GpuError::Driver { doing: doing(), reason: error.to_string() }),
-            None => Ok(result),
-        }
+        (result, first)
+    }
+
+    /// Whether the device is lost. wgpu says so to the device's own handler only, which is the caller's; but a lost device makes
+    /// no errors of its own, not even of a buffer that a device must refuse.
+    fn is_lost(&self) -> bool {
+        let wrong = wgpu::BufferDescriptor {
+            label: Some("is the device lost?"),
+            size: 4,
+            usage: wgpu::BufferUsages::empty(),
+            mapped_at_creation: false,
+        };
+        self.scoped(|| self.device.create_buffer(&wrong)).1.is_none()
     }
 
     /// Waits until the queue is empty.

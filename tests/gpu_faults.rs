@@ -1,0 +1,153 @@
+//! What goes wrong with a GPU is an error that names it, or is done in another way: a device that is lost, that runs out of memory or
+//! allows little.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use windswept::{Error, Gpu, GpuError, Simulation, gpu::wgpu};
+use windswept_scene::Scene;
+
+const SCENE: &str = "
+time = { step = 1e-3, duration = 1.0 }
+[air]
+box = { min = [0, 0, 0], max = [0.12, 0.06, 0.06] }
+wind = [2, 0, 0]
+[[hair]]
+strands = 3
+points = 6
+length = 0.03
+roots = { center = [0.05, 0.01, 0.03], radius = 0.01, direction = [0, 1, 0], normal = [0, 1, 0] }
+";
+
+fn scene() -> Scene {
+    Scene::parse(SCENE).unwrap()
+}
+
+/// What the engine says of a device with these limits, and the device.
+fn with_limits(limits: wgpu::Limits) -> (wgpu::Device, Result<Gpu, GpuError>) {
+    support::callers_device(&wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() })
+}
+
+fn places(simulation: &Simulation) -> Vec<[f32; 3]> {
+    let frame = simulation.frame().unwrap();
+    [frame.hair.positions, frame.air.positions].concat()
+}
+
+/// A device that is destroyed in the middle of a run: whatever the caller does next is an error, nothing panics, and another
+/// simulation of the same process goes on.
+#[test]
+fn a_lost_device_is_an_error() {
+    let (device, gpu) = with_limits(wgpu::Limits::default());
+    let gpu = gpu.unwrap();
+    let mut simulation = Simulation::new(&gpu, &scene()).unwrap();
+    let mut other = Simulation::new(&support::gpu(), &scene()).unwrap();
+    simulation.step(2).unwrap();
+    other.step(2).unwrap();
+    device.destroy();
+    let name_it = |what: &str, error: String| {
+        println!("{what}: {error}");
+        assert!(error.contains("lost"), "{what}: {error}");
+    };
+    name_it("step", simulation.step(1).unwrap_err().to_string());
+    name_it("step again", simulation.step(3).unwrap_err().to_string());
+    name_it("frame", simulation.frame().unwrap_err().to_string());
+    name_it("density", simulation.density().unwrap_err().to_string());
+    // A write to a lost device is silently left out; the next step says why.
+    let _ = simulation.set_wind([1.0, 0.0, 0.0].into());
+    name_it("step with a wind", simulation.step(1).unwrap_err().to_string());
+    name_it("new", Simulation::new(&gpu, &scene()).err().unwrap().to_string());
+    drop(simulation);
+    other.step(2).unwrap();
+    let mut anew = Simulation::new(&support::gpu(), &scene()).unwrap();
+    anew.step(4).unwrap();
+    assert_eq!(places(&other), places(&anew));
+}
+
+/// A device that is destroyed before it is used.
+#[test]
+fn a_device_that_was_lost_before_is_an_error() {
+    let (device, gpu) = with_limits(wgpu::Limits::default());
+    device.destroy();
+    let error = Simulation::new(&gpu.unwrap(), &scene()).err().unwrap();
+    assert!(error.to_string().contains("lost"), "{error}");
+}
+
+/// WebGPU's default limits and no feature: without timestamps nothing is timed, without subgroups the passes run in another
+/// way, and hair and air are where they are with all features, up to rounding.
+#[test]
+fn webgpus_defaults_are_enough() {
+    let (_, gpu) = with_limits(wgpu::Limits::default());
+    let mut plain = Simulation::new(&gpu.unwrap(), &scene()).unwrap();
+    plain.step(20).unwrap();
+    assert!(plain.report().unwrap().passes.is_empty(), "passes were timed without timestamps");
+    let mut full = Simulation::new(&support::gpu(), &scene()).unwrap();
+    full.step(20).unwrap();
+    let apart = places(&plain).into_iter().zip(places(&full)).flat_map(|(a, b)| [0, 1, 2].map(|k| (a[k] - b[k]).abs()));
+    // A particle that goes through a face of the box in one of them would be 0.06 m off.
+    let apart: Vec<f32> = apart.filter(|gap| *gap < 0.03).collect();
+    let farthest = apart.iter().copied().fold(0.0, f32::max);
+    println!("farthest apart: {farthest:.2e} m");
+    assert!(apart.len() > 3 * 1000 && farthest < 1e-4, "{farthest} m apart");
+}
+
+/// A device below WebGPU's default limits is refused, with the limit, what it is and what is needed.
+#[test]
+fn limits_below_the_defaults_are_named() {
+    let defaults = wgpu::Limits::default;
+    let cases = [
+        (
+            "max_storage_buffers_per_shader_stage",
+            wgpu::Limits { max_storage_buffers_per_shader_stage: 4, ..defaults() },
+            (4, 8),
+        ),
+        (
+            "max_compute_invocations_per_workgroup",
+            wgpu::Limits { max_compute_invocations_per_workgroup: 32, ..defaults() },
+            (32, 256),
+        ),
+        ("max_compute_workgroup_size_x", wgpu::Limits { max_compute_workgroup_size_x: 32, ..defaults() }, (32, 256)),
+        (
+            "max_compute_workgroups_per_dimension",
+            wgpu::Limits { max_compute_workgroups_per_dimension: 255, ..defaults() },
+            (255, 65_535),
+        ),
+    ];
+    for (name, limits, (found, wanted)) in cases {
+        let (_, gpu) = with_limits(limits);
+        match gpu.unwrap_err() {
+            GpuError::Limit { limit, has, needs } => assert_eq!((limit, has, needs), (name, found, wanted)),
+            other => panic!("{name}: {other}"),
+        }
+    }
+}
+
+/// Bindings too small for the scene are refused before anything is allocated, with the array and what would fit. Where a binding
+/// holds every array but a neighbour list of the usual length, the list is as long as fits.
+#[test]
+fn small_bindings_are_named() {
+    let with_binding = |bytes: u64| {
+        let limits = wgpu::Limits { max_storage_buffer_binding_size: bytes, ..wgpu::Limits::default() };
+        Simulation::new(&with_limits(limits).1.unwrap(), &scene())
+    };
+    let error = with_binding(16 << 10).err().unwrap();
+    assert!(matches!(error, Error::Gpu(GpuError::TooLarge { limit: 16_384, .. })), "{error}");
+    assert!(error.to_string().contains("expected a larger air.particle_mass"), "{error}");
+    let mut enough = with_binding(256 << 10).unwrap();
+    enough.step(2).unwrap();
+}
+
+/// A device that has no memory left: the allocation that fails is named, with its bytes, and the device can be used on.
+#[test]
+fn allocations_that_fail_are_named() {
+    let (_, gpu) = with_limits(wgpu::Limits::default());
+    let gpu = gpu.unwrap();
+    let huge = wgpu::BufferDescriptor {
+        label: Some("too much"),
+        size: wgpu::Limits::default().max_buffer_size + 4,
+        usage: wgpu::BufferUsages::STORAGE,
+        mapped_at_creation: false,
+    };
+    let error = gpu.checked(|| "allocating too much".to_owned(), || gpu.device().create_buffer(&huge)).unwrap_err();
+    assert!(error.to_string().starts_with("allocating too much: "), "{error}");
+    Simulation::new(&gpu, &scene()).unwrap().step(1).unwrap();
+}
