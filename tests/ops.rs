@@ -112,7 +112,8 @@ fn operations_are_those_of_the_twin() {
         let inverse_mass = vec![1.0 / MASS; x.len()];
         let (theta, lambda) = fluid::density(&p, &x, &inverse_mass, &volume, &near);
         let shift = fluid::correct(&p, &x, &inverse_mass, &volume, &near, &lambda);
-        let exchange = viscosity::limit(&p, &x, &volume, &near, &theta);
+        let eddies = vec![0.0; x.len()];
+        let exchange = viscosity::limit(&p, &x, &volume, &near, &theta, &eddies);
         let particles = crowd.particles();
 
         let density: Vec<DVec3> =
@@ -127,7 +128,7 @@ fn operations_are_those_of_the_twin() {
         let moved = particles.solve_density(&gpu, fluid_settings.clone()).unwrap();
         let far = moved.iter().zip(x.iter().zip(&shift)).map(gap).fold(0.0, f64::max);
         let band = turbulence::band(&p, &p.bands[0], DVec3::ZERO, &x, &v, &volume);
-        let viscous = viscosity::viscosity(&p, &x, &v, &inverse_mass, &volume, &near, &theta, &exchange);
+        let viscous = viscosity::viscosity(&p, &x, &v, &inverse_mass, &volume, &near, &theta, &eddies, &exchange);
         let errors = [
             error(&density, &theta_wanted, 0.1),
             error(

@@ -1,6 +1,13 @@
 // Inverse mass and XSPH coefficient of a particle: one value for all air, one mass per point for hair.
 import package::common::{params::params, cells::is_air};
 
+const MOST_EDDIES: f32 = 0.25;   // c of unresolved eddies: above a half XSPH overshoots
+
+struct Exchange {
+    share: f32,    // S: the part of its velocity that a particle would exchange
+    eddies: f32,   // c of unresolved eddies; hair has none
+}
+
 @group(0) @binding(2) var<storage, read> inverse_mass: array<f32>;   // of each hair point [1/kg], 0 where it is held
 
 fn inverse_mass_of(i: u32) -> f32 {

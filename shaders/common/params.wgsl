@@ -27,6 +27,7 @@ struct Params {
     density_softening: f32,       // alpha of the multiplier, 1/(kg m^2)
     viscosity_hair: f32,          // c of eq. 7, for one engine step
     viscosity_air: f32,
+    viscosity_eddies: f32,        // c over the deformation |G| dt
     damping: f32,                 // 1/s
     bad_strand_limit: u32,        // more than this in one step end the run
     air_density: f32,             // kg/m^3

@@ -1,13 +1,13 @@
 // How much of its velocity a particle would exchange in one XSPH update, S_i = sum_j c_ij w_ij. Where S exceeds 1 the
 // update would overshoot; `viscosity` divides by it, for both partners alike. The sum is over the pairs of `viscosity`.
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, matter::viscosity_of, pairs::{Pairs, pairs_of, kernel_to},
+    params::params, dispatch::WORKGROUP, lanes::Near, matter::{Exchange, viscosity_of}, pairs::{Pairs, pairs_of, kernel_to},
     clusters::{take_particle, has_none, of_all, meet_own_kind}, owner::{Points, points_with, holds},
 };
 
 @group(0) @binding(2) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(3) var<storage, read>       density:   array<f32>;     // rho / rho_0
-@group(0) @binding(5) var<storage, read_write> exchange:  array<f32>;     // S
+@group(0) @binding(5) var<storage, read_write> exchange:  array<Exchange>;
 
 var<private> pairs: Pairs;
 var<private> own_strand: Points;
@@ -19,7 +19,7 @@ var<private> sum: f32;
 // In place of the volume its root.
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, 0u, other.xyz, sqrt(other.w), vec4f(density[j], viscosity_of(j), 0.0, 0.0), vec4f());
+    return Near(j, 0u, other.xyz, sqrt(other.w), vec4f(density[j], viscosity_of(j) + exchange[j].eddies, 0.0, 0.0), vec4f());
 }
 
 fn meet(other: Near) {
@@ -36,10 +36,10 @@ fn main(
     let own = predicted[i];
     pairs = pairs_of(own.xyz);
     own_strand = points_with(i);
-    coefficient = viscosity_of(i);
+    coefficient = viscosity_of(i) + exchange[i].eddies;
     root = sqrt(own.w);
     thickness = density[i];
     meet_own_kind();
     if has_none() { return; }
-    exchange[i] = sum;
+    exchange[i].share = sum;
 }

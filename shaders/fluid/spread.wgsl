@@ -7,10 +7,12 @@
 //
 //   min(0.05, |G_i| dt),  G_i = sum_j V_j (v_j - v_i) (x) grad_i W,  |G| Frobenius's norm
 //
+// What eddies smaller than the spacing exchange, c = 22 (C d/h)^2 |G_i| dt of nu = (C d)^2 |G_i| (Smagorinsky 1963), is kept for `viscosity`.
+//
 // After Xu, Stansby & Laurence (2009) and Lind et al. (2012); it goes with the step, so that its diffusion vanishes with it.
 import package::common::{
     params::params, dispatch::WORKGROUP, status::status, lanes::Near, pairs::{Pairs, pairs_of, coincide, gradient_to, apart},
-    clusters::{take_particle, has_none, of_air, meet_own_kind},
+    clusters::{take_particle, has_none, of_air, meet_own_kind}, matter::{Exchange, MOST_EDDIES},
 };
 
 const CARRIED: f32 = 0.05;    // of the way in a step: less leaves clumps, more moves air across the shear behind hair
@@ -21,6 +23,7 @@ const FARTHEST: f32 = 0.25;   // d, of the shift
 @group(0) @binding(3) var<storage, read>       predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(4) var<storage, read>       new_velocity: array<vec4f>;   // m/s
 @group(0) @binding(5) var<storage, read_write> shift:        array<vec4f>;   // m
+@group(0) @binding(6) var<storage, read_write> exchange:     array<Exchange>;
 
 var<private> pairs: Pairs;
 var<private> velocity: vec3f;
@@ -59,4 +62,5 @@ fn main(
     let delta = -params.kernel_radius * params.kernel_radius * min(LARGEST, part) * uneven;
     let farthest = FARTHEST * params.spacing;
     shift[i] = vec4f(delta * (farthest / max(length(delta), farthest)), 0.0);
+    exchange[i].eddies = min(MOST_EDDIES, params.viscosity_eddies * deformation);
 }

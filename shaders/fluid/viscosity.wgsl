@@ -3,16 +3,16 @@
 //   v_i += sum_j 2 w_i/(w_i + w_j) c_ij w_ij (v_j - v_i) / max(1, S_i, S_j)
 //   w_ij = 2 sqrt(V_i V_j) W / (theta_i + theta_j),  theta = rho / rho_0,  w inverse mass
 //
-// `exchange` is S of `limit`; it stays zero where the limiter is left out. With the model TWO_WAY points of one strand exchange
+// S is that of `limit`; it stays zero where the limiter is left out. Eddies that the spacing does not resolve add to the c of air. With the model TWO_WAY points of one strand exchange
 // nothing: a strand has its rod and `rods.damping`, and XSPH would resist its bending.
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, matter::{inverse_mass_of, viscosity_of}, pairs::{Pairs, pairs_of, kernel_to},
+    params::params, dispatch::WORKGROUP, lanes::Near, matter::{Exchange, inverse_mass_of, viscosity_of}, pairs::{Pairs, pairs_of, kernel_to},
     clusters::{take_particle, has_none, of_all, meet_own_kind}, owner::{Points, points_with, holds},
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:        array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(5) var<storage, read>       density:          array<f32>;     // rho / rho_0
-@group(0) @binding(6) var<storage, read>       exchange:         array<f32>;     // S
+@group(0) @binding(6) var<storage, read>       exchange:         array<Exchange>;
 @group(0) @binding(7) var<storage, read>       new_velocity:     array<vec4f>;   // m/s
 @group(0) @binding(8) var<storage, read_write> viscous_velocity: array<vec4f>;
 
@@ -30,7 +30,9 @@ var<private> sum: vec3f;
 fn see(j: u32) -> Near {
     let other = predicted[j];
     let value = vec4f(new_velocity[j].xyz, density[j]);
-    return Near(j, 0u, other.xyz, sqrt(other.w), value, vec4f(exchange[j], inverse_mass_of(j), viscosity_of(j), 0.0));
+    let exchanges = exchange[j];
+    let more = vec4f(exchanges.share, inverse_mass_of(j), viscosity_of(j) + exchanges.eddies, 0.0);
+    return Near(j, 0u, other.xyz, sqrt(other.w), value, more);
 }
 
 fn meet(other: Near) {
@@ -50,12 +52,12 @@ fn main(
     let own = predicted[i];
     pairs = pairs_of(own.xyz);
     own_strand = points_with(i);
-    coefficient = viscosity_of(i);
+    coefficient = viscosity_of(i) + exchange[i].eddies;
     velocity = new_velocity[i].xyz;
     root = sqrt(own.w);
     mass = inverse_mass_of(i);
     thickness = density[i];
-    exchanged = max(1.0, exchange[i]);
+    exchanged = max(1.0, exchange[i].share);
     meet_own_kind();
     if has_none() { return; }
     viscous_velocity[i] = vec4f(velocity + sum, 0.0);

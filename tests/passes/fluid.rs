@@ -117,6 +117,8 @@ impl Walk<'_> {
 
         assert!(passes.through("fluid/spread"));
         self.same("fluid/spread", apart(&self.vectors(&state.shift, hair), &shift[hair..]), bounds.length)?;
+        w.eddies = fluid::eddies(&p, &w.predicted, &w.new_velocity, volume, &w.near);
+        self.same("fluid/spread", numbers_apart(&stage.exchange(|all| all.eddies), &w.eddies), bounds.density)?;
         let before = w.predicted.clone();
         w.predicted.iter_mut().zip(shift).for_each(|(x, shift)| *x += shift);
         passes.through("fluid/place");

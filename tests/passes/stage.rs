@@ -12,6 +12,7 @@ use windswept_reference::{
     neighbours::{self, Neighbours},
 };
 use windswept_scene::{InitialState, Scene};
+use windswept_shaders::common::matter::Exchange;
 use windswept_shaders::common::rod::{Condition, Health, RodPoint, RodSegment, RodStrand, Root, SLEEPS};
 
 use crate::support::{self, Layout};
@@ -156,6 +157,11 @@ impl Stage {
 
     pub fn numbers(&self, array: &Array<f32>) -> Vec<f64> {
         self.engine.read(array).unwrap().into_iter().map(f64::from).collect()
+    }
+
+    /// What XSPH is to exchange at each particle: its S, or its c of unresolved eddies.
+    pub fn exchange(&self, part: fn(&Exchange) -> f32) -> Vec<f64> {
+        self.engine.read(&self.engine.state().exchange).unwrap().iter().map(|all| f64::from(part(all))).collect()
     }
 
     /// Lists neighbours, on the engine with positions where a step's predicted ones stand; returns the twin's.

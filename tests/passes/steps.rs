@@ -52,13 +52,20 @@ pub const TWO_WAY: &[&str] = &[EXCHANGE, "hair.fibres_per_strand=100", "air.ramp
 pub const CROWDED: &[&str] =
     &[EXCHANGE, "hair.roots.radius=0.002", "hair.points=13", "air.ramp=0.0", "fluid.iterations=2"];
 /// Settings with air freed of divergence, which hair slows.
-pub const DIVERGENCE: &[&str] =
-    &["fluid.solver=divergence", EXCHANGE, "hair.fibres_per_strand=100", "air.ramp=0.0", "fluid.iterations=2"];
+pub const DIVERGENCE: &[&str] = &[
+    "fluid.solver=divergence",
+    EXCHANGE,
+    "hair.fibres_per_strand=100",
+    "air.ramp=0.0",
+    "fluid.iterations=2",
+    "viscosity.smagorinsky=1.0",
+];
 /// Settings with hair and air freed of divergence together, and roots that move.
 pub const PRESSED_HAIR: &[&str] = &[
     "fluid.solver=divergence",
     "fluid.pressure_iterations=3",
     "turbulence.bands=[]",
+    "viscosity.smagorinsky=1.0",
     "hair.motion=[{time=0,rotation=[0,1,0]},{time=0.008,translation=[0,0.003,0],rotation=[0.1,1.2,0]}]",
 ];
 /// Settings with hair alone, solved by Gauss-Seidel.

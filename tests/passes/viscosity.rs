@@ -6,7 +6,7 @@ use windswept_shaders as shaders;
 
 use crate::{
     stage::{Stage, each, stirred},
-    steps::{BOUNDS, CROWDED, Fault, PARTICLES},
+    steps::{BOUNDS, CROWDED, DIVERGENCE, Fault, PARTICLES, PRESSED_HAIR},
     support,
     walk::{Bounds, Same, Walk, apart, numbers_apart, walk},
 };
@@ -24,7 +24,7 @@ impl Walk<'_> {
                 assert!(air.iter().all(|s| *s < 1.0));
                 air.fill(0.0);
             }
-            self.same("fluid/limit", numbers_apart(&stage.numbers(&state.exchange), &w.exchange), bounds.density)?;
+            self.same("fluid/limit", numbers_apart(&stage.exchange(|all| all.share), &w.exchange), bounds.density)?;
         }
         if passes.through("fluid/viscosity") {
             let got = self.vectors(&state.viscous_velocity, 0);
@@ -39,6 +39,8 @@ impl Walk<'_> {
 pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::LIMIT, "2.0 * root", "1.9 * root", PARTICLES),
     (&shaders::fluid::LIMIT, "i < points.end", "i + 1u < points.end", CROWDED),
+    (&shaders::fluid::LIMIT, "+ exchange[i].eddies", "", PRESSED_HAIR),
+    (&shaders::fluid::VISCOSITY, "+ exchange[i].eddies", "", DIVERGENCE),
     (&shaders::fluid::VISCOSITY, "4.0 * mass", "3.9 * mass", PARTICLES),
     (&shaders::fluid::VISCOSITY, "0.0 || holds", "0.0 && holds", CROWDED),
 ];
@@ -49,7 +51,8 @@ fn viscosity_and_its_limiter_are_those_of_the_twin() {
         [(windswept_scene::ViscosityForm::Limited, 5.0), (windswept_scene::ViscosityForm::Published, 0.3)]
     {
         let mut scene = support::scene();
-        scene.viscosity = windswept_scene::Viscosity { hair: coefficient, air: 0.4 * coefficient, form };
+        scene.viscosity =
+            windswept_scene::Viscosity { hair: coefficient, air: 0.4 * coefficient, smagorinsky: 0.0, form };
         each(&scene, |what, stage| {
             let near = stage.meet();
             let (s, p) = (&stage.twin, &stage.parameters);
@@ -71,7 +74,7 @@ fn the_limiter_leaves_small_coefficients_alone() {
     let initial = support::particles(2_000, 600, support::Layout::Random, 9);
     let run = |form| {
         let mut scene = support::scene();
-        scene.viscosity = windswept_scene::Viscosity { hair: 0.6, air: 0.3, form };
+        scene.viscosity = windswept_scene::Viscosity { hair: 0.6, air: 0.3, smagorinsky: 0.0, form };
         let stage = Stage::new(&scene, &initial);
         stage.meet();
         stage.write_vectors(&stage.engine.state().new_velocity, &stirred(stage.twin.position.len()));
@@ -79,7 +82,7 @@ fn the_limiter_leaves_small_coefficients_alone() {
             step::fluid::record_density(r, plan);
             step::viscosity::record(r, plan);
         });
-        let largest = stage.numbers(&stage.engine.state().exchange).into_iter().fold(0.0, f64::max);
+        let largest = stage.exchange(|all| all.share).into_iter().fold(0.0, f64::max);
         (stage.vectors(&stage.engine.state().viscous_velocity), largest)
     };
     let (limited, largest) = run(windswept_scene::ViscosityForm::Limited);

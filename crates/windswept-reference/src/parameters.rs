@@ -83,6 +83,8 @@ pub struct Parameters {
     pub viscosity_hair: f64,
     /// Coefficient c of air's viscosity, per step.
     pub viscosity_air: f64,
+    /// Coefficient c of unresolved eddies over the deformation |G| Δt of the air.
+    pub viscosity_eddies: f64,
     /// Whether viscosity has the symmetric limiter.
     pub limited: bool,
     /// Number of Gauss-Seidel's sweeps.
@@ -162,6 +164,7 @@ impl Parameters {
             turbulence: scene.turbulence.clone(),
             viscosity_hair: scene.viscosity.hair / substeps,
             viscosity_air: scene.viscosity.air / substeps,
+            viscosity_eddies: air.map_or(0.0, |air| scene.viscosity.eddies(initial.air.volume, air.kernel_radius)),
             limited: scene.viscosity.form == ViscosityForm::Limited,
             rod_iterations: scene.rods.iterations,
             newton_steps: scene.rods.newton,
@@ -240,10 +243,10 @@ impl Parameters {
         shared.map_or(band.scale, |grid| bands[grid[0]].scale)
     }
 
-    /// Viscosity c of a pair (eq. 8).
+    /// Viscosity c of a pair (eq. 8), with that of unresolved eddies at each particle.
     #[must_use]
-    pub fn viscosity(&self, i: usize, j: usize) -> f64 {
-        let own = |i| if self.is_air(i) { self.viscosity_air } else { self.viscosity_hair };
+    pub fn viscosity(&self, i: usize, j: usize, eddies: &[f64]) -> f64 {
+        let own = |i| if self.is_air(i) { self.viscosity_air + eddies[i] } else { self.viscosity_hair };
         own(i).min(own(j))
     }
 }

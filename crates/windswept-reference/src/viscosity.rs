@@ -6,10 +6,11 @@ use crate::{Parameters, State, neighbours::Neighbours, sph_kernels::poly6, step:
 
 /// Runs the heading: neighbours exchange velocity, unless nothing is viscous.
 pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
-    if p.air && (p.viscosity_hair > 0.0 || p.viscosity_air > 0.0) {
+    if p.air && (p.viscosity_hair > 0.0 || p.viscosity_air > 0.0 || p.viscosity_eddies > 0.0) {
         let (x, v) = (&w.predicted, &w.new_velocity);
-        w.exchange = limit(p, x, &s.volume, &w.near, &w.density);
-        w.new_velocity = viscosity(p, x, v, &s.inverse_mass, &s.volume, &w.near, &w.density, &w.exchange);
+        w.eddies.resize(x.len(), 0.0);
+        w.exchange = limit(p, x, &s.volume, &w.near, &w.density, &w.eddies);
+        w.new_velocity = viscosity(p, x, v, &s.inverse_mass, &s.volume, &w.near, &w.density, &w.eddies, &w.exchange);
     }
 }
 
@@ -21,12 +22,22 @@ fn weight(p: &Parameters, i: usize, j: usize, x: &[DVec3], volume: &[f64], theta
 
 /// Part S_i = Σ_j c_ij w_ij of its velocity that a particle would exchange; 0 without the limiter.
 #[must_use]
-pub fn limit(p: &Parameters, x: &[DVec3], volume: &[f64], near: &Neighbours, theta: &[f64]) -> Vec<f64> {
+pub fn limit(
+    p: &Parameters,
+    x: &[DVec3],
+    volume: &[f64],
+    near: &Neighbours,
+    theta: &[f64],
+    eddies: &[f64],
+) -> Vec<f64> {
     if !p.limited {
         return vec![0.0; x.len()];
     }
     let sum = |i: usize| {
-        near.of(i).filter(|&j| p.shares(i, j)).map(|j| p.viscosity(i, j) * weight(p, i, j, x, volume, theta)).sum()
+        near.of(i)
+            .filter(|&j| p.shares(i, j))
+            .map(|j| p.viscosity(i, j, eddies) * weight(p, i, j, x, volume, theta))
+            .sum()
     };
     (0..x.len()).map(sum).collect()
 }
@@ -42,6 +53,7 @@ pub fn viscosity(
     volume: &[f64],
     near: &Neighbours,
     theta: &[f64],
+    eddies: &[f64],
     exchange: &[f64],
 ) -> Vec<DVec3> {
     let pair = |i: usize, j: usize| {
@@ -49,7 +61,8 @@ pub fn viscosity(
         if both == 0.0 {
             return DVec3::ZERO;
         }
-        let share = p.viscosity(i, j) * weight(p, i, j, x, volume, theta) / exchange[i].max(exchange[j]).max(1.0);
+        let share =
+            p.viscosity(i, j, eddies) * weight(p, i, j, x, volume, theta) / exchange[i].max(exchange[j]).max(1.0);
         2.0 * inverse_mass[i] / both * share * (v[j] - v[i])
     };
     let sum = |i: usize| near.of(i).filter(|&j| p.shares(i, j)).map(|j| pair(i, j)).sum::<DVec3>();

@@ -105,7 +105,7 @@ fn in_two_way_strands_share_with_one_another() {
     (p.model, p.hair_points, p.strand_of) = (Model::TwoWay, 3, vec![0, 0, 1]);
     let near = crowd.neighbours();
     let (theta, _) = crowd.density(&near);
-    let exchange = limit(&crowd.parameters, &crowd.positions, &crowd.volume, &near, &theta);
+    let exchange = limit(&crowd.parameters, &crowd.positions, &crowd.volume, &near, &theta, &[0.0; 4]);
     let weight = |i: usize, j: usize| {
         let r = (crowd.positions[i] - crowd.positions[j]).length();
         1.4 * 2.0 * VOLUME * poly6(r, RADIUS) / (theta[i] + theta[j])

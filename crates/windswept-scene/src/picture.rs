@@ -108,7 +108,7 @@ impl Scene {
             return fault("air particles: interaction.model = \"two-way\" or \"particles\"");
         }
         let (fluid, viscosity) = (&self.fluid, &self.viscosity);
-        let near = fluid.iterations > 0 || viscosity.hair > 0.0 || viscosity.air > 0.0;
+        let near = fluid.iterations > 0 || viscosity.acts();
         let there = strengthened(self) || (air == AirPicture::Vorticity && near);
         if there { Ok(()) } else { fault(needed) }
     }

@@ -287,6 +287,11 @@ impl Scene {
             let words = format!("is missing: interaction.model = \"{}\" needs {needs}", model.word());
             return Err(reader.fault("air", words));
         }
+        if self.viscosity.smagorinsky > 0.0 && self.fluid.solver == FluidSolver::Pbf {
+            let words =
+                "expected 0 with fluid.solver = \"pbf\", which makes and loses more energy than small eddies do";
+            return Err(reader.fault("viscosity.smagorinsky", words.to_owned()));
+        }
         self.check_bands(reader)?;
         self.check_bodies(reader)?;
         self.check_picture(reader)?;

@@ -30,7 +30,8 @@ pub(crate) fn passes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let (volume, inverse_mass) = (vec![VOLUME; x.len()], vec![1.0 / MASS; x.len()]);
     let near = neighbours::neighbours(&p, &x);
     let (theta, lambda) = fluid::density(&p, &x, &inverse_mass, &volume, &near);
-    let exchange = viscosity::limit(&p, &x, &volume, &near, &theta);
+    let eddies = vec![0.0; x.len()];
+    let exchange = viscosity::limit(&p, &x, &volume, &near, &theta, &eddies);
 
     let particles = cloud.particles();
     let density: Vec<_> = particles.density(gpu)?.iter().map(|rho| DVec3::X * f64::from(*rho) / REST_DENSITY).collect();
@@ -42,7 +43,7 @@ pub(crate) fn passes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let on_grid = vectors(&particles.band_velocity(gpu, band.scale, Filter::of(&scene.turbulence))?);
     let smooth = vectors(&particles.viscosity(gpu, scene.viscosity.air)?);
     let change = |after: &[DVec3]| after.iter().zip(&v).map(|(after, before)| *after - *before).collect::<Vec<_>>();
-    let twin_smooth = viscosity::viscosity(&p, &x, &v, &inverse_mass, &volume, &near, &theta, &exchange);
+    let twin_smooth = viscosity::viscosity(&p, &x, &v, &inverse_mass, &volume, &near, &theta, &eddies, &exchange);
     let twin_grid = turbulence::band_velocity(&p, &band, DVec3::ZERO, &x, &v, &volume);
     let row = |pass: &str, got: &[DVec3], wanted: &[DVec3], tolerance: f64| {
         Row::new(format!("twin: {pass}"), 0.0, error(got, wanted), tolerance, PASS)

@@ -72,6 +72,7 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
         params.air_density = air.rest_density as f32;
         params.kinematic_viscosity = air.kinematic_viscosity as f32;
         params.kernel_radius = air.kernel_radius as f32;
+        params.viscosity_eddies = scene.viscosity.eddies(initial.air.volume, air.kernel_radius) as f32;
         params.cell_size = [air.kernel_radius as f32; 3];
         if air_particles > 0 {
             let size = initial.air.size.to_array();

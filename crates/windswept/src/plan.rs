@@ -3,7 +3,7 @@
 use windswept_scene::{Air, Filter, FluidSolver, InitialState, Law, Model, Scene, SceneError, Solver, ViscosityForm};
 use windswept_shaders::{
     Binding,
-    common::{band::Band, mesh::Mesh, params::Params},
+    common::{band::Band, matter::MOST_EDDIES, mesh::Mesh, params::Params},
     fluid::divergence::Iteration,
 };
 
@@ -134,7 +134,7 @@ impl Plan {
             Model::Drag => Decision::when(false, "interaction.model is drag: no air particles"),
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),
         };
-        let viscous = scene.viscosity.hair > 0.0 || scene.viscosity.air > 0.0;
+        let viscous = scene.viscosity.acts();
         let solved = scene.fluid.iterations > 0;
         let bands = bands(setup);
         let on_grid = scene.turbulence.filter == Filter::Grid;
@@ -176,7 +176,8 @@ impl Plan {
             "interaction.model is two-way: air got its velocity before the rods, in heading 3",
         ));
         let direct = scene.rods.solver == Solver::Direct;
-        let viscosity = air.and(Decision::when(viscous, "viscosity.hair and viscosity.air are 0"));
+        let viscosity =
+            air.and(Decision::when(viscous, "viscosity.hair, viscosity.air and viscosity.smagorinsky are 0"));
         let density_alone = viscosity
             .and(Decision::when(!solved, "the density constraint has it already"))
             .and(Decision::when(constrained > 0, "the pressure's moments have it already"));
@@ -326,13 +327,15 @@ fn exchanges(scene: &Scene, initial: &InitialState) -> Exchanges {
             0.0
         }
     };
+    let most_eddies = if scene.viscosity.smagorinsky > 0.0 { f64::from(MOST_EDDIES) } else { 0.0 };
+    let of_air = scene.viscosity.air + f64::from(scene.time.substeps) * most_eddies;
     let hair = || initial.hair.volume.iter().copied();
     let air = || (!initial.air.positions.is_empty()).then_some(initial.air.volume).into_iter();
     let of_hair = if initial.hair.is_empty() { 0.0 } else { scene.viscosity.hair };
     if scene.interaction.model == Model::TwoWay {
-        return Exchanges { air: bound(scene.viscosity.air, &mut air()), hair: bound(of_hair, &mut hair()) };
+        return Exchanges { air: bound(of_air, &mut air()), hair: bound(of_hair, &mut hair()) };
     }
-    let all = bound(of_hair.max(scene.viscosity.air), &mut hair().chain(air()));
+    let all = bound(of_hair.max(of_air), &mut hair().chain(air()));
     Exchanges { air: all, hair: all }
 }
 

@@ -13,6 +13,7 @@ use windswept_shaders::{
         dispatch::WORKGROUP,
         inflow::Wave,
         lanes::LANES,
+        matter::Exchange,
         mesh::Mesh,
         motion::Keyframe,
         params::Params,
@@ -231,8 +232,8 @@ state! {
     grip: Vec4, |s| s.hair_points;
 
     // Written by a pass in part: the rest is zero for good.
-    /// S of the XSPH limiter: the share of its velocity that a particle would exchange.
-    exchange: f32, |s| s.particles;
+    /// What XSPH is to exchange at a particle: S of the limiter, and the viscosity of unresolved eddies.
+    exchange: Exchange, |s| s.particles;
 
     // Passes over neighbours run on in a frozen step, and would follow whatever another array left here.
     /// Who is near the particles of each cluster (`shaders/common/list.wgsl`).

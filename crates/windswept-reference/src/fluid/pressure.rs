@@ -25,6 +25,8 @@ const BY_WIND: f64 = 0.05;
 /// Most of the deformation |G| Δt of the flow in a step by which particles are spread in a scene without wind, where air that
 /// whirls would clump. Where wind blows it would move them across the shear behind hair.
 const BY_DEFORMATION: f64 = 0.05;
+/// Most that unresolved eddies add to the XSPH coefficient c.
+const MOST_EDDIES: f64 = 0.25;
 /// Largest spread in units of h² s_i.
 const MOST_SPREAD: f64 = 0.1;
 /// Longest move of a particle by the spread \[particle spacings\].
@@ -68,6 +70,7 @@ pub struct Moments {
 pub(super) fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     let (mass, volume) = (&s.inverse_mass, &s.volume);
     let shift = spread(p, &w.predicted, &w.new_velocity, volume, &w.near);
+    w.eddies = eddies(p, &w.predicted, &w.new_velocity, volume, &w.near);
     // The coarse grid sees particles where they were: what they are spread by is little to its nodes.
     let before = w.predicted.clone();
     w.predicted.iter_mut().zip(shift).for_each(|(x, shift)| *x += shift);
@@ -136,17 +139,32 @@ pub fn spread(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &N
             .max();
         let away = met.map_or(DVec3::ZERO, |j| volume[j] * spiky_gradient(i, j, DVec3::ZERO, p.kernel_radius));
         let uneven: DVec3 = away + pairs().map(|(_, gradient)| gradient).sum::<DVec3>();
-        let by_deformation = if p.largest_wind == 0.0 {
-            let bent: DMat3 = pairs().map(|(j, gradient)| outer(v[j] - v[i], gradient)).sum();
-            (p.step * bent.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt()).min(BY_DEFORMATION)
-        } else {
-            0.0
-        };
+        let by_deformation =
+            if p.largest_wind == 0.0 { deformation(p, i, x, v, volume, near).min(BY_DEFORMATION) } else { 0.0 };
         let by_wind = BY_WIND * p.largest_wind.max(v[i].length()) * p.step / spacing;
         let part = by_wind.max(by_deformation).min(MOST_SPREAD);
         (-p.kernel_radius.powi(2) * part * uneven).clamp_length_max(LONGEST_SPREAD * spacing)
     };
     (0..x.len()).map(each).collect()
+}
+
+/// XSPH coefficients c = 22 (C d/h)² |G_i| Δt of eddies smaller than the spacing d, ν = (C d)² |G_i| (Smagorinsky 1963), at most
+/// 0.25; 0 for hair.
+#[must_use]
+pub fn eddies(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> Vec<f64> {
+    let each = |i: usize| {
+        if !p.is_air(i) {
+            return 0.0;
+        }
+        (p.viscosity_eddies * deformation(p, i, x, v, volume, near)).min(MOST_EDDIES)
+    };
+    (0..x.len()).map(each).collect()
+}
+
+/// Deformation |G_i| Δt of the flow in a step, G_i = Σ_j V_j (v_j − v_i) ⊗ g_ij, Frobenius's norm.
+fn deformation(p: &Parameters, i: usize, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> f64 {
+    let gradients = others(p, near, i).map(|j| outer(v[j] - v[i], volume[j] * gradient(p, i, j, x)));
+    p.step * gradients.sum::<DMat3>().to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// Matrix a bᵀ.

@@ -85,9 +85,11 @@ impl Crowd {
     pub fn viscosity(&self, velocities: &[DVec3]) -> (Vec<DVec3>, f64) {
         let (p, x, near) = (&self.parameters, &self.positions, self.neighbours());
         let (theta, _) = self.density(&near);
-        let exchange = viscosity::limit(p, x, &self.volume, &near, &theta);
+        let eddies = vec![0.0; x.len()];
+        let exchange = viscosity::limit(p, x, &self.volume, &near, &theta, &eddies);
         let largest = exchange.iter().copied().fold(0.0, f64::max);
-        let after = viscosity::viscosity(p, x, velocities, &self.inverse_mass, &self.volume, &near, &theta, &exchange);
+        let mass = &self.inverse_mass;
+        let after = viscosity::viscosity(p, x, velocities, mass, &self.volume, &near, &theta, &eddies, &exchange);
         (after, largest)
     }
 }
