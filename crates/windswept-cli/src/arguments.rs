@@ -121,7 +121,10 @@ pub(crate) enum Groom {
 
 /// The formats of groom files.
 fn groom_formats() -> String {
-    let rows = GroomFormat::ALL.iter().map(|format| format!("\n  .{:<6} {}", format.extension, format.what));
+    let rows = GroomFormat::ALL.iter().map(|format| {
+        let how = if format.writes() { "" } else { "; read only" };
+        format!("\n  .{:<6} {}{how}", format.extension, format.what)
+    });
     format!(
         "Formats, by the ending of the file's name:{}\n
 Examples:

@@ -11,9 +11,11 @@ mod error;
 mod picture;
 mod pictures;
 mod preview;
+mod provenance;
 mod render;
 mod run;
 mod sink;
+mod usd;
 #[cfg(feature = "vtkhdf")]
 mod vtkhdf;
 
@@ -22,8 +24,10 @@ pub use image;
 pub use picture::{contact_sheet, write_png};
 pub use pictures::Pictures;
 pub use preview::Preview;
+pub use provenance::Provenance;
 pub use render::{Renderer, View};
 pub use run::{Loss, Pace, Recording, Run, Schedule, Stop, frame};
 pub use sink::{DEFAULT_FORMATS, FORMATS, Format, FrameSink, Start};
+pub use usd::{UsdWriter, write_usda};
 #[cfg(feature = "vtkhdf")]
-pub use vtkhdf::{Kind, Provenance, VtkHdfReader, VtkHdfWriter};
+pub use vtkhdf::{Kind, VtkHdfReader, VtkHdfWriter};

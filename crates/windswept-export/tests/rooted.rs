@@ -49,10 +49,11 @@ fn leaning_hair_grows_from_its_plate() {
     let start = InitialState::new(&leaning).unwrap().hair;
     let hair = HairFrame {
         offsets: start.point_offsets.clone(),
-        ids: Vec::new(),
         positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
         velocities: vec![[0.0; 3]; start.positions.len()],
         orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
+        root_frames: start.root_frame.iter().map(|q| q.as_quat().to_array()).collect(),
+        ..HairFrame::default()
     };
     let renderer = Renderer::new(&gpu, &leaning, &hair).unwrap();
     // The hair out of sight, to the right of the picture.

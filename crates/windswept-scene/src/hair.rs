@@ -78,6 +78,8 @@ fn groom(
         root: hair.root.into(),
         tip: hair.tip.into(),
         ids: read.ids,
+        groups: read.groups,
+        root_uvs: read.root_uvs,
         ..Groom::new(Vec::new(), read.offsets)
     };
     groom.check()?;
@@ -107,6 +109,8 @@ fn draw(
         shape.append(&hair.fibre, scene.rods.inextensible, parcel, all);
         all.group.push(group as u32);
         all.ids.push(i);
+        all.groups.push(group as u32);
+        all.root_uvs.push([0.0; 2]);
         all.friction.push(hair.friction);
     }
     let turn = darboux(drawn.curl).length() * drawn.length / f64::from(drawn.points - 1);

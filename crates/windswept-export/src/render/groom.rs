@@ -270,10 +270,9 @@ mod tests {
             let start = windswept_scene::InitialState::new(&scene).unwrap_or_else(|error| panic!("{error}")).hair;
             let frame = HairFrame {
                 offsets: start.point_offsets.clone(),
-                ids: Vec::new(),
                 positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
-                velocities: Vec::new(),
                 orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
+                ..HairFrame::default()
             };
             let groom = Groom::new(&scene, &frame, 400);
             assert_eq!(groom.hairs.len(), 400);

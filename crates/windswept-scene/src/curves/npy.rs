@@ -99,12 +99,12 @@ fn numbers(kind: &str, shape: &[usize], bytes: &mut Bytes<'_>, at: usize) -> Res
     Ok(match kind {
         "f4" => decoded(of(4)?, big, |x| f32::from_le_bytes(x).into()),
         "f8" => decoded(of(8)?, big, f64::from_le_bytes),
-        "u1" => decoded(of(1)?, big, |x| u8::from_le_bytes(x).into()),
+        "b1" | "u1" => decoded(of(1)?, big, |x| u8::from_le_bytes(x).into()),
         "i4" => decoded(of(4)?, big, |x| i32::from_le_bytes(x).into()),
         "u4" => decoded(of(4)?, big, |x| u32::from_le_bytes(x).into()),
         "i8" => decoded(of(8)?, big, |x| i64::from_le_bytes(x) as f64),
         "u8" => decoded(of(8)?, big, |x| u64::from_le_bytes(x) as f64),
-        _ => return Err(fault_at(at, format!("{NUMBERS} of type f4, f8, i4, i8, u1, u4 or u8, found {kind:?}"))),
+        _ => return Err(fault_at(at, format!("{NUMBERS} of type f4, f8, i4, i8, b1, u1, u4 or u8, found {kind:?}"))),
     })
 }
 
