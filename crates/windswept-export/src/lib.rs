@@ -7,6 +7,7 @@
 //! on by default), for ParaView, VTK and h5py; [`VtkHdfReader`] reads such a file again. [`Renderer`] draws pictures of
 //! frames; [`write_png`] and [`Preview`] save them, the latter as a GIF that moves. [`image`] is the crate that holds them.
 
+mod arrays;
 mod error;
 mod picture;
 mod pictures;
@@ -19,6 +20,7 @@ mod usd;
 #[cfg(feature = "vtkhdf")]
 mod vtkhdf;
 
+pub use arrays::write_npz;
 pub use error::ExportError;
 pub use image;
 pub use picture::{contact_sheet, write_png};

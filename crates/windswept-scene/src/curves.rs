@@ -11,6 +11,7 @@ mod usc;
 use std::{fs, path::Path};
 
 pub use fit::Dropped;
+pub use npy::npy_head;
 
 use crate::{error::SceneError, limits::LARGEST};
 

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use hdf5::types::VarLenUnicode;
 use hdf5::{File, Group, Result};
 use windswept::{AirFrame, Frame, HairFrame};
 
@@ -90,6 +91,16 @@ impl VtkHdfReader {
         }
         let rows = self.root.dataset("Points").map_or(0, |points| points.shape().first().copied().unwrap_or(0));
         (rows < self.times.len() * self.points).then(|| format!("it lacks points of its {} frames", self.times.len()))
+    }
+
+    /// Name of the adapter that ran, and version of windswept; empty where the file does not say.
+    #[must_use]
+    pub fn origin(&self) -> [String; 2] {
+        let text = |name: &str| {
+            let value = self.root.file()?.group("windswept")?.attr(name)?.read_scalar::<VarLenUnicode>()?;
+            Ok::<_, hdf5::Error>(value.to_string())
+        };
+        ["adapter", "version"].map(|name| text(name).unwrap_or_default())
     }
 
     /// Which part of a frame it holds.

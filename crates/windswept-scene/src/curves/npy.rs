@@ -165,6 +165,14 @@ pub(super) fn of_whole(values: &[u32]) -> Vec<u8> {
 }
 
 fn file(kind: &str, shape: &[usize], values: impl Iterator<Item = u8>) -> Vec<u8> {
+    let mut bytes = npy_head(kind, shape);
+    bytes.extend(values);
+    bytes
+}
+
+/// What stands in a `.npy` file before the numbers: those of an array of this kind, as NumPy spells it (`"<f4"`), and this shape.
+#[must_use]
+pub fn npy_head(kind: &str, shape: &[usize]) -> Vec<u8> {
     let sides: String = shape.iter().map(|n| format!("{n}, ")).collect();
     let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({}), }}", sides.trim_end());
     let before = MAGIC.len() + 4;
@@ -174,6 +182,5 @@ fn file(kind: &str, shape: &[usize], values: impl Iterator<Item = u8>) -> Vec<u8
     bytes.extend([1, 0]);
     bytes.extend((header.len() as u16).to_le_bytes());
     bytes.extend(header.as_bytes());
-    bytes.extend(values);
     bytes
 }
