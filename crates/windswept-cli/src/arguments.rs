@@ -371,6 +371,9 @@ pub(crate) struct ExportOptions {
     /// File to write [default: film.usda, film.usdc or film.npz in DIR]
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
+    /// Write all hairs that the strands stand for: those of the groom file, or hair.fibres_per_strand to each strand
+    #[arg(long)]
+    pub(crate) followers: bool,
     /// Replace the file if it is there
     #[arg(long)]
     pub(crate) overwrite: bool,

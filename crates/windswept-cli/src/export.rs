@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use windswept_export::{Kind, Provenance, write_npz, write_usda};
+use windswept_export::{Followers, Kind, Provenance, write_npz, write_usda};
 use windswept_scene::Scene;
 
 use crate::arguments::{ExportOptions, FilmFormat};
@@ -28,7 +28,13 @@ pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Resu
     let converter = (options.format == FilmFormat::Usdc).then(Converter::find).transpose()?;
     let [adapter, version] = hair.origin();
     let provenance = Provenance { version: &version, ..Provenance::of(&scene, &adapter) };
-    let frame = |k| hair.frame(k);
+    let first = hair.frame(0)?.hair;
+    let followers = options.followers.then(|| Followers::new(&scene, &first)).transpose();
+    let followers = followers.map_err(|error| Failure::Input(error.to_string()))?;
+    let frame = |k| match &followers {
+        Some(followers) => followers.frame(&hair.frame(k)?),
+        None => hair.frame(k),
+    };
     let rate = scene.time.frame_rate;
     // What was refused until here was bad input; now it is a failure.
     let failed = |error: windswept_export::ExportError| Failure::Run(error.to_string());
@@ -44,8 +50,9 @@ pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Resu
             converted?;
         }
     }
-    let strands = hair.frame(0)?.hair.offsets.len() - 1;
-    console.print(format_args!("{}: {strands} strands, {frames} frames", path.display()));
+    let strands = first.offsets.len() - 1;
+    let hairs = followers.map(|followers| format!("{} hairs of ", followers.len())).unwrap_or_default();
+    console.print(format_args!("{}: {hairs}{strands} strands, {frames} frames", path.display()));
     Ok(())
 }
 

@@ -9,6 +9,7 @@
 
 mod arrays;
 mod error;
+mod followers;
 mod picture;
 mod pictures;
 mod preview;
@@ -22,6 +23,7 @@ mod vtkhdf;
 
 pub use arrays::write_npz;
 pub use error::ExportError;
+pub use followers::Followers;
 pub use image;
 pub use picture::{contact_sheet, write_png};
 pub use pictures::Pictures;

@@ -15,6 +15,7 @@
 //!   CellData
 //!     StrandId (strands)         i32, hair only: number in the groom file that it comes from, else its index
 //!     GroupId (strands)          i32, hair only: group that the groom file says, else the index of its [[hair]]
+//!     FibresPerStrand (strands)  f32, hair only: hairs that it stands for
 //!     RootUv (strands, 2)        f32, hair only: place of the root in a texture, where a groom file has it
 //!     RootFrame (frames strands, 4)    f32, hair only: of the clamp at the root. (x, y, z, w)
 //!   Steps                        NSteps: how many frames are finished
@@ -250,7 +251,7 @@ impl VtkHdfWriter {
         let points = arrays(kind, frame).0.len() as u64;
         // Per point and frame; per frame (Values and the numbers in Steps); the cells, once.
         let (point, step, cells) = match kind {
-            Kind::Hair => (4 * (3 + 3 + 4), 8 * (6 + 2 * 4), frame.hair.offsets.len() as u64 * 24 + points * 4),
+            Kind::Hair => (4 * (3 + 3 + 4), 8 * (6 + 2 * 4), frame.hair.offsets.len() as u64 * 28 + points * 4),
             Kind::Air => (4 * (3 + 3), 8 * (5 + 2 * 4), points * 8),
         };
         let scalars = scalars(kind, frame).len() as u64;
@@ -368,6 +369,9 @@ fn still(kind: Kind, frame: &Frame) -> Vec<Still<'_>> {
     if !hair.groups.is_empty() {
         still.push(("CellData/GroupId", whole(&hair.groups)));
     }
+    if !hair.fibres.is_empty() {
+        still.push(("CellData/FibresPerStrand", Values::Floats(&hair.fibres)));
+    }
     if !hair.root_uvs.is_empty() {
         still.push(("CellData/RootUv", Values::Pairs(&hair.root_uvs)));
     }
@@ -405,6 +409,7 @@ fn checked_strands(hair: &HairFrame) -> Result<Vec<u32>, String> {
     for (what, found, expected, each) in [
         ("ids", hair.ids.len(), strands, "strands"),
         ("groups", hair.groups.len(), strands, "strands"),
+        ("numbers of fibres", hair.fibres.len(), strands, "strands"),
         ("root_uvs", hair.root_uvs.len(), strands, "strands"),
         ("root_frames", hair.root_frames.len(), strands, "strands"),
         ("radii", hair.radius.len(), hair.positions.len(), "points"),

@@ -38,6 +38,7 @@ if kind == "hair":
     of_strands = {
         "StrandId": np.fromfile(folder / "ids.u32", np.uint32).astype(np.int32),
         "GroupId": np.fromfile(folder / "groups.u32", np.uint32).astype(np.int32),
+        "FibresPerStrand": np.fromfile(folder / "fibres.f32", np.float32),
         "RootUv": np.fromfile(folder / "root_uvs.f32", np.float32).reshape(-1, 2),
     }
 

@@ -31,6 +31,8 @@ pub struct HairFrame {
     pub root_frames: Vec<[f32; 4]>,
     /// Radius of a fibre at each point \[m\]; empty where it is not known.
     pub radius: Vec<f32>,
+    /// Hairs that each strand stands for; empty where it is not known.
+    pub fibres: Vec<f32>,
     /// Group of each strand: that of its groom file, or the index of its `[[hair]]`; empty where it is not known.
     pub groups: Vec<u32>,
     /// Place of each root in the texture of what it grows on, as its groom file has it; empty where no file has them.

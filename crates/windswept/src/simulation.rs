@@ -352,6 +352,7 @@ impl Simulation {
             offsets: hair.point_offsets.clone(),
             ids: hair.ids.clone(),
             radius: hair.point_radii().map(|radius| radius as f32).collect(),
+            fibres: (0..hair.len()).map(|s| hair.fibres[hair.segments(s).start] as f32).collect(),
             groups: hair.groups.clone(),
             root_uvs: hair.root_uvs.clone(),
             ..HairFrame::default()

@@ -64,6 +64,7 @@ impl VtkHdfReader {
                 still.ids.clear();
             }
             still.groups = whole("CellData/GroupId")?;
+            still.fibres = floats("CellData/FibresPerStrand")?;
             still.root_uvs = floats("CellData/RootUv")?.as_chunks::<2>().0.to_vec();
             still.radius = floats("PointData/Radius")?;
         }
@@ -72,7 +73,7 @@ impl VtkHdfReader {
 
     /// The error of a file whose parts do not fit together.
     fn fault(&self) -> Option<String> {
-        let HairFrame { offsets, ids, groups, root_uvs, radius, .. } = &self.still;
+        let HairFrame { offsets, ids, groups, fibres, root_uvs, radius, .. } = &self.still;
         let ends = (offsets.first().copied(), offsets.last().map(|&last| last as usize));
         let ordered = offsets.windows(2).all(|w| w[1] >= w[0].saturating_add(2));
         if self.kind == Kind::Hair && !(ends == (Some(0), Some(self.points)) && ordered) {
@@ -82,6 +83,7 @@ impl VtkHdfReader {
         for (what, found, expected) in [
             ("numbers of strands", ids.len(), strands),
             ("groups", groups.len(), strands),
+            ("numbers of fibres", fibres.len(), strands),
             ("places of roots", root_uvs.len(), strands),
             ("radii", radius.len(), self.points),
         ] {

@@ -37,6 +37,7 @@ pub(crate) fn frame(k: usize) -> Frame {
             orientations: rows(7).iter().map(|&[x, y, z]| [x, y, z, x + y]).collect(),
             root_frames: rows(3).iter().map(|&[x, y, z]| [x, y, z, x - y]).collect(),
             radius: (0..10).map(|i| 4e-5 - 1e-6 * i as f32).collect(),
+            fibres: vec![1.0, 180.5, 7.0],
             groups: vec![0, 3, 3],
             root_uvs: vec![[0.5, 0.25], [-0.0, 1.0], [0.1, 7.5]],
             guides: Vec::new(),
@@ -66,6 +67,7 @@ pub(crate) fn dump(folder: &Path, film: &[Frame]) {
     dump("ids.u32", whole(&still.ids));
     dump("groups.u32", whole(&still.groups));
     dump("root_uvs.f32", bytes(still.root_uvs.as_flattened()));
+    dump("fibres.f32", bytes(&still.fibres));
     dump("radius.f32", bytes(&still.radius));
     dump("positions.f32", floats(|f| f.hair.positions.as_flattened()));
     dump("velocities.f32", floats(|f| f.hair.velocities.as_flattened()));
@@ -151,8 +153,8 @@ fn assert_reads(path: &Path, kind: Kind, film: &[Frame]) {
         assert!(bits(&found) == bits(expected), "frame {k} as read");
         if kind == Kind::Hair {
             let still = |hair: &HairFrame| {
-                let HairFrame { offsets, ids, groups, radius, root_uvs, .. } = hair.clone();
-                (offsets, ids, groups, radius, root_uvs)
+                let HairFrame { offsets, ids, groups, fibres, radius, root_uvs, .. } = hair.clone();
+                (offsets, ids, groups, fibres, radius, root_uvs)
             };
             assert_eq!(still(&found.hair), still(&expected.hair));
         }

@@ -280,13 +280,33 @@ impl GroomFile {
     /// # Errors
     /// As [`Curves::load`]; where no unit is known; where no strand is left.
     pub fn curves(&self, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
+        self.fitted(self.loaded()?, seed).map_err(|error| error.of(&self.file, ""))
+    }
+
+    /// All curves of the file, in metres and Y up.
+    fn loaded(&self) -> Result<Curves, SceneError> {
         self.checked_in_code()?;
         let curves = Curves::load(&self.file, self.points_per_strand)?;
         let fault = |words: String| SceneError::new(words).of(&self.file, "");
         let Some(scale) = self.scale.or(curves.unit) else {
             return Err(fault(no_unit(&curves)).with_help("give scale, the metres per unit"));
         };
-        self.fitted(curves.in_metres(scale, self.up), seed).map_err(|error| error.of(&self.file, ""))
+        Ok(curves.in_metres(scale, self.up))
+    }
+
+    /// How many strands of the file are simulated, and all that can be, with as many points each, where those are more: the others
+    /// follow the simulated ones.
+    ///
+    /// # Errors
+    /// As [`Self::curves`].
+    pub fn followers(&self, seed: u64) -> Result<(usize, Option<Curves>), SceneError> {
+        let loaded = self.loaded()?;
+        let all = Self { strands: None, ..self.clone() };
+        let everything = Curves { guides: Vec::new(), ..loaded.clone() };
+        let fitted = |file: &Self, curves| file.fitted(curves, seed).map_err(|error| error.of(&self.file, ""));
+        let simulated = fitted(self, loaded)?.0.len();
+        let all = fitted(&all, everything)?.0;
+        Ok((simulated, (all.len() > simulated).then_some(all)))
     }
 
     /// Whether the numbers are such as their keys take, in a struct that was made in code.
