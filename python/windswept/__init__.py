@@ -18,6 +18,7 @@ from windswept import ops
 from windswept._native import (
     Air,
     ExportError,
+    Followers,
     Frame,
     FrameAir,
     FrameHair,
@@ -44,6 +45,7 @@ if _TYPE_CHECKING:
 __all__ = [
     "Air",
     "ExportError",
+    "Followers",
     "Frame",
     "FrameAir",
     "FrameHair",

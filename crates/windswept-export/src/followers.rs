@@ -48,6 +48,8 @@ struct Bond {
     weights: [f32; 3],
     /// The strand whose room it grows in.
     own: u32,
+    /// Whether it is that strand.
+    is_strand: bool,
 }
 
 /// What a picture asks of a follower.
@@ -123,7 +125,8 @@ impl Followers {
         for k in 0..count {
             let s = k * curves.len() / count;
             let points: Vec<Vec3> = curves.strand(s).iter().map(|x| Vec3::from_array(x.map(|x| x as f32))).collect();
-            let bond = group.bond(&points, None);
+            let strand = group.of_curve(&points);
+            let bond = strand.map_or_else(|| group.bond(points[0], None), |strand| group.itself(strand));
             self.start.ids.push(curves.ids[s]);
             if let Some(of_strand) = group.strands.groups.get(bond.own as usize) {
                 self.start.groups.push(curves.groups.get(s).copied().unwrap_or(*of_strand));
@@ -158,17 +161,18 @@ impl Followers {
                 let (root, frame) = (Vec3::from_array(shape[0]), root_frame(strands, s));
                 let mut offset = Vec3::ZERO;
                 let mut id = strands.ids.get(s).copied().unwrap_or(s as u32);
+                let mut bond = group.itself(s);
                 if k > 0 {
                     let seat = seat(group.spacing[s - group.range.start], k, each(s), seed);
-                    offset = place(roots, root, frame, seat) - root;
-                    id = next;
+                    let there = place(roots, root, frame, seat);
+                    (offset, id, bond) = (there - root, next, group.bond(there, Some(s)));
                     next = next.saturating_add(1);
                 }
                 let points: Vec<Vec3> = shape.iter().map(|x| Vec3::from_array(*x) + offset).collect();
                 self.start.ids.push(id);
                 self.start.groups.extend(strands.groups.get(s));
                 self.start.root_uvs.extend(strands.root_uvs.get(s));
-                self.push(&points, group.bond(&points, Some(s)));
+                self.push(&points, bond);
             }
         }
         Ok(())
@@ -185,10 +189,7 @@ impl Followers {
                 radius[a] + part * (radius[b] - radius[a])
             }));
         }
-        let same = bond.weights[0] == 1.0
-            && points.len() == points_of(guides, own).len()
-            && points_of(guides, own).iter().zip(points).all(|(a, b)| Vec3::from_array(*a).distance(*b) <= SAME);
-        self.start.guides.push(same);
+        self.start.guides.push(bond.is_strand);
         self.start.positions.extend(points.iter().map(|x| x.to_array()));
         self.start.offsets.push(self.start.positions.len() as u32);
         self.bonds.push(bond);
@@ -343,38 +344,42 @@ impl<'a> Group<'a> {
         Self { strands, range, places, spacing, around }
     }
 
-    /// What a hair of these points goes with; it grows in the room of the strand `own`, or of the one whose root is nearest.
-    fn bond(&self, points: &[Vec3], own: Option<usize>) -> Bond {
-        let root = points[0];
-        let near = match own {
+    /// What a hair goes with whose root is there; it grows in the room of the strand `own`, or of the one whose root is nearest.
+    fn bond(&self, root: Vec3, own: Option<usize>) -> Bond {
+        let near: Vec<usize> = match own {
             Some(own) => {
                 let i = own - self.range.start;
-                let mut near: Vec<_> = self.around[i].iter().copied().chain([i]).collect();
-                near.sort_by(|&a, &b| {
-                    let distance = |i: usize| self.places.points[i].distance_squared(root);
-                    distance(a).total_cmp(&distance(b)).then((b == i).cmp(&(a == i)))
-                });
+                let distance = |i: usize| self.places.points[i].distance_squared(root);
+                let mut near: Vec<_> = [i].into_iter().chain(self.around[i].iter().copied()).collect();
+                near.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)));
                 near
             }
-            None => self.places.nearest(root, NEIGHBOURS).into_iter().map(|(n, _)| n).collect(),
+            None => self.places.nearest(root, 3).into_iter().map(|(i, _)| i).collect(),
         };
         let strand = |i: usize| (self.range.start + i) as u32;
-        let same = |&i: &usize| {
-            let shape = points_of(self.strands, self.range.start + i);
-            shape.len() == points.len()
-                && shape.iter().zip(points).all(|(a, b)| Vec3::from_array(*a).distance(*b) <= SAME)
-        };
-        if let Some(i) = near.iter().copied().find(same) {
-            return Bond { guides: [strand(i); 3], weights: [1.0, 0.0, 0.0], own: strand(i) };
-        }
         let three = [0, 1, 2].map(|k| near[k.min(near.len() - 1)]);
-        let roots = three.map(|i| self.places.points[i]);
-        let mut weights = weights(root, roots);
+        let mut weights = weights(root, three.map(|i| self.places.points[i]));
         // Of two strands or one, the last is there more than once.
         weights.iter_mut().skip(near.len()).for_each(|weight| *weight = 0.0);
         let sum: f32 = weights.iter().sum();
         let own = own.map_or(strand(three[0]), |own| own as u32);
-        Bond { guides: three.map(strand), weights: weights.map(|weight| weight / sum), own }
+        Bond { guides: three.map(strand), weights: weights.map(|weight| weight / sum), own, is_strand: false }
+    }
+
+    /// What a strand goes with, which is its own follower.
+    fn itself(&self, s: usize) -> Bond {
+        Bond { guides: [s as u32; 3], weights: [1.0, 0.0, 0.0], own: s as u32, is_strand: true }
+    }
+
+    /// The strand that a file's curve of these points is, if it is one: it starts where that does, and has its shape.
+    fn of_curve(&self, points: &[Vec3]) -> Option<usize> {
+        let near = self.places.nearest(points[0], NEIGHBOURS).into_iter().map(|(i, _)| self.range.start + i);
+        let same = |&s: &usize| {
+            let shape = points_of(self.strands, s);
+            let mut pairs = shape.iter().zip(points);
+            shape.len() == points.len() && pairs.all(|(a, b)| Vec3::from_array(*a).distance(*b) <= SAME)
+        };
+        near.into_iter().find(|s| same(s))
     }
 }
 
@@ -579,7 +584,7 @@ mod tests {
             positions: roots.into_iter().flat_map(shape).collect(),
             velocities: vec![[0.0; 3]; 20],
             orientations: vec![[0.0, 0.0, 0.0, 1.0]; 16],
-            root_frames: vec![[0.5; 4]; 4],
+            root_frames: vec![Quat::from_rotation_arc(Vec3::Z, Vec3::NEG_Y).to_array(); 4],
             fibres: vec![30.0; 4],
             ..HairFrame::default()
         };
@@ -599,9 +604,8 @@ mod tests {
         let mut inside = 0;
         for (s, (guides, weights)) in followers.guides().enumerate() {
             let average: Vec3 = (0..3).map(|j| weights[j] * Vec3::from_array(roots[guides[j] as usize])).sum();
-            let level = |x: Vec3| Vec3::new(x.x, 0.0, x.z);
             let root = Vec3::from_array(points_of(&followers.start, s)[0]);
-            let averages = level(average - root).length() < 1e-7 && guides[..] == [0, 1, 2];
+            let averages = average.distance(root) < 1e-7;
             inside += usize::from(averages);
             for (k, x) in points_of(&followers.start, s).iter().enumerate() {
                 let i = now.offsets[s] as usize + k;
