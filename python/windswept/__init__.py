@@ -40,7 +40,7 @@ from windswept._native import (
 )
 
 if _TYPE_CHECKING:
-    from windswept import plot, sweep
+    from windswept import plot, sweep, usd
 
 __all__ = [
     "Air",
@@ -66,13 +66,14 @@ __all__ = [
     "ops",
     "plot",
     "sweep",
+    "usd",
     "write_png",
 ]
 
 
 def __getattr__(name: str) -> _ModuleType:
     # What most programs need not import: NumPy's and Matplotlib's start-up is longer than ours.
-    if name in ("plot", "sweep"):
+    if name in ("plot", "sweep", "usd"):
         import importlib
 
         return importlib.import_module(f"windswept.{name}")
