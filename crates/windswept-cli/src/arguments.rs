@@ -354,7 +354,7 @@ fn scale(word: &str) -> Result<f64, String> {
 pub(crate) enum FilmFormat {
     /// USD as text, for Blender, Houdini, Maya, usdview
     Usda,
-    /// USD in a third of the bytes; a Python with usd-core writes it (pip install 'windswept[usd]')
+    /// USD as numbers, a third as large; a Python with usd-core writes it (pip install 'windswept[usd]')
     Usdc,
     /// NumPy's arrays
     Npz,

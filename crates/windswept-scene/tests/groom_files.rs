@@ -339,6 +339,11 @@ fn groups_and_places_of_roots_come_back() {
     let (groom, _) = file.groom(1).unwrap();
     assert_eq!((groom.ids, groom.groups), (vec![7, 1], vec![2, 4_000_000_000]));
     assert_eq!(groom.root_uvs, [[0.25, 0.5], [3.0, 4.0]]);
+    // The others follow, and all of them are what the file becomes as another file.
+    let (simulated, all) = file.followers(1).unwrap();
+    let all = all.unwrap();
+    assert_eq!((simulated, all.ids, all.points.len()), (2, curves.ids.clone(), 20));
+    assert_eq!(file.fitted(curves.clone(), 1).unwrap().0.guides, curves.guides);
     for (spoilt, name) in [
         (Curves { groups: vec![1], ..curves.clone() }, "groups"),
         (Curves { root_uvs: vec![[0.0; 2]; 5], ..curves.clone() }, "root_uvs"),

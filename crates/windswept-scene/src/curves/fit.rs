@@ -280,7 +280,12 @@ impl GroomFile {
     /// # Errors
     /// As [`Curves::load`]; where no unit is known; where no strand is left.
     pub fn curves(&self, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
-        self.fitted(self.loaded()?, seed).map_err(|error| error.of(&self.file, ""))
+        self.simulated(self.loaded()?, seed)
+    }
+
+    /// The curves of the file that are simulated: of those it marks as guides, or of all.
+    fn simulated(&self, loaded: Curves, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
+        self.fitted(loaded.guides(None, seed), seed).map_err(|error| error.of(&self.file, ""))
     }
 
     /// All curves of the file, in metres and Y up.
@@ -301,11 +306,9 @@ impl GroomFile {
     /// As [`Self::curves`].
     pub fn followers(&self, seed: u64) -> Result<(usize, Option<Curves>), SceneError> {
         let loaded = self.loaded()?;
+        let simulated = self.simulated(loaded.clone(), seed)?.0.len();
         let all = Self { strands: None, ..self.clone() };
-        let everything = Curves { guides: Vec::new(), ..loaded.clone() };
-        let fitted = |file: &Self, curves| file.fitted(curves, seed).map_err(|error| error.of(&self.file, ""));
-        let simulated = fitted(self, loaded)?.0.len();
-        let all = fitted(&all, everything)?.0;
+        let (all, _) = all.fitted(loaded, seed).map_err(|error| error.of(&self.file, ""))?;
         Ok((simulated, (all.len() > simulated).then_some(all)))
     }
 
@@ -337,7 +340,10 @@ impl GroomFile {
         curves.check()?;
         let total = curves.len();
         let mut dropped = Dropped::default();
-        let mut curves = curves.kept(self.points.is_some(), &mut dropped).guides(self.strands, seed);
+        let mut curves = curves.kept(self.points.is_some(), &mut dropped);
+        if self.strands.is_some() {
+            curves = curves.guides(self.strands, seed);
+        }
         if let Some(points) = self.points {
             let most = u64::from(MOST_HAIR_POINTS);
             if curves.len() as u64 * u64::from(points) > most {
