@@ -107,6 +107,14 @@ def test_ten_thousand_strands_come_back_with_their_followers(tmp_path):
     assert sum(UsdGeom.PrimvarsAPI(curves).GetPrimvar("groom_guide").Get()) == 200
 
 
+def test_followers_that_cannot_be_are_refused(scene, bare):
+    many = ws.Simulation(scene.replace(**{"hair.fibres_per_strand": 1e9}))
+    with pytest.raises(ws.ExportError, match="8000000000 hairs; expected at most"):
+        _ = many.followers
+    grooms = ws.Simulation(bare, groom=ws.Groom([[[0, 0, 0], [0.01, 0, 0]], [[0, 0, 1], [0.01, 0, 1]]], fibres_per_strand=[1, 3]))
+    assert len(grooms.followers.ids) == 4 and grooms.followers.guides[3].tolist() == [1, 0, 0]
+
+
 def test_followers_go_with_their_strands(scene):
     sim = ws.Simulation(scene.replace(**{"hair.fibres_per_strand": 25}))
     sim.step(20)

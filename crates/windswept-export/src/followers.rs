@@ -18,9 +18,10 @@ use std::f32::consts::TAU;
 
 use glam::{IVec3, Quat, Vec3};
 use windswept::{Frame, HairFrame};
-use windswept_scene::{Curves, Hair, RootShape, Roots, Scene};
+use windswept_scene::{Curves, Hair, RootShape, Roots, Scene, limits::MOST_HAIRS};
 
 use crate::ExportError;
+use crate::strands::check_strands;
 
 /// Strands that are looked at for the guides of a hair between them, and for the room that a strand has.
 const NEIGHBOURS: usize = 6;
@@ -71,7 +72,8 @@ impl Followers {
     /// strands themselves.
     ///
     /// # Errors
-    /// [`ExportError::Picture`] if a groom file cannot be read any more, or the hairs are more than 32 bits count.
+    /// [`ExportError::Picture`] if there is no strand, a groom file cannot be read any more, or the hairs are more than
+    /// [`MOST_HAIRS`].
     pub fn new(scene: &Scene, start: &HairFrame) -> Result<Self, ExportError> {
         let fibres = |s: usize| start.fibres.get(s).map_or(1, |fibres| fibres.round().max(1.0) as usize);
         Self::make(scene, start, fibres, |_, there| there)
@@ -80,7 +82,7 @@ impl Followers {
     /// About this many hairs in all, at least one a strand: fewer or more than the strands stand for, but no more than a groom file
     /// has.
     pub(crate) fn about(scene: &Scene, start: &HairFrame, hairs: u32) -> Result<Self, ExportError> {
-        let (hairs, strands) = (hairs as usize, start.offsets.len() - 1);
+        let (hairs, strands) = (hairs as usize, start.offsets.len().saturating_sub(1).max(1));
         let each = |s: usize| (hairs / strands + usize::from(s < hairs % strands)).max(1);
         Self::make(scene, start, each, |simulated, there| (hairs * simulated).div_ceil(strands).clamp(1, there))
     }
@@ -93,6 +95,7 @@ impl Followers {
         each: impl Fn(usize) -> usize,
         of_file: impl Fn(usize, usize) -> usize,
     ) -> Result<Self, ExportError> {
+        check_strands(start).map_err(|problem| ExportError::Picture { problem })?;
         let mut made = Self {
             start: HairFrame { offsets: vec![0], ..HairFrame::default() },
             bonds: Vec::new(),
@@ -101,7 +104,7 @@ impl Followers {
         };
         let strands = start.offsets.len() - 1;
         let mut first = 0;
-        for (hair, count, file) in groups(scene, strands)? {
+        for Part { hair, strands: count, file } in parts(scene, strands)? {
             let group = Group::new(start, first..first + count);
             let before = made.len();
             match &file {
@@ -147,9 +150,9 @@ impl Followers {
     ) -> Result<(), ExportError> {
         let strands = group.strands;
         let most = group.range.clone().map(each).max().unwrap_or(1);
-        let points = group.range.clone().map(|s| each(s).saturating_mul(points_of(strands, s).len()));
-        if points.fold(0, usize::saturating_add) > u32::MAX as usize {
-            let problem = "the hairs that the strands stand for have more points than 32 bits count".to_owned();
+        let hairs = group.range.clone().map(each).fold(self.len(), usize::saturating_add);
+        if hairs > MOST_HAIRS as usize {
+            let problem = format!("the strands stand for {hairs} hairs; expected at most {MOST_HAIRS}");
             return Err(ExportError::Picture { problem });
         }
         let mut next = strands.ids.iter().max().map_or(strands.offsets.len() as u32 - 1, |last| last.saturating_add(1));
@@ -300,23 +303,30 @@ fn turns(start: &HairFrame, now: &HairFrame) -> Vec<Quat> {
         .collect()
 }
 
-/// The scene's groups by index, with how many of the strands are theirs, in order, and all curves of their files where those are
-/// more. One group that is none of the scene's where the strands are the caller's own.
-fn groups(scene: &Scene, strands: usize) -> Result<Vec<(Option<usize>, usize, Option<Curves>)>, ExportError> {
-    let own = || vec![(None, strands, None)];
+/// A group of a simulation's strands.
+struct Part {
+    /// Index of its `[[hair]]`; none where the strands are the caller's own.
+    hair: Option<usize>,
+    /// Number of its strands.
+    strands: usize,
+    /// All curves of its groom file, where those are more.
+    file: Option<Curves>,
+}
+
+/// The scene's groups, in the order of their strands; one that is none of the scene's where the strands are the caller's own.
+fn parts(scene: &Scene, strands: usize) -> Result<Vec<Part>, ExportError> {
+    let own = || vec![Part { hair: None, strands, file: None }];
     let drawn: usize = scene.hair.iter().filter_map(Hair::drawn).map(|drawn| drawn.strands as usize).sum();
     if drawn > strands || scene.hair.is_empty() {
         return Ok(own());
     }
-    let mut groups = Vec::new();
-    for (index, hair) in scene.hair.iter().enumerate() {
-        let (count, curves) = hair
-            .followers(scene.seed)
-            .map_err(|error| ExportError::Picture { problem: format!("hair.{}: {error}", hair.name) })?;
-        groups.push((Some(index), count, curves));
-    }
-    let total: usize = groups.iter().map(|(_, count, _)| count).sum();
-    Ok(if total == strands { groups } else { own() })
+    let part = |(index, hair): (usize, &Hair)| match hair.followers(scene.seed) {
+        Ok((strands, file)) => Ok(Part { hair: Some(index), strands, file }),
+        Err(error) => Err(ExportError::Picture { problem: format!("hair.{}: {error}", hair.name) }),
+    };
+    let parts: Vec<Part> = scene.hair.iter().enumerate().map(part).collect::<Result<_, _>>()?;
+    let total: usize = parts.iter().map(|part| part.strands).sum();
+    Ok(if total == strands { parts } else { own() })
 }
 
 /// The strands of a group.
@@ -436,7 +446,7 @@ impl Places {
             for dx in -reach..=reach {
                 for dy in -reach..=reach {
                     for dz in -reach..=reach {
-                        let bucket = self.buckets.get(&(at + IVec3::new(dx, dy, dz)));
+                        let bucket = self.buckets.get(&at.saturating_add(IVec3::new(dx, dy, dz)));
                         found.extend(bucket.into_iter().flatten().map(with_distance));
                     }
                 }

@@ -17,6 +17,7 @@ mod provenance;
 mod render;
 mod run;
 mod sink;
+mod strands;
 mod usd;
 #[cfg(feature = "vtkhdf")]
 mod vtkhdf;

@@ -28,6 +28,7 @@ use std::path::{Path, PathBuf};
 
 use windswept::{Frame, HairFrame};
 
+use crate::strands::check_strands;
 use crate::{ExportError, FrameSink, Provenance, Start};
 
 /// The end of a layer: of the samples, of the attribute, of the prim; and what is behind it does not count.
@@ -323,28 +324,12 @@ fn code(time: f64, rate: f64) -> f64 {
 
 /// Checks that the strands can be written.
 fn check(hair: &HairFrame) -> Result<(), String> {
-    let (points, strands) = (hair.positions.len(), hair.offsets.len().saturating_sub(1));
-    if points == 0 || strands == 0 {
-        return Err("the frame has no strands".to_owned());
+    check_strands(hair)?;
+    let (velocities, points) = (hair.velocities.len(), hair.positions.len());
+    if velocities != points {
+        return Err(format!("the frame has {velocities} velocities, expected {points}"));
     }
-    let whole = hair.offsets[0] == 0
-        && hair.offsets.last().is_some_and(|&last| last as usize == points)
-        && hair.offsets.windows(2).all(|pair| pair[1] >= pair[0].saturating_add(2));
-    if !whole {
-        return Err(format!("offsets do not divide the {points} points into strands of two or more"));
-    }
-    let counts = [
-        ("velocities", hair.velocities.len(), points, false),
-        ("radii", hair.radius.len(), points, true),
-        ("ids", hair.ids.len(), strands, true),
-        ("groups", hair.groups.len(), strands, true),
-        ("root_uvs", hair.root_uvs.len(), strands, true),
-        ("guides", hair.guides.len(), strands, true),
-    ];
-    match counts.into_iter().find(|&(_, found, expected, or_none)| found != expected && !(or_none && found == 0)) {
-        Some((what, found, expected, _)) => Err(format!("the frame has {found} {what}, expected {expected}")),
-        None => Ok(()),
-    }
+    Ok(())
 }
 
 /// The metadata of a layer.
@@ -354,15 +339,13 @@ fn meta(sampled: &Sampled, rate: f64, provenance: &Provenance<'_>) -> String {
     }
     let [_, layers @ ..] = UsdWriter::FILES;
     let layers = layers.map(|name| format!("        @./{name}@")).join(",\n");
-    stage(rate, provenance, &" ".repeat(ROOM), &format!("    subLayers = [\n{layers}\n    ]\n"))
+    stage(rate, provenance, &format!("{:<ROOM$}", 0), &format!("    subLayers = [\n{layers}\n    ]\n"))
 }
 
 /// The metadata of a stage.
 fn stage(rate: f64, provenance: &Provenance<'_>, last: &str, layers: &str) -> String {
     let Provenance { scene, version, adapter, seed } = provenance;
     let [scene, version, adapter] = [scene, version, adapter].map(|text| quoted(text));
-    // The last time code is 0 as long as there is none.
-    let last = if last.trim().is_empty() { format!("{:<ROOM$}", 0) } else { last.to_owned() };
     format!(
         "#usda 1.0
 (

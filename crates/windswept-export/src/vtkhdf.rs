@@ -44,6 +44,7 @@ use std::path::{Path, PathBuf};
 
 use windswept::{Frame, HairFrame};
 
+use crate::strands::check_strands;
 use crate::{ExportError, FrameSink, Provenance};
 pub(crate) use films::Films;
 use layout::{Contents, Layout, Rows, Still, Values};
@@ -337,7 +338,7 @@ fn checked(kind: Kind, frame: &Frame, frames: usize) -> Result<(usize, Vec<u32>)
         return Err(format!("{frames} frames fit into no file"));
     }
     match kind {
-        Kind::Hair => Ok((points, checked_strands(&frame.hair)?)),
+        Kind::Hair => check_strands(&frame.hair).map(|()| (points, frame.hair.offsets.clone())),
         Kind::Air => Ok((points, Vec::new())),
     }
 }
@@ -391,34 +392,6 @@ fn contents<'a>(
 ) -> Contents<'a> {
     let root_frames = if kind == Kind::Hair { frame.hair.root_frames.len() } else { 0 };
     Contents { points, root_frames, scalars, still }
-}
-
-/// The strands' offsets, if they start at 0, end with the points, and give every strand a segment.
-fn checked_strands(hair: &HairFrame) -> Result<Vec<u32>, String> {
-    let (first, last) = (hair.offsets.first(), hair.offsets.last());
-    if first != Some(&0) || last.map(|&last| last as usize) != Some(hair.positions.len()) {
-        return Err(format!(
-            "the strands' offsets go from {first:?} to {last:?}, not from 0 to the {} points",
-            hair.positions.len()
-        ));
-    }
-    if let Some(strand) = hair.offsets.windows(2).position(|w| w[1] < w[0].saturating_add(2)) {
-        return Err(format!("strand {strand} has fewer than two points"));
-    }
-    let strands = hair.offsets.len() - 1;
-    for (what, found, expected, each) in [
-        ("ids", hair.ids.len(), strands, "strands"),
-        ("groups", hair.groups.len(), strands, "strands"),
-        ("numbers of fibres", hair.fibres.len(), strands, "strands"),
-        ("root_uvs", hair.root_uvs.len(), strands, "strands"),
-        ("root_frames", hair.root_frames.len(), strands, "strands"),
-        ("radii", hair.radius.len(), hair.positions.len(), "points"),
-    ] {
-        if found != 0 && found != expected {
-            return Err(format!("{found} {what} are not one for each of {expected} {each}"));
-        }
-    }
-    Ok(hair.offsets.clone())
 }
 
 /// Makes orientations per point of those per segment: that of the segment that starts there, and at the tip that

@@ -14,6 +14,9 @@ use film::{PROVENANCE, dump, film, frame};
 
 const RATE: f64 = 60.0;
 
+/// Makes a frame one that does not fit.
+type Spoil = fn(&mut Frame);
+
 /// Has usd_back.py compare the stages of this folder with plain dumps of the film.
 fn read_back(folder: &Path, frames: usize) {
     dump(folder, &film(frames));
@@ -90,9 +93,9 @@ fn misfits_are_refused() {
     let mut writer = UsdWriter::create(folder.path(), &frame(0).hair, RATE, &PROVENANCE).unwrap();
     writer.append(&frame(0)).unwrap();
     writer.append(&frame(1)).unwrap();
-    let spoils: [(&str, fn(&mut Frame)); 6] = [
+    let spoils: [(&str, Spoil); 6] = [
         ("no strands", |f| f.hair = HairFrame::default()),
-        ("do not divide", |f| f.hair.offsets[3] = 9),
+        ("not from 0 to the 10 points", |f| f.hair.offsets[3] = 9),
         ("other lengths", |f| f.hair.offsets[1] = 3),
         ("9 velocities, expected 10", |f| f.hair.velocities.truncate(9)),
         ("cannot be behind", |f| f.time = frame(1).time),
