@@ -204,8 +204,11 @@ impl Layer {
             let there = lines.next().map_err(unread)?;
             let sample = lines.line.trim_ascii_start().starts_with(format!("{code}: [").as_bytes());
             // Behind the last sample of all stands an end, and perhaps one that was not finished.
-            let length = lines.line.iter().position(|&byte| byte == b'#').map(|at| at + 1 - END.len());
-            let length = length.or_else(|| lines.line.len().checked_sub(1));
+            let comment = lines.line.iter().position(|&byte| byte == b'#');
+            let length = match comment {
+                Some(at) => (at + 1).checked_sub(END.len()),
+                None => lines.line.len().checked_sub(1),
+            };
             match length {
                 Some(length) if there && sample => end = from + length as u64,
                 _ => return Err(misfit(format!("expected a frame at time code {code} as number {k}"))),

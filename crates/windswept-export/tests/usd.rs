@@ -126,3 +126,40 @@ fn misfits_are_refused() {
     let error = write_usda(&missing.join("a.usda"), 1, |k| Ok(frame(k)), RATE, &PROVENANCE).unwrap_err().to_string();
     assert!(error.contains("a.usda") && error.contains("No such file"), "{error}");
 }
+
+/// Files that were cut or changed anywhere are refused, or the film goes on behind the frames that are whole; nothing panics.
+#[test]
+fn altered_films_do_no_harm() {
+    let whole = tempfile::tempdir().unwrap();
+    let mut writer = UsdWriter::create(whole.path(), &frame(0).hair, RATE, &PROVENANCE).unwrap();
+    film(3).iter().for_each(|frame| writer.append(frame).unwrap());
+    let times: Vec<f64> = film(2).iter().map(|frame| frame.time).collect();
+    let mut state = 1_u32;
+    let mut random = move |below: usize| {
+        state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        (state >> 8) as usize % below
+    };
+    let (folder, mut refused) = (tempfile::tempdir().unwrap(), 0);
+    for round in 0..200 {
+        for name in UsdWriter::FILES {
+            let mut bytes = std::fs::read(whole.path().join(name)).unwrap();
+            let at = random(bytes.len());
+            match round % 4 {
+                0 => bytes.truncate(at),
+                1 => bytes[at] = b'#',
+                2 => bytes[at] = b'\n',
+                _ => bytes[at] ^= 1 << random(8),
+            }
+            std::fs::write(folder.path().join(name), bytes).unwrap();
+        }
+        match UsdWriter::go_on(folder.path(), &frame(0).hair, RATE, &times) {
+            Ok(mut writer) => writer.append(&frame(2)).unwrap(),
+            Err(error) => {
+                refused += 1;
+                assert!(error.to_string().contains(".usda: "), "{error}");
+            }
+        }
+    }
+    println!("{refused} of 200 were refused");
+    assert!((100..200).contains(&refused), "{refused}");
+}
