@@ -79,12 +79,11 @@ impl Followers {
         Self::make(scene, start, fibres, |_, there| there)
     }
 
-    /// About this many hairs in all, at least one a strand: fewer or more than the strands stand for, but no more than a groom file
-    /// has.
+    /// About this many hairs in all, at least one a strand: fewer or more than the strands stand for.
     pub(crate) fn about(scene: &Scene, start: &HairFrame, hairs: u32) -> Result<Self, ExportError> {
         let (hairs, strands) = (hairs as usize, start.offsets.len().saturating_sub(1).max(1));
         let each = |s: usize| (hairs / strands + usize::from(s < hairs % strands)).max(1);
-        Self::make(scene, start, each, |simulated, there| (hairs * simulated).div_ceil(strands).clamp(1, there))
+        Self::make(scene, start, each, |simulated, _| (hairs * simulated).div_ceil(strands).max(1))
     }
 
     /// The hairs, with as many to each strand as `each` says, and as many of a groom file's as `of_file` says by the number of the
@@ -123,14 +122,31 @@ impl Followers {
         Ok(made)
     }
 
-    /// Appends so many of a file's curves.
+    /// Appends so many of a file's curves, evenly chosen; where there are not as many, all of them, and then hairs of their shapes
+    /// beside them.
     fn of_file(&mut self, group: &Group<'_>, curves: &Curves, count: usize) {
-        for k in 0..count {
-            let s = k * curves.len() / count;
-            let points: Vec<Vec3> = curves.strand(s).iter().map(|x| Vec3::from_array(x.map(|x| x as f32))).collect();
-            let strand = group.of_curve(&points);
+        let there = curves.len();
+        let point = |x: &[f64; 3]| Vec3::from_array(x.map(|x| x as f32));
+        let spacing = if count > there {
+            spaces(&Places::new((0..there).map(|s| point(&curves.strand(s)[0])).collect())).0
+        } else {
+            Vec::new()
+        };
+        let mut next = curves.ids.iter().max().map_or(0, |last| last.saturating_add(1));
+        for i in 0..count {
+            let (s, k) = if count > there { (i % there, i / there) } else { (i * there / count, 0) };
+            let mut points: Vec<Vec3> = curves.strand(s).iter().map(point).collect();
+            let mut id = curves.ids[s];
+            if k > 0 {
+                let across = Quat::from_rotation_arc(Vec3::Z, (points[1] - points[0]).normalize_or(Vec3::Z));
+                let offset = across * seat(spacing[s], k, count.div_ceil(there), hash(i as u32 + 1));
+                points.iter_mut().for_each(|x| *x += offset);
+                id = next;
+                next = next.saturating_add(1);
+            }
+            let strand = if k > 0 { None } else { group.of_curve(&points) };
             let bond = strand.map_or_else(|| group.bond(points[0], None), |strand| group.itself(strand));
-            self.start.ids.push(curves.ids[s]);
+            self.start.ids.push(id);
             if let Some(of_strand) = group.strands.groups.get(bond.own as usize) {
                 self.start.groups.push(curves.groups.get(s).copied().unwrap_or(*of_strand));
             }
@@ -343,14 +359,7 @@ struct Group<'a> {
 impl<'a> Group<'a> {
     fn new(strands: &'a HairFrame, range: std::ops::Range<usize>) -> Self {
         let places = Places::new(range.clone().map(|s| Vec3::from_array(points_of(strands, s)[0])).collect());
-        let (mut spacing, mut around) = (Vec::new(), Vec::new());
-        for (i, root) in places.points.iter().enumerate() {
-            let mut near = places.nearest(*root, NEIGHBOURS + 1);
-            near.retain(|&(n, _)| n != i);
-            near.truncate(NEIGHBOURS);
-            spacing.push(near.iter().map(|&(_, d)| d).sum::<f32>() / near.len().max(1) as f32);
-            around.push(near.into_iter().map(|(n, _)| n).collect());
-        }
+        let (spacing, around) = spaces(&places);
         Self { strands, range, places, spacing, around }
     }
 
@@ -391,6 +400,18 @@ impl<'a> Group<'a> {
         };
         near.into_iter().find(|s| same(s))
     }
+}
+
+/// Mean distance of each place to those around it [m], and which those are.
+fn spaces(places: &Places) -> (Vec<f32>, Vec<Vec<usize>>) {
+    let around = |(i, root): (usize, &Vec3)| {
+        let mut near = places.nearest(*root, NEIGHBOURS + 1);
+        near.retain(|&(n, _)| n != i);
+        near.truncate(NEIGHBOURS);
+        let mean = near.iter().map(|&(_, d)| d).sum::<f32>() / near.len().max(1) as f32;
+        (mean, near.into_iter().map(|(n, _)| n).collect())
+    };
+    places.points.iter().enumerate().map(around).unzip()
 }
 
 /// Weights of three places for a point.
@@ -627,5 +648,54 @@ mod tests {
             }
         }
         assert!(inside > 5, "{inside} are within the triangle");
+    }
+
+    /// Of a groom file's hairs that follow, as many are taken as asked for: some, all, or all and others beside them.
+    #[test]
+    fn a_files_hairs_come_first() {
+        let folder = tempfile::tempdir().unwrap_or_else(|error| panic!("{error}"));
+        let roots = (0..50).map(|k| (0.4 * f64::from(k), 1e-3 * f64::from(k).sqrt()));
+        let points: Vec<[f64; 3]> = roots
+            .flat_map(|(angle, radius)| {
+                (0..4).map(move |k| [radius * angle.cos(), -0.01 * f64::from(k), radius * angle.sin()])
+            })
+            .collect();
+        let curves = Curves {
+            points,
+            offsets: (0..=50).map(|s| 4 * s).collect(),
+            ids: (0..50).map(|s| 3 * s).collect(),
+            unit: Some(1.0),
+            ..Curves::default()
+        };
+        let path = folder.path().join("groom.npz");
+        curves.save(&path).unwrap_or_else(|error| panic!("{error}"));
+        let text = format!(
+            "time = {{ step = 1e-3, duration = 1 }}\ninteraction.model = \"none\"\n[hair]\nfile = {:?}\nstrands = 7",
+            path.display().to_string()
+        );
+        let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"));
+        let start = windswept_scene::InitialState::new(&scene).unwrap_or_else(|error| panic!("{error}")).hair;
+        let frame = HairFrame {
+            offsets: start.point_offsets.clone(),
+            ids: start.ids.clone(),
+            positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
+            ..HairFrame::default()
+        };
+        for (asked, in_file) in [(20, 20), (50, 50), (120, 50)] {
+            let hairs = Followers::about(&scene, &frame, asked).unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(hairs.len(), asked as usize);
+            let own = hairs.start.ids.iter().filter(|id| curves.ids.contains(id));
+            assert_eq!(own.count(), in_file);
+            for s in 0..hairs.len() {
+                // Roots are less than 1 mm apart.
+                let root = Vec3::from_array(points_of(&hairs.start, s)[0]);
+                let near = (0..50).map(|k| Vec3::from_array(curves.strand(k)[0].map(|x| x as f32)).distance(root));
+                assert!(near.fold(f32::MAX, f32::min) < if s < 50 { 1e-9 } else { 2e-3 }, "{root}");
+            }
+            let guides = hairs.start.guides.iter().filter(|guide| **guide).count();
+            assert!(guides == 7 || (asked < 50 && guides < 7), "{guides}");
+        }
+        let all = Followers::new(&scene, &frame).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((all.len(), &all.start.ids), (50, &curves.ids));
     }
 }
