@@ -43,4 +43,5 @@ points = 15
 sim = ws.Simulation(scene)
 sim.run(0.02)
 ws.write_png("curls.png", sim.render())
-print(f"{len(sim.hair.ids)} of {strands} curls, the first three are numbers {sim.hair.ids[:3]} of curls.hair")
+print(f"{len(sim.hair.ids)} of {strands} curls are simulated, the first three are numbers {sim.hair.ids[:3]} of curls.hair")
+print(f"with their followers they are {len(sim.followers.ids)} hairs")

@@ -18,6 +18,7 @@ from windswept import ops
 from windswept._native import (
     Air,
     ExportError,
+    Followers,
     Frame,
     FrameAir,
     FrameHair,
@@ -39,11 +40,12 @@ from windswept._native import (
 )
 
 if _TYPE_CHECKING:
-    from windswept import plot, sweep
+    from windswept import plot, sweep, usd
 
 __all__ = [
     "Air",
     "ExportError",
+    "Followers",
     "Frame",
     "FrameAir",
     "FrameHair",
@@ -64,13 +66,14 @@ __all__ = [
     "ops",
     "plot",
     "sweep",
+    "usd",
     "write_png",
 ]
 
 
 def __getattr__(name: str) -> _ModuleType:
     # What most programs need not import: NumPy's and Matplotlib's start-up is longer than ours.
-    if name in ("plot", "sweep"):
+    if name in ("plot", "sweep", "usd"):
         import importlib
 
         return importlib.import_module(f"windswept.{name}")

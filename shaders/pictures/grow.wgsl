@@ -1,25 +1,23 @@
-// Places the points of every drawn hair along its guide strand's curve (Catmull-Rom), offset in the strand's frame.
+// Makes the points of every drawn hair of its follower's few: a smooth curve (Catmull-Rom) with waves of its own.
 //
-// A drawn hair is a parallel fibre of its guide's rod, so that it keeps the guide's curl. Where a neighbouring guide runs
-// alike, the hair is blended toward that guide, so that straight hair shows no locks. There is one invocation per point.
+// A follower is a hair's course between the strands, and is worked out beside the shaders. Hairs of a strand draw together toward
+// its tip and sway a little, each in another way; hairs of a groom file stay as they are. There is one invocation per point.
 import package::common::dispatch::{invocation, WORKGROUP};
 import package::pictures::common::{view, chance};
 
 struct Hair {
-    guide:     u32,    // index of the guide strand
-    neighbour: u32,    // index of the neighbouring guide
-    pair:      u32,    // index of (guide, neighbour) in `likeness`
-    seed:      u32,    // seed of the hair's random numbers
-    here:      vec4f,  // xyz: root in the frame of the guide's clamp [m]; w: weight of the neighbour, 0 to 1/2
-    there:     vec4f,  // xyz: root in the frame of the neighbour's clamp [m]; w: radius drawn [m]
+    guide:  u32,  // index of the strand whose room it grows in
+    seed:   u32,  // seed of the hair's random numbers
+    first:  u32,  // index of its follower's root in `course`
+    last:   u32,  // index of its follower's tip
+    styled: f32,  // share of the waves, of the drawing together and of the shortening that it gets
 }
 
-@group(0) @binding(1) var<storage, read>       hair:     array<Hair>;
-@group(0) @binding(2) var<storage, read>       offsets:  array<u32>;    // first point of each guide, and the end
-@group(0) @binding(3) var<storage, read>       guide:    array<vec4f>;  // points [m]
-@group(0) @binding(4) var<storage, read>       frame:    array<vec4f>;  // orientation of the segment that starts there; at a tip, of the clamp
-@group(0) @binding(5) var<storage, read>       likeness: array<f32>;    // likeness of a pair: 1 where the two run alike, 0 where not
-@group(0) @binding(6) var<storage, read_write> points:   array<vec4f>;  // xyz [m]; w: 0 at the root, 1 at the tip
+@group(0) @binding(1) var<storage, read>       hair:    array<Hair>;
+@group(0) @binding(2) var<storage, read>       offsets: array<u32>;    // first point of each strand in `course` and `frame`, and the end
+@group(0) @binding(3) var<storage, read>       course:  array<vec4f>;  // points of strands, then of followers [m]
+@group(0) @binding(4) var<storage, read>       frame:   array<vec4f>;  // orientation of the segment that starts there; at a tip, of the clamp
+@group(0) @binding(5) var<storage, read_write> points:  array<vec4f>;  // xyz [m]; w: 0 at the root, 1 at the tip
 
 // The numbers below are chosen by eye.
 
@@ -39,15 +37,15 @@ fn rotate(q: vec4f, v: vec3f) -> vec3f {
     return v + q.w * t + cross(q.xyz, t);
 }
 
-// Point `k` of a guide; beyond an end, the mirror image of the point before it.
+// Point `k` of a course; beyond an end, the mirror image of the point before it.
 fn at(first: u32, last: u32, k: i32) -> vec3f {
     if k < 0 {
-        return 2.0 * guide[first].xyz - guide[first + 1u].xyz;
+        return 2.0 * course[first].xyz - course[first + 1u].xyz;
     }
     if first + u32(k) > last {
-        return 2.0 * guide[last].xyz - guide[last - 1u].xyz;
+        return 2.0 * course[last].xyz - course[last - 1u].xyz;
     }
-    return guide[first + u32(k)].xyz;
+    return course[first + u32(k)].xyz;
 }
 
 fn catmull_rom(a: vec3f, b: vec3f, c: vec3f, d: vec3f, u: f32) -> vec3f {
@@ -58,7 +56,7 @@ fn between(a: vec4f, b: vec4f, u: f32) -> vec4f {
     return normalize(mix(a, select(b, -b, dot(a, b) < 0.0), u));
 }
 
-// Orientation of a guide at `x` segments from the root, between those of the nearest segments. Toward the root it becomes
+// Orientation of a strand at `x` segments from the root, between those of the nearest segments. Toward the root it becomes
 // that of the clamp, so that hairs stay where they are rooted whatever their strand does.
 fn orientation(first: u32, last: u32, x: f32) -> vec4f {
     let segment = clamp(x - 0.5, 0.0, f32(last - first - 1u));
@@ -67,14 +65,11 @@ fn orientation(first: u32, last: u32, x: f32) -> vec4f {
     return between(frame[last], free, smoothstep(0.0, CLAMPED, x));
 }
 
-// A point of a guide's rod, `t` of its length from the root, `offset` from its axis in the root's frame.
-fn along(g: u32, t: f32, offset: vec3f) -> vec3f {
-    let first = offsets[g];
-    let last = offsets[g + 1u] - 1u;
+// The point of a course `t` of its length from the root.
+fn along(first: u32, last: u32, t: f32) -> vec3f {
     let x = t * f32(last - first);
     let k = min(i32(x), i32(last - first) - 1);
-    let axis = catmull_rom(at(first, last, k - 1), at(first, last, k), at(first, last, k + 1), at(first, last, k + 2), x - f32(k));
-    return axis + rotate(orientation(first, last, x), offset);
+    return catmull_rom(at(first, last, k - 1), at(first, last, k), at(first, last, k + 1), at(first, last, k + 2), x - f32(k));
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -87,22 +82,18 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let t = f32(i % view.samples) / f32(view.samples - 1u);
 
     let short = chance(self_.seed, 0u);
-    let s = t * (1.0 - SHORTER * short * short);
-    let gather = mix(LOOSE, TIGHT, smoothstep(0.0, 1.0, s) * chance(self_.guide, 1u));
+    let s = t * (1.0 - self_.styled * SHORTER * short * short);
+    let gather = mix(LOOSE, TIGHT, self_.styled * smoothstep(0.0, 1.0, s) * chance(self_.guide, 1u));
     let first = offsets[self_.guide];
     let last = offsets[self_.guide + 1u] - 1u;
-    let reach = distance(guide[first].xyz, guide[first + 1u].xyz) * f32(last - first);
+    let reach = distance(course[first].xyz, course[first + 1u].xyz) * f32(last - first);
 
     let stray = select(1.0, STRAY, chance(self_.seed, 2u) < STRAYS);
     let turns = 6.2831853 * vec3f(0.7 + chance(self_.seed, 3u), 1.6 + 1.4 * chance(self_.seed, 4u), chance(self_.seed, 5u));
     let phase = 6.2831853 * vec2f(chance(self_.seed, 6u), chance(self_.seed, 7u));
-    let wave = WAVE * stray * reach * smoothstep(0.0, 0.6, s)
+    let wave = self_.styled * WAVE * stray * reach * smoothstep(0.0, 0.6, s)
         * vec3f(sin(turns.x * s + phase.x) + 0.5 * sin(turns.y * s + phase.y), cos(turns.x * s + turns.z) + 0.5 * sin(turns.y * s + phase.x), 0.0);
 
-    var x = along(self_.guide, s, gather * self_.here.xyz + wave);
-    let weight = self_.here.w * likeness[self_.pair];
-    if weight > 0.0 {
-        x = mix(x, along(self_.neighbour, s, gather * self_.there.xyz + wave), weight);
-    }
-    points[i] = vec4f(x, t);
+    let x = mix(along(first, last, s), along(self_.first, self_.last, s), gather);
+    points[i] = vec4f(x + rotate(orientation(first, last, s * f32(last - first)), wave), t);
 }

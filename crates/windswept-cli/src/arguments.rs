@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 #[cfg(feature = "validate")]
 use clap::builder::PossibleValuesParser;
-use clap::{Args, Parser, Subcommand, value_parser};
+use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use windswept_export::{DEFAULT_FORMATS, FORMATS, Format};
 use windswept_scene::{GroomFormat, Scene, Up, keys::Key, limits::MOST_POINTS_OF_A_STRAND};
 #[cfg(feature = "validate")]
@@ -56,6 +56,8 @@ Examples:
   windswept run scene.toml --out out/long --checkpoint-every 500
   windswept run --resume out/long
       a long run, and on from its last checkpoint if it was ended, or past its end with a larger --steps
+  windswept export out/wind --format usdc
+      its strands for Blender, Houdini or Maya
   windswept check --explain
       every key there is, with its default and its meaning
   windswept plan scene.toml
@@ -69,6 +71,8 @@ pub(crate) enum Command {
     Run(RunOptions),
     /// Make pictures of a run that is over or was stopped, from its hair.vtkhdf and scene.toml
     Render(RenderOptions),
+    /// Make one film for other programs of a run that is over or was stopped, from its hair.vtkhdf and scene.toml
+    Export(ExportOptions),
     #[cfg(feature = "spectrum")]
     /// Energy of a run's air by size of eddies, at its first and at its last frame, as a table and a picture
     Spectrum(SpectrumOptions),
@@ -121,7 +125,10 @@ pub(crate) enum Groom {
 
 /// The formats of groom files.
 fn groom_formats() -> String {
-    let rows = GroomFormat::ALL.iter().map(|format| format!("\n  .{:<6} {}", format.extension, format.what));
+    let rows = GroomFormat::ALL.iter().map(|format| {
+        let how = if format.writes() { "" } else { "; read only" };
+        format!("\n  .{:<6} {}{how}", format.extension, format.what)
+    });
     format!(
         "Formats, by the ending of the file's name:{}\n
 Examples:
@@ -340,6 +347,36 @@ pub(crate) struct SpectrumOptions {
 fn scale(word: &str) -> Result<f64, String> {
     let expected = || "expected lengths in metres above 0, e.g. 0.006,0.018".to_owned();
     word.parse().ok().filter(|scale: &f64| scale.is_finite() && *scale > 0.0).ok_or_else(expected)
+}
+
+/// Kinds of films that `windswept export` makes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FilmFormat {
+    /// USD as text, for Blender, Houdini, Maya, usdview
+    Usda,
+    /// USD as numbers, a third as large; a Python with usd-core writes it (pip install 'windswept[usd]')
+    Usdc,
+    /// NumPy's arrays
+    Npz,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ExportOptions {
+    /// Folder of the run
+    #[arg(value_name = "DIR")]
+    pub(crate) dir: PathBuf,
+    /// What to write
+    #[arg(long, value_name = "FORMAT")]
+    pub(crate) format: FilmFormat,
+    /// File to write [default: film.usda, film.usdc or film.npz in DIR]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write all hairs that the strands stand for: those of the groom file, or hair.fibres_per_strand to each strand
+    #[arg(long)]
+    pub(crate) followers: bool,
+    /// Replace the file if it is there
+    #[arg(long)]
+    pub(crate) overwrite: bool,
 }
 
 #[derive(Debug, Args)]

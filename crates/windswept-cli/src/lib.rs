@@ -1,11 +1,12 @@
-//! The `windswept` command: `run`, `render`, `spectrum`, `check`, `plan`, `groom`, `validate`, `adapters`. `spectrum` and `validate`
-//! are features of the crate, both on by default.
+//! The `windswept` command: `run`, `render`, `export`, `spectrum`, `check`, `plan`, `groom`, `validate`, `adapters`. `spectrum` and
+//! `validate` are features of the crate, both on by default.
 //!
 //! [`run`] is the whole command. Exit status 0: done; 1: the run failed; 2: bad input, and nothing was written;
 //! 130: stopped by Ctrl-C, and the files hold every frame finished until then.
 
 mod arguments;
 mod console;
+mod export;
 mod failure;
 mod groom;
 mod inspect;
@@ -73,6 +74,7 @@ fn dispatch(command: &Command, console: &mut Console<'_>) -> Result<(), Failure>
     match command {
         Command::Run(options) => run::run(options, console),
         Command::Render(options) => render::render(options, console),
+        Command::Export(options) => export::export(options, console),
         Command::Check { path, changes, explain } => inspect::check(path.as_deref(), changes, *explain, console),
         Command::Plan { scene, buffers } => inspect::plan(scene, *buffers, console),
         #[cfg(feature = "spectrum")]

@@ -16,6 +16,8 @@ const SCENE: &str = "scene.toml";
 pub(crate) const CHECKPOINT: &str = "checkpoint.windswept";
 /// Written by `windswept render` only.
 const SHEET: &str = "contact-sheet.png";
+/// Written by `windswept export` only.
+pub(crate) const FILMS: [&str; 3] = ["film.usda", "film.usdc", "film.npz"];
 
 /// Every name that a run writes: its formats' files, the report, the scene and the checkpoint. As in [`windswept_export::Format::files`], a
 /// stem of zeros stands for a file per frame.
@@ -204,7 +206,7 @@ fn refuse<T>(path: &Path, why: &str) -> Result<T, Failure> {
 
 /// Everything that `--overwrite` removes.
 fn replaced() -> Vec<&'static str> {
-    files().into_iter().chain([SHEET]).collect()
+    files().into_iter().chain([SHEET]).chain(FILMS).collect()
 }
 
 /// Folder and ending of a name that stands for a file per frame.

@@ -123,15 +123,7 @@ struct FinishedRun {
 impl FinishedRun {
     fn open(options: &RenderOptions) -> Result<Self, Failure> {
         let dir = &options.dir;
-        let there = |path: PathBuf, comes_from: &str| {
-            if path.is_file() {
-                return Ok(path);
-            }
-            Err(Failure::Input(format!("{}: is missing; {comes_from}", path.display())))
-        };
-        if !dir.is_dir() {
-            return Err(Failure::Input(format!("{}: no such folder; expected that of a run", dir.display())));
-        }
+        check_folder(dir)?;
         let of_pictures = |set: &str| {
             let table = set.split(['.', '=']).next().unwrap_or_default().trim();
             ["camera", "picture"].contains(&table)
@@ -140,8 +132,8 @@ impl FinishedRun {
             return Err(Failure::Input(format!("--set {set}: only keys of camera and picture change a picture")));
         }
         let output = Output::of_run(dir);
-        let scene = there(output.scene(), "`windswept run` writes it")?;
-        let hair = there(output.film(Kind::Hair), "a run with `--formats vtkhdf` writes it")?;
+        let scene = there(output.scene(), OF_SCENE)?;
+        let hair = there(output.film(Kind::Hair), OF_HAIR)?;
         let scene = Scene::load_with(scene, &options.sets)?;
         let air = match scene.picture.air {
             AirPicture::None => None,
@@ -207,6 +199,26 @@ impl FinishedRun {
         let near = (0..times.len()).min_by(|&a, &b| (times[a] - time).abs().total_cmp(&(times[b] - time).abs()));
         Ok(near.unwrap_or(0))
     }
+}
+
+/// What writes scene.toml, and what writes hair.vtkhdf.
+pub(crate) const OF_SCENE: &str = "`windswept run` writes it";
+pub(crate) const OF_HAIR: &str = "a run with `--formats vtkhdf` writes it";
+
+/// Refuses what is no folder.
+pub(crate) fn check_folder(dir: &Path) -> Result<(), Failure> {
+    if dir.is_dir() {
+        return Ok(());
+    }
+    Err(Failure::Input(format!("{}: no such folder; expected that of a run", dir.display())))
+}
+
+/// A file of a run, if it is there.
+pub(crate) fn there(path: PathBuf, comes_from: &str) -> Result<PathBuf, Failure> {
+    if path.is_file() {
+        return Ok(path);
+    }
+    Err(Failure::Input(format!("{}: is missing; {comes_from}", path.display())))
 }
 
 pub(crate) fn open(path: &Path, kind: Kind) -> Result<VtkHdfReader, Failure> {

@@ -125,7 +125,7 @@ fn a_folder_in_use_is_left_alone() {
 fn bad_arguments_write_nothing() {
     for (more, word) in [
         (&["--formats", "vtkhdf,none"][..], "none stands alone"),
-        (&["--formats", "usd"], "or none"),
+        (&["--formats", "abc"], "or none"),
         (&["--set", "camera.eye=[1,1,1]", "--set", "camera.target=[1,1,1]"], "the same point"),
         (
             &["--set", "picture.air=band_energy"],

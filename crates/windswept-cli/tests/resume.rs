@@ -17,11 +17,27 @@ use windswept::Frame;
 use windswept_export::VtkHdfReader;
 
 /// What a run writes that has films, pictures and a checkpoint.
-const FILES: [&str; 7] =
-    ["air.vtkhdf", "checkpoint.windswept", "frames", "hair.vtkhdf", "preview.gif", "report.json", "scene.toml"];
+const FILES: [&str; 10] = [
+    "air.vtkhdf",
+    "checkpoint.windswept",
+    "frames",
+    "hair.extent.usda",
+    "hair.usda",
+    "hair.velocities.usda",
+    "hair.vtkhdf",
+    "preview.gif",
+    "report.json",
+    "scene.toml",
+];
 /// Eddies that are strengthened, so that the report has a row for each frame.
-const BANDS: [&str; 4] =
-    ["--checkpoint-every", "5", "--set", "turbulence.bands=[{ scale = 0.009, strength = 3.0, intensity = 0.3 }]"];
+const BANDS: [&str; 6] = [
+    "--checkpoint-every",
+    "5",
+    "--set",
+    "turbulence.bands=[{ scale = 0.009, strength = 3.0, intensity = 0.3 }]",
+    "--formats",
+    "png,usd,vtkhdf",
+];
 
 fn resume(folder: &Path, out: &str, more: &[&str]) -> Output {
     let mut command = windswept(folder, &["run", "--resume", out]);
@@ -45,7 +61,8 @@ fn assert_same(folder: &Path, one: &str, other: &str) {
     let pictures = listing(&one.join("frames"));
     assert_eq!(pictures, listing(&other.join("frames")));
     let pictures = pictures.iter().map(|name| format!("frames/{name}"));
-    for name in pictures.chain(["preview.gif".to_owned(), "scene.toml".to_owned()]) {
+    let others = FILES.iter().filter(|name| name.ends_with(".usda") || ["preview.gif", "scene.toml"].contains(name));
+    for name in pictures.chain(others.map(|&name| name.to_owned())) {
         let [one, other] = [&one, &other].map(|dir| fs::read(dir.join(&name)).expect("a file"));
         assert!(one == other, "{name} differs");
     }

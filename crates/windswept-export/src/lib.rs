@@ -7,23 +7,32 @@
 //! on by default), for ParaView, VTK and h5py; [`VtkHdfReader`] reads such a file again. [`Renderer`] draws pictures of
 //! frames; [`write_png`] and [`Preview`] save them, the latter as a GIF that moves. [`image`] is the crate that holds them.
 
+mod arrays;
 mod error;
+mod followers;
 mod picture;
 mod pictures;
 mod preview;
+mod provenance;
 mod render;
 mod run;
 mod sink;
+mod strands;
+mod usd;
 #[cfg(feature = "vtkhdf")]
 mod vtkhdf;
 
+pub use arrays::write_npz;
 pub use error::ExportError;
+pub use followers::Followers;
 pub use image;
 pub use picture::{contact_sheet, write_png};
 pub use pictures::Pictures;
 pub use preview::Preview;
+pub use provenance::Provenance;
 pub use render::{Renderer, View};
 pub use run::{Loss, Pace, Recording, Run, Schedule, Stop, frame};
 pub use sink::{DEFAULT_FORMATS, FORMATS, Format, FrameSink, Start};
+pub use usd::{UsdWriter, write_usda};
 #[cfg(feature = "vtkhdf")]
-pub use vtkhdf::{Kind, Provenance, VtkHdfReader, VtkHdfWriter};
+pub use vtkhdf::{Kind, VtkHdfReader, VtkHdfWriter};

@@ -1,12 +1,12 @@
 //! Pictures of frames, drawn off-screen on the engine's GPU.
 //!
 //! ```text
-//! strands of a frame --grow--> points of every hair --opacity--> hair between each point and the lights
-//!                                                   --shade----> colours
+//! strands of a frame --followers--> courses of hairs --grow--> points of every hair
+//!     --opacity--> hair between each point and the lights --shade--> colours
 //! backdrop, patch, bodies, ribbons, air --> 4 samples a pixel --> RGBA8
 //! ```
 //!
-//! The strands' points are all that goes to the GPU for a frame; what is drawn between them is made there.
+//! The points of strands and followers are all that goes to the GPU for a frame; what is drawn between them is made there.
 
 mod bodies;
 mod groom;
@@ -74,9 +74,9 @@ impl Renderer {
                 view.width, view.height
             )));
         }
-        let groom = Groom::new(scene, start, scene.picture.hairs);
+        let groom = Groom::new(scene, start, scene.picture.hairs)?;
         let hairs = groom.hairs.len() as u32;
-        let samples = samples(start);
+        let samples = samples(groom.followers.start());
         let fits = gpu.largest_binding() / (u64::from(samples) * 16);
         if u64::from(hairs) > fits {
             return Err(refused(format!(
@@ -139,8 +139,8 @@ impl Renderer {
         let margin = 0.03 * (high - low).max_element() + 1e-3;
         let (low, high) = ((low - margin).as_dvec3(), (high + margin).as_dvec3());
         let uniform = self.view.uniform(low, high, self.groom.hairs.len() as u32, self.samples);
-        let likeness = groom::likeness(&self.groom.pairs, &frame.hair);
-        self.passes.upload(&self.gpu, &uniform, &self.scene, frame, &likeness)?;
+        let followers = self.groom.followers.of(&frame.hair)?;
+        self.passes.upload(&self.gpu, &uniform, &self.scene, frame, &followers)?;
         let air = self.passes.air(&self.gpu, &air)?;
         self.gpu.checked(
             || "drawing a picture".to_owned(),

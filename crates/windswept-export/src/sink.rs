@@ -5,7 +5,8 @@ use std::path::Path;
 use windswept::{Frame, Gpu};
 use windswept_scene::Scene;
 
-use crate::{ExportError, Pictures};
+use crate::usd::UsdFilm;
+use crate::{ExportError, Pictures, UsdWriter};
 #[cfg(feature = "vtkhdf")]
 use crate::{Kind, vtkhdf::Films};
 
@@ -60,6 +61,13 @@ pub const FORMATS: &[Format] = &[
         files: &[Kind::Hair.file_name(), Kind::Air.file_name()],
         made_again: false,
         create: |start| Ok(Box::new(Films::new(start)?)),
+    },
+    Format {
+        name: "usd",
+        writes: "strands, for Blender, Houdini, usdview",
+        files: &UsdWriter::FILES,
+        made_again: false,
+        create: |start| Ok(Box::new(UsdFilm::new(start)?)),
     },
     Format {
         name: "png",

@@ -8,15 +8,22 @@
 //!     NumberOfCells (1), NumberOfConnectivityIds (1), Offsets (cells + 1), Connectivity (n)
 //!   PointData
 //!     Velocity (frames n, 3)     f32 [m/s]
+//!     Radius (n)                 f32 [m], hair only: of a fibre
 //!     Vorticity, BandEnergy (frames n)    f32 [1/s], [m²/s²], air only, where the frames have them
 //!     Orientation (frames n, 4)  f32, hair only: of the segment that starts at the point; the tip, where none starts,
 //!                                repeats the last. (x, y, z, w), material frame to world
 //!   CellData
 //!     StrandId (strands)         i32, hair only: number in the groom file that it comes from, else its index
+//!     GroupId (strands)          i32, hair only: group that the groom file says, else the index of its [[hair]]
+//!     FibresPerStrand (strands)  f32, hair only: hairs that it stands for
+//!     RootUv (strands, 2)        f32, hair only: place of the root in a texture, where a groom file has it
+//!     RootFrame (frames strands, 4)    f32, hair only: of the clamp at the root. (x, y, z, w)
 //!   Steps                        NSteps: how many frames are finished
 //!     Values (NSteps)            [s]
 //!     PointOffsets, PointDataOffsets/*    where a frame starts: k n
-//!     PartOffsets, CellOffsets, ConnectivityIdOffsets, CellDataOffsets/*    0: one part, whose cells never change
+//!     CellDataOffsets/RootFrame (NSteps)           likewise, k strands
+//!     PartOffsets, CellOffsets, ConnectivityIdOffsets, the other CellDataOffsets, PointDataOffsets/Radius
+//!                                0: one part, whose cells never change
 //!     NumberOfParts              1
 //! /windswept                     version, adapter, seed; scene: its text as run
 //! ```
@@ -36,11 +43,11 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use windswept::{Frame, HairFrame};
-use windswept_scene::Scene;
 
-use crate::{ExportError, FrameSink};
+use crate::strands::check_strands;
+use crate::{ExportError, FrameSink, Provenance};
 pub(crate) use films::Films;
-use layout::{Layout, Rows};
+use layout::{Contents, Layout, Rows, Still, Values};
 pub use reader::VtkHdfReader;
 
 const VORTICITY: &str = "Vorticity";
@@ -66,27 +73,6 @@ impl Kind {
     }
 }
 
-/// The origin of a file; stored in its group `/windswept`.
-#[derive(Debug, Clone, Copy)]
-pub struct Provenance<'a> {
-    /// The text of the scene as run.
-    pub scene: &'a str,
-    /// Version of windswept.
-    pub version: &'a str,
-    /// Name of the adapter that ran.
-    pub adapter: &'a str,
-    /// The scene's seed.
-    pub seed: u64,
-}
-
-impl<'a> Provenance<'a> {
-    /// A file of this scene as it runs on this adapter, written by this version.
-    #[must_use]
-    pub fn of(scene: &'a Scene, adapter: &'a str) -> Self {
-        Self { scene: scene.text(), version: env!("CARGO_PKG_VERSION"), adapter, seed: scene.seed }
-    }
-}
-
 /// Writes one file, frame by frame, and keeps no frame in memory.
 ///
 /// Every frame that [`VtkHdfWriter::append`] returned from is in the file, whatever becomes of the process.
@@ -100,6 +86,8 @@ pub struct VtkHdfWriter {
     strands: Vec<u32>,
     /// Names of the scalars per point.
     scalars: Vec<&'static str>,
+    /// Root frames per frame.
+    root_frames: usize,
     frames: usize,
     written: usize,
     last_time: f64,
@@ -139,13 +127,11 @@ impl VtkHdfWriter {
             _ => {}
         }
         let scalars: Vec<_> = scalars(kind, frame).into_iter().map(|(name, _)| name).collect();
-        let ids: Vec<i32> = match (kind, &frame.hair.ids[..]) {
-            (Kind::Hair, []) => (0..).take(cells.len() - 1).collect(),
-            (Kind::Hair, ids) => ids.iter().map(|&id| id as i32).collect(),
-            (Kind::Air, _) => Vec::new(),
-        };
-        let layout = Layout::create(&path, kind, &cells, &ids, points, &scalars, frames, provenance)
+        let still = still(kind, frame);
+        let contents = contents(kind, frame, points, &scalars, &still);
+        let layout = Layout::create(&path, kind, &cells, &contents, frames, provenance)
             .map_err(|e| failed(&path, "could not be created", &e))?;
+        let root_frames = contents.root_frames;
         Ok(Self {
             path,
             kind,
@@ -153,6 +139,7 @@ impl VtkHdfWriter {
             points,
             strands,
             scalars,
+            root_frames,
             frames,
             written: 0,
             last_time: f64::NEG_INFINITY,
@@ -201,9 +188,13 @@ impl VtkHdfWriter {
             drop(reader);
         }
         let scalars: Vec<_> = scalars(kind, frame).into_iter().map(|(name, _)| name).collect();
-        let (layout, frames) = Layout::go_on(&path, kind, points, &scalars, written)
+        let still = still(kind, frame);
+        let contents = contents(kind, frame, points, &scalars, &still);
+        let (layout, frames) = Layout::go_on(&path, kind, &contents, written)
             .map_err(|e| failed(&path, "could not be opened to go on", &e))?;
-        Ok(Self { path, kind, layout, points, strands, scalars, frames, written, last_time, orientations: Vec::new() })
+        let root_frames = contents.root_frames;
+        let orientations = Vec::new();
+        Ok(Self { path, kind, layout, points, strands, scalars, root_frames, frames, written, last_time, orientations })
     }
 
     /// Hands what was appended to the disk, so that it outlasts the machine too. It outlasts the process in any case.
@@ -235,7 +226,8 @@ impl VtkHdfWriter {
         let (positions, velocities) = arrays(self.kind, frame);
         per_point(&frame.hair, &self.strands, &mut self.orientations);
         let scalars: Vec<_> = scalars(self.kind, frame).into_iter().map(|(_, values)| values).collect();
-        let rows = Rows { positions, velocities, orientations: &self.orientations, scalars: &scalars };
+        let (orientations, root_frames) = (&self.orientations[..], &frame.hair.root_frames[..]);
+        let rows = Rows { positions, velocities, orientations, root_frames, scalars: &scalars };
         self.layout
             .write(self.written, &rows)
             .and_then(|()| self.layout.show(self.written, frame.time))
@@ -260,12 +252,14 @@ impl VtkHdfWriter {
         let points = arrays(kind, frame).0.len() as u64;
         // Per point and frame; per frame (Values and the numbers in Steps); the cells, once.
         let (point, step, cells) = match kind {
-            Kind::Hair => (4 * (3 + 3 + 4), 8 * (7 + 2 * 4), frame.hair.offsets.len() as u64 * 12),
+            Kind::Hair => (4 * (3 + 3 + 4), 8 * (6 + 2 * 4), frame.hair.offsets.len() as u64 * 28 + points * 4),
             Kind::Air => (4 * (3 + 3), 8 * (5 + 2 * 4), points * 8),
         };
         let scalars = scalars(kind, frame).len() as u64;
         let (point, step) = (point + 4 * scalars, step + 8 * scalars);
-        let per_frame = points.saturating_mul(point).saturating_add(step);
+        let clamps = if kind == Kind::Hair { frame.hair.root_frames.len() as u64 } else { 0 };
+        let offsets = still(kind, frame).len() as u64 + u64::from(clamps > 0);
+        let per_frame = points.saturating_mul(point).saturating_add(step + 8 * offsets + 16 * clamps);
         (frames as u64).saturating_mul(per_frame).saturating_add(cells + points * 8)
     }
 
@@ -291,6 +285,10 @@ impl VtkHdfWriter {
             if frame.hair.orientations.len() != segments {
                 let has = frame.hair.orientations.len();
                 return Err(format!("has {has} orientations, the file {segments} segments"));
+            }
+            if frame.hair.root_frames.len() != self.root_frames {
+                let (has, had) = (frame.hair.root_frames.len(), self.root_frames);
+                return Err(format!("has {has} root frames, the file {had}"));
             }
         }
         let scalars = scalars(self.kind, frame);
@@ -340,7 +338,7 @@ fn checked(kind: Kind, frame: &Frame, frames: usize) -> Result<(usize, Vec<u32>)
         return Err(format!("{frames} frames fit into no file"));
     }
     match kind {
-        Kind::Hair => Ok((points, checked_strands(&frame.hair)?)),
+        Kind::Hair => check_strands(&frame.hair).map(|()| (points, frame.hair.offsets.clone())),
         Kind::Air => Ok((points, Vec::new())),
     }
 }
@@ -359,22 +357,41 @@ fn scalars(kind: Kind, frame: &Frame) -> Vec<(&'static str, &[f32])> {
     all.into_iter().filter(|(_, values)| kind == Kind::Air && !values.is_empty()).collect()
 }
 
-/// The strands' offsets, if they start at 0, end with the points, and give every strand a segment.
-fn checked_strands(hair: &HairFrame) -> Result<Vec<u32>, String> {
-    let (first, last) = (hair.offsets.first(), hair.offsets.last());
-    if first != Some(&0) || last.map(|&last| last as usize) != Some(hair.positions.len()) {
-        return Err(format!(
-            "the strands' offsets go from {first:?} to {last:?}, not from 0 to the {} points",
-            hair.positions.len()
-        ));
+/// What of such a frame stays through a film.
+fn still(kind: Kind, frame: &Frame) -> Vec<Still<'_>> {
+    if kind == Kind::Air {
+        return Vec::new();
     }
-    match hair.offsets.windows(2).position(|w| w[1] < w[0].saturating_add(2)) {
-        Some(strand) => Err(format!("strand {strand} has fewer than two points")),
-        None if !hair.ids.is_empty() && hair.ids.len() + 1 != hair.offsets.len() => {
-            Err(format!("{} ids are not one for each of {} strands", hair.ids.len(), hair.offsets.len() - 1))
-        }
-        None => Ok(hair.offsets.clone()),
+    let hair = &frame.hair;
+    let strands = hair.offsets.len().saturating_sub(1);
+    let whole = |values: &[u32]| Values::Whole(values.iter().map(|&value| value as i32).collect());
+    let ids = if hair.ids.is_empty() { Values::Whole((0..).take(strands).collect()) } else { whole(&hair.ids) };
+    let mut still = vec![("CellData/StrandId", ids)];
+    if !hair.groups.is_empty() {
+        still.push(("CellData/GroupId", whole(&hair.groups)));
     }
+    if !hair.fibres.is_empty() {
+        still.push(("CellData/FibresPerStrand", Values::Floats(&hair.fibres)));
+    }
+    if !hair.root_uvs.is_empty() {
+        still.push(("CellData/RootUv", Values::Pairs(&hair.root_uvs)));
+    }
+    if !hair.radius.is_empty() {
+        still.push(("PointData/Radius", Values::Floats(&hair.radius)));
+    }
+    still
+}
+
+/// What a file of such frames holds.
+fn contents<'a>(
+    kind: Kind,
+    frame: &Frame,
+    points: usize,
+    scalars: &'a [&'static str],
+    still: &'a [Still<'a>],
+) -> Contents<'a> {
+    let root_frames = if kind == Kind::Hair { frame.hair.root_frames.len() } else { 0 };
+    Contents { points, root_frames, scalars, still }
 }
 
 /// Makes orientations per point of those per segment: that of the segment that starts there, and at the tip that

@@ -16,10 +16,11 @@ type Spoil = fn(&mut Frame);
 /// A frame that differs from the file in any count is refused, and the file keeps the frames it had.
 #[test]
 fn frames_of_another_size_are_refused() {
-    let faults: [(Kind, &str, Spoil); 11] = [
+    let faults: [(Kind, &str, Spoil); 12] = [
         (Kind::Hair, "9 positions", |f| f.hair.positions.truncate(9)),
         (Kind::Hair, "9 velocities", |f| f.hair.velocities.truncate(9)),
         (Kind::Hair, "6 orientations", |f| f.hair.orientations.truncate(6)),
+        (Kind::Hair, "2 root frames", |f| f.hair.root_frames.truncate(2)),
         (Kind::Hair, "other lengths", |f| f.hair.offsets[1] = 3),
         (Kind::Hair, "other lengths", |f| f.hair.offsets = vec![0, 7, 10]),
         (Kind::Air, "6 positions", |f| f.air.positions.truncate(6)),

@@ -19,8 +19,9 @@ path = folder / "film.vtkhdf"
 times = np.fromfile(folder / "times.f64")
 steps = len(times)
 offsets = np.fromfile(folder / "offsets.u32", np.uint32).astype(np.int64)
-positions = np.fromfile(folder / "positions.f32", np.float32).reshape(steps, -1, 3)
-velocities = np.fromfile(folder / "velocities.f32", np.float32).reshape(steps, -1, 3)
+of_kind = "air_" if kind == "air" else ""
+positions = np.fromfile(folder / f"{of_kind}positions.f32", np.float32).reshape(steps, -1, 3)
+velocities = np.fromfile(folder / f"{of_kind}velocities.f32", np.float32).reshape(steps, -1, 3)
 points = positions.shape[1]
 if kind == "air":
     scalars = {
@@ -32,6 +33,14 @@ if kind == "hair":
     # Segment of each point: its own, the last one for the tip; written here in another way than in the crate.
     of_point = [p - s - (p == last - 1) for s, (first, last) in enumerate(zip(offsets, offsets[1:])) for p in range(first, last)]
     orientations = segments[:, of_point]
+    root_frames = np.fromfile(folder / "root_frames.f32", np.float32).reshape(steps, -1, 4)
+    radius = np.fromfile(folder / "radius.f32", np.float32)
+    of_strands = {
+        "StrandId": np.fromfile(folder / "ids.u32", np.uint32).astype(np.int32),
+        "GroupId": np.fromfile(folder / "groups.u32", np.uint32).astype(np.int32),
+        "FibresPerStrand": np.fromfile(folder / "fibres.f32", np.float32),
+        "RootUv": np.fromfile(folder / "root_uvs.f32", np.float32).reshape(-1, 2),
+    }
 
 
 def equal(found, expected, what):
@@ -70,8 +79,10 @@ def check_vtk():
                 equal(vtk_to_numpy(data.GetArray(name)), expected[k], f"{what}, {name}")
         if kind == "hair":
             equal(vtk_to_numpy(data.GetArray("Orientation")), orientations[k], f"{what}, Orientation")
-            ids = polydata.GetCellData().GetArray("StrandId")
-            equal(vtk_to_numpy(ids), np.array([5, 0, 9], dtype=np.int32), f"{what}, StrandId")
+            equal(vtk_to_numpy(data.GetArray("Radius")), radius, f"{what}, Radius")
+            cells = polydata.GetCellData()
+            for name, expected in {**of_strands, "RootFrame": root_frames[k]}.items():
+                equal(vtk_to_numpy(cells.GetArray(name)), expected, f"{what}, {name}")
 
 
 def check_h5py():

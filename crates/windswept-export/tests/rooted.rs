@@ -30,7 +30,8 @@ fn roots_stay_where_they_are() {
     let empty = renderer.render(&nowhere(&start)).unwrap();
     // The plane of the roots is seen from its edge, left of column 160.
     let (straight, _) = differs(&draw(&renderer, &start), &empty);
-    let bent = draw(&renderer, &strands(&roots, 0.02 * Vec3::new(0.866, -0.5, 0.0)));
+    let bent = strands(&roots, 0.02 * Vec3::new(0.866, -0.5, 0.0));
+    let bent = draw(&renderer, &HairFrame { root_frames: start.root_frames.clone(), ..bent });
     let (columns, _) = differs(&bent, &empty);
     // A ribbon's corner reaches half a pixel beyond its end. Rotated with the first segment, roots would leave by 2 mm, 10 px.
     assert!((159..162).contains(&straight.start) && (159..162).contains(&columns.start), "{straight:?}, {columns:?}");
@@ -49,10 +50,11 @@ fn leaning_hair_grows_from_its_plate() {
     let start = InitialState::new(&leaning).unwrap().hair;
     let hair = HairFrame {
         offsets: start.point_offsets.clone(),
-        ids: Vec::new(),
         positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
         velocities: vec![[0.0; 3]; start.positions.len()],
         orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
+        root_frames: start.root_frame.iter().map(|q| q.as_quat().to_array()).collect(),
+        ..HairFrame::default()
     };
     let renderer = Renderer::new(&gpu, &leaning, &hair).unwrap();
     // The hair out of sight, to the right of the picture.

@@ -136,7 +136,8 @@ impl Groom {
     ///     scale: metres per unit of the file; needed, unless the file says its unit.
     ///     up: axis of the file that points up ("y", "z" or "x"), or its axes that become x, y and z ("yzx").
     ///     points: points per strand; they are placed anew, evenly along each. None: the file's.
-    ///     strands: how many, those whose roots are far from one another. None: all.
+    ///     strands: how many, those whose roots are far from one another. None: all. With hair.file of a scene, and not here, the
+    ///         others of the file follow them.
     ///     radius: of a fibre [m]. None: the file's, where it has one that is a hair's, 15 to 150 µm on average; else 40 µm.
     ///     points_per_strand: of a file that does not say where a strand ends.
     ///     seed: draws the first of the strands that are kept.

@@ -77,6 +77,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<simulation::Simulation>()?;
     m.add_class::<views::Hair>()?;
     m.add_class::<views::Air>()?;
+    m.add_class::<views::Followers>()?;
     m.add_class::<frames::Frame>()?;
     m.add_class::<frames::FrameHair>()?;
     m.add_class::<frames::FrameAir>()?;

@@ -28,7 +28,7 @@ use crate::{
     groom::Groom,
     outside,
     scene::Scene,
-    views::{Air, Hair, Snapshot},
+    views::{Air, Followers, Hair, Snapshot},
 };
 
 /// Hair and air of one scene on a GPU.
@@ -59,6 +59,7 @@ pub(crate) struct Simulation {
     epoch: AtomicU64,
     snapshot: Mutex<Snapshot>,
     renderer: Mutex<Option<(Picture, Arc<Renderer>)>>,
+    followers: Mutex<Option<Arc<windswept_export::Followers>>>,
 }
 
 /// Width and height of a picture \[px\].
@@ -85,6 +86,7 @@ impl Simulation {
             epoch: AtomicU64::new(0),
             snapshot: Mutex::default(),
             renderer: Mutex::default(),
+            followers: Mutex::default(),
         }
     }
 
@@ -215,6 +217,23 @@ impl Simulation {
     #[getter]
     fn air(slf: &Bound<'_, Self>) -> Air {
         Air { sim: slf.clone().unbind() }
+    }
+
+    /// All hairs that the strands stand for, now: those of the groom file, where the scene's file has more than are simulated, or
+    /// fibres_per_strand to each strand. The strands are among them.
+    ///
+    /// Raises:
+    ///     ExportError: a groom file that cannot be read any more.
+    #[getter]
+    fn followers(&self, py: Python<'_>) -> PyResult<Followers> {
+        let (followers, hair) = outside(py, || {
+            let engine = lock(&self.engine);
+            let followers = self.following(&engine)?;
+            let frame = engine.frame().map_err(|error| of_run(&error))?;
+            let hair = followers.of(&frame.hair).map_err(|error| of_export(&error))?;
+            Ok::<_, PyErr>((followers, hair))
+        })??;
+        Followers::new(py, &followers, hair)
     }
 
     /// The report of the run so far: the command's report.json as a dict. What was not measured is missing.

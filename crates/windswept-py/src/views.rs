@@ -1,6 +1,6 @@
 //! `sim.hair` and `sim.air`: arrays of the state as it is when they are asked for.
 
-use numpy::{PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::{
@@ -80,6 +80,50 @@ impl Hair {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let sizes = self.sim.get().engine(py, |sim| sim.engine().sizes())?;
         Ok(format!("<windswept.Hair: {} strands, {} points>", sizes.strands, sizes.hair_points))
+    }
+}
+
+/// Hairs that go with the strands of a simulation at one time: points root to tip, one hair after the other. Its arrays are its own.
+#[pyclass(frozen, module = "windswept", get_all)]
+pub(crate) struct Followers {
+    /// `(points, 3)` float32 [m].
+    positions: Py<PyArray2<f32>>,
+    /// `(points, 3)` float32 [m/s].
+    velocities: Py<PyArray2<f32>>,
+    /// `(hairs + 1,)` int64: first point of each hair, and the number of points.
+    offsets: Py<PyArray1<i64>>,
+    /// `(hairs,)` int64: number of each hair in the groom file that it comes from, or its index.
+    ids: Py<PyArray1<i64>>,
+    /// `(hairs, 3)` int64: indices of the strands that each hair goes with.
+    guides: Py<PyArray2<i64>>,
+    /// `(hairs, 3)` float32: how much it goes with each of them.
+    weights: Py<PyArray2<f32>>,
+}
+
+impl Followers {
+    pub(crate) fn new(
+        py: Python<'_>,
+        followers: &windswept_export::Followers,
+        hair: windswept::HairFrame,
+    ) -> PyResult<Self> {
+        let hairs = followers.len();
+        let guides = followers.guides().flat_map(|(guides, _)| guides.map(i64::from));
+        Ok(Self {
+            ids: strand_ids(py, &hair.ids, hairs).unbind(),
+            offsets: PyArray1::from_iter(py, hair.offsets.into_iter().map(i64::from)).unbind(),
+            positions: matrix(py, hair.positions)?.unbind(),
+            velocities: matrix(py, hair.velocities)?.unbind(),
+            guides: PyArray1::from_iter(py, guides).reshape([hairs, 3])?.unbind(),
+            weights: matrix(py, followers.guides().map(|(_, weights)| weights).collect())?.unbind(),
+        })
+    }
+}
+
+#[pymethods]
+impl Followers {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let (hairs, points) = (self.ids.bind(py).len()?, self.positions.bind(py).len()?);
+        Ok(format!("<windswept.Followers: {hairs} hairs, {points} points>"))
     }
 }
 

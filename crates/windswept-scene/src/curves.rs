@@ -11,14 +11,15 @@ mod usc;
 use std::{fs, path::Path};
 
 pub use fit::Dropped;
+pub use npy::npy_head;
 
 use crate::{error::SceneError, limits::LARGEST};
 
 /// Curves of a groom file, in the units and axes of the file.
 ///
-/// Offsets rise from 0 to the number of points; there is an id for each strand, and a radius for each point or none. What is
-/// read from a file is so; what is made in code is checked where it is written or becomes strands, and what does not belong
-/// together panics elsewhere, as an index that is too large does.
+/// Offsets rise from 0 to the number of points; there is an id for each strand, a radius for each point or none, and a group, a
+/// place of the root and a mark for each strand or none. What is read from a file is so; what is made in code is checked where it
+/// is written or becomes strands, and what does not belong together panics elsewhere, as an index that is too large does.
 ///
 /// ```no_run
 /// use windswept_scene::Curves;
@@ -40,6 +41,12 @@ pub struct Curves {
     pub radius: Vec<f64>,
     /// Metres per unit, where the file says it.
     pub unit: Option<f64>,
+    /// Group of each strand; empty where the file has none.
+    pub groups: Vec<u32>,
+    /// Place of each root in the texture of what it grows on; empty where the file has none.
+    pub root_uvs: Vec<[f32; 2]>,
+    /// Whether each strand is a guide, which others follow; empty where the file does not say.
+    pub guides: Vec<bool>,
 }
 
 /// Curves of a file's bytes; the number is that of each strand's points, where the file does not say.
@@ -74,7 +81,7 @@ impl GroomFormat {
         },
         Self {
             extension: "bin",
-            what: "CT2Hair; read only",
+            what: "CT2Hair",
             read: |bytes, _| usc::read(bytes, usc::Record::Labelled),
             write: None,
         },
@@ -166,12 +173,17 @@ impl Curves {
     fn check(&self) -> Result<(), SceneError> {
         let (points, strands) = (self.points.len(), self.len());
         let ends = (self.offsets.first().copied(), self.offsets.last().map(|&last| last as usize));
-        let (ids, radii) = (self.ids.len(), self.radius.len());
+        let radii = self.radius.len();
         if ends != (Some(0), Some(points)) || !self.offsets.is_sorted() {
             return Err(SceneError::new(format!("offsets: expected rising numbers from 0 to {points}, the points")));
         }
+        let (ids, groups) = (self.ids.len(), self.groups.len());
         if ids != strands {
             return Err(SceneError::new(format!("ids: expected {strands}, one a strand, found {ids}")));
+        }
+        let or_none = [("groups", groups), ("root_uvs", self.root_uvs.len()), ("guides", self.guides.len())];
+        if let Some((name, found)) = or_none.into_iter().find(|(_, found)| ![0, strands].contains(found)) {
+            return Err(SceneError::new(format!("{name}: expected {strands}, one a strand, or none, found {found}")));
         }
         if radii != 0 && radii != points {
             return Err(SceneError::new(format!("radius: expected {points}, one a point, or none, found {radii}")));

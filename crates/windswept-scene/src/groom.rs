@@ -40,6 +40,10 @@ pub struct Groom {
     pub offsets: Vec<u32>,
     /// Number of each strand in the file that it came from; empty: its index.
     pub ids: Vec<u32>,
+    /// Group of each strand in the file that it came from; empty: `group`.
+    pub groups: Vec<u32>,
+    /// Place of each root in the texture of what it grows on, as the file has it; empty where it has none.
+    pub root_uvs: Vec<[f32; 2]>,
     /// Number of a strand's group, for the caller's own use.
     pub group: PerStrand<u32>,
     /// Fibres that the strands are made of.
@@ -185,6 +189,8 @@ impl Groom {
             points,
             offsets,
             ids: Vec::new(),
+            groups: Vec::new(),
+            root_uvs: Vec::new(),
             group: 0.into(),
             fibre: Fibre::default().into(),
             rest_curvature: None,
@@ -223,9 +229,9 @@ impl Groom {
                 .as_ref()
                 .map_or(Ok(()), |frames| frames.check(name, strands, "a quaternion (x, y, z, w), not 0", rotates))?;
         }
-        if !self.ids.is_empty() && self.ids.len() != strands {
-            let words = format!("expected {strands} numbers, one a strand, or none; found {}", self.ids.len());
-            return Err(fault("ids", words));
+        let each = [("ids", self.ids.len()), ("groups", self.groups.len()), ("root_uvs", self.root_uvs.len())];
+        if let Some((name, found)) = each.into_iter().find(|(_, found)| *found != 0 && *found != strands) {
+            return Err(fault(name, format!("expected {strands} values, one a strand, or none; found {found}")));
         }
         self.group.check("group", strands, "", |_| true)?;
         self.friction.check("friction", strands, "a number of at least 0", |mu| *mu >= 0.0 && mu.is_finite())?;
@@ -325,6 +331,9 @@ impl Groom {
             ids,
             radius: (0..self.len()).flat_map(of_strand).collect(),
             unit: Some(1.0),
+            groups: self.groups.clone(),
+            root_uvs: self.root_uvs.clone(),
+            guides: Vec::new(),
         })
     }
 
@@ -359,6 +368,8 @@ impl Groom {
     pub(crate) fn append(&self, scene: &Scene, parcel: Parcel, all: &mut Strands) -> Vec<String> {
         let (mut soft, mut unstable) = (0, 0);
         all.ids.extend(&self.ids);
+        all.groups.extend((0..self.len()).map(|s| self.groups.get(s).copied().unwrap_or(self.group.get(s))));
+        all.root_uvs.extend((0..self.len()).map(|s| self.root_uvs.get(s).copied().unwrap_or_default()));
         for s in 0..self.len() {
             let (mut shape, fibre) = (self.shape(s), self.fibre.get(s));
             if self.rest == RestShape::Hanging {

@@ -7,6 +7,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
 use crate::{
+    curves::Curves,
     error::SceneError,
     groom::{Groom, PerStrand},
     initial::{End, Strands},
@@ -78,10 +79,32 @@ fn groom(
         root: hair.root.into(),
         tip: hair.tip.into(),
         ids: read.ids,
+        groups: read.groups,
+        root_uvs: read.root_uvs,
         ..Groom::new(Vec::new(), read.offsets)
     };
     groom.check()?;
     Ok(groom)
+}
+
+impl Hair {
+    /// How many strands of the group are simulated, and all that its groom file has where those are more, where the group's motion
+    /// has them at the start \[m\]: the others follow the simulated ones.
+    ///
+    /// # Errors
+    /// As [`GroomFile::curves`].
+    pub fn followers(&self, seed: u64) -> Result<(usize, Option<Curves>), SceneError> {
+        match &self.source {
+            HairSource::Drawn(drawn) => Ok((drawn.strands as usize, None)),
+            HairSource::File(file) => {
+                let (simulated, mut all) = file.followers(seed)?;
+                for point in all.iter_mut().flat_map(|curves| &mut curves.points) {
+                    *point = self.motion.place(self.center(), DVec3::from_array(*point), 0.0).to_array();
+                }
+                Ok((simulated, all))
+            }
+        }
+    }
 }
 
 /// Appends the strands of a group that is drawn.
@@ -107,6 +130,8 @@ fn draw(
         shape.append(&hair.fibre, scene.rods.inextensible, parcel, all);
         all.group.push(group as u32);
         all.ids.push(i);
+        all.groups.push(group as u32);
+        all.root_uvs.push([0.0; 2]);
         all.friction.push(hair.friction);
     }
     let turn = darboux(drawn.curl).length() * drawn.length / f64::from(drawn.points - 1);

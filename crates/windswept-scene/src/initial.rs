@@ -43,6 +43,10 @@ pub struct Strands {
     pub group: Vec<u32>,
     /// Per strand: its number in the groom file that it comes from, or in its group; empty for its index.
     pub ids: Vec<u32>,
+    /// Per strand: the group that its groom file says, or [`Self::group`]; empty for [`Self::group`].
+    pub groups: Vec<u32>,
+    /// Per strand: place of its root in the texture of what it grows on; empty where no groom file has them.
+    pub root_uvs: Vec<[f32; 2]>,
     /// Per strand: Coulomb's coefficient of friction on other strands; empty for the default, 0.3, of all.
     pub friction: Vec<f64>,
     /// Per point: position \[m\].
@@ -179,6 +183,16 @@ impl Strands {
         self.ends.get(s).copied().unwrap_or_default()
     }
 
+    /// Radius of a fibre at each point \[m\]: the mean of the segments that meet there.
+    pub fn point_radii(&self) -> impl Iterator<Item = f64> + '_ {
+        let of_strand = |s: usize| {
+            let radius = &self.radius[self.segments(s)];
+            let last = radius.len() - 1;
+            (0..=radius.len()).map(move |k| 0.5 * (radius[k.saturating_sub(1)] + radius[k.min(last)]))
+        };
+        (0..self.len()).flat_map(of_strand)
+    }
+
     /// Position of each strand's root \[m\].
     pub fn roots(&self) -> impl Iterator<Item = DVec3> + '_ {
         self.point_offsets[..self.len()].iter().map(|&point| self.positions[point as usize])
@@ -233,7 +247,13 @@ impl Strands {
                 return fault(format!("{name}: expected {expected} rows, found {found}"));
             }
         }
-        for (name, found) in [("ids", self.ids.len()), ("ends", self.ends.len()), ("friction", self.friction.len())] {
+        for (name, found) in [
+            ("ids", self.ids.len()),
+            ("groups", self.groups.len()),
+            ("root_uvs", self.root_uvs.len()),
+            ("ends", self.ends.len()),
+            ("friction", self.friction.len()),
+        ] {
             if found != 0 && found != strands {
                 return fault(format!("{name}: expected {strands} rows or none, found {found}"));
             }
@@ -362,6 +382,9 @@ impl InitialState {
     fn with_hair(scene: &Scene, mut hair: Strands, mut warnings: Vec<String>) -> Result<Self, SceneError> {
         if hair.ends.iter().all(|ends| *ends == Ends::default()) {
             hair.ends.clear();
+        }
+        if hair.root_uvs.iter().all(|uv| *uv == [0.0; 2]) {
+            hair.root_uvs.clear();
         }
         hair.consistent()?;
         hair.representable(scene)?;

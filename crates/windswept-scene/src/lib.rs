@@ -29,7 +29,7 @@ mod wind;
 mod write;
 
 pub use body::{Body, Round, Shape};
-pub use curves::{Curves, Dropped, GroomFormat};
+pub use curves::{Curves, Dropped, GroomFormat, npy_head};
 pub use error::SceneError;
 pub use groom::{Groom, PerStrand, RestCurvature, RestShape};
 pub use initial::{AirParticles, End, Ends, InitialState, Strands};

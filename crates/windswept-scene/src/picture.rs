@@ -48,7 +48,7 @@ table! {
     /// `[picture]`: what pictures show.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub struct Picture, checked by Picture::checked {
-        /// Hairs drawn in all, interpolated from the strands; at least every strand is drawn.
+        /// Hairs drawn in all, the strands and others that follow them; where a groom file has others, those first.
         hairs: u32 = Count(1, u32::MAX), "", Value(20_000);
         /// Colour of the air particles, or none of them.
         air: AirPicture = Choice(AirPicture::WORDS), "", Value(AirPicture::None);

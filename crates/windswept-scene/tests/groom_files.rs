@@ -135,7 +135,7 @@ fn strands_come_back_as_they_were() {
     // Strands keep the file's numbers where some are left out, and the archive knows the unit.
     let (fit, dropped) = Curves { ids: curves.ids.iter().map(|id| 2 * id).collect(), ..curves }
         .in_metres(0.01, Up::Y)
-        .spread(100, 1)
+        .guides(Some(100), 1)
         .fit();
     assert_eq!((fit.len(), dropped.total()), (100, 0));
     let path = folder.0.join("few.npz");
@@ -310,13 +310,48 @@ fn points_are_placed_evenly() {
         offsets: vec![0, 4],
         ids: vec![9],
         radius: vec![4.0, 3.0, 1.0, 0.0],
-        unit: None,
+        ..Curves::default()
     };
     let even = curves.resampled(9);
     let expected: Vec<[f64; 3]> =
         (0..=6).map(|k| [0.5 * f64::from(k), 0.0, 0.0]).chain([[3.0, 0.5, 0.0], [3.0, 1.0, 0.0]]).collect();
     assert_eq!((even.points, even.ids), (expected, vec![9]));
     assert_eq!(even.radius, [4.0, 3.5, 3.0, 2.5, 2.0, 1.5, 1.0, 0.5, 0.0]);
+}
+
+/// What a file says of strands beside their shape comes back from the archive, and stays with its strand.
+#[test]
+fn groups_and_places_of_roots_come_back() {
+    let folder = Folder::new("marks");
+    let curves = Curves {
+        points: [[0.0; 3], [0.0, 1.0, 0.0], [0.0, 3.0, 0.0]].repeat(4),
+        offsets: vec![0, 3, 6, 9, 12],
+        ids: vec![7, 5, 3, 1],
+        groups: vec![2, 2, 0, 4_000_000_000],
+        root_uvs: vec![[0.25, 0.5], [-0.0, 1.0], [0.1, 0.2], [3.0, 4.0]],
+        guides: vec![true, false, false, true],
+        ..Curves::default()
+    };
+    let path = folder.0.join("marks.npz");
+    curves.save(&path).unwrap();
+    assert_eq!(Curves::load(&path, None).unwrap(), curves);
+    let file = GroomFile { points: Some(5), scale: Some(1.0), ..GroomFile::new(path.to_string_lossy()) };
+    let (groom, _) = file.groom(1).unwrap();
+    assert_eq!((groom.ids, groom.groups), (vec![7, 1], vec![2, 4_000_000_000]));
+    assert_eq!(groom.root_uvs, [[0.25, 0.5], [3.0, 4.0]]);
+    // The others follow, and all of them are what the file becomes as another file.
+    let (simulated, all) = file.followers(1).unwrap();
+    let all = all.unwrap();
+    assert_eq!((simulated, all.ids, all.points.len()), (2, curves.ids.clone(), 20));
+    assert_eq!(file.fitted(curves.clone(), 1).unwrap().0.guides, curves.guides);
+    for (spoilt, name) in [
+        (Curves { groups: vec![1], ..curves.clone() }, "groups"),
+        (Curves { root_uvs: vec![[0.0; 2]; 5], ..curves.clone() }, "root_uvs"),
+        (Curves { guides: vec![true; 3], ..curves.clone() }, "guides"),
+    ] {
+        let error = spoilt.save(&path).unwrap_err();
+        assert!(error.message().contains(&format!("{name}: expected 4, one a strand")), "{error}");
+    }
 }
 
 /// The roots that are kept leave no hole: on a line of 101, the farthest from 5 of them is an eighth of the line away.
@@ -326,13 +361,20 @@ fn the_strands_that_are_kept_are_far_apart() {
     let curves =
         Curves { points, offsets: (0..=101).map(|s| 2 * s).collect(), ids: (0..101).collect(), ..Curves::default() };
     for seed in 0..10 {
-        let few = curves.clone().spread(5, seed);
+        let few = curves.clone().guides(Some(5), seed);
         assert!(few.ids.is_sorted() && few.len() == 5);
         let gaps = |x: u32| few.ids.iter().map(|id| id.abs_diff(x)).min().unwrap();
         // The greedy choice is at most twice as far as the best one, 10.1.
         assert!((0..101).all(|x| gaps(x) <= 20), "{:?}", few.ids);
-        assert_eq!(few, curves.clone().spread(5, seed));
+        assert_eq!(few, curves.clone().guides(Some(5), seed));
     }
+    // Where a file marks its guides, only those are.
+    let marked = Curves { guides: (0..101).map(|s| s % 10 == 5).collect(), ..curves };
+    assert_eq!(marked.clone().guides(None, 1).ids, (0..10).map(|k| 10 * k + 5).collect::<Vec<u32>>());
+    assert!(marked.clone().guides(Some(3), 1).ids.iter().all(|id| id % 10 == 5));
+    assert_eq!(marked.clone().guides(Some(3), 1).len(), 3);
+    let unmarked = Curves { guides: vec![false; 101], ..marked };
+    assert_eq!(unmarked.guides(None, 1).len(), 101);
     // Roots in one place are different strands.
     let same = Curves {
         points: [[0.0; 3], [0.0, 1.0, 0.0]].repeat(4),
@@ -340,7 +382,7 @@ fn the_strands_that_are_kept_are_far_apart() {
         ids: vec![0, 1, 2, 3],
         ..Curves::default()
     };
-    assert_eq!(same.spread(3, 1).len(), 3);
+    assert_eq!(same.guides(Some(3), 1).len(), 3);
 }
 
 fn scene_of(folder: &Folder, keys: &str) -> Result<Scene, windswept_scene::SceneError> {
@@ -446,7 +488,7 @@ fn curves_made_in_code_are_checked() {
     }
     // A strand without points has no root, and is one all the same.
     let none = Curves { points: vec![], offsets: vec![0, 0, 0], ids: vec![0, 1], ..Curves::default() };
-    assert_eq!(none.spread(1, 1).len(), 1);
+    assert_eq!(none.guides(Some(1), 1).len(), 1);
 }
 
 /// Warnings of a straight upright strand of this γ = ρAgL³/EI, given as it hangs.

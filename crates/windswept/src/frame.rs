@@ -27,6 +27,18 @@ pub struct HairFrame {
     /// Orientation of each segment: the rotation (x, y, z, w) from material frame to world. A strand of n points has n
     /// - 1.
     pub orientations: Vec<[f32; 4]>,
+    /// Frame that clamps the root of each strand (x, y, z, w); empty where it is not known.
+    pub root_frames: Vec<[f32; 4]>,
+    /// Radius of a fibre at each point \[m\]; empty where it is not known.
+    pub radius: Vec<f32>,
+    /// Hairs that each strand stands for; empty where it is not known.
+    pub fibres: Vec<f32>,
+    /// Group of each strand: that of its groom file, or the index of its `[[hair]]`; empty where it is not known.
+    pub groups: Vec<u32>,
+    /// Place of each root in the texture of what it grows on, as its groom file has it; empty where no file has them.
+    pub root_uvs: Vec<[f32; 2]>,
+    /// Whether each strand is simulated, among followers of such; empty where all are.
+    pub guides: Vec<bool>,
 }
 
 /// Air particles in the order of their stable ids.

@@ -312,15 +312,16 @@ impl Simulation {
         let xyz = |v: &[f32; 4]| [v[0], v[1], v[2]];
         let slots = self.engine.slots()?;
         let arrays = [&s.position, &s.velocity, &s.orientation];
+        let clamps = self.engine.read(&s.clamps)?;
         let frame = self.engine.view_vec4(arrays, |[positions, velocities, orientations]| Frame {
             step: self.steps,
             time: self.time(),
             hair: HairFrame {
-                offsets: self.initial.hair.point_offsets.clone(),
-                ids: self.initial.hair.ids.clone(),
                 positions: positions[..hair].iter().map(world).collect(),
                 velocities: velocities[..hair].iter().map(xyz).collect(),
                 orientations: orientations.to_vec(),
+                root_frames: clamps.iter().map(|clamp| clamp.frame).collect(),
+                ..self.lasting_hair()
             },
             air: AirFrame {
                 positions: slots.by_id(positions[hair..].iter().map(world)),
@@ -336,11 +337,25 @@ impl Simulation {
     pub fn hair_at_start(&self) -> HairFrame {
         let (hair, origin) = (&self.initial.hair, self.initial.origin);
         HairFrame {
-            offsets: hair.point_offsets.clone(),
-            ids: hair.ids.clone(),
             positions: hair.positions.iter().map(|x| in_world(&rods::vec4(*x - origin, 0.0), origin)).collect(),
             velocities: hair.velocities.iter().map(|v| v.as_vec3().to_array()).collect(),
             orientations: hair.orientations.iter().map(|q| rods::quat(*q)).collect(),
+            root_frames: hair.root_frame.iter().map(|q| rods::quat(*q)).collect(),
+            ..self.lasting_hair()
+        }
+    }
+
+    /// What stays the same of the strands through a run.
+    fn lasting_hair(&self) -> HairFrame {
+        let hair = &self.initial.hair;
+        HairFrame {
+            offsets: hair.point_offsets.clone(),
+            ids: hair.ids.clone(),
+            radius: hair.point_radii().map(|radius| radius as f32).collect(),
+            fibres: (0..hair.len()).map(|s| hair.fibres[hair.segments(s).start] as f32).collect(),
+            groups: hair.groups.clone(),
+            root_uvs: hair.root_uvs.clone(),
+            ..HairFrame::default()
         }
     }
 

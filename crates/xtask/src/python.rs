@@ -7,7 +7,7 @@ use crate::tests::Length;
 use crate::{Result, cargo, root, run, say, venv};
 
 /// PyPI packages that the package's tests and users import, and maturin, which builds it.
-const PACKAGES: [&str; 11] = [
+const PACKAGES: [&str; 12] = [
     "maturin",
     "numpy",
     "h5py",
@@ -19,6 +19,7 @@ const PACKAGES: [&str; 11] = [
     "matplotlib",
     "distributed",
     "tqdm",
+    "usd-core; python_version >= '3.11'",
 ];
 
 /// `cargo xtask python`.

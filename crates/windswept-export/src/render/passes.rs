@@ -13,7 +13,7 @@ use windswept_shaders::{
 };
 
 use super::bodies;
-use super::groom::{self, Groom};
+use super::groom::Groom;
 use super::maker::{Bound, Compute, Depth, Draw, Maker};
 use super::patch::{self, Corner};
 
@@ -21,10 +21,9 @@ use super::patch::{self, Corner};
 #[derive(Debug)]
 pub(super) struct Passes {
     view: wgpu::Buffer,
-    guide: wgpu::Buffer,
+    course: wgpu::Buffer,
     frame: wgpu::Buffer,
-    likeness: wgpu::Buffer,
-    /// Orientation that clamps the root of each strand.
+    /// Orientation that clamps the root of each strand at the start.
     root_frames: Vec<Quat>,
     grid: wgpu::Buffer,
     /// The draws, in their order.
@@ -82,9 +81,9 @@ impl Passes {
         let offsets = m.filled("strands", &start.offsets, BufferUsages::STORAGE);
         let radius = m.filled("radii", &groom.radius, BufferUsages::STORAGE);
         let seed = m.filled("seeds", &groom.seed, BufferUsages::STORAGE);
-        let guide = m.buffer("strand points", 16 * strand_points, BufferUsages::STORAGE);
+        let course_points = strand_points + groom.followers.start().positions.len() as u64;
+        let course = m.buffer("points of strands and followers", 16 * course_points, BufferUsages::STORAGE);
         let frame = m.buffer("strand frames", 16 * strand_points, BufferUsages::STORAGE);
-        let likeness = m.buffer("likeness", 4 * groom.pairs.len() as u64, BufferUsages::STORAGE);
         let points = m.buffer("hair points", 16 * all, BufferUsages::STORAGE);
         let colour = m.buffer("hair colours", 4 * all, BufferUsages::STORAGE);
         let grid = m.buffer("opacity", 4 * 2 * u64::from(GRID).pow(3), BufferUsages::STORAGE);
@@ -92,7 +91,7 @@ impl Passes {
         let per_point = all.div_ceil(WORKGROUP.into());
         let per_column = (2 * u64::from(GRID).pow(2)).div_ceil(WORKGROUP.into());
         let opacity = m.module(&pictures::OPACITY);
-        let grown = numbered([&view, &hair, &offsets, &guide, &frame, &likeness, &points]);
+        let grown = numbered([&view, &hair, &offsets, &course, &frame, &points]);
         let compute = [
             m.compute(&m.module(&pictures::GROW), "main", &grown, per_point),
             m.compute(&opacity, "deposit", &numbered([&view, &points, &grid, &radius]), per_point),
@@ -118,9 +117,8 @@ impl Passes {
             air: m.draw(&m.module(&pictures::AIR), "", &[], None, Depth::Clear),
             hairs,
             view,
-            guide,
+            course,
             frame,
-            likeness,
             root_frames: groom.root_frames.clone(),
             grid,
         }
@@ -133,25 +131,24 @@ impl Passes {
         view: &View,
         scene: &Scene,
         shot: &Frame,
-        likeness: &[f32],
+        followers: &HairFrame,
     ) -> Result<(), GpuError> {
         let (hair, time) = (&shot.hair, shot.time);
-        let turns = groom::turns(scene, self.root_frames.len(), time);
-        let guide: Vec<[f32; 4]> = hair.positions.iter().map(|&[x, y, z]| [x, y, z, 0.0]).collect();
-        let mut frame = Vec::with_capacity(guide.len());
+        let course = hair.positions.iter().chain(&followers.positions);
+        let course: Vec<[f32; 4]> = course.map(|&[x, y, z]| [x, y, z, 0.0]).collect();
+        let mut frame = Vec::with_capacity(hair.positions.len());
         for (strand, ends) in hair.offsets.windows(2).enumerate() {
             // n - 1 segments, n places: the tip's is that of the clamp.
             let (first, last) = (ends[0] as usize - strand, ends[1] as usize - strand - 1);
             frame.extend_from_slice(&hair.orientations[first..last]);
-            frame.push((turns[strand] * self.root_frames[strand]).to_array());
+            frame.push(hair.root_frames.get(strand).copied().unwrap_or(self.root_frames[strand].to_array()));
         }
         gpu.checked(
             || "uploading strands".to_owned(),
             || {
                 gpu.queue().write_buffer(&self.view, 0, bytemuck::bytes_of(view));
-                gpu.queue().write_buffer(&self.guide, 0, bytemuck::cast_slice(&guide));
+                gpu.queue().write_buffer(&self.course, 0, bytemuck::cast_slice(&course));
                 gpu.queue().write_buffer(&self.frame, 0, bytemuck::cast_slice(&frame));
-                gpu.queue().write_buffer(&self.likeness, 0, bytemuck::cast_slice(likeness));
                 for (solid, corners) in
                     [(&self.patch, patch::corners(scene, time)), (&self.bodies, bodies::corners(scene, time))]
                 {

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use windswept::Frame;
 use windswept_scene::Scene;
 
-use super::{Kind, Provenance, VtkHdfWriter, arrays};
-use crate::{ExportError, FrameSink, Start};
+use super::{Kind, VtkHdfWriter, arrays};
+use crate::{ExportError, FrameSink, Provenance, Start};
 
 /// Writes strands and air particles, each into a file of its own where there are any.
 pub(crate) struct Films {

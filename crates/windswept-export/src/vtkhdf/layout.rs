@@ -7,7 +7,8 @@ use hdf5::dataset::{AllocTime, FillTime};
 use hdf5::types::{FixedAscii, VarLenUnicode};
 use hdf5::{Attribute, Dataset, Extents, File, FileBuilder, Group, H5Type, Result};
 
-use super::{Kind, Provenance};
+use super::Kind;
+use crate::Provenance;
 
 /// The datasets that a frame is written to.
 #[derive(Debug)]
@@ -19,6 +20,8 @@ pub(super) struct Layout {
     velocities: Dataset,
     /// Hair only.
     orientations: Option<Dataset>,
+    /// Hair only, where the frames have them.
+    root_frames: Option<Dataset>,
     scalars: Vec<Dataset>,
     /// Datasets of one number per frame: the dataset, the number in frame 0, and what it grows by.
     steps: Vec<(Dataset, usize, usize)>,
@@ -31,20 +34,41 @@ pub(super) struct Rows<'a> {
     pub(super) positions: &'a [[f32; 3]],
     pub(super) velocities: &'a [[f32; 3]],
     pub(super) orientations: &'a [[f32; 4]],
+    /// Per strand.
+    pub(super) root_frames: &'a [[f32; 4]],
     /// Scalars, as many as the file was laid out for.
     pub(super) scalars: &'a [&'a [f32]],
 }
 
+/// An array that stays the same through a film, a row per point or per cell: its name, and its values.
+pub(super) type Still<'a> = (&'static str, Values<'a>);
+
+/// Values of a [`Still`].
+pub(super) enum Values<'a> {
+    Whole(Vec<i32>),
+    Floats(&'a [f32]),
+    Pairs(&'a [[f32; 2]]),
+}
+
+/// What of a frame a file has beside positions and velocities.
+pub(super) struct Contents<'a> {
+    /// Points of a frame.
+    pub(super) points: usize,
+    /// Strands of a frame whose root frames are written; 0 for none.
+    pub(super) root_frames: usize,
+    /// Names of the scalars per point.
+    pub(super) scalars: &'a [&'static str],
+    /// What stays.
+    pub(super) still: &'a [Still<'a>],
+}
+
 impl Layout {
-    /// Makes all of the file but the frames. Cell i has the points `cells[i]..cells[i + 1]`, and of
-    /// hair the number `ids[i]`.
+    /// Makes all of the file but the frames. Cell i has the points `cells[i]..cells[i + 1]`.
     pub(super) fn create(
         path: &Path,
         kind: Kind,
         cells: &[i64],
-        ids: &[i32],
-        points: usize,
-        scalars: &[&str],
+        contents: &Contents<'_>,
         frames: usize,
         provenance: &Provenance<'_>,
     ) -> Result<Self> {
@@ -68,7 +92,7 @@ impl Layout {
         root.new_attr::<i64>().shape(2).create("Version")?.write(&[2, 0])?;
         let name = FixedAscii::<8>::from_ascii("PolyData").map_err(|e| e.to_string())?;
         root.new_attr::<FixedAscii<8>>().create("Type")?.write_scalar(&name)?;
-        table(&root, "NumberOfPoints", &[points as i64])?;
+        table(&root, "NumberOfPoints", &[contents.points as i64])?;
         for group in ["Vertices", "Lines", "Strips", "Polygons"] {
             let own = match kind {
                 Kind::Hair => "Lines",
@@ -77,31 +101,29 @@ impl Layout {
             write_cells(&root.create_group(group)?, if group == own { cells } else { &[0] })?;
         }
 
-        if kind == Kind::Hair {
-            table(&root, "CellData/StrandId", ids)?;
+        for (name, values) in contents.still {
+            match values {
+                Values::Whole(values) => table(&root, name, values)?,
+                Values::Floats(values) => table(&root, name, values)?,
+                Values::Pairs(rows) => write_rows(&empty::<f32>(&root, name, [rows.len(), 2])?, 0, rows)?,
+            }
         }
-        let layout = Self::of_frames(Place::New(&root), file, finished, times, kind, points, scalars, frames)?;
+        let layout = Self::of_frames(Place::New(&root), file, finished, times, kind, contents, frames)?;
         write_provenance(&layout.file, provenance)?;
         layout.finished.write_scalar(&0_i64)?;
         layout.flush()?;
         Ok(layout)
     }
 
-    /// Opens a file that [`Layout::create`] made of as many points and of the same scalars, and shows its first `written` frames
-    /// only. Also returns how many frames it has room for.
-    pub(super) fn go_on(
-        path: &Path,
-        kind: Kind,
-        points: usize,
-        scalars: &[&str],
-        written: usize,
-    ) -> Result<(Self, usize)> {
+    /// Opens a file that [`Layout::create`] made of the same contents, and shows its first `written` frames only. Also returns how
+    /// many frames it has room for.
+    pub(super) fn go_on(path: &Path, kind: Kind, contents: &Contents<'_>, written: usize) -> Result<(Self, usize)> {
         let file = options().open_rw(path)?;
         let root = file.group("VTKHDF")?;
         let steps = root.group("Steps")?;
         let (finished, times) = (steps.attr("NSteps")?, steps.dataset("Values")?);
         let frames = root.dataset("Steps/PartOffsets")?.size();
-        let layout = Self::of_frames(Place::There(&root), file, finished, times, kind, points, scalars, frames)?;
+        let layout = Self::of_frames(Place::There(&root), file, finished, times, kind, contents, frames)?;
         layout.times.resize(written.max(1))?;
         layout.finished.write_scalar(&(written as i64))?;
         layout.flush()?;
@@ -115,10 +137,10 @@ impl Layout {
         finished: Attribute,
         times: Dataset,
         kind: Kind,
-        points: usize,
-        scalars: &[&str],
+        contents: &Contents<'_>,
         frames: usize,
     ) -> Result<Self> {
+        let points = contents.points;
         // Flat, as a frame is a run of rows: those of frame k start at k points.
         let vectors = |name, width| place.dataset::<f32>(name, &[frames * points, width]);
         let number = |name: &str| place.dataset::<i64>(&format!("Steps/{name}"), &[frames]);
@@ -130,13 +152,20 @@ impl Layout {
             (number("PointDataOffsets/Velocity")?, 0, points),
         ];
         let mut orientations = None;
+        for (name, _) in contents.still {
+            steps.push((number(&name.replacen("Data/", "DataOffsets/", 1))?, 0, 0));
+        }
+        let mut root_frames = None;
+        if contents.root_frames > 0 {
+            steps.push((number("CellDataOffsets/RootFrame")?, 0, contents.root_frames));
+            root_frames = Some(place.dataset::<f32>("CellData/RootFrame", &[frames * contents.root_frames, 4])?);
+        }
         if kind == Kind::Hair {
-            steps.push((number("CellDataOffsets/StrandId")?, 0, 0));
             steps.push((number("PointDataOffsets/Orientation")?, 0, points));
             orientations = Some(vectors("PointData/Orientation", 4)?);
         }
         let mut per_particle = Vec::new();
-        for name in scalars {
+        for name in contents.scalars {
             steps.push((number(&format!("PointDataOffsets/{name}"))?, 0, points));
             per_particle.push(place.dataset::<f32>(&format!("PointData/{name}"), &[frames * points])?);
         }
@@ -145,6 +174,7 @@ impl Layout {
             positions: vectors("Points", 3)?,
             velocities: vectors("PointData/Velocity", 3)?,
             orientations,
+            root_frames,
             scalars: per_particle,
             steps,
             group_steps: [per_group("Steps/CellOffsets")?, per_group("Steps/ConnectivityIdOffsets")?],
@@ -159,6 +189,9 @@ impl Layout {
         write_rows(&self.velocities, k, rows.velocities)?;
         if let Some(orientations) = &self.orientations {
             write_rows(orientations, k, rows.orientations)?;
+        }
+        if let Some(root_frames) = &self.root_frames {
+            write_rows(root_frames, k, rows.root_frames)?;
         }
         for (dataset, values) in self.scalars.iter().zip(rows.scalars) {
             dataset.write_slice(*values, k * values.len()..(k + 1) * values.len())?;

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use hdf5::types::VarLenUnicode;
 use hdf5::{File, Group, Result};
 use windswept::{AirFrame, Frame, HairFrame};
 
@@ -15,10 +16,8 @@ pub struct VtkHdfReader {
     kind: Kind,
     root: Group,
     times: Vec<f64>,
-    /// First point of each strand, and the end; hair only.
-    offsets: Vec<u32>,
-    /// Numbers of the strands; empty for their indices.
-    ids: Vec<u32>,
+    /// What stays of the strands; hair only.
+    still: HairFrame,
     points: usize,
 }
 
@@ -50,30 +49,60 @@ impl VtkHdfReader {
         // The group with cells is the one that the file is about.
         let lines = number("Lines/Offsets")?;
         let kind = if lines.len() > 1 { Kind::Hair } else { Kind::Air };
-        let offsets = if kind == Kind::Hair { lines.iter().map(|&first| first as u32).collect() } else { Vec::new() };
-        let ids = if kind == Kind::Hair { root.dataset("CellData/StrandId")?.read_raw::<i32>()? } else { Vec::new() };
-        // None where they are what an index says.
-        let own = ids.iter().zip(0..).any(|(id, index)| *id != index);
-        let ids = if own { ids.into_iter().map(|id| id as u32).collect() } else { Vec::new() };
-        Ok(Self { path: path.into(), kind, root, times, offsets, ids, points })
+        let mut still = HairFrame::default();
+        if kind == Kind::Hair {
+            let there = |name: &str| root.link_exists(name).then(|| root.dataset(name)).transpose();
+            let whole = |name: &str| match there(name)? {
+                Some(numbers) => Ok(numbers.read_raw::<i32>()?.into_iter().map(|number| number as u32).collect()),
+                None => Ok::<Vec<u32>, hdf5::Error>(Vec::new()),
+            };
+            let floats = |name: &str| there(name)?.map_or(Ok(Vec::new()), |floats| floats.read_raw::<f32>());
+            still.offsets = lines.iter().map(|&first| first as u32).collect();
+            still.ids = whole("CellData/StrandId")?;
+            // None where they are what an index says.
+            if still.ids.iter().zip(0..).all(|(id, index)| *id == index) {
+                still.ids.clear();
+            }
+            still.groups = whole("CellData/GroupId")?;
+            still.fibres = floats("CellData/FibresPerStrand")?;
+            still.root_uvs = floats("CellData/RootUv")?.as_chunks::<2>().0.to_vec();
+            still.radius = floats("PointData/Radius")?;
+        }
+        Ok(Self { path: path.into(), kind, root, times, still, points })
     }
 
     /// The error of a file whose parts do not fit together.
     fn fault(&self) -> Option<String> {
-        let ends = (self.offsets.first().copied(), self.offsets.last().map(|&last| last as usize));
-        let ordered = self.offsets.windows(2).all(|w| w[1] >= w[0].saturating_add(2));
+        let HairFrame { offsets, ids, groups, fibres, root_uvs, radius, .. } = &self.still;
+        let ends = (offsets.first().copied(), offsets.last().map(|&last| last as usize));
+        let ordered = offsets.windows(2).all(|w| w[1] >= w[0].saturating_add(2));
         if self.kind == Kind::Hair && !(ends == (Some(0), Some(self.points)) && ordered) {
             return Some(format!("its lines do not make strands of {} points", self.points));
         }
-        if !self.ids.is_empty() && self.ids.len() + 1 != self.offsets.len() {
-            return Some(format!(
-                "it has {} strands and {} numbers of strands",
-                self.offsets.len() - 1,
-                self.ids.len()
-            ));
+        let strands = offsets.len().saturating_sub(1);
+        for (what, found, expected) in [
+            ("numbers of strands", ids.len(), strands),
+            ("groups", groups.len(), strands),
+            ("numbers of fibres", fibres.len(), strands),
+            ("places of roots", root_uvs.len(), strands),
+            ("radii", radius.len(), self.points),
+        ] {
+            if found != 0 && found != expected {
+                return Some(format!("it has {strands} strands of {} points and {found} {what}", self.points));
+            }
         }
         let rows = self.root.dataset("Points").map_or(0, |points| points.shape().first().copied().unwrap_or(0));
         (rows < self.times.len() * self.points).then(|| format!("it lacks points of its {} frames", self.times.len()))
+    }
+
+    /// Name of the adapter that ran, and version of windswept; empty where the file does not say.
+    #[must_use]
+    pub fn origin(&self) -> [String; 2] {
+        let text = |name: &str| {
+            let value = self.root.file()?.group("windswept")?.attr(name)?.read_scalar::<VarLenUnicode>()?;
+            Ok::<_, hdf5::Error>(value.to_string())
+        };
+        ["adapter", "version"].map(|name| text(name).unwrap_or_default())
     }
 
     /// Which part of a frame it holds.
@@ -84,7 +113,7 @@ impl VtkHdfReader {
 
     /// Whether its frames are of this kind and have so many points, in these strands where they are hair.
     pub(super) fn is_of(&self, kind: Kind, points: usize, strands: &[u32]) -> bool {
-        self.kind == kind && self.points == points && self.offsets == strands
+        self.kind == kind && self.points == points && self.still.offsets == strands
     }
 
     /// Number of frames that it was laid out for.
@@ -118,13 +147,19 @@ impl VtkHdfReader {
 
     fn hair(&self, k: usize) -> Result<HairFrame> {
         let per_point: Vec<[f32; 4]> = self.rows("PointData/Orientation", k)?;
-        let per_segment = self.offsets.windows(2).flat_map(|w| &per_point[w[0] as usize..w[1] as usize - 1]);
+        let offsets = &self.still.offsets;
+        let per_segment = offsets.windows(2).flat_map(|w| &per_point[w[0] as usize..w[1] as usize - 1]);
+        let root_frames = if self.root.link_exists("CellData/RootFrame") {
+            self.some_rows("CellData/RootFrame", k, offsets.len() - 1)?
+        } else {
+            Vec::new()
+        };
         Ok(HairFrame {
             positions: self.rows("Points", k)?,
             velocities: self.rows("PointData/Velocity", k)?,
             orientations: per_segment.copied().collect(),
-            offsets: self.offsets.clone(),
-            ids: self.ids.clone(),
+            root_frames,
+            ..self.still.clone()
         })
     }
 
@@ -147,10 +182,15 @@ impl VtkHdfReader {
         Ok(self.root.dataset(&name)?.read_slice_1d::<f32, _>(start..start + self.points)?.to_vec())
     }
 
-    /// Frame k of a dataset of rows.
+    /// Frame k of a dataset of rows, one per point.
     fn rows<const N: usize>(&self, name: &str, k: usize) -> Result<Vec<[f32; N]>> {
-        let start = k * self.points;
-        let rows = self.root.dataset(name)?.read_slice_2d::<f32, _>((start..start + self.points, ..))?;
+        self.some_rows(name, k, self.points)
+    }
+
+    /// Frame k of a dataset of so many rows a frame.
+    fn some_rows<const N: usize>(&self, name: &str, k: usize, count: usize) -> Result<Vec<[f32; N]>> {
+        let start = k * count;
+        let rows = self.root.dataset(name)?.read_slice_2d::<f32, _>((start..start + count, ..))?;
         let row = |row: &[f32]| std::array::from_fn(|i| row.get(i).copied().unwrap_or_default());
         Ok(rows.outer_iter().map(|r| row(&r.to_vec())).collect())
     }

@@ -35,6 +35,12 @@ pub(crate) fn frame(k: usize) -> Frame {
             positions: rows(10),
             velocities,
             orientations: rows(7).iter().map(|&[x, y, z]| [x, y, z, x + y]).collect(),
+            root_frames: rows(3).iter().map(|&[x, y, z]| [x, y, z, x - y]).collect(),
+            radius: (0..10).map(|i| 4e-5 - 1e-6 * i as f32).collect(),
+            fibres: vec![1.0, 180.5, 7.0],
+            groups: vec![0, 3, 3],
+            root_uvs: vec![[0.5, 0.25], [-0.0, 1.0], [0.1, 7.5]],
+            guides: Vec::new(),
         },
         air: AirFrame {
             positions: rows(7),
@@ -47,6 +53,31 @@ pub(crate) fn frame(k: usize) -> Frame {
 
 pub(crate) fn film(frames: usize) -> Vec<Frame> {
     (0..frames).map(frame).collect()
+}
+
+/// Writes every number of a film into plain files of a folder, and the scene of [`PROVENANCE`].
+pub(crate) fn dump(folder: &Path, film: &[Frame]) {
+    let dump = |name: &str, bytes: Vec<u8>| std::fs::write(folder.join(name), bytes).unwrap();
+    let bytes = |floats: &[f32]| floats.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<_>>();
+    let whole = |numbers: &[u32]| numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+    let floats = |rows: fn(&Frame) -> &[f32]| film.iter().flat_map(|frame| bytes(rows(frame))).collect();
+    let still = &film[0].hair;
+    dump("times.f64", film.iter().flat_map(|f| f.time.to_le_bytes()).collect());
+    dump("offsets.u32", whole(&still.offsets));
+    dump("ids.u32", whole(&still.ids));
+    dump("groups.u32", whole(&still.groups));
+    dump("root_uvs.f32", bytes(still.root_uvs.as_flattened()));
+    dump("fibres.f32", bytes(&still.fibres));
+    dump("radius.f32", bytes(&still.radius));
+    dump("positions.f32", floats(|f| f.hair.positions.as_flattened()));
+    dump("velocities.f32", floats(|f| f.hair.velocities.as_flattened()));
+    dump("orientations.f32", floats(|f| f.hair.orientations.as_flattened()));
+    dump("root_frames.f32", floats(|f| f.hair.root_frames.as_flattened()));
+    dump("air_positions.f32", floats(|f| f.air.positions.as_flattened()));
+    dump("air_velocities.f32", floats(|f| f.air.velocities.as_flattened()));
+    dump("vorticity.f32", floats(|f| &f.air.vorticity));
+    dump("band_energy.f32", floats(|f| &f.air.band_energy));
+    dump("scene.toml", PROVENANCE.scene.into());
 }
 
 /// Writes these frames into a file laid out for `announced`.
@@ -109,7 +140,7 @@ fn assert_reads(path: &Path, kind: Kind, film: &[Frame]) {
                         hair.positions.as_flattened(),
                         hair.velocities.as_flattened(),
                         hair.orientations.as_flattened(),
-                        &[],
+                        hair.root_frames.as_flattened(),
                     ]
                 }
                 Kind::Air => {
@@ -121,7 +152,11 @@ fn assert_reads(path: &Path, kind: Kind, film: &[Frame]) {
         };
         assert!(bits(&found) == bits(expected), "frame {k} as read");
         if kind == Kind::Hair {
-            assert_eq!(found.hair.offsets, expected.hair.offsets);
+            let still = |hair: &HairFrame| {
+                let HairFrame { offsets, ids, groups, fibres, radius, root_uvs, .. } = hair.clone();
+                (offsets, ids, groups, fibres, radius, root_uvs)
+            };
+            assert_eq!(still(&found.hair), still(&expected.hair));
         }
     }
     assert!(reader.frame(film.len()).is_err());

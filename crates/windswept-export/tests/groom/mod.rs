@@ -31,13 +31,14 @@ pub(crate) fn strands(roots: &[Vec3], along: Vec3) -> HairFrame {
     let frame = glam::Quat::from_rotation_arc(Vec3::Z, along.normalize());
     HairFrame {
         offsets: (0..=roots.len() as u32).map(|s| 9 * s).collect(),
-        ids: Vec::new(),
         positions: roots
             .iter()
             .flat_map(|&root| (0..9).map(move |k| (root + along * k as f32 / 8.0).to_array()))
             .collect(),
         velocities: vec![[0.0; 3]; 9 * roots.len()],
         orientations: vec![frame.to_array(); 8 * roots.len()],
+        root_frames: vec![frame.to_array(); roots.len()],
+        ..HairFrame::default()
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use windswept_export::Renderer;
+use windswept_export::{Followers, Renderer};
 
 use super::{Picture, Simulation, held::lock};
 use crate::errors::of_export;
@@ -25,6 +25,16 @@ impl Simulation {
             facts.extend(sim.ms_per_step().map(|ms| ("ms per step", format!("{ms:.2}"))));
             facts
         })
+    }
+
+    /// The hairs that the strands stand for; which ones they are is worked out once.
+    pub(super) fn following(&self, engine: &windswept::Simulation) -> PyResult<Arc<Followers>> {
+        let mut followers = lock(&self.followers);
+        if let Some(followers) = &*followers {
+            return Ok(followers.clone());
+        }
+        let made = Followers::new(engine.scene(), &engine.hair_at_start()).map_err(|error| of_export(&error))?;
+        Ok(followers.insert(Arc::new(made)).clone())
     }
 
     /// Made once per size: roots near each other at the start share the hairs between them.

@@ -93,7 +93,15 @@ impl Curves {
     /// The curves with `points` points each, evenly along them; strands that have no length stay as they are.
     #[must_use]
     pub fn resampled(&self, points: u32) -> Self {
-        let mut all = Self { ids: self.ids.clone(), unit: self.unit, offsets: vec![0], ..Self::default() };
+        let mut all = Self {
+            offsets: vec![0],
+            ids: self.ids.clone(),
+            unit: self.unit,
+            groups: self.groups.clone(),
+            root_uvs: self.root_uvs.clone(),
+            guides: self.guides.clone(),
+            ..Self::default()
+        };
         for s in 0..self.len() {
             let strand = self.strand(s);
             let radius = if self.radius.is_empty() { &[][..] } else { &self.radius[self.range(s)] };
@@ -136,19 +144,25 @@ impl Curves {
         if kept.len() == self.len() { self } else { self.only(&kept) }
     }
 
-    /// The curves whose roots are far from one another, `strands` of them, in their order: each is the one whose root is
-    /// farthest from the roots taken before it; `seed` draws the first.
+    /// The curves that the file marks as guides, or all where it marks none; of those, where they are more than `strands`, the ones
+    /// whose roots are far from one another: each is the one whose root is farthest from the roots taken before it, and `seed`
+    /// draws the first. They keep their order.
     #[must_use]
-    pub fn spread(self, strands: u32, seed: u64) -> Self {
-        let strands = strands as usize;
-        if strands >= self.len() {
-            return self;
+    pub fn guides(self, strands: Option<u32>, seed: u64) -> Self {
+        let marked = |s: &usize| self.guides.get(*s).copied().unwrap_or(false);
+        let mut taken: Vec<usize> = (0..self.len()).filter(marked).collect();
+        if taken.is_empty() {
+            taken = (0..self.len()).collect();
         }
-        let roots: Vec<DVec3> =
-            (0..self.len()).map(|s| self.strand(s).first().copied().unwrap_or_default().into()).collect();
-        let mut taken = farthest(&roots, strands, Pcg64::seed_from_u64(seed).random_range(0..roots.len()));
-        taken.sort_unstable();
-        self.only(&taken)
+        let strands = strands.map_or(taken.len(), |strands| strands as usize);
+        if strands < taken.len() {
+            let root = |s: &usize| self.strand(*s).first().copied().unwrap_or_default().into();
+            let roots: Vec<DVec3> = taken.iter().map(root).collect();
+            let far = farthest(&roots, strands, Pcg64::seed_from_u64(seed).random_range(0..roots.len()));
+            taken = far.into_iter().map(|k| taken[k]).collect();
+            taken.sort_unstable();
+        }
+        if taken.len() == self.len() { self } else { self.only(&taken) }
     }
 
     /// The strands of these indices.
@@ -160,6 +174,9 @@ impl Curves {
                 all.radius.extend(&self.radius[self.range(s)]);
             }
             all.ids.push(self.ids[s]);
+            all.groups.extend(self.groups.get(s));
+            all.root_uvs.extend(self.root_uvs.get(s));
+            all.guides.extend(self.guides.get(s));
             all.offsets.push(all.points.len() as u32);
         }
         all
@@ -263,13 +280,36 @@ impl GroomFile {
     /// # Errors
     /// As [`Curves::load`]; where no unit is known; where no strand is left.
     pub fn curves(&self, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
+        self.simulated(self.loaded()?, seed)
+    }
+
+    /// The curves of the file that are simulated: of those it marks as guides, or of all.
+    fn simulated(&self, loaded: Curves, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
+        self.fitted(loaded.guides(None, seed), seed).map_err(|error| error.of(&self.file, ""))
+    }
+
+    /// All curves of the file, in metres and Y up.
+    fn loaded(&self) -> Result<Curves, SceneError> {
         self.checked_in_code()?;
         let curves = Curves::load(&self.file, self.points_per_strand)?;
         let fault = |words: String| SceneError::new(words).of(&self.file, "");
         let Some(scale) = self.scale.or(curves.unit) else {
             return Err(fault(no_unit(&curves)).with_help("give scale, the metres per unit"));
         };
-        self.fitted(curves.in_metres(scale, self.up), seed).map_err(|error| error.of(&self.file, ""))
+        Ok(curves.in_metres(scale, self.up))
+    }
+
+    /// How many strands of the file are simulated, and all that can be, with as many points each, where those are more: the others
+    /// follow the simulated ones.
+    ///
+    /// # Errors
+    /// As [`Self::curves`].
+    pub fn followers(&self, seed: u64) -> Result<(usize, Option<Curves>), SceneError> {
+        let loaded = self.loaded()?;
+        let simulated = self.simulated(loaded.clone(), seed)?.0.len();
+        let all = Self { strands: None, ..self.clone() };
+        let (all, _) = all.fitted(loaded, seed).map_err(|error| error.of(&self.file, ""))?;
+        Ok((simulated, (all.len() > simulated).then_some(all)))
     }
 
     /// Whether the numbers are such as their keys take, in a struct that was made in code.
@@ -301,8 +341,8 @@ impl GroomFile {
         let total = curves.len();
         let mut dropped = Dropped::default();
         let mut curves = curves.kept(self.points.is_some(), &mut dropped);
-        if let Some(strands) = self.strands {
-            curves = curves.spread(strands, seed);
+        if self.strands.is_some() {
+            curves = curves.guides(self.strands, seed);
         }
         if let Some(points) = self.points {
             let most = u64::from(MOST_HAIR_POINTS);
@@ -331,7 +371,13 @@ impl GroomFile {
     pub fn groom(&self, seed: u64) -> Result<(Groom, Vec<String>), SceneError> {
         let (curves, mut notes) = self.curves(seed)?;
         let radii = curves.mean_radii();
-        let mut groom = Groom { ids: curves.ids, rest: self.rest, ..Groom::new(curves.points, curves.offsets) };
+        let mut groom = Groom {
+            ids: curves.ids,
+            groups: curves.groups,
+            root_uvs: curves.root_uvs,
+            rest: self.rest,
+            ..Groom::new(curves.points, curves.offsets)
+        };
         if self.file_radius && !radii.is_empty() {
             let mean = radii.iter().sum::<f64>() / radii.len() as f64;
             if RADII.contains(&mean) && radii.iter().all(|radius| *radius > 0.0) {

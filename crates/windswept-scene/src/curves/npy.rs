@@ -99,12 +99,12 @@ fn numbers(kind: &str, shape: &[usize], bytes: &mut Bytes<'_>, at: usize) -> Res
     Ok(match kind {
         "f4" => decoded(of(4)?, big, |x| f32::from_le_bytes(x).into()),
         "f8" => decoded(of(8)?, big, f64::from_le_bytes),
-        "u1" => decoded(of(1)?, big, |x| u8::from_le_bytes(x).into()),
+        "b1" | "u1" => decoded(of(1)?, big, |x| u8::from_le_bytes(x).into()),
         "i4" => decoded(of(4)?, big, |x| i32::from_le_bytes(x).into()),
         "u4" => decoded(of(4)?, big, |x| u32::from_le_bytes(x).into()),
         "i8" => decoded(of(8)?, big, |x| i64::from_le_bytes(x) as f64),
         "u8" => decoded(of(8)?, big, |x| u64::from_le_bytes(x) as f64),
-        _ => return Err(fault_at(at, format!("{NUMBERS} of type f4, f8, i4, i8, u1, u4 or u8, found {kind:?}"))),
+        _ => return Err(fault_at(at, format!("{NUMBERS} of type f4, f8, i4, i8, b1, u1, u4 or u8, found {kind:?}"))),
     })
 }
 
@@ -165,6 +165,14 @@ pub(super) fn of_whole(values: &[u32]) -> Vec<u8> {
 }
 
 fn file(kind: &str, shape: &[usize], values: impl Iterator<Item = u8>) -> Vec<u8> {
+    let mut bytes = npy_head(kind, shape);
+    bytes.extend(values);
+    bytes
+}
+
+/// What stands in a `.npy` file before the numbers: those of an array of this kind, as NumPy spells it (`"<f4"`), and this shape.
+#[must_use]
+pub fn npy_head(kind: &str, shape: &[usize]) -> Vec<u8> {
     let sides: String = shape.iter().map(|n| format!("{n}, ")).collect();
     let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({}), }}", sides.trim_end());
     let before = MAGIC.len() + 4;
@@ -174,6 +182,5 @@ fn file(kind: &str, shape: &[usize], values: impl Iterator<Item = u8>) -> Vec<u8
     bytes.extend([1, 0]);
     bytes.extend((header.len() as u16).to_le_bytes());
     bytes.extend(header.as_bytes());
-    bytes.extend(values);
     bytes
 }

@@ -7,6 +7,9 @@
 //! | `ids` | (strands) | number of each strand; its index where there is none |
 //! | `radius` | (points) | radius at each point |
 //! | `meters_per_unit` | () | unit of points and radius |
+//! | `groups` | (strands) | group of each strand |
+//! | `root_uv` | (strands, 2) | place of each root in the texture of what it grows on |
+//! | `guides` | (strands) | whether a strand is a guide, which others follow: not 0 |
 //!
 //! Other arrays are not looked at.
 
@@ -47,13 +50,13 @@ impl Arrays<'_> {
         Array::read(&bytes).map(Some).map_err(|error| of_array(name, &error.message()))
     }
 
-    /// The numbers of an array that has one for each of `count`, or that is not there.
-    fn each(&mut self, name: &str, count: usize) -> Result<Vec<f64>, SceneError> {
+    /// The numbers of an array of this shape, or of one that is not there.
+    fn each(&mut self, name: &str, expected: &[usize]) -> Result<Vec<f64>, SceneError> {
         let Some(Array { shape, values }) = self.get(name)? else { return Ok(Vec::new()) };
-        if shape == [count] {
+        if shape == expected {
             Ok(values)
         } else {
-            Err(of_array(name, &format!("expected shape [{count}], found {shape:?}")))
+            Err(of_array(name, &format!("expected shape {expected:?}, found {shape:?}")))
         }
     }
 }
@@ -87,6 +90,9 @@ pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curve
         return Err(SceneError::new(format!("expected an array {}, found {names:?}", POINTS.join(" or "))));
     };
     let mut curves = match (arrays.get("offsets")?, &array.shape[..]) {
+        (Some(_), [_, _, 3]) => {
+            return Err(of_array(name, &format!("expected shape (points, 3) with offsets, found {:?}", array.shape)));
+        }
         (Some(offsets), [total, 3]) => {
             let offsets = whole("offsets", &offsets.values)?;
             let rising = offsets.windows(2).all(|pair| pair[0] <= pair[1]);
@@ -98,11 +104,16 @@ pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curve
         }
         _ => array.curves(points_per_strand).map_err(|error| of_array(name, &error.message()))?,
     };
-    let ids = arrays.each("ids", curves.len())?;
+    let strands = curves.len();
+    let ids = arrays.each("ids", &[strands])?;
     if !ids.is_empty() {
         curves.ids = whole("ids", &ids)?;
     }
-    curves.radius = arrays.each("radius", curves.points.len())?;
+    curves.radius = arrays.each("radius", &[curves.points.len()])?;
+    curves.groups = whole("groups", &arrays.each("groups", &[strands])?)?;
+    let places = arrays.each("root_uv", &[strands, 2])?;
+    curves.root_uvs = places.as_chunks::<2>().0.iter().map(|place| place.map(|x| x as f32)).collect();
+    curves.guides = arrays.each("guides", &[strands])?.iter().map(|mark| *mark != 0.0).collect();
     if let Some(unit) = arrays.get("meters_per_unit")? {
         curves.unit = Some(match unit.values[..] {
             [unit] if unit > 0.0 && unit.is_finite() => unit,
@@ -120,6 +131,16 @@ pub(super) fn write(curves: &Curves) -> Result<Vec<u8>, SceneError> {
     ];
     if !curves.radius.is_empty() {
         arrays.push(("radius", of_floats(&[curves.radius.len()], &curves.radius)));
+    }
+    if !curves.groups.is_empty() {
+        arrays.push(("groups", of_whole(&curves.groups)));
+    }
+    if !curves.root_uvs.is_empty() {
+        let places: Vec<f64> = curves.root_uvs.as_flattened().iter().map(|x| f64::from(*x)).collect();
+        arrays.push(("root_uv", of_floats(&[curves.root_uvs.len(), 2], &places)));
+    }
+    if !curves.guides.is_empty() {
+        arrays.push(("guides", of_whole(&curves.guides.iter().map(|mark| u32::from(*mark)).collect::<Vec<_>>())));
     }
     if let Some(unit) = curves.unit {
         arrays.push(("meters_per_unit", of_floats(&[], &[unit])));

@@ -92,8 +92,8 @@ table! {
         file_radius: bool = Bool, "", Value(true);
         /// Points of each strand of a file that does not say where one ends: a .ply without strands, an array (points, 3).
         points_per_strand: Option<u32> = Count(1, MOST_POINTS_OF_A_STRAND), "", Absent("the file must say");
-        /// Number of strands; of a file's strands those whose roots are far from one another.
-        strands: Option<u32> = Count(1, u32::MAX), "", Absent("all of the file's");
+        /// Number of strands; of a file's guides, or of all its strands, those whose roots are far from one another. The others follow.
+        strands: Option<u32> = Count(1, u32::MAX), "", Absent("all of the file's guides, or of its strands");
         /// Points per strand, root included; strands of a file are divided anew, evenly along their length.
         points: Option<u32> = Count(2, MOST_POINTS_OF_A_STRAND), "", Absent("the file's");
     }

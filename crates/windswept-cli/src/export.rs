@@ -1,0 +1,114 @@
+//! `windswept export`: a film of a run's strands for other programs.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use windswept_export::{Followers, Kind, Provenance, write_npz, write_usda};
+use windswept_scene::Scene;
+
+use crate::arguments::{ExportOptions, FilmFormat};
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::output::{FILMS, Output};
+use crate::render::{OF_HAIR, OF_SCENE, check_folder, open, there};
+
+pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Result<(), Failure> {
+    let dir = &options.dir;
+    check_folder(dir)?;
+    let output = Output::of_run(dir);
+    let scene = Scene::load(there(output.scene(), OF_SCENE)?)?;
+    let film = there(output.film(Kind::Hair), OF_HAIR)?;
+    let hair = open(&film, Kind::Hair)?;
+    let frames = hair.times().len();
+    if frames == 0 {
+        return Err(Failure::Input(format!("{}: no frame was finished", film.display())));
+    }
+    let path = place(options, &output)?;
+    let converter = (options.format == FilmFormat::Usdc).then(Converter::find).transpose()?;
+    let [adapter, version] = hair.origin();
+    let provenance = Provenance { version: &version, ..Provenance::of(&scene, &adapter) };
+    let first = hair.frame(0)?.hair;
+    let followers = options.followers.then(|| Followers::new(&scene, &first)).transpose();
+    let followers = followers.map_err(|error| Failure::Input(error.to_string()))?;
+    let frame = |k| match &followers {
+        Some(followers) => followers.frame(&hair.frame(k)?),
+        None => hair.frame(k),
+    };
+    let rate = scene.time.frame_rate;
+    // What was refused until here was bad input; now it is a failure.
+    let failed = |error: windswept_export::ExportError| Failure::Run(error.to_string());
+    match (options.format, converter) {
+        (FilmFormat::Npz, _) => write_npz(&path, frames, frame, &provenance).map_err(failed)?,
+        (_, None) => write_usda(&path, frames, frame, rate, &provenance).map_err(failed)?,
+        (_, Some(converter)) => {
+            let text = path.with_extension("text.usda");
+            write_usda(&text, frames, frame, rate, &provenance).map_err(failed)?;
+            let converted = converter.convert(&text, &path);
+            // Whatever became of it: what counts is said already.
+            let _ = fs::remove_file(&text);
+            converted?;
+        }
+    }
+    let strands = first.offsets.len() - 1;
+    let hairs = followers.map(|followers| format!("{} hairs of ", followers.len())).unwrap_or_default();
+    console.print(format_args!("{}: {hairs}{strands} strands, {frames} frames", path.display()));
+    Ok(())
+}
+
+/// The file to write.
+fn place(options: &ExportOptions, output: &Output) -> Result<PathBuf, Failure> {
+    let [usda, usdc, npz] = FILMS;
+    let name = match options.format {
+        FilmFormat::Usda => usda,
+        FilmFormat::Usdc => usdc,
+        FilmFormat::Npz => npz,
+    };
+    let path = options.out.clone().unwrap_or_else(|| options.dir.join(name));
+    let ending = Path::new(name).extension();
+    let refuse = |why: String| Err(Failure::Input(format!("{}: {why}", path.display())));
+    if path.extension() != ending {
+        return refuse(format!("expected a name that ends in .{}", ending.unwrap_or_default().to_string_lossy()));
+    }
+    if output.owns(&path) {
+        return refuse("belongs to the run; --out takes another file".to_owned());
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if folder.is_some_and(|folder| !folder.is_dir()) || path.is_dir() {
+        return refuse("expected a file in a folder that is there".to_owned());
+    }
+    if path.exists() && !options.overwrite {
+        return refuse("is there already; --overwrite replaces it".to_owned());
+    }
+    Ok(path)
+}
+
+/// A Python with USD's own library.
+struct Converter(PathBuf);
+
+impl Converter {
+    /// The Python that `WINDSWEPT_PYTHON` names, as the Python package does, or else `python3`.
+    fn find() -> Result<Self, Failure> {
+        let python = std::env::var_os("WINDSWEPT_PYTHON").map_or_else(|| PathBuf::from("python3"), PathBuf::from);
+        let asked = Command::new(&python).args(["-c", "from pxr import Sdf"]).output();
+        if asked.is_ok_and(|asked| asked.status.success()) {
+            return Ok(Self(python));
+        }
+        let words = "has no usd-core, which --format usdc needs: pip install usd-core, or --format usda";
+        Err(Failure::Input(format!("{}: {words}", python.display())))
+    }
+
+    /// Makes one file of another.
+    fn convert(&self, from: &Path, to: &Path) -> Result<(), Failure> {
+        let program = "import sys; from pxr import Sdf; Sdf.Layer.FindOrOpen(sys.argv[1]).Export(sys.argv[2])";
+        let part = to.with_extension("part.usdc");
+        let ran = Command::new(&self.0).args(["-c", program]).args([from, &part]).output();
+        let failed = |why: String| Failure::Run(format!("{}: {why}", to.display()));
+        let ran = ran.map_err(|e| failed(e.to_string()))?;
+        if !ran.status.success() {
+            let words = String::from_utf8_lossy(&ran.stderr);
+            return Err(failed(words.lines().last().unwrap_or("could not be written").to_owned()));
+        }
+        fs::rename(&part, to).map_err(|e| failed(e.to_string()))
+    }
+}

@@ -1,0 +1,158 @@
+//! `windswept export`: films of a run for other programs. On the software adapter.
+
+#![allow(clippy::expect_used)] // a test may panic
+
+mod support;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use support::{folder, listing, run, windswept};
+
+/// The interpreter that `cargo xtask test` names, else the one it installs.
+fn python() -> PathBuf {
+    let installed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/venv/bin/python");
+    std::env::var_os("WINDSWEPT_PYTHON").map_or(installed, PathBuf::from)
+}
+
+fn export(folder: &Path, more: &[&str]) -> Output {
+    let mut command = windswept(folder, &["export", "out", "--format"]);
+    command.args(more).env("WINDSWEPT_PYTHON", python()).output().expect("the program starts")
+}
+
+/// Lets Python say what is in the films of a run.
+fn asked(folder: &Path, program: &str) -> String {
+    let asked = Command::new(python()).current_dir(folder).args(["-c", program]).output().expect("Python starts");
+    assert!(asked.status.success(), "{}", String::from_utf8_lossy(&asked.stderr));
+    String::from_utf8_lossy(&asked.stdout).trim().to_owned()
+}
+
+/// Whether USD's own library is there: not for Python 3.10.
+fn has_usd() -> bool {
+    asked(Path::new("."), "import sys; print(sys.version_info >= (3, 11))") == "True"
+}
+
+/// Groom of 40 strands, three of which bend another way, of which 9 are simulated; the others follow.
+fn groom(folder: &Path) {
+    asked(
+        folder,
+        "
+import numpy as np
+angle = np.arange(40)[:, None] * 2.4
+root = np.concatenate([np.cos(angle), 0 * angle, np.sin(angle)], 1) * np.sqrt(np.arange(40) / 40)[:, None] * 0.01 + [0.01, 0.02, 0.02]
+along = np.arange(7)[None, :, None] * np.array([0.004, 0.0, 0.0])
+points = (root[:, None] + along).astype('f4')
+points[::13, :, 1] += 0.0005 * np.arange(7, dtype='f4') ** 2
+uv = np.stack([np.arange(40) / 40, 1 - np.arange(40) / 40], 1).astype('f4')
+np.savez('groom.npz', positions=points, root_uv=uv, groups=np.arange(40) % 3, ids=np.arange(40) + 100, meters_per_unit=1.0)
+",
+    );
+    let scene = fs::read_to_string(folder.join("scene.toml")).expect("the scene");
+    let before = scene.split("[hair.roots]").next().expect("a part").replace("points = 6\nlength = 0.03\n", "");
+    let after = scene.split("[air]").nth(1).expect("a part");
+    let before = before.replace("strands = 4", "file = \"groom.npz\"\nstrands = 9");
+    fs::write(folder.join("scene.toml"), format!("{before}[air]{after}")).expect("a scene");
+}
+
+/// A groom file's strands, of which some are simulated, come back as one film each of USD and of arrays: all of them, in their
+/// order, in their shapes at the start, with numbers, groups and places; the same with each format.
+#[test]
+fn a_groom_comes_back_with_its_followers() {
+    let folder = folder();
+    let folder = folder.path();
+    groom(folder);
+    let ran = run(folder, &["--steps", "30", "--formats", "vtkhdf,usd", "--set", "air.wind=[0, 3, 0]"]);
+    assert_eq!(ran.status.code(), Some(0), "{ran:?}");
+    let usd = if has_usd() { &["usda", "usdc", "npz"][..] } else { &["usda", "npz"] };
+    for format in usd {
+        for (more, out) in [(&[][..], format!("out/film.{format}")), (&["--followers"], format!("all.{format}"))] {
+            let done = export(folder, &[&[*format, "--out", &out], more].concat());
+            assert_eq!(done.status.code(), Some(0), "{done:?}");
+            let (said, hairs) =
+                (String::from_utf8_lossy(&done.stdout), if more.is_empty() { "" } else { "40 hairs of " });
+            assert!(said.contains(&format!("{out}: {hairs}9 strands, 3 frames")), "{said}");
+        }
+    }
+    assert!(!listing(&folder.join("out")).iter().any(|name| name.contains("part") || name.contains("text")));
+    let program = "
+import numpy as np
+given, film, few = np.load('groom.npz'), np.load('all.npz'), np.load('out/film.npz')
+assert film['positions'].shape == (3, 280, 3) and few['positions'].shape == (3, 63, 3)
+for name in ['ids', 'groups', 'root_uv']:
+    assert np.array_equal(film[name], given[name]), name
+assert np.abs(film['positions'][0] - given['positions'].reshape(-1, 3)).max() < 1e-8
+# Strands that are simulated are themselves, and all others have moved no farther than those.
+simulated = film['guides'] == 1
+assert simulated.sum() == 9 and np.array_equal(film['ids'][simulated], few['ids'])
+by_hair = film['positions'].reshape(3, 40, 7, 3)
+assert np.array_equal(by_hair[:, simulated].reshape(3, 63, 3), few['positions'])
+moved = by_hair[2] - by_hair[0]
+tips = np.linalg.norm(moved[:, -1], axis=1)
+assert tips[simulated].min() > 1e-5, tips
+low, high = moved[simulated].min(axis=(0, 1)), moved[simulated].max(axis=(0, 1))
+assert (moved >= low - 1e-7).all() and (moved <= high + 1e-7).all()
+print('arrays')
+";
+    assert_eq!(asked(folder, program), "arrays");
+    if has_usd() {
+        let program = "
+import numpy as np
+from pxr import Usd, UsdGeom
+for name, film in [('all.usda', 'all.npz'), ('all.usdc', 'all.npz'), ('out/film.usda', 'out/film.npz'),
+                   ('out/film.usdc', 'out/film.npz'), ('out/hair.usda', 'out/film.npz')]:
+    film = np.load(film)
+    stage = Usd.Stage.Open(name)
+    curves = UsdGeom.BasisCurves(stage.GetDefaultPrim())
+    codes = curves.GetPointsAttr().GetTimeSamples()
+    assert np.allclose(np.array(codes) / 60, film['times'], rtol=1e-9), (name, codes)
+    assert np.array_equal([curves.GetPointsAttr().Get(code) for code in codes], film['positions']), name
+    assert np.array_equal([curves.GetVelocitiesAttr().Get(code) for code in codes], film['velocities']), name
+    assert np.array_equal(curves.GetWidthsAttr().Get(), 2 * film['radius']), name
+    assert np.array_equal(curves.GetCurveVertexCountsAttr().Get(), np.diff(film['offsets'])), name
+    of = UsdGeom.PrimvarsAPI(curves).GetPrimvar
+    assert np.array_equal(of('groom_id').Get(), film['ids']) and np.array_equal(of('groom_group_id').Get(), film['groups'])
+    assert np.array_equal(of('groom_root_uv').Get(), film['root_uv'])
+    if 'guides' in film:
+        assert np.array_equal(of('groom_guide').Get(), film['guides'])
+print('curves')
+";
+        assert_eq!(asked(folder, program), "curves");
+    }
+    // Drawn strands have as many followers as they have fibres.
+    let drawn = support::folder();
+    assert_eq!(run(drawn.path(), &["--steps", "12", "--formats", "vtkhdf"]).status.code(), Some(0));
+    let done = export(drawn.path(), &["npz", "--followers"]);
+    assert!(String::from_utf8_lossy(&done.stdout).contains("film.npz: 400 hairs of 4 strands, 2 frames"), "{done:?}");
+}
+
+/// What cannot be exported is refused, with the reason, and nothing is written.
+#[test]
+fn what_cannot_be_exported_is_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    let refused = |more: &[&str], words: &str| {
+        let before = folder.join("out").exists().then(|| listing(&folder.join("out")));
+        let refused = export(folder, more);
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(refused.status.code() == Some(2) && said.contains(words), "{words:?} is missing: {refused:?}");
+        assert_eq!(before, folder.join("out").exists().then(|| listing(&folder.join("out"))));
+    };
+    refused(&["usda"], "out: no such folder");
+    assert_eq!(run(folder, &["--steps", "1", "--formats", "usd"]).status.code(), Some(0));
+    refused(&["usda"], "hair.vtkhdf: is missing; a run with `--formats vtkhdf` writes it");
+    assert_eq!(run(folder, &["--steps", "1", "--formats", "vtkhdf,usd", "--overwrite"]).status.code(), Some(0));
+    refused(&["usda", "--out", "out/hair.usda"], "belongs to the run");
+    refused(&["npz", "--out", "film.usda"], "ends in .npz");
+    refused(&["npz", "--out", "none/film.npz"], "a folder that is there");
+    refused(&["abc"], "possible values: usda, usdc, npz");
+    assert_eq!(export(folder, &["usda"]).status.code(), Some(0));
+    refused(&["usda"], "film.usda: is there already; --overwrite");
+    assert_eq!(export(folder, &["usda", "--overwrite"]).status.code(), Some(0));
+    let bare = windswept(folder, &["export", "out", "--format", "usdc"]).env("WINDSWEPT_PYTHON", "/no/python").output();
+    let said = String::from_utf8_lossy(&bare.expect("the program starts").stderr).into_owned();
+    assert!(said.contains("pip install usd-core"), "{said}");
+    // A run that is repeated takes the film of the one before along.
+    assert_eq!(run(folder, &["--steps", "1", "--formats", "none", "--overwrite"]).status.code(), Some(0));
+    assert_eq!(listing(&folder.join("out")), ["report.json", "scene.toml"]);
+}
