@@ -255,6 +255,9 @@ impl Filmed {
         // What was refused at the start was bad input; now it is a failure.
         let losses = self.recording.append(&mut self.simulation).map_err(|e| Failure::Run(e.to_string()))?;
         for loss in losses {
+            if self.recording.is_empty() && self.notes.every.is_none() {
+                return Err(Failure::Run(format!("{}: the run ends, as it would leave nothing", loss.error)));
+            }
             console.warn(format_args!("no more {}: {}", loss.format.writes, loss.error));
             self.notes.formats.retain(|format| format != loss.format.name);
             self.lost.get_or_insert(loss);

@@ -1,7 +1,5 @@
 //! Pictures to files.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -12,19 +10,23 @@ use crate::ExportError;
 /// Space between the pictures of a contact sheet [px].
 const GAP: u32 = 4;
 
-/// Writes a picture as PNG, RGB without its alpha.
+/// Writes a picture as PNG, RGB without its alpha: all of it or, where the disk refuses, no file.
 ///
 /// # Errors
 /// [`ExportError::File`] if it cannot be written.
 pub fn write_png(path: impl AsRef<Path>, picture: &RgbaImage) -> Result<(), ExportError> {
     let path = path.as_ref();
     let failed = |reason: String| ExportError::File { path: path.into(), doing: "could not be written", reason };
-    let mut file = BufWriter::new(File::create(path).map_err(|e| failed(e.to_string()))?);
+    let mut bytes = Vec::new();
     let rgb: Vec<u8> = picture.pixels().flat_map(|p| [p[0], p[1], p[2]]).collect();
-    PngEncoder::new_with_quality(&mut file, CompressionType::Fast, FilterType::Adaptive)
+    PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive)
         .write_image(&rgb, picture.width(), picture.height(), ExtendedColorType::Rgb8)
         .map_err(|e| failed(e.to_string()))?;
-    file.flush().map_err(|e| failed(e.to_string()))
+    std::fs::write(path, bytes).map_err(|e| {
+        // Half a picture is none, and why it is only half is what counts.
+        let _ = std::fs::remove_file(path);
+        failed(e.to_string())
+    })
 }
 
 /// Reads a picture that [`write_png`] wrote.

@@ -66,7 +66,10 @@ impl Pictures {
     /// [`ExportError`] if it cannot be drawn or saved.
     pub fn add(&mut self, k: u64, frame: &Frame) -> Result<(), ExportError> {
         let picture = self.renderer.render(frame)?;
-        fs::create_dir_all(&self.folder).map_err(|e| file_error(&self.folder, "could not be made", &e))?;
+        // A folder that goes away later does not come back without the pictures that were in it.
+        if self.made == 0 {
+            fs::create_dir_all(&self.folder).map_err(|e| file_error(&self.folder, "could not be made", &e))?;
+        }
         write_png(self.path(k), &picture)?;
         self.preview.add(&picture, frame.time)?;
         self.made += 1;

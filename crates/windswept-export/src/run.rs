@@ -273,6 +273,12 @@ impl Recording {
         Ok(losses)
     }
 
+    /// Whether nothing is written any more, or ever was.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.sinks.is_empty()
+    }
+
     /// Makes the frames outlast the machine too, before a checkpoint behind them is written.
     ///
     /// # Errors

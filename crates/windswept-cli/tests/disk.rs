@@ -1,0 +1,139 @@
+//! Disks that are full, and folders that go away in the middle of a run: exit 1, the path is named, and what was finished can be read.
+
+#![cfg(unix)]
+#![allow(clippy::expect_used)] // a test may panic
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use support::{SCENE, folder, listing, run, windswept};
+
+/// Runs the scene where no file may be longer than so many bytes, which a full disk is to the program.
+fn run_with_room(folder: &Path, out: &str, bytes: u64, more: &[&str]) -> Output {
+    let program = env!("CARGO_BIN_EXE_windswept");
+    let run = format!(
+        "trap '' XFSZ; ulimit -f {}; exec {program} run scene.toml --out {out} --adapter software {}",
+        bytes / 512,
+        more.join(" ")
+    );
+    Command::new("sh").current_dir(folder).args(["-c", &run]).stdin(Stdio::null()).output().expect("a shell")
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// A film takes its room when it is made: one that the disk cannot hold is refused before the first step.
+#[test]
+fn a_film_that_does_not_fit_is_refused_at_once() {
+    let folder = folder();
+    let whole = run(folder.path(), &["--formats", "vtkhdf"]);
+    assert_eq!(whole.status.code(), Some(0), "{whole:?}");
+    let length = fs::metadata(folder.path().join("out/air.vtkhdf")).expect("a film").len();
+    for part in [0.1, 0.5, 0.9] {
+        let room = (part * length as f64) as u64;
+        let output = run_with_room(folder.path(), "full", room, &["--formats", "vtkhdf", "--overwrite"]);
+        assert_eq!(output.status.code(), Some(1), "{output:?}");
+        assert!(said(&output).contains(".vtkhdf: could not be created: File too large"), "{output:?}");
+    }
+}
+
+/// A film that grows, on a disk that fills up: the run ends with the path, and once there is room it goes on from its last checkpoint
+/// to the film of a run that had room from the start.
+#[test]
+fn a_run_goes_on_once_there_is_room() {
+    let folder = folder();
+    let sets = ["--set", "time.frame_rate=720", "--set", "hair.0.strands=40"];
+    let more = [&["--formats", "usd", "--checkpoint-every", "5"], &sets[..]].concat();
+    let whole = run(folder.path(), &more);
+    assert_eq!(whole.status.code(), Some(0), "{whole:?}");
+    let [all, full] = ["out", "full"].map(|name| folder.path().join(name));
+    let lengths = listing(&all).into_iter().map(|name| fs::metadata(all.join(name)).expect("a file").len());
+    let room = lengths.max().expect("files") - 20_000;
+    let output = run_with_room(folder.path(), "full", room, &more);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    assert!(said(&output).contains("full/hair"), "{output:?}");
+    let resumed = windswept(folder.path(), &["run", "--resume", "full"]).output().expect("the program starts");
+    assert_eq!(resumed.status.code(), Some(0), "{resumed:?}");
+    assert_eq!(listing(&all), listing(&full));
+    for name in listing(&all).iter().filter(|name| name.contains(".usd")) {
+        let [one, other] = [&all, &full].map(|dir| fs::read(dir.join(name)).expect("a layer"));
+        assert!(one == other, "{name} differs");
+    }
+}
+
+/// Pictures that the disk cannot hold: none is left half written, and a run that would write nothing else ends.
+#[test]
+fn half_a_picture_is_not_left() {
+    let folder = folder();
+    let output = run_with_room(folder.path(), "out", 4096, &["--formats", "png"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    assert!(said(&output).contains("out/frames/0000.png: could not be written"), "{output:?}");
+    assert!(said(&output).contains("the run ends, as it would leave nothing"), "{output:?}");
+    assert_eq!(listing(&folder.path().join("out/frames")), [""; 0]);
+}
+
+/// A checkpoint that the disk cannot hold: the one before it stays, and nothing else lies beside it.
+#[test]
+fn a_checkpoint_that_does_not_fit_leaves_the_one_before() {
+    let folder = folder();
+    let every = ["--formats", "none", "--checkpoint-every", "10"];
+    let whole = run(folder.path(), &[&every[..], &["--steps", "10"]].concat());
+    assert_eq!(whole.status.code(), Some(0), "{whole:?}");
+    let path = folder.path().join("out/checkpoint.windswept");
+    let before = fs::read(&path).expect("a checkpoint");
+    let files = listing(&folder.path().join("out"));
+    let resume =
+        format!("trap '' XFSZ; ulimit -f 16; exec {} run --resume out --steps 30", env!("CARGO_BIN_EXE_windswept"));
+    let output = Command::new("sh").current_dir(folder.path()).args(["-c", &resume]).output().expect("a shell");
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    assert!(said(&output).contains("out/checkpoint.windswept"), "{output:?}");
+    assert!(fs::read(&path).expect("a checkpoint") == before, "the checkpoint before is gone");
+    assert_eq!(listing(&folder.path().join("out")), files);
+}
+
+/// A folder that is removed in the middle of a run: the run ends soon, with the path.
+#[test]
+fn a_folder_that_goes_away_ends_the_run() {
+    let folder = folder();
+    let long = SCENE.replace("duration = 0.1", "duration = 1000.0");
+    fs::write(folder.path().join("scene.toml"), long).expect("a scene file");
+    let mut child = windswept(folder.path(), &["run", "scene.toml", "--out", "out", "--adapter", "software"])
+        .args(["--formats", "png"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let out = folder.path().join("out");
+    let started = Instant::now();
+    let patient = || started.elapsed() < Duration::from_secs(120);
+    while !out.join("frames/0002.png").exists() && patient() {
+        sleep(Duration::from_millis(20));
+    }
+    // A picture may come in between.
+    while fs::remove_dir_all(&out).is_ok() || out.exists() && patient() {}
+    while child.try_wait().expect("a child").is_none() && patient() {
+        sleep(Duration::from_millis(20));
+    }
+    // Where it goes on it is killed, and has no exit code.
+    child.kill().expect("a child");
+    let output = child.wait_with_output().expect("an end");
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    assert!(said(&output).contains("out/"), "{output:?}");
+}
+
+/// A place where no folder can be made is refused before the first step, with the path.
+#[test]
+fn a_place_without_folders_is_refused() {
+    let folder = folder();
+    fs::write(folder.path().join("file"), "").expect("a file");
+    let output = windswept(folder.path(), &["run", "scene.toml", "--out", "file/out", "--adapter", "software"])
+        .output()
+        .expect("the program starts");
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(said(&output).contains("file/out"), "{output:?}");
+}
