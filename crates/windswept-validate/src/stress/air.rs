@@ -56,8 +56,10 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     Ok(vec![apart, dense, fast])
 }
 
-/// Ways to put air where it cannot stay.
-const CROWDS: &[(&str, fn(Cloud) -> Cloud)] = &[
+/// A way to put air where it cannot stay.
+type Crowd = fn(Cloud) -> Cloud;
+
+const CROWDS: &[(&str, Crowd)] = &[
     ("64 particles in one point", |mut cloud| {
         let place = cloud.positions[0];
         cloud.positions.iter_mut().step_by(SIDE).take(CROWD).for_each(|x| *x = place);
@@ -77,8 +79,8 @@ fn pairs_in_one_place(cloud: &Cloud) -> usize {
     let x: Vec<DVec3> = cloud.positions.iter().map(|x| DVec3::from_array(*x)).collect();
     let near = |a: &DVec3, b: &DVec3| {
         let gap = *a - *b;
-        // Not finite is not apart.
-        !((gap - cloud.size * (gap / cloud.size).round()).length() >= 0.2 * spacing())
+        let apart = (gap - cloud.size * (gap / cloud.size).round()).length();
+        apart.is_nan() || apart < 0.2 * spacing()
     };
     x.iter().enumerate().map(|(i, a)| x[..i].iter().filter(|b| near(a, b)).count()).sum()
 }

@@ -1,6 +1,6 @@
 //! The same bits: twice, from a checkpoint, and whatever the size of a submit.
 
-use windswept::{Checkpoint, Gpu, Simulation};
+use windswept::{Checkpoint, CheckpointError, Gpu, Simulation};
 
 use super::{COUPLINGS, Extent, Sweep, TUFT, scene};
 use crate::Error;
@@ -11,24 +11,30 @@ pub(super) const SWEPT: &str = "the same run twice; saved and loaded in the midd
 const STEPS: u64 = 60;
 const BAND: &[&str] = &["turbulence.bands=[{ scale = 0.006, strength = 3.0, intensity = 0.3 }]"];
 
+/// A way to run a simulation to its end.
+type Way<'a> = dyn Fn(Simulation) -> Result<Simulation, Error> + 'a;
+
+fn missing(error: CheckpointError) -> Error {
+    Error::Missing(error.to_string())
+}
+
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut differing = Sweep::new("bytes of the state that differ", 0.0, "");
     for (coupling, keys) in extent.of(&COUPLINGS[..], &COUPLINGS[2..3]) {
         let turbulent = if coupling.contains(", ") { BAND } else { &[] };
         let scene = scene(TUFT, &[keys, turbulent])?;
-        let state = |run: &dyn Fn(Simulation) -> Result<Simulation, Error>| -> Result<Vec<u8>, Error> {
-            Ok(run(Simulation::new(gpu, &scene)?)?.to_bytes().map_err(|error| Error::Missing(error.to_string()))?)
+        let state = |run: &Way<'_>| -> Result<Vec<u8>, Error> {
+            run(Simulation::new(gpu, &scene)?)?.to_bytes().map_err(missing)
         };
         let whole = |mut simulation: Simulation| {
             simulation.step(STEPS)?;
             Ok(simulation)
         };
         let once = state(&whole)?;
-        let ways: [(&str, &dyn Fn(Simulation) -> Result<Simulation, Error>); 4] = [
+        let ways: [(&str, &Way<'_>); 4] = [
             ("twice", &whole),
             ("saved and loaded", &|mut simulation| {
                 simulation.step(STEPS / 2)?;
-                let missing = |error: windswept::CheckpointError| Error::Missing(error.to_string());
                 let bytes = simulation.to_bytes().map_err(missing)?;
                 let mut loaded =
                     Checkpoint::from_bytes(&bytes, "saved").and_then(|saved| saved.start(gpu)).map_err(missing)?;
@@ -67,5 +73,5 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
 pub fn fingerprint(gpu: &Gpu) -> Result<Vec<u8>, Error> {
     let mut simulation = Simulation::new(gpu, &scene(TUFT, &[BAND])?)?;
     simulation.step(STEPS)?;
-    simulation.to_bytes().map_err(|error| Error::Missing(error.to_string()))
+    simulation.to_bytes().map_err(missing)
 }
