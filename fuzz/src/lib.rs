@@ -32,7 +32,7 @@ pub fn read(name: &str, bytes: &[u8]) {
 }
 
 /// Hair points and air particles of a scene or a groom that is made: more may take as long as they will.
-const FEW: f64 = 20_000.0;
+const FEW: f64 = 2_000.0;
 
 /// The scene of a text reads as the same scene again, and makes a state or an error.
 pub fn scene(bytes: &[u8]) {

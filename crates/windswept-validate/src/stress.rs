@@ -265,6 +265,11 @@ fn watch(
     run().unwrap_or_else(|error| Felt { stretch: f64::NAN, resets: f64::NAN, hair: f64::NAN, ended: error.to_string() })
 }
 
+/// What ended a run, without when and without advice.
+fn reason(error: &RunError) -> String {
+    error.to_string().split(" (t = ").next().unwrap_or_default().to_owned()
+}
+
 fn undriven(_: &mut Simulation, _: u64) -> Result<(), RunError> {
     Ok(())
 }

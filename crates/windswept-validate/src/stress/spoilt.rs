@@ -2,7 +2,7 @@
 
 use windswept::{Gpu, Simulation};
 
-use super::{COUPLINGS, Extent, Sweep, TUFT, points, scene, stretch};
+use super::{COUPLINGS, Extent, Sweep, TUFT, points, reason, scene, stretch};
 use crate::Error;
 
 pub(super) const SWEPT: &str =
@@ -40,7 +40,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 by_hand.step(BEFORE)?;
                 spoil(&spoilt, *array, *value)?;
                 reset(&by_hand)?;
-                let ended = spoilt.step(AFTER).err().map(|error| format!(": {error}")).unwrap_or_default();
+                let ended = spoilt.step(AFTER).err().map(|error| format!(": {}", reason(&error))).unwrap_or_default();
                 by_hand.step(AFTER)?;
                 let setting = setting + &ended;
                 let named = spoilt.resets().iter().filter(|reset| reset.strands == 1 && reset.named == [STRAND as u32]);
