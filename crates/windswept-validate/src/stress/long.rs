@@ -24,8 +24,8 @@ const SMALL: &[&str] = &[
 ];
 
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
-    let mut energy = Sweep::new("kinetic energy of the air, last quarter over second, off 1", 0.05, "").over("steps");
-    let mut density = Sweep::new("rms of the density error, last quarter over second, off 1", 0.1, "").over("steps");
+    let mut energy = Sweep::new("kinetic energy of the air, last quarter over second, off 1", 0.05, "");
+    let mut density = Sweep::new("rms of the density error, last quarter over second, off 1", 0.1, "");
     let mut stretched = Sweep::new("largest stretch", 0.01, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
     let steps = extent.of(100_000, 1000);
