@@ -107,11 +107,11 @@ fn a_bar_takes_hair_along() {
         let report = simulation.report().unwrap();
         let slept = report.strand_steps.unwrap()["asleep_steps"] > 0;
         println!("stretch {stretch:.3}, reported {:.3}", report.max_stretch.unwrap());
-        // Segments of 2 mm, pushed by 2.8 mm in a step: measured 1.16. What bodies do is reported.
+        // Segments of 2 mm, pushed by 2.8 mm in a step: measured 0.035; margin 2. What bodies do is reported.
+        assert!(stretch < 0.07, "stretched by {stretch}");
         assert!((report.max_stretch.unwrap() / stretch - 1.0).abs() < 1e-3, "{:?} {stretch}", report.max_stretch);
         println!("late {late} s: segments at most {deepest:.1e} m inside; hair is taken {taken:.3} m along");
-        // A chord of 2 mm lies 5e-5 m below the surface; measured 1.0e-4 m; margin 4. At 3 m/s single points are
-        // torn out: in the step itself the rods do not know that a body is there.
+        // A chord of 2 mm lies 5e-5 m below the surface; measured 5.1e-5 m; margin 8.
         assert!(deepest < 4e-4, "{deepest} m inside");
         assert!(taken > 0.045, "{taken}");
         assert_eq!(slept, asleep);
@@ -134,21 +134,23 @@ fn hair_that_lies_sleeps_until_its_body_goes() {
     assert!((after[20] - lying[20]).length() > 0.02, "it hangs in the air: {} {}", lying[20], after[20]);
 }
 
-/// Hair that a strong wind presses on a ball is stretched for as long as the wind blows, and the run says so.
+/// Hair that a strong wind presses on a ball keeps its length. Held at both ends, with a ball that comes between them, it cannot, and
+/// the run says so.
 #[test]
 fn lasting_stretch_on_a_body_is_warned_of() {
     let text = "interaction.model = \"drag\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 1\npoints = 17\nlength = 0.08\n\
         roots = { center = [0.02, 0.04, 0], radius = 1e-3, direction = [0, -1, 0] }\n\
         [air]\nwind = [10, 0, 0]\nramp = 0.0\n[[body]]\nname = \"ball\"\nradius = 0.03\ncenter = [0.055, 0, 0]\n";
-    for (wind, wanted) in [(1, None), (10, Some(&1))] {
-        let mut simulation = simulation(text, &[&format!("air.wind=[{wind},0,0]")]);
+    let between = ["hair.tip=pinned", "body.ball.motion=[{ time = 0.0 }, { time = 0.1, translation = [-0.03, 0, 0] }]"];
+    for (keys, wanted) in [(&[][..], None), (&between, Some(&1))] {
+        let mut simulation = simulation(text, keys);
         simulation.step(150).unwrap();
         let x = points(&simulation.frame().unwrap().hair.positions);
         let stretch = x.windows(2).map(|w| (w[0].distance(w[1]) / 0.005 - 1.0).abs()).fold(0.0, f64::max);
-        println!("{wind} m/s: stretch {stretch:.3}");
-        assert_eq!(simulation.warnings().get("over_strained"), wanted, "{wind} m/s: stretch {stretch}");
-        // Measured 0.16 at 10 m/s: contact moves points by what the wind asks for in a step, after the rods are solved.
-        assert_eq!(stretch > 0.1, wanted.is_some(), "{wind} m/s: stretch {stretch}");
+        println!("{keys:?}: stretch {stretch:.4}");
+        assert_eq!(simulation.warnings().get("over_strained"), wanted, "{keys:?}: stretch {stretch}");
+        // Measured 0.001 where the tip is free, which is what a body may leave; a ball 25 mm beyond the line needs more than 0.15.
+        assert!(if wanted.is_some() { stretch > 0.15 } else { stretch < 4e-3 }, "{keys:?}: stretch {stretch}");
     }
 }
 

@@ -24,6 +24,13 @@ fn memory_is_flat() {
         &[],
         &["method=published"],
         &["interaction.model=particles", "turbulence.filter=direct", body],
+        // A box of two nodes of the coarse grid along each axis.
+        &[
+            "hair.length=0.02",
+            "hair.roots.center=[0.014, 0.026, 0.014]",
+            "air.box.max=[0.028, 0.028, 0.028]",
+            "air.fringe=0.006",
+        ],
         &["air.wind=[0, 0, 0]", "rods.solver=gauss-seidel", "rods.sleep=false", "rods.integrator=euler"],
     ];
     for sets in cases {

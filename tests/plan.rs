@@ -158,7 +158,7 @@ fn cases() -> [Case; 9] {
                 &["fluid/divergence 2"],
                 PUSH,
                 exchange,
-                &["contact/place", "contact/hair", "contact/stretch", "contact/air"],
+                &["contact/place", "contact/hair", "contact/pull", "contact/stretch", "contact/air"],
                 velocity,
                 SORT,
                 FILTER,

@@ -7,7 +7,7 @@ mod support;
 use glam::{DQuat, DVec3};
 use support::{MASS, RADIUS, VOLUME};
 use windswept::{
-    Frame, Simulation,
+    Frame, RunError, Simulation,
     gpu::wgpu,
     internals::{Engine, Setup},
 };
@@ -184,6 +184,8 @@ fn resets(model: Model) {
     assert_eq!(simulation.warnings().get("strand_reset"), Some(&1));
     simulation.step(1).unwrap();
     assert_eq!(simulation.warnings().get("strand_reset"), Some(&1), "it was reset once");
+    let [reset] = simulation.resets() else { panic!("{:?}", simulation.resets()) };
+    assert_eq!((reset.step, &reset.named[..], reset.strands, reset.recovered), (20, &[5][..], 1, false));
     let frame = simulation.frame().unwrap();
     let finite = |values: &[[f32; 3]]| values.iter().flatten().all(|x| x.is_finite());
     assert!(finite(&frame.hair.positions) && finite(&frame.hair.velocities) && finite(&frame.air.velocities));
@@ -246,6 +248,69 @@ fn many_non_finite_strands_end_the_run() {
     let error = simulation.step(1).unwrap_err().to_string();
     println!("{error}");
     assert!(error.contains("4 strands") && error.contains("strand 6") && error.contains("step 3"), "{error}");
+}
+
+/// A run that ended goes on once its caller says so: what was not finite is put back to rest, named and counted, and only that.
+#[test]
+fn what_ended_a_run_is_put_back_to_rest() {
+    let spoilt = |air: bool| {
+        let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(4)).unwrap();
+        simulation.step(3).unwrap();
+        let engine = simulation.engine();
+        let mut velocity: Vec<[f32; 4]> = engine.read(&engine.state().velocity).unwrap();
+        for s in 6..10 {
+            velocity[simulation.initial().hair.points(s).end - 1][2] = f32::NAN;
+        }
+        if air {
+            velocity.last_mut().unwrap()[0] = f32::NAN;
+        }
+        engine.write(&engine.state().velocity, &velocity).unwrap();
+        let error = simulation.step(2).unwrap_err();
+        let reset = simulation.recover(error).unwrap();
+        println!("{reset}");
+        assert_eq!((reset.step, reset.air), (3, air));
+        // Air that is not finite spoils what it touches in the same step.
+        let spoilt = if air { reset.strands >= 4 } else { reset.named == [6, 7, 8, 9] && reset.strands == 4 };
+        assert!(spoilt, "{reset}");
+        (simulation, reset.strands)
+    };
+    for air in [false, true] {
+        let (mut simulation, strands) = spoilt(air);
+        simulation.step(1).unwrap();
+        assert_eq!(simulation.steps(), 4);
+        let (hair, frame) = (simulation.initial().hair.clone(), simulation.frame().unwrap());
+        for p in (6..10).flat_map(|s| hair.points(s)) {
+            let off = DVec3::from_array(frame.hair.positions[p].map(f64::from)) - hair.positions[p];
+            assert!(off.length() < 1e-6, "point {p} is {} m from its rest shape", off.length());
+        }
+        simulation.step(100).unwrap();
+        let report = simulation.report().unwrap();
+        assert_eq!((report.warnings["strand_reset"], report.resets.len()), (strands, 1), "{:?}", report.resets);
+        // Measured 0.013 with Gauss-Seidel; margin 4.
+        assert!(report.max_stretch.unwrap() < 0.05, "{:?}", report.max_stretch);
+        let noise = frame.air.velocities.iter().map(|v| f64::from(v[0])).fold(0.0, f64::max);
+        assert!(noise.is_finite() && noise < 6.0, "{noise}");
+    }
+}
+
+/// What comes back each time is not put back for ever, and a run that nothing ended has nothing to be put back.
+#[test]
+fn what_comes_back_ends_the_run() {
+    let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(4)).unwrap();
+    let nothing = RunError::Input("nothing happened".to_owned());
+    assert_eq!(simulation.recover(nothing).unwrap_err().to_string(), "nothing happened");
+    let mut tries = 0;
+    let ended = loop {
+        let engine = simulation.engine();
+        let spoilt = vec![[f32::NAN; 4]; engine.sizes().particles as usize];
+        engine.write(&engine.state().velocity, &spoilt).unwrap();
+        let error = simulation.step(1).unwrap_err();
+        match simulation.recover(error) {
+            Ok(_) => tries += 1,
+            Err(error) => break error.to_string(),
+        }
+    };
+    assert!(tries == 3 && ended.contains("non-finite"), "{tries}: {ended}");
 }
 
 /// A point faster than a rod could follow is capped and counted, and the strand recovers.

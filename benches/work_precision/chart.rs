@@ -10,6 +10,7 @@ use plotters::{
 
 use crate::{
     Family, Result,
+    axes::{COLOURS, number, range, ticks},
     point::{Point, distinct},
     rule,
 };
@@ -22,20 +23,6 @@ const TITLE: u32 = 34;
 const LEGEND_LINE: u32 = 20;
 /// Number of entries in a line of the legend.
 const LEGEND_COLUMNS: usize = 3;
-/// Line colours that colour-blind eyes tell apart (Okabe & Ito 2008), grey for their yellow, brown and violet after them.
-const COLOURS: [RGBColor; 10] = [
-    RGBColor(0, 114, 178),
-    RGBColor(230, 159, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(213, 94, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(204, 121, 167),
-    RGBColor(0, 0, 0),
-    RGBColor(150, 150, 150),
-    RGBColor(115, 60, 15),
-    RGBColor(100, 40, 170),
-];
-
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// Draws the points of a family into an SVG file.
@@ -79,21 +66,6 @@ fn lines(points: &[Point]) -> Vec<Line<'_>> {
         Line { series, colour, dashed }
     };
     distinct(points, |point| &point.series).into_iter().map(line).collect()
-}
-
-/// The range of some positive values, with room around it.
-fn range(values: impl Iterator<Item = f64> + Clone) -> std::ops::Range<f64> {
-    let low = values.clone().fold(f64::INFINITY, f64::min);
-    let high = values.fold(0.0, f64::max);
-    if low <= high { 0.7 * low..1.5 * high } else { 0.1..1.0 }
-}
-
-/// Ticks within a range: 1, 2 and 5 times powers of ten; over more than three decades the powers alone.
-fn ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
-    let steps: &[f64] = if range.end / range.start > 1e3 { &[1.0] } else { &[1.0, 2.0, 5.0] };
-    let powers = range.start.log10().floor() as i32..=range.end.log10().ceil() as i32;
-    let all = powers.flat_map(|power| steps.iter().map(move |step| step * 10_f64.powi(power)));
-    all.filter(|tick| range.contains(tick)).collect()
 }
 
 fn panel(area: &Area<'_>, family: &Family, kind: &str, lines: &[Line<'_>], points: &[&Point]) -> Result<()> {
@@ -143,12 +115,6 @@ fn panel(area: &Area<'_>, family: &Family, kind: &str, lines: &[Line<'_>], point
 /// The mark of the rule's choice about a pixel.
 fn triangle((x, y): (i32, i32)) -> PathElement<(i32, i32)> {
     PathElement::new([(x - 10, y + 7), (x + 10, y + 7), (x, y - 11), (x - 10, y + 7)], BLACK.stroke_width(2))
-}
-
-/// A number as short as it is exact to three digits.
-fn number(x: f64) -> String {
-    let rounded: f64 = format!("{x:.2e}").parse().unwrap_or(x);
-    rounded.to_string()
 }
 
 /// Number of entries of the legend that are no series.

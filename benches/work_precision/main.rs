@@ -2,6 +2,7 @@
 //! benches/README.md says how to read what it writes.
 
 mod air;
+mod axes;
 mod chart;
 mod exit;
 mod filter;

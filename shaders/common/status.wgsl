@@ -27,6 +27,8 @@ struct Status {
     neighbour_carries: atomic<u32>,   // the high half
     bad_strands: atomic<u32>,         // non-finite in this step
     first_bad_strand: atomic<u32>,    // smallest index, in this step
+    reset_strand: u32,                // that of the last committed step in which one was not finite
+    reset_step: u32,                  // number of that step, from 1; 0 if there was none
     first_bad_air: atomic<u32>,       // smallest id
     max_stretch: atomic<u32>,         // max |l/l0 - 1| over the run, the bits of a positive f32
     hair_outside: atomic<u32>,        // hair points outside the box of air, this step

@@ -243,9 +243,22 @@ pub(crate) struct RunOptions {
     pub(crate) overwrite: bool,
     #[arg(long, value_name = "K", help = checkpoint_help())]
     pub(crate) checkpoint_every: Option<NonZeroU64>,
+    /// What to do when values stop being finite: end the run with a checkpoint of the state before, or put what they are of back to
+    /// rest and go on
+    #[arg(long, value_name = "WHAT", default_value = "stop")]
+    pub(crate) on_blowup: OnBlowup,
     /// Go on with the run in DIR from its checkpoint, with its scene, formats, --steps and --checkpoint-every, unless others are given
     #[arg(long, value_name = "DIR", conflicts_with_all = ["path", "out", "sets", "overwrite"])]
     resume: Option<PathBuf>,
+}
+
+/// `--on-blowup`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum OnBlowup {
+    /// End the run
+    Stop,
+    /// Go on
+    Reset,
 }
 
 /// The run that is asked for.

@@ -10,7 +10,7 @@ use windswept::{AdapterChoice, Checkpoint, CheckpointError, Gpu, Report, RunErro
 use windswept_export::{DEFAULT_FORMATS, Format, Loss, Recording, Run, Schedule, Stop};
 use windswept_scene::{InitialState, Time};
 
-use crate::arguments::{Asked, RunOptions};
+use crate::arguments::{Asked, OnBlowup, RunOptions};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -29,7 +29,7 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     }
     let started = Instant::now();
     let mut progress = Progress::new("steps", steps, console.terminal);
-    let stepped = filmed.run(&mut run, &interrupt, &mut progress, console);
+    let stepped = filmed.run(&mut run, options.on_blowup, &interrupt, &mut progress, console);
     progress.finish();
     // Whatever ended the run, the frames it finished stay readable.
     let Filmed { mut simulation, recording, lost, notes, .. } = filmed;
@@ -199,12 +199,23 @@ impl Filmed {
     fn run(
         &mut self,
         run: &mut Run,
+        on_blowup: OnBlowup,
         interrupt: &Interrupt,
         progress: &mut Progress,
         console: &mut Console<'_>,
     ) -> Result<(), Failure> {
         loop {
-            let stop = run.advance(&mut self.simulation).map_err(|error| self.ended(&error))?;
+            let known = self.simulation.resets().len();
+            let stop = match run.advance(&mut self.simulation) {
+                Err(error) if on_blowup == OnBlowup::Reset => {
+                    let recovered = self.simulation.recover(error).map(|_| Stop::Between);
+                    recovered.map_err(|error| self.ended(&error))?
+                }
+                other => other.map_err(|error| self.ended(&error))?,
+            };
+            for reset in &self.simulation.resets()[known..] {
+                console.warn(reset);
+            }
             match stop {
                 Stop::Frame(_) => self.record(console)?,
                 Stop::Checkpoint => self.save()?,

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use support::{folder, listing, run, windswept};
-use windswept::Frame;
+use windswept::{AdapterChoice, Checkpoint, Frame, Gpu};
 use windswept_export::VtkHdfReader;
 
 /// What a run writes that has films, pictures and a checkpoint.
@@ -239,4 +239,42 @@ fn a_checkpoint_is_there_from_the_start() {
     child.wait().expect("an end");
     let frames = film(&folder.path().join("out/hair.vtkhdf"));
     assert!(!frames.is_empty(), "a checkpoint comes behind the frame of its step");
+}
+
+/// With `--on-blowup reset` a run whose strands stop being finite goes on: it says on stderr and in the report which, and when. Without it
+/// the run ends.
+#[test]
+fn a_blow_up_is_put_back_to_rest_if_asked() {
+    let folder = folder();
+    let kept = run(folder.path(), &["--steps", "12", "--checkpoint-every", "6"]);
+    assert_eq!(kept.status.code(), Some(0), "{kept:?}");
+    let path = folder.path().join("out/checkpoint.windswept");
+    let gpu = Gpu::new(&AdapterChoice::Software).expect("the software adapter");
+    let checkpoint = Checkpoint::open(&path).expect("a checkpoint");
+    // What the command keeps beside the simulation.
+    type Notes = (Option<u64>, Vec<String>, Option<u64>, Vec<(f64, [f64; 3])>);
+    let notes: Notes = checkpoint.notes().expect("the notes of a run");
+    let simulation = checkpoint.start(&gpu).expect("a simulation");
+    let velocity = &simulation.engine().state().velocity;
+    let mut spoilt = simulation.engine().read(velocity).expect("velocities");
+    spoilt[..simulation.initial().hair.positions.len()].fill([f32::NAN; 4]);
+    simulation.engine().write(velocity, &spoilt).expect("a write");
+    simulation.save_with(&path, &notes).expect("a checkpoint");
+
+    let ended = resume(folder.path(), "out", &["--steps", "20"]);
+    assert_eq!(ended.status.code(), Some(1), "{ended:?}");
+    let on = resume(folder.path(), "out", &["--steps", "20", "--on-blowup", "reset"]);
+    let said = String::from_utf8_lossy(&on.stderr).into_owned();
+    assert_eq!(on.status.code(), Some(0), "{said}");
+    let words = "step 12 (t = 0.016560 s): not finite, and put back to rest: strands 0, 1, 2, 3";
+    assert!(said.contains(words), "{said}");
+    let report = fs::read_to_string(folder.path().join("out/report.json")).expect("a report");
+    let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
+    let reset = &report["resets"][0];
+    assert_eq!(
+        (&reset["step"], &reset["strands"], &reset["recovered"]),
+        (&12.into(), &4.into(), &true.into()),
+        "{report}"
+    );
+    assert_eq!((&report["steps"], &report["warnings"]["strand_reset"]), (&20.into(), &4.into()), "{report}");
 }

@@ -13,35 +13,92 @@ const ROUNDS: usize = 2;
 /// Largest speed at which hair that starts inside comes out \[m/s\].
 const RECOVERY: f64 = 0.2;
 
+/// Turns in which what a body pushed pulls the rest of its strand along, at most.
+const TURNS: usize = 400;
+/// Points and bodies that are looked at in all turns, at most: what one invocation of the engine may.
+const LOOPS: usize = 60_000;
+/// Part of its length by which a segment may be too long or too short without being pulled.
+const GIVE: f64 = 1e-3;
+/// Part of its length by which a segment may be off more than [`GIVE`] when the pulling ends.
+const DONE: f64 = 1e-5;
+
 /// Runs the heading: hair and air leave the bodies that they would be in.
 pub fn run(s: &mut State, w: &mut Scratch, p: &Parameters) {
     let placed = place(p, s.steps);
-    // A body that moves wakes all strands: contacts are not remembered, so nobody knows which strands lay on it.
-    w.touched = vec![any_moves(&placed); s.hair.len()];
-    for strand in 0..s.hair.len() {
-        let length = s.hair.rest_length[s.hair.segments(strand)].iter().sum();
-        let mut pushed = false;
-        for point in s.hair.points(strand).filter(|&point| s.inverse_mass[point] > 0.0) {
-            if let Some(x) = hair(p, &placed, s.position[point], w.predicted[point]) {
-                pushed |= touches(x.distance(w.predicted[point]), length);
-                w.predicted[point] = x;
-            }
-        }
-        w.touched[strand] |= pushed;
-        if pushed {
-            let stretch = stretch(&s.hair, strand, &w.predicted);
-            s.max_stretch = s.max_stretch.max(stretch);
-            if stretch > rods::STRAINED && s.strained_steps[strand] == 0 {
-                s.strained_steps[strand] = w.strained_before[strand] + 1;
-                s.over_strained += usize::from(s.strained_steps[strand] == rods::STRAINED_STEPS);
-            }
-        }
-    }
+    let pushed = push(s, w, p, &placed);
+    pull(s, w, p, &placed, &pushed);
+    measure(s, w, &pushed);
+    push_air(w, p, &placed);
+}
+
+/// Moves air to half a spacing from bodies.
+pub fn push_air(w: &mut Scratch, p: &Parameters, placed: &[Placed]) {
     for i in p.hair_points..w.predicted.len() {
         // Heading 6 adds what the density constraint gave.
         let given = w.correction[i] / p.step;
-        let (x, v) = air(p, &placed, w.predicted[i], w.new_velocity[i] + given);
+        let (x, v) = air(p, placed, w.predicted[i], w.new_velocity[i] + given);
         (w.predicted[i], w.new_velocity[i]) = (x, v - given);
+    }
+}
+
+/// Pushes hair out of bodies; returns which strands were pushed.
+pub fn push(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed]) -> Vec<bool> {
+    let mut all = vec![false; s.hair.len()];
+    for (strand, pushed) in all.iter_mut().enumerate() {
+        let length = s.hair.rest_length[s.hair.segments(strand)].iter().sum();
+        for point in s.hair.points(strand).filter(|&point| s.inverse_mass[point] > 0.0) {
+            if let Some(x) = hair(p, placed, s.position[point], w.predicted[point]) {
+                *pushed |= touches(x.distance(w.predicted[point]), length);
+                w.predicted[point] = x;
+            }
+        }
+    }
+    // A body that moves wakes all strands: contacts are not remembered, so nobody knows which strands lay on it.
+    let moves = any_moves(placed);
+    w.touched = all.iter().map(|pushed| *pushed || moves).collect();
+    all
+}
+
+/// Pulls the rest of each pushed strand along: segments that are off their length by more than [`GIVE`] of it are brought back to that,
+/// by moves of their points m₁ dx₁ = −m₂ dx₂, from root to tip and from tip to root by turns, with all points out of bodies after each.
+pub fn pull(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed], pushed: &[bool]) {
+    for strand in (0..s.hair.len()).filter(|&strand| pushed[strand]) {
+        let (points, segments) = (s.hair.points(strand), s.hair.segments(strand));
+        let x = &mut w.predicted[points.clone()];
+        let (mass, rest) = (&s.inverse_mass[points.clone()], &s.hair.rest_length[segments]);
+        let excess = |x: &[DVec3], k: usize| {
+            let off = x[k + 1].distance(x[k]) - rest[k];
+            off - off.clamp(-GIVE * rest[k], GIVE * rest[k])
+        };
+        for turn in 0..TURNS.min(LOOPS / (mass.len() * (3 + ROUNDS * placed.len()))) {
+            if (0..rest.len()).all(|k| excess(x, k).abs() <= DONE * rest[k]) {
+                break;
+            }
+            for i in 0..rest.len() {
+                let k = if turn % 2 == 0 { i } else { rest.len() - 1 - i };
+                let (both, chord) = (mass[k] + mass[k + 1], x[k + 1] - x[k]);
+                if both > 0.0 && chord.length() > 0.0 {
+                    let shift = excess(x, k) / both * chord.normalize();
+                    x[k] += mass[k] * shift;
+                    x[k + 1] -= mass[k + 1] * shift;
+                }
+            }
+            for (x, i) in x.iter_mut().zip(points.clone()).filter(|(_, i)| s.inverse_mass[*i] > 0.0) {
+                *x = hair(p, placed, s.position[i], *x).unwrap_or(*x);
+            }
+        }
+    }
+}
+
+/// Measures the stretch of pushed strands: the rods did so before the push.
+pub fn measure(s: &mut State, w: &Scratch, pushed: &[bool]) {
+    for strand in (0..s.hair.len()).filter(|&strand| pushed[strand]) {
+        let stretch = stretch(&s.hair, strand, &w.predicted);
+        s.max_stretch = s.max_stretch.max(stretch);
+        if stretch > rods::STRAINED && s.strained_steps[strand] == 0 {
+            s.strained_steps[strand] = w.strained_before[strand] + 1;
+            s.over_strained += usize::from(s.strained_steps[strand] == rods::STRAINED_STEPS);
+        }
     }
 }
 

@@ -13,7 +13,10 @@ use std::{fs, path::Path};
 pub use fit::Dropped;
 pub use npy::npy_head;
 
-use crate::{error::SceneError, limits::LARGEST};
+use crate::{
+    error::SceneError,
+    limits::{LARGEST, LARGEST_GROOM_FILE},
+};
 
 /// Curves of a groom file, in the units and axes of the file.
 ///
@@ -99,6 +102,14 @@ impl GroomFormat {
         })
     }
 
+    /// Reads a file of the format from its bytes; `points_per_strand` is for files that do not say where a strand ends.
+    ///
+    /// # Errors
+    /// [`SceneError`] names the byte, and says what was expected there.
+    pub fn read(&self, bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curves, SceneError> {
+        (self.read)(bytes, points_per_strand)
+    }
+
     /// Whether files of the format can be written.
     #[must_use]
     pub fn writes(&self) -> bool {
@@ -117,10 +128,16 @@ impl Curves {
             let format = GroomFormat::of(path)?;
             let unread = |error: std::io::Error| SceneError::new(format!("cannot be read: {error}"));
             // What is no file, a pipe or a device, may never end.
-            if !fs::metadata(path).map_err(unread)?.is_file() {
+            let metadata = fs::metadata(path).map_err(unread)?;
+            if !metadata.is_file() {
                 return Err(SceneError::new("expected a file"));
             }
-            (format.read)(&fs::read(path).map_err(unread)?, points_per_strand)
+            let length = metadata.len();
+            if length > LARGEST_GROOM_FILE {
+                let words = format!("expected a file of at most {LARGEST_GROOM_FILE} bytes, found {length}");
+                return Err(SceneError::new(words));
+            }
+            format.read(&fs::read(path).map_err(unread)?, points_per_strand)
         };
         read().map_err(|error: SceneError| error.of(&path.display().to_string(), ""))
     }

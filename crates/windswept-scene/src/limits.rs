@@ -15,6 +15,11 @@ pub const MAGNITUDES: RangeInclusive<f64> = SMALLEST..=LARGEST;
 /// 1e8 to spare.
 pub const STRAND_MAGNITUDES: RangeInclusive<f64> = 1e-30..=1e30;
 
+/// Largest scene file \[bytes\]: a thousand times the longest of ours, and soon read.
+pub const LARGEST_SCENE_FILE: u64 = 1 << 24;
+/// Largest groom file \[bytes\]: [`MOST_HAIR_POINTS`] of 60 bytes each.
+pub const LARGEST_GROOM_FILE: u64 = 1_000_000_000;
+
 /// Most hair points of a scene: strands take 216 B a point at the start, 3.6 GB in all.
 pub const MOST_HAIR_POINTS: u32 = 1 << 24;
 /// Most points of one strand: one invocation walks along it, and Mesa's software adapter ends the loops of an invocation after

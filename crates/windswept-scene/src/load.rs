@@ -1,6 +1,6 @@
 //! A scene from text or a file, with assignments.
 
-use std::{fs, path::Path};
+use std::{fs::File, io::Read, path::Path};
 
 use crate::{
     assign,
@@ -8,6 +8,7 @@ use crate::{
     document::Document,
     error::SceneError,
     keys,
+    limits::LARGEST_SCENE_FILE,
     reader::Reader,
     scene::{Scene, Source},
 };
@@ -45,8 +46,7 @@ impl Scene {
     pub fn load_with(path: impl AsRef<Path>, sets: &[String]) -> Result<Self, SceneError> {
         let path = path.as_ref();
         let name = path.display().to_string();
-        let text = fs::read_to_string(path)
-            .map_err(|error| SceneError::new(format!("cannot be read: {error}")).of(&name, ""))?;
+        let text = read_text(path).map_err(|error| error.of(&name, ""))?;
         let scene = Self::parse_with(&name, &text, sets)?;
         // From here on the scene goes by itself: to a run's folder, to another process.
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -85,6 +85,19 @@ impl Scene {
     #[must_use]
     pub fn explain() -> String {
         keys::explain()
+    }
+}
+
+/// A scene file's text. It may come through a pipe, but not without end.
+fn read_text(path: &Path) -> Result<String, SceneError> {
+    let mut text = String::new();
+    let read = File::open(path).and_then(|file| file.take(LARGEST_SCENE_FILE + 1).read_to_string(&mut text));
+    match read {
+        Ok(length) if length as u64 > LARGEST_SCENE_FILE => {
+            Err(SceneError::new(format!("expected a scene of at most {LARGEST_SCENE_FILE} bytes")))
+        }
+        Ok(_) => Ok(text),
+        Err(error) => Err(SceneError::new(format!("cannot be read: {error}"))),
     }
 }
 

@@ -19,6 +19,7 @@ mod pressure;
 mod rods;
 mod row;
 mod stage;
+pub mod stress;
 mod taylor_green;
 mod tuft;
 mod turbulence;

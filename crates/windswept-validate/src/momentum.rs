@@ -48,7 +48,7 @@ pub(crate) fn closed_box(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 }
 
 /// Row of the momentum of hair and air where `what` happens to loose strands in a storm: strands of this density \[kg/m³\] with
-/// their roots at this height \[m\], in steps of `step` \[s\]. BDF2's momentum of a point is m (3 v_n − v_(n−1))/2, Euler's m v_n.
+/// their roots at this height \[m\], in steps of `step` \[s\].
 fn storm(gpu: &Gpu, what: &str, height: f64, density: f64, step: f64) -> Result<Row, Error> {
     let scene = Scene::parse(&format!(
         "gravity = [0, 0, 0]\ninteraction = {{ model = \"two-way\" }}\ntime = {{ step = {step}, duration = 1.0 }}\n\
@@ -59,9 +59,19 @@ fn storm(gpu: &Gpu, what: &str, height: f64, density: f64, step: f64) -> Result<
     ))?;
     let mut initial = InitialState::new(&scene)?;
     initial.air.velocities.fill(DVec3::X * STORM);
+    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
+    let (change, exchanged) = exchanged(&mut simulation, STORM_STEPS)?;
+    let name = format!("loose strands at {STORM} m/s, {} ms, where {what}: change of all momentum", 1e3 * step);
+    Ok(Row::new(name, 0.0, change.length() / exchanged, 1e-5, CUT))
+}
+
+/// Change of the momentum of hair, of which no point is held, and air in so many steps of the model `two-way` \[kg m/s\], less what
+/// the mean wind gives where air is thin; and the sum of the impulses |J| that they exchange \[N s\]. BDF2's momentum of a point is
+/// m (3 v_n − v_(n−1))/2, Euler's m v_n.
+pub(crate) fn exchanged(simulation: &mut Simulation, steps: u64) -> Result<(DVec3, f64), Error> {
+    let initial = simulation.initial();
     let air_mass = initial.air.mass;
     let hair_mass: Vec<f64> = initial.hair.inverse_mass.iter().map(|w| 1.0 / w).collect();
-    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
     // Velocities of hair, those of the step before, and of air.
     let velocities = |simulation: &Simulation| -> Result<_, Error> {
         let engine = simulation.engine();
@@ -70,11 +80,11 @@ fn storm(gpu: &Gpu, what: &str, height: f64, density: f64, step: f64) -> Result<
         Ok((vectors(&frame.hair.velocities), vectors(&before), vectors(&frame.air.velocities)))
     };
     let (mut change, mut exchanged) = (DVec3::ZERO, 0.0);
-    let mut start = velocities(&simulation)?;
-    for _ in 0..STORM_STEPS {
+    let mut start = velocities(simulation)?;
+    for _ in 0..steps {
         simulation.step(1)?;
         let engine = simulation.engine();
-        let end = velocities(&simulation)?;
+        let end = velocities(simulation)?;
         let points = engine.read(&engine.state().rod_points)?;
         let sampled = engine.read(&engine.state().sampled)?;
         let impulses = engine.read(&engine.state().drag_impulse)?;
@@ -89,8 +99,7 @@ fn storm(gpu: &Gpu, what: &str, height: f64, density: f64, step: f64) -> Result<
         change += air_mass * end.2.iter().zip(&start.2).map(|(end, start)| *end - *start).sum::<DVec3>();
         start = end;
     }
-    let name = format!("loose strands at {STORM} m/s, {} ms, where {what}: change of all momentum", 1e3 * step);
-    Ok(Row::new(name, 0.0, change.length() / exchanged, 1e-5, CUT))
+    Ok((change, exchanged))
 }
 
 fn hair_in_air(gpu: &Gpu) -> Result<Row, Error> {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::gpu::AdapterInfo;
 
@@ -69,8 +69,47 @@ pub struct Report {
     pub band_energy: Vec<BandEnergy>,
     /// Size of the engine's buffers \[bytes\].
     pub memory_bytes: u64,
+    /// What was put back to rest in the run, and when; the first thousand times. Left out where nothing was.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub resets: Vec<Reset>,
     /// Warnings: how often each cause acted.
     pub warnings: BTreeMap<String, u64>,
+}
+
+/// What was put back to rest because it was not finite, and when.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Reset {
+    /// Step of Δt, from 0, in which it was found: the last one, if strands were reset in several steps that were submitted together.
+    pub step: u64,
+    /// Time at the start of that step \[s\].
+    pub time_s: f64,
+    /// Number of strands that were put into their rest shape at their roots.
+    pub strands: u64,
+    /// Indices of some of them: the smallest one of that step, or the first ten where the run had ended.
+    pub named: Vec<u32>,
+    /// Whether all air was put where it was at the start, with the velocity of the mean wind.
+    pub air: bool,
+    /// Whether the run had ended there and was made to go on ([`crate::Simulation::recover`]).
+    pub recovered: bool,
+}
+
+impl std::fmt::Display for Reset {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let named: Vec<_> = self.named.iter().map(u32::to_string).collect();
+        let strands = match self.strands {
+            0 => String::new(),
+            1 => format!("strand {}", named.join(", ")),
+            n if n == self.named.len() as u64 => format!("strands {}", named.join(", ")),
+            n => format!("{n} strands, {} among them", named.join(", ")),
+        };
+        let air = if self.air { "all air" } else { "" };
+        let and = if self.strands > 0 && self.air { ", and " } else { "" };
+        write!(
+            f,
+            "step {} (t = {:.6} s): not finite, and put back to rest: {strands}{and}{air}",
+            self.step, self.time_s
+        )
+    }
 }
 
 /// Numbers of particles.

@@ -3,6 +3,7 @@
 mod checkpoint;
 mod drive;
 mod energy;
+mod recover;
 mod report;
 mod trace;
 
@@ -21,6 +22,7 @@ use crate::{
     gpu::{Gpu, Profile, Program, Span, wgpu},
     plan::Plan,
     recorder::{Recorder, Recording},
+    report::Reset,
     rods,
     setup::Setup,
     step::{self, Quantity},
@@ -57,6 +59,8 @@ pub struct Simulation {
     step_ms: Vec<f64>,
     profile: Profile,
     timed_steps: u64,
+    /// What was put back to rest so far.
+    resets: Vec<Reset>,
     /// When each pass of the timed steps ran; `None` unless somebody asked for it.
     trace: Option<Vec<Span>>,
 }
@@ -130,6 +134,7 @@ impl Simulation {
             step_ms: Vec::new(),
             profile: Profile::default(),
             timed_steps: 0,
+            resets: Vec::new(),
             trace: None,
             given,
             scene,
@@ -193,6 +198,7 @@ impl Simulation {
     pub fn settle(&mut self) -> Result<(), RunError> {
         let status = self.engine.status()?;
         let step = u64::from(status.step) / self.substeps();
+        self.note_resets(&status);
         self.last = status;
         self.steps = step;
         if let Some(thawed) = self.engine.grow_if_short(&status, step)? {

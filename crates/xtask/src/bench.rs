@@ -123,11 +123,23 @@ pub(crate) fn peer(rest: &[&str]) -> Result {
 
 /// `cargo xtask bench --gpu`: checks the adapter, times the paper's scenes and two million particles, and writes a JSON file.
 pub(crate) fn gpu(rest: &[&str]) -> Result {
-    vulkan::any_driver()?;
+    written("gpu", rest, cargo())
+}
+
+/// `cargo xtask stress`: settings far beyond those of any scene, and a page of what held.
+pub(crate) fn stress(rest: &[&str]) -> Result {
     let mut command = cargo();
+    // Two stresses run side by side, each on one core.
+    command.env("LP_NUM_THREADS", "0");
+    written("stress", rest, command)
+}
+
+/// Runs a bench that writes into benches/results, on the adapter that WGPU_ADAPTER_NAME names or the best one.
+fn written(bench: &str, rest: &[&str], mut command: Command) -> Result {
+    vulkan::any_driver()?;
     venv::provide_cmake(&mut command)?;
     vulkan::give_runtime_folder(&mut command);
-    run(command.args(["bench", "--workspace", "--bench", "gpu", "--"]).args(rest))
+    run(command.args(["bench", "--workspace", "--bench", bench, "--"]).args(rest))
 }
 
 /// What follows `--save FILE`, `--compare FILE` or `--peer`.

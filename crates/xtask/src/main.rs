@@ -1,4 +1,4 @@
-//! `cargo xtask demo`, `python`, `test`, `bench` and `package`: set up what a clean clone lacks, then run it.
+//! `cargo xtask demo`, `python`, `test`, `bench`, `stress`, `fuzz` and `package`: set up what a clean clone lacks, then run it.
 //!
 //! Everything that these commands fetch is either a system package, announced before it is installed, or lies in
 //! `target/venv`.
@@ -29,6 +29,10 @@ Commands:
            the present one and names what became slower, --peer runs fig2b by turns with
            SPlisHSPlasH; each takes --turns N and --profile NAME.
            --gpu [--bandwidth GB/S] checks and times the adapter and writes into benches/results
+  stress   run settings far beyond those of any scene, some minutes, and write what held into
+           benches/results/stress.md; with names of stresses only those
+  fuzz     read mutants of the files in fuzz/corpus, a minute per kind of file; `fuzz SECONDS`
+           for another time
   package  build the crates and the Python package as they would be published; publishes nothing
 
 Each command installs or fetches what it needs and does not find: a Vulkan driver, CMake, packages of PyPI.";
@@ -48,6 +52,9 @@ fn main() -> ExitCode {
         ["bench", "--compare", file, ref rest @ ..] => bench::compare(file, rest),
         ["bench", "--peer", ref rest @ ..] => bench::peer(rest),
         ["bench", "--gpu", ref rest @ ..] => bench::gpu(rest),
+        ["fuzz"] => tests::fuzz("60"),
+        ["fuzz", seconds] => tests::fuzz(seconds),
+        ["stress", ref rest @ ..] => bench::stress(rest),
         ["package"] => package::build(),
         ["help" | "-h" | "--help"] => {
             println!("{USAGE}");

@@ -71,6 +71,17 @@ pub(crate) fn run(length: Length) -> Result {
     }
 }
 
+/// `cargo xtask fuzz [SECONDS]`: mutants of the corpora, for so long per target.
+pub(crate) fn fuzz(seconds: &str) -> Result {
+    if !seconds.parse().is_ok_and(|seconds: u64| seconds > 0) {
+        return Err(format!("fuzz {seconds}: expected seconds per kind of file"));
+    }
+    let mut command = cargo();
+    venv::provide_cmake(&mut command)?;
+    command.args(["test", "--workspace", "--test", "hostile", "any_", "--", "--nocapture"]);
+    crate::run(command.env("WINDSWEPT_FUZZ_SECONDS", seconds))
+}
+
 /// Numbers that test programs print at their end, added up.
 #[derive(Debug)]
 struct Count {

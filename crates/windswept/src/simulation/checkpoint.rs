@@ -14,6 +14,7 @@ use super::Simulation;
 use crate::{
     error::CheckpointError,
     gpu::{AdapterChoice, AdapterInfo, Gpu, adapters},
+    report::Reset,
     sections::{Fault, Reading, Writing},
     state::{Sizes, State},
     status,
@@ -69,6 +70,8 @@ struct Driven {
     root_frames: Vec<DQuat>,
     /// Mean wind that was set last, in place of the scene's own \[m/s\].
     wind: Option<DVec3>,
+    /// What was put back to rest so far.
+    resets: Vec<Reset>,
 }
 
 /// A simulation that was saved, read and checked, and not yet on a GPU.
@@ -213,6 +216,7 @@ impl Checkpoint {
         simulation.begun = simulation.last.step;
         simulation.steps = u64::from(simulation.begun) / simulation.substeps();
         simulation.root_frames = driven.root_frames;
+        simulation.resets = driven.resets;
         if let Some(wind) = driven.wind {
             simulation.plan_wind(wind)?;
         }
@@ -282,7 +286,7 @@ impl Simulation {
             Ok(_) => return Err(CheckpointError::Text("it reads as another scene".to_owned())),
             Err(error) => return Err(CheckpointError::Text(error.to_string())),
         }
-        let driven = Driven { root_frames: self.root_frames.clone(), wind: self.wind_set };
+        let driven = Driven { root_frames: self.root_frames.clone(), wind: self.wind_set, resets: self.resets.clone() };
         let mut writing = Writing::begin(out, FORMAT).map_err(io)?;
         let mut section = |name: &str, content: &[u8]| writing.section(name, content).map_err(io);
         section(ABOUT, &encoded(file, &About::of(self.gpu()))?)?;

@@ -54,6 +54,7 @@ impl Simulation {
             confinement_limited_steps: self.plan.turbulence.runs.then(|| status::confinement_limited_steps(&self.last)),
             band_energy: self.band_energies()?,
             memory_bytes: self.engine.memory_bytes(),
+            resets: self.resets.clone(),
             warnings: self.warnings(),
         })
     }

@@ -1,0 +1,114 @@
+//! Pictures: a panel per sweep that has an axis, a line per series, and the bound.
+
+use std::path::Path;
+
+use plotters::prelude::*;
+use windswept_validate::stress::{Sample, Sweep};
+
+use crate::{
+    Result, Stressed,
+    axes::{COLOURS, number, range, ticks},
+};
+
+/// Width and height of a panel \[px\].
+const PANEL: (u32, u32) = (470, 360);
+/// Height of the title, and of a line of the legend \[px\].
+const TITLE: u32 = 34;
+const LINE: u32 = 20;
+/// Entries in a line of the legend, per panel.
+const COLUMNS: usize = 2;
+/// Values of a curve are drawn no lower than this part of its bound: zeros stand there.
+const LOWEST: f64 = 1e-6;
+
+/// Name of the picture of a stress; `None` where no sweep has an axis.
+pub(crate) fn file(stressed: &Stressed) -> Option<String> {
+    drawn(stressed).next().map(|_| format!("stress-{}.svg", stressed.stress.name.replace(' ', "-")))
+}
+
+fn drawn(stressed: &Stressed) -> impl Iterator<Item = &Sweep> {
+    stressed.sweeps.iter().filter(|sweep| sweep.axis.is_some())
+}
+
+/// Draws the picture of a stress into a folder.
+pub(crate) fn draw(folder: &Path, stressed: &Stressed) -> Result<()> {
+    let Some(file) = file(stressed) else { return Ok(()) };
+    let sweeps: Vec<&Sweep> = drawn(stressed).collect();
+    let mut series: Vec<&str> = Vec::new();
+    for sample in sweeps.iter().flat_map(|sweep| &sweep.samples) {
+        if !series.contains(&sample.series.as_str()) {
+            series.push(&sample.series);
+        }
+    }
+    let columns = COLUMNS * sweeps.len();
+    let legend = LINE * (series.len() + 1).div_ceil(columns) as u32 + LINE;
+    let size = (PANEL.0 * sweeps.len() as u32, TITLE + PANEL.1 + legend);
+    let path = folder.join(file);
+    let root = SVGBackend::new(&path, size).into_drawing_area();
+    root.fill(&WHITE)?;
+    root.draw(&Text::new(format!("Stress: {}", stressed.stress.name), (10, 8), ("sans-serif", 18)))?;
+    let (_, below) = root.split_vertically(TITLE);
+    let (panels, keys) = below.split_vertically(PANEL.1);
+    for (area, sweep) in panels.split_evenly((1, sweeps.len())).iter().zip(&sweeps) {
+        panel(area, sweep, &series)?;
+    }
+    let place = |i: usize| {
+        (12 + (size.0 as usize / columns * (i % columns)) as i32, (LINE as usize * (i / columns)) as i32 + 10)
+    };
+    for (i, name) in series.iter().enumerate() {
+        let (x, y) = place(i);
+        keys.draw(&PathElement::new([(x, y), (x + 24, y)], style(i)))?;
+        keys.draw(&mark(i, (x + 12, y)))?;
+        keys.draw(&Text::new((*name).to_owned(), (x + 32, y - 6), ("sans-serif", 12)))?;
+    }
+    let (x, y) = place(series.len());
+    keys.draw(&Text::new("dotted: the bound".to_owned(), (x, y - 6), ("sans-serif", 12)))?;
+    root.present()?;
+    Ok(())
+}
+
+fn style(i: usize) -> ShapeStyle {
+    COLOURS[i % COLOURS.len()].stroke_width(2)
+}
+
+/// The dot of a series: full, or a ring once the colours come again.
+fn mark<C>(i: usize, at: C) -> Circle<C, i32> {
+    let colour = COLOURS[i % COLOURS.len()];
+    if i < COLOURS.len() { Circle::new(at, 3, colour.filled()) } else { Circle::new(at, 5, colour.stroke_width(2)) }
+}
+
+fn panel(area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shift>, sweep: &Sweep, series: &[&str]) -> Result<()> {
+    let shown = |sample: &&Sample| sample.at > 0.0 && sample.measured.is_finite();
+    let bound = sweep.samples.iter().map(|sample| sample.bound).filter(|bound| bound.is_finite()).fold(0.0, f64::max);
+    let height = |sample: &Sample| sample.measured.abs().max(LOWEST * if bound > 0.0 { bound } else { 1.0 });
+    let all: Vec<&Sample> = sweep.samples.iter().filter(shown).collect();
+    let bounds = (bound > 0.0).then_some(bound);
+    let (x, y) = (range(all.iter().map(|s| s.at)), range(all.iter().map(|s| height(s)).chain(bounds)));
+    let unit = if sweep.unit.is_empty() { String::new() } else { format!(" [{}]", sweep.unit) };
+    let mut chart = ChartBuilder::on(area)
+        .caption(format!("{}{unit}", sweep.quantity), ("sans-serif", 14))
+        .margin(8)
+        .x_label_area_size(40)
+        .y_label_area_size(62)
+        .build_cartesian_2d(
+            x.clone().log_scale().with_key_points(ticks(&x)),
+            y.clone().log_scale().with_key_points(ticks(&y)),
+        )?;
+    chart
+        .configure_mesh()
+        .x_desc(sweep.axis.unwrap_or_default())
+        .x_label_formatter(&|x| if (1e-3..1e4).contains(x) { number(*x) } else { format!("{x:.0e}") })
+        .y_label_formatter(&|y| format!("{y:.0e}"))
+        .bold_line_style(RGBColor(205, 205, 205))
+        .light_line_style(RGBColor(238, 238, 238))
+        .label_style(("sans-serif", 11))
+        .draw()?;
+    if let Some(bound) = bounds {
+        chart.draw_series(DashedLineSeries::new([(x.start, bound), (x.end, bound)], 2, 3, BLACK.stroke_width(1)))?;
+    }
+    for (i, name) in series.iter().enumerate() {
+        let at: Vec<(f64, f64)> = all.iter().filter(|s| s.series == *name).map(|s| (s.at, height(s))).collect();
+        chart.draw_series(LineSeries::new(at.iter().copied(), style(i)))?;
+        chart.draw_series(at.iter().map(|&at| mark(i, at)))?;
+    }
+    Ok(())
+}

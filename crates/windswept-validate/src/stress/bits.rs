@@ -1,0 +1,77 @@
+//! The same bits: twice, from a checkpoint, and whatever the size of a submit.
+
+use windswept::{Checkpoint, CheckpointError, Gpu, Simulation};
+
+use super::{COUPLINGS, Extent, Sweep, TUFT, scene};
+use crate::Error;
+
+pub(super) const SWEPT: &str = "the same run twice; saved and loaded in the middle; step by step instead of in batches, and in submits \
+    of the caller's own; each model and fluid solver";
+
+const STEPS: u64 = 60;
+const BAND: &[&str] = &["turbulence.bands=[{ scale = 0.006, strength = 3.0, intensity = 0.3 }]"];
+
+/// A way to run a simulation to its end.
+type Way<'a> = dyn Fn(Simulation) -> Result<Simulation, Error> + 'a;
+
+fn missing(error: CheckpointError) -> Error {
+    Error::Missing(error.to_string())
+}
+
+pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
+    let mut differing = Sweep::new("bytes of the state that differ", 0.0, "");
+    for (coupling, keys) in extent.of(&COUPLINGS[..], &COUPLINGS[2..3]) {
+        let turbulent = if coupling.contains(", ") { BAND } else { &[] };
+        let scene = scene(TUFT, &[keys, turbulent])?;
+        let state = |run: &Way<'_>| -> Result<Vec<u8>, Error> {
+            run(Simulation::new(gpu, &scene)?)?.to_bytes().map_err(missing)
+        };
+        let whole = |mut simulation: Simulation| {
+            simulation.step(STEPS)?;
+            Ok(simulation)
+        };
+        let once = state(&whole)?;
+        let ways: [(&str, &Way<'_>); 4] = [
+            ("twice", &whole),
+            ("saved and loaded", &|mut simulation| {
+                simulation.step(STEPS / 2)?;
+                let bytes = simulation.to_bytes().map_err(missing)?;
+                let mut loaded =
+                    Checkpoint::from_bytes(&bytes, "saved").and_then(|saved| saved.start(gpu)).map_err(missing)?;
+                loaded.step(STEPS - STEPS / 2)?;
+                Ok(loaded)
+            }),
+            ("step by step", &|mut simulation| {
+                for _ in 0..STEPS {
+                    simulation.step(1)?;
+                }
+                Ok(simulation)
+            }),
+            ("in submits of 7 steps", &|mut simulation| {
+                while simulation.steps() < STEPS {
+                    let mut encoder = gpu.device().create_command_encoder(&Default::default());
+                    simulation.record(&mut encoder, 7.min(STEPS - simulation.steps()));
+                    gpu.queue().submit([encoder.finish()]);
+                    simulation.settle()?;
+                }
+                Ok(simulation)
+            }),
+        ];
+        for (way, run) in ways {
+            let other = state(run)?;
+            let bytes = once.iter().zip(&other).filter(|(a, b)| a != b).count() + once.len().abs_diff(other.len());
+            differing.add(*coupling, way, f64::NAN, bytes as f64);
+        }
+    }
+    Ok(vec![differing])
+}
+
+/// State of a run with everything in it, for comparison with that of another process.
+///
+/// # Errors
+/// [`Error`] if the run cannot be.
+pub fn fingerprint(gpu: &Gpu) -> Result<Vec<u8>, Error> {
+    let mut simulation = Simulation::new(gpu, &scene(TUFT, &[BAND])?)?;
+    simulation.step(STEPS)?;
+    simulation.to_bytes().map_err(missing)
+}

@@ -1,0 +1,56 @@
+//! Dials turned far beyond their range: viscosity, confinement, bands, bodies.
+
+use windswept::{Gpu, Simulation};
+
+use super::{COUPLINGS, Extent, Sweep, TUFT, scene, watch};
+use crate::{
+    Error,
+    air::{farthest, mean, vectors},
+};
+
+pub(super) const SWEPT: &str = "viscosity.hair 0 to 100; strength of a band 0 to 1000; 1 to 8 bands; 16 bodies; both fluid solvers, \
+    models two-way and particles, wind of 3 m/s";
+
+/// Kinetic energy of the air, over that of its wind, which is beyond all bounds.
+const WILD: f64 = 2.0;
+const LOOKS: u64 = 30;
+const STRIDE: u64 = 5;
+const WIND: f64 = 3.0;
+
+pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
+    let mut energy = Sweep::new("largest kinetic energy of the air, over the wind's", WILD, "");
+    let mut resets = Sweep::new("strands reset", 0.0, "");
+    for (coupling, keys) in extent.of(&COUPLINGS[2..], &COUPLINGS[2..3]) {
+        for (name, dial) in extent.of(dials(), vec![("a band of strength 1000".to_owned(), bands(1, 1000.0))]) {
+            let mut simulation = Simulation::new(gpu, &scene(TUFT, &[keys, &[&dial]])?)?;
+            let mut energies = Vec::new();
+            let felt = watch(&mut simulation, LOOKS, STRIDE, |simulation, _| {
+                let v = vectors(&simulation.frame()?.air.velocities);
+                energies.push(mean(v.iter().map(|v| v.length_squared())) / WIND.powi(2));
+                Ok(())
+            });
+            energy.add(*coupling, felt.at(&name), f64::NAN, farthest(energies, 0.0));
+            resets.add(*coupling, felt.at(&name), f64::NAN, felt.resets);
+        }
+    }
+    Ok(vec![energy, resets])
+}
+
+/// Dials by name, and the keys that turn them.
+fn dials() -> Vec<(String, String)> {
+    let viscosities = [0.0, 1.4, 30.0, 100.0].map(|c| (format!("viscosity.hair {c}"), format!("viscosity.hair={c}")));
+    let strengths =
+        [0.0, 3.0, 100.0, 1000.0].map(|strength| (format!("a band of strength {strength}"), bands(1, strength)));
+    let many = [2, 4, 8].map(|n| (format!("{n} bands of strength 30"), bands(n, 30.0)));
+    let ball = |k: usize| {
+        let (x, y) = (0.005 + 0.01 * (k % 4) as f64, 0.01 + 0.012 * (k / 4) as f64);
+        format!("{{ name = \"{k}\", center = [{x}, {y}, 0.014], radius = 0.003 }}")
+    };
+    let balls = format!("body=[{}]", (0..16).map(ball).collect::<Vec<_>>().join(", "));
+    viscosities.into_iter().chain(strengths).chain(many).chain([("16 bodies".to_owned(), balls)]).collect()
+}
+
+fn bands(n: usize, strength: f64) -> String {
+    let band = |k| format!("{{ scale = {}, strength = {strength}, intensity = 0.3 }}", 0.005 + 0.001 * k as f64);
+    format!("turbulence.bands=[{}]", (0..n).map(band).collect::<Vec<_>>().join(", "))
+}

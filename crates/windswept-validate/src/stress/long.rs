@@ -1,0 +1,77 @@
+//! A run of 100 000 steps: nothing grows.
+
+use windswept::{Gpu, Simulation};
+
+use super::{COUPLINGS, Extent, Sweep, TUFT, scene};
+use crate::{
+    Error,
+    air::{mean, vectors},
+};
+
+pub(super) const SWEPT: &str = "100 000 steps of two-way hair and air with a band of eddies, both fluid solvers";
+
+/// Looks in a run.
+const LOOKS: usize = 50;
+/// Strands of hair in a box as small as can be.
+const SMALL: &[&str] = &[
+    "hair.strands=2",
+    "hair.length=0.02",
+    "hair.points=5",
+    "hair.roots.center=[0.014,0.026,0.014]",
+    "air.box.max=[0.028,0.028,0.028]",
+    "air.fringe=0.006",
+    "turbulence.bands=[{ scale = 0.006, strength = 3.0, intensity = 0.3 }]",
+];
+
+pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
+    let mut energy = Sweep::new("kinetic energy of the air, last quarter over second, off 1", 0.05, "");
+    let mut density = Sweep::new("rms of the density error, last quarter over second, off 1", 0.1, "");
+    let mut stretched = Sweep::new("largest stretch", 0.01, "");
+    let mut resets = Sweep::new("strands reset", 0.0, "");
+    let steps = extent.of(100_000, 1000);
+    for (coupling, keys) in extent.of(&COUPLINGS[2..4], &COUPLINGS[2..3]) {
+        let mut simulation = Simulation::new(gpu, &scene(TUFT, &[SMALL, keys])?)?;
+        let (mut energies, mut errors) = (Vec::new(), Vec::new());
+        for _ in 0..LOOKS {
+            simulation.step(steps / LOOKS as u64)?;
+            let v = vectors(&simulation.frame()?.air.velocities);
+            energies.push(mean(v.iter().map(|v| 0.5 * v.length_squared())));
+            let report = simulation.report()?;
+            errors.push(report.density_error_rms.unwrap_or(f64::NAN));
+        }
+        let quarter = |values: &[f64], k: usize| mean(values[k * LOOKS / 4..(k + 1) * LOOKS / 4].iter().copied());
+        let drift = |values: &[f64]| (quarter(values, 3) / quarter(values, 1) - 1.0).abs();
+        let setting = format!("{steps} steps");
+        energy.add(*coupling, &setting, f64::NAN, drift(&energies));
+        density.add(*coupling, &setting, f64::NAN, drift(&errors));
+        let report = simulation.report()?;
+        stretched.add(*coupling, &setting, f64::NAN, report.max_stretch.unwrap_or(f64::NAN));
+        resets.add(*coupling, &setting, f64::NAN, super::resets(&simulation));
+    }
+    Ok(vec![energy, density, stretched, resets])
+}
+
+/// Growth of this process's memory in ten thousand steps, after as many as a third of them; nothing else may run in it. Without a
+/// sample where the system does not tell.
+///
+/// # Errors
+/// [`Error`] if the run cannot be.
+pub fn memory(gpu: &Gpu) -> Result<Sweep, Error> {
+    let mut grown = Sweep::new("growth of the process's memory in 10 000 steps", 4.0, "MiB");
+    let (coupling, keys) = COUPLINGS[2];
+    let mut simulation = Simulation::new(gpu, &scene(TUFT, &[SMALL, keys])?)?;
+    simulation.step(3000)?;
+    let before = resident_mib();
+    simulation.step(10_000)?;
+    if let Some(growth) = resident_mib().zip(before).map(|(after, before)| after - before) {
+        grown.add(coupling, "10 000 steps", f64::NAN, growth);
+    }
+    Ok(grown)
+}
+
+/// Memory of this process that is in use \[MiB\], where the system tells it as Linux does.
+fn resident_mib() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    line.split_whitespace().next()?.parse::<f64>().ok().map(|kib| kib / 1024.0)
+}

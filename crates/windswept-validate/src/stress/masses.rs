@@ -1,0 +1,93 @@
+//! Masses far apart: neighbours on a strand, hair and air, strands of one fibre and of a thousand.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use windswept::{Gpu, Simulation};
+use windswept_scene::InitialState;
+
+use super::{Extent, Felt, Sweep, TUFT, scene, undriven, watch};
+use crate::{Error, momentum::exchanged};
+
+pub(super) const SWEPT: &str = "neighbouring points of masses 1 : 1e4; hair of 1e-4 to 1e3 times its mass; 1 to 1000 fibres; \
+    loose strands in swirling air without wind, and clamped ones in 10 m/s";
+
+const SOLVERS: [(&str, &[&str]); 2] = [("divergence", &["fluid.solver=divergence"]), ("pbf", &["fluid.solver=pbf"])];
+/// Loose strands in a closed box.
+const CLOSED: &[&str] = &[
+    "gravity=[0,0,0]",
+    "air.wind=[0,0,0]",
+    "hair.root=free",
+    "hair.roots.center=[0.02,0.055,0.014]",
+    "rods.sleep=false",
+];
+const BLOWN: &[&str] = &["air.wind=[10,0,0]"];
+/// Density of a hair \[kg/m³\].
+const DENSITY: f64 = 1320.0;
+/// Hair's mass over its own, mass of a point over that of its neighbours, fibres of a strand; the last setting is two at once.
+const MASSES: &[(f64, f64, f64)] = &[
+    (1.0, 1e4, 1.0),
+    (1.0, 1e4, 30.0),
+    (1.0, 1e4, 1000.0),
+    (1e-2, 1.0, 30.0),
+    (1e-4, 1.0, 1.0),
+    (1e-4, 1.0, 30.0),
+    (1e-4, 1.0, 1000.0),
+    (1.0, 1.0, 1.0),
+    (1.0, 1.0, 1000.0),
+    (1e3, 1.0, 1.0),
+    (1e3, 1.0, 1000.0),
+    (1e-4, 1e4, 30.0),
+];
+/// Steps of a run.
+const STEPS: u64 = 100;
+/// Speed of the swirls \[m/s\].
+const SWIRL: f64 = 0.3;
+
+pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
+    let mut all = [
+        Sweep::new("largest stretch", 0.01, ""),
+        Sweep::new("strands reset", 0.0, ""),
+        Sweep::new("change of momentum in a closed box, of the impulses exchanged", 1e-4, ""),
+    ];
+    for (solver, keys) in extent.of(&SOLVERS[..], &SOLVERS[..1]) {
+        for &(heavier, alternating, fibres) in extent.of(MASSES, &MASSES[3..4]) {
+            let asked = [format!("hair.density={}", DENSITY * heavier), format!("hair.fibres_per_strand={fibres}")];
+            let asked = asked.each_ref().map(String::as_str);
+            let setting = format!("mass × {heavier:e}, neighbours 1 : {alternating:e}, {fibres} fibres");
+            for drive in [CLOSED, BLOWN] {
+                let (felt, drift) = run(gpu, &[keys, drive, &asked], alternating)?;
+                let series = format!("{solver}, {}", if drift.is_some() { "closed box" } else { "10 m/s" });
+                all[0].add(&series, felt.at(&setting), f64::NAN, felt.stretch);
+                all[1].add(&series, felt.at(&setting), f64::NAN, felt.resets);
+                if let Some(drift) = drift {
+                    all[2].add(&series, felt.at(&setting), f64::NAN, drift);
+                }
+            }
+        }
+    }
+    Ok(all.into())
+}
+
+/// What happens to strands of which every second point is so much lighter, and the change of momentum where nothing is held.
+fn run(gpu: &Gpu, keys: &[&[&str]], lighter: f64) -> Result<(Felt, Option<f64>), Error> {
+    let scene = scene(TUFT, keys)?;
+    let mut initial = InitialState::new(&scene)?;
+    initial.hair.inverse_mass.iter_mut().step_by(2).for_each(|w| *w *= lighter);
+    let closed = initial.hair.inverse_mass.iter().all(|w| *w > 0.0);
+    if closed {
+        let k = TAU / initial.air.size;
+        for (v, x) in initial.air.velocities.iter_mut().zip(&initial.air.positions) {
+            let at = *x * k;
+            *v = SWIRL * DVec3::new(at.y.sin(), at.z.sin(), at.x.sin());
+        }
+    }
+    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
+    let drift = if closed {
+        exchanged(&mut simulation, STEPS).map_or(f64::NAN, |(change, exchanged)| change.length() / exchanged)
+    } else {
+        f64::NAN
+    };
+    let felt = watch(&mut simulation, 1, if closed { 1 } else { STEPS }, undriven);
+    Ok((felt, closed.then_some(drift)))
+}

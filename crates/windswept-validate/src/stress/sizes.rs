@@ -1,0 +1,81 @@
+//! Strands of 2 to 1024 points, of 1 to 500 µm, of 1 mm to 10 m, and a kilometre from the origin.
+
+use glam::DVec3;
+use windswept::{Gpu, Simulation};
+use windswept_scene::InitialState;
+
+use super::{Extent, Sweep, points, scene, stiffness::chain_tip, undriven, watch};
+use crate::{
+    Error,
+    rods::{GRAVITY, Rod},
+};
+
+pub(super) const SWEPT: &str =
+    "2 to 1024 points; radius 1 to 500 µm; length 1 mm to 10 m; as they are, and 1 km from the origin";
+
+const DENSITY: f64 = 1320.0;
+const MODULUS: f64 = 4e9;
+/// Sizes of a strand whose others are swept: points, radius \[m\], length \[m\].
+const USUAL: (usize, f64, f64) = (35, 4e-5, 0.05);
+/// Length of the strands whose number of points is swept \[m\]: of 50 mm those of 1024 points would need nine substeps.
+const LONG: f64 = 0.35;
+/// Periods of a beam's first swing in which it is damped to rest.
+const PERIODS: f64 = 5.0;
+/// Steps of a run, at most.
+const STEPS: u64 = 1000;
+
+pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
+    let mut off = Sweep::new("tip at rest, off a chain of links", 1e-3, "L");
+    let mut moved = Sweep::new("tip at rest 1 km away, off that at the origin", 1e-3, "L");
+    let mut stretched = Sweep::new("largest stretch", 0.01, "");
+    let mut resets = Sweep::new("strands reset", 0.0, "");
+    let (n, radius, length) = USUAL;
+    let counts = extent.of(&[2, 3, 5, 9, 35, 128, 1024][..], &[2, 9]);
+    let counts = counts.iter().map(|&n| (format!("{n} points"), (n, radius, LONG)));
+    let radii = extent.of(&[1e-6, 1e-5, 5e-4][..], &[]);
+    let radii = radii.iter().map(|&radius| (format!("radius {} µm", 1e6 * radius), (n, radius, length)));
+    let lengths = extent.of(&[1e-3, 0.1, 1.0, 10.0][..], &[]);
+    let lengths = lengths.iter().map(|&length| (format!("length {length} m"), (n, radius, length)));
+    for (setting, size) in counts.chain(radii).chain(lengths) {
+        let mut tips = Vec::new();
+        for (place, center) in [("at the origin", 0.0), ("1 km away", 1000.0)] {
+            let (tip, felt) = hang(gpu, size, center)?;
+            let setting = felt.at(&setting);
+            stretched.add(place, &setting, f64::NAN, felt.stretch);
+            resets.add(place, &setting, f64::NAN, felt.resets);
+            off.add(place, &setting, f64::NAN, tip.distance(chain_tip(gamma(size), size.0 - 1)));
+            tips.push(tip);
+        }
+        moved.add("1 km away", setting, f64::NAN, tips[0].distance(tips[1]));
+    }
+    Ok(vec![off, moved, stretched, resets])
+}
+
+/// Weight over stiffness γ = ρAgL³/EI.
+fn gamma((_, radius, length): (usize, f64, f64)) -> f64 {
+    4.0 * DENSITY * GRAVITY * length.powi(3) / (MODULUS * radius.powi(2))
+}
+
+/// Where the tip of a level strand comes to rest, from its root \[L\].
+fn hang(gpu: &Gpu, size: (usize, f64, f64), center: f64) -> Result<(DVec3, super::Felt), Error> {
+    let (n, radius, length) = size;
+    // The slower of the two: a beam's first swing, or a chain's.
+    let beam = std::f64::consts::TAU * length.powi(2) / 3.516 * (4.0 * DENSITY / (MODULUS * radius.powi(2))).sqrt();
+    let period = beam.min(5.2 * (length / GRAVITY).sqrt());
+    let step = (PERIODS * period / STEPS as f64).min(1.38e-3);
+    let text = format!(
+        "interaction = {{ model = \"none\" }}\ngravity = [0, {}, 0]\ntime = {{ step = {step}, duration = 1e3 }}\n\
+         rods = {{ damping = {} }}\n\
+         [hair]\nstrands = 1\npoints = {n}\nlength = {length}\nradius = {radius}\ndensity = {DENSITY}\nyoungs_modulus = {MODULUS}\n\
+         roots = {{ center = [{center}, {center}, {center}], radius = 1e-9, direction = [1, 0, 0] }}\n",
+        -GRAVITY,
+        8.0 / period,
+    );
+    let scene = scene(&text, &[])?;
+    let mut initial = InitialState::new(&scene)?;
+    initial.hair.turn_clamp(0, Rod::level(1.0, n - 1).root_frame);
+    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
+    let felt = watch(&mut simulation, 1, (PERIODS * period / step).ceil() as u64, undriven);
+    let x = points(&simulation)?;
+    Ok(((x[n - 1] - x[0]) / length, felt))
+}

@@ -1,0 +1,91 @@
+//! A value in the buffers that is not finite, or absurd: its strand alone is reset.
+
+use windswept::{Gpu, Simulation};
+
+use super::{COUPLINGS, Extent, Sweep, TUFT, points, reason, scene, stretch};
+use crate::Error;
+
+pub(super) const SWEPT: &str =
+    "one x, v or q of a strand set to NaN or 1e30 in the buffer; each model and fluid solver";
+
+/// Steps before, and after.
+const BEFORE: u64 = 20;
+const AFTER: u64 = 20;
+/// Strand that is spoilt, and which of its points and segments.
+const STRAND: usize = 2;
+const PLACE: usize = 4;
+
+/// Array that is spoilt.
+#[derive(Debug, Clone, Copy)]
+enum Spoilt {
+    Position,
+    Velocity,
+    Orientation,
+}
+
+const ARRAYS: [(&str, Spoilt); 3] = [("x", Spoilt::Position), ("v", Spoilt::Velocity), ("q", Spoilt::Orientation)];
+
+pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
+    let mut resets = Sweep::new("resets, off one that names the strand", 0.0, "");
+    let mut others =
+        Sweep::new("strands and air particles with other bits than where the strand is reset by hand", 0.0, "");
+    let mut whole = Sweep::new("stretch 20 steps later", 0.01, "");
+    for (coupling, keys) in extent.of(&COUPLINGS[..], &COUPLINGS[..2]) {
+        for (name, array) in extent.of(&ARRAYS[..], &ARRAYS[1..]) {
+            for value in extent.of(&[f32::NAN, 1e30][..], &[f32::NAN]) {
+                let setting = format!("{name} = {value:e}");
+                let mut spoilt = Simulation::new(gpu, &scene(TUFT, &[keys])?)?;
+                let mut by_hand = Simulation::new(gpu, &scene(TUFT, &[keys])?)?;
+                spoilt.step(BEFORE)?;
+                by_hand.step(BEFORE)?;
+                spoil(&spoilt, *array, *value)?;
+                reset(&by_hand)?;
+                let ended = spoilt.step(AFTER).err().map(|error| format!(": {}", reason(&error))).unwrap_or_default();
+                by_hand.step(AFTER)?;
+                let setting = setting + &ended;
+                let named = spoilt.resets().iter().filter(|reset| reset.strands == 1 && reset.named == [STRAND as u32]);
+                let (named, all) = (named.count() as f64, super::resets(&spoilt));
+                resets.add(*coupling, &setting, f64::NAN, (named - 1.0).abs().max((all - 1.0).abs()));
+                others.add(*coupling, &setting, f64::NAN, differing(&spoilt, &by_hand)? as f64);
+                let stretch = stretch(&spoilt.initial().hair, &points(&spoilt)?);
+                whole.add(*coupling, &setting, f64::NAN, stretch);
+            }
+        }
+    }
+    Ok(vec![resets, others, whole])
+}
+
+fn spoil(simulation: &Simulation, array: Spoilt, value: f32) -> Result<(), Error> {
+    let (engine, hair) = (simulation.engine(), &simulation.initial().hair);
+    let state = engine.state();
+    let (array, at) = match array {
+        Spoilt::Position => (&state.position, hair.points(STRAND).start + PLACE),
+        Spoilt::Velocity => (&state.velocity, hair.points(STRAND).start + PLACE),
+        Spoilt::Orientation => (&state.orientation, hair.segments(STRAND).start + PLACE),
+    };
+    let mut rows = engine.read(array)?;
+    rows[at][0] = value;
+    Ok(engine.write(array, &rows)?)
+}
+
+/// Says that the strand was not finite: the next step puts it into its rest shape.
+fn reset(simulation: &Simulation) -> Result<(), Error> {
+    let engine = simulation.engine();
+    let mut health = engine.read(&engine.state().health)?;
+    health[STRAND].committed.bad = 1;
+    Ok(engine.write(&engine.state().health, &health)?)
+}
+
+/// Number of strands, but for the spoilt one, and of air particles whose positions or velocities have other bits.
+fn differing(one: &Simulation, other: &Simulation) -> Result<usize, Error> {
+    let (a, b) = (one.frame()?, other.frame()?);
+    let hair = &one.initial().hair;
+    let strands = (0..hair.len()).filter(|s| *s != STRAND).filter(|s| {
+        let own = hair.points(*s);
+        a.hair.positions[own.clone()] != b.hair.positions[own.clone()]
+            || a.hair.velocities[own.clone()] != b.hair.velocities[own]
+    });
+    let air = (0..a.air.positions.len())
+        .filter(|i| a.air.positions[*i] != b.air.positions[*i] || a.air.velocities[*i] != b.air.velocities[*i]);
+    Ok(strands.count() + air.count())
+}

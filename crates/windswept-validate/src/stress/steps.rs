@@ -1,0 +1,88 @@
+//! Steps of 0.1 to 33 ms: hair stays whole, and comes to rest in the same place.
+
+use glam::DVec3;
+use windswept::{Gpu, RunError, Simulation};
+
+use super::{COUPLINGS, Extent, LENGTH, Sweep, TUFT, points, scene, undriven, watch};
+use crate::{Error, air::farthest};
+
+pub(super) const SWEPT: &str =
+    "steps of 0.1 to 33 ms, each model and fluid solver, in still air and in a wind of 3 m/s";
+
+/// Steps \[s\].
+const STEPS: [f64; 7] = [0.1e-3, 0.35e-3, 1.38e-3, 4e-3, 8.3e-3, 16.6e-3, 33e-3];
+/// The step whose rest the others are compared with \[s\].
+const USUAL_STEP: f64 = 1.38e-3;
+/// A longer step may stretch hair more \[s\].
+const LONG: f64 = 30e-3;
+/// Time in which hair comes to rest, and in which its shape is averaged after that: wind trembles \[s\].
+const SETTLING: f64 = 0.25;
+const WATCHED: f64 = 0.1;
+/// Looks in that time, at most.
+const LOOKS: u64 = 20;
+
+/// Single hairs that start level, damped, so that they rest soon. Viscosities are those of the air, whatever the step.
+const REST: &[&str] = &[
+    "hair.fibres_per_strand=1",
+    "hair.strands=3",
+    "hair.roots.direction=[1.0,0.0,0.0]",
+    "hair.roots.radius=0.004",
+    "rods.damping=80",
+    "viscosity={ kinematic_hair = 4e-3, kinematic_air = 4e-5 }",
+];
+
+pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
+    let mut stretched = Sweep::new("largest stretch", 0.01, "").over("step [ms]");
+    let mut resets = Sweep::new("strands reset", 0.0, "");
+    let mut still = Sweep::new("rest in still air, off that at 1.38 ms", 1e-3, "L").over("step [ms]");
+    let mut blown = Sweep::new("mean rest in wind, off that at 1.38 ms", 1e-3, "L").over("step [ms]");
+    let steps = extent.of(&STEPS[..], &[USUAL_STEP, 8.3e-3]);
+    for (coupling, keys) in extent.of(&COUPLINGS[..], &COUPLINGS[..1]) {
+        for (wind, apart) in [("0", &mut still), ("3", &mut blown)] {
+            if wind != "0" && *coupling == "none" {
+                continue;
+            }
+            let mut shapes = Vec::new();
+            for &step in steps {
+                let asked = [format!("time.step={step}"), format!("air.wind=[{wind},0,0]")];
+                let asked = asked.each_ref().map(String::as_str);
+                let mut simulation = Simulation::new(gpu, &scene(TUFT, &[REST, keys, &asked])?)?;
+                let count = |time: f64| (time / step).ceil() as u64;
+                let felt = watch(&mut simulation, 1, count(SETTLING), undriven);
+                let setting = felt.at(format!("{} ms, {wind} m/s", 1e3 * step));
+                let series = format!("{coupling}, {wind} m/s");
+                stretched.add_within(
+                    if step > LONG { 0.05 } else { 0.01 },
+                    &series,
+                    &setting,
+                    1e3 * step,
+                    felt.stretch,
+                );
+                resets.add(&series, &setting, 1e3 * step, felt.resets);
+                let shape =
+                    if felt.ended.is_empty() { mean_shape(&mut simulation, count(WATCHED)) } else { Ok(Vec::new()) };
+                shapes.push((step, setting, shape.unwrap_or_default()));
+            }
+            let usual = shapes.iter().find(|(step, ..)| *step == USUAL_STEP).map_or(&[][..], |(_, _, shape)| shape);
+            for (step, setting, shape) in &shapes {
+                let off = shape.iter().zip(usual).map(|(a, b)| a.distance(*b) / LENGTH);
+                apart.add(*coupling, setting, 1e3 * step, farthest(off, 0.0));
+            }
+        }
+    }
+    let blown = (!blown.samples.is_empty()).then_some(blown);
+    Ok([stretched, resets, still].into_iter().chain(blown).collect())
+}
+
+/// Mean of the points over so many steps \[m\].
+fn mean_shape(simulation: &mut Simulation, steps: u64) -> Result<Vec<DVec3>, RunError> {
+    let looks = steps.min(LOOKS);
+    let mut sum = vec![DVec3::ZERO; simulation.initial().hair.positions.len()];
+    for _ in 0..looks {
+        simulation.step(steps / looks)?;
+        for (sum, x) in sum.iter_mut().zip(points(simulation)?) {
+            *sum += x / looks as f64;
+        }
+    }
+    Ok(sum)
+}

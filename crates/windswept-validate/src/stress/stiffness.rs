@@ -1,0 +1,94 @@
+//! Strands a million times too stiff or too limp: they hang as a chain of links does, and stay whole.
+
+use std::f64::consts::FRAC_PI_2;
+
+use glam::DVec3;
+use windswept::{Gpu, Simulation};
+
+use super::{Extent, Sweep, points, stretch_of};
+use crate::{
+    Error,
+    air::farthest,
+    rods::{self, GRAVITY, LENGTH, LINE_DENSITY, Rod, STRETCH},
+};
+
+pub(super) const SWEPT: &str =
+    "bend stiffness times 1e-6 to 1e6 (γ = 1e7 to 1e-5), stretch stiffness times 1e-2 to 1e4";
+
+const SEGMENTS: usize = 34;
+/// Weight over stiffness γ = ρAgL³/EI of a strand whose stiffness is multiplied by 1.
+const GAMMA: f64 = 10.0;
+/// Step \[s\], and number of steps in which a damped strand comes to rest.
+const STEP: f64 = 1.38e-3;
+const STEPS: u64 = 2500;
+/// Looks at the stretch in that time.
+const LOOKS: u64 = 100;
+
+pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
+    let mut off = Sweep::new("tip at rest, off a chain of links", 1e-3, "L").over("bend stiffness, times");
+    let mut stretched = Sweep::new("largest stretch beyond T/EA", 0.01, "").over("bend stiffness, times");
+    let mut resets = Sweep::new("strands reset", 0.0, "");
+    let bends = extent.of(&[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6][..], &[1e-2, 1e3]);
+    for &loose in extent.of(&[1e-2, 1.0, 100.0, 1e4][..], &[1.0]) {
+        let series = format!("stretch stiffness × {loose:e}");
+        let rods: Vec<Rod> = bends.iter().map(|bend| Rod::level(GAMMA / bend, SEGMENTS)).collect();
+        let (scene, mut initial) = rods::build(&rods, 1, STEP, GRAVITY, "damping = 8.0")?;
+        for c in &mut initial.hair.stretch_compliance {
+            *c /= loose;
+        }
+        let hair = initial.hair.clone();
+        let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
+        let mut most = vec![0.0; bends.len()];
+        for _ in 0..LOOKS {
+            simulation.step(STEPS / LOOKS)?;
+            let x = points(&simulation)?;
+            for (s, most) in most.iter_mut().enumerate() {
+                *most = farthest([*most, stretch_of(&hair, s, &x)], 0.0);
+            }
+        }
+        let (x, tension) = (points(&simulation)?, LINE_DENSITY * GRAVITY * LENGTH / (STRETCH * loose));
+        for (s, &bend) in bends.iter().enumerate() {
+            let setting = format!("bend stiffness × {bend:e}");
+            let own = hair.points(s);
+            let tip = (x[own.end - 1] - x[own.start]) / LENGTH;
+            stretched.add(&series, &setting, bend, most[s] - tension);
+            off.add(&series, &setting, bend, tip.distance(chain_tip(GAMMA / bend, SEGMENTS)));
+        }
+        resets.add(&series, "all", f64::NAN, super::resets(&simulation));
+    }
+    Ok(vec![off, stretched, resets])
+}
+
+/// Where the tip of a level chain of `n` links of equal length hangs, from its root \[L\].
+///
+/// The links do not stretch. Their joints have the moment (EI/l) sin Δ of a rod's, the clamp's, of half the length, twice that;
+/// half of a link's weight hangs on each of its ends. It is found by shooting from the tip, from whose angle φ off the plumb line all
+/// others follow inward, so that the clamp is level.
+pub(super) fn chain_tip(gamma: f64, n: usize) -> DVec3 {
+    let l = 1.0 / n as f64;
+    // Angles off the plumb line, tip first, and the clamp's; `None` where it stands above level, or bends more than it can.
+    let shoot = |tip: f64| -> Option<Vec<f64>> {
+        let (mut all, mut below, mut lever) = (vec![tip], 0.0, 0.0);
+        for k in (0..n).rev() {
+            let own = if k + 1 == n { 0.5 * l } else { l };
+            let phi = *all.last()?;
+            below += own;
+            lever += below * l * phi.sin();
+            let stiffness = if k == 0 { 2.0 } else { 1.0 } / (gamma * l);
+            let turn = lever / stiffness;
+            let next = phi + if turn <= 1.0 { turn.asin() } else { return None };
+            if next > FRAC_PI_2 + 1e-9 {
+                return None;
+            }
+            all.push(next);
+        }
+        Some(all)
+    };
+    let (mut low, mut high) = (f64::MIN_POSITIVE.ln(), FRAC_PI_2.ln());
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if shoot(middle.exp()).is_some() { low = middle } else { high = middle }
+    }
+    let angles = shoot(low.exp()).unwrap_or_default();
+    angles.iter().take(n).map(|phi| l * DVec3::new(phi.sin(), -phi.cos(), 0.0)).sum()
+}

@@ -1,0 +1,93 @@
+//! What was not finite is put back to rest: strands by the step itself, and all that ended a run if its caller wants it to go on.
+
+use glam::DVec3;
+use windswept_shaders::common::status::{NON_FINITE_AIR, STRAND_RESET, Status, TOO_MANY_BAD_STRANDS};
+
+use super::Simulation;
+use crate::{error::RunError, report::Reset, status};
+
+/// Resets that are remembered.
+const REMEMBERED: usize = 1000;
+/// Strands that are named of those that ended a run.
+const NAMED: usize = 10;
+/// Times that a step is tried again: what comes back each time will not go away.
+const TRIES: usize = 3;
+
+impl Simulation {
+    /// Puts back to rest what ended the run with `error`, so that it can go on: the next step is the one that failed. Strands that were
+    /// not finite in it start from their rest shape at their roots. If air was not finite, all air goes back to where it was at the start,
+    /// with the velocity of the mean wind.
+    ///
+    /// # Errors
+    /// `error` itself, if nothing that can be put back to rest ended the run, or if the same step has failed three times;
+    /// [`RunError::Gpu`] if the device is lost.
+    pub fn recover(&mut self, error: RunError) -> Result<Reset, RunError> {
+        let causes = self.last.causes;
+        let tries = self.resets.iter().filter(|reset| reset.recovered && reset.step == self.steps).count();
+        if causes & (NON_FINITE_AIR | TOO_MANY_BAD_STRANDS) == 0 || tries == TRIES {
+            return Err(error);
+        }
+        let s = self.engine.state().clone();
+        let mut health = self.engine.read(&s.health)?;
+        let mut bad = Vec::new();
+        for (strand, health) in (0_u32..).zip(&mut health) {
+            if health.found.bad != 0 {
+                health.committed.bad = 1;
+                bad.push(strand);
+            }
+        }
+        self.engine.write(&s.health, &health)?;
+        let mut thawed = status::thawed(&self.last);
+        let counted = &mut thawed.counted[STRAND_RESET as usize];
+        *counted = counted.saturating_add(bad.len() as u32);
+        let air = causes & NON_FINITE_AIR != 0;
+        if air {
+            let start = &self.initial.air;
+            let places: Vec<DVec3> = start.positions.iter().map(|x| (*x - start.min).rem_euclid(start.size)).collect();
+            let wind = DVec3::from_array(thawed.wind.map(f64::from));
+            self.engine.write_air(Some(&places), Some(&vec![wind; places.len()]), start.volume)?;
+            thawed.first_bad_air = status::start().first_bad_air;
+        }
+        self.engine.set_status(&thawed)?;
+        self.last = thawed;
+        let reset = Reset {
+            step: self.steps,
+            time_s: self.time(),
+            strands: bad.len() as u64,
+            named: bad.into_iter().take(NAMED).collect(),
+            air,
+            recovered: true,
+        };
+        self.remember(reset.clone());
+        Ok(reset)
+    }
+
+    /// What was put back to rest so far, and when: the first thousand times.
+    #[must_use]
+    pub fn resets(&self) -> &[Reset] {
+        &self.resets
+    }
+
+    /// Takes down the strands that committed steps have reset since the last status.
+    pub(super) fn note_resets(&mut self, now: &Status) {
+        let count = |status: &Status| status.counted[STRAND_RESET as usize];
+        let strands = count(now).saturating_sub(count(&self.last));
+        if strands > 0 {
+            let step = u64::from(now.reset_step.saturating_sub(1)) / self.substeps();
+            self.remember(Reset {
+                step,
+                time_s: step as f64 * self.dt(),
+                strands: strands.into(),
+                named: vec![now.reset_strand],
+                air: false,
+                recovered: false,
+            });
+        }
+    }
+
+    fn remember(&mut self, reset: Reset) {
+        if self.resets.len() < REMEMBERED {
+            self.resets.push(reset);
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! A cut of `cargo xtask stress` on the software adapter: one or two settings of each stress.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod support;
+
+use windswept_validate::stress::{Extent, STRESSES};
+
+fn assert_holds(name: &str) {
+    let stress = STRESSES.iter().find(|stress| stress.name == name).unwrap_or_else(|| panic!("no stress {name}"));
+    let sweeps = stress.sweeps(&support::gpu(), Extent::Cut);
+    assert!(sweeps.iter().all(|sweep| !sweep.samples.is_empty()), "{name} measures nothing");
+    for sweep in &sweeps {
+        let row = sweep.row();
+        println!("{}: {} {} of at most {}", row.test, row.measured, row.unit, row.tolerance);
+    }
+    let failing: Vec<_> = sweeps.iter().filter(|sweep| !sweep.row().passes()).map(|sweep| &sweep.quantity).collect();
+    assert!(failing.is_empty(), "{failing:?}");
+}
+
+/// One test per stress; none is left out.
+macro_rules! stresses {
+    ($($test:ident: $name:literal),+ $(,)?) => {
+        $(
+            #[test]
+            fn $test() {
+                assert_holds($name);
+            }
+        )+
+
+        #[test]
+        fn every_stress_has_its_test() {
+            let names: Vec<_> = STRESSES.iter().map(|stress| stress.name).collect();
+            assert_eq!(names, [$($name),+]);
+        }
+    };
+}
+
+stresses! {
+    hair_rests_in_one_place_at_any_step: "steps",
+    stiff_and_limp_strands_hang_as_chains_do: "stiffness",
+    masses_may_be_far_apart: "masses",
+    faulty_strands_are_refused_or_heal: "faulty strands",
+    a_spoilt_value_resets_its_strand: "spoilt values",
+    crowded_air_spreads: "crowded air",
+    winds_may_change_at_once: "winds",
+    roots_may_be_flung: "driven roots",
+    bodies_may_be_fast: "bodies",
+    dials_may_be_turned_too_far: "dials",
+    sizes_may_be_absurd: "sizes",
+    long_runs_stay_as_they_are: "long run",
+    bits_are_the_same: "bits",
+}
