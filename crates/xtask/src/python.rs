@@ -6,21 +6,10 @@ use std::process::Command;
 use crate::tests::Length;
 use crate::{Result, cargo, root, run, say, venv};
 
-/// PyPI packages that the package's tests and users import, and maturin, which builds it.
-const PACKAGES: [&str; 12] = [
-    "maturin",
-    "numpy",
-    "h5py",
-    "vtk",
-    "pillow",
-    "pytest",
-    "pytest-xdist",
-    "mypy",
-    "matplotlib",
-    "distributed",
-    "tqdm",
-    "usd-core; python_version >= '3.11'",
-];
+/// PyPI packages by which tests read our files with other people's readers, as users do.
+pub(crate) const READERS: [&str; 5] = ["numpy", "h5py", "vtk", "pillow", "usd-core; python_version >= '3.11'"];
+/// What else the Python package's tests and users import, and maturin, which builds it.
+const OTHERS: [&str; 7] = ["maturin", "pytest", "pytest-xdist", "mypy", "matplotlib", "distributed", "tqdm"];
 
 /// `cargo xtask python`.
 pub(crate) fn provide() -> Result {
@@ -31,7 +20,7 @@ pub(crate) fn provide() -> Result {
 
 /// Builds the wheel and installs it; returns the Python that then imports it.
 pub(crate) fn install(profile: &str) -> Result<PathBuf> {
-    let python = venv::provide(&PACKAGES)?;
+    let python = venv::provide(&[&READERS[..], &OTHERS].concat())?;
     let wheels = root().join("target/wheels");
     // The folder is emptied: wheels of older versions would be installed too.
     if wheels.exists() {

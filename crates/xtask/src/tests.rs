@@ -5,9 +5,6 @@ use std::process::{Command, Stdio};
 
 use crate::{Result, cargo, line, python, say, venv, vulkan};
 
-/// PyPI packages of the tests that read our files with other people's readers.
-const PYTHON_PACKAGES: [&str; 4] = ["numpy", "h5py", "vtk", "pillow"];
-
 /// Which tests run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Length {
@@ -19,7 +16,7 @@ pub(crate) enum Length {
 
 pub(crate) fn run(length: Length) -> Result {
     let driver = vulkan::software_driver()?;
-    let python = venv::provide(&PYTHON_PACKAGES)?;
+    let python = venv::provide(&python::READERS)?;
     let run_cargo = |arguments: &[&str]| -> Result<Command> {
         let mut command = cargo();
         venv::provide_cmake(&mut command)?;
