@@ -11,7 +11,8 @@ use windswept::{
     gpu::wgpu,
     internals::{Engine, Setup},
 };
-use windswept_scene::{AirParticles, Body, InitialState, Keyframe, Model, Motion, Scene, Shape, Strands};
+use windswept_scene::{AirParticles, Body, FluidSolver, InitialState, Keyframe, Model, Motion, Scene, Shape, Strands};
+use windswept_shaders::common::pressure::Pressed;
 
 /// Scene of `n` x `n` straight strands of 0.06 m along +x, 6 mm apart, in a box of 0.10 x 0.06 x 0.06 m, filled with air at rest.
 fn brush(n: usize) -> InitialState {
@@ -342,6 +343,47 @@ fn hair_outside_the_box_is_counted_after_a_while() {
     assert_eq!(simulation.warnings().get("hair_outside_box"), Some(&28), "{:?}", simulation.warnings());
     let (_, inside) = run(&windy(), &brush(2), &[100]);
     assert_eq!(inside.warnings().get("hair_outside_box"), None);
+}
+
+/// Pressure starts anew where the caller puts air or hair: uniform air in place of stirred air stays uniform, and hair that was put
+/// pushes with none of what it had.
+#[test]
+fn pressure_starts_anew_where_things_are_put() {
+    let mut scene = windy();
+    scene.fluid.solver = FluidSolver::Divergence;
+    scene.viscosity.hair = 0.0;
+    let air = scene.air.as_mut().unwrap();
+    (air.wind, air.fringe) = ([0.0; 3], 0.0);
+    let mut initial = brush(2);
+    for (k, v) in initial.air.velocities.iter_mut().enumerate() {
+        *v = 0.3 * DVec3::new((k as f64).sin(), (2.0 * k as f64).cos(), (3.0 * k as f64).sin());
+    }
+    let hair = initial.hair.positions.len();
+    let pressures = |simulation: &Simulation| {
+        let engine = simulation.engine();
+        let all = engine.read(&engine.state().pressed_before).unwrap();
+        let largest = |part: &[Pressed]| part.iter().map(|pressed| pressed.pressure.abs()).fold(0.0, f32::max);
+        (largest(&all[..hair]), largest(&all[hair..]))
+    };
+    let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial.clone()).unwrap();
+    simulation.step(5).unwrap();
+    let (of_hair, of_air) = pressures(&simulation);
+    assert!(of_hair > 0.0 && of_air > 0.0, "{of_hair}, {of_air}: nothing pushes");
+    simulation.set_hair(None, Some(&vec![DVec3::ZERO; hair]), None).unwrap();
+    let after = pressures(&simulation);
+    assert!(after.0 == 0.0 && after.1 == of_air, "{after:?}");
+
+    initial.hair = Strands { point_offsets: vec![0], ..Strands::default() };
+    let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial.clone()).unwrap();
+    simulation.step(5).unwrap();
+    let stream = DVec3::new(1.0, -0.5, 0.25);
+    simulation.set_air(None, Some(&vec![stream; initial.air.positions.len()])).unwrap();
+    simulation.step(1).unwrap();
+    let frame = simulation.frame().unwrap();
+    let off = frame.air.velocities.iter().map(|v| (DVec3::from_array(v.map(f64::from)) - stream).length());
+    let off = off.fold(0.0, f64::max);
+    println!("uniform air is {off:.1e} m/s off");
+    assert!(off < 1e-6, "{off} m/s");
 }
 
 /// Steps on a device of the caller's own, recorded into the caller's encoder, give the same bits as `step`.

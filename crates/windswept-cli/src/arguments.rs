@@ -9,7 +9,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use windswept_export::{DEFAULT_FORMATS, FORMATS, Format};
 use windswept_scene::{GroomFormat, Scene, Up, keys::Key, limits::MOST_POINTS_OF_A_STRAND};
 #[cfg(feature = "validate")]
-use windswept_validate::CHECKS;
+use windswept_validate::{CHECKS, LONG_CHECKS};
 
 use crate::failure::Failure;
 use crate::output;
@@ -326,7 +326,7 @@ impl RunOptions {
 #[derive(Debug, Args)]
 pub(crate) struct ValidateOptions {
     /// Only these checks [default: all]
-    #[arg(value_name = "CHECK", value_parser = PossibleValuesParser::new(CHECKS.iter().map(|check| check.name)))]
+    #[arg(value_name = "CHECK", value_parser = PossibleValuesParser::new(CHECKS.iter().chain(LONG_CHECKS).map(|check| check.name)))]
     pub(crate) checks: Vec<String>,
     /// Part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else the best]
     #[arg(long, value_name = "NAME")]

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use serde_json::json;
 use windswept::{AdapterChoice, AdapterInfo, Gpu};
-use windswept_validate::{CHECKS, Row};
+use windswept_validate::{CHECKS, Check, LONG_CHECKS, Row};
 
 use crate::arguments::ValidateOptions;
 use crate::console::Console;
@@ -14,8 +14,12 @@ pub(crate) fn validate(options: &ValidateOptions, console: &mut Console<'_>) -> 
     let gpu = Gpu::new(&AdapterChoice::from_flag(options.adapter.as_deref()))?;
     console.note(format_args!("running on {}", gpu.info()));
     let mut rows = Vec::new();
-    let asked = |name: &str| options.checks.is_empty() || options.checks.iter().any(|check| check == name);
-    for check in CHECKS.iter().filter(|check| asked(check.name)) {
+    let named = |check: &&Check| options.checks.iter().any(|name| name == check.name);
+    let asked: Vec<&Check> = match options.checks.is_empty() {
+        true => CHECKS.iter().collect(),
+        false => CHECKS.iter().chain(LONG_CHECKS).filter(named).collect(),
+    };
+    for check in asked {
         let started = Instant::now();
         let measured = check.rows(&gpu);
         let (passed, seconds) = (passing(&measured), started.elapsed().as_secs_f64());

@@ -43,6 +43,9 @@ pub const MOST_PARTICLES_OF_AN_OPERATION: usize = 1 << 26;
 /// Smallest kernel radius in particle spacings: below 1 the lattice has no neighbours, and nothing softens the density
 /// constraint.
 pub const LEAST_KERNEL_RADIUS: f64 = 1.2;
+/// Smallest kernel radius in particle spacings with which pressure is solved on a coarse grid: below it few neighbours are left, and air
+/// flew apart at 1.24 where it did not without the grid.
+pub const LEAST_COARSE_RADIUS: f64 = 1.5;
 /// Shortest side of the box of air in kernel radii: in a shorter one a particle would meet a neighbour and its periodic image.
 pub const LEAST_BOX_SIDE: f64 = 3.0;
 /// Most cells of one kernel radius in the box of air.

@@ -23,7 +23,7 @@ use crate::{
         Key,
         Kind::{Bool, Choice, Count, NonNegative, Positive, Table, Tables, Text, Vector},
     },
-    limits::{MOST_BODIES, MOST_HAIR_POINTS, MOST_PRESSURE_ITERATIONS, MOST_REPEATS},
+    limits::{LEAST_COARSE_RADIUS, MOST_BODIES, MOST_HAIR_POINTS, MOST_PRESSURE_ITERATIONS, MOST_REPEATS},
     picture::{Camera, Picture},
     reader::Reader,
     write::Writer,
@@ -234,6 +234,8 @@ impl Scene {
             Some("interaction.model is particles: the coarse grid does not know hair")
         } else if !self.bodies.is_empty() {
             Some("the scene has bodies, through which the coarse grid would push air")
+        } else if self.air.as_ref().is_some_and(|air| air.kernel_radius < LEAST_COARSE_RADIUS * air.parcel().cbrt()) {
+            Some("air.kernel_radius is below 1.5 particle spacings, too few neighbours for the coarse grid's pressure")
         } else {
             None
         }
@@ -288,8 +290,7 @@ impl Scene {
             return Err(reader.fault("air", words));
         }
         if self.viscosity.smagorinsky > 0.0 && self.fluid.solver == FluidSolver::Pbf {
-            let words =
-                "expected 0 with fluid.solver = \"pbf\", which makes and loses more energy than small eddies do";
+            let words = "expected 0: fluid.solver is \"pbf\", as method \"published\" has it; small eddies go with \"divergence\"";
             return Err(reader.fault("viscosity.smagorinsky", words.to_owned()));
         }
         self.check_bands(reader)?;

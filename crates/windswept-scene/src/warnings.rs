@@ -6,7 +6,7 @@ use crate::{
     body::{Shape, blocked},
     initial::{AirParticles, Strands},
     limits::MOST_REPEATS,
-    scene::{Air, Bounds, FRICTION, FluidSolver, Scene},
+    scene::{Air, Bounds, FRICTION, FluidSolver, Model, Scene},
 };
 
 /// Kernel radii in particle spacings between which the density constraint was tried; the paper's is 1.92.
@@ -18,11 +18,11 @@ const SMALLEST_EDDY: f64 = 1.03;
 const MUCH_BLOCKED: f64 = 0.3;
 
 /// Warnings about step, wind, particles and bands.
-pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<String> {
+pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles, substeps: u32) -> Vec<String> {
     let mut warnings = Vec::new();
     let (spacing, fastest) = (air.parcel().cbrt(), air.largest_wind());
     let (way, most) = (fastest * scene.time.step / spacing, farthest(scene));
-    if way > most * f64::from(scene.time.substeps) {
+    if way > most * f64::from(substeps) {
         let needed = (way / most).ceil();
         let what = if needed <= f64::from(MOST_REPEATS) {
             format!("take time.substeps = {needed}")
@@ -31,7 +31,7 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<
         };
         warnings.push(format!(
             "air moves {:.2} particle spacings in a step, where its pressure keeps up with at most {most}: {what}",
-            way / f64::from(scene.time.substeps)
+            way / f64::from(substeps)
         ));
     }
     let ratio = air.kernel_radius / spacing;
@@ -68,6 +68,24 @@ fn farthest(scene: &Scene) -> f64 {
         FluidSolver::Divergence => 0.45,
         FluidSolver::Pbf => 1.0,
     }
+}
+
+/// Warnings about keys that say what the scene's solver, model or method leaves out.
+pub(crate) fn of_idle(scene: &Scene) -> Vec<String> {
+    let (fluid, pbf) = (&scene.fluid, scene.fluid.solver == FluidSolver::Pbf);
+    let mut warnings = Vec::new();
+    let mut idle = |idle: bool, key: &str, why: &str| {
+        if idle {
+            warnings.push(format!("{key} does nothing: {why}"));
+        }
+    };
+    idle(pbf && fluid.pressure_iterations.is_some(), "fluid.pressure_iterations", "fluid.solver is pbf");
+    let in_sums = !pbf && scene.interaction.model == Model::Particles;
+    let why = "with fluid.solver divergence it is a matter of hair on hair, which is in the air's own sums";
+    idle(in_sums && fluid.tension > 0.0, "fluid.tension", why);
+    let without = !scene.interaction.model.has_air();
+    idle(without && scene.viscosity.smagorinsky > 0.0, "viscosity.smagorinsky", "the scene has no air particles");
+    warnings
 }
 
 /// A warning where strands ask for more substeps than the scene does.
@@ -137,9 +155,9 @@ pub(crate) fn of_bodies(scene: &Scene, hair: &Strands, bodies: &[Shape]) -> Vec<
 }
 
 /// Warnings about bodies that the wind must pass, or that it steps over.
-pub(crate) fn of_blocked(scene: &Scene, air: &Air, bounds: &Bounds, bodies: &[Shape]) -> Vec<String> {
+pub(crate) fn of_blocked(scene: &Scene, air: &Air, bounds: &Bounds, bodies: &[Shape], substeps: u32) -> Vec<String> {
     let mut warnings = Vec::new();
-    let far = air.largest_wind() * scene.time.step / f64::from(scene.time.substeps);
+    let far = air.largest_wind() * scene.time.step / f64::from(substeps);
     for body in scene.bodies.iter().filter(|body| far > 2.0 * body.shape.inradius()) {
         warnings.push(format!(
             "air moves {far:.1e} m in a step and may pass through body {}, which is thinner: a shorter time.step stops it",

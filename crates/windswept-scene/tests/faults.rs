@@ -96,7 +96,7 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("length = 0.1", "length = 0.1\ncurl = { radius = 0.1, pitch = -0.1 }", 8, "hair.curl.pitch", &["greater than 0"]),
     ("length = 0.1", "length = 0.1\ncurl = { radius = 0.1 }", 8, "hair.curl.pitch", &["is missing"]),
     ("[air]", "[viscosity]\nair = 0.1\nkinematic_air = 1e-5\n[air]", 13, "viscosity.kinematic_air", &["expected one of them"]),
-    ("[air]", "[viscosity]\nsmagorinsky = 0.1\n[fluid]\nsolver = \"pbf\"\n[air]", 12, "viscosity.smagorinsky", &["expected 0 with fluid.solver = \"pbf\""]),
+    ("[air]", "[viscosity]\nsmagorinsky = 0.1\n[fluid]\nsolver = \"pbf\"\n[air]", 12, "viscosity.smagorinsky", &["expected 0: fluid.solver is \"pbf\""]),
     ("[air]", "[viscosity]\nkinematic_hair = 1e-5\nhair = 0.1\n[air]", 12, "viscosity.kinematic_hair", &["expected one of them"]),
     ("[air]", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nfov = 190\n[air]", 14, "camera.fov", &["below 180"]),
     ("[air]", "[camera]\neye = [0, 0, 1]\n[air]", 11, "camera.target", &["is missing", "camera.eye and camera.target, or neither"]),

@@ -42,14 +42,21 @@ pub(crate) fn closed_box(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows =
         vec![air_alone(gpu, FluidSolver::Pbf, STEPS, 1.2e-8)?, air_alone(gpu, FluidSolver::Divergence, STEPS, 9e-8)?];
     rows.push(hair_in_air(gpu)?);
-    rows.push(storm(gpu, "free moves are cut", 0.055, 1320.0, 16e-3)?);
-    rows.push(storm(gpu, "strands are put", 0.085, 132.0, 5e-3)?);
+    rows.push(streamed(gpu, "free moves are cut", 0.055, 1320.0, (STORM, 16e-3, STORM_STEPS))?);
+    rows.push(streamed(gpu, "strands are put", 0.085, 132.0, (STORM, 5e-3, STORM_STEPS))?);
+    rows.push(streamed(gpu, "nothing is cut or put", 0.03, 1320.0, (1.0, 1.38e-3, STEPS))?);
     Ok(rows)
 }
 
-/// Row of the momentum of hair and air where `what` happens to loose strands in a storm: strands of this density \[kg/m³\] with
-/// their roots at this height \[m\], in steps of `step` \[s\].
-fn storm(gpu: &Gpu, what: &str, height: f64, density: f64, step: f64) -> Result<Row, Error> {
+/// Row of the momentum of hair and air where `what` happens to loose strands in a stream: strands of this density \[kg/m³\] with
+/// their roots at this height \[m\], in air of a speed \[m/s\], in so many steps of a length \[s\].
+fn streamed(
+    gpu: &Gpu,
+    what: &str,
+    height: f64,
+    density: f64,
+    (speed, step, steps): (f64, f64, u64),
+) -> Result<Row, Error> {
     let scene = Scene::parse(&format!(
         "gravity = [0, 0, 0]\ninteraction = {{ model = \"two-way\" }}\ntime = {{ step = {step}, duration = 1.0 }}\n\
          rods = {{ sleep = false }}\n\
@@ -58,10 +65,13 @@ fn storm(gpu: &Gpu, what: &str, height: f64, density: f64, step: f64) -> Result<
          [air]\nbox = {{ min = [0, 0, 0], max = [0.08, 0.06, 0.06] }}\nwind = [0, 0, 0]\nramp = 0.0\n"
     ))?;
     let mut initial = InitialState::new(&scene)?;
-    initial.air.velocities.fill(DVec3::X * STORM);
+    initial.air.velocities.fill(DVec3::X * speed);
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
-    let (change, exchanged) = exchanged(&mut simulation, STORM_STEPS)?;
-    let name = format!("loose strands at {STORM} m/s, {} ms, where {what}: change of all momentum", 1e3 * step);
+    let (change, exchanged) = exchanged(&mut simulation, steps)?;
+    let name = format!(
+        "loose strands at {speed} m/s, {steps} steps of {} ms, where {what}: change of all momentum",
+        1e3 * step
+    );
     Ok(Row::new(name, 0.0, change.length() / exchanged, 1e-5, CUT))
 }
 

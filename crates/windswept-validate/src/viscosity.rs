@@ -17,8 +17,8 @@ const CONTINUUM: &str =
     "1 - c (1 - W(k)), Poly6's transform; 1 - factor on the lattice is 3.6, 4.7 and 4.9 % larger; the bound is 6 %";
 const EFFECTIVE: &str =
     "c h²/(22 dt); 24 spacings a period, 0.02 m/s, steps 80 to 140: measured 2.8 % above; margin 2.8";
-const NUMERICAL: &str = "ideal fluid, the same flow without XSPH: measured 7.4e-6 at 0.02 m/s; margin 5; at 0.3 m/s it \
-    is 5e-4";
+const NUMERICAL: &str =
+    "ideal fluid, the same flow without XSPH: measured 3.7e-6; margin 2.7, the bound of real air's 1.5e-5";
 
 const EDDIES: &str = "(C d)² (V k)³ 4/(3 pi) dt over V²/4: integral of nu |grad v|² (Smagorinsky 1963); 24 spacings a period: measured \
     9.7 % below, as a pair takes the smaller of its two; the bound is 12 %";
@@ -50,9 +50,7 @@ pub(crate) fn shear_waves(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 
 /// Particles along the sides of the Taylor-Green box: one period along x and y, and a slab of three kernel radii.
 const CELLS: [usize; 3] = [24, 24, 6];
-/// Largest speed \[m/s\], so slow that the lattice lasts: numerical viscosity grows with the speed. At 0.3 m/s the
-/// lattice melts, and over the first 0.28 s it is 5e-4 m²/s without XSPH, 36 times as much as here and far above what
-/// XSPH adds at c = 0.014 (4e-5); at 0.1 m/s the melting lattice gives energy back, and no viscosity fits.
+/// Largest speed \[m/s\], so slow that XSPH far outweighs what the solver itself takes.
 const SPEED: f64 = 0.02;
 /// Steps after which the start's lattice, which is 0.14 % too dense, has come to rest.
 const SETTLED: u64 = 80;
@@ -69,7 +67,7 @@ pub(crate) fn taylor_green(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let unit = "m²/s";
     Ok(vec![
         Row::new("Taylor-Green: viscosity, c = 0.14", xsph, with, 0.08 * xsph, EFFECTIVE).in_unit(unit),
-        Row::new("Taylor-Green: viscosity without XSPH", 0.0, without, 4e-5, NUMERICAL).in_unit(unit),
+        Row::new("Taylor-Green: viscosity without XSPH", 0.0, without, 1e-5, NUMERICAL).in_unit(unit),
     ])
 }
 

@@ -111,7 +111,8 @@ impl Engine {
         self.write_air(Some(&local), Some(&air.velocities), air.volume)
     }
 
-    /// Writes hair where it stands, as if it had come there with its velocities: finite, and awake.
+    /// Writes hair where it stands, as if it had come there with its velocities: finite, and awake. Pressure on it
+    /// starts anew.
     pub(crate) fn write_hair(&self, hair: &Strands, origin: DVec3) -> Result<(), GpuError> {
         let (s, step) = (&self.state, f64::from(self.seconds_of_step()));
         let positions: Vec<_> = hair.positions.iter().zip(&hair.volume).map(|(x, v)| vec4(*x - origin, *v)).collect();
@@ -124,7 +125,10 @@ impl Engine {
         self.write(&s.angular_velocity, &spins)?;
         self.write(&s.health, &rods::healths(hair))?;
         self.write(&s.point_history, &rods::point_histories(hair, origin, step))?;
-        self.write(&s.segment_history, &rods::segment_histories(hair, step))
+        self.write(&s.segment_history, &rods::segment_histories(hair, step))?;
+        // Where air has pressure alone hair's places are there all the same, and stay zero.
+        let pressed = s.pressed_before.len().min(hair.positions.len() as u64) as usize;
+        self.write(&s.pressed_before, &vec![Pressed::default(); pressed])
     }
 
     /// Writes air in the box, by stable id: local positions \[m\] and velocities \[m/s\], whichever are given. Pressure starts

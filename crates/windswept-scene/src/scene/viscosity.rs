@@ -24,7 +24,7 @@ table! {
         /// Coefficient c of air, per step as written.
         air: f64 = NonNegative, "", Value(0.014);
         /// Constant C of the viscosity of eddies smaller than the spacing d of air, ν = (C d)² |∇v| (Smagorinsky 1963), on top of
-        /// air's; 0 leaves it out, 0.17 is usual. For fluid.solver divergence.
+        /// air's; 0 leaves it out. 0.34 is the usual 0.17 of a filter of two spacings. For fluid.solver divergence; at most 1.
         smagorinsky: f64 = NonNegative, "", Value(0.0);
         /// Form of the exchange: with or without the symmetric limiter.
         form: ViscosityForm = Choice(ViscosityForm::WORDS), "", Method(ViscosityForm::Limited, ViscosityForm::Published);
@@ -63,12 +63,18 @@ impl Viscosity {
 
     /// Coefficients from kinematic viscosities where those are given.
     fn checked(mut self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+        if self.smagorinsky > 1.0 {
+            let words = format!("expected at most 1, found {}", self.smagorinsky);
+            return Err(reader.fault("smagorinsky", words));
+        }
         for (name, kinematic, coefficient) in
             [("hair", "kinematic_hair", &mut self.hair), ("air", "kinematic_air", &mut self.air)]
         {
             let Some(nu) = reader.said::<f64>(kinematic) else { continue };
             if reader.has(name) {
-                let words = format!("viscosity.{name} is given too: expected one of them");
+                let words = format!(
+                    "viscosity.{name} is given too: expected one of them; --set 'viscosity={{ {kinematic} = {nu} }}' replaces all"
+                );
                 return Err(reader.fault(kinematic, words));
             }
             let root = reader.root();

@@ -130,7 +130,7 @@ impl Simulation {
     }
 
     /// Puts air somewhere else: positions \[m\], which are wrapped into the box, and velocities \[m/s\], by stable id.
-    /// An array that is not given stays.
+    /// An array that is not given stays. Pressure starts anew, whatever is given.
     ///
     /// # Errors
     /// As [`Self::set_hair`].
