@@ -10,8 +10,10 @@ mod usc;
 
 use std::{fs, path::Path};
 
+pub(crate) use bytes::{Bytes, fault_at};
 pub use fit::Dropped;
 pub use npy::npy_head;
+pub(crate) use ply::polygons as ply_polygons;
 
 use crate::{error::SceneError, limits::LARGEST};
 
@@ -115,12 +117,7 @@ impl Curves {
         let path = path.as_ref();
         let read = || {
             let format = GroomFormat::of(path)?;
-            let unread = |error: std::io::Error| SceneError::new(format!("cannot be read: {error}"));
-            // What is no file, a pipe or a device, may never end.
-            if !fs::metadata(path).map_err(unread)?.is_file() {
-                return Err(SceneError::new("expected a file"));
-            }
-            (format.read)(&fs::read(path).map_err(unread)?, points_per_strand)
+            (format.read)(&file_bytes(path)?, points_per_strand)
         };
         read().map_err(|error: SceneError| error.of(&path.display().to_string(), ""))
     }
@@ -238,6 +235,16 @@ impl Curves {
             Some([each(f64::min, low), each(f64::max, high)])
         })
     }
+}
+
+/// All bytes of a file.
+pub(crate) fn file_bytes(path: &Path) -> Result<Vec<u8>, SceneError> {
+    let unread = |error: std::io::Error| SceneError::new(format!("cannot be read: {error}"));
+    // What is no file, a pipe or a device, may never end.
+    if !fs::metadata(path).map_err(unread)?.is_file() {
+        return Err(SceneError::new("expected a file"));
+    }
+    fs::read(path).map_err(unread)
 }
 
 /// Whether a point can be computed with.
