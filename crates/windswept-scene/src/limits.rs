@@ -57,7 +57,8 @@ pub const MOST_PAIRS: f64 = 1e11;
 pub const MOST_BODIES: usize = 1024;
 /// Most triangles of a mesh file: with their tree they take 300 B each, 1.3 GB in all.
 pub const MOST_TRIANGLES: usize = 1 << 22;
-/// Most nodes of a grid of distances: 128 MiB at 4 B a node, which is the largest buffer that every adapter binds.
+/// Most nodes of a grid of distances: 128 MiB at 4 B a node, which is the largest buffer that every adapter binds; 0.7 GB while the
+/// grid is made.
 pub const MOST_GRID_VALUES: usize = 1 << 25;
 /// Largest part of the box's cross-section that bodies may block: what is left lets the wind through.
 pub const MOST_BLOCKED: f64 = 0.9;

@@ -147,7 +147,7 @@ fn a_capsule_of_triangles_is_a_capsule() {
 }
 
 /// Flat holes, among them one that touches two edges of the box and a whole face, are covered: the distance is the whole box's,
-/// inside and outside, to the rounding of f32. A triangle that is turned around is as if it were not.
+/// inside and outside, to the rounding of f32. Points that no triangle has are left out. A triangle that is turned around is as if it were not.
 #[test]
 fn a_box_with_holes_is_a_box() {
     let half = DVec3::new(0.04, 0.03, 0.05);
@@ -158,7 +158,9 @@ fn a_box_with_holes_is_a_box() {
         5 => true,
         _ => false,
     };
-    let (whole, none) = box_of(half, 8, |_, _, _| false).closed();
+    let mut whole = box_of(half, 8, |_, _, _| false);
+    whole.points.push(DVec3::splat(1e17));
+    let (whole, none) = whole.closed();
     assert_eq!((whole.points.len(), none), (6 * 64 + 2, 0));
     let (open, holes) = box_of(half, 8, hole).closed();
     assert_eq!(holes, 5);
@@ -241,9 +243,11 @@ fn a_surface_that_encloses_nothing_is_refused() {
     let error = DistanceGrid::bake(&sheet, 0.01, 0.0).unwrap_err();
     assert!(error.message().contains("enclose no node"), "{error}");
     let cube = box_of(DVec3::splat(0.1), 1, |_, _, _| false).closed().0;
-    for spacing in [1e-5, 1e-300, 0.0, f64::NAN] {
+    let spacings = [(1e-5, "nodes"), (1e-300, "nodes"), (f64::INFINITY, "nodes")];
+    let none = [0.0, -0.01, f64::NAN].map(|spacing| (spacing, "above 0"));
+    for (spacing, words) in spacings.into_iter().chain(none) {
         let error = DistanceGrid::bake(&cube, spacing, 0.0).unwrap_err();
-        assert!(error.message().contains("nodes"), "{error}");
+        assert!(error.message().contains(words), "{error}");
     }
     assert!(DistanceGrid::bake(&Triangles::default(), 0.01, 0.0).is_err());
     assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::new(0.128, 0.1, 0.064)]), 0.001);

@@ -43,10 +43,12 @@ impl Triangles {
     fn welded(&self) -> Self {
         let [low, high] = self.bounds().unwrap_or_default();
         let near = WELD * (high - low).max_element();
-        let mut welder = Welder { near, cells: HashMap::new(), points: Vec::new() };
-        let indices: Vec<_> = self.points.iter().map(|x| welder.index(*x)).collect();
-        let corners = self.corners.iter().map(|corners| corners.map(|i| indices[i as usize]));
-        let corners = corners.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+        let mut welder = Welder { low, near, cells: HashMap::new(), points: Vec::new() };
+        // Points that no triangle has may be anywhere: they are left out.
+        let mut indices = vec![None; self.points.len()];
+        let mut index = |i: u32| *indices[i as usize].get_or_insert_with(|| welder.index(self.points[i as usize]));
+        let corners: Vec<_> = self.corners.iter().map(|corners| corners.map(&mut index)).collect();
+        let corners = corners.into_iter().filter(|[a, b, c]| a != b && b != c && c != a).collect();
         Self { points: welder.points, corners, unit: self.unit }
     }
 
@@ -65,6 +67,7 @@ impl Triangles {
 
 /// Points, and where they are in cells that are twice as wide as points in one place may be apart.
 struct Welder {
+    low: DVec3,
     near: f64,
     cells: HashMap<[i64; 3], Vec<u32>>,
     points: Vec<DVec3>,
@@ -73,7 +76,7 @@ struct Welder {
 impl Welder {
     /// The index of a point in this place: the first one there.
     fn index(&mut self, x: DVec3) -> u32 {
-        let place = x / (2.0 * self.near).max(f64::MIN_POSITIVE);
+        let place = (x - self.low) / (2.0 * self.near).max(f64::MIN_POSITIVE);
         let cell = |place: DVec3| place.floor().to_array().map(|x| x as i64);
         // What is near is in this cell, or across the nearer of its sides.
         for k in 0..8 {

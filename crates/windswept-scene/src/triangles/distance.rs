@@ -46,8 +46,11 @@ impl DistanceGrid {
     /// Rows of nodes are shared out to the machine's cores; the values do not depend on how many there are.
     ///
     /// # Errors
-    /// [`SceneError`] where the grid would have too many nodes, or no node is inside.
+    /// [`SceneError`] where the spacing is not above 0, the grid would have too many nodes, or no node is inside.
     pub fn bake(surface: &Triangles, spacing: f64, margin: f64) -> Result<Self, SceneError> {
+        if spacing.is_nan() || spacing <= 0.0 {
+            return Err(SceneError::new(format!("expected a spacing above 0, found {spacing} m")));
+        }
         let [low, high] = surface.bounds().ok_or_else(|| SceneError::new("expected a triangle"))?;
         let margin = margin.max(MARGIN * spacing);
         let cells = ((high - low + 2.0 * margin) / spacing).ceil();
