@@ -72,7 +72,7 @@ def test_what_is_no_checkpoint_is_refused(sim, tmp_path):
     whole = path.read_bytes()
     damaged = bytearray(whole)
     damaged[len(whole) // 2] ^= 1
-    newer = whole[:8] + (2).to_bytes(4, "little") + whole[12:]
+    newer = whole[:8] + (99).to_bytes(4, "little") + whole[12:]
     for content, words in [
         (whole[:-9], "is cut off"),
         (bytes(damaged), "is damaged: bytes"),

@@ -10,12 +10,14 @@ mod usc;
 
 use std::{fs, path::Path};
 
+pub(crate) use bytes::{Bytes, fault_at};
 pub use fit::Dropped;
 pub use npy::npy_head;
+pub(crate) use ply::polygons as ply_polygons;
 
 use crate::{
     error::SceneError,
-    limits::{LARGEST, LARGEST_GROOM_FILE},
+    limits::{LARGEST, LARGEST_DATA_FILE},
 };
 
 /// Curves of a groom file, in the units and axes of the file.
@@ -126,18 +128,7 @@ impl Curves {
         let path = path.as_ref();
         let read = || {
             let format = GroomFormat::of(path)?;
-            let unread = |error: std::io::Error| SceneError::new(format!("cannot be read: {error}"));
-            // What is no file, a pipe or a device, may never end.
-            let metadata = fs::metadata(path).map_err(unread)?;
-            if !metadata.is_file() {
-                return Err(SceneError::new("expected a file"));
-            }
-            let length = metadata.len();
-            if length > LARGEST_GROOM_FILE {
-                let words = format!("expected a file of at most {LARGEST_GROOM_FILE} bytes, found {length}");
-                return Err(SceneError::new(words));
-            }
-            format.read(&fs::read(path).map_err(unread)?, points_per_strand)
+            format.read(&file_bytes(path)?, points_per_strand)
         };
         read().map_err(|error: SceneError| error.of(&path.display().to_string(), ""))
     }
@@ -255,6 +246,21 @@ impl Curves {
             Some([each(f64::min, low), each(f64::max, high)])
         })
     }
+}
+
+/// All bytes of a groom or mesh file.
+pub(crate) fn file_bytes(path: &Path) -> Result<Vec<u8>, SceneError> {
+    let unread = |error: std::io::Error| SceneError::new(format!("cannot be read: {error}"));
+    // What is no file, a pipe or a device, may never end.
+    let metadata = fs::metadata(path).map_err(unread)?;
+    if !metadata.is_file() {
+        return Err(SceneError::new("expected a file"));
+    }
+    let length = metadata.len();
+    if length > LARGEST_DATA_FILE {
+        return Err(SceneError::new(format!("expected a file of at most {LARGEST_DATA_FILE} bytes, found {length}")));
+    }
+    fs::read(path).map_err(unread)
 }
 
 /// Whether a point can be computed with.

@@ -43,7 +43,7 @@ pub struct Strands {
     pub group: Vec<u32>,
     /// Per strand: its number in the groom file that it comes from, or in its group; empty for its index.
     pub ids: Vec<u32>,
-    /// Per strand: the group that its groom file says, or [`Self::group`]; empty for [`Self::group`].
+    /// Per strand: the group that its groom file says, or `group`; empty for `group`.
     pub groups: Vec<u32>,
     /// Per strand: place of its root in the texture of what it grows on; empty where no groom file has them.
     pub root_uvs: Vec<[f32; 2]>,

@@ -17,8 +17,8 @@ pub const STRAND_MAGNITUDES: RangeInclusive<f64> = 1e-30..=1e30;
 
 /// Largest scene file \[bytes\]: a thousand times the longest of ours, and soon read.
 pub const LARGEST_SCENE_FILE: u64 = 1 << 24;
-/// Largest groom file \[bytes\]: [`MOST_HAIR_POINTS`] of 60 bytes each.
-pub const LARGEST_GROOM_FILE: u64 = 1_000_000_000;
+/// Largest groom or mesh file \[bytes\]: [`MOST_HAIR_POINTS`] of 60 bytes each.
+pub const LARGEST_DATA_FILE: u64 = 1_000_000_000;
 
 /// Most hair points of a scene: strands take 216 B a point at the start, 3.6 GB in all.
 pub const MOST_HAIR_POINTS: u32 = 1 << 24;
@@ -65,6 +65,11 @@ pub const MOST_PAIRS: f64 = 1e11;
 
 /// Most bodies of a scene: every hair point and every air particle looks at every body, twice in a step.
 pub const MOST_BODIES: usize = 1024;
+/// Most triangles of a mesh file: with their tree they take 300 B each, 1.3 GB in all.
+pub const MOST_TRIANGLES: usize = 1 << 22;
+/// Most nodes of a grid of distances: 128 MiB at 4 B a node, which is the largest buffer that every adapter binds; 0.7 GB while the
+/// grid is made.
+pub const MOST_GRID_VALUES: usize = 1 << 25;
 /// Largest part of the box's cross-section that bodies may block: what is left lets the wind through.
 pub const MOST_BLOCKED: f64 = 0.9;
 /// Deepest that a root may stand below the surface of a body, in radii of the largest ball that fits into the body.

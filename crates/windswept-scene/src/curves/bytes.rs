@@ -3,23 +3,23 @@
 use crate::error::SceneError;
 
 /// The bytes of a file and how many have been read.
-pub(super) struct Bytes<'a> {
+pub(crate) struct Bytes<'a> {
     all: &'a [u8],
     at: usize,
 }
 
 /// An error at a byte of the file.
-pub(super) fn fault_at(at: usize, words: impl std::fmt::Display) -> SceneError {
+pub(crate) fn fault_at(at: usize, words: impl std::fmt::Display) -> SceneError {
     SceneError::new(format!("at byte {at}: {words}"))
 }
 
 impl<'a> Bytes<'a> {
-    pub(super) fn new(all: &'a [u8]) -> Self {
+    pub(crate) fn new(all: &'a [u8]) -> Self {
         Self { all, at: 0 }
     }
 
     /// Number of the next byte.
-    pub(super) fn at(&self) -> usize {
+    pub(crate) fn at(&self) -> usize {
         self.at
     }
 
@@ -33,19 +33,19 @@ impl<'a> Bytes<'a> {
     }
 
     /// The next `count` things of `size` bytes each.
-    pub(super) fn take(&mut self, count: u64, size: usize, what: &str) -> Result<&'a [u8], SceneError> {
+    pub(crate) fn take(&mut self, count: u64, size: usize, what: &str) -> Result<&'a [u8], SceneError> {
         let taken = self.has(count, size, what)?;
         self.at += taken.len();
         Ok(taken)
     }
 
     /// The next `N` bytes.
-    pub(super) fn array<const N: usize>(&mut self, what: &str) -> Result<[u8; N], SceneError> {
+    pub(crate) fn array<const N: usize>(&mut self, what: &str) -> Result<[u8; N], SceneError> {
         let taken = self.take(1, N, what)?;
         Ok(std::array::from_fn(|i| taken[i]))
     }
 
-    pub(super) fn u32(&mut self, what: &str) -> Result<u32, SceneError> {
+    pub(crate) fn u32(&mut self, what: &str) -> Result<u32, SceneError> {
         self.array(what).map(u32::from_le_bytes)
     }
 

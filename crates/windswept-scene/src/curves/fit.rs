@@ -64,7 +64,7 @@ impl fmt::Display for Dropped {
 
 impl Up {
     /// A point of the file, as the axes say.
-    fn turned(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn turned(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         match self {
             Self::Y => [x, y, z],
             Self::Z => [x, z, -y],
@@ -75,6 +75,11 @@ impl Up {
             Self::Yxz => [y, x, z],
             Self::Zyx => [z, y, x],
         }
+    }
+
+    /// Whether the points become a mirror image.
+    pub(crate) fn mirrors(self) -> bool {
+        matches!(self, Self::Xzy | Self::Yxz | Self::Zyx)
     }
 }
 

@@ -167,17 +167,19 @@ fn number(bytes: &mut Bytes<'_>, encoding: Encoding, scalar: Scalar) -> Result<f
     })
 }
 
-/// What a file has of a groom.
+/// What a file has of a groom, or of a surface.
 #[derive(Default)]
 struct Found {
     points: Option<Vec<[f64; 3]>>,
     thickness: Vec<f64>,
     /// Points of each strand.
     counts: Option<Vec<u32>>,
+    /// Indices of the points of each polygon.
+    polygons: Vec<Vec<u32>>,
 }
 
 impl Found {
-    /// Reads an element, and keeps what it has of a groom.
+    /// Reads an element, and keeps what it has of a groom or of a surface.
     fn read(&mut self, element: &Element, bytes: &mut Bytes<'_>, encoding: Encoding) -> Result<(), SceneError> {
         let (name, count) = (&element.name, element.count);
         let at = bytes.at();
@@ -198,6 +200,9 @@ impl Found {
         let axes = if name == "vertex" { Some([place("x")?, place("y")?, place("z")?]) } else { None };
         let thickness = element.property("thickness").filter(|_| axes.is_some());
         let segments = if name == "strand" { Some(place("nsegs")?) } else { None };
+        let polygon = |property: &Property| {
+            name == "face" && ["vertex_indices", "vertex_index"].contains(&property.name.as_str())
+        };
         let room = if axes.is_some() || segments.is_some() { count as usize } else { 0 };
         let mut points = Vec::with_capacity(if axes.is_some() { room } else { 0 });
         let mut counts = Vec::new();
@@ -212,8 +217,20 @@ impl Found {
                         if n.is_nan() || n < 0.0 {
                             return Err(fault_at(at, format!("expected the length of a list, found {n}")));
                         }
+                        let mut list = Vec::new();
                         for _ in 0..n as u64 {
-                            number(bytes, encoding, property.scalar)?;
+                            let index = number(bytes, encoding, property.scalar)?;
+                            if polygon(property) {
+                                list.push(index32(index).ok_or_else(|| {
+                                    fault_at(
+                                        bytes.at(),
+                                        format!("expected before it the index of a vertex, found {index}"),
+                                    )
+                                })?);
+                            }
+                        }
+                        if polygon(property) {
+                            self.polygons.push(list);
                         }
                     }
                 }
@@ -224,13 +241,10 @@ impl Found {
             }
             if let Some(segments) = segments {
                 let segments = row[segments];
-                if !(0.0..f64::from(u32::MAX)).contains(&segments) {
-                    return Err(fault_at(
-                        bytes.at(),
-                        format!("expected before it nsegs of at least 0, found {segments}"),
-                    ));
-                }
-                counts.push(segments as u32 + 1);
+                let segments = index32(segments).ok_or_else(|| {
+                    fault_at(bytes.at(), format!("expected before it nsegs of at least 0, found {segments}"))
+                })?;
+                counts.push(segments + 1);
             }
         }
         if axes.is_some() {
@@ -243,7 +257,13 @@ impl Found {
     }
 }
 
-pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curves, SceneError> {
+/// A number as an index.
+fn index32(x: f64) -> Option<u32> {
+    (0.0..f64::from(u32::MAX)).contains(&x).then_some(x as u32)
+}
+
+/// All that a file has, and where its header ends.
+fn found(bytes: &[u8]) -> Result<(Found, usize), SceneError> {
     let mut bytes = Bytes::new(bytes);
     let (encoding, elements) = header(&mut bytes)?;
     let at = bytes.at();
@@ -255,6 +275,28 @@ pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curve
         bytes.skip_space();
     }
     bytes.end()?;
+    Ok((found, at))
+}
+
+/// Polygons of a file.
+pub(crate) struct Polygons {
+    pub(crate) points: Vec<[f64; 3]>,
+    /// Indices of the points of each polygon.
+    pub(crate) corners: Vec<Vec<u32>>,
+}
+
+/// The polygons of the element `face`.
+pub(crate) fn polygons(bytes: &[u8]) -> Result<Polygons, SceneError> {
+    let (found, at) = found(bytes)?;
+    let points = found.points.ok_or_else(|| fault_at(at, "expected an element vertex"))?;
+    if found.polygons.is_empty() {
+        return Err(fault_at(at, "expected an element face with a list vertex_indices"));
+    }
+    Ok(Polygons { points, corners: found.polygons })
+}
+
+pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curves, SceneError> {
+    let (found, at) = found(bytes)?;
     let points = found.points.ok_or_else(|| fault_at(at, "expected an element vertex"))?;
     let radius = found.thickness.iter().map(|thickness| 0.5 * thickness).collect();
     let curves = match found.counts {

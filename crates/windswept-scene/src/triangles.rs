@@ -1,0 +1,128 @@
+//! Triangles of mesh files: what a file says, and the closed surface that follows from it.
+
+mod close;
+mod distance;
+mod glb;
+mod obj;
+mod tree;
+
+use std::path::Path;
+
+use glam::DVec3;
+
+pub use distance::DistanceGrid;
+
+use crate::{
+    curves,
+    error::SceneError,
+    limits::{LARGEST, MOST_TRIANGLES},
+    scene::Up,
+};
+
+/// Triangles of a mesh file, in the units and axes of the file.
+///
+/// What is read from a file has finite points and indices of points that there are; an index that is too large panics
+/// elsewhere.
+///
+/// ```no_run
+/// use glam::DVec3;
+/// use windswept_scene::{DistanceGrid, Triangles, Up};
+///
+/// let head = Triangles::load("head.obj")?.in_metres(0.01, Up::Y);
+/// let (head, holes) = head.closed();
+/// let grid = DistanceGrid::bake(&head, 0.002, 0.02)?;
+/// let (distance, normal) = grid.signed_distance(DVec3::new(0.0, 0.1, 0.0));
+/// println!("{holes} holes closed; the surface is {distance} m away, against {normal}");
+/// # Ok::<(), windswept_scene::SceneError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Triangles {
+    /// Points that triangles have their corners in \[units of the file\].
+    pub points: Vec<DVec3>,
+    /// Indices of the three corners of each triangle, counter-clockwise as seen from outside.
+    pub corners: Vec<[u32; 3]>,
+    /// Metres per unit, where the file says it.
+    pub unit: Option<f64>,
+}
+
+impl Triangles {
+    /// Endings of the files' names that are read, without the dot.
+    pub const EXTENSIONS: [&'static str; 3] = ["obj", "ply", "glb"];
+
+    /// Reads a Wavefront `.obj`, a polygon file `.ply` or a binary glTF `.glb`; polygons are cut into triangles.
+    ///
+    /// # Errors
+    /// [`SceneError`] names the file, and says what was expected.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        let path = path.as_ref();
+        let read = || {
+            let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+            let read: fn(&[u8]) -> Result<Self, SceneError> = match ending.as_str() {
+                "obj" => obj::read,
+                "ply" => polygons,
+                "glb" => glb::read,
+                _ => {
+                    let known = Self::EXTENSIONS.map(|ending| format!(".{ending}")).join(", ");
+                    return Err(SceneError::new(format!("expected a file of triangles: {known}")));
+                }
+            };
+            read(&curves::file_bytes(path)?)?.checked()
+        };
+        read().map_err(|error: SceneError| error.of(&path.display().to_string(), ""))
+    }
+
+    /// The triangles in metres, with the file's `up` turned to +Y; `scale` is metres per unit. A mirror image keeps its outside.
+    #[must_use]
+    pub fn in_metres(mut self, scale: f64, up: Up) -> Self {
+        for point in &mut self.points {
+            *point = DVec3::from_array(up.turned((scale * *point).to_array()));
+        }
+        if up.mirrors() {
+            self.corners.iter_mut().for_each(|corners| corners.swap(1, 2));
+        }
+        self.unit = Some(1.0);
+        self
+    }
+
+    /// Corners of the box about all triangles; `None` where there are none.
+    #[must_use]
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        let points = self.corners.as_flattened().iter().map(|&i| self.points[i as usize]);
+        points.fold(None, |all, x| {
+            let [low, high] = all.unwrap_or([x, x]);
+            Some([low.min(x), high.max(x)])
+        })
+    }
+
+    /// Places of the corners of each triangle.
+    fn places(&self) -> impl Iterator<Item = [DVec3; 3]> + '_ {
+        self.corners.iter().map(|corners| corners.map(|i| self.points[i as usize]))
+    }
+
+    fn checked(self) -> Result<Self, SceneError> {
+        let (points, triangles) = (self.points.len(), self.corners.len());
+        if triangles == 0 || triangles > MOST_TRIANGLES {
+            return Err(SceneError::new(format!("expected 1 to {MOST_TRIANGLES} triangles, found {triangles}")));
+        }
+        if let Some(index) = self.corners.as_flattened().iter().find(|&&index| index as usize >= points) {
+            return Err(SceneError::new(format!(
+                "a triangle has point {index}: expected less than {points}, the points"
+            )));
+        }
+        if let Some(i) = self.points.iter().position(|x| !(x.abs().max_element() <= LARGEST && x.is_finite())) {
+            return Err(SceneError::new(format!("point {i} is {}: expected finite numbers", self.points[i])));
+        }
+        Ok(self)
+    }
+}
+
+/// Triangles of a polygon file: each polygon is a fan about its first corner.
+fn polygons(bytes: &[u8]) -> Result<Triangles, SceneError> {
+    let polygons = curves::ply_polygons(bytes)?;
+    let fan = |polygon: Vec<u32>| -> Vec<[u32; 3]> {
+        let Some((&first, rest)) = polygon.split_first() else { return Vec::new() };
+        rest.windows(2).map(|pair| [first, pair[0], pair[1]]).collect()
+    };
+    let points = polygons.points.into_iter().map(DVec3::from_array).collect();
+    Ok(Triangles { points, corners: polygons.corners.into_iter().flat_map(fan).collect(), unit: None })
+}

@@ -1,0 +1,203 @@
+//! Signed distance from a closed surface at the nodes of a grid, and between them.
+
+use glam::{DVec3, Vec3};
+
+use super::{Triangles, tree::Tree};
+use crate::{error::SceneError, limits::MOST_GRID_VALUES};
+
+/// Reach of distances that are measured from triangles \[spacings\]. Beyond it a node takes the point of the surface that is nearest to
+/// a node beside it: that is quicker, and the farther away the surface is, the less it matters which of its points is taken.
+const BAND: f64 = 8.0;
+/// Fewest cells between the surface and the sides of the grid.
+const MARGIN: f64 = 2.0;
+/// Spacing of a grid that is not said otherwise \[m\]: on a ball of 90 mm it is off by 11 µm.
+const SPACING: f64 = 0.002;
+/// Fewest cells along the longest side of such a grid's surface.
+const CELLS: f64 = 128.0;
+
+/// Signed distance from a closed surface, negative inside, at the nodes of a grid of cubes.
+///
+/// Between nodes the distance is trilinear: next to a surface with the radius of curvature R it is off by up to h²/(4 R), h being
+/// the spacing, and its gradient is continuous in a cell only. Farther than eight spacings from the surface a node may have a
+/// distance that is too large by up to a quarter of a spacing, as measured on balls.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DistanceGrid {
+    /// First node \[m\].
+    pub origin: DVec3,
+    /// Distance between nodes along an axis \[m\].
+    pub spacing: f64,
+    /// Number of nodes along x, y and z.
+    pub counts: [u32; 3],
+    /// Distance at each node \[m\], x running fastest, then y.
+    pub values: Vec<f32>,
+}
+
+impl DistanceGrid {
+    /// The spacing that a surface in a box of these corners is given where nobody says another \[m\]: 2 mm, or so much less that its
+    /// longest side has 128 cells.
+    #[must_use]
+    pub fn spacing_for([low, high]: [DVec3; 2]) -> f64 {
+        SPACING.min((high - low).max_element() / CELLS)
+    }
+
+    /// The distances of a surface without holes ([`Triangles::closed`]) in metres, with nodes `spacing` \[m\] apart that reach at
+    /// least `margin` \[m\] beyond it. What the surface winds about, either way, is inside.
+    ///
+    /// Rows of nodes are shared out to the machine's cores; the values do not depend on how many there are.
+    ///
+    /// # Errors
+    /// [`SceneError`] where the spacing is not above 0, the grid would have too many nodes, or no node is inside.
+    pub fn bake(surface: &Triangles, spacing: f64, margin: f64) -> Result<Self, SceneError> {
+        if spacing.is_nan() || spacing <= 0.0 {
+            return Err(SceneError::new(format!("expected a spacing above 0, found {spacing} m")));
+        }
+        let [low, high] = surface.bounds().ok_or_else(|| SceneError::new("expected a triangle"))?;
+        let margin = margin.max(MARGIN * spacing);
+        let cells = ((high - low + 2.0 * margin) / spacing).ceil();
+        let nodes = (cells + 1.0).element_product();
+        if nodes.is_nan() || nodes > MOST_GRID_VALUES as f64 {
+            let size = high - low;
+            let words = format!(
+                "a grid of {spacing} m about {:.3} x {:.3} x {:.3} m has {nodes:.2e} nodes; expected at most {MOST_GRID_VALUES}",
+                size.x, size.y, size.z
+            );
+            return Err(SceneError::new(words));
+        }
+        let counts = (cells + 1.0).to_array().map(|count| count as u32);
+        let origin = 0.5 * (low + high - spacing * cells);
+        let mut grid = Self { origin, spacing, counts, values: vec![0.0; nodes as usize] };
+        grid.fill(&Tree::new(surface.places()));
+        if grid.inradius() <= 0.0 {
+            let words =
+                format!("the triangles enclose no node of a grid of {spacing} m: expected a closed surface, or less");
+            return Err(SceneError::new(words));
+        }
+        Ok(grid)
+    }
+
+    /// Distances near the surface from the triangles, beyond from the points of the surface that neighbours are nearest to, and
+    /// signs last.
+    fn fill(&mut self, tree: &Tree) {
+        let (origin, spacing) = (self.origin, self.spacing);
+        let mut nodes = vec![(f32::INFINITY, Vec3::ZERO); self.values.len()];
+        self.each_row(&mut nodes, |start, row| {
+            for (i, node) in row.iter_mut().enumerate() {
+                let x = start + spacing * i as f64 * DVec3::X;
+                if let Some(near) = tree.nearest(x, BAND * spacing) {
+                    *node = (x.distance(near) as f32, (near - origin).as_vec3());
+                }
+            }
+        });
+        self.spread(&mut nodes);
+        let mut values: Vec<_> = nodes.into_iter().map(|(distance, _)| distance).collect();
+        self.each_row(&mut values, |start, row| {
+            let mut within = None;
+            for (i, value) in row.iter_mut().enumerate() {
+                let x = start + spacing * i as f64 * DVec3::X;
+                let away = *value;
+                if *within.get_or_insert_with(|| tree.winding(x).abs() > 0.5) {
+                    *value = -away;
+                }
+                // A node that is farther from the surface than a spacing has the next one on its side.
+                if away <= 1.001 * spacing as f32 {
+                    within = None;
+                }
+            }
+        });
+        self.values = values;
+    }
+
+    /// Runs over rows of nodes along x on all cores: with the place of a row's first node \[m\], and what is at its nodes.
+    fn each_row<T: Send>(&self, nodes: &mut [T], run: impl Fn(DVec3, &mut [T]) + Sync) {
+        let [columns, rows, _] = self.counts;
+        let mut waiting: Vec<_> = nodes.chunks_exact_mut(columns as usize).enumerate().collect();
+        let workers = std::thread::available_parallelism().map_or(1, usize::from);
+        let each = waiting.len().div_ceil(workers);
+        std::thread::scope(|scope| {
+            for share in waiting.chunks_mut(each) {
+                scope.spawn(|| {
+                    for (row, nodes) in share {
+                        let [y, z] = [*row as u32 % rows, *row as u32 / rows];
+                        run(self.origin + self.spacing * DVec3::new(0.0, y.into(), z.into()), nodes);
+                    }
+                });
+            }
+        });
+    }
+
+    /// Goes over all nodes in each of the eight diagonal directions, and gives each the point of the surface that a node before it
+    /// has, if that is nearer (Danielsson 1980, Euclidean distance mapping).
+    fn spread(&self, nodes: &mut [(f32, Vec3)]) {
+        let [nx, ny, nz] = self.counts.map(|count| count as usize);
+        let spacing = self.spacing as f32;
+        for way in 0..8 {
+            let seat = |k: usize, count: usize, bit: u32| if way & bit == 0 { k } else { count - 1 - k };
+            for (k, j) in (0..nz).flat_map(|k| (0..ny).map(move |j| (k, j))) {
+                let (z, y) = (seat(k, nz, 4), seat(j, ny, 2));
+                for i in 0..nx {
+                    let x = seat(i, nx, 1);
+                    let own = (z * ny + y) * nx + x;
+                    let place = spacing * Vec3::new(x as f32, y as f32, z as f32);
+                    for (first, stride, bit) in [(i == 0, 1, 1), (j == 0, nx, 2), (k == 0, nx * ny, 4)] {
+                        if first {
+                            continue;
+                        }
+                        let (known, near) = nodes[if way & bit == 0 { own - stride } else { own + stride }];
+                        let distance = place.distance(near);
+                        if known.is_finite() && distance < nodes[own].0 {
+                            nodes[own] = (distance, near);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Signed distance of `x` from the surface \[m\], negative inside, and the unit vector along its gradient, which leads out.
+    ///
+    /// Beyond the grid the distance is the least that the one at its side allows: it is no more than the true one, but for what
+    /// nodes are off.
+    #[must_use]
+    pub fn signed_distance(&self, x: DVec3) -> (f64, DVec3) {
+        let last = DVec3::from_array(self.counts.map(|count| f64::from(count - 1)));
+        let inside = x.clamp(self.origin, self.origin + self.spacing * last);
+        let (distance, gradient) = self.interpolated((inside - self.origin) / self.spacing, last);
+        let normal = gradient.normalize_or(DVec3::Y);
+        let beyond = x - inside;
+        if beyond == DVec3::ZERO {
+            return (distance, normal);
+        }
+        // The nearest point of the surface is on the other side of the plane through `inside`, across the way from there.
+        let along = DVec3::select(beyond.cmpeq(DVec3::ZERO), normal, DVec3::ZERO);
+        (beyond.length().hypot(distance), (beyond + distance * along).normalize())
+    }
+
+    /// Trilinear distance \[m\] and its gradient at a place in the grid \[spacings\].
+    fn interpolated(&self, place: DVec3, last: DVec3) -> (f64, DVec3) {
+        let cell = place.floor().min(last - 1.0);
+        let part = place - cell;
+        let [columns, rows, _] = self.counts.map(|count| count as usize);
+        let first = (cell.z as usize * rows + cell.y as usize) * columns + cell.x as usize;
+        let at = |x: usize, y: usize, z: usize| f64::from(self.values[first + (z * rows + y) * columns + x]);
+        let mix = |a: f64, b: f64, part: f64| a + part * (b - a);
+        // Each is along one axis, then along two.
+        let x = [0, 1].map(|z| [0, 1].map(|y| mix(at(0, y, z), at(1, y, z), part.x)));
+        let y = x.map(|[near, far]| mix(near, far, part.y));
+        let slope_x = [0, 1].map(|z| {
+            let [near, far] = [0, 1].map(|y| at(1, y, z) - at(0, y, z));
+            mix(near, far, part.y)
+        });
+        let gradient = DVec3::new(
+            mix(slope_x[0], slope_x[1], part.z),
+            mix(x[0][1] - x[0][0], x[1][1] - x[1][0], part.z),
+            y[1] - y[0],
+        );
+        (mix(y[0], y[1], part.z), gradient / self.spacing)
+    }
+
+    /// Radius of the largest ball about a node that fits inside \[m\].
+    #[must_use]
+    pub fn inradius(&self) -> f64 {
+        -f64::from(self.values.iter().copied().fold(0.0, f32::min))
+    }
+}

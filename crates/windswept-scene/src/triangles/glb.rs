@@ -1,0 +1,230 @@
+//! Binary glTF 2.0 files, `.glb`: the triangles of every node of every scene, where the nodes have them.
+//!
+//! Read here and not by the crate `gltf`, whose check of a file panics on some that are broken.
+//!
+//! Source: Khronos Group, "glTF 2.0 Specification", sections 3 and 4.4.
+
+use std::collections::HashMap;
+
+use glam::{DMat4, DQuat, DVec3};
+use serde::Deserialize;
+
+use super::Triangles;
+use crate::{
+    curves::{Bytes, fault_at},
+    error::SceneError,
+    limits::MOST_TRIANGLES,
+};
+
+/// A primitive's mode, or kind of numbers, as the format numbers them.
+const TRIANGLES: u32 = 4;
+const U8: u32 = 5121;
+const U16: u32 = 5123;
+const U32: u32 = 5125;
+const F32: u32 = 5126;
+
+/// What a file says of its triangles; the rest is passed over.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+#[derive(Default)]
+struct Document {
+    scenes: Vec<Nodes>,
+    nodes: Vec<Node>,
+    meshes: Vec<Mesh>,
+    accessors: Vec<Accessor>,
+    buffer_views: Vec<View>,
+    extensions_required: Vec<String>,
+}
+
+#[derive(Deserialize)]
+struct Nodes {
+    #[serde(default)]
+    nodes: Vec<usize>,
+}
+
+#[derive(Deserialize, Clone)]
+#[serde(default)]
+struct Node {
+    children: Vec<usize>,
+    mesh: Option<usize>,
+    matrix: Option<[f64; 16]>,
+    translation: DVec3,
+    rotation: DQuat,
+    scale: DVec3,
+}
+
+impl Default for Node {
+    fn default() -> Self {
+        Self {
+            children: Vec::new(),
+            mesh: None,
+            matrix: None,
+            translation: DVec3::ZERO,
+            rotation: DQuat::IDENTITY,
+            scale: DVec3::ONE,
+        }
+    }
+}
+
+#[derive(Deserialize)]
+struct Mesh {
+    primitives: Vec<Primitive>,
+}
+
+#[derive(Deserialize)]
+struct Primitive {
+    attributes: HashMap<String, usize>,
+    indices: Option<usize>,
+    mode: Option<u32>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Accessor {
+    buffer_view: Option<usize>,
+    #[serde(default)]
+    byte_offset: u64,
+    component_type: u32,
+    count: u64,
+    r#type: String,
+    sparse: Option<serde_json::Value>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct View {
+    buffer: usize,
+    #[serde(default)]
+    byte_offset: u64,
+    byte_stride: Option<u64>,
+}
+
+pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
+    let (document, numbers) = parts(bytes)?;
+    if let Some(extension) = document.extensions_required.first() {
+        return Err(SceneError::new(format!("the file requires {extension}: expected plain glTF 2.0")));
+    }
+    let mut all = Triangles { unit: Some(1.0), ..Triangles::default() };
+    let mut seen = vec![false; document.nodes.len()];
+    let mut waiting: Vec<_> =
+        document.scenes.iter().flat_map(|scene| &scene.nodes).map(|&i| (i, DMat4::IDENTITY)).collect();
+    while let Some((i, parent)) = waiting.pop() {
+        let node = item(&document.nodes, i, "node")?;
+        // Scenes share nodes: each is taken once.
+        if std::mem::replace(&mut seen[i], true) {
+            continue;
+        }
+        let own = DMat4::from_scale_rotation_translation(node.scale, node.rotation, node.translation);
+        let place = parent * node.matrix.map_or(own, |matrix| DMat4::from_cols_array(&matrix));
+        if let Some(mesh) = node.mesh {
+            for primitive in &item(&document.meshes, mesh, "mesh")?.primitives {
+                document.append(primitive, numbers, place, &mut all)?;
+            }
+        }
+        waiting.extend(node.children.iter().map(|&child| (child, place)));
+    }
+    Ok(all)
+}
+
+/// The two chunks of a file: what it says, and its numbers.
+fn parts(bytes: &[u8]) -> Result<(Document, &[u8]), SceneError> {
+    let mut bytes = Bytes::new(bytes);
+    if bytes.array("the word glTF")? != *b"glTF" || bytes.u32("a version")? != 2 {
+        return Err(fault_at(0, "expected a binary glTF file of version 2"));
+    }
+    bytes.u32("the length of the file")?;
+    let mut chunk = |name: &[u8; 4]| {
+        let length = bytes.u32("the length of a chunk")?;
+        let at = bytes.at();
+        if bytes.array("the name of a chunk")? != *name {
+            return Err(fault_at(at, format!("expected the chunk {:?}", name.escape_ascii().to_string())));
+        }
+        Ok((bytes.at(), bytes.take(length.into(), 1, "the bytes of a chunk")?))
+    };
+    let (at, text) = chunk(b"JSON")?;
+    let document = serde_json::from_slice(text);
+    let document = document.map_err(|error| fault_at(at, format!("expected what a glTF file says: {error}")))?;
+    Ok((document, chunk(b"BIN\0")?.1))
+}
+
+/// The item of a list.
+fn item<'a, T>(list: &'a [T], i: usize, what: &str) -> Result<&'a T, SceneError> {
+    list.get(i).ok_or_else(|| SceneError::new(format!("found {what} {i}: expected less than {}", list.len())))
+}
+
+impl Document {
+    /// Adds the triangles of a primitive, each point carried to its place.
+    fn append(
+        &self,
+        primitive: &Primitive,
+        numbers: &[u8],
+        place: DMat4,
+        all: &mut Triangles,
+    ) -> Result<(), SceneError> {
+        let mode = primitive.mode.unwrap_or(TRIANGLES);
+        if mode != TRIANGLES {
+            return Err(SceneError::new(format!("found a primitive of mode {mode}: expected {TRIANGLES}, triangles")));
+        }
+        let points = primitive.attributes.get("POSITION");
+        let points = *points.ok_or_else(|| SceneError::new("expected POSITION of every primitive"))?;
+        let points = self.numbers(points, numbers, "VEC3")?;
+        let points = points.as_chunks::<3>().0;
+        let indices = match primitive.indices {
+            Some(indices) => self.numbers(indices, numbers, "SCALAR")?.iter().map(|&x| x as u32).collect(),
+            None => (0..points.len() as u32).collect::<Vec<_>>(),
+        };
+        if let Some(index) = indices.iter().find(|&&index| index as usize >= points.len()) {
+            let words = format!("found index {index}: expected less than {}, the points", points.len());
+            return Err(SceneError::new(words));
+        }
+        let first = all.points.len() as u32;
+        all.points.extend(points.iter().map(|x| place.transform_point3(DVec3::from_array(*x))));
+        let mirrored = place.determinant() < 0.0;
+        all.corners.extend(indices.as_chunks::<3>().0.iter().map(|&[a, b, c]| {
+            let corners = if mirrored { [a, c, b] } else { [a, b, c] };
+            corners.map(|index| first + index)
+        }));
+        // Many nodes may have one mesh.
+        if all.corners.len().max(all.points.len() / 3) > MOST_TRIANGLES {
+            return Err(SceneError::new(format!("expected at most {MOST_TRIANGLES} triangles in all nodes")));
+        }
+        Ok(())
+    }
+
+    /// The numbers of an accessor, one after the other.
+    fn numbers(&self, i: usize, bytes: &[u8], kind: &str) -> Result<Vec<f64>, SceneError> {
+        let accessor = item(&self.accessors, i, "accessor")?;
+        let fault = |words: &str| SceneError::new(format!("accessor {i}: {words}"));
+        if accessor.r#type != kind {
+            return Err(fault(&format!("expected {kind}, found {:?}", accessor.r#type)));
+        }
+        let (Some(view), None) = (accessor.buffer_view, &accessor.sparse) else {
+            return Err(fault("expected all of its numbers in a buffer view"));
+        };
+        let view = item(&self.buffer_views, view, "buffer view")?;
+        if view.buffer != 0 {
+            return Err(fault("expected its numbers in this file, found another buffer"));
+        }
+        type Number = fn(&[u8]) -> f64;
+        let (number, size, each): (Number, usize, usize) = match (kind, accessor.component_type) {
+            ("VEC3", F32) => (|x| f32::from_le_bytes(std::array::from_fn(|i| x[i])).into(), 4, 3),
+            ("SCALAR", U8) => (|x| x[0].into(), 1, 1),
+            ("SCALAR", U16) => (|x| u16::from_le_bytes([x[0], x[1]]).into(), 2, 1),
+            ("SCALAR", U32) => (|x| u32::from_le_bytes(std::array::from_fn(|i| x[i])).into(), 4, 1),
+            (_, other) => return Err(fault(&format!("found numbers of the kind {other}"))),
+        };
+        let item = size * each;
+        let stride = view.byte_stride.unwrap_or(item as u64);
+        let start = view.byte_offset.checked_add(accessor.byte_offset);
+        let of = |k: u64| {
+            let at = start?.checked_add(k.checked_mul(stride)?)?;
+            let at = usize::try_from(at).ok()?;
+            bytes.get(at..at.checked_add(item)?)
+        };
+        // Strides of 0 would make any number of items of a few bytes.
+        if stride < item as u64 || (accessor.count > 0 && of(accessor.count - 1).is_none()) {
+            return Err(fault(&format!("expected {} items of {item} bytes in the file", accessor.count)));
+        }
+        Ok((0..accessor.count).filter_map(of).flat_map(|bytes| bytes.chunks_exact(size).map(number)).collect())
+    }
+}

@@ -1,0 +1,172 @@
+//! Triangles in a tree of boxes: how far the nearest is, and how often the surface winds about a point.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+/// Triangles of a leaf at most.
+const LEAF: usize = 4;
+/// Distance from which triangles are seen as one, in radii of the ball about them (Barill et al. 2018, section 4).
+const FAR: f64 = 2.0;
+
+/// Triangles, and boxes about them.
+pub(super) struct Tree {
+    triangles: Vec<[DVec3; 3]>,
+    nodes: Vec<Node>,
+}
+
+/// A box about successive triangles, and what they are from afar.
+struct Node {
+    low: DVec3,
+    high: DVec3,
+    /// Middle of the triangles' area \[m\].
+    center: DVec3,
+    /// Radius of a ball about the centre that has all triangles in it \[m\].
+    radius: f64,
+    /// Sum of the triangles' areas along their normals \[m²\].
+    area: DVec3,
+    kind: Kind,
+}
+
+enum Kind {
+    /// Triangles from the first to before the last.
+    Leaf(usize, usize),
+    /// The first part is the next node, the second is this one.
+    Branch(usize),
+}
+
+impl Tree {
+    /// The tree of at least one triangle.
+    pub(super) fn new(triangles: impl Iterator<Item = [DVec3; 3]>) -> Self {
+        let triangles: Vec<_> = triangles.collect();
+        let mut tree = Self { nodes: Vec::with_capacity(triangles.len()), triangles };
+        tree.grow(0, tree.triangles.len());
+        tree
+    }
+
+    /// Adds the node of some triangles, and its parts.
+    fn grow(&mut self, first: usize, end: usize) {
+        let triangles = &mut self.triangles[first..end];
+        let corners = triangles.as_flattened();
+        let low = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let areas = triangles.iter().map(|&[a, b, c]| (0.5 * (b - a).cross(c - a), (a + b + c) / 3.0));
+        let (area, moment, total) = areas
+            .fold((DVec3::ZERO, DVec3::ZERO, 0.0), |(area, moment, total), (own, middle)| {
+                (area + own, moment + own.length() * middle, total + own.length())
+            });
+        let center = if total > 0.0 { moment / total } else { 0.5 * (low + high) };
+        let radius = corners.iter().map(|x| x.distance(center)).fold(0.0, f64::max);
+        let own = self.nodes.len();
+        let leaf = end - first <= LEAF;
+        self.nodes.push(Node { low, high, center, radius, area, kind: Kind::Leaf(first, end) });
+        if leaf {
+            return;
+        }
+        let axis = (high - low).max_position();
+        let middle = triangles.len() / 2;
+        let along = |[a, b, c]: &[DVec3; 3]| a[axis] + b[axis] + c[axis];
+        triangles.select_nth_unstable_by(middle, |one, other| along(one).total_cmp(&along(other)));
+        self.grow(first, first + middle);
+        self.nodes[own].kind = Kind::Branch(self.nodes.len());
+        self.grow(first + middle, end);
+    }
+
+    /// The point of the surface that is nearest to `x`; `None` where none is as near as `within`.
+    pub(super) fn nearest(&self, x: DVec3, within: f64) -> Option<DVec3> {
+        let mut found = (None, within * within);
+        self.search(0, x, &mut found);
+        found.0
+    }
+
+    /// Finds a nearer point, and the square of its distance, among a node's triangles.
+    fn search(&self, node: usize, x: DVec3, found: &mut (Option<DVec3>, f64)) {
+        match self.nodes[node].kind {
+            Kind::Leaf(first, end) => {
+                for triangle in &self.triangles[first..end] {
+                    let point = nearest(triangle, x);
+                    let squared = x.distance_squared(point);
+                    if squared < found.1 {
+                        *found = (Some(point), squared);
+                    }
+                }
+            }
+            Kind::Branch(second) => {
+                let away = |node: usize| (node, self.nodes[node].distance_squared(x));
+                let mut parts = [away(node + 1), away(second)];
+                if parts[1].1 < parts[0].1 {
+                    parts.swap(0, 1);
+                }
+                for (part, away) in parts {
+                    if away < found.1 {
+                        self.search(part, x, found);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Generalised winding number about `x` (Jacobson et al. 2013): 1 inside a closed surface, 0 outside.
+    pub(super) fn winding(&self, x: DVec3) -> f64 {
+        self.angle(0, x) / (2.0 * TAU)
+    }
+
+    /// Solid angle that a node's triangles take, seen from `x`.
+    fn angle(&self, node: usize, x: DVec3) -> f64 {
+        let Node { center, radius, area, ref kind, .. } = self.nodes[node];
+        let way = center - x;
+        let away = way.length();
+        if away > FAR * radius {
+            return area.dot(way) / away.powi(3);
+        }
+        match *kind {
+            Kind::Leaf(first, end) => self.triangles[first..end].iter().map(|triangle| angle(triangle, x)).sum(),
+            Kind::Branch(second) => self.angle(node + 1, x) + self.angle(second, x),
+        }
+    }
+}
+
+impl Node {
+    fn distance_squared(&self, x: DVec3) -> f64 {
+        x.distance_squared(x.clamp(self.low, self.high))
+    }
+}
+
+/// The point of a triangle that is nearest to `x` (Ericson 2005, Real-time collision detection, section 5.1.5).
+fn nearest(&[a, b, c]: &[DVec3; 3], x: DVec3) -> DVec3 {
+    let part = |from: f64, to: f64| if from + to > 0.0 { from / (from + to) } else { 0.0 };
+    let (ab, ac) = (b - a, c - a);
+    let (d1, d2) = (ab.dot(x - a), ac.dot(x - a));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return a;
+    }
+    let (d3, d4) = (ab.dot(x - b), ac.dot(x - b));
+    if d3 >= 0.0 && d4 <= d3 {
+        return b;
+    }
+    let (d5, d6) = (ab.dot(x - c), ac.dot(x - c));
+    if d6 >= 0.0 && d5 <= d6 {
+        return c;
+    }
+    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return a + part(d1, -d3) * ab;
+    }
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return a + part(d2, -d6) * ac;
+    }
+    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        return b + part(d4 - d3, d5 - d6) * (c - b);
+    }
+    let sum = va + vb + vc;
+    a + (vb * ab + vc * ac) / sum
+}
+
+/// Solid angle of a triangle seen from `x`, positive from the side that its normal is not on (Van Oosterom and Strackee 1983).
+fn angle(triangle: &[DVec3; 3], x: DVec3) -> f64 {
+    let [a, b, c] = triangle.map(|corner| corner - x);
+    let [l, m, n] = [a, b, c].map(DVec3::length);
+    let over = a.dot(b.cross(c));
+    let under = l * m * n + a.dot(b) * n + b.dot(c) * l + c.dot(a) * m;
+    2.0 * over.atan2(under)
+}

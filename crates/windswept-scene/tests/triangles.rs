@@ -1,0 +1,408 @@
+//! Files of triangles, and grids of distances from their surfaces: against closed forms.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+use std::{
+    f64::consts::PI,
+    fmt::Write,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use glam::{DQuat, DVec3};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use windswept_scene::{DistanceGrid, Shape, Triangles, Up};
+
+/// Most that a node is off which is more than eight spacings from the surface \[spacings\].
+const FAR_OFF: f64 = 0.25;
+
+/// A folder that goes with its test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("windswept-{name}-{}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
+        let path = self.0.join(name);
+        fs::write(&path, bytes).unwrap();
+        path
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// A round shape as triangles: their corners lie on it.
+fn triangles_of(shape: &Shape, rows: u32, sides: u32) -> Triangles {
+    let quads = (0..rows - 1).flat_map(|i| (0..sides).map(move |k| i * (sides + 1) + k));
+    Triangles {
+        points: shape.skin(rows, sides).map(|(x, _)| x).collect(),
+        corners: quads.flat_map(|a| [[a, a + 1, a + sides + 1], [a + 1, a + sides + 2, a + sides + 1]]).collect(),
+        unit: None,
+    }
+}
+
+/// Most that the triangles of a round shape's ends are below it: their corners are an angle apart along rows and sides.
+fn chord(radius: f64, rows: u32, sides: u32) -> f64 {
+    radius / 8.0 * ((2.0 * PI / f64::from(sides)).powi(2) + (PI / f64::from(rows - 2)).powi(2))
+}
+
+/// Corners of a box of sides 2 `half`, each face a grid of `n` by `n` squares without those that `hole(face, i, j)` says.
+fn box_of(half: DVec3, n: u32, hole: impl Fn(usize, u32, u32) -> bool) -> Triangles {
+    let mut all = Triangles::default();
+    for face in 0..6 {
+        let (axis, sign) = (face / 2, if face % 2 == 0 { 1.0 } else { -1.0 });
+        let at = |i: u32, j: u32| {
+            let mut x = DVec3::ZERO;
+            x[axis] = sign;
+            x[(axis + 1) % 3] = 2.0 * f64::from(i) / f64::from(n) - 1.0;
+            x[(axis + 2) % 3] = 2.0 * f64::from(j) / f64::from(n) - 1.0;
+            half * x
+        };
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).filter(|&(i, j)| !hole(face, i, j)) {
+            let first = all.points.len() as u32;
+            all.points.extend([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+            let square = [[0, 1, 2], [0, 2, 3]].map(|[a, b, c]| if sign > 0.0 { [a, b, c] } else { [a, c, b] });
+            all.corners.extend(square.map(|corners| corners.map(|k| first + k)));
+        }
+    }
+    all
+}
+
+/// Signed distance from a box about the origin.
+fn box_distance(half: DVec3, x: DVec3) -> f64 {
+    let beyond = x.abs() - half;
+    beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0)
+}
+
+/// Nodes of a grid and the distances there.
+fn nodes(grid: &DistanceGrid) -> impl Iterator<Item = (DVec3, f64)> + '_ {
+    let [columns, rows, _] = grid.counts;
+    grid.values.iter().enumerate().map(move |(i, value)| {
+        let i = i as u32;
+        let place = DVec3::new((i % columns).into(), (i / columns % rows).into(), (i / columns / rows).into());
+        (grid.origin + grid.spacing * place, f64::from(*value))
+    })
+}
+
+/// Points within `reach` of a shape's surface.
+fn near(shape: &Shape, reach: f64, count: usize) -> Vec<DVec3> {
+    let mut rng = Pcg64::seed_from_u64(3);
+    let [low, high] = shape.bounds();
+    let mut point =
+        || low - reach + (high - low + 2.0 * reach) * DVec3::from_array(std::array::from_fn(|_| rng.random()));
+    std::iter::repeat_with(&mut point).filter(|x| shape.signed_distance(*x).0.abs() < reach).take(count).collect()
+}
+
+/// A ball as large as a skull: no node near the surface is farther off than the triangles' chords are, between nodes the error is
+/// h²/(4 R), and the normals are those of the ball.
+#[test]
+fn a_ball_of_triangles_is_a_ball() {
+    let shape = Shape::Sphere { center: [0.1, 0.2, 0.3], radius: 0.09 };
+    let (rows, sides, h) = (256, 512, 0.002);
+    let (surface, _) = triangles_of(&shape, rows, sides).closed();
+    let grid = DistanceGrid::bake(&surface, h, 0.01).unwrap();
+    let chord = chord(0.09, rows, sides);
+    let mut farthest = 0.0_f64;
+    for (x, distance) in nodes(&grid) {
+        let off = distance - shape.signed_distance(x).0;
+        farthest = farthest.max(off.abs() / h);
+        let far = if distance.abs() > 7.9 * h { FAR_OFF * h } else { 0.0 };
+        assert!((-1e-8..chord + far + 1e-8).contains(&off.abs()), "{x}: {off:e}");
+    }
+    let points = near(&shape, 0.003, 20_000);
+    let (mut worst, mut turned) = (0.0_f64, 0.0);
+    for x in &points {
+        let ((found, normal), (distance, out)) = (grid.signed_distance(*x), shape.signed_distance(*x));
+        worst = worst.max((found - distance).abs());
+        turned += normal.angle_between(out).powi(2);
+    }
+    let turned = (turned / points.len() as f64).sqrt().to_degrees();
+    println!("ball of 90 mm: nodes are off by up to {farthest:.3} spacings");
+    println!("ball of 90 mm at 2 mm: {:.1} um, {turned:.2} degrees rms", 1e6 * worst);
+    assert!(worst < 1.1 * h * h / (4.0 * 0.09) + chord, "{worst:e}");
+    assert!(turned < 0.5, "{turned}");
+    assert!((grid.inradius() - 0.09).abs() < h, "{}", grid.inradius());
+}
+
+#[test]
+fn a_capsule_of_triangles_is_a_capsule() {
+    let (radius, h) = (0.02, 0.001);
+    let shape = Shape::Capsule { start: [0.0, 0.01, 0.0], end: [0.05, 0.04, -0.03], radius };
+    let (surface, holes) = triangles_of(&shape, 128, 256).closed();
+    assert_eq!(holes, 0);
+    let grid = DistanceGrid::bake(&surface, h, 0.01).unwrap();
+    let chord = chord(radius, 128, 256);
+    let worst = near(&shape, 0.0015, 20_000).into_iter();
+    let worst = worst.map(|x| (grid.signed_distance(x).0 - shape.signed_distance(x).0).abs()).fold(0.0, f64::max);
+    println!("capsule of 20 mm at 1 mm: {:.1} um", 1e6 * worst);
+    assert!(worst < 1.1 * h * h / (4.0 * radius) + chord, "{worst:e}");
+}
+
+/// Flat holes, among them one that touches two edges of the box and a whole face, are covered: the distance is the whole box's,
+/// inside and outside, to the rounding of f32. Points that no triangle has are left out. A triangle that is turned around is as if it were not.
+#[test]
+fn a_box_with_holes_is_a_box() {
+    let half = DVec3::new(0.04, 0.03, 0.05);
+    let hole = |face: usize, i: u32, j: u32| match face {
+        0 => (2..4).contains(&i) && (1..6).contains(&j),
+        2 => i > 4 && j < 2,
+        3 => (i, j) == (4, 4) || (i, j) == (6, 2),
+        5 => true,
+        _ => false,
+    };
+    let mut whole = box_of(half, 8, |_, _, _| false);
+    whole.points.push(DVec3::splat(1e17));
+    let (whole, none) = whole.closed();
+    assert_eq!((whole.points.len(), none), (6 * 64 + 2, 0));
+    let (open, holes) = box_of(half, 8, hole).closed();
+    assert_eq!(holes, 5);
+    let mut turned = box_of(half, 8, |_, _, _| false);
+    turned.corners.iter_mut().skip(20).step_by(40).for_each(|corners| corners.swap(0, 1));
+    let (turned, holes) = turned.closed();
+    assert_eq!(holes, 2 * (768_usize - 20).div_ceil(40));
+    let [whole, open, turned] =
+        [whole, open, turned].map(|surface| DistanceGrid::bake(&surface, 0.0021, 0.02).unwrap());
+    let mut worst = 0.0_f64;
+    for grid in [&whole, &open, &turned] {
+        for (x, distance) in nodes(grid) {
+            let exact = box_distance(half, x);
+            let far = if distance.abs() > 7.9 * grid.spacing { FAR_OFF * grid.spacing } else { 0.0 };
+            worst = worst.max((distance - exact).abs() / grid.spacing);
+            assert!((distance - exact).abs() < far + 3e-8, "{x}: {distance}, {exact}");
+        }
+    }
+    println!("box: nodes are off by up to {worst:.4} spacings");
+    // In a flat field the interpolant is exact, and so is the normal.
+    let (distance, normal) = open.signed_distance(DVec3::new(0.0437, 0.0123, 0.01));
+    assert!((distance - 0.0037).abs() < 1e-8 && normal.distance(DVec3::X) < 1e-6, "{distance} {normal}");
+}
+
+/// A ball in a ball that is turned inside out is a hollow ball; two balls beside each other are both solid, also if one is turned.
+#[test]
+fn pieces_are_solid_unless_they_are_hollows() {
+    let ball = |x: f64, radius: f64, turned: bool| {
+        let mut all = triangles_of(&Shape::Sphere { center: [x, 0.0, 0.0], radius }, 32, 64);
+        if turned {
+            all.corners.iter_mut().for_each(|corners| corners.swap(0, 1));
+        }
+        all
+    };
+    let both = |mut one: Triangles, other: Triangles| {
+        let first = one.points.len() as u32;
+        one.points.extend(other.points);
+        one.corners.extend(other.corners.iter().map(|corners| corners.map(|i| first + i)));
+        DistanceGrid::bake(&one.closed().0, 0.002, 0.01).unwrap()
+    };
+    let hollow = both(ball(0.0, 0.05, false), ball(0.0, 0.03, true));
+    let at = |grid: &DistanceGrid, x: f64| grid.signed_distance(DVec3::new(x, 0.001, 0.002)).0;
+    assert!(at(&hollow, 0.0) > 0.025 && at(&hollow, 0.04) < -0.005 && at(&hollow, 0.055) > 0.003);
+    let two = both(ball(0.0, 0.03, false), ball(0.1, 0.03, true));
+    assert!(at(&two, 0.0) < -0.02 && at(&two, 0.1) < -0.02 && at(&two, 0.05) > 0.015);
+}
+
+/// The distance goes on at the sides of the grid, and beyond it is too large by no more than nodes are off, so that a search along a
+/// way steps through nothing; the normal is the direction in which it grows.
+#[test]
+fn distances_go_on_beyond_the_grid() {
+    let shape = Shape::Sphere { center: [0.0; 3], radius: 0.03 };
+    let grid = DistanceGrid::bake(&triangles_of(&shape, 64, 128).closed().0, 0.001, 0.004).unwrap();
+    let mut rng = Pcg64::seed_from_u64(5);
+    for _ in 0..20_000 {
+        let x = DVec3::from_array(std::array::from_fn(|_| rng.random_range(-0.1..0.1)));
+        let (distance, normal) = grid.signed_distance(x);
+        let exact = shape.signed_distance(x).0;
+        assert!(distance < exact + FAR_OFF * 0.001 || exact < -0.01, "{x}: {distance} of {exact}");
+        assert!(distance > 0.25 * exact - FAR_OFF * 0.001 || exact < 0.0, "{x}: {distance} of {exact}");
+        let slope =
+            |way: DVec3| (grid.signed_distance(x + 1e-7 * way).0 - grid.signed_distance(x - 1e-7 * way).0) / 2e-7;
+        let gradient = DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z));
+        // Where a cell ends within the difference, or nothing is nearest, there is no one gradient.
+        if gradient.length() > 0.5 {
+            assert!(normal.distance(gradient.normalize()) < 0.2, "{x}: {normal} {gradient}");
+        }
+    }
+    let side = grid.origin.x;
+    for y in [-0.02, 0.0, 0.013] {
+        let at = |x: f64| grid.signed_distance(DVec3::new(x, y, 0.004)).0;
+        assert!((at(side - 1e-9) - at(side + 1e-9)).abs() < 1e-8);
+    }
+}
+
+/// What cannot be baked is an error that says why.
+#[test]
+fn a_surface_that_encloses_nothing_is_refused() {
+    let sheet = box_of(DVec3::splat(0.1), 4, |face, _, _| face != 2).closed().0;
+    let error = DistanceGrid::bake(&sheet, 0.01, 0.0).unwrap_err();
+    assert!(error.message().contains("enclose no node"), "{error}");
+    let cube = box_of(DVec3::splat(0.1), 1, |_, _, _| false).closed().0;
+    let spacings = [(1e-5, "nodes"), (1e-300, "nodes"), (f64::INFINITY, "nodes")];
+    let none = [0.0, -0.01, f64::NAN].map(|spacing| (spacing, "above 0"));
+    for (spacing, words) in spacings.into_iter().chain(none) {
+        let error = DistanceGrid::bake(&cube, spacing, 0.0).unwrap_err();
+        assert!(error.message().contains(words), "{error}");
+    }
+    assert!(DistanceGrid::bake(&Triangles::default(), 0.01, 0.0).is_err());
+    assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::new(0.128, 0.1, 0.064)]), 0.001);
+    assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::ONE]), 0.002);
+}
+
+fn obj(mesh: &Triangles) -> Vec<u8> {
+    let mut text = "# a mesh\nmtllib none.mtl\no body\n".to_owned();
+    mesh.points.iter().for_each(|x| writeln!(text, "v {} {} {}", x.x as f32, x.y as f32, x.z as f32).unwrap());
+    text.push_str("vt 0 0\nvn 0 0 1\nusemtl skin\n");
+    mesh.corners.iter().for_each(|[a, b, c]| writeln!(text, "f {}/1/1 {}/1/1 {}/1/1", a + 1, b + 1, c + 1).unwrap());
+    text.into_bytes()
+}
+
+fn ply(mesh: &Triangles, binary: bool) -> Vec<u8> {
+    let format = if binary { "binary_little_endian" } else { "ascii" };
+    let (points, faces) = (mesh.points.len(), mesh.corners.len());
+    let head = format!(
+        "ply\nformat {format} 1.0\nelement vertex {points}\nproperty float x\nproperty float y\nproperty float z\n\
+         element face {faces}\nproperty list uchar int vertex_indices\nend_header\n"
+    );
+    let mut bytes = head.into_bytes();
+    if binary {
+        bytes.extend(mesh.points.iter().flat_map(|x| x.as_vec3().to_array()).flat_map(f32::to_le_bytes));
+        bytes.extend(mesh.corners.iter().flat_map(|corners| {
+            std::iter::once(3).chain(corners.iter().flat_map(|i| i.to_le_bytes())).collect::<Vec<u8>>()
+        }));
+    } else {
+        let mut text = String::new();
+        mesh.points.iter().for_each(|x| writeln!(text, "{} {} {}", x.x as f32, x.y as f32, x.z as f32).unwrap());
+        mesh.corners.iter().for_each(|[a, b, c]| writeln!(text, "3 {a} {b} {c}").unwrap());
+        bytes.extend(text.bytes());
+    }
+    bytes
+}
+
+/// A node that turns and moves its child, which has the mesh.
+fn glb(mesh: &Triangles, turn: DQuat, shift: DVec3) -> Vec<u8> {
+    let points: Vec<u8> = mesh.points.iter().flat_map(|x| x.as_vec3().to_array()).flat_map(f32::to_le_bytes).collect();
+    let indices: Vec<u8> = mesh.corners.as_flattened().iter().flat_map(|i| i.to_le_bytes()).collect();
+    let (count, length, all) = (mesh.points.len(), points.len(), points.len() + indices.len());
+    let (turn, shift) = (turn.to_array(), shift.to_array());
+    let mut json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],
+        "nodes":[{{"children":[1],"translation":{shift:?}}},{{"mesh":0,"rotation":{turn:?}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":{count},"type":"VEC3","min":[-1,-1,-1],"max":[1,1,1]}},
+        {{"bufferView":1,"componentType":5125,"count":{},"type":"SCALAR"}}],
+        "bufferViews":[{{"buffer":0,"byteOffset":0,"byteLength":{length}}},
+        {{"buffer":0,"byteOffset":{length},"byteLength":{}}}],"buffers":[{{"byteLength":{all}}}]}}"#,
+        3 * mesh.corners.len(),
+        indices.len(),
+    )
+    .into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut bytes = b"glTF".to_vec();
+    let put = |bytes: &mut Vec<u8>, number: usize| bytes.extend((number as u32).to_le_bytes());
+    put(&mut bytes, 2);
+    put(&mut bytes, 28 + json.len() + all);
+    put(&mut bytes, json.len());
+    bytes.extend(b"JSON");
+    bytes.extend(json);
+    put(&mut bytes, all);
+    bytes.extend(b"BIN\0");
+    bytes.extend(points);
+    bytes.extend(indices);
+    bytes
+}
+
+/// Places of the corners, in the order of the file.
+fn places(mesh: &Triangles) -> Vec<DVec3> {
+    mesh.corners.as_flattened().iter().map(|&i| mesh.points[i as usize]).collect()
+}
+
+/// Every format has the same triangles; polygons are cut, nodes move what they have, mirror images keep their outside.
+#[test]
+fn files_have_the_same_triangles() {
+    let folder = Folder::new("triangles");
+    let mesh = box_of(DVec3::new(0.3, 0.2, 0.1), 3, |face, i, _| face == 1 && i == 2);
+    let (turn, shift) = (DQuat::from_rotation_y(0.3), DVec3::new(1.0, 2.0, -3.0));
+    let files = [
+        (folder.write("a.obj", &obj(&mesh)), None),
+        (folder.write("a.ply", &ply(&mesh, false)), None),
+        (folder.write("b.PLY", &ply(&mesh, true)), None),
+        (folder.write("a.glb", &glb(&mesh, turn, shift)), Some(1.0)),
+    ];
+    for (file, unit) in files {
+        let found = Triangles::load(&file).unwrap();
+        assert_eq!(found.unit, unit);
+        let expected = places(&mesh).into_iter().map(|x| if unit.is_some() { turn * x + shift } else { x });
+        let expected: Vec<_> = expected.collect();
+        assert_eq!(places(&found).len(), expected.len());
+        assert!(places(&found).iter().zip(&expected).all(|(a, b)| a.distance(*b) < 1e-6), "{file:?}");
+    }
+    let square = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -1 0.5 0\nf 1 2 3 4 5\n";
+    assert_eq!(Triangles::load(folder.write("s.obj", square)).unwrap().corners.len(), 3);
+    for up in [Up::Y, Up::Z, Up::X, Up::Yzx, Up::Zxy, Up::Xzy, Up::Yxz, Up::Zyx] {
+        let metres = mesh.clone().in_metres(0.5, up);
+        let out = places(&metres).as_chunks::<3>().0.iter().all(|[a, b, c]| (b - a).cross(c - a).dot(*a) > 0.0);
+        assert!(out, "{up:?}");
+        assert!((metres.bounds().unwrap()[1].max_element() - 0.15).abs() < 1e-12);
+    }
+}
+
+/// Files that are cut short or altered are errors that name the file, or triangles that can be computed with.
+#[test]
+fn altered_files_do_not_panic() {
+    let folder = Folder::new("altered-triangles");
+    let mesh = box_of(DVec3::ONE, 2, |_, _, _| false);
+    let files = [
+        ("a.obj", obj(&mesh)),
+        ("a.ply", ply(&mesh, false)),
+        ("b.ply", ply(&mesh, true)),
+        ("a.glb", glb(&mesh, DQuat::IDENTITY, DVec3::ZERO)),
+    ];
+    let mut rng = Pcg64::seed_from_u64(11);
+    for (name, original) in files {
+        let mut refused = 0;
+        for case in 0..400 {
+            let mut bytes = original.clone();
+            match case % 4 {
+                0 => bytes.truncate(rng.random_range(0..original.len())),
+                1 => drop(bytes.remove(rng.random_range(0..original.len()))),
+                2 => {
+                    for _ in 0..rng.random_range(1..5) {
+                        bytes[rng.random_range(0..original.len())] = rng.random();
+                    }
+                }
+                _ => {
+                    // A digit for a digit: what can be read, and lies.
+                    let digits: Vec<_> = (0..bytes.len()).filter(|&i| bytes[i].is_ascii_digit()).collect();
+                    for _ in 0..3 {
+                        bytes[digits[rng.random_range(0..digits.len())]] = rng.random_range(b'0'..=b'9');
+                    }
+                }
+            }
+            match Triangles::load(folder.write(name, &bytes)) {
+                Ok(found) => {
+                    assert!(!found.corners.is_empty() && found.points.iter().all(|x| x.is_finite()));
+                    let _ = places(&found.closed().0);
+                }
+                Err(error) => {
+                    refused += 1;
+                    assert!(error.source_name().ends_with(name) && !error.message().is_empty(), "{error}");
+                    assert!(error.to_string().len() < 1000, "{error}");
+                }
+            }
+        }
+        println!("{name}: {refused} of 400 refused");
+        assert!(refused > 60, "{name}: {refused} of 400 were refused");
+    }
+    for (name, bytes) in
+        [("c.stl", &b"solid"[..]), ("e.obj", b""), ("n.obj", b"v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")]
+    {
+        assert!(Triangles::load(folder.write(name, bytes)).is_err(), "{name}");
+    }
+    assert!(Triangles::load(Path::new("nowhere.obj")).is_err());
+}
