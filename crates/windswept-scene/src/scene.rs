@@ -26,6 +26,7 @@ use crate::{
     limits::{LEAST_COARSE_RADIUS, MOST_BODIES, MOST_HAIR_POINTS, MOST_PRESSURE_ITERATIONS, MOST_REPEATS},
     picture::{Camera, Picture},
     reader::Reader,
+    warnings,
     write::Writer,
 };
 
@@ -245,6 +246,13 @@ impl Scene {
     #[must_use]
     pub fn pressure_iterations(&self) -> u32 {
         self.fluid.pressure_iterations.unwrap_or(if self.interaction.model == Model::Particles { 4 } else { 2 })
+    }
+
+    /// A warning where the mean wind carries air farther in a step of `time.substeps` substeps than its pressure keeps up with;
+    /// `None` where it does not, or without air.
+    #[must_use]
+    pub fn why_too_fast(&self) -> Option<String> {
+        warnings::of_wind(self, self.air.as_ref()?, self.time.substeps)
     }
 
     /// Why strands do not rub on one another in this scene, whatever their `hair.friction`; `None` where they do.

@@ -19,21 +19,8 @@ const MUCH_BLOCKED: f64 = 0.3;
 
 /// Warnings about step, wind, particles and bands.
 pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles, substeps: u32) -> Vec<String> {
-    let mut warnings = Vec::new();
-    let (spacing, fastest) = (air.parcel().cbrt(), air.largest_wind());
-    let (way, most) = (fastest * scene.time.step / spacing, farthest(scene));
-    if way > most * f64::from(substeps) {
-        let needed = (way / most).ceil();
-        let what = if needed <= f64::from(MOST_REPEATS) {
-            format!("take time.substeps = {needed}")
-        } else {
-            format!("more substeps than there may be, {MOST_REPEATS}, would do")
-        };
-        warnings.push(format!(
-            "air moves {:.2} particle spacings in a step, where its pressure keeps up with at most {most}: {what}",
-            way / f64::from(substeps)
-        ));
-    }
+    let mut warnings = Vec::from_iter(of_wind(scene, air, substeps));
+    let spacing = air.parcel().cbrt();
     let ratio = air.kernel_radius / spacing;
     if !TRIED.contains(&ratio) {
         warnings.push(format!(
@@ -60,6 +47,25 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles, substep
         }
     }
     warnings
+}
+
+/// A warning where the mean wind carries air farther in a substep than its pressure keeps up with.
+pub(crate) fn of_wind(scene: &Scene, air: &Air, substeps: u32) -> Option<String> {
+    let way = air.largest_wind() * scene.time.step / air.parcel().cbrt();
+    let most = farthest(scene);
+    if way <= most * f64::from(substeps) {
+        return None;
+    }
+    let needed = (way / most).ceil();
+    let what = if needed <= f64::from(MOST_REPEATS) {
+        format!("take time.substeps = {needed}")
+    } else {
+        format!("more substeps than there may be, {MOST_REPEATS}, would do")
+    };
+    Some(format!(
+        "air moves {:.2} particle spacings in a step, where its pressure keeps up with at most {most}: {what}",
+        way / f64::from(substeps)
+    ))
 }
 
 /// Way of the air in a step for which its pressure is right \[particle spacings\].

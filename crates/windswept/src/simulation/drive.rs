@@ -44,7 +44,8 @@ impl Simulation {
     }
 
     /// Sets the mean wind from the next step on \[m/s\], in place of the scene's wind, ramp and gusts. All air takes
-    /// the change in that step. A wind that turns round enters from the other side. `turbulence.speed` does not change.
+    /// the change in that step. A wind that turns round enters from the other side. `turbulence.speed` does not change. Where the wind is
+    /// faster than the air's pressure keeps up with, [`Self::warnings`] says so.
     ///
     /// # Errors
     /// [`RunError::Input`] when it is beyond 1e18, or the scene has no `[air]`; [`RunError::Gpu`].

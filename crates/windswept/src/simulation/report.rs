@@ -65,7 +65,7 @@ impl Simulation {
         median(&self.step_ms)
     }
 
-    /// Warnings: how often each cause acted so far, and those that the scene itself gave.
+    /// Warnings: how often each cause acted so far, and those of the scene itself and of a wind that was set.
     #[must_use]
     pub fn warnings(&self) -> std::collections::BTreeMap<String, u64> {
         let mut warnings = status::warnings(&self.last);
@@ -74,7 +74,8 @@ impl Simulation {
         if rescued * FEW > all {
             warnings.insert("rescued_steps".to_owned(), rescued);
         }
-        warnings.extend(self.initial.warnings.iter().map(|warning| (warning.clone(), 1)));
+        let of_wind = self.wind_set.and_then(|_| self.scene.why_too_fast());
+        warnings.extend(self.initial.warnings.iter().cloned().chain(of_wind).map(|warning| (warning, 1)));
         warnings
     }
 
