@@ -3,7 +3,7 @@
 
 struct Mesh {
     nodes: vec3i,            // number of nodes along each axis
-    order: u32,              // order of the band filter's B-spline: 1 cloud in cell, 2 triangular-shaped cloud, 3 cubic
+    order: u32,              // order of the B-spline: 1 cloud in cell, 2 triangular-shaped cloud, 3 cubic
     spacing: vec3f,          // distance between nodes along each axis [m]
     gain: f32,               // factor of what is gathered: -e/2 s^2 over the volume of a cell [1/m]
     cell: f32,               // volume of a cell [m^3]
@@ -34,11 +34,6 @@ fn b_spline(spline: Spline, t: vec4f) -> vec4f {
 
 fn power(spline: Spline, x: vec4f) -> vec4f {
     return x * (spline.powers.x + x * (spline.powers.y + x * spline.powers.z));
-}
-
-// The node in the box of which `node` is a periodic image.
-fn node_in_box(node: vec3i, nodes: vec3i) -> vec3i {
-    return (node % nodes + nodes) % nodes;
 }
 
 fn node_index(node: vec3i, nodes: vec3i) -> u32 {

@@ -4,8 +4,7 @@ use std::f64::consts::{E, PI, TAU};
 
 use windswept_scene::{Filter, InitialState, Scene, limits::MOST_SORTED_NODES};
 use windswept_shaders::{
-    common::{mesh::Mesh, smoothing::ROW},
-    turbulence::deposit::BLOCK,
+    common::{deposit::BLOCK, mesh::Mesh, smoothing::ROW},
 };
 
 /// Two taps in a row: of the Gaussian, and of its second derivative \[1/m²\].
