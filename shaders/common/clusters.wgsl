@@ -21,7 +21,7 @@ var<private> cluster: Cluster;
 var<private> place: u32;    // of the invocation in its workgroup
 var<private> box: vec3f;    // m, sides of the box of air
 var<private> frame: vec3f;  // m, by which the cluster is moved towards 0 to meet others
-var<private> own_bit: u32;  // of the invocation among the eight
+var<private> meets: u32;    // bit by bit, which entries of the batch that is shown the invocation meets
 var<private> nobody: bool;  // the invocation reads for the others, and has no particle
 var<private> member: u32;   // a particle of the cluster, which is read where an entry is none: what it has is of the cluster's kind
 
@@ -30,7 +30,6 @@ var<private> member: u32;   // a particle of the cluster, which is read where an
 fn take_particle(entry: u32, local: u32) -> u32 {
     place = local;
     box = params.box_size;
-    own_bit = 1u << lane_of(local);
     cluster = Cluster();
     let c = entry / LANES;
     if c < params.clusters {
@@ -73,7 +72,11 @@ fn meet_batches(first: u32, count: u32) {
     let batches = largest_of_all(place, count);
     var at = first;
     for (var b = 0u; b < batches; b++) {
-        show(place, seen(at, lane, b < count));
+        let there = b < count;
+        let batch = select(0u, at, there);
+        let bytes = neighbour_list[batch + LANES + (lane >> 2u)];
+        meets = select(0u, bytes >> (8u * (lane & 3u)), there);
+        show(place, seen(batch, lane, there));
         meet_one(0u);
         meet_one(1u);
         meet_one(2u);
@@ -89,18 +92,16 @@ fn meet_batches(first: u32, count: u32) {
 // Meets the one that another of the eight has read, if it is a neighbour: else it is far.
 fn meet_one(other: u32) {
     var near = shown_by(other);
-    near.at.x = select(FAR, near.at.x, (near.met_by & own_bit) != 0u);
+    near.at.x = select(FAR, near.at.x, (meets & (1u << other)) != 0u);
     meet(near);
 }
 
 // What this invocation reads of a batch.
 fn seen(batch: u32, lane: u32, there: bool) -> Near {
-    let at = select(0u, batch, there);
-    let entry = neighbour_list[at + lane];
+    let entry = neighbour_list[batch + lane];
     let none = !there || entry == NOBODY;
     var near = see(select(entry & INDEX, member, none));
     let image = vec3u(entry >> IMAGE_BITS, entry >> (IMAGE_BITS + 2u), entry >> (IMAGE_BITS + 4u)) & vec3u(3u);
     near.at += box * (vec3f(image) - 1.0);
-    near.met_by = select((neighbour_list[at + LANES + (lane >> 2u)] >> (8u * (lane & 3u))) & 255u, 0u, none);
     return near;
 }

@@ -8,7 +8,6 @@ const LANES: u32 = 8u;             // invocations that work together, and partic
 // A particle as others meet it.
 struct Near {
     index: u32,      // of the particle, or NOBODY of the neighbour list
-    met_by: u32,     // bit by bit, which of the eight it is a neighbour of
     at: vec3f,       // m, where it is as seen from whoever meets it
     volume: f32,     // m^3
     value: vec4f,    // what the pass needs of it,
@@ -45,7 +44,6 @@ fn show(local: u32, near: Near) {
 fn shown_by(other: u32) -> Near {
     return Near(
         subgroupShuffleXor(shown.index, other),
-        subgroupShuffleXor(shown.met_by, other),
         subgroupShuffleXor(shown.at, other),
         subgroupShuffleXor(shown.volume, other),
         subgroupShuffleXor(shown.value, other),
@@ -74,6 +72,39 @@ fn votes(local: u32, yes: bool) -> u32 {
     var bits = 0u;
     for (var k = 0u; k < LANES; k++) { bits |= all_counts[first + k] << k; }
     return bits;
+}
+
+// Turns a square of bits: bit k of the byte that belongs to an invocation is the bit with its own number of what another of the
+// eight has, of the one whose place differs in the bits of k. Bytes of four invocations are in one word, which all four get.
+@if(subgroups)
+fn turned(local: u32, bits: u32) -> u32 {
+    let lane = lane_of(local);
+    var byte = (bits >> lane) & 1u;
+    byte |= ((subgroupShuffleXor(bits, 1u) >> lane) & 1u) << 1u;
+    byte |= ((subgroupShuffleXor(bits, 2u) >> lane) & 1u) << 2u;
+    byte |= ((subgroupShuffleXor(bits, 3u) >> lane) & 1u) << 3u;
+    byte |= ((subgroupShuffleXor(bits, 4u) >> lane) & 1u) << 4u;
+    byte |= ((subgroupShuffleXor(bits, 5u) >> lane) & 1u) << 5u;
+    byte |= ((subgroupShuffleXor(bits, 6u) >> lane) & 1u) << 6u;
+    byte |= ((subgroupShuffleXor(bits, 7u) >> lane) & 1u) << 7u;
+    var word = byte << (8u * (lane & 3u));
+    word |= subgroupShuffleXor(word, 1u);
+    return word | subgroupShuffleXor(word, 2u);
+}
+@if(!subgroups)
+fn turned(local: u32, bits: u32) -> u32 {
+    workgroupBarrier();
+    all_counts[local] = bits;
+    workgroupBarrier();
+    let lane = lane_of(local);
+    let half = lane & 4u;   // of the eight
+    var word = 0u;
+    for (var k = 0u; k < 4u * LANES; k++) {
+        let other = half + k / LANES;
+        let one = (all_counts[local - lane + (other ^ (k % LANES))] >> other) & 1u;
+        word |= one << k;
+    }
+    return word;
 }
 
 // Every bit that any of those that work in step with this invocation has.

@@ -4,10 +4,12 @@
 // the first number come three bits, its frame: along which axes the cluster is moved by a box towards 0 to meet the others. A cluster
 // at the upper faces is, so that who comes through them stands where it is: to add a box to a position would round it,
 // to take one away does not, and the impulses of a pair are opposite to the last bit.
-// The words of a cluster are its particles, then its batches: first those of the cluster's kind, or of both kinds unless the model is
+// The words of a cluster are its particles, then two parts: those of the cluster's kind, or of both kinds unless the model is
 // TWO_WAY, then those of the other kind.
-// A batch is eight entries, and two words with a byte for each: whose neighbour it is. What is left over in a part's last batch is
-// NOBODY, and a cluster's particles are filled up with it too.
+// A part is batches. A batch is eight entries, and two words with a byte for each particle of the cluster: which of the entries it
+// meets. Bit k stands for the entry whose place differs from the particle's in the bits of k, which is the one that
+// `lanes::shown_by(k)` shows.
+// What is left over in a part's last batch is NOBODY, and a cluster's particles are filled up with it too.
 
 const HEADER: u32 = 3u;           // words per cluster
 const BATCH: u32 = 10u;           // words of a batch

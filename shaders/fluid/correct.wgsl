@@ -20,7 +20,7 @@ var<private> sum: vec3f;
 
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, 0u, other.xyz, other.w, vec4f(multiplier[j]), vec4f());
+    return Near(j, other.xyz, other.w, vec4f(multiplier[j]), vec4f());
 }
 
 fn meet(other: Near) {

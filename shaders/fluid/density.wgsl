@@ -21,7 +21,7 @@ var<private> others: f32;   // sum over k != i of w_k |grad_k C_i|^2
 
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, 0u, other.xyz, other.w, vec4f(inverse_mass_of(j)), vec4f());
+    return Near(j, other.xyz, other.w, vec4f(inverse_mass_of(j)), vec4f());
 }
 
 fn meet(other: Near) {

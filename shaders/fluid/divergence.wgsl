@@ -30,7 +30,7 @@ var<private> sum: f32;
 
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, 0u, other.xyz, other.w, new_velocity[j], vec4f());
+    return Near(j, other.xyz, other.w, new_velocity[j], vec4f());
 }
 
 fn meet(other: Near) {

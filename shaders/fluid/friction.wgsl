@@ -39,7 +39,7 @@ fn across(v: vec3f, gap: vec3f) -> vec3f {
 fn see(j: u32) -> Near {
     let other = predicted[j];
     let rub = rubbing[j];
-    return Near(j, 0u, other.xyz, other.w, vec4f(rub.pull, rub.multiplier), vec4f(squeezed[j], rub.friction, 0.0, 0.0));
+    return Near(j, other.xyz, other.w, vec4f(rub.pull, rub.multiplier), vec4f(squeezed[j], rub.friction, 0.0, 0.0));
 }
 
 fn meet(other: Near) {

@@ -19,7 +19,7 @@ var<private> sum: f32;
 // In place of the volume its root.
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, 0u, other.xyz, sqrt(other.w), vec4f(density[j], viscosity_of(j) + exchange[j].eddies, 0.0, 0.0), vec4f());
+    return Near(j, other.xyz, sqrt(other.w), vec4f(density[j], viscosity_of(j) + exchange[j].eddies, 0.0, 0.0), vec4f());
 }
 
 fn meet(other: Near) {

@@ -32,7 +32,7 @@ var<private> square_off: vec3f;
 
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, 0u, other.xyz, other.w, vec4f(share_of(j)), vec4f());
+    return Near(j, other.xyz, other.w, vec4f(share_of(j)), vec4f());
 }
 
 fn meet(other: Near) {

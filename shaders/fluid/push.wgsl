@@ -19,7 +19,7 @@ var<private> pushes: vec3f;      // sum_j lambda_j B_j/V_j V_j grad_i W
 
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, 0u, other.xyz, other.w, vec4f(stress[j].diagonal, 0.0), vec4f(stress[j].off_diagonal, 0.0));
+    return Near(j, other.xyz, other.w, vec4f(stress[j].diagonal, 0.0), vec4f(stress[j].off_diagonal, 0.0));
 }
 
 fn meet(other: Near) {

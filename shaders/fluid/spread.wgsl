@@ -2,12 +2,14 @@
 //
 //   delta_i = -h^2 min(0.1, 0.05 U dt/d) sum_j V_j grad_i W,  at most d/4
 //
-// d the spacing, U the largest mean wind, or the particle's own speed where that is more. In a scene without wind the
-// deformation in a step takes its place where it is more, up to 0.05: air that whirls would clump.
+// d is the spacing, U the largest mean wind of the table of winds, or the particle's own speed where that is more. While that
+// table has no wind, the deformation in a step takes the place of the second term where it is more, up to 0.05: air that whirls
+// would clump.
 //
 //   min(0.05, |G_i| dt),  G_i = sum_j V_j (v_j - v_i) (x) grad_i W,  |G| Frobenius's norm
 //
-// What eddies smaller than the spacing exchange, c = 22 (C d/h)^2 |G_i| dt of nu = (C d)^2 |G_i| (Smagorinsky 1963), is kept for `viscosity`.
+// The exchange by eddies smaller than the spacing is kept for `viscosity`. It is nu = (C d)^2 |G_i| (Smagorinsky 1963), which is
+// c = 22 (C d/h)^2 |G_i| dt.
 //
 // After Xu, Stansby & Laurence (2009) and Lind et al. (2012); it goes with the step, so that its diffusion vanishes with it.
 import package::common::{
@@ -33,7 +35,7 @@ var<private> met: u32;            // one more than the largest index of a neighb
 
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, 0u, other.xyz, other.w, new_velocity[j], vec4f());
+    return Near(j, other.xyz, other.w, new_velocity[j], vec4f());
 }
 
 fn meet(other: Near) {

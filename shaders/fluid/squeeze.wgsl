@@ -15,7 +15,7 @@ var<private> sum: f32;
 
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, 0u, other.xyz, other.w, vec4f(rubbing[j].multiplier), vec4f());
+    return Near(j, other.xyz, other.w, vec4f(rubbing[j].multiplier), vec4f());
 }
 
 fn meet(other: Near) {

@@ -6,7 +6,8 @@
 // grows the list to that number.
 import package::common::{
     params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, cells::{wrap, home_of, box_bucket},
-    list::{HEADER, BATCH, NOBODY, IMAGE_BITS, FRAME_BITS, INDEX, FAR}, lanes::{Near, LANES, lane_of, show, shown_by, votes, bits_of_all, largest_of_all},
+    list::{HEADER, BATCH, NOBODY, IMAGE_BITS, FRAME_BITS, FAR},
+    lanes::{Near, LANES, lane_of, show, shown_by, votes, turned, bits_of_all, largest_of_all},
     status::{status, frozen_before},
 };
 
@@ -22,14 +23,18 @@ const TURNS: u32 = 3u;                     // boxes that a row may reach into: t
 const AIR: u32 = 0u;
 const HAIR: u32 = 1u;
 const KINDS: u32 = 2u;
-const HELD: u32 = 112u;                    // entries of a cluster that are kept while searching; with more it is searched again
+const HELD: u32 = 192u;                    // entries of a cluster that are kept while searching; with more it is searched again
+
+// What is kept of an entry: whose neighbour it is, bit by bit; its place in its stretch; which stretch that is. 0 is nobody.
+const PLACE_BITS: u32 = 8u;
+const STRETCH_BITS: u32 = 27u;
+const PLACES: u32 = 524288u;               // a stretch with more freezes the step as a list does that is too long for 32 bits
 
 // Entries of a row of cells in one of the boxes that it reaches into.
 struct Stretch { begin: u32, end: u32 }
 
 var<workgroup> stretches: array<Stretch, CLUSTERS * KINDS * TURNS * ROWS>;
 var<workgroup> held: array<u32, CLUSTERS * HELD>;
-var<workgroup> held_masks: array<u32, CLUSTERS * HELD>;
 var<workgroup> firsts: array<u32, CLUSTERS>;
 var<workgroup> most: atomic<u32>;   // entries of a cluster of the workgroup
 var<workgroup> all_most: u32;
@@ -44,7 +49,9 @@ var<private> members_of: vec2u;     // entries of the cluster itself: the first,
 var<private> full: array<u32, 2>;  // of each kind, bit by bit, the stretches that are not empty
 var<private> frame: vec3i;         // boxes by which the cluster is moved to meet others
 var<private> found: u32;           // entries so far
+var<private> middle: u32;          // entry from which on they are of the other kind
 var<private> window: u32;          // entry from which on they are kept
+var<private> crowded: bool;        // a stretch is too long for what is kept of an entry
 
 fn cluster_in_workgroup() -> u32 {
     return local / LANES;
@@ -84,6 +91,12 @@ fn note(kind: u32, which: u32, begin: u32, end: u32) {
     full[kind] |= select(0u, 1u << which, found.end > found.begin);
 }
 
+// Boxes by which those of a stretch are moved to where they are seen.
+fn turns_of(home: vec3i, which: u32, periodic: bool) -> vec3i {
+    let turn = (which * 57u) >> 9u;   // which / 9 of up to 27
+    return select(vec3i(0), vec3i(i32(turn) - 1, turns_of_row(home, step_of(which - ROWS * turn))), periodic);
+}
+
 fn turns_of_row(home: vec3i, step: vec2i) -> vec2i {
     let row = home.yz + step;
     return select(select(vec2i(0), vec2i(1), row >= params.cells.yz), vec2i(-1), row < vec2i(0));
@@ -105,13 +118,12 @@ fn near(other: u32, at: vec3f) -> u32 {
     return select(0u, 1u << (lane ^ other), dot(gap, gap) < reach);
 }
 
-// Takes an entry of the order of cells with its image, if any of the cluster's particles meets it.
-fn take(entry: u32, mask: u32, hit: bool) {
+// Keeps an entry.
+fn take(entry: u32, hit: bool) {
     let bits = votes(local, hit);
     let place = found + countOneBits(bits & ((1u << lane) - 1u)) - window;
     if hit && place < HELD {
         held[cluster_in_workgroup() * HELD + place] = entry;
-        held_masks[cluster_in_workgroup() * HELD + place] = mask;
     }
     found += countOneBits(bits);
 }
@@ -119,7 +131,7 @@ fn take(entry: u32, mask: u32, hit: bool) {
 // Fills up the last batch with nobody, where the batches of a part end.
 fn fill(ends: bool) {
     let over = found & (LANES - 1u);
-    take(NOBODY, 0u, ends && over > 0u && lane >= over);
+    take(0u, ends && over > 0u && lane >= over);
 }
 
 // Looks for particles of a kind.
@@ -131,11 +143,9 @@ fn search(home: vec3i, kind: u32, periodic: bool) {
         left &= left - 1u;
         let near = stretches[base + which];
         let batches = largest_of_all(local, (near.end - near.begin + LANES - 1u) / LANES);
-        let turn = (which * 57u) >> 9u;   // which / 9 of up to 27
-        let turns = select(vec3i(0), vec3i(i32(turn) - 1, turns_of_row(home, step_of(which - ROWS * turn))), periodic);
+        let turns = turns_of(home, which, periodic);
         let image = params.box_size * vec3f(turns);
-        let seen = vec3u(turns + vec3i(1) - frame);
-        let mark = (seen.x | (seen.y << 2u) | (seen.z << 4u)) << IMAGE_BITS;
+        crowded |= near.end - near.begin > PLACES;
         // Nobody is its own neighbour; an image of it may be.
         let itself = select(members_of, vec2u(0u), any(turns != vec3i(0)));
         var e = near.begin + lane;
@@ -144,7 +154,7 @@ fn search(home: vec3i, kind: u32, periodic: bool) {
             let at = sorted_position[select(0u, e, there)].xyz + image;
             var mask = select(0u, met_by(at), there);
             mask &= select(0xffffffffu, ~(1u << (e - itself.x)), e >= itself.x && e < itself.y);
-            take(e | mark, mask, mask != 0u);
+            take(mask | ((e - near.begin) << PLACE_BITS) | (which << STRETCH_BITS), mask != 0u);
             e += LANES;
         }
     }
@@ -155,24 +165,33 @@ fn search_all(home: vec3i, air: bool) -> u32 {
     found = 0u;
     search(home, select(HAIR, AIR, air), air);
     fill(params.model == TWO_WAY);
-    let middle = found;
+    middle = found;
     search(home, select(AIR, HAIR, air), false);
     fill(true);
     return select(found, middle, params.model == TWO_WAY);
 }
 
 // Copies what is kept to where the cluster's batches begin.
-fn copy(batches: u32) {
+fn copy(batches: u32, home: vec3i, air: bool, used: bool) {
     let from_here = cluster_in_workgroup() * HELD;
-    for (var n = 0u; n < HELD && window + n < found; n += LANES) {
-        let batch = batches + BATCH * ((window + n) / LANES);
-        let entry = held[from_here + n + lane];
-        let none = entry == NOBODY;
-        neighbour_list[batch + lane] = select(sorted[select(entry & INDEX, 0u, none)] | (entry & ~INDEX), NOBODY, none);
-        if lane < 2u {
-            let at = from_here + n + 4u * lane;
-            neighbour_list[batch + LANES + lane] =
-                held_masks[at] | (held_masks[at + 1u] << 8u) | (held_masks[at + 2u] << 16u) | (held_masks[at + 3u] << 24u);
+    let own_kind = stretches_of(select(HAIR, AIR, air));
+    let other_kind = stretches_of(select(AIR, HAIR, air));
+    let end = largest_of_all(local, min(HELD, max(found, window) - window));
+    for (var n = 0u; n < end; n += LANES) {
+        let entry = window + n + lane;
+        let there = used && entry < found;
+        let word = select(0u, held[from_here + n + lane], there);
+        let nobody = (word & 255u) == 0u;
+        let which = word >> STRETCH_BITS;
+        let others = entry >= middle;
+        let at = stretches[select(own_kind, other_kind, others) + which].begin + ((word >> PLACE_BITS) & (PLACES - 1u));
+        let seen = vec3u(turns_of(home, which, air && !others) + vec3i(1) - frame);
+        let mark = (seen.x | (seen.y << 2u) | (seen.z << 4u)) << IMAGE_BITS;
+        let bytes = turned(local, word & 255u);
+        if there {
+            let batch = batches + BATCH * ((window + n) / LANES);
+            neighbour_list[batch + lane] = select(sorted[select(at, 0u, nobody)] | mark, NOBODY, nobody);
+            if (lane & 3u) == 0u { neighbour_list[batch + LANES + (lane >> 2u)] = bytes; }
         }
     }
 }
@@ -205,7 +224,7 @@ fn main(
     let position = sorted_position[select(entries.x, e, there)];
     let air = position.w > 0.0;
     let inside = wrap(position.xyz);
-    show(local, Near(0u, 0u, select(vec3f(FAR), position.xyz, there), 0.0, vec4f(inside, 0.0), vec4f()));
+    show(local, Near(0u, select(vec3f(FAR), position.xyz, there), 0.0, vec4f(inside, 0.0), vec4f()));
     var near = shown_by(0u);
     own[0] = near.at; low = near.value.xyz; high = low;
     near = shown_by(1u); own[1] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
@@ -234,6 +253,7 @@ fn main(
     if lane == 0u {
         atomicMax(&most, found);
         firsts[cluster_in_workgroup()] = 0u;
+        if crowded { atomicAdd(&status.neighbour_carries, 1u); }
         if used { firsts[cluster_in_workgroup()] = room_for(LANES + BATCH * (found / LANES)); }
     }
     workgroupBarrier();
@@ -254,6 +274,6 @@ fn main(
             let again = search_all(home, air);
             workgroupBarrier();
         }
-        if first > 0u { copy(first + LANES); }
+        copy(first + LANES, home, air, first > 0u);
     }
 }

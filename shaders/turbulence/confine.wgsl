@@ -24,7 +24,7 @@ var<private> eta: vec3f;
 fn see(j: u32) -> Near {
     let other = predicted[j];
     let there = (params.published_law != 0u) | is_air(j);
-    return Near(j, 0u, other.xyz, select(0.0, other.w, there), select(vec4f(), vorticity[j], there), vec4f());
+    return Near(j, other.xyz, select(0.0, other.w, there), select(vec4f(), vorticity[j], there), vec4f());
 }
 
 fn meet(other: Near) {

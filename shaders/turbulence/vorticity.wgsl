@@ -27,7 +27,7 @@ fn entry(id: vec3u, groups: vec3u) -> u32 {
 fn see(j: u32) -> Near {
     let other = predicted[j];
     let there = counts(j);
-    return Near(j, 0u, other.xyz, select(0.0, other.w, there), select(vec4f(), field[j], there), vec4f());
+    return Near(j, other.xyz, select(0.0, other.w, there), select(vec4f(), field[j], there), vec4f());
 }
 
 fn meet(other: Near) {

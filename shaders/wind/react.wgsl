@@ -15,7 +15,7 @@ var<private> given: vec3f;
 
 fn see(i: u32) -> Near {
     let point = sampled[i];
-    return Near(i, 0u, point.position, 0.0, drag_impulse[i] / max(point.filled, THIN), vec4f());
+    return Near(i, point.position, 0.0, drag_impulse[i] / max(point.filled, THIN), vec4f());
 }
 
 fn meet(other: Near) {

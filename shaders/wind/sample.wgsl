@@ -21,7 +21,7 @@ var<private> relative: vec3f;
 fn see(j: u32) -> Near {
     let other = predicted[j];
     let air = is_air(j);
-    return Near(j, 0u, other.xyz, select(0.0, other.w, air), vec4f(new_velocity[j].xyz, select(1.0, 0.0, air)), vec4f());
+    return Near(j, other.xyz, select(0.0, other.w, air), vec4f(new_velocity[j].xyz, select(1.0, 0.0, air)), vec4f());
 }
 
 fn meet(other: Near) {

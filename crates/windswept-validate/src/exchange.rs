@@ -140,7 +140,7 @@ impl Fence {
             )
         };
         let text = format!(
-            "gravity = [0, 0, 0]\ninteraction = {{ model = \"two-way\" }}\nfluid = {{ iterations = 4 }}\n\
+            "gravity = [0, 0, 0]\ninteraction = {{ model = \"two-way\" }}\n\
              time = {{ step = {}, duration = 10.0 }}\nrods = {{ sleep = false }}\n\
              [air]\nbox = {{ min = [0, 0, 0], max = {:?} }}\nwind = [{WIND}, 0, 0]\nramp = 0.0\n\
              particle_mass = {}\nkernel_radius = {}\nkinematic_viscosity = {}\n{}",

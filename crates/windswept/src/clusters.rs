@@ -32,33 +32,34 @@ pub struct Cluster {
 #[must_use]
 pub fn read(list: &[u32], clusters: u32) -> Vec<Cluster> {
     let headers = list.chunks_exact(HEADER as usize).take(clusters as usize).filter(|header| header[0] > 0);
-    let batches = |first: u32, count: u32, frame: IVec3| -> Vec<Seen> {
-        let words = &list[first as usize..(first + BATCH * count) as usize];
-        words.chunks_exact(BATCH as usize).flat_map(|words| batch(words, frame)).collect()
-    };
     let cluster = |header: &[u32]| {
         let near = header[0] + LANES;
         let moved = |bit: u32| (header[1] >> (FRAME_BITS + bit) & 1).cast_signed();
         let frame = IVec3::new(moved(0), moved(1), moved(2));
         let own = header[1] & ((1 << FRAME_BITS) - 1);
+        let part = |first: u32, count: u32| -> Vec<Seen> {
+            let words = &list[first as usize..(first + BATCH * count) as usize];
+            words.chunks_exact(BATCH as usize).flat_map(|words| batch(words, frame)).collect()
+        };
         let particles = &list[header[0] as usize..near as usize];
         Cluster {
             particles: particles.iter().copied().filter(|word| *word != NOBODY).collect(),
-            own_kind: batches(near, own, frame),
-            other_kind: batches(near + BATCH * own, header[2], frame),
+            own_kind: part(near, own),
+            other_kind: part(near + BATCH * own, header[2]),
         }
     };
     headers.map(cluster).collect()
 }
 
 fn batch(words: &[u32], frame: IVec3) -> Vec<Seen> {
-    let (entries, masks) = words.split_at(LANES as usize);
+    let (entries, bytes) = words.split_at(LANES as usize);
+    let meets = |particle: usize, k: usize| bytes[particle / 4] >> (8 * (particle % 4) + (particle ^ k)) & 1;
     let seen = |(k, word): (usize, &u32)| {
         let turns = |bit: u32| (word >> (IMAGE_BITS + bit) & 3).cast_signed() - 1;
         Seen {
             index: word & INDEX,
             image: IVec3::new(turns(0), turns(2), turns(4)) + frame,
-            met_by: masks[k / 4] >> (8 * (k % 4)) & 0xff,
+            met_by: (0..LANES as usize).map(|particle| meets(particle, k) << particle).sum(),
         }
     };
     entries.iter().enumerate().filter(|(_, word)| **word != NOBODY).map(seen).collect()
