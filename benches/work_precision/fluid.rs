@@ -61,6 +61,7 @@ const SOLVERS: [(FluidSolver, u32); 5] = [
 /// Errors and time of each setting.
 pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
     let plain = air_scene("fluid.solver = \"pbf\"")?;
+    let usual = (plain.fluid.iterations, plain.fluid.relaxation, plain.fluid.tension);
     let disturbed = disturbed();
     let moving = lattice(SIDE).stirred(SPEED, 5);
     let steps = if bench.quick { 2 } else { STEPS };
@@ -81,6 +82,7 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
         let series = format!("tension {tension}, relaxation {relaxation}");
         let setting = format!("{iterations} iterations");
         points.extend(errors.map(|(kind, error)| Point {
+            default: (iterations, relaxation, tension) == usual,
             candidate: tension == 0.0,
             ..Point::new(kind, &series, &setting, time, error)
         }));
@@ -118,7 +120,8 @@ fn ideal(bench: &Bench, moving: &Cloud) -> Result<(Vec<Point>, Vec<String>)> {
         }
     }
     let times = timing::passes(&bench.gpu, &scenes, &PASSES, bench.rounds(8))?;
-    let plain = air_scene("")?.fluid;
+    let plain = air_scene("")?;
+    let (usual, plain) = (built(plain.fluid.solver, plain.pressure_iterations(), 1)?, plain.fluid);
     let band = |fluid: &Fluid, substeps: u32| -> Result<f64> { Ok(stirred(&bench.gpu, fluid, substeps)?[0]) };
     let truth = band(&plain, fine)?;
     let half = if bench.quick { truth } else { band(&plain, fine / 2)? };
@@ -140,7 +143,7 @@ fn ideal(bench: &Bench, moving: &Cloud) -> Result<(Vec<Point>, Vec<String>)> {
         };
         points.extend(errors.map(|(kind, error, uncertainty)| Point {
             uncertainty,
-            default: *fluid == plain && substeps == 1,
+            default: *scene == usual,
             ..Point::new(kind, &series, &format!("substeps {substeps}"), time, error)
         }));
     }

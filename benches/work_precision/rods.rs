@@ -38,14 +38,14 @@ const SOLVERS: &[Row] = &[
         name: "direct, Euler",
         solver: Solver::Direct,
         integrator: Integrator::Euler,
-        iterations: &[1, 4],
+        iterations: &[1, 4, 8],
         unit: "Newton step",
     },
     Row {
         name: "direct, BDF2",
         solver: Solver::Direct,
         integrator: Integrator::Bdf2,
-        iterations: &[1, 4],
+        iterations: &[1, 4, 8],
         unit: "Newton step",
     },
 ];

@@ -82,7 +82,7 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
     let fine = Setting { substeps: if bench.quick { 2 } else { FINE.substeps }, ..FINE };
     let truth = run(bench, fine, steps)?;
     let half = run(bench, Setting { substeps: fine.substeps / 2, ..fine }, steps)?;
-    let default = Scene::parse(SCENE)?;
+    let (usual, _) = built(Setting { air: Air::Pressure(Scene::parse(SCENE)?.pressure_iterations()), substeps: 1 })?;
     let settings = settings(bench);
     let scenes = settings.iter().map(|setting| built(*setting)).collect::<Result<Vec<_>>>()?;
     let times = timing::passes(&bench.gpu, &scenes, &[""], bench.rounds(4))?;
@@ -98,7 +98,7 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
         let (series, substeps) = (setting.series(), setting.substeps);
         points.extend(errors.map(|(kind, error, uncertainty)| Point {
             uncertainty,
-            default: *scene == default,
+            default: *scene == usual,
             candidate: setting.air != Air::Published,
             ..Point::new(kind, &series, &format!("substeps {substeps}"), time, error)
         }));
