@@ -277,7 +277,7 @@ fn sheltered(gpu: &Gpu, fibres: f64, finer: f64, [before, watched]: [f64; 2]) ->
 pub(crate) fn bundle(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     let mut fewer = f64::INFINITY;
-    for (fibres, least, most) in [(1.0, 0.70, 0.76), (4.0, 0.0, 1.0), (36.0, 0.0, 0.085), (200.0, 0.0, 1.0)] {
+    for (fibres, least, most) in [(1.0, 0.70, 0.76), (4.0, 0.2, 0.5), (36.0, 0.05, 0.085), (200.0, 0.005, 0.03)] {
         let (share, felt) = sheltered(gpu, fibres, 1.0, GROWN)?;
         // It falls with the fibres.
         let most = fewer.min(most);

@@ -2,7 +2,7 @@
 //! behind it must have a limit as the step falls, and nothing may fly off in a storm.
 //!
 //! The eddies that are measured are hardly larger than the spacing. Without a viscosity that takes what the spacing does not
-//! resolve they grow on as the step falls (`docs/decisions/air.md`), so that there is one: `viscosity.smagorinsky`.
+//! resolve they grow on as the step falls (`docs/decisions/air.md`). A scene with this model has one: `viscosity.smagorinsky`.
 
 use glam::DVec3;
 use windswept::{Gpu, Simulation, ops::Filter};
@@ -38,8 +38,6 @@ const WATCHED: f64 = 0.16;
 /// Looks in that time.
 const LOOKS: usize = 16;
 
-/// Constant of the viscosity of unresolved eddies, in spacings: 0.17 of a filter two spacings wide.
-const SMAGORINSKY: f64 = 0.34;
 /// Starts of the air, each with a jitter of its own.
 const SEEDS: [u64; 3] = [7, 8, 9];
 /// Scale of the eddies behind the circle \[m\], and how far behind it they are \[spacings\].
@@ -76,7 +74,7 @@ fn start(step: f64, wind: f64, weight: f64, seed: u64) -> Result<(Scene, Initial
         "gravity = [0, 0, 0]\ninteraction = {{ model = \"particles\" }}\n\
          fluid = {{ solver = \"divergence\" }}\n\
          time = {{ step = {step}, duration = 1.0 }}\nrods = {{ sleep = false }}\n\
-         viscosity = {{ hair = {c}, air = {c}, smagorinsky = {SMAGORINSKY} }}\n\
+         viscosity = {{ hair = {c}, air = {c} }}\n\
          [air]\nbox = {{ min = [0, 0, 0], max = {:?} }}\nwind = [{wind}, 0, 0]\nramp = 0.0\n\
          particle_mass = {MASS}\nkernel_radius = {RADIUS}\n{strands}",
         cloud.size.to_array(),

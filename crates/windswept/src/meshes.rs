@@ -3,9 +3,7 @@
 use std::f64::consts::{E, PI, TAU};
 
 use windswept_scene::{Filter, InitialState, Scene, limits::MOST_SORTED_NODES};
-use windswept_shaders::{
-    common::{deposit::BLOCK, mesh::Mesh, smoothing::ROW},
-};
+use windswept_shaders::common::{deposit::BLOCK, mesh::Mesh, smoothing::ROW};
 
 /// Two taps in a row: of the Gaussian, and of its second derivative \[1/m²\].
 pub(crate) type Taps = [f32; 4];

@@ -8,7 +8,7 @@ use crate::{
         Kind::{Choice, NonNegative},
     },
     reader::Reader,
-    scene::{Air, Time},
+    scene::{Air, Fluid, FluidSolver, Interaction, Model, Time},
 };
 
 /// c = 22 ν Δt/h²: XSPH with the kernel Poly6, of fluid at rest density.
@@ -25,7 +25,9 @@ table! {
         air: f64 = NonNegative, "", Value(0.014);
         /// Constant C of the viscosity of eddies smaller than the spacing d of air, ν = (C d)² |∇v| (Smagorinsky 1963), on top of
         /// air's; 0 leaves it out. 0.34 is the usual 0.17 of a filter of two spacings. For fluid.solver divergence; at most 1.
-        smagorinsky: f64 = NonNegative, "", Value(0.0);
+        smagorinsky: f64 = NonNegative, "", Absent("0, or 0.34 with model particles and solver divergence") => |viscosity| {
+            usual_constant(viscosity)?
+        };
         /// Form of the exchange: with or without the symmetric limiter.
         form: ViscosityForm = Choice(ViscosityForm::WORDS), "", Method(ViscosityForm::Limited, ViscosityForm::Published);
     }
@@ -47,7 +49,19 @@ words! {
     }
 }
 
+/// Where hair is in air's own sums it makes eddies that are hardly larger than the spacing, which have a limit of short steps only
+/// with this viscosity (`docs/decisions/air.md`).
+fn usual_constant(reader: &Reader<'_>) -> Result<f64, SceneError> {
+    let root = reader.root();
+    let in_sums = root.read::<Interaction>("interaction")?.model == Model::Particles;
+    let in_velocity = root.read::<Fluid>("fluid")?.solver == FluidSolver::Divergence;
+    Ok(if in_sums && in_velocity { Viscosity::USUAL_CONSTANT } else { 0.0 })
+}
+
 impl Viscosity {
+    /// `smagorinsky` of a scene with `interaction.model` particles and `fluid.solver` divergence that does not say it.
+    pub const USUAL_CONSTANT: f64 = 0.34;
+
     /// Whether anything is viscous.
     #[must_use]
     pub fn acts(&self) -> bool {
