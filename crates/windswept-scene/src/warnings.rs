@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::{
     body::{Shape, blocked},
+    force::ForceField,
     initial::{AirParticles, Strands},
     limits::MOST_REPEATS,
     scene::{Air, Bounds, FRICTION, FluidSolver, Model, Scene},
@@ -20,7 +21,7 @@ const MUCH_BLOCKED: f64 = 0.3;
 /// Warnings about step, wind, particles and bands.
 pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles, substeps: u32) -> Vec<String> {
     let mut warnings = Vec::new();
-    let (spacing, fastest) = (air.parcel().cbrt(), air.largest_wind());
+    let (spacing, fastest) = (air.parcel().cbrt(), scene.largest_wind());
     let (way, most) = (fastest * scene.time.step / spacing, farthest(scene));
     if way > most * f64::from(substeps) {
         let needed = (way / most).ceil();
@@ -85,6 +86,19 @@ pub(crate) fn of_idle(scene: &Scene) -> Vec<String> {
     idle(in_sums && fluid.tension > 0.0, "fluid.tension", why);
     let without = !scene.interaction.model.has_air();
     idle(without && scene.viscosity.smagorinsky > 0.0, "viscosity.smagorinsky", "the scene has no air particles");
+    for force in &scene.forces {
+        let key = format!("force {}", force.name);
+        if scene.interaction.model == Model::None {
+            idle(true, &key, "interaction.model is none: hair alone");
+        } else {
+            let point = force.field == ForceField::Point && scene.interaction.model.has_air() && !pbf;
+            idle(
+                point,
+                &format!("{key} inside the box of air"),
+                "a point's wind would compress the air, whose pressure takes it up",
+            );
+        }
+    }
     warnings
 }
 
@@ -157,7 +171,7 @@ pub(crate) fn of_bodies(scene: &Scene, hair: &Strands, bodies: &[Shape]) -> Vec<
 /// Warnings about bodies that the wind must pass, or that it steps over.
 pub(crate) fn of_blocked(scene: &Scene, air: &Air, bounds: &Bounds, bodies: &[Shape], substeps: u32) -> Vec<String> {
     let mut warnings = Vec::new();
-    let far = air.largest_wind() * scene.time.step / f64::from(substeps);
+    let far = scene.largest_wind() * scene.time.step / f64::from(substeps);
     for body in scene.bodies.iter().filter(|body| far > 2.0 * body.shape.inradius()) {
         warnings.push(format!(
             "air moves {far:.1e} m in a step and may pass through body {}, which is thinner: a shorter time.step stops it",
