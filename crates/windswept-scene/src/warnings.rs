@@ -35,6 +35,12 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles, substep
             way / f64::from(substeps)
         ));
     }
+    for jet in scene.forces.iter().filter(|force| force.field == ForceField::Jet && air.is_still()) {
+        warnings.push(format!(
+            "force.{}: without a mean wind the air that a jet blows out of the box comes in again on the other side",
+            jet.name
+        ));
+    }
     let ratio = air.kernel_radius / spacing;
     if !TRIED.contains(&ratio) {
         warnings.push(format!(
@@ -87,17 +93,12 @@ pub(crate) fn of_idle(scene: &Scene) -> Vec<String> {
     let without = !scene.interaction.model.has_air();
     idle(without && scene.viscosity.smagorinsky > 0.0, "viscosity.smagorinsky", "the scene has no air particles");
     for force in &scene.forces {
-        let key = format!("force {}", force.name);
-        if scene.interaction.model == Model::None {
-            idle(true, &key, "interaction.model is none: hair alone");
-        } else {
-            let point = force.field == ForceField::Point && scene.interaction.model.has_air() && !pbf;
-            idle(
-                point,
-                &format!("{key} inside the box of air"),
-                "a point's wind would compress the air, whose pressure takes it up",
-            );
-        }
+        let key = format!("force.{}", force.name);
+        idle(scene.interaction.model == Model::None, &key, "interaction.model is none: hair alone");
+        let point = force.field == ForceField::Point && scene.interaction.model.has_air() && !pbf;
+        let why =
+            "a point's wind would compress the air, whose pressure takes it up; only hair outside the box feels it";
+        idle(point, &key, why);
     }
     warnings
 }
