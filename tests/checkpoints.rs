@@ -10,7 +10,7 @@ use glam::{DQuat, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::{
-    Checkpoint, CheckpointError, Simulation,
+    Accelerations, Checkpoint, CheckpointError, Simulation,
     internals::{Plan, Recorder, Setup, State, step},
 };
 use windswept_scene::{Groom, InitialState, Scene};
@@ -135,6 +135,13 @@ fn goes_on(simulation: &mut Simulation, name: &str) {
     assert_eq!(figures(&own), figures(&other), "{name}");
 }
 
+/// Accelerations of all hair and all air, each its own \[m/s²\].
+fn push(simulation: &Simulation, size: f64) -> Accelerations {
+    let initial = simulation.initial();
+    let each = |n: usize| (0..n).map(|i| size * DVec3::new(1.0, (i as f64).sin(), -0.5)).collect();
+    Accelerations { hair: each(initial.hair.positions.len()), air: each(initial.air.positions.len()) }
+}
+
 /// Each kind of scene, saved in its course.
 #[test]
 fn what_was_saved_goes_on_with_the_same_bits() {
@@ -175,7 +182,13 @@ fn what_was_set_is_saved() {
     simulation.set_hair(None, Some(&speeds), None).unwrap();
     simulation.set_wind(DVec3::new(0.0, 1.5, 0.0)).unwrap();
     simulation.set_roots(&moved(2e-3), None).unwrap();
+    simulation.set_force(&push(&simulation, 9.0)).unwrap();
     goes_on(&mut simulation, "driven");
+    // What a callback said last is saved, and the callback is not: this one says the same in every step.
+    let said = push(&simulation, -9.0);
+    simulation.set_force_by(move |_| Ok(said.clone()));
+    simulation.step(2).unwrap();
+    goes_on(&mut simulation, "pushed by a callback");
     // A wind that was set to nothing is another plan, and roots that are set without frames keep those that were set.
     simulation.set_wind(DVec3::ZERO).unwrap();
     goes_on(&mut simulation, "calm");
@@ -251,6 +264,10 @@ fn what_a_step_reads_from_the_one_before_is_declared_to_last() {
 fn what_is_saved_is_needed() {
     let cases = KINDS.into_iter().chain([WOKEN]).map(|(name, sets)| {
         let mut simulation = Simulation::new(&support::gpu(), &scene(sets)).unwrap();
+        let pushes = sets.is_empty();
+        if pushes {
+            simulation.set_force(&push(&simulation, 0.0)).unwrap();
+        }
         let fresh = simulation.to_bytes().unwrap();
         let is_driven = sets != WOKEN.1;
         simulation.step(if is_driven { 12 } else { 301 }).unwrap();
@@ -260,6 +277,9 @@ fn what_is_saved_is_needed() {
         }
         if is_driven {
             simulation.set_wind(DVec3::new(1.5, 0.5, 0.0)).unwrap();
+        }
+        if pushes {
+            simulation.set_force(&push(&simulation, 9.0)).unwrap();
         }
         let saved = simulation.to_bytes().unwrap();
         simulation.step(20).unwrap();
@@ -306,6 +326,7 @@ fn no_content_is_a_panic() {
     let mut simulation = Simulation::new(&support::gpu(), &scene(&[BALL, TURN])).unwrap();
     simulation.step(2).unwrap();
     simulation.set_wind(DVec3::X).unwrap();
+    simulation.set_force(&push(&simulation, 9.0)).unwrap();
     let whole = simulation.to_bytes().unwrap();
     let names: Vec<_> = sections(&whole).into_iter().map(|section| (section.0, section.1.len())).collect();
     let mut random = Pcg64::seed_from_u64(3);

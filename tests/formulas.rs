@@ -4,7 +4,7 @@
 mod support;
 
 use windswept::{Gpu, internals::with_sources};
-use windswept_shaders::{Pass, contact, fluid, rods, turbulence, wind};
+use windswept_shaders::{Pass, contact, fluid, force, rods, turbulence, wind};
 use windswept_validate::{CHECKS, Row};
 
 fn rows(name: &str, gpu: &Gpu) -> Vec<Row> {
@@ -49,6 +49,8 @@ checks! {
     lattices_have_their_density: "lattices",
     wind_enters_and_roots_move: "wind",
     strands_fall_and_drift_as_drag_says: "drag",
+    fields_blow_as_they_say: "force-fields",
+    what_is_pushed_falls: "set-force",
     density_error_falls_as_jacobi_should: "density",
     curled_strands_keep_their_shape: "rods-rest",
     strands_hang_like_elastica_and_helix: "rods-static",
@@ -86,6 +88,13 @@ fn wrong_constants_turn_rows_red() {
         (&wind::REACT, "params.air_inverse_mass * own.w", "1.01 * params.air_inverse_mass * own.w", "exchange"),
         (&wind::FRINGE, "GRIP: f32 = 10.0", "GRIP: f32 = 10.1", "wind"),
         (&wind::BLOW, "status.step + 1u", "status.step + 2u", "wind"),
+        (&force::COURSE, "status.step + 1u", "status.step + 2u", "force-fields"),
+        (&force::DRAW, "-gale.rate * params.step", "-1.01 * gale.rate * params.step", "force-fields"),
+        (&force::DRAW, "smoothstep(0.5", "smoothstep(0.4", "force-fields"),
+        (&force::FEEL, "gale_at(air.position).wind", "1.01 * gale_at(air.position).wind", "force-fields"),
+        (&force::PUSH_AIR, "params.step * pushed", "1.01 * params.step * pushed", "set-force"),
+        (&force::PUSH_HAIR, "pushed[p].xyz / w", "1.01 * pushed[p].xyz / w", "set-force"),
+        (&force::KEEP, "params.step * felt", "0.99 * params.step * felt", "set-force"),
         (&fluid::FRICTION, "min(own.friction, other.more.y)", "0.5 * own.friction", "friction"),
         (&rods::ROOTS, "part * key.travel", "1.001 * part * key.travel", "wind"),
         (&fluid::DENSITY, "315.0", "314.0", "lattices"),

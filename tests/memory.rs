@@ -20,6 +20,8 @@ fn resident() -> f64 {
 fn memory_is_flat() {
     let gpu = support::gpu();
     let body = "body=[{name='a',center=[0.1,0.06,0.03],radius=0.012}]";
+    let fields = "force=[{name='a',field='jet',origin=[0.02,0.06,0.03],axis=[1,0,0],reach=0.1,strength=2},\
+        {name='b',field='vortex',origin=[0.1,0.06,0.03],axis=[0,0,1],reach=0.1,strength=2}]";
     let cases: &[&[&str]] = &[
         &[],
         &["method=published"],
@@ -32,6 +34,8 @@ fn memory_is_flat() {
             "air.fringe=0.006",
         ],
         &["air.wind=[0, 0, 0]", "rods.solver=gauss-seidel", "rods.sleep=false", "rods.integrator=euler"],
+        &[fields],
+        &["interaction.model=drag", fields],
     ];
     for sets in cases {
         let text = include_str!("../examples/scenes/quick.toml");

@@ -80,7 +80,10 @@ const BODY: &str = "body=[{name='a',center=[0.1,0.06,0.03],radius=0.012}]";
 const TWO_BANDS: &str =
     "turbulence.bands=[{scale=0.006,strength=3,intensity=0.3},{scale=0.018,strength=2,intensity=0.3}]";
 
-fn cases() -> [Case; 9] {
+/// A jet over the hair.
+const JET: &str = "force={field='jet',origin=[0.01,0.06,0.03],axis=[1,0,0],reach=0.1,strength=4}";
+
+fn cases() -> [Case; 11] {
     let blow = &["wind/blow"][..];
     let moves = &["rods/roots", "rods/drift", "wind/miss", "wind/hold", "wind/fringe", "fluid/advance"][..];
     let fluid = &[HAIR_ON_HAIR, SPREAD, COARSE, PUSH].concat()[..];
@@ -112,6 +115,46 @@ fn cases() -> [Case; 9] {
             &[],
             None,
             [blow, moves, SORT, LIST, fluid, exchange, velocity, eddies, VISCOSITY, COMMIT_HAIR, COMMIT_AIR].concat(),
+        ),
+        (
+            "force field",
+            &["air.wind=[0,0,0]", "turbulence.bands=[]", JET],
+            None,
+            [
+                blow,
+                &["force/course"],
+                &moves[..5],
+                &["force/draw", "fluid/advance"],
+                SORT,
+                LIST,
+                fluid,
+                BEGIN,
+                &["wind/sample", "force/feel", "wind/drag"],
+                SOLVE,
+                &["wind/react"],
+                velocity,
+                VISCOSITY,
+                COMMIT_HAIR,
+                COMMIT_AIR,
+            ]
+            .concat(),
+        ),
+        (
+            "force field on hair",
+            &["interaction.model=drag", JET],
+            None,
+            [
+                blow,
+                &["force/course"],
+                hair_alone,
+                BEGIN,
+                &["force/feel", "wind/drag"],
+                SOLVE,
+                velocity,
+                COMMIT_HAIR,
+                COMMIT,
+            ]
+            .concat(),
         ),
         (
             "air only",
@@ -206,6 +249,35 @@ fn cases() -> [Case; 9] {
 fn a_scene_runs_what_it_needs() {
     for (name, sets, without, expected) in cases() {
         assert_eq!(runs(&scene(sets, without)), expected, "{name}");
+    }
+}
+
+/// A force that is set takes three passes more, and lets the wind's passes run, by which it reaches air; once it is taken away they are
+/// left out again.
+#[test]
+fn a_force_runs_while_it_is_set() {
+    for (sets, added) in [
+        (&["air.wind=[0,0,0]"][..], &["force/push_hair", "force/keep", "force/push_air"][..]),
+        (&["interaction.model=drag"], &["force/push_hair", "force/keep"]),
+        (&["interaction.model=none"], &["force/push_hair", "force/keep"]),
+    ] {
+        let scene = scene(sets, None);
+        let initial = InitialState::new(&scene).unwrap();
+        let setup = Setup::new(&scene, &initial);
+        let (state, mut plan) = (State::new(&setup.sizes()), Plan::new(&setup));
+        let runs = |plan: &Plan| {
+            let recording = Recorder::record(&state, |r| step::record(r, plan));
+            recording.running().map(|command| command.pass.name).collect::<Vec<_>>()
+        };
+        let before = runs(&plan);
+        plan.set_force(true);
+        let pushed = runs(&plan);
+        plan.set_force(false);
+        let after = runs(&plan);
+        assert!(added.iter().all(|pass| pushed.contains(pass) && !before.contains(pass)), "{sets:?}: {pushed:?}");
+        let others: Vec<_> = pushed.into_iter().filter(|pass| !added.contains(pass)).collect();
+        assert_eq!(others, after, "{sets:?}");
+        assert!(after.iter().all(|pass| before.contains(pass) || pass.starts_with("wind/")), "{sets:?}: {after:?}");
     }
 }
 

@@ -1,10 +1,12 @@
 """Simulations: stepping, arrays, frames, reports, threads, interrupts."""
 
+import gc
 import json
 import os
 import signal
 import threading
 import time
+import weakref
 
 import numpy as np
 import pytest
@@ -164,6 +166,73 @@ def test_the_wind_can_be_turned(sim, bare):
     sim.set_wind([0.002 * np.sin(np.pi), 0.0, 1e-30])
     sim.step(1)
     assert "wind = [0.0, 0.0, 0.0]" in sim.scene.text and np.isfinite(sim.air.velocities).all()
+
+
+def test_a_force_pushes_hair_and_air(sim, bare):
+    hair, air = np.zeros_like(sim.hair.positions), np.zeros_like(sim.air.positions)
+    other = ws.Simulation(sim.scene)
+    # Arrays, and a callback that says the same: the same bits.
+    sim.set_force(hair + [0, 30, 0], air=air + [0, 0, 300])
+    other.set_force(callback=lambda frame: (hair + [0, 30, 0], air + [0, 0, 300]))
+    before = sim.air.velocities.mean(axis=0)
+    sim.step(3)
+    other.step(3)
+    assert np.array_equal(sim.hair.positions, other.hair.positions)
+    assert np.array_equal(sim.air.velocities, other.air.velocities)
+    # Hair holds some of the air back.
+    given = 3 * sim.dt * 300
+    assert 0.7 * given < sim.air.velocities.mean(axis=0)[2] - before[2] < given
+    for name, bad in (("hair", {"hair": hair[1:]}), ("air", {"air": air[1:]}), ("hair", {"hair": hair + np.nan})):
+        with pytest.raises(ValueError, match=name):
+            sim.set_force(**bad)
+    for bad in (3, "fast"):
+        with pytest.raises(ValueError, match="callback"):
+            sim.set_force(callback=bad)
+    with pytest.raises(ValueError, match="callback"):
+        sim.set_force(hair, callback=lambda frame: None)
+    # Loose hair falls up.
+    loose = ws.Simulation(bare, groom=ws.Groom([[[0, 0, 0], [0.01, 0, 0]]], root="free"))
+    loose.set_force(np.float32([[0, 19.62, 0]] * 2))
+    loose.step(10)
+    assert loose.hair.velocities == pytest.approx(np.float32([[0, 9.81 * 10 * loose.dt, 0]] * 2), abs=1e-5)
+
+
+def test_a_callback_is_asked_before_each_step(sim):
+    asked = []
+
+    def force(frame):
+        # The simulation can be looked at meanwhile.
+        asked.append((frame.step, sim.steps, frame.time == sim.time))
+        if frame.step == 15:
+            raise KeyError("enough")
+        return None if frame.step < 5 else (np.zeros_like(frame.hair.positions), None)
+
+    sim.set_force(callback=force)
+    sim.step(0)
+    assert asked == []
+    sim.step(3)
+    next(sim.frames(1))
+    assert asked == [(k, k, True) for k in range(sim.steps)]
+    with pytest.raises(KeyError, match="enough"):
+        sim.step(20)
+    assert sim.steps == 15
+    sim.set_force()
+    sim.step(2)
+    assert sim.steps == 17 and len(asked) == 16
+    for wrong in ((1, 2, 3), np.zeros(3), "fast"):
+        sim.set_force(callback=lambda frame, wrong=wrong: wrong)
+        with pytest.raises(ValueError, match="callback|hair"):
+            sim.step(1)
+
+
+def test_a_callback_does_not_keep_its_simulation_alive(bare):
+    sim = ws.Simulation(bare, groom=ws.Groom([[[0, 0, 0], [0.01, 0, 0]]]))
+    marker = type("Marker", (), {})()
+    sim.set_force(callback=lambda frame, sim=sim, marker=marker: None)
+    alive = weakref.ref(marker)
+    del sim, marker
+    gc.collect()
+    assert alive() is None
 
 
 def test_the_eddies_have_the_energy_of_their_band():

@@ -25,8 +25,8 @@ use source::Source;
 use table::Table;
 
 /// Folders of WGSL: `common` holds what passes import, `pictures` what draws frames, each other one the passes of a heading.
-const FOLDERS: [&str; 10] =
-    ["common", "grid", "fluid", "coarse", "turbulence", "rods", "wind", "contact", "guard", "pictures"];
+const FOLDERS: [&str; 11] =
+    ["common", "grid", "fluid", "coarse", "turbulence", "rods", "wind", "force", "contact", "guard", "pictures"];
 
 /// Result of the build, whose error is shown.
 pub(crate) type Result<T> = std::result::Result<T, Box<dyn error::Error>>;

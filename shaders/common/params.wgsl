@@ -39,6 +39,7 @@ struct Params {
     sleep: u32,                   // strands at rest are left alone
     substeps: u32,                // engine steps of a time step
     conserve_momentum: u32,       // take the mean change by confinement out
+    sampled: u32,                 // drag finds the air at each hair point in `sampled`, else it is the mean wind
     model: u32,                   // of hair and air: PARTICLES, TWO_WAY, MEAN_WIND, ALONE
 }
 

@@ -16,7 +16,7 @@
 // Air that was sampled has been slowed by the fibre itself, as by a porous strip (Taylor 1944): from s |u_n| to |u_n|, with
 // s = 1 + k_n/(2 rho b l n |u_n|). So k_n is s k_n(s |u_n|) there.
 import package::common::{
-    params::{params, PARTICLES, TWO_WAY}, dispatch::{invocation, WORKGROUP}, rod::{Strand, Segment, RodStrand, RodPoint},
+    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, rod::{Strand, Segment, RodStrand, RodPoint},
     integration::{EULER, BDF2}, cells::{cell_of, in_box}, air::{Sampled, THIN}, wind::mean_wind,
     status::{frozen, count_many, EXCHANGE_LIMITED},
 };
@@ -60,7 +60,7 @@ fn ahead(p: u32, scheme: u32) -> Ahead {
 }
 
 fn air_at(p: u32) -> Sampled {
-    if params.model == TWO_WAY { return sampled[p]; }
+    if params.sampled != 0u { return sampled[p]; }
     return Sampled(vec3f(0.0), 0.0, mean_wind(), 0.0);
 }
 

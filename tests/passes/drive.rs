@@ -11,9 +11,9 @@ use windswept_shaders as shaders;
 use crate::{
     hair::{any, ends, motion, scene_of, set_roots, strands},
     stage::{Stage, each, quaternion, relative, stirred, xyz},
-    steps::{DIVERGENCE, Fault, PARTICLES, PRESSED_HAIR},
+    steps::{DIVERGENCE, FIELDS, Fault, PARTICLES, PRESSED_HAIR, PUSHED},
     support,
-    walk::{Walk, apart, largest},
+    walk::{Walk, apart, largest, numbers_apart},
 };
 
 impl Walk<'_> {
@@ -21,10 +21,21 @@ impl Walk<'_> {
         let (stage, bounds, hair) = (self.stage, self.bounds, self.p().hair_points);
         let state = stage.engine.state();
         let w = drive::run(s, self.p());
+        let (p, air) = (self.p(), hair..s.position.len());
+        let fringe = |i: usize| drive::fringe(p, s.steps, w.lack, s.position[i], s.velocity[i]);
+        let by_wind: Vec<_> = air.clone().map(fringe).collect();
+        let drawn = |(i, wind): (usize, &DVec3)| *wind + drive::draw(p, s.steps, s.position[i], s.velocity[i] + *wind);
+        let with_fields: Vec<_> = air.zip(&by_wind).map(drawn).collect();
         let mut passes = stage.passes(step::drive::record);
         if passes.through("wind/blow") {
             let wind = stage.engine.status().unwrap().wind.map(f64::from);
             self.same("wind/blow", (DVec3::from_array(wind) - w.blowing).length(), bounds.wind)?;
+        }
+        if passes.through("force/course") {
+            let wanted: Vec<_> =
+                self.p().fields.iter().map(|field| drive::course(self.p(), field, s.steps + 1)).collect();
+            let gap = numbers_apart(&stage.numbers(&state.field_strength), &wanted);
+            self.same("force/course", gap, bounds.wind)?;
         }
         if passes.through("rods/roots") {
             let got = stage.rod_strands();
@@ -54,7 +65,14 @@ impl Walk<'_> {
             self.same("wind/hold", (stage.vectors(&state.lack)[0] - w.lack).length(), bounds.wind)?;
         }
         if passes.through("wind/fringe") {
-            self.same("wind/fringe", apart(&self.vectors(&state.wind_change, hair), &w.wind_change), bounds.wind)?;
+            self.same("wind/fringe", apart(&self.vectors(&state.wind_change, hair), &by_wind), bounds.wind)?;
+        }
+        if passes.through("force/draw") {
+            // It takes a large part of the air's own velocity out, with what that is off by.
+            self.same("force/draw", apart(&self.vectors(&state.wind_change, hair), &with_fields), bounds.speed)?;
+        }
+        if passes.through("force/push_air") {
+            self.same("force/push_air", apart(&self.vectors(&state.wind_change, hair), &w.wind_change), bounds.speed)?;
         }
         if passes.through("fluid/advance") {
             let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
@@ -79,6 +97,9 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::wind::MISS, "- v - change", "- 0.9 * v - change", PARTICLES),
     (&shaders::wind::HOLD, "along * wind", "0.9 * along * wind", PARTICLES),
     (&shaders::wind::FRINGE, "sin(PI * depth", "sin(0.9 * PI * depth", PARTICLES),
+    (&shaders::force::COURSE, "f32(status.step + 1u)", "f32(status.step)", FIELDS),
+    (&shaders::force::DRAW, "1.0 - exp(", "1.1 - exp(", FIELDS),
+    (&shaders::force::PUSH_AIR, "params.step * pushed", "0.9 * params.step * pushed", PUSHED),
     (&shaders::fluid::PREDICT, "params.step * v", "0.9 * params.step * v", PARTICLES),
     (&shaders::fluid::ADVANCE, "v + before.change / 3.0, 0.0", "v + before.change / 2.0, 0.0", DIVERGENCE),
     (&shaders::fluid::LEAD, "carries) / 3.0", "carries) / 2.0", PRESSED_HAIR),

@@ -12,7 +12,7 @@ use windswept_shaders::{self as shaders, common::integration::BDF2};
 
 use crate::{
     stage::{Stage, quaternion, relative, xyz},
-    steps::{DRAG, Fault, PARTICLES, SWEEPS, TWO_WAY},
+    steps::{DRAG, FIELDS_ON_HAIR, Fault, PARTICLES, PUSHED, SWEEPS, TWO_WAY},
     support,
     walk::{Same, Walk, apart, differing, largest},
 };
@@ -64,6 +64,12 @@ impl Walk<'_> {
             )?;
             let place = largest(pairs().map(|(a, b)| (xyz(&a.position) - b.position).length()));
             self.same("wind/sample", place, bounds.length)?;
+        }
+        w.local = rods::feel(s, w, &p);
+        if passes.through("force/feel") {
+            let got = stage.engine.read(&stage.engine.state().sampled).unwrap();
+            let gaps = got.iter().zip(&w.local).map(|(a, b)| (xyz(&a.wind) - b.wind).length());
+            self.same("force/feel", largest(gaps), bounds.speed)?;
         }
         for (pass, force) in rods::FORCES {
             force(s, w, &p);
@@ -135,12 +141,19 @@ impl Walk<'_> {
         if passes.through("rods/finish") {
             self.health("rods/finish", s)?;
         }
+        let given = |w: &Scratch| {
+            let given = stage.vectors(&stage.engine.state().drag_impulse);
+            let of = |(i, (a, b)): (usize, (&DVec3, &DVec3))| s.inverse_mass[i] * (*a - *b).length();
+            largest(given.iter().zip(&w.drag_impulse).enumerate().map(of))
+        };
         if passes.through("rods/place") {
             let got = &stage.vectors(&stage.engine.state().predicted)[..p.hair_points];
             self.same("rods/place", apart(got, &w.predicted[..p.hair_points]), bounds.length)?;
-            let given = stage.vectors(&stage.engine.state().drag_impulse);
-            let of = |(i, (a, b)): (usize, (&DVec3, &DVec3))| s.inverse_mass[i] * (*a - *b).length();
-            self.same("rods/place", largest(given.iter().zip(&w.drag_impulse).enumerate().map(of)), bounds.speed)?;
+            self.same("rods/place", given(w), bounds.speed)?;
+        }
+        w.drag_impulse = rods::keep(s, w, &p);
+        if passes.through("force/keep") {
+            self.same("force/keep", given(w), bounds.speed)?;
         }
         if passes.through("wind/react") {
             let change = rods::react(&p, &w.local, &w.drag_impulse, &w.predicted, &s.volume, &s.inverse_mass, &w.near);
@@ -179,6 +192,9 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::rods::CHOOSE, "led < TORN", "led > TORN", PARTICLES),
     (&shaders::wind::SAMPLE, "hair / params.air_density", "0.9 * hair / params.air_density", TWO_WAY),
     (&shaders::wind::DRAG, "params.lift", "0.9 * params.lift", DRAG),
+    (&shaders::force::FEEL, "gale_at(air.position).wind", "0.9 * gale_at(air.position).wind", FIELDS_ON_HAIR),
+    (&shaders::force::PUSH_HAIR, "pushed[p].xyz / w", "0.9 * pushed[p].xyz / w", PUSHED),
+    (&shaders::force::KEEP, "params.step * felt", "0.9 * params.step * felt", PUSHED),
     (&shaders::rods::LOAD, "params.step * point.inverse_mass", "0.9 * params.step * point.inverse_mass", TWO_WAY),
     (
         &shaders::rods::START,

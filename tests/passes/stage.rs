@@ -113,6 +113,17 @@ impl Stage {
         self.engine.read(&self.engine.state().health).unwrap()
     }
 
+    /// Sets accelerations of up to 30 m/s² along each axis for hair and air, rounded to f32.
+    pub fn push(&mut self) {
+        let pushed: Vec<_> =
+            stirred(self.twin.position.len()).into_iter().map(|v| (10.0 * v).as_vec3().as_dvec3()).collect();
+        let (hair, air) = pushed.split_at(self.parameters.hair_points);
+        self.engine.make_room_for_force(true).unwrap();
+        self.engine.write_force(hair, air).unwrap();
+        self.plan.set_force(true);
+        self.twin.pushed = pushed;
+    }
+
     /// Makes the engine's hair the twin's, so that what rounding made of one step is not held against the next.
     pub fn adopt(&self, s: &mut Twin) {
         let state = self.engine.state();
@@ -153,6 +164,9 @@ impl Stage {
         put(&mut s.position[first..], &from);
         put(&mut s.velocity[first..], &from);
         put(&mut s.pressed[first..], &from);
+        if !s.pushed.is_empty() {
+            put(&mut s.pushed[first..], &from);
+        }
     }
 
     pub fn numbers(&self, array: &Array<f32>) -> Vec<f64> {

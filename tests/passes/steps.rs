@@ -70,6 +70,20 @@ pub const PRESSED_HAIR: &[&str] = &[
 ];
 /// Settings with hair alone, solved by Gauss-Seidel.
 pub const SWEEPS: &[&str] = &["rods.solver=gauss-seidel", "interaction.model=none"];
+/// Force fields of each shape that overlap one another and the hair, one of them by keyframes.
+const THREE_FIELDS: &str = "force=[{name='a',field='jet',origin=[0.02,0.03,0.03],axis=[1,0.2,0],reach=0.06,radius=0.03,\
+    course=[{time=0,strength=0},{time=0.004,strength=4},{time=0.02,strength=-2}]},\
+    {name='b',field='vortex',origin=[0.06,0.03,0.03],axis=[0,1,1],reach=0.05,strength=-3,uptake=0.01},\
+    {name='c',field='point',origin=[0.05,0.02,0.03],reach=0.03,strength=2}]";
+/// Settings with force fields in air that hair slows.
+pub const FIELDS: &[&str] = &["fluid.solver=divergence", EXCHANGE, "hair.fibres_per_strand=30", THREE_FIELDS];
+/// Settings with force fields that drag hair without air.
+pub const FIELDS_ON_HAIR: &[&str] = &["interaction.model=drag", "interaction.lift=1.0", THREE_FIELDS];
+/// Setting of a scene in which accelerations are set for hair and air.
+const PUSH: &str = "title='pushed'";
+/// Settings with accelerations that are set, where hair and air exchange drag.
+pub const PUSHED: &[&str] =
+    &["fluid.solver=divergence", EXCHANGE, "hair.fibres_per_strand=30", "air.wind=[0,0,0]", PUSH];
 /// Settings of the method as printed.
 pub const PUBLISHED: &[&str] = &["method=published"];
 /// Settings with two bodies: one tumbles, one rests.
@@ -89,6 +103,9 @@ fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Resul
         initial.hair = Strands { point_offsets: vec![0], ..Strands::default() };
     }
     let mut stage = Stage::on(gpu, &scene, &initial);
+    if sets.iter().any(|set| set == PUSH) {
+        stage.push();
+    }
     let mut worst = Vec::new();
     for number in 1..=steps {
         let before = (number == 3).then(|| (stage.twin.clone(), stage.engine.slots().unwrap()));
@@ -154,6 +171,11 @@ fn steps_are_those_of_the_twin() {
         CROWDED,
         DIVERGENCE,
         PRESSED_HAIR,
+        FIELDS,
+        FIELDS_ON_HAIR,
+        &["hair.roots.center=[-0.02,0.03,0.03]", THREE_FIELDS],
+        PUSHED,
+        &["interaction.model=none", PUSH],
         &["fluid.solver=divergence", "fluid.coarse=false", "hair.strands=1"],
         &["hair.strands=1"],
         BODIES,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use windswept::{AdapterChoice, Gpu};
 use windswept_export::Schedule;
-use windswept_scene::{InitialState, Scene, SceneError};
+use windswept_scene::{Force, InitialState, Scene, SceneError};
 
 use crate::arguments::{Changes, SceneOptions};
 use crate::console::Console;
@@ -77,6 +77,10 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
             "wind",
             format!("({}) m/s, over {} s", settings.wind.map(|u| u.to_string()).join(", "), settings.ramp),
         ));
+    }
+    if !scene.forces.is_empty() {
+        let field = |force: &Force| format!("{} ({}, {} m/s at most)", force.name, force.field.word(), force.fastest());
+        rows.push(("forces", scene.forces.iter().map(field).collect::<Vec<_>>().join(", ")));
     }
     let bytes = windswept::memory_bytes(scene, initial)?;
     rows.push(("memory", format!("{:.1} MB on the GPU; the neighbour list may grow", megabytes(bytes))));

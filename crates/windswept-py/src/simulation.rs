@@ -12,6 +12,7 @@ use std::{
 use glam::{DQuat, DVec3};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::{
+    PyTraverseError, PyVisit,
     exceptions::PyUserWarning,
     prelude::*,
     types::{PyBytes, PyTuple},
@@ -40,7 +41,7 @@ use crate::{
 ///         frame.time, frame.hair.positions
 ///     sim.report()["max_stretch"]
 ///
-/// SI, right-handed, Y up. Between steps, `set_roots`, `set_wind`, `set_hair` and `set_air` drive it; `run` calls back for
+/// SI, right-handed, Y up. Between steps, `set_roots`, `set_wind`, `set_force`, `set_hair` and `set_air` drive it; `run` calls back for
 /// that. `render` draws it, `VtkHdfWriter` writes it.
 ///
 /// Args:
@@ -60,6 +61,8 @@ pub(crate) struct Simulation {
     snapshot: Mutex<Snapshot>,
     renderer: Mutex<Option<(Picture, Arc<Renderer>)>>,
     followers: Mutex<Option<Arc<windswept_export::Followers>>>,
+    /// The function that says what pushes in each step, where one was set.
+    force: Mutex<Option<Py<PyAny>>>,
 }
 
 /// Width and height of a picture \[px\].
@@ -87,6 +90,7 @@ impl Simulation {
             snapshot: Mutex::default(),
             renderer: Mutex::default(),
             followers: Mutex::default(),
+            force: Mutex::default(),
         }
     }
 
@@ -314,6 +318,62 @@ impl Simulation {
     fn set_wind(&self, py: Python<'_>, wind: &Bound<'_, PyAny>) -> PyResult<()> {
         let wind = DVec3::from_array(triple("wind", wind)?);
         self.run_engine(py, |sim| sim.set_wind(wind))
+    }
+
+    /// A force of your own, from the next step on until another one is set: accelerations of hair points and air particles. Without
+    /// arguments nothing is pushed any more.
+    ///
+    ///     sim.set_force(hair=np.broadcast_to(np.float32([0, 9.81, 0]), sim.hair.positions.shape))
+    ///     sim.set_force(callback=lambda frame: 50 * (center - frame.hair.positions))
+    ///
+    /// Held points ignore it, and sleeping strands wake when it changes. The air does not lose what hair gets from it, and pressure
+    /// takes out of it what would compress the air. Checkpoints and pickles hold the accelerations that were set last, and not a
+    /// callback.
+    ///
+    /// Args:
+    ///     hair: `(points, 3)` [m/s²]; None: hair is not pushed.
+    ///     air: `(n, 3)` [m/s²], in the order of `sim.air.positions`; None: air is not pushed.
+    ///     callback: called with the frame as it is before each step, in place of arrays; it returns the array of hair, or a tuple
+    ///         (hair, air) in which either may be None. What it raises ends the stepping there.
+    ///
+    /// Raises:
+    ///     ValueError: names the argument that has not a row for each point or particle, or numbers beyond 1e18.
+    #[pyo3(signature = (hair=None, air=None, *, callback=None))]
+    fn set_force(
+        &self,
+        py: Python<'_>,
+        hair: Option<&Bound<'_, PyAny>>,
+        air: Option<&Bound<'_, PyAny>>,
+        callback: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        if let Some(callback) = callback {
+            if hair.is_some() || air.is_some() {
+                return Err(of_value("callback", "expected no arrays beside it"));
+            }
+            if !callback.is_callable() {
+                return Err(of_value(
+                    "callback",
+                    format!("expected a function, found {}", callback.get_type().name()?),
+                ));
+            }
+            *lock(&self.force) = Some(callback.unbind());
+            return Ok(());
+        }
+        self.push(py, hair, air)?;
+        *lock(&self.force) = None;
+        Ok(())
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        match self.force.try_lock() {
+            Ok(force) => visit.call(&*force),
+            // Who holds it keeps it alive.
+            Err(_) => Ok(()),
+        }
+    }
+
+    fn __clear__(&self) {
+        *lock(&self.force) = None;
     }
 
     /// Puts air somewhere else; what is not given stays.

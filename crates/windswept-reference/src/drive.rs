@@ -1,10 +1,14 @@
 //! Heading 1: clamps move; the wind enters; air moves, and hair drifts among it.
 
+mod gale;
+
 use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
 use windswept_scene::{FluidSolver, InflowWave, Model};
 
+pub(crate) use self::gale::fields;
+pub use self::gale::{Field, course, draw, gale};
 use crate::{
     Parameters, State,
     rods::{self, Drive, rotation, rotation_vector},
@@ -25,7 +29,11 @@ pub fn run(s: &State, p: &Parameters) -> Scratch {
     let air = p.hair_points..s.position.len();
     let missed = miss(p, s.steps, &s.position[air.clone()], &s.velocity[air.clone()]);
     let lack = hold(p, s.steps, missed);
-    let wind_change: Vec<_> = air.clone().map(|i| fringe(p, s.steps, lack, s.position[i], s.velocity[i])).collect();
+    let added = |i: usize| {
+        let wind = fringe(p, s.steps, lack, s.position[i], s.velocity[i]);
+        wind + draw(p, s.steps, s.position[i], s.velocity[i] + wind) + push_air(p, s, i)
+    };
+    let wind_change: Vec<_> = air.clone().map(added).collect();
     for (i, change) in air.zip(&wind_change) {
         let v = s.velocity[i] + *change;
         (predicted[i], new_velocity[i]) = match p.solver {
@@ -97,6 +105,12 @@ pub fn lead(p: &Parameters, s: &State, i: usize) -> DVec3 {
     let carries = p.bdf2 && !s.asleep[strand] && s.calm[strand] + 1 >= rods::CALM_STEPS && s.inverse_mass[i] > 0.0;
     let change = if carries { s.velocity[i] - s.velocity_before[i] } else { DVec3::ZERO };
     s.velocity[i] + change / 3.0
+}
+
+/// Change of the velocity of air particle `i` by the acceleration that was set \[m/s\].
+#[must_use]
+pub fn push_air(p: &Parameters, s: &State, i: usize) -> DVec3 {
+    s.pushed.get(i).map_or(DVec3::ZERO, |a| p.step * *a)
 }
 
 /// Place wrap(x + Δt (v + ½ c)) of an air particle \[m\], and its velocity v + ⅓ c \[m/s\], by BDF2: v with what acts from

@@ -2,12 +2,13 @@
 
 use glam::{DVec3, IVec3};
 use windswept_scene::{
-    Air, Band, FluidSolver, InflowWave, InitialState, Integrator, Law, Model, Motion, Rest, Scene, Solver, Turbulence,
+    Band, FluidSolver, InflowWave, InitialState, Integrator, Law, Model, Motion, Rest, Scene, Solver, Turbulence,
     ViscosityForm,
 };
 
 use crate::{
     contact::{self, Body},
+    drive::{self, Field},
     sph_kernels::spiky_slope,
 };
 
@@ -23,12 +24,14 @@ pub struct Parameters {
     pub gravity: DVec3,
     /// Mean wind after the ramp \[m/s\].
     pub wind: DVec3,
-    /// Largest mean wind of the whole run \[m/s\].
+    /// Largest mean wind of the whole run, with the strongest force field \[m/s\].
     pub largest_wind: f64,
     /// Time in which the mean wind rises \[s\].
     pub ramp: f64,
     /// Gusts: times \[s\], and velocities that are added to the mean wind then \[m/s\].
     pub gust: Vec<(f64, DVec3)>,
+    /// Force fields.
+    pub fields: Vec<Field>,
     /// Waves of the turbulence that the wind brings in.
     pub inflow: Vec<InflowWave>,
     /// Thickness of the fringe \[m\].
@@ -128,11 +131,12 @@ impl Parameters {
             step: scene.time.step / substeps,
             gravity: DVec3::from_array(scene.gravity),
             wind: air.map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind)),
-            largest_wind: air.map_or(0.0, Air::largest_wind),
+            largest_wind: scene.largest_wind(),
             ramp: air.map_or(0.0, |air| air.ramp),
             gust: air.map_or_else(Vec::new, |air| {
                 air.gust.iter().map(|gust| (gust.time, DVec3::from_array(gust.velocity))).collect()
             }),
+            fields: drive::fields(scene, initial),
             inflow: air.and_then(|air| air.inflow).map_or_else(Vec::new, |inflow| inflow.waves(initial.air.size)),
             fringe: air.map_or(0.0, |air| air.fringe),
             box_size: initial.air.size,

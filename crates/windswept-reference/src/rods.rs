@@ -15,14 +15,14 @@ use windswept_scene::Model;
 use self::integrate::{cross_matrix, nearest_rest};
 pub use self::{
     direct::{FITS, QUIET, direct},
-    drag::{Local, ahead, drag, follows_wind, react, sample, undisturbed, weight},
+    drag::{Local, ahead, drag, follows_wind, react, sample, undisturbed, undisturbed_part, weight},
     finish::{finish, forget, hold, place, remember, rescue, settle, still},
     gauss_seidel::gauss_seidel,
     integrate::{damping, free_move, largest_moves, rate, response, rotation, rotation_vector, turned},
     start::{Choice, choose, load, start},
     within::{Drive, Load, Moving, Point, Segment, State},
 };
-use crate::{Parameters, state, step::Scratch};
+use crate::{Parameters, drive, state, step::Scratch};
 
 /// Stretch |l/l0 − 1| of a segment beyond which its strand is strained.
 pub const STRAINED: f64 = 0.05;
@@ -54,11 +54,12 @@ pub const STILL_TURN: f64 = 1e-3;
 pub type Force = fn(&mut state::State, &mut Scratch, &Parameters);
 
 /// Forces on hair from outside its rods, each with the name of its pass, in the order in which they act.
-pub const FORCES: &[(&str, Force)] = &[("wind/drag", drag::act)];
+pub const FORCES: &[(&str, Force)] = &[("wind/drag", drag::act), ("force/push_hair", push_hair)];
 
 /// Runs the heading: strands keep their length and shape, and what drag gave them the air loses.
 pub fn run(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     begin(s, w, p);
+    w.local = feel(s, w, p);
     FORCES.iter().for_each(|(_, force)| force(s, w, p));
     bear(s, w, p);
     set_off(s, w, p);
@@ -73,6 +74,7 @@ pub fn run(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
         gauss_seidel(p, &s.hair, strand, &w.drives[strand], &mut w.moving);
     }
     leave(s, w, p);
+    w.drag_impulse = keep(s, w, p);
     if exchanges(p) {
         let change = react(p, &w.local, &w.drag_impulse, &w.predicted, &s.volume, &s.inverse_mass, &w.near);
         w.new_velocity[p.hair_points..].iter_mut().zip(change).for_each(|(v, change)| *v += change);
@@ -99,6 +101,40 @@ pub fn begin(s: &state::State, w: &mut Scratch, p: &Parameters) {
     } else {
         vec![undisturbed(w.blowing); p.hair_points]
     };
+}
+
+/// Air at every hair point with the wind of force fields, where no air carries it: to the part to which the mean wind counts there.
+#[must_use]
+pub fn feel(s: &state::State, w: &Scratch, p: &Parameters) -> Vec<Local> {
+    let at = |(i, local): (usize, &Local)| {
+        let position = if exchanges(p) { local.position } else { s.position[i] + p.step * s.velocity[i] };
+        let (wind, _) = drive::gale(p, s.steps, position);
+        Local { wind: local.wind + undisturbed_part(local) * wind, ..*local }
+    };
+    w.local.iter().enumerate().map(at).collect()
+}
+
+/// Adds the force m a of the acceleration that was set to the load of each hair point that nothing holds.
+pub fn push_hair(s: &mut state::State, w: &mut Scratch, _: &Parameters) {
+    for ((load, a), inverse_mass) in w.hair_force.iter_mut().zip(&s.pushed).zip(&s.inverse_mass) {
+        if *inverse_mass > 0.0 {
+            load.force += *a / *inverse_mass;
+        }
+    }
+}
+
+/// Impulses of the air's drag \[N s\]: those of the whole load without what the acceleration that was set gave. A force that was cut
+/// cuts both alike.
+#[must_use]
+pub fn keep(s: &state::State, w: &Scratch, p: &Parameters) -> Vec<DVec3> {
+    let mut impulses = w.drag_impulse.clone();
+    for (i, a) in s.pushed.iter().enumerate().take(p.hair_points) {
+        let (all, felt) = (w.hair_force[i].force.length(), w.moving.points[i].load.force.length());
+        if s.inverse_mass[i] > 0.0 && all > 0.0 {
+            impulses[i] -= p.step * (felt / all).min(1.0) / s.inverse_mass[i] * *a;
+        }
+    }
+    impulses
 }
 
 /// Hands the loads to the rods.

@@ -83,6 +83,8 @@ pub struct State {
     pub max_stretch: f64,
     /// Impulse that confinement gave the air so far \[kg m/s\].
     pub confinement_impulse: DVec3,
+    /// Acceleration that was set for each particle \[m/s²\]; empty without one.
+    pub pushed: Vec<DVec3>,
     /// Volume of each particle \[m³\].
     pub volume: Vec<f64>,
     /// Inverse mass of each particle \[1/kg\].
@@ -142,6 +144,7 @@ impl State {
             limited: 0,
             max_stretch: 0.0,
             confinement_impulse: DVec3::ZERO,
+            pushed: Vec::new(),
             volume: each(&hair.volume, initial.air.volume),
             inverse_mass: each(&hair.inverse_mass, 1.0 / initial.air.mass),
             hair,

@@ -56,7 +56,7 @@ impl Document {
     pub(crate) fn shown(&self, error: SceneError) -> SceneError {
         let lone = |key: &&str| matches!(self.entries.get(*key), Some(Entry { datum: Datum::Tables(1), .. }));
         let error = self.called.iter().fold(error, |error, (real, called)| error.renamed(real, called));
-        let lone = ["hair", "body"].into_iter().filter(lone);
+        let lone = ["hair", "body", "force"].into_iter().filter(lone);
         lone.fold(error, |error, table| error.renamed(&format!("{table}.0"), table))
     }
 
@@ -151,7 +151,7 @@ fn datum(kind: Kind, value: &Value) -> Option<Datum> {
             let count = value.as_integer().and_then(|n| u32::try_from(n).ok());
             count.filter(|n| (least..=most).contains(n)).map(Datum::Count)
         }
-        Kind::Length | Kind::Positive | Kind::NonNegative | Kind::Fraction | Kind::Share => {
+        Kind::Number | Kind::Length | Kind::Positive | Kind::NonNegative | Kind::Fraction | Kind::Share => {
             number(value).filter(|x| kind.holds(*x)).map(Datum::Number)
         }
         Kind::Vector => vector(value).map(Datum::Vector),

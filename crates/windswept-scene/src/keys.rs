@@ -17,6 +17,8 @@ pub enum Kind {
     Count(u32, u32),
     /// A length in metres greater than 0.
     Length,
+    /// A number.
+    Number,
     /// A number greater than 0.
     Positive,
     /// A number of at least 0.
@@ -140,6 +142,7 @@ impl Kind {
             Self::Bool => "true or false".to_owned(),
             Self::Count(least, most) => format!("a whole number of at least {least}, at most {most}"),
             Self::Length => "a length in metres greater than 0".to_owned(),
+            Self::Number => "a number".to_owned(),
             Self::Positive => "a number greater than 0".to_owned(),
             Self::NonNegative => "a number of at least 0".to_owned(),
             Self::Fraction => "a number from 0 to below 1".to_owned(),

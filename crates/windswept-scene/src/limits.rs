@@ -65,6 +65,8 @@ pub const MOST_PAIRS: f64 = 1e11;
 
 /// Most bodies of a scene: every hair point and every air particle looks at every body, twice in a step.
 pub const MOST_BODIES: usize = 1024;
+/// Most force fields of a scene: every air particle and every hair point looks at every field, once in a step.
+pub const MOST_FORCES: usize = 256;
 /// Most triangles of a mesh file: with their tree they take 300 B each, 1.3 GB in all.
 pub const MOST_TRIANGLES: usize = 1 << 22;
 /// Most nodes of a grid of distances: 128 MiB at 4 B a node, which is the largest buffer that every adapter binds; 0.7 GB while the

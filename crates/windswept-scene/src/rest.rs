@@ -3,7 +3,7 @@
 use crate::{
     initial::{End, Strands},
     limits::MOST_REPEATS,
-    scene::{Air, Model, Scene, Solver},
+    scene::{Model, Scene, Solver},
 };
 
 /// Error that a strand may have while it is left alone, from each cause \[lengths of the strand\].
@@ -93,7 +93,7 @@ impl Strands {
             inside.map(|(k, p)| of(k, 1.0 / self.inverse_mass[p])).fold(0.0, f64::max)
         };
         let drags = matches!(scene.interaction.model, Model::Drag | Model::TwoWay);
-        let wind = scene.air.as_ref().filter(|_| drags).map_or(0.0, Air::largest_wind);
+        let wind = if drags { scene.largest_wind() } else { 0.0 };
         // As many as bring both below their bounds: one goes with the square of the step, the other with its cube.
         let parts = |s: usize| {
             let length: f64 = self.rest_length[self.segments(s)].iter().sum();

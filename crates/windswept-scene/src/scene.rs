@@ -17,6 +17,7 @@ use crate::{
     body::Body,
     declare::{Field, Row, table, words},
     error::SceneError,
+    force::Force,
     initial::End,
     keys::{
         Fallback::{self, Absent, Needed, Value},
@@ -58,6 +59,8 @@ table! {
         hair: Vec<Hair> = Tables, "", Absent("no hair: a groom must be given");
         /// Bodies that hair and air stay out of; several as `[[body]]`, each with a name.
         bodies as "body": Vec<Body> = Tables, "", Absent("no bodies");
+        /// Force fields: winds of their own; several as `[[force]]`, each with a name.
+        forces as "force": Vec<Force> = Tables, "", Absent("no force fields");
         /// Wind and air particles.
         air: Option<Air> = Table, "", Absent("with model none only");
         /// Interaction of hair and air.
@@ -248,7 +251,7 @@ impl Scene {
         self.fluid.pressure_iterations.unwrap_or(if self.interaction.model == Model::Particles { 4 } else { 2 })
     }
 
-    /// A warning where the mean wind carries air farther in a step of `time.substeps` substeps than its pressure keeps up with;
+    /// A warning where the mean wind and a force field carry air farther in a step of `time.substeps` substeps than its pressure keeps up with;
     /// `None` where it does not, or without air.
     #[must_use]
     pub fn why_too_fast(&self) -> Option<String> {
@@ -275,6 +278,7 @@ impl Scene {
         };
         names("hair", self.hair.iter().map(|hair| &hair.name).collect())?;
         names("body", self.bodies.iter().map(|body| &body.name).collect())?;
+        names("force", self.forces.iter().map(|force| &force.name).collect())?;
         if self.bodies.len() > MOST_BODIES {
             let words = format!("expected at most {MOST_BODIES} bodies, found {}", self.bodies.len());
             return Err(reader.fault("body", words));
@@ -303,6 +307,7 @@ impl Scene {
         }
         self.check_bands(reader)?;
         self.check_bodies(reader)?;
+        self.check_forces(reader)?;
         self.check_picture(reader)?;
         Ok(self)
     }

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::{
     body::{Shape, blocked},
+    force::ForceField,
     initial::{AirParticles, Strands},
     limits::MOST_REPEATS,
     scene::{Air, Bounds, FRICTION, FluidSolver, Model, Scene},
@@ -21,6 +22,12 @@ const MUCH_BLOCKED: f64 = 0.3;
 pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles, substeps: u32) -> Vec<String> {
     let mut warnings = Vec::from_iter(of_wind(scene, air, substeps));
     let spacing = air.parcel().cbrt();
+    for jet in scene.forces.iter().filter(|force| force.field == ForceField::Jet && air.is_still()) {
+        warnings.push(format!(
+            "force.{}: without a mean wind the air that a jet blows out of the box comes in again on the other side",
+            jet.name
+        ));
+    }
     let ratio = air.kernel_radius / spacing;
     if !TRIED.contains(&ratio) {
         warnings.push(format!(
@@ -49,9 +56,9 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles, substep
     warnings
 }
 
-/// A warning where the mean wind carries air farther in a substep than its pressure keeps up with.
+/// A warning where the mean wind and a force field carry air farther in a substep than its pressure keeps up with.
 pub(crate) fn of_wind(scene: &Scene, air: &Air, substeps: u32) -> Option<String> {
-    let way = air.largest_wind() * scene.time.step / air.parcel().cbrt();
+    let way = scene.largest_wind() * scene.time.step / air.parcel().cbrt();
     let most = farthest(scene);
     if way <= most * f64::from(substeps) {
         return None;
@@ -91,6 +98,14 @@ pub(crate) fn of_idle(scene: &Scene) -> Vec<String> {
     idle(in_sums && fluid.tension > 0.0, "fluid.tension", why);
     let without = !scene.interaction.model.has_air();
     idle(without && scene.viscosity.smagorinsky > 0.0, "viscosity.smagorinsky", "the scene has no air particles");
+    for force in &scene.forces {
+        let key = format!("force.{}", force.name);
+        idle(scene.interaction.model == Model::None, &key, "interaction.model is none: hair alone");
+        let point = force.field == ForceField::Point && scene.interaction.model.has_air() && !pbf;
+        let why =
+            "a point's wind would compress the air, whose pressure takes it up; only hair outside the box feels it";
+        idle(point, &key, why);
+    }
     warnings
 }
 
@@ -163,7 +178,7 @@ pub(crate) fn of_bodies(scene: &Scene, hair: &Strands, bodies: &[Shape]) -> Vec<
 /// Warnings about bodies that the wind must pass, or that it steps over.
 pub(crate) fn of_blocked(scene: &Scene, air: &Air, bounds: &Bounds, bodies: &[Shape], substeps: u32) -> Vec<String> {
     let mut warnings = Vec::new();
-    let far = air.largest_wind() * scene.time.step / f64::from(substeps);
+    let far = scene.largest_wind() * scene.time.step / f64::from(substeps);
     for body in scene.bodies.iter().filter(|body| far > 2.0 * body.shape.inradius()) {
         warnings.push(format!(
             "air moves {far:.1e} m in a step and may pass through body {}, which is thinner: a shorter time.step stops it",

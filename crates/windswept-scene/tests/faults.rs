@@ -113,6 +113,18 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[rods]\nnewton = 0\n[air]", 12, "rods.newton", &["at least 1, at most 100"]),
     ("[air]", "[rods]\ninternal_damping = 0.1\n[air]", 12, "rods.internal_damping", &["not in this version"]),
     ("[air]", "[turbulence]\nnormalise = true\nfilter = \"direct\"\n[air]", 12, "turbulence.normalise", &["turbulence.filter = \"grid\" with it"]),
+    // Force fields.
+    ("[air]", "[[force]]\nfield = \"wind\"\n[air]", 12, "force.field", &["one of \"jet\", \"vortex\", \"point\""]),
+    ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\nreach = 0.1\nstrength = 1\n[air]", 11, "force.axis", &["is missing: field \"jet\" has one"]),
+    ("[air]", "[[force]]\nfield = \"point\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nstrength = 1\n[air]", 14, "force.axis", &["expected no axis with field \"point\""]),
+    ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [0, 0, 0]\n[air]", 14, "force.axis", &["not all 0"]),
+    ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0\n[air]", 15, "force.reach", &["greater than 0, found 0"]),
+    ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nstrength = nan\n[air]", 16, "force.strength", &["expected a number [m/s], found nan"]),
+    ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\n[air]", 11, "force.strength", &["is missing", "course"]),
+    ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nstrength = 1\ncourse = [{ time = 0, strength = 1 }]\n[air]", 16, "force.strength", &["beside course"]),
+    ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\ncourse = [{ time = 1, strength = 1 }, { time = 1, strength = 2 }]\n[air]", 16, "force.course.1.time", &["after that of the keyframe before, 1 s; found 1"]),
+    ("[air]", "[[force]]\nfield = \"vortex\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nradius = 0.06\nstrength = 1\n[air]", 16, "force.radius", &["at most half of reach, 0.05 m, with field \"vortex\"; found 0.06"]),
+    ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nstrength = 1\n[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nstrength = 1\n[air]", 17, "force.1.name", &["a name of its own for each [[force]]"]),
     // Eddies and drag.
     ("[air]", "[interaction]\nlift = -2\n[air]", 12, "interaction.lift", &["at least 0, found -2"]),
     ("[air]", "[turbulence]\nbands = [{ scale = 0 }]\n[air]", 12, "turbulence.bands.0.scale", &["greater than 0"]),

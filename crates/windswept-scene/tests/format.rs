@@ -116,7 +116,7 @@ fn explain_lists_every_key_with_type_unit_default_and_help() {
 /// Every default of the table is a value that the key takes.
 #[test]
 fn defaults_can_be_spelled() {
-    let elsewhere = ["hair.", "body.", "turbulence.bands."];
+    let elsewhere = ["hair.", "body.", "force.", "turbulence.bands."];
     for key in KEYS.iter().filter(|key| !elsewhere.iter().any(|table| key.path.starts_with(table))) {
         for default in [true, false].into_iter().filter_map(|accurate| key.default_of(accurate)) {
             scene(QUICK, &[&format!("{}={default}", key.path)]);
@@ -200,6 +200,11 @@ fn a_scene_written_out_is_the_same_scene() {
          [[body.motion]]\ntime = 0.75\nrotation = [0, 0.1, -3.0]\n\
          [[body]]\nname = \"neck\"\nshape = \"capsule\"\nradius = 0.01\nstart = [0.05, 0, 0.05]\nend = [0.05, 0.03, 0.05]\nfriction = 0\n"
     );
+    let forces = format!(
+        "{LEAST}\n[[force]]\nname = \"fan\"\nfield = \"jet\"\norigin = [0, 0.1, 0]\naxis = [1, 2, 0]\nreach = 0.2\n\
+         course = [{{ time = 0, strength = -1 }}, {{ time = 1, strength = 2 }}]\n\
+         [[force]]\nfield = \"point\"\norigin = [0, 0, 0]\nreach = 0.1\nradius = 0.05\nuptake = 0.02\nstrength = 0\n"
+    );
     let camera = ["camera.eye=[1,2,3]", "camera.target=[0,0,0.1]", "camera.fov=40"];
     for (text, sets) in [
         (QUICK, &[][..]),
@@ -211,6 +216,7 @@ fn a_scene_written_out_is_the_same_scene() {
         (QUICK, &["camera.width=1920"]),
         (&groups, &camera),
         (&bodies, &["body.neck.friction=0.5"]),
+        (&forces, &["force.fan.reach=0.3"]),
     ] {
         let scene = scene(text, sets);
         let written = scene.to_toml();

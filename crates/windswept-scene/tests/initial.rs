@@ -132,6 +132,18 @@ fn a_user_is_warned() {
         (&["air.kernel_radius=6e-3"], "air.kernel_radius is 1.24 particle spacings"),
         (&["hair.curl={radius=1e-3,pitch=0.01}"], "hair hair: the curl turns by 305 degrees per segment"),
         (
+            &["force={name='sink',field='point',origin=[0,0,0],reach=0.1,strength=-0.1}"],
+            "force.sink does nothing: a point's wind would compress the air",
+        ),
+        (
+            &["force={field='point',origin=[0,0,0],reach=0.1,strength=-1}", "interaction.model=none"],
+            "force.force does nothing: interaction.model is none",
+        ),
+        (
+            &["force={field='jet',origin=[0,0,0],axis=[1,0,0],reach=0.1,strength=1}", "air.wind=[0,0,0]"],
+            "force.force: without a mean wind the air that a jet blows out of the box comes in again",
+        ),
+        (
             &["hair.friction=0.5", "interaction.model=drag"],
             "hair.hair.friction does nothing: only with interaction.model two-way",
         ),

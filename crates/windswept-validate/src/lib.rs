@@ -11,6 +11,7 @@ mod contact;
 mod coupled;
 mod exchange;
 mod fluid;
+mod force;
 mod friction;
 mod hair_in_wind;
 mod kernels;
@@ -68,6 +69,8 @@ pub const CHECKS: &[Check] = &[
     Check { name: "lattices", run: kernels::lattices },
     Check { name: "wind", run: wind::drive },
     Check { name: "drag", run: wind::drag },
+    Check { name: "force-fields", run: force::fields },
+    Check { name: "set-force", run: force::set },
     Check { name: "density", run: fluid::density_error },
     Check { name: "rods-rest", run: rods::at_rest },
     Check { name: "rods-static", run: rods::hanging },

@@ -130,16 +130,31 @@ const FIBRE_DENSITY: f64 = 1320.0;
 /// Coefficient of lift C_l of the oblique strand.
 const LIFT: f64 = 0.7;
 
-/// A loose straight strand in the wind, drag model, and where it is after so many steps.
-fn blown(gpu: &Gpu, direction: DVec3, gravity: f64, lift: f64, steps: u64) -> Result<Vec<DVec3>, Error> {
+/// Resistance of a fibre to air that passes across it, per length \[kg/(m s)\]: ρ r (u + 10 (2r/ν)^(−2/3) u^(1/3)).
+pub(crate) fn across(u: f64) -> f64 {
+    REST_DENSITY * FIBRE * (u + 10.0 * (2.0 * FIBRE / Air::KINEMATIC_VISCOSITY).powf(-2.0 / 3.0) * u.cbrt())
+}
+
+/// Mass of a fibre per length \[kg/m\].
+pub(crate) const FIBRE_MASS: f64 = FIBRE_DENSITY * PI * FIBRE * FIBRE;
+
+/// A loose straight strand at the origin in a wind, drag model, with these keys as well, and how fast it is after so many steps.
+pub(crate) fn blown(
+    gpu: &Gpu,
+    wind: DVec3,
+    direction: DVec3,
+    [gravity, lift]: [f64; 2],
+    keys: &str,
+    steps: u64,
+) -> Result<Vec<DVec3>, Error> {
     let text = format!(
         "interaction = {{ model = \"drag\", lift = {lift} }}\ngravity = [0, {}, 0]\n\
          time = {{ step = {STEP}, duration = 1.0 }}\nrods.sleep = false\n\
          air = {{ wind = {:?}, ramp = 0.0, rest_density = {REST_DENSITY}, kinematic_viscosity = {} }}\n\
          [hair]\nstrands = 1\npoints = 6\nlength = 0.05\nradius = {FIBRE}\ndensity = {FIBRE_DENSITY}\nroot = \"free\"\n\
-         roots = {{ center = [0, 0, 0], radius = 1e-3, direction = {:?} }}\n",
+         roots = {{ center = [0, 0, 0], radius = 1e-3, direction = {:?} }}\n{keys}",
         0.0 - gravity,
-        WIND.to_array(),
+        wind.to_array(),
         Air::KINEMATIC_VISCOSITY,
         direction.to_array()
     );
@@ -154,14 +169,12 @@ fn blown(gpu: &Gpu, direction: DVec3, gravity: f64, lift: f64, steps: u64) -> Re
 /// strand in a step.
 pub(crate) fn drag(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let width = 2.0 * FIBRE;
-    let mass = FIBRE_DENSITY * PI * FIBRE * FIBRE;
     let pressure = 0.5 * REST_DENSITY * width;
-    // k_n and k_t are resistances to the wind across and along the strand, per length.
-    let across = |u: f64| pressure * (u + 10.0 * (width / Air::KINEMATIC_VISCOSITY).powf(-2.0 / 3.0) * u.cbrt());
+    // The resistance to the wind along the strand, per length.
     let along = |u: f64| pressure * 5.4 * (Air::KINEMATIC_VISCOSITY * u / width).sqrt();
 
-    let falls = blown(gpu, DVec3::Z, GRAVITY, 0.0, 600)?;
-    let excess = |u: f64| across(u) * u - mass * GRAVITY;
+    let falls = blown(gpu, WIND, DVec3::Z, [GRAVITY, 0.0], "", 600)?;
+    let excess = |u: f64| across(u) * u - FIBRE_MASS * GRAVITY;
     let (mut low, mut high) = (0.0, 10.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -187,10 +200,10 @@ pub(crate) fn drag(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 
     let tangent = DVec3::new(FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0);
     let normal = DVec3::new(FRAC_1_SQRT_2, -FRAC_1_SQRT_2, 0.0);
-    let given = blown(gpu, tangent, 0.0, LIFT, 1)?;
+    let given = blown(gpu, WIND, tangent, [0.0, LIFT], "", 1)?;
     let u = WIND.dot(normal);
-    let (share_across, share_along) = (STEP * across(u) / mass, STEP * along(u) / mass);
-    let lift = STEP * pressure * LIFT * u / mass * tangent.cross(WIND).length() / (1.0 + share_across);
+    let (share_across, share_along) = (STEP * across(u) / FIBRE_MASS, STEP * along(u) / FIBRE_MASS);
+    let lift = STEP * pressure * LIFT * u / FIBRE_MASS * tangent.cross(WIND).length() / (1.0 + share_across);
     for (name, axis, expected) in [
         ("across it", normal, share_across / (1.0 + share_across) * u),
         // The rods resist by the larger of the two; the smaller acts on the velocity at the start of the step, 0.

@@ -96,6 +96,8 @@ impl Engine {
         self.write(&s.status, &[Status { wind: [u, v, w], wind_before: [u, v, w], ..status::start() }])?;
         self.write(&s.wind_table, &setup.wind_table)?;
         self.write(&s.inflow, &setup.waves)?;
+        self.write(&s.fields, &setup.fields.fields)?;
+        self.write(&s.field_course, &setup.fields.course)?;
         self.write(&s.inverse_mass, &inverse_mass)?;
         self.write(&s.keyframes, &setup.motions.keyframes)?;
         self.write(&s.bodies, &bodies::bodies(scene, initial, &setup.motions))?;
@@ -361,6 +363,31 @@ impl Engine {
                 self.gpu.queue.submit([encoder.finish()]);
             },
         )
+    }
+
+    /// Makes room for the accelerations of all particles, or gives it back. Programs made before bind the old array.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the adapter has no room.
+    pub fn make_room_for_force(&mut self, pushes: bool) -> Result<(), GpuError> {
+        let pushed = if pushes { self.sizes.particles } else { 0 };
+        if self.sizes.pushed == pushed {
+            return Ok(());
+        }
+        let sizes = Sizes { pushed, ..self.sizes };
+        let state = State::new(&sizes);
+        self.memory.reallocate(&self.gpu, &state.pushed)?;
+        (self.sizes, self.state) = (sizes, state);
+        Ok(())
+    }
+
+    /// Writes accelerations \[m/s²\] of hair points and of air by stable id, for which there is room.
+    ///
+    /// # Errors
+    /// [`GpuError`] when they do not fit or the device is lost.
+    pub fn write_force(&self, hair: &[DVec3], air: &[DVec3]) -> Result<(), GpuError> {
+        let rows: Vec<_> = hair.iter().chain(air).map(|a| vec4(*a, 0.0)).collect();
+        self.write(&self.state.pushed, &rows)
     }
 
     /// Replaces the neighbour list by one of `capacity` words. Programs made before bind the old one.

@@ -151,9 +151,12 @@ pub enum RunError {
         /// The step that needs them.
         step: u64,
     },
-    /// A root, wind or state that the caller gave cannot be used.
+    /// A root, wind, force or state that the caller gave cannot be used.
     #[error("{0}")]
     Input(String),
+    /// The caller's function that says what pushes hair and air failed.
+    #[error("the callback of the force: {0}")]
+    Callback(#[source] Box<dyn std::error::Error + Send + Sync>),
     /// A quantity of the state cannot be measured.
     #[error("measuring the state: {0}")]
     Measurement(String),

@@ -7,7 +7,8 @@
 //!   [`windswept_scene::Scene`], read from a file or made in code, becomes a [`Simulation`], of the scene's own strands or of a
 //!   groom ([`Simulation::with_groom`]).
 //! * **Step.** [`Simulation::step`] runs steps and waits for them; [`Simulation::record`] and [`Simulation::settle`] put them
-//!   into the program's own command encoder. [`Simulation::set_roots`] and [`Simulation::set_wind`] drive it between steps.
+//!   into the program's own command encoder. [`Simulation::set_roots`], [`Simulation::set_wind`] and
+//!   [`Simulation::set_force`] drive it between steps.
 //! * **Read.** [`Simulation::frame`] is the state as arrays, [`Simulation::report`] what ran, how fast and how well.
 //! * **Keep.** [`Simulation::save`] writes all that lasts from step to step into a file, [`Simulation::load`] goes on from it with
 //!   the same bits.
@@ -35,6 +36,7 @@ mod clusters;
 mod coarse;
 mod engine;
 mod error;
+mod fields;
 mod frame;
 pub mod gpu;
 mod meshes;
@@ -62,7 +64,7 @@ pub use frame::{AirFrame, Frame, HairFrame};
 pub use gpu::{AdapterChoice, AdapterInfo, Gpu, adapters};
 pub use plan::{BufferRow, PlanRow, Uses, buffers, memory_bytes, table as plan};
 pub use report::{BandEnergy, Counts, PassReport, Report, Reset, SkippedReport};
-pub use simulation::{Buffers, Checkpoint, Simulation};
+pub use simulation::{Accelerations, Buffers, Checkpoint, Simulation};
 
 /// Parts that tests and `windswept validate` look at. They are no part of the interface and change without notice.
 #[doc(hidden)]

@@ -59,6 +59,11 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
             (FluidSolver::Divergence, Model::TwoWay) => hair_points,
             (FluidSolver::Divergence, _) => 0,
         },
+        sampled: u32::from(match scene.interaction.model {
+            Model::TwoWay => true,
+            Model::Particles | Model::Drag => scene.why_no_fields().is_none(),
+            Model::None => false,
+        }),
         model: match scene.interaction.model {
             Model::Particles => PARTICLES,
             Model::TwoWay => TWO_WAY,

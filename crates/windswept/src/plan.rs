@@ -46,6 +46,10 @@ pub struct Plan {
     pub wind: Decision,
     /// Whether the wind draws the air behind the faces that it enters through, and is held at what it is there.
     pub fringe: Decision,
+    /// Whether the scene has force fields that do something.
+    pub fields: Decision,
+    /// Whether a force was set that pushes hair and air.
+    pub pushes: Decision,
     /// Whether particles meet, so that the neighbour list is made.
     pub neighbours: Decision,
     /// How particles are sorted for the neighbour search.
@@ -144,7 +148,9 @@ impl Plan {
             Model::Particles | Model::TwoWay => Decision::when(air.runs, "no air moves"),
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),
         });
-        let is_still = scene.air.as_ref().is_none_or(Air::is_still);
+        let no_fields = scene.why_no_fields();
+        let fields = Decision::when(no_fields.is_none(), no_fields.unwrap_or_default());
+        let is_still = scene.air.as_ref().is_none_or(Air::is_still) && !fields.runs;
         let (blows, wind) = wind(&Decision::when(!is_still, "air.wind is zero"), &air, &drag);
         let two_way = scene.interaction.model == Model::TwoWay;
         let is_pbf = scene.fluid.solver == FluidSolver::Pbf;
@@ -195,6 +201,8 @@ impl Plan {
             air,
             blows,
             wind,
+            fields,
+            pushes: Decision::when(false, "no force was set"),
             fringe: Decision::when(scene.air.as_ref().is_some_and(|air| air.fringe > 0.0), "air.fringe is 0"),
             neighbours,
             sort: Sort::new(&setup.params),
@@ -235,6 +243,14 @@ impl Plan {
         let changed = blows != self.blows;
         (self.blows, self.wind) = (blows, wind);
         changed
+    }
+
+    /// Lets the force that the caller sets push from now on, or lets it push no longer. It reaches air through the wind's passes.
+    pub fn set_force(&mut self, pushes: bool) {
+        self.pushes = Decision::when(pushes, "no force was set");
+        if pushes {
+            self.set_wind();
+        }
     }
 
     /// Invocations of a pass over the clusters that the density constraint has to do with.

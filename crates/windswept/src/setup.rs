@@ -1,13 +1,13 @@
 //! What the engine makes of a scene and its initial state, once: uniforms, tables, and how many of everything.
 
-use windswept_scene::{Filter, FluidSolver, InitialState, Model, Scene};
+use windswept_scene::{Filter, FluidSolver, InitialState, Scene};
 use windswept_shaders::{
     common::{inflow::Wave, mesh::Mesh, params::Params},
     fluid::divergence::Iteration,
 };
 
 use crate::{
-    bands::Bands, coarse::Coarse, meshes::Meshes, motion::Motions, params, pressure, state::Sizes,
+    bands::Bands, coarse::Coarse, fields::Fields, meshes::Meshes, motion::Motions, params, pressure, state::Sizes,
     step::neighbours::Sort, winds,
 };
 
@@ -30,6 +30,7 @@ pub struct Setup<'a> {
     pub(crate) motions: Motions,
     pub(crate) wind_table: Vec<[f32; 4]>,
     pub(crate) waves: Vec<Wave>,
+    pub(crate) fields: Fields,
     sizes: Sizes,
 }
 
@@ -48,6 +49,7 @@ impl<'a> Setup<'a> {
         let motions = Motions::new(scene);
         let wind_table = winds::table(scene);
         let waves = winds::waves(scene, initial);
+        let fields = Fields::new(scene, initial);
         let nodes = meshes.nodes.min(u32::MAX.into()) as u32;
         let direct = scene.turbulence.filter == Filter::Direct && !bands.tasks.is_empty();
         let sort = Sort::new(&params);
@@ -66,7 +68,7 @@ impl<'a> Setup<'a> {
             neighbours: 0,
             band_tasks: bands.tasks.len() as u32,
             direct_filter: if direct { params.particles } else { 0 },
-            sampled: if scene.interaction.model == Model::TwoWay { params.hair_points } else { 0 },
+            sampled: if params.sampled != 0 { params.hair_points } else { 0 },
             pressed: if divergence { params.particles } else { 0 },
             relaxations: iterations.len() as u32,
             coarse_nodes: coarse.as_ref().map_or(0, Coarse::nodes),
@@ -75,12 +77,15 @@ impl<'a> Setup<'a> {
             bodies: scene.bodies.len() as u32,
             wind_table: wind_table.len() as u32,
             waves: waves.len() as u32,
+            fields: fields.fields.len() as u32,
+            field_keys: fields.course.len() as u32,
+            pushed: 0,
             mesh_tasks: (meshes.uniforms.len() + coarse.as_ref().map_or(0, |coarse| coarse.uniforms.len())) as u32,
             grids: meshes.grids.len() as u32,
             nodes,
             taps: meshes.taps.len() as u32,
         };
-        Self { scene, initial, params, bands, meshes, coarse, iterations, motions, wind_table, waves, sizes }
+        Self { scene, initial, params, bands, meshes, coarse, iterations, motions, wind_table, waves, fields, sizes }
     }
 
     /// How many of everything, with a neighbour list of no entries.

@@ -3,6 +3,7 @@
 mod checkpoint;
 mod drive;
 mod energy;
+mod force;
 mod recover;
 mod report;
 mod trace;
@@ -14,6 +15,7 @@ use windswept_scene::{Groom, InitialState, Scene};
 use windswept_shaders::common::status::{NON_FINITE_AIR, Status, TOO_MANY_BAD_STRANDS};
 
 pub use checkpoint::Checkpoint;
+pub use force::Accelerations;
 
 use crate::{
     engine::Engine,
@@ -50,6 +52,8 @@ pub struct Simulation {
     wind_at_start: DVec3,
     /// The wind that [`Self::set_wind`] has set last \[m/s\].
     wind_set: Option<DVec3>,
+    /// The function that says what pushes in each step, where one was set.
+    callback: Option<force::Callback>,
     /// Engine steps that the state had when this simulation was made: more than 0 if it goes on from a checkpoint.
     begun: u32,
     steps: u64,
@@ -126,6 +130,7 @@ impl Simulation {
             root_frames: initial.hair.root_frame.clone(),
             wind_at_start: scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind_at(0.0))),
             wind_set: None,
+            callback: None,
             begun: 0,
             steps: 0,
             last,
@@ -160,8 +165,17 @@ impl Simulation {
 
     fn advance(&mut self, n: u64, is_timed: impl Fn(u64) -> bool) -> Result<(), RunError> {
         let goal = self.steps.saturating_add(n).saturating_mul(self.substeps());
+        let mut asked = None;
         while u64::from(self.last.step) < goal {
-            let left = goal - u64::from(self.last.step);
+            let mut left = goal - u64::from(self.last.step);
+            if self.callback.is_some() {
+                // Once per step of Δt, also where the step is taken again.
+                if asked != Some(self.steps) {
+                    self.ask_for_force()?;
+                    asked = Some(self.steps);
+                }
+                left = self.substeps() - u64::from(self.last.step) % self.substeps();
+            }
             let started = Instant::now();
             let before = self.last.step;
             let timed = is_timed(self.submits);

@@ -11,6 +11,7 @@ use windswept_shaders::{
         band::Band,
         body::{Body, Placed},
         dispatch::WORKGROUP,
+        field::Field,
         inflow::Wave,
         lanes::LANES,
         matter::Exchange,
@@ -57,7 +58,7 @@ pub struct Sizes {
     pub band_tasks: u32,
     /// Particles in the order of the direct band filter; none with the grid filter.
     pub direct_filter: u32,
-    /// Hair points that sample the air: those of the model `two-way`, else none.
+    /// Hair points that drag knows the air at: all with the model `two-way` or with force fields, else none.
     pub sampled: u32,
     /// Particles that the solver of velocities without divergence keeps something of; none with solver pbf.
     pub pressed: u32,
@@ -75,6 +76,12 @@ pub struct Sizes {
     pub wind_table: u32,
     /// Waves of the inflow.
     pub waves: u32,
+    /// Force fields.
+    pub fields: u32,
+    /// Keyframes of the strengths of all force fields.
+    pub field_keys: u32,
+    /// Particles with an acceleration that was set: all while one is, else none.
+    pub pushed: u32,
     /// Smoothing passes of the grid filter.
     pub mesh_tasks: u32,
     /// Grids of the band filter.
@@ -217,9 +224,15 @@ state! {
     root_targets: Root, |s| s.strands;
     /// Mean wind \[m/s\]; w: time \[s\]; linear in between.
     wind_table: Vec4, |s| s.wind_table;
+    /// Acceleration that was set \[m/s²\]: of hair points, then of air by stable id.
+    pushed: Vec4, |s| s.pushed;
     [Kept]
     /// A wave of the turbulence that the wind brings in: wave number \[1/m\] and phase, amplitude over the wind's speed.
     inflow: Wave, |s| s.waves;
+    /// A force field: where it is, how far it reaches, its keyframes.
+    fields: Field, |s| s.fields;
+    /// Keyframes of the strengths of force fields, field by field: time \[s\], strength \[m/s\].
+    field_course: [f32; 2], |s| s.field_keys;
 
     // What a caller may look at between steps, as the last step left it.
     /// The air at a hair point: where it was sampled, how much of it there is, its velocity, how it gives way.
@@ -256,7 +269,9 @@ state! {
     viscous_velocity: Vec4, |s| s.particles;
     /// What the air behind the face of entry lacks of the wind \[m/s\].
     lack: Vec4, |_| 1;
-    /// What the wind adds to a particle of air in this step \[m/s\].
+    /// Strength of a force field at the end of the step \[m/s\].
+    field_strength: f32, |s| s.fields;
+    /// What wind, force fields and an acceleration that was set add to a particle of air in this step \[m/s\].
     wind_change: Vec4, |s| s.particles;
     /// Force from outside on a hair point at rest \[N\]; w: what resists its velocity at the step's end \[kg/s\]. Every pass that
     /// knows a force on hair adds to it, and the rods take it implicitly.

@@ -42,12 +42,14 @@ pub enum Quantity {
     Vorticity,
 }
 
-/// All that a simulation of this plan runs: its step, also as it is once a wind is set, and the passes of each quantity.
+/// All that a simulation of this plan runs: its step, also as it is once a wind or a force is set, and the passes of each
+/// quantity.
 #[must_use]
 pub fn recordings(state: &State, plan: &Plan) -> Vec<Recording> {
-    let mut windy = plan.clone();
+    let (mut windy, mut pushed) = (plan.clone(), plan.clone());
     let changes = windy.set_wind();
-    let steps = [Some(plan), changes.then_some(&windy)].into_iter().flatten();
+    pushed.set_force(true);
+    let steps = [Some(plan), changes.then_some(&windy), Some(&pushed)].into_iter().flatten();
     let steps = steps.map(|plan| Recorder::record(state, |r| record(r, plan)));
     let quantities = [Quantity::Density, Quantity::Vorticity];
     let measured = quantities.map(|quantity| Recorder::record(state, |r| record_quantity(r, plan, quantity)));

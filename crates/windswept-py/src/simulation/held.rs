@@ -5,13 +5,16 @@ use std::{
     time::Duration,
 };
 
-use pyo3::prelude::*;
-use windswept::RunError;
+use glam::DVec3;
+use pyo3::{prelude::*, types::PyTuple};
+use windswept::{Accelerations, RunError};
 use windswept_export::{Pace, Run, Schedule, Stop};
 
 use super::Simulation;
 use crate::{
+    arrays::maybe_rows,
     errors::{of_run, of_value},
+    frames::Frame,
     outside,
     views::Snapshot,
 };
@@ -65,7 +68,10 @@ impl Simulation {
 
     /// Steps until `goal`, in parts between which Python may stop.
     pub(crate) fn step_to(&self, py: Python<'_>, goal: u64) -> PyResult<()> {
-        let mut pace = Pace::of(LENGTH);
+        if self.steps(py)? >= goal {
+            return Ok(());
+        }
+        let mut pace = Pace::of(self.length());
         self.stepping(py, |sim| {
             pace.advance(sim, goal)?;
             Ok((sim.steps() >= goal).then_some(()))
@@ -75,11 +81,21 @@ impl Simulation {
     /// Runs to the next frame of a schedule after the state now; None where the schedule has none left.
     pub(crate) fn next_frame(&self, py: Python<'_>, schedule: &Schedule) -> PyResult<Option<windswept::Frame>> {
         let steps = self.steps(py)?;
-        let mut run = Run::new(schedule.clone(), schedule.frame_after(steps), LENGTH);
-        self.stepping(py, |sim| match run.advance(sim)? {
-            Stop::Frame(_) => Ok(Some(Some(windswept_export::frame(sim)?))),
-            Stop::Checkpoint | Stop::Between => Ok(None),
-            Stop::End => Ok(Some(None)),
+        if steps >= schedule.steps() {
+            return Ok(None);
+        }
+        let mut run = Run::new(schedule.clone(), schedule.frame_after(steps), self.length());
+        self.stepping(py, |sim| {
+            // Every part takes a step, before which a callback is asked.
+            let stop = match run.advance(sim)? {
+                Stop::Between => run.due(sim.steps()),
+                stop => Some(stop),
+            };
+            match stop {
+                Some(Stop::Frame(_)) => Ok(Some(Some(windswept_export::frame(sim)?))),
+                Some(Stop::End) => Ok(Some(None)),
+                Some(Stop::Checkpoint | Stop::Between) | None => Ok(None),
+            }
         })
     }
 
@@ -91,12 +107,48 @@ impl Simulation {
     ) -> PyResult<T> {
         loop {
             py.check_signals()?;
+            self.ask_for_force(py)?;
             let done = self.run_engine(py, &mut part);
             self.changed();
             if let Some(result) = done? {
                 return Ok(result);
             }
         }
+    }
+
+    /// Length of a part of the work: a single step where a callback is to be asked before each.
+    fn length(&self) -> Duration {
+        if lock(&self.force).is_some() { Duration::ZERO } else { LENGTH }
+    }
+
+    /// Asks the callback, if there is one, for the accelerations of the next step. The engine is free meanwhile, so that the callback
+    /// may look at the simulation.
+    fn ask_for_force(&self, py: Python<'_>) -> PyResult<()> {
+        let Some(callback) = lock(&self.force).as_ref().map(|callback| callback.clone_ref(py)) else { return Ok(()) };
+        let frame = self.run_engine(py, |sim| sim.frame())?;
+        let answer = callback.bind(py).call1((Frame::new(py, frame)?,))?;
+        let (hair, air) = match answer.cast::<PyTuple>() {
+            Ok(pair) if pair.len() == 2 => (pair.get_item(0)?, Some(pair.get_item(1)?)),
+            Ok(other) => {
+                return Err(of_value("callback", format!("expected (hair, air), found {} values", other.len())));
+            }
+            Err(_) => (answer, None),
+        };
+        let given = |value: &Bound<'_, PyAny>| !value.is_none();
+        self.push(py, Some(&hair).filter(|hair| given(hair)), air.as_ref().filter(|air| given(air)))
+    }
+
+    /// Sets accelerations of hair and air.
+    pub(super) fn push(
+        &self,
+        py: Python<'_>,
+        hair: Option<&Bound<'_, PyAny>>,
+        air: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let vectors = |rows: Option<Vec<[f64; 3]>>| rows.into_iter().flatten().map(DVec3::from_array).collect();
+        let (hair, air) = (maybe_rows("hair", hair)?, maybe_rows("air", air)?);
+        let force = Accelerations { hair: vectors(hair), air: vectors(air) };
+        self.run_engine(py, |sim| sim.set_force(&force))
     }
 
     /// The step that is `n` after the one now; what the engine counts must fit 32 bits.

@@ -33,6 +33,12 @@ pub fn undisturbed(wind: DVec3) -> Local {
     Local { wind, ..Local::default() }
 }
 
+/// Part to which the mean wind counts at a hair point, 1 − Σ_j w_ij: all where there is no air.
+#[must_use]
+pub fn undisturbed_part(local: &Local) -> f64 {
+    1.0 - local.filled.min(THIN) / THIN
+}
+
 /// Weight w_ij = V_j W(y_i − x_j)/max(θ_i, 1/2) with which an air particle of `volume` at `position` counts for a hair point.
 #[must_use]
 pub fn weight(p: &Parameters, local: &Local, position: DVec3, volume: f64) -> f64 {

@@ -12,7 +12,7 @@ use windswept_scene::{InitialState, Scene};
 
 use super::Simulation;
 use crate::{
-    error::CheckpointError,
+    error::{CheckpointError, Error},
     gpu::{AdapterChoice, AdapterInfo, Gpu, adapters},
     report::Reset,
     sections::{Fault, Reading, Writing},
@@ -21,7 +21,7 @@ use crate::{
 };
 
 /// Format of the files. It rises when a section gets another content, or a buffer that lasts another layout or meaning.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 
 const ABOUT: &str = "about";
 const SCENE: &str = "scene";
@@ -70,6 +70,8 @@ struct Driven {
     root_frames: Vec<DQuat>,
     /// Mean wind that was set last, in place of the scene's own \[m/s\].
     wind: Option<DVec3>,
+    /// Whether a force that was set pushes hair and air.
+    pushes: bool,
     /// What was put back to rest so far.
     resets: Vec<Reset>,
 }
@@ -198,6 +200,7 @@ impl Checkpoint {
             let words = format!("section {DRIVEN} has {} root frames for {strands} strands", driven.root_frames.len());
             return Err(misfit(&file, words));
         }
+        simulation.plan_force(driven.pushes).map_err(|error| failed(Error::Gpu(error)))?;
         let engine = &simulation.engine;
         for (array, bytes) in engine.state().lasting().iter().zip(&buffers) {
             let (found, expected) = (bytes.len() as u64, array.stride() * array.len());
@@ -286,7 +289,12 @@ impl Simulation {
             Ok(_) => return Err(CheckpointError::Text("it reads as another scene".to_owned())),
             Err(error) => return Err(CheckpointError::Text(error.to_string())),
         }
-        let driven = Driven { root_frames: self.root_frames.clone(), wind: self.wind_set, resets: self.resets.clone() };
+        let driven = Driven {
+            root_frames: self.root_frames.clone(),
+            wind: self.wind_set,
+            pushes: self.plan.pushes.runs,
+            resets: self.resets.clone(),
+        };
         let mut writing = Writing::begin(out, FORMAT).map_err(io)?;
         let mut section = |name: &str, content: &[u8]| writing.section(name, content).map_err(io);
         section(ABOUT, &encoded(file, &About::of(self.gpu()))?)?;

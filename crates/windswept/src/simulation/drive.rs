@@ -156,7 +156,7 @@ impl Simulation {
     }
 }
 
-fn checked(name: &str, rows: Option<&[DVec3]>, expected: usize) -> Result<(), RunError> {
+pub(super) fn checked(name: &str, rows: Option<&[DVec3]>, expected: usize) -> Result<(), RunError> {
     let Some(rows) = rows else { return Ok(()) };
     if rows.len() != expected {
         return Err(RunError::Input(format!("{name}: expected {expected} rows, found {}", rows.len())));

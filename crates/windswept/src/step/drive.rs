@@ -1,6 +1,6 @@
 //! 1. Clamps move; wind enters; air moves, and hair drifts among it.
 
-use windswept_shaders::{common::reduce::TERMS, fluid, rods, wind};
+use windswept_shaders::{common::reduce::TERMS, fluid, force, rods, wind};
 
 use crate::{plan::Plan, recorder::Recorder, step::ONE_WORKGROUP};
 
@@ -10,6 +10,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     let n = &plan.sizes;
     r.when(&plan.blows, |r| {
         r.run(&wind::BLOW, "mean wind of the step", 1);
+        r.when(&plan.fields, |r| {
+            r.run(&force::COURSE, "strengths of the force fields", 1);
+        });
     });
     r.when(&plan.hair, |r| {
         r.run(&rods::ROOTS, "where clamps go", n.strands);
@@ -26,6 +29,12 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
             r.run(&wind::HOLD, "what the air lacks of the wind", ONE_WORKGROUP);
         });
         r.run(&wind::FRINGE, "wind enters", n.air());
+        r.when(&plan.fields, |r| {
+            r.run(&force::DRAW, "force fields draw air", n.air());
+        });
+        r.when(&plan.pushes, |r| {
+            r.run(&force::PUSH_AIR, "the force that was set pushes air", n.air());
+        });
     });
     r.when(&plan.pbf, |r| {
         r.run(&fluid::PREDICT, "air moves", n.air());

@@ -1,6 +1,6 @@
 //! 4. Air drags strands, which keep their length and shape, and they slow the air.
 
-use windswept_shaders::{rods, wind};
+use windswept_shaders::{force, rods, wind};
 
 use crate::{plan::Plan, recorder::Recorder};
 
@@ -16,7 +16,13 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
             r.run(&wind::SAMPLE, "the air at hair points", n.hair_in_clusters());
         });
         r.when(&plan.drag, |r| {
+            r.when(&plan.fields, |r| {
+                r.run(&force::FEEL, "the wind of force fields at hair points", n.hair_points);
+            });
             r.run(&wind::DRAG, "air drags hair", n.strands);
+        });
+        r.when(&plan.pushes, |r| {
+            r.run(&force::PUSH_HAIR, "the force that was set pushes hair", n.hair_points);
         });
         r.run(&rods::LOAD, "what forces are to the rods", n.hair_points);
         r.run(&rods::START, "how each strand starts", n.strands);
@@ -32,6 +38,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         });
         r.run(&rods::FINISH, "health of each strand", n.strands);
         r.run(&rods::PLACE, "hair goes where its rods took it", n.hair_points);
+        r.when(&plan.pushes, |r| {
+            r.run(&force::KEEP, "the force that was set is no drag", n.hair_points);
+        });
         r.when(&plan.exchange, |r| {
             r.run(&wind::REACT, "hair slows the air", n.air_in_clusters());
         });

@@ -1,0 +1,153 @@
+//! Force fields: `[[force]]`. A field is a wind of its own within its reach.
+
+use glam::DVec3;
+
+use crate::{
+    declare::{table, words},
+    error::SceneError,
+    keys::{
+        Fallback::{Absent, Needed, Value},
+        Kind::{Choice, Direction, Length, NonNegative, Number, Tables, Text, Vector},
+    },
+    limits::MOST_FORCES,
+    reader::Reader,
+    scene::{Air, Model, Scene},
+};
+
+words! {
+    /// `force.field`: the shape of a field's wind.
+    pub enum ForceField {
+        /// Wind along the axis, in a cylinder that begins at the origin.
+        Jet = "jet",
+        /// Wind about the axis, which is a line through the origin.
+        Vortex = "vortex",
+        /// Wind away from the origin, or towards it where the strength is negative.
+        Point = "point",
+    }
+}
+
+table! {
+    /// One `[[force]]`: a wind u that is added to the mean wind U, with a weight w that falls smoothly from 1 to 0.
+    ///
+    /// Air particles are drawn to U + u at the rate w S/uptake, S the strength's magnitude. Hair is dragged by U + u where there
+    /// are no air particles.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Force, checked by Force::checked {
+        /// Name of the field, for dotted keys and errors.
+        name: String = Text, "", Value("force".to_owned());
+        /// Shape of the field's wind: along the axis, about it, or away from the origin.
+        field: ForceField = Choice(ForceField::WORDS), "", Needed;
+        /// Point where a jet begins, through which a vortex's axis goes, or from which a point blows.
+        origin: [f64; 3] = Vector, "m", Needed;
+        /// Direction of a jet, or axis that a vortex turns about, right-handed.
+        axis: Option<[f64; 3]> = Direction, "", Absent("needed with fields jet and vortex");
+        /// Distance at which the field ends: along a jet, from a vortex's axis, from a point; from half of it on it fades.
+        reach: f64 = Length, "m", Needed;
+        /// Radius of a jet, which fades from half of it on; or distance at which a vortex or a point blows with its strength: inside
+        /// it is slower in proportion to the distance. At most half of reach with a vortex or a point.
+        radius: f64 = Length, "m", Absent("a quarter of reach") => |_force| 0.25 * reach;
+        /// Largest speed of the field's wind; negative turns it round.
+        strength: Option<f64> = Number, "m/s", Absent("needed without a course");
+        /// Keyframes of the strength, in place of a steady one: linear between them, held before and after.
+        course: Vec<Strength> = Tables, "", Absent("a steady strength");
+        /// Way over which air takes the field's wind up, at the strength's speed.
+        uptake: f64 = Length, "m", Absent("radius") => |_force| radius;
+    }
+}
+
+table! {
+    /// One of `[[force.course]]`: linear between two, held before the first and after the last.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Strength {
+        /// Time of the keyframe; each is later than the one before.
+        time: f64 = NonNegative, "s", Needed;
+        /// Strength at that time.
+        strength: f64 = Number, "m/s", Needed;
+    }
+}
+
+impl Force {
+    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+        let word = self.field.word();
+        match (self.field, self.axis) {
+            (ForceField::Point, Some(_)) => {
+                return Err(reader.fault("axis", format!("expected no axis with field \"{word}\", which has none")));
+            }
+            (ForceField::Jet | ForceField::Vortex, None) => {
+                return Err(reader.fault("axis", format!("is missing: field \"{word}\" has one, [x, y, z]")));
+            }
+            _ => {}
+        }
+        if self.field != ForceField::Jet && self.radius > 0.5 * self.reach {
+            let words = format!("expected at most half of reach, {} m, with field \"{word}\"", 0.5 * self.reach);
+            return Err(reader.fault("radius", format!("{words}; found {}", self.radius)));
+        }
+        match (self.strength, self.course.is_empty()) {
+            (None, true) => {
+                return Err(reader.fault("strength", "is missing: expected a number [m/s], or keyframes in course"));
+            }
+            (Some(_), false) => {
+                return Err(reader.fault("strength", "expected none beside course, which stands in its place"));
+            }
+            _ => {}
+        }
+        if let Some(i) = self.course.windows(2).position(|pair| pair[1].time <= pair[0].time) {
+            let (before, after) = (self.course[i].time, self.course[i + 1].time);
+            let words = format!("expected a time after that of the keyframe before, {before} s; found {after}");
+            return Err(reader.fault(&format!("course.{}.time", i + 1), words));
+        }
+        Ok(self)
+    }
+
+    /// Times \[s\], rising, and the strength \[m/s\] at each: linear in between, held before the first and after the last.
+    #[must_use]
+    pub fn keyframes(&self) -> Vec<(f64, f64)> {
+        match self.strength {
+            Some(steady) => vec![(0.0, steady)],
+            None => self.course.iter().map(|key| (key.time, key.strength)).collect(),
+        }
+    }
+
+    /// Largest speed of the field's wind in the whole run \[m/s\].
+    #[must_use]
+    pub fn fastest(&self) -> f64 {
+        self.keyframes().iter().map(|(_, strength)| strength.abs()).fold(0.0, f64::max)
+    }
+
+    /// Direction of the axis; of a point any, as it has none.
+    #[must_use]
+    pub fn axis(&self) -> DVec3 {
+        self.axis.map_or(DVec3::Y, DVec3::from_array)
+    }
+}
+
+impl Scene {
+    /// Largest speed that the mean wind and the strongest force field have together \[m/s\].
+    #[must_use]
+    pub fn largest_wind(&self) -> f64 {
+        self.air.as_ref().map_or(0.0, Air::largest_wind) + self.forces.iter().map(Force::fastest).fold(0.0, f64::max)
+    }
+
+    /// Reason why force fields do nothing in this scene; `None` where they act.
+    #[must_use]
+    pub fn why_no_fields(&self) -> Option<&'static str> {
+        if self.interaction.model == Model::None {
+            Some("interaction.model is none: hair alone")
+        } else if self.forces.is_empty() {
+            Some("the scene has no [[force]]")
+        } else if self.forces.iter().all(|force| force.fastest() == 0.0) {
+            Some("every force.strength is 0")
+        } else {
+            None
+        }
+    }
+
+    /// No more fields than particles should look at.
+    pub(crate) fn check_forces(&self, reader: &Reader<'_>) -> Result<(), SceneError> {
+        if self.forces.len() > MOST_FORCES {
+            let words = format!("expected at most {MOST_FORCES} force fields, found {}", self.forces.len());
+            return Err(reader.fault("force", words));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,165 @@
+//! Force fields and a force that is set, in whole simulations: what they do beside what `windswept validate` measures.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod support;
+
+use std::sync::{Arc, Mutex};
+
+use glam::DVec3;
+use windswept::{Accelerations, Frame, RunError, Simulation};
+use windswept_scene::Scene;
+
+/// The small brush with some keys set.
+fn scene(sets: &[&str]) -> Scene {
+    let text = include_str!("../examples/scenes/quick.toml");
+    let small = [
+        "air.box.max=[0.12,0.06,0.06]",
+        "hair.strands=12",
+        "hair.length=0.05",
+        "hair.points=7",
+        "hair.roots.center=[0.04,0.03,0.03]",
+        "hair.roots.radius=0.01",
+        "air.fringe=0.03",
+        "turbulence.bands=[]",
+    ];
+    let sets: Vec<String> = small.iter().chain(sets).map(|&set| set.to_owned()).collect();
+    Scene::parse_with("quick.toml", text, &sets).unwrap()
+}
+
+fn simulation(sets: &[&str]) -> Simulation {
+    Simulation::new(&support::gpu(), &scene(sets)).unwrap()
+}
+
+/// Accelerations of all hair and all air.
+fn all(simulation: &Simulation, hair: DVec3, air: DVec3) -> Accelerations {
+    let initial = simulation.initial();
+    Accelerations { hair: vec![hair; initial.hair.positions.len()], air: vec![air; initial.air.positions.len()] }
+}
+
+fn is_finite(frame: &Frame) -> bool {
+    let rows = [&frame.hair.positions, &frame.hair.velocities, &frame.air.positions, &frame.air.velocities];
+    rows.iter().all(|rows| rows.iter().flatten().all(|x| x.is_finite()))
+}
+
+/// Accelerations of zero change no bit, and once a force is taken away the passes that it took are gone.
+#[test]
+fn no_acceleration_changes_nothing() {
+    for sets in [&[][..], &["air.wind=[0,0,0]"], &["interaction.model=particles"], &["interaction.model=drag"]] {
+        let (mut plain, mut pushed) = (simulation(sets), simulation(sets));
+        let nothing = all(&pushed, DVec3::ZERO, DVec3::ZERO);
+        pushed.set_force(&nothing).unwrap();
+        plain.step(4).unwrap();
+        pushed.step(2).unwrap();
+        pushed.set_force(&Accelerations::default()).unwrap();
+        pushed.step(2).unwrap();
+        assert!(plain.frame().unwrap() == pushed.frame().unwrap(), "{sets:?}");
+    }
+}
+
+/// A callback is asked once before each step of Δt, with the state as it is then; what it returns does what the same arrays do when
+/// they are set; its error ends the stepping and says why.
+#[test]
+fn callbacks_are_asked_before_each_step() {
+    let sets = &["time.substeps=3"];
+    let (mut by_arrays, mut by_callback) = (simulation(sets), simulation(sets));
+    let force = |frame: &Frame| Accelerations {
+        hair: frame.hair.positions.iter().map(|x| 200.0 * DVec3::new(0.0, f64::from(x[2]), f64::from(-x[1]))).collect(),
+        air: frame.air.velocities.iter().map(|v| -5.0 * DVec3::from_array(v.map(f64::from))).collect(),
+    };
+    let asked = Arc::new(Mutex::new(Vec::new()));
+    let calls = asked.clone();
+    by_callback.set_force_by(move |frame| {
+        calls.lock().unwrap().push(frame.step);
+        if frame.step == 5 { Err("enough".into()) } else { Ok(force(frame)) }
+    });
+    for _ in 0..5 {
+        let frame = by_arrays.frame().unwrap();
+        by_arrays.set_force(&force(&frame)).unwrap();
+        by_arrays.step(1).unwrap();
+    }
+    let ended = by_callback.step(7);
+    assert!(matches!(&ended, Err(RunError::Callback(error)) if error.to_string() == "enough"), "{ended:?}");
+    assert_eq!(*asked.lock().unwrap(), [0, 1, 2, 3, 4, 5]);
+    assert_eq!(by_callback.steps(), 5);
+    assert!(by_callback.frame().unwrap() == by_arrays.frame().unwrap());
+    // Arrays take the place of a callback.
+    by_callback.set_force(&Accelerations::default()).unwrap();
+    by_callback.step(1).unwrap();
+    assert_eq!(asked.lock().unwrap().len(), 6);
+}
+
+/// A sleeping strand wakes when a force pushes it, sleeps again under it, and wakes when it is taken away.
+#[test]
+fn sleepers_wake_when_they_are_pushed() {
+    let mut simulation = simulation(&["interaction.model=none", "hair.roots.direction=[0,-1,0]", "rods.damping=200"]);
+    let asleep = |simulation: &mut Simulation| {
+        simulation.step(400).unwrap();
+        let count = |simulation: &mut Simulation| simulation.report().unwrap().strand_steps.unwrap()["asleep_steps"];
+        let before = count(simulation);
+        simulation.step(1).unwrap();
+        count(simulation) - before
+    };
+    let all_asleep = asleep(&mut simulation);
+    assert!(all_asleep >= 12, "{all_asleep}");
+    let before = simulation.frame().unwrap();
+    let wind = all(&simulation, DVec3::X, DVec3::ZERO);
+    simulation.set_force(&wind).unwrap();
+    simulation.step(20).unwrap();
+    let moved = simulation.frame().unwrap();
+    let way =
+        moved.hair.positions.iter().zip(&before.hair.positions).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f32::max);
+    assert!(way > 1e-4, "{way} m");
+    assert_eq!(asleep(&mut simulation), all_asleep, "asleep under a force that lasts");
+    let held = simulation.frame().unwrap();
+    simulation.set_force(&Accelerations::default()).unwrap();
+    simulation.step(20).unwrap();
+    assert!(simulation.frame().unwrap().hair.positions != held.hair.positions, "woken by a force that ends");
+}
+
+/// A wrong number of rows and numbers that cannot be are errors that name the array.
+#[test]
+fn wrong_accelerations_are_named() {
+    let mut simulation = simulation(&[]);
+    let right = all(&simulation, DVec3::X, DVec3::X);
+    for (force, words) in [
+        (Accelerations { hair: vec![DVec3::X; 3], ..right.clone() }, "hair: expected 84 rows, found 3"),
+        (Accelerations { air: vec![DVec3::X; 3], ..right.clone() }, "air: expected "),
+        (Accelerations { hair: vec![DVec3::NAN; 84], ..right.clone() }, "hair: expected finite numbers"),
+        (
+            Accelerations { air: vec![DVec3::splat(1e19); right.air.len()], ..right.clone() },
+            "air: expected finite numbers",
+        ),
+    ] {
+        let said = simulation.set_force(&force);
+        assert!(matches!(&said, Err(RunError::Input(said)) if said.starts_with(words)), "{words}: {said:?}");
+    }
+    simulation.step(1).unwrap();
+}
+
+/// Fields of a hundred metres a second, of a millimetre, of a length that nothing has, and forces that tear leave numbers.
+#[test]
+fn harsh_fields_leave_numbers() {
+    let field = |keys: &str| format!("force={{origin=[0.05,0.03,0.03],{keys}}}");
+    for model in ["two-way", "particles", "drag"] {
+        for keys in [
+            "field='jet',axis=[1,0,0],reach=0.1,strength=100",
+            "field='vortex',axis=[0,0,1],reach=0.1,strength=-100",
+            "field='point',reach=0.1,strength=-100",
+            "field='jet',axis=[1,1,0],reach=0.001,strength=100,uptake=1e-18",
+            "field='vortex',axis=[1,1,0],reach=1e-18,strength=100",
+            "field='point',reach=1e18,radius=1e-18,strength=100",
+        ] {
+            let (model, field) = (format!("interaction.model={model}"), field(keys));
+            let mut simulation = simulation(&["air.wind=[0,0,0]", &model, &field]);
+            match simulation.step(12) {
+                Ok(()) => assert!(is_finite(&simulation.frame().unwrap()), "{model}, {field}"),
+                Err(error) => panic!("{model}, {field}: {error}"),
+            }
+        }
+    }
+    let mut simulation = simulation(&[]);
+    let harsh = all(&simulation, DVec3::new(0.0, 1e6, 0.0), DVec3::ZERO);
+    simulation.set_force(&harsh).unwrap();
+    simulation.step(12).unwrap();
+    assert!(is_finite(&simulation.frame().unwrap()));
+}
