@@ -7,6 +7,8 @@
 //
 //   min(0.05, |G_i| dt),  G_i = sum_j V_j (v_j - v_i) (x) grad_i W,  |G| Frobenius's norm
 //
+// So does the unevenness itself, h |sum_j V_j grad_i W|: air that is still and crowded would stay so.
+//
 // What eddies smaller than the spacing exchange, c = 22 (C d/h)^2 |G_i| dt of nu = (C d)^2 |G_i| (Smagorinsky 1963), is kept for `viscosity`.
 //
 // After Xu, Stansby & Laurence (2009) and Lind et al. (2012); it goes with the step, so that its diffusion vanishes with it.
@@ -58,7 +60,8 @@ fn main(
     if met > 0u { uneven -= predicted[met - 1u].w * pairs.slope * apart(i, met - 1u); }
     var part = CARRIED * params.step * max(status.fastest_wind, length(velocity)) / params.spacing;
     let deformation = params.step * length(vec3f(length(deformed[0]), length(deformed[1]), length(deformed[2])));
-    if status.fastest_wind == 0.0 { part = max(part, min(DEFORMED, deformation)); }
+    let still = max(min(DEFORMED, deformation), params.kernel_radius * length(uneven));
+    part = max(part, select(0.0, still, status.fastest_wind == 0.0));
     let delta = -params.kernel_radius * params.kernel_radius * min(LARGEST, part) * uneven;
     let farthest = FARTHEST * params.spacing;
     shift[i] = vec4f(delta * (farthest / max(length(delta), farthest)), 0.0);
