@@ -54,6 +54,7 @@ const COARSE: &[&str] = &[
     "coarse/push",
 ];
 const PUSH: &[&str] = &["fluid/push 2"];
+const HAIR_ALONE: &[&str] = &["rods/inspect", "rods/reset", "rods/roots"];
 const BEGIN: &[&str] = &["rods/begin_points", "rods/begin_segments", "rods/choose"];
 const SOLVE: &[&str] =
     &["rods/load", "rods/start", "rods/direct 8", "rods/rescue", "rods/gauss_seidel", "rods/finish", "rods/place"];
@@ -82,30 +83,29 @@ const TWO_BANDS: &str =
 
 fn cases() -> [Case; 9] {
     let blow = &["wind/blow"][..];
-    let moves = &["rods/roots", "rods/drift", "wind/miss", "wind/hold", "wind/fringe", "fluid/advance"][..];
+    let moves = &[HAIR_ALONE, &["rods/drift", "wind/miss", "wind/hold", "wind/fringe", "fluid/advance"]].concat()[..];
     let fluid = &[HAIR_ON_HAIR, SPREAD, COARSE, PUSH].concat()[..];
     let exchange = &[BEGIN, &["wind/sample", "wind/drag"], SOLVE, &["wind/react"]].concat()[..];
     let velocity = &["rods/velocity"][..];
     let eddies = &[SORT, FILTER, CONFINE, STRENGTHEN].concat()[..];
-    let hair_alone = &["rods/roots"][..];
     [
         (
             "rods only",
             &["interaction.model=none"],
             None,
-            [hair_alone, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
+            [HAIR_ALONE, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
         ),
         (
             "hair without air",
             &["interaction.model=two-way"],
             Some("air"),
-            [hair_alone, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
+            [HAIR_ALONE, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
         ),
         (
             "drag",
             &["interaction.model=drag"],
             None,
-            [blow, hair_alone, BEGIN, &["wind/drag"], SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
+            [blow, HAIR_ALONE, BEGIN, &["wind/drag"], SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
         ),
         (
             "two-way",
@@ -179,7 +179,8 @@ fn cases() -> [Case; 9] {
             None,
             [
                 blow,
-                &["rods/roots", "rods/drift", "wind/miss", "wind/hold", "wind/fringe", "fluid/predict"],
+                HAIR_ALONE,
+                &["rods/drift", "wind/miss", "wind/hold", "wind/fringe", "fluid/predict"],
                 SORT,
                 LIST,
                 &["fluid/density 2", "fluid/correct 2", "fluid/move 2"],

@@ -1,10 +1,13 @@
-//! Heading 1: clamps move; the wind enters; air moves, and hair drifts among it.
+//! Heading 1: strands that are bad are reset; clamps move; the wind enters; air moves, and hair drifts among it.
+
+mod reset;
 
 use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
 use windswept_scene::{FluidSolver, InflowWave, Model};
 
+pub use self::reset::{inspect, mend, reset};
 use crate::{
     Parameters, State,
     rods::{self, Drive, rotation, rotation_vector},
