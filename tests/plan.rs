@@ -54,6 +54,7 @@ const COARSE: &[&str] = &[
     "coarse/push",
 ];
 const PUSH: &[&str] = &["fluid/push 2"];
+const HAIR_ALONE: &[&str] = &["rods/inspect", "rods/reset", "rods/roots"];
 const BEGIN: &[&str] = &["rods/begin_points", "rods/begin_segments", "rods/choose"];
 const SOLVE: &[&str] =
     &["rods/load", "rods/start", "rods/direct 8", "rods/rescue", "rods/gauss_seidel", "rods/finish", "rods/place"];
@@ -85,30 +86,29 @@ const JET: &str = "force={field='jet',origin=[0.01,0.06,0.03],axis=[1,0,0],reach
 
 fn cases() -> [Case; 11] {
     let blow = &["wind/blow"][..];
-    let moves = &["rods/roots", "rods/drift", "wind/miss", "wind/hold", "wind/fringe", "fluid/advance"][..];
+    let moves = &[HAIR_ALONE, &["rods/drift", "wind/miss", "wind/hold", "wind/fringe", "fluid/advance"]].concat()[..];
     let fluid = &[HAIR_ON_HAIR, SPREAD, COARSE, PUSH].concat()[..];
     let exchange = &[BEGIN, &["wind/sample", "wind/drag"], SOLVE, &["wind/react"]].concat()[..];
     let velocity = &["rods/velocity"][..];
     let eddies = &[SORT, FILTER, CONFINE, STRENGTHEN].concat()[..];
-    let hair_alone = &["rods/roots"][..];
     [
         (
             "rods only",
             &["interaction.model=none"],
             None,
-            [hair_alone, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
+            [HAIR_ALONE, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
         ),
         (
             "hair without air",
             &["interaction.model=two-way"],
             Some("air"),
-            [hair_alone, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
+            [HAIR_ALONE, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
         ),
         (
             "drag",
             &["interaction.model=drag"],
             None,
-            [blow, hair_alone, BEGIN, &["wind/drag"], SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
+            [blow, HAIR_ALONE, BEGIN, &["wind/drag"], SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
         ),
         (
             "two-way",
@@ -222,7 +222,8 @@ fn cases() -> [Case; 11] {
             None,
             [
                 blow,
-                &["rods/roots", "rods/drift", "wind/miss", "wind/hold", "wind/fringe", "fluid/predict"],
+                HAIR_ALONE,
+                &["rods/drift", "wind/miss", "wind/hold", "wind/fringe", "fluid/predict"],
                 SORT,
                 LIST,
                 &["fluid/density 2", "fluid/correct 2", "fluid/move 2"],

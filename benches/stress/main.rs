@@ -1,6 +1,7 @@
 //! Settings far beyond those of any scene: `cargo xtask stress`, or `cargo bench --bench stress -- [STRESS…] [--out DIR]`.
 //!
-//! Writes DIR/stress.md, a row per quantity with its worst setting, and DIR/stress-NAME.svg for each stress that has curves.
+//! Writes DIR/stress.md, a row per quantity with its worst setting, and DIR/stress-NAME.svg for each stress that has curves. Where only
+//! some run, the rows of the others stay as they are.
 //! Without `--bench`, as in `cargo test --benches`, it runs the cut that `tests/stress.rs` asserts, and writes nothing.
 
 #[path = "../work_precision/axes.rs"]
@@ -88,7 +89,9 @@ fn run() -> Result<()> {
         for stressed in &all {
             chart::draw(&arguments.out, stressed)?;
         }
-        fs::write(arguments.out.join("stress.md"), page::page(&gpu, &all, started.elapsed()))?;
+        let page = arguments.out.join("stress.md");
+        let before = fs::read_to_string(&page).unwrap_or_default();
+        fs::write(page, page::page(&gpu, &all, started.elapsed(), &before))?;
     }
     Ok(())
 }

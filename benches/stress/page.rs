@@ -3,48 +3,93 @@
 use std::{fmt::Write, time::Duration};
 
 use windswept::Gpu;
-use windswept_validate::stress::{Sample, Sweep};
+use windswept_validate::stress::{STRESSES, Sample, Stress, Sweep};
 
 use crate::{Stressed, chart, provenance};
 
 /// Settings of a sweep that does not hold which the page names.
 const NAMED: usize = 6;
 
-/// The page as Markdown.
-pub(crate) fn page(gpu: &Gpu, all: &[Stressed], took: Duration) -> String {
-    let rows = || all.iter().flat_map(|stressed| stressed.sweeps.iter().map(move |sweep| (stressed, sweep)));
-    let holding = rows().filter(|(_, sweep)| sweep.failing() == 0).count();
-    let mut text = format!(
+/// The page as Markdown. What `before`, the page that is there, says of stresses that were not run now stays.
+pub(crate) fn page(gpu: &Gpu, all: &[Stressed], took: Duration, before: &str) -> String {
+    let of = |stress: &Stress| all.iter().find(|stressed| stressed.stress.name == stress.name);
+    let parts: Vec<Part> =
+        STRESSES.iter().filter_map(|s| of(s).map(Part::of).or_else(|| Part::in_page(before, s))).collect();
+    let rows: String = parts.iter().map(|part| part.rows.as_str()).collect();
+    let failures: String = parts.iter().map(|part| part.failures.as_str()).collect();
+    let pictures: String = parts.iter().map(|part| part.picture.as_str()).collect();
+    let holding = rows.lines().filter(|row| row.ends_with("| yes |")).count();
+    let commit = provenance::commit();
+    let (date, took) = (provenance::date(), took.as_secs_f64());
+    let names: Vec<_> = all.iter().map(|stressed| stressed.stress.name).collect();
+    let run = match provenance_in(before).filter(|_| parts.len() > all.len()) {
+        Some(whole) => format!("{whole}  \nrun again: {}; commit {commit}, {date}, took {took:.0} s", names.join(", ")),
+        None => format!("adapter: {}  \ncommit: {commit}  \ndate: {date}, took {took:.0} s", gpu.info()),
+    };
+    format!(
         "# Stress\n\nMade by `cargo xtask stress`; [README](../README.md#stress) says how to read it. {holding} of {} rows hold.\n\n\
-         adapter: {}  \ncommit: {}  \ndate: {}, took {:.0} s\n\n\
-         | Stress | Settings | Quantity | Worst | at | Bound | Holds |\n|---|---|---|---|---|---|---|\n",
-        rows().count(),
-        gpu.info(),
-        provenance::commit(),
-        provenance::date(),
-        took.as_secs_f64(),
-    );
-    for (stressed, sweep) in rows() {
-        let first = std::ptr::eq(sweep, &raw const stressed.sweeps[0]);
-        let (name, swept) = if first { (stressed.stress.name, stressed.stress.swept) } else { ("", "") };
-        let cells = [name.to_owned(), swept.to_owned(), sweep.quantity.clone(), worst(sweep), holds(sweep)];
-        writeln!(text, "| {} |", cells.join(" | ")).unwrap_or_default();
-    }
-    text.push_str("\n## What does not hold\n\n");
-    for (stressed, sweep) in rows().filter(|(_, sweep)| sweep.failing() > 0) {
-        writeln!(text, "* **{}, {}**: {}", stressed.stress.name, sweep.quantity, failures(sweep)).unwrap_or_default();
-    }
-    for stressed in all {
-        if let Some(file) = chart::file(stressed) {
-            write!(
-                text,
-                "\n## {}\n\n{}.\n\n![{}]({file})\n",
-                stressed.stress.name, stressed.stress.swept, stressed.stress.name
-            )
-            .unwrap_or_default();
+         {run}\n\n{TABLE}{rows}\n{FAILURES}{failures}{pictures}",
+        rows.lines().count(),
+    )
+}
+
+const TABLE: &str = "| Stress | Settings | Quantity | Worst | at | Bound | Holds |\n|---|---|---|---|---|---|---|\n";
+const FAILURES: &str = "## What does not hold\n\n";
+
+/// When, where and of what commit a page was made.
+fn provenance_in(page: &str) -> Option<&str> {
+    let (head, _) = page.split_once(&format!("\n\n{TABLE}"))?;
+    head.split_once("rows hold.\n\n").map(|(_, run)| run)
+}
+
+/// What a page says of a stress.
+#[derive(Default)]
+struct Part {
+    /// Rows of the table.
+    rows: String,
+    /// Lines about what does not hold.
+    failures: String,
+    /// Section with the picture, where there is one.
+    picture: String,
+}
+
+impl Part {
+    fn of(stressed: &Stressed) -> Self {
+        let (name, swept) = (stressed.stress.name, stressed.stress.swept);
+        let mut part = Self::default();
+        for (k, sweep) in stressed.sweeps.iter().enumerate() {
+            let (first, second) = if k == 0 { (name, swept) } else { ("", "") };
+            let cells = [first.to_owned(), second.to_owned(), sweep.quantity.clone(), worst(sweep), holds(sweep)];
+            part.rows += &format!("| {} |\n", cells.join(" | "));
+            if sweep.failing() > 0 {
+                part.failures += &format!("* **{name}, {}**: {}\n", sweep.quantity, failures(sweep));
+            }
         }
+        if let Some(file) = chart::file(stressed) {
+            part.picture = format!("\n## {name}\n\n{swept}.\n\n![{name}]({file})\n");
+        }
+        part
     }
-    text
+
+    /// What a page that was made before says of a stress, if anything.
+    fn in_page(page: &str, stress: &Stress) -> Option<Self> {
+        let lines = |text: &str, mut keep: Box<dyn FnMut(&str) -> bool + '_>| -> String {
+            text.lines().filter(|line| keep(line)).flat_map(|line| [line, "\n"]).collect()
+        };
+        let (table, rest) = page.split_once(TABLE)?.1.split_once(FAILURES)?;
+        let mut own = false;
+        let own_rows = |row: &str| {
+            let first = row.split(" | ").next().unwrap_or_default().trim_start_matches('|').trim();
+            own = if first.is_empty() { own } else { first == stress.name };
+            own && row.starts_with('|')
+        };
+        let rows = lines(table, Box::new(own_rows));
+        let start = format!("* **{}, ", stress.name);
+        let failures = lines(rest, Box::new(|line| line.starts_with(&start)));
+        let picture = rest.split("\n## ").find(|section| section.starts_with(&format!("{}\n", stress.name)));
+        let picture = picture.map_or_else(String::new, |section| format!("\n## {}\n", section.trim_end()));
+        (!rows.is_empty()).then_some(Self { rows, failures, picture })
+    }
 }
 
 /// The rows of a stress as they are printed.

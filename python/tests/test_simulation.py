@@ -406,3 +406,27 @@ def test_ctrl_c_stops_between_steps(sim, interruptible):
     assert 0 < steps < 100_000
     sim.step(1)
     assert sim.steps == steps + 1 and np.isfinite(sim.hair.positions).all()
+
+
+def test_a_lost_device_is_an_error_and_the_process_goes_on(scene, tmp_path):
+    sim, other = ws.Simulation(scene), ws.Simulation(scene)
+    sim.step(2)
+    kept = sim.hair.positions
+    sim._lose_device()
+    # Whoever comes first, and whoever shares the device.
+    for use in [
+        lambda: other.step(),
+        lambda: sim.step(),
+        lambda: sim.frame(),
+        lambda: sim.render(64, 48),
+        lambda: sim.air.density_ratio,
+        lambda: sim.save(tmp_path / "lost.windswept"),
+    ]:
+        with pytest.raises(ws.GpuError, match="lost"):
+            use()
+    assert not any(tmp_path.iterdir())
+    # What could be told without the device still can.
+    assert sim.steps == 2 and sim.scene == scene and "2" in repr(sim)
+    anew = ws.Simulation(scene)
+    anew.step(2)
+    assert np.array_equal(anew.hair.positions, kept)

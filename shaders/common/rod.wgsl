@@ -14,6 +14,7 @@
 //   asleep       still for so long that it is not integrated until something wakes it
 //   rescued      the direct solver did not solve it: Gauss-Seidel does in this step, or it is put, going with its root as it is
 //   put          placed instead of moved: it arrives without a velocity and remembers nothing
+//   spoilt       it has a value that is not finite, or that no strand can have, when the step begins
 //   reset        it was not finite: put into its rest shape
 //   teleported   its root jumped farther than it is long: put there in the shape that it had
 //   free move    where a point would go without its rod's forces
@@ -128,7 +129,7 @@ struct SegmentHistory {
 
 // How a strand is.
 struct Condition {
-    bad: u32,        // not 0: not finite, to be reset
+    bad: u32,        // BAD, SPOILT: not finite, to be reset; 0: sound
     strained: u32,   // steps of over-strain on end
     calm: u32,       // steps on end that BDF2 could take
     still: u32,      // steps on end at rest; SLEEPS
@@ -140,6 +141,8 @@ struct Health {
     found: Condition,       // in this step; `commit` makes it the other
 }
 
+const BAD: u32 = 1u;               // what its step found after the solve, and counted: the next step resets it
+const SPOILT: u32 = 2u;            // what its step finds as it begins, and counts: the same step resets it
 const CALM_STEPS: u32 = 3u;        // on end, before a strand takes BDF2
 const SLEEPS: u32 = 0xffffffffu;
 const STRAINED_STEPS: u32 = 50u;   // on end, before it is counted

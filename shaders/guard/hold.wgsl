@@ -1,7 +1,7 @@
 // A strand that got a velocity that is not finite ends this step at rest, and is reset in the next as one whose solve failed
 // (`rods/finish`).
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, Health},
+    params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, Health, BAD},
     status::{frozen, count_bad_strand, finite3},
 };
 
@@ -26,6 +26,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         final_velocity[strand.first_point + k] = vec4f(0.0);
     }
     if health[s].found.bad != 0u { return; }
-    health[s].found.bad = 1u;
+    health[s].found.bad = BAD;
     count_bad_strand(s);
 }

@@ -4,7 +4,7 @@ import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::PUT,
     rest::{STILL_STEPS, STILL_TURN},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SLEEPS, STRAINED_STEPS, strained_steps,
-        ROOT_HELD, MISFIT},
+        ROOT_HELD, MISFIT, BAD},
     status::{status, frozen, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED},
 };
 
@@ -86,7 +86,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     if !(sound && finite(stretch)) {
         hold(strand);
-        health[s].found.bad = 1u;
+        health[s].found.bad = BAD;
         health[s].found.reach = 0.0;
         count_bad_strand(s);
         return;

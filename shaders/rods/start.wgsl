@@ -36,7 +36,7 @@ fn put_point(p: u32, travel: vec3f, scheme: u32) {
 }
 
 // A strand that is placed: as it is, turned with its root and moved with it; or in its rest shape, unrolled from the clamp, where
-// a tip that is held stays.
+// a tip that is held stays. Frames that nothing may be known of are taken as they are put.
 fn put(strand: Strand, rod: RodStrand, at_rest: bool, scheme: u32) {
     var frame = rod.root_frame;
     var offset = vec3f(0.0);   // from the root, as it is
@@ -51,6 +51,7 @@ fn put(strand: Strand, rod: RodStrand, at_rest: bool, scheme: u32) {
             select(rod.root_turn, frame, at_rest), select(segment.start, segments[j].rest_rotation, at_rest),
         ));
         rod_segments[j].frame = frame;
+        rod_segments[j].start = select(segment.start, frame, at_rest);
         rod_segments[j].scheme = PUT;
         rod_segments[j].force = vec3f(0.0);
         rod_segments[j].moment = vec3f(0.0);

@@ -502,6 +502,11 @@ impl Simulation {
         Ok((unpickled, PyTuple::new(py, [PyBytes::new(py, &bytes)])?))
     }
 
+    /// Destroys the device under all simulations on it, as a driver that fails does: so that tests see what is left then.
+    fn _lose_device(&self, py: Python<'_>) -> PyResult<()> {
+        self.engine(py, |sim| sim.gpu().device().destroy())
+    }
+
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let facts = self.facts(py)?;
         let words: Vec<String> = facts.into_iter().map(|(name, value)| format!("{name} {value}")).collect();

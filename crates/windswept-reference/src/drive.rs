@@ -1,6 +1,7 @@
-//! Heading 1: clamps move; the wind enters; air moves, and hair drifts among it.
+//! Heading 1: strands that are bad are reset; clamps move; the wind enters; air moves, and hair drifts among it.
 
 mod gale;
+mod reset;
 
 use std::f64::consts::PI;
 
@@ -9,6 +10,7 @@ use windswept_scene::{FluidSolver, InflowWave, Model};
 
 pub(crate) use self::gale::fields;
 pub use self::gale::{Field, course, draw, gale};
+pub use self::reset::{inspect, mend, reset};
 use crate::{
     Parameters, State,
     rods::{self, Drive, rotation, rotation_vector},

@@ -17,7 +17,8 @@ pub fn run(s: &mut State, mut w: Scratch, p: &Parameters) -> Result<(), Frozen> 
             s.resets += 1;
         }
     }
-    check(p, &s.bad, &w.predicted, &w.new_velocity)?;
+    let bad = s.bad.iter().filter(|bad| **bad).count();
+    check(p, w.spoilt + bad, &w.predicted, &w.new_velocity)?;
     commit(p, s, w);
     Ok(())
 }
@@ -47,14 +48,13 @@ pub fn hold(hair: &Strands, strand: usize, velocities: &mut [DVec3]) -> bool {
     lost
 }
 
-/// Checks whether what a step arrived at may become the state.
+/// Checks whether what a step arrived at, in which `bad` strands were not finite, may become the state.
 ///
 /// # Errors
 /// [`Frozen`] when an air particle or more than [`bad_strand_limit`] strands are not finite.
-pub fn check(p: &Parameters, bad: &[bool], positions: &[DVec3], velocities: &[DVec3]) -> Result<(), Frozen> {
-    let count = bad.iter().filter(|bad| **bad).count();
-    if count > bad_strand_limit(bad.len()) {
-        return Err(Frozen::BadStrands(count));
+pub fn check(p: &Parameters, bad: usize, positions: &[DVec3], velocities: &[DVec3]) -> Result<(), Frozen> {
+    if bad > bad_strand_limit(p.rest.len()) {
+        return Err(Frozen::BadStrands(bad));
     }
     let finite = |i: &usize| positions[*i].is_finite() && velocities[*i].is_finite();
     match (p.hair_points..positions.len()).find(|i| !finite(i)) {

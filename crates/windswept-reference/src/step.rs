@@ -17,7 +17,9 @@ use crate::{
 /// [`Frozen`] says why the step was not committed; the state is as it was before.
 pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     let mut s = state.clone();
-    let mut w = drive::run(&s, p); //      1. Clamps move; wind enters; air moves, and hair drifts among it.
+    let spoilt = drive::mend(&mut s); //   1. Bad strands are reset.
+    let mut w = drive::run(&s, p); //         Clamps move; wind enters; air moves, and hair drifts among it.
+    w.spoilt = spoilt;
     neighbours::run(&mut w, p); //         2. List who is near whom.
     fluid::run(&s, &mut w, p); //          3. Pressure, or density constraints (eq. 1), of hair and air together or each for itself.
     rods::run(&mut s, &mut w, p); //       4. Air drags strands, which keep their length and shape, and they slow the air.
@@ -33,6 +35,8 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
 /// Arrays that a step works on before it is committed: the engine's scratch buffers of the same names.
 #[derive(Debug, Clone, Default)]
 pub struct Scratch {
+    /// Number of strands that were spoilt when the step began.
+    pub spoilt: usize,
     /// Mean wind in this step \[m/s\].
     pub blowing: DVec3,
     /// What the air in the fringe misses of the wind, on average \[m/s\].

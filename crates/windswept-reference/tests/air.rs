@@ -180,10 +180,10 @@ fn check_sees_positions_and_velocities() {
         values[i].y = f64::INFINITY;
         values
     };
-    assert_eq!(guard::check(&p, &[], &fine, &fine), Ok(()));
-    assert_eq!(guard::check(&p, &[], &spoilt(2), &fine), Err(Frozen::NonFiniteAir(1)));
-    assert_eq!(guard::check(&p, &[], &fine, &spoilt(1)), Err(Frozen::NonFiniteAir(0)));
-    assert_eq!(guard::check(&p, &[], &spoilt(0), &fine), Ok(()));
+    assert_eq!(guard::check(&p, 0, &fine, &fine), Ok(()));
+    assert_eq!(guard::check(&p, 0, &spoilt(2), &fine), Err(Frozen::NonFiniteAir(1)));
+    assert_eq!(guard::check(&p, 0, &fine, &spoilt(1)), Err(Frozen::NonFiniteAir(0)));
+    assert_eq!(guard::check(&p, 0, &spoilt(0), &fine), Ok(()));
 }
 
 /// Non-finite air freezes the state as it was, and names the particle.

@@ -6,7 +6,7 @@ mod support;
 
 use glam::{DMat3, DQuat, DVec3};
 use support::{Rod, airless, alone, apart, bundle};
-use windswept_reference::{Parameters, State, rods, step::step, tables};
+use windswept_reference::{Parameters, State, drive, rods, step::step, tables};
 use windswept_scene::{InitialState, Strands};
 
 /// Root frame of a strand that hangs: d1 = +x, d2 = +z, d3 = −y.
@@ -189,15 +189,15 @@ fn row_of_strands(n: usize) -> Strands {
     bundle(&strands)
 }
 
-/// A strand that becomes non-finite is held for the step and back in its rest pose, at rest, for the next. No other
-/// strand notices.
+/// A strand that its solve left bad is held for the step and starts the next from its rest shape, at rest. No other strand notices.
 #[test]
 fn a_bad_strand_is_held_and_reset() {
     let (mut healthy, p) = alone(row_of_strands(5));
     run(&mut healthy, &p, 3);
     let mut state = healthy.clone();
-    let points = state.hair.points(2);
-    state.velocity[points.start + 9].y = f64::NAN;
+    let (points, segments) = (state.hair.points(2), state.hair.segments(2));
+    // A spin is read by its own strand alone, which finds out after the solve.
+    state.angular_velocity[segments.start + 9].y = f64::NAN;
     let before = state.clone();
 
     step(&mut state, &p).unwrap();
@@ -205,20 +205,53 @@ fn a_bad_strand_is_held_and_reset() {
     assert_eq!((state.bad.clone(), state.resets), (vec![false, false, true, false, false], 1));
     assert_eq!(state.position[points.clone()], before.position[points.clone()]);
     assert!(state.velocity[points.clone()].iter().all(|v| *v == DVec3::ZERO));
-    assert!(state.angular_velocity[state.hair.segments(2)].iter().all(|w| w.length() < 1e-12));
+    assert!(state.angular_velocity[segments].iter().all(|w| w.length() < 1e-12));
     // XSPH may stir a held strand; a reset one is at rest all the same.
     state.velocity[points.start + 3] = DVec3::X;
 
     step(&mut state, &p).unwrap();
     step(&mut healthy, &p).unwrap();
+    is_at_rest_alone(&state, &healthy, 1);
+}
+
+/// Whether strand 2 is in its rest shape, at rest, after so many resets, and the other strands where those of `healthy` are.
+fn is_at_rest_alone(state: &State, healthy: &State, resets: usize) {
+    let points = state.hair.points(2);
     let (fresh, _) = alone(row_of_strands(5));
     // Measured 3e-16 m: the rest shape is unrolled anew.
     let off = apart(&state.position[points.clone()], &fresh.position[points.clone()]);
     assert!(off < 1e-14, "{off} m from the rest shape");
-    assert!(state.velocity[points.clone()].iter().all(|v| *v == DVec3::ZERO));
-    assert_eq!((state.bad.contains(&true), state.resets), (false, 1));
+    assert!(state.velocity[points].iter().all(|v| *v == DVec3::ZERO));
+    assert_eq!((state.bad.contains(&true), state.resets), (false, resets));
     for strand in [0, 1, 3, 4] {
         assert_eq!(state.position[state.hair.points(strand)], healthy.position[state.hair.points(strand)]);
+    }
+}
+
+/// A strand that is spoilt when a step begins (a value of it is not finite, or absurd) starts that very step from its rest shape.
+#[test]
+fn a_spoilt_strand_is_reset_at_once() {
+    let (mut start, p) = alone(row_of_strands(5));
+    run(&mut start, &p, 3);
+    let mut healthy = start.clone();
+    step(&mut healthy, &p).unwrap();
+    let (point, segment) = (start.hair.points(2).start + 9, start.hair.segments(2).start + 9);
+    for value in [f64::NAN, f64::INFINITY, 1e30] {
+        let spoils: [&dyn Fn(&mut State); 6] = [
+            &|s| s.position[point].x = value,
+            &|s| s.position[point - 9].y = value,
+            &|s| s.velocity[point].z = value,
+            &|s| s.velocity_before[point].x = value,
+            &|s| s.orientation[segment].y = value,
+            &|s| s.grip[point].x = f64::NAN,
+        ];
+        for (k, spoil) in spoils.iter().enumerate() {
+            let mut state = start.clone();
+            spoil(&mut state);
+            assert!(!drive::inspect(&state, 2) && drive::inspect(&state, 1), "{value}, {k}");
+            step(&mut state, &p).unwrap();
+            is_at_rest_alone(&state, &healthy, 1);
+        }
     }
 }
 

@@ -21,7 +21,7 @@ const ONE_WORKGROUP: u32 = 1;
 
 /// Records one step.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
-    drive::record(r, plan); //      1. Clamps move; wind enters; air moves, and hair drifts among it.
+    drive::record(r, plan); //      1. Bad strands are reset; clamps move; wind enters; air moves, and hair drifts among it.
     neighbours::record(r, plan); // 2. Sort particles into cells, list who is near whom.
     fluid::record(r, plan); //      3. Nothing is compressed: by pressures, or a density constraint (eq. 1).
     rods::record(r, plan); //       4. Strands keep their length and shape.

@@ -236,11 +236,12 @@ fn counting(stage: &Stage, counter: u32) -> usize {
 
 /// Runs both up to the solve, which is how strands go through the step.
 fn prepared(stage: &Stage, s: &mut Twin, push: Vec<DVec3>) -> Scratch {
-    stage.run_only(&["rods/roots"], step::drive::record);
+    stage.run_only(&["rods/inspect", "rods/reset", "rods/roots"], step::drive::record);
     stage.run_only(
         &["rods/begin_points", "rods/begin_segments", "rods/choose", "rods/load", "rods/start"],
         step::rods::record,
     );
+    drive::mend(s);
     let mut w = drive::run(s, &stage.parameters);
     w.correction = push;
     rods::begin(s, &mut w, &stage.parameters);

@@ -14,7 +14,7 @@ use crate::{
     stage::{Stage, condition},
 };
 
-/// Strands that are not finite in the fifth step.
+/// Strands that are not finite when the fifth step begins.
 const LOST: [usize; 3] = [1, 17, 40];
 
 /// 26 steps of hair at rest without gravity: strands that are not finite are reset, most fall asleep, some are woken by their
@@ -75,7 +75,7 @@ fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
         }
         assert_eq!(counted, wanted, "step {number}");
         let asleep = s.asleep.iter().filter(|asleep| **asleep).count();
-        met[0] += usize::from(s.bad.iter().any(|bad| *bad));
+        met[0] = s.resets;
         met[1] += usize::from(asleep > 40);
         met[2] += usize::from(s.touched.iter().any(|touched| *touched));
         if number == 16 {

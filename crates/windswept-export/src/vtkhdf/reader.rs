@@ -92,7 +92,8 @@ impl VtkHdfReader {
             }
         }
         let rows = self.root.dataset("Points").map_or(0, |points| points.shape().first().copied().unwrap_or(0));
-        (rows < self.times.len() * self.points).then(|| format!("it lacks points of its {} frames", self.times.len()))
+        (rows < self.times.len().saturating_mul(self.points))
+            .then(|| format!("it lacks points of its {} frames", self.times.len()))
     }
 
     /// Name of the adapter that ran, and version of windswept; empty where the file does not say.

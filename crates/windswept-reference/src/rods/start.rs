@@ -210,7 +210,8 @@ fn put_as_it_is(hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving) {
     }
 }
 
-/// Puts a strand in its rest shape, unrolled from the clamp; a tip that is held stays.
+/// Puts a strand in its rest shape, unrolled from the clamp; a tip that is held stays. Frames that nothing may be known of are
+/// taken as they are put.
 fn put_at_rest(hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving) {
     let (mut frame, mut offset, mut rest) = (drive.root_frame, DVec3::ZERO, DVec3::ZERO);
     let first = hair.points(strand).start;
@@ -219,6 +220,7 @@ fn put_at_rest(hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving) {
         frame = (frame * hair.rest_rotation[k]).normalize();
         offset += m.segments[k].chord;
         rest += hair.rest_length[k] * (frame * DVec3::Z);
+        m.segments[k].start = frame;
         put_frame(&mut m.segments[k], frame);
         let stays = i + 1 == hair.points(strand).end && m.points[i].inverse_mass == 0.0;
         put(&mut m.points[i], if stays { DVec3::ZERO } else { drive.root_travel + rest - offset });

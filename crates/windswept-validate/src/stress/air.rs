@@ -26,9 +26,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut dense = Sweep::new("largest density after 100 steps, of the rest density", 1.05, "");
     let mut fast = Sweep::new("fastest particle in any step, off the wind", 0.5, "h/Δt");
     for &solver in extent.of(&[FluidSolver::Divergence, FluidSolver::Pbf][..], &[FluidSolver::Divergence]) {
-        for (&wind, (name, crowd)) in
-            extent.of(&WINDS[..], &WINDS[1..]).iter().flat_map(|wind| CROWDS.iter().map(move |crowd| (wind, crowd)))
-        {
+        for (wind, (name, crowd)) in WINDS.into_iter().flat_map(|wind| CROWDS.iter().map(move |crowd| (wind, crowd))) {
             let mut scene = air::scene(&format!("fluid.solver = \"{}\"", solver.word()))?;
             // No fringe to enter through: the wind carries the air, and says how much the solver `divergence` spreads it.
             if let Some(air) = &mut scene.air {

@@ -2,7 +2,7 @@
 
 use windswept::{Gpu, Simulation};
 
-use super::{COUPLINGS, Extent, Sweep, TUFT, points, reason, scene, stretch};
+use super::{COUPLINGS, Extent, Sweep, TUFT, USUAL, points, reason, scene, stretch};
 use crate::Error;
 
 pub(super) const SWEPT: &str =
@@ -30,8 +30,8 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut others =
         Sweep::new("strands and air particles with other bits than where the strand is reset by hand", 0.0, "");
     let mut whole = Sweep::new("stretch 20 steps later", 0.01, "");
-    for (coupling, keys) in extent.of(&COUPLINGS[..], &COUPLINGS[..2]) {
-        for (name, array) in extent.of(&ARRAYS[..], &ARRAYS[1..]) {
+    for (coupling, keys) in extent.of(&COUPLINGS[..], &USUAL[..]) {
+        for (name, array) in &ARRAYS {
             for value in extent.of(&[f32::NAN, 1e30][..], &[f32::NAN]) {
                 let setting = format!("{name} = {value:e}");
                 let mut spoilt = Simulation::new(gpu, &scene(TUFT, &[keys])?)?;

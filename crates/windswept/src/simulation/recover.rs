@@ -1,7 +1,10 @@
 //! What was not finite is put back to rest: strands by the step itself, and all that ended a run if its caller wants it to go on.
 
 use glam::DVec3;
-use windswept_shaders::common::status::{NON_FINITE_AIR, STRAND_RESET, Status, TOO_MANY_BAD_STRANDS};
+use windswept_shaders::common::{
+    rod::{BAD, SPOILT},
+    status::{NON_FINITE_AIR, STRAND_RESET, Status, TOO_MANY_BAD_STRANDS},
+};
 
 use super::Simulation;
 use crate::{error::RunError, report::Reset, status};
@@ -31,8 +34,8 @@ impl Simulation {
         let mut health = self.engine.read(&s.health)?;
         let mut bad = Vec::new();
         for (strand, health) in (0_u32..).zip(&mut health) {
-            if health.found.bad != 0 {
-                health.committed.bad = 1;
+            if health.found.bad != 0 || health.committed.bad == SPOILT {
+                health.committed.bad = BAD;
                 bad.push(strand);
             }
         }

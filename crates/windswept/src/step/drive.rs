@@ -1,4 +1,4 @@
-//! 1. Clamps move; wind enters; air moves, and hair drifts among it.
+//! 1. Strands that are not finite are reset; clamps move; wind enters; air moves, and hair drifts among it.
 
 use windswept_shaders::{common::reduce::TERMS, fluid, force, rods, wind};
 
@@ -15,6 +15,8 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         });
     });
     r.when(&plan.hair, |r| {
+        r.run(&rods::INSPECT, "is each strand sound", n.strands);
+        r.run(&rods::RESET, "a strand that is not starts from rest", n.strands);
         r.run(&rods::ROOTS, "where clamps go", n.strands);
         r.when(&plan.hair_meets_air, |r| {
             r.run(&rods::DRIFT, "hair drifts among air", n.hair_points);

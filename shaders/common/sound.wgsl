@@ -1,0 +1,20 @@
+// What a strand can be as a step begins.
+import package::common::{rod::{Strand, Root, ROOT_HELD}, status::finite};
+
+const FAR: f32 = 1e3;     // lengths of the strand: no point of it is farther from its root
+const WORLD: f32 = 1e9;   // m from the origin: no root is farther
+
+// Whether a vector is finite and not longer than that. The square of one that is too long for f32 is not finite either.
+fn within(v: vec3f, longest: f32) -> bool {
+    return finite(dot(v, v)) && dot(v, v) <= longest * longest;
+}
+
+// Where the root of a strand is: at its clamp, or where its first point drifted to if nothing holds it.
+fn root_of(strand: Strand, clamp: Root, first: vec3f) -> vec3f {
+    let drifts = (strand.joints & ROOT_HELD) == 0u && within(first, WORLD);
+    return select(clamp.position, first, drifts);
+}
+
+fn in_reach(strand: Strand, root: vec3f, place: vec3f) -> bool {
+    return within(place - root, FAR * strand.length);
+}

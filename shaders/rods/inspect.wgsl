@@ -1,0 +1,48 @@
+// Looks at each strand before anything else does. One with a value that is not finite, or that no strand can have, is spoilt: it
+// starts the step in its rest shape (`rods/reset`), so that nothing meets what it was.
+//
+// Steps do not commit such values: whoever writes into the state between steps may, and a defect may. Spins and what segments
+// remember are read by their own strand alone, whose health `rods/finish` finds after the solve.
+//
+// A step that froze is taken again: a strand that is spoilt by then is counted anew, and not looked at.
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP},
+    rod::{Strand, Health, PointHistory, Root, SPOILT}, sound::{within, root_of, in_reach},
+    status::{frozen, count_bad_strand, finite, finite3},
+};
+
+@group(0) @binding(2) var<storage, read>       strands:       array<Strand>;
+@group(0) @binding(3) var<storage, read>       clamps:        array<Root>;
+@group(0) @binding(4) var<storage, read>       position:      array<vec4f>;
+@group(0) @binding(5) var<storage, read>       velocity:      array<vec4f>;
+@group(0) @binding(6) var<storage, read>       orientation:   array<vec4f>;
+@group(0) @binding(7) var<storage, read>       point_history: array<PointHistory>;
+@group(0) @binding(8) var<storage, read_write> health:        array<Health>;
+
+const FAST: f32 = 1e6;    // m/s: no point is faster
+const UNLIKE: f32 = 0.1;  // what the square of a frame's length is not off 1 by
+
+fn sound(s: u32, strand: Strand) -> bool {
+    let root = root_of(strand, clamps[s], position[strand.first_point].xyz);
+    for (var k = 0u; k < strand.points; k++) {
+        let p = strand.first_point + k;
+        let history = point_history[p];
+        if !in_reach(strand, root, position[p].xyz) { return false; }
+        if !(within(velocity[p].xyz, FAST) && within(history.velocity, FAST)) { return false; }
+        if !(finite3(history.travel + history.remainder + history.outside) && finite3(history.own + history.grip)) { return false; }
+        if k + 1u == strand.points { continue; }
+        let frame = orientation[strand.first_segment + k];
+        if !finite(dot(frame, frame)) || abs(dot(frame, frame) - 1.0) > UNLIKE { return false; }
+    }
+    return true;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let s = invocation(id, groups);
+    if s >= params.strands || frozen() { return; }
+    let bad = health[s].committed.bad;
+    if bad == 0u && sound(s, strands[s]) { return; }
+    if bad == 0u { health[s].committed.bad = SPOILT; }
+    if bad == 0u || bad == SPOILT { count_bad_strand(s); }
+}
