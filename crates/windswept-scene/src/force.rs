@@ -46,12 +46,12 @@ table! {
         /// Radius of a jet, which fades from half of it on; or distance at which a vortex or a point blows with its strength: inside
         /// it is slower in proportion to the distance. At most half of reach with a vortex or a point.
         radius: f64 = Length, "m", Absent("a quarter of reach") => |_force| 0.25 * reach;
+        /// Way over which air takes the field's wind up, at the strength's speed.
+        uptake: f64 = Length, "m", Absent("radius") => |_force| radius;
         /// Largest speed of the field's wind; negative turns it round.
         strength: Option<f64> = Number, "m/s", Absent("needed without a course");
         /// Keyframes of the strength, in place of a steady one: linear between them, held before and after.
         course: Vec<Strength> = Tables, "", Absent("a steady strength");
-        /// Way over which air takes the field's wind up, at the strength's speed.
-        uptake: f64 = Length, "m", Absent("radius") => |_force| radius;
     }
 }
 
