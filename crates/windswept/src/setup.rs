@@ -7,7 +7,7 @@ use windswept_shaders::{
 };
 
 use crate::{
-    bands::Bands, coarse::Coarse, meshes::Meshes, motion::Motions, params, pressure, state::Sizes,
+    bands::Bands, bodies, coarse::Coarse, meshes::Meshes, motion::Motions, params, pressure, state::Sizes,
     step::neighbours::Sort, winds,
 };
 
@@ -73,6 +73,7 @@ impl<'a> Setup<'a> {
             factors: if params.direct_rods != 0 { params.segments } else { 0 },
             keyframes: motions.keyframes.len() as u32,
             bodies: scene.bodies.len() as u32,
+            distances: bodies::nodes(scene),
             wind_table: wind_table.len() as u32,
             waves: waves.len() as u32,
             mesh_tasks: (meshes.uniforms.len() + coarse.as_ref().map_or(0, |coarse| coarse.uniforms.len())) as u32,
