@@ -5,7 +5,7 @@ mod support;
 
 use glam::DVec3;
 use windswept::{Frame, Simulation};
-use windswept_scene::{Body, InitialState, Model, Motion, Scene, Shape};
+use windswept_scene::{Body, InitialState, Model, Motion, Scene, Shape, Solid};
 
 fn simulation(text: &str, sets: &[&str]) -> Simulation {
     let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
@@ -154,13 +154,27 @@ fn lasting_stretch_on_a_body_is_warned_of() {
     }
 }
 
-/// Hair that starts in a body comes out of it, slowly.
+/// Hair that starts in a body comes out of it, slowly; out of a mesh too.
 #[test]
 fn hair_that_starts_inside_comes_out_slowly() {
     let text = "interaction.model = \"none\"\ngravity = [0, 0, 0]\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 30\npoints = 9\nlength = 0.08\n\
         roots = { shape = \"line\", center = [0, 0.104, 0], radius = 0.01, direction = [1, 0, 0] }\n\
         [[body]]\nradius = 0.1\ncenter = [0, 0, 0]\n[[body]]\nname = \"bar\"\nshape = \"capsule\"\nstart = [0.05, 0.1, -1]\nend = [0.05, 0.1, 1]\nradius = 0.008\n";
-    let mut simulation = simulation(text, &[]);
+    let round = Scene::parse(text).unwrap();
+    let mut meshed = round.clone();
+    for body in &mut meshed.bodies {
+        let mut surface = body.shape.surface(64, 128);
+        // The bar goes on far beyond the hair.
+        surface.points.iter_mut().for_each(|x| x.z = x.z.clamp(-0.15, 0.15));
+        body.shape = Shape::Mesh(Solid::enclosed(surface, Some(2e-3)).unwrap());
+    }
+    for (scene, off) in [(round, 1e-8), (meshed, 1e-5)] {
+        comes_out_slowly(&scene, off);
+    }
+}
+
+fn comes_out_slowly(scene: &Scene, off: f64) {
+    let mut simulation = Simulation::new(&support::gpu(), scene).unwrap();
     let initial = points(&simulation.frame().unwrap().hair.positions);
     let before = initial.iter().map(|x| simulation.scene().bodies[1].at(0.0).signed_distance(*x).0).fold(0.0, f64::min);
     assert!(before < -3e-3, "nothing starts inside: {before}");
@@ -173,7 +187,7 @@ fn hair_that_starts_inside_comes_out_slowly() {
     let left = deepest(&simulation, &simulation.frame().unwrap().hair.positions);
     println!("started {before:.1e} m deep, at most {fastest:.2} m/s, {left:.1e} m deep after 60 steps");
     // Measured at 0.2 m/s what leaves, 0.51 m/s what swings on with it.
-    assert!(left < 1e-8, "{left} m still inside");
+    assert!(left < off, "{left} m still inside");
     assert!(fastest < 1.0, "{fastest} m/s");
 }
 
@@ -243,23 +257,25 @@ fn a_moving_ball_pushes_air() {
     assert!((0.5..1.1).contains(&before) && beside < -0.04, "{before} {beside}");
 }
 
-/// examples/scenes/head.toml, its head turned at once: hair and air stay out of head and neck, nothing to be warned of.
+/// examples/scenes/head.toml, its head turned at once: hair and air stay out of the mesh, hair goes with it, nothing to be warned of.
 #[test]
 fn hair_stays_on_a_head_that_turns() {
-    let soon = [
-        "hair.motion.0.time=0.01",
-        "body.head.motion.0.time=0.01",
-        "hair.motion.1.time=0.05",
-        "body.head.motion.1.time=0.05",
-    ];
-    let mut simulation = simulation(include_str!("../examples/scenes/head.toml"), &soon);
+    let soon = ["body.head.motion.0.time=0.01", "body.head.motion.1.time=0.05"].map(str::to_owned);
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/head.toml");
+    let scene = Scene::load_with(file, &soon).unwrap();
+    let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
     assert!(simulation.initial().warnings.is_empty(), "{:?}", simulation.initial().warnings);
     simulation.step(40).unwrap();
     let frame = simulation.frame().unwrap();
-    let (hair, air) = (deepest(&simulation, &frame.hair.positions), deepest(&simulation, &frame.air.positions));
-    println!("hair {hair:.1e} m inside, air {air:.1e} m");
-    // Roots are on the surface; measured 8.4e-9 m: rounding. Air keeps half a spacing, 2.4 mm, from either body, but for the
-    // crease between head and neck, where one body may undo what the other did: measured 1.3 mm off.
-    assert!(hair < 3e-8 && air < 0.0, "{hair} {air}");
+    let free: Vec<[f32; 3]> = frame.hair.positions.chunks(11).flat_map(|strand| strand[1..].to_vec()).collect();
+    let [hair, roots, air] = [&free, &frame.hair.positions, &frame.air.positions].map(|x| deepest(&simulation, x));
+    println!("hair {hair:.1e} m inside, roots {roots:.1e} m, air {air:.1e} m");
+    // Roots are on triangles, of which the grid is off next to edges that lead inward: measured 5.5e-6 m; margin 4.
+    assert!(hair < 3e-8 && roots < 2.2e-5 && air < 0.0, "{hair} {roots} {air}");
     assert!(frame.hair.velocities.iter().flatten().all(|v| v.abs() < 9.0));
+    let turned = scene.bodies[0].motion.at(0.04).1 * scene.bodies[0].motion.at(0.0).1.inverse();
+    let roots = |positions: &[[f32; 3]]| points(positions).into_iter().step_by(11).collect::<Vec<_>>();
+    let start = roots(&Simulation::new(&support::gpu(), &scene).unwrap().frame().unwrap().hair.positions);
+    let now = roots(&frame.hair.positions);
+    assert!(turned.to_axis_angle().1 > 0.2 && start.iter().zip(&now).any(|(a, b)| a.distance(*b) > 5e-3));
 }

@@ -74,12 +74,16 @@ impl Table {
         if bindings.values().filter(|(_, kind)| *kind != "Uniform").count() > STORAGE_BUFFERS {
             return Err(fault(&format!("more than {STORAGE_BUFFERS} storage buffers")).into());
         }
+        let meshes = !module.overrides.is_empty();
+        if let Some((_, other)) = module.overrides.iter().find(|(_, switch)| switch.name.as_deref() != Some("MESHES")) {
+            return Err(fault(&format!("the engine does not set the switch {:?}", other.name)).into());
+        }
         let text = self.statics.entry(source.folder).or_default();
         let constant = source.stem.to_uppercase();
         writeln!(text, "{}pub static {constant}: Pass = Pass {{", doc(&source.title))?;
         writeln!(
             text,
-            "name: {name:?}, workgroup: {workgroup}, source: {}, source_without_subgroups: {plain},",
+            "name: {name:?}, workgroup: {workgroup}, asks_for_meshes: {meshes}, source: {}, source_without_subgroups: {plain},",
             file(target)
         )?;
         let rows: Vec<_> = bindings.into_values().map(|(row, _)| row).collect();

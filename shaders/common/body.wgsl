@@ -1,4 +1,5 @@
-// Bodies: all points within a radius of a line, the axis. A sphere's axis is a point.
+// Bodies: all points within a radius of a line, the axis, or all points that a mesh encloses. A sphere's axis is a point, and so is a
+// mesh's: the origin of its file. A mesh is a grid of signed distances, trilinear between the nodes.
 //
 // All that depends on a body's shape stands here: what it is made of, where it is after a step (`place`), the signed distance of a
 // point and its gradient (`surface`), and where a way enters it (`entry`). Passes ask for these and for nothing else.
@@ -11,7 +12,25 @@ struct Body {
     friction: f32,         // Coulomb's coefficient of hair on the body
     first_keyframe: u32,   // index of the body's first keyframe
     keyframes: u32,        // number of the body's keyframes; without any the body rests
+    rotation: vec4f,       // rotation of a mesh, before any motion
+    grid: Grid,            // signed distances of a mesh
 }
+
+// A grid of signed distances, in a mesh's own place: the origin of its file is at 0.
+struct Grid {
+    origin: vec3f,         // the first node [m]
+    spacing: f32,          // distance between nodes [m]
+    counts: vec3u,         // nodes along x, y and z; none of a round body
+    first: u32,            // index of the first node's distance
+}
+
+// Signed distances at the nodes of all grids [m], x running fastest, then y. The binding's number is above those that a pass has of
+// its own.
+@group(0) @binding(9) var<storage, read> distances: array<f32>;
+
+// Whether a body of the scene is a mesh. It is set when a pipeline is made, so that a scene without any has passes without a trace of them:
+// some adapters run both sides of every branch.
+override MESHES: bool = true;
 
 // Rounds that a pass goes over all bodies: a second one for what lies between two bodies.
 const ROUNDS: u32 = 2u;
@@ -30,6 +49,8 @@ struct Placed {
     center: vec3f,         // middle of the axis, after the step [m]
     center_before: vec3f,  // middle of the axis, before the step [m]
     turn: vec4f,           // rotation in the step
+    rotation: vec4f,       // rotation of a mesh, after the step
+    grid: Grid,            // signed distances of a mesh
 }
 
 // The body after a step that takes it from one pose to another.
@@ -40,6 +61,7 @@ fn place(body: Body, before: Pose, after: Pose) -> Placed {
     return Placed(
         now - half, body.radius, now + half, body.friction, now, center + before.translation,
         normalize(product(after.rotation, conjugate(before.rotation))),
+        normalize(product(after.rotation, body.rotation)), body.grid,
     );
 }
 
@@ -50,6 +72,10 @@ struct Surface {
 }
 
 fn surface(body: Placed, x: vec3f) -> Surface {
+    if is_mesh(body) {
+        let near = surface_of_grid(body.grid, in_mesh(body, x));
+        return Surface(rotate(body.rotation, near.normal), near.distance);
+    }
     let axis = body.end - body.start;
     let squared = dot(axis, axis);
     let along = select(0.0, clamp(dot(x - body.start, axis) / squared, 0.0, 1.0), squared > 0.0);
@@ -59,6 +85,51 @@ fn surface(body: Placed, x: vec3f) -> Surface {
     // From the axis every direction across it leads out.
     let across = select(vec3f(axis.z, 0.0, -axis.x), vec3f(0.0, axis.z, -axis.y), abs(axis.x) > abs(axis.y));
     return Surface(select(vec3f(0.0, 1.0, 0.0), normalize(across), squared > 0.0), -body.radius);
+}
+
+fn is_mesh(body: Placed) -> bool {
+    return MESHES && body.grid.counts.x > 0u;
+}
+
+// Loops of an invocation, at most, each time that it goes through all bodies.
+fn loops_over(bodies: u32) -> u32 {
+    return ROUNDS * bodies * select(1u, 1u + STEPS + HALVINGS, MESHES);
+}
+
+// The point in a mesh's own place.
+fn in_mesh(body: Placed, x: vec3f) -> vec3f {
+    return rotate(conjugate(body.rotation), x - body.center);
+}
+
+// Distance from the surface of a grid, and the way in which it grows. Beyond the grid it is the least that the distance at its side
+// allows.
+fn surface_of_grid(grid: Grid, x: vec3f) -> Surface {
+    let last = vec3f(grid.counts - 1u);
+    let inside = clamp(x - grid.origin, vec3f(0.0), grid.spacing * last);
+    let place = inside / grid.spacing;
+    let cell = clamp(floor(place), vec3f(0.0), last - 1.0);
+    let part = place - cell;
+    let seat = vec3u(cell);
+    let row = grid.counts.x;
+    let layer = row * grid.counts.y;
+    let i = grid.first + seat.z * layer + seat.y * row + seat.x;
+    // Four edges along x: of both y at the lower z, of both y at the upper z.
+    let near = vec4f(distances[i], distances[i + row], distances[i + layer], distances[i + layer + row]);
+    let far = vec4f(distances[i + 1u], distances[i + row + 1u], distances[i + layer + 1u], distances[i + layer + row + 1u]);
+    let along_x = mix(near, far, part.x);
+    let slope_x = mix((far - near).xz, (far - near).yw, part.y);
+    let along_y = mix(along_x.xz, along_x.yw, part.y);
+    let slope_y = along_x.yw - along_x.xz;
+    let gradient = vec3f(mix(slope_x.x, slope_x.y, part.z), mix(slope_y.x, slope_y.y, part.z), along_y.y - along_y.x);
+    let distance = mix(along_y.x, along_y.y, part.z);
+    // Where nothing is nearest every way leads out.
+    let steep = length(gradient) > 1e-6 * grid.spacing;
+    let normal = select(vec3f(0.0, 1.0, 0.0), gradient / length(gradient), steep);
+    let beyond = x - grid.origin - inside;
+    if all(beyond == vec3f(0.0)) { return Surface(normal, distance); }
+    // The nearest point of the surface is on the other side of the plane through `inside`, across the way from there.
+    let way = beyond + distance * select(vec3f(0.0), normal, beyond == vec3f(0.0));
+    return Surface(normalize(way), length(vec4f(beyond, distance)));
 }
 
 // Where a point that goes with the body is after the step.
@@ -89,8 +160,53 @@ fn entry_of_ball(center: vec3f, radius: f32, start: vec3f, way: vec3f) -> f32 {
     return first_root(dot(way, way), dot(gap, way), (r - radius) * (r + radius));
 }
 
+const STEEPEST: f32 = 1.7320508;   // largest gradient of a trilinear distance: 1 along each axis
+const STEPS: u32 = 12u;            // steps along a way, at most
+const SHORTEST: f32 = 0.125;       // a step along a way, at least [spacings]
+const HALVINGS: u32 = 4u;          // times that the place of entry is narrowed down
+
+// Part of the way at which the distance of a grid comes to 0. Steps are as long as the distance allows, so that none leads through the
+// surface (Hart 1996, Sphere tracing), but no shorter than an eighth of a spacing, and such that they go all the way. Regula falsi
+// (the Illinois algorithm) then finds the place between the last two.
+fn entry_of_grid(grid: Grid, start: vec3f, way: vec3f) -> f32 {
+    let far = length(way);
+    var low = 0.0;
+    var above = surface_of_grid(grid, start).distance;
+    if above <= 0.0 { return 0.0; }
+    if above > STEEPEST * far { return NEVER; }
+    let shortest = max(SHORTEST * grid.spacing, far / f32(STEPS - 1u)) / far;
+    var high = 0.0;
+    var below = above;
+    for (var k = 0u; k < STEPS && below > 0.0 && high < 1.0; k++) {
+        low = high;
+        above = below;
+        high = min(low + max(above / (STEEPEST * far), shortest), 1.0);
+        below = surface_of_grid(grid, start + high * way).distance;
+    }
+    if below > 0.0 { return NEVER; }
+    var middle = high;
+    var side = 0;
+    for (var k = 0u; k < HALVINGS; k++) {
+        middle = low + (high - low) * (above / (above - below));
+        let there = surface_of_grid(grid, start + middle * way).distance;
+        if there > 0.0 {
+            low = middle;
+            above = there;
+            if side > 0 { below *= 0.5; }
+            side = 1;
+        } else {
+            high = middle;
+            below = there;
+            if side < 0 { above *= 0.5; }
+            side = -1;
+        }
+    }
+    return middle;
+}
+
 // Part of the way from `start` along `way` at which it enters the body: 0 if it starts inside, above 1 if it does not.
 fn entry(body: Placed, start: vec3f, way: vec3f) -> f32 {
+    if is_mesh(body) { return entry_of_grid(body.grid, in_mesh(body, start), rotate(conjugate(body.rotation), way)); }
     let ends = min(entry_of_ball(body.start, body.radius, start, way), entry_of_ball(body.end, body.radius, start, way));
     let axis = body.end - body.start;
     let squared = dot(axis, axis);

@@ -3,9 +3,12 @@
 // Segments that are longer or shorter than their rest length by more than GIVE are brought back to it, one after the other, from root
 // to tip and from tip to root by turns; their two points move against one another by their masses, so that momentum is kept (Müller
 // et al. 2007, Position based dynamics). After each turn all points stay out of bodies. What is left goes to the rods of the next step.
+//
+// It runs on in a frozen step, in which nothing that it writes is committed: whether a step is frozen stands in a ninth buffer, and
+// WebGPU's default allows eight.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, owner::strands, outside::{outside, placed},
-    rod::{Strand, Segment}, body::{PUSHED, ROUNDS}, status::frozen,
+    rod::{Strand, Segment}, body::{PUSHED, loops_over},
 };
 
 @group(0) @binding(3) var<storage, read>       position:  array<vec4f>;
@@ -47,11 +50,11 @@ fn pull(p: u32, j: u32) {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() { return; }
+    if s >= params.strands { return; }
     if (touched[s] & PUSHED) == 0u { return; }
     let strand = strands[s];
     let n = strand.points - 1u;
-    let turns = min(TURNS, LOOPS / (strand.points * (3u + ROUNDS * arrayLength(&placed))));
+    let turns = min(TURNS, LOOPS / (strand.points * (3u + loops_over(arrayLength(&placed)))));
     for (var turn = 0u; turn < turns && !fits(strand); turn++) {
         for (var i = 0u; i < n; i++) {
             let k = select(i, n - 1u - i, turn % 2u == 1u);

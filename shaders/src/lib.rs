@@ -4,6 +4,10 @@
 //! `shaders/rods/choose.wgsl`, and a static, [`rods::CHOOSE`]; the structs and constants of `shaders/common/rod.wgsl`
 //! are in [`common::rod`]. The linked texts are kept, readable, in the build's output folder.
 
+/// Name of the switch, a pipeline-overridable constant, that says whether a body of the scene is a mesh
+/// (`shaders/common/body.wgsl`).
+pub const MESHES: &str = "MESHES";
+
 /// A compute pass: its text and what naga knows of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pass {
@@ -13,6 +17,8 @@ pub struct Pass {
     pub source: &'static str,
     /// The text for devices without subgroups of at least eight lanes, where `source` has subgroup operations.
     pub source_without_subgroups: Option<&'static str>,
+    /// Whether the text has the switch [`MESHES`].
+    pub asks_for_meshes: bool,
     /// Invocations per workgroup.
     pub workgroup: u32,
     /// Buffers that the pass binds, in the order of their numbers, all in group 0.

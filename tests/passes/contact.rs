@@ -7,7 +7,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::internals::step;
 use windswept_reference::{State as Twin, contact, step::Scratch};
-use windswept_scene::{Body, Keyframe, Motion, Round, Scene, Shape};
+use windswept_scene::{Body, Keyframe, Motion, Round, Scene, Shape, Solid};
 use windswept_shaders as shaders;
 
 use crate::{
@@ -89,6 +89,19 @@ fn scene() -> Scene {
     Scene { bodies, ..support::scene() }
 }
 
+/// The bodies of [`scene`] as meshes, all but the last, and the second twice: two bodies of one grid.
+fn meshes() -> Scene {
+    let mut scene = scene();
+    for body in scene.bodies.iter_mut().take(3) {
+        let solid = Solid::enclosed(body.shape.surface(16, 24), Some(4e-4)).unwrap();
+        body.shape = Shape::Mesh(solid);
+    }
+    let mut again = scene.bodies[1].clone();
+    again.motion = Motion::default();
+    scene.bodies.push(again);
+    scene
+}
+
 fn at_step(stage: &Stage, steps: u32) {
     let mut status = stage.engine.status().unwrap();
     status.step = steps;
@@ -102,8 +115,8 @@ fn place_is_that_of_the_twin() {
     let spin = [(hour - 0.4, [0.0; 3], [0.0, 1.0, 0.0]), (hour + 0.5, [0.3, 0.0, 0.0], [2.9, 0.9, 0.0])];
     let long = [(0.0, [0.0; 3], [0.0; 3]), (2.0 * hour, [0.2, 0.1, 0.0], [0.0, 0.0, PI - 1e-9])];
     let shape = Shape::Capsule { start: [0.4, 0.2, 0.1], end: [0.4, 0.5, -0.1], radius: 0.05 };
-    let bodies = [&spin[..], &long, &spin[..1], &[]].map(|keyframes| body(shape, keyframes)).to_vec();
-    let scene = Scene { bodies: [scene().bodies, bodies].concat(), ..support::scene() };
+    let bodies = [&spin[..], &long, &spin[..1], &[]].map(|keyframes| body(shape.clone(), keyframes)).to_vec();
+    let scene = Scene { bodies: [meshes().bodies, bodies].concat(), ..support::scene() };
     let initial = support::particles(64, 20, Layout::Random, 1);
     let stage = Stage::new(&scene, &initial);
     let strands = initial.hair.len() as u32;
@@ -140,12 +153,23 @@ fn place_is_that_of_the_twin() {
 /// Hair in any place moves by up to 30 mm in any direction: far enough to pass through every body here. In the end they rest.
 #[test]
 fn hair_is_that_of_the_twin() {
+    // Measured 1.0e-6 (rounding, where a way grazes a thin body); margin 5.
+    hair_among(&scene(), 5e-6);
+}
+
+/// Hair among meshes, as above.
+#[test]
+fn hair_among_meshes_is_that_of_the_twin() {
+    // Measured 6.7e-6: where a way enters is found to f32, and normals change from cell to cell; margin 4.
+    hair_among(&meshes(), 2.7e-5);
+}
+
+fn hair_among(scene: &Scene, tolerance: f64) {
     // A single point makes no strand.
     let sizes = support::SIZES.into_iter().filter(|n| *n > 1);
     for (n, steps) in sizes.flat_map(|n| [(n, 0), (n, 6), (n, 20)]) {
-        let scene = scene();
         let initial = support::particles(n, n, Layout::Random, 11);
-        let stage = Stage::new(&scene, &initial);
+        let stage = Stage::new(scene, &initial);
         at_step(&stage, steps);
         let (p, s) = (&stage.parameters, stage.engine.state());
         let mut rng = Pcg64::seed_from_u64(5);
@@ -163,8 +187,7 @@ fn hair_is_that_of_the_twin() {
         let error = relative(&got[..p.hair_points], &wanted[..p.hair_points], 0.01);
         let hits = hit.iter().flatten().count();
         println!("{n} points, step {steps}: {hits} touched, off by {error:.1e}");
-        // Measured 1.0e-6 (rounding, where a way grazes a thin body); margin 5.
-        assert!(error < 5e-6, "{n}: {error}");
+        assert!(error < tolerance, "{n}: {error}");
         assert!(n < 63 || hits > 4, "nothing is touched");
         let flags: Vec<u32> = stage.engine.read(&s.touched).unwrap();
         let hair = &stage.twin.hair;
@@ -188,9 +211,12 @@ fn hair_is_that_of_the_twin() {
 /// Strands of two segments that are pushed by up to 8 mm, or not at all, come along.
 #[test]
 fn pull_is_that_of_the_twin() {
-    for n in support::SIZES.into_iter().filter(|n| *n > 1) {
+    // Measured 5.1e-7, and among meshes 5.5e-6; margin 4.
+    let scenes = [(scene(), 2e-6), (meshes(), 2.2e-5)];
+    let cases = support::SIZES.into_iter().filter(|n| *n > 1);
+    for (n, (scene, tolerance)) in cases.flat_map(|n| scenes.iter().map(move |scene| (n, scene))) {
         let initial = support::particles(n, n, Layout::Random, 11);
-        let stage = Stage::new(&scene(), &initial);
+        let stage = Stage::new(scene, &initial);
         let (p, s) = (&stage.parameters, stage.engine.state());
         let mut rng = Pcg64::seed_from_u64(5);
         let mut moved = || 0.016 * (DVec3::from_array(rng.random()) - 0.5);
@@ -206,8 +232,7 @@ fn pull_is_that_of_the_twin() {
         let error = relative(&stage.vectors(&s.predicted)[..hair], &w.predicted[..hair], 0.01);
         let pulled = before.iter().zip(&w.predicted).filter(|(a, b)| a != b).count();
         println!("{n} points: {pulled} were pulled, off by {error:.1e}");
-        // Measured 5.1e-7; margin 4.
-        assert!(error < 2e-6, "{n}: {error}");
+        assert!(error < *tolerance, "{n}: {error}");
         assert!(n < 63 || (pulled > 4 && pulled < hair), "{pulled} of {hair} were pulled");
     }
 }
@@ -215,10 +240,11 @@ fn pull_is_that_of_the_twin() {
 /// Air in any place, with any velocity, pushed about by the density constraint.
 #[test]
 fn air_is_that_of_the_twin() {
-    for (n, steps) in support::SIZES.into_iter().flat_map(|n| [(n, 0), (n, 6)]) {
-        let scene = scene();
+    let scenes = [scene(), meshes()];
+    let cases = support::SIZES.into_iter().flat_map(|n| [(n, 0), (n, 6)]);
+    for ((n, steps), scene) in cases.flat_map(|case| scenes.iter().map(move |scene| (case, scene))) {
         let initial = support::particles(n, n / 4, Layout::Random, 12);
-        let stage = Stage::new(&scene, &initial);
+        let stage = Stage::new(scene, &initial);
         at_step(&stage, steps);
         let (p, s) = (&stage.parameters, stage.engine.state());
         let mut rng = Pcg64::seed_from_u64(6);

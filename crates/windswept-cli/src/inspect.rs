@@ -59,6 +59,20 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
         "hair",
         format!("{} strands that stand for {fibres} fibres, {} points", hair.len(), hair.positions.len()),
     ));
+    for (body, solid) in scene.bodies.iter().filter_map(|body| Some((body, body.shape.solid()?))) {
+        let (grid, triangles) = (solid.grid(), solid.triangles().corners.len());
+        rows.push((
+            "mesh",
+            format!(
+                "{}: {triangles} triangles, holes covered: {}; {} distances {:.3} mm apart, {:.1} MB",
+                body.name,
+                solid.holes(),
+                grid.counts.map(|count| count.to_string()).join(" x "),
+                grid.spacing * 1e3,
+                megabytes(4 * grid.values.len() as u64),
+            ),
+        ));
+    }
     rows.push((
         "air",
         match (&scene.air, air.positions.len()) {

@@ -16,9 +16,9 @@
 use std::collections::HashMap;
 use std::f32::consts::TAU;
 
-use glam::{IVec3, Quat, Vec3};
+use glam::{DVec3, IVec3, Quat, Vec3};
 use windswept::{Frame, HairFrame};
-use windswept_scene::{Curves, Hair, RootShape, Roots, Scene, limits::MOST_HAIRS};
+use windswept_scene::{Curves, Hair, Patch, RootShape, Roots, Scene, Shape, limits::MOST_HAIRS};
 
 use crate::ExportError;
 use crate::strands::check_strands;
@@ -110,7 +110,7 @@ impl Followers {
                 Some(curves) => made.of_file(&group, curves, of_file(count, curves.len())),
                 None => {
                     let drawn = hair.and_then(|index| scene.hair[index].drawn());
-                    made.between(&group, drawn.map(|drawn| &drawn.roots), &each)?;
+                    made.between(&group, Ground::new(scene, drawn.map(|drawn| &drawn.roots)), &each)?;
                 }
             }
             made.groups.push((made.len() - before, hair, file.is_some()));
@@ -161,7 +161,7 @@ impl Followers {
     fn between(
         &mut self,
         group: &Group<'_>,
-        roots: Option<&Roots>,
+        ground: Ground<'_>,
         each: &impl Fn(usize) -> usize,
     ) -> Result<(), ExportError> {
         let strands = group.strands;
@@ -183,7 +183,7 @@ impl Followers {
                 let mut bond = group.itself(s);
                 if k > 0 {
                     let seat = seat(group.spacing[s - group.range.start], k, each(s), seed);
-                    let there = place(roots, root, frame, seat);
+                    let there = ground.place(root, frame, seat);
                     (offset, id, bond) = (there - root, next, group.bond(there, Some(s)));
                     next = next.saturating_add(1);
                 }
@@ -499,10 +499,47 @@ pub(crate) fn root_frame(hair: &HairFrame, s: usize) -> Quat {
     if q.length_squared() > 0.5 { q.normalize() } else { Quat::IDENTITY }
 }
 
-/// The root of a hair of a strand, `seat` away in the strand's cross-section: beside it on what that is rooted on.
-fn place(roots: Option<&Roots>, root: Vec3, frame: Quat, seat: Vec3) -> Vec3 {
+/// What the strands of a group are rooted on, where that is known.
+enum Ground<'a> {
+    Unknown,
+    Patch(&'a Patch),
+    /// A body where it is at the start.
+    Body(Shape),
+}
+
+impl<'a> Ground<'a> {
+    fn new(scene: &Scene, roots: Option<&'a Roots>) -> Self {
+        match roots {
+            Some(Roots::Patch(patch)) => Self::Patch(patch),
+            Some(Roots::Mesh(scalp)) => {
+                let body = scene.bodies.iter().find(|body| body.name == scalp.body);
+                body.map_or(Self::Unknown, |body| Self::Body(body.at(0.0)))
+            }
+            None => Self::Unknown,
+        }
+    }
+
+    /// The root of a hair of a strand, `seat` away in the strand's cross-section: beside it on what that is rooted on.
+    fn place(&self, root: Vec3, frame: Quat, seat: Vec3) -> Vec3 {
+        let across = root + frame * seat;
+        match self {
+            Self::Unknown => across,
+            Self::Patch(patch) => beside(patch, root, frame, seat),
+            Self::Body(shape) => {
+                // A second time takes what the first left where the surface curves.
+                let onto = |x: DVec3| {
+                    let (distance, normal) = shape.signed_distance(x);
+                    x - distance * normal
+                };
+                onto(onto(across.as_dvec3())).as_vec3()
+            }
+        }
+    }
+}
+
+/// The place on a patch that is `seat` away from a root there.
+fn beside(roots: &Patch, root: Vec3, frame: Quat, seat: Vec3) -> Vec3 {
     let across = root + frame * seat;
-    let Some(roots) = roots else { return across };
     let [center, normal] = [roots.center, roots.normal].map(|v| Vec3::from_array(v.map(|x| x as f32)));
     let radius = roots.radius as f32;
     match roots.shape {

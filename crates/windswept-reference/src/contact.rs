@@ -2,7 +2,7 @@
 //! there, and the answer is carried along.
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{InitialState, Motion, Scene, Shape, Strands};
+use windswept_scene::{InitialState, Motion, Scene, Shape, Solid, Strands};
 
 use crate::{Parameters, State, rods, step::Scratch};
 
@@ -15,8 +15,14 @@ const RECOVERY: f64 = 0.2;
 
 /// Turns in which what a body pushed pulls the rest of its strand along, at most.
 const TURNS: usize = 400;
-/// Points and bodies that are looked at in all turns, at most: what one invocation of the engine may.
+/// Loops over points, bodies and places along their ways in all turns, at most: what one invocation of the engine may.
 const LOOPS: usize = 60_000;
+/// Steps along a way that may enter a mesh, at most.
+const STEPS: usize = 12;
+/// Times that the engine narrows the place of entry down.
+const HALVINGS: usize = 4;
+/// Shortest step along a way that may enter a mesh \[spacings of its grid\].
+const SHORTEST: f64 = 0.125;
 /// Part of its length by which a segment may be too long or too short without being pulled.
 const GIVE: f64 = 1e-3;
 /// Part of its length by which a segment may be off more than [`GIVE`] when the pulling ends.
@@ -70,7 +76,7 @@ pub fn pull(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed], pushe
             let off = x[k + 1].distance(x[k]) - rest[k];
             off - off.clamp(-GIVE * rest[k], GIVE * rest[k])
         };
-        for turn in 0..TURNS.min(LOOPS / (mass.len() * (3 + ROUNDS * placed.len()))) {
+        for turn in 0..TURNS.min(LOOPS / (mass.len() * (3 + loops(placed)))) {
             if (0..rest.len()).all(|k| excess(x, k).abs() <= DONE * rest[k]) {
                 break;
             }
@@ -88,6 +94,12 @@ pub fn pull(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed], pushe
             }
         }
     }
+}
+
+/// Loops of an invocation of the engine, at most, each time that it goes through all bodies.
+fn loops(placed: &[Placed]) -> usize {
+    let meshes = placed.iter().any(|placed| placed.body.shape.solid().is_some());
+    ROUNDS * placed.len() * if meshes { 1 + STEPS + HALVINGS } else { 1 }
 }
 
 /// Measures the stretch of pushed strands: the rods did so before the push.
@@ -167,6 +179,9 @@ impl Body {
     /// Entry: the first point of the way from `a` to `b` in the body or nearer to it than rounding. No body is nearer than its
     /// distance says, so the search may go on by that distance (Hart 1996, Sphere tracing).
     fn entry(&self, a: DVec3, b: DVec3) -> Option<DVec3> {
+        if let Some(solid) = self.shape.solid() {
+            return entry_of_mesh(solid, a, b);
+        }
         let (length, close) = (a.distance(b), 1e-12 * self.shape.inradius());
         let mut gone = 0.0;
         while gone <= length {
@@ -179,6 +194,36 @@ impl Body {
         }
         None
     }
+}
+
+/// Entry of the way from `a` to `b` into a mesh: the first of a row of points at which the distance is not above 0, and from the
+/// one before it the place where it is 0, by halves. A trilinear distance grows by up to √3 m in a metre, and the row's steps are
+/// such that it comes to 0 in none, unless that would make more than [`STEPS`] of them.
+fn entry_of_mesh(solid: &Solid, a: DVec3, b: DVec3) -> Option<DVec3> {
+    let distance = |part: f64| solid.signed_distance(a.lerp(b, part)).0;
+    let (length, mut above) = (a.distance(b), distance(0.0));
+    if above <= 0.0 {
+        return Some(a);
+    }
+    if above > 3.0_f64.sqrt() * length {
+        return None;
+    }
+    let shortest = (SHORTEST * solid.grid().spacing / length).max(1.0 / (STEPS - 1) as f64);
+    let mut before = 0.0;
+    while before < 1.0 {
+        let next = (before + (above / (3.0_f64.sqrt() * length)).max(shortest)).min(1.0);
+        above = distance(next);
+        if above <= 0.0 {
+            let (mut low, mut high) = (before, next);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if distance(middle) > 0.0 { low = middle } else { high = middle }
+            }
+            return Some(a.lerp(b, high));
+        }
+        before = next;
+    }
+    None
 }
 
 /// Bodies before and after the step that follows `steps` others.

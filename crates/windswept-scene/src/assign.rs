@@ -33,24 +33,26 @@ pub(crate) fn set(text: &str, assignment: &str) -> Result<String, SceneError> {
     Ok(document.to_string())
 }
 
-/// The text with the groom files of its hair, where their paths are relative, looked for in `folder`; `None` where there are
-/// none.
+/// The text with the files of its hair and its bodies, where their paths are relative, looked for in `folder`; `None` where there
+/// are none.
 pub(crate) fn files_beside(text: &str, folder: &Path) -> Option<String> {
     let mut document: DocumentMut = text.parse().ok()?;
-    let tables: Vec<&mut dyn TableLike> = match document.get_mut("hair")? {
-        Item::ArrayOfTables(array) => array.iter_mut().map(|table| table as _).collect(),
-        Item::Value(Value::Array(array)) => {
-            array.iter_mut().filter_map(Value::as_inline_table_mut).map(|table| table as _).collect()
-        }
-        item => item.as_table_like_mut().into_iter().collect(),
-    };
     let mut found = false;
-    for table in tables {
-        let file = table.get("file").and_then(Item::as_str).map(Path::new);
-        if let Some(file) = file.filter(|file| file.is_relative()) {
-            let beside = std::path::absolute(folder.join(file)).ok()?;
-            assign(table, &["file"], beside.to_string_lossy().as_ref().into())?;
-            found = true;
+    for name in ["hair", "body"] {
+        let tables: Vec<&mut dyn TableLike> = match document.get_mut(name) {
+            Some(Item::ArrayOfTables(array)) => array.iter_mut().map(|table| table as _).collect(),
+            Some(Item::Value(Value::Array(array))) => {
+                array.iter_mut().filter_map(Value::as_inline_table_mut).map(|table| table as _).collect()
+            }
+            item => item.into_iter().filter_map(Item::as_table_like_mut).collect(),
+        };
+        for table in tables {
+            let file = table.get("file").and_then(Item::as_str).map(Path::new);
+            if let Some(file) = file.filter(|file| file.is_relative()) {
+                let beside = std::path::absolute(folder.join(file)).ok()?;
+                assign(table, &["file"], beside.to_string_lossy().as_ref().into())?;
+                found = true;
+            }
         }
     }
     found.then(|| document.to_string())

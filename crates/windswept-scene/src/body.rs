@@ -11,19 +11,25 @@ use crate::{
     declare::{Keys, Misfit, table, words},
     error::SceneError,
     keys::{
-        Fallback::{Absent, Needed, Value},
+        Fallback::{Absent, Value},
         Key,
-        Kind::{Choice, Length, NonNegative, Table, Tables, Text, Vector},
+        Kind::{Choice, Length, NonNegative, Positive, Table, Tables, Text, Vector},
     },
     limits::MOST_BLOCKED,
     motion::Motion,
     reader::Reader,
-    scene::{Bounds, Scene},
+    scene::{Bounds, Scene, Up},
+    solid::{MeshFile, Solid},
+    triangles::Triangles,
     write::Writer,
 };
 
 /// Samples along each side of the box, to see how much of it is blocked.
 const SAMPLES: u32 = 24;
+/// Depth below a surface that is rounding \[radii of the largest ball that fits inside\].
+const ROUNDING: f64 = 1e-3;
+/// Depth below the surface of a mesh that its grid may make of a point on it, next to an edge \[spacings\].
+const GRID_ERROR: f64 = 0.25;
 
 table! {
     /// One `[[body]]`.
@@ -35,13 +41,13 @@ table! {
         shape as "": Shape = Table, "", Absent("");
         /// Coulomb's coefficient of friction of hair on the body.
         friction: f64 = NonNegative, "", Value(0.3);
-        /// Keyframes of the body, about its centre.
+        /// Keyframes of the body, about its centre, or about the origin of its mesh file.
         motion: Motion = Tables, "", Absent("it rests");
     }
 }
 
 /// Shape of a body \[m\]: a solid that is given by points, so that it moves when they do.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// All points within `radius` of a point.
     Sphere {
@@ -59,6 +65,8 @@ pub enum Shape {
         /// Radius of the solid.
         radius: f64,
     },
+    /// All points that the triangles of a file enclose.
+    Mesh(Solid),
 }
 
 words! {
@@ -68,13 +76,15 @@ words! {
         Sphere = "sphere",
         /// [`Shape::Capsule`]
         Capsule = "capsule",
+        /// [`Shape::Mesh`]
+        Mesh = "mesh",
     }
 }
 
 table! {
     /// The keys that spell a [`Shape`].
     pub(crate) struct SpelledShape {
-        /// Shape of the body: with center, or with start and end.
+        /// Shape of the body: with center and radius, with start, end and radius, or with file.
         shape: ShapeName = Choice(ShapeName::WORDS), "", Value(ShapeName::Sphere);
         /// Centre of the sphere.
         center: Option<[f64; 3]> = Vector, "m", Absent("needed with shape sphere");
@@ -83,11 +93,28 @@ table! {
         /// End of the capsule's axis.
         end: Option<[f64; 3]> = Vector, "m", Absent("needed with shape capsule");
         /// Radius of the sphere, or about the capsule's axis.
-        radius: f64 = Length, "m", Needed;
+        radius: Option<f64> = Length, "m", Absent("needed with shape sphere or capsule");
+        /// Mesh file whose triangles enclose the body (.obj, .ply, .glb); relative to the scene's own file.
+        file: Option<String> = Text, "", Absent("needed with shape mesh");
+        /// Metres per unit of the file: 0.01 for centimetres.
+        scale: Option<f64> = Positive, "m", Absent("needed with shape mesh, unless the file says its unit");
+        /// Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror.
+        up: Option<Up> = Choice(Up::WORDS), "", Absent("y");
+        /// Spacing of the grid of distances from the mesh.
+        resolution: Option<f64> = Length, "m", Absent("0.002, or less: 128 cells along its longest side");
     }
 }
 
-/// The spheres about both ends and all between them, for the GPU; a sphere has its ends in one point.
+impl SpelledShape {
+    /// No key but the shape.
+    fn new(shape: ShapeName) -> Self {
+        let (center, start, end, radius) = (None, None, None, None);
+        Self { shape, center, start, end, radius, file: None, scale: None, up: None, resolution: None }
+    }
+}
+
+/// The spheres about both ends and all between them, for the GPU; a sphere has its ends in one point, and so has a mesh, which is no
+/// round shape: its surface is that of its grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Round {
     /// Ends of the axis \[m\].
@@ -103,6 +130,16 @@ impl Shape {
         match *self {
             Self::Sphere { center, radius } => Round { ends: [DVec3::from_array(center); 2], radius },
             Self::Capsule { start, end, radius } => Round { ends: [start, end].map(DVec3::from_array), radius },
+            Self::Mesh(ref solid) => Round { ends: [solid.origin(); 2], radius: 0.0 },
+        }
+    }
+
+    /// The solid of a mesh; `None` for other shapes.
+    #[must_use]
+    pub fn solid(&self) -> Option<&Solid> {
+        match self {
+            Self::Mesh(solid) => Some(solid),
+            Self::Sphere { .. } | Self::Capsule { .. } => None,
         }
     }
 
@@ -113,10 +150,11 @@ impl Shape {
         match *self {
             Self::Sphere { center, radius } => Self::Sphere { center: moved(center), radius },
             Self::Capsule { start, end, radius } => Self::Capsule { start: moved(start), end: moved(end), radius },
+            Self::Mesh(ref solid) => Self::Mesh(solid.moved(place)),
         }
     }
 
-    /// The point that the body turns about \[m\].
+    /// The point that the body turns about \[m\]: its middle, or the origin of its file.
     #[must_use]
     pub fn center(&self) -> DVec3 {
         let [start, end] = self.round().ends;
@@ -127,6 +165,9 @@ impl Shape {
     /// where that is nearest to `x`.
     #[must_use]
     pub fn signed_distance(&self, x: DVec3) -> (f64, DVec3) {
+        if let Self::Mesh(solid) = self {
+            return solid.signed_distance(x);
+        }
         let Round { ends: [start, end], radius } = self.round();
         let axis = end - start;
         let length = axis.length();
@@ -139,43 +180,78 @@ impl Shape {
     /// Radius of the largest ball that fits into the body \[m\]: how thin it is.
     #[must_use]
     pub fn inradius(&self) -> f64 {
-        self.round().radius
+        self.solid().map_or_else(|| self.round().radius, Solid::inradius)
+    }
+
+    /// Depth up to which a point that is meant to be on the surface may be below it \[m\].
+    pub(crate) fn slack(&self) -> f64 {
+        ROUNDING * self.inradius() + self.solid().map_or(0.0, |solid| GRID_ERROR * solid.grid().spacing)
     }
 
     /// Corners of the box about the body \[m\].
     #[must_use]
     pub fn bounds(&self) -> [DVec3; 2] {
+        if let Self::Mesh(solid) = self {
+            return solid.bounds();
+        }
         let Round { ends: [start, end], radius } = self.round();
         [start.min(end) - radius, start.max(end) + radius]
     }
 
-    /// Points of the surface \[m\] and the outward normals there: a grid of `rows` from pole to pole, an even number, and
-    /// `sides` + 1 points around, of which the last is the first.
-    pub fn skin(&self, rows: u32, sides: u32) -> impl Iterator<Item = (DVec3, DVec3)> + use<> {
+    /// Points of the surface \[m\] and the outward normals there: of a mesh the three corners of each triangle, else a grid of `rows`
+    /// from pole to pole, an even number, and `sides` + 1 points around, of which the last is the first.
+    #[must_use]
+    pub fn skin(&self, rows: u32, sides: u32) -> Vec<(DVec3, DVec3)> {
+        if let Self::Mesh(solid) = self {
+            let corners = (0..solid.triangles().corners.len()).flat_map(|i| solid.corners(i));
+            return corners.map(|x| (x, solid.signed_distance(x).1)).collect();
+        }
         let Round { ends, radius } = self.round();
         let axis = (ends[1] - ends[0]).normalize_or(DVec3::Y);
         let across = axis.any_orthonormal_vector();
         let basis = DMat3::from_cols(across, axis.cross(across), axis);
-        (0..rows).flat_map(move |i| {
-            (0..=sides).map(move |k| {
-                // Two half spheres; the side is between their equators.
-                let far = i >= rows / 2;
-                let latitude = PI * (f64::from(i - u32::from(far)) / f64::from(rows - 2) - 0.5);
-                let around = TAU * f64::from(k) / f64::from(sides);
-                let normal = DVec3::new(latitude.cos() * around.cos(), latitude.cos() * around.sin(), latitude.sin());
-                let normal = basis * normal;
-                (ends[usize::from(far)] + radius * normal, normal)
-            })
-        })
+        let points = (0..rows).flat_map(|i| (0..=sides).map(move |k| (i, k)));
+        let point = |(i, k)| {
+            // Two half spheres; the side is between their equators.
+            let far = i >= rows / 2;
+            let latitude = PI * (f64::from(i - u32::from(far)) / f64::from(rows - 2) - 0.5);
+            let around = TAU * f64::from(k) / f64::from(sides);
+            let normal = DVec3::new(latitude.cos() * around.cos(), latitude.cos() * around.sin(), latitude.sin());
+            let normal = basis * normal;
+            (ends[usize::from(far)] + radius * normal, normal)
+        };
+        points.map(point).collect()
+    }
+
+    /// The surface as triangles between the points of [`Self::skin`], counter-clockwise as seen from outside; those of a mesh are as its
+    /// file has them.
+    #[must_use]
+    pub fn surface(&self, rows: u32, sides: u32) -> Triangles {
+        let points: Vec<DVec3> = self.skin(rows, sides).into_iter().map(|(x, _)| x).collect();
+        let corners = if self.solid().is_some() {
+            (0..points.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()
+        } else {
+            let squares = (0..rows - 1).flat_map(|i| (0..sides).map(move |k| i * (sides + 1) + k));
+            squares.flat_map(|a| [[a, a + 1, a + sides + 1], [a + 1, a + sides + 2, a + sides + 1]]).collect()
+        };
+        Triangles { points, corners, unit: Some(1.0), ..Triangles::default() }
     }
 
     fn spelled(&self) -> SpelledShape {
         match *self {
             Self::Sphere { center, radius } => {
-                SpelledShape { shape: ShapeName::Sphere, center: Some(center), start: None, end: None, radius }
+                SpelledShape { center: Some(center), radius: Some(radius), ..SpelledShape::new(ShapeName::Sphere) }
             }
-            Self::Capsule { start, end, radius } => {
-                SpelledShape { shape: ShapeName::Capsule, center: None, start: Some(start), end: Some(end), radius }
+            Self::Capsule { start, end, radius } => SpelledShape {
+                start: Some(start),
+                end: Some(end),
+                radius: Some(radius),
+                ..SpelledShape::new(ShapeName::Capsule)
+            },
+            Self::Mesh(ref solid) => {
+                let MeshFile { file, scale, up, resolution } = solid.file().clone();
+                let (file, up) = (Some(file), Some(up));
+                SpelledShape { file, scale, up, resolution, ..SpelledShape::new(ShapeName::Mesh) }
             }
         }
     }
@@ -196,27 +272,46 @@ impl Keys for Shape {
     }
 
     fn read(reader: &Reader<'_>) -> Result<Self, SceneError> {
-        let SpelledShape { shape, center, start, end, radius } = SpelledShape::read(reader)?;
-        let (word, own): (_, &[&str]) = match shape {
-            ShapeName::Sphere => (shape.word(), &["center"]),
-            ShapeName::Capsule => (shape.word(), &["start", "end"]),
+        const KEYS: [&str; 8] = ["center", "start", "end", "radius", "file", "scale", "up", "resolution"];
+        let spelled = SpelledShape::read(reader)?;
+        let word = spelled.shape.word();
+        let (own, has): (&[&str], _) = match spelled.shape {
+            ShapeName::Sphere => (&["center", "radius"], "center"),
+            ShapeName::Capsule => (&["start", "end", "radius"], "start and end"),
+            ShapeName::Mesh => (&["file", "scale", "up", "resolution"], "file"),
         };
-        let has = own.join(" and ");
-        if let Some(other) = ["center", "start", "end"].iter().find(|key| reader.has(key) && !own.contains(key)) {
+        if let Some(other) = KEYS.iter().find(|key| reader.has(key) && !own.contains(key)) {
             return Err(reader.fault(other, format!("expected no {other} with shape \"{word}\", which has {has}")));
         }
-        let point = |name: &str, point: Option<[f64; 3]>| {
-            point.ok_or_else(|| reader.fault(name, format!("is missing: shape \"{word}\" has {has}")))
+        let missing = |name: &str| reader.fault(name, format!("is missing: shape \"{word}\" has {has}"));
+        let point = |name: &str, point: Option<[f64; 3]>| point.ok_or_else(|| missing(name));
+        let radius = || {
+            let words = || format!("is missing: expected {}", Length.expected());
+            spelled.radius.ok_or_else(|| reader.fault("radius", words()))
         };
-        match shape {
-            ShapeName::Sphere => Ok(Self::Sphere { center: point("center", center)?, radius }),
+        match spelled.shape {
+            ShapeName::Sphere => {
+                let radius = radius()?;
+                Ok(Self::Sphere { center: point("center", spelled.center)?, radius })
+            }
             ShapeName::Capsule => {
-                let (start, end) = (point("start", start)?, point("end", end)?);
+                let radius = radius()?;
+                let (start, end) = (point("start", spelled.start)?, point("end", spelled.end)?);
                 if DVec3::from_array(start).distance(DVec3::from_array(end)) < 1e-6 * radius {
                     let words = "is the same point as start; expected another, or shape \"sphere\"";
                     return Err(reader.fault("end", words));
                 }
                 Ok(Self::Capsule { start, end, radius })
+            }
+            ShapeName::Mesh => {
+                let SpelledShape { file, scale, up, resolution, .. } = spelled;
+                let file = file.ok_or_else(|| missing("file"))?;
+                let said = MeshFile { file: file.clone(), scale, up: up.unwrap_or_default(), resolution };
+                let read = Solid::load_beside(said, reader.folder());
+                read.map(Self::Mesh).map_err(|error| {
+                    let fault = reader.fault(error.key().unwrap_or("file"), format!("{file}: {}", error.message()));
+                    error.help().into_iter().fold(fault, |fault, help| fault.with_help(help))
+                })
             }
         }
     }

@@ -12,6 +12,7 @@ use std::{fs, path::Path};
 
 pub(crate) use bytes::{Bytes, fault_at};
 pub use fit::Dropped;
+pub(crate) use fit::no_unit;
 pub use npy::npy_head;
 pub(crate) use ply::polygons as ply_polygons;
 

@@ -1,6 +1,10 @@
 //! A scene's text, checked key by key against the table of keys, with the place of each.
 
-use std::{collections::BTreeMap, ops::Range};
+use std::{
+    collections::BTreeMap,
+    ops::Range,
+    path::{Path, PathBuf},
+};
 
 use glam::DVec3;
 use toml_edit::{Document as Toml, Item, TableLike, TomlError, Value};
@@ -36,6 +40,8 @@ pub(crate) struct Document {
     pub(crate) entries: BTreeMap<String, Entry>,
     /// What a table that says its name is called, by its real path: `hair.1` is `hair.fringe`. A name counts once.
     called: BTreeMap<String, String>,
+    /// Where files with relative paths are.
+    pub(crate) folder: PathBuf,
 }
 
 /// A table and its place.
@@ -44,9 +50,9 @@ type Place<'a> = (&'a dyn TableLike, Option<Range<usize>>);
 impl Document {
     /// # Errors
     /// [`SceneError`] for wrong syntax, unknown keys, wrong types and values out of range.
-    pub(crate) fn parse(text: &str) -> Result<Self, SceneError> {
+    pub(crate) fn parse(text: &str, folder: &Path) -> Result<Self, SceneError> {
         let toml = Toml::parse(text).map_err(|error| syntax(&error))?;
-        let mut document = Self::default();
+        let mut document = Self { folder: folder.to_owned(), ..Self::default() };
         document.table(toml.as_table(), "", "").map_err(|error| document.shown(error))?;
         Ok(document)
     }

@@ -12,7 +12,8 @@ use crate::{
     groom::{Groom, PerStrand},
     initial::{End, Strands},
     limits::MOST_HAIR_POINTS,
-    scene::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, RootShape, Roots, Scene},
+    scatter::{Seat, scatter},
+    scene::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, Patch, RootShape, Roots, Scene},
     strand::{Parcel, Shape, frame, turn},
 };
 
@@ -28,12 +29,13 @@ const COARSE_TURN: f64 = PI / 2.0;
 /// Chance is PCG XSL 128/64 (`rand_pcg`), seeded by the scene's seed and the group's index: the same on every machine.
 ///
 /// # Errors
-/// [`SceneError`] where a groom file cannot be read, or its strands cannot be simulated.
+/// [`SceneError`] where a groom file cannot be read, or its strands cannot be simulated, and where roots are on a body that is not
+/// there.
 pub(crate) fn strands(scene: &Scene, parcel: Parcel, warnings: &mut Vec<String>) -> Result<Strands, SceneError> {
     let mut all = Strands { point_offsets: vec![0], ..Strands::default() };
     for (group, hair) in scene.hair.iter().enumerate() {
         match &hair.source {
-            HairSource::Drawn(drawn) => draw(scene, group, hair, drawn, parcel, &mut all, warnings),
+            HairSource::Drawn(drawn) => draw(scene, group, hair, drawn, parcel, &mut all, warnings)?,
             HairSource::File(file) => {
                 let groom = groom(scene, group, hair, file, warnings);
                 let groom = groom.map_err(|error| error.at(format!("hair.{}.file", hair.name), None))?;
@@ -108,6 +110,9 @@ impl Hair {
 }
 
 /// Appends the strands of a group that is drawn.
+///
+/// # Errors
+/// As [`Scene::scalp`].
 fn draw(
     scene: &Scene,
     group: usize,
@@ -116,10 +121,27 @@ fn draw(
     parcel: Parcel,
     all: &mut Strands,
     warnings: &mut Vec<String>,
-) {
+) -> Result<(), SceneError> {
     let mut rng = Pcg64::seed_from_u64(scene.seed.wrapping_mul(0x9e37_79b9).wrapping_add(group as u64));
+    let on_mesh = match &drawn.roots {
+        Roots::Patch(_) => Vec::new(),
+        Roots::Mesh(scalp) => {
+            let found = scene.scalp(scalp).map_err(|error| {
+                let key = format!("hair.{}.roots.{}", hair.name, error.key().unwrap_or("body"));
+                error.at(key, None)
+            });
+            let (_, solid, triangles) = found?;
+            scatter(solid, &triangles, drawn.strands, &mut rng)
+        }
+    };
     for i in 0..drawn.strands {
-        let (root, axis) = seat(&drawn.roots, i, drawn.strands, &mut rng);
+        let Seat { root, normal: axis, uv } = match &drawn.roots {
+            Roots::Patch(patch) => {
+                let (root, normal) = seat(patch, i, drawn.strands, &mut rng);
+                Seat { root, normal, uv: [0.0; 2] }
+            }
+            Roots::Mesh(_) => on_mesh[i as usize],
+        };
         // Where the motion has it at the start.
         let turn = hair.motion.at(0.0).1;
         let root = hair.motion.place(hair.center(), root, 0.0);
@@ -131,7 +153,7 @@ fn draw(
         all.group.push(group as u32);
         all.ids.push(i);
         all.groups.push(group as u32);
-        all.root_uvs.push([0.0; 2]);
+        all.root_uvs.push(uv);
         all.friction.push(hair.friction);
     }
     let turn = darboux(drawn.curl).length() * drawn.length / f64::from(drawn.points - 1);
@@ -142,11 +164,12 @@ fn draw(
             turn.to_degrees()
         ));
     }
+    Ok(())
 }
 
 /// Position and direction of root `i` of `n`: a jittered sunflower on disc and cap, equal parts of a line. A lone root
 /// is in the middle.
-fn seat(roots: &Roots, i: u32, n: u32, rng: &mut Pcg64) -> (DVec3, DVec3) {
+fn seat(roots: &Patch, i: u32, n: u32, rng: &mut Pcg64) -> (DVec3, DVec3) {
     let [center, axis, normal] = [roots.center, roots.direction, roots.normal].map(DVec3::from_array);
     if n == 1 {
         let height = if roots.shape == RootShape::SphereCap { roots.radius } else { 0.0 };

@@ -47,9 +47,9 @@ impl Scene {
         let path = path.as_ref();
         let name = path.display().to_string();
         let text = read_text(path).map_err(|error| error.of(&name, ""))?;
-        let scene = Self::parse_with(&name, &text, sets)?;
-        // From here on the scene goes by itself: to a run's folder, to another process.
         let folder = path.parent().unwrap_or(Path::new(""));
+        let scene = Self::parse_in(folder, &name, &text, sets)?;
+        // From here on the scene goes by itself: to a run's folder, to another process.
         match assign::files_beside(scene.text(), folder) {
             Some(text) => Self::parse_named(&name, &text),
             None => Ok(scene),
@@ -61,14 +61,19 @@ impl Scene {
     /// # Errors
     /// As [`Self::load_with`].
     pub fn parse_with(name: &str, text: &str, sets: &[String]) -> Result<Self, SceneError> {
+        Self::parse_in(Path::new(""), name, text, sets)
+    }
+
+    /// Reads a scene whose files are in `folder` where their paths are relative.
+    fn parse_in(folder: &Path, name: &str, text: &str, sets: &[String]) -> Result<Self, SceneError> {
         let mut changed = text.to_owned();
         for assignment in sets {
             let set = assign::set(&changed, assignment);
             changed = set.map_err(|error| if error.source_name().is_empty() { error.of(name, text) } else { error })?;
         }
-        match read(&changed) {
+        match read(&changed, folder) {
             Ok(scene) => Ok(Self { text: Source(changed), ..scene }),
-            Err(error) => Err(match guilty(&error, text, sets) {
+            Err(error) => Err(match guilty(&error, text, folder, sets) {
                 Some(assignment) => error.of_assignment(assignment),
                 None => error.of(name, &changed),
             }),
@@ -101,15 +106,16 @@ fn read_text(path: &Path) -> Result<String, SceneError> {
     }
 }
 
-fn read(text: &str) -> Result<Scene, SceneError> {
-    let document = Document::parse(text)?;
+fn read(text: &str, folder: &Path) -> Result<Scene, SceneError> {
+    let document = Document::parse(text, folder)?;
     Keys::read(&Reader::new(&document)).map_err(|error| document.shown(error))
 }
 
 /// Assignment with which the fault appears; `None` if the file has the fault already.
-fn guilty<'a>(error: &SceneError, text: &str, sets: &'a [String]) -> Option<&'a String> {
-    let faulty =
-        |text: &str| read(text).is_err_and(|other| (other.key(), other.message()) == (error.key(), error.message()));
+fn guilty<'a>(error: &SceneError, text: &str, folder: &Path, sets: &'a [String]) -> Option<&'a String> {
+    let faulty = |text: &str| {
+        read(text, folder).is_err_and(|other| (other.key(), other.message()) == (error.key(), error.message()))
+    };
     let mut changed = text.to_owned();
     if faulty(&changed) {
         return None;

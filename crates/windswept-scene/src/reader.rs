@@ -1,5 +1,7 @@
 //! Reading of one table of a checked document.
 
+use std::path::Path;
+
 use crate::{
     declare::{Keys, Leaf, join},
     document::{Datum, Document},
@@ -23,6 +25,11 @@ impl<'a> Reader<'a> {
     /// The whole file that this table is of.
     pub(crate) fn root(&self) -> Self {
         Self::new(self.document)
+    }
+
+    /// Where files with relative paths are.
+    pub(crate) fn folder(&self) -> &Path {
+        &self.document.folder
     }
 
     /// The table of this name in this one; this one where the name is empty.

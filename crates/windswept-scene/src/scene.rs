@@ -8,10 +8,12 @@ mod viscosity;
 
 pub use air::{Air, Bounds, Gust, Inflow};
 pub(crate) use hair::FRICTION;
-pub use hair::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, RootShape, Roots, Stiffness, Up};
+pub use hair::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, Patch, RootShape, Roots, Scalp, Stiffness, Up};
 pub use rods::{Integrator, Rods, Solver};
 pub use turbulence::{Band, Filter, Law, Order, Turbulence};
 pub use viscosity::{Viscosity, ViscosityForm};
+
+use std::f64::consts::PI;
 
 use crate::{
     body::Body,
@@ -27,6 +29,8 @@ use crate::{
     limits::{LEAST_COARSE_RADIUS, MOST_BODIES, MOST_HAIR_POINTS, MOST_PRESSURE_ITERATIONS, MOST_REPEATS},
     picture::{Camera, Picture},
     reader::Reader,
+    scatter::area,
+    solid::Solid,
     warnings,
     write::Writer,
 };
@@ -267,6 +271,65 @@ impl Scene {
         (self.fluid.iterations == 0).then_some("fluid.iterations is 0: no density constraint presses hair on hair")
     }
 
+    /// The body that roots are on, its solid, and the indices of the triangles that they may be on.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the key of `hair.roots` that names what is not there.
+    pub(crate) fn scalp(&self, scalp: &Scalp) -> Result<(&Body, &Solid, Vec<usize>), SceneError> {
+        let fault = |key: &str, what: &str, found: &str, known: Vec<&str>| {
+            let known = if known.is_empty() { "there is none".to_owned() } else { known.join(", ") };
+            SceneError::new(format!("expected {what}, found \"{found}\": {known}")).at(key, None)
+        };
+        let mut meshes = self.bodies.iter().filter_map(|body| Some((body, body.shape.solid()?)));
+        let Some((body, solid)) = meshes.clone().find(|(body, _)| body.name == scalp.body) else {
+            let known = meshes.by_ref().map(|(body, _)| body.name.as_str()).collect();
+            return Err(fault("body", "the name of a body with shape \"mesh\"", &scalp.body, known));
+        };
+        let name = scalp.group.as_deref();
+        let triangles = solid.triangles().named(name).ok_or_else(|| {
+            let mut known: Vec<&str> =
+                solid.triangles().parts.iter().flat_map(|part| &part.names).map(|x| x.as_str()).collect();
+            known.sort_unstable();
+            known.dedup();
+            fault("group", "a group, object or material of the mesh", name.unwrap_or_default(), known)
+        })?;
+        let area: f64 = triangles.iter().map(|&i| area(solid.corners(i))).sum();
+        if area.is_nan() || area <= 0.0 {
+            return Err(SceneError::new("expected triangles that have an area").at("group", None));
+        }
+        Ok((body, solid, triangles))
+    }
+
+    /// How far roots are spread \[m\]: the radius of their patch, or of the disc that is as large as their triangles; `None` where there
+    /// are no such triangles.
+    #[must_use]
+    pub fn spread_of_roots(&self, roots: &Roots) -> Option<f64> {
+        match roots {
+            Roots::Patch(patch) => Some(patch.radius),
+            Roots::Mesh(scalp) => {
+                let (_, solid, triangles) = self.scalp(scalp).ok()?;
+                let total: f64 = triangles.into_iter().map(|i| area(solid.corners(i))).sum();
+                Some((total / PI).sqrt())
+            }
+        }
+    }
+
+    /// Roots on a body whose hair has no keyframes of its own move as the body does.
+    fn with_roots_on_bodies(mut self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+        for i in 0..self.hair.len() {
+            let Some(Roots::Mesh(scalp)) = self.hair[i].drawn().map(|drawn| &drawn.roots) else { continue };
+            let found = self.scalp(scalp);
+            let found = found.map(|(body, ..)| body.motion.clone());
+            let motion = found.map_err(|error| {
+                reader.fault(&format!("hair.{i}.roots.{}", error.key().unwrap_or("body")), error.message())
+            })?;
+            if self.hair[i].motion.keyframes.is_empty() {
+                self.hair[i].motion = motion;
+            }
+        }
+        Ok(self)
+    }
+
     /// The scene, if keys of different tables go together.
     fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
         let names = |table: &'static str, names: Vec<&String>| {
@@ -309,6 +372,6 @@ impl Scene {
         self.check_bodies(reader)?;
         self.check_forces(reader)?;
         self.check_picture(reader)?;
-        Ok(self)
+        self.with_roots_on_bodies(reader)
     }
 }

@@ -6,7 +6,7 @@ mod glb;
 mod obj;
 mod tree;
 
-use std::path::Path;
+use std::{ops::Range, path::Path};
 
 use glam::DVec3;
 
@@ -41,8 +41,23 @@ pub struct Triangles {
     pub points: Vec<DVec3>,
     /// Indices of the three corners of each triangle, counter-clockwise as seen from outside.
     pub corners: Vec<[u32; 3]>,
+    /// Normal at each corner of each triangle, zero where the file says none; empty where it says none at all.
+    pub normals: Vec<[DVec3; 3]>,
+    /// Place of each corner of each triangle in the texture, zero where the file says none; empty where it says none at all.
+    pub uvs: Vec<[[f32; 2]; 3]>,
+    /// Parts of the triangles that the file gives names.
+    pub parts: Vec<Part>,
     /// Metres per unit, where the file says it.
     pub unit: Option<f64>,
+}
+
+/// Successive triangles that have names.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Part {
+    /// Names of the group or object that they belong to, and of their material.
+    pub names: Vec<String>,
+    /// Indices of the triangles.
+    pub triangles: Range<usize>,
 }
 
 impl Triangles {
@@ -55,20 +70,23 @@ impl Triangles {
     /// [`SceneError`] names the file, and says what was expected.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
         let path = path.as_ref();
-        let read = || {
-            let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
-            let read: fn(&[u8]) -> Result<Self, SceneError> = match ending.as_str() {
-                "obj" => obj::read,
-                "ply" => polygons,
-                "glb" => glb::read,
-                _ => {
-                    let known = Self::EXTENSIONS.map(|ending| format!(".{ending}")).join(", ");
-                    return Err(SceneError::new(format!("expected a file of triangles: {known}")));
-                }
-            };
-            read(&curves::file_bytes(path)?)?.checked()
+        let read = curves::file_bytes(path).and_then(|bytes| Self::of_bytes(path, &bytes));
+        read.map_err(|error| error.of(&path.display().to_string(), ""))
+    }
+
+    /// The triangles of a file that has these bytes; `path` says of which kind it is.
+    pub(crate) fn of_bytes(path: &Path, bytes: &[u8]) -> Result<Self, SceneError> {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+        let read: fn(&[u8]) -> Result<Self, SceneError> = match ending.as_str() {
+            "obj" => obj::read,
+            "ply" => polygons,
+            "glb" => glb::read,
+            _ => {
+                let known = Self::EXTENSIONS.map(|ending| format!(".{ending}")).join(", ");
+                return Err(SceneError::new(format!("expected a file of triangles: {known}")));
+            }
         };
-        read().map_err(|error: SceneError| error.of(&path.display().to_string(), ""))
+        read(bytes)?.checked()
     }
 
     /// The triangles in metres, with the file's `up` turned to +Y; `scale` is metres per unit. A mirror image keeps its outside.
@@ -77,8 +95,13 @@ impl Triangles {
         for point in &mut self.points {
             *point = DVec3::from_array(up.turned((scale * *point).to_array()));
         }
+        for normal in self.normals.as_flattened_mut() {
+            *normal = DVec3::from_array(up.turned(normal.to_array()));
+        }
         if up.mirrors() {
             self.corners.iter_mut().for_each(|corners| corners.swap(1, 2));
+            self.normals.iter_mut().for_each(|corners| corners.swap(1, 2));
+            self.uvs.iter_mut().for_each(|corners| corners.swap(1, 2));
         }
         self.unit = Some(1.0);
         self
@@ -94,12 +117,43 @@ impl Triangles {
         })
     }
 
+    /// Indices of the triangles of every part that has this name; all where none is said. `None` where no part has it.
+    pub(crate) fn named(&self, name: Option<&str>) -> Option<Vec<usize>> {
+        let Some(name) = name else { return Some((0..self.corners.len()).collect()) };
+        let parts = self.parts.iter().filter(|part| part.names.iter().any(|own| own == name));
+        let all: Vec<usize> = parts.flat_map(|part| part.triangles.clone()).collect();
+        (!all.is_empty()).then_some(all)
+    }
+
+    /// Adds triangles that have these names; normals and places in the texture are as many, or none.
+    fn append(
+        &mut self,
+        names: Vec<String>,
+        corners: impl Iterator<Item = [u32; 3]>,
+        normals: Vec<[DVec3; 3]>,
+        uvs: Vec<[[f32; 2]; 3]>,
+    ) {
+        let first = self.corners.len();
+        self.corners.extend(corners);
+        if !normals.is_empty() {
+            self.normals.resize(first, [DVec3::ZERO; 3]);
+            self.normals.extend(normals);
+        }
+        if !uvs.is_empty() {
+            self.uvs.resize(first, [[0.0; 2]; 3]);
+            self.uvs.extend(uvs);
+        }
+        if !names.is_empty() {
+            self.parts.push(Part { names, triangles: first..self.corners.len() });
+        }
+    }
+
     /// Places of the corners of each triangle.
     fn places(&self) -> impl Iterator<Item = [DVec3; 3]> + '_ {
         self.corners.iter().map(|corners| corners.map(|i| self.points[i as usize]))
     }
 
-    fn checked(self) -> Result<Self, SceneError> {
+    fn checked(mut self) -> Result<Self, SceneError> {
         let (points, triangles) = (self.points.len(), self.corners.len());
         if triangles == 0 || triangles > MOST_TRIANGLES {
             return Err(SceneError::new(format!("expected 1 to {MOST_TRIANGLES} triangles, found {triangles}")));
@@ -111,6 +165,18 @@ impl Triangles {
         }
         if let Some(i) = self.points.iter().position(|x| !(x.abs().max_element() <= LARGEST && x.is_finite())) {
             return Err(SceneError::new(format!("point {i} is {}: expected finite numbers", self.points[i])));
+        }
+        if !self.normals.iter().flatten().all(|normal| normal.is_finite()) {
+            return Err(SceneError::new("a normal is not finite: expected finite numbers"));
+        }
+        if !self.uvs.iter().flatten().flatten().all(|x| x.is_finite()) {
+            return Err(SceneError::new("a place in the texture is not finite: expected finite numbers"));
+        }
+        if !self.normals.is_empty() {
+            self.normals.resize(triangles, [DVec3::ZERO; 3]);
+        }
+        if !self.uvs.is_empty() {
+            self.uvs.resize(triangles, [[0.0; 2]; 3]);
         }
         Ok(self)
     }
@@ -124,5 +190,6 @@ fn polygons(bytes: &[u8]) -> Result<Triangles, SceneError> {
         rest.windows(2).map(|pair| [first, pair[0], pair[1]]).collect()
     };
     let points = polygons.points.into_iter().map(DVec3::from_array).collect();
-    Ok(Triangles { points, corners: polygons.corners.into_iter().flat_map(fan).collect(), unit: None })
+    let corners = polygons.corners.into_iter().flat_map(fan).collect();
+    Ok(Triangles { points, corners, ..Triangles::default() })
 }

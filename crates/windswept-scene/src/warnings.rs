@@ -156,11 +156,11 @@ pub(crate) fn of_hair(hair: &Strands, air: &AirParticles, wind: DVec3) -> Vec<St
     warnings
 }
 
-/// Warnings about hair that starts inside bodies, by more than a thousandth of their radius, which is no rounding, and
-/// about bodies that fit between two points of a strand.
+/// Warnings about hair that starts inside bodies, by more than rounding and grids make of a surface, and about bodies that fit
+/// between two points of a strand.
 pub(crate) fn of_bodies(scene: &Scene, hair: &Strands, bodies: &[Shape]) -> Vec<String> {
     let mut warnings = Vec::new();
-    let inside = |x: &DVec3| bodies.iter().any(|body| body.signed_distance(*x).0 < -1e-3 * body.inradius());
+    let inside = |x: &DVec3| bodies.iter().any(|body| body.signed_distance(*x).0 < -body.slack());
     let n = hair.positions.iter().filter(|x| inside(x)).count();
     if n > 0 {
         warnings.push(format!("{n} of {} hair points start inside bodies, which push them out", hair.positions.len()));

@@ -65,11 +65,11 @@ fn distances_are_to_the_surface() {
     let bone = Shape::Capsule { start: [0.0; 3], end: [2.0, 0.0, 0.0], radius: 0.5 };
     let ball = Shape::Sphere { center: [1.0; 3], radius: 2.0 };
     for (shape, x, distance, gradient) in [
-        (bone, DVec3::new(1.0, 2.0, 0.0), 1.5, DVec3::Y),
-        (bone, DVec3::new(1.0, 0.0, 0.1), -0.4, DVec3::Z),
-        (bone, DVec3::new(5.0, 4.0, 0.0), 4.5, DVec3::new(0.6, 0.8, 0.0)),
-        (bone, DVec3::new(-1.0, 0.0, 0.0), 0.5, DVec3::NEG_X),
-        (ball, DVec3::new(1.0, 1.0, 1.5), -1.5, DVec3::Z),
+        (&bone, DVec3::new(1.0, 2.0, 0.0), 1.5, DVec3::Y),
+        (&bone, DVec3::new(1.0, 0.0, 0.1), -0.4, DVec3::Z),
+        (&bone, DVec3::new(5.0, 4.0, 0.0), 4.5, DVec3::new(0.6, 0.8, 0.0)),
+        (&bone, DVec3::new(-1.0, 0.0, 0.0), 0.5, DVec3::NEG_X),
+        (&ball, DVec3::new(1.0, 1.0, 1.5), -1.5, DVec3::Z),
     ] {
         let (found, way) = shape.signed_distance(x);
         assert_close(found, distance, "distance");
@@ -87,7 +87,7 @@ fn a_skin_lies_on_the_surface() {
         Shape::Sphere { center: [1.0, 2.0, 3.0], radius: 0.5 },
         Shape::Capsule { start: [0.0, 0.1, 0.0], end: [2.0, -1.0, 0.4], radius: 0.3 },
     ] {
-        let skin: Vec<(DVec3, DVec3)> = shape.skin(48, 96).collect();
+        let skin = shape.skin(48, 96);
         assert_eq!(skin.len(), 48 * 97);
         for (x, normal) in &skin {
             let (distance, gradient) = shape.signed_distance(*x);

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use common::QUICK;
 use toml_edit::{Document, Item, TableLike, Value};
 use windswept_scene::{
-    Camera, Fibre, Filter, FluidSolver, Integrator, Law, LookAt, Method, Model, Scene, Solver, Stiffness,
+    Camera, Fibre, Filter, FluidSolver, Integrator, Law, LookAt, Method, Model, Roots, Scene, Solver, Stiffness,
     ViscosityForm,
     keys::{Fallback, KEYS, Key},
 };
@@ -138,7 +138,8 @@ fn what_a_file_leaves_out_has_its_default() {
     let fibre = Fibre { radius, taper: 0.0, aspect: 1.0, density, fibres_per_strand: 1.0, stiffness, point_mass };
     assert_eq!((hair.fibre, Fibre::default()), (fibre, fibre));
     let drawn = hair.drawn().unwrap();
-    assert_eq!((drawn.curl, drawn.roots.direction), (None, [0.0, -1.0, 0.0]));
+    let Roots::Patch(patch) = &drawn.roots else { panic!("{drawn:?}") };
+    assert_eq!((drawn.curl, patch.direction), (None, [0.0, -1.0, 0.0]));
     assert_eq!((air.rest_density, air.particle_mass, air.kernel_radius), (1.29, 1.46e-7, 9.3e-3));
     assert_eq!((air.fringe, air.ramp, air.kinematic_viscosity), (4.0 * 9.3e-3, 0.05, 1.5e-5));
     assert_eq!((scene.fluid.iterations, scene.fluid.relaxation, scene.fluid.tension), (2, 0.5, 0.0));

@@ -1,39 +1,19 @@
 //! Groom files: the same curves out as in, in every format; what is broken is an error or sane curves, never a panic.
 #![allow(clippy::unwrap_used, missing_docs)]
 
+mod common;
+
 use std::{
     fs,
     path::{Path, PathBuf},
 };
 
+use common::Folder;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept_scene::{
     Curves, Fibre, Groom, GroomFile, GroomFormat, HairSource, InitialState, RestShape, Scene, Stiffness, Up,
 };
-
-/// A folder that goes with its test.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("windswept-{name}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
-        let path = self.0.join(name);
-        fs::write(&path, bytes).unwrap();
-        path
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
 
 fn f32s(numbers: &[f32]) -> Vec<u8> {
     numbers.iter().flat_map(|x| x.to_le_bytes()).collect()
@@ -79,7 +59,7 @@ fn a_file_of_each(folder: &Folder) -> Vec<PathBuf> {
     let even = curves.resampled(5);
     let mut files = vec![many];
     for format in GroomFormat::ALL.iter().filter(|format| format.writes() && format.extension != "hair") {
-        let path = folder.0.join(format!("some.{}", format.extension));
+        let path = folder.path().join(format!("some.{}", format.extension));
         if format.extension == "npy" { &even } else { &curves }.save(&path).unwrap();
         files.push(path);
     }
@@ -103,7 +83,7 @@ fn a_file_of_each(folder: &Folder) -> Vec<PathBuf> {
 /// 10 000 strands, an odd number of them in all, come back from every format as they were, in their order.
 #[test]
 fn strands_come_back_as_they_were() {
-    let folder = Folder::new("round");
+    let folder = Folder::new();
     let given = strands(10_001);
     let points: Vec<[f32; 3]> = given.iter().flatten().copied().collect();
     let thickness: Vec<f32> = (0..points.len()).map(|i| 0.01 + 1e-6 * i as f32).collect();
@@ -116,7 +96,7 @@ fn strands_come_back_as_they_were() {
     }
     assert!(curves.radius.iter().zip(&thickness).all(|(radius, thickness)| *radius == 0.5 * f64::from(*thickness)));
     for format in GroomFormat::ALL.iter().filter(|format| format.writes()) {
-        let path = folder.0.join(format!("out.{}", format.extension));
+        let path = folder.path().join(format!("out.{}", format.extension));
         if format.extension == "npy" {
             assert!(curves.save(&path).unwrap_err().message().contains("expected a .npz file"));
             let even = curves.resampled(9);
@@ -138,7 +118,7 @@ fn strands_come_back_as_they_were() {
         .guides(Some(100), 1)
         .fit();
     assert_eq!((fit.len(), dropped.total()), (100, 0));
-    let path = folder.0.join("few.npz");
+    let path = folder.path().join("few.npz");
     fit.save(&path).unwrap();
     assert_eq!(Curves::load(&path, None).unwrap(), fit);
     assert!(fit.ids.is_sorted() && fit.ids.iter().all(|id| id % 2 == 0) && fit.unit == Some(1.0));
@@ -148,7 +128,7 @@ fn strands_come_back_as_they_were() {
 /// are an error that says something, or curves that hold together, and never a panic.
 #[test]
 fn broken_files_are_errors_or_sane() {
-    let folder = Folder::new("broken");
+    let folder = Folder::new();
     for path in a_file_of_each(&folder) {
         let whole = fs::read(&path).unwrap();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
@@ -195,7 +175,7 @@ fn sane(curves: &Curves, folder: &Folder) {
     let (fit, dropped) = curves.clone().fit();
     assert_eq!(fit.len() + dropped.total(), curves.len());
     assert!(fit.points.as_flattened().iter().all(|x| x.is_finite()));
-    let path = folder.0.join("sane.npz");
+    let path = folder.path().join("sane.npz");
     fit.save(&path).unwrap();
     let groom = GroomFile { scale: Some(0.01), points: Some(7), ..GroomFile::new(path.to_string_lossy()) };
     if let Ok((groom, _)) = groom.groom(1) {
@@ -206,7 +186,7 @@ fn sane(curves: &Curves, folder: &Folder) {
 /// Every count that a header can hold, however large: an error, and no room is made for it.
 #[test]
 fn counts_beyond_the_file_are_errors() {
-    let folder = Folder::new("counts");
+    let folder = Folder::new();
     let refused = |name: &str, bytes: &[u8], expected: &[&str]| {
         let error = Curves::load(folder.write(name, bytes), None).unwrap_err().to_string();
         assert!(expected.iter().all(|words| error.contains(words)), "{error}");
@@ -249,16 +229,16 @@ fn counts_beyond_the_file_are_errors() {
     refused("a.ply", ply("property float x\n").as_bytes(), &["an element before"]);
     refused("a.ply", ply("element junk 18446744073709551615\n").as_bytes(), &["expected an element vertex"]);
     refused("a.usd", b"", &[".hair, .data, .bin, .npz, .npy, .ply"]);
-    let error = Curves::load(&folder.0, None).unwrap_err();
+    let error = Curves::load(folder.path(), None).unwrap_err();
     assert!(error.message().contains("expected a"), "{error}");
-    let error = Curves::load(folder.0.join("none.hair"), None).unwrap_err();
+    let error = Curves::load(folder.path().join("none.hair"), None).unwrap_err();
     assert!(error.message().contains("cannot be read"), "{error}");
 }
 
 /// Files without an end of strands: equally many points each, once it is said how many.
 #[test]
 fn equal_strands_need_their_number_of_points() {
-    let folder = Folder::new("equal");
+    let folder = Folder::new();
     let text = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nend_header\n\
                 0 0 0\n0 1 0\n5 0 0\n5 1 0";
     let path = folder.write("gaussian.ply", text.as_bytes());
@@ -274,7 +254,7 @@ fn equal_strands_need_their_number_of_points() {
 /// Strands that cannot be are left out, each for its reason, and the others keep order and number.
 #[test]
 fn what_cannot_be_a_strand_is_left_out_and_counted() {
-    let folder = Folder::new("misfits");
+    let folder = Folder::new();
     let line = |x: f32| (0..4).map(|k| [x, -0.1 * k as f32, 0.0]).collect::<Vec<_>>();
     let mut doubled = line(1.0);
     doubled[2] = doubled[1];
@@ -322,7 +302,7 @@ fn points_are_placed_evenly() {
 /// What a file says of strands beside their shape comes back from the archive, and stays with its strand.
 #[test]
 fn groups_and_places_of_roots_come_back() {
-    let folder = Folder::new("marks");
+    let folder = Folder::new();
     let curves = Curves {
         points: [[0.0; 3], [0.0, 1.0, 0.0], [0.0, 3.0, 0.0]].repeat(4),
         offsets: vec![0, 3, 6, 9, 12],
@@ -332,7 +312,7 @@ fn groups_and_places_of_roots_come_back() {
         guides: vec![true, false, false, true],
         ..Curves::default()
     };
-    let path = folder.0.join("marks.npz");
+    let path = folder.path().join("marks.npz");
     curves.save(&path).unwrap();
     assert_eq!(Curves::load(&path, None).unwrap(), curves);
     let file = GroomFile { points: Some(5), scale: Some(1.0), ..GroomFile::new(path.to_string_lossy()) };
@@ -393,7 +373,7 @@ fn scene_of(folder: &Folder, keys: &str) -> Result<Scene, windswept_scene::Scene
 /// A scene names a file beside it, whatever the folder that one is in; it carries the path from then on.
 #[test]
 fn a_scene_takes_its_strands_from_a_file() {
-    let folder = Folder::new("scene");
+    let folder = Folder::new();
     let given = [vec![[0.0, 0.0, 0.0], [0.0, 0.0, -10.0], [0.0, 0.0, -20.0]], vec![[1.0, 0.0, 0.0], [1.0, 5.0, 0.0]]];
     folder.write("two.hair", &hair_file(&given, Some(&[0.01; 5])));
     let scene = scene_of(&folder, "file = \"two.hair\" # ours\nscale = 0.01\nup = \"z\"\ndensity = 1000").unwrap();
@@ -430,7 +410,7 @@ fn a_scene_takes_its_strands_from_a_file() {
 /// Faults of the keys, and of the file behind them.
 #[test]
 fn faults_of_files_name_the_key() {
-    let folder = Folder::new("faults");
+    let folder = Folder::new();
     folder.write("two.hair", &hair_file(&strands(5), None));
     let refused = |keys: &str, key: &str, words: &[&str]| {
         let error = scene_of(&folder, keys).and_then(|scene| InitialState::new(&scene)).unwrap_err();
@@ -471,11 +451,11 @@ fn numbers_made_in_code_are_checked() {
 /// Arrays that do not belong together are an error where they are written or become strands.
 #[test]
 fn curves_made_in_code_are_checked() {
-    let folder = Folder::new("code");
+    let folder = Folder::new();
     let good =
         Curves { points: vec![[0.0; 3], [0.0, 1.0, 0.0]], offsets: vec![0, 2], ids: vec![7], ..Curves::default() };
     let file = GroomFile::new("code");
-    assert!(good.save(folder.0.join("a.npz")).is_ok() && file.fitted(good.clone(), 1).is_ok());
+    assert!(good.save(folder.path().join("a.npz")).is_ok() && file.fitted(good.clone(), 1).is_ok());
     for (bad, word) in [
         (Curves { offsets: vec![0, 3], ..good.clone() }, "offsets"),
         (Curves { offsets: vec![], ..good.clone() }, "offsets"),
@@ -483,7 +463,7 @@ fn curves_made_in_code_are_checked() {
         (Curves { ids: vec![], ..good.clone() }, "ids"),
         (Curves { radius: vec![1.0], ..good.clone() }, "radius"),
     ] {
-        let errors = [bad.save(folder.0.join("a.npz")).unwrap_err(), file.fitted(bad, 1).unwrap_err()];
+        let errors = [bad.save(folder.path().join("a.npz")).unwrap_err(), file.fitted(bad, 1).unwrap_err()];
         assert!(errors.iter().all(|error| error.message().starts_with(word)), "{errors:?}");
     }
     // A strand without points has no root, and is one all the same.

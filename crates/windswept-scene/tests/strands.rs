@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use common::{assert_close, brush, fibres};
 use glam::{DMat3, DQuat, DVec3};
-use windswept_scene::Strands;
+use windswept_scene::{Roots, Strands};
 
 /// Stretch-shear (p1 - p0)/l - d3 and bend-twist Im(p) - s Im(rest) of every strand; the largest of each.
 fn constraints(hair: &Strands) -> (f64, f64) {
@@ -93,7 +93,8 @@ fn straight_strands_have_the_default_frame() {
         ("[1,1,0]", DVec3::new(1.0, -1.0, 0.0) / 2.0_f64.sqrt()),
     ] {
         let (scene, state) = brush(&["interaction.model=none", &format!("hair.roots.direction={direction}")]);
-        let d3 = DVec3::from_array(scene.hair[0].drawn().unwrap().roots.direction);
+        let Roots::Patch(patch) = &scene.hair[0].drawn().unwrap().roots else { panic!("{scene:?}") };
+        let d3 = DVec3::from_array(patch.direction);
         for frame in state.hair.root_frame.iter().chain(&state.hair.orientations) {
             assert!((frame.length() - 1.0).abs() < 1e-14);
             let error = DMat3::from_quat(*frame) - DMat3::from_cols(d1, d3.cross(d1), d3);

@@ -1,14 +1,12 @@
 //! Files of triangles, and grids of distances from their surfaces: against closed forms.
 #![allow(clippy::unwrap_used, missing_docs)]
 
-use std::{
-    f64::consts::PI,
-    fmt::Write,
-    fs,
-    path::{Path, PathBuf},
-};
+mod common;
 
-use glam::{DQuat, DVec3};
+use std::{f64::consts::PI, fmt::Write, path::Path};
+
+use common::{Folder, box_of, obj};
+use glam::{DQuat, DVec3, Vec3Swizzles};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept_scene::{DistanceGrid, Shape, Triangles, Up};
@@ -16,64 +14,9 @@ use windswept_scene::{DistanceGrid, Shape, Triangles, Up};
 /// Most that a node is off which is more than eight spacings from the surface \[spacings\].
 const FAR_OFF: f64 = 0.25;
 
-/// A folder that goes with its test.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("windswept-{name}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
-        let path = self.0.join(name);
-        fs::write(&path, bytes).unwrap();
-        path
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
-/// A round shape as triangles: their corners lie on it.
-fn triangles_of(shape: &Shape, rows: u32, sides: u32) -> Triangles {
-    let quads = (0..rows - 1).flat_map(|i| (0..sides).map(move |k| i * (sides + 1) + k));
-    Triangles {
-        points: shape.skin(rows, sides).map(|(x, _)| x).collect(),
-        corners: quads.flat_map(|a| [[a, a + 1, a + sides + 1], [a + 1, a + sides + 2, a + sides + 1]]).collect(),
-        unit: None,
-    }
-}
-
 /// Most that the triangles of a round shape's ends are below it: their corners are an angle apart along rows and sides.
 fn chord(radius: f64, rows: u32, sides: u32) -> f64 {
     radius / 8.0 * ((2.0 * PI / f64::from(sides)).powi(2) + (PI / f64::from(rows - 2)).powi(2))
-}
-
-/// Corners of a box of sides 2 `half`, each face a grid of `n` by `n` squares without those that `hole(face, i, j)` says.
-fn box_of(half: DVec3, n: u32, hole: impl Fn(usize, u32, u32) -> bool) -> Triangles {
-    let mut all = Triangles::default();
-    for face in 0..6 {
-        let (axis, sign) = (face / 2, if face % 2 == 0 { 1.0 } else { -1.0 });
-        let at = |i: u32, j: u32| {
-            let mut x = DVec3::ZERO;
-            x[axis] = sign;
-            x[(axis + 1) % 3] = 2.0 * f64::from(i) / f64::from(n) - 1.0;
-            x[(axis + 2) % 3] = 2.0 * f64::from(j) / f64::from(n) - 1.0;
-            half * x
-        };
-        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).filter(|&(i, j)| !hole(face, i, j)) {
-            let first = all.points.len() as u32;
-            all.points.extend([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
-            let square = [[0, 1, 2], [0, 2, 3]].map(|[a, b, c]| if sign > 0.0 { [a, b, c] } else { [a, c, b] });
-            all.corners.extend(square.map(|corners| corners.map(|k| first + k)));
-        }
-    }
-    all
 }
 
 /// Signed distance from a box about the origin.
@@ -107,7 +50,7 @@ fn near(shape: &Shape, reach: f64, count: usize) -> Vec<DVec3> {
 fn a_ball_of_triangles_is_a_ball() {
     let shape = Shape::Sphere { center: [0.1, 0.2, 0.3], radius: 0.09 };
     let (rows, sides, h) = (256, 512, 0.002);
-    let (surface, _) = triangles_of(&shape, rows, sides).closed();
+    let (surface, _) = shape.surface(rows, sides).closed();
     let grid = DistanceGrid::bake(&surface, h, 0.01).unwrap();
     let chord = chord(0.09, rows, sides);
     let mut farthest = 0.0_f64;
@@ -136,7 +79,7 @@ fn a_ball_of_triangles_is_a_ball() {
 fn a_capsule_of_triangles_is_a_capsule() {
     let (radius, h) = (0.02, 0.001);
     let shape = Shape::Capsule { start: [0.0, 0.01, 0.0], end: [0.05, 0.04, -0.03], radius };
-    let (surface, holes) = triangles_of(&shape, 128, 256).closed();
+    let (surface, holes) = shape.surface(128, 256).closed();
     assert_eq!(holes, 0);
     let grid = DistanceGrid::bake(&surface, h, 0.01).unwrap();
     let chord = chord(radius, 128, 256);
@@ -189,7 +132,7 @@ fn a_box_with_holes_is_a_box() {
 #[test]
 fn pieces_are_solid_unless_they_are_hollows() {
     let ball = |x: f64, radius: f64, turned: bool| {
-        let mut all = triangles_of(&Shape::Sphere { center: [x, 0.0, 0.0], radius }, 32, 64);
+        let mut all = (Shape::Sphere { center: [x, 0.0, 0.0], radius }).surface(32, 64);
         if turned {
             all.corners.iter_mut().for_each(|corners| corners.swap(0, 1));
         }
@@ -213,7 +156,7 @@ fn pieces_are_solid_unless_they_are_hollows() {
 #[test]
 fn distances_go_on_beyond_the_grid() {
     let shape = Shape::Sphere { center: [0.0; 3], radius: 0.03 };
-    let grid = DistanceGrid::bake(&triangles_of(&shape, 64, 128).closed().0, 0.001, 0.004).unwrap();
+    let grid = DistanceGrid::bake(&shape.surface(64, 128).closed().0, 0.001, 0.004).unwrap();
     let mut rng = Pcg64::seed_from_u64(5);
     for _ in 0..20_000 {
         let x = DVec3::from_array(std::array::from_fn(|_| rng.random_range(-0.1..0.1)));
@@ -254,14 +197,6 @@ fn a_surface_that_encloses_nothing_is_refused() {
     assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::ONE]), 0.002);
 }
 
-fn obj(mesh: &Triangles) -> Vec<u8> {
-    let mut text = "# a mesh\nmtllib none.mtl\no body\n".to_owned();
-    mesh.points.iter().for_each(|x| writeln!(text, "v {} {} {}", x.x as f32, x.y as f32, x.z as f32).unwrap());
-    text.push_str("vt 0 0\nvn 0 0 1\nusemtl skin\n");
-    mesh.corners.iter().for_each(|[a, b, c]| writeln!(text, "f {}/1/1 {}/1/1 {}/1/1", a + 1, b + 1, c + 1).unwrap());
-    text.into_bytes()
-}
-
 fn ply(mesh: &Triangles, binary: bool) -> Vec<u8> {
     let format = if binary { "binary_little_endian" } else { "ascii" };
     let (points, faces) = (mesh.points.len(), mesh.corners.len());
@@ -284,7 +219,8 @@ fn ply(mesh: &Triangles, binary: bool) -> Vec<u8> {
     bytes
 }
 
-/// A node that turns and moves its child, which has the mesh.
+/// A node that turns and moves its child, which has the mesh, with its points for normals and two numbers in three of theirs for places in a
+/// texture.
 fn glb(mesh: &Triangles, turn: DQuat, shift: DVec3) -> Vec<u8> {
     let points: Vec<u8> = mesh.points.iter().flat_map(|x| x.as_vec3().to_array()).flat_map(f32::to_le_bytes).collect();
     let indices: Vec<u8> = mesh.corners.as_flattened().iter().flat_map(|i| i.to_le_bytes()).collect();
@@ -292,10 +228,12 @@ fn glb(mesh: &Triangles, turn: DQuat, shift: DVec3) -> Vec<u8> {
     let (turn, shift) = (turn.to_array(), shift.to_array());
     let mut json = format!(
         r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],
-        "nodes":[{{"children":[1],"translation":{shift:?}}},{{"mesh":0,"rotation":{turn:?}}}],
-        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],
+        "nodes":[{{"children":[1],"translation":{shift:?}}},{{"name":"head","mesh":0,"rotation":{turn:?}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"NORMAL":0,"TEXCOORD_0":2}},"indices":1,"material":0}}]}}],
+        "materials":[{{"name":"skin"}}],
         "accessors":[{{"bufferView":0,"componentType":5126,"count":{count},"type":"VEC3","min":[-1,-1,-1],"max":[1,1,1]}},
-        {{"bufferView":1,"componentType":5125,"count":{},"type":"SCALAR"}}],
+        {{"bufferView":1,"componentType":5125,"count":{},"type":"SCALAR"}},
+        {{"bufferView":0,"componentType":5126,"count":{count},"type":"VEC2"}}],
         "bufferViews":[{{"buffer":0,"byteOffset":0,"byteLength":{length}}},
         {{"buffer":0,"byteOffset":{length},"byteLength":{}}}],"buffers":[{{"byteLength":{all}}}]}}"#,
         3 * mesh.corners.len(),
@@ -325,7 +263,7 @@ fn places(mesh: &Triangles) -> Vec<DVec3> {
 /// Every format has the same triangles; polygons are cut, nodes move what they have, mirror images keep their outside.
 #[test]
 fn files_have_the_same_triangles() {
-    let folder = Folder::new("triangles");
+    let folder = Folder::new();
     let mesh = box_of(DVec3::new(0.3, 0.2, 0.1), 3, |face, i, _| face == 1 && i == 2);
     let (turn, shift) = (DQuat::from_rotation_y(0.3), DVec3::new(1.0, 2.0, -3.0));
     let files = [
@@ -352,10 +290,42 @@ fn files_have_the_same_triangles() {
     }
 }
 
+/// Names of groups, objects and materials lead to their triangles; normals and places in a texture go with their corners.
+#[test]
+fn names_normals_and_textures_are_kept() {
+    let folder = Folder::new();
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0.25 0.5\nvt 1 0\nvn 0 0 2\nvn 3 0 0\nf 1/1/1 2/2/1 3/1/1\nusemtl red\n\
+        f 1/1/2 2/2/1 4/1/1\nmtllib other.mtl\no cap\nusemtl blue sky\nf 2/1/1 3/1/1 4/1/1\nusemtl red\nf 3/1/1 1/1/1 4/1/1\n";
+    let found = Triangles::load(folder.write("named.obj", text.as_bytes())).unwrap();
+    let names: Vec<_> = found.parts.iter().map(|part| (part.names.join(","), part.triangles.clone())).collect();
+    let expected = [("red", 1..2), ("cap,blue sky", 2..3), ("cap,red", 3..4)].map(|(names, at)| (names.to_owned(), at));
+    assert_eq!(names, expected);
+    assert_eq!(found.corners.len(), 4);
+    assert_eq!(found.normals[..2], [[DVec3::Z; 3], [DVec3::X, DVec3::Z, DVec3::Z]]);
+    assert_eq!(found.uvs[1], [[0.25, 0.5], [1.0, 0.0], [0.25, 0.5]]);
+    let mesh = box_of(DVec3::new(0.3, 0.2, 0.1), 1, |_, _, _| false);
+    let turn = DQuat::from_rotation_y(0.3);
+    let found = Triangles::load(folder.write("named.glb", &glb(&mesh, turn, DVec3::ONE))).unwrap();
+    assert_eq!(found.parts.len(), 1);
+    assert_eq!((found.parts[0].names.join(","), found.parts[0].triangles.clone()), ("head,skin".to_owned(), 0..12));
+    let numbers: Vec<f32> = mesh.points.iter().flat_map(|x| x.as_vec3().to_array()).collect();
+    for ((corners, normals), uvs) in mesh.corners.iter().zip(&found.normals).zip(&found.uvs) {
+        for k in 0..3 {
+            let i = corners[k] as usize;
+            assert!(normals[k].distance(turn * mesh.points[i].normalize()) < 1e-6, "{}", normals[k]);
+            assert_eq!(uvs[k], numbers[2 * i..2 * i + 2]);
+        }
+    }
+    // A mirror image keeps what belongs to a corner with it.
+    let mirrored = found.clone().in_metres(1.0, Up::Zyx);
+    assert_eq!(mirrored.uvs[0], [found.uvs[0][0], found.uvs[0][2], found.uvs[0][1]]);
+    assert!(mirrored.normals[0][1].distance(found.normals[0][2].zyx()) < 1e-12);
+}
+
 /// Files that are cut short or altered are errors that name the file, or triangles that can be computed with.
 #[test]
 fn altered_files_do_not_panic() {
-    let folder = Folder::new("altered-triangles");
+    let folder = Folder::new();
     let mesh = box_of(DVec3::ONE, 2, |_, _, _| false);
     let files = [
         ("a.obj", obj(&mesh)),

@@ -1,8 +1,8 @@
 //! Bodies: Coulomb's law, nothing inside, air half a spacing away.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3, EulerRot};
 use windswept::{Gpu, Simulation};
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{InitialState, Scene, Shape, Solid, Triangles};
 
 use crate::{
     Error, Row,
@@ -15,33 +15,82 @@ const STAYS: &str = "mu = 0.3 holds it; measured 6.7e-10; margin 4";
 const TOUCHES: &str = "the surface: nothing inside, something on it; measured 3.3e-9; margin 4: f32";
 const BESIDE: &str = "half a spacing, d/2; looked at after each of 20 steps; measured 4.1e-9 off; margin 4: f32";
 
+const BESIDE_MESH: &str = "half a spacing, d/2, from a ball of triangles; looked at after each of 20 steps; measured 1.2e-7 off; margin 4: \
+    normals change from cell to cell of its grid";
+const MESH_SLIDES: &str =
+    "g (sin - mu cos) t²/2, mu = 0.3, 200 steps on a box of triangles; measured 5.1e-5 of it off; margin 4";
+const MESH_STAYS: &str = "mu = 0.3 holds it on a box of triangles; measured 6.7e-10; margin 4";
+const MESH_TOUCHES: &str =
+    "the surface of a box of triangles: nothing inside, something on it; measured 2.7e-8; margin 4: f32";
+const RESTED: &str = "the same body without triangles, from which a mesh is to be 0.2 mm off at most; grid of 2 mm; measured 8.5e-5 and 7.1e-5";
+
 /// Coefficient of friction μ.
 const FRICTION: f64 = 0.3;
 /// Radius of the bar \[m\].
 const RADIUS: f64 = 0.05;
 
-/// Rows of hair on a slope, of hair over a ball, and of air about a ball.
+/// Rows of hair on a slope, of hair over a ball, and of air about a ball; of slopes and balls given as meshes too.
 pub(crate) fn bodies(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows = slope(gpu, 0.6)?;
     rows.extend(slope(gpu, 0.29)?);
+    rows.extend(slope_of_mesh(gpu, 0.6)?);
+    rows.extend(slope_of_mesh(gpu, 0.29)?);
     rows.push(draped(gpu)?);
-    rows.push(passed(gpu)?);
+    rows.push(rested(gpu, "ball", Shape::Sphere { center: [0.0; 3], radius: 0.05 })?);
+    let bone = Shape::Capsule { start: [-0.03, 0.0, -0.02], end: [0.05, 0.0, 0.03], radius: 0.05 };
+    rows.push(rested(gpu, "capsule", bone)?);
+    rows.extend(passed(gpu)?);
     Ok(rows)
 }
 
-/// Row of how far a loose strand slides along a bar, in a field of gravity of this slope.
+/// Rows of how far a loose strand slides along a bar, in a field of gravity of this slope.
 fn slope(gpu: &Gpu, slope: f64) -> Result<Vec<Row>, Error> {
+    let bar = Shape::Capsule { start: [-0.5, 0.0, 0.0], end: [0.5, 0.0, 0.0], radius: RADIUS };
+    let (expected, slid, off) = slide(gpu, slope, bar)?;
+    let (source, tolerance) = if expected > 0.0 { (SLIDES, 4e-4 * expected) } else { (STAYS, 3e-9) };
+    Ok(vec![
+        Row::new(format!("hair on a slope of {slope}: slides"), expected, slid, tolerance, source).in_unit("m"),
+        Row::new(format!("hair on a slope of {slope}: off the surface"), 0.0, off, 1.3e-8, TOUCHES).in_unit("m"),
+    ])
+}
+
+/// Rows of how far it slides on the face of a box of triangles, which stands askew in its file.
+fn slope_of_mesh(gpu: &Gpu, slope: f64) -> Result<Vec<Row>, Error> {
+    let askew = DQuat::from_euler(EulerRot::XYZ, 0.3, 0.5, -0.2);
+    let half = DVec3::new(0.2, RADIUS, 0.04);
+    let corner =
+        |i: usize| askew * (half * DVec3::from_array([1, 2, 4].map(|bit| if i & bit == 0 { -1.0 } else { 1.0 })));
+    let squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let surface = Triangles {
+        points: (0..8).map(corner).collect(),
+        corners: squares.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+        ..Triangles::default()
+    };
+    let block = Shape::Mesh(Solid::enclosed(surface, Some(8e-3))?).moved(|x| askew.inverse() * x);
+    let (expected, slid, off) = slide(gpu, slope, block)?;
+    let (source, tolerance) = if expected > 0.0 { (MESH_SLIDES, 2e-4 * expected) } else { (MESH_STAYS, 3e-9) };
+    Ok(vec![
+        Row::new(format!("hair on a mesh's slope of {slope}: slides"), expected, slid, tolerance, source).in_unit("m"),
+        Row::new(format!("hair on a mesh's slope of {slope}: off the surface"), 0.0, off, 1.1e-7, MESH_TOUCHES)
+            .in_unit("m"),
+    ])
+}
+
+/// How far Coulomb's law says that a loose strand slides along the upper side of a body, how far it did, and how far it is off that
+/// side \[m\].
+fn slide(gpu: &Gpu, slope: f64, shape: Shape) -> Result<(f64, f64, f64), Error> {
     let (steps, angle) = (200, slope.atan());
     let text = format!(
         "interaction = {{ model = \"none\" }}\ngravity = [{}, {}, 0]\ntime = {{ step = {STEP}, duration = 1.0 }}\n\
          rods.sleep = false\n\
          [hair]\nstrands = 1\npoints = 4\nlength = 0.03\nroot = \"free\"\n\
          roots = {{ center = [0, 0.052, 0], radius = 1e-3, direction = [1, 0, 0] }}\n\
-         [[body]]\nshape = \"capsule\"\nstart = [-0.5, 0, 0]\nend = [0.5, 0, 0]\nradius = {RADIUS}\nfriction = {FRICTION}\n",
+         [[body]]\ncenter = [0, 0, 0]\nradius = {RADIUS}\nfriction = {FRICTION}\n",
         GRAVITY * angle.sin(),
         -GRAVITY * angle.cos(),
     );
-    let scene = Scene::parse(&text)?;
+    let mut scene = Scene::parse(&text)?;
+    scene.bodies[0].shape = shape;
     let mut initial = InitialState::new(&scene)?;
     let hair = &mut initial.hair;
     let onto = RADIUS * DVec3::Y - hair.positions[0];
@@ -56,11 +105,7 @@ fn slope(gpu: &Gpu, slope: f64) -> Result<Vec<Row>, Error> {
     let expected = 0.5 * pull * t * t;
     let slid = farthest(moved.iter().map(|way| way.x), expected);
     let off = farthest(end.iter().map(|x| x.y.hypot(x.z) - RADIUS), 0.0);
-    let (source, tolerance) = if pull > 0.0 { (SLIDES, 4e-4 * expected) } else { (STAYS, 3e-9) };
-    Ok(vec![
-        Row::new(format!("hair on a slope of {slope}: slides"), expected, slid, tolerance, source).in_unit("m"),
-        Row::new(format!("hair on a slope of {slope}: off the surface"), 0.0, off, 1.3e-8, TOUCHES).in_unit("m"),
-    ])
+    Ok((expected, slid, off))
 }
 
 /// A strand that is clamped above a ball and falls over it, while the ball comes up into it.
@@ -82,6 +127,28 @@ center = [0, 0, 0]
 motion = [{ time = 0.0 }, { time = 0.4, translation = [0.004, 0, 0], rotation = [0, 0, 0.5] }]
 ";
 
+/// A strand that is clamped above a body, falls over it, and comes to rest.
+const RESTING: &str = "
+interaction = { model = \"none\" }
+[time]
+step = 1.38e-3
+duration = 3.0
+[rods]
+sleep = false
+damping = 20.0
+[hair]
+strands = 1
+points = 21
+length = 0.1
+roots = { center = [0, 0.053, 0], radius = 1e-3, direction = [1, 0, 0.2] }
+[[body]]
+radius = 0.05
+center = [0, 0, 0]
+friction = 1.0
+";
+/// Speed below which hair is taken to rest \[m/s\].
+const RESTS: f64 = 1e-3;
+
 fn draped(gpu: &Gpu) -> Result<Row, Error> {
     let scene = Scene::parse(DRAPED)?;
     let mut simulation = Simulation::new(gpu, &scene)?;
@@ -93,6 +160,28 @@ fn draped(gpu: &Gpu) -> Result<Row, Error> {
         nearest = x.iter().map(|x| ball.signed_distance(*x).0).fold(nearest, f64::min);
     }
     Ok(Row::new("hair over a ball: nearest to its surface", 0.0, nearest, 1.3e-8, TOUCHES).in_unit("m"))
+}
+
+/// Row of how far from one another a strand comes to rest on a body, as it is and as triangles.
+fn rested(gpu: &Gpu, name: &str, shape: Shape) -> Result<Row, Error> {
+    let mesh = Shape::Mesh(Solid::enclosed(shape.surface(64, 128), Some(2e-3))?);
+    let (round, meshed) = (rest(gpu, name, shape)?, rest(gpu, name, mesh)?);
+    let apart = farthest(round.iter().zip(&meshed).map(|(a, b)| a.distance(*b)), 0.0);
+    Ok(Row::new(format!("hair on a {name}: at rest on a mesh of it, apart"), 0.0, apart, 2e-4, RESTED).in_unit("m"))
+}
+
+/// Where a strand comes to rest on a body \[m\].
+fn rest(gpu: &Gpu, name: &str, shape: Shape) -> Result<Vec<DVec3>, Error> {
+    let mut scene = Scene::parse(RESTING)?;
+    scene.bodies[0].shape = shape;
+    let mut simulation = Simulation::new(gpu, &scene)?;
+    simulation.step(600)?;
+    let frame = simulation.frame()?;
+    let fastest = farthest(vectors(&frame.hair.velocities).iter().map(|v| v.length()), 0.0);
+    if fastest > RESTS {
+        return Err(Error::Missing(format!("hair on a {name} still moves at {fastest} m/s")));
+    }
+    Ok(vectors(&frame.hair.positions))
 }
 
 /// Wind past a ball that moves.
@@ -111,9 +200,17 @@ center = [0.04, 0.03, 0.03]
 motion = [{ time = 0.0 }, { time = 0.1, translation = [-0.01, 0, 0] }]
 ";
 
-fn passed(gpu: &Gpu) -> Result<Row, Error> {
+/// Rows of the air nearest to a ball, as it is and as triangles.
+fn passed(gpu: &Gpu) -> Result<[Row; 2], Error> {
     let scene = Scene::parse(PASSED)?;
-    let mut simulation = Simulation::new(gpu, &scene)?;
+    let mut meshed = scene.clone();
+    let body = &mut meshed.bodies[0];
+    body.shape = Shape::Mesh(Solid::enclosed(body.shape.surface(64, 128), Some(5e-4))?);
+    Ok([passing(gpu, "ball", &scene, 1.7e-8, BESIDE)?, passing(gpu, "mesh", &meshed, 5e-7, BESIDE_MESH)?])
+}
+
+fn passing(gpu: &Gpu, name: &str, scene: &Scene, tolerance: f64, source: &'static str) -> Result<Row, Error> {
+    let mut simulation = Simulation::new(gpu, scene)?;
     let half = 0.5 * simulation.initial().air.volume.cbrt();
     let mut nearest = f64::INFINITY;
     for _ in 0..20 {
@@ -122,5 +219,5 @@ fn passed(gpu: &Gpu) -> Result<Row, Error> {
         let x = vectors(&simulation.frame()?.air.positions);
         nearest = x.iter().map(|x| ball.signed_distance(*x).0).fold(nearest, f64::min);
     }
-    Ok(Row::new("air about a ball: nearest to its surface", half, nearest, 1.7e-8, BESIDE).in_unit("m"))
+    Ok(Row::new(format!("air about a {name}: nearest to its surface"), half, nearest, tolerance, source).in_unit("m"))
 }

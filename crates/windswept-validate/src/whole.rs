@@ -3,7 +3,7 @@
 use glam::DVec3;
 use windswept::{Gpu, Simulation};
 use windswept_reference::{Parameters, State, step::step as twin_step};
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{InitialState, Scene, Shape, Solid};
 
 use crate::{Error, Row, air::vectors, twin::error};
 
@@ -11,6 +11,7 @@ const ACCURATE: &str = "f64 twin: direct, BDF2, grid filter, band law, a moving 
     difference over largest value; measured 1.1e-7, 6.2e-6, 2.4e-6; margin 4";
 const PUSHED: &str = "as `accurate`, but the body pushes hair, whose strands are pulled along until their lengths fit to 1e-5 of a segment: \
     a rounding decides how often; measured 3.8e-6, 1.6e-4, 5.9e-6; margin 4";
+const MESH: &str = "as `a body in the hair`, the body given as triangles; measured 9.7e-7, 1.7e-5, 5.9e-6; margin 4";
 const PUBLISHED: &str = "f64 twin: Gauss-Seidel, Euler, direct filter, published law; largest difference over largest value; \
     measured 9.9e-8, 1.8e-5, 3.1e-6; margin 4";
 
@@ -63,22 +64,32 @@ pub(crate) fn steps(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let published = format!("method = \"published\"\n{HAIR_IN_WIND}[rods]\niterations = 20\nsleep = false\n");
     let accurate = format!("{HAIR_IN_WIND}{DRIVEN}");
     let pushed = accurate.replace("center = [0.06, 0.052, 0.03]", "center = [0.06, 0.025, 0.03]");
-    let mut rows = measure(gpu, "accurate", &accurate, [4.5e-7, 2.5e-5, 1e-5], ACCURATE)?;
+    let pushed = Scene::parse(&pushed)?;
+    let mut meshed = pushed.clone();
+    let body = &mut meshed.bodies[0];
+    body.shape = Shape::Mesh(Solid::enclosed(body.shape.surface(32, 64), Some(5e-4))?);
+    let mut rows = measure(gpu, "accurate", &Scene::parse(&accurate)?, [4.5e-7, 2.5e-5, 1e-5], ACCURATE)?;
     rows.extend(measure(gpu, "a body in the hair", &pushed, [1.5e-5, 6.6e-4, 2.4e-5], PUSHED)?);
-    rows.extend(measure(gpu, "published", &published, [4e-7, 7e-5, 1.3e-5], PUBLISHED)?);
+    rows.extend(measure(gpu, "a mesh in the hair", &meshed, [4e-6, 7e-5, 2.4e-5], MESH)?);
+    rows.extend(measure(gpu, "published", &Scene::parse(&published)?, [4e-7, 7e-5, 1.3e-5], PUBLISHED)?);
     Ok(rows)
 }
 
-fn measure(gpu: &Gpu, name: &str, text: &str, tolerances: [f64; 3], source: &'static str) -> Result<Vec<Row>, Error> {
-    let scene = Scene::parse(text)?;
-    let initial = InitialState::new(&scene)?;
-    let p = Parameters::new(&scene, &initial);
+fn measure(
+    gpu: &Gpu,
+    name: &str,
+    scene: &Scene,
+    tolerances: [f64; 3],
+    source: &'static str,
+) -> Result<Vec<Row>, Error> {
+    let initial = InitialState::new(scene)?;
+    let p = Parameters::new(scene, &initial);
     let mut state = State::new(&initial, p.step);
     let steps = 5;
     for _ in 0..steps {
         twin_step(&mut state, &p).map_err(|frozen| Error::Missing(format!("the twin froze: {frozen:?}")))?;
     }
-    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
+    let mut simulation = Simulation::with_state(gpu, scene, initial)?;
     simulation.step(steps)?;
     let frame = simulation.frame()?;
     let hair = p.hair_points;

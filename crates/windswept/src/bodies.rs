@@ -1,16 +1,21 @@
 //! Bodies as the shaders see them (`shaders/common/body.wgsl`).
 
-use windswept_scene::{InitialState, Scene};
-use windswept_shaders::common::body::Body;
+use windswept_scene::{InitialState, Scene, Solid};
+use windswept_shaders::common::body::{Body, Grid};
 
-use crate::{motion::Motions, rods::vec3};
+use crate::{
+    motion::Motions,
+    rods::{quat, vec3},
+};
 
 /// The scene's bodies, in local coordinates.
 #[must_use]
 pub(crate) fn bodies(scene: &Scene, initial: &InitialState, motions: &Motions) -> Vec<Body> {
+    let solids = solids(scene);
     let each = scene.bodies.iter().zip(&motions.bodies).map(|(body, keyframes)| {
         let round = body.shape.round();
         let [start, end] = round.ends.map(|end| vec3(end - initial.origin));
+        let solid = body.shape.solid();
         Body {
             start,
             radius: round.radius as f32,
@@ -18,8 +23,41 @@ pub(crate) fn bodies(scene: &Scene, initial: &InitialState, motions: &Motions) -
             friction: body.friction as f32,
             first_keyframe: keyframes.start,
             keyframes: keyframes.len() as u32,
+            rotation: quat(solid.map_or_else(Default::default, Solid::rotation)),
+            grid: solid.map_or_else(Grid::default, |solid| grid(solid, &solids)),
             ..Body::default()
         }
     });
     each.collect()
+}
+
+/// Distances at the nodes of all grids, one grid after the other.
+pub(crate) fn distances(scene: &Scene) -> Vec<f32> {
+    solids(scene).into_iter().flat_map(|solid| &solid.grid().values).copied().collect()
+}
+
+/// Number of nodes of all grids.
+pub(crate) fn nodes(scene: &Scene) -> u32 {
+    let nodes: usize = solids(scene).into_iter().map(|solid| solid.grid().values.len()).sum();
+    // Saturates: no adapter binds as many.
+    u32::try_from(nodes).unwrap_or(u32::MAX)
+}
+
+/// The solids of the meshes, one for each grid.
+fn solids(scene: &Scene) -> Vec<&Solid> {
+    let mut all: Vec<&Solid> = Vec::new();
+    for solid in scene.bodies.iter().filter_map(|body| body.shape.solid()) {
+        if !all.iter().any(|other| other.shares_grid(solid)) {
+            all.push(solid);
+        }
+    }
+    all
+}
+
+/// The grid of a solid, one of those of these solids.
+fn grid(solid: &Solid, solids: &[&Solid]) -> Grid {
+    let before = solids.iter().take_while(|other| !other.shares_grid(solid));
+    let first: usize = before.map(|other| other.grid().values.len()).sum();
+    let grid = solid.grid();
+    Grid { origin: vec3(grid.origin), spacing: grid.spacing as f32, counts: grid.counts, first: first as u32 }
 }

@@ -101,6 +101,7 @@ impl Engine {
         self.write(&s.inverse_mass, &inverse_mass)?;
         self.write(&s.keyframes, &setup.motions.keyframes)?;
         self.write(&s.bodies, &bodies::bodies(scene, initial, &setup.motions))?;
+        self.write(&s.distances, &bodies::distances(scene))?;
         self.write(&s.strands, &rods::strands(scene, initial, &setup.motions))?;
         self.write(&s.segments, &rods::segments(hair))?;
         self.write(&s.largest_move, &moves)?;
@@ -324,7 +325,7 @@ impl Engine {
 
     pub(crate) fn program(&self, recording: &Recording) -> Result<Program, GpuError> {
         debug_assert_eq!(self.memory.sharing().overwritten(recording), None, "a pass whose array is gone");
-        Program::new(&self.gpu, &self.memory, recording)
+        Program::new(&self.gpu, &self.memory, recording, self.sizes.distances > 0)
     }
 
     /// Submits `n` replays, without waiting.

@@ -13,7 +13,7 @@ pub use adapter::{AdapterChoice, AdapterInfo, adapters};
 pub(crate) use memory::Memory;
 pub(crate) use program::{Profile, Program, Span, write_trace};
 pub use wgpu;
-use windswept_shaders::{BindingKind, Pass, common::lanes::LANES};
+use windswept_shaders::{BindingKind, MESHES, Pass, common::lanes::LANES};
 
 use crate::error::GpuError;
 
@@ -32,8 +32,8 @@ pub struct Gpu {
     replaced: Pipelines,
 }
 
-/// Pipelines by the names of their passes.
-type Pipelines = Arc<Mutex<HashMap<&'static str, wgpu::ComputePipeline>>>;
+/// Pipelines by the names of their passes, and whether they know meshes.
+type Pipelines = Arc<Mutex<HashMap<(&'static str, bool), wgpu::ComputePipeline>>>;
 
 impl Gpu {
     /// Opens a device on the chosen adapter.
@@ -190,14 +190,17 @@ impl Gpu {
         Ok(())
     }
 
-    /// The pipeline of a pass, made at its first use.
-    fn pipeline(&self, pass: &'static Pass) -> Result<wgpu::ComputePipeline, GpuError> {
+    /// The pipeline of a pass, made at its first use, for a scene with or without meshes.
+    fn pipeline(&self, pass: &'static Pass, meshes: bool) -> Result<wgpu::ComputePipeline, GpuError> {
+        let key = (pass.name, meshes && pass.asks_for_meshes);
         let own = self.sources.get(pass.name);
         let pipelines = if own.is_some() { &self.replaced } else { &self.pipelines };
         let mut pipelines = pipelines.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(pipeline) = pipelines.get(pass.name) {
+        if let Some(pipeline) = pipelines.get(&key) {
             return Ok(pipeline.clone());
         }
+        let switch = [(MESHES, f64::from(u8::from(meshes)))];
+        let constants = if pass.asks_for_meshes { &switch[..] } else { &[] };
         let plain = if self.subgroups { None } else { pass.source_without_subgroups };
         let source = own.map_or(plain.unwrap_or(pass.source), String::as_str);
         let pipeline = self.checked(
@@ -222,12 +225,12 @@ impl Gpu {
                     layout: Some(&layout),
                     module: &module,
                     entry_point: Some("main"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
                     cache: None,
                 })
             },
         )?;
-        pipelines.insert(pass.name, pipeline.clone());
+        pipelines.insert(key, pipeline.clone());
         Ok(pipeline)
     }
 }

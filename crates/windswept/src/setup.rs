@@ -7,8 +7,8 @@ use windswept_shaders::{
 };
 
 use crate::{
-    bands::Bands, coarse::Coarse, fields::Fields, meshes::Meshes, motion::Motions, params, pressure, state::Sizes,
-    step::neighbours::Sort, winds,
+    bands::Bands, bodies, coarse::Coarse, fields::Fields, meshes::Meshes, motion::Motions, params, pressure,
+    state::Sizes, step::neighbours::Sort, winds,
 };
 
 /// Everything that is derived from a scene before anything is allocated. Plan, buffers and what fills them come from here,
@@ -75,6 +75,7 @@ impl<'a> Setup<'a> {
             factors: if params.direct_rods != 0 { params.segments } else { 0 },
             keyframes: motions.keyframes.len() as u32,
             bodies: scene.bodies.len() as u32,
+            distances: bodies::nodes(scene),
             wind_table: wind_table.len() as u32,
             waves: waves.len() as u32,
             fields: fields.fields.len() as u32,

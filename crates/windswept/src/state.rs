@@ -72,6 +72,8 @@ pub struct Sizes {
     pub keyframes: u32,
     /// Bodies.
     pub bodies: u32,
+    /// Nodes of the grids of all meshes.
+    pub distances: u32,
     /// Entries of the table of the mean wind.
     pub wind_table: u32,
     /// Waves of the inflow.
@@ -214,8 +216,10 @@ state! {
     largest_move: f32, |s| s.hair_points;
     /// Keyframes of all that moves, motion by motion.
     keyframes: Keyframe, |s| s.keyframes;
-    /// A body before it moves: axis, radius, friction, keyframes.
+    /// A body before it moves: axis, radius, friction, keyframes, grid.
     bodies: Body, |s| s.bodies;
+    /// Signed distances at the nodes of the grids of all meshes \[m\].
+    distances: f32, |s| s.distances;
     /// Taps of the smoothing Gaussian and of its second derivative \[1/m²\], two of each, band by band and axis by axis.
     taps: Vec4, |s| s.taps;
 

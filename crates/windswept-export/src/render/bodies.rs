@@ -2,16 +2,22 @@
 
 use windswept_scene::{Scene, Shape};
 
-use super::patch::{Corner, SIDES, grid_triangles};
+use super::patch::{Corner, SIDES};
 
-/// Points of a body from pole to pole.
+/// Points of a round body from pole to pole.
 const OUTLINE: u32 = 48;
 /// Part of its inradius that a body is drawn smaller than hair sees it: hair lies on it in chords.
 const SUNK: f64 = 0.01;
 
-/// Triangles of so many bodies.
-pub(super) fn triangles(bodies: usize) -> Vec<u32> {
-    grid_triangles(bodies, OUTLINE, SIDES)
+/// Triangles of the scene's bodies, by the indices of their [`corners`].
+pub(super) fn triangles(scene: &Scene) -> Vec<u32> {
+    let mut all = Vec::new();
+    let mut first = 0;
+    for surface in scene.bodies.iter().map(|body| body.shape.surface(OUTLINE, SIDES)) {
+        all.extend(surface.corners.as_flattened().iter().map(|corner| first + corner));
+        first += surface.points.len() as u32;
+    }
+    all
 }
 
 /// Corners of the scene's bodies at `time` [s], one body after the other.
@@ -21,7 +27,7 @@ pub(super) fn corners(scene: &Scene, time: f64) -> Vec<Corner> {
 
 fn corners_of(body: &Shape) -> impl Iterator<Item = Corner> + use<> {
     let depth = SUNK * body.inradius();
-    body.skin(OUTLINE, SIDES).map(move |(x, normal)| Corner {
+    body.skin(OUTLINE, SIDES).into_iter().map(move |(x, normal)| Corner {
         position: (x - depth * normal).as_vec3().to_array(),
         normal: normal.as_vec3().to_array(),
     })

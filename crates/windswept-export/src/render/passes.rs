@@ -106,7 +106,7 @@ impl Passes {
         let ribbon = numbered([&view, &points, &colour, &radius]);
         let scenery = m.module(&pictures::SCENERY);
         let patch = (patch::corners(scene, 0.0), patch::triangles(scene));
-        let bodies = (bodies::corners(scene, 0.0), bodies::triangles(scene.bodies.len()));
+        let bodies = (bodies::corners(scene, 0.0), bodies::triangles(scene));
         Self {
             compute,
             wall: m.draw(&scenery, "wall_", &[], None, Depth::Ignored),

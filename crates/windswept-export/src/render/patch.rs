@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
-use windswept_scene::{Drawn, Hair, RootShape, Roots, Scene};
+use windswept_scene::{Hair, Patch, RootShape, Roots, Scene};
 
 /// Sides of a solid of revolution: points around its axis.
 pub(super) const SIDES: u32 = 96;
@@ -21,29 +21,32 @@ pub(super) struct Corner {
 
 /// Corners of the patch of every group that is drawn at `time` [s], group by group.
 pub(super) fn corners(scene: &Scene, time: f64) -> Vec<Corner> {
-    let of_group = |(hair, drawn): (&Hair, &Drawn)| {
+    let of_group = |(hair, patch): (&Hair, &Patch)| {
         let (motion, center) = (hair.motion.clone(), hair.center());
         let (_, turn) = motion.at(time);
-        corners_of(&drawn.roots).map(move |(position, normal)| {
+        corners_of(patch).map(move |(position, normal)| {
             let position = motion.place(center, position, time);
             Corner { position: position.as_vec3().to_array(), normal: (turn * normal).as_vec3().to_array() }
         })
     };
-    drawn(scene).flat_map(of_group).collect()
+    patches(scene).flat_map(of_group).collect()
 }
 
-/// Groups whose roots are on a shape: what a groom file grows from is not known.
-fn drawn(scene: &Scene) -> impl Iterator<Item = (&Hair, &Drawn)> {
-    scene.hair.iter().filter_map(|hair| Some((hair, hair.drawn()?)))
+/// Groups whose roots are on a patch: what a groom file grows from is not known, and bodies are drawn anyway.
+fn patches(scene: &Scene) -> impl Iterator<Item = (&Hair, &Patch)> {
+    scene.hair.iter().filter_map(|hair| match &hair.drawn()?.roots {
+        Roots::Patch(patch) => Some((hair, patch)),
+        Roots::Mesh(_) => None,
+    })
 }
 
 /// Triangles of every group's patch.
 pub(super) fn triangles(scene: &Scene) -> Vec<u32> {
-    grid_triangles(drawn(scene).count(), OUTLINE, SIDES)
+    grid_triangles(patches(scene).count(), OUTLINE, SIDES)
 }
 
 /// Triangles of so many solids of revolution whose corners follow one another, outline by outline.
-pub(super) fn grid_triangles(solids: usize, outline: u32, sides: u32) -> Vec<u32> {
+fn grid_triangles(solids: usize, outline: u32, sides: u32) -> Vec<u32> {
     let mut triangles = Vec::new();
     for solid in 0..solids as u32 {
         for i in 0..outline - 1 {
@@ -58,7 +61,7 @@ pub(super) fn grid_triangles(solids: usize, outline: u32, sides: u32) -> Vec<u32
 }
 
 /// Positions [m] and normals, unmoved.
-fn corners_of(roots: &Roots) -> impl Iterator<Item = (DVec3, DVec3)> + use<> {
+fn corners_of(roots: &Patch) -> impl Iterator<Item = (DVec3, DVec3)> + use<> {
     let (center, radius, shape) = (DVec3::from_array(roots.center), roots.radius, roots.shape);
     let basis = basis(roots);
     let axis = basis.z_axis;
@@ -75,7 +78,7 @@ fn corners_of(roots: &Roots) -> impl Iterator<Item = (DVec3, DVec3)> + use<> {
 }
 
 /// The ends of the patch: its front, its widest ring and its back [m].
-pub(super) fn ends(roots: &Roots) -> impl Iterator<Item = DVec3> {
+pub(super) fn ends(roots: &Patch) -> impl Iterator<Item = DVec3> {
     let (center, radius, shape) = (DVec3::from_array(roots.center), roots.radius, roots.shape);
     let basis = basis(roots);
     let ring = move |t: f64| (0..12).map(move |k| center + basis * solid(shape, t, TAU * f64::from(k) / 12.0, radius));
@@ -83,7 +86,7 @@ pub(super) fn ends(roots: &Roots) -> impl Iterator<Item = DVec3> {
 }
 
 /// The patch's own axes: along a line of roots, level where it can be, the other way across, and out of the roots.
-fn basis(roots: &Roots) -> DMat3 {
+fn basis(roots: &Patch) -> DMat3 {
     let axis = DVec3::from_array(roots.normal);
     let level = DVec3::Y.cross(axis);
     let across = if level.length() > 1e-6 { level.normalize() } else { DVec3::X };

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::dcamera::lh::view::look_to_mat4;
 use glam::dcamera::rh::{proj, view::look_at_mat4};
 use glam::{DMat4, DVec3, Vec3, Vec4};
-use windswept_scene::{Body, Camera, Drawn, Hair, LookAt, Model, Scene};
+use windswept_scene::{Body, Camera, Drawn, Hair, LookAt, Model, Patch, Roots, Scene};
 
 use windswept_shaders::pictures::common::{self as shader, GRID, Light};
 
@@ -54,20 +54,19 @@ impl View {
     fn automatic(scene: &Scene, points: &[[f32; 3]]) -> Self {
         let wind = scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind));
         let mut reach = Vec::new();
-        for (hair, drawn) in scene.hair.iter().filter_map(|hair| Some((hair, hair.drawn()?))) {
-            let goes = where_hair_goes(hair, drawn, wind, scene);
+        for (hair, drawn, patch) in scene.hair.iter().filter_map(on_patch) {
+            let goes = where_hair_goes(hair, drawn, patch, wind, scene);
             let moved = hair.motion.keyframes.iter().map(|keyframe| keyframe.pose().0);
             reach.extend(std::iter::once(DVec3::ZERO).chain(moved).flat_map(|by| goes.iter().map(move |x| *x + by)));
         }
         // Of strands from elsewhere it is known where they are.
-        if reach.is_empty() || scene.hair.iter().any(|hair| hair.drawn().is_none()) {
+        if reach.is_empty() || scene.hair.iter().any(|hair| on_patch(hair).is_none()) {
             reach.extend(points.iter().map(|p| Vec3::from_array(*p).as_dvec3()));
         }
         reach.extend(scene.bodies.iter().flat_map(where_body_goes));
         // Wind from left to right; without wind the way the hair points.
         let level = |v: DVec3| DVec3::new(v.x, 0.0, v.z).normalize_or_zero();
-        let directions =
-            scene.hair.iter().filter_map(Hair::drawn).map(|drawn| DVec3::from_array(drawn.roots.direction));
+        let directions = scene.hair.iter().filter_map(on_patch).map(|(_, _, patch)| DVec3::from_array(patch.direction));
         let right = [wind].into_iter().chain(directions).map(level).find(|v| *v != DVec3::ZERO).unwrap_or(DVec3::X);
         let side = right.cross(DVec3::Y);
         // Half way toward a three-quarter view, and 12° above.
@@ -126,21 +125,30 @@ impl View {
     }
 }
 
+/// A group whose strands are rooted on a patch, and what they are drawn by.
+fn on_patch(hair: &Hair) -> Option<(&Hair, &Drawn, &Patch)> {
+    let drawn = hair.drawn()?;
+    match &drawn.roots {
+        Roots::Patch(patch) => Some((hair, drawn, patch)),
+        Roots::Mesh(_) => None,
+    }
+}
+
 /// The region that a film of this hair may cover: its patch, and its tips between where it points and where the wind and gravity
 /// take it.
-fn where_hair_goes(hair: &Hair, drawn: &Drawn, wind: DVec3, scene: &Scene) -> Vec<DVec3> {
-    let (center, radius) = (hair.center(), drawn.roots.radius);
+fn where_hair_goes(hair: &Hair, drawn: &Drawn, patch: &Patch, wind: DVec3, scene: &Scene) -> Vec<DVec3> {
+    let (center, radius) = (hair.center(), patch.radius);
     // A helix has its root on itself, not on its axis.
     let curl = drawn.curl.map_or(0.0, |curl| 2.0 * curl.radius);
     // A curl is as long as its axis at first; the wind draws it out about half way.
     let curled = drawn.curl.map_or(1.0, |curl| curl.pitch / (TAU * curl.radius).hypot(curl.pitch));
     let (short, length) = (drawn.length * curled, drawn.length * curled.sqrt());
-    let start = DVec3::from_array(drawn.roots.direction);
+    let start = DVec3::from_array(patch.direction);
     let streams = streaming(hair, drawn, wind, scene).unwrap_or(start);
     let between = (start + streams).normalize_or(start);
     // Before the wind has it, and in the lee of others, hair hangs lower.
     let lower = (streams + 0.12 * DVec3::from_array(scene.gravity).normalize_or_zero()).normalize_or(start);
-    let mut all: Vec<DVec3> = ends(&drawn.roots).collect();
+    let mut all: Vec<DVec3> = ends(patch).collect();
     for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
         let wide = radius + curl;
         all.extend([center + wide * axis, center - wide * axis]);

@@ -299,7 +299,7 @@ impl GroomFile {
         let curves = Curves::load(&self.file, self.points_per_strand)?;
         let fault = |words: String| SceneError::new(words).of(&self.file, "");
         let Some(scale) = self.scale.or(curves.unit) else {
-            return Err(fault(no_unit(&curves)).with_help("give scale, the metres per unit"));
+            return Err(fault(no_unit(curves.bounds())).with_help("give scale, the metres per unit"));
         };
         Ok(curves.in_metres(scale, self.up))
     }
@@ -402,8 +402,8 @@ impl GroomFile {
 }
 
 /// What is said where a file has no unit: how large it is.
-fn no_unit(curves: &Curves) -> String {
-    let Some([low, high]) = curves.bounds() else { return "the file has no points".to_owned() };
+pub(crate) fn no_unit(bounds: Option<[[f64; 3]; 2]>) -> String {
+    let Some([low, high]) = bounds else { return "the file has no points".to_owned() };
     let sides = [0, 1, 2].map(|k| high[k] - low[k]);
     let shown = |factor: f64| sides.map(|side| format!("{:.3}", factor * side)).join(" x ");
     format!(

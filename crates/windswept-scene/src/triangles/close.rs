@@ -11,7 +11,8 @@ const WELD: f64 = 1e-6;
 
 impl Triangles {
     /// The triangles with every hole covered, and the number of holes. Points that are a millionth of the longest side apart become
-    /// one: what files divide along seams, and what rounding has moved. Triangles of less than three points go.
+    /// one: what files divide along seams, and what rounding has moved. Triangles of less than three points go, and so do normals, places
+    /// in the texture and names.
     ///
     /// The edges of all triangles, each counted along its direction, form loops where they do not cancel. A loop is covered by a fan
     /// about the mean of its points, which is exact for a flat hole that its middle sees the rim of. A triangle that
@@ -49,7 +50,7 @@ impl Triangles {
         let mut index = |i: u32| *indices[i as usize].get_or_insert_with(|| welder.index(self.points[i as usize]));
         let corners: Vec<_> = self.corners.iter().map(|corners| corners.map(&mut index)).collect();
         let corners = corners.into_iter().filter(|[a, b, c]| a != b && b != c && c != a).collect();
-        Self { points: welder.points, corners, unit: self.unit }
+        Self { points: welder.points, corners, unit: self.unit, ..Self::default() }
     }
 
     /// Covers the loop.

@@ -12,6 +12,8 @@ const BAND: f64 = 8.0;
 const MARGIN: f64 = 2.0;
 /// Spacing of a grid that is not said otherwise \[m\]: on a ball of 90 mm it is off by 11 µm.
 const SPACING: f64 = 0.002;
+/// Depth of a node that is on the surface, by rounding \[spacings\].
+const ROUNDING: f64 = 1e-6;
 /// Fewest cells along the longest side of such a grid's surface.
 const CELLS: f64 = 128.0;
 
@@ -58,8 +60,12 @@ impl DistanceGrid {
         if nodes.is_nan() || nodes > MOST_GRID_VALUES as f64 {
             let size = high - low;
             let words = format!(
-                "a grid of {spacing} m about {:.3} x {:.3} x {:.3} m has {nodes:.2e} nodes; expected at most {MOST_GRID_VALUES}",
-                size.x, size.y, size.z
+                "a grid of {spacing} m about {:.3} x {:.3} x {:.3} m has {nodes:.2e} nodes and takes {:.2e} bytes; expected at most \
+                 {MOST_GRID_VALUES} nodes",
+                size.x,
+                size.y,
+                size.z,
+                4.0 * nodes,
             );
             return Err(SceneError::new(words));
         }
@@ -67,7 +73,7 @@ impl DistanceGrid {
         let origin = 0.5 * (low + high - spacing * cells);
         let mut grid = Self { origin, spacing, counts, values: vec![0.0; nodes as usize] };
         grid.fill(&Tree::new(surface.places()));
-        if grid.inradius() <= 0.0 {
+        if grid.inradius() <= ROUNDING * spacing {
             let words =
                 format!("the triangles enclose no node of a grid of {spacing} m: expected a closed surface, or less");
             return Err(SceneError::new(words));

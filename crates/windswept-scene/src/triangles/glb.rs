@@ -33,7 +33,13 @@ struct Document {
     meshes: Vec<Mesh>,
     accessors: Vec<Accessor>,
     buffer_views: Vec<View>,
+    materials: Vec<Named>,
     extensions_required: Vec<String>,
+}
+
+#[derive(Deserialize)]
+struct Named {
+    name: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -45,6 +51,7 @@ struct Nodes {
 #[derive(Deserialize, Clone)]
 #[serde(default)]
 struct Node {
+    name: Option<String>,
     children: Vec<usize>,
     mesh: Option<usize>,
     matrix: Option<[f64; 16]>,
@@ -56,6 +63,7 @@ struct Node {
 impl Default for Node {
     fn default() -> Self {
         Self {
+            name: None,
             children: Vec::new(),
             mesh: None,
             matrix: None,
@@ -68,6 +76,7 @@ impl Default for Node {
 
 #[derive(Deserialize)]
 struct Mesh {
+    name: Option<String>,
     primitives: Vec<Primitive>,
 }
 
@@ -75,6 +84,7 @@ struct Mesh {
 struct Primitive {
     attributes: HashMap<String, usize>,
     indices: Option<usize>,
+    material: Option<usize>,
     mode: Option<u32>,
 }
 
@@ -117,8 +127,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
         let own = DMat4::from_scale_rotation_translation(node.scale, node.rotation, node.translation);
         let place = parent * node.matrix.map_or(own, |matrix| DMat4::from_cols_array(&matrix));
         if let Some(mesh) = node.mesh {
-            for primitive in &item(&document.meshes, mesh, "mesh")?.primitives {
-                document.append(primitive, numbers, place, &mut all)?;
+            let mesh = item(&document.meshes, mesh, "mesh")?;
+            for primitive in &mesh.primitives {
+                let material = primitive.material.and_then(|i| document.materials.get(i)?.name.as_ref());
+                let names = [node.name.as_ref(), mesh.name.as_ref(), material].into_iter().flatten().cloned().collect();
+                document.append(primitive, numbers, place, names, &mut all)?;
             }
         }
         waiting.extend(node.children.iter().map(|&child| (child, place)));
@@ -159,6 +172,7 @@ impl Document {
         primitive: &Primitive,
         numbers: &[u8],
         place: DMat4,
+        names: Vec<String>,
         all: &mut Triangles,
     ) -> Result<(), SceneError> {
         let mode = primitive.mode.unwrap_or(TRIANGLES);
@@ -179,11 +193,31 @@ impl Document {
         }
         let first = all.points.len() as u32;
         all.points.extend(points.iter().map(|x| place.transform_point3(DVec3::from_array(*x))));
+        let attribute = |name: &str, kind: &str| -> Result<Vec<f64>, SceneError> {
+            match primitive.attributes.get(name) {
+                Some(&i) => {
+                    let found = self.numbers(i, numbers, kind)?;
+                    let each = found.len() / points.len().max(1);
+                    let fits = found.len() == each * points.len() && format!("VEC{each}") == kind;
+                    fits.then_some(found).ok_or_else(|| SceneError::new(format!("expected one {name} a point")))
+                }
+                None => Ok(Vec::new()),
+            }
+        };
+        let (normals, uvs) = (attribute("NORMAL", "VEC3")?, attribute("TEXCOORD_0", "VEC2")?);
+        // Normals stay across the surface, however their node is stretched.
+        let across = place.inverse().transpose();
+        let normals = normals.as_chunks::<3>().0.iter();
+        let normals: Vec<_> =
+            normals.map(|n| across.transform_vector3(DVec3::from_array(*n)).normalize_or_zero()).collect();
+        let uvs: Vec<_> = uvs.as_chunks::<2>().0.iter().map(|uv| uv.map(|x| x as f32)).collect();
         let mirrored = place.determinant() < 0.0;
-        all.corners.extend(indices.as_chunks::<3>().0.iter().map(|&[a, b, c]| {
-            let corners = if mirrored { [a, c, b] } else { [a, b, c] };
-            corners.map(|index| first + index)
-        }));
+        let triangles = indices.as_chunks::<3>().0.iter();
+        let triangles = triangles.map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
+        let corners = || triangles.clone().map(|corners| corners.map(|index| index as usize));
+        let normals = if normals.is_empty() { Vec::new() } else { corners().map(|t| t.map(|i| normals[i])).collect() };
+        let uvs = if uvs.is_empty() { Vec::new() } else { corners().map(|t| t.map(|i| uvs[i])).collect() };
+        all.append(names, triangles.clone().map(|corners| corners.map(|index| first + index)), normals, uvs);
         // Many nodes may have one mesh.
         if all.corners.len().max(all.points.len() / 3) > MOST_TRIANGLES {
             return Err(SceneError::new(format!("expected at most {MOST_TRIANGLES} triangles in all nodes")));
@@ -208,6 +242,9 @@ impl Document {
         type Number = fn(&[u8]) -> f64;
         let (number, size, each): (Number, usize, usize) = match (kind, accessor.component_type) {
             ("VEC3", F32) => (|x| f32::from_le_bytes(std::array::from_fn(|i| x[i])).into(), 4, 3),
+            ("VEC2", F32) => (|x| f32::from_le_bytes(std::array::from_fn(|i| x[i])).into(), 4, 2),
+            ("VEC2", U8) => (|x| f64::from(x[0]) / f64::from(u8::MAX), 1, 2),
+            ("VEC2", U16) => (|x| f64::from(u16::from_le_bytes([x[0], x[1]])) / f64::from(u16::MAX), 2, 2),
             ("SCALAR", U8) => (|x| x[0].into(), 1, 1),
             ("SCALAR", U16) => (|x| u16::from_le_bytes([x[0], x[1]]).into(), 2, 1),
             ("SCALAR", U32) => (|x| u32::from_le_bytes(std::array::from_fn(|i| x[i])).into(), 4, 1),

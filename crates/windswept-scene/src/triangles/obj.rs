@@ -1,23 +1,53 @@
 //! Wavefront files, `.obj`.
 
+use std::{cell::Cell, io::Read, path::Path};
+
 use glam::DVec3;
 
 use super::Triangles;
 use crate::error::SceneError;
 
-pub(super) fn read(mut bytes: &[u8]) -> Result<Triangles, SceneError> {
+/// What the crate calls triangles before any name.
+const UNNAMED: &str = "unnamed_object";
+
+pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
     let options =
         tobj::LoadOptions { triangulate: true, ignore_lines: true, ignore_points: true, ..Default::default() };
-    // What a surface is made of does not change its shape.
-    let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
-    let (models, _) = tobj::load_obj_buf(&mut bytes, &options, no_materials)
+    // The crate knows only materials that a library has told it of. What they are does not matter here, and their names stand in the
+    // file itself: a line before all others asks for a library, which has them; others are not looked at.
+    let lines = bytes.split(|byte| *byte == b'\n').filter_map(|line| std::str::from_utf8(line).ok());
+    let used = lines.filter_map(|line| line.trim_start().strip_prefix("usemtl ")).map(|name| name.trim().to_owned());
+    let mut materials: Vec<String> = used.collect();
+    materials.sort_unstable();
+    materials.dedup();
+    let asked = Cell::new(false);
+    let library = |_: &Path| match asked.replace(true) {
+        true => Err(tobj::LoadError::OpenFileFailed),
+        false => Ok((Vec::new(), materials.iter().cloned().zip(0..).collect())),
+    };
+    let (models, _) = tobj::load_obj_buf(&mut (&b"mtllib names\n"[..]).chain(bytes), &options, library)
         .map_err(|error| SceneError::new(format!("expected a Wavefront file: {error}")))?;
     let mut all = Triangles::default();
-    for mesh in models.into_iter().map(|model| model.mesh) {
+    for model in models {
+        let mesh = model.mesh;
         let first = all.points.len() as u32;
         let points = mesh.positions.as_chunks::<3>().0;
         all.points.extend(points.iter().map(|point| DVec3::from_array(point.map(f64::from))));
-        all.corners.extend(mesh.indices.as_chunks::<3>().0.iter().map(|corners| corners.map(|index| first + index)));
+        let triangles = mesh.indices.as_chunks::<3>().0;
+        let of_corners = |indices: &[u32]| -> Vec<[u32; 3]> {
+            if indices.len() == mesh.indices.len() { indices.as_chunks::<3>().0.to_vec() } else { Vec::new() }
+        };
+        let normal = |i: u32| {
+            let normal = mesh.normals.as_chunks::<3>().0.get(i as usize).copied().unwrap_or_default();
+            DVec3::from_array(normal.map(f64::from)).normalize_or_zero()
+        };
+        let uv = |i: u32| mesh.texcoords.as_chunks::<2>().0.get(i as usize).copied().unwrap_or_default();
+        let normals = of_corners(&mesh.normal_indices).into_iter().map(|corners| corners.map(normal)).collect();
+        let uvs = of_corners(&mesh.texcoord_indices).into_iter().map(|corners| corners.map(uv)).collect();
+        let material = mesh.material_id.and_then(|id| materials.get(id));
+        let group = Some(&model.name).filter(|name| *name != UNNAMED);
+        let names = group.into_iter().chain(material).cloned().collect();
+        all.append(names, triangles.iter().map(|corners| corners.map(|index| first + index)), normals, uvs);
     }
     Ok(all)
 }

@@ -1,7 +1,14 @@
-//! Scenes that the tests vary.
+//! Scenes that the tests vary, and files and surfaces that they read.
 #![allow(dead_code, clippy::unwrap_used)]
 
-use windswept_scene::{InitialState, Scene, Strands};
+use std::{
+    fmt::Write,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use glam::DVec3;
+use windswept_scene::{InitialState, Scene, Strands, Triangles};
 
 /// The scene that a newcomer runs first.
 pub(crate) const QUICK: &str = include_str!("../../../../examples/scenes/quick.toml");
@@ -43,4 +50,54 @@ pub(crate) fn fibres(sets: &[&str]) -> Strands {
 /// Relative to the expected; round-off is below 1e-14, the margin 100.
 pub(crate) fn assert_close(found: f64, expected: f64, what: &str) {
     assert!((found / expected - 1.0).abs() < 1e-12, "{what}: {found:e}, expected {expected:e}");
+}
+
+/// A folder that goes with its test.
+pub(crate) struct Folder(tempfile::TempDir);
+
+impl Folder {
+    pub(crate) fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
+        let path = self.path().join(name);
+        fs::write(&path, bytes).unwrap();
+        path
+    }
+}
+
+/// Corners of a box of sides 2 `half`, each face a grid of `n` by `n` squares without those that `hole(face, i, j)` says.
+pub(crate) fn box_of(half: DVec3, n: u32, hole: impl Fn(usize, u32, u32) -> bool) -> Triangles {
+    let mut all = Triangles::default();
+    for face in 0..6 {
+        let (axis, sign) = (face / 2, if face % 2 == 0 { 1.0 } else { -1.0 });
+        let at = |i: u32, j: u32| {
+            let mut x = DVec3::ZERO;
+            x[axis] = sign;
+            x[(axis + 1) % 3] = 2.0 * f64::from(i) / f64::from(n) - 1.0;
+            x[(axis + 2) % 3] = 2.0 * f64::from(j) / f64::from(n) - 1.0;
+            half * x
+        };
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).filter(|&(i, j)| !hole(face, i, j)) {
+            let first = all.points.len() as u32;
+            all.points.extend([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+            let square = [[0, 1, 2], [0, 2, 3]].map(|[a, b, c]| if sign > 0.0 { [a, b, c] } else { [a, c, b] });
+            all.corners.extend(square.map(|corners| corners.map(|k| first + k)));
+        }
+    }
+    all
+}
+
+/// A Wavefront file of the triangles, with a place in the texture and a normal that all corners have, and a material.
+pub(crate) fn obj(mesh: &Triangles) -> Vec<u8> {
+    let mut text = "# a mesh\nmtllib none.mtl\no body\n".to_owned();
+    mesh.points.iter().for_each(|x| writeln!(text, "v {} {} {}", x.x as f32, x.y as f32, x.z as f32).unwrap());
+    text.push_str("vt 0 0\nvn 0 0 1\nusemtl skin\n");
+    mesh.corners.iter().for_each(|[a, b, c]| writeln!(text, "f {}/1/1 {}/1/1 {}/1/1", a + 1, b + 1, c + 1).unwrap());
+    text.into_bytes()
 }

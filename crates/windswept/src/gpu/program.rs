@@ -46,8 +46,9 @@ pub(crate) type Span = GpuTimerQueryResult;
 pub(crate) type Profile = BTreeMap<(&'static str, &'static str, Option<usize>), PassTime>;
 
 impl Program {
-    pub(crate) fn new(gpu: &Gpu, memory: &Memory, recording: &Recording) -> Result<Self, GpuError> {
-        let dispatches = recording.running().map(|command| dispatch(gpu, memory, command)).collect::<Result<_, _>>()?;
+    pub(crate) fn new(gpu: &Gpu, memory: &Memory, recording: &Recording, meshes: bool) -> Result<Self, GpuError> {
+        let each = recording.running().map(|command| dispatch(gpu, memory, command, meshes));
+        let dispatches = each.collect::<Result<_, _>>()?;
         Ok(Self { dispatches })
     }
 
@@ -122,8 +123,8 @@ impl Dispatch {
     }
 }
 
-fn dispatch(gpu: &Gpu, memory: &Memory, command: &Command) -> Result<Dispatch, GpuError> {
-    let pipeline = gpu.pipeline(command.pass)?;
+fn dispatch(gpu: &Gpu, memory: &Memory, command: &Command, meshes: bool) -> Result<Dispatch, GpuError> {
+    let pipeline = gpu.pipeline(command.pass, meshes)?;
     let entries: Vec<_> = command
         .pass
         .bindings

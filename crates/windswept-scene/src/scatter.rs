@@ -1,0 +1,90 @@
+//! Roots scattered on triangles: at random by area, and apart from one another.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+use rand::Rng;
+use rand_pcg::Pcg64;
+
+use crate::solid::Solid;
+
+/// Distance that roots are to keep at first, over the side of the square that each has for itself: as dense as random discs lie.
+const APART: f64 = 0.85;
+/// Roots in a row that lie too near to others before the distance is made less.
+const TRIES: u32 = 64;
+/// What the distance is multiplied by then.
+const LESS: f64 = 0.95;
+
+/// A root, and how its strand starts.
+#[derive(Clone, Copy)]
+pub(crate) struct Seat {
+    /// Place of the root \[m\].
+    pub(crate) root: DVec3,
+    /// Direction in which the strand starts: on triangles the outward normal.
+    pub(crate) normal: DVec3,
+    /// Place of the root in the texture of what it is on.
+    pub(crate) uv: [f32; 2],
+}
+
+/// Area of a triangle \[m²\].
+pub(crate) fn area([a, b, c]: [DVec3; 3]) -> f64 {
+    0.5 * (b - a).cross(c - a).length()
+}
+
+/// So many roots on some triangles of a solid, which have an area.
+///
+/// Places are drawn evenly over the area. One that is nearer to another than a distance is drawn again; where none is found that is
+/// far enough from all, the distance is made less.
+pub(crate) fn scatter(solid: &Solid, triangles: &[usize], count: u32, rng: &mut Pcg64) -> Vec<Seat> {
+    let mut total = 0.0;
+    let ends: Vec<f64> = triangles
+        .iter()
+        .map(|&i| {
+            total += area(solid.corners(i));
+            total
+        })
+        .collect();
+    let cell = APART * (total / f64::from(count)).sqrt();
+    let cell_of = |x: DVec3| (x / cell).floor().to_array().map(|x| x as i64);
+    let mut cells: HashMap<[i64; 3], Vec<DVec3>> = HashMap::new();
+    let (mut apart, mut failed) = (cell, 0);
+    let mut seats = Vec::with_capacity(count as usize);
+    while seats.len() < count as usize {
+        let at = total * rng.random::<f64>();
+        let triangle = triangles[ends.partition_point(|end| *end <= at).min(ends.len() - 1)];
+        // Evenly over the triangle: the corner across from it is as far as the root of chance.
+        let (u, v) = (rng.random::<f64>().sqrt(), rng.random::<f64>());
+        let parts = [1.0 - u, u * (1.0 - v), u * v];
+        let root = mix(parts, solid.corners(triangle));
+        let own = cell_of(root);
+        let beside = (0..27).map(|k| [own[0] + k % 3 - 1, own[1] + k / 3 % 3 - 1, own[2] + k / 9 - 1]);
+        if beside.filter_map(|cell| cells.get(&cell)).flatten().any(|other| other.distance(root) < apart) {
+            failed += 1;
+            if failed == TRIES {
+                (apart, failed) = (LESS * apart, 0);
+            }
+            continue;
+        }
+        failed = 0;
+        cells.entry(own).or_default().push(root);
+        seats.push(Seat { root, normal: normal(solid, triangle, parts, root), uv: uv(solid, triangle, parts) });
+    }
+    seats
+}
+
+fn mix(parts: [f64; 3], [a, b, c]: [DVec3; 3]) -> DVec3 {
+    parts[0] * a + parts[1] * b + parts[2] * c
+}
+
+/// The normal that the file says, turned around if it leads into the solid; where it says none that of the distance.
+fn normal(solid: &Solid, triangle: usize, parts: [f64; 3], root: DVec3) -> DVec3 {
+    let said = solid.triangles().normals.get(triangle).map(|corners| solid.rotation() * mix(parts, *corners));
+    let Some(said) = said.and_then(DVec3::try_normalize) else { return solid.signed_distance(root).1 };
+    let leads_in = solid.signed_distance(root + solid.grid().spacing * said).0 < 0.0;
+    if leads_in { -said } else { said }
+}
+
+fn uv(solid: &Solid, triangle: usize, parts: [f64; 3]) -> [f32; 2] {
+    let corners = solid.triangles().uvs.get(triangle).copied().unwrap_or_default();
+    [0, 1].map(|k| parts.iter().zip(corners).map(|(part, uv)| part * f64::from(uv[k])).sum::<f64>() as f32)
+}

@@ -1,0 +1,243 @@
+//! Solids that the triangles of mesh files enclose: `body.shape = "mesh"`.
+
+use std::{
+    fmt,
+    hash::{DefaultHasher, Hasher},
+    path::Path,
+    sync::{Arc, Mutex, PoisonError, Weak},
+};
+
+use glam::{DMat3, DQuat, DVec3};
+
+use crate::{
+    curves::{file_bytes, no_unit},
+    error::SceneError,
+    scene::Up,
+    triangles::{DistanceGrid, Triangles},
+};
+
+/// Cells that a grid reaches beyond its surface: half a particle spacing of air is within, where distances are those of the surface.
+const MARGIN: f64 = 10.0;
+
+/// A mesh file, and how its triangles become a solid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshFile {
+    /// File of triangles: .obj, .ply or .glb.
+    pub file: String,
+    /// Metres per unit of the file; none where the file says it.
+    pub scale: Option<f64>,
+    /// Axis of the file that points up, or the axes of the file that become x, y and z.
+    pub up: Up,
+    /// Spacing of the grid of distances \[m\]; none for [`DistanceGrid::spacing_for`] the surface.
+    pub resolution: Option<f64>,
+}
+
+/// What the surface of a mesh file encloses, its holes covered, somewhere in the world.
+///
+/// Solids of one content share it, as long as one of them is there: loading a file again costs reading it, and no more memory.
+#[derive(Debug, Clone)]
+pub struct Solid {
+    file: MeshFile,
+    content: Arc<Content>,
+    /// Rotation from the file's axes, after `up`, to the world's.
+    rotation: DQuat,
+    /// Place of the file's origin in the world \[m\].
+    origin: DVec3,
+}
+
+/// What a file says, in metres.
+struct Content {
+    triangles: Triangles,
+    /// Holes of the surface, which are covered.
+    holes: usize,
+    grid: DistanceGrid,
+    /// Radius of the largest ball that fits inside \[m\].
+    inradius: f64,
+}
+
+/// How much there is, and not each of millions of numbers.
+impl fmt::Debug for Content {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { triangles, holes, grid, inradius } = self;
+        let (triangles, nodes) = (triangles.corners.len(), grid.counts);
+        write!(
+            f,
+            "{triangles} triangles, {holes} holes, {nodes:?} nodes {} m apart, inradius {inradius} m",
+            grid.spacing
+        )
+    }
+}
+
+/// What decides about a content.
+#[derive(Debug, Clone, PartialEq)]
+struct Print {
+    /// Number of the file's bytes, and a number that others hardly have.
+    bytes: (usize, u64),
+    ending: Option<String>,
+    scale: Option<f64>,
+    up: Up,
+    resolution: Option<f64>,
+}
+
+/// Contents that some solid has. It stays locked while a content is made, so that none is made twice.
+static KNOWN: Mutex<Vec<(Print, Weak<Content>)>> = Mutex::new(Vec::new());
+
+/// Equal solids are of one file, read in one way, with one content, in one place.
+impl PartialEq for Solid {
+    fn eq(&self, other: &Self) -> bool {
+        self.file == other.file
+            && Arc::ptr_eq(&self.content, &other.content)
+            && self.rotation == other.rotation
+            && self.origin == other.origin
+    }
+}
+
+impl Solid {
+    /// Reads a mesh file, and makes the grid of its distances.
+    ///
+    /// # Errors
+    /// [`SceneError`] where the file cannot be read, does not say its unit, or encloses nothing, and where the grid would be too large.
+    /// Its key is that of the [`MeshFile`] that is at fault.
+    pub fn load(file: MeshFile) -> Result<Self, SceneError> {
+        Self::load_beside(file, Path::new(""))
+    }
+
+    /// What triangles in metres enclose, with a grid of this spacing \[m\], or of [`DistanceGrid::spacing_for`] them. It has no file, so
+    /// that a scene's text cannot say it.
+    ///
+    /// # Errors
+    /// As [`DistanceGrid::bake`].
+    pub fn enclosed(triangles: Triangles, resolution: Option<f64>) -> Result<Self, SceneError> {
+        let file = MeshFile { file: String::new(), scale: Some(1.0), up: Up::Y, resolution };
+        let content = Arc::new(Content::new(triangles, &file)?);
+        Ok(Self { file, content, rotation: DQuat::IDENTITY, origin: DVec3::ZERO })
+    }
+
+    /// As [`Self::load`], with a relative path looked for in `folder`.
+    pub(crate) fn load_beside(file: MeshFile, folder: &Path) -> Result<Self, SceneError> {
+        let path = folder.join(&file.file);
+        let of_file = |error: SceneError| error.at("file", None);
+        let bytes = file_bytes(&path).map_err(of_file)?;
+        let mut hasher = DefaultHasher::new();
+        hasher.write(&bytes);
+        let print = Print {
+            bytes: (bytes.len(), hasher.finish()),
+            ending: path.extension().map(|ending| ending.to_string_lossy().to_lowercase()),
+            scale: file.scale,
+            up: file.up,
+            resolution: file.resolution,
+        };
+        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        known.retain(|(_, content)| content.strong_count() > 0);
+        let found = known.iter().find(|(other, _)| *other == print).and_then(|(_, content)| content.upgrade());
+        let content = match found {
+            Some(content) => content,
+            None => {
+                let triangles = Triangles::of_bytes(&path, &bytes).map_err(of_file)?;
+                let content = Arc::new(Content::new(triangles, &file)?);
+                known.push((print, Arc::downgrade(&content)));
+                content
+            }
+        };
+        Ok(Self { file, content, rotation: DQuat::IDENTITY, origin: DVec3::ZERO })
+    }
+
+    /// The file that the solid is of.
+    #[must_use]
+    pub fn file(&self) -> &MeshFile {
+        &self.file
+    }
+
+    /// The triangles of the file, in metres, in its own place.
+    #[must_use]
+    pub fn triangles(&self) -> &Triangles {
+        &self.content.triangles
+    }
+
+    /// Distances from the surface, in the file's own place.
+    #[must_use]
+    pub fn grid(&self) -> &DistanceGrid {
+        &self.content.grid
+    }
+
+    /// Number of the surface's holes, which are covered.
+    #[must_use]
+    pub fn holes(&self) -> usize {
+        self.content.holes
+    }
+
+    /// Rotation from the file's own place to the solid's.
+    #[must_use]
+    pub fn rotation(&self) -> DQuat {
+        self.rotation
+    }
+
+    /// Place of the file's origin \[m\].
+    #[must_use]
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// Whether both have one grid in memory.
+    #[must_use]
+    pub fn shares_grid(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.content, &other.content)
+    }
+
+    /// Radius of the largest ball that fits inside \[m\].
+    #[must_use]
+    pub fn inradius(&self) -> f64 {
+        self.content.inradius
+    }
+
+    /// Signed distance of `x` from the surface \[m\], and the unit vector along its gradient: [`DistanceGrid::signed_distance`].
+    #[must_use]
+    pub fn signed_distance(&self, x: DVec3) -> (f64, DVec3) {
+        let (distance, normal) = self.grid().signed_distance(self.rotation.inverse() * (x - self.origin));
+        (distance, self.rotation * normal)
+    }
+
+    /// Places of the three corners of a triangle \[m\], by its index.
+    #[must_use]
+    pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
+        let Triangles { points, corners, .. } = self.triangles();
+        corners[triangle].map(|i| self.place(points[i as usize]))
+    }
+
+    /// Where a point of the file is \[m\].
+    fn place(&self, x: DVec3) -> DVec3 {
+        self.origin + self.rotation * x
+    }
+
+    /// The solid with each of its points where `place`, which must be rigid, has it.
+    pub(crate) fn moved(&self, place: impl Fn(DVec3) -> DVec3) -> Self {
+        let origin = place(self.origin);
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| place(self.place(axis)) - origin);
+        let rotation = DQuat::from_mat3(&DMat3::from_cols(axes[0], axes[1], axes[2])).normalize();
+        Self { file: self.file.clone(), content: self.content.clone(), rotation, origin }
+    }
+
+    /// Corners of the box about the triangles \[m\].
+    pub(crate) fn bounds(&self) -> [DVec3; 2] {
+        let corners = (0..self.triangles().corners.len()).flat_map(|i| self.corners(i));
+        corners.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    }
+}
+
+impl Content {
+    fn new(triangles: Triangles, file: &MeshFile) -> Result<Self, SceneError> {
+        let bounds = triangles.bounds().map(|corners| corners.map(|x| x.to_array()));
+        let Some(scale) = file.scale.or(triangles.unit) else {
+            return Err(SceneError::new(no_unit(bounds))
+                .with_help("give scale, the metres per unit")
+                .at("scale", None));
+        };
+        let triangles = triangles.in_metres(scale, file.up);
+        let (surface, holes) = triangles.closed();
+        let spacing = file.resolution.unwrap_or_else(|| surface.bounds().map_or(1.0, DistanceGrid::spacing_for));
+        let grid = DistanceGrid::bake(&surface, spacing, MARGIN * spacing);
+        let grid = grid.map_err(|error| error.at("resolution", None))?;
+        let inradius = grid.inradius();
+        Ok(Self { triangles, holes, grid, inradius })
+    }
+}
