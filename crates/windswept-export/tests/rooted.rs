@@ -9,8 +9,8 @@ use std::ops::Range;
 use glam::Vec3;
 use image::RgbaImage;
 use windswept::HairFrame;
-use windswept_export::{Renderer, image};
-use windswept_scene::InitialState;
+use windswept_export::{Followers, Renderer, image};
+use windswept_scene::{HairSource, InitialState, Roots, Scalp, Shape, Solid};
 
 use groom::{difference, draw, gpu, nowhere, scene, strands};
 
@@ -72,4 +72,44 @@ fn leaning_hair_grows_from_its_plate() {
     let (columns, rows) = differs(&draw(&renderer, &hair), &plate);
     assert!(rows.start < 30 && rows.end <= edge, "{rows:?}");
     assert!(columns.start > 108 && columns.end > 250, "{columns:?}");
+}
+
+/// Hair on a ball of triangles: the hairs that go with the strands are rooted on it too, and it is drawn where its keyframes have it.
+#[test]
+fn hair_on_a_mesh_grows_from_it() {
+    let asked =
+        "hair={ strands=30, points=5, length=0.002, fibres_per_strand=40, roots={ center=[0, 0, 0], radius=0.01 } }";
+    let motion = "[{ time=0, translation=[0.012, 0, 0], rotation=[0, 0, 1] }]";
+    let ball = format!("body=[{{ name=\"ball\", center=[0, 0, 0], radius=0.01, motion={motion} }}]");
+    let mut meshed = scene(&["picture.hairs=30", asked, &ball, &format!("hair.motion={motion}")]);
+    let ball = Shape::Sphere { center: [0.0; 3], radius: 0.01 };
+    meshed.bodies[0].shape = Shape::Mesh(Solid::enclosed(ball.surface(64, 128), Some(5e-4)).unwrap());
+    let HairSource::Drawn(drawn) = &mut meshed.hair[0].source else { panic!("strands of a file") };
+    drawn.roots = Roots::Mesh(Scalp { body: "ball".to_owned(), group: None });
+    let start = InitialState::new(&meshed).unwrap().hair;
+    let hair = HairFrame {
+        offsets: start.point_offsets.clone(),
+        positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
+        velocities: vec![[0.0; 3]; start.positions.len()],
+        orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
+        root_frames: start.root_frame.iter().map(|q| q.as_quat().to_array()).collect(),
+        fibres: vec![40.0; 30],
+        ..HairFrame::default()
+    };
+    let all = Followers::new(&meshed, &hair).unwrap().of(&hair).unwrap();
+    let roots = all.positions.chunks(5).map(|strand| Vec3::from_array(strand[0]).distance(Vec3::X * 0.012));
+    let off = roots.map(|far| (far - 0.01).abs()).fold(0.0, f32::max);
+    assert_eq!(all.offsets.len(), 30 * 40 + 1);
+    // A grid of 0.5 mm makes 6 µm of a ball of 10 mm, and its normals differ by a few degrees.
+    assert!(off < 2e-5, "{off}");
+    let gpu = gpu();
+    // The hair out of sight, to the right of the picture.
+    let mut aside = hair.clone();
+    aside.positions.iter_mut().for_each(|p| p[0] += 0.2);
+    let drawn = draw(&Renderer::new(&gpu, &meshed, &hair).unwrap(), &aside);
+    let wall = draw(&Renderer::new(&gpu, &scene(&[]), &hair).unwrap(), &aside);
+    // 12 mm to the right are 60 px; a ball of 10 mm as far away as the target has a radius of 50 px, and a little more.
+    let (columns, rows) = differs(&drawn, &wall);
+    assert!((166..174).contains(&columns.start) && (266..274).contains(&columns.end), "{columns:?}");
+    assert!((46..54).contains(&rows.start) && (146..154).contains(&rows.end), "{rows:?}");
 }
