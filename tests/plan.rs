@@ -146,7 +146,7 @@ fn cases() -> [Case; 11] {
             [
                 blow,
                 &["force/course"],
-                hair_alone,
+                HAIR_ALONE,
                 BEGIN,
                 &["force/feel", "wind/drag"],
                 SOLVE,
