@@ -82,7 +82,9 @@ fn streamed(
 pub(crate) fn exchanged(simulation: &mut Simulation, steps: u64) -> Result<(DVec3, f64), Error> {
     let substeps = simulation.scene().time.substeps;
     if substeps != 1 {
-        return Err(RunError::Measurement(format!("{substeps} substeps: only the last one's impulses can be read")).into());
+        return Err(
+            RunError::Measurement(format!("{substeps} substeps: only the last one's impulses can be read")).into()
+        );
     }
     let initial = simulation.initial();
     let air_mass = initial.air.mass;
