@@ -260,7 +260,9 @@ impl Page {
     }
 
     fn text(&self) -> String {
-        let sections = self.0.iter().map(|(part, section)| format!("\n## {part}\n\n{section}"));
+        let untried = || "Not tried yet.\n".to_owned();
+        let section = |part| format!("\n## {part}\n\n{}", self.0.get(part).cloned().unwrap_or_else(untried));
+        let sections = PARTS.iter().map(|part| part.name).chain([SHADERS]).map(section);
         let head = "# Mutants\n\nMade by `cargo xtask mutants`; [README](../README.md#mutants) says how to read it.\n";
         std::iter::once(head.to_owned()).chain(sections).collect()
     }
@@ -304,5 +306,6 @@ mod check {
         assert_eq!(again.text(), page.text());
         again.set("export", "Shard 0/2.\n");
         assert!(again.text().contains("## scene\n\nShard 0/2.\n\n| a |\n") && !again.text().contains("1/2"));
+        assert!(again.text().contains("## engine\n\nNot tried yet.\n"), "{}", again.text());
     }
 }
