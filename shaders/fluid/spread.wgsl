@@ -7,13 +7,14 @@
 //
 //   min(0.05, |G_i| dt),  G_i = sum_j V_j (v_j - v_i) (x) grad_i W,  |G| Frobenius's norm
 //
-// So does the unevenness itself, h |sum_j V_j grad_i W|: air that is still and crowded would stay so.
+// So does the unevenness itself, h |sum_j V_j grad_i W|: air that is still and crowded would stay so. Not with the model PARTICLES,
+// where hair takes the place of air, and the sum over air alone is uneven about it.
 //
 // What eddies smaller than the spacing exchange, c = 22 (C d/h)^2 |G_i| dt of nu = (C d)^2 |G_i| (Smagorinsky 1963), is kept for `viscosity`.
 //
 // After Xu, Stansby & Laurence (2009) and Lind et al. (2012); it goes with the step, so that its diffusion vanishes with it.
 import package::common::{
-    params::params, dispatch::WORKGROUP, status::status, lanes::Near, pairs::{Pairs, pairs_of, coincide, gradient_to, apart},
+    params::{params, PARTICLES}, dispatch::WORKGROUP, status::status, lanes::Near, pairs::{Pairs, pairs_of, coincide, gradient_to, apart},
     clusters::{take_particle, has_none, of_air, meet_own_kind}, matter::{Exchange, MOST_EDDIES},
 };
 
@@ -60,7 +61,8 @@ fn main(
     if met > 0u { uneven -= predicted[met - 1u].w * pairs.slope * apart(i, met - 1u); }
     var part = CARRIED * params.step * max(status.fastest_wind, length(velocity)) / params.spacing;
     let deformation = params.step * length(vec3f(length(deformed[0]), length(deformed[1]), length(deformed[2])));
-    let still = max(min(DEFORMED, deformation), params.kernel_radius * length(uneven));
+    let crowd = select(params.kernel_radius * length(uneven), 0.0, params.model == PARTICLES);
+    let still = max(min(DEFORMED, deformation), crowd);
     part = max(part, select(0.0, still, status.fastest_wind == 0.0));
     let delta = -params.kernel_radius * params.kernel_radius * min(LARGEST, part) * uneven;
     let farthest = FARTHEST * params.spacing;
