@@ -40,6 +40,8 @@ fn air_has_its_density_and_leaves_room_for_hair() {
         (&[][..], [33, 25, 14]),
         (&["air.box={min=[-1.0, 2.0, 3.0], max=[-0.84, 2.12, 3.07]}"], [33, 25, 14]),
         (&["air.box={min=[0.02, 0.0, 0.0], max=[0.1, 0.1, 0.033]}"], [17, 21, 7]),
+        // All hair is outside, and is more than half of the box.
+        (&["air.fringe=0.01", "air.box={min=[1.0, 1.0, 1.0], max=[1.04, 1.04, 1.04]}"], [8, 8, 8]),
         // Few along each axis.
         (
             &[

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-use windswept::{Gpu, Simulation};
+use windswept::{Gpu, RunError, Simulation};
 use windswept_scene::{FluidSolver, InitialState, Scene};
 use windswept_shaders::common::integration::BDF2;
 
@@ -76,9 +76,16 @@ fn streamed(
 }
 
 /// Change of the momentum of hair, of which no point is held, and air in so many steps of the model `two-way` \[kg m/s\], less what
-/// the mean wind gives where air is thin; and the sum of the impulses |J| that they exchange \[N s\]. BDF2's momentum of a point is
+/// the mean wind gives where air is thin; and the sum of the impulses |J| that they exchange \[N s\]. The steps have no substeps, since
+/// the impulses that can be read are those of the last one. BDF2's momentum of a point is
 /// m (3 v_n − v_(n−1))/2, Euler's m v_n.
 pub(crate) fn exchanged(simulation: &mut Simulation, steps: u64) -> Result<(DVec3, f64), Error> {
+    let substeps = simulation.scene().time.substeps;
+    if substeps != 1 {
+        return Err(
+            RunError::Measurement(format!("{substeps} substeps: only the last one's impulses can be read")).into()
+        );
+    }
     let initial = simulation.initial();
     let air_mass = initial.air.mass;
     let hair_mass: Vec<f64> = initial.hair.inverse_mass.iter().map(|w| 1.0 / w).collect();

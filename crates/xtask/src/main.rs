@@ -1,9 +1,10 @@
-//! `cargo xtask demo`, `python`, `test`, `bench`, `stress`, `fuzz` and `package`: set up what a clean clone lacks, then run it.
+//! `cargo xtask demo`, `python`, `test`, `bench`, `stress`, `fuzz`, `mutants` and `package`: set up what a clean clone lacks, then run it.
 //!
 //! Everything that these commands fetch is either a system package, announced before it is installed, or lies in
 //! `target/venv`.
 
 mod bench;
+mod mutants;
 mod package;
 mod python;
 mod system;
@@ -33,6 +34,9 @@ Commands:
            benches/results/stress.md; with names of stresses only those
   fuzz     read mutants of the files in fuzz/corpus, a minute per kind of file; `fuzz SECONDS`
            for another time
+  mutants  make small faults in the code, one at a time, and write which no test notices into
+           benches/results/mutants.md, an hour and more; `mutants scene 3/16` for one part
+           and another sixteenth of its mutants
   package  build the crates and the Python package as they would be published; publishes nothing
 
 Each command installs or fetches what it needs and does not find: a Vulkan driver, CMake, packages of PyPI.";
@@ -55,6 +59,7 @@ fn main() -> ExitCode {
         ["fuzz"] => tests::fuzz("60"),
         ["fuzz", seconds] => tests::fuzz(seconds),
         ["stress", ref rest @ ..] => bench::stress(rest),
+        ["mutants", ref rest @ ..] => mutants::test(rest),
         ["package"] => package::build(),
         ["help" | "-h" | "--help"] => {
             println!("{USAGE}");

@@ -39,7 +39,7 @@ const MASSES: &[(f64, f64, f64)] = &[
     (1e3, 1.0, 1000.0),
     (1e-4, 1e4, 30.0),
 ];
-/// Steps of a run.
+/// Steps of a run, of 1.38 ms.
 const STEPS: u64 = 100;
 /// Speed of the swirls \[m/s\].
 const SWIRL: f64 = 0.3;
@@ -71,7 +71,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
 
 /// What happens to strands of which every second point is so much lighter, and the change of momentum where nothing is held.
 fn run(gpu: &Gpu, keys: &[&[&str]], lighter: f64) -> Result<(Felt, Option<f64>), Error> {
-    let scene = scene(TUFT, keys)?;
+    let mut scene = scene(TUFT, keys)?;
     let mut initial = InitialState::new(&scene)?;
     initial.hair.inverse_mass.iter_mut().step_by(2).for_each(|w| *w *= lighter);
     let closed = initial.hair.inverse_mass.iter().all(|w| *w > 0.0);
@@ -82,12 +82,16 @@ fn run(gpu: &Gpu, keys: &[&[&str]], lighter: f64) -> Result<(Felt, Option<f64>),
             *v = SWIRL * DVec3::new(at.y.sin(), at.z.sin(), at.x.sin());
         }
     }
+    // What is exchanged is looked at after each step: substeps are steps of their own.
+    let substeps = initial.hair.substeps(&scene);
+    scene.time.step /= f64::from(substeps);
+    let steps = STEPS * u64::from(substeps);
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
     let drift = if closed {
-        exchanged(&mut simulation, STEPS).map_or(f64::NAN, |(change, exchanged)| change.length() / exchanged)
+        exchanged(&mut simulation, steps).map_or(f64::NAN, |(change, exchanged)| change.length() / exchanged)
     } else {
         f64::NAN
     };
-    let felt = watch(&mut simulation, 1, if closed { 1 } else { STEPS }, undriven);
+    let felt = watch(&mut simulation, 1, if closed { 1 } else { steps }, undriven);
     Ok((felt, closed.then_some(drift)))
 }
