@@ -123,7 +123,7 @@ fn cases() -> [Case; 11] {
             [
                 blow,
                 &["force/course"],
-                &moves[..5],
+                &moves[..HAIR_ALONE.len() + 4],
                 &["force/draw", "fluid/advance"],
                 SORT,
                 LIST,

@@ -9,20 +9,19 @@
 //   min(0.05, |G_i| dt),  G_i = sum_j V_j (v_j - v_i) (x) grad_i W,  |G| Frobenius's norm
 //
 // So does the unevenness itself, h |sum_j V_j grad_i W| min(1, 725 dt/s): air that is still and crowded would stay so. Not with the
-// model PARTICLES, where hair takes the place of air, and the sum over air alone is uneven about it.
+// model PARTICLES and with bodies, which take the place of air: the sum over air alone is uneven about them.
 //
 // The exchange by eddies smaller than the spacing is kept for `viscosity`. It is nu = (C d)^2 |G_i| (Smagorinsky 1963), which is
 // c = 22 (C d/h)^2 |G_i| dt.
 //
 // After Xu, Stansby & Laurence (2009) and Lind et al. (2012); it goes with the step, so that its diffusion vanishes with it.
 import package::common::{
-    params::{params, PARTICLES}, dispatch::WORKGROUP, status::status, lanes::Near, pairs::{Pairs, pairs_of, coincide, gradient_to, apart},
+    params::params, dispatch::WORKGROUP, status::status, lanes::Near, pairs::{Pairs, pairs_of, coincide, gradient_to, apart},
     clusters::{take_particle, has_none, of_air, meet_own_kind}, matter::{Exchange, MOST_EDDIES},
 };
 
 const CARRIED: f32 = 0.05;    // of the way in a step: less leaves clumps, more moves air across the shear behind hair
 const DEFORMED: f32 = 0.05;   // at most, of the deformation in a step
-const SETTLING: f32 = 725.0;  // 1/s: a step of 1.38 ms takes all of the unevenness, and shorter ones so much less
 const LARGEST: f32 = 0.1;
 const FARTHEST: f32 = 0.25;   // d, of the shift
 
@@ -64,8 +63,7 @@ fn main(
     if met > 0u { uneven -= predicted[met - 1u].w * pairs.slope * apart(i, met - 1u); }
     var part = CARRIED * params.step * max(status.fastest_wind, length(velocity)) / params.spacing;
     let deformation = params.step * length(vec3f(length(deformed[0]), length(deformed[1]), length(deformed[2])));
-    let settling = select(min(1.0, SETTLING * params.step), 0.0, params.model == PARTICLES);
-    let still = max(min(DEFORMED, deformation), settling * params.kernel_radius * length(uneven));
+    let still = max(min(DEFORMED, deformation), params.settling * params.kernel_radius * length(uneven));
     part = max(part, select(0.0, still, status.fastest_wind == 0.0));
     let delta = -params.kernel_radius * params.kernel_radius * min(LARGEST, part) * uneven;
     let farthest = FARTHEST * params.spacing;

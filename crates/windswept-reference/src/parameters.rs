@@ -88,6 +88,8 @@ pub struct Parameters {
     pub viscosity_air: f64,
     /// Coefficient c of unresolved eddies over the deformation |G| Δt of the air.
     pub viscosity_eddies: f64,
+    /// Part of its unevenness that still air takes out in a step.
+    pub settling: f64,
     /// Whether viscosity has the symmetric limiter.
     pub limited: bool,
     /// Number of Gauss-Seidel's sweeps.
@@ -169,6 +171,7 @@ impl Parameters {
             viscosity_hair: scene.viscosity.hair / substeps,
             viscosity_air: scene.viscosity.air / substeps,
             viscosity_eddies: air.map_or(0.0, |air| scene.viscosity.eddies(initial.air.volume, air.kernel_radius)),
+            settling: scene.settling(),
             limited: scene.viscosity.form == ViscosityForm::Limited,
             rod_iterations: scene.rods.iterations,
             newton_steps: scene.rods.newton,

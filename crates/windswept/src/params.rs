@@ -46,6 +46,7 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
         viscosity_air: (scene.viscosity.air / substeps) as f32,
         damping: scene.rods.damping as f32,
         bad_strand_limit: BAD_STRANDS.max(strands / 100),
+        settling: scene.settling() as f32,
         lift: scene.interaction.lift as f32,
         published_law: u32::from(scene.turbulence.law == Law::Published),
         direct_rods: u32::from(scene.rods.solver == Solver::Direct),

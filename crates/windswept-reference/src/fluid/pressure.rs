@@ -25,8 +25,6 @@ const BY_WIND: f64 = 0.05;
 /// Most of the deformation |G| Δt of the flow in a step by which particles are spread in a scene without wind, where air that
 /// whirls would clump. Where wind blows it would move them across the shear behind hair.
 const BY_DEFORMATION: f64 = 0.05;
-/// Rate at which still air takes its unevenness out \[1/s\]: all of it in a step of 1.38 ms, and in shorter ones so much less.
-const SETTLING: f64 = 725.0;
 /// Most that unresolved eddies add to the XSPH coefficient c.
 const MOST_EDDIES: f64 = 0.25;
 /// Largest spread in units of h² s_i.
@@ -126,8 +124,8 @@ fn gradient(p: &Parameters, i: usize, j: usize, x: &[DVec3]) -> DVec3 {
 ///
 /// δ_i = −h² min(0.1, 0.05 U Δt/d) Σ_j V_j g_ij, |δ_i| ≤ d/4, with the scene's largest wind U, or the particle's own speed where
 /// that is more. Without wind min(0.05, |G_i| Δt) takes the place of 0.05 U Δt/d where it is more, G_i = Σ_j V_j (v_j − v_i) ⊗ g_ij,
-/// and so does the unevenness h |Σ_j V_j g_ij| min(1, 725 Δt/s), but for the model `particles`, where hair takes the place of air: air
-/// that is still and crowded would stay so.
+/// and so does the unevenness h |Σ_j V_j g_ij| min(1, 725 Δt/s), but with the model `particles` and with bodies, which take the place of air:
+/// air that is still and crowded would stay so.
 /// It goes with Δt, so that its diffusion |δ|²/2Δt vanishes with the step. A particle that lies on others leaves the last of them
 /// in a direction of chance.
 #[must_use]
@@ -146,8 +144,7 @@ pub fn spread(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &N
         let mut part = BY_WIND * p.largest_wind.max(v[i].length()) * p.step / spacing;
         if p.largest_wind == 0.0 {
             let by_deformation = deformation(p, i, x, v, volume, near).min(BY_DEFORMATION);
-            let settling = if p.model == Model::Particles { 0.0 } else { (SETTLING * p.step).min(1.0) };
-            part = part.max(by_deformation).max(settling * p.kernel_radius * uneven.length());
+            part = part.max(by_deformation).max(p.settling * p.kernel_radius * uneven.length());
         }
         let part = part.min(MOST_SPREAD);
         (-p.kernel_radius.powi(2) * part * uneven).clamp_length_max(LONGEST_SPREAD * spacing)
