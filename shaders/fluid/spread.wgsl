@@ -8,7 +8,7 @@
 //
 //   min(0.05, |G_i| dt),  G_i = sum_j V_j (v_j - v_i) (x) grad_i W,  |G| Frobenius's norm
 //
-// So does the unevenness itself, h |sum_j V_j grad_i W| min(1, 725 dt/s): air that is still and crowded would stay so. Not with the
+// Where air is still, so does the unevenness itself, h |sum_j V_j grad_i W| min(1, 725 dt/s): it would stay crowded. Not with the
 // model PARTICLES and with bodies, which take the place of air: the sum over air alone is uneven about them.
 //
 // The exchange by eddies smaller than the spacing is kept for `viscosity`. It is nu = (C d)^2 |G_i| (Smagorinsky 1963), which is
@@ -22,6 +22,7 @@ import package::common::{
 
 const CARRIED: f32 = 0.05;    // of the way in a step: less leaves clumps, more moves air across the shear behind hair
 const DEFORMED: f32 = 0.05;   // at most, of the deformation in a step
+const STILL: f32 = 1e-3;      // of the way or deformation in 1.38 ms: below that air is still, and from twice that on it is not
 const LARGEST: f32 = 0.1;
 const FARTHEST: f32 = 0.25;   // d, of the shift
 
@@ -63,7 +64,9 @@ fn main(
     if met > 0u { uneven -= predicted[met - 1u].w * pairs.slope * apart(i, met - 1u); }
     var part = CARRIED * params.step * max(status.fastest_wind, length(velocity)) / params.spacing;
     let deformation = params.step * length(vec3f(length(deformed[0]), length(deformed[1]), length(deformed[2])));
-    let still = max(min(DEFORMED, deformation), params.settling * params.kernel_radius * length(uneven));
+    let motion = max(deformation, params.step * length(velocity) / params.spacing);
+    let settles = clamp(2.0 * params.settling - motion / STILL, 0.0, params.settling);
+    let still = max(min(DEFORMED, deformation), settles * params.kernel_radius * length(uneven));
     part = max(part, select(0.0, still, status.fastest_wind == 0.0));
     let delta = -params.kernel_radius * params.kernel_radius * min(LARGEST, part) * uneven;
     let farthest = FARTHEST * params.spacing;

@@ -25,6 +25,8 @@ const BY_WIND: f64 = 0.05;
 /// Most of the deformation |G| Δt of the flow in a step by which particles are spread in a scene without wind, where air that
 /// whirls would clump. Where wind blows it would move them across the shear behind hair.
 const BY_DEFORMATION: f64 = 0.05;
+/// Way \[particle spacings\] or deformation in 1.38 ms below which air is still; from twice that on it is not.
+const STILL: f64 = 1e-3;
 /// Most that unresolved eddies add to the XSPH coefficient c.
 const MOST_EDDIES: f64 = 0.25;
 /// Largest spread in units of h² s_i.
@@ -124,7 +126,7 @@ fn gradient(p: &Parameters, i: usize, j: usize, x: &[DVec3]) -> DVec3 {
 ///
 /// δ_i = −h² min(0.1, 0.05 U Δt/d) Σ_j V_j g_ij, |δ_i| ≤ d/4, with the scene's largest wind U, or the particle's own speed where
 /// that is more. Without wind min(0.05, |G_i| Δt) takes the place of 0.05 U Δt/d where it is more, G_i = Σ_j V_j (v_j − v_i) ⊗ g_ij,
-/// and so does the unevenness h |Σ_j V_j g_ij| min(1, 725 Δt/s), but with the model `particles` and with bodies, which take the place of air:
+/// and where air is still so does the unevenness h |Σ_j V_j g_ij| min(1, 725 Δt/s), but with the model `particles` and with bodies, which take the place of air:
 /// air that is still and crowded would stay so.
 /// It goes with Δt, so that its diffusion |δ|²/2Δt vanishes with the step. A particle that lies on others leaves the last of them
 /// in a direction of chance.
@@ -143,8 +145,10 @@ pub fn spread(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &N
         let uneven: DVec3 = away + pairs().map(|(_, gradient)| gradient).sum::<DVec3>();
         let mut part = BY_WIND * p.largest_wind.max(v[i].length()) * p.step / spacing;
         if p.largest_wind == 0.0 {
-            let by_deformation = deformation(p, i, x, v, volume, near).min(BY_DEFORMATION);
-            part = part.max(by_deformation).max(p.settling * p.kernel_radius * uneven.length());
+            let deformed = deformation(p, i, x, v, volume, near);
+            let motion = deformed.max(p.step * v[i].length() / spacing);
+            let settles = (2.0 * p.settling - motion / STILL).clamp(0.0, p.settling);
+            part = part.max(deformed.min(BY_DEFORMATION)).max(settles * p.kernel_radius * uneven.length());
         }
         let part = part.min(MOST_SPREAD);
         (-p.kernel_radius.powi(2) * part * uneven).clamp_length_max(LONGEST_SPREAD * spacing)
