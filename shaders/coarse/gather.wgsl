@@ -4,8 +4,8 @@
 //
 // Air that passes several spacings in a step is not where the pressure was found.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::{status, frozen}, mesh::{Mesh, node_index},
-    coarse::{quadratic, slope},
+    params::params, dispatch::{invocation, WORKGROUP}, status::{status, frozen},
+    mesh::{Mesh, b_spline, node_index, spline_of},
 };
 
 @group(0) @binding(2) var<uniform>             mesh:            Mesh;
@@ -13,6 +13,17 @@ import package::common::{
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
 @group(0) @binding(5) var<storage, read>       nodes:           array<f32>;     // c [m^2/s]
 @group(0) @binding(6) var<storage, read_write> coarse_change:   array<vec4f>;   // m/s
+
+// The quadratic B-spline at t spacings from its node.
+fn quadratic(t: vec4f) -> vec4f {
+    return b_spline(spline_of(2u), t);
+}
+
+// Its slope: the difference of two B-splines of the order below.
+fn slope(t: vec4f) -> vec4f {
+    let linear = spline_of(1u);
+    return b_spline(linear, t + 0.5) - b_spline(linear, t - 0.5);
+}
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
