@@ -1,0 +1,172 @@
+//! The plan as a table: the passes of a step and the buffers that they work on, without a GPU.
+
+use windswept_scene::{InitialState, Scene, SceneError};
+use windswept_shaders::Binding;
+
+use super::Plan;
+use crate::{
+    array::AnyArray,
+    engine::first_sizes,
+    recorder::{Command, Recorder},
+    setup::Setup,
+    sharing::Sharing,
+    state::State,
+    step,
+};
+
+/// A row of `windswept plan`: a pass of the step.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PlanRow {
+    /// The heading of the step.
+    pub heading: &'static str,
+    /// The pass, `folder/name`.
+    pub pass: &'static str,
+    /// What it does.
+    pub label: &'static str,
+    /// Which of `turbulence.bands` it is for.
+    pub band: Option<usize>,
+    /// How often it runs in a step.
+    pub runs: u32,
+    /// Number of invocations of all its runs together.
+    pub invocations: u64,
+    /// Memory traffic of all its runs together \[bytes\], by a simple model: an array that the pass reads is read once as a
+    /// whole, one that it writes is written once, and one that it does both with counts twice. Caches are taken to catch
+    /// whatever is read again, and the neighbour list is taken to be as long as it is at the start of a run. A pass that
+    /// looks at a part of an array moves less, one whose reads miss the caches moves more.
+    pub bytes: u64,
+    /// Why it does not run.
+    pub skipped: Option<String>,
+    /// What it reads and writes.
+    pub uses: Uses,
+}
+
+/// Arrays that a pass reads and writes, as `windswept plan --buffers` prints them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Uses {
+    /// Arrays that it reads.
+    pub reads: Vec<&'static str>,
+    /// Arrays that it writes.
+    pub writes: Vec<&'static str>,
+}
+
+/// A buffer of the engine.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BufferRow {
+    /// Name in the shaders.
+    pub name: &'static str,
+    /// Elements.
+    pub len: u64,
+    /// Size of an element \[bytes\].
+    pub stride: u64,
+    /// The largest buffer of those in the same memory, no two of which are needed at a time; its own name where it is the largest.
+    pub memory: &'static str,
+    /// What it holds, with its unit.
+    pub doc: &'static str,
+}
+
+impl BufferRow {
+    /// Size of the buffer \[bytes\]: an empty one still has an element, as a binding cannot be empty.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.stride * self.len.max(1)
+    }
+
+    /// Whether it is the largest of those in its memory, so that the memory is as large as it is.
+    #[must_use]
+    pub fn is_largest(&self) -> bool {
+        self.memory == self.name
+    }
+}
+
+/// The buffers of a setup at the start of a run, and how they share memory.
+fn first_arrays(setup: &Setup<'_>) -> (Vec<AnyArray>, Sharing) {
+    let state = State::new(&first_sizes(setup));
+    let arrays = state.arrays();
+    let sharing = Sharing::of(&arrays, &step::recordings(&state, &Plan::new(setup)));
+    (arrays, sharing)
+}
+
+/// Bytes of a scene's buffers at the start of a run; its neighbour list may grow.
+///
+/// # Errors
+/// [`SceneError`] when the arrays of the initial state do not belong together.
+pub fn memory_bytes(scene: &Scene, initial: &InitialState) -> Result<u64, SceneError> {
+    initial.check()?;
+    let (arrays, sharing) = first_arrays(&Setup::new(scene, initial));
+    Ok(sharing.bytes(&arrays))
+}
+
+/// The step of a scene, pass by pass in execution order: a dry run of `step.rs`, with no GPU.
+///
+/// # Errors
+/// [`SceneError`] when the initial state cannot be made.
+pub fn table(scene: &Scene) -> Result<Vec<PlanRow>, SceneError> {
+    let initial = InitialState::new(scene)?;
+    let setup = Setup::new(scene, &initial);
+    let (plan, state) = (Plan::new(&setup), State::new(&first_sizes(&setup)));
+    let recording = Recorder::record(&state, |r| step::record(r, &plan));
+    let mut rows: Vec<PlanRow> = Vec::new();
+    for command in &recording.commands {
+        let same = |row: &PlanRow| {
+            (row.pass, row.label, row.band, &row.skipped)
+                == (command.pass.name, command.label, command.band, &command.skipped)
+        };
+        let at = rows.iter().position(same).unwrap_or_else(|| {
+            rows.push(PlanRow {
+                heading: command.heading,
+                pass: command.pass.name,
+                label: command.label,
+                band: command.band,
+                runs: 0,
+                invocations: 0,
+                bytes: 0,
+                skipped: command.skipped.clone(),
+                uses: uses(command),
+            });
+            rows.len() - 1
+        });
+        if command.skipped.is_none() {
+            rows[at].runs += 1;
+            rows[at].invocations += u64::from(command.invocations);
+            rows[at].bytes += traffic(command);
+        }
+    }
+    Ok(rows)
+}
+
+/// Memory traffic of a run by the model of [`PlanRow::bytes`].
+fn traffic(command: &Command) -> u64 {
+    let bound = command.pass.bindings.iter().zip(&command.arrays);
+    let bytes = |(binding, array): (&Binding, &AnyArray)| {
+        let whole = if array.element().is_some() { array.size() } else { array.size() * array.len() };
+        whole * (u64::from(binding.reads) + u64::from(binding.writes))
+    };
+    bound.map(bytes).sum()
+}
+
+/// What naga found that a pass does with the arrays it is bound to.
+fn uses(command: &Command) -> Uses {
+    let bound = command.pass.bindings.iter().zip(&command.arrays);
+    let names = |does: fn(&Binding) -> bool| {
+        bound.clone().filter(|(binding, _)| does(binding)).map(|(_, array)| array.name()).collect()
+    };
+    Uses { reads: names(|binding| binding.reads), writes: names(|binding| binding.writes) }
+}
+
+/// The buffers that a scene takes at the start of a run, with no GPU. Its neighbour list may grow.
+///
+/// # Errors
+/// [`SceneError`] when the initial state cannot be made.
+pub fn buffers(scene: &Scene) -> Result<Vec<BufferRow>, SceneError> {
+    let initial = InitialState::new(scene)?;
+    let (arrays, sharing) = first_arrays(&Setup::new(scene, &initial));
+    let largest = sharing.largest(&arrays);
+    let row = |array: &AnyArray| BufferRow {
+        name: array.name(),
+        len: array.len(),
+        stride: array.stride(),
+        memory: largest[sharing.block(array)].name(),
+        doc: array.doc(),
+    };
+    Ok(arrays.iter().map(row).collect())
+}
