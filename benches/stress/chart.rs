@@ -7,14 +7,9 @@ use windswept_validate::stress::{Sample, Sweep};
 
 use crate::{
     Result, Stressed,
-    axes::{COLOURS, number, range, ticks},
+    axes::{self, Area, Axis, COLOURS, LEGEND_LINE, PANEL, TITLE, number, power, range},
 };
 
-/// Width and height of a panel \[px\].
-const PANEL: (u32, u32) = (470, 360);
-/// Height of the title, and of a line of the legend \[px\].
-const TITLE: u32 = 34;
-const LINE: u32 = 20;
 /// Entries in a line of the legend, per panel.
 const COLUMNS: usize = 2;
 /// Values of a curve are drawn no lower than this part of its bound: zeros stand there.
@@ -40,7 +35,7 @@ pub(crate) fn draw(folder: &Path, stressed: &Stressed) -> Result<()> {
         }
     }
     let columns = COLUMNS * sweeps.len();
-    let legend = LINE * (series.len() + 1).div_ceil(columns) as u32 + LINE;
+    let legend = LEGEND_LINE * ((series.len() + 1).div_ceil(columns) as u32 + 1);
     let size = (PANEL.0 * sweeps.len() as u32, TITLE + PANEL.1 + legend);
     let path = folder.join(file);
     let root = SVGBackend::new(&path, size).into_drawing_area();
@@ -52,7 +47,7 @@ pub(crate) fn draw(folder: &Path, stressed: &Stressed) -> Result<()> {
         panel(area, sweep, &series)?;
     }
     let place = |i: usize| {
-        (12 + (size.0 as usize / columns * (i % columns)) as i32, (LINE as usize * (i / columns)) as i32 + 10)
+        (12 + (size.0 as usize / columns * (i % columns)) as i32, (LEGEND_LINE as usize * (i / columns)) as i32 + 10)
     };
     for (i, name) in series.iter().enumerate() {
         let (x, y) = place(i);
@@ -76,34 +71,22 @@ fn mark<C>(i: usize, at: C) -> Circle<C, i32> {
     if i < COLOURS.len() { Circle::new(at, 3, colour.filled()) } else { Circle::new(at, 5, colour.stroke_width(2)) }
 }
 
-fn panel(area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shift>, sweep: &Sweep, series: &[&str]) -> Result<()> {
+fn panel(area: &Area<'_>, sweep: &Sweep, series: &[&str]) -> Result<()> {
     let shown = |sample: &&Sample| sample.at > 0.0 && sample.measured.is_finite();
     let bound = sweep.samples.iter().map(|sample| sample.bound).filter(|bound| bound.is_finite()).fold(0.0, f64::max);
     let height = |sample: &Sample| sample.measured.abs().max(LOWEST * if bound > 0.0 { bound } else { 1.0 });
     let all: Vec<&Sample> = sweep.samples.iter().filter(shown).collect();
     let bounds = (bound > 0.0).then_some(bound);
-    let (x, y) = (range(all.iter().map(|s| s.at)), range(all.iter().map(|s| height(s)).chain(bounds)));
     let unit = if sweep.unit.is_empty() { String::new() } else { format!(" [{}]", sweep.unit) };
-    let mut chart = ChartBuilder::on(area)
-        .caption(format!("{}{unit}", sweep.quantity), ("sans-serif", 14))
-        .margin(8)
-        .x_label_area_size(40)
-        .y_label_area_size(62)
-        .build_cartesian_2d(
-            x.clone().log_scale().with_key_points(ticks(&x)),
-            y.clone().log_scale().with_key_points(ticks(&y)),
-        )?;
-    chart
-        .configure_mesh()
-        .x_desc(sweep.axis.unwrap_or_default())
-        .x_label_formatter(&|x| if (1e-3..1e4).contains(x) { number(*x) } else { format!("{x:.0e}") })
-        .y_label_formatter(&|y| format!("{y:.0e}"))
-        .bold_line_style(RGBColor(205, 205, 205))
-        .light_line_style(RGBColor(238, 238, 238))
-        .label_style(("sans-serif", 11))
-        .draw()?;
+    let x = Axis {
+        label: sweep.axis.unwrap_or_default(),
+        range: range(all.iter().map(|s| s.at)),
+        number: |x| if (1e-3..1e4).contains(x) { number(*x) } else { power(x) },
+    };
+    let y = Axis { label: "", range: range(all.iter().map(|s| height(s)).chain(bounds)), number: power };
+    let mut chart = axes::panel(area, &format!("{}{unit}", sweep.quantity), &x, &y)?;
     if let Some(bound) = bounds {
-        chart.draw_series(DashedLineSeries::new([(x.start, bound), (x.end, bound)], 2, 3, BLACK.stroke_width(1)))?;
+        chart.draw_series(DashedLineSeries::new([(x.range.start, bound), (x.range.end, bound)], 2, 3, BLACK.stroke_width(1)))?;
     }
     for (i, name) in series.iter().enumerate() {
         let at: Vec<(f64, f64)> = all.iter().filter(|s| s.series == *name).map(|s| (s.at, height(s))).collect();

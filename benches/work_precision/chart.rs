@@ -3,27 +3,19 @@
 use std::path::Path;
 
 use plotters::{
-    coord::Shift,
     prelude::*,
     style::text_anchor::{HPos, Pos, VPos},
 };
 
 use crate::{
     Family, Result,
-    axes::{COLOURS, number, range, ticks},
+    axes::{self, Area, Axis, COLOURS, LEGEND_LINE, PANEL, TITLE, number, power, range},
     point::{Point, distinct},
     rule,
 };
 
-/// Width and height of a panel \[px\].
-const PANEL: (u32, u32) = (470, 360);
-/// Height of the title above the panels \[px\].
-const TITLE: u32 = 34;
-/// Height of a line of the legend below the panels \[px\].
-const LEGEND_LINE: u32 = 20;
 /// Number of entries in a line of the legend.
 const LEGEND_COLUMNS: usize = 3;
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// Draws the points of a family into an SVG file.
 pub(crate) fn draw(path: &Path, family: &Family, points: &[Point]) -> Result<()> {
@@ -70,29 +62,12 @@ fn lines(points: &[Point]) -> Vec<Line<'_>> {
 
 fn panel(area: &Area<'_>, family: &Family, kind: &str, lines: &[Line<'_>], points: &[&Point]) -> Result<()> {
     let drawn: Vec<&Point> = points.iter().copied().filter(|point| point.is_finite()).collect();
-    let (x, y) = (range(drawn.iter().map(|p| p.ms)), range(drawn.iter().map(|p| p.error)));
-    let mut chart = ChartBuilder::on(area)
-        .caption(kind, ("sans-serif", 14))
-        .margin(8)
-        .x_label_area_size(40)
-        .y_label_area_size(62)
-        .build_cartesian_2d(
-            x.clone().log_scale().with_key_points(ticks(&x)),
-            y.clone().log_scale().with_key_points(ticks(&y)),
-        )?;
-    chart
-        .configure_mesh()
-        .x_desc(family.time)
-        .y_desc("error")
-        .x_label_formatter(&|ms| number(*ms))
-        .y_label_formatter(&|error| format!("{error:.0e}"))
-        .bold_line_style(RGBColor(205, 205, 205))
-        .light_line_style(RGBColor(238, 238, 238))
-        .label_style(("sans-serif", 11))
-        .draw()?;
+    let x = Axis { label: family.time, range: range(drawn.iter().map(|p| p.ms)), number: |ms| number(*ms) };
+    let y = Axis { label: "error", range: range(drawn.iter().map(|p| p.error)), number: power };
+    let mut chart = axes::panel(area, kind, &x, &y)?;
     if let Some(floor) = rule::floor(points) {
         let top = rule::FLOOR * floor;
-        let ends = [(x.start, top), (x.end, top)];
+        let ends = [(x.range.start, top), (x.range.end, top)];
         chart.draw_series(DashedLineSeries::new(ends, 2, 3, BLACK.stroke_width(1)))?;
     }
     for line in lines {
