@@ -3,11 +3,11 @@
 
 use glam::{DVec3, IVec3, Vec3};
 use windswept::{
-    Gpu,
+    Gpu, RunError,
     internals::{
         Engine, Plan, Setup,
         clusters::{self, Cluster, Seen},
-        step, without_subgroups,
+        step, with_sources, without_subgroups,
     },
 };
 use windswept_reference::{Parameters, neighbours, step::Scratch};
@@ -296,4 +296,20 @@ fn pairs_on(gpu: &Gpu, sizes: &[usize]) {
             assert_same_pairs(&initial, &listed(gpu, &initial), &format!("{n} particles, {hair} of hair, {layout:?}"));
         }
     }
+}
+
+/// What the pass keeps of a neighbour counts up to 524288 particles of a row of cells. With more the step says so, and lists nobody in
+/// another's place.
+#[test]
+fn a_row_of_too_many_particles_is_an_error() {
+    let pass = &shaders::grid::NEIGHBOURS;
+    let (right, fewer) = ("PLACES: u32 = 524288u", "PLACES: u32 = 8u");
+    assert!(pass.source.contains(right), "{}", pass.source);
+    let gpu = with_sources(&support::gpu(), [(pass.name, pass.source.replace(right, fewer))]);
+    let scene = support::scene();
+    let initial = support::particles(500, 0, Layout::OneCell, 1);
+    let setup = Setup::new(&scene, &initial);
+    let mut engine = Engine::new(&gpu, &setup).unwrap();
+    let ended = engine.evaluate(|r| step::neighbours::record(r, &Plan::new(&setup)));
+    assert!(matches!(ended, Err(RunError::TooManyNeighbours { needed, .. }) if needed > 1 << 32), "{ended:?}");
 }
