@@ -7,7 +7,7 @@ const LANES: u32 = 8u;             // invocations that work together, and partic
 
 // A particle as others meet it.
 struct Near {
-    index: u32,      // of the particle, or NOBODY of the neighbour list
+    index: u32,      // of the particle
     at: vec3f,       // m, where it is as seen from whoever meets it
     volume: f32,     // m^3
     value: vec4f,    // what the pass needs of it,

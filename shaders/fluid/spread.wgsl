@@ -8,8 +8,12 @@
 //
 //   min(0.05, |G_i| dt),  G_i = sum_j V_j (v_j - v_i) (x) grad_i W,  |G| Frobenius's norm
 //
-// Where air is still, so does the unevenness itself, h |sum_j V_j grad_i W| min(1, 725 dt/s): it would stay crowded. Not with the
-// model PARTICLES and with bodies, which take the place of air: the sum over air alone is uneven about them.
+// Where air is still as well, the second term is at least the unevenness itself,
+//
+//   h |sum_j V_j grad_i W| min(1, 725 dt/s),
+//
+// since crowded air would stay crowded. With the model PARTICLES and with bodies this is left out: there hair or bodies take the place of air, and the
+// sum over air alone is uneven about them.
 //
 // The exchange by eddies smaller than the spacing is kept for `viscosity`. It is nu = (C d)^2 |G_i| (Smagorinsky 1963), which is
 // c = 22 (C d/h)^2 |G_i| dt.

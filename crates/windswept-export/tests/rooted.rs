@@ -10,7 +10,7 @@ use glam::Vec3;
 use image::RgbaImage;
 use windswept::HairFrame;
 use windswept_export::{Followers, Renderer, image};
-use windswept_scene::{HairSource, InitialState, Roots, Scalp, Shape, Solid};
+use windswept_scene::{HairSource, InitialState, Roots, Scalp, Shape, Solid, Strands};
 
 use groom::{difference, draw, gpu, nowhere, scene, strands};
 
@@ -19,6 +19,18 @@ fn differs(a: &RgbaImage, b: &RgbaImage) -> (Range<u32>, Range<u32>) {
     let places = || a.enumerate_pixels().filter(|&(x, y, _)| difference(a, b, x, y) > 4);
     let range = |all: Vec<u32>| all.iter().copied().min().unwrap_or(0)..all.iter().max().map_or(0, |&x| x + 1);
     (range(places().map(|(x, _, _)| x).collect()), range(places().map(|(_, y, _)| y).collect()))
+}
+
+/// Strands as a scene has them at its start, as a frame.
+fn at_rest(strands: &Strands) -> HairFrame {
+    HairFrame {
+        offsets: strands.point_offsets.clone(),
+        positions: strands.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
+        velocities: vec![[0.0; 3]; strands.positions.len()],
+        orientations: strands.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
+        root_frames: strands.root_frame.iter().map(|q| q.as_quat().to_array()).collect(),
+        ..HairFrame::default()
+    }
 }
 
 /// Wind that bends strands 30 degrees down from their first segment on takes no drawn root along.
@@ -48,14 +60,7 @@ fn leaning_hair_grows_from_its_plate() {
         direction=[1, 1, 0], normal=[0, 1, 0] } }";
     let leaning = scene(&["picture.hairs=3000", leaning]);
     let start = InitialState::new(&leaning).unwrap().hair;
-    let hair = HairFrame {
-        offsets: start.point_offsets.clone(),
-        positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
-        velocities: vec![[0.0; 3]; start.positions.len()],
-        orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
-        root_frames: start.root_frame.iter().map(|q| q.as_quat().to_array()).collect(),
-        ..HairFrame::default()
-    };
+    let hair = at_rest(&start);
     let renderer = Renderer::new(&gpu, &leaning, &hair).unwrap();
     // The hair out of sight, to the right of the picture.
     let mut aside = hair.clone();
@@ -87,15 +92,7 @@ fn hair_on_a_mesh_grows_from_it() {
     let HairSource::Drawn(drawn) = &mut meshed.hair[0].source else { panic!("strands of a file") };
     drawn.roots = Roots::Mesh(Scalp { body: "ball".to_owned(), group: None });
     let start = InitialState::new(&meshed).unwrap().hair;
-    let hair = HairFrame {
-        offsets: start.point_offsets.clone(),
-        positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
-        velocities: vec![[0.0; 3]; start.positions.len()],
-        orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
-        root_frames: start.root_frame.iter().map(|q| q.as_quat().to_array()).collect(),
-        fibres: vec![40.0; 30],
-        ..HairFrame::default()
-    };
+    let hair = HairFrame { fibres: vec![40.0; 30], ..at_rest(&start) };
     let all = Followers::new(&meshed, &hair).unwrap().of(&hair).unwrap();
     let roots = all.positions.chunks(5).map(|strand| Vec3::from_array(strand[0]).distance(Vec3::X * 0.012));
     let off = roots.map(|far| (far - 0.01).abs()).fold(0.0, f32::max);

@@ -31,7 +31,7 @@ pub(crate) fn area([a, b, c]: [DVec3; 3]) -> f64 {
     0.5 * (b - a).cross(c - a).length()
 }
 
-/// So many roots on some triangles of a solid, which have an area.
+/// As many roots as `count` on some triangles of a solid. Together the triangles have an area.
 ///
 /// Places are drawn evenly over the area. One that is nearer to another than a distance is drawn again; where none is found that is
 /// far enough from all, the distance is made less.

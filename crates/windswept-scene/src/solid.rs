@@ -97,7 +97,7 @@ impl Solid {
     ///
     /// # Errors
     /// [`SceneError`] where the file cannot be read, does not say its unit, or encloses nothing, and where the grid would be too large.
-    /// Its key is that of the [`MeshFile`] that is at fault.
+    /// The error names the key of the [`MeshFile`] that is at fault: `file`, `scale`, `up` or `resolution`.
     pub fn load(file: MeshFile) -> Result<Self, SceneError> {
         Self::load_beside(file, Path::new(""))
     }
