@@ -39,7 +39,7 @@ const PASSES: [&str; 11] = [
     "fluid/move",
     "fluid/advance",
     "fluid/spread",
-    "fluid/place",
+    "fluid/deform",
     "fluid/moments",
     "fluid/push",
     "fluid/divergence",
