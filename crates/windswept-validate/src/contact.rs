@@ -25,7 +25,8 @@ const MESH_TOUCHES: &str =
 const RESTED: &str = "the same body without triangles, from which a mesh is to be 0.2 mm off at most; grid of 2 mm; measured 8.5e-5 and 7.1e-5";
 
 const BETWEEN: &str = "the surface of bars of 10 mm under the middles of segments of 30 mm, after each of 70 steps; measured 1.6e-8; a hundredth of a millimetre is allowed";
-const BETWEEN_SLIDES: &str = "g (sin - mu cos) t²/2, mu = 0.3, 70 steps, on the middles of segments; measured 0.12 % off; 2 % is allowed";
+const BETWEEN_SLIDES: &str =
+    "g (sin - mu cos) t²/2, mu = 0.3, 70 steps, on the middles of segments; measured 0.12 % off; 2 % is allowed";
 const BETWEEN_STAYS: &str = "mu = 0.3 holds it, on the middles of segments; measured 6.6e-6 in 70 steps";
 
 /// Coefficient of friction μ.
