@@ -201,7 +201,7 @@ fn cases() -> [Case; 11] {
                 &["fluid/divergence 2"],
                 PUSH,
                 exchange,
-                &["contact/place", "contact/hair", "contact/pull", "contact/stretch", "contact/air"],
+                &["contact/place", "contact/hair", "contact/middle", "contact/pull", "contact/stretch", "contact/air"],
                 velocity,
                 SORT,
                 FILTER,

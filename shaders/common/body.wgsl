@@ -2,7 +2,8 @@
 // mesh's: the origin of its file. A mesh is a grid of signed distances, trilinear between the nodes.
 //
 // All that depends on a body's shape stands here: what it is made of, where it is after a step (`place`), the signed distance of a
-// point and its gradient (`surface`), and where a way enters it (`entry`). Passes ask for these and for nothing else.
+// point and its gradient (`surface`), where a way enters it (`entry`), and where one is nearest to it (`nearest`). Passes ask for these and
+// for nothing else.
 import package::common::{quaternion::{conjugate, product, rotate}, motion::Pose};
 
 struct Body {
@@ -37,8 +38,11 @@ const ROUNDS: u32 = 2u;
 
 // The bits below say what bodies did to a strand in a step.
 
-const PUSHED: u32 = 1u;   // bit of `touched`: a body pushed one of the strand's points
+const PUSHED: u32 = 1u;   // bit of `touched`: a body pushed one of the strand's points or segments
 const MOVED: u32 = 2u;    // bit of `touched`: some body moved, and the strand may have lain on it
+const INSIDE: u32 = 4u;   // bit of `touched`: from some point on the strand began the step deeper in a body than it comes out in a step
+
+const TOUCH: f32 = 1e-6;  // push that counts as a touch [lengths of the strand]; hair at rest on a body is off by rounding
 
 // A body in this step.
 struct Placed {
@@ -91,9 +95,19 @@ fn is_mesh(body: Placed) -> bool {
     return MESHES && body.grid.counts.x > 0u;
 }
 
-// Loops of an invocation, at most, each time that it goes through all bodies.
-fn loops_over(bodies: u32) -> u32 {
+// Loops of an invocation, at most, for a point that is kept out of all bodies.
+fn loops_of_point(bodies: u32) -> u32 {
     return ROUNDS * bodies * select(1u, 1u + STEPS + HALVINGS, MESHES);
+}
+
+// Loops of an invocation, at most, for a segment that is kept out of all bodies.
+fn loops_of_segment(bodies: u32) -> u32 {
+    return bodies * select(1u, 1u + PLACES + 3u * FINER + STEPS + HALVINGS, MESHES);
+}
+
+// Loops of an invocation, at most, that turn a segment once out of all bodies.
+fn loops_to_turn(bodies: u32) -> u32 {
+    return bodies * select(1u, 1u + PLACES + 3u * FINER, MESHES);
 }
 
 // The point in a mesh's own place.
@@ -221,4 +235,54 @@ fn entry(body: Placed, start: vec3f, way: vec3f) -> f32 {
     );
     let height = dot(gap + part * way, axis);
     return min(ends, select(NEVER, part, height >= 0.0 && height <= squared));
+}
+
+const PLACES: u32 = 12u;   // places of a segment at which a grid is asked
+const FINER: u32 = 2u;     // times that both sides of the nearest place are asked, each half as far away as before
+
+// Part of the way from a to b at which a grid's distance is least, to a quarter of the distance of PLACES + 1 places.
+fn nearest_of_grid(grid: Grid, a: vec3f, b: vec3f) -> f32 {
+    var place = 0.5;
+    var least = surface_of_grid(grid, mix(a, b, place)).distance;
+    if least > 0.5 * STEEPEST * distance(a, b) { return place; }
+    for (var k = 0u; k < PLACES; k++) {
+        let part = f32(k + select(0u, 1u, 2u * k >= PLACES)) / f32(PLACES);
+        let there = surface_of_grid(grid, mix(a, b, part)).distance;
+        if there < least {
+            least = there;
+            place = part;
+        }
+    }
+    var span = 0.5 / f32(PLACES);
+    for (var k = 0u; k < FINER; k++) {
+        let around = place;
+        for (var side = -1.0; side < 2.0; side += 2.0) {
+            let part = clamp(around + side * span, 0.0, 1.0);
+            let there = surface_of_grid(grid, mix(a, b, part)).distance;
+            if there < least {
+                least = there;
+                place = part;
+            }
+        }
+        span *= 0.5;
+    }
+    return place;
+}
+
+// Part of the way from a to b at which it is nearest to the body. Of a round one it is where the way is nearest to the axis
+// (Ericson 2005, Real-time collision detection, 5.1.9).
+fn nearest(body: Placed, a: vec3f, b: vec3f) -> f32 {
+    if is_mesh(body) { return nearest_of_grid(body.grid, in_mesh(body, a), in_mesh(body, b)); }
+    let way = b - a;
+    let axis = body.end - body.start;
+    let gap = a - body.start;
+    let squared = vec2f(dot(way, way), dot(axis, axis));
+    let along = vec2f(dot(way, gap), dot(axis, gap));
+    let both = dot(way, axis);
+    if squared.x == 0.0 { return 0.0; }
+    // Of two lines, unless they are parallel; the place of the axis; the place of the way that is nearest to that.
+    let across = squared.x * squared.y - both * both;
+    let lines = select(0.0, clamp((both * along.y - along.x * squared.y) / across, 0.0, 1.0), across > 1e-6 * squared.x * squared.y);
+    let part = select(0.0, clamp((both * lines + along.y) / squared.y, 0.0, 1.0), squared.y > 0.0);
+    return clamp((both * part - along.x) / squared.x, 0.0, 1.0);
 }

@@ -1,14 +1,22 @@
 // What a body pushed pulls the rest of its strand along: the rods were solved before the push.
 //
-// Segments that are longer or shorter than their rest length by more than GIVE are brought back to it, one after the other, from root
-// to tip and from tip to root by turns; their two points move against one another by their masses, so that momentum is kept (Müller
-// et al. 2007, Position based dynamics). After each turn all points stay out of bodies. What is left goes to the rods of the next step.
+// Turn by turn, from root to tip and from tip to root: segments that are longer or shorter than their rest length by more than GIVE are brought
+// back to it, one after the other, by moves of their two points against one another by their masses, so that momentum is kept
+// (Müller et al. 2007, Position based dynamics), and leave the bodies that they are in between their points. After each turn all points
+// stay out of bodies.
+//
+// Where that does not end, the strand is led: from the root on each point goes as far as its segment reaches, in the direction in which it
+// should be, and the segment turns out of bodies about the point before (Müller, Kim & Chentanez 2012, Fast simulation of inextensible
+// hair and fur). All segments have their lengths then, whatever the bodies do: a strand that cannot go around a body slips through it.
+//
+// A strand that begins the step deep in a body moves so little that no point of it is faster than what comes out, and is led without bodies.
 //
 // It runs on in a frozen step, in which nothing that it writes is committed: whether a step is frozen stands in a ninth buffer, and
 // WebGPU's default allows eight.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, owner::strands, outside::{outside, placed},
-    rod::{Strand, Segment}, body::{PUSHED, loops_over},
+    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, owner::strands,
+    outside::{Ends, outside, clear, placed, AT_MOST, RECOVERY}, rod::{Strand, Segment},
+    body::{PUSHED, INSIDE, loops_of_point, loops_of_segment, loops_to_turn, nearest, surface},
 };
 
 @group(0) @binding(3) var<storage, read>       position:  array<vec4f>;
@@ -16,10 +24,13 @@ import package::common::{
 @group(0) @binding(7) var<storage, read>       touched:   array<u32>;
 @group(0) @binding(8) var<storage, read>       segments:  array<Segment>;
 
-const TURNS: u32 = 400u;
+const TURNS: u32 = 100u;
 const LOOPS: u32 = 60000u;   // of an invocation in all, at most: Mesa's software adapter ends them after 65535, without a word
 const GIVE: f32 = 1e-3;   // lengths of the segment: weight and wind stretch hair by less, and are the rods'
 const DONE: f32 = 1e-5;   // lengths of the segment: what is more than GIVE by less is done
+const CLOSE: f32 = 1e-3;  // lengths of the segment, by which it may be pushed in the last turn
+const UNHURRIED: f32 = 0.6;    // of RECOVERY: speed of a strand that comes out, before its lengths are mended
+const TRIES: u32 = 6u;    // times that a led segment turns out of each body
 
 // What segment j from point p to the next is too long [m]; negative where it is too short.
 fn excess(p: u32, j: u32) -> f32 {
@@ -47,6 +58,59 @@ fn pull(p: u32, j: u32) {
     predicted[p + 1u] -= vec4f(w.y * shift, 0.0);
 }
 
+// Gets the segment from point p out of bodies; returns by how much it was inside [m].
+fn leave(p: u32) -> f32 {
+    let before = Ends(position[p].xyz, position[p + 1u].xyz);
+    let cleared = clear(p, before, Ends(predicted[p].xyz, predicted[p + 1u].xyz));
+    predicted[p] = vec4f(cleared.ends.first, predicted[p].w);
+    predicted[p + 1u] = vec4f(cleared.ends.second, predicted[p + 1u].w);
+    return cleared.push;
+}
+
+// The end of a segment of length l from a point on, in the direction of a goal.
+fn reach(start: vec3f, goal: vec3f, l: f32) -> vec3f {
+    let gap = goal - start;
+    let far = length(gap);
+    return start + select(vec3f(0.0, -l, 0.0), l / far * gap, far > 0.0);
+}
+
+fn lead(p: u32, j: u32, bodies: u32) {
+    let start = predicted[p].xyz;
+    let l = segments[j].rest_length;
+    var x = reach(start, predicted[p + 1u].xyz, l);
+    for (var k = 0u; k < TRIES * bodies; k++) {
+        let body = placed[k % bodies];
+        let t = nearest(body, start, x);
+        let near = surface(body, mix(start, x, t));
+        let parts = 1.0 / max(t, 1.0 / AT_MOST);
+        x = reach(start, x - parts * min(near.distance, 0.0) * near.normal, l);
+    }
+    // What is left of the depth, the length bears.
+    for (var k = 0u; k < bodies; k++) {
+        let near = surface(placed[k], x);
+        x -= min(near.distance, 0.0) * near.normal;
+    }
+    predicted[p + 1u] = vec4f(x, predicted[p + 1u].w);
+}
+
+// The strand goes its way through the step, beside that of a held root, only in part, so that no point of it is faster than what comes out
+// of a body.
+fn slow(strand: Strand) {
+    let root = strand.first_point;
+    let travel = select(vec3f(0.0), predicted[root].xyz - position[root].xyz, inverse_mass[root] == 0.0);
+    var far = 0.0;
+    for (var k = 0u; k < strand.points; k++) {
+        far = max(far, distance(predicted[root + k].xyz, position[root + k].xyz + travel));
+    }
+    let part = min(UNHURRIED * RECOVERY * params.step / far, 1.0);
+    for (var k = 0u; k < strand.points; k++) {
+        let p = root + k;
+        if inverse_mass[p] > 0.0 {
+            predicted[p] = vec4f(mix(position[p].xyz + travel, predicted[p].xyz, part), predicted[p].w);
+        }
+    }
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
@@ -54,17 +118,33 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if (touched[s] & PUSHED) == 0u { return; }
     let strand = strands[s];
     let n = strand.points - 1u;
-    let turns = min(TURNS, LOOPS / (strand.points * (3u + loops_over(arrayLength(&placed)))));
-    for (var turn = 0u; turn < turns && !fits(strand); turn++) {
+    let bodies = arrayLength(&placed);
+    let each = 3u + loops_of_point(bodies) + loops_of_segment(bodies);
+    let led = strand.points * (4u + (TRIES + 1u) * loops_to_turn(bodies));
+    let turns = min(TURNS, (LOOPS - min(led, LOOPS)) / (strand.points * each));
+    var done = false;
+    for (var turn = 0u; turn < turns && !done; turn++) {
+        done = true;
         for (var i = 0u; i < n; i++) {
             let k = select(i, n - 1u - i, turn % 2u == 1u);
             pull(strand.first_point + k, strand.first_segment + k);
+            let push = leave(strand.first_point + k);
+            if push > CLOSE * segments[strand.first_segment + k].rest_length { done = false; }
         }
         for (var k = 0u; k < strand.points; k++) {
             let p = strand.first_point + k;
             if inverse_mass[p] > 0.0 {
-                predicted[p] = vec4f(outside(position[p].xyz, predicted[p].xyz), predicted[p].w);
+                predicted[p] = vec4f(outside(position[p].xyz, predicted[p].xyz).place, predicted[p].w);
             }
         }
+        done = done && fits(strand);
+    }
+    let inside = (touched[s] & INSIDE) != 0u;
+    if inside { slow(strand); }
+    // A strand whose tip is held has no end that could give. One that comes out of a body keeps its lengths before it keeps out.
+    if (done && !inside) || inverse_mass[strand.first_point + n] == 0.0 || fits(strand) { return; }
+    for (var k = 0u; k < n; k++) {
+        let p = strand.first_point + k;
+        if inverse_mass[p + 1u] > 0.0 { lead(p, strand.first_segment + k, select(bodies, 0u, inside)); }
     }
 }

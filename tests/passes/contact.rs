@@ -8,11 +8,14 @@ use rand_pcg::Pcg64;
 use windswept::internals::step;
 use windswept_reference::{State as Twin, contact, step::Scratch};
 use windswept_scene::{Body, Keyframe, Motion, Round, Scene, Shape, Solid};
-use windswept_shaders as shaders;
+use windswept_shaders::{
+    self as shaders,
+    common::body::{INSIDE, MOVED, PUSHED},
+};
 
 use crate::{
     stage::{Stage, quaternion, relative, xyz},
-    steps::{BODIES, Fault},
+    steps::{BODIES, Fault, THIN_BODY},
     support::{self, Layout},
     walk::{Same, Walk, apart, differing, largest},
 };
@@ -23,7 +26,7 @@ impl Walk<'_> {
         let state = stage.engine.state();
         let mut passes = stage.passes(step::contact::record);
         let placed = contact::place(self.p(), s.steps);
-        let pushed = contact::push(s, w, self.p(), &placed);
+        let mut touches = contact::push(s, w, self.p(), &placed);
         if passes.through("contact/place") {
             let got = stage.engine.read(&state.placed).unwrap();
             let ends = got.iter().zip(&placed).map(|(got, wanted)| {
@@ -36,16 +39,19 @@ impl Walk<'_> {
             let got = stage.vectors(&state.predicted);
             self.same("contact/hair", apart(&got[..hair], &w.predicted[..hair]), bounds.length)?;
             let touched = stage.engine.read(&state.touched).unwrap();
-            let touched: Vec<u32> = touched.iter().map(|bits| u32::from(*bits != 0)).collect();
-            let wanted: Vec<u32> = w.touched.iter().map(|touched| u32::from(*touched)).collect();
-            self.same("contact/hair", differing(&touched, &wanted), 0.0)?;
+            self.same("contact/hair", differing(&touched, &bits(&touches, &placed)), 0.0)?;
+        }
+        contact::middle(s, w, self.p(), &placed, &mut touches);
+        if passes.through("contact/middle") {
+            let touched = stage.engine.read(&state.touched).unwrap();
+            self.same("contact/middle", differing(&touched, &bits(&touches, &placed)), 0.0)?;
         }
         if passes.through("contact/pull") {
-            contact::pull(s, w, self.p(), &placed, &pushed);
+            contact::pull(s, w, self.p(), &placed, &touches);
             let got = stage.vectors(&state.predicted);
             self.same("contact/pull", apart(&got[..hair], &w.predicted[..hair]), bounds.length)?;
         }
-        contact::measure(s, w, &pushed);
+        contact::measure(s, w, &touches);
         contact::push_air(w, self.p(), &placed);
         if passes.through("contact/stretch") {
             self.health("contact/stretch", s)?;
@@ -65,10 +71,17 @@ impl Walk<'_> {
 pub const FAULTS: &[Fault] = &[
     (&shaders::contact::PLACE, "0.5 * (body.start + body.end)", "0.51 * (body.start + body.end)", BODIES),
     (&shaders::contact::HAIR, "body.friction * depth", "0.9 * body.friction * depth", BODIES),
+    (&shaders::contact::MIDDLE, "found.push > TOUCH", "found.push < TOUCH", THIN_BODY),
     (&shaders::contact::PULL, "w.x * shift", "0.5 * w.x * shift", BODIES),
     (&shaders::contact::STRETCH, "rest_length - 1.0", "rest_length - 2.5", BODIES),
     (&shaders::contact::AIR, "CLEARANCE * params.spacing", "0.9 * CLEARANCE * params.spacing", BODIES),
 ];
+
+/// Bits of the buffer `touched`.
+fn bits(touches: &[contact::Touch], placed: &[contact::Placed]) -> Vec<u32> {
+    let moved = u32::from(contact::any_moves(placed)) * MOVED;
+    touches.iter().map(|touch| moved | u32::from(touch.pushed) * PUSHED | u32::from(touch.inside) * INSIDE).collect()
+}
 
 fn body(shape: Shape, keyframes: &[(f64, [f64; 3], [f64; 3])]) -> Body {
     let keyframe = |&(time, translation, rotation)| Keyframe { time, translation, rotation };
@@ -124,7 +137,7 @@ fn place_is_that_of_the_twin() {
     let (mut worst, mut slowest) = (0.0_f64, 0.0_f64);
     for steps in [0, 1, 7, 14, 15, 100, 2_608_000, 2_608_405, 2_608_695, 2_608_696, 2_609_058, 4_000_000_000] {
         at_step(&stage, steps);
-        stage.run(step::contact::record);
+        stage.run_only(&["contact/place"], step::contact::record);
         let placed = stage.engine.read(&stage.engine.state().placed).unwrap();
         for (got, wanted) in placed.iter().zip(contact::place(&stage.parameters, steps.into())) {
             let contact::Placed { body, before, after } = wanted;
@@ -180,24 +193,17 @@ fn hair_among(scene: &Scene, tolerance: f64) {
         stage.run_only(&["contact/place", "contact/hair"], step::contact::record);
         let placed = contact::place(p, steps.into());
         let free = |i: usize| i < p.hair_points && stage.twin.inverse_mass[i] > 0.0;
-        let hit: Vec<Option<DVec3>> =
-            (0..x.len()).map(|i| contact::hair(p, &placed, x[i], predicted[i]).filter(|_| free(i))).collect();
-        let wanted: Vec<DVec3> = hit.iter().zip(&predicted).map(|(hit, x)| hit.unwrap_or(*x)).collect();
+        let mut w = Scratch { predicted: predicted.clone(), ..Scratch::default() };
+        let touches = contact::push(&stage.twin, &mut w, p, &placed);
+        let wanted = w.predicted;
         let got = stage.vectors(&s.predicted);
         let error = relative(&got[..p.hair_points], &wanted[..p.hair_points], 0.01);
-        let hits = hit.iter().flatten().count();
+        let hits = wanted.iter().zip(&predicted).filter(|(a, b)| a != b).count();
         println!("{n} points, step {steps}: {hits} touched, off by {error:.1e}");
         assert!(error < tolerance, "{n}: {error}");
         assert!(n < 63 || hits > 4, "nothing is touched");
         let flags: Vec<u32> = stage.engine.read(&s.touched).unwrap();
-        let hair = &stage.twin.hair;
-        let far = |i: usize, strand| {
-            let length = hair.rest_length[hair.segments(strand)].iter().sum();
-            hit[i].is_some_and(|x| contact::touches(x.distance(predicted[i]), length))
-        };
-        let pushed = |strand| u32::from(hair.points(strand).any(|i| far(i, strand)));
-        let moved = 2 * u32::from(contact::any_moves(&placed));
-        assert_eq!(flags, (0..hair.len()).map(|strand| moved | pushed(strand)).collect::<Vec<_>>());
+        assert_eq!(flags, bits(&touches, &placed));
         assert_eq!(contact::any_moves(&placed), steps < 20);
         // Nobody who was outside is inside the body that was looked at last.
         let last = placed.last().unwrap();
@@ -208,11 +214,12 @@ fn hair_among(scene: &Scene, tolerance: f64) {
     }
 }
 
-/// Strands of two segments that are pushed by up to 8 mm, or not at all, come along.
+/// Strands of two segments that are pushed by up to 8 mm, or not at all, come along. One in thirty may go another way: a led segment that
+/// meets the middle of a thin body turns to either side of it, and rounding decides.
 #[test]
 fn pull_is_that_of_the_twin() {
-    // Measured 5.1e-7, and among meshes 5.5e-6; margin 4.
-    let scenes = [(scene(), 2e-6), (meshes(), 2.2e-5)];
+    // Measured 4.4e-6 m; margin 4.
+    let scenes = [(scene(), 2e-5), (meshes(), 2e-5)];
     let cases = support::SIZES.into_iter().filter(|n| *n > 1);
     for (n, (scene, tolerance)) in cases.flat_map(|n| scenes.iter().map(move |scene| (n, scene))) {
         let initial = support::particles(n, n, Layout::Random, 11);
@@ -222,18 +229,27 @@ fn pull_is_that_of_the_twin() {
         let mut moved = || 0.016 * (DVec3::from_array(rng.random()) - 0.5);
         let predicted: Vec<DVec3> = stage.twin.position.iter().map(|x| (*x + moved()).as_vec3().as_dvec3()).collect();
         stage.write_vectors(&s.predicted, &predicted);
-        stage.run_only(&["contact/place", "contact/hair", "contact/pull"], step::contact::record);
+        let passes = ["contact/place", "contact/hair", "contact/middle", "contact/pull"];
+        stage.run_only(&passes, step::contact::record);
         let mut w = Scratch { predicted: predicted.clone(), ..Scratch::default() };
         let placed = contact::place(p, 0);
-        let pushed = contact::push(&stage.twin, &mut w, p, &placed);
+        let mut touches = contact::push(&stage.twin, &mut w, p, &placed);
+        contact::middle(&stage.twin, &mut w, p, &placed, &mut touches);
         let before = w.predicted.clone();
-        contact::pull(&stage.twin, &mut w, p, &placed, &pushed);
-        let hair = p.hair_points;
-        let error = relative(&stage.vectors(&s.predicted)[..hair], &w.predicted[..hair], 0.01);
+        contact::pull(&stage.twin, &mut w, p, &placed, &touches);
+        let (got, hair) = (stage.vectors(&s.predicted), &stage.twin.hair);
+        let apart = |strand: usize| apart(&got[hair.points(strand)], &w.predicted[hair.points(strand)]);
+        let mut errors: Vec<f64> = (0..hair.len()).filter(|&k| touches[k].pushed).map(apart).collect();
+        errors.sort_by(f64::total_cmp);
+        let astray = errors.iter().filter(|error| **error > *tolerance).count();
+        let error = errors.iter().take(errors.len() - astray).last().copied().unwrap_or(0.0);
         let pulled = before.iter().zip(&w.predicted).filter(|(a, b)| a != b).count();
-        println!("{n} points: {pulled} were pulled, off by {error:.1e}");
-        assert!(error < *tolerance, "{n}: {error}");
-        assert!(n < 63 || (pulled > 4 && pulled < hair), "{pulled} of {hair} were pulled");
+        println!(
+            "{n} points: {pulled} were pulled, off by {error:.1e} m; {astray} of {} strands go astray",
+            errors.len()
+        );
+        assert!(30 * astray <= errors.len(), "{n}: {astray} of {} strands go astray", errors.len());
+        assert!(n < 63 || (pulled > 4 && pulled < p.hair_points), "{pulled} of {} were pulled", p.hair_points);
     }
 }
 

@@ -92,6 +92,11 @@ pub const BODIES: &[&str] =
     {time=0.01,translation=[0,0.003,0],rotation=[0,0,3]}]},\
     {name='b',shape='capsule',start=[0.03,0.01,0.02],end=[0.05,0.01,0.05],radius=0.008}]"];
 
+/// Setting with a bar of 4 mm that goes up through segments of 10 mm, between their points.
+pub const THIN_BODY: &[&str] =
+    &["body=[{name='bar',shape='capsule',start=[0.0847,0.022,0],end=[0.0847,0.022,0.06],radius=0.002,\
+    motion=[{time=0},{time=0.008,translation=[0,0.01,0]}]}]"];
+
 /// Walks `steps` steps; `Err` names the first step and pass that part, and by how much.
 fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Result<(), String> {
     let text = include_str!("../../examples/scenes/quick.toml");
@@ -130,6 +135,8 @@ const STEPS_OF_COUPLING: u32 = 10;
 /// Steps of a scene with bodies: what they press hair against, and where it slips, makes more of rounding with each step. Velocities
 /// were measured 1.4e-4 m/s off.
 const STEPS_OF_BODIES: u32 = 4;
+/// Steps of a scene with a thin body: in the fourth a segment is in its middle, and rounding decides to which side it goes.
+const STEPS_OF_THIN_BODY: u32 = 3;
 /// Steps of a scene with force fields in air: they stir it so that rounding grows, and after ten steps the vorticity was 1.3 % off.
 const STEPS_OF_FIELDS: u32 = 8;
 
@@ -181,6 +188,7 @@ fn steps_are_those_of_the_twin() {
         &["fluid.solver=divergence", "fluid.coarse=false", "hair.strands=1"],
         &["hair.strands=1"],
         BODIES,
+        THIN_BODY,
         &[
             "hair.motion=[{time=0.002,rotation=[0,1,0]},{time=0.008,translation=[0,0.003,0],rotation=[0.1,1.2,0]}]",
             "turbulence.bands=[{scale=0.006,strength=3,intensity=0.3},{scale=0.008,strength=2,intensity=0.3}]",
@@ -192,6 +200,7 @@ fn steps_are_those_of_the_twin() {
             _ if sets == FIELDS => STEPS_OF_FIELDS,
             _ if sets.contains(&EXCHANGE) => STEPS_OF_COUPLING,
             _ if sets == BODIES => STEPS_OF_BODIES,
+            _ if sets == THIN_BODY => STEPS_OF_THIN_BODY,
             _ => STEPS,
         };
         steps_of_both(&support::gpu(), sets, &bounds, steps).unwrap_or_else(|said| panic!("{sets:?}: {said}"));

@@ -1,39 +1,41 @@
 //! Heading 5: nothing enters a body. A body is asked at rest, where the scene has it: what meets the moved body is carried back
 //! there, and the answer is carried along.
 
-use glam::{DQuat, DVec3};
-use windswept_scene::{InitialState, Motion, Scene, Shape, Solid, Strands};
+mod outside;
+mod pull;
 
-use crate::{Parameters, State, rods, step::Scratch};
+use glam::{DQuat, DVec3};
+use windswept_scene::{InitialState, Motion, Scene, Shape, Solid};
+
+use self::outside::{began_deep, is_deep};
+pub use self::{
+    outside::{Cleared, Kept, clear, hair},
+    pull::{measure, pull, stretch},
+};
+use crate::{Parameters, State, step::Scratch};
 
 /// Smallest push that counts as a touch, as a part of the strand's length: hair that lies on a body is off by rounding.
 const TOUCH: f64 = 1e-6;
 /// Rounds over all bodies: a second one for what is between two bodies.
 const ROUNDS: usize = 2;
-/// Largest speed at which hair that starts inside comes out \[m/s\].
-const RECOVERY: f64 = 0.2;
-
-/// Turns in which what a body pushed pulls the rest of its strand along, at most.
-const TURNS: usize = 400;
-/// Loops over points, bodies and places along their ways in all turns, at most: what one invocation of the engine may.
-const LOOPS: usize = 60_000;
 /// Steps along a way that may enter a mesh, at most.
 const STEPS: usize = 12;
 /// Times that the engine narrows the place of entry down.
 const HALVINGS: usize = 4;
 /// Shortest step along a way that may enter a mesh \[spacings of its grid\].
 const SHORTEST: f64 = 0.125;
-/// Part of its length by which a segment may be too long or too short without being pulled.
-const GIVE: f64 = 1e-3;
-/// Part of its length by which a segment may be off more than [`GIVE`] when the pulling ends.
-const DONE: f64 = 1e-5;
+/// Places of a segment at which a mesh is asked.
+const PLACES: usize = 12;
+/// Times that both sides of the nearest place are asked, each half as far away as before.
+const FINER: i32 = 2;
 
 /// Runs the heading: hair and air leave the bodies that they would be in.
 pub fn run(s: &mut State, w: &mut Scratch, p: &Parameters) {
     let placed = place(p, s.steps);
-    let pushed = push(s, w, p, &placed);
-    pull(s, w, p, &placed, &pushed);
-    measure(s, w, &pushed);
+    let mut touches = push(s, w, p, &placed);
+    middle(s, w, p, &placed, &mut touches);
+    pull(s, w, p, &placed, &touches);
+    measure(s, w, &touches);
     push_air(w, p, &placed);
 }
 
@@ -47,71 +49,51 @@ pub fn push_air(w: &mut Scratch, p: &Parameters, placed: &[Placed]) {
     }
 }
 
-/// Pushes hair out of bodies; returns which strands were pushed.
-pub fn push(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed]) -> Vec<bool> {
-    let mut all = vec![false; s.hair.len()];
-    for (strand, pushed) in all.iter_mut().enumerate() {
-        let length = s.hair.rest_length[s.hair.segments(strand)].iter().sum();
+/// What bodies did to a strand.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Touch {
+    /// Whether a body pushed one of its points or segments.
+    pub pushed: bool,
+    /// Whether, from some point on, it began the step deeper in a body than it comes out in a step. What grows out of a body from a root
+    /// within it did not.
+    pub inside: bool,
+}
+
+/// Pushes hair points out of bodies; returns what was done to each strand.
+pub fn push(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed]) -> Vec<Touch> {
+    let mut all = vec![Touch::default(); s.hair.len()];
+    for (strand, touch) in all.iter_mut().enumerate() {
+        let length = length(s, strand);
         for point in s.hair.points(strand).filter(|&point| s.inverse_mass[point] > 0.0) {
-            if let Some(x) = hair(p, placed, s.position[point], w.predicted[point]) {
-                *pushed |= touches(x.distance(w.predicted[point]), length);
-                w.predicted[point] = x;
-            }
+            let kept = hair(p, placed, s.position[point], w.predicted[point]);
+            touch.pushed |= is_touch(kept.place.distance(w.predicted[point]), length);
+            let first = point == s.hair.points(strand).start;
+            touch.inside |= is_deep(p, kept.inside) && (first || !began_deep(p, placed, s.position[point - 1]));
+            w.predicted[point] = kept.place;
         }
     }
     // A body that moves wakes all strands: contacts are not remembered, so nobody knows which strands lay on it.
     let moves = any_moves(placed);
-    w.touched = all.iter().map(|pushed| *pushed || moves).collect();
+    w.touched = all.iter().map(|touch| touch.pushed || moves).collect();
     all
 }
 
-/// Pulls the rest of each pushed strand along: segments that are off their length by more than [`GIVE`] of it are brought back to that,
-/// by moves of their points m₁ dx₁ = −m₂ dx₂, from root to tip and from tip to root by turns, with all points out of bodies after each.
-pub fn pull(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed], pushed: &[bool]) {
-    for strand in (0..s.hair.len()).filter(|&strand| pushed[strand]) {
-        let (points, segments) = (s.hair.points(strand), s.hair.segments(strand));
-        let x = &mut w.predicted[points.clone()];
-        let (mass, rest) = (&s.inverse_mass[points.clone()], &s.hair.rest_length[segments]);
-        let excess = |x: &[DVec3], k: usize| {
-            let off = x[k + 1].distance(x[k]) - rest[k];
-            off - off.clamp(-GIVE * rest[k], GIVE * rest[k])
-        };
-        for turn in 0..TURNS.min(LOOPS / (mass.len() * (3 + loops(placed)))) {
-            if (0..rest.len()).all(|k| excess(x, k).abs() <= DONE * rest[k]) {
-                break;
-            }
-            for i in 0..rest.len() {
-                let k = if turn % 2 == 0 { i } else { rest.len() - 1 - i };
-                let (both, chord) = (mass[k] + mass[k + 1], x[k + 1] - x[k]);
-                if both > 0.0 && chord.length() > 0.0 {
-                    let shift = excess(x, k) / both * chord.normalize();
-                    x[k] += mass[k] * shift;
-                    x[k + 1] -= mass[k + 1] * shift;
-                }
-            }
-            for (x, i) in x.iter_mut().zip(points.clone()).filter(|(_, i)| s.inverse_mass[*i] > 0.0) {
-                *x = hair(p, placed, s.position[i], *x).unwrap_or(*x);
-            }
+/// Finds the strands of which a segment is in a body between its points.
+pub fn middle(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed], touches: &mut [Touch]) {
+    for (strand, touch) in touches.iter_mut().enumerate() {
+        let points = s.hair.points(strand);
+        for i in points.start..points.end - 1 {
+            let ends = |x: &[DVec3]| [x[i], x[i + 1]];
+            let give = [s.inverse_mass[i], s.inverse_mass[i + 1]];
+            let cleared = clear(p, placed, give, ends(&s.position), ends(&w.predicted));
+            touch.pushed |= is_touch(cleared.push, length(s, strand));
         }
+        w.touched[strand] |= touch.pushed;
     }
 }
 
-/// Loops of an invocation of the engine, at most, each time that it goes through all bodies.
-fn loops(placed: &[Placed]) -> usize {
-    let meshes = placed.iter().any(|placed| placed.body.shape.solid().is_some());
-    ROUNDS * placed.len() * if meshes { 1 + STEPS + HALVINGS } else { 1 }
-}
-
-/// Measures the stretch of pushed strands: the rods did so before the push.
-pub fn measure(s: &mut State, w: &Scratch, pushed: &[bool]) {
-    for strand in (0..s.hair.len()).filter(|&strand| pushed[strand]) {
-        let stretch = stretch(&s.hair, strand, &w.predicted);
-        s.max_stretch = s.max_stretch.max(stretch);
-        if stretch > rods::STRAINED && s.strained_steps[strand] == 0 {
-            s.strained_steps[strand] = w.strained_before[strand] + 1;
-            s.over_strained += usize::from(s.strained_steps[strand] == rods::STRAINED_STEPS);
-        }
-    }
+fn length(s: &State, strand: usize) -> f64 {
+    s.hair.rest_length[s.hair.segments(strand)].iter().sum()
 }
 
 /// A body where the scene has it.
@@ -176,6 +158,21 @@ impl Body {
         Pose { center: self.shape.center(), translation, rotation }
     }
 
+    /// Part of the way from `a` to `b` at which it is nearest to the body. A round body is convex, and the distance from it grows to
+    /// both sides of that place.
+    fn nearest(&self, a: DVec3, b: DVec3) -> f64 {
+        if let Some(solid) = self.shape.solid() {
+            return nearest_of_mesh(solid, a, b);
+        }
+        let distance = |part: f64| self.shape.signed_distance(a.lerp(b, part)).0;
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..60 {
+            let [first, second] = [1.0, 2.0].map(|third| low + third / 3.0 * (high - low));
+            if distance(first) < distance(second) { high = second } else { low = first }
+        }
+        0.5 * (low + high)
+    }
+
     /// Entry: the first point of the way from `a` to `b` in the body or nearer to it than rounding. No body is nearer than its
     /// distance says, so the search may go on by that distance (Hart 1996, Sphere tracing).
     fn entry(&self, a: DVec3, b: DVec3) -> Option<DVec3> {
@@ -194,6 +191,20 @@ impl Body {
         }
         None
     }
+}
+
+/// Place of a mesh's samples that is nearest to it, as a part of the way from `a` to `b`.
+fn nearest_of_mesh(solid: &Solid, a: DVec3, b: DVec3) -> f64 {
+    let distance = |part: f64| solid.signed_distance(a.lerp(b, part)).0;
+    let nearer = |a: f64, b: f64| if distance(b) < distance(a) { b } else { a };
+    if distance(0.5) > 0.5 * 3.0_f64.sqrt() * a.distance(b) {
+        return 0.5;
+    }
+    let span = 1.0 / PLACES as f64;
+    let place = (0..=PLACES).map(|k| k as f64 * span).fold(0.5, nearer);
+    (1..=FINER).map(|halved| span * 0.5_f64.powi(halved)).fold(place, |place, span| {
+        [-span, span].map(|aside| (place + aside).clamp(0.0, 1.0)).into_iter().fold(place, nearer)
+    })
 }
 
 /// Entry of the way from `a` to `b` into a mesh: the first of a row of points at which the distance is not above 0, and from the
@@ -242,44 +253,8 @@ pub fn any_moves(placed: &[Placed]) -> bool {
 }
 
 /// Whether a push \[m\] counts as a touch of a strand of that length \[m\].
-#[must_use]
-pub fn touches(push: f64, length: f64) -> bool {
+fn is_touch(push: f64, length: f64) -> bool {
     push > TOUCH * length
-}
-
-/// Largest stretch of a strand's segments, max |l/l0 − 1|.
-#[must_use]
-pub fn stretch(hair: &Strands, s: usize, positions: &[DVec3]) -> f64 {
-    let chords = hair.points(s).skip(1).map(|i| positions[i].distance(positions[i - 1]));
-    chords.zip(hair.segments(s)).map(|(l, k)| (l / hair.rest_length[k] - 1.0).abs()).fold(0.0, f64::max)
-}
-
-/// Place of a hair point that was at `position` and would be at `predicted`; `None` if no body is in its way.
-///
-/// Seen from the body, the way of the point ends at the plane that touches the body where the way enters it. If the point
-/// starts inside, the plane lies at the point's own depth, less what it may recover in a step. The way along the plane is
-/// shortened by up to μ times the depth that the point would have had (Macklin et al. 2014, eq. 24).
-#[must_use]
-pub fn hair(p: &Parameters, placed: &[Placed], position: DVec3, predicted: DVec3) -> Option<DVec3> {
-    let mut x = predicted;
-    let mut touched = false;
-    for Placed { body, before, after } in (0..ROUNDS).flat_map(|_| placed) {
-        let (a, b) = (before.back(position), after.back(x));
-        let Some(contact) = body.entry(a, b) else { continue };
-        let (distance, normal) = body.shape.signed_distance(contact);
-        let wanted = (-distance).clamp(0.0, RECOVERY * p.step);
-        let depth = wanted - (b - contact).dot(normal);
-        if depth <= 0.0 {
-            continue;
-        }
-        let way = b + depth * normal - a;
-        let slide = way.reject_from_normalized(normal);
-        let kept =
-            if slide.length() > body.friction * depth { 1.0 - body.friction * depth / slide.length() } else { 0.0 };
-        x = after.out(a + way - slide + kept * slide);
-        touched = true;
-    }
-    touched.then_some(x)
 }
 
 /// Position and velocity of an air particle that would be at `x` with velocity `v`. It is moved by the nearest way to

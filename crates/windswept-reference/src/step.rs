@@ -74,7 +74,7 @@ pub struct Scratch {
     pub drag_impulse: Vec<DVec3>,
     /// Number of steps on end, before this one, in which each strand was over-strained.
     pub strained_before: Vec<u32>,
-    /// Whether a body pushed a point of each strand, or any body moved.
+    /// Whether a body pushed a point or segment of each strand, or any body moved.
     pub touched: Vec<bool>,
     /// Velocity of each hair point as its rod left it \[m/s\].
     pub rod_velocity: Vec<DVec3>,

@@ -24,6 +24,11 @@ const MESH_TOUCHES: &str =
     "the surface of a box of triangles: nothing inside, something on it; measured 2.7e-8; margin 4: f32";
 const RESTED: &str = "the same body without triangles, from which a mesh is to be 0.2 mm off at most; grid of 2 mm; measured 8.5e-5 and 7.1e-5";
 
+const BETWEEN: &str = "the surface of bars of 10 mm under the middles of segments of 30 mm, after each of 70 steps; measured 1.6e-8; a hundredth of a millimetre is allowed";
+const BETWEEN_SLIDES: &str =
+    "g (sin - mu cos) t²/2, mu = 0.3, 70 steps, on the middles of segments; measured 0.12 % off; 2 % is allowed";
+const BETWEEN_STAYS: &str = "mu = 0.3 holds it, on the middles of segments; measured 6.6e-6 in 70 steps";
+
 /// Coefficient of friction μ.
 const FRICTION: f64 = 0.3;
 /// Radius of the bar \[m\].
@@ -35,6 +40,8 @@ pub(crate) fn bodies(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     rows.extend(slope(gpu, 0.29)?);
     rows.extend(slope_of_mesh(gpu, 0.6)?);
     rows.extend(slope_of_mesh(gpu, 0.29)?);
+    rows.extend(between(gpu, 0.6)?);
+    rows.extend(between(gpu, 0.29)?);
     rows.push(draped(gpu)?);
     rows.push(rested(gpu, "ball", Shape::Sphere { center: [0.0; 3], radius: 0.05 })?);
     let bone = Shape::Capsule { start: [-0.03, 0.0, -0.02], end: [0.05, 0.0, 0.03], radius: 0.05 };
@@ -108,6 +115,58 @@ fn slide(gpu: &Gpu, slope: f64, shape: Shape) -> Result<(f64, f64, f64), Error> 
     Ok((expected, slid, off))
 }
 
+/// Rows of how far a loose strand of three segments of 30 mm slides that lies on two bars of 10 mm with the middles of the outer two, in a
+/// field of gravity of this slope, and of how deep a segment is in a bar then.
+fn between(gpu: &Gpu, slope: f64) -> Result<Vec<Row>, Error> {
+    let (steps, angle, radius) = (70, slope.atan(), 0.005);
+    let bar = |x: f64| {
+        format!(
+            "[[body]]\nname = \"bar at {x}\"\nshape = \"capsule\"\nstart = [{x}, 0, -0.02]\nend = [{x}, 0, 0.02]\nradius = {radius}\nfriction = {FRICTION}\n"
+        )
+    };
+    let text = format!(
+        "interaction = {{ model = \"none\" }}\ngravity = [{}, {}, 0]\ntime = {{ step = {STEP}, duration = 1.0 }}\n\
+         rods.sleep = false\n\
+         [hair]\nstrands = 1\npoints = 4\nlength = 0.09\nradius = 2e-4\nroot = \"free\"\n\
+         roots = {{ center = [0, 0.052, 0], radius = 1e-3, direction = [1, 0, 0] }}\n{}{}",
+        GRAVITY * angle.sin(),
+        -GRAVITY * angle.cos(),
+        bar(-0.03),
+        bar(0.03),
+    );
+    let scene = Scene::parse(&text)?;
+    let mut initial = InitialState::new(&scene)?;
+    let hair = &mut initial.hair;
+    let onto = DVec3::new(-0.045, radius, 0.0) - hair.positions[0];
+    hair.positions.iter_mut().for_each(|x| *x += onto);
+    let start = hair.positions.clone();
+    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
+    let mut off: f64 = 0.0;
+    for _ in 0..steps {
+        simulation.step(1)?;
+        let x = vectors(&simulation.frame()?.hair.positions);
+        let depth = |bar: f64| radius - x.windows(2).map(|ends| to_segment(DVec3::X * bar, ends)).fold(1.0, f64::min);
+        off = off.max(depth(-0.03)).max(depth(0.03));
+    }
+    let end = vectors(&simulation.frame()?.hair.positions);
+    let t = steps as f64 * STEP;
+    let pull = GRAVITY * (angle.sin() - FRICTION * angle.cos()).max(0.0);
+    let expected = 0.5 * pull * t * t;
+    let slid = farthest(end.iter().zip(&start).map(|(end, start)| end.x - start.x), expected);
+    let (source, tolerance) = if expected > 0.0 { (BETWEEN_SLIDES, 0.02 * expected) } else { (BETWEEN_STAYS, 1e-5) };
+    Ok(vec![
+        Row::new(format!("segments on bars that slope {slope}: slide"), expected, slid, tolerance, source).in_unit("m"),
+        Row::new(format!("segments on bars that slope {slope}: deepest place"), 0.0, off, 1e-5, BETWEEN).in_unit("m"),
+    ])
+}
+
+/// Distance of a point from a segment \[m\].
+fn to_segment(x: DVec3, ends: &[DVec3]) -> f64 {
+    let way = ends[1] - ends[0];
+    let part = ((x - ends[0]).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+    (x - ends[0] - part * way).length()
+}
+
 /// A strand that is clamped above a ball and falls over it, while the ball comes up into it.
 const DRAPED: &str = "
 interaction = { model = \"none\" }
@@ -157,7 +216,8 @@ fn draped(gpu: &Gpu) -> Result<Row, Error> {
         simulation.step(10)?;
         let ball = simulation.scene().bodies[0].at(simulation.time());
         let x = vectors(&simulation.frame()?.hair.positions);
-        nearest = x.iter().map(|x| ball.signed_distance(*x).0).fold(nearest, f64::min);
+        let gap = |ends: &[DVec3]| to_segment(ball.center(), ends) - ball.inradius();
+        nearest = x.windows(2).map(gap).fold(nearest, f64::min);
     }
     Ok(Row::new("hair over a ball: nearest to its surface", 0.0, nearest, 1.3e-8, TOUCHES).in_unit("m"))
 }

@@ -117,9 +117,10 @@ impl Sample {
         self.measured <= self.bound
     }
 
-    /// Value in parts of the bound; infinite where there is none.
+    /// Value in parts of the bound, or as it is where nothing bounds it; infinite where there is no value.
     fn strain(&self) -> f64 {
-        match self.measured / self.bound {
+        let bound = if self.bound.is_finite() { self.bound } else { 1.0 };
+        match self.measured / bound {
             strain if !strain.is_nan() => strain,
             _ if self.holds() => 0.0,
             _ => f64::INFINITY,

@@ -200,7 +200,7 @@ state! {
     pressed_before: Pressed, |s| s.pressed;
     /// Where a strand's root is and its ghost frame.
     clamps: Root, |s| s.strands;
-    /// What bodies did to a strand in this step: bits of `PUSHED` and `MOVED`. The next step's `rods/start` reads them.
+    /// What bodies did to a strand in this step: bits of `PUSHED`, `MOVED` and `INSIDE`. The next step's `rods/start` reads them.
     touched: u32, |s| s.strands;
     /// Impulse that confinement has given the air in the whole run \[kg m/s\].
     confinement_impulse: Vec4, |_| 1;

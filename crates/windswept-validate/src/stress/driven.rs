@@ -75,6 +75,8 @@ pub(super) fn bodies(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut hit = Sweep::new("largest stretch at any time", f64::INFINITY, "").over("speed of the body [m/s]");
     let mut longer = Sweep::new("stretch two steps after the hit, and later", 0.02, "").over("speed of the body [m/s]");
     let mut within = Sweep::new("deepest point in the ball", 1e-6, "m");
+    let mut between = Sweep::new("deepest place of a segment in the ball", 1e-4, "m");
+    let mut slips = Sweep::new("points that slip through the ball, more than 1 mm deep", f64::INFINITY, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
     let models = [("none", COUPLINGS[0].1), ("two-way, divergence", COUPLINGS[2].1)];
     for (coupling, keys) in extent.of(&models[..], &models[..1]) {
@@ -96,11 +98,13 @@ pub(super) fn bodies(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 hit.add(&series, &setting, speed, felt.hit);
                 longer.add(&series, &setting, speed, felt.after);
                 within.add(&series, &setting, speed, felt.depth);
+                between.add(&series, &setting, speed, felt.depth_between);
+                slips.add(&series, &setting, speed, felt.slips);
                 resets.add(&series, &setting, speed, super::resets(&simulation));
             }
         }
     }
-    Ok(vec![hit, longer, within, resets])
+    Ok(vec![hit, longer, within, between, slips, resets])
 }
 
 /// What a body did to hair.
@@ -111,21 +115,41 @@ struct Hit {
     after: f64,
     /// Depth of the deepest point \[m\].
     depth: f64,
+    /// Depth of the deepest place of a segment \[m\].
+    depth_between: f64,
+    /// Number of points that went through the body in a step.
+    slips: f64,
 }
+
+/// Depth from which on a point is taken to go through a body \[m\].
+const SLIPS: f64 = 1e-3;
+/// Places of a segment, or of a point's way, that are looked at.
+const PLACES: u32 = 32;
 
 fn through(simulation: &mut Simulation, steps: u64) -> Result<Hit, Error> {
     let hair = simulation.initial().hair.clone();
-    let mut hit = Hit { hit: 0.0, after: 0.0, depth: 0.0 };
+    let mut hit = Hit { hit: 0.0, after: 0.0, depth: 0.0, depth_between: 0.0, slips: 0.0 };
     let mut touched = None;
+    let origin = simulation.initial().origin;
+    let body = |simulation: &Simulation| -> Shape { simulation.scene().bodies[0].at(simulation.time()) };
+    let (mut before, mut ball) = (points(simulation)?, body(simulation));
     for step in 0..steps {
         simulation.step(1)?;
         let x = points(simulation)?;
         let now = stretch(&hair, &x);
-        let origin = simulation.initial().origin;
-        let body: Shape = simulation.scene().bodies[0].at(simulation.time());
-        let gap = |x: &DVec3| body.signed_distance(*x + origin).0;
-        let depth = x.iter().map(|x| -gap(x)).fold(f64::NEG_INFINITY, f64::max);
+        let travel = body(simulation).center() - ball.center();
+        ball = body(simulation);
+        let depth_of = |x: DVec3| -ball.signed_distance(x + origin).0;
+        let deepest = |from: DVec3, to: DVec3| {
+            let places = (0..=PLACES).map(|k| from.lerp(to, f64::from(k) / f64::from(PLACES)));
+            places.map(depth_of).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let depth = x.iter().map(|x| depth_of(*x)).fold(f64::NEG_INFINITY, f64::max);
         hit.depth = hit.depth.max(depth);
+        let segments = (0..hair.len()).flat_map(|s| x[hair.points(s)].windows(2));
+        hit.depth_between = segments.map(|ends| deepest(ends[0], ends[1])).fold(hit.depth_between, f64::max);
+        hit.slips += before.iter().zip(&x).filter(|(a, b)| deepest(**a + travel, **b) > SLIPS).count() as f64;
+        before = x;
         if depth > -1e-7 && touched.is_none() {
             touched = Some(step);
         }
