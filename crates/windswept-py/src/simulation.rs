@@ -201,7 +201,7 @@ impl Simulation {
     #[getter]
     fn scene(&self, py: Python<'_>) -> PyResult<Scene> {
         let mut inner = self.engine(py, |sim| sim.scene().clone())?;
-        inner.text = windswept_scene::Source(inner.text_now());
+        inner.text.text = inner.text_now();
         Ok(Scene { inner })
     }
 

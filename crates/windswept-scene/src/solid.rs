@@ -19,6 +19,9 @@ use crate::{
 /// Cells that a grid reaches beyond its surface: half a particle spacing of air is within, where distances are those of the surface.
 const MARGIN: f64 = 10.0;
 
+/// Longest side of a mesh above which it is its scale that is wrong, and not its grid's resolution \[m\].
+const LARGEST: f64 = 10.0;
+
 /// A mesh file, and how its triangles become a solid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshFile {
@@ -236,7 +239,13 @@ impl Content {
         let (surface, holes) = triangles.closed();
         let spacing = file.resolution.unwrap_or_else(|| surface.bounds().map_or(1.0, DistanceGrid::spacing_for));
         let grid = DistanceGrid::bake(&surface, spacing, MARGIN * spacing);
-        let grid = grid.map_err(|error| error.at("resolution", None))?;
+        let size = surface.bounds().map_or(0.0, |[low, high]| (high - low).max_element());
+        let grid = grid.map_err(|error| match size > LARGEST {
+            true => error.at("scale", None).with_help(format!(
+                "the mesh is {size:.3} m large with a scale of {scale}: 0.001 is that of millimetres"
+            )),
+            false => error.at("resolution", None),
+        })?;
         let inradius = grid.inradius();
         Ok(Self { triangles, holes, grid, inradius })
     }

@@ -7,6 +7,7 @@ use crate::{
     force::ForceField,
     initial::{AirParticles, Strands},
     limits::MOST_REPEATS,
+    reach,
     scene::{Air, Bounds, FRICTION, FluidSolver, Model, Scene},
 };
 
@@ -107,6 +108,20 @@ pub(crate) fn of_idle(scene: &Scene) -> Vec<String> {
         idle(point, &key, why);
     }
     warnings
+}
+
+/// A warning for each force field that neither air nor hair ever comes near to; `air` is where particles are.
+pub(crate) fn of_fields(scene: &Scene, hair: &Strands, air: &AirParticles) -> Vec<String> {
+    if scene.interaction.model == Model::None {
+        return Vec::new();
+    }
+    let mut places = vec![reach::of_hair(scene, hair)];
+    if !air.positions.is_empty() {
+        places.push([air.min, air.min + air.size]);
+    }
+    let far = scene.forces.iter().filter(|force| !places.iter().any(|place| force.reaches(*place)));
+    let what = if air.positions.is_empty() { "hair never gets" } else { "neither air nor hair ever gets" };
+    far.map(|force| format!("force.{} does nothing: {what} within its reach", force.name)).collect()
 }
 
 /// A warning where strands ask for more substeps than the scene does.

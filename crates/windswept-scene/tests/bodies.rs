@@ -146,7 +146,7 @@ fn hair_grows_on_a_body_and_not_in_it() {
         assert_eq!(inside, radius < 0.1, "{:?}", state.warnings);
     }
     let error = InitialState::new(&scene_of(&text(0.0899), &[])).unwrap_err();
-    assert_eq!(error.key(), Some("hair.hair.roots"), "{error}");
+    assert_eq!(error.key(), Some("hair.roots"), "{error}");
     let shown = error.to_string();
     assert!(shown.contains("strand 0 is rooted 1.01e-2 m inside body \"head\"; expected at most a tenth"), "{shown}");
 }
