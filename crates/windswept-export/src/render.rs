@@ -28,7 +28,7 @@ use passes::Passes;
 use target::Target;
 pub use view::View;
 
-/// Turn from one drawn point of a hair to the next that still looks round [rad].
+/// Turn from one drawn point of a hair to the next that still looks round \[rad\].
 const ROUND: f32 = 0.20;
 /// Points of a hair, at least.
 const FEWEST_POINTS: u32 = 48;

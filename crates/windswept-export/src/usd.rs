@@ -5,11 +5,11 @@
 //! ( endTimeCode, upAxis "Y", metersPerUnit 1, timeCodesPerSecond, customLayerData.windswept: version, adapter, seed, scene )
 //! def BasisCurves "Hair"      cubic, catmullRom, pinned: curves go through their vertices, which are a strand's points
 //!     curveVertexCounts       points of each strand
-//!     widths                  [m], vertex: a fibre's diameter
+//!     widths                  \[m\], vertex: a fibre's diameter
 //!     primvars:groom_id, primvars:groom_group_id, primvars:groom_root_uv, primvars:groom_guide    uniform
-//!     points.timeSamples      [m] at time codes t timeCodesPerSecond
-//!     velocities.timeSamples  [m/s]
-//!     extent.timeSamples      [m]: corners of the box about the curves with their widths
+//!     points.timeSamples      \[m\] at time codes t timeCodesPerSecond
+//!     velocities.timeSamples  \[m/s\]
+//!     extent.timeSamples      \[m\]: corners of the box about the curves with their widths
 //! ```
 //!
 //! A text file can only grow at its end, and in a file the samples of one attribute follow one another. So [`UsdWriter`], which

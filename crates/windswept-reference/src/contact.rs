@@ -65,7 +65,7 @@ pub fn push(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed]) -> Ve
     all
 }
 
-/// Pulls the rest of each pushed strand along: segments that are off their length by more than [`GIVE`] of it are brought back to that,
+/// Pulls the rest of each pushed strand along: segments that are off their length by more than `GIVE` of it are brought back to that,
 /// by moves of their points m₁ dx₁ = −m₂ dx₂, from root to tip and from tip to root by turns, with all points out of bodies after each.
 pub fn pull(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed], pushed: &[bool]) {
     for strand in (0..s.hair.len()).filter(|&strand| pushed[strand]) {

@@ -8,7 +8,7 @@ use super::points_of;
 
 /// Weights below this are none.
 const LEAST_WEIGHT: f32 = 1e-6;
-/// Distance within which two curves are one [m].
+/// Distance within which two curves are one \[m\].
 const SAME: f32 = 1e-6;
 
 /// What a follower goes with.
@@ -27,7 +27,7 @@ pub(super) struct Group<'a> {
     pub(super) strands: &'a HairFrame,
     pub(super) range: std::ops::Range<usize>,
     places: Places,
-    /// Mean distance of each strand to those around it [m].
+    /// Mean distance of each strand to those around it \[m\].
     pub(super) spacing: Vec<f32>,
     /// The strands around each.
     around: Vec<Vec<usize>>,

@@ -11,7 +11,7 @@ pub(super) const NEIGHBOURS: usize = 6;
 pub(super) struct Places {
     pub(super) points: Vec<Vec3>,
     low: Vec3,
-    /// Side of a bucket [m].
+    /// Side of a bucket \[m\].
     cell: f32,
     buckets: HashMap<IVec3, Vec<usize>>,
 }
@@ -28,7 +28,7 @@ impl Places {
         places
     }
 
-    /// The nearest points, with their distances [m], the nearest first.
+    /// The nearest points, with their distances \[m\], the nearest first.
     pub(super) fn nearest(&self, x: Vec3, count: usize) -> Vec<(usize, f32)> {
         let at = ((x - self.low) / self.cell).as_ivec3();
         let mut found: Vec<(usize, f32)> = Vec::new();
@@ -58,7 +58,7 @@ impl Places {
     }
 }
 
-/// Mean distance of each place to those around it [m], and which those are.
+/// Mean distance of each place to those around it \[m\], and which those are.
 pub(super) fn spaces(places: &Places) -> (Vec<f32>, Vec<Vec<usize>>) {
     let around = |(i, root): (usize, &Vec3)| {
         let mut near = places.nearest(*root, NEIGHBOURS + 1);
