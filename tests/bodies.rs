@@ -339,3 +339,17 @@ fn hair_stays_on_a_head_that_turns() {
     let now = roots(&frame.hair.positions);
     assert!(turned.to_axis_angle().1 > 0.2 && start.iter().zip(&now).any(|(a, b)| a.distance(*b) > 5e-3));
 }
+
+/// examples/scenes/groom.toml: its groom sits on its head, and there is nothing to be warned of.
+#[test]
+fn the_groom_of_the_example_sits_on_its_head() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/groom.toml");
+    let scene = Scene::load(file).unwrap();
+    let initial = InitialState::new(&scene).unwrap();
+    assert!(initial.warnings.is_empty(), "{:?}", initial.warnings);
+    assert_eq!((initial.hair.len(), initial.hair.positions.len()), (120, 1200));
+    let head = scene.bodies[0].at(0.0);
+    let off = initial.hair.roots().map(|root| head.signed_distance(root).0.abs()).fold(0.0, f64::max);
+    // m; the grid of 1 mm makes so much of a triangle's surface.
+    assert!(off < 2.5e-4, "{off:e}");
+}

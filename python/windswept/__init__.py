@@ -38,6 +38,7 @@ from windswept._native import (
     formats,
     write_png,
 )
+from windswept.meshes import write_mesh
 
 if _TYPE_CHECKING:
     from windswept import plot, sweep, usd
@@ -67,6 +68,7 @@ __all__ = [
     "plot",
     "sweep",
     "usd",
+    "write_mesh",
     "write_png",
 ]
 

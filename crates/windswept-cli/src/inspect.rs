@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use windswept::{AdapterChoice, Gpu};
-use windswept_export::Schedule;
-use windswept_scene::{Force, InitialState, Scene, SceneError};
+use windswept_export::{Followers, Schedule};
+use windswept_scene::{Force, InitialState, Scene};
 
 use crate::arguments::{Changes, SceneOptions};
 use crate::console::Console;
@@ -39,7 +39,7 @@ pub(crate) fn check(
     Ok(())
 }
 
-fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, String)>, SceneError> {
+fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, String)>, Failure> {
     let schedule = Schedule::new(&scene.time, None);
     let (hair, air) = (&initial.hair, &initial.air);
     let mut rows = vec![("scene", scene.title.clone()), ("method", method(scene))];
@@ -59,6 +59,13 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
         "hair",
         format!("{} strands that stand for {fibres} fibres, {} points", hair.len(), hair.positions.len()),
     ));
+    let all = Followers::number(scene, hair)?;
+    if all > hair.len() {
+        rows.push((
+            "followers",
+            format!("{all} hairs with the strands among them, for `windswept export --followers`"),
+        ));
+    }
     for (body, solid) in scene.bodies.iter().filter_map(|body| Some((body, body.shape.solid()?))) {
         let (grid, triangles) = (solid.grid(), solid.triangles().corners.len());
         rows.push((

@@ -265,6 +265,7 @@ fn looking_needs_no_folder() {
     assert_eq!(checked.status.code(), Some(0), "{checked:?}");
     for word in [
         "4 strands that stand for 400 fibres, 24 points",
+        "followers 400 hairs with the strands among them",
         "accurate: interaction two-way, air by divergence",
         "72 steps of 1.38 ms, 7 frames",
         "memory",

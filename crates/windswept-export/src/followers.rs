@@ -9,26 +9,29 @@
 //! where x is a point of the follower, `g_j` the point as far along guide j, and `R_j` the frame that clamps the guide's root. The
 //! weights are those with which the guides' roots average to the follower's, where that lies within their triangle, so that a
 //! rigid motion of all roots moves followers rigidly; and by the inverse square of the distance outside. At the start each follower
-//! has its own shape exactly, whatever the guides are: locks and curls do not average away.
+//! has its own shape exactly, whatever the guides are: locks and curls do not average away. A follower that this leads into a body is
+//! laid on the body, except for the strands among them, which the simulation keeps out.
 //!
-//! Velocities leave out how the frames turn, which is nothing where weights average the roots.
+//! Velocities leave out how the frames turn, which is nothing where weights average the roots, and what a body changes.
 
-use std::collections::HashMap;
-use std::f32::consts::TAU;
+mod bonds;
+mod ground;
+mod outside;
+mod places;
+#[cfg(test)]
+mod tests;
 
-use glam::{DVec3, IVec3, Quat, Vec3};
+use glam::{Quat, Vec3};
 use windswept::{Frame, HairFrame};
-use windswept_scene::{Curves, Hair, Patch, RootShape, Roots, Scene, Shape, limits::MOST_HAIRS};
+use windswept_scene::{Body, Curves, Hair, Scene, Strands, limits::MOST_HAIRS};
 
 use crate::ExportError;
 use crate::strands::check_strands;
 
-/// Strands that are looked at for the guides of a hair between them, and for the room that a strand has.
-const NEIGHBOURS: usize = 6;
-/// Weights below this are none.
-const LEAST_WEIGHT: f32 = 1e-6;
-/// Distance within which two curves are one [m].
-const SAME: f32 = 1e-6;
+use self::bonds::{Bond, Group};
+use self::ground::{Ground, seat};
+use self::outside::Bodies;
+use self::places::{Places, spaces};
 
 /// Hairs that follow the strands of a simulation. Strands are among them: those that are their own followers.
 #[derive(Debug, Clone)]
@@ -40,17 +43,8 @@ pub struct Followers {
     groups: Vec<(usize, Option<usize>, bool)>,
     /// The strands at the start.
     guides: HairFrame,
-}
-
-/// What a follower goes with.
-#[derive(Debug, Clone, Copy)]
-struct Bond {
-    guides: [u32; 3],
-    weights: [f32; 3],
-    /// The strand whose room it grows in.
-    own: u32,
-    /// Whether it is that strand.
-    is_strand: bool,
+    /// What followers stay out of.
+    bodies: Vec<Body>,
 }
 
 /// What a picture asks of a follower.
@@ -75,8 +69,23 @@ impl Followers {
     /// [`ExportError::Picture`] if there is no strand, a groom file cannot be read any more, or the hairs are more than
     /// [`MOST_HAIRS`].
     pub fn new(scene: &Scene, start: &HairFrame) -> Result<Self, ExportError> {
-        let fibres = |s: usize| start.fibres.get(s).map_or(1, |fibres| fibres.round().max(1.0) as usize);
+        let fibres = |s: usize| start.fibres.get(s).map_or(1, |fibres| hairs_of((*fibres).into()));
         Self::make(scene, start, fibres, |_, there| there)
+    }
+
+    /// Number of the hairs that [`Self::new`] makes of a scene's strands.
+    ///
+    /// # Errors
+    /// [`ExportError::Picture`] if a groom file cannot be read any more.
+    pub fn number(scene: &Scene, strands: &Strands) -> Result<usize, ExportError> {
+        let mut first = 0;
+        let hairs = parts(scene, strands.len())?.into_iter().map(|part| {
+            let range = first..first + part.strands;
+            first = range.end;
+            let fibres = || range.map(|s| hairs_of(strands.fibres[strands.segments(s).start])).sum();
+            part.file.map_or_else(fibres, |file| file.len())
+        });
+        Ok(hairs.sum())
     }
 
     /// About this many hairs in all, at least one a strand: fewer or more than the strands stand for.
@@ -100,6 +109,7 @@ impl Followers {
             bonds: Vec::new(),
             groups: Vec::new(),
             guides: start.clone(),
+            bodies: scene.bodies.clone(),
         };
         let strands = start.offsets.len() - 1;
         let mut first = 0;
@@ -243,17 +253,18 @@ impl Followers {
         &self.start
     }
 
-    /// The followers when the strands are these. They have no orientations.
+    /// The followers when the strands are these, at `time` \[s\], which says where bodies are. They have no orientations.
     ///
     /// # Errors
     /// [`ExportError::Picture`] if these are other strands than those of the start.
-    pub fn of(&self, strands: &HairFrame) -> Result<HairFrame, ExportError> {
+    pub fn of(&self, strands: &HairFrame, time: f64) -> Result<HairFrame, ExportError> {
         let points = strands.positions.len();
         if strands.offsets != self.guides.offsets || points != self.guides.positions.len() {
             let problem = "the frame has other strands than the followers were made for".to_owned();
             return Err(ExportError::Picture { problem });
         }
         let turns = turns(&self.guides, strands);
+        let bodies = Bodies::at(&self.bodies, time);
         let has_velocities = strands.velocities.len() == points;
         let mut hair = HairFrame { positions: Vec::with_capacity(self.start.positions.len()), ..self.start.clone() };
         for (bond, ends) in self.bonds.iter().zip(self.start.offsets.windows(2)) {
@@ -284,6 +295,9 @@ impl Followers {
                     hair.velocities.push(velocity.to_array());
                 }
             }
+            if !bond.is_strand {
+                bodies.keep_out(&mut hair.positions[ends[0] as usize..]);
+            }
         }
         Ok(hair)
     }
@@ -293,8 +307,13 @@ impl Followers {
     /// # Errors
     /// As [`Self::of`].
     pub fn frame(&self, frame: &Frame) -> Result<Frame, ExportError> {
-        Ok(Frame { step: frame.step, time: frame.time, hair: self.of(&frame.hair)?, ..Frame::default() })
+        Ok(Frame { step: frame.step, time: frame.time, hair: self.of(&frame.hair, frame.time)?, ..Frame::default() })
     }
+}
+
+/// Number of hairs of a strand that stands for so many fibres.
+fn hairs_of(fibres: f64) -> usize {
+    fibres.round().max(1.0) as usize
 }
 
 /// Point `k` of `count` on a strand whose last point is number `last`: the points about it, and the part of the way between.
@@ -338,153 +357,11 @@ fn parts(scene: &Scene, strands: usize) -> Result<Vec<Part>, ExportError> {
     }
     let part = |(index, hair): (usize, &Hair)| match hair.followers(scene.seed) {
         Ok((strands, file)) => Ok(Part { hair: Some(index), strands, file }),
-        Err(error) => Err(ExportError::Picture { problem: format!("hair.{}: {error}", hair.name) }),
+        Err(error) => Err(ExportError::Picture { problem: format!("{}: {error}", scene.called(index)) }),
     };
     let parts: Vec<Part> = scene.hair.iter().enumerate().map(part).collect::<Result<_, _>>()?;
     let total: usize = parts.iter().map(|part| part.strands).sum();
     Ok(if total == strands { parts } else { own() })
-}
-
-/// The strands of a group.
-struct Group<'a> {
-    strands: &'a HairFrame,
-    range: std::ops::Range<usize>,
-    places: Places,
-    /// Mean distance of each strand to those around it [m].
-    spacing: Vec<f32>,
-    /// The strands around each.
-    around: Vec<Vec<usize>>,
-}
-
-impl<'a> Group<'a> {
-    fn new(strands: &'a HairFrame, range: std::ops::Range<usize>) -> Self {
-        let places = Places::new(range.clone().map(|s| Vec3::from_array(points_of(strands, s)[0])).collect());
-        let (spacing, around) = spaces(&places);
-        Self { strands, range, places, spacing, around }
-    }
-
-    /// What a hair goes with whose root is there; it grows in the room of the strand `own`, or of the one whose root is nearest.
-    fn bond(&self, root: Vec3, own: Option<usize>) -> Bond {
-        let near: Vec<usize> = match own {
-            Some(own) => {
-                let i = own - self.range.start;
-                let distance = |i: usize| self.places.points[i].distance_squared(root);
-                let mut near: Vec<_> = [i].into_iter().chain(self.around[i].iter().copied()).collect();
-                near.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)));
-                near
-            }
-            None => self.places.nearest(root, 3).into_iter().map(|(i, _)| i).collect(),
-        };
-        let strand = |i: usize| (self.range.start + i) as u32;
-        let three = [0, 1, 2].map(|k| near[k.min(near.len() - 1)]);
-        let mut weights = weights(root, three.map(|i| self.places.points[i]));
-        // Of two strands or one, the last is there more than once.
-        weights.iter_mut().skip(near.len()).for_each(|weight| *weight = 0.0);
-        let sum: f32 = weights.iter().sum();
-        let own = own.map_or(strand(three[0]), |own| own as u32);
-        Bond { guides: three.map(strand), weights: weights.map(|weight| weight / sum), own, is_strand: false }
-    }
-
-    /// What a strand goes with, which is its own follower.
-    fn itself(&self, s: usize) -> Bond {
-        Bond { guides: [s as u32; 3], weights: [1.0, 0.0, 0.0], own: s as u32, is_strand: true }
-    }
-
-    /// The strand that a file's curve of these points is, if it is one: it starts where that does, and has its shape.
-    fn of_curve(&self, points: &[Vec3]) -> Option<usize> {
-        let near = self.places.nearest(points[0], NEIGHBOURS).into_iter().map(|(i, _)| self.range.start + i);
-        let same = |&s: &usize| {
-            let shape = points_of(self.strands, s);
-            let mut pairs = shape.iter().zip(points);
-            shape.len() == points.len() && pairs.all(|(a, b)| Vec3::from_array(*a).distance(*b) <= SAME)
-        };
-        near.into_iter().find(|s| same(s))
-    }
-}
-
-/// Mean distance of each place to those around it [m], and which those are.
-fn spaces(places: &Places) -> (Vec<f32>, Vec<Vec<usize>>) {
-    let around = |(i, root): (usize, &Vec3)| {
-        let mut near = places.nearest(*root, NEIGHBOURS + 1);
-        near.retain(|&(n, _)| n != i);
-        near.truncate(NEIGHBOURS);
-        let mean = near.iter().map(|&(_, d)| d).sum::<f32>() / near.len().max(1) as f32;
-        (mean, near.into_iter().map(|(n, _)| n).collect())
-    };
-    places.points.iter().enumerate().map(around).unzip()
-}
-
-/// Weights of three places for a point.
-fn weights(x: Vec3, places: [Vec3; 3]) -> [f32; 3] {
-    let [a, b, c] = places;
-    let normal = (b - a).cross(c - a);
-    let area = normal.length_squared();
-    let longest = (b - a).length_squared().max((c - a).length_squared());
-    // A triangle that is thinner is a line.
-    if area > 1e-6 * longest * longest {
-        let part = |p: Vec3, q: Vec3| (q - p).cross(x - p).dot(normal) / area;
-        let weights = [part(b, c), part(c, a), part(a, b)].map(|w| if w.abs() < LEAST_WEIGHT { 0.0 } else { w });
-        if weights.iter().all(|&weight| weight >= 0.0) {
-            return weights;
-        }
-    }
-    let nearest = places.map(|place| place.distance_squared(x));
-    let least = nearest.iter().copied().fold(f32::INFINITY, f32::min).max(f32::MIN_POSITIVE);
-    nearest.map(|square| {
-        let weight = least / square.max(f32::MIN_POSITIVE);
-        if weight < LEAST_WEIGHT { 0.0 } else { weight }
-    })
-}
-
-/// Points by the place where they are, so that many are found as quickly as few.
-struct Places {
-    points: Vec<Vec3>,
-    low: Vec3,
-    /// Side of a bucket [m].
-    cell: f32,
-    buckets: HashMap<IVec3, Vec<usize>>,
-}
-
-impl Places {
-    fn new(points: Vec<Vec3>) -> Self {
-        let (low, high) = points.iter().fold((Vec3::MAX, Vec3::MIN), |(a, b), &x| (a.min(x), b.max(x)));
-        // Roots lie on a surface: about one in each bucket of this size.
-        let cell = ((high - low).max_element() / (points.len() as f32).sqrt()).max(1e-6);
-        let mut places = Self { points, low, cell, buckets: HashMap::new() };
-        for (i, x) in places.points.iter().enumerate() {
-            places.buckets.entry(((*x - low) / cell).as_ivec3()).or_default().push(i);
-        }
-        places
-    }
-
-    /// The nearest points, with their distances [m], the nearest first.
-    fn nearest(&self, x: Vec3, count: usize) -> Vec<(usize, f32)> {
-        let at = ((x - self.low) / self.cell).as_ivec3();
-        let mut found: Vec<(usize, f32)> = Vec::new();
-        let with_distance = |&i: &usize| (i, self.points[i].distance(x));
-        for reach in [1, 2, 4] {
-            found.clear();
-            for dx in -reach..=reach {
-                for dy in -reach..=reach {
-                    for dz in -reach..=reach {
-                        let bucket = self.buckets.get(&at.saturating_add(IVec3::new(dx, dy, dz)));
-                        found.extend(bucket.into_iter().flatten().map(with_distance));
-                    }
-                }
-            }
-            // What is farther than these buckets reach may not be all there is.
-            let near = reach as f32 * self.cell;
-            if found.iter().filter(|(_, distance)| *distance <= near).count() >= count {
-                break;
-            }
-            if reach == 4 {
-                found = (0..self.points.len()).map(|i| with_distance(&i)).collect();
-            }
-        }
-        found.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-        found.truncate(count);
-        found
-    }
 }
 
 /// The points of strand `s`.
@@ -499,77 +376,6 @@ pub(crate) fn root_frame(hair: &HairFrame, s: usize) -> Quat {
     if q.length_squared() > 0.5 { q.normalize() } else { Quat::IDENTITY }
 }
 
-/// What the strands of a group are rooted on, where that is known.
-enum Ground<'a> {
-    Unknown,
-    Patch(&'a Patch),
-    /// A body where it is at the start.
-    Body(Shape),
-}
-
-impl<'a> Ground<'a> {
-    fn new(scene: &Scene, roots: Option<&'a Roots>) -> Self {
-        match roots {
-            Some(Roots::Patch(patch)) => Self::Patch(patch),
-            Some(Roots::Mesh(scalp)) => {
-                let body = scene.bodies.iter().find(|body| body.name == scalp.body);
-                body.map_or(Self::Unknown, |body| Self::Body(body.at(0.0)))
-            }
-            None => Self::Unknown,
-        }
-    }
-
-    /// The root of a hair of a strand, `seat` away in the strand's cross-section: beside it on what that is rooted on.
-    fn place(&self, root: Vec3, frame: Quat, seat: Vec3) -> Vec3 {
-        let across = root + frame * seat;
-        match self {
-            Self::Unknown => across,
-            Self::Patch(patch) => beside(patch, root, frame, seat),
-            Self::Body(shape) => {
-                // A second time takes what the first left where the surface curves.
-                let onto = |x: DVec3| {
-                    let (distance, normal) = shape.signed_distance(x);
-                    x - distance * normal
-                };
-                onto(onto(across.as_dvec3())).as_vec3()
-            }
-        }
-    }
-}
-
-/// The place on a patch that is `seat` away from a root there.
-fn beside(roots: &Patch, root: Vec3, frame: Quat, seat: Vec3) -> Vec3 {
-    let across = root + frame * seat;
-    let [center, normal] = [roots.center, roots.normal].map(|v| Vec3::from_array(v.map(|x| x as f32)));
-    let radius = roots.radius as f32;
-    match roots.shape {
-        RootShape::Disc => {
-            // Hair may lean on it.
-            let x = root - center + Quat::from_rotation_arc(frame * Vec3::Z, normal) * frame * seat;
-            center + within(x.length(), radius) * x.normalize_or_zero()
-        }
-        RootShape::SphereCap => center + radius * (across - center).normalize_or(normal),
-        RootShape::Line => {
-            let level = Vec3::Y.cross(normal);
-            let along = if level.length() > 1e-6 { level.normalize() } else { Vec3::X };
-            center + within((root - center).dot(along) + seat.x, radius) * along
-        }
-    }
-}
-
-/// Mirrors what would be beyond an end to as far before it.
-fn within(x: f32, end: f32) -> f32 {
-    x - 2.0 * (x - x.clamp(-end, end))
-}
-
-/// Hair k of a strand: even over the disc that the strand has for itself (a sunflower), about its root.
-fn seat(spacing: f32, k: usize, of: usize, seed: u32) -> Vec3 {
-    let part = (k as f32 + 0.7 * (chance(seed, 2) - 0.5)) / of as f32;
-    let radius = 0.75 * spacing * part.max(0.0).sqrt();
-    let angle = TAU * (0.381_966 * k as f32 + 0.4 * chance(seed, 3));
-    Vec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
-}
-
 /// A drawn hair's seed, and numbers from it: laid out as in common.wgsl.
 pub(crate) fn hash(x: u32) -> u32 {
     let state = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
@@ -579,160 +385,4 @@ pub(crate) fn hash(x: u32) -> u32 {
 
 pub(crate) fn chance(seed: u32, draw: u32) -> f32 {
     (hash(seed ^ hash(draw)) >> 8) as f32 / 16_777_216.0
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Every follower is rooted on the shape that its strands are rooted on.
-    #[test]
-    fn followers_are_rooted_on_the_shape() {
-        let center = Vec3::new(0.1, 0.2, 0.3);
-        let normal = Vec3::new(0.5, -1.0, 0.1).normalize();
-        let along = Vec3::Y.cross(normal).normalize();
-        let off = |shape: &str, x: Vec3| match shape {
-            "disc" => x.dot(normal).abs().max(x.length() - 0.02),
-            "line" => (x - x.dot(along).clamp(-0.02, 0.02) * along).length(),
-            _ => (x.length() - 0.02).abs(),
-        };
-        let lean = ", normal = [0.5, -1, 0.1]";
-        for (shape, lean, curl) in [
-            ("disc", lean, ""),
-            ("disc", lean, "curl = { radius = 0.01, pitch = 0.03 }"),
-            ("line", lean, ""),
-            ("sphere_cap", "", ""),
-        ] {
-            let text = format!(
-                "time = {{ step = 1.38e-3, duration = 1.0 }}
-                interaction.model = \"none\"
-                [hair]
-                strands = 40
-                points = 12
-                length = 0.1
-                {curl}
-                roots = {{ shape = \"{shape}\", center = [0.1, 0.2, 0.3], radius = 0.02, direction = [1, -0.3, 0]{lean} }}"
-            );
-            let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"));
-            let start = windswept_scene::InitialState::new(&scene).unwrap_or_else(|error| panic!("{error}")).hair;
-            let frame = HairFrame {
-                offsets: start.point_offsets.clone(),
-                positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
-                orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
-                root_frames: start.root_frame.iter().map(|q| q.as_quat().to_array()).collect(),
-                ..HairFrame::default()
-            };
-            let followers = Followers::about(&scene, &frame, 400).unwrap_or_else(|error| panic!("{error}"));
-            assert_eq!(followers.len(), 400);
-            for s in 0..400 {
-                let root = Vec3::from_array(points_of(&followers.start, s)[0]);
-                // [m]; measured 1.5e-8, round-off of coordinates of 0.3 m.
-                assert!(off(shape, root - center) < 1e-7, "{root} is off the {shape}: {}", off(shape, root - center));
-            }
-            // At the start the strands are among the hairs, and every hair has its own shape.
-            let back = followers.of(&frame).unwrap_or_else(|error| panic!("{error}"));
-            assert_eq!(followers.start.guides.iter().filter(|guide| **guide).count(), 40);
-            assert_eq!(back.positions[..frame.positions.len()], frame.positions);
-            let far = back.positions.iter().zip(&followers.start.positions);
-            let far = far.map(|(a, b)| Vec3::from_array(*a).distance(Vec3::from_array(*b))).fold(0.0, f32::max);
-            // [m]; measured 7.3e-8, round-off of coordinates of 0.4 m.
-            assert!(far < 2e-7, "{far}");
-        }
-    }
-
-    /// The roots of a rigid body's motion carry every follower as the body: one within three guides exactly, velocity and all.
-    #[test]
-    fn a_rigid_motion_moves_followers_rigidly() {
-        let roots = [[0.0, 0.0, 0.0], [0.02, 0.0, 0.0], [0.0, 0.0, 0.03], [0.05, 0.01, 0.05]];
-        let shape = |root: [f32; 3]| {
-            (0..5).map(move |k| [root[0] + 0.002 * (k * k) as f32, root[1] - 0.01 * k as f32, root[2]])
-        };
-        let start = HairFrame {
-            offsets: vec![0, 5, 10, 15, 20],
-            positions: roots.into_iter().flat_map(shape).collect(),
-            velocities: vec![[0.0; 3]; 20],
-            orientations: vec![[0.0, 0.0, 0.0, 1.0]; 16],
-            root_frames: vec![Quat::from_rotation_arc(Vec3::Z, Vec3::NEG_Y).to_array(); 4],
-            fibres: vec![30.0; 4],
-            ..HairFrame::default()
-        };
-        let text = "time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"";
-        let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
-        let followers = Followers::new(&scene, &start).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(followers.len(), 120);
-        let (turn, shift) = (Quat::from_rotation_y(0.8) * Quat::from_rotation_x(-0.3), Vec3::new(0.1, -0.2, 0.3));
-        let spin = Vec3::new(1.0, -2.0, 0.5);
-        let mut moved = start.clone();
-        for (x, v) in moved.positions.iter_mut().zip(&mut moved.velocities) {
-            let there = turn * Vec3::from_array(*x) + shift;
-            (*x, *v) = (there.to_array(), spin.cross(there).to_array());
-        }
-        moved.root_frames.iter_mut().for_each(|q| *q = (turn * Quat::from_array(*q)).to_array());
-        let now = followers.of(&moved).unwrap_or_else(|error| panic!("{error}"));
-        let mut inside = 0;
-        for (s, (guides, weights)) in followers.guides().enumerate() {
-            let average: Vec3 = (0..3).map(|j| weights[j] * Vec3::from_array(roots[guides[j] as usize])).sum();
-            let root = Vec3::from_array(points_of(&followers.start, s)[0]);
-            let averages = average.distance(root) < 1e-7;
-            inside += usize::from(averages);
-            for (k, x) in points_of(&followers.start, s).iter().enumerate() {
-                let i = now.offsets[s] as usize + k;
-                let there = turn * Vec3::from_array(*x) + shift;
-                let (found, velocity) = (Vec3::from_array(now.positions[i]), Vec3::from_array(now.velocities[i]));
-                // Measured 6.8e-8 m, and 1.2e-7 m/s for those within the triangle.
-                assert!(found.distance(there) < 3e-7, "follower {s}: {found}, not {there}");
-                assert!(!averages || velocity.distance(spin.cross(there)) < 5e-7, "follower {s}: {velocity}");
-            }
-        }
-        assert!(inside > 5, "{inside} are within the triangle");
-    }
-
-    /// Of a groom file's hairs that follow, as many are taken as asked for: some, all, or all and others beside them.
-    #[test]
-    fn a_files_hairs_come_first() {
-        let folder = tempfile::tempdir().unwrap_or_else(|error| panic!("{error}"));
-        let roots = (0..50).map(|k| (0.4 * f64::from(k), 1e-3 * f64::from(k).sqrt()));
-        let points: Vec<[f64; 3]> = roots
-            .flat_map(|(angle, radius)| {
-                (0..4).map(move |k| [radius * angle.cos(), -0.01 * f64::from(k), radius * angle.sin()])
-            })
-            .collect();
-        let curves = Curves {
-            points,
-            offsets: (0..=50).map(|s| 4 * s).collect(),
-            ids: (0..50).map(|s| 3 * s).collect(),
-            unit: Some(1.0),
-            ..Curves::default()
-        };
-        let path = folder.path().join("groom.npz");
-        curves.save(&path).unwrap_or_else(|error| panic!("{error}"));
-        let text = format!(
-            "time = {{ step = 1e-3, duration = 1 }}\ninteraction.model = \"none\"\n[hair]\nfile = {:?}\nstrands = 7",
-            path.display().to_string()
-        );
-        let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"));
-        let start = windswept_scene::InitialState::new(&scene).unwrap_or_else(|error| panic!("{error}")).hair;
-        let frame = HairFrame {
-            offsets: start.point_offsets.clone(),
-            ids: start.ids.clone(),
-            positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
-            ..HairFrame::default()
-        };
-        for (asked, in_file) in [(20, 20), (50, 50), (120, 50)] {
-            let hairs = Followers::about(&scene, &frame, asked).unwrap_or_else(|error| panic!("{error}"));
-            assert_eq!(hairs.len(), asked as usize);
-            let own = hairs.start.ids.iter().filter(|id| curves.ids.contains(id));
-            assert_eq!(own.count(), in_file);
-            for s in 0..hairs.len() {
-                // Roots are less than 1 mm apart.
-                let root = Vec3::from_array(points_of(&hairs.start, s)[0]);
-                let near = (0..50).map(|k| Vec3::from_array(curves.strand(k)[0].map(|x| x as f32)).distance(root));
-                assert!(near.fold(f32::MAX, f32::min) < if s < 50 { 1e-9 } else { 2e-3 }, "{root}");
-            }
-            let guides = hairs.start.guides.iter().filter(|guide| **guide).count();
-            assert!(guides == 7 || (asked < 50 && guides < 7), "{guides}");
-        }
-        let all = Followers::new(&scene, &frame).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!((all.len(), &all.start.ids), (50, &curves.ids));
-    }
 }

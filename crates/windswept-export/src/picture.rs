@@ -7,7 +7,7 @@ use image::{ExtendedColorType, ImageEncoder, ImageReader, Rgba, RgbaImage};
 
 use crate::ExportError;
 
-/// Space between the pictures of a contact sheet [px].
+/// Space between the pictures of a contact sheet \[px\].
 const GAP: u32 = 4;
 
 /// Writes a picture as PNG, RGB without its alpha: all of it or, where the disk refuses, no file.

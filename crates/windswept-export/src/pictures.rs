@@ -32,7 +32,7 @@ impl Pictures {
         Ok(Self { renderer, preview: Preview::new(folder.join(preview)), folder: folder.join("frames"), made: 0 })
     }
 
-    /// Goes on with a film whose first frames, at these times [s], were drawn; pictures behind them are removed.
+    /// Goes on with a film whose first frames, at these times \[s\], were drawn; pictures behind them are removed.
     ///
     /// # Errors
     /// [`ExportError::File`] if a picture that the preview shows cannot be read, or another one not removed.

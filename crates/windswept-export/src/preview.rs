@@ -12,9 +12,9 @@ use crate::ExportError;
 
 /// The most pixels along a side.
 const SIDE: u32 = 512;
-/// The longest that the film is [s].
+/// The longest that the film is \[s\].
 const LENGTH: f64 = 3.0;
-/// The shortest time between two pictures [s].
+/// The shortest time between two pictures \[s\].
 const PERIOD: f64 = 1.0 / 15.0;
 /// The largest change of a channel at which a pixel is left as it is.
 const UNCHANGED: u8 = 7;
@@ -28,7 +28,7 @@ pub struct Preview {
     encoder: Option<Encoder<BufWriter<File>>>,
     /// The picture that a viewer shows now.
     shown: Option<RgbaImage>,
-    /// Time of the first picture [s].
+    /// Time of the first picture \[s\].
     start: f64,
     /// The latest picture, written once the next says how long it is shown, and when it came after the first [1/100 s].
     waiting: Option<(RgbaImage, u16)>,
@@ -52,7 +52,7 @@ impl Preview {
         }
     }
 
-    /// Whether the film takes a picture at this time [s], or it comes too soon after the last or after the end.
+    /// Whether the film takes a picture at this time \[s\], or it comes too soon after the last or after the end.
     #[must_use]
     pub fn takes(&self, time: f64) -> bool {
         let passed = time - self.start;
@@ -61,7 +61,7 @@ impl Preview {
         self.taken == 0 || !(soon || passed > LENGTH - PERIOD)
     }
 
-    /// Takes a picture at this time [s], unless it comes too soon after the last or after the end. All have one size.
+    /// Takes a picture at this time \[s\], unless it comes too soon after the last or after the end. All have one size.
     ///
     /// # Errors
     /// [`ExportError::File`] if the file cannot be written.

@@ -28,7 +28,7 @@ use passes::Passes;
 use target::Target;
 pub use view::View;
 
-/// Turn from one drawn point of a hair to the next that still looks round [rad].
+/// Turn from one drawn point of a hair to the next that still looks round \[rad\].
 const ROUND: f32 = 0.20;
 /// Points of a hair, at least.
 const FEWEST_POINTS: u32 = 48;
@@ -139,7 +139,7 @@ impl Renderer {
         let margin = 0.03 * (high - low).max_element() + 1e-3;
         let (low, high) = ((low - margin).as_dvec3(), (high + margin).as_dvec3());
         let uniform = self.view.uniform(low, high, self.groom.hairs.len() as u32, self.samples);
-        let followers = self.groom.followers.of(&frame.hair)?;
+        let followers = self.groom.followers.of(&frame.hair, frame.time)?;
         self.passes.upload(&self.gpu, &uniform, &self.scene, frame, &followers)?;
         let air = self.passes.air(&self.gpu, &air)?;
         self.gpu.checked(

@@ -3,13 +3,13 @@
 //! ```text
 //! /VTKHDF                        Version (2, 0), Type "PolyData"
 //!   NumberOfPoints (1)           n, the points of one frame
-//!   Points (frames n, 3)         f32 [m]
+//!   Points (frames n, 3)         f32 \[m\]
 //!   Vertices, Lines, Strips, Polygons    where one is missing, even an empty one, readers see no points
 //!     NumberOfCells (1), NumberOfConnectivityIds (1), Offsets (cells + 1), Connectivity (n)
 //!   PointData
-//!     Velocity (frames n, 3)     f32 [m/s]
-//!     Radius (n)                 f32 [m], hair only: of a fibre
-//!     Vorticity, BandEnergy (frames n)    f32 [1/s], [m²/s²], air only, where the frames have them
+//!     Velocity (frames n, 3)     f32 \[m/s\]
+//!     Radius (n)                 f32 \[m\], hair only: of a fibre
+//!     Vorticity, BandEnergy (frames n)    f32 \[1/s\], [m²/s²], air only, where the frames have them
 //!     Orientation (frames n, 4)  f32, hair only: of the segment that starts at the point; the tip, where none starts,
 //!                                repeats the last. (x, y, z, w), material frame to world
 //!   CellData
@@ -19,7 +19,7 @@
 //!     RootUv (strands, 2)        f32, hair only: place of the root in a texture, where a groom file has it
 //!     RootFrame (frames strands, 4)    f32, hair only: of the clamp at the root. (x, y, z, w)
 //!   Steps                        NSteps: how many frames are finished
-//!     Values (NSteps)            [s]
+//!     Values (NSteps)            \[s\]
 //!     PointOffsets, PointDataOffsets/*    where a frame starts: k n
 //!     CellDataOffsets/RootFrame (NSteps)           likewise, k strands
 //!     PartOffsets, CellOffsets, ConnectivityIdOffsets, the other CellDataOffsets, PointDataOffsets/Radius
@@ -343,7 +343,7 @@ fn checked(kind: Kind, frame: &Frame, frames: usize) -> Result<(usize, Vec<u32>)
     }
 }
 
-/// Positions [m] and velocities [m/s].
+/// Positions \[m\] and velocities \[m/s\].
 fn arrays(kind: Kind, frame: &Frame) -> (&[[f32; 3]], &[[f32; 3]]) {
     match kind {
         Kind::Hair => (&frame.hair.positions, &frame.hair.velocities),

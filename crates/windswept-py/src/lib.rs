@@ -8,7 +8,7 @@
 //! `air.vorticity` goes the same way; `air.density_ratio` and `air.band_energy` are copied twice, and `render` copies a
 //! picture's rows once to take their padding out.
 //!
-//! The engine runs with the interpreter released, and no panic reaches Python: [`outside`].
+//! The engine runs with the interpreter released, and no panic reaches Python: `outside`.
 
 mod arrays;
 mod errors;

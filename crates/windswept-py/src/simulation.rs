@@ -201,7 +201,7 @@ impl Simulation {
     #[getter]
     fn scene(&self, py: Python<'_>) -> PyResult<Scene> {
         let mut inner = self.engine(py, |sim| sim.scene().clone())?;
-        inner.text = windswept_scene::Source(inner.text_now());
+        inner.text.text = inner.text_now();
         Ok(Scene { inner })
     }
 
@@ -234,7 +234,7 @@ impl Simulation {
             let engine = lock(&self.engine);
             let followers = self.following(&engine)?;
             let frame = engine.frame().map_err(|error| of_run(&error))?;
-            let hair = followers.of(&frame.hair).map_err(|error| of_export(&error))?;
+            let hair = followers.of(&frame.hair, frame.time).map_err(|error| of_export(&error))?;
             Ok::<_, PyErr>((followers, hair))
         })??;
         Followers::new(py, &followers, hair)

@@ -15,7 +15,7 @@ use crate::{
         Key,
         Kind::{Choice, Length, NonNegative, Positive, Table, Tables, Text, Vector},
     },
-    limits::MOST_BLOCKED,
+    limits::{MOST_BLOCKED, MOST_GRID_VALUES},
     motion::Motion,
     reader::Reader,
     scene::{Bounds, Scene, Up},
@@ -326,8 +326,29 @@ impl Keys for Shape {
 }
 
 impl Scene {
-    /// The wind must get past the bodies.
+    /// The solids of the meshes, one for each grid of distances that is in memory: bodies of one file share it.
+    #[must_use]
+    pub fn solids(&self) -> Vec<&Solid> {
+        let mut all: Vec<&Solid> = Vec::new();
+        for solid in self.bodies.iter().filter_map(|body| body.shape.solid()) {
+            if !all.iter().any(|other| other.shares_grid(solid)) {
+                all.push(solid);
+            }
+        }
+        all
+    }
+
+    /// The grids of all meshes must fit into one buffer, and the wind must get past the bodies.
     pub(crate) fn check_bodies(&self, reader: &Reader<'_>) -> Result<(), SceneError> {
+        let nodes: usize = self.solids().iter().map(|solid| solid.grid().values.len()).sum();
+        if nodes > MOST_GRID_VALUES {
+            let most = |body: &Body| body.shape.solid().map_or(0, |solid| solid.grid().values.len());
+            let largest = (0..self.bodies.len()).max_by_key(|&i| most(&self.bodies[i])).unwrap_or_default();
+            let words = format!(
+                "the grids of all meshes have {nodes} nodes together; expected at most {MOST_GRID_VALUES}, with a larger resolution"
+            );
+            return Err(reader.fault(&format!("body.{largest}.resolution"), words));
+        }
         let Some((air, bounds)) = self.filled() else { return Ok(()) };
         let bodies: Vec<Shape> = self.bodies.iter().map(|body| body.at(0.0)).collect();
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate().filter(|&(axis, _)| air.wind[axis] != 0.0) {

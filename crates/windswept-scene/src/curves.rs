@@ -101,7 +101,16 @@ impl GroomFormat {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
         Self::ALL.iter().find(|format| format.extension == ending).ok_or_else(|| {
             let known: Vec<_> = Self::ALL.iter().map(|format| format!(".{}", format.extension)).collect();
-            SceneError::new(format!("expected a groom file: {}", known.join(", ")))
+            let fault = SceneError::new(format!("expected a groom file: {}", known.join(", ")));
+            match ending.as_str() {
+                "usd" | "usda" | "usdc" | "usdz" => {
+                    fault.with_help("windswept.usd.to_npz(FILE, \"groom.npz\") in Python makes one of a USD file")
+                }
+                "abc" => fault.with_help(
+                    "Blender imports Alembic and exports USD, of which windswept.usd.to_npz(FILE, \"groom.npz\") in Python makes one",
+                ),
+                _ => fault,
+            }
         })
     }
 

@@ -114,11 +114,40 @@ impl Force {
         self.keyframes().iter().map(|(_, strength)| strength.abs()).fold(0.0, f64::max)
     }
 
+    /// Whether the field may blow somewhere in a box of these corners \[m\]. A jet counts as round at its ends.
+    pub(crate) fn reaches(&self, [low, high]: [DVec3; 2]) -> bool {
+        let origin = DVec3::from_array(self.origin);
+        if low.cmpgt(high).any() || !(low.is_finite() && high.is_finite()) {
+            return low.cmple(high).all();
+        }
+        let off = |along: f64| {
+            let x = origin + along * self.axis();
+            x.distance(x.clamp(low, high))
+        };
+        match self.field {
+            ForceField::Point => off(0.0) <= self.reach,
+            ForceField::Jet => least(off, 0.0, self.reach) <= self.radius,
+            ForceField::Vortex => {
+                let (middle, half) = ((0.5 * (low + high) - origin).dot(self.axis()), 0.5 * low.distance(high));
+                least(off, middle - half, middle + half) <= self.reach
+            }
+        }
+    }
+
     /// Direction of the axis; of a point any, as it has none.
     #[must_use]
     pub fn axis(&self) -> DVec3 {
         self.axis.map_or(DVec3::Y, DVec3::from_array)
     }
+}
+
+/// The least value of a convex function from `low` to `high`, to within a millionth of the way.
+fn least(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    for _ in 0..35 {
+        let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+        if f(a) < f(b) { high = b } else { low = a }
+    }
+    f(0.5 * (low + high))
 }
 
 impl Scene {

@@ -11,6 +11,7 @@ use crate::{
     error::SceneError,
     groom::{Groom, PerStrand},
     initial::{End, Strands},
+    keys::Key,
     limits::MOST_HAIR_POINTS,
     scatter::{Seat, scatter},
     scene::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, Patch, RootShape, Roots, Scene},
@@ -30,7 +31,7 @@ const COARSE_TURN: f64 = PI / 2.0;
 ///
 /// # Errors
 /// [`SceneError`] where a groom file cannot be read, or its strands cannot be simulated, and where roots are on a body that is not
-/// there.
+/// there. Its key is a real path, for [`Scene::located`].
 pub(crate) fn strands(scene: &Scene, parcel: Parcel, warnings: &mut Vec<String>) -> Result<Strands, SceneError> {
     let mut all = Strands { point_offsets: vec![0], ..Strands::default() };
     for (group, hair) in scene.hair.iter().enumerate() {
@@ -38,14 +39,14 @@ pub(crate) fn strands(scene: &Scene, parcel: Parcel, warnings: &mut Vec<String>)
             HairSource::Drawn(drawn) => draw(scene, group, hair, drawn, parcel, &mut all, warnings)?,
             HairSource::File(file) => {
                 let groom = groom(scene, group, hair, file, warnings);
-                let groom = groom.map_err(|error| error.at(format!("hair.{}.file", hair.name), None))?;
+                let groom = groom.map_err(|error| of_group(group, &file.file, &error))?;
                 if all.positions.len() + groom.points.len() > MOST_HAIR_POINTS as usize {
                     let points = all.positions.len() + groom.points.len();
                     let words = format!("makes {points} hair points; expected at most {MOST_HAIR_POINTS}");
-                    return Err(SceneError::new(words).at(format!("hair.{}.strands", hair.name), None));
+                    return Err(SceneError::new(words).at(format!("hair.{group}.strands"), None));
                 }
                 let notes = groom.append(scene, parcel, &mut all);
-                warnings.extend(notes.iter().map(|note| format!("hair {}: {note}", hair.name)));
+                warnings.extend(notes.iter().map(|note| format!("{}: {note}", scene.called(group))));
             }
         }
     }
@@ -53,6 +54,14 @@ pub(crate) fn strands(scene: &Scene, parcel: Parcel, warnings: &mut Vec<String>)
         all.ids.clear();
     }
     Ok(all)
+}
+
+/// The error of a groom file as one of the group's key that is at fault, by its real path.
+fn of_group(group: usize, file: &str, error: &SceneError) -> SceneError {
+    let own = error.key().filter(|key| Key::find(&format!("hair.{key}")).is_some());
+    let fault = SceneError::new(format!("{file}: {}", error.message()));
+    let fault = fault.at(format!("hair.{group}.{}", own.unwrap_or("file")), None);
+    error.help().into_iter().fold(fault, |fault, help| fault.with_help(help))
 }
 
 /// The strands of a group's file, where the group's motion has them at the start.
@@ -64,7 +73,7 @@ fn groom(
     warnings: &mut Vec<String>,
 ) -> Result<Groom, SceneError> {
     let (read, notes) = file.groom(scene.seed)?;
-    warnings.extend(notes.into_iter().map(|note| format!("hair {}: {note}", hair.name)));
+    warnings.extend(notes.into_iter().map(|note| format!("{}: {note}", scene.called(group))));
     let fibre = match read.fibre {
         PerStrand::All(_) => hair.fibre.into(),
         PerStrand::Each(fibres) => {
@@ -127,7 +136,7 @@ fn draw(
         Roots::Patch(_) => Vec::new(),
         Roots::Mesh(scalp) => {
             let found = scene.scalp(scalp).map_err(|error| {
-                let key = format!("hair.{}.roots.{}", hair.name, error.key().unwrap_or("body"));
+                let key = format!("hair.{group}.roots.{}", error.key().unwrap_or("body"));
                 error.at(key, None)
             });
             let (_, solid, triangles) = found?;
@@ -159,8 +168,8 @@ fn draw(
     let turn = darboux(drawn.curl).length() * drawn.length / f64::from(drawn.points - 1);
     if turn > COARSE_TURN {
         warnings.push(format!(
-            "hair {}: the curl turns by {:.0} degrees per segment; more points would follow it better",
-            hair.name,
+            "{}: the curl turns by {:.0} degrees per segment; more points would follow it better",
+            scene.called(group),
             turn.to_degrees()
         ));
     }

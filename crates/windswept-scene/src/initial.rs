@@ -198,9 +198,14 @@ impl Strands {
         self.point_offsets[..self.len()].iter().map(|&point| self.positions[point as usize])
     }
 
+    /// Index in the scene of the group of strand `s`, if it has one.
+    fn group_index(&self, s: usize, scene: &Scene) -> Option<usize> {
+        self.group.get(s).map(|group| *group as usize).filter(|group| *group < scene.hair.len())
+    }
+
     /// The group of strand `s`, if it has one.
     pub(crate) fn group<'a>(&self, s: usize, scene: &'a Scene) -> Option<&'a Hair> {
-        scene.hair.get(*self.group.get(s)? as usize)
+        self.group_index(s, scene).map(|group| &scene.hair[group])
     }
 
     /// Coulomb's coefficient of friction of strand `s` on other strands.
@@ -209,9 +214,14 @@ impl Strands {
         self.friction.get(s).copied().unwrap_or(FRICTION)
     }
 
-    /// The key that strand `s` comes from: `hair.NAME`, or `groom` where the scene has no hair.
+    /// What messages call the group that strand `s` is of: as [`Scene::called`], or `groom` where the scene has no hair.
     pub(crate) fn origin(&self, s: usize, scene: &Scene) -> String {
-        self.group(s, scene).map_or_else(|| "groom".to_owned(), |hair| format!("hair.{}", hair.name))
+        self.group_index(s, scene).map_or_else(|| "groom".to_owned(), |group| scene.called(group))
+    }
+
+    /// The real path of the table that strand `s` comes from, for [`Scene::located`]; `groom` where the scene has no hair.
+    fn table(&self, s: usize, scene: &Scene) -> String {
+        self.group_index(s, scene).map_or_else(|| "groom".to_owned(), |group| format!("hair.{group}"))
     }
 
     /// Whether the arrays belong together and hold numbers.
@@ -305,7 +315,7 @@ impl Strands {
                     STRAND_MAGNITUDES.start(),
                     STRAND_MAGNITUDES.end()
                 );
-                return Err(SceneError::new(words).at(self.origin(s, scene), None));
+                return Err(SceneError::new(words).at(self.table(s, scene), None));
             }
         }
         Ok(())
@@ -361,11 +371,10 @@ impl InitialState {
     /// # Errors
     /// [`SceneError`] when the scene has neither hair nor air, when hair fills the box of air, when `air.margin` leaves no box,
     /// when a root is deep inside a body, when a groom file cannot be read, and when a strand's masses or compliances are beyond
-    /// what `f32` holds. It has a key but no line: a scene may
-    /// have been made in code.
+    /// what `f32` holds. It has the line of its key where the scene has a text, and none where the scene was made in code.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let mut warnings = Vec::new();
-        let hair = hair::strands(scene, parcel(scene), &mut warnings)?;
+        let hair = hair::strands(scene, parcel(scene), &mut warnings).map_err(|error| scene.located(error))?;
         Self::with_hair(scene, hair, warnings)
     }
 
@@ -379,7 +388,11 @@ impl InitialState {
         Self::with_hair(&Scene { hair: Vec::new(), ..scene.clone() }, hair, warnings)
     }
 
-    fn with_hair(scene: &Scene, mut hair: Strands, mut warnings: Vec<String>) -> Result<Self, SceneError> {
+    fn with_hair(scene: &Scene, hair: Strands, warnings: Vec<String>) -> Result<Self, SceneError> {
+        Self::filled(scene, hair, warnings).map_err(|error| scene.located(error))
+    }
+
+    fn filled(scene: &Scene, mut hair: Strands, mut warnings: Vec<String>) -> Result<Self, SceneError> {
         if hair.ends.iter().all(|ends| *ends == Ends::default()) {
             hair.ends.clear();
         }
@@ -394,7 +407,7 @@ impl InitialState {
         warnings.extend(warnings::of_idle(scene));
         warnings.extend(warnings::of_rods(scene, &hair));
         warnings.extend(warnings::of_friction(scene, &hair));
-        warnings.extend(warnings::of_bodies(scene, &hair, &bodies));
+        warnings.extend(warnings::of_bodies(&hair, &bodies));
         let filled = scene.filled();
         if hair.is_empty() && filled.is_none() {
             return Err(SceneError::new("is missing: the scene has neither hair nor air particles").at("hair", None));
@@ -418,8 +431,22 @@ impl InitialState {
         } else {
             state.origin = state.hair.roots().sum::<DVec3>() / state.hair.len() as f64;
         }
+        state.warnings.extend(warnings::of_fields(scene, &state.hair, &state.air));
         Ok(state)
     }
+}
+
+/// How large the group of a strand and a body are, where they may be of two scales.
+fn sizes(hair: &Strands, strand: usize, body: &str, shape: &Shape) -> String {
+    let of_group = |&s: &usize| hair.group.get(s) == hair.group.get(strand);
+    let points = (0..hair.len()).filter(of_group).flat_map(|s| &hair.positions[hair.points(s)]);
+    let bounds = points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)]);
+    let sides = |[low, high]: [DVec3; 2]| (high - low).to_array().map(|side| format!("{side:.3}")).join(" x ");
+    format!(
+        "the groom is {} m large, body \"{body}\" {} m: hair.scale is the metres per unit of the groom's file",
+        sides(bounds),
+        sides(shape.bounds())
+    )
 }
 
 /// Whether every strand can leave the bodies that it grows on.
@@ -432,9 +459,13 @@ fn rooted_outside(scene: &Scene, hair: &Strands, bodies: &[Shape]) -> Result<(),
                     "strand {strand} is rooted {depth:.2e} m inside body \"{}\"; expected at most a tenth of its radius, {most:.2e} m",
                     body.name
                 );
-                let place = hair.origin(strand, scene);
-                let key = if scene.hair.is_empty() { place } else { format!("{place}.roots") };
-                return Err(SceneError::new(words).at(key, None));
+                let place = hair.table(strand, scene);
+                let fault = |key: String| SceneError::new(words).at(key, None);
+                return Err(match hair.group(strand, scene) {
+                    None => fault(place),
+                    Some(group) if group.drawn().is_some() => fault(format!("{place}.roots")),
+                    Some(_) => fault(format!("{place}.scale")).with_help(sizes(hair, strand, &body.name, shape)),
+                });
             }
         }
     }

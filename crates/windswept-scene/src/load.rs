@@ -7,10 +7,10 @@ use crate::{
     declare::Keys,
     document::Document,
     error::SceneError,
-    keys,
+    keys::{self, Key},
     limits::LARGEST_SCENE_FILE,
     reader::Reader,
-    scene::{Scene, Source},
+    scene::{Hair, Scene, Source},
 };
 
 impl Scene {
@@ -72,7 +72,7 @@ impl Scene {
             changed = set.map_err(|error| if error.source_name().is_empty() { error.of(name, text) } else { error })?;
         }
         match read(&changed, folder) {
-            Ok(scene) => Ok(Self { text: Source(changed), ..scene }),
+            Ok(scene) => Ok(Self { text: Source { text: changed, name: name.to_owned() }, ..scene }),
             Err(error) => Err(match guilty(&error, text, folder, sets) {
                 Some(assignment) => error.of_assignment(assignment),
                 None => error.of(name, &changed),
@@ -83,7 +83,36 @@ impl Scene {
     /// Text that the scene was read from, assignments included: what `scene.toml` in a run's folder holds.
     #[must_use]
     pub fn text(&self) -> &str {
-        &self.text.0
+        &self.text.text
+    }
+
+    /// What messages call the group of strands of this index: `hair` where it is the only one and no name was given to it, else
+    /// `hair.NAME`.
+    #[must_use]
+    pub fn called(&self, group: usize) -> String {
+        match &self.hair[..] {
+            [only] if only.name == Hair::NAME => "hair".to_owned(),
+            all => format!("hair.{}", all.get(group).map_or(Hair::NAME, |hair| &hair.name)),
+        }
+    }
+
+    /// An error that was found after the scene was read, with the file and the line that spell its key. The key is a real path
+    /// (`hair.0.file`), and becomes the one that the text has (`hair.file`). Other keys than a scene's, as those of a caller's own
+    /// groom, stay.
+    pub(crate) fn located(&self, error: SceneError) -> SceneError {
+        let Some(key) = error.key().filter(|key| is_of_scene(key)).map(str::to_owned) else { return error };
+        let group = key.strip_prefix("hair.").and_then(|rest| rest.split('.').next()?.parse().ok());
+        let named = |error: SceneError| match group {
+            Some(group) => error.renamed(&format!("hair.{group}"), &self.called(group)),
+            None => error,
+        };
+        match Document::parse(self.text(), Path::new("")) {
+            Ok(document) if !self.text().is_empty() => {
+                let span = Reader::new(&document).fault(&key, "").span();
+                named(document.shown(error.with_span(span))).of(&self.text.name, self.text())
+            }
+            _ => named(error),
+        }
     }
 
     /// Every key with its kind, unit, default and meaning, a line each.
@@ -91,6 +120,11 @@ impl Scene {
     pub fn explain() -> String {
         keys::explain()
     }
+}
+
+/// Whether the first table of a key is one of a scene.
+fn is_of_scene(key: &str) -> bool {
+    key.split('.').next().is_some_and(|table| Key::find(table).is_some())
 }
 
 /// A scene file's text. It may come through a pipe, but not without end.

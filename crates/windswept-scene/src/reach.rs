@@ -21,16 +21,8 @@ const POSES: u32 = 16;
 /// # Errors
 /// [`SceneError`] where no hair can get into the box, and where what is left holds more particles than fit.
 pub(crate) fn cut(scene: &Scene, air: &Air, bounds: Bounds, hair: &Strands) -> Result<Bounds, SceneError> {
-    let loose = (0..hair.len()).any(|s| hair.ends(s).root == End::Free);
-    let Some(margin) = air.margin.filter(|_| !hair.is_empty() && !loose) else { return Ok(bounds) };
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for (s, root) in hair.roots().enumerate() {
-        let length: f64 = hair.rest_length[hair.segments(s)].iter().sum();
-        for place in places(scene, hair, s, root) {
-            low = low.min(place - length);
-            high = high.max(place + length);
-        }
-    }
+    let [low, high] = of_hair(scene, hair);
+    let Some(margin) = air.margin.filter(|_| low.is_finite() && high.is_finite()) else { return Ok(bounds) };
     let [min, max] = [bounds.min, bounds.max].map(DVec3::from_array);
     if high.cmplt(min).any() || low.cmpgt(max).any() {
         return Err(
@@ -48,6 +40,23 @@ pub(crate) fn cut(scene: &Scene, air: &Air, bounds: Bounds, hair: &Strands) -> R
     let cut = Bounds { min: from.to_array(), max: to.to_array() };
     air.check_size(&cut).map_err(|(key, words)| SceneError::new(words).at(format!("air.{key}"), None))?;
     Ok(cut)
+}
+
+/// Corners of the box that hair may get into \[m\]: everywhere with strands whose roots are free, and nowhere without hair, where the
+/// lower corner is above the upper one.
+pub(crate) fn of_hair(scene: &Scene, hair: &Strands) -> [DVec3; 2] {
+    if (0..hair.len()).any(|s| hair.ends(s).root == End::Free) {
+        return [DVec3::NEG_INFINITY, DVec3::INFINITY];
+    }
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for (s, root) in hair.roots().enumerate() {
+        let length: f64 = hair.rest_length[hair.segments(s)].iter().sum();
+        for place in places(scene, hair, s, root) {
+            low = low.min(place - length);
+            high = high.max(place + length);
+        }
+    }
+    [low, high]
 }
 
 /// Where a root that is at `root` at the start gets \[m\].

@@ -3,13 +3,15 @@
 mod air;
 mod hair;
 mod rods;
+mod roots;
 mod turbulence;
 mod viscosity;
 
 pub use air::{Air, Bounds, Gust, Inflow};
 pub(crate) use hair::FRICTION;
-pub use hair::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, Patch, RootShape, Roots, Scalp, Stiffness, Up};
+pub use hair::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, Stiffness, Up};
 pub use rods::{Integrator, Rods, Solver};
+pub use roots::{Patch, RootShape, Roots, Scalp};
 pub use turbulence::{Band, Filter, Law, Order, Turbulence};
 pub use viscosity::{Viscosity, ViscosityForm};
 
@@ -87,7 +89,12 @@ table! {
 /// Text that a scene was read from, assignments included; empty for a scene made in code. It plays no part in whether two
 /// scenes are equal.
 #[derive(Debug, Clone, Default)]
-pub struct Source(pub String);
+pub struct Source {
+    /// The text.
+    pub text: String,
+    /// Name of the file, or of what else the text came from.
+    pub name: String,
+}
 
 impl PartialEq for Source {
     fn eq(&self, _: &Self) -> bool {

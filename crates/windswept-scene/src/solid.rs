@@ -13,11 +13,14 @@ use crate::{
     curves::{file_bytes, no_unit},
     error::SceneError,
     scene::Up,
-    triangles::{DistanceGrid, Triangles},
+    triangles::{DistanceGrid, Triangles, cache},
 };
 
 /// Cells that a grid reaches beyond its surface: half a particle spacing of air is within, where distances are those of the surface.
 const MARGIN: f64 = 10.0;
+
+/// Longest side of a mesh above which it is its scale that is wrong, and not its grid's resolution \[m\].
+const LARGEST: f64 = 10.0;
 
 /// A mesh file, and how its triangles become a solid.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,7 +96,8 @@ impl PartialEq for Solid {
 }
 
 impl Solid {
-    /// Reads a mesh file, and makes the grid of its distances.
+    /// Reads a mesh file, and makes the grid of its distances. One that takes longer than 0.3 s to make is kept in the user's cache
+    /// folder (`WINDSWEPT_CACHE` says another, or, empty, none) and read from there the next time.
     ///
     /// # Errors
     /// [`SceneError`] where the file cannot be read, does not say its unit, or encloses nothing, and where the grid would be too large.
@@ -235,8 +239,14 @@ impl Content {
         let triangles = triangles.in_metres(scale, file.up);
         let (surface, holes) = triangles.closed();
         let spacing = file.resolution.unwrap_or_else(|| surface.bounds().map_or(1.0, DistanceGrid::spacing_for));
-        let grid = DistanceGrid::bake(&surface, spacing, MARGIN * spacing);
-        let grid = grid.map_err(|error| error.at("resolution", None))?;
+        let grid = cache::bake(&surface, spacing, MARGIN * spacing);
+        let size = surface.bounds().map_or(0.0, |[low, high]| (high - low).max_element());
+        let grid = grid.map_err(|error| match size > LARGEST {
+            true => error.at("scale", None).with_help(format!(
+                "the mesh is {size:.3} m large with a scale of {scale}: 0.001 is that of millimetres"
+            )),
+            false => error.at("resolution", None),
+        })?;
         let inradius = grid.inradius();
         Ok(Self { triangles, holes, grid, inradius })
     }

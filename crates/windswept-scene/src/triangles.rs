@@ -1,5 +1,6 @@
 //! Triangles of mesh files: what a file says, and the closed surface that follows from it.
 
+pub(crate) mod cache;
 mod close;
 mod distance;
 mod glb;

@@ -7,6 +7,7 @@ use crate::{
     force::ForceField,
     initial::{AirParticles, Strands},
     limits::MOST_REPEATS,
+    reach,
     scene::{Air, Bounds, FRICTION, FluidSolver, Model, Scene},
 };
 
@@ -109,6 +110,20 @@ pub(crate) fn of_idle(scene: &Scene) -> Vec<String> {
     warnings
 }
 
+/// A warning for each force field that neither air nor hair ever comes near to; `air` is where particles are.
+pub(crate) fn of_fields(scene: &Scene, hair: &Strands, air: &AirParticles) -> Vec<String> {
+    if scene.interaction.model == Model::None {
+        return Vec::new();
+    }
+    let mut places = vec![reach::of_hair(scene, hair)];
+    if !air.positions.is_empty() {
+        places.push([air.min, air.min + air.size]);
+    }
+    let far = scene.forces.iter().filter(|force| !places.iter().any(|place| force.reaches(*place)));
+    let what = if air.positions.is_empty() { "hair never gets" } else { "neither air nor hair ever gets" };
+    far.map(|force| format!("force.{} does nothing: {what} within its reach", force.name)).collect()
+}
+
 /// A warning where strands ask for more substeps than the scene does.
 pub(crate) fn of_rods(scene: &Scene, hair: &Strands) -> Vec<String> {
     let substeps = hair.substeps(scene);
@@ -156,23 +171,12 @@ pub(crate) fn of_hair(hair: &Strands, air: &AirParticles, wind: DVec3) -> Vec<St
     warnings
 }
 
-/// Warnings about hair that starts inside bodies, by more than rounding and grids make of a surface, and about bodies that fit
-/// between two points of a strand.
-pub(crate) fn of_bodies(scene: &Scene, hair: &Strands, bodies: &[Shape]) -> Vec<String> {
-    let mut warnings = Vec::new();
+/// A warning about hair that starts inside bodies, by more than rounding and grids make of a surface.
+pub(crate) fn of_bodies(hair: &Strands, bodies: &[Shape]) -> Option<String> {
     let inside = |x: &DVec3| bodies.iter().any(|body| body.signed_distance(*x).0 < -body.slack());
     let n = hair.positions.iter().filter(|x| inside(x)).count();
-    if n > 0 {
-        warnings.push(format!("{n} of {} hair points start inside bodies, which push them out", hair.positions.len()));
-    }
-    let longest = hair.rest_length.iter().copied().fold(0.0, f64::max);
-    for body in scene.bodies.iter().filter(|body| longest > body.shape.inradius()) {
-        warnings.push(format!(
-            "body {} is thin for segments of {longest:.1e} m: hair may pass through it between two of its points",
-            body.name
-        ));
-    }
-    warnings
+    let points = hair.positions.len();
+    (n > 0).then(|| format!("{n} of {points} hair points start inside bodies, which push them out"))
 }
 
 /// Warnings about bodies that the wind must pass, or that it steps over.

@@ -144,6 +144,13 @@ fn what_a_file_leaves_out_has_its_default() {
     assert_eq!((air.fringe, air.ramp, air.kinematic_viscosity), (4.0 * 9.3e-3, 0.05, 1.5e-5));
     assert_eq!((scene.fluid.iterations, scene.fluid.relaxation, scene.fluid.tension), (2, 0.5, 0.0));
     assert_eq!((scene.turbulence.bands.len(), scene.turbulence.speed), (0, 5.0));
+    let blown = |field: &str, axis: &str| {
+        let force = format!("force={{field='{field}',{axis}origin=[0,0,0],reach=1,strength=-3}}");
+        Scene::parse_with("scene", LEAST, &[force]).unwrap().turbulence.speed
+    };
+    // Air follows a jet and a vortex, but would be compressed by a point's wind.
+    let axis = "axis=[1,0,0],";
+    assert_eq!([blown("jet", axis), blown("vortex", axis), blown("point", "")], [8.0, 8.0, 5.0]);
     assert_eq!((scene.viscosity.hair, scene.viscosity.air), (1.4, 0.014));
     assert_eq!((scene.rods.iterations, scene.rods.damping, scene.rods.inextensible), (10, 0.0, false));
     assert_eq!((scene.rods.newton, scene.rods.sleep), (8, true));

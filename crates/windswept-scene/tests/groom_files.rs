@@ -415,21 +415,48 @@ fn faults_of_files_name_the_key() {
     let refused = |keys: &str, key: &str, words: &[&str]| {
         let error = scene_of(&folder, keys).and_then(|scene| InitialState::new(&scene)).unwrap_err();
         assert_eq!(error.key(), Some(key), "{error}");
+        assert!(error.source_name().ends_with("scene.toml"), "{error}");
+        let line = error.line().and_then(|line| error.source_text().lines().nth(line - 1)).unwrap_or_default();
+        let spelled = key.trim_start_matches("hair.");
+        assert!(line.starts_with(spelled) || line == "[hair]", "{error}: {line}");
         assert!(words.iter().all(|words| error.to_string().contains(words)), "{error}");
     };
     refused(
         "file = \"two.hair\"",
-        "hair.hair.file",
-        &["does not say its unit", "m if that is the metre", "give scale"],
+        "hair.scale",
+        &["two.hair: the file does not say its unit", "m if that is the metre", "give scale"],
     );
-    refused("file = \"none.hair\"\nscale = 1", "hair.hair.file", &["none.hair", "cannot be read"]);
+    refused("file = \"none.hair\"\nscale = 1", "hair.file", &["none.hair", "cannot be read"]);
+    let to_npz = "windswept.usd.to_npz(FILE, \"groom.npz\") in Python";
+    refused("file = \"a.usdc\"", "hair.file", &["a.usdc: expected a groom file: .hair", to_npz]);
+    refused("file = \"a.abc\"", "hair.file", &["expected a groom file", "Blender imports Alembic", to_npz]);
+    let of_two =
+        |keys: &str| format!("file = \"two.hair\"\nscale = 1\n{keys}\n[[body]]\ncenter = [0, 0.5, 0]\nradius = 50");
+    let large = "m large, body \"body\" 100.000 x 100.000 x 100.000 m: hair.scale is";
+    refused(&of_two(""), "hair.scale", &["is rooted", "expected at most a tenth of its radius", large]);
     refused("file = \"two.hair\"\nscale = 1\nlength = 0.1", "hair.length", &["no such key with hair.file"]);
     refused("file = \"two.hair\"\nscale = 1\nroots = { center = [0, 0, 0], radius = 1 }", "hair.roots", &["hair.file"]);
     refused("file = \"two.hair\"\nscale = 0", "hair.scale", &["greater than 0"]);
     refused("file = \"two.hair\"\nscale = 1\nup = \"q\"", "hair.up", &["\"yzx\""]);
     refused("strands = 1\npoints = 2\nlength = 1\nscale = 1", "hair.scale", &["goes with hair.file"]);
     folder.write("two.hair", b"HAIR");
-    refused("file = \"two.hair\"\nscale = 1", "hair.hair.file", &["two.hair", "at byte 4", "the number of strands"]);
+    refused("file = \"two.hair\"\nscale = 1", "hair.file", &["two.hair", "at byte 4", "the number of strands"]);
+}
+
+/// More strands than a file has are not there, and that is said with both numbers.
+#[test]
+fn strands_that_a_file_lacks_are_said() {
+    let folder = Folder::new();
+    folder.write("five.hair", &hair_file(&strands(5), None));
+    let warnings = |count: u32| {
+        let scene = scene_of(&folder, &format!("file = \"five.hair\"\nscale = 0.01\nstrands = {count}")).unwrap();
+        InitialState::new(&scene).unwrap().warnings
+    };
+    assert!(warnings(5).iter().all(|warning| !warning.contains("asked for")), "{:?}", warnings(5));
+    let said = warnings(9);
+    let said =
+        said.iter().filter(|warning| warning.contains("9 strands are asked for, and") && warning.contains("has 5"));
+    assert_eq!(said.count(), 1, "{:?}", warnings(9));
 }
 
 /// A struct that was made in code is checked as a scene is.

@@ -224,7 +224,7 @@ pub fn energy_left(gpu: &Gpu, fluid: &Fluid, substeps: u32) -> Result<f64, Error
     MELTED.left(gpu, fluid, substeps, MELTED.turnover())
 }
 
-/// Energy of the bands of [`SCALES`] in a box that was stirred to 0.5 m/s rms, after 0.12 s \[m²/s²\].
+/// Energy of the bands of `SCALES` in a box that was stirred to 0.5 m/s rms, after 0.12 s \[m²/s²\].
 pub fn stirred(gpu: &Gpu, fluid: &Fluid, substeps: u32) -> Result<[f64; 3], Error> {
     let cloud = swirling(Cloud::lattice([16; 3], SIMPLE).jittered(0.2, 7), 0.5);
     let mut scene = scene(fluid, substeps)?;

@@ -4,7 +4,7 @@ use std::{fmt, marker::PhantomData, mem::size_of, ops::Deref};
 
 use windswept_shaders::{BindingKind, PASSES};
 
-/// How long what an array holds is needed, which says whether others may lie in its memory ([`crate::sharing`]).
+/// How long what an array holds is needed, which says whether others may lie in its memory (`sharing.rs`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Life {
     /// For good: it has memory of its own.

@@ -11,7 +11,7 @@ use crate::{
 /// The scene's bodies, in local coordinates.
 #[must_use]
 pub(crate) fn bodies(scene: &Scene, initial: &InitialState, motions: &Motions) -> Vec<Body> {
-    let solids = solids(scene);
+    let solids = scene.solids();
     let each = scene.bodies.iter().zip(&motions.bodies).map(|(body, keyframes)| {
         let round = body.shape.round();
         let [start, end] = round.ends.map(|end| vec3(end - initial.origin));
@@ -33,25 +33,14 @@ pub(crate) fn bodies(scene: &Scene, initial: &InitialState, motions: &Motions) -
 
 /// Distances at the nodes of all grids, one grid after the other.
 pub(crate) fn distances(scene: &Scene) -> Vec<f32> {
-    solids(scene).into_iter().flat_map(|solid| &solid.grid().values).copied().collect()
+    scene.solids().into_iter().flat_map(|solid| &solid.grid().values).copied().collect()
 }
 
 /// Number of nodes of all grids.
 pub(crate) fn nodes(scene: &Scene) -> u32 {
-    let nodes: usize = solids(scene).into_iter().map(|solid| solid.grid().values.len()).sum();
-    // Saturates: no adapter binds as many.
+    let nodes: usize = scene.solids().into_iter().map(|solid| solid.grid().values.len()).sum();
+    // Saturates, where a scene was made in code: no adapter binds as many.
     u32::try_from(nodes).unwrap_or(u32::MAX)
-}
-
-/// The solids of the meshes, one for each grid.
-fn solids(scene: &Scene) -> Vec<&Solid> {
-    let mut all: Vec<&Solid> = Vec::new();
-    for solid in scene.bodies.iter().filter_map(|body| body.shape.solid()) {
-        if !all.iter().any(|other| other.shares_grid(solid)) {
-            all.push(solid);
-        }
-    }
-    all
 }
 
 /// The grid of a solid, one of those of these solids.

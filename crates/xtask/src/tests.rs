@@ -38,6 +38,10 @@ pub(crate) fn run(length: Length) -> Result {
     say("Lints");
     crate::run(&mut run_cargo(&["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"])?)?;
 
+    say("Documentation");
+    let mut documentation = run_cargo(&["doc", "--workspace", "--no-deps"])?;
+    crate::run(documentation.env("RUSTDOCFLAGS", "--deny warnings"))?;
+
     let mut total = Count { passed: 0, failed: 0, succeeded: true };
     let mut count = |mut tests: Command| -> Result {
         on_software(&mut tests);

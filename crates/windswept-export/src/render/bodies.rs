@@ -20,7 +20,7 @@ pub(super) fn triangles(scene: &Scene) -> Vec<u32> {
     all
 }
 
-/// Corners of the scene's bodies at `time` [s], one body after the other.
+/// Corners of the scene's bodies at `time` \[s\], one body after the other.
 pub(super) fn corners(scene: &Scene, time: f64) -> Vec<Corner> {
     scene.bodies.iter().flat_map(|body| corners_of(&body.at(time))).collect()
 }

@@ -8,7 +8,7 @@ use windswept_shaders::pictures::grow::Hair;
 use crate::ExportError;
 use crate::followers::{Followers, chance, hash, root_frame};
 
-/// Radius of a hair where the scene says nothing [m].
+/// Radius of a hair where the scene says nothing \[m\].
 const RADIUS: f32 = 4e-5;
 /// Hairs are drawn thicker than they are, the more so the fewer stand for all that grow: from the one to the other, so
 /// that side by side they would cover their patch so many times.
@@ -22,7 +22,7 @@ pub(super) struct Groom {
     pub(super) hairs: Vec<Hair>,
     /// Orientation that clamps the root of each strand at the start.
     pub(super) root_frames: Vec<Quat>,
-    /// Root radius of each hair, as drawn [m].
+    /// Root radius of each hair, as drawn \[m\].
     pub(super) radius: Vec<f32>,
     pub(super) seed: Vec<u32>,
 }
@@ -63,7 +63,7 @@ impl Groom {
     }
 }
 
-/// Radius of the hairs of a group as drawn [m], with this many hairs per strand.
+/// Radius of the hairs of a group as drawn \[m\], with this many hairs per strand.
 fn drawn_radius(scene: &Scene, group: usize, per_strand: usize) -> f32 {
     let hair = &scene.hair[group];
     let radius = hair.fibre.radius as f32;

@@ -160,7 +160,7 @@ impl Passes {
         )
     }
 
-    /// Sends air particles to the GPU: position [m], brightness.
+    /// Sends air particles to the GPU: position \[m\], brightness.
     pub(super) fn air(&self, gpu: &Gpu, points: &[[f32; 4]]) -> Result<Option<Air>, GpuError> {
         if points.is_empty() {
             return Ok(None);

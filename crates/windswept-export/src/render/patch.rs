@@ -19,7 +19,7 @@ pub(super) struct Corner {
     pub(super) normal: [f32; 3],
 }
 
-/// Corners of the patch of every group that is drawn at `time` [s], group by group.
+/// Corners of the patch of every group that is drawn at `time` \[s\], group by group.
 pub(super) fn corners(scene: &Scene, time: f64) -> Vec<Corner> {
     let of_group = |(hair, patch): (&Hair, &Patch)| {
         let (motion, center) = (hair.motion.clone(), hair.center());
@@ -60,7 +60,7 @@ fn grid_triangles(solids: usize, outline: u32, sides: u32) -> Vec<u32> {
     triangles
 }
 
-/// Positions [m] and normals, unmoved.
+/// Positions \[m\] and normals, unmoved.
 fn corners_of(roots: &Patch) -> impl Iterator<Item = (DVec3, DVec3)> + use<> {
     let (center, radius, shape) = (DVec3::from_array(roots.center), roots.radius, roots.shape);
     let basis = basis(roots);
@@ -77,7 +77,7 @@ fn corners_of(roots: &Patch) -> impl Iterator<Item = (DVec3, DVec3)> + use<> {
     })
 }
 
-/// The ends of the patch: its front, its widest ring and its back [m].
+/// The ends of the patch: its front, its widest ring and its back \[m\].
 pub(super) fn ends(roots: &Patch) -> impl Iterator<Item = DVec3> {
     let (center, radius, shape) = (DVec3::from_array(roots.center), roots.radius, roots.shape);
     let basis = basis(roots);

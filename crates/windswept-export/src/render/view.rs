@@ -19,20 +19,20 @@ const FILLED: f64 = 0.95;
 /// hair as it streams in the wind: from the side, wind from the left, a little from above and downwind.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
-    /// The point where the camera stands [m].
+    /// The point where the camera stands \[m\].
     pub eye: DVec3,
-    /// The point that it looks at [m].
+    /// The point that it looks at \[m\].
     pub target: DVec3,
     /// Vertical field of view [°].
     pub fov: f64,
-    /// Size of the picture [px].
+    /// Size of the picture \[px\].
     pub width: u32,
-    /// Size of the picture [px].
+    /// Size of the picture \[px\].
     pub height: u32,
 }
 
 impl View {
-    /// The scene's camera, the same for every frame of a film. `points` [m] are framed where the scene says neither where
+    /// The scene's camera, the same for every frame of a film. `points` \[m\] are framed where the scene says neither where
     /// it stands nor where hair grows.
     ///
     /// # Errors
@@ -79,14 +79,14 @@ impl View {
         if forward.cross(DVec3::Y).length() > 1e-3 { DVec3::Y } else { DVec3::NEG_Z }
     }
 
-    /// `depths`: of the nearest and the farthest that is seen [m].
+    /// `depths`: of the nearest and the farthest that is seen \[m\].
     fn clip_from_world(&self, depths: [f64; 2]) -> DMat4 {
         let aspect = f64::from(self.width) / f64::from(self.height);
         proj::directx::perspective(self.fov.to_radians(), aspect, depths[0], depths[1])
             * look_at_mat4(self.eye, self.target, self.up())
     }
 
-    /// The place of a point of the world in the picture [px], from the upper left; `None` behind the camera.
+    /// The place of a point of the world in the picture \[px\], from the upper left; `None` behind the camera.
     #[must_use]
     pub fn project(&self, point: DVec3) -> Option<[f64; 2]> {
         // What is near or far does not move it in the picture.
@@ -97,7 +97,7 @@ impl View {
         })
     }
 
-    /// The uniform buffer of the shaders, for hair within this box [m].
+    /// The uniform buffer of the shaders, for hair within this box \[m\].
     pub(super) fn uniform(&self, low: DVec3, high: DVec3, hairs: u32, samples: u32) -> shader::View {
         let forward = (self.target - self.eye).normalize();
         let right = forward.cross(self.up()).normalize();

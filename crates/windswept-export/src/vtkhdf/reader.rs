@@ -122,7 +122,7 @@ impl VtkHdfReader {
         self.root.dataset("Steps/PartOffsets").map_or(0, |numbers| numbers.size())
     }
 
-    /// Times of the finished frames [s].
+    /// Times of the finished frames \[s\].
     #[must_use]
     pub fn times(&self) -> &[f64] {
         &self.times

@@ -24,7 +24,7 @@ const UNHURRIED: f64 = 0.6;
 /// Times that a led segment turns out of each body.
 const TRIES: usize = 6;
 
-/// Pulls the rest of each pushed strand along: segments that are off their length by more than [`GIVE`] of it are brought back to that,
+/// Pulls the rest of each pushed strand along: segments that are off their length by more than `GIVE` of it are brought back to that,
 /// by moves of their points m₁ dx₁ = −m₂ dx₂, and leave bodies, from root to tip and from tip to root by turns, with all points out of
 /// bodies after each. Where that does not end, the strand is led. A strand that begins inside a body moves slowly, and is led without bodies.
 pub fn pull(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed], touches: &[Touch]) {

@@ -10,7 +10,7 @@ use crate::Parameters;
 pub const FITS: f64 = 1e-5;
 /// Part of the diagonal of J W Jᵀ that is added to it, as the engine needs it in f32.
 const GIVE: f64 = 2e-7;
-/// Residual below which a strand need not be solved; see [`quiet_below`].
+/// Residual below which a strand need not be solved; see `quiet_below`.
 pub const QUIET: f64 = 1e-6;
 
 /// Part of a strand that can move: a point, or a frame.
@@ -47,7 +47,7 @@ struct Rod<'a> {
     drive: &'a mut Drive,
 }
 
-/// Solves one Newton step of strand `s`, unless it is done: solved, or (with `rods.sleep`) nowhere off by more than [`quiet_below`].
+/// Solves one Newton step of strand `s`, unless it is done: solved, or (with `rods.sleep`) nowhere off by more than `quiet_below`.
 /// Returns whether it was quiet.
 pub fn direct(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
     if drive.state != super::State::Free {

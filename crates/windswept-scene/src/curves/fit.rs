@@ -299,7 +299,8 @@ impl GroomFile {
         let curves = Curves::load(&self.file, self.points_per_strand)?;
         let fault = |words: String| SceneError::new(words).of(&self.file, "");
         let Some(scale) = self.scale.or(curves.unit) else {
-            return Err(fault(no_unit(curves.bounds())).with_help("give scale, the metres per unit"));
+            let fault = fault(no_unit(curves.bounds())).at("scale", None);
+            return Err(fault.with_help("give scale, the metres per unit"));
         };
         Ok(curves.in_metres(scale, self.up))
     }
@@ -346,6 +347,7 @@ impl GroomFile {
         let total = curves.len();
         let mut dropped = Dropped::default();
         let mut curves = curves.kept(self.points.is_some(), &mut dropped);
+        let there = curves.len();
         if self.strands.is_some() {
             curves = curves.guides(self.strands, seed);
         }
@@ -359,6 +361,9 @@ impl GroomFile {
             curves = curves.resampled(points).kept(false, &mut dropped);
         }
         let mut notes = Vec::new();
+        if let Some(asked) = self.strands.filter(|&asked| asked as usize > there && there > 0) {
+            notes.push(format!("{asked} strands are asked for, and {} has {there} that can be simulated", self.file));
+        }
         if dropped.total() > 0 {
             notes.push(format!("{} of the {total} strands of {} are left out: {dropped}", dropped.total(), self.file));
         }

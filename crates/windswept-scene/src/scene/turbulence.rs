@@ -6,8 +6,9 @@ use glam::DVec3;
 
 use super::air::rounded;
 use crate::{
-    declare::{table, words},
+    declare::{Keys, table, words},
     error::SceneError,
+    force::{Force, ForceField},
     keys::{
         Fallback::{Absent, Method, Needed, Value},
         Kind::{Bool, Choice, Length, NonNegative, Positive, Tables},
@@ -24,7 +25,7 @@ table! {
         /// Bands of eddies to strengthen.
         bands: Vec<Band> = Tables, "", Absent("no confinement");
         /// Speed U of the law.
-        speed: f64 = NonNegative, "m/s", Absent("the largest wind") => |turbulence| largest_wind(turbulence)?;
+        speed: f64 = NonNegative, "m/s", Absent("the largest wind, those of jets and vortices included") => |turbulence| largest_wind(turbulence)?;
         /// Confinement law.
         law: Law = Choice(Law::WORDS), "", Method(Law::Band, Law::Published);
         /// Filter that finds the band velocity; law published takes direct only.
@@ -87,9 +88,15 @@ words! {
     }
 }
 
+/// Largest speed of the mean wind and of the force fields that air can follow \[m/s\]: not of a point's, which would compress it.
 fn largest_wind(reader: &Reader<'_>) -> Result<f64, SceneError> {
     let root = reader.root();
-    if root.has("air") { Ok(root.read::<Air>("air")?.largest_wind()) } else { Ok(0.0) }
+    if !root.has("air") {
+        return Ok(0.0);
+    }
+    let forces = root.tables("force").map(|table| Force::read(&table)).collect::<Result<Vec<_>, _>>()?;
+    let fields = forces.iter().filter(|force| force.field != ForceField::Point);
+    Ok(root.read::<Air>("air")?.largest_wind() + fields.map(Force::fastest).fold(0.0, f64::max))
 }
 
 impl Turbulence {

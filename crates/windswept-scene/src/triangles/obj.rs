@@ -10,6 +10,23 @@ use crate::error::SceneError;
 /// What the crate calls triangles before any name.
 const UNNAMED: &str = "unnamed_object";
 
+/// The line, from 1, with which the lines up to it begin to be faulty.
+fn line_of(bytes: &[u8], is_faulty: impl Fn(&[u8]) -> bool) -> usize {
+    let lines: Vec<&[u8]> = bytes.split_inclusive(|byte| *byte == b'\n').collect();
+    let (mut sound, mut faulty) = (0, lines.len());
+    let mut end = 0;
+    while faulty - sound > 1 {
+        let middle = (sound + faulty) / 2;
+        let to = end + lines[sound..middle].iter().map(|line| line.len()).sum::<usize>();
+        if is_faulty(&bytes[..to]) {
+            faulty = middle;
+        } else {
+            (sound, end) = (middle, to);
+        }
+    }
+    faulty
+}
+
 pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
     let options =
         tobj::LoadOptions { triangulate: true, ignore_lines: true, ignore_points: true, ..Default::default() };
@@ -25,8 +42,14 @@ pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
         true => Err(tobj::LoadError::OpenFileFailed),
         false => Ok((Vec::new(), materials.iter().cloned().zip(0..).collect())),
     };
-    let (models, _) = tobj::load_obj_buf(&mut (&b"mtllib names\n"[..]).chain(bytes), &options, library)
-        .map_err(|error| SceneError::new(format!("expected a Wavefront file: {error}")))?;
+    let load = |bytes: &[u8]| {
+        asked.set(false);
+        tobj::load_obj_buf(&mut (&b"mtllib names\n"[..]).chain(bytes), &options, library)
+    };
+    let (models, _) = load(bytes).map_err(|error| {
+        let line = line_of(bytes, |part| load(part).is_err_and(|other| other == error));
+        SceneError::new(format!("line {line}: expected a Wavefront file: {error}"))
+    })?;
     let mut all = Triangles::default();
     for model in models {
         let mesh = model.mesh;

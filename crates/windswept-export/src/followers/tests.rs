@@ -1,0 +1,226 @@
+use windswept_scene::{Motion, Shape, Solid};
+
+use super::*;
+
+/// Every follower is rooted on the shape that its strands are rooted on.
+#[test]
+fn followers_are_rooted_on_the_shape() {
+    let center = Vec3::new(0.1, 0.2, 0.3);
+    let normal = Vec3::new(0.5, -1.0, 0.1).normalize();
+    let along = Vec3::Y.cross(normal).normalize();
+    let off = |shape: &str, x: Vec3| match shape {
+        "disc" => x.dot(normal).abs().max(x.length() - 0.02),
+        "line" => (x - x.dot(along).clamp(-0.02, 0.02) * along).length(),
+        _ => (x.length() - 0.02).abs(),
+    };
+    let lean = ", normal = [0.5, -1, 0.1]";
+    for (shape, lean, curl) in [
+        ("disc", lean, ""),
+        ("disc", lean, "curl = { radius = 0.01, pitch = 0.03 }"),
+        ("line", lean, ""),
+        ("sphere_cap", "", ""),
+    ] {
+        let text = format!(
+            "time = {{ step = 1.38e-3, duration = 1.0 }}
+            interaction.model = \"none\"
+            [hair]
+            strands = 40
+            points = 12
+            length = 0.1
+            {curl}
+            roots = {{ shape = \"{shape}\", center = [0.1, 0.2, 0.3], radius = 0.02, direction = [1, -0.3, 0]{lean} }}"
+        );
+        let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"));
+        let start = windswept_scene::InitialState::new(&scene).unwrap_or_else(|error| panic!("{error}")).hair;
+        let frame = HairFrame {
+            offsets: start.point_offsets.clone(),
+            positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
+            orientations: start.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
+            root_frames: start.root_frame.iter().map(|q| q.as_quat().to_array()).collect(),
+            ..HairFrame::default()
+        };
+        let followers = Followers::about(&scene, &frame, 400).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(followers.len(), 400);
+        for s in 0..400 {
+            let root = Vec3::from_array(points_of(&followers.start, s)[0]);
+            // [m]; measured 1.5e-8, round-off of coordinates of 0.3 m.
+            assert!(off(shape, root - center) < 1e-7, "{root} is off the {shape}: {}", off(shape, root - center));
+        }
+        // At the start the strands are among the hairs, and every hair has its own shape.
+        let back = followers.of(&frame, 0.0).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(followers.start.guides.iter().filter(|guide| **guide).count(), 40);
+        assert_eq!(back.positions[..frame.positions.len()], frame.positions);
+        let far = back.positions.iter().zip(&followers.start.positions);
+        let far = far.map(|(a, b)| Vec3::from_array(*a).distance(Vec3::from_array(*b))).fold(0.0, f32::max);
+        // [m]; measured 7.3e-8, round-off of coordinates of 0.4 m.
+        assert!(far < 2e-7, "{far}");
+    }
+}
+
+/// The roots of a rigid body's motion carry every follower as the body: one within three guides exactly, velocity and all.
+#[test]
+fn a_rigid_motion_moves_followers_rigidly() {
+    let roots = [[0.0, 0.0, 0.0], [0.02, 0.0, 0.0], [0.0, 0.0, 0.03], [0.05, 0.01, 0.05]];
+    let shape =
+        |root: [f32; 3]| (0..5).map(move |k| [root[0] + 0.002 * (k * k) as f32, root[1] - 0.01 * k as f32, root[2]]);
+    let start = HairFrame {
+        offsets: vec![0, 5, 10, 15, 20],
+        positions: roots.into_iter().flat_map(shape).collect(),
+        velocities: vec![[0.0; 3]; 20],
+        orientations: vec![[0.0, 0.0, 0.0, 1.0]; 16],
+        root_frames: vec![Quat::from_rotation_arc(Vec3::Z, Vec3::NEG_Y).to_array(); 4],
+        fibres: vec![30.0; 4],
+        ..HairFrame::default()
+    };
+    let text = "time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"";
+    let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
+    let followers = Followers::new(&scene, &start).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(followers.len(), 120);
+    let (turn, shift) = (Quat::from_rotation_y(0.8) * Quat::from_rotation_x(-0.3), Vec3::new(0.1, -0.2, 0.3));
+    let spin = Vec3::new(1.0, -2.0, 0.5);
+    let mut moved = start.clone();
+    for (x, v) in moved.positions.iter_mut().zip(&mut moved.velocities) {
+        let there = turn * Vec3::from_array(*x) + shift;
+        (*x, *v) = (there.to_array(), spin.cross(there).to_array());
+    }
+    moved.root_frames.iter_mut().for_each(|q| *q = (turn * Quat::from_array(*q)).to_array());
+    let now = followers.of(&moved, 0.0).unwrap_or_else(|error| panic!("{error}"));
+    let mut inside = 0;
+    for (s, (guides, weights)) in followers.guides().enumerate() {
+        let average: Vec3 = (0..3).map(|j| weights[j] * Vec3::from_array(roots[guides[j] as usize])).sum();
+        let root = Vec3::from_array(points_of(&followers.start, s)[0]);
+        let averages = average.distance(root) < 1e-7;
+        inside += usize::from(averages);
+        for (k, x) in points_of(&followers.start, s).iter().enumerate() {
+            let i = now.offsets[s] as usize + k;
+            let there = turn * Vec3::from_array(*x) + shift;
+            let (found, velocity) = (Vec3::from_array(now.positions[i]), Vec3::from_array(now.velocities[i]));
+            // Measured 6.8e-8 m, and 1.2e-7 m/s for those within the triangle.
+            assert!(found.distance(there) < 3e-7, "follower {s}: {found}, not {there}");
+            assert!(!averages || velocity.distance(spin.cross(there)) < 5e-7, "follower {s}: {velocity}");
+        }
+    }
+    assert!(inside > 5, "{inside} are within the triangle");
+}
+
+/// Of a groom file's hairs that follow, as many are taken as asked for: some, all, or all and others beside them.
+#[test]
+fn a_files_hairs_come_first() {
+    let folder = tempfile::tempdir().unwrap_or_else(|error| panic!("{error}"));
+    let roots = (0..50).map(|k| (0.4 * f64::from(k), 1e-3 * f64::from(k).sqrt()));
+    let points: Vec<[f64; 3]> = roots
+        .flat_map(|(angle, radius)| {
+            (0..4).map(move |k| [radius * angle.cos(), -0.01 * f64::from(k), radius * angle.sin()])
+        })
+        .collect();
+    let curves = Curves {
+        points,
+        offsets: (0..=50).map(|s| 4 * s).collect(),
+        ids: (0..50).map(|s| 3 * s).collect(),
+        unit: Some(1.0),
+        ..Curves::default()
+    };
+    let path = folder.path().join("groom.npz");
+    curves.save(&path).unwrap_or_else(|error| panic!("{error}"));
+    let text = format!(
+        "time = {{ step = 1e-3, duration = 1 }}\ninteraction.model = \"none\"\n[hair]\nfile = {:?}\nstrands = 7",
+        path.display().to_string()
+    );
+    let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"));
+    let start = windswept_scene::InitialState::new(&scene).unwrap_or_else(|error| panic!("{error}")).hair;
+    let frame = HairFrame {
+        offsets: start.point_offsets.clone(),
+        ids: start.ids.clone(),
+        positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
+        ..HairFrame::default()
+    };
+    for (asked, in_file) in [(20, 20), (50, 50), (120, 50)] {
+        let hairs = Followers::about(&scene, &frame, asked).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(hairs.len(), asked as usize);
+        let own = hairs.start.ids.iter().filter(|id| curves.ids.contains(id));
+        assert_eq!(own.count(), in_file);
+        for s in 0..hairs.len() {
+            // Roots are less than 1 mm apart.
+            let root = Vec3::from_array(points_of(&hairs.start, s)[0]);
+            let near = (0..50).map(|k| Vec3::from_array(curves.strand(k)[0].map(|x| x as f32)).distance(root));
+            assert!(near.fold(f32::MAX, f32::min) < if s < 50 { 1e-9 } else { 2e-3 }, "{root}");
+        }
+        let guides = hairs.start.guides.iter().filter(|guide| **guide).count();
+        assert!(guides == 7 || (asked < 50 && guides < 7), "{guides}");
+    }
+    let all = Followers::new(&scene, &frame).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((all.len(), &all.start.ids), (50, &curves.ids));
+}
+
+/// A hair that leads through bodies is laid around them with its segments' lengths, and no other hair moves.
+#[test]
+fn hairs_are_kept_out_of_bodies() {
+    let body = |shape: Shape| Body { name: String::new(), shape, friction: 0.0, motion: Motion::default() };
+    let ball = Shape::Sphere { center: [0.0, -0.02, 0.002], radius: 0.01 };
+    let mesh =
+        Shape::Mesh(Solid::enclosed(ball.surface(64, 128), Some(5e-4)).unwrap_or_else(|error| panic!("{error}")));
+    let capsule = Shape::Capsule { start: [-0.02, -0.02, 0.002], end: [0.02, -0.02, 0.003], radius: 0.01 };
+    // Its lower half is in a wedge between two balls.
+    let wedge = [-1.0, 1.0].map(|side| Shape::Sphere { center: [0.0, -0.035, side * 0.0095], radius: 0.01 });
+    for shapes in [vec![ball], vec![mesh], vec![capsule], wedge.to_vec()] {
+        let bodies = Bodies::at(&shapes.iter().cloned().map(body).collect::<Vec<_>>(), 0.0);
+        let distance = |x: [f32; 3]| {
+            let all = shapes.iter().map(|shape| shape.signed_distance(Vec3::from_array(x).as_dvec3()).0);
+            all.fold(f64::INFINITY, f64::min)
+        };
+        let lengths = |hair: &[[f32; 3]]| -> Vec<f32> {
+            hair.windows(2).map(|pair| Vec3::from_array(pair[0]).distance(Vec3::from_array(pair[1]))).collect()
+        };
+        let hair: Vec<[f32; 3]> = (0..40).map(|k| [0.001, -0.0015 * k as f32, 0.0]).collect();
+        let mut laid = hair.clone();
+        bodies.keep_out(&mut laid);
+        let first = hair.iter().position(|x| distance(*x) < 0.0).unwrap_or_else(|| panic!("none is inside"));
+        assert_eq!(laid[..first], hair[..first]);
+        for (k, x) in laid.iter().enumerate() {
+            assert!(distance(*x) > -1.1e-5, "point {k} is {:e} m inside", -distance(*x));
+        }
+        let far = lengths(&laid).iter().zip(lengths(&hair)).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        // Rounding of coordinates of 60 mm is 4e-9 m.
+        assert!(far < 2e-8, "{far:e}");
+        let mut beside: Vec<[f32; 3]> = hair.iter().map(|[x, y, z]| [x + 0.05, *y, z + 0.02]).collect();
+        let before = beside.clone();
+        bodies.keep_out(&mut beside);
+        assert_eq!(beside, before);
+    }
+}
+
+/// Followers stay out of a body where its keyframes have it at a frame's time; strands stay as the simulation has them.
+#[test]
+fn followers_stay_out_of_a_body_that_moves() {
+    let text = "time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"
+        [[body]]\ncenter = [0.01, -0.03, 0]\nradius = 0.008
+        motion = [{ time = 0, translation = [0, 0.5, 0] }, { time = 1 }]";
+    let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
+    let strand = |x: f32| (0..20).map(move |k| [x, -0.003 * k as f32, 0.0]);
+    let hair = HairFrame {
+        offsets: vec![0, 20, 40],
+        positions: [0.0, 0.02].into_iter().flat_map(strand).collect(),
+        fibres: vec![200.0; 2],
+        ..HairFrame::default()
+    };
+    let followers = Followers::new(&scene, &hair).unwrap_or_else(|error| panic!("{error}"));
+    let inside = |hair: &HairFrame, time: f64| {
+        let ball = scene.bodies[0].at(time);
+        let within = |x: &&[f32; 3]| ball.signed_distance(Vec3::from_array(**x).as_dvec3()).0 < -2e-5;
+        hair.positions.iter().filter(within).count()
+    };
+    let at = |time: f64| followers.of(&hair, time).unwrap_or_else(|error| panic!("{error}"));
+    // The body is far away.
+    let moved = |a: &HairFrame, b: &HairFrame| {
+        let pairs = a.positions.iter().zip(&b.positions);
+        pairs.map(|(a, b)| Vec3::from_array(*a).distance(Vec3::from_array(*b))).fold(0.0, f32::max)
+    };
+    // Rounding of coordinates of 60 mm.
+    assert!(moved(&at(0.0), followers.start()) < 2e-8, "{:e}", moved(&at(0.0), followers.start()));
+    assert!(inside(&at(0.0), 1.0) > 20);
+    assert_eq!(inside(&at(1.0), 1.0), 0);
+    assert_eq!(at(1.0).positions[..40], hair.positions);
+    let frame = |time: f64| Frame { time, hair: hair.clone(), ..Frame::default() };
+    let made = followers.frame(&frame(1.0)).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(made.hair.positions, at(1.0).positions);
+}

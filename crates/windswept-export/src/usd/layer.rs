@@ -1,0 +1,128 @@
+//! A layer of a film: a file that grows at its end, and that can be read at any moment.
+
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+
+use super::failed;
+use super::text::LAST;
+use crate::ExportError;
+
+/// The end of a layer: of the samples, of the attribute, of the prim; and what is behind it does not count.
+const END: &str = "};}#";
+/// What stands in the place of an [`END`] with a sample behind it.
+const NO_END: &str = "\n   ";
+/// Bytes that a system writes at once, or not: an [`END`] does not lie across a multiple of this.
+const PAGE: u64 = 4096;
+/// A layer that grows.
+#[derive(Debug)]
+pub(super) struct Layer {
+    pub(super) path: PathBuf,
+    pub(super) file: File,
+    /// Place of its [`END`].
+    end: u64,
+    /// Place of the last time code in its metadata.
+    pub(super) last: u64,
+}
+
+impl Layer {
+    pub(super) fn create(path: PathBuf, mut text: String) -> Result<Self, ExportError> {
+        let last = last_code(&text);
+        close(&mut text, 0);
+        let end = (text.len() - END.len()) as u64;
+        fs::write(&path, text).map_err(|e| failed(&path, "could not be created", &e))?;
+        let file = opened(&path)?;
+        Ok(Self { path, file, end, last })
+    }
+
+    /// The layer of this prim, behind its samples of these time codes.
+    pub(super) fn go_on(path: PathBuf, prim: &str, codes: &[f64]) -> Result<Self, ExportError> {
+        let misfit = |problem: String| ExportError::Frame { path: path.clone(), problem };
+        let file = opened(&path)?;
+        let mut lines = Lines { reader: BufReader::new(&file), at: 0, line: Vec::new() };
+        let unread = |e: std::io::Error| failed(&path, "could not be read", &e);
+        let mut head = String::new();
+        while !head.trim_end().ends_with(prim) {
+            if !lines.next().map_err(unread)? || lines.at > (prim.len() as u64).saturating_add(MOST_META) {
+                return Err(misfit(
+                    "has other strands than the run that is to go on, or is no film of windswept".into(),
+                ));
+            }
+            head += &String::from_utf8_lossy(&lines.line);
+        }
+        let last = last_code(&head);
+        let mut end = lines.at - (head.len() - head.trim_end().len()) as u64;
+        for (k, code) in codes.iter().enumerate() {
+            let from = lines.at;
+            let there = lines.next().map_err(unread)?;
+            let sample = lines.line.trim_ascii_start().starts_with(format!("{code}: [").as_bytes());
+            // Behind the last sample of all stands an end, and perhaps one that was not finished.
+            let comment = lines.line.iter().position(|&byte| byte == b'#');
+            let length = match comment {
+                Some(at) => (at + 1).checked_sub(END.len()),
+                None => lines.line.len().checked_sub(1),
+            };
+            match length {
+                Some(length) if there && sample => end = from + length as u64,
+                _ => return Err(misfit(format!("expected a frame at time code {code} as number {k}"))),
+            }
+        }
+        let mut layer = Self { path: path.clone(), file, end, last };
+        layer.write_at(end, END.as_bytes())?;
+        layer.file.set_len(end + END.len() as u64).map_err(|e| failed(&path, "could not be cut", &e))?;
+        Ok(layer)
+    }
+
+    /// Appends a sample.
+    pub(super) fn append(&mut self, sample: &mut String) -> Result<(), ExportError> {
+        let from = self.end + END.len() as u64;
+        close(sample, from);
+        self.write_at(from, sample.as_bytes())?;
+        self.write_at(self.end, NO_END.as_bytes())?;
+        self.end = from + (sample.len() - END.len()) as u64;
+        Ok(())
+    }
+
+    pub(super) fn write_at(&mut self, place: u64, bytes: &[u8]) -> Result<(), ExportError> {
+        let written = self.file.seek(SeekFrom::Start(place)).and_then(|_| self.file.write_all(bytes));
+        written.map_err(|e| failed(&self.path, "could not be written", &e))
+    }
+}
+
+/// Bytes of a layer before its prim, at most: mostly the scene.
+const MOST_META: u64 = 64 << 20;
+
+/// Lines of a file, and how far they go.
+struct Lines<R> {
+    reader: BufReader<R>,
+    at: u64,
+    line: Vec<u8>,
+}
+
+impl<R: Read> Lines<R> {
+    /// Reads the next line; says whether there is one.
+    fn next(&mut self) -> std::io::Result<bool> {
+        self.line.clear();
+        let read = self.reader.read_until(b'\n', &mut self.line)?;
+        self.at += read as u64;
+        Ok(read > 0)
+    }
+}
+
+fn opened(path: &Path) -> Result<File, ExportError> {
+    let file = File::options().read(true).write(true).open(path);
+    file.map_err(|e| failed(path, "could not be opened", &e))
+}
+
+/// Appends an [`END`] to text that will stand at `from`, where a system writes it at once.
+fn close(text: &mut String, from: u64) {
+    while (from + text.len() as u64) % PAGE > PAGE - END.len() as u64 {
+        text.push(' ');
+    }
+    *text += END;
+}
+
+/// Place of the last time code in a layer's text; behind it is room.
+fn last_code(text: &str) -> u64 {
+    text.find(LAST).map_or(0, |at| (at + LAST.len()) as u64)
+}

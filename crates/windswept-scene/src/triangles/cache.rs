@@ -1,0 +1,231 @@
+//! Grids of distances that were made before, kept in the user's cache folder.
+//!
+//! ```text
+//! CACHE/windswept/grids/KEY.grid      KEY: SHA-256 of all that a grid is made of: triangles, spacing, margin, VERSION
+//!   8 bytes  "WSGRID", VERSION
+//!   f64      origin x, y, z, spacing \[m\]
+//!   u32      nodes along x, y, z
+//!   f32      distance at each node \[m\], x fastest
+//!   32 bytes SHA-256 of KEY and of all before
+//! ```
+//!
+//! Numbers are little-endian. A file that is not as it should be counts as none, and is replaced; what cannot be written is left out.
+//! A file is written beside its place and renamed, so that runs side by side see all of it or nothing. CACHE is the system's folder
+//! for such files, or what `WINDSWEPT_CACHE` says; empty, it keeps nothing.
+
+use std::{
+    ffi::OsString,
+    fs,
+    path::{Path, PathBuf},
+    time::{Duration, Instant, SystemTime},
+};
+
+use glam::DVec3;
+use sha2::{Digest, Sha256};
+
+use super::{DistanceGrid, Triangles};
+use crate::{error::SceneError, limits::MOST_GRID_VALUES};
+
+/// Version of what [`DistanceGrid::bake`] makes, and of the files: another number for any change of either.
+const VERSION: u16 = 1;
+/// A grid that is made in less is not kept.
+const WORTH: Duration = Duration::from_millis(300);
+/// Bytes of all files that are kept; the oldest go first.
+const MOST: u64 = 1 << 30;
+/// Bytes of a file before its distances.
+const HEAD: usize = 8 + 4 * 8 + 3 * 4;
+/// Bytes of a checksum.
+const SUM: usize = 32;
+
+/// As [`DistanceGrid::bake`], but read if that was made before.
+pub(crate) fn bake(surface: &Triangles, spacing: f64, margin: f64) -> Result<DistanceGrid, SceneError> {
+    bake_in(folder(std::env::var_os("WINDSWEPT_CACHE")).as_deref(), WORTH, surface, spacing, margin)
+}
+
+/// Where grids are kept; none where they are not.
+fn folder(said: Option<OsString>) -> Option<PathBuf> {
+    let cache = match said {
+        Some(said) if said.is_empty() => None,
+        Some(said) => Some(PathBuf::from(said)),
+        None => dirs::cache_dir(),
+    };
+    cache.map(|cache| cache.join("windswept").join("grids"))
+}
+
+fn bake_in(
+    folder: Option<&Path>,
+    worth: Duration,
+    surface: &Triangles,
+    spacing: f64,
+    margin: f64,
+) -> Result<DistanceGrid, SceneError> {
+    let Some(folder) = folder else { return DistanceGrid::bake(surface, spacing, margin) };
+    let key = key(surface, spacing, margin);
+    let path = folder.join(format!("{}.grid", key.iter().map(|byte| format!("{byte:02x}")).collect::<String>()));
+    if let Some(grid) = read(&path, &key) {
+        return Ok(grid);
+    }
+    let began = Instant::now();
+    let grid = DistanceGrid::bake(surface, spacing, margin)?;
+    if began.elapsed() >= worth && write(folder, &path, &bytes(&grid, &key)).is_ok() {
+        forget(folder, MOST);
+    }
+    Ok(grid)
+}
+
+/// What tells one grid from all others.
+fn key(surface: &Triangles, spacing: f64, margin: f64) -> [u8; SUM] {
+    let mut hash = Sha256::new();
+    hash.update(VERSION.to_le_bytes());
+    for number in [spacing, margin] {
+        hash.update(number.to_le_bytes());
+    }
+    hash.update((surface.points.len() as u64).to_le_bytes());
+    for number in surface.points.iter().flat_map(|x| x.to_array()) {
+        hash.update(number.to_le_bytes());
+    }
+    for index in surface.corners.as_flattened() {
+        hash.update(index.to_le_bytes());
+    }
+    hash.finalize().into()
+}
+
+fn magic() -> [u8; 8] {
+    let [low, high] = VERSION.to_le_bytes();
+    [b'W', b'S', b'G', b'R', b'I', b'D', low, high]
+}
+
+/// The checksum of a file's content under a key.
+fn sum(key: &[u8], content: &[u8]) -> [u8; SUM] {
+    Sha256::new().chain_update(key).chain_update(content).finalize().into()
+}
+
+/// The content of a file.
+fn bytes(grid: &DistanceGrid, key: &[u8]) -> Vec<u8> {
+    let mut content = Vec::with_capacity(HEAD + 4 * grid.values.len() + SUM);
+    content.extend(magic());
+    for number in [grid.origin.x, grid.origin.y, grid.origin.z, grid.spacing] {
+        content.extend(number.to_le_bytes());
+    }
+    content.extend(grid.counts.iter().flat_map(|count| count.to_le_bytes()));
+    content.extend(grid.values.iter().flat_map(|value| value.to_le_bytes()));
+    let sum = sum(key, &content);
+    content.extend(sum);
+    content
+}
+
+/// The grid in a file; none where there is no file, or one that is broken.
+fn read(path: &Path, key: &[u8]) -> Option<DistanceGrid> {
+    let length = usize::try_from(fs::metadata(path).ok().filter(fs::Metadata::is_file)?.len()).ok()?;
+    if length > HEAD + 4 * MOST_GRID_VALUES + SUM {
+        return None;
+    }
+    let bytes = fs::read(path).ok()?;
+    let (content, found) = bytes.split_at_checked(bytes.len().checked_sub(SUM)?)?;
+    let (head, values) = content.split_at_checked(HEAD)?;
+    if found != sum(key, content) || head[..8] != magic() {
+        return None;
+    }
+    let numbers: Vec<f64> = head[8..40].as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+    let counts: Vec<u32> = head[40..].as_chunks::<4>().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect();
+    let &[x, y, z, spacing] = &numbers[..] else { return None };
+    let &[columns, rows, layers] = &counts[..] else { return None };
+    let nodes = [columns, rows, layers].iter().map(|count| *count as usize).try_fold(1, usize::checked_mul)?;
+    let values: Vec<f32> = values.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
+    let grid = DistanceGrid { origin: DVec3::new(x, y, z), spacing, counts: [columns, rows, layers], values };
+    (grid.values.len() == nodes).then_some(grid)
+}
+
+/// Writes a file, at once for whoever reads it.
+fn write(folder: &Path, path: &Path, content: &[u8]) -> std::io::Result<()> {
+    fs::create_dir_all(folder)?;
+    // Of this process alone, in which contents are made one after the other.
+    let part = path.with_extension(format!("{}.part", std::process::id()));
+    let written = fs::write(&part, content).and_then(|()| fs::rename(&part, path));
+    if written.is_err() {
+        let _ = fs::remove_file(&part);
+    }
+    written
+}
+
+/// Removes the oldest files until the others have at most this many bytes; parts that somebody left count as files.
+fn forget(folder: &Path, most: u64) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    let file = |entry: fs::DirEntry| {
+        let metadata = entry.metadata().ok().filter(fs::Metadata::is_file)?;
+        Some((metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH), metadata.len(), entry.path()))
+    };
+    let mut files: Vec<_> = entries.filter_map(|entry| file(entry.ok()?)).collect();
+    files.sort();
+    let mut all: u64 = files.iter().map(|(_, bytes, _)| bytes).sum();
+    for (_, bytes, path) in files {
+        if all <= most {
+            return;
+        }
+        if fs::remove_file(path).is_ok() {
+            all -= bytes;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::Shape;
+
+    /// A grid comes back to the last bit; a file that is cut, altered or another's counts as none; other triangles and other
+    /// spacings have files of their own, and the oldest go.
+    #[test]
+    fn grids_come_back_as_they_were() {
+        let folder = tempfile::tempdir().unwrap_or_else(|error| panic!("{error}"));
+        let kept = folder.path().join("grids");
+        let ball = |radius: f64| Shape::Sphere { center: [0.1, 0.2, 0.3], radius }.surface(16, 16);
+        let make = |radius: f64, spacing: f64| {
+            let grid = bake_in(Some(&kept), Duration::ZERO, &ball(radius), spacing, 3.0 * spacing);
+            grid.unwrap_or_else(|error| panic!("{error}"))
+        };
+        let files = || -> Vec<PathBuf> {
+            let entries = fs::read_dir(&kept).unwrap_or_else(|error| panic!("{error}"));
+            entries.filter_map(|entry| Some(entry.ok()?.path())).collect()
+        };
+        let first = make(0.04, 4e-3);
+        let [path] = &files()[..] else { panic!("{:?}", files()) };
+        let key = key(&ball(0.04), 4e-3, 3.0 * 4e-3);
+        assert_eq!(read(path, &key).as_ref(), Some(&first));
+        assert_eq!(bake_in(None, Duration::ZERO, &ball(0.04), 4e-3, 3.0 * 4e-3).as_ref(), Ok(&first));
+        // What stands in the file is what is taken.
+        let other = DistanceGrid { spacing: 5e-3, ..first.clone() };
+        let replaced = |content: &[u8]| fs::write(path, content).unwrap_or_else(|error| panic!("{error}"));
+        replaced(&bytes(&other, &key));
+        assert_eq!(make(0.04, 4e-3), other);
+        let whole = bytes(&first, &key);
+        for at in (0..whole.len()).step_by(whole.len() / 97) {
+            let mut altered = whole.clone();
+            altered[at] ^= 0x10;
+            replaced(&altered);
+            assert_eq!(read(path, &key), None, "byte {at}");
+            replaced(&whole[..at]);
+            assert_eq!(read(path, &key), None, "{at} bytes");
+        }
+        assert_eq!(make(0.04, 4e-3), first);
+        assert_eq!(read(path, &key).as_ref(), Some(&first), "a broken file is not replaced");
+        replaced(&bytes(&first, &[0; SUM]));
+        assert_eq!(read(path, &key), None);
+        make(0.041, 4e-3);
+        make(0.04, 4.1e-3);
+        assert_eq!(files().len(), 3);
+        forget(&kept, 2 * whole.len() as u64 + 2000);
+        assert!((1..3).contains(&files().len()), "{:?}", files());
+        // Where nothing can be kept, grids are made all the same.
+        let file = folder.path().join("file");
+        fs::write(&file, b"").unwrap_or_else(|error| panic!("{error}"));
+        let grid = bake_in(Some(&file), Duration::ZERO, &ball(0.04), 4e-3, 3.0 * 4e-3);
+        assert_eq!(grid.as_ref(), Ok(&first));
+        assert_eq!(folder_of(""), None);
+        assert_eq!(folder_of("/cache"), Some(PathBuf::from("/cache/windswept/grids")));
+    }
+
+    fn folder_of(said: &str) -> Option<PathBuf> {
+        super::folder(Some(said.into()))
+    }
+}
