@@ -80,7 +80,10 @@ pub const FAULTS: &[Fault] = &[
 /// Bits of the buffer `touched`.
 fn bits(touches: &[contact::Touch], placed: &[contact::Placed]) -> Vec<u32> {
     let moved = u32::from(contact::any_moves(placed)) * MOVED;
-    touches.iter().map(|touch| moved | u32::from(touch.pushed) * PUSHED | u32::from(touch.inside) * INSIDE).collect()
+    touches
+        .iter()
+        .map(|touch| moved | (u32::from(touch.pushed) * PUSHED) | (u32::from(touch.inside) * INSIDE))
+        .collect()
 }
 
 fn body(shape: Shape, keyframes: &[(f64, [f64; 3], [f64; 3])]) -> Body {
@@ -242,7 +245,7 @@ fn pull_is_that_of_the_twin() {
         let mut errors: Vec<f64> = (0..hair.len()).filter(|&k| touches[k].pushed).map(apart).collect();
         errors.sort_by(f64::total_cmp);
         let astray = errors.iter().filter(|error| **error > *tolerance).count();
-        let error = errors.iter().take(errors.len() - astray).last().copied().unwrap_or(0.0);
+        let error = errors[..errors.len() - astray].last().copied().unwrap_or(0.0);
         let pulled = before.iter().zip(&w.predicted).filter(|(a, b)| a != b).count();
         println!(
             "{n} points: {pulled} were pulled, off by {error:.1e} m; {astray} of {} strands go astray",
