@@ -39,7 +39,7 @@ const HAIR_ON_HAIR: &[&str] = &[
     "fluid/friction",
     "fluid/move",
 ];
-const MOMENTS: &[&str] = &["fluid/moments", "fluid/push"];
+const SPREAD: &[&str] = &["fluid/spread", "fluid/place", "fluid/moments", "fluid/push"];
 /// A solve on the coarse grid, and what its divergence takes.
 const COARSE: &[&str] = &[
     "fluid/divergence 3",
@@ -53,7 +53,7 @@ const COARSE: &[&str] = &[
     "coarse/mean",
     "coarse/push",
 ];
-const PUSH: &[&str] = &["fluid/push 2", "fluid/spread"];
+const PUSH: &[&str] = &["fluid/push 2"];
 const HAIR_ALONE: &[&str] = &["rods/inspect", "rods/reset", "rods/roots"];
 const BEGIN: &[&str] = &["rods/begin_points", "rods/begin_segments", "rods/choose"];
 const SOLVE: &[&str] =
@@ -87,7 +87,7 @@ const JET: &str = "force={field='jet',origin=[0.01,0.06,0.03],axis=[1,0,0],reach
 fn cases() -> [Case; 11] {
     let blow = &["wind/blow"][..];
     let moves = &[HAIR_ALONE, &["rods/drift", "wind/miss", "wind/hold", "wind/fringe", "fluid/advance"]].concat()[..];
-    let fluid = &[HAIR_ON_HAIR, MOMENTS, COARSE, PUSH].concat()[..];
+    let fluid = &[HAIR_ON_HAIR, SPREAD, COARSE, PUSH].concat()[..];
     let exchange = &[BEGIN, &["wind/sample", "wind/drag"], SOLVE, &["wind/react"]].concat()[..];
     let velocity = &["rods/velocity"][..];
     let eddies = &[SORT, FILTER, CONFINE, STRENGTHEN].concat()[..];
@@ -165,7 +165,7 @@ fn cases() -> [Case; 11] {
                 &["wind/miss", "wind/hold", "wind/fringe", "fluid/advance"],
                 SORT,
                 LIST,
-                MOMENTS,
+                SPREAD,
                 COARSE,
                 PUSH,
                 eddies,
@@ -197,7 +197,7 @@ fn cases() -> [Case; 11] {
                 SORT,
                 LIST,
                 HAIR_ON_HAIR,
-                MOMENTS,
+                SPREAD,
                 &["fluid/divergence 2"],
                 PUSH,
                 exchange,

@@ -3,10 +3,7 @@
 use std::ops::Range;
 
 use plotters::{
-    coord::{
-        Shift,
-        combinators::{LogCoord, WithKeyPoints},
-    },
+    coord::{Shift, combinators::LogCoord},
     prelude::*,
 };
 
@@ -21,10 +18,8 @@ pub(crate) const LEGEND_LINE: u32 = 20;
 
 /// Where a picture or a panel is drawn.
 pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-/// A log axis with its ticks.
-type Ticked = WithKeyPoints<LogCoord<f64>>;
 /// A panel with its axes.
-pub(crate) type Panel<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Ticked, Ticked>>;
+pub(crate) type Panel<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 
 /// An axis of a panel.
 pub(crate) struct Axis<'a> {

@@ -39,7 +39,7 @@ const PASSES: [&str; 11] = [
     "fluid/move",
     "fluid/advance",
     "fluid/spread",
-    "fluid/deform",
+    "fluid/place",
     "fluid/moments",
     "fluid/push",
     "fluid/divergence",

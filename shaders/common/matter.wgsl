@@ -4,8 +4,8 @@ import package::common::{params::params, cells::is_air};
 const MOST_EDDIES: f32 = 0.25;   // c of unresolved eddies: above a half XSPH overshoots
 
 struct Exchange {
-    share: f32,         // S: the part of its velocity that a particle would exchange
-    deformation: f32,   // |G| dt: how much air is deformed in a step; hair is not
+    share: f32,    // S: the part of its velocity that a particle would exchange
+    eddies: f32,   // c of unresolved eddies; hair has none
 }
 
 @group(0) @binding(2) var<storage, read> inverse_mass: array<f32>;   // of each hair point [1/kg], 0 where it is held
@@ -15,9 +15,7 @@ fn inverse_mass_of(i: u32) -> f32 {
     return inverse_mass[i];
 }
 
-// XSPH coefficient of a particle. A pair has the smaller of its two (eq. 8). Air has that of the eddies that its spacing does not resolve
-// as well, nu = (C d)^2 |G| (Smagorinsky 1963), which is c = 22 (C d/h)^2 |G| dt.
-fn viscosity_of(i: u32, exchange: Exchange) -> f32 {
-    let of_kind = select(params.viscosity_hair, params.viscosity_air, is_air(i));
-    return of_kind + min(MOST_EDDIES, params.viscosity_eddies * exchange.deformation);
+// XSPH coefficient of a particle. A pair has the smaller of its two (eq. 8).
+fn viscosity_of(i: u32) -> f32 {
+    return select(params.viscosity_hair, params.viscosity_air, is_air(i));
 }

@@ -19,7 +19,7 @@ var<private> sum: f32;
 // In place of the volume its root.
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, other.xyz, sqrt(other.w), vec4f(density[j], viscosity_of(j, exchange[j]), 0.0, 0.0), vec4f());
+    return Near(j, other.xyz, sqrt(other.w), vec4f(density[j], viscosity_of(j) + exchange[j].eddies, 0.0, 0.0), vec4f());
 }
 
 fn meet(other: Near) {
@@ -36,7 +36,7 @@ fn main(
     let own = predicted[i];
     pairs = pairs_of(own.xyz);
     own_strand = points_with(i);
-    coefficient = viscosity_of(i, exchange[i]);
+    coefficient = viscosity_of(i) + exchange[i].eddies;
     root = sqrt(own.w);
     thickness = density[i];
     meet_own_kind();

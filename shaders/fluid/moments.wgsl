@@ -5,10 +5,9 @@
 //   B_i = (0.02 - sum_j V_j grad_i W (x) (x_i - x_j))^-1;  1 where that is hardly a matrix
 //   a_i = w_i |sum_j V_j B_i grad_i W|^2 + sum_j w_j V_j^2 |B_i grad_i W|^2 + alpha        w inverse mass, 1 for air
 //
-// With it the push of the pressure that the step before left, lambda B/V, and how unevenly particles lie about this one,
-// sum_j V_j grad_i W. A particle that lies on others leaves the last of them in a direction of chance.
+// With it the push of the pressure that the step before left, lambda B/V.
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pairs, pairs_of, coincide, slope_at, kernel_at, apart},
+    params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pairs, pairs_of, slope_at, kernel_at},
     clusters::{take_particle, has_none, meet_own_kind}, pressure::{Pressed, Gradients, Stress, allowed, of_flow, share_of},
 };
 
@@ -21,7 +20,6 @@ const LARGEST: f32 = 6.0;     // trace of B above which it is not taken
 @group(0) @binding(5) var<storage, read_write> density:   array<f32>;     // rho / rho_0
 @group(0) @binding(6) var<storage, read_write> gradients: array<Gradients>;
 @group(0) @binding(7) var<storage, read_write> stress:    array<Stress>;
-@group(0) @binding(8) var<storage, read_write> uneven:    array<vec4f>;   // xyz [1/m]
 
 var<private> pairs: Pairs;
 var<private> theta: f32;
@@ -31,7 +29,6 @@ var<private> moment: vec3f;
 var<private> moment_off: vec3f;
 var<private> square: vec3f;       // sum_j w_j V_j^2 grad W (x) grad W
 var<private> square_off: vec3f;
-var<private> met: u32;            // one more than the largest index of a neighbour that lies on the particle
 
 fn see(j: u32) -> Near {
     let other = predicted[j];
@@ -43,7 +40,6 @@ fn meet(other: Near) {
     let slope = other.volume * slope_at(pairs, gap);   // V_j grad_i W is this times the gap
     theta += other.volume * kernel_at(pairs, gap);
     sum += slope * gap;
-    met = max(met, select(0u, other.index + 1u, coincide(pairs, gap)));
     let diagonal = gap * gap;
     let off_diagonal = gap.yzx * gap.zxy;
     moment -= slope * diagonal;
@@ -88,8 +84,6 @@ fn main(
     let response = share_of(i) * dot(turned, turned) + others + params.density_softening / params.air_inverse_mass;
     let diagonal = vec3f(b[0][0], b[1][1], b[2][2]);
     let off_diagonal = vec3f(b[1][2], b[2][0], b[0][1]);
-    if met > 0u { sum -= predicted[met - 1u].w * pairs.slope * apart(i, met - 1u); }
-    uneven[i] = vec4f(sum, 0.0);
     density[i] = theta;
     gradients[i] = Gradients(diagonal, response, off_diagonal);
     let pressure = allowed(pressed[i].pressure, theta) / own.w;

@@ -1,20 +1,27 @@
-// Keeps air particles apart by a small shift of positions, which velocity never sees. It comes after the pressure, so that lists and
-// densities are those of where the particles met.
+// Keeps air particles apart by a small shift of positions, which velocity never sees.
 //
-//   x_i -= h^2 min(0.1, 0.05 U dt/d) sum_j V_j grad_i W,  at most d/4
+//   delta_i = -h^2 min(0.1, 0.05 U dt/d) sum_j V_j grad_i W,  at most d/4
 //
 // d is the spacing, U the largest mean wind of the table of winds, or the particle's own speed where that is more. While that
 // table has no wind, the deformation in a step takes the place of the second term where it is more, up to 0.05: air that whirls
-// would clump. Where air is still as well, the second term is at least the unevenness itself,
+// would clump.
+//
+//   min(0.05, |G_i| dt),  G_i = sum_j V_j (v_j - v_i) (x) grad_i W,  |G| Frobenius's norm
+//
+// Where air is still as well, the second term is at least the unevenness itself,
 //
 //   h |sum_j V_j grad_i W| min(1, 725 dt/s),
 //
 // since crowded air would stay crowded. With the model PARTICLES and with bodies this is left out: there hair or bodies take the place of air, and the
 // sum over air alone is uneven about them.
 //
+// The exchange by eddies smaller than the spacing is kept for `viscosity`. It is nu = (C d)^2 |G_i| (Smagorinsky 1963), which is
+// c = 22 (C d/h)^2 |G_i| dt.
+//
 // After Xu, Stansby & Laurence (2009) and Lind et al. (2012); it goes with the step, so that its diffusion vanishes with it.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::{status, frozen}, matter::Exchange,
+    params::params, dispatch::WORKGROUP, status::status, lanes::Near, pairs::{Pairs, pairs_of, coincide, gradient_to, apart},
+    clusters::{take_particle, has_none, of_air, meet_own_kind}, matter::{Exchange, MOST_EDDIES},
 };
 
 const CARRIED: f32 = 0.05;    // of the way in a step: less leaves clumps, more moves air across the shear behind hair
@@ -23,23 +30,50 @@ const STILL: f32 = 1e-3;      // of the way or deformation in 1.38 ms: below tha
 const LARGEST: f32 = 0.1;
 const FARTHEST: f32 = 0.25;   // d, of the shift
 
-@group(0) @binding(3) var<storage, read>       uneven:       array<vec4f>;   // xyz: sum_j V_j grad_i W [1/m]
+@group(0) @binding(3) var<storage, read>       predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(4) var<storage, read>       new_velocity: array<vec4f>;   // m/s
-@group(0) @binding(5) var<storage, read>       exchange:     array<Exchange>;
-@group(0) @binding(6) var<storage, read_write> predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
+@group(0) @binding(5) var<storage, read_write> shift:        array<vec4f>;   // m
+@group(0) @binding(6) var<storage, read_write> exchange:     array<Exchange>;
+
+var<private> pairs: Pairs;
+var<private> velocity: vec3f;
+var<private> uneven: vec3f;
+var<private> deformed: mat3x3f;   // G [1/s]
+var<private> met: u32;            // one more than the largest index of a neighbour that lies on the particle
+
+fn see(j: u32) -> Near {
+    let other = predicted[j];
+    return Near(j, other.xyz, other.w, new_velocity[j], vec4f());
+}
+
+fn meet(other: Near) {
+    let gap = pairs.own - other.at;
+    let gradient = gradient_to(pairs, other);
+    uneven += gradient;
+    met = max(met, select(0u, other.index + 1u, coincide(pairs, gap)));
+    let faster = other.value.xyz - velocity;
+    deformed += mat3x3f(gradient.x * faster, gradient.y * faster, gradient.z * faster);
+}
 
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let i = params.hair_points + invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
-    let way = params.step * length(new_velocity[i].xyz) / params.spacing;
-    let deformation = exchange[i].deformation;
-    let sum = uneven[i].xyz;
-    let settles = clamp(2.0 * params.settling - max(deformation, way) / STILL, 0.0, params.settling);
-    let still = max(min(DEFORMED, deformation), settles * params.kernel_radius * length(sum));
-    let carried = CARRIED * max(way, params.step * status.fastest_wind / params.spacing);
-    let part = max(carried, select(0.0, still, status.fastest_wind == 0.0));
-    let delta = -params.kernel_radius * params.kernel_radius * min(LARGEST, part) * sum;
+fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = take_particle(of_air(id, groups), local);
+    pairs = pairs_of(predicted[i].xyz);
+    velocity = new_velocity[i].xyz;
+    meet_own_kind();
+    if has_none() { return; }
+    if met > 0u { uneven -= predicted[met - 1u].w * pairs.slope * apart(i, met - 1u); }
+    var part = CARRIED * params.step * max(status.fastest_wind, length(velocity)) / params.spacing;
+    let deformation = params.step * length(vec3f(length(deformed[0]), length(deformed[1]), length(deformed[2])));
+    let motion = max(deformation, params.step * length(velocity) / params.spacing);
+    let settles = clamp(2.0 * params.settling - motion / STILL, 0.0, params.settling);
+    let still = max(min(DEFORMED, deformation), settles * params.kernel_radius * length(uneven));
+    part = max(part, select(0.0, still, status.fastest_wind == 0.0));
+    let delta = -params.kernel_radius * params.kernel_radius * min(LARGEST, part) * uneven;
     let farthest = FARTHEST * params.spacing;
-    predicted[i] += vec4f(delta * (farthest / max(length(delta), farthest)), 0.0);
+    shift[i] = vec4f(delta * (farthest / max(length(delta), farthest)), 0.0);
+    exchange[i].eddies = min(MOST_EDDIES, params.viscosity_eddies * deformation);
 }

@@ -32,7 +32,7 @@ fn see(j: u32) -> Near {
     let other = predicted[j];
     let value = vec4f(new_velocity[j].xyz, density[j]);
     let exchanges = exchange[j];
-    let more = vec4f(exchanges.share, inverse_mass_of(j), viscosity_of(j, exchanges), 0.0);
+    let more = vec4f(exchanges.share, inverse_mass_of(j), viscosity_of(j) + exchanges.eddies, 0.0);
     return Near(j, other.xyz, sqrt(other.w), value, more);
 }
 
@@ -53,7 +53,7 @@ fn main(
     let own = predicted[i];
     pairs = pairs_of(own.xyz);
     own_strand = points_with(i);
-    coefficient = viscosity_of(i, exchange[i]);
+    coefficient = viscosity_of(i) + exchange[i].eddies;
     velocity = new_velocity[i].xyz;
     root = sqrt(own.w);
     mass = inverse_mass_of(i);

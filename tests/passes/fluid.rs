@@ -107,18 +107,29 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Pressure: moments, the pressures of the step before, the coarse grid, iterations; then air is spread.
+    /// Pressure: spread, moments, the pressures of the step before, the coarse grid, iterations.
     fn pressure(&mut self, s: &Twin, w: &mut Scratch, passes: &mut Passes<'_>) -> Same {
         let (stage, bounds, p) = (self.stage, self.bounds, self.p().clone());
         let (state, hair) = (stage.engine.state(), p.hair_points);
         let first = if p.model == Model::Particles { 0 } else { hair };
         let (mass, volume) = (&s.inverse_mass, &s.volume);
+        let shift = fluid::spread(&p, &w.predicted, &w.new_velocity, volume, &w.near);
+
+        assert!(passes.through("fluid/spread"));
+        self.same("fluid/spread", apart(&self.vectors(&state.shift, hair), &shift[hair..]), bounds.length)?;
+        w.eddies = fluid::eddies(&p, &w.predicted, &w.new_velocity, volume, &w.near);
+        self.same("fluid/spread", numbers_apart(&stage.exchange(|all| all.eddies), &w.eddies), bounds.density)?;
+        let before = w.predicted.clone();
+        w.predicted.iter_mut().zip(shift).for_each(|(x, shift)| *x += shift);
+        passes.through("fluid/place");
+        let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
+        self.same("fluid/place", gap, bounds.length)?;
 
         w.moments = fluid::moments(&p, &w.predicted, mass, volume, &w.near);
         let of_hair = w.density.clone();
         w.density = w.moments.iter().map(|moments| moments.density).collect();
         w.density[..first].copy_from_slice(&of_hair[..first]);
-        assert!(passes.through("fluid/moments"));
+        passes.through("fluid/moments");
         let densest = largest(w.density.iter().copied()).max(1.0);
         let gap = numbers_apart(&stage.numbers(&state.density)[first..], &w.density[first..]) / densest;
         self.same("fluid/moments", gap, bounds.density)?;
@@ -132,17 +143,13 @@ impl Walk<'_> {
             size.max(response)
         });
         self.same("fluid/moments", largest(gaps), bounds.multiplier)?;
-        let uneven = fluid::uneven(&p, &w.predicted, volume, &w.near);
-        let most = largest(uneven.iter().map(|sum| sum.length())).max(1.0);
-        let gap = apart(&self.vectors(&state.uneven, first), &uneven[first..]) / most;
-        self.same("fluid/moments", gap, bounds.multiplier)?;
         let each = |i: usize| fluid::start(&p, i, &w.moments[i], &s.pressed[i]);
         w.pressed = (0..w.predicted.len()).map(each).collect();
         let lambda: Vec<f64> = w.pressed.iter().map(|pressed| pressed.pressure).collect();
         self.push(s, w, passes, &lambda)?;
 
         if p.coarse {
-            self.coarse(w, passes)?;
+            self.coarse(&before, w, passes)?;
         }
         for omega in fluid::relaxations(p.pressure_iterations) {
             let rate = fluid::divergence(&p, &w.predicted, &w.new_velocity, volume, &w.near, &w.moments);
@@ -160,18 +167,6 @@ impl Walk<'_> {
             let gap = apart(&stage.vectors(&state.correction)[..hair], &w.correction[..hair]);
             self.same("fluid/impulse", gap, bounds.length)?;
         }
-        w.deformation = if passes.through("fluid/deform") {
-            fluid::deformation(&p, &w.predicted, &w.new_velocity, volume, &w.near)
-        } else {
-            vec![0.0; w.predicted.len()]
-        };
-        let gap = numbers_apart(&stage.exchange(|all| all.deformation), &w.deformation);
-        self.same("fluid/deform", gap, bounds.density)?;
-        let shift = fluid::spread(&p, &uneven, &w.new_velocity, &w.deformation);
-        w.predicted.iter_mut().zip(shift).for_each(|(x, shift)| *x += shift);
-        assert!(passes.through("fluid/spread"));
-        let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
-        self.same("fluid/spread", gap, bounds.length)?;
         Ok(())
     }
 
@@ -216,8 +211,8 @@ impl Walk<'_> {
         self.same(pass, gap / most, bounds.speed)
     }
 
-    /// The coarse grid.
-    fn coarse(&mut self, w: &mut Scratch, passes: &mut Passes<'_>) -> Same {
+    /// The coarse grid, of air that was at `before` when it was sorted.
+    fn coarse(&mut self, before: &[DVec3], w: &mut Scratch, passes: &mut Passes<'_>) -> Same {
         let (stage, bounds, p) = (self.stage, self.bounds, self.p().clone());
         let (state, hair) = (stage.engine.state(), p.hair_points);
         let rate = fluid::divergence(&p, &w.predicted, &w.new_velocity, &stage.twin.volume, &w.near, &w.moments);
@@ -227,17 +222,17 @@ impl Walk<'_> {
         let sorted = stage.engine.read(&state.sorted).unwrap();
         let got = stage.engine.read(&state.brought).unwrap();
         // Air stands first.
-        let brought = || sorted.iter().map(|i| *i as usize).zip(&got).take(w.predicted.len() - hair);
+        let brought = || sorted.iter().map(|i| *i as usize).zip(&got).take(before.len() - hair);
         let gaps = brought().map(|(i, got)| (f64::from(got[3]) - fluid::source(rate[i], &w.moments[i])).abs());
         let most = largest(rate.iter().map(|rate| rate.abs())).max(8.0);
         self.same("coarse/source", largest(gaps) / most, bounds.multiplier)?;
         let spacing = p.box_size / DVec3::from_array(p.coarse_nodes.map(|n| n as f64));
         let wrapped = |x: DVec3| (x - p.box_size * (x / p.box_size).floor()) / spacing;
-        let gaps = brought().map(|(i, got)| (xyz(&got[..3]) - wrapped(w.predicted[i])).length());
+        let gaps = brought().map(|(i, got)| (xyz(&got[..3]) - wrapped(before[i])).length());
         self.same("coarse/source", largest(gaps), bounds.nodes)?;
 
         let nodes = |array| -> Vec<f64> { stage.engine.read(array).unwrap().into_iter().map(f64::from).collect() };
-        let deposited = fluid::coarse_deposit(&p, &w.predicted, &rate, &w.moments);
+        let deposited = fluid::coarse_deposit(&p, before, &rate, &w.moments);
         passes.through("coarse/deposit");
         let most = largest(deposited.iter().map(|sum| sum.abs())).max(1e-3);
         let gap = numbers_apart(&nodes(&state.coarse), &deposited) / most;
@@ -258,7 +253,7 @@ impl Walk<'_> {
         passes.through("coarse/wave");
         self.same("coarse/wave", numbers_apart(&nodes(&state.coarse), &pressure) / most, bounds.nodes)?;
 
-        let mut change = fluid::coarse_push(&p, &w.predicted, &pressure);
+        let mut change = fluid::coarse_push(&p, before, &pressure);
         passes.through("coarse/gather");
         let gap = apart(&self.vectors(&state.coarse_change, hair), &change[hair..]);
         self.same("coarse/gather", gap, bounds.speed)?;
@@ -293,7 +288,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::CORRECT, "params.relaxation * inverse_mass_of(i)", "0.49 * inverse_mass_of(i)", PARTICLES),
     (&shaders::fluid::MOVE, "correction[i] += shift[i]", "correction[i] = shift[i]", PARTICLES),
     (&shaders::fluid::SPREAD, "CARRIED: f32 = 0.05", "CARRIED: f32 = 0.04", DIVERGENCE),
-    (&shaders::fluid::DEFORM, "length(deformed[2])", "0.0", DIVERGENCE),
+    (&shaders::fluid::PLACE, "vec4f(shift[i].xyz", "vec4f(0.5 * shift[i].xyz", DIVERGENCE),
     (&shaders::fluid::MOMENTS, "FLOOR: f32 = 0.02", "FLOOR: f32 = 0.03", DIVERGENCE),
     (&shaders::fluid::PUSH, "own.w * (of_own", "0.9 * own.w * (of_own", DIVERGENCE),
     (&shaders::fluid::DIVERGENCE, "- relaxation * sum", "- 0.9 * relaxation * sum", DIVERGENCE),

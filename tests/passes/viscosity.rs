@@ -6,7 +6,7 @@ use windswept_shaders as shaders;
 
 use crate::{
     stage::{Stage, each, stirred},
-    steps::{BOUNDS, CROWDED, Fault, PARTICLES, PRESSED_HAIR},
+    steps::{BOUNDS, CROWDED, DIVERGENCE, Fault, PARTICLES, PRESSED_HAIR},
     support,
     walk::{Bounds, Same, Walk, apart, numbers_apart, walk},
 };
@@ -39,8 +39,8 @@ impl Walk<'_> {
 pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::LIMIT, "2.0 * root", "1.9 * root", PARTICLES),
     (&shaders::fluid::LIMIT, "i < points.end", "i + 1u < points.end", CROWDED),
-    (&shaders::fluid::LIMIT, "viscosity_of(i, exchange[i])", "viscosity_of(i, Exchange())", PRESSED_HAIR),
-    (&shaders::fluid::VISCOSITY, "viscosity_of(i, exchange[i])", "viscosity_of(i, Exchange())", PRESSED_HAIR),
+    (&shaders::fluid::LIMIT, "+ exchange[i].eddies", "", PRESSED_HAIR),
+    (&shaders::fluid::VISCOSITY, "+ exchange[i].eddies", "", DIVERGENCE),
     (&shaders::fluid::VISCOSITY, "4.0 * mass", "3.9 * mass", PARTICLES),
     (&shaders::fluid::VISCOSITY, "0.0 || holds", "0.0 && holds", CROWDED),
 ];

@@ -11,10 +11,7 @@ use windswept_scene::{FluidSolver, Model};
 pub use self::{
     coarse::{coarse_deposit, coarse_push, coarse_solve, coarse_waves, source},
     friction::{Rub, STIFFNESS, friction, slip, squeeze},
-    pressure::{
-        LASTING, Moments, Pressed, THIN, deformation, divergence, moments, push, relax, relaxations, spread, start,
-        uneven,
-    },
+    pressure::{LASTING, Moments, Pressed, THIN, divergence, eddies, moments, push, relax, relaxations, spread, start},
 };
 use crate::{
     Parameters, State,

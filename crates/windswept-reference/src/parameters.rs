@@ -12,9 +12,6 @@ use crate::{
     sph_kernels::spiky_slope,
 };
 
-/// Most that unresolved eddies add to the XSPH coefficient c.
-const MOST_EDDIES: f64 = 0.25;
-
 /// Distance of the nodes of the coarse grid \[particle spacings\].
 pub const COARSE: f64 = 3.0;
 
@@ -253,12 +250,10 @@ impl Parameters {
         shared.map_or(band.scale, |grid| bands[grid[0]].scale)
     }
 
-    /// Viscosity c of a pair (eq. 8). Air has that of the eddies that its spacing does not resolve as well, of which the deformation of
-    /// the flow at each particle tells: ν = (C d)² |G_i| (Smagorinsky 1963), which is c = 22 (C d/h)² |G_i| Δt, at most 0.25.
+    /// Viscosity c of a pair (eq. 8), with that of unresolved eddies at each particle.
     #[must_use]
-    pub fn viscosity(&self, i: usize, j: usize, deformation: &[f64]) -> f64 {
-        let eddies = |i: usize| (self.viscosity_eddies * deformation[i]).min(MOST_EDDIES);
-        let own = |i| if self.is_air(i) { self.viscosity_air + eddies(i) } else { self.viscosity_hair };
+    pub fn viscosity(&self, i: usize, j: usize, eddies: &[f64]) -> f64 {
+        let own = |i| if self.is_air(i) { self.viscosity_air + eddies[i] } else { self.viscosity_hair };
         own(i).min(own(j))
     }
 }

@@ -84,8 +84,8 @@ pub struct Scratch {
     pub vorticity: Vec<DVec3>,
     /// Change of each particle's velocity by confinement, all bands together \[m/s\].
     pub confinement: Vec<DVec3>,
-    /// How much the flow deforms air in the step, at each particle; 0 for hair.
-    pub deformation: Vec<f64>,
+    /// XSPH coefficient c of unresolved eddies at each particle; 0 for hair.
+    pub eddies: Vec<f64>,
     /// S of the XSPH limiter, of each particle.
     pub exchange: Vec<f64>,
 }

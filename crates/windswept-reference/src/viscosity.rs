@@ -8,10 +8,9 @@ use crate::{Parameters, State, neighbours::Neighbours, sph_kernels::poly6, step:
 pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     if p.air && (p.viscosity_hair > 0.0 || p.viscosity_air > 0.0 || p.viscosity_eddies > 0.0) {
         let (x, v) = (&w.predicted, &w.new_velocity);
-        w.deformation.resize(x.len(), 0.0);
-        w.exchange = limit(p, x, &s.volume, &w.near, &w.density, &w.deformation);
-        w.new_velocity =
-            viscosity(p, x, v, &s.inverse_mass, &s.volume, &w.near, &w.density, &w.deformation, &w.exchange);
+        w.eddies.resize(x.len(), 0.0);
+        w.exchange = limit(p, x, &s.volume, &w.near, &w.density, &w.eddies);
+        w.new_velocity = viscosity(p, x, v, &s.inverse_mass, &s.volume, &w.near, &w.density, &w.eddies, &w.exchange);
     }
 }
 
@@ -29,7 +28,7 @@ pub fn limit(
     volume: &[f64],
     near: &Neighbours,
     theta: &[f64],
-    deformation: &[f64],
+    eddies: &[f64],
 ) -> Vec<f64> {
     if !p.limited {
         return vec![0.0; x.len()];
@@ -37,7 +36,7 @@ pub fn limit(
     let sum = |i: usize| {
         near.of(i)
             .filter(|&j| p.shares(i, j))
-            .map(|j| p.viscosity(i, j, deformation) * weight(p, i, j, x, volume, theta))
+            .map(|j| p.viscosity(i, j, eddies) * weight(p, i, j, x, volume, theta))
             .sum()
     };
     (0..x.len()).map(sum).collect()
@@ -54,7 +53,7 @@ pub fn viscosity(
     volume: &[f64],
     near: &Neighbours,
     theta: &[f64],
-    deformation: &[f64],
+    eddies: &[f64],
     exchange: &[f64],
 ) -> Vec<DVec3> {
     let pair = |i: usize, j: usize| {
@@ -63,7 +62,7 @@ pub fn viscosity(
             return DVec3::ZERO;
         }
         let share =
-            p.viscosity(i, j, deformation) * weight(p, i, j, x, volume, theta) / exchange[i].max(exchange[j]).max(1.0);
+            p.viscosity(i, j, eddies) * weight(p, i, j, x, volume, theta) / exchange[i].max(exchange[j]).max(1.0);
         2.0 * inverse_mass[i] / both * share * (v[j] - v[i])
     };
     let sum = |i: usize| near.of(i).filter(|&j| p.shares(i, j)).map(|j| pair(i, j)).sum::<DVec3>();

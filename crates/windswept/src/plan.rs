@@ -63,8 +63,6 @@ pub struct Plan {
     pub pbf: Decision,
     /// Whether velocities are freed of divergence.
     pub divergence: Decision,
-    /// Whether it is found how much air is deformed: it spreads where no wind blows, and has eddies smaller than its spacing.
-    pub deformation: Decision,
     /// Whether pressure acts on hair as on air.
     pub pressed_hair: Decision,
     /// Elements of `iteration`, one per iteration of the pressure.
@@ -163,10 +161,6 @@ impl Plan {
         ));
         let pbf = air.and(Decision::when(is_pbf, "fluid.solver is divergence"));
         let divergence = air.and(Decision::when(!is_pbf, "fluid.solver is pbf"));
-        let deformation = divergence.and(Decision::when(
-            is_still || scene.viscosity.smagorinsky > 0.0,
-            "air that wind carries spreads by that, and viscosity.smagorinsky is 0",
-        ));
         let coarse =
             divergence.and(scene.why_no_coarse().map_or(Decision::when(true, ""), |why| Decision::when(false, why)));
         let constrained = setup.params.constrained;
@@ -221,7 +215,6 @@ impl Plan {
                 .and(hair_meets_air.clone())
                 .and(Decision::when(!two_way, "interaction.model is two-way: hair and air exchange drag")),
             divergence,
-            deformation,
             coarse,
             coarse_axes: [0, 1, 2]
                 .map(|axis| Index::new(setup.coarse.as_ref().map_or(0, |coarse| coarse.first) + axis)),
@@ -248,9 +241,8 @@ impl Plan {
     /// whether other passes run now.
     pub(crate) fn set_wind(&mut self) -> bool {
         let (blows, wind) = wind(&Decision::when(true, ""), &self.air, &self.drag);
-        // The wind that is set may be none.
-        let changed = blows != self.blows || self.deformation != self.divergence;
-        (self.blows, self.wind, self.deformation) = (blows, wind, self.divergence.clone());
+        let changed = blows != self.blows;
+        (self.blows, self.wind) = (blows, wind);
         changed
     }
 

@@ -249,7 +249,7 @@ state! {
     grip: Vec4, |s| s.hair_points;
 
     // Written by a pass in part: the rest is zero for good.
-    /// What XSPH is to exchange at a particle: S of the limiter, and how much air is deformed.
+    /// What XSPH is to exchange at a particle: S of the limiter, and the viscosity of unresolved eddies.
     exchange: Exchange, |s| s.particles;
 
     // Passes over neighbours run on in a frozen step, and would follow whatever another array left here.
@@ -289,8 +289,6 @@ state! {
     shift: Vec4, |s| s.particles;
     /// What pressure has done to a particle in this step so far.
     pressed: Pressed, |s| s.pressed;
-    /// How unevenly particles lie about a particle, Σ V ∇W \[1/m\].
-    uneven: Vec4, |s| s.pressed;
     /// What corrects the gradients of the kernel at a particle, and how its divergence gives way \[1/m²\].
     gradients: Gradients, |s| s.pressed;
     /// What a particle pushes its neighbours by \[1/(m s)\], and its divergence \[1/s\].

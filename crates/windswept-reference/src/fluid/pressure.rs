@@ -27,6 +27,8 @@ const BY_WIND: f64 = 0.05;
 const BY_DEFORMATION: f64 = 0.05;
 /// Way \[particle spacings\] or deformation in 1.38 ms below which air is still; from twice that on it is not.
 const STILL: f64 = 1e-3;
+/// Most that unresolved eddies add to the XSPH coefficient c.
+const MOST_EDDIES: f64 = 0.25;
 /// Largest spread in units of h² s_i.
 const MOST_SPREAD: f64 = 0.1;
 /// Longest move of a particle by the spread \[particle spacings\].
@@ -69,6 +71,11 @@ pub struct Moments {
 /// the impulse that pressure has over time.
 pub(super) fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     let (mass, volume) = (&s.inverse_mass, &s.volume);
+    let shift = spread(p, &w.predicted, &w.new_velocity, volume, &w.near);
+    w.eddies = eddies(p, &w.predicted, &w.new_velocity, volume, &w.near);
+    // The coarse grid sees particles where they were: what they are spread by is little to its nodes.
+    let before = w.predicted.clone();
+    w.predicted.iter_mut().zip(shift).for_each(|(x, shift)| *x += shift);
     w.moments = moments(p, &w.predicted, mass, volume, &w.near);
     w.density = w.moments.iter().map(|moments| moments.density).collect();
     w.pressed = (0..w.predicted.len()).map(|i| start(p, i, &w.moments[i], &s.pressed[i])).collect();
@@ -76,9 +83,9 @@ pub(super) fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     give(w, push(p, &w.predicted, mass, volume, &w.near, &w.moments, &lambda));
     if p.coarse {
         let rate = divergence(p, &w.predicted, &w.new_velocity, volume, &w.near, &w.moments);
-        let deposited = coarse_deposit(p, &w.predicted, &rate, &w.moments);
+        let deposited = coarse_deposit(p, &before, &rate, &w.moments);
         let pressure = coarse_solve(p, &deposited);
-        let mut change = coarse_push(p, &w.predicted, &pressure);
+        let mut change = coarse_push(p, &before, &pressure);
         let mean = turbulence::mean(p, &change);
         change[p.hair_points..].iter_mut().for_each(|change| *change -= mean);
         give(w, change);
@@ -95,10 +102,6 @@ pub(super) fn run(s: &State, w: &mut Scratch, p: &Parameters) {
             w.correction[i] = LASTING * p.step * w.pressed[i].change;
         }
     }
-    w.deformation = deformation(p, &w.predicted, &w.new_velocity, volume, &w.near);
-    let uneven = uneven(p, &w.predicted, volume, &w.near);
-    let shift = spread(p, &uneven, &w.new_velocity, &w.deformation);
-    w.predicted.iter_mut().zip(shift).for_each(|(x, shift)| *x += shift);
 }
 
 /// Adds changes to the velocities, and to what pressure is remembered by.
@@ -122,53 +125,54 @@ fn gradient(p: &Parameters, i: usize, j: usize, x: &[DVec3]) -> DVec3 {
 /// Moves δ of air that keep particles apart, and that velocity never sees \[m\]; 0 for hair.
 ///
 /// δ_i = −h² min(0.1, 0.05 U Δt/d) Σ_j V_j g_ij, |δ_i| ≤ d/4, with the scene's largest wind U, or the particle's own speed where
-/// that is more. Without wind min(0.05, |G_i| Δt) takes the place of 0.05 U Δt/d where it is more, |G_i| being the [`deformation`], and where air is still so does the unevenness h |Σ_j V_j g_ij| min(1, 725 Δt/s), but with the model `particles` and with bodies, which take the place of air:
+/// that is more. Without wind min(0.05, |G_i| Δt) takes the place of 0.05 U Δt/d where it is more, G_i = Σ_j V_j (v_j − v_i) ⊗ g_ij,
+/// and where air is still so does the unevenness h |Σ_j V_j g_ij| min(1, 725 Δt/s), but with the model `particles` and with bodies, which take the place of air:
 /// air that is still and crowded would stay so.
-/// It goes with Δt, so that its diffusion |δ|²/2Δt vanishes with the step.
+/// It goes with Δt, so that its diffusion |δ|²/2Δt vanishes with the step. A particle that lies on others leaves the last of them
+/// in a direction of chance.
 #[must_use]
-pub fn spread(p: &Parameters, uneven: &[DVec3], v: &[DVec3], deformation: &[f64]) -> Vec<DVec3> {
+pub fn spread(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> Vec<DVec3> {
     let spacing = p.spacing();
     let each = |i: usize| {
         if !p.is_air(i) {
             return DVec3::ZERO;
         }
-        let mut part = BY_WIND * p.largest_wind.max(v[i].length()) * p.step / spacing;
-        if p.largest_wind == 0.0 {
-            let motion = deformation[i].max(p.step * v[i].length() / spacing);
-            let settles = (2.0 * p.settling - motion / STILL).clamp(0.0, p.settling);
-            part = part.max(deformation[i].min(BY_DEFORMATION)).max(settles * p.kernel_radius * uneven[i].length());
-        }
-        let part = part.min(MOST_SPREAD);
-        (-p.kernel_radius.powi(2) * part * uneven[i]).clamp_length_max(LONGEST_SPREAD * spacing)
-    };
-    (0..v.len()).map(each).collect()
-}
-
-/// How unevenly particles lie about every particle, Σ_j V_j g_ij \[1/m\]. A particle that lies on others leaves the last of them in a
-/// direction of chance.
-#[must_use]
-pub fn uneven(p: &Parameters, x: &[DVec3], volume: &[f64], near: &Neighbours) -> Vec<DVec3> {
-    let each = |i: usize| {
+        let pairs = || others(p, near, i).map(|j| (j, volume[j] * gradient(p, i, j, x)));
         let met = others(p, near, i)
             .filter(|&j| sph_kernels::coincide(p.separation(i, j, x[i], x[j]), p.kernel_radius))
             .max();
         let away = met.map_or(DVec3::ZERO, |j| volume[j] * spiky_gradient(i, j, DVec3::ZERO, p.kernel_radius));
-        away + others(p, near, i).map(|j| volume[j] * gradient(p, i, j, x)).sum::<DVec3>()
+        let uneven: DVec3 = away + pairs().map(|(_, gradient)| gradient).sum::<DVec3>();
+        let mut part = BY_WIND * p.largest_wind.max(v[i].length()) * p.step / spacing;
+        if p.largest_wind == 0.0 {
+            let deformed = deformation(p, i, x, v, volume, near);
+            let motion = deformed.max(p.step * v[i].length() / spacing);
+            let settles = (2.0 * p.settling - motion / STILL).clamp(0.0, p.settling);
+            part = part.max(deformed.min(BY_DEFORMATION)).max(settles * p.kernel_radius * uneven.length());
+        }
+        let part = part.min(MOST_SPREAD);
+        (-p.kernel_radius.powi(2) * part * uneven).clamp_length_max(LONGEST_SPREAD * spacing)
     };
     (0..x.len()).map(each).collect()
 }
 
-/// Deformation |G_i| Δt of the flow in a step, G_i = Σ_j V_j (v_j − v_i) ⊗ g_ij, Frobenius's norm; 0 for hair.
+/// XSPH coefficients c = 22 (C d/h)² |G_i| Δt of eddies smaller than the spacing d, ν = (C d)² |G_i| (Smagorinsky 1963), at most
+/// 0.25; 0 for hair.
 #[must_use]
-pub fn deformation(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> Vec<f64> {
+pub fn eddies(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> Vec<f64> {
     let each = |i: usize| {
         if !p.is_air(i) {
             return 0.0;
         }
-        let gradients = others(p, near, i).map(|j| outer(v[j] - v[i], volume[j] * gradient(p, i, j, x)));
-        p.step * gradients.sum::<DMat3>().to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt()
+        (p.viscosity_eddies * deformation(p, i, x, v, volume, near)).min(MOST_EDDIES)
     };
     (0..x.len()).map(each).collect()
+}
+
+/// Deformation |G_i| Δt of the flow in a step, G_i = Σ_j V_j (v_j − v_i) ⊗ g_ij, Frobenius's norm.
+fn deformation(p: &Parameters, i: usize, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> f64 {
+    let gradients = others(p, near, i).map(|j| outer(v[j] - v[i], volume[j] * gradient(p, i, j, x)));
+    p.step * gradients.sum::<DMat3>().to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// Matrix a bᵀ.

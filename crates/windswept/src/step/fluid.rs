@@ -49,9 +49,11 @@ fn density(r: &mut Recorder<'_>, particles: u32) {
     r.run(&fluid::DENSITY, "density and its multiplier", particles);
 }
 
-/// The velocity of air is freed of divergence: by the pressures of the step before, on a coarse grid, by iterations. Then air is spread.
+/// Air is spread, then its velocity is freed of divergence: by the pressures of the step before, on a coarse grid, by iterations.
 fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
     let n = &plan.sizes;
+    r.run(&fluid::SPREAD, "how air spreads evenly", n.air_in_clusters());
+    r.run(&fluid::PLACE, "air spreads", n.air());
     r.run(&fluid::MOMENTS, "density, and gradients corrected", plan.flowing_in_clusters());
     r.run(&fluid::PUSH, "the pressure before pushes", plan.flowing_in_clusters());
     r.when(&plan.coarse, |r| on_coarse_grid(r, plan));
@@ -62,10 +64,6 @@ fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.pressed_hair, |r| {
         r.run(&fluid::IMPULSE, "what pressure gives hair", n.hair_points);
     });
-    r.when(&plan.deformation, |r| {
-        r.run(&fluid::DEFORM, "how much air is deformed", n.air_in_clusters());
-    });
-    r.run(&fluid::SPREAD, "air spreads evenly", n.air());
 }
 
 fn divergence(r: &mut Recorder<'_>, plan: &Plan, iteration: Index<Iteration>) {
