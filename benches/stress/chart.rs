@@ -86,7 +86,12 @@ fn panel(area: &Area<'_>, sweep: &Sweep, series: &[&str]) -> Result<()> {
     let y = Axis { label: "", range: range(all.iter().map(|s| height(s)).chain(bounds)), number: power };
     let mut chart = axes::panel(area, &format!("{}{unit}", sweep.quantity), &x, &y)?;
     if let Some(bound) = bounds {
-        chart.draw_series(DashedLineSeries::new([(x.range.start, bound), (x.range.end, bound)], 2, 3, BLACK.stroke_width(1)))?;
+        chart.draw_series(DashedLineSeries::new(
+            [(x.range.start, bound), (x.range.end, bound)],
+            2,
+            3,
+            BLACK.stroke_width(1),
+        ))?;
     }
     for (i, name) in series.iter().enumerate() {
         let at: Vec<(f64, f64)> = all.iter().filter(|s| s.series == *name).map(|s| (s.at, height(s))).collect();
