@@ -3,7 +3,10 @@
 use std::ops::Range;
 
 use plotters::{
-    coord::{Shift, combinators::LogCoord},
+    coord::{
+        Shift,
+        combinators::{LogCoord, WithKeyPoints},
+    },
     prelude::*,
 };
 
@@ -18,8 +21,10 @@ pub(crate) const LEGEND_LINE: u32 = 20;
 
 /// Where a picture or a panel is drawn.
 pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+/// A log axis with its ticks.
+type Ticked = WithKeyPoints<LogCoord<f64>>;
 /// A panel with its axes.
-pub(crate) type Panel<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
+pub(crate) type Panel<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Ticked, Ticked>>;
 
 /// An axis of a panel.
 pub(crate) struct Axis<'a> {
