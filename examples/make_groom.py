@@ -17,14 +17,19 @@ LENGTH = 0.15  # m, on a head of 0.26 m
 TURNS, RADIUS = 1.0, 0.004  # turns of a curl along its length, and its radius [m]
 SCENES = Path(__file__).parent / "scenes"
 
+Vector = tuple[float, float, float]
 
-def scalp(path: Path) -> list[list[tuple[float, float, float]]]:
+
+def scalp(path: Path) -> list[list[Vector]]:
     """Corners of the triangles of the group `scalp` [m]."""
-    places, triangles, group = [], [], ""
+    places: list[Vector] = []
+    triangles: list[list[Vector]] = []
+    group = ""
     for line in path.read_text().splitlines():
         word, *rest = line.split() or [""]
         if word == "v":
-            places.append(tuple(float(x) for x in rest[:3]))
+            x, y, z = (float(x) for x in rest[:3])
+            places.append((x, y, z))
         elif word == "g":
             group = rest[0]
         elif word == "f" and group == "scalp":
@@ -33,21 +38,26 @@ def scalp(path: Path) -> list[list[tuple[float, float, float]]]:
     return triangles
 
 
-def cross(a, b):
+def cross(a: Vector, b: Vector) -> Vector:
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-def normal(corners):
+def minus(a: Vector, b: Vector) -> Vector:
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def normal(corners: list[Vector]) -> Vector:
     """Normal of a triangle, twice as long as its area is large."""
     a, b, c = corners
-    return cross([y - x for x, y in zip(a, b)], [y - x for x, y in zip(a, c)])
+    return cross(minus(b, a), minus(c, a))
 
 
-def unit(v):
-    return [x / math.hypot(*v) for x in v]
+def unit(v: Vector) -> Vector:
+    length = math.hypot(*v)
+    return (v[0] / length, v[1] / length, v[2] / length)
 
 
-def curl(corners, chance):
+def curl(corners: list[Vector], chance: random.Random) -> list[Vector]:
     """Points of a curl that is rooted somewhere on a triangle."""
     u, v = chance.random(), chance.random()
     if u + v > 1:

@@ -40,7 +40,7 @@ fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
     let mut rounded = s.clone();
     stage.adopt(&mut rounded);
     (s.clamps, s.root_targets) = (rounded.clamps, rounded.root_targets);
-    let (mut met, mut furthest, mut slept) = ([0; 5], [0.0_f64; 4], Vec::new());
+    let (mut met, mut furthest, mut slept) = ([0; 5], [[0.0_f64; 4]; 2], Vec::new());
     for number in 1..=26_u32 {
         if number == 5 {
             // Not finite from here on.
@@ -94,13 +94,17 @@ fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
         let spins = most(&got.angular_velocity, &s.angular_velocity);
         let spins = spins.max(most(&got.angular_velocity_before, &s.angular_velocity_before));
         println!("  {lengths:.1e} m, {speeds:.1e} m/s, {turns:.1e}, {spins:.1e} 1/s");
-        for (most, apart) in furthest.iter_mut().zip([lengths, speeds, turns, spins]) {
+        let pulled = usize::from(met[2] > 0);
+        for (most, apart) in furthest[pulled].iter_mut().zip([lengths, speeds, turns, spins]) {
             *most = most.max(apart);
         }
     }
-    println!("{furthest:?} from the twin");
-    // Measured 1.0e-6 m, 1.4e-4 m/s, 1.0e-5 and 1.3e-3 1/s; margin 4.
-    assert!(furthest.iter().zip([4e-6, 5e-4, 4e-5, 5e-3]).all(|(apart, bound)| *apart < bound), "{furthest:?}");
+    println!("{furthest:?} from the twin, before the body comes and from then on");
+    // Measured 3.6e-7 m, 1.1e-5 m/s, 2.1e-6 and 3.7e-4 1/s; margin 4. Then the engine may end a turn of `contact/pull` before or after the
+    // twin, each of which moves points by up to a thousandth of a segment: 5.7e-6 m, 7.1e-4 m/s, 1.1e-4 and 1.4e-2 1/s; margin 2.
+    let bounds = [[1.5e-6, 5e-5, 8e-6, 1.5e-3], [1.2e-5, 1.5e-3, 2.2e-4, 3e-2]];
+    let within = furthest.as_flattened().iter().zip(bounds.as_flattened()).all(|(apart, bound)| apart < bound);
+    assert!(within, "{furthest:?}");
     for _ in 0..20 {
         stage.run(step::record);
         twin_step(&mut s, &stage.parameters).unwrap();
