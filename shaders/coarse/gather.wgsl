@@ -19,7 +19,7 @@ fn quadratic(t: vec4f) -> vec4f {
     return b_spline(spline_of(2u), t);
 }
 
-// Its slope: the difference of two B-splines of the order below.
+// The slope of that B-spline at t spacings from its node: the difference of two linear ones.
 fn slope(t: vec4f) -> vec4f {
     let linear = spline_of(1u);
     return b_spline(linear, t + 0.5) - b_spline(linear, t - 0.5);

@@ -160,7 +160,7 @@ fn hairs_are_kept_out_of_bodies() {
     let mesh =
         Shape::Mesh(Solid::enclosed(ball.surface(64, 128), Some(5e-4)).unwrap_or_else(|error| panic!("{error}")));
     let capsule = Shape::Capsule { start: [-0.02, -0.02, 0.002], end: [0.02, -0.02, 0.003], radius: 0.01 };
-    // Its lower half is in a wedge between two balls.
+    // The lower half of the hair is in a wedge between two balls.
     let wedge = [-1.0, 1.0].map(|side| Shape::Sphere { center: [0.0, -0.035, side * 0.0095], radius: 0.01 });
     for shapes in [vec![ball], vec![mesh], vec![capsule], wedge.to_vec()] {
         let bodies = Bodies::at(&shapes.iter().cloned().map(body).collect::<Vec<_>>(), 0.0);

@@ -111,8 +111,8 @@ pub(super) fn began_deep(p: &Parameters, placed: &[Placed], position: DVec3) -> 
 
 /// Segment with ends of the inverse masses `give` that were at `before` and would be at `ends`, kept out of all bodies.
 ///
-/// Its place nearest to a body, (1 − t) x₀ + t x₁, is kept out like a point: a push d of it is one of (1 − t) w₀ d/r and t w₁ d/r of the ends,
-/// r = (1 − t)² w₀ + t² w₁. Where an end is held inside a body the segment is left as it is.
+/// The segment's place nearest to a body, (1 − t) x₀ + t x₁, is kept out like a point. To push the place by d, the ends are pushed by
+/// (1 − t) w₀ d/r and t w₁ d/r, with r = (1 − t)² w₀ + t² w₁. Where an end is held inside a body the segment is left as it is.
 #[must_use]
 pub fn clear(p: &Parameters, placed: &[Placed], give: [f64; 2], before: [DVec3; 2], ends: [DVec3; 2]) -> Cleared {
     let mut x = Cleared { ends, push: 0.0 };
