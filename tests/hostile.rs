@@ -18,7 +18,7 @@ use std::{
 
 use rand::{Rng, SeedableRng, seq::IndexedRandom};
 use rand_pcg::Pcg64;
-use windswept_scene::{Curves, Scene};
+use windswept_scene::{Curves, Scene, Triangles};
 
 /// Longest time that a reader may take, and most memory that the process may have used by then \[bytes\].
 const LONGEST: Duration = Duration::from_secs(1);
@@ -58,6 +58,14 @@ const WORDS: &[&[u8]] = &[
     b"PK\x01\x02",
     b"PK\x03\x04",
     b"HAIR",
+    b"f 1 -1 1000000000\n",
+    b"v 1e38 -1e38 0\n",
+    b"\nusemtl a\n",
+    b"property list uchar int vertex_indices\n",
+    b"\"byteOffset\":",
+    b"\"count\":4294967295",
+    b"glTF",
+    b"JSON",
 ];
 
 fn corpus(name: &str) -> Vec<PathBuf> {
@@ -175,6 +183,9 @@ targets! {
     any_npz_is_read: "npz",
     any_npy_is_read: "npy",
     any_ply_is_read: "ply",
+    any_obj_is_read: "obj",
+    any_polygons_are_read: "polygons",
+    any_glb_is_read: "glb",
 }
 
 /// The corpora stay small.
@@ -317,4 +328,15 @@ fn odd_paths_are_errors() {
         assert!(status == 2 && said.contains("/dev/zero"), "{said}");
     }
     assert!(!place("out").exists(), "a refused run has written");
+}
+
+/// Files that mutants are made of are read: mutants of a file that is refused at its first byte would show nothing.
+#[test]
+fn corpora_of_meshes_are_read() {
+    for (name, extension) in [("obj", "obj"), ("polygons", "ply"), ("glb", "glb")] {
+        for path in corpus(name) {
+            let read = Triangles::read(extension, &fs::read(&path).unwrap());
+            assert!(read.is_ok_and(|mesh| mesh.corners.len() > 1), "{}", path.display());
+        }
+    }
 }

@@ -3,7 +3,9 @@
 //! `cargo fuzz` calls them through `fuzz_targets/`, and `tests/hostile.rs` on stable, with the same corpora.
 
 use windswept::Checkpoint;
-use windswept_scene::{Curves, Groom, GroomFile, GroomFormat, HairSource, InitialState, RestShape, Scene, Up};
+use windswept_scene::{
+    Curves, DistanceGrid, Groom, GroomFile, GroomFormat, HairSource, InitialState, RestShape, Scene, Triangles, Up,
+};
 
 /// A way to read bytes.
 pub struct Target {
@@ -24,6 +26,9 @@ pub const TARGETS: &[Target] = &[
     Target { name: "npz", read: |bytes| groom("npz", bytes) },
     Target { name: "npy", read: |bytes| groom("npy", bytes) },
     Target { name: "ply", read: |bytes| groom("ply", bytes) },
+    Target { name: "obj", read: |bytes| mesh("obj", bytes) },
+    Target { name: "polygons", read: |bytes| mesh("ply", bytes) },
+    Target { name: "glb", read: |bytes| mesh("glb", bytes) },
 ];
 
 /// Reads bytes as the target of this name.
@@ -123,5 +128,29 @@ fn strands(curves: Curves) {
     let scene = Scene::parse("interaction.model = \"none\"\ntime = { step = 1e-3, duration = 1 }").expect("a scene");
     if let Ok(state) = InitialState::with_groom(&scene, &groom) {
         state.check().expect("arrays that belong together");
+    }
+}
+
+/// Triangles of a mesh of which a solid is made: more may take as long as they will.
+const FEW_TRIANGLES: usize = 200;
+/// Cells along the longest side of the surface in a solid's grid.
+const CELLS: f64 = 12.0;
+
+/// A mesh file is refused, or holds triangles that belong together, of which a solid is made or an error.
+fn mesh(extension: &str, bytes: &[u8]) {
+    let Ok(triangles) = Triangles::read(extension, bytes) else { return };
+    assert!(triangles.corners.as_flattened().iter().all(|&corner| (corner as usize) < triangles.points.len()));
+    assert!(triangles.points.iter().all(|point| point.is_finite()));
+    assert!([0, triangles.corners.len()].contains(&triangles.normals.len()));
+    assert!([0, triangles.corners.len()].contains(&triangles.uvs.len()));
+    assert!(triangles.parts.iter().all(|part| part.triangles.end <= triangles.corners.len()));
+    let Some([low, high]) = triangles.bounds() else { return };
+    if triangles.corners.len() > FEW_TRIANGLES {
+        return;
+    }
+    let spacing = 0.01 * (high - low).max_element() / CELLS;
+    let (surface, _) = triangles.in_metres(0.01, Up::Z).closed();
+    if let Ok(grid) = DistanceGrid::bake(&surface, spacing, 0.0) {
+        assert!(grid.values.iter().all(|distance| distance.is_finite()), "a distance is not finite");
     }
 }

@@ -77,8 +77,15 @@ impl Triangles {
 
     /// The triangles of a file that has these bytes; `path` says of which kind it is.
     pub(crate) fn of_bytes(path: &Path, bytes: &[u8]) -> Result<Self, SceneError> {
-        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
-        let read: fn(&[u8]) -> Result<Self, SceneError> = match ending.as_str() {
+        Self::read(&path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default(), bytes)
+    }
+
+    /// The triangles of the bytes of a file whose name ends so: one of [`Self::EXTENSIONS`].
+    ///
+    /// # Errors
+    /// [`SceneError`] says what was expected.
+    pub fn read(extension: &str, bytes: &[u8]) -> Result<Self, SceneError> {
+        let read: fn(&[u8]) -> Result<Self, SceneError> = match extension {
             "obj" => obj::read,
             "ply" => polygons,
             "glb" => glb::read,
