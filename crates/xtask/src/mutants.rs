@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use crate::{Error, Result, cargo, line, root, run, say, venv, vulkan};
+use crate::{Error, Result, cargo, line, python, root, run, say, venv, vulkan};
 
 /// cargo-mutants, as it is installed into target/tools.
 const VERSION: &str = "27.1.0";
@@ -22,8 +22,10 @@ struct Part {
     name: &'static str,
     /// Files of it, as cargo-mutants matches them.
     files: &'static [&'static str],
-    /// Arguments that choose packages: of the code, and of its tests.
-    packages: &'static [&'static str],
+    /// Package of the code.
+    package: &'static str,
+    /// Packages of its tests.
+    tested: &'static [&'static str],
     /// Arguments of `cargo test` that choose tests.
     tests: &'static [&'static str],
     /// Which of how many mutants are tried unless the command says: all would take a day.
@@ -34,21 +36,24 @@ const PARTS: &[Part] = &[
     Part {
         name: "scene",
         files: &["crates/windswept-scene/src/**/*.rs"],
-        packages: &["--package", "windswept-scene"],
+        package: "windswept-scene",
+        tested: &["windswept-scene"],
         tests: &[],
         shard: "0/16",
     },
     Part {
         name: "export",
         files: &["crates/windswept-export/src/**/*.rs"],
-        packages: &["--package", "windswept-export"],
+        package: "windswept-export",
+        tested: &["windswept-export"],
         tests: &[],
         shard: "0/16",
     },
     Part {
         name: "engine",
         files: &["crates/windswept/src/*.rs"],
-        packages: &["--package", "windswept", "--test-package", "windswept,windswept-workspace"],
+        package: "windswept",
+        tested: &["windswept", "windswept-workspace"],
         tests: &["--lib", "--test", "plan", "--test", "slots", "--test", "checkpoints", "--test", "simulation"],
         shard: "0/32",
     },
@@ -58,6 +63,7 @@ const SHADERS: &str = "shaders";
 
 pub(crate) fn test(words: &[&str]) -> Result {
     let driver = vulkan::software_driver()?;
+    let python = venv::provide(&python::READERS)?;
     let (asked, shard) = match *words {
         [] => (None, None),
         [part] => (Some(part), None),
@@ -72,6 +78,7 @@ pub(crate) fn test(words: &[&str]) -> Result {
         if let Some(manifest) = &driver {
             command.env("VK_DRIVER_FILES", manifest).env("WGPU_ADAPTER_NAME", "llvmpipe").env("LP_NUM_THREADS", "0");
         }
+        command.env("WINDSWEPT_PYTHON", &python);
         vulkan::give_runtime_folder(command);
         venv::provide_cmake(command)
     };
@@ -79,9 +86,10 @@ pub(crate) fn test(words: &[&str]) -> Result {
     for part in PARTS.iter().filter(|part| asked.is_none_or(|name| name == part.name)) {
         let shard = shard.unwrap_or(part.shard);
         say(&format!("Mutants of {}, shard {shard}", part.name));
-        let mut command = Command::new(tool()?);
-        on_software(&mut command)?;
-        page.set(part.name, &part.mutated(command, shard)?);
+        let (mut tests, mut mutants) = (cargo(), Command::new(tool()?));
+        on_software(&mut tests)?;
+        on_software(&mut mutants)?;
+        page.set(part.name, &part.mutated(tests, mutants, shard)?);
         page.write()?;
     }
     if asked.is_none_or(|name| name == SHADERS) {
@@ -120,12 +128,24 @@ struct Tried {
 }
 
 impl Part {
-    /// Runs cargo-mutants on a shard of the part; returns the part's section of the page.
-    fn mutated(&self, mut command: Command, shard: &str) -> Result<String> {
-        let out = root().join("target/mutants").join(self.name);
+    /// Arguments that choose the packages of the tests.
+    fn chosen(&self, option: &'static str) -> impl Iterator<Item = &'static str> {
+        self.tested.iter().flat_map(move |package| [option, package])
+    }
+
+    /// Runs the tests of the part, then cargo-mutants on a shard of it; returns the part's section of the page.
+    fn mutated(&self, mut tests: Command, mut command: Command, shard: &str) -> Result<String> {
+        // Without a fault the tests pass. cargo-mutants itself would run those of the mutated package only.
+        run(tests.arg("test").args(self.chosen("--package")).args(self.tests))?;
+        let all = root().join("target/mutants");
+        let out = all.join(self.name);
         std::fs::create_dir_all(&out).map_err(|e| format!("{}: {e}", out.display()))?;
-        command.current_dir(root()).args(["mutants", "--no-shuffle", "--colors", "never", "--timeout", LONGEST]);
-        command.args(["--shard", shard]).arg("--output").arg(&out).args(self.packages);
+        command.current_dir(root()).env("CARGO_TARGET_DIR", all.join("build"));
+        command.args(["mutants", "--no-shuffle", "--colors", "never", "--baseline", "skip", "--timeout", LONGEST]);
+        // Every file has its part in a shard: by slices a shard would be a file or two.
+        command.args(["--sharding", "round-robin", "--shard", shard]).arg("--output").arg(&out);
+        command.args(["--package", self.package]);
+        command.args(self.chosen("--test-package"));
         command.args(self.files.iter().flat_map(|file| ["--file", file])).arg("--").args(self.tests);
         let status = command.status().map_err(|e| format!("{} did not start: {e}", line(&command)))?;
         let tried = Tried::read(&out.join("mutants.out"))?;
