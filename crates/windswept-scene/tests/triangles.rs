@@ -375,4 +375,16 @@ fn altered_files_do_not_panic() {
         assert!(Triangles::load(folder.write(name, bytes)).is_err(), "{name}");
     }
     assert!(Triangles::load(Path::new("nowhere.obj")).is_err());
+    for (corners, named) in [
+        ("1 2 4", "\"4\" has index 4, which none of the 3 points of the file has"),
+        ("1 2 0", "\"0\" has index 0"),
+        ("1 2 -4", "\"-4\" has index -4, which none of the 3 points before it has"),
+        ("1 2/-3 3", "\"2/-3\" has index -3, which none of the 1 places in the texture before it has"),
+        ("1 2 3//9223372036854775807", "9223372036854775807, which none of the 0 normals of the file has"),
+        ("1 2 //1", "\"//1\" has index 0"),
+    ] {
+        let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf {corners}\n");
+        let error = Triangles::load(folder.write("index.obj", text.as_bytes())).unwrap_err().to_string();
+        assert!(error.contains("line 5: ") && error.contains(named), "{error}");
+    }
 }

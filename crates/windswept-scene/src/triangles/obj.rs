@@ -27,6 +27,41 @@ fn line_of(bytes: &[u8], is_faulty: impl Fn(&[u8]) -> bool) -> usize {
     faulty
 }
 
+/// First words of the lines that indices count, and what the lines hold.
+const INDEXED: [(&str, &str); 3] = [("v", "points"), ("vt", "places in the texture"), ("vn", "normals")];
+
+/// Refuses an index that leads to nothing: the crate multiplies indices before it looks at them. One below 0 counts back from its line.
+fn check_indices(bytes: &[u8]) -> Result<(), SceneError> {
+    let lines = || {
+        let texts = bytes.split(|byte| *byte == b'\n').map(|line| std::str::from_utf8(line).unwrap_or_default());
+        texts.map(str::split_whitespace).map(|mut words| (words.next().unwrap_or_default(), words))
+    };
+    let kind = |word: &str| INDEXED.iter().position(|(name, _)| *name == word);
+    let mut all = [0_u64; 3];
+    lines().filter_map(|(word, _)| kind(word)).for_each(|kind| all[kind] += 1);
+    let mut before = [0_u64; 3];
+    for (number, (word, corners)) in (1..).zip(lines()) {
+        if let Some(kind) = kind(word) {
+            before[kind] += 1;
+        }
+        for corner in corners.filter(|_| ["f", "l", "p"].contains(&word)) {
+            for (kind, index) in corner.split('/').enumerate().take(INDEXED.len()) {
+                // A corner without a point is as wrong as one with point 0.
+                let index = if kind == 0 && index.is_empty() { "0" } else { index };
+                let Ok(index) = index.parse::<i64>() else { continue };
+                let (count, whose) = if index < 0 { (before[kind], "before it") } else { (all[kind], "of the file") };
+                if index == 0 || index.unsigned_abs() > count {
+                    let what = INDEXED[kind].1;
+                    return Err(SceneError::new(format!(
+                        "line {number}: {corner:?} has index {index}, which none of the {count} {what} {whose} has"
+                    )));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
 pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
     let options =
         tobj::LoadOptions { triangulate: true, ignore_lines: true, ignore_points: true, ..Default::default() };
@@ -46,6 +81,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
         asked.set(false);
         tobj::load_obj_buf(&mut (&b"mtllib names\n"[..]).chain(bytes), &options, library)
     };
+    check_indices(bytes)?;
     let (models, _) = load(bytes).map_err(|error| {
         let line = line_of(bytes, |part| load(part).is_err_and(|other| other == error));
         SceneError::new(format!("line {line}: expected a Wavefront file: {error}"))
