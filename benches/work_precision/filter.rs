@@ -17,11 +17,12 @@ use crate::{
 const SCALES: [f64; 3] = [0.007, 0.011, 0.018];
 /// Distances at which the direct sum is cut \[s\].
 const CUTOFFS: [f64; 5] = [3.0, 3.5, 4.0, 4.5, 5.0];
-/// Orders of the grid's B-spline and their spacings \[s\].
-const GRIDS: [(Order, [f64; 5]); 3] = [
+/// Windows of the grid and their spacings \[s\].
+const GRIDS: [(Order, [f64; 5]); 4] = [
     (Order::Cic, [0.5, 0.4, 0.3, 0.25, 0.2]),
     (Order::Tsc, [0.7, 0.6, 0.5, 0.4, 0.3]),
     (Order::Cubic, [1.0, 0.8, 0.65, 0.55, 0.45]),
+    (Order::Mitchell, [1.0, 0.8, 0.65, 0.55, 0.45]),
 ];
 /// Distance along an axis beyond which images add less than 1e-12 of the hat's middle \[s\].
 const REACH: f64 = 8.0;

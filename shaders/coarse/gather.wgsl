@@ -5,7 +5,7 @@
 // Air that passes several spacings in a step is not where the pressure was found.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::{status, frozen},
-    mesh::{Mesh, b_spline, node_index, spline_of},
+    mesh::{Mesh, weights, node_index, window_of},
 };
 
 @group(0) @binding(2) var<uniform>             mesh:            Mesh;
@@ -16,13 +16,13 @@ import package::common::{
 
 // The quadratic B-spline at t spacings from its node.
 fn quadratic(t: vec4f) -> vec4f {
-    return b_spline(spline_of(2u), t);
+    return weights(window_of(2u), t);
 }
 
 // The slope of that B-spline at t spacings from its node: the difference of two linear ones.
 fn slope(t: vec4f) -> vec4f {
-    let linear = spline_of(1u);
-    return b_spline(linear, t + 0.5) - b_spline(linear, t - 0.5);
+    let linear = window_of(1u);
+    return weights(linear, t + 0.5) - weights(linear, t - 0.5);
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -1,11 +1,11 @@
-// Deposits: sums over particles at the nodes of a grid, each particle weighed by its B-spline.
+// Deposits: sums over particles at the nodes of a grid, each particle weighed by a window.
 //
-//   D_n = sum_j f_j B(x_j/h_g - n),  B the product of three B-splines
+//   D_n = sum_j f_j B(x_j/h_g - n),  B the product of a window along each axis
 //
 // A gather in a fixed order: an invocation makes a block of nodes from the rows of cells that reach it. Particles may be sorted
 // into any cells that fill the box; a grid finer than those would read many particles in vain. A pass reads a particle in `bring`,
 // which returns its place in spacings, and adds what it has read to its sums in `add`.
-import package::common::mesh::{Mesh, b_spline, spline_of, node_index};
+import package::common::mesh::{Mesh, weights, window_of, node_index};
 import package::pass::{bring, add};
 
 // Nodes that an invocation makes along each axis: four along x have their weights in one vec4f.
@@ -25,10 +25,10 @@ fn block_of(invocation: u32) -> vec3i {
 // Adds all particles that reach a block; so many cells fill the box.
 fn deposit(block: vec3i, cells: vec3i) {
     let nodes = mesh.nodes;
-    let spline = spline_of(mesh.order);
+    let window = window_of(mesh.order);
     let scale = vec3f(cells) / vec3f(nodes);   // cells from node to node
-    let first = vec3i(floor((vec3f(block) - spline.half) * scale));
-    let last = vec3i(ceil((vec3f(block + BLOCK - 1) + spline.half) * scale));   // the end: the cell before it still reaches a node
+    let first = vec3i(floor((vec3f(block) - window.half) * scale));
+    let last = vec3i(ceil((vec3f(block + BLOCK - 1) + window.half) * scale));   // the end: the cell before it still reaches a node
 
     // The next cell to read, in the box and counted from the first, and the block's first node as seen from its image of the box.
     let image = vec3i(floor(vec3f(first) / vec3f(cells)));
@@ -74,7 +74,7 @@ fn deposit(block: vec3i, cells: vec3i) {
         }
         if e < end {
             let t = bring(e) - seen;
-            add(b_spline(spline, vec4f(t.x, t.x - 1.0, t.x - 2.0, t.x - 3.0)), b_spline(spline, vec4f(t.y, t.y - 1.0, t.z, t.z - 1.0)));
+            add(weights(window, vec4f(t.x, t.x - 1.0, t.x - 2.0, t.x - 3.0)), weights(window, vec4f(t.y, t.y - 1.0, t.z, t.z - 1.0)));
             e++;
         }
     }

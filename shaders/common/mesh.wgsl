@@ -1,9 +1,9 @@
-// A grid over the periodic box, with nodes at multiples of the spacing, numbered x first, and the B-spline that carries what
+// A grid over the periodic box, with nodes at multiples of the spacing, numbered x first, and the window that carries what
 // particles have to them and back: the band filter's grid, and the coarse one of the pressure.
 
 struct Mesh {
     nodes: vec3i,            // number of nodes along each axis
-    order: u32,              // order of the B-spline: 1 cloud in cell, 2 triangular-shaped cloud, 3 cubic
+    order: u32,              // window: B-spline of order 1, 2 or 3; MITCHELL
     spacing: vec3f,          // distance between nodes along each axis [m]
     gain: f32,               // factor of what is gathered: -e/2 s^2 over the volume of a cell [1/m]
     cell: f32,               // volume of a cell [m^3]
@@ -14,26 +14,33 @@ struct Mesh {
     end_tap: u32, // end of the pairs of taps in `taps`
 }
 
-// A central B-spline, told by its order before any loop over particles or nodes.
-struct Spline {
-    half: f32,       // half of its support [spacings]
-    powers: vec3f,   // factors of x, x^2, x^3: 1/p! of the order p, and zeros
+// The window that is no B-spline: the cubic of Mitchell & Netravali (1988) with B = 1.2 and C = -0.11, whose transform falls off
+// faster beyond the waves that nodes know than that of the cubic B-spline, which is B = 1 and C = 0.
+const MITCHELL: u32 = 4u;
+
+// A window of piecewise polynomials, told by its order before any loop over particles or nodes.
+struct Window {
+    half: f32,     // half of its support [spacings]
+    outer: vec3f,  // factors of x, x^2, x^3, x the way to the end of the support
+    inner: vec3f,  // the same of the way to one spacing before the end
 }
 
-fn spline_of(order: u32) -> Spline {
-    let factors = vec3f(1.0, 0.5, 1.0 / 6.0);
-    return Spline(0.5 * f32(order + 1u), select(vec3f(0.0), factors, vec3u(order) == vec3u(1u, 2u, 3u)));
+fn window_of(order: u32) -> Window {
+    if order == MITCHELL { return Window(2.0, vec3f(0.0, 0.11, 0.09), vec3f(0.0, -0.16, -0.4)); }
+    // ((n/2 - |t|)+^p - n (n/2 - 1 - |t|)+^p)/p!, n = p + 1 up to 4
+    let outer = select(vec3f(0.0), vec3f(1.0, 0.5, 1.0 / 6.0), vec3u(order) == vec3u(1u, 2u, 3u));
+    return Window(0.5 * f32(order + 1u), outer, -f32(order + 1u) * outer);
 }
 
-// The B-spline at t spacings: ((n/2 - |t|)+^p - n (n/2 - 1 - |t|)+^p)/p!, n = p + 1 up to 4.
-fn b_spline(spline: Spline, t: vec4f) -> vec4f {
-    let outer = max(spline.half - abs(t), vec4f(0.0));
+// The window at t spacings.
+fn weights(window: Window, t: vec4f) -> vec4f {
+    let outer = max(window.half - abs(t), vec4f(0.0));
     let inner = max(outer - 1.0, vec4f(0.0));
-    return power(spline, outer) - 2.0 * spline.half * power(spline, inner);
+    return cubic(window.outer, outer) + cubic(window.inner, inner);
 }
 
-fn power(spline: Spline, x: vec4f) -> vec4f {
-    return x * (spline.powers.x + x * (spline.powers.y + x * spline.powers.z));
+fn cubic(factors: vec3f, x: vec4f) -> vec4f {
+    return x * (factors.x + x * (factors.y + x * factors.z));
 }
 
 fn node_index(node: vec3i, nodes: vec3i) -> u32 {

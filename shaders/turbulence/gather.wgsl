@@ -3,7 +3,7 @@
 //   u_i = -(e/2) s^2 sum_n B(x_i/h_g - n) C_n/h_g^3;  normalised: over sum_n B S_n/h_g^3, the smoothed volume fraction
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen,
-    mesh::{Mesh, spline_of, b_spline},
+    mesh::{Mesh, window_of, weights},
 };
 
 @group(0) @binding(2) var<uniform>             mesh:          Mesh;
@@ -23,13 +23,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let e = invocation(id, groups);
     if e >= params.particles - params.first_sorted || frozen() { return; }
     let at = sorted_position[e].xyz / mesh.spacing;
-    let spline = spline_of(mesh.order);
-    let first = vec3i(ceil(at - spline.half));
+    let window = window_of(mesh.order);
+    let first = vec3i(ceil(at - window.half));
     let t = at - vec3f(first);
     let steps = vec4f(0.0, 1.0, 2.0, 3.0);
-    let x = b_spline(spline, t.x - steps);
-    let y = b_spline(spline, t.y - steps);
-    let z = b_spline(spline, t.z - steps);
+    let x = weights(window, t.x - steps);
+    let y = weights(window, t.y - steps);
+    let z = weights(window, t.z - steps);
 
     // Four nodes are read along x whatever the order: the weights of those beyond the order's support are 0.
     let nodes = mesh.nodes;

@@ -2,7 +2,7 @@
 //
 //   G = g * D,  C = g'' * D
 //
-// g and g'' are taps of the periodic Gaussian and of its second derivative, with the blur of the two B-splines along the
+// g and g'' are taps of the periodic Gaussian and of its second derivative, with the blur of deposit and gather along the
 // axis taken out. After y and z, C is the Laplacian of the smoothed deposit.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, moved, spread, spread3},

@@ -9,7 +9,7 @@ mod mesh;
 use std::f64::consts::{E, PI, TAU};
 
 use glam::DVec3;
-pub use mesh::{Mesh, b_spline, deposit, gather, smooth, smooth_along};
+pub use mesh::{Mesh, b_spline, deposit, gather, smooth, smooth_along, window};
 pub(crate) use mesh::{places, spline_nodes, transformed};
 use windswept_scene::{Band, Filter, Law};
 

@@ -8,9 +8,9 @@ use glam::DVec3;
 use support::{Crowd, MASS, RADIUS, SIMPLE, VOLUME, jittered, lattice, stirred};
 use windswept_reference::{
     tables,
-    turbulence::{self, b_spline, mexican_hat, peak_gain},
+    turbulence::{self, b_spline, mexican_hat, peak_gain, window},
 };
-use windswept_scene::{Band, Law};
+use windswept_scene::{Band, Law, Order};
 
 /// A band of strength 1.
 fn of_scale(scale: f64) -> Band {
@@ -69,6 +69,23 @@ fn a_wave_passes_with_the_gain_of_the_table() {
         assert!(far < 1e-8, "k s = {k_s}: {far}");
         assert!(at_default < 4.5e-3, "k s = {k_s}: {at_default}");
     }
+}
+
+/// Mitchell's cubic sums to 1 over the nodes and has no jump or kink at its joints; with B = 1 and C = 0 it would be the B-spline.
+#[test]
+fn mitchells_window_shares_a_particle_out() {
+    let weight = |t: f64| window(Order::Mitchell, t);
+    for t in [0.0, 0.2, 0.5, 0.77] {
+        let whole: f64 = (-4..=4).map(|n| weight(t - f64::from(n))).sum();
+        assert!((whole - 1.0).abs() < 1e-15, "{t}: {whole}");
+    }
+    for joint in [0.0, 1.0, 2.0] {
+        let step = 1e-6;
+        let [before, at, after] = [joint - step, joint, joint + step].map(weight);
+        assert!((after - before).abs() < 3e-6 && (after - 2.0 * at + before).abs() < 1e-11, "{joint}");
+    }
+    // 1 - B/3 in the middle, B/6 at the next node.
+    assert!((weight(0.0) - 0.6).abs() < 1e-15 && (weight(1.0) - 0.2).abs() < 1e-15);
 }
 
 /// B-splines sum to 1 over the nodes, have the moments of a box smoothed p + 1 times, and are those that are written out.

@@ -7,17 +7,22 @@ use crate::scene::{Order, Turbulence};
 /// Largest ratio of two bands' scales up to which the coarser band takes the grid of the finer one: a grid of its own would have
 /// a third of the nodes, and cost a deposit.
 const SHARED: f64 = 1.4;
-/// Fewest nodes along an axis: with so many a B-spline does not meet its own periodic image.
+/// Fewest nodes along an axis: with so many a window does not meet its own periodic image.
 const FEWEST: f64 = 4.0;
+/// Reach of the taps that smooth the grid \[scales\], and nodes that they do without: in air on a lattice the band velocity is then at most
+/// 1e-4 off wherever nodes are up to 0.65 scales apart. The coarser the grid, the more of its waves the window leaves out,
+/// of which taps may make anything.
+const REACH: f64 = 4.9;
+const SPARED: f64 = 2.0;
 
 impl Order {
-    /// Polynomial order p of the B-spline; its support is p + 1 spacings wide.
+    /// Degree p of the window's polynomials; its support is p + 1 spacings wide.
     #[must_use]
     pub fn degree(self) -> u32 {
         match self {
             Self::Cic => 1,
             Self::Tsc => 2,
-            Self::Cubic => 3,
+            Self::Cubic | Self::Mitchell => 3,
         }
     }
 }
@@ -44,6 +49,12 @@ impl Turbulence {
     pub fn nodes(&self, scale: f64, kernel_radius: f64, size: DVec3) -> [f64; 3] {
         let spacing = (self.spacing * scale).min(kernel_radius);
         size.to_array().map(|side| (side / spacing).ceil().max(FEWEST))
+    }
+
+    /// Nodes to either side that smooth a node, where nodes are `spacing` scales apart.
+    #[must_use]
+    pub fn reach(spacing: f64) -> usize {
+        (REACH / spacing - SPARED).ceil().max(1.0) as usize
     }
 }
 

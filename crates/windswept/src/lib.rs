@@ -56,6 +56,7 @@ mod slots;
 mod state;
 mod status;
 mod step;
+mod taps;
 mod winds;
 
 pub use engine::required_limits;

@@ -1,19 +1,15 @@
-//! The grids of the band filter as the shaders see them (`shaders/common/mesh.wgsl`), and the taps that smooth them.
+//! The grids of the band filter as the shaders see them (`shaders/common/mesh.wgsl`).
 
-use std::f64::consts::{E, PI, TAU};
+use std::f64::consts::E;
 
-use windswept_scene::{Filter, InitialState, Scene, limits::MOST_SORTED_NODES};
-use windswept_shaders::common::{deposit::BLOCK, mesh::Mesh, smoothing::ROW};
+use windswept_scene::{Filter, InitialState, Order, Scene, limits::MOST_SORTED_NODES};
+use windswept_shaders::common::{
+    deposit::BLOCK,
+    mesh::{MITCHELL, Mesh},
+    smoothing::ROW,
+};
 
-/// Two taps in a row: of the Gaussian, and of its second derivative \[1/m²\].
-pub(crate) type Taps = [f32; 4];
-
-/// Smallest tap that is kept, as a part of the middle one: û is then 3e-6 off; with 1e-4 it would be 3e-5 off.
-const SMALLEST_TAP: f64 = 1e-5;
-/// Largest k s of the waves that taps are summed from: of shorter waves the Gaussian leaves less than e^(-40).
-const SHORTEST_WAVE: f64 = 9.0;
-/// Widest kernel there is, which is that of the coarsest grid \[scales\].
-const WIDEST: f64 = 9.0;
+use crate::taps::{Taps, taps};
 
 /// A band on its grid, with the elements of `mesh` that its dispatches bind.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,7 +71,8 @@ impl Meshes {
     /// Adds a band on the last grid.
     fn add(&mut self, scene: &Scene, band: usize, deposits: bool) {
         let Some(&(nodes, spacing)) = self.grids.last() else { return };
-        let (scale, order) = (scene.turbulence.bands[band].scale, scene.turbulence.order.degree());
+        let (scale, order) = (scene.turbulence.bands[band].scale, scene.turbulence.order);
+        let window = if order == Order::Mitchell { MITCHELL } else { order.degree() };
         let count = nodes.map(|n| n as u32);
         let cell: f64 = spacing.iter().product();
         let first = self.uniforms.len();
@@ -85,7 +82,7 @@ impl Meshes {
             self.taps.extend(taps);
             self.uniforms.push(Mesh {
                 nodes: count.map(|n| n as i32),
-                order,
+                order: window,
                 spacing: spacing.map(|h| h as f32),
                 gain: (-0.5 * E * scale * scale / cell) as f32,
                 cell: cell as f32,
@@ -110,79 +107,5 @@ impl Meshes {
             first,
             smooth: [rows(0), rows(1), rows(2)],
         });
-    }
-}
-
-/// Taps of the Gaussian of width s and of its second derivative along a periodic axis of `nodes` nodes. The blur of
-/// deposit and gather, a B-spline of `order` each, is taken out: ĝ = e^(−k²s²/2) / sinc(kh/2)^(2(p+1)), ĝ'' = −k² ĝ.
-///
-/// Returns the offset of the first tap with them. The zeros at the end are for the row of nodes that a pass
-/// makes at once.
-fn taps(nodes: usize, spacing: f64, scale: f64, order: u32) -> (i32, Vec<Taps>) {
-    let side = nodes as f64 * spacing;
-    let waves = ((SHORTEST_WAVE / scale * side / TAU) as usize + 1).min(nodes / 2);
-    let spectrum: Vec<[f64; 2]> = (0..=waves)
-        .map(|m| {
-            let k = TAU * m as f64 / side;
-            let half = 0.5 * k * spacing;
-            let sinc = if m == 0 { 1.0 } else { half.sin() / half };
-            let once = m == 0 || 2 * m == nodes;
-            let gauss = (-0.5 * (k * scale).powi(2)).exp() / sinc.powi(2 * (order as i32 + 1));
-            let part = if once { gauss } else { 2.0 * gauss } / nodes as f64;
-            [part, -k * k * part]
-        })
-        .collect();
-    let farthest = (nodes / 2).min((WIDEST * scale / spacing).ceil() as usize);
-    let tap = |n: usize| {
-        spectrum.iter().enumerate().fold([0.0; 2], |[gauss, curve], (m, part)| {
-            // The angle is reduced by whole turns, so that it stays small.
-            let wave = (2.0 * PI * ((m * n) % nodes) as f64 / nodes as f64).cos();
-            [gauss + part[0] * wave, curve + part[1] * wave]
-        })
-    };
-    let mut half: Vec<[f64; 2]> = (0..=farthest).map(tap).collect();
-    let small = |tap: &[f64; 2]| (0..2).all(|i| tap[i].abs() < SMALLEST_TAP * half[0][i].abs());
-    let reach = half.iter().rposition(|tap| !small(tap)).unwrap_or(0);
-    let (low, high) = (reach.min((nodes - 1) / 2) as i32, reach as i32);
-    // The middle tap takes what was left out, so that a uniform flow keeps its size and has no curvature.
-    let all = (-low..=high).map(|n| half[n.unsigned_abs() as usize]);
-    let [gauss, curve] = all.fold([0.0; 2], |[gauss, curve], tap| [gauss + tap[0], curve + tap[1]]);
-    half[0][0] += 1.0 - gauss;
-    half[0][1] -= curve;
-    let tap = |n: i32| if n <= high { half[n.unsigned_abs() as usize].map(|x| x as f32) } else { [0.0; 2] };
-    let two = |n: i32| [tap(n), tap(n + 1)].as_flattened().try_into().unwrap_or_default();
-    (-low, (-low..high + ROW).step_by(2).map(two).collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Taps never meet their own image, sum to 1 and to 0, and leave a wave the gain that deposit and gather do not.
-    #[test]
-    fn taps_are_those_of_a_periodic_gaussian() {
-        let spacing = 0.0033;
-        for (nodes, scale, order) in [(4, 0.02, 3), (5, 0.02, 2), (24, 0.006, 3), (25, 0.018, 1), (200, 0.006, 3)] {
-            let (nearest, pairs) = taps(nodes, spacing, scale, order);
-            let all: Vec<[f32; 2]> = pairs.iter().flat_map(|&[a, b, c, d]| [[a, b], [c, d]]).collect();
-            let own = &all[..all.iter().rposition(|tap| *tap != [0.0; 2]).unwrap() + 1];
-            assert!(all.len() >= own.len() + 3, "no zeros for the other nodes of a row");
-            assert!(own.len() <= nodes && nearest <= 0 && -nearest < nodes as i32, "{nodes}: {} taps", own.len());
-            let gain = |m: f64, i: usize| -> f64 {
-                let wave = |n: usize| (TAU * m * (nearest as f64 + n as f64) / nodes as f64).cos();
-                own.iter().enumerate().map(|(n, tap)| f64::from(tap[i]) * wave(n)).sum()
-            };
-            let largest = own.iter().map(|tap| f64::from(tap[1].abs())).fold(0.0, f64::max);
-            assert!((gain(0.0, 0) - 1.0).abs() < 1e-6 && gain(0.0, 1).abs() < 1e-6 * largest);
-            for m in [1.0, 2.0] {
-                let k = TAU * m / (nodes as f64 * spacing);
-                let sinc = (0.5 * k * spacing).sin() / (0.5 * k * spacing);
-                let wanted = (-0.5 * (k * scale).powi(2)).exp() / sinc.powi(2 * (order as i32 + 1));
-                // Measured at most 1.3e-6: the taps that are left out.
-                let off = [gain(m, 0) - wanted, (gain(m, 1) + k * k * wanted) * scale * scale];
-                println!("{nodes} nodes, wave {m}: {:.1e}, {:.1e}", off[0], off[1]);
-                assert!(off.iter().all(|off| off.abs() < 5e-6), "{nodes} nodes, wave {m}: {off:?}");
-            }
-        }
     }
 }

@@ -66,7 +66,7 @@ pub struct Particles<'a> {
 pub enum Filter {
     /// A grid: 0.1 to 0.8 % off the whole sum at the default, at a cost that falls as the scale grows.
     Grid {
-        /// Order of the B-spline between particles and grid.
+        /// Window between particles and grid.
         order: Order,
         /// Largest distance between nodes, in scales, up to 1; it is never more than a kernel radius.
         spacing: f64,
@@ -82,7 +82,7 @@ pub enum Filter {
 impl Default for Filter {
     /// The grid, as in a scene that leaves the keys out.
     fn default() -> Self {
-        Self::Grid { order: Order::Cubic, spacing: Turbulence::SPACING }
+        Self::Grid { order: Order::Mitchell, spacing: Turbulence::SPACING }
     }
 }
 

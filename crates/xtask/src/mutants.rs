@@ -45,7 +45,7 @@ const PARTS: &[Part] = &[
         name: "export",
         files: &["crates/windswept-export/src/**/*.rs"],
         package: "windswept-export",
-        tested: &["windswept-export"],
+        tested: &["windswept-export", "windswept-cli"],
         tests: &[],
         shard: "0/16",
     },

@@ -6,7 +6,7 @@ use std::{
 };
 
 use glam::{DVec3, DVec4};
-use windswept_scene::Band;
+use windswept_scene::{Band, Order, Turbulence};
 
 use crate::{Parameters, parallel};
 
@@ -31,13 +31,14 @@ impl Mesh {
         p.box_size / DVec3::from_array(self.nodes.map(|n| n as f64))
     }
 
-    /// Nodes near a position, and their weights, the product of a B-spline per axis.
+    /// Nodes near a position, and their weights, the product of a window per axis.
     fn stencil(&self, p: &Parameters, x: DVec3) -> Vec<(usize, f64)> {
-        let degree = p.turbulence.order.degree();
         let at = x / self.spacing(p);
         let axis = |axis: usize| -> Vec<(usize, f64)> {
-            let near = spline_nodes(degree, at[axis], self.nodes[axis]);
-            near.into_iter().map(|(node, gap)| (node, b_spline(degree, gap))).collect()
+            let near = nodes_near(at[axis], self.nodes[axis]);
+            near.map(|(node, gap)| (node, window(p.turbulence.order, gap)))
+                .filter(|(_, weight)| *weight > 0.0)
+                .collect()
         };
         let [along_x, along_y, along_z] = [axis(0), axis(1), axis(2)];
         let mut all = Vec::new();
@@ -52,9 +53,49 @@ impl Mesh {
 
 /// Nodes of a periodic axis of `count` whose B-splines reach the place `at`, and the way from each to there \[node spacings\].
 pub(crate) fn spline_nodes(degree: u32, at: f64, count: usize) -> Vec<(usize, f64)> {
+    nodes_near(at, count).filter(|(_, gap)| b_spline(degree, *gap) > 0.0).collect()
+}
+
+/// Nodes of a periodic axis of `count` within two spacings of the place `at`, and the way from each to there \[node spacings\].
+fn nodes_near(at: f64, count: usize) -> impl Iterator<Item = (usize, f64)> {
     let first = at.floor() as i64 - 2;
-    let near = (first..first + 6).map(|n| (n.rem_euclid(count as i64) as usize, at - n as f64));
-    near.filter(|(_, gap)| b_spline(degree, *gap) > 0.0).collect()
+    (first..first + 6).map(move |n| (n.rem_euclid(count as i64) as usize, at - n as f64))
+}
+
+/// Parameters B and C of [`Order::Mitchell`].
+const MITCHELL: [f64; 2] = [1.2, -0.11];
+
+/// Window of the grid filter at t spacings: a central B-spline, or the cubic that Mitchell & Netravali (1988) print as eq. 8.
+#[must_use]
+pub fn window(order: Order, t: f64) -> f64 {
+    if order != Order::Mitchell {
+        return b_spline(order.degree(), t);
+    }
+    let ([b, c], x) = (MITCHELL, t.abs());
+    let sixfold = if x < 1.0 {
+        (12.0 - 9.0 * b - 6.0 * c) * x.powi(3) + (-18.0 + 12.0 * b + 6.0 * c) * x.powi(2) + 6.0 - 2.0 * b
+    } else if x < 2.0 {
+        (-b - 6.0 * c) * x.powi(3) + (6.0 * b + 30.0 * c) * x.powi(2) + (-12.0 * b - 48.0 * c) * x + 8.0 * b + 24.0 * c
+    } else {
+        0.0
+    };
+    sixfold / 6.0
+}
+
+/// Intervals by which the transform of a window is summed, on each side of its middle.
+const INTERVALS: i32 = 256;
+
+/// What the window leaves of a wave of wave number k, in radians per node spacing: its Fourier transform, by Simpson's rule.
+fn kept(order: Order, k: f64) -> f64 {
+    if order != Order::Mitchell {
+        let half = 0.5 * k;
+        return if half == 0.0 { 1.0 } else { (half.sin() / half).powi(order.degree() as i32 + 1) };
+    }
+    // Pieces of the polynomial end at ends of intervals.
+    let step = 2.0 / f64::from(INTERVALS);
+    let part = |i: i32| window(order, step * f64::from(i)) * (k * step * f64::from(i)).cos();
+    let inner: f64 = (1..INTERVALS).map(|i| if i % 2 == 1 { 4.0 * part(i) } else { 2.0 * part(i) }).sum();
+    2.0 * step / 3.0 * (part(0) + inner + part(INTERVALS))
 }
 
 /// Central B-spline of a degree at t spacings, by its recurrence (de Boor): the box of width 1, smoothed that often.
@@ -91,11 +132,12 @@ pub fn smooth(p: &Parameters, scale: f64, mesh: &Mesh) -> Mesh {
 
 /// What was deposited after smoothing along the first `axes` axes, and its second derivatives along them, summed.
 ///
-/// The factor of a wave is e^(−k²s²/2) over what deposit and gather blur it by, sinc(k_a h_a/2)^(p+1) along each axis, twice.
+/// The factors of a wave along an axis are those of [`response`].
 #[must_use]
 pub fn smooth_along(p: &Parameters, scale: f64, mesh: &Mesh, axes: usize) -> [Mesh; 2] {
     let spacing = mesh.spacing(p);
-    let blur = 2 * (p.turbulence.order.degree() as i32 + 1);
+    let factors: Vec<Vec<[f64; 2]>> =
+        (0..axes).map(|axis| response(mesh.nodes[axis], spacing[axis], scale, p.turbulence.order)).collect();
     let mut waves: Vec<[DVec4; 2]> = mesh.values.iter().map(|value| [*value, DVec4::ZERO]).collect();
     for axis in 0..axes {
         waves = transformed(mesh.nodes, &waves, axis, -1.0);
@@ -103,17 +145,14 @@ pub fn smooth_along(p: &Parameters, scale: f64, mesh: &Mesh, axes: usize) -> [Me
     let mut curved = waves.clone();
     for ((wave, curved), place) in waves.iter_mut().zip(&mut curved).zip(places(mesh.nodes)) {
         let mut gain = 1.0;
-        let mut squared = 0.0;
+        let mut bent = 0.0;
         for axis in 0..axes {
-            let (m, n) = (place[axis] as f64, mesh.nodes[axis] as f64);
-            let k = TAU * if 2.0 * m > n { m - n } else { m } / p.box_size[axis];
-            let half = 0.5 * k * spacing[axis];
-            let sinc = if half == 0.0 { 1.0 } else { half.sin() / half };
-            gain *= (-0.5 * (k * scale).powi(2)).exp() / sinc.powi(blur);
-            squared += k * k;
+            let (m, n) = (place[axis], mesh.nodes[axis]);
+            let [gauss, curve] = factors[axis][m.min(n - m)];
+            (gain, bent) = (gain * gauss, bent * gauss + gain * curve);
         }
+        *curved = wave.map(|part| part * bent);
         *wave = wave.map(|part| part * gain);
-        *curved = wave.map(|part| part * -squared);
     }
     [waves, curved].map(|mut waves| {
         let mut count = 1.0;
@@ -123,6 +162,45 @@ pub fn smooth_along(p: &Parameters, scale: f64, mesh: &Mesh, axes: usize) -> [Me
         }
         Mesh { nodes: mesh.nodes, values: waves.into_iter().map(|[real, _]| real / count).collect() }
     })
+}
+
+/// Factors of the waves m = 0 to n/2 along an axis of n nodes, by smoothing and by its second derivative \[1/m²\].
+///
+/// Wanted are ĝ = e^(−k²s²/2)/Ŵ², which takes out what deposit and gather blur, and −k² ĝ. Taps that reach R nodes give 1 or 0
+/// for m = 0 plus a sum over n = 1 to R of cosines less 1. Here is the part of what is wanted that such sums can be: its projection, with
+/// Ŵ² for a weight, onto those functions of m, made orthogonal one after another (Gram and Schmidt).
+fn response(nodes: usize, spacing: f64, scale: f64, order: Order) -> Vec<[f64; 2]> {
+    let reach = Turbulence::reach(spacing / scale).min(nodes / 2);
+    let turns = |m: usize| TAU * m as f64 / nodes as f64;
+    let waves = 1..=nodes / 2;
+    let kept: Vec<f64> = waves.clone().map(|m| kept(order, turns(m))).collect();
+    let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).zip(&kept).map(|((a, b), w)| w * w * a * b).sum() };
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for n in 1..=reach {
+        let mut function: Vec<f64> = waves.clone().map(|m| (turns(m * n % nodes)).cos() - 1.0).collect();
+        // Twice: the first time leaves what rounding does.
+        for other in basis.iter().chain(&basis) {
+            let along = product(&function, other);
+            function.iter_mut().zip(other).for_each(|(value, other)| *value -= along * other);
+        }
+        let length = product(&function, &function).sqrt();
+        function.iter_mut().for_each(|value| *value /= length);
+        basis.push(function);
+    }
+    let projected = |wanted: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
+        let wanted: Vec<f64> = waves.clone().zip(&kept).map(|(m, kept)| wanted(turns(m) / spacing, *kept)).collect();
+        let mut sum = vec![0.0; wanted.len()];
+        for function in &basis {
+            let along = product(&wanted, function);
+            sum.iter_mut().zip(function).for_each(|(sum, value)| *sum += along * value);
+        }
+        sum
+    };
+    let gauss = |k: f64, kept: f64| (-0.5 * (k * scale).powi(2)).exp() / (kept * kept);
+    let smoothed = projected(&|k, kept| gauss(k, kept) - 1.0);
+    let curved = projected(&|k, kept| -k * k * gauss(k, kept));
+    let others = smoothed.into_iter().zip(curved).map(|(smoothed, curved)| [1.0 + smoothed, curved]);
+    std::iter::once([1.0, 0.0]).chain(others).collect()
 }
 
 /// Place of each node along the axes, in the order of the values.
