@@ -13,6 +13,7 @@ use std::{
     fs,
     panic::{AssertUnwindSafe, catch_unwind},
     path::{Path, PathBuf},
+    thread,
     time::{Duration, Instant},
 };
 
@@ -76,10 +77,12 @@ fn corpus(name: &str) -> Vec<PathBuf> {
     files
 }
 
-/// Reads bytes; what the reader did that it must not do. One that takes long is tried again: others may have had the processor.
+/// Reads bytes; what the reader did that it must not do. One that takes long is tried again, later each time: others may have had the
+/// processor.
 fn fault(target: &targets::Target, bytes: &[u8]) -> Option<String> {
     let mut least = Duration::MAX;
-    for _ in 0..3 {
+    for pause in 0..8 {
+        thread::sleep(Duration::from_millis(500) * pause);
         let started = Instant::now();
         if catch_unwind(AssertUnwindSafe(|| (target.read)(bytes))).is_err() {
             return Some("panics".to_owned());
