@@ -64,7 +64,7 @@ pub struct Particles<'a> {
 /// Way in which a band velocity is found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Filter {
-    /// A grid: 0.1 to 0.8 % off the whole sum at the default, at a cost that falls as the scale grows.
+    /// A grid: 0.1 to 0.7 % off the whole sum at the default, at a cost that falls as the scale grows.
     Grid {
         /// Window between particles and grid.
         order: Order,
