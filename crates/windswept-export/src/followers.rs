@@ -9,13 +9,16 @@
 //! where x is a point of the follower, `g_j` the point as far along guide j, and `R_j` the frame that clamps the guide's root. The
 //! weights are those with which the guides' roots average to the follower's, where that lies within their triangle, so that a
 //! rigid motion of all roots moves followers rigidly; and by the inverse square of the distance outside. At the start each follower
-//! has its own shape exactly, whatever the guides are: locks and curls do not average away. A follower that this leads into a body is
-//! laid on the body, except for the strands among them, which the simulation keeps out.
+//! has its own shape exactly, whatever the guides are: locks and curls do not average away. Its segments keep the lengths that they have
+//! there, by a second pass over its points (`lengths.rs`), and a follower that this leads into a body is laid on the body
+//! (`outside.rs`). Strands among the followers are left as the simulation has them.
 //!
-//! Velocities leave out how the frames turn, which is nothing where weights average the roots, and what a body changes.
+//! Velocities are the derivative of the places, but for how the frames turn, which is nothing where weights average the roots, and for
+//! what a body changes.
 
 mod bonds;
 mod ground;
+mod lengths;
 mod outside;
 mod places;
 #[cfg(test)]
@@ -296,7 +299,10 @@ impl Followers {
                 }
             }
             if !bond.is_strand {
-                bodies.keep_out(&mut hair.positions[ends[0] as usize..]);
+                let first = ends[0] as usize;
+                let velocities = hair.velocities.get_mut(first..).unwrap_or_default();
+                lengths::keep(at_start, &mut hair.positions[first..], velocities);
+                bodies.keep_out(&mut hair.positions[first..]);
             }
         }
         Ok(hair)

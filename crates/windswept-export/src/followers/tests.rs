@@ -103,6 +103,63 @@ fn a_rigid_motion_moves_followers_rigidly() {
     assert!(inside > 5, "{inside} are within the triangle");
 }
 
+/// Strands that part and turn unlike leave their followers the lengths of their segments, and velocities that are the rates at which
+/// the places change; roots go where the strands' do.
+#[test]
+fn followers_keep_the_lengths_of_their_segments() {
+    let roots = [[0.0, 0.0, 0.0], [0.02, 0.0, 0.0], [0.0, 0.0, 0.03]];
+    // Each bends about an axis of its own, the more the farther from the root.
+    let rates = [Vec3::new(0.0, 0.0, 9.0), Vec3::new(7.0, 0.0, -8.0), Vec3::new(-5.0, 6.0, 0.0)];
+    let at = |time: f32| {
+        let strand = |(root, rate): ([f32; 3], Vec3)| {
+            (0..9).map(move |k| {
+                let part = k as f32 / 8.0;
+                let arm = 0.08 * part * Vec3::new(0.3 * part, -1.0, 0.0);
+                let turned = Quat::from_scaled_axis(time * part * rate) * arm;
+                let there = Vec3::from_array(root) + time * Vec3::X + turned;
+                (there.to_array(), (Vec3::X + (part * rate).cross(turned)).to_array())
+            })
+        };
+        let (positions, velocities) = roots.into_iter().zip(rates).flat_map(strand).unzip();
+        HairFrame {
+            offsets: vec![0, 9, 18, 27],
+            positions,
+            velocities,
+            fibres: vec![20.0; 3],
+            root_frames: vec![Quat::IDENTITY.to_array(); 3],
+            ..HairFrame::default()
+        }
+    };
+    let text = "time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"";
+    let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
+    let followers = Followers::new(&scene, &at(0.0)).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(followers.len(), 60);
+    let of = |time: f32| followers.of(&at(time), 0.0).unwrap_or_else(|error| panic!("{error}"));
+    let lengths = |hair: &HairFrame, s: usize| -> Vec<f32> {
+        points_of(hair, s).windows(2).map(|x| Vec3::from_array(x[0]).distance(Vec3::from_array(x[1]))).collect()
+    };
+    let (time, apart) = (0.2, 1e-3);
+    let [before, now, after] = [time - apart, time, time + apart].map(of);
+    for s in 0..followers.len() {
+        let (start, found) = (lengths(followers.start(), s), lengths(&now, s));
+        for (k, (length, found)) in start.iter().zip(&found).enumerate() {
+            // Rounding of coordinates of 0.3 m is 1.5e-8 m.
+            assert!((length - found).abs() < 1e-7 || s < 3, "follower {s}, segment {k}: {found} m, not {length} m");
+        }
+        let moved = Vec3::from_array(points_of(&now, s)[0]) - Vec3::from_array(points_of(followers.start(), s)[0]);
+        assert!(moved.distance(time * Vec3::X) < 1e-7, "follower {s}: its root moved by {moved}");
+        let range = now.offsets[s] as usize..now.offsets[s + 1] as usize;
+        for i in range {
+            let place = |hair: &HairFrame| Vec3::from_array(hair.positions[i]);
+            let rate = (place(&after) - place(&before)) / (2.0 * apart);
+            let found = Vec3::from_array(now.velocities[i]);
+            // The difference itself is wrong by some 2e-5 m/s.
+            assert!(found.distance(rate) < 1e-3, "follower {s}: {found} m/s, not {rate} m/s");
+        }
+    }
+    assert_eq!(now.positions[..27], at(time).positions, "strands are as simulated");
+}
+
 /// Of a groom file's hairs that follow, as many are taken as asked for: some, all, or all and others beside them.
 #[test]
 fn a_files_hairs_come_first() {
