@@ -69,6 +69,68 @@ def test_curves_that_leave_their_vertices_are_refused(tmp_path):
         ws.usd.to_npz(tmp_path / "empty.usda", tmp_path / "no.npz")
 
 
+def test_a_file_that_usd_cannot_read_is_a_value_error(tmp_path):
+    points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
+    stage_of(tmp_path / "whole.usdc", points, [4, 7])
+    whole = (tmp_path / "whole.usdc").read_bytes()
+    (tmp_path / "cut.usdc").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "words.usda").write_text("#usda 1.0\n(\nno\n")
+    for name, reason in [("none.usdc", "there is no such file"), ("cut.usdc", "corrupt"), ("words.usda", "words.usda:")]:
+        with pytest.raises(ValueError, match=f"{name}: expected a USD file: .*{reason}") as raised:
+            ws.usd.to_npz(tmp_path / name, tmp_path / "no.npz")
+        # Nothing of the place in USD's own code.
+        assert "pxrInternal" not in str(raised.value)
+    assert not (tmp_path / "no.npz").exists()
+
+
+def test_prims_without_points_are_left_out_by_name(tmp_path):
+    points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
+    stage = stage_of(tmp_path / "groom.usda", points, [4, 7])
+    UsdGeom.BasisCurves.Define(stage, "/Head/Bald")
+    UsdGeom.BasisCurves.Define(stage, "/Head/Cut").GetCurveVertexCountsAttr().Set([3])
+    stage.GetRootLayer().Save()
+    with pytest.warns(UserWarning, match="groom.usda: /Head/Bald, /Head/Cut has no points, and is left out"):
+        assert ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "groom.npz") == 2
+    stage.RemovePrim("/Head/Hair")
+    stage.GetRootLayer().Save()
+    with pytest.raises(ValueError, match="BasisCurves with points, found none in /Head/Bald, /Head/Cut"):
+        ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "no.npz")
+
+
+def test_ids_of_several_prims_are_made_unique(tmp_path):
+    points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
+    stage = stage_of(tmp_path / "groom.usda", points, [4, 7])
+    Sdf.CopySpec(stage.GetRootLayer(), "/Head/Hair", stage.GetRootLayer(), "/Head/Lashes")
+    stage.GetRootLayer().Save()
+    with pytest.warns(UserWarning, match="2 of 4 curves have the groom_id of a curve before them, and get ids from 10 on"):
+        assert ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "groom.npz") == 4
+    with np.load(tmp_path / "groom.npz") as file:
+        assert file["ids"].tolist() == [9, 4, 10, 11]
+
+
+def test_curves_of_instances_are_found(tmp_path):
+    points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
+    stage_of(tmp_path / "head.usda", points, [4, 7])
+    stage = usd.Stage.CreateNew(str(tmp_path / "crowd.usda"))
+    for k in range(2):
+        head = UsdGeom.Xform.Define(stage, f"/Head{k}")
+        head.AddTranslateOp().Set(Gf.Vec3d(100 * k, 0, 0))
+        head.GetPrim().GetReferences().AddReference("./head.usda", "/Head")
+        head.GetPrim().SetInstanceable(True)
+    stage.GetRootLayer().Save()
+    with pytest.warns(UserWarning, match="2 of 4 curves"):
+        assert ws.usd.to_npz(tmp_path / "crowd.usda", tmp_path / "crowd.npz") == 4
+    with np.load(tmp_path / "crowd.npz") as file:
+        here, there = np.split(file["points"], 2)
+        np.testing.assert_allclose(there - here, np.broadcast_to([100, 0, 0], here.shape), rtol=0, atol=1e-9)
+
+
+def test_the_groom_file_has_the_name_that_was_asked_for(tmp_path):
+    stage_of(tmp_path / "groom.usda", np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0), [4, 7])
+    ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "groom.partial")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["groom.partial", "groom.usda"]
+
+
 def test_a_film_is_a_groom_again(scene, tmp_path):
     sim = ws.Simulation(scene)
     with ws.Writer(tmp_path / "out", sim, formats=["usd"]) as writer:

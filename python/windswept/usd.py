@@ -3,9 +3,16 @@
     ws.usd.to_npz("groom.usdc", "groom.npz")
     groom = ws.Groom.load("groom.npz", strands=2000)
 
-Alembic files become USD by Blender: see the README.
+Blender makes USD of an Alembic file, without a window:
+
+    blender --background --python-expr 'import bpy
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.alembic_import(filepath="groom.abc")
+    bpy.ops.wm.usd_export(filepath="groom.usdc", export_animation=False)'
 """
 
+import os
+import warnings
 from importlib import import_module
 from os import PathLike
 from types import ModuleType
@@ -24,18 +31,22 @@ _NAMES = {
     "guides": ("groom_guide",),
 }
 
+#: How many prims a message names at most.
+_MOST_NAMES = 5
+
 
 def to_npz(path: str | PathLike[str], out: str | PathLike[str], time: float | None = None) -> int:
     """Writes the curves of a USD file as arrays of a groom file, which `hair.file` and `Groom.load` read.
 
-    All BasisCurves of the stage are taken, where they are in the world: curves that go through their vertices ("linear", or
-    "catmullRom" that is pinned), and Bézier curves by their points on the curve. Curves keep the order of the stage; `groom_id`,
-    `groom_group_id`, `groom_root_uv` and `groom_guide` become ids, groups, root_uv and guides, where every prim has them. The unit
-    comes along, and what is up becomes +Y.
+    All BasisCurves of the stage are taken, those of instances too, where they are in the world: curves that go through their
+    vertices ("linear", or "catmullRom" that is pinned), and Bézier curves by their points on the curve. Curves keep the order of
+    the stage; `groom_id`, `groom_group_id`, `groom_root_uv` and `groom_guide` become ids, groups, root_uv and guides, where every
+    prim has them. The unit comes along, and what is up becomes +Y. A `UserWarning` names prims without points, which are left
+    out, and says how many curves have an id that a curve before them has: those get new ids.
 
     Args:
         path: the file: .usd, .usda, .usdc or .usdz.
-        out: the .npz file; one that is there is replaced.
+        out: the groom file, whose name should end in .npz; one that is there is replaced.
         time: time code of the shape; None: what is there without a time, or else the first sample.
 
     Returns:
@@ -43,14 +54,16 @@ def to_npz(path: str | PathLike[str], out: str | PathLike[str], time: float | No
 
     Raises:
         ModuleNotFoundError: usd-core is not installed.
-        ValueError: the file has no curves, or some that do not go through their vertices.
+        ValueError: the file cannot be read, has no curves, or some that do not go through their vertices.
     """
-    Usd, UsdGeom = _library()
-    stage = Usd.Stage.Open(str(path))
-    prims = [UsdGeom.BasisCurves(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.BasisCurves)]
-    if not prims:
-        raise ValueError(f"{path}: expected BasisCurves, found none")
-    parts = [_curves(curves, time) for curves in prims]
+    Usd, UsdGeom, Tf = _library()
+    try:
+        stage = Usd.Stage.Open(str(path))
+        parts = _parts(path, stage, time)
+    except Tf.ErrorException as error:
+        # The first of USD's errors is the cause, and the others follow from it.
+        reason = error.args[0].commentary.strip() if os.path.exists(path) else "there is no such file"
+        raise ValueError(f"{path}: expected a USD file: {reason}") from None
     arrays: dict[str, Any] = {
         "points": np.concatenate([part["points"] for part in parts]),
         "offsets": np.concatenate([[0], np.cumsum(np.concatenate([part["counts"] for part in parts]))]),
@@ -62,22 +75,67 @@ def to_npz(path: str | PathLike[str], out: str | PathLike[str], time: float | No
     for name in ("radius", *_NAMES):
         if all(name in part for part in parts):
             arrays[name] = np.concatenate([part[name] for part in parts])
-    np.savez(out, **arrays)
+    if "ids" in arrays:
+        arrays["ids"] = _unique(path, arrays["ids"])
+    # NumPy appends .npz to a name that ends otherwise, and not to a file.
+    with open(out, "wb") as file:
+        np.savez(file, **arrays)
     return len(arrays["offsets"]) - 1
 
 
-def _library() -> tuple[ModuleType, ModuleType]:
+def _library() -> tuple[ModuleType, ModuleType, ModuleType]:
     """USD's own modules, which have no types."""
-    return import_module("pxr.Usd"), import_module("pxr.UsdGeom")
+    return import_module("pxr.Usd"), import_module("pxr.UsdGeom"), import_module("pxr.Tf")
 
 
-def _curves(curves: Any, time: float | None) -> dict[str, NDArray[Any]]:
-    """Points and what else a prim has, each curve by its points on it, in the world."""
-    Usd, UsdGeom = _library()
+def _parts(path: Any, stage: Any, time: float | None) -> list[dict[str, NDArray[Any]]]:
+    """What each prim of curves has, those of instances too; prims without points are left out, and a warning names them."""
+    Usd, UsdGeom, _ = _library()
+    prims = stage.Traverse(Usd.TraverseInstanceProxies())
+    found = [UsdGeom.BasisCurves(prim) for prim in prims if prim.IsA(UsdGeom.BasisCurves)]
+    if not found:
+        raise ValueError(f"{path}: expected BasisCurves, found none")
+    parts = [_curves(curves, time) for curves in found]
+    empty = [str(curves.GetPath()) for curves, part in zip(found, parts) if part is None]
+    if len(empty) == len(found):
+        raise ValueError(f"{path}: expected BasisCurves with points, found none in {_listed(empty)}")
+    if empty:
+        warnings.warn(f"{path}: {_listed(empty)} has no points, and is left out", stacklevel=3)
+    return [part for part in parts if part is not None]
+
+
+def _listed(names: list[str]) -> str:
+    """The first of the names, and how many more there are."""
+    more = len(names) - _MOST_NAMES
+    return ", ".join(names[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
+
+
+def _unique(path: Any, ids: NDArray[Any]) -> NDArray[Any]:
+    """The ids, with new ones above all others where a curve has one that a curve before it has."""
+    _, first = np.unique(ids, return_index=True)
+    if len(first) == len(ids):
+        return ids
+    again = np.ones(len(ids), dtype=bool)
+    again[first] = False
+    unique = ids.astype(np.int64)
+    unique[again] = unique.max() + 1 + np.arange(again.sum())
+    warnings.warn(
+        f"{path}: {again.sum()} of {len(ids)} curves have the groom_id of a curve before them, and get ids from {unique[again][0]} on",
+        stacklevel=3,
+    )
+    return unique
+
+
+def _curves(curves: Any, time: float | None) -> dict[str, NDArray[Any]] | None:
+    """Points and what else a prim has, each curve by its points on it, in the world; None without points."""
+    Usd, UsdGeom, _ = _library()
     path = curves.GetPath()
     code = Usd.TimeCode.EarliestTime() if time is None else Usd.TimeCode(time)
-    counts = np.array(curves.GetCurveVertexCountsAttr().Get(code), dtype=np.int64)
-    points = np.array(curves.GetPointsAttr().Get(code), dtype=np.float64).reshape(-1, 3)
+    given = [attribute.Get(code) for attribute in (curves.GetCurveVertexCountsAttr(), curves.GetPointsAttr())]
+    if any(values is None or len(values) == 0 for values in given):
+        return None
+    counts = np.array(given[0], dtype=np.int64)
+    points = np.array(given[1], dtype=np.float64).reshape(-1, 3)
     if counts.sum() != len(points):
         raise ValueError(f"{path}: {len(points)} points are not the {counts.sum()} of its curves")
     kind, basis, wrap = (attribute.Get() for attribute in (curves.GetTypeAttr(), curves.GetBasisAttr(), curves.GetWrapAttr()))
