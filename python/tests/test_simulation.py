@@ -430,3 +430,16 @@ def test_a_lost_device_is_an_error_and_the_process_goes_on(scene, tmp_path):
     anew = ws.Simulation(scene)
     anew.step(2)
     assert np.array_equal(anew.hair.positions, kept)
+
+
+def test_what_a_start_warns_of_is_a_user_warning(bare):
+    points = np.zeros((3, 12, 3))
+    points[..., 0] = np.linspace(0.0, 0.2, 12)
+    points[..., 2] = 0.01 * np.arange(3)[:, None]
+    with pytest.warns(UserWarning) as caught:
+        sim = ws.Simulation(bare, groom=ws.Groom(points, rest="hanging"))
+    said = [str(warning.message) for warning in caught]
+    assert any(words.startswith("groom: 3 of 3 strands are") for words in said), said
+    # Each once, in the words of the report; the line is the caller's.
+    assert sorted(said) == sorted(sim.report()["warnings"])
+    assert {warning.filename for warning in caught} == {__file__}

@@ -1,5 +1,6 @@
 //! Arrays in and out.
 
+use glam::{DQuat, DVec3};
 use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::{exceptions::PyException, prelude::*};
 
@@ -132,4 +133,20 @@ pub(crate) fn strand_ids<'py>(py: Python<'py>, ids: &[u32], strands: usize) -> B
 pub(crate) fn matrix<const N: usize>(py: Python<'_>, rows: Vec<[f32; N]>) -> PyResult<Bound<'_, PyArray2<f32>>> {
     let count = rows.len();
     PyArray1::from_vec(py, rows.into_flattened()).reshape([count, N])
+}
+
+/// Rows of three as vectors.
+pub(crate) fn vectors(rows: Option<Vec<[f64; 3]>>) -> Option<Vec<DVec3>> {
+    rows.map(|rows| rows.into_iter().map(DVec3::from_array).collect())
+}
+
+/// Rows of four as quaternions x, y, z, w.
+pub(crate) fn quaternions(rows: Option<Vec<[f64; 4]>>) -> Option<Vec<DQuat>> {
+    rows.map(|rows| rows.into_iter().map(DQuat::from_array).collect())
+}
+
+/// Python's False or NumPy's, which comparing arrays gives; not what is merely empty, as None.
+pub(crate) fn is_false(answer: &Bound<'_, PyAny>) -> PyResult<bool> {
+    let kind = answer.get_type().name()?;
+    Ok(["bool", "bool_"].contains(&kind.to_str()?) && !answer.is_truthy()?)
 }

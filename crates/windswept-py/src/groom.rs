@@ -1,15 +1,16 @@
 //! `windswept.Groom`.
 
-use std::{ffi::CString, path::PathBuf};
+use std::path::PathBuf;
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
-use pyo3::{exceptions::PyUserWarning, prelude::*, types::PyBytes};
+use pyo3::{prelude::*, types::PyBytes};
 use windswept_scene::{End, Fibre, GroomFile, PerStrand, RestCurvature, RestShape, Stiffness, keys::Key};
 
 use crate::{
     arrays::{Numbers, chunks, shown, strand_ids, values},
     errors::{of_scene, of_value},
     outside,
+    warn::warn,
 };
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -183,10 +184,7 @@ impl Groom {
             inner.fibre.set(inner.len(), "radius", &values, set).map_err(|error| of_scene(py, &error))?;
         }
         inner.check().map_err(|error| of_scene(py, &error))?;
-        let user = py.get_type::<PyUserWarning>();
-        for note in notes {
-            PyErr::warn(py, &user, &CString::new(note)?, 1)?;
-        }
+        warn(py, notes)?;
         Ok(Self { inner })
     }
 

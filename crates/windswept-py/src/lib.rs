@@ -21,6 +21,7 @@ mod scene;
 mod simulation;
 mod toml;
 mod views;
+mod warn;
 mod writer;
 
 use std::{

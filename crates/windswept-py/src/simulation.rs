@@ -4,25 +4,23 @@ mod held;
 mod shown;
 
 use std::{
-    ffi::CString,
     path::PathBuf,
     sync::{Arc, Mutex, atomic::AtomicU64},
 };
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::{
     PyTraverseError, PyVisit,
-    exceptions::PyUserWarning,
     prelude::*,
     types::{PyBytes, PyTuple},
 };
 use windswept::{Checkpoint, CheckpointError, RunError};
 use windswept_export::Renderer;
 
-use self::held::lock;
+use self::{held::lock, shown::side};
 use crate::{
-    arrays::{Numbers, maybe_rows, rows, shown, triple, values},
+    arrays::{Numbers, is_false, maybe_rows, quaternions, rows, shown, triple, values, vectors},
     errors::{of_checkpoint, of_export, of_run, of_start, of_value},
     frames::{Frame, Frames},
     gpu,
@@ -30,6 +28,7 @@ use crate::{
     outside,
     scene::Scene,
     views::{Air, Followers, Hair, Snapshot},
+    warn::warn,
 };
 
 /// Hair and air of one scene on a GPU.
@@ -50,6 +49,9 @@ use crate::{
 ///     adapter: "software", or part of an adapter's name; None: WGPU_ADAPTER_NAME, else the best. Simulations on the same
 ///         adapter share its device; each may be stepped from a thread of its own.
 ///
+/// A `UserWarning` for each of the state's warnings, which `report()["warnings"]` has too, says what `windswept check` would: strands
+/// of a file that are left out or do not hang as given, hair inside bodies, a step that is too long for the wind.
+///
 /// Raises:
 ///     SceneError: the scene's initial state cannot be made.
 ///     GpuError: there is no such adapter, or it has too little room.
@@ -68,20 +70,6 @@ pub(crate) struct Simulation {
 /// Width and height of a picture \[px\].
 type Picture = (Option<u32>, Option<u32>);
 
-fn vectors(rows: Option<Vec<[f64; 3]>>) -> Option<Vec<DVec3>> {
-    rows.map(|rows| rows.into_iter().map(DVec3::from_array).collect())
-}
-
-/// Python's False or NumPy's, which comparing arrays gives; not what is merely empty, as None.
-fn is_false(answer: &Bound<'_, PyAny>) -> PyResult<bool> {
-    let kind = answer.get_type().name()?;
-    Ok(["bool", "bool_"].contains(&kind.to_str()?) && !answer.is_truthy()?)
-}
-
-fn quaternions(rows: Option<Vec<[f64; 4]>>) -> Option<Vec<DQuat>> {
-    rows.map(|rows| rows.into_iter().map(DQuat::from_array).collect())
-}
-
 impl Simulation {
     fn of(engine: windswept::Simulation) -> Self {
         Self {
@@ -99,10 +87,7 @@ impl Simulation {
         let checkpoint = read.map_err(|error| of_checkpoint(py, &error))?;
         let choice = outside(py, || checkpoint.choice(adapter))?;
         let gpu = gpu::device_of(py, &choice)?;
-        if let Some(words) = checkpoint.differs(&gpu) {
-            let words = CString::new(words).map_err(|e| of_value("adapter", e))?;
-            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &words, 1)?;
-        }
+        warn(py, checkpoint.differs(&gpu))?;
         let started = outside(py, || checkpoint.start(&gpu))?;
         Ok(Self::of(started.map_err(|error| of_checkpoint(py, &error))?))
     }
@@ -118,7 +103,9 @@ impl Simulation {
             Some(groom) => windswept::Simulation::with_groom(&gpu, &scene.inner, &groom.inner),
             None => windswept::Simulation::new(&gpu, &scene.inner),
         })?;
-        Ok(Self::of(made.map_err(|error| of_start(py, &error))?))
+        let made = made.map_err(|error| of_start(py, &error))?;
+        warn(py, made.initial().warnings.iter().cloned())?;
+        Ok(Self::of(made))
     }
 
     /// Runs n steps of dt. Ctrl-C stops between steps.
@@ -440,13 +427,6 @@ impl Simulation {
         width: Option<i64>,
         height: Option<i64>,
     ) -> PyResult<Bound<'py, PyArray3<u8>>> {
-        let side = |name: &str, side: Option<i64>| {
-            let fits = |side: i64| u32::try_from(side).ok().filter(|side| *side >= 16);
-            side.map(|side| {
-                fits(side).ok_or_else(|| of_value(name, format!("expected at least 16 pixels, found {side}")))
-            })
-            .transpose()
-        };
         let size = (side("width", width)?, side("height", height)?);
         let drawn = outside(py, || {
             let mut engine = lock(&self.engine);

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use windswept_export::{Followers, Renderer};
 
 use super::{Picture, Simulation, held::lock};
-use crate::errors::of_export;
+use crate::errors::{of_export, of_value};
 
 impl Simulation {
     /// Names and values that describe it in a line.
@@ -54,4 +54,11 @@ impl Simulation {
         *renderer = Some((size, made.clone()));
         Ok(made)
     }
+}
+
+/// A side of a picture \[px\]; none is the scene's.
+pub(super) fn side(name: &str, side: Option<i64>) -> PyResult<Option<u32>> {
+    let fits = |side: i64| u32::try_from(side).ok().filter(|side| *side >= 16);
+    let expected = |side: i64| of_value(name, format!("expected at least 16 pixels, found {side}"));
+    side.map(|side| fits(side).ok_or_else(|| expected(side))).transpose()
 }

@@ -1,0 +1,20 @@
+//! Warnings as Python shows them.
+
+use std::ffi::CString;
+
+use pyo3::{exceptions::PyUserWarning, prelude::*};
+
+use crate::errors::of_value;
+
+/// Emits a `UserWarning` for each of the notes.
+///
+/// # Errors
+/// What a filter makes of a warning where it is to be an error.
+pub(crate) fn warn(py: Python<'_>, notes: impl IntoIterator<Item = String>) -> PyResult<()> {
+    let user = py.get_type::<PyUserWarning>();
+    for note in notes {
+        let note = CString::new(note).map_err(|error| of_value("warning", error))?;
+        PyErr::warn(py, &user, &note, 1)?;
+    }
+    Ok(())
+}
