@@ -1,6 +1,7 @@
 """Groom files: what NumPy writes we read, what we write NumPy reads, and a file that a script writes comes back as it was."""
 
 import struct
+import warnings
 
 import numpy as np
 import pytest
@@ -96,6 +97,27 @@ def test_what_is_left_out_is_said(tmp_path):
     assert groom.ids.tolist() == [0, 3]
 
 
+def test_strands_that_are_left_to_followers_are_said(tmp_path):
+    points = np.cumsum(np.random.default_rng(1).normal(size=(9, 7, 3)), axis=1)
+    np.savez(tmp_path / "nine.npz", points=points, ids=[0, 1, 2, 3, 3, 3, 6, 7, 8], guides=[0, 1, 1, 0, 0, 0, 0, 0, 0], meters_per_unit=1.0)
+    with pytest.warns(UserWarning) as caught:
+        assert ws.Groom.load(tmp_path / "nine.npz").ids.tolist() == [1, 2]
+    said = [str(warning.message) for warning in caught]
+    assert any("marks 2 of its 9 strands as guides" in words and "7 left to followers" in words for words in said)
+    assert any("2 of the 9 strands of" in words and "have the id of a strand before them" in words for words in said)
+
+
+def test_what_a_format_cannot_hold_is_said(tmp_path):
+    np.savez(tmp_path / "two.npz", points=np.random.default_rng(1).normal(size=(2, 7, 3)), ids=[7, 3], groups=[1, 2], meters_per_unit=1.0)
+    groom = ws.Groom.load(tmp_path / "two.npz")
+    for ending in ["hair", "data", "ply", "npy"]:
+        with pytest.warns(UserWarning, match=rf"two.{ending} has no ids, groups: a .npz file holds them"):
+            groom.save(tmp_path / f"two.{ending}")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        groom.save(tmp_path / "again.npz")
+
+
 def test_faults_name_the_argument_or_the_file(tmp_path):
     (tmp_path / "in.hair").write_bytes(hair_file(strands(3))[:-1])
     with pytest.raises(ws.SceneError, match=r"in\.hair: at byte 134: expected the points, .* ends at byte"):
@@ -103,7 +125,7 @@ def test_faults_name_the_argument_or_the_file(tmp_path):
     (tmp_path / "in.hair").write_bytes(hair_file(strands(3)))
     with pytest.raises(ws.SceneError, match="does not say its unit.*if that is the metre"):
         ws.Groom.load(tmp_path / "in.hair")
-    for name, value in [("points", 1), ("points", -1), ("strands", 0), ("scale", -1.0), ("up", "w"), ("radius", -1.0)]:
+    for name, value in [("points", 1), ("points", -1), ("strands", 0), ("scale", -1.0), ("up", "w"), ("radius", -1.0), ("seed", -1)]:
         with pytest.raises(ValueError, match=name):
             ws.Groom.load(tmp_path / "in.hair", **{"scale": 1, name: value})
     with pytest.raises(ws.SceneError, match="cannot be read"):

@@ -1,6 +1,6 @@
 //! `windswept groom`: what a groom file holds, and one turned into another.
 
-use std::path::Path;
+use std::{collections::BTreeSet, path::Path};
 
 use windswept_scene::{Curves, GroomFile, Up};
 
@@ -32,6 +32,18 @@ fn summary(curves: &Curves) -> Vec<(&'static str, String)> {
     let [fewest, most] = range(&mut (0..curves.len()).map(|s| curves.strand(s).len() as f64));
     let points = if curves.is_empty() { String::new() } else { format!(", {fewest} to {most} a strand") };
     rows.push(("points", format!("{}{points}", curves.points.len())));
+    if !curves.guides.is_empty() {
+        let (marked, total) = (curves.marked(), curves.len());
+        let others = if marked == 0 { String::new() } else { format!(", {} left to followers", total - marked) };
+        rows.push(("guides", format!("{marked} of {total} strands are marked{others}")));
+    }
+    if let (Some(least), Some(most)) = (curves.groups.iter().min(), curves.groups.iter().max()) {
+        let groups: BTreeSet<u32> = curves.groups.iter().copied().collect();
+        rows.push(("groups", format!("{}, numbered from {least} to {most}", groups.len())));
+    }
+    if curves.doubled_ids() > 0 {
+        rows.push(("ids", format!("{} strands have the id of a strand before them", curves.doubled_ids())));
+    }
     let unit = if curves.unit.is_some() { "m" } else { "units" };
     let scale = curves.unit.unwrap_or(1.0);
     if let Some([low, high]) = curves.bounds() {
@@ -89,7 +101,8 @@ fn convert(options: &ConvertOptions, console: &mut Console<'_>) -> Result<(), Fa
     for note in notes {
         console.warn(note);
     }
-    curves.save(&options.output).map_err(|error| Failure::Run(error.to_string()))?;
+    let lost = curves.save(&options.output).map_err(|error| Failure::Run(error.to_string()))?;
+    lost.into_iter().for_each(|what| console.warn(what));
     let (strands, points) = (curves.len(), curves.points.len());
     console.print(format_args!("{}: {strands} strands, {points} points", options.output.display()));
     Ok(())

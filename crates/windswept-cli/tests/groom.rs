@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use support::{listing, windswept};
+use windswept_scene::Curves;
 
 /// Three strands in centimetres, Z up; the last has no length.
 const STRANDS: &str = "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n\
@@ -81,6 +82,35 @@ fn a_groom_file_becomes_another() {
         assert!(status != Some(0) && err.contains(expected), "{status:?} {err}");
     }
     assert_eq!(listing(folder.path()), ["back.npz", "three.ply", "two.data", "two.hair", "two.npz", "two.ply"]);
+}
+
+/// What a groom file says of its strands is described, and what another format has no room for is warned of.
+#[test]
+fn ids_groups_and_guides_are_said() {
+    let folder = folder();
+    let strand = |x: f64| [[x, 0.0, 0.0], [x, -0.1, 0.0]];
+    let curves = Curves {
+        points: (0..5).flat_map(|s| strand(0.01 * f64::from(s))).collect(),
+        offsets: (0..=5).map(|s| 2 * s).collect(),
+        ids: vec![4, 3, 2, 4, 4],
+        unit: Some(1.0),
+        groups: vec![7, 7, 2, 2, 2],
+        guides: vec![true, false, true, false, false],
+        ..Curves::default()
+    };
+    curves.save(folder.path().join("five.npz")).expect("a groom file");
+    let (_, out, _) = done(folder.path(), &["groom", "info", "five.npz"]);
+    for row in [
+        "guides    2 of 5 strands are marked, 3 left to followers",
+        "groups    2, numbered from 2 to 7",
+        "ids       2 strands have the id of a strand before them",
+    ] {
+        assert!(out.lines().any(|line| line == row), "{out}");
+    }
+    let (status, _, err) = done(folder.path(), &["groom", "convert", "five.npz", "five.hair"]);
+    assert_eq!(status, Some(0));
+    assert!(err.contains("warning: five.hair has no ids, groups, guides: a .npz file holds them"), "{err}");
+    assert!(err.contains("warning: 2 of the 5 strands of five.npz have the id"), "{err}");
 }
 
 /// A scene beside a groom file is checked and runs from any folder; what was left out stands in the report.

@@ -129,16 +129,17 @@ impl Groom {
 
     /// Reads strands from a groom file, as `hair.file` of a scene does.
     ///
-    /// The ending of the name says the format: .hair, .data, .bin, .npz, .npy or .ply. Strands that cannot be simulated are
-    /// left out, and a `UserWarning` says how many and why.
+    /// The ending of the name says the format: .hair, .data, .bin, .npz, .npy or .ply. Where the file marks guides (`guides` of a
+    /// .npz), only those are taken. Strands that cannot be simulated are left out. A `UserWarning` says how many strands are
+    /// not taken, and why.
     ///
     /// Args:
     ///     path: the file.
     ///     scale: metres per unit of the file; needed, unless the file says its unit.
     ///     up: axis of the file that points up ("y", "z" or "x"), or its axes that become x, y and z ("yzx").
     ///     points: points per strand; they are placed anew, evenly along each. None: the file's.
-    ///     strands: how many, those whose roots are far from one another. None: all. With hair.file of a scene, and not here, the
-    ///         others of the file follow them.
+    ///     strands: how many, those whose roots are far from one another. None: all that the file marks as guides, or all where it
+    ///         marks none. With hair.file of a scene, and not here, the others of the file follow them.
     ///     radius: of a fibre [m]. None: the file's, where it has one that is a hair's, 15 to 150 µm on average; else 40 µm.
     ///     points_per_strand: of a file that does not say where a strand ends.
     ///     seed: draws the first of the strands that are kept.
@@ -160,9 +161,11 @@ impl Groom {
         strands: Option<i64>,
         radius: Option<&Bound<'_, PyAny>>,
         points_per_strand: Option<i64>,
-        seed: u64,
+        seed: i128,
         rest: &str,
     ) -> PyResult<Self> {
+        let fits = |_| of_value("seed", format!("expected a whole number from 0 to {}, found {seed}", u64::MAX));
+        let drawn_by = u64::try_from(seed).map_err(fits)?;
         let up = up.parse().map_err(|()| {
             let expected = Key::find("hair.up").map(Key::expected).unwrap_or_default();
             of_value("up", format!("expected {expected}; found {up:?}"))
@@ -177,7 +180,7 @@ impl Groom {
             points: count("points", points)?,
             ..GroomFile::new(path.to_string_lossy())
         };
-        let (mut inner, notes) = outside(py, || file.groom(seed))?.map_err(|error| of_scene(py, &error))?;
+        let (mut inner, notes) = outside(py, || file.groom(drawn_by))?.map_err(|error| of_scene(py, &error))?;
         if let Some(radius) = radius {
             let values = scalars("radius", radius)?;
             let set = |fibre: &mut Fibre, x| fibre.radius = x;
@@ -190,14 +193,14 @@ impl Groom {
 
     /// Writes the strands to a groom file, in metres; the ending of its name says the format: .hair, .data, .npz, .npy, .ply.
     ///
-    /// A .npz file keeps everything: `points`, `offsets`, `ids`, `radius` and `meters_per_unit`. A file that is there is
-    /// replaced.
+    /// A .npz file keeps everything: `points`, `offsets`, `ids`, `radius`, `groups`, `root_uv` and `meters_per_unit`. A `UserWarning`
+    /// says what of it another format cannot hold. A file that is there is replaced.
     ///
     /// Raises:
     ///     SceneError: a format that cannot hold the strands; a file that cannot be written.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let saved = outside(py, || self.inner.curves().and_then(|curves| curves.save(&path)))?;
-        saved.map_err(|error| of_scene(py, &error))
+        warn(py, saved.map_err(|error| of_scene(py, &error))?)
     }
 
     /// Points of all strands, strand by strand, root to tip: `(points, 3)` float64 [m].

@@ -8,7 +8,7 @@ mod npz;
 mod ply;
 mod usc;
 
-use std::{fs, path::Path};
+use std::{collections::HashSet, fs, path::Path};
 
 pub(crate) use bytes::{Bytes, fault_at};
 pub use fit::Dropped;
@@ -68,6 +68,8 @@ pub struct GroomFormat {
     pub what: &'static str,
     read: Read,
     write: Option<Write>,
+    /// What a written file has beside points, by the names of [`Curves::arrays`].
+    holds: &'static [&'static str],
 }
 
 impl GroomFormat {
@@ -78,22 +80,43 @@ impl GroomFormat {
             what: "Cem Yuksel's hair files",
             read: |bytes, _| cyhair::read(bytes),
             write: Some(cyhair::write),
+            holds: &["radius"],
         },
         Self {
             extension: "data",
             what: "USC-HairSalon, Perm",
             read: |bytes, _| usc::read(bytes, usc::Record::Point),
             write: Some(usc::write),
+            holds: &[],
         },
         Self {
             extension: "bin",
             what: "CT2Hair",
             read: |bytes, _| usc::read(bytes, usc::Record::Labelled),
             write: None,
+            holds: &[],
         },
-        Self { extension: "npz", what: "NumPy arrays; keeps everything", read: npz::read, write: Some(npz::write) },
-        Self { extension: "npy", what: "a NumPy array (strands, n, 3)", read: npy::read, write: Some(npy::write) },
-        Self { extension: "ply", what: "GaussianHaircut, hairutil", read: ply::read, write: Some(ply::write) },
+        Self {
+            extension: "npz",
+            what: "NumPy arrays; keeps everything",
+            read: npz::read,
+            write: Some(npz::write),
+            holds: &["ids", "radius", "groups", "root_uv", "guides"],
+        },
+        Self {
+            extension: "npy",
+            what: "a NumPy array (strands, n, 3)",
+            read: npy::read,
+            write: Some(npy::write),
+            holds: &[],
+        },
+        Self {
+            extension: "ply",
+            what: "GaussianHaircut, hairutil",
+            read: ply::read,
+            write: Some(ply::write),
+            holds: &["radius"],
+        },
     ];
 
     /// The format of a file by the ending of its name.
@@ -143,11 +166,12 @@ impl Curves {
         read().map_err(|error: SceneError| error.of(&path.display().to_string(), ""))
     }
 
-    /// Writes a groom file of the format that its name ends in; a file of this name is replaced.
+    /// Writes a groom file of the format that its name ends in; a file of this name is replaced. What is returned says what the curves
+    /// have and such a file does not.
     ///
     /// # Errors
     /// [`SceneError`] where the format cannot hold the curves, and where the file cannot be written.
-    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), SceneError> {
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<Option<String>, SceneError> {
         let path = path.as_ref();
         let write = || {
             let format = GroomFormat::of(path)?;
@@ -155,9 +179,26 @@ impl Curves {
                 return Err(SceneError::new(format!(".{} files are read, not written", format.extension)));
             };
             self.check()?;
-            fs::write(path, write(self)?).map_err(|error| SceneError::new(format!("cannot be written: {error}")))
+            fs::write(path, write(self)?).map_err(|error| SceneError::new(format!("cannot be written: {error}")))?;
+            Ok(format)
         };
-        write().map_err(|error: SceneError| error.of(&path.display().to_string(), ""))
+        let format = write().map_err(|error: SceneError| error.of(&path.display().to_string(), ""))?;
+        let lost: Vec<&str> = self.arrays().filter(|name| !format.holds.contains(name)).collect();
+        let words = || format!("{} has no {}: a .npz file holds them", path.display(), lost.join(", "));
+        Ok((!lost.is_empty()).then(words))
+    }
+
+    /// Names that a `.npz` file has for what the curves have beside their points, and no rule says: ids that are not the strands'
+    /// indices, radii that are not one.
+    fn arrays(&self) -> impl Iterator<Item = &'static str> {
+        let arrays = [
+            ("ids", self.ids.iter().zip(0..).any(|(id, index)| *id != index)),
+            ("radius", self.radius.windows(2).any(|pair| pair[0] != pair[1])),
+            ("groups", !self.groups.is_empty()),
+            ("root_uv", !self.root_uvs.is_empty()),
+            ("guides", !self.guides.is_empty()),
+        ];
+        arrays.into_iter().filter(|(_, there)| *there).map(|(name, _)| name)
     }
 
     /// Curves from the number of points of each; `points` are as many in all.
@@ -244,6 +285,19 @@ impl Curves {
             fits.ok_or_else(|| SceneError::new(words()))
         };
         self.counts().enumerate().map(segments).collect()
+    }
+
+    /// Number of strands that the file marks as guides.
+    #[must_use]
+    pub fn marked(&self) -> usize {
+        self.guides.iter().filter(|mark| **mark).count()
+    }
+
+    /// Number of strands with the id of a strand before them.
+    #[must_use]
+    pub fn doubled_ids(&self) -> usize {
+        let mut seen = HashSet::with_capacity(self.ids.len());
+        self.ids.iter().filter(|id| !seen.insert(**id)).count()
     }
 
     /// Corners of the box about all points that are finite; `None` where there are none.

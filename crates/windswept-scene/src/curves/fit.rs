@@ -290,7 +290,28 @@ impl GroomFile {
 
     /// The curves of the file that are simulated: of those it marks as guides, or of all.
     fn simulated(&self, loaded: Curves, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
-        self.fitted(loaded.guides(None, seed), seed).map_err(|error| error.of(&self.file, ""))
+        let mut notes = self.notes_of(&loaded, true);
+        let (curves, more) = self.fit(loaded.guides(None, seed), seed).map_err(|error| error.of(&self.file, ""))?;
+        notes.extend(more);
+        Ok((curves, notes))
+    }
+
+    /// What a user should know of a file's curves, of which all or only the guides are taken.
+    fn notes_of(&self, curves: &Curves, only_guides: bool) -> Vec<String> {
+        let (total, marked, doubled) = (curves.len(), curves.marked(), curves.doubled_ids());
+        let mut notes = Vec::new();
+        if only_guides && (1..total).contains(&marked) {
+            notes.push(format!(
+                "{} marks {marked} of its {total} strands as guides: strands are taken of these, and {} left to followers",
+                self.file,
+                total - marked
+            ));
+        }
+        if doubled > 0 {
+            notes
+                .push(format!("{doubled} of the {total} strands of {} have the id of a strand before them", self.file));
+        }
+        notes
     }
 
     /// All curves of the file, in metres and Y up.
@@ -314,7 +335,7 @@ impl GroomFile {
         let loaded = self.loaded()?;
         let simulated = self.simulated(loaded.clone(), seed)?.0.len();
         let all = Self { strands: None, ..self.clone() };
-        let (all, _) = all.fitted(loaded, seed).map_err(|error| error.of(&self.file, ""))?;
+        let (all, _) = all.fit(loaded, seed).map_err(|error| error.of(&self.file, ""))?;
         Ok((simulated, (all.len() > simulated).then_some(all)))
     }
 
@@ -344,6 +365,14 @@ impl GroomFile {
     /// [`SceneError`] where no strand is left.
     pub fn fitted(&self, curves: Curves, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
         curves.check()?;
+        let mut notes = self.notes_of(&curves, self.strands.is_some());
+        let (curves, more) = self.fit(curves, seed)?;
+        notes.extend(more);
+        Ok((curves, notes))
+    }
+
+    /// As [`Self::fitted`], without what is to be known of the file.
+    fn fit(&self, curves: Curves, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
         let total = curves.len();
         let mut dropped = Dropped::default();
         let mut curves = curves.kept(self.points.is_some(), &mut dropped);
