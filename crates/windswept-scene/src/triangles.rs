@@ -55,7 +55,7 @@ pub struct Triangles {
 /// Successive triangles that have names.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Part {
-    /// Names of the group or object that they belong to, and of their material.
+    /// Names of the object and the groups that they belong to, and of their material.
     pub names: Vec<String>,
     /// Indices of the triangles.
     pub triangles: Range<usize>,

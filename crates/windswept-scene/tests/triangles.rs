@@ -322,6 +322,27 @@ fn names_normals_and_textures_are_kept() {
     assert!(mirrored.normals[0][1].distance(found.normals[0][2].zyx()) < 1e-12);
 }
 
+/// A face has the names of its object, of each of its groups, and of its material, whatever blanks are between words.
+#[test]
+fn faces_of_obj_files_have_all_their_names() {
+    let folder = Folder::new();
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\no Head Mesh\ng scalp  hair\r\nf 1 2 3\nusemtl\tskin\nf 1 2 4\n g\nf 2 3 4\n\
+        usemtl skin\nf 2 4 3\no Body\nf 1 4 3\ng scalp\nf 1 3 4\n";
+    let found = Triangles::load(folder.write("named.obj", text.as_bytes())).unwrap();
+    let names: Vec<_> = found.parts.iter().map(|part| (part.names.join(","), part.triangles.clone())).collect();
+    let expected = [
+        ("Head Mesh,scalp  hair,scalp,hair", 0..1),
+        ("Head Mesh,scalp  hair,scalp,hair,skin", 1..2),
+        ("Head Mesh,skin", 2..4),
+        ("Body,skin", 4..5),
+        ("Body,scalp,skin", 5..6),
+    ];
+    assert_eq!(names, expected.map(|(names, at)| (names.to_owned(), at)));
+    let many = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\ng{}\nf 1 2 3\n", " a".repeat(65));
+    let error = Triangles::load(folder.write("many.obj", many.as_bytes())).unwrap_err();
+    assert!(error.to_string().contains("line 4: names 65 groups; expected at most 64"), "{error}");
+}
+
 /// Files that are cut short or altered are errors that name the file, or triangles that can be computed with.
 #[test]
 fn altered_files_do_not_panic() {

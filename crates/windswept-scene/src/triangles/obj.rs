@@ -1,14 +1,12 @@
 //! Wavefront files, `.obj`.
 
-use std::{cell::Cell, io::Read, path::Path};
-
 use glam::DVec3;
 
 use super::Triangles;
 use crate::error::SceneError;
 
-/// What the crate calls triangles before any name.
-const UNNAMED: &str = "unnamed_object";
+/// Most groups that a face is in: names of each part are kept, so that more would take memory without end.
+const MOST_GROUPS: usize = 64;
 
 /// The line, from 1, with which the lines up to it begin to be faulty.
 fn line_of(bytes: &[u8], is_faulty: impl Fn(&[u8]) -> bool) -> usize {
@@ -62,25 +60,67 @@ fn check_indices(bytes: &[u8]) -> Result<(), SceneError> {
     Ok(())
 }
 
+/// What faces are named by, from a line of the file on.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Names<'a> {
+    object: &'a str,
+    /// As many groups as it has words.
+    groups: &'a str,
+    material: &'a str,
+}
+
+impl Names<'_> {
+    /// Each name by itself. Some programs write groups with blanks in their names: all words of the groups are a name too.
+    fn each(self) -> Vec<String> {
+        let groups = self.groups.split_whitespace().filter(|group| *group != self.groups);
+        let names = [self.object, self.groups].into_iter().chain(groups).chain([self.material]);
+        names.filter(|name| !name.is_empty()).map(str::to_owned).collect()
+    }
+}
+
+/// The file with the number of its names as the one name of each face, and what the numbers stand for: the crate knows an object or a
+/// group of each face, and materials only of a library, whose properties do not matter here. Lines keep their numbers.
+fn numbered(bytes: &[u8]) -> Result<(Vec<u8>, Vec<Names<'_>>), SceneError> {
+    let mut text = Vec::with_capacity(bytes.len() + 1);
+    let mut names = vec![Names::default()];
+    let mut last = Names::default();
+    for (number, line) in (1..).zip(bytes.split(|byte| *byte == b'\n')) {
+        let words = std::str::from_utf8(line).unwrap_or_default().trim();
+        let (word, name) = words.split_once(char::is_whitespace).unwrap_or((words, ""));
+        let name = name.trim();
+        let now = match word {
+            // A group is one of an object.
+            "o" => Names { object: name, groups: "", ..last },
+            "g" => Names { groups: name, ..last },
+            "usemtl" => Names { material: name, ..last },
+            _ => {
+                text.extend(line);
+                text.push(b'\n');
+                continue;
+            }
+        };
+        let groups = now.groups.split_whitespace().count();
+        if groups > MOST_GROUPS {
+            return Err(SceneError::new(format!(
+                "line {number}: names {groups} groups; expected at most {MOST_GROUPS}"
+            )));
+        }
+        if now != last {
+            text.extend(format!("g {}", names.len()).bytes());
+            names.push(now);
+            last = now;
+        }
+        text.push(b'\n');
+    }
+    Ok((text, names))
+}
+
 pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
     let options =
         tobj::LoadOptions { triangulate: true, ignore_lines: true, ignore_points: true, ..Default::default() };
-    // The crate knows only materials that a library has told it of. What they are does not matter here, and their names stand in the
-    // file itself: a line before all others asks for a library, which has them; others are not looked at.
-    let lines = bytes.split(|byte| *byte == b'\n').filter_map(|line| std::str::from_utf8(line).ok());
-    let used = lines.filter_map(|line| line.trim_start().strip_prefix("usemtl ")).map(|name| name.trim().to_owned());
-    let mut materials: Vec<String> = used.collect();
-    materials.sort_unstable();
-    materials.dedup();
-    let asked = Cell::new(false);
-    let library = |_: &Path| match asked.replace(true) {
-        true => Err(tobj::LoadError::OpenFileFailed),
-        false => Ok((Vec::new(), materials.iter().cloned().zip(0..).collect())),
-    };
-    let load = |bytes: &[u8]| {
-        asked.set(false);
-        tobj::load_obj_buf(&mut (&b"mtllib names\n"[..]).chain(bytes), &options, library)
-    };
+    let load = |mut bytes: &[u8]| tobj::load_obj_buf(&mut bytes, &options, |_| Err(tobj::LoadError::OpenFileFailed));
+    let (text, names) = numbered(bytes)?;
+    let bytes = &text[..];
     check_indices(bytes)?;
     let (models, _) = load(bytes).map_err(|error| {
         let line = line_of(bytes, |part| load(part).is_err_and(|other| other == error));
@@ -103,10 +143,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
         let uv = |i: u32| mesh.texcoords.as_chunks::<2>().0.get(i as usize).copied().unwrap_or_default();
         let normals = of_corners(&mesh.normal_indices).into_iter().map(|corners| corners.map(normal)).collect();
         let uvs = of_corners(&mesh.texcoord_indices).into_iter().map(|corners| corners.map(uv)).collect();
-        let material = mesh.material_id.and_then(|id| materials.get(id));
-        let group = Some(&model.name).filter(|name| *name != UNNAMED);
-        let names = group.into_iter().chain(material).cloned().collect();
-        all.append(names, triangles.iter().map(|corners| corners.map(|index| first + index)), normals, uvs);
+        // The crate has a name of its own for faces before any.
+        let names = model.name.parse().ok().and_then(|number: usize| names.get(number)).copied().unwrap_or_default();
+        all.append(names.each(), triangles.iter().map(|corners| corners.map(|index| first + index)), normals, uvs);
     }
     Ok(all)
 }
