@@ -408,6 +408,7 @@ impl InitialState {
         warnings.extend(warnings::of_rods(scene, &hair));
         warnings.extend(warnings::of_friction(scene, &hair));
         warnings.extend(warnings::of_bodies(&hair, &bodies));
+        warnings.extend(warnings::of_meshes(scene));
         let filled = scene.filled();
         if hair.is_empty() && filled.is_none() {
             return Err(SceneError::new("is missing: the scene has neither hair nor air particles").at("hair", None));

@@ -101,7 +101,7 @@ impl Solid {
     ///
     /// # Errors
     /// [`SceneError`] where the file cannot be read, does not say its unit, or encloses nothing, and where the grid would be too large.
-    /// The error names the key of the [`MeshFile`] that is at fault: `file`, `scale`, `up` or `resolution`.
+    /// The error names the key of the [`MeshFile`] that is at fault: `file`, `scale`, `up`, or `resolution` where that is said.
     pub fn load(file: MeshFile) -> Result<Self, SceneError> {
         Self::load_beside(file, Path::new(""))
     }
@@ -188,6 +188,12 @@ impl Solid {
         Arc::ptr_eq(&self.content, &other.content)
     }
 
+    /// Longest side of the box about the triangles, in the file's own axes \[m\].
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        self.triangles().size()
+    }
+
     /// Radius of the largest ball that fits inside \[m\].
     #[must_use]
     pub fn inradius(&self) -> f64 {
@@ -240,12 +246,13 @@ impl Content {
         let (surface, holes) = triangles.closed();
         let spacing = file.resolution.unwrap_or_else(|| surface.bounds().map_or(1.0, DistanceGrid::spacing_for));
         let grid = cache::bake(&surface, spacing, MARGIN * spacing);
-        let size = surface.bounds().map_or(0.0, |[low, high]| (high - low).max_element());
+        let size = surface.size();
         let grid = grid.map_err(|error| match size > LARGEST {
             true => error.at("scale", None).with_help(format!(
                 "the mesh is {size:.3} m large with a scale of {scale}: 0.001 is that of millimetres"
             )),
-            false => error.at("resolution", None),
+            // The key that makes the grid, if somebody wrote it.
+            false => error.at(if file.resolution.is_some() { "resolution" } else { "file" }, None),
         })?;
         let inradius = grid.inradius();
         Ok(Self { triangles, holes, grid, inradius })

@@ -125,6 +125,11 @@ impl Triangles {
         })
     }
 
+    /// Longest side of the box about all triangles \[units of the file\]; 0 where there are none.
+    pub(crate) fn size(&self) -> f64 {
+        self.bounds().map_or(0.0, |[low, high]| (high - low).max_element())
+    }
+
     /// Indices of the triangles of every part that has this name; all where none is said. `None` where no part has it.
     pub(crate) fn named(&self, name: Option<&str>) -> Option<Vec<usize>> {
         let Some(name) = name else { return Some((0..self.corners.len()).collect()) };

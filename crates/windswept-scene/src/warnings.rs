@@ -9,12 +9,16 @@ use crate::{
     limits::MOST_REPEATS,
     reach,
     scene::{Air, Bounds, FRICTION, FluidSolver, Model, Scene},
+    solid::Solid,
 };
 
 /// Kernel radii in particle spacings between which the density constraint was tried; the paper's is 1.92.
 const TRIED: std::ops::RangeInclusive<f64> = 1.5..=3.0;
 /// Scale of the smallest eddies that particles carry \[particle spacings\]: smaller ones are passed at the particles' Nyquist wave number with a gain above 7.5 %.
 const SMALLEST_EDDY: f64 = 1.03;
+
+/// Longest side of a mesh below which it is likely that its scale is wrong \[m\].
+const SMALLEST_MESH: f64 = 1e-3;
 
 /// Part of the box's cross-section that bodies may block without a warning.
 const MUCH_BLOCKED: f64 = 0.3;
@@ -177,6 +181,18 @@ pub(crate) fn of_bodies(hair: &Strands, bodies: &[Shape]) -> Option<String> {
     let n = hair.positions.iter().filter(|x| inside(x)).count();
     let points = hair.positions.len();
     (n > 0).then(|| format!("{n} of {points} hair points start inside bodies, which push them out"))
+}
+
+/// A warning for each mesh that is so small that its scale may be that of other units.
+pub(crate) fn of_meshes(scene: &Scene) -> Vec<String> {
+    let solids = scene.bodies.iter().filter_map(|body| Some((&body.name, body.shape.solid()?)));
+    let small = solids.filter(|(_, solid)| solid.size() < SMALLEST_MESH);
+    let words = |(name, solid): (&String, &Solid)| {
+        let scale =
+            solid.file().scale.map_or("the scale of its file".to_owned(), |scale| format!("a scale of {scale}"));
+        format!("body.{name}: the mesh is {:.1e} m large with {scale}: 1 is that of metres", solid.size())
+    };
+    small.map(words).collect()
 }
 
 /// Warnings about bodies that the wind must pass, or that it steps over.

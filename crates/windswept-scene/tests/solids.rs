@@ -122,16 +122,19 @@ fn faults_name_key_and_file() {
         (
             "file = \"beyond.obj\"\nscale = 1",
             "file",
-            "line 5: expected a Wavefront file: face vertex index out of bounds",
+            "beyond.obj: line 5: \"4\" has index 4, which none of the 3 points of the file has",
         ),
         ("file = \"a.stl\"\nscale = 1", "file", "a.stl: expected a file of triangles: .obj, .ply, .glb"),
-        ("file = \"sheet.obj\"\nscale = 1", "resolution", "sheet.obj: the triangles enclose no node"),
+        ("file = \"sheet.obj\"\nscale = 1", "file", "sheet.obj: the triangles enclose no node of a grid of 0.002 m"),
+        ("file = \"sheet.obj\"\nscale = 1", "file", "give a flat mesh a thickness of 0.004 m or more"),
+        ("file = \"sheet.obj\"\nscale = 1\nresolution = 0.01", "resolution", "a thickness of 0.02 m or more"),
         (
             "file = \"wall.obj\"\nscale = 1",
-            "resolution",
+            "file",
             "wall.obj: a grid of 0.002 m about 10.000 x 10.000 x 0.200 m has 3.08e9 nodes",
         ),
-        ("file = \"wall.obj\"\nscale = 1", "resolution", "takes 1.23e10 bytes"),
+        ("file = \"wall.obj\"\nscale = 1\nresolution = 0.002", "resolution", "takes 1.23e10 bytes"),
+        ("file = \"wall.obj\"\nscale = 1", "file", "a larger resolution has fewer nodes"),
         (
             "file = \"ball.obj\"\nscale = 1",
             "scale",
@@ -159,6 +162,20 @@ fn faults_name_key_and_file() {
     let ball = "[[body]]\ncenter = [0, 0, 0]\nradius = 0.1\nfile = \"ball.obj\"\n";
     let error = load(&folder, &format!("{AWAY}{ball}")).unwrap_err();
     assert!(error.message().contains("expected no file with shape \"sphere\""), "{error}");
+}
+
+/// A mesh that is smaller than a millimetre has a warning with its size and its scale, as one that is too large has an error.
+#[test]
+fn meshes_of_another_unit_are_warned_of() {
+    let folder = Folder::new();
+    ball_file(&folder);
+    let warnings = |scale: f64| {
+        let body = format!("[[body]]\nname = \"far\"\nshape = \"mesh\"\nfile = \"ball.obj\"\nscale = {scale}\n");
+        InitialState::new(&load(&folder, &format!("{AWAY}{body}")).unwrap()).unwrap().warnings
+    };
+    let said = "body.far: the mesh is 8.0e-5 m large with a scale of 0.000001: 1 is that of metres";
+    assert!(warnings(1e-6).iter().any(|warning| warning == said), "{:?}", warnings(1e-6));
+    assert!(warnings(1e-3).iter().all(|warning| !warning.contains("large")), "{:?}", warnings(1e-3));
 }
 
 /// Boxes of 0.2 x 0.1 x 0.2 m whose sides and top are groups, with two materials; the top of the second has a normal that is not its own, and

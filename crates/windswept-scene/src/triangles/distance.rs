@@ -67,16 +67,19 @@ impl DistanceGrid {
                 size.z,
                 4.0 * nodes,
             );
-            return Err(SceneError::new(words));
+            return Err(SceneError::new(words).with_help("a larger resolution has fewer nodes"));
         }
         let counts = (cells + 1.0).to_array().map(|count| count as u32);
         let origin = 0.5 * (low + high - spacing * cells);
         let mut grid = Self { origin, spacing, counts, values: vec![0.0; nodes as usize] };
         grid.fill(&Tree::new(surface.places()));
         if grid.inradius() <= ROUNDING * spacing {
-            let words =
-                format!("the triangles enclose no node of a grid of {spacing} m: expected a closed surface, or less");
-            return Err(SceneError::new(words));
+            let words = format!("the triangles enclose no node of a grid of {spacing} m: expected a closed surface");
+            let help = format!(
+                "a body has an inside: give a flat mesh a thickness of {} m or more, or a thin one a smaller resolution",
+                2.0 * spacing
+            );
+            return Err(SceneError::new(words).with_help(help));
         }
         Ok(grid)
     }
