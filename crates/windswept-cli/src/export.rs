@@ -91,10 +91,13 @@ impl Converter {
     fn find() -> Result<Self, Failure> {
         let python = std::env::var_os("WINDSWEPT_PYTHON").map_or_else(|| PathBuf::from("python3"), PathBuf::from);
         let asked = Command::new(&python).args(["-c", "from pxr import Sdf"]).output();
-        if asked.is_ok_and(|asked| asked.status.success()) {
-            return Ok(Self(python));
-        }
-        let words = "has no usd-core, which --format usdc needs: pip install usd-core, or --format usda";
+        let words = match asked {
+            Ok(asked) if asked.status.success() => return Ok(Self(python)),
+            Ok(_) => "has no usd-core, which --format usdc needs: pip install usd-core, or --format usda".to_owned(),
+            Err(error) => format!(
+                "cannot be started: {error}; --format usdc needs a Python with usd-core, which WINDSWEPT_PYTHON names, or else --format usda"
+            ),
+        };
         Err(Failure::Input(format!("{}: {words}", python.display())))
     }
 

@@ -149,9 +149,12 @@ fn what_cannot_be_exported_is_refused() {
     assert_eq!(export(folder, &["usda"]).status.code(), Some(0));
     refused(&["usda"], "film.usda: is there already; --overwrite");
     assert_eq!(export(folder, &["usda", "--overwrite"]).status.code(), Some(0));
-    let bare = windswept(folder, &["export", "out", "--format", "usdc"]).env("WINDSWEPT_PYTHON", "/no/python").output();
-    let said = String::from_utf8_lossy(&bare.expect("the program starts").stderr).into_owned();
-    assert!(said.contains("pip install usd-core"), "{said}");
+    // A program that is not there, and one that is no Python with usd-core.
+    for (program, words) in [("/no/python", "/no/python: cannot be started"), ("false", "false: has no usd-core")] {
+        let bare = windswept(folder, &["export", "out", "--format", "usdc"]).env("WINDSWEPT_PYTHON", program).output();
+        let said = String::from_utf8_lossy(&bare.expect("the program starts").stderr).into_owned();
+        assert!(said.contains(words), "{said}");
+    }
     // A run that is repeated takes the film of the one before along.
     assert_eq!(run(folder, &["--steps", "1", "--formats", "none", "--overwrite"]).status.code(), Some(0));
     assert_eq!(listing(&folder.join("out")), ["report.json", "scene.toml"]);
