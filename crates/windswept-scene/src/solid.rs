@@ -51,8 +51,9 @@ pub struct Solid {
 /// What a file says, in metres.
 struct Content {
     triangles: Triangles,
-    /// Holes of the surface, which are covered.
+    /// Holes of the surface, which are covered, and the part of it that is cover.
     holes: usize,
+    covered: f64,
     grid: DistanceGrid,
     /// Radius of the largest ball that fits inside \[m\].
     inradius: f64,
@@ -61,11 +62,11 @@ struct Content {
 /// How much there is, and not each of millions of numbers.
 impl fmt::Debug for Content {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { triangles, holes, grid, inradius } = self;
+        let Self { triangles, holes, covered, grid, inradius } = self;
         let (triangles, nodes) = (triangles.corners.len(), grid.counts);
         write!(
             f,
-            "{triangles} triangles, {holes} holes, {nodes:?} nodes {} m apart, inradius {inradius} m",
+            "{triangles} triangles, {holes} holes ({covered} of the surface), {nodes:?} nodes {} m apart, inradius {inradius} m",
             grid.spacing
         )
     }
@@ -170,6 +171,12 @@ impl Solid {
         self.content.holes
     }
 
+    /// Part of the surface that covers holes, 0 to 1.
+    #[must_use]
+    pub fn covered(&self) -> f64 {
+        self.content.covered
+    }
+
     /// Rotation from the file's own place to the solid's.
     #[must_use]
     pub fn rotation(&self) -> DQuat {
@@ -255,6 +262,7 @@ impl Content {
             false => error.at(if file.resolution.is_some() { "resolution" } else { "file" }, None),
         })?;
         let inradius = grid.inradius();
-        Ok(Self { triangles, holes, grid, inradius })
+        let covered = (1.0 - triangles.area() / surface.area()).max(0.0);
+        Ok(Self { triangles, holes, covered, grid, inradius })
     }
 }

@@ -130,6 +130,11 @@ impl Triangles {
         self.bounds().map_or(0.0, |[low, high]| (high - low).max_element())
     }
 
+    /// Area of all triangles \[square units of the file\].
+    pub(crate) fn area(&self) -> f64 {
+        self.places().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum()
+    }
+
     /// Indices of the triangles of every part that has this name; all where none is said. `None` where no part has it.
     pub(crate) fn named(&self, name: Option<&str>) -> Option<Vec<usize>> {
         let Some(name) = name else { return Some((0..self.corners.len()).collect()) };

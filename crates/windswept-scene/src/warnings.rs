@@ -9,7 +9,6 @@ use crate::{
     limits::MOST_REPEATS,
     reach,
     scene::{Air, Bounds, FRICTION, FluidSolver, Model, Scene},
-    solid::Solid,
 };
 
 /// Kernel radii in particle spacings between which the density constraint was tried; the paper's is 1.92.
@@ -19,6 +18,9 @@ const SMALLEST_EDDY: f64 = 1.03;
 
 /// Longest side of a mesh below which it is likely that its scale is wrong \[m\].
 const SMALLEST_MESH: f64 = 1e-3;
+
+/// Part of a mesh's surface that may cover holes without a warning: the neck of a head is 5 %.
+const MUCH_COVERED: f64 = 0.1;
 
 /// Part of the box's cross-section that bodies may block without a warning.
 const MUCH_BLOCKED: f64 = 0.3;
@@ -183,16 +185,25 @@ pub(crate) fn of_bodies(hair: &Strands, bodies: &[Shape]) -> Option<String> {
     (n > 0).then(|| format!("{n} of {points} hair points start inside bodies, which push them out"))
 }
 
-/// A warning for each mesh that is so small that its scale may be that of other units.
+/// Warnings about meshes that are so small that their scale may be that of other units, or have a large part missing.
 pub(crate) fn of_meshes(scene: &Scene) -> Vec<String> {
-    let solids = scene.bodies.iter().filter_map(|body| Some((&body.name, body.shape.solid()?)));
-    let small = solids.filter(|(_, solid)| solid.size() < SMALLEST_MESH);
-    let words = |(name, solid): (&String, &Solid)| {
-        let scale =
-            solid.file().scale.map_or("the scale of its file".to_owned(), |scale| format!("a scale of {scale}"));
-        format!("body.{name}: the mesh is {:.1e} m large with {scale}: 1 is that of metres", solid.size())
-    };
-    small.map(words).collect()
+    let mut warnings = Vec::new();
+    for (name, solid) in scene.bodies.iter().filter_map(|body| Some((&body.name, body.shape.solid()?))) {
+        let (size, covered) = (solid.size(), solid.covered());
+        if size < SMALLEST_MESH {
+            let scale = solid.file().scale;
+            let scale = scale.map_or("the scale of its file".to_owned(), |scale| format!("a scale of {scale}"));
+            warnings.push(format!("body.{name}: the mesh is {size:.1e} m large with {scale}: 1 is that of metres"));
+        }
+        if covered > MUCH_COVERED {
+            warnings.push(format!(
+                "body.{name}: {:.0} % of the surface covers holes of the mesh ({}): a part of the mesh may be missing",
+                100.0 * covered,
+                solid.holes()
+            ));
+        }
+    }
+    warnings
 }
 
 /// Warnings about bodies that the wind must pass, or that it steps over.

@@ -178,6 +178,22 @@ fn meshes_of_another_unit_are_warned_of() {
     assert!(warnings(1e-3).iter().all(|warning| !warning.contains("large")), "{:?}", warnings(1e-3));
 }
 
+/// A box without one of its sides, a sixth of its surface, may not be what was meant; one with a small hole is.
+#[test]
+fn meshes_with_parts_missing_are_warned_of() {
+    let folder = Folder::new();
+    let warnings = |hole: &dyn Fn(usize, u32, u32) -> bool| {
+        folder.write("box.obj", &obj(&box_of(DVec3::splat(0.1), 4, hole)));
+        let body = "[[body]]\nname = \"far\"\nshape = \"mesh\"\nfile = \"box.obj\"\nscale = 1\n";
+        InitialState::new(&load(&folder, &format!("{AWAY}{body}")).unwrap()).unwrap().warnings
+    };
+    let said = "body.far: 17 % of the surface covers holes of the mesh (1): a part of the mesh may be missing";
+    let without_side = warnings(&|face, _, _| face == 3);
+    assert!(without_side.iter().any(|warning| warning == said), "{without_side:?}");
+    let with_hole = warnings(&|face, i, j| (face, i, j) == (3, 1, 1));
+    assert!(with_hole.iter().all(|warning| !warning.contains("holes")), "{with_hole:?}");
+}
+
 /// Boxes of 0.2 x 0.1 x 0.2 m whose sides and top are groups, with two materials; the top of the second has a normal that is not its own, and
 /// places in a texture.
 fn box_file(folder: &Folder) {
