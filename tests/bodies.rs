@@ -5,7 +5,7 @@ mod support;
 
 use glam::DVec3;
 use windswept::{Frame, Simulation};
-use windswept_scene::{Body, InitialState, Model, Motion, Scene, Shape, Solid, Triangles};
+use windswept_scene::{Body, Groom, InitialState, Model, Motion, Scene, Shape, Solid, Triangles};
 
 fn simulation(text: &str, sets: &[&str]) -> Simulation {
     let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
@@ -249,6 +249,54 @@ fn comes_out_slowly(name: &str, scene: &Scene, points_of_strand: usize, off: f64
     );
     assert!(left < off, "{left} m still inside");
     assert!(fastest < 0.2 && stretch < 2e-3, "{fastest} m/s, {stretch}");
+}
+
+/// Hair that is rooted 0.2 to 1.5 mm below a surface and combed along it, or into it, comes out slowly and rests, on a mesh too. Its
+/// shape at rest bends it back into the body.
+#[test]
+fn hair_rooted_inside_comes_out_and_rests() {
+    const RADIUS: f64 = 0.04;
+    const POINTS: usize = 21;
+    let text = "interaction.model = \"none\"\ngravity = [0, 0, 0]\nrods = { damping = 20, sleep = false }\n\
+        time = { step = 1.38e-3, duration = 2.0 }\n[[body]]\nradius = 0.04\ncenter = [0, 0, 0]\n";
+    let round = Scene::parse(text).unwrap();
+    let mut meshed = round.clone();
+    meshed.bodies[0].shape = Shape::Mesh(Solid::enclosed(round.bodies[0].shape.surface(64, 128), Some(2e-3)).unwrap());
+    let cases: Vec<[f64; 2]> = [0.2e-3, 0.5e-3, 1.5e-3]
+        .iter()
+        .flat_map(|depth| [93.0, 110.0, 135.0].map(|angle: f64| [*depth, angle]))
+        .collect();
+    let strands = cases.iter().map(|[depth, angle]| {
+        let along = DVec3::new(0.0, angle.to_radians().cos(), -angle.to_radians().sin());
+        (0..POINTS).map(move |k| ((RADIUS - depth) * DVec3::Y + 0.005 * k as f64 * along).to_array())
+    });
+    let offsets = (0..=cases.len()).map(|s| (s * POINTS) as u32).collect();
+    let groom = Groom::new(strands.flatten().collect(), offsets);
+    for (name, scene, off) in [("ball", round, 1e-8), ("mesh", meshed, 1e-5)] {
+        let initial = InitialState::with_groom(&scene, &groom).unwrap();
+        let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
+        let body = simulation.scene().bodies[0].shape.clone();
+        let (mut coming, mut fastest) = (0.0_f64, 0.0_f64);
+        let mut speeds = vec![];
+        for _ in 0..900 {
+            let before = points(&simulation.frame().unwrap().hair.positions);
+            simulation.step(1).unwrap();
+            let v = points(&simulation.frame().unwrap().hair.velocities);
+            speeds = v.chunks(POINTS).map(|v| v.iter().map(|v| v.length()).fold(0.0, f64::max)).collect();
+            let inside = |x: &[DVec3]| x[1..].iter().any(|x| body.signed_distance(*x).0 < -3e-4);
+            let out = before.chunks(POINTS).zip(&speeds).filter(|(x, _)| inside(x)).map(|(_, v)| *v);
+            coming = out.fold(coming, f64::max);
+            fastest = speeds.iter().copied().fold(fastest, f64::max);
+        }
+        let x = points(&simulation.frame().unwrap().hair.positions);
+        let depth = x.chunks(POINTS).flat_map(|x| &x[1..]).map(|x| -body.signed_distance(*x).0).fold(-1.0, f64::max);
+        let last = speeds.iter().copied().fold(0.0, f64::max);
+        println!("{name}: {coming:.3} m/s inside, {fastest:.3} m/s, in the end {last:.1e} m/s and {depth:.1e} m deep");
+        assert!(coming < 0.2, "{name}: {coming} m/s while it comes out");
+        assert!(fastest < 1.8, "{name}: {fastest} m/s; hair that is rooted outside comes to 1.8 m/s");
+        assert!(last < 0.01, "{name}: no rest: {cases:?}: {speeds:?} m/s");
+        assert!(depth < off, "{name}: {depth} m inside");
+    }
 }
 
 /// Wind past a ball in a periodic box, in the substeps that `windswept check` asks for: in steps of 1.38 ms a void opens behind the ball

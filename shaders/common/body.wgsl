@@ -40,7 +40,8 @@ const ROUNDS: u32 = 2u;
 
 const PUSHED: u32 = 1u;   // bit of `touched`: a body pushed one of the strand's points or segments
 const MOVED: u32 = 2u;    // bit of `touched`: some body moved, and the strand may have lain on it
-const INSIDE: u32 = 4u;   // bit of `touched`: from some point on the strand began the step deeper in a body than it comes out in a step
+const INSIDE: u32 = 4u;   // bit of `touched`: a point that is to be outside began the step deeper in a body than it comes out in a step
+const EMBEDDED: u32 = 3u; // bits of `touched` from this one on: number of the strand's points, from its root on, that bodies let be
 
 const TOUCH: f32 = 1e-6;  // push that counts as a touch [lengths of the strand]; hair at rest on a body is off by rounding
 

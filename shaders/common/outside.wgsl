@@ -79,15 +79,6 @@ fn is_deep(inside: f32) -> bool {
     return inside > RECOVERY * params.step;
 }
 
-// Whether a point that was at `before` began the step deep in any body.
-fn began_deep(before: vec3f) -> bool {
-    var inside = 0.0;
-    for (var k = 0u; k < arrayLength(&placed); k++) {
-        inside = max(inside, -surface(placed[k], carried(placed[k], before)).distance);
-    }
-    return is_deep(inside);
-}
-
 // The two ends of a segment.
 struct Ends {
     first: vec3f,     // m
@@ -101,8 +92,8 @@ struct Cleared {
 }
 
 // The segment from point p to the next, with its ends before the step and where they would go, kept out of all bodies by its place that
-// is nearest to each. A push of that place moves both ends by their masses and by how near they are to it. Where an end is held inside a
-// body its segment is left as it is.
+// is nearest to each. A push of that place moves both ends by their masses and by how near they are to it. Where the second end is held
+// inside a body the segment is left as it is.
 fn clear(p: u32, before: Ends, goal: Ends) -> Cleared {
     var x = Cleared(goal, 0.0);
     let give = vec2f(inverse_mass[p], inverse_mass[p + 1u]);
@@ -112,7 +103,6 @@ fn clear(p: u32, before: Ends, goal: Ends) -> Cleared {
         let share = vec2f(1.0 - t, t) * give;
         let response = dot(share, vec2f(1.0 - t, t));
         if response == 0.0 { continue; }
-        if give.x == 0.0 && surface(body, x.ends.first).distance < 0.0 { continue; }
         if give.y == 0.0 && surface(body, x.ends.second).distance < 0.0 { continue; }
         let goes = mix(x.ends.first, x.ends.second, t);
         let push = keep_nearest(body, mix(before.first, before.second, t), goes) - goes;

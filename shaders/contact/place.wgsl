@@ -8,7 +8,7 @@ import package::common::{
 
 @group(0) @binding(2) var<storage, read>       bodies:  array<Body>;
 @group(0) @binding(3) var<storage, read_write> placed:  array<Placed>;
-@group(0) @binding(4) var<storage, read_write> touched: array<u32>;   // bits of each strand: PUSHED, MOVED
+@group(0) @binding(4) var<storage, read_write> touched: array<u32>;   // bits of each strand: MOVED
 
 fn same(a: Pose, b: Pose) -> bool {
     return all(a.translation == b.translation) && all(a.rotation == b.rotation);

@@ -9,6 +9,9 @@
 // should be, and the segment turns out of bodies about the point before (Müller, Kim & Chentanez 2012, Fast simulation of inextensible
 // hair and fur). All segments have their lengths then, whatever the bodies do: a strand that cannot go around a body slips through it.
 //
+// A strand that is embedded is led only where it is far off its length: its clamp presses it on the body in every step, and to be led would
+// throw its tip in every step.
+//
 // A strand that begins the step deep in a body moves so little that no point of it is faster than what comes out, and is led without bodies.
 //
 // It runs on in a frozen step, in which nothing that it writes is committed: whether a step is frozen stands in a ninth buffer, and
@@ -16,7 +19,7 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, owner::strands,
     outside::{Ends, outside, clear, placed, AT_MOST, RECOVERY}, rod::{Strand, Segment},
-    body::{PUSHED, INSIDE, loops_of_point, loops_of_segment, loops_to_turn, nearest, surface},
+    body::{PUSHED, INSIDE, EMBEDDED, loops_of_point, loops_of_segment, loops_to_turn, nearest, surface},
 };
 
 @group(0) @binding(3) var<storage, read>       position:  array<vec4f>;
@@ -28,6 +31,7 @@ const TURNS: u32 = 100u;
 const LOOPS: u32 = 60000u;   // of an invocation in all, at most: Mesa's software adapter ends them after 65535, without a word
 const GIVE: f32 = 1e-3;   // lengths of the segment: weight and wind stretch hair by less, and are the rods'
 const DONE: f32 = 1e-5;   // lengths of the segment: what is more than GIVE by less is done
+const LED: f32 = 2e-2;    // lengths of the segment: an embedded strand that is more than GIVE by less after all turns is not led
 const CLOSE: f32 = 1e-3;  // lengths of the segment, by which it may be pushed in the last turn
 const UNHURRIED: f32 = 0.6;    // of RECOVERY: speed of a strand that comes out, before its lengths are mended
 const TRIES: u32 = 6u;    // times that a led segment turns out of each body
@@ -39,11 +43,11 @@ fn excess(p: u32, j: u32) -> f32 {
     return sign(off) * max(abs(off) - GIVE * l, 0.0);
 }
 
-fn fits(strand: Strand) -> bool {
+fn fits(strand: Strand, most: f32) -> bool {
     for (var k = 0u; k < strand.points - 1u; k++) {
         let j = strand.first_segment + k;
         // What is not finite is not pulled.
-        if abs(excess(strand.first_point + k, j)) > DONE * segments[j].rest_length { return false; }
+        if abs(excess(strand.first_point + k, j)) > most * segments[j].rest_length { return false; }
     }
     return true;
 }
@@ -74,13 +78,14 @@ fn reach(start: vec3f, goal: vec3f, l: f32) -> vec3f {
     return start + select(vec3f(0.0, -l, 0.0), l / far * gap, far > 0.0);
 }
 
-fn lead(p: u32, j: u32, bodies: u32) {
+// Bodies let embedded points be: of a segment that begins at one, all but the end.
+fn lead(p: u32, j: u32, bodies: u32, embedded: bool) {
     let start = predicted[p].xyz;
     let l = segments[j].rest_length;
     var x = reach(start, predicted[p + 1u].xyz, l);
     for (var k = 0u; k < TRIES * bodies; k++) {
         let body = placed[k % bodies];
-        let t = nearest(body, start, x);
+        let t = select(nearest(body, start, x), 1.0, embedded);
         let near = surface(body, mix(start, x, t));
         let parts = 1.0 / max(t, 1.0 / AT_MOST);
         x = reach(start, x - parts * min(near.distance, 0.0) * near.normal, l);
@@ -119,6 +124,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let strand = strands[s];
     let n = strand.points - 1u;
     let bodies = arrayLength(&placed);
+    let inside = (touched[s] & INSIDE) != 0u;
+    let embedded = touched[s] >> EMBEDDED;
     let each = 3u + loops_of_point(bodies) + loops_of_segment(bodies);
     let led = strand.points * (4u + (TRIES + 1u) * loops_to_turn(bodies));
     let turns = min(TURNS, (LOOPS - min(led, LOOPS)) / (strand.points * each));
@@ -128,23 +135,24 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         for (var i = 0u; i < n; i++) {
             let k = select(i, n - 1u - i, turn % 2u == 1u);
             pull(strand.first_point + k, strand.first_segment + k);
+            if k < embedded { continue; }
             let push = leave(strand.first_point + k);
             if push > CLOSE * segments[strand.first_segment + k].rest_length { done = false; }
         }
-        for (var k = 0u; k < strand.points; k++) {
+        for (var k = embedded; k < strand.points; k++) {
             let p = strand.first_point + k;
             if inverse_mass[p] > 0.0 {
                 predicted[p] = vec4f(outside(position[p].xyz, predicted[p].xyz).place, predicted[p].w);
             }
         }
-        done = done && fits(strand);
+        done = done && fits(strand, DONE);
     }
-    let inside = (touched[s] & INSIDE) != 0u;
     if inside { slow(strand); }
     // A strand whose tip is held has no end that could give. One that comes out of a body keeps its lengths before it keeps out.
-    if (done && !inside) || inverse_mass[strand.first_point + n] == 0.0 || fits(strand) { return; }
+    if inverse_mass[strand.first_point + n] == 0.0 || fits(strand, select(DONE, LED, embedded > 0u && !inside)) { return; }
     for (var k = 0u; k < n; k++) {
         let p = strand.first_point + k;
-        if inverse_mass[p + 1u] > 0.0 { lead(p, strand.first_segment + k, select(bodies, 0u, inside)); }
+        let felt = select(bodies, 0u, inside || k + 1u < embedded);
+        if inverse_mass[p + 1u] > 0.0 { lead(p, strand.first_segment + k, felt, k < embedded); }
     }
 }

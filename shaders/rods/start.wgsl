@@ -7,7 +7,7 @@
 import package::common::{
     params::{params, PARTICLES, TWO_WAY, MEAN_WIND}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent},
     integration::{EULER, PUT, STAY, free_move, response}, rest::STILL_STEPS, load::damping_of,
-    led::{held_move, led_move, led_turn},
+    led::{held_move, led_move, led_turn}, body::{PUSHED, MOVED},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, CALM_STEPS,
         ROOT_HELD, TIP_HELD},
     status::{frozen, count, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT},
@@ -203,7 +203,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     rod_strands[s].misfit = 0.0;
     let jumps = bad || rod.state == TELEPORTED;
     let sleeps = !jumps && rod.state == ASLEEP && rested(strand, found.still) && !pushed(strand, found.still == SLEEPS)
-        && !(found.still == SLEEPS && touched[s] != 0u);
+        && !(found.still == SLEEPS && (touched[s] & (PUSHED | MOVED)) != 0u);
     if jumps || sleeps {
         put(strand, rod, bad, select(PUT, STAY, sleeps));
         if sleeps {

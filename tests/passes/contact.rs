@@ -10,7 +10,7 @@ use windswept_reference::{State as Twin, contact, step::Scratch};
 use windswept_scene::{Body, Keyframe, Motion, Round, Scene, Shape, Solid};
 use windswept_shaders::{
     self as shaders,
-    common::body::{INSIDE, MOVED, PUSHED},
+    common::body::{EMBEDDED, INSIDE, MOVED, PUSHED},
 };
 
 use crate::{
@@ -26,7 +26,7 @@ impl Walk<'_> {
         let state = stage.engine.state();
         let mut passes = stage.passes(step::contact::record);
         let placed = contact::place(self.p(), s.steps);
-        let mut touches = contact::push(s, w, self.p(), &placed);
+        let mut touches = contact::embed(s, w, &placed);
         if passes.through("contact/place") {
             let got = stage.engine.read(&state.placed).unwrap();
             let ends = got.iter().zip(&placed).map(|(got, wanted)| {
@@ -35,6 +35,11 @@ impl Walk<'_> {
             });
             self.same("contact/place", largest(ends), bounds.length)?;
         }
+        if passes.through("contact/embed") {
+            let touched = stage.engine.read(&state.touched).unwrap();
+            self.same("contact/embed", differing(&touched, &bits(&touches, &placed)), 0.0)?;
+        }
+        contact::push(s, w, self.p(), &placed, &mut touches);
         if passes.through("contact/hair") {
             let got = stage.vectors(&state.predicted);
             self.same("contact/hair", apart(&got[..hair], &w.predicted[..hair]), bounds.length)?;
@@ -70,6 +75,7 @@ impl Walk<'_> {
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
     (&shaders::contact::PLACE, "0.5 * (body.start + body.end)", "0.51 * (body.start + body.end)", BODIES),
+    (&shaders::contact::EMBED, "RISE * along < depth", "RISE * along < depth + 0.01", BODIES),
     (&shaders::contact::HAIR, "body.friction * depth", "0.9 * body.friction * depth", BODIES),
     (&shaders::contact::MIDDLE, "found.push > TOUCH", "found.push < TOUCH", THIN_BODY),
     (&shaders::contact::PULL, "w.x * shift", "0.5 * w.x * shift", BODIES),
@@ -82,7 +88,10 @@ fn bits(touches: &[contact::Touch], placed: &[contact::Placed]) -> Vec<u32> {
     let moved = u32::from(contact::any_moves(placed)) * MOVED;
     touches
         .iter()
-        .map(|touch| moved | (u32::from(touch.pushed) * PUSHED) | (u32::from(touch.inside) * INSIDE))
+        .map(|touch| {
+            let found = u32::from(touch.pushed) * PUSHED | u32::from(touch.inside) * INSIDE;
+            moved | found | (touch.embedded as u32) << EMBEDDED
+        })
         .collect()
 }
 
@@ -193,11 +202,12 @@ fn hair_among(scene: &Scene, tolerance: f64) {
         let mut moved = || 0.06 * (DVec3::from_array(rng.random()) - 0.5);
         let predicted: Vec<DVec3> = x.iter().map(|x| (*x + moved()).as_vec3().as_dvec3()).collect();
         stage.write_vectors(&s.predicted, &predicted);
-        stage.run_only(&["contact/place", "contact/hair"], step::contact::record);
+        stage.run_only(&["contact/place", "contact/embed", "contact/hair"], step::contact::record);
         let placed = contact::place(p, steps.into());
         let free = |i: usize| i < p.hair_points && stage.twin.inverse_mass[i] > 0.0;
         let mut w = Scratch { predicted: predicted.clone(), ..Scratch::default() };
-        let touches = contact::push(&stage.twin, &mut w, p, &placed);
+        let mut touches = contact::embed(&stage.twin, &w, &placed);
+        contact::push(&stage.twin, &mut w, p, &placed, &mut touches);
         let wanted = w.predicted;
         let got = stage.vectors(&s.predicted);
         let error = relative(&got[..p.hair_points], &wanted[..p.hair_points], 0.01);
@@ -205,6 +215,9 @@ fn hair_among(scene: &Scene, tolerance: f64) {
         println!("{n} points, step {steps}: {hits} touched, off by {error:.1e}");
         assert!(error < tolerance, "{n}: {error}");
         assert!(n < 63 || hits > 4, "nothing is touched");
+        let embedded = [0, 1, 2].map(|k| touches.iter().filter(|touch| touch.embedded == k).count());
+        println!("  strands with 0, 1 and 2 embedded points: {embedded:?}");
+        assert!(n < 1000 || embedded[1] > 0, "no strand is embedded");
         let flags: Vec<u32> = stage.engine.read(&s.touched).unwrap();
         assert_eq!(flags, bits(&touches, &placed));
         assert_eq!(contact::any_moves(&placed), steps < 20);
@@ -232,11 +245,12 @@ fn pull_is_that_of_the_twin() {
         let mut moved = || 0.016 * (DVec3::from_array(rng.random()) - 0.5);
         let predicted: Vec<DVec3> = stage.twin.position.iter().map(|x| (*x + moved()).as_vec3().as_dvec3()).collect();
         stage.write_vectors(&s.predicted, &predicted);
-        let passes = ["contact/place", "contact/hair", "contact/middle", "contact/pull"];
+        let passes = ["contact/place", "contact/embed", "contact/hair", "contact/middle", "contact/pull"];
         stage.run_only(&passes, step::contact::record);
         let mut w = Scratch { predicted: predicted.clone(), ..Scratch::default() };
         let placed = contact::place(p, 0);
-        let mut touches = contact::push(&stage.twin, &mut w, p, &placed);
+        let mut touches = contact::embed(&stage.twin, &w, &placed);
+        contact::push(&stage.twin, &mut w, p, &placed, &mut touches);
         contact::middle(&stage.twin, &mut w, p, &placed, &mut touches);
         let before = w.predicted.clone();
         contact::pull(&stage.twin, &mut w, p, &placed, &touches);

@@ -7,7 +7,7 @@ mod pull;
 use glam::{DQuat, DVec3};
 use windswept_scene::{InitialState, Motion, Scene, Shape, Solid};
 
-use self::outside::{began_deep, is_deep};
+use self::outside::is_deep;
 pub use self::{
     outside::{Cleared, Kept, clear, hair},
     pull::{measure, pull, stretch},
@@ -16,6 +16,8 @@ use crate::{Parameters, State, step::Scratch};
 
 /// Smallest push that counts as a touch, as a part of the strand's length: hair that lies on a body is off by rounding.
 const TOUCH: f64 = 1e-6;
+/// Way by which a strand rises to a body's surface from a root that is held within \[lengths\]: the sine of 30 degrees.
+const RISE: f64 = 0.5;
 /// Rounds over all bodies: a second one for what is between two bodies.
 const ROUNDS: usize = 2;
 /// Steps along a way that may enter a mesh, at most.
@@ -32,7 +34,8 @@ const FINER: i32 = 2;
 /// Runs the heading: hair and air leave the bodies that they would be in.
 pub fn run(s: &mut State, w: &mut Scratch, p: &Parameters) {
     let placed = place(p, s.steps);
-    let mut touches = push(s, w, p, &placed);
+    let mut touches = embed(s, w, &placed);
+    push(s, w, p, &placed, &mut touches);
     middle(s, w, p, &placed, &mut touches);
     pull(s, w, p, &placed, &touches);
     measure(s, w, &touches);
@@ -54,35 +57,48 @@ pub fn push_air(w: &mut Scratch, p: &Parameters, placed: &[Placed]) {
 pub struct Touch {
     /// Whether a body pushed one of its points or segments.
     pub pushed: bool,
-    /// Whether, from some point on, it began the step deeper in a body than it comes out in a step. What grows out of a body from a root
-    /// within it did not.
+    /// Whether a point of it that is to be outside began the step deeper in a body than it comes out in a step.
     pub inside: bool,
+    /// Number of its points, from the root on, that bodies let be: it grows out of one.
+    pub embedded: usize,
 }
 
-/// Pushes hair points out of bodies; returns what was done to each strand.
-pub fn push(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed]) -> Vec<Touch> {
-    let mut all = vec![Touch::default(); s.hair.len()];
-    for (strand, touch) in all.iter_mut().enumerate() {
+/// Finds how many points of each strand bodies let be: those that a strand which rises by [`RISE`] from a root held inside a body
+/// reaches before the surface.
+#[must_use]
+pub fn embed(s: &State, w: &Scratch, placed: &[Placed]) -> Vec<Touch> {
+    let embedded = |strand: usize| {
+        let root = s.hair.points(strand).start;
+        let depth = placed.iter().map(|placed| -placed.surface(w.predicted[root]).0).fold(0.0, f64::max);
+        let rests = &s.hair.rest_length[s.hair.segments(strand)];
+        let risen = (0..=rests.len()).map(|k| RISE * rests[..k].iter().sum::<f64>());
+        if s.inverse_mass[root] == 0.0 { risen.take_while(|risen| *risen < depth).count() } else { 0 }
+    };
+    (0..s.hair.len()).map(|strand| Touch { embedded: embedded(strand), ..Touch::default() }).collect()
+}
+
+/// Pushes hair points out of bodies, and finds what was done to each strand.
+pub fn push(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed], touches: &mut [Touch]) {
+    for (strand, touch) in touches.iter_mut().enumerate() {
         let length = length(s, strand);
-        for point in s.hair.points(strand).filter(|&point| s.inverse_mass[point] > 0.0) {
+        let points = s.hair.points(strand).skip(touch.embedded);
+        for point in points.filter(|&point| s.inverse_mass[point] > 0.0) {
             let kept = hair(p, placed, s.position[point], w.predicted[point]);
             touch.pushed |= is_touch(kept.place.distance(w.predicted[point]), length);
-            let first = point == s.hair.points(strand).start;
-            touch.inside |= is_deep(p, kept.inside) && (first || !began_deep(p, placed, s.position[point - 1]));
+            touch.inside |= is_deep(p, kept.inside);
             w.predicted[point] = kept.place;
         }
     }
     // A body that moves wakes all strands: contacts are not remembered, so nobody knows which strands lay on it.
     let moves = any_moves(placed);
-    w.touched = all.iter().map(|touch| touch.pushed || moves).collect();
-    all
+    w.touched = touches.iter().map(|touch| touch.pushed || moves).collect();
 }
 
 /// Finds the strands of which a segment is in a body between its points.
 pub fn middle(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed], touches: &mut [Touch]) {
     for (strand, touch) in touches.iter_mut().enumerate() {
         let points = s.hair.points(strand);
-        for i in points.start..points.end - 1 {
+        for i in (points.start..points.end - 1).skip(touch.embedded) {
             let ends = |x: &[DVec3]| [x[i], x[i + 1]];
             let give = [s.inverse_mass[i], s.inverse_mass[i + 1]];
             let cleared = clear(p, placed, give, ends(&s.position), ends(&w.predicted));

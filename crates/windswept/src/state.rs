@@ -200,7 +200,8 @@ state! {
     pressed_before: Pressed, |s| s.pressed;
     /// Where a strand's root is and its ghost frame.
     clamps: Root, |s| s.strands;
-    /// What bodies did to a strand in this step: bits of `PUSHED`, `MOVED` and `INSIDE`. The next step's `rods/start` reads them.
+    /// What bodies did to a strand in this step: bits of `PUSHED`, `MOVED` and `INSIDE`; from the bit `EMBEDDED` on, how many of its points
+    /// they let be. The next step's `rods/start` reads whether it was pushed, and whether bodies moved.
     touched: u32, |s| s.strands;
     /// Impulse that confinement has given the air in the whole run \[kg m/s\].
     confinement_impulse: Vec4, |_| 1;

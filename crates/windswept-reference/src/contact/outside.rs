@@ -73,11 +73,6 @@ impl Placed {
         stopped.unwrap_or(predicted)
     }
 
-    /// Depth below the surface before the step \[m\], negative outside.
-    fn depth_before(&self, position: DVec3) -> f64 {
-        -self.body.shape.signed_distance(self.before.back(position)).0
-    }
-
     /// Part of a segment at which it is nearest to the body after the step.
     pub(super) fn nearest(&self, [first, second]: [DVec3; 2]) -> f64 {
         self.body.nearest(self.after.back(first), self.after.back(second))
@@ -104,15 +99,11 @@ pub(super) fn is_deep(p: &Parameters, inside: f64) -> bool {
     inside > RECOVERY * p.step
 }
 
-/// Whether a point began the step deep in any body.
-pub(super) fn began_deep(p: &Parameters, placed: &[Placed], position: DVec3) -> bool {
-    placed.iter().any(|placed| is_deep(p, placed.depth_before(position)))
-}
-
 /// Segment with ends of the inverse masses `give` that were at `before` and would be at `ends`, kept out of all bodies.
 ///
 /// The segment's place nearest to a body, (1 − t) x₀ + t x₁, is kept out like a point. To push the place by d, the ends are pushed by
-/// (1 − t) w₀ d/r and t w₁ d/r, with r = (1 − t)² w₀ + t² w₁. Where an end is held inside a body the segment is left as it is.
+/// (1 − t) w₀ d/r and t w₁ d/r, with r = (1 − t)² w₀ + t² w₁. Where its second end is held inside a body the
+/// segment is left as it is.
 #[must_use]
 pub fn clear(p: &Parameters, placed: &[Placed], give: [f64; 2], before: [DVec3; 2], ends: [DVec3; 2]) -> Cleared {
     let mut x = Cleared { ends, push: 0.0 };
@@ -120,7 +111,7 @@ pub fn clear(p: &Parameters, placed: &[Placed], give: [f64; 2], before: [DVec3; 
         let t = placed.nearest(x.ends);
         let share = [(1.0 - t) * give[0], t * give[1]];
         let response = (1.0 - t) * share[0] + t * share[1];
-        let held_inside = give.iter().zip(x.ends).any(|(give, end)| *give == 0.0 && placed.surface(end).0 < 0.0);
+        let held_inside = give[1] == 0.0 && placed.surface(x.ends[1]).0 < 0.0;
         if response == 0.0 || held_inside {
             continue;
         }

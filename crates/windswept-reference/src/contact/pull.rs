@@ -17,6 +17,9 @@ const LOOPS: usize = 60_000;
 const GIVE: f64 = 1e-3;
 /// Part of its length by which a segment may be off more than [`GIVE`] when the pulling ends.
 const DONE: f64 = 1e-5;
+/// Part of its length by which a segment of an embedded strand may be off more than [`GIVE`] after all turns without the strand being led:
+/// the rods bring back what is less. Its clamp presses it on the body in every step, and leading it would throw its tip in every step.
+const LED: f64 = 2e-2;
 /// Part of its length by which a body may push a segment in the last turn.
 const CLOSE: f64 = 1e-3;
 /// Speed of a strand that comes out of a body, in parts of [`RECOVERY`], before its lengths are mended.
@@ -33,9 +36,9 @@ pub fn pull(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed], touch
         let before = &s.position[points.clone()];
         let x = &mut w.predicted[points.clone()];
         let (mass, rest) = (&s.inverse_mass[points.clone()], &s.hair.rest_length[segments]);
-        let mut done = false;
+        let Touch { inside, embedded, .. } = touches[strand];
         for turn in 0..turns(placed, mass.len()) {
-            done = true;
+            let mut done = true;
             for i in 0..rest.len() {
                 let k = if turn % 2 == 0 { i } else { rest.len() - 1 - i };
                 let (both, chord) = (mass[k] + mass[k + 1], x[k + 1] - x[k]);
@@ -44,26 +47,27 @@ pub fn pull(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed], touch
                     x[k] += mass[k] * shift;
                     x[k + 1] -= mass[k + 1] * shift;
                 }
-                let ends = |x: &[DVec3]| [x[k], x[k + 1]];
-                let cleared = clear(p, placed, [mass[k], mass[k + 1]], ends(before), ends(x));
-                [x[k], x[k + 1]] = cleared.ends;
-                done &= cleared.push <= CLOSE * rest[k];
+                if k >= embedded {
+                    let ends = |x: &[DVec3]| [x[k], x[k + 1]];
+                    let cleared = clear(p, placed, [mass[k], mass[k + 1]], ends(before), ends(x));
+                    [x[k], x[k + 1]] = cleared.ends;
+                    done &= cleared.push <= CLOSE * rest[k];
+                }
             }
-            for k in (0..x.len()).filter(|&k| mass[k] > 0.0) {
+            for k in (embedded..x.len()).filter(|&k| mass[k] > 0.0) {
                 x[k] = hair(p, placed, before[k], x[k]).place;
             }
-            done &= fits(x, rest);
+            done &= fits(x, rest, DONE);
             if done {
                 break;
             }
         }
-        let inside = touches[strand].inside;
         if inside {
             slow(p, before, mass, x);
         }
         let gives = mass.last().is_some_and(|mass| *mass > 0.0);
-        if gives && (inside || !done) && !fits(x, rest) {
-            lead(if inside { &[] } else { placed }, mass, rest, x);
+        if gives && !fits(x, rest, if embedded > 0 && !inside { LED } else { DONE }) {
+            lead(if inside { &[] } else { placed }, embedded, mass, rest, x);
         }
     }
 }
@@ -84,19 +88,20 @@ fn excess(x: &[DVec3], rest: &[f64], k: usize) -> f64 {
     off - off.clamp(-GIVE * rest[k], GIVE * rest[k])
 }
 
-fn fits(x: &[DVec3], rest: &[f64]) -> bool {
-    (0..rest.len()).all(|k| excess(x, rest, k).abs() <= DONE * rest[k])
+fn fits(x: &[DVec3], rest: &[f64], most: f64) -> bool {
+    (0..rest.len()).all(|k| excess(x, rest, k).abs() <= most * rest[k])
 }
 
 /// Brings each point, from the root on, to where its segment reaches in the direction in which it is, and turns the segment out of
-/// bodies about the point before.
-fn lead(placed: &[Placed], mass: &[f64], rest: &[f64], x: &mut [DVec3]) {
+/// bodies about the point before. Bodies let embedded points be: a segment between two of them, and of the last one's all but the end.
+fn lead(placed: &[Placed], embedded: usize, mass: &[f64], rest: &[f64], x: &mut [DVec3]) {
     for k in (0..rest.len()).filter(|k| mass[k + 1] > 0.0) {
         let start = x[k];
         let reach = |goal: DVec3| start + rest[k] * (goal - start).normalize_or(DVec3::NEG_Y);
         let mut end = reach(x[k + 1]);
+        let placed = if k + 1 < embedded { &[] } else { placed };
         for placed in (0..TRIES).flat_map(|_| placed) {
-            let t = placed.nearest([start, end]);
+            let t = if k < embedded { 1.0 } else { placed.nearest([start, end]) };
             let (distance, normal) = placed.surface(start.lerp(end, t));
             end = reach(end - distance.min(0.0) / t.max(1.0 / AT_MOST) * normal);
         }

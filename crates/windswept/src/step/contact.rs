@@ -11,6 +11,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.bodies, |r| {
         r.run(&contact::PLACE, "bodies move", n.bodies.max(n.strands));
         r.when(&plan.hair, |r| {
+            r.run(&contact::EMBED, "hair grows out of bodies", n.strands);
             r.run(&contact::HAIR, "hair stays out of bodies", n.hair_points);
             r.run(&contact::MIDDLE, "which segments are in bodies", n.hair_points);
             r.run(&contact::PULL, "touched strands come along", n.strands);
