@@ -41,7 +41,9 @@ const ROUNDS: u32 = 2u;
 const PUSHED: u32 = 1u;   // bit of `touched`: a body pushed one of the strand's points or segments
 const MOVED: u32 = 2u;    // bit of `touched`: some body moved, and the strand may have lain on it
 const INSIDE: u32 = 4u;   // bit of `touched`: a point that is to be outside began the step deeper in a body than it comes out in a step
-const EMBEDDED: u32 = 3u; // bits of `touched` from this one on: number of the strand's points, from its root on, that bodies let be
+const PULLED: u32 = 8u;   // bit of `touched`: what was pushed has pulled the strand along
+const PART: u32 = 4u;     // bits of `touched` from this one to EMBEDDED: dispatches of `contact/pull` in this step
+const EMBEDDED: u32 = 8u; // bits of `touched` from this one on: number of the strand's points, from its root on, that bodies let be
 
 const TOUCH: f32 = 1e-6;  // push that counts as a touch [lengths of the strand]; hair at rest on a body is off by rounding
 
@@ -95,6 +97,9 @@ fn surface(body: Placed, x: vec3f) -> Surface {
 fn is_mesh(body: Placed) -> bool {
     return MESHES && body.grid.counts.x > 0u;
 }
+
+// Dispatches among which the turns of `contact/pull` are shared out in a scene with meshes: one has too few loops for them.
+const PARTS: u32 = 5u;
 
 // Loops of an invocation, at most, for a point that is kept out of all bodies.
 fn loops_of_point(bodies: u32) -> u32 {

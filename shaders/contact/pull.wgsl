@@ -14,17 +14,19 @@
 //
 // A strand that begins the step deep in a body moves so little that no point of it is faster than what comes out, and is led without bodies.
 //
-// It runs on in a frozen step, in which nothing that it writes is committed: whether a step is frozen stands in a ninth buffer, and
+// In a scene with meshes the turns are shared out among several dispatches; the last of them leads.
+//
+// It runs on in a frozen step, in which nothing that it writes is committed or read: whether a step is frozen stands in a ninth buffer, and
 // WebGPU's default allows eight.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, owner::strands,
     outside::{Ends, outside, clear, placed, AT_MOST, RECOVERY}, rod::{Strand, Segment},
-    body::{PUSHED, INSIDE, EMBEDDED, loops_of_point, loops_of_segment, loops_to_turn, nearest, surface},
+    body::{PUSHED, INSIDE, PULLED, PART, EMBEDDED, PARTS, MESHES, loops_of_point, loops_of_segment, loops_to_turn, nearest, surface},
 };
 
 @group(0) @binding(3) var<storage, read>       position:  array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> predicted: array<vec4f>;
-@group(0) @binding(7) var<storage, read>       touched:   array<u32>;
+@group(0) @binding(7) var<storage, read_write> touched:   array<u32>;
 @group(0) @binding(8) var<storage, read>       segments:  array<Segment>;
 
 const TURNS: u32 = 100u;
@@ -128,8 +130,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let embedded = touched[s] >> EMBEDDED;
     let each = 3u + loops_of_point(bodies) + loops_of_segment(bodies);
     let led = strand.points * (4u + (TRIES + 1u) * loops_to_turn(bodies));
-    let turns = min(TURNS, (LOOPS - min(led, LOOPS)) / (strand.points * each));
-    var done = false;
+    let parts = select(1u, PARTS, MESHES);
+    let turns = min(TURNS / parts, (LOOPS - min(led, LOOPS)) / (strand.points * each));
+    let part = (touched[s] >> PART) % (1u << (EMBEDDED - PART));
+    var done = (touched[s] & PULLED) != 0u;
     for (var turn = 0u; turn < turns && !done; turn++) {
         done = true;
         for (var i = 0u; i < n; i++) {
@@ -147,6 +151,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
         done = done && fits(strand, DONE);
     }
+    touched[s] = (touched[s] | select(0u, PULLED, done)) + (1u << PART);
+    if part + 1u < parts { return; }
     if inside { slow(strand); }
     // A strand whose tip is held has no end that could give. One that comes out of a body keeps its lengths before it keeps out.
     if inverse_mass[strand.first_point + n] == 0.0 || fits(strand, select(DONE, LED, embedded > 0u && !inside)) { return; }

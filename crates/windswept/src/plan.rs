@@ -4,7 +4,7 @@ mod table;
 
 use windswept_scene::{Air, Filter, FluidSolver, InitialState, Law, Model, Scene, Solver, ViscosityForm};
 use windswept_shaders::{
-    common::{band::Band, matter::MOST_EDDIES, mesh::Mesh, params::Params},
+    common::{band::Band, body::PARTS, matter::MOST_EDDIES, mesh::Mesh, params::Params},
     fluid::divergence::Iteration,
 };
 
@@ -31,6 +31,8 @@ pub struct Plan {
     pub fluid_iterations: u32,
     /// Dispatches that Gauss-Seidel's sweeps are cut into.
     pub rod_dispatches: u32,
+    /// Number of dispatches in which touched strands come along.
+    pub pull_dispatches: u32,
     /// Newton steps of the direct solver, at most.
     pub newton_steps: u32,
     /// Whether rods are solved by the direct solver.
@@ -194,6 +196,7 @@ impl Plan {
         Self {
             sizes,
             fluid_iterations: scene.fluid.iterations,
+            pull_dispatches: if scene.bodies.iter().any(|body| body.shape.solid().is_some()) { PARTS } else { 1 },
             rod_dispatches: scene.rods.iterations / rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
             newton_steps: scene.rods.newton,
             direct: hair.and(Decision::when(direct, "rods.solver is gauss-seidel")),

@@ -11,6 +11,8 @@ use crate::{Parameters, State, rods, step::Scratch};
 
 /// Turns in which what a body pushed pulls the rest of its strand along, at most.
 const TURNS: usize = 100;
+/// Dispatches among which the engine shares the turns out in a scene with meshes.
+const PARTS: usize = 5;
 /// Loops over points, bodies and places along their ways in all turns, at most: what one invocation of the engine may.
 const LOOPS: usize = 60_000;
 /// Part of its length by which a segment may be too long or too short without being pulled.
@@ -37,7 +39,8 @@ pub fn pull(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed], touch
         let x = &mut w.predicted[points.clone()];
         let (mass, rest) = (&s.inverse_mass[points.clone()], &s.hair.rest_length[segments]);
         let Touch { inside, embedded, .. } = touches[strand];
-        for turn in 0..turns(placed, mass.len()) {
+        let Turns { parts, each } = turns(placed, mass.len());
+        for turn in (0..parts).flat_map(|_| 0..each) {
             let mut done = true;
             for i in 0..rest.len() {
                 let k = if turn % 2 == 0 { i } else { rest.len() - 1 - i };
@@ -113,13 +116,20 @@ fn lead(placed: &[Placed], embedded: usize, mass: &[f64], rest: &[f64], x: &mut 
     }
 }
 
-/// Turns for a strand of so many points: what an invocation of the engine has loops for.
-fn turns(placed: &[Placed], points: usize) -> usize {
+/// Turns of a strand: each part begins with one from root to tip.
+struct Turns {
+    parts: usize,
+    each: usize,
+}
+
+/// Turns for a strand of so many points: what the invocations of the engine have loops for.
+fn turns(placed: &[Placed], points: usize) -> Turns {
     let meshes = placed.iter().any(|placed| placed.body.shape.solid().is_some());
     let (entry, nearest) = if meshes { (STEPS + HALVINGS, PLACES + 3 * FINER as usize) } else { (0, 0) };
     let each = 3 + placed.len() * (ROUNDS * (1 + entry) + 1 + nearest + entry);
     let led = points * (4 + (TRIES + 1) * placed.len() * (1 + nearest));
-    TURNS.min(LOOPS.saturating_sub(led) / (points * each))
+    let parts = if meshes { PARTS } else { 1 };
+    Turns { parts, each: (TURNS / parts).min(LOOPS.saturating_sub(led) / (points * each)) }
 }
 
 /// Measures the stretch of pushed strands: the rods did so before the push.

@@ -14,7 +14,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
             r.run(&contact::EMBED, "hair grows out of bodies", n.strands);
             r.run(&contact::HAIR, "hair stays out of bodies", n.hair_points);
             r.run(&contact::MIDDLE, "which segments are in bodies", n.hair_points);
-            r.run(&contact::PULL, "touched strands come along", n.strands);
+            r.repeat(plan.pull_dispatches, |r| {
+                r.run(&contact::PULL, "touched strands come along", n.strands);
+            });
             r.run(&contact::STRETCH, "stretch of touched strands", n.strands);
         });
         r.when(&plan.air, |r| {
