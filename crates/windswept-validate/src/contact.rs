@@ -218,7 +218,7 @@ center = [0, 0, 0]
 friction = 1.0
 ";
 /// Speed below which hair is taken to rest \[m/s\].
-const RESTS: f64 = 5e-3;
+const RESTS: f64 = 1e-3;
 
 fn draped(gpu: &Gpu) -> Result<Row, Error> {
     let scene = Scene::parse(DRAPED)?;
