@@ -89,7 +89,7 @@ fn bits(touches: &[contact::Touch], placed: &[contact::Placed]) -> Vec<u32> {
     touches
         .iter()
         .map(|touch| {
-            let found = u32::from(touch.pushed) * PUSHED | u32::from(touch.inside) * INSIDE;
+            let found = (u32::from(touch.pushed) * PUSHED) | (u32::from(touch.inside) * INSIDE);
             moved | found | (touch.embedded as u32) << EMBEDDED
         })
         .collect()
