@@ -63,7 +63,7 @@ pub struct Touch {
     pub embedded: usize,
 }
 
-/// Finds how many points of each strand bodies let be: those that a strand which rises by [`RISE`] from a root held inside a body
+/// Finds how many points of each strand bodies let be: those that a strand which rises by `RISE` from a root held inside a body
 /// reaches before the surface.
 #[must_use]
 pub fn embed(s: &State, w: &Scratch, placed: &[Placed]) -> Vec<Touch> {

@@ -132,7 +132,7 @@ pub fn smooth(p: &Parameters, scale: f64, mesh: &Mesh) -> Mesh {
 
 /// What was deposited after smoothing along the first `axes` axes, and its second derivatives along them, summed.
 ///
-/// The factors of a wave along an axis are those of [`response`].
+/// The factors of a wave along an axis are those of the least-squares fit in `response`.
 #[must_use]
 pub fn smooth_along(p: &Parameters, scale: f64, mesh: &Mesh, axes: usize) -> [Mesh; 2] {
     let spacing = mesh.spacing(p);
