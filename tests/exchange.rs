@@ -1,6 +1,6 @@
 //! What `windswept validate` leaves out for its time: short steps and vortices of three dimensions, a tuft in air's own sums, the
 //! force on strands that stand still in boxes so large that the flow around them has room, a porous strip across a channel, a
-//! bundle of strands, and a mat that lies for ten seconds.
+//! bundle of strands, a mat that lies for ten seconds, and hair that comes to rest on bodies.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -42,4 +42,5 @@ checks! {
     strips_have_a_limit_as_the_step_falls: "strip-halved", "long: 6 min of CPU time",
     bundles_shelter_their_fibres: "bundle", "long: 910 s of CPU time",
     large_mats_sleep: "mat-for-long", "long: 50 s of CPU time",
+    hair_comes_to_rest_on_bodies: "contact-rests", "long: 40 s of CPU time",
 }

@@ -56,9 +56,14 @@ pub(crate) fn bodies(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     rows.push(rested(gpu, "ball", Shape::Sphere { center: [0.0; 3], radius: 0.05 })?);
     let bone = Shape::Capsule { start: [-0.03, 0.0, -0.02], end: [0.05, 0.0, 0.03], radius: 0.05 };
     rows.push(rested(gpu, "capsule", bone)?);
-    rows.push(spread(gpu, 1.0)?);
-    rows.extend(combed(gpu)?);
     rows.extend(passed(gpu)?);
+    Ok(rows)
+}
+
+/// Rows of hair that comes to rest on bodies: over a capsule, and combed along the skin from roots below it.
+pub(crate) fn rests(gpu: &Gpu) -> Result<Vec<Row>, Error> {
+    let mut rows = vec![spread(gpu, 1.0)?];
+    rows.extend(combed(gpu)?);
     Ok(rows)
 }
 

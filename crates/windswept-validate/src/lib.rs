@@ -109,6 +109,7 @@ pub const LONG_CHECKS: &[Check] = &[
     Check { name: "strip-halved", run: exchange::strip_halved },
     Check { name: "bundle", run: exchange::bundle },
     Check { name: "mat-for-long", run: friction::mat_for_long },
+    Check { name: "contact-rests", run: contact::rests },
 ];
 
 /// A check that could not be done.
