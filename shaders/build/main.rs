@@ -6,6 +6,7 @@
 mod layout;
 mod source;
 mod table;
+mod textures;
 
 use std::{
     borrow::Cow,
@@ -77,7 +78,16 @@ fn build() -> Result<()> {
             fs::write(out.join(&target), &plain)?;
             other = Some(target);
         }
-        table.pass(source, &target, other.as_deref(), &module, &info)?;
+        let mut textured = None;
+        if let Some((text, bindings)) =
+            textures::with_textures(&text, &module).map_err(|error| format!("shaders/{name}.wgsl: {error}"))?
+        {
+            validate(&name, &text)?;
+            let target = format!("{}_textures.wgsl", name.replace('/', "_"));
+            fs::write(out.join(&target), &text)?;
+            textured = Some((target, bindings));
+        }
+        table.pass(source, &target, other.as_deref(), textured, &module, &info)?;
     }
     fs::write(out.join("shaders.rs"), table.write(&sources, &structs)?)?;
     Ok(())

@@ -25,17 +25,21 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// Adds a pass of the step: its text in `target`, and in `plain` without subgroup operations.
+    /// Adds a pass of the step: its text in `target`, in `plain` without subgroup operations, in `textured` with textures of these
+    /// bindings.
     pub(crate) fn pass(
         &mut self,
         source: &Source,
         target: &str,
         plain: Option<&str>,
+        textured: Option<(String, Vec<u32>)>,
         module: &Module,
         info: &ModuleInfo,
     ) -> Result<()> {
         let file = |target: &str| format!("include_str!(concat!(env!(\"OUT_DIR\"), \"/{target}\"))");
         let plain = plain.map_or_else(|| "None".to_owned(), |plain| format!("Some({})", file(plain)));
+        let (textured, textures) = textured.unwrap_or_default();
+        let textured = if textured.is_empty() { "None".to_owned() } else { format!("Some({})", file(&textured)) };
         let name = source.name();
         let fault = |what: &str| format!("shaders/{name}.wgsl: {what}");
         let [entry] = module.entry_points.as_slice() else {
@@ -65,9 +69,10 @@ impl Table {
             let written = uses.intersects(GlobalUse::WRITE | GlobalUse::ATOMIC);
             let read = uses.intersects(GlobalUse::READ | GlobalUse::ATOMIC);
             let row = format!(
-                "Binding {{ binding: {}, name: {:?}, kind: BindingKind::{kind}, reads: {read}, writes: {written}, stride: {stride} }}",
+                "Binding {{ binding: {}, name: {:?}, kind: BindingKind::{kind}, reads: {read}, writes: {written}, stride: {stride}, texture: {} }}",
                 binding.binding,
                 variable.name.clone().unwrap_or_default(),
+                textures.contains(&binding.binding),
             );
             bindings.insert(binding.binding, (row, kind));
         }
@@ -83,7 +88,7 @@ impl Table {
         writeln!(text, "{}pub static {constant}: Pass = Pass {{", doc(&source.title))?;
         writeln!(
             text,
-            "name: {name:?}, workgroup: {workgroup}, asks_for_meshes: {meshes}, source: {}, source_without_subgroups: {plain},",
+            "name: {name:?}, workgroup: {workgroup}, asks_for_meshes: {meshes}, source: {}, source_without_subgroups: {plain}, source_with_textures: {textured},",
             file(target)
         )?;
         let rows: Vec<_> = bindings.into_values().map(|(row, _)| row).collect();
@@ -167,6 +172,11 @@ impl Table {
             "/// Every pass.\npub static PASSES: [&Pass; {}] = [{}];",
             self.passes.len(),
             references(&self.passes)
+        )?;
+        writeln!(
+            text,
+            "/// Bytes of a row of texels in every texture.\npub const TEXTURE_ROW: u32 = {};",
+            crate::textures::ROW
         )?;
         Ok(text)
     }

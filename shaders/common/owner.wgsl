@@ -19,7 +19,7 @@ struct Points { first: u32, end: u32 }
 
 // The points that a particle exchanges no velocity with: with the model TWO_WAY those of its own strand.
 fn points_with(i: u32) -> Points {
-    if params.model != TWO_WAY || is_air(i) { return Points(0u, 0u); }
+    if (params.model != TWO_WAY) | is_air(i) { return Points(0u, 0u); }
     let strand = strands[strand_of(i)];
     return Points(strand.first_point, strand.first_point + strand.points);
 }

@@ -17,6 +17,9 @@ pub struct Pass {
     pub source: &'static str,
     /// The text for devices without subgroups of at least eight lanes, where `source` has subgroup operations.
     pub source_without_subgroups: Option<&'static str>,
+    /// The text, with subgroup operations, that has textures in place of some of the arrays that it only reads; `None` where the pass
+    /// reads none of those.
+    pub source_with_textures: Option<&'static str>,
     /// Whether the text has the switch [`MESHES`].
     pub asks_for_meshes: bool,
     /// Invocations per workgroup.
@@ -40,6 +43,8 @@ pub struct Binding {
     pub writes: bool,
     /// Size of an element, or of the struct \[bytes\].
     pub stride: u32,
+    /// Whether `source_with_textures` has a texture in its place.
+    pub texture: bool,
 }
 
 /// Kind of a buffer's declaration in a shader.

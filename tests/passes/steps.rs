@@ -1,8 +1,8 @@
 //! Whole steps against those of the twin, pass by pass: where they part, the pass is named.
 
 use windswept::{
-    Gpu,
-    internals::{with_sources, without_subgroups},
+    Gpu, Simulation,
+    internals::{with_sources, without_subgroups, without_textures},
 };
 use windswept_reference::step::step as twin_step;
 use windswept_scene::{InitialState, Scene, Strands};
@@ -97,18 +97,23 @@ pub const THIN_BODY: &[&str] =
     &["body=[{name='bar',shape='capsule',start=[0.0847,0.022,0],end=[0.0847,0.022,0.06],radius=0.002,\
     motion=[{time=0},{time=0.008,translation=[0,0.01,0]}]}]"];
 
-/// Walks `steps` steps; `Err` names the first step and pass that part, and by how much.
-fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Result<(), String> {
+/// The small scene with these settings.
+fn small(sets: &[&str]) -> Scene {
     let text = include_str!("../../examples/scenes/quick.toml");
     let sets: Vec<String> = SMALL.iter().chain(sets).map(|&set| set.to_owned()).collect();
-    let scene = Scene::parse_with("quick.toml", text, &sets).unwrap();
+    Scene::parse_with("quick.toml", text, &sets).unwrap()
+}
+
+/// Walks `steps` steps; `Err` names the first step and pass that part, and by how much.
+fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Result<(), String> {
+    let scene = small(sets);
     let mut initial = InitialState::new(&scene).unwrap();
-    if sets.iter().any(|set| set == "hair.strands=1") {
+    if sets.contains(&"hair.strands=1") {
         // This scene is of air alone.
         initial.hair = Strands { point_offsets: vec![0], ..Strands::default() };
     }
     let mut stage = Stage::on(gpu, &scene, &initial);
-    if sets.iter().any(|set| set == PUSH) {
+    if sets.contains(&PUSH) {
         stage.push();
     }
     let mut worst = Vec::new();
@@ -213,6 +218,22 @@ fn steps_without_subgroups_are_those_of_the_twin() {
     let gpu = without_subgroups(&support::gpu());
     for sets in [PUBLISHED, CROWDED, DIVERGENCE] {
         steps_of_both(&gpu, sets, &bounds(sets), 2).unwrap_or_else(|said| panic!("{sets:?}: {said}"));
+    }
+}
+
+/// A software adapter reads some arrays as textures, which hold the same bits.
+#[test]
+fn textures_change_no_bit() {
+    let gpu = support::gpu();
+    let buffers = without_textures(&gpu);
+    assert!(PASSES.iter().any(|pass| pass.source_with_textures.is_some()), "no pass reads a texture");
+    for sets in [PUBLISHED, PARTICLES, CROWDED, DIVERGENCE, PRESSED_HAIR, BODIES, FIELDS] {
+        let [a, b] = [&gpu, &buffers].map(|gpu| {
+            let mut sim = Simulation::new(gpu, &small(sets)).unwrap();
+            sim.step(5).unwrap();
+            sim.frame().unwrap()
+        });
+        assert!(a == b, "{sets:?}: not the same bits");
     }
 }
 

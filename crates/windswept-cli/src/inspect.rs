@@ -104,7 +104,13 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
         rows.push(("forces", scene.forces.iter().map(field).collect::<Vec<_>>().join(", ")));
     }
     let bytes = windswept::memory_bytes(scene, initial)?;
-    rows.push(("memory", format!("{:.1} MB on the GPU; the neighbour list may grow", megabytes(bytes))));
+    let textures = windswept::texture_bytes(scene, initial)?;
+    let memory = format!(
+        "{:.1} MB on the GPU, on a software adapter {:.1} MB more for textures; the neighbour list may grow",
+        megabytes(bytes),
+        megabytes(textures)
+    );
+    rows.push(("memory", memory));
     Ok(rows)
 }
 

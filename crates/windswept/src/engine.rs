@@ -189,10 +189,10 @@ impl Engine {
         self.memory.buffer(array)
     }
 
-    /// Size of all buffers together \[bytes\].
+    /// Size of all buffers together, and of the textures of the programs that were made \[bytes\].
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
-        self.memory.sharing().bytes(&self.state.arrays())
+        self.memory.sharing().bytes(&self.state.arrays()) + self.memory.texture_bytes()
     }
 
     /// Length of the longest neighbour list that the adapter allows \[words\].

@@ -13,7 +13,7 @@ pub use adapter::{AdapterChoice, AdapterInfo, adapters};
 pub(crate) use memory::Memory;
 pub(crate) use program::{Profile, Program, Span, write_trace};
 pub use wgpu;
-use windswept_shaders::{BindingKind, MESHES, Pass, common::lanes::LANES};
+use windswept_shaders::{BindingKind, MESHES, Pass, TEXTURE_ROW, common::lanes::LANES};
 
 use crate::error::GpuError;
 
@@ -25,6 +25,8 @@ pub struct Gpu {
     info: AdapterInfo,
     /// Whether passes may use subgroup operations.
     subgroups: bool,
+    /// Whether passes read some arrays as textures, if they may use subgroup operations.
+    textures: bool,
     pipelines: Pipelines,
     /// Sources that stand in for those of passes.
     sources: Arc<HashMap<&'static str, String>>,
@@ -96,12 +98,25 @@ impl Gpu {
         let info = AdapterInfo::new(&adapter.get_info());
         let subgroups =
             device.features().contains(wgpu::Features::SUBGROUP) && adapter.get_info().subgroup_min_size >= LANES;
-        tracing::debug!(adapter = info.name, backend = info.backend, driver = info.driver, subgroups, "device");
+        // Every array that a pass can bind fits a texture.
+        let rows = u64::from(has.max_texture_dimension_2d);
+        let binding = has.max_storage_buffer_binding_size.min(has.max_buffer_size);
+        let fits = rows >= u64::from(TEXTURE_ROW / 4) && rows * u64::from(TEXTURE_ROW) >= binding;
+        let textures = subgroups && fits && adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        tracing::debug!(
+            adapter = info.name,
+            backend = info.backend,
+            driver = info.driver,
+            subgroups,
+            textures,
+            "device"
+        );
         Ok(Self {
             device,
             queue,
             info,
             subgroups,
+            textures,
             pipelines: Arc::default(),
             sources: Arc::default(),
             replaced: Arc::default(),
@@ -115,7 +130,17 @@ impl Gpu {
 
     /// The device with the passes that do without subgroup operations, as on an adapter that has none.
     pub(crate) fn without_subgroups(&self) -> Self {
-        Self { subgroups: false, pipelines: Arc::default(), replaced: Arc::default(), ..self.clone() }
+        Self { subgroups: false, textures: false, pipelines: Arc::default(), replaced: Arc::default(), ..self.clone() }
+    }
+
+    /// The device with passes that read buffers only.
+    pub(crate) fn without_textures(&self) -> Self {
+        Self { textures: false, pipelines: Arc::default(), replaced: Arc::default(), ..self.clone() }
+    }
+
+    /// Whether a pass reads some of its arrays as textures: all of those that its bindings name.
+    pub(crate) fn reads_textures(&self, pass: &Pass) -> bool {
+        self.textures && !self.sources.contains_key(pass.name)
     }
 
     /// The device, for drawing beside the engine.
@@ -201,8 +226,13 @@ impl Gpu {
         }
         let switch = [(MESHES, f64::from(u8::from(meshes)))];
         let constants = if pass.asks_for_meshes { &switch[..] } else { &[] };
-        let plain = if self.subgroups { None } else { pass.source_without_subgroups };
-        let source = own.map_or(plain.unwrap_or(pass.source), String::as_str);
+        let textures = self.reads_textures(pass);
+        let other = match (self.subgroups, textures) {
+            (false, _) => pass.source_without_subgroups,
+            (true, true) => pass.source_with_textures,
+            (true, false) => None,
+        };
+        let source = own.map_or(other.unwrap_or(pass.source), String::as_str);
         let pipeline = self.checked(
             || format!("making the pipeline of {}", pass.name),
             || {
@@ -210,7 +240,7 @@ impl Gpu {
                     label: Some(pass.name),
                     source: wgpu::ShaderSource::Wgsl(source.into()),
                 });
-                let entries: Vec<_> = pass.bindings.iter().map(layout_entry).collect();
+                let entries: Vec<_> = pass.bindings.iter().map(|binding| layout_entry(binding, textures)).collect();
                 let group = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                     label: Some(pass.name),
                     entries: &entries,
@@ -235,16 +265,22 @@ impl Gpu {
     }
 }
 
-fn layout_entry(binding: &windswept_shaders::Binding) -> wgpu::BindGroupLayoutEntry {
+fn layout_entry(binding: &windswept_shaders::Binding, textures: bool) -> wgpu::BindGroupLayoutEntry {
+    let texture = wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Uint,
+        view_dimension: wgpu::TextureViewDimension::D2,
+        multisampled: false,
+    };
     let kind = match binding.kind {
         BindingKind::Uniform => wgpu::BufferBindingType::Uniform,
         BindingKind::Read => wgpu::BufferBindingType::Storage { read_only: true },
         BindingKind::ReadWrite => wgpu::BufferBindingType::Storage { read_only: false },
     };
+    let buffer = wgpu::BindingType::Buffer { ty: kind, has_dynamic_offset: false, min_binding_size: None };
     wgpu::BindGroupLayoutEntry {
         binding: binding.binding,
         visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer { ty: kind, has_dynamic_offset: false, min_binding_size: None },
+        ty: if textures && binding.texture { texture } else { buffer },
         count: None,
     }
 }

@@ -57,13 +57,14 @@ mod state;
 mod status;
 mod step;
 mod taps;
+mod textures;
 mod winds;
 
 pub use engine::required_limits;
 pub use error::{CheckpointError, Error, GpuError, RunError};
 pub use frame::{AirFrame, Frame, HairFrame};
 pub use gpu::{AdapterChoice, AdapterInfo, Gpu, adapters};
-pub use plan::{BufferRow, PlanRow, Uses, buffers, memory_bytes, table as plan};
+pub use plan::{BufferRow, PlanRow, Uses, buffers, memory_bytes, table as plan, texture_bytes};
 pub use report::{BandEnergy, Counts, PassReport, Report, Reset, SkippedReport};
 pub use simulation::{Accelerations, Buffers, Checkpoint, Simulation};
 
@@ -91,6 +92,11 @@ pub mod internals {
     #[must_use]
     pub fn without_subgroups(gpu: &Gpu) -> Gpu {
         gpu.without_subgroups()
+    }
+    /// The device with passes that read buffers only, as on an adapter that is no program.
+    #[must_use]
+    pub fn without_textures(gpu: &Gpu) -> Gpu {
+        gpu.without_textures()
     }
     /// The status word and the counters.
     pub mod status {

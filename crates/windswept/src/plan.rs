@@ -20,7 +20,7 @@ use crate::{
     step::neighbours::Sort,
 };
 
-pub use self::table::{BufferRow, PlanRow, Uses, buffers, memory_bytes, table};
+pub use self::table::{BufferRow, PlanRow, Uses, buffers, memory_bytes, table, texture_bytes};
 
 /// What runs, and over how many elements.
 #[derive(Debug, Clone)]

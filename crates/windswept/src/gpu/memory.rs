@@ -1,6 +1,10 @@
 //! The buffers behind [`State`]'s descriptions: allocated after a check, written and read as plain data.
 
-use std::{num::NonZero, sync::mpsc};
+use std::{
+    collections::HashMap,
+    num::NonZero,
+    sync::{Mutex, PoisonError, mpsc},
+};
 
 use bytemuck::Pod;
 
@@ -13,6 +17,7 @@ use crate::{
     gpu::Gpu,
     sharing::Sharing,
     state::State,
+    textures::Shape,
 };
 
 /// A buffer for each block of memory, and which array lies in which block.
@@ -20,6 +25,7 @@ use crate::{
 pub(crate) struct Memory {
     buffers: Vec<wgpu::Buffer>,
     sharing: Sharing,
+    textures: Mutex<HashMap<Shape, wgpu::Texture>>,
 }
 
 impl Memory {
@@ -30,7 +36,7 @@ impl Memory {
             check_size(gpu, state, array)?;
         }
         let buffers = sharing.largest(&arrays).iter().map(|array| allocate(gpu, array)).collect::<Result<_, _>>()?;
-        Ok(Self { buffers, sharing })
+        Ok(Self { buffers, sharing, textures: Mutex::default() })
     }
 
     /// Which array lies in which block.
@@ -53,6 +59,41 @@ impl Memory {
         let (offset, size) = array.element().map_or((0, array.bytes()), |k| (k * array.stride(), array.size()));
         let (buffer, size) = (self.buffer(array), NonZero::new(size));
         wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size })
+    }
+
+    /// Size of all textures together \[bytes\].
+    pub(crate) fn texture_bytes(&self) -> u64 {
+        self.textures.lock().unwrap_or_else(PoisonError::into_inner).keys().map(Shape::bytes).sum()
+    }
+
+    /// The texture of a shape, made at its first use. Programs that have textures of the same shape share them.
+    pub(crate) fn texture(&self, gpu: &Gpu, shape: Shape) -> Result<wgpu::Texture, GpuError> {
+        let mut textures = self.textures.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(texture) = textures.get(&shape) {
+            return Ok(texture.clone());
+        }
+        let format = match shape.texel {
+            4 => wgpu::TextureFormat::R32Uint,
+            8 => wgpu::TextureFormat::Rg32Uint,
+            _ => wgpu::TextureFormat::Rgba32Uint,
+        };
+        let texture = gpu.checked(
+            || format!("allocating a texture of {} bytes", shape.bytes()),
+            || {
+                gpu.device.create_texture(&wgpu::TextureDescriptor {
+                    label: Some("what passes read"),
+                    size: wgpu::Extent3d { width: shape.width(), height: shape.rows, depth_or_array_layers: 1 },
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: wgpu::TextureDimension::D2,
+                    format,
+                    usage: wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING,
+                    view_formats: &[],
+                })
+            },
+        )?;
+        textures.insert(shape, texture.clone());
+        Ok(texture)
     }
 
     /// Replaces elements of an array from `first` on.

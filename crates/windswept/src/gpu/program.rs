@@ -7,11 +7,14 @@ use std::{
 
 pub(crate) use wgpu_profiler::chrometrace::write_chrometrace as write_trace;
 use wgpu_profiler::{GpuProfiler, GpuProfilerSettings, GpuTimerQueryResult};
+use windswept_shaders::TEXTURE_ROW;
 
 use crate::{
+    array::AnyArray,
     error::GpuError,
     gpu::{Gpu, Memory},
     recorder::{Command, Recording},
+    textures::{Shape, Textures},
 };
 
 /// A recorded step, ready to replay.
@@ -22,12 +25,23 @@ pub(crate) struct Program {
 
 #[derive(Debug)]
 struct Dispatch {
+    /// What is copied to textures before it.
+    copies: Vec<Copy>,
     label: &'static str,
     pass: &'static str,
     band: Option<usize>,
     pipeline: wgpu::ComputePipeline,
     group: wgpu::BindGroup,
     workgroups: [u32; 2],
+}
+
+/// A copy of a buffer to a texture.
+#[derive(Debug)]
+struct Copy {
+    buffer: wgpu::Buffer,
+    bytes: u64,
+    texture: wgpu::Texture,
+    shape: Shape,
 }
 
 /// GPU time of a pass over all its runs in the measured steps.
@@ -47,31 +61,44 @@ pub(crate) type Profile = BTreeMap<(&'static str, &'static str, Option<usize>), 
 
 impl Program {
     pub(crate) fn new(gpu: &Gpu, memory: &Memory, recording: &Recording, meshes: bool) -> Result<Self, GpuError> {
-        let each = recording.running().map(|command| dispatch(gpu, memory, command, meshes));
+        let textures = Textures::of(recording, |pass| gpu.reads_textures(pass));
+        let each = recording
+            .running()
+            .zip(textures.copies(recording))
+            .map(|(command, copies)| dispatch(gpu, memory, &textures, command, &copies, meshes));
         let dispatches = each.collect::<Result<_, _>>()?;
         Ok(Self { dispatches })
     }
 
     /// Encodes the recording once.
     pub(crate) fn encode(&self, encoder: &mut wgpu::CommandEncoder) {
-        let mut pass =
-            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("step"), timestamp_writes: None });
-        for dispatch in &self.dispatches {
-            pass.push_debug_group(dispatch.label);
-            dispatch.encode(&mut pass);
-            pass.pop_debug_group();
+        for part in self.parts() {
+            part[0].copies.iter().for_each(|copy| copy.encode(encoder));
+            let mut pass = encoder.begin_compute_pass(&STEP);
+            for dispatch in part {
+                pass.push_debug_group(dispatch.label);
+                dispatch.encode(&mut pass);
+                pass.pop_debug_group();
+            }
         }
     }
 
     /// Encodes the recording once, with a timer around each dispatch.
     fn encode_profiled(&self, profiler: &GpuProfiler, encoder: &mut wgpu::CommandEncoder) {
-        let mut pass =
-            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("step"), timestamp_writes: None });
-        for dispatch in &self.dispatches {
-            let query = profiler.begin_query(format!("{}: {}", dispatch.pass, dispatch.label), &mut pass);
-            dispatch.encode(&mut pass);
-            profiler.end_query(&mut pass, query);
+        for part in self.parts() {
+            part[0].copies.iter().for_each(|copy| copy.encode(encoder));
+            let mut pass = encoder.begin_compute_pass(&STEP);
+            for dispatch in part {
+                let query = profiler.begin_query(format!("{}: {}", dispatch.pass, dispatch.label), &mut pass);
+                dispatch.encode(&mut pass);
+                profiler.end_query(&mut pass, query);
+            }
         }
+    }
+
+    /// The dispatches, cut before each that has copies.
+    fn parts(&self) -> impl Iterator<Item = &[Dispatch]> {
+        self.dispatches.chunk_by(|_, next| next.copies.is_empty())
     }
 
     /// Runs the recording once, adds the passes' times to `profile` and returns when each of them ran; without timestamps it
@@ -115,6 +142,40 @@ impl Program {
     }
 }
 
+const STEP: wgpu::ComputePassDescriptor<'static> =
+    wgpu::ComputePassDescriptor { label: Some("step"), timestamp_writes: None };
+
+impl Copy {
+    /// Copies the whole rows of texels, then what is left of a row.
+    fn encode(&self, encoder: &mut wgpu::CommandEncoder) {
+        let rows = self.bytes / u64::from(TEXTURE_ROW);
+        let left = self.bytes % u64::from(TEXTURE_ROW);
+        for (first, rows, bytes) in [(0, rows, u64::from(TEXTURE_ROW)), (rows, 1, left)] {
+            if rows == 0 || bytes == 0 {
+                continue;
+            }
+            let width = (bytes / u64::from(self.shape.texel)) as u32;
+            encoder.copy_buffer_to_texture(
+                wgpu::TexelCopyBufferInfo {
+                    buffer: &self.buffer,
+                    layout: wgpu::TexelCopyBufferLayout {
+                        offset: first * u64::from(TEXTURE_ROW),
+                        bytes_per_row: Some(TEXTURE_ROW),
+                        rows_per_image: None,
+                    },
+                },
+                wgpu::TexelCopyTextureInfo {
+                    texture: &self.texture,
+                    mip_level: 0,
+                    origin: wgpu::Origin3d { x: 0, y: first as u32, z: 0 },
+                    aspect: wgpu::TextureAspect::All,
+                },
+                wgpu::Extent3d { width, height: rows as u32, depth_or_array_layers: 1 },
+            );
+        }
+    }
+}
+
 impl Dispatch {
     fn encode(&self, pass: &mut wgpu::ComputePass<'_>) {
         pass.set_pipeline(&self.pipeline);
@@ -123,14 +184,32 @@ impl Dispatch {
     }
 }
 
-fn dispatch(gpu: &Gpu, memory: &Memory, command: &Command, meshes: bool) -> Result<Dispatch, GpuError> {
+fn dispatch(
+    gpu: &Gpu,
+    memory: &Memory,
+    textures: &Textures,
+    command: &Command,
+    copied: &[AnyArray],
+    meshes: bool,
+) -> Result<Dispatch, GpuError> {
     let pipeline = gpu.pipeline(command.pass, meshes)?;
+    let reads_textures = gpu.reads_textures(command.pass);
+    let mut views = Vec::new();
+    for (binding, array) in command.pass.bindings.iter().zip(&command.arrays) {
+        let shape = textures.shape(array).filter(|_| reads_textures && binding.texture);
+        let texture = shape.map(|shape| memory.texture(gpu, shape)).transpose()?;
+        views.push(texture.map(|texture| texture.create_view(&wgpu::TextureViewDescriptor::default())));
+    }
     let entries: Vec<_> = command
         .pass
         .bindings
         .iter()
         .zip(&command.arrays)
-        .map(|(binding, array)| wgpu::BindGroupEntry { binding: binding.binding, resource: memory.binding(array) })
+        .zip(&views)
+        .map(|((binding, array), view)| {
+            let resource = view.as_ref().map_or_else(|| memory.binding(array), wgpu::BindingResource::TextureView);
+            wgpu::BindGroupEntry { binding: binding.binding, resource }
+        })
         .collect();
     let group = gpu.checked(
         || format!("binding {} ({})", command.pass.name, command.label),
@@ -142,11 +221,18 @@ fn dispatch(gpu: &Gpu, memory: &Memory, command: &Command, meshes: bool) -> Resu
             })
         },
     )?;
+    let mut copies = Vec::new();
+    for array in copied {
+        let Some(shape) = textures.shape(array) else { continue };
+        let texture = memory.texture(gpu, shape)?;
+        copies.push(Copy { buffer: memory.buffer(array).clone(), bytes: array.bytes(), texture, shape });
+    }
     let row = gpu.device.limits().max_compute_workgroups_per_dimension;
     let workgroups = command.invocations.div_ceil(command.pass.workgroup);
     // More workgroups than a dimension holds fold into rows (`shaders/common/dispatch.wgsl`).
     let rows = workgroups.div_ceil(row).max(1);
     Ok(Dispatch {
+        copies,
         label: command.label,
         pass: command.pass.name,
         band: command.band,

@@ -12,6 +12,7 @@ use crate::{
     sharing::Sharing,
     state::State,
     step,
+    textures::{Shape, Textures},
 };
 
 /// A row of `windswept plan`: a pass of the step.
@@ -94,6 +95,18 @@ pub fn memory_bytes(scene: &Scene, initial: &InitialState) -> Result<u64, SceneE
     initial.check()?;
     let (arrays, sharing) = first_arrays(&Setup::new(scene, initial));
     Ok(sharing.bytes(&arrays))
+}
+
+/// Bytes of the textures that a scene takes besides its buffers on a software adapter, at the start of a run.
+///
+/// # Errors
+/// [`SceneError`] when the arrays of the initial state do not belong together.
+pub fn texture_bytes(scene: &Scene, initial: &InitialState) -> Result<u64, SceneError> {
+    initial.check()?;
+    let setup = Setup::new(scene, initial);
+    let state = State::new(&first_sizes(&setup));
+    let recording = Recorder::record(&state, |r| step::record(r, &Plan::new(&setup)));
+    Ok(Textures::of(&recording, |_| true).shapes().iter().map(Shape::bytes).sum())
 }
 
 /// The step of a scene, pass by pass in execution order: a dry run of `step.rs`, with no GPU.
