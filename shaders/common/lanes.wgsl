@@ -55,6 +55,34 @@ fn shown_by(other: u32) -> Near {
     return all_shown[shown_at ^ other];
 }
 
+// What each of the eight keeps for the others, by number.
+const KEPT: u32 = 12u;
+
+var<private> first_of_eight: u32;   // its number in the subgroup, or in the workgroup; a pass sets it before it asks for what is kept
+
+@if(subgroups) var<private> keeps: array<vec2u, KEPT>;
+@if(!subgroups) var<workgroup> all_keeps: array<array<vec2u, KEPT>, WORKGROUP>;
+
+// Keeps a value, whose number is a constant. All eight keep theirs before any asks for one, with a barrier of the workgroup in between.
+@if(subgroups)
+fn keep(local: u32, number: u32, value: vec2u) {
+    keeps[number] = value;
+}
+@if(!subgroups)
+fn keep(local: u32, number: u32, value: vec2u) {
+    all_keeps[local][number] = value;
+}
+
+// What one of the eight keeps. Every invocation of the workgroup asks, from the same place.
+@if(subgroups)
+fn kept(number: u32, lane: u32) -> vec2u {
+    return subgroupShuffle(keeps[number], first_of_eight + lane);
+}
+@if(!subgroups)
+fn kept(number: u32, lane: u32) -> vec2u {
+    return all_keeps[first_of_eight + lane][number];
+}
+
 // A bit for each of the eight: whether it says yes.
 @if(subgroups)
 fn votes(local: u32, yes: bool) -> u32 {

@@ -7,7 +7,7 @@
 import package::common::{
     params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, cells::{wrap, home_of, box_bucket},
     list::{HEADER, BATCH, NOBODY, IMAGE_BITS, FRAME_BITS, FAR},
-    lanes::{Near, LANES, lane_of, show, shown_by, votes, turned, bits_of_all, largest_of_all},
+    lanes::{Near, LANES, lane_of, show, shown_by, keep, kept, first_of_eight, votes, turned, bits_of_all, largest_of_all},
     status::{status, frozen_before},
 };
 
@@ -20,8 +20,8 @@ import package::common::{
 const CLUSTERS: u32 = 8u; // of a workgroup
 const ROWS: u32 = 9u;                      // of cells around a cluster
 const TURNS: u32 = 3u;                     // boxes that a row may reach into: the one before, its own, the one behind
-const AIR: u32 = 0u;
-const HAIR: u32 = 1u;
+const OWN: u32 = 0u;                       // kinds: the cluster's own, the other one
+const OTHER: u32 = 1u;
 const KINDS: u32 = 2u;
 const HELD: u32 = 192u;                    // entries of a cluster that are kept while searching; with more it is searched again
 
@@ -30,10 +30,9 @@ const PLACE_BITS: u32 = 8u;
 const STRETCH_BITS: u32 = 27u;
 const PLACES: u32 = 524288u;               // a stretch with more freezes the step as a list does that is too long for 32 bits
 
-// Entries of a row of cells in one of the boxes that it reaches into.
-struct Stretch { begin: u32, end: u32 }
+// A stretch is the entries of a row of cells in one of the boxes that it reaches into: the first, and the end. Its number is that of its
+// box times ROWS, and that of its row. Each of the eight keeps those of the row that has its number, and all of them those of the last row.
 
-var<workgroup> stretches: array<Stretch, CLUSTERS * KINDS * TURNS * ROWS>;
 var<workgroup> held: array<u32, CLUSTERS * HELD>;
 var<workgroup> firsts: array<u32, CLUSTERS>;
 var<workgroup> most: atomic<u32>;   // entries of a cluster of the workgroup
@@ -46,7 +45,7 @@ var<private> own: array<vec3f, 8>; // positions of the cluster's particles [m]
 var<private> low: vec3f;           // the least box around them, where they are in the box of air [m]
 var<private> high: vec3f;
 var<private> members_of: vec2u;     // entries of the cluster itself: the first, and the end
-var<private> full: array<u32, 2>;  // of each kind, bit by bit, the stretches that are not empty
+var<private> full: vec2u;          // of each kind, bit by bit, the stretches that are not empty
 var<private> frame: vec3i;         // boxes by which the cluster is moved to meet others
 var<private> found: u32;           // entries so far
 var<private> middle: u32;          // entry from which on they are of the other kind
@@ -55,11 +54,6 @@ var<private> crowded: bool;        // a stretch is too long for what is kept of 
 
 fn cluster_in_workgroup() -> u32 {
     return local / LANES;
-}
-
-// Where the stretches of a kind are kept.
-fn stretches_of(kind: u32) -> u32 {
-    return (cluster_in_workgroup() * KINDS + kind) * TURNS * ROWS;
 }
 
 // Notes what is to be searched, of both kinds, in a row next to the cluster's own.
@@ -73,27 +67,52 @@ fn look_ahead(home: vec3i, row: u32, air: bool) {
     let start = i32(floor((low.x - half) / params.cell_size.x));
     let end = select(start, i32(floor((high.x + half) / params.cell_size.x)) + 1, left > 0.0);
     // Who is met directly is met once.
-    let once = min(end, start + cells.x);
+    let along = vec3i(start, end, min(end, start + cells.x));
     let at = select(select(line, line - cells.yz, line >= cells.yz), line + cells.yz, line < vec2i(0));
     let bucket = box_bucket(vec3i(0, at));
-    for (var turn = 0u; turn < TURNS; turn++) {
-        let from_here = vec3i(start, end, once) - (i32(turn) - 1) * cells.x;
-        let span = bucket + vec3u(clamp(from_here, vec3i(0), vec3i(cells.x)));
-        note(AIR, turn * ROWS + row, span.x, select(span.z, span.y, air));
-        let hair = select(vec2u(0u), params.box_cells + span.xz, params.hair_points > 0u);
-        note(HAIR, turn * ROWS + row, hair.x, hair.y);
-    }
+    note(0u, row, along, bucket, air);
+    note(1u, row, along, bucket, air);
+    note(2u, row, along, bucket, air);
 }
 
-fn note(kind: u32, which: u32, begin: u32, end: u32) {
-    let found = Stretch(cell_start[begin], cell_start[end]);
-    stretches[stretches_of(kind) + which] = found;
-    full[kind] |= select(0u, 1u << which, found.end > found.begin);
+// Notes what is to be searched in one of the boxes that a row reaches into.
+fn note(turn: u32, row: u32, along: vec3i, bucket: u32, air: bool) {
+    let cells = params.cells.x;
+    let span = bucket + vec3u(clamp(along - (i32(turn) - 1) * cells, vec3i(0), vec3i(cells)));
+    let of_air = vec2u(cell_start[span.x], cell_start[select(span.z, span.y, air)]);
+    let hair = select(vec2u(0u), params.box_cells + span.xz, params.hair_points > 0u);
+    let of_hair = vec2u(cell_start[hair.x], cell_start[hair.y]);
+    let own_kind = select(of_hair, of_air, air);
+    let other_kind = select(of_air, of_hair, air);
+    let last = KINDS * TURNS * (row / LANES);
+    keep(local, last + turn, own_kind);
+    keep(local, last + TURNS + turn, other_kind);
+    let some = vec2<bool>(own_kind.y > own_kind.x, other_kind.y > other_kind.x);
+    full |= select(vec2u(0u), vec2u(1u << (turn * ROWS + row)), some);
+}
+
+// The stretch of a number.
+fn stretch(kind: u32, which: u32) -> vec2u {
+    let turn = turn_of(which);
+    let row = which - ROWS * turn;
+    let others = kept_in(turn, TURNS * kind, row % LANES);
+    let last = kept_in(turn, TURNS * (KINDS + kind), lane);
+    return select(others, last, row == LANES);
+}
+
+fn kept_in(turn: u32, first: u32, by: u32) -> vec2u {
+    let near = select(kept(first, by), kept(first + 1u, by), turn == 1u);
+    return select(near, kept(first + 2u, by), turn == 2u);
+}
+
+// The box of a stretch: its number over ROWS, for up to 27.
+fn turn_of(which: u32) -> u32 {
+    return (which * 57u) >> 9u;
 }
 
 // Boxes by which those of a stretch are moved to where they are seen.
 fn turns_of(home: vec3i, which: u32, periodic: bool) -> vec3i {
-    let turn = (which * 57u) >> 9u;   // which / 9 of up to 27
+    let turn = turn_of(which);
     return select(vec3i(0), vec3i(i32(turn) - 1, turns_of_row(home, step_of(which - ROWS * turn))), periodic);
 }
 
@@ -136,25 +155,24 @@ fn fill(ends: bool) {
 
 // Looks for particles of a kind.
 fn search(home: vec3i, kind: u32, periodic: bool) {
-    let base = stretches_of(kind);
     var left = bits_of_all(local, full[kind]);
     while left > 0u {
         let which = firstTrailingBit(left);
         left &= left - 1u;
-        let near = stretches[base + which];
-        let batches = largest_of_all(local, (near.end - near.begin + LANES - 1u) / LANES);
+        let near = stretch(kind, which);
+        let batches = largest_of_all(local, (near.y - near.x + LANES - 1u) / LANES);
         let turns = turns_of(home, which, periodic);
         let image = params.box_size * vec3f(turns);
-        crowded |= near.end - near.begin > PLACES;
+        crowded |= near.y - near.x > PLACES;
         // Nobody is its own neighbour; an image of it may be.
         let itself = select(members_of, vec2u(0u), any(turns != vec3i(0)));
-        var e = near.begin + lane;
+        var e = near.x + lane;
         for (var b = 0u; b < batches; b++) {
-            let there = e < near.end;
+            let there = e < near.y;
             let at = sorted_position[select(0u, e, there)].xyz + image;
             var mask = select(0u, met_by(at), there);
             mask &= select(0xffffffffu, ~(1u << (e - itself.x)), e >= itself.x && e < itself.y);
-            take(mask | ((e - near.begin) << PLACE_BITS) | (which << STRETCH_BITS), mask != 0u);
+            take(mask | ((e - near.x) << PLACE_BITS) | (which << STRETCH_BITS), mask != 0u);
             e += LANES;
         }
     }
@@ -163,10 +181,10 @@ fn search(home: vec3i, kind: u32, periodic: bool) {
 // Looks for both kinds; returns the number of entries of the first part.
 fn search_all(home: vec3i, air: bool) -> u32 {
     found = 0u;
-    search(home, select(HAIR, AIR, air), air);
+    search(home, OWN, air);
     fill(params.model == TWO_WAY);
     middle = found;
-    search(home, select(AIR, HAIR, air), false);
+    search(home, OTHER, false);
     fill(true);
     return select(found, middle, params.model == TWO_WAY);
 }
@@ -174,8 +192,6 @@ fn search_all(home: vec3i, air: bool) -> u32 {
 // Copies what is kept to where the cluster's batches begin.
 fn copy(batches: u32, home: vec3i, air: bool, used: bool) {
     let from_here = cluster_in_workgroup() * HELD;
-    let own_kind = stretches_of(select(HAIR, AIR, air));
-    let other_kind = stretches_of(select(AIR, HAIR, air));
     let end = largest_of_all(local, min(HELD, max(found, window) - window));
     for (var n = 0u; n < end; n += LANES) {
         let entry = window + n + lane;
@@ -184,7 +200,8 @@ fn copy(batches: u32, home: vec3i, air: bool, used: bool) {
         let nobody = (word & 255u) == 0u;
         let which = word >> STRETCH_BITS;
         let others = entry >= middle;
-        let at = stretches[select(own_kind, other_kind, others) + which].begin + ((word >> PLACE_BITS) & (PLACES - 1u));
+        let begin = select(stretch(OWN, which).x, stretch(OTHER, which).x, others);
+        let at = begin + ((word >> PLACE_BITS) & (PLACES - 1u));
         let seen = vec3u(turns_of(home, which, air && !others) + vec3i(1) - frame);
         let mark = (seen.x | (seen.y << 2u) | (seen.z << 4u)) << IMAGE_BITS;
         let bytes = turned(local, word & 255u);
@@ -211,9 +228,12 @@ fn room_for(words: u32) -> u32 {
 fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) index: u32,
+    @if(subgroups) @builtin(subgroup_invocation_id) in_subgroup: u32,
 ) {
     local = index;
     lane = lane_of(local);
+    @if(subgroups) first_of_eight = in_subgroup - lane;
+    @if(!subgroups) first_of_eight = local - lane;
     reach = params.kernel_radius * params.kernel_radius;
     let c = invocation(id, groups) / LANES;
     var entries = vec2u(0u);
@@ -246,7 +266,7 @@ fn main(
 
     let home = home_of(sorted_position[entries.x].xyz);
     look_ahead(home, lane, air);
-    if lane == 0u { look_ahead(home, LANES, air); }
+    look_ahead(home, LANES, air);
     workgroupBarrier();
     let own_kind = search_all(home, air);
     workgroupBarrier();
