@@ -4,9 +4,9 @@
 //! A mistake in a shader is a build error that names the file.
 
 mod layout;
+mod software;
 mod source;
 mod table;
-mod textures;
 
 use std::{
     borrow::Cow,
@@ -78,16 +78,16 @@ fn build() -> Result<()> {
             fs::write(out.join(&target), &plain)?;
             other = Some(target);
         }
-        let mut textured = None;
-        if let Some((text, bindings)) =
-            textures::with_textures(&text, &module).map_err(|error| format!("shaders/{name}.wgsl: {error}"))?
+        let mut software = None;
+        if let Some((text, places)) = software::text_for_software(&text, &module, &info)
+            .map_err(|error| format!("shaders/{name}.wgsl: for software adapters: {error}"))?
         {
             validate(&name, &text)?;
-            let target = format!("{}_textures.wgsl", name.replace('/', "_"));
+            let target = format!("{}_software.wgsl", name.replace('/', "_"));
             fs::write(out.join(&target), &text)?;
-            textured = Some((target, bindings));
+            software = Some((target, places));
         }
-        table.pass(source, &target, other.as_deref(), textured, &module, &info)?;
+        table.pass(source, &target, other.as_deref(), software, &module, &info)?;
     }
     fs::write(out.join("shaders.rs"), table.write(&sources, &structs)?)?;
     Ok(())

@@ -10,6 +10,7 @@ use naga::{
 use crate::{
     Result,
     layout::{Field, Kind, Structs},
+    software::Place,
     source::{Source, StructDocs},
 };
 
@@ -25,21 +26,21 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// Adds a pass of the step: its text in `target`, in `plain` without subgroup operations, in `textured` with textures of these
-    /// bindings.
+    /// Adds a pass of the step: its text in `target`, in `plain` without subgroup operations, in `software` for software
+    /// adapters, with these bindings in other places.
     pub(crate) fn pass(
         &mut self,
         source: &Source,
         target: &str,
         plain: Option<&str>,
-        textured: Option<(String, Vec<u32>)>,
+        software: Option<(String, BTreeMap<u32, Place>)>,
         module: &Module,
         info: &ModuleInfo,
     ) -> Result<()> {
         let file = |target: &str| format!("include_str!(concat!(env!(\"OUT_DIR\"), \"/{target}\"))");
         let plain = plain.map_or_else(|| "None".to_owned(), |plain| format!("Some({})", file(plain)));
-        let (textured, textures) = textured.unwrap_or_default();
-        let textured = if textured.is_empty() { "None".to_owned() } else { format!("Some({})", file(&textured)) };
+        let (software, places) = software.unwrap_or_default();
+        let software = if software.is_empty() { "None".to_owned() } else { format!("Some({})", file(&software)) };
         let name = source.name();
         let fault = |what: &str| format!("shaders/{name}.wgsl: {what}");
         let [entry] = module.entry_points.as_slice() else {
@@ -68,11 +69,15 @@ impl Table {
             };
             let written = uses.intersects(GlobalUse::WRITE | GlobalUse::ATOMIC);
             let read = uses.intersects(GlobalUse::READ | GlobalUse::ATOMIC);
+            let in_software = match places.get(&binding.binding) {
+                None => kind.to_owned(),
+                Some(Place::Uniform) => "Uniform".to_owned(),
+                Some(Place::Texture(texel)) => format!("Texture({texel})"),
+            };
             let row = format!(
-                "Binding {{ binding: {}, name: {:?}, kind: BindingKind::{kind}, reads: {read}, writes: {written}, stride: {stride}, texture: {} }}",
+                "Binding {{ binding: {}, name: {:?}, kind: BindingKind::{kind}, reads: {read}, writes: {written}, stride: {stride}, kind_in_software: BindingKind::{in_software} }}",
                 binding.binding,
                 variable.name.clone().unwrap_or_default(),
-                textures.contains(&binding.binding),
             );
             bindings.insert(binding.binding, (row, kind));
         }
@@ -88,7 +93,7 @@ impl Table {
         writeln!(text, "{}pub static {constant}: Pass = Pass {{", doc(&source.title))?;
         writeln!(
             text,
-            "name: {name:?}, workgroup: {workgroup}, asks_for_meshes: {meshes}, source: {}, source_without_subgroups: {plain}, source_with_textures: {textured},",
+            "name: {name:?}, workgroup: {workgroup}, asks_for_meshes: {meshes}, source: {}, source_without_subgroups: {plain}, source_for_software: {software},",
             file(target)
         )?;
         let rows: Vec<_> = bindings.into_values().map(|(row, _)| row).collect();
@@ -176,7 +181,7 @@ impl Table {
         writeln!(
             text,
             "/// Bytes of a row of texels in every texture.\npub const TEXTURE_ROW: u32 = {};",
-            crate::textures::ROW
+            crate::software::ROW
         )?;
         Ok(text)
     }

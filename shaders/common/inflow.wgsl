@@ -26,9 +26,9 @@ fn brought(place: vec3f) -> vec3f {
 fn rate_at(place: vec3f) -> f32 {
     let wind = mean_wind();
     let speed = length(wind);
-    if params.fringe * speed <= 0.0 { return 0.0; }
     let depth = depth_of(place, wind);
     let bump = sin(PI * depth / params.fringe);
     let within = select(vec3f(0.0), bump * bump, depth < vec3f(params.fringe));
-    return dot(abs(wind) / speed, within) * GRIP * max(speed, SLOWEST) / params.fringe;
+    let rate = dot(abs(wind) / speed, within) * GRIP * max(speed, SLOWEST) / params.fringe;
+    return select(0.0, rate, params.fringe * speed > 0.0);
 }

@@ -45,7 +45,7 @@ struct Status {
 
 // A list that is too short freezes the step as soon as it is known; the guard makes it a cause.
 fn list_too_short() -> bool {
-    return atomicLoad(&status.neighbour_carries) != 0u || atomicLoad(&status.neighbours) > params.neighbour_capacity;
+    return (atomicLoad(&status.neighbour_carries) != 0u) | (atomicLoad(&status.neighbours) > params.neighbour_capacity);
 }
 
 fn frozen_before() -> bool {
@@ -53,7 +53,7 @@ fn frozen_before() -> bool {
 }
 
 fn frozen() -> bool {
-    return frozen_before() || list_too_short();
+    return frozen_before() | list_too_short();
 }
 
 fn freeze(cause: u32) {

@@ -26,7 +26,7 @@ fn depth_of(position: vec3f, wind: vec3f) -> vec3f {
 fn left_by_fringe(position: vec3f) -> f32 {
     let wind = mean_wind();
     let speed = length(wind);
-    if params.fringe * speed <= 0.0 { return 1.0; }
     let within = depth_of(position, wind) < vec3f(params.fringe);
-    return max(0.0, 1.0 - dot(abs(wind) / speed, select(vec3f(0.0), vec3f(1.0), within)));
+    let left = max(0.0, 1.0 - dot(abs(wind) / speed, select(vec3f(0.0), vec3f(1.0), within)));
+    return select(1.0, left, params.fringe * speed > 0.0);
 }

@@ -17,9 +17,9 @@ pub struct Pass {
     pub source: &'static str,
     /// The text for devices without subgroups of at least eight lanes, where `source` has subgroup operations.
     pub source_without_subgroups: Option<&'static str>,
-    /// The text, with subgroup operations, that has textures in place of some of the arrays that it only reads; `None` where the pass
-    /// reads none of those.
-    pub source_with_textures: Option<&'static str>,
+    /// The text for software adapters, with subgroup operations: some of what the pass only reads lies in uniforms and read-only
+    /// storage textures there. `None` where nothing does.
+    pub source_for_software: Option<&'static str>,
     /// Whether the text has the switch [`MESHES`].
     pub asks_for_meshes: bool,
     /// Invocations per workgroup.
@@ -43,8 +43,8 @@ pub struct Binding {
     pub writes: bool,
     /// Size of an element, or of the struct \[bytes\].
     pub stride: u32,
-    /// Whether `source_with_textures` has a texture in its place.
-    pub texture: bool,
+    /// Kind of the declaration in `source_for_software`.
+    pub kind_in_software: BindingKind,
 }
 
 /// Kind of a buffer's declaration in a shader.
@@ -56,6 +56,8 @@ pub enum BindingKind {
     Read,
     /// `var<storage, read_write>`; atomics are declared so where they are read only.
     ReadWrite,
+    /// `texture_storage_2d`, with texels of so many bytes: 4, 8 or 16.
+    Texture(u32),
 }
 
 /// A shader of the pictures, with entry points of its own names.

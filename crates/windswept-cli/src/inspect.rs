@@ -104,11 +104,10 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
         rows.push(("forces", scene.forces.iter().map(field).collect::<Vec<_>>().join(", ")));
     }
     let bytes = windswept::memory_bytes(scene, initial)?;
-    let textures = windswept::texture_bytes(scene, initial)?;
     let memory = format!(
         "{:.1} MB on the GPU, on a software adapter {:.1} MB more for textures; the neighbour list may grow",
-        megabytes(bytes),
-        megabytes(textures)
+        megabytes(bytes.buffers),
+        megabytes(bytes.textures)
     );
     rows.push(("memory", memory));
     Ok(rows)
@@ -164,6 +163,7 @@ fn print_totals(rows: &[windswept::PlanRow], mut buffers: Vec<windswept::BufferR
         megabytes(traffic)
     ));
     let all = buffers.len();
+    let textures: u64 = buffers.iter().map(|row| row.texture_bytes).sum();
     buffers.retain(windswept::BufferRow::is_largest);
     let total: u64 = buffers.iter().map(windswept::BufferRow::bytes).sum();
     buffers.sort_by_key(|row| std::cmp::Reverse(row.bytes()));
@@ -174,6 +174,7 @@ fn print_totals(rows: &[windswept::PlanRow], mut buffers: Vec<windswept::BufferR
         megabytes(total),
         largest.collect::<Vec<_>>().join(", ")
     ));
+    console.print(format_args!("on a software adapter textures besides: {:.1} MB", megabytes(textures)));
 }
 
 fn megabytes(bytes: u64) -> f64 {

@@ -13,7 +13,7 @@ pub use adapter::{AdapterChoice, AdapterInfo, adapters};
 pub(crate) use memory::Memory;
 pub(crate) use program::{Profile, Program, Span, write_trace};
 pub use wgpu;
-use windswept_shaders::{BindingKind, MESHES, Pass, TEXTURE_ROW, common::lanes::LANES};
+use windswept_shaders::{Binding, BindingKind, MESHES, PASSES, Pass, TEXTURE_ROW, common::lanes::LANES};
 
 use crate::error::GpuError;
 
@@ -25,8 +25,8 @@ pub struct Gpu {
     info: AdapterInfo,
     /// Whether passes may use subgroup operations.
     subgroups: bool,
-    /// Whether passes read some arrays as textures, if they may use subgroup operations.
-    textures: bool,
+    /// Whether passes run in their texts for software adapters.
+    software_texts: bool,
     pipelines: Pipelines,
     /// Sources that stand in for those of passes.
     sources: Arc<HashMap<&'static str, String>>,
@@ -53,6 +53,7 @@ impl Gpu {
         let limits = wgpu::Limits {
             max_storage_buffer_binding_size: has.max_storage_buffer_binding_size,
             max_buffer_size: has.max_buffer_size,
+            max_storage_textures_per_shader_stage: has.max_storage_textures_per_shader_stage,
             ..wgpu::Limits::default()
         };
         let descriptor = wgpu::DeviceDescriptor {
@@ -98,17 +99,14 @@ impl Gpu {
         let info = AdapterInfo::new(&adapter.get_info());
         let subgroups =
             device.features().contains(wgpu::Features::SUBGROUP) && adapter.get_info().subgroup_min_size >= LANES;
-        // Every array that a pass can bind fits a texture.
-        let rows = u64::from(has.max_texture_dimension_2d);
-        let binding = has.max_storage_buffer_binding_size.min(has.max_buffer_size);
-        let fits = rows >= u64::from(TEXTURE_ROW / 4) && rows * u64::from(TEXTURE_ROW) >= binding;
-        let textures = subgroups && fits && adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        let software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        let software_texts = subgroups && software && binds_textures(&has);
         tracing::debug!(
             adapter = info.name,
             backend = info.backend,
             driver = info.driver,
             subgroups,
-            textures,
+            software_texts,
             "device"
         );
         Ok(Self {
@@ -116,7 +114,7 @@ impl Gpu {
             queue,
             info,
             subgroups,
-            textures,
+            software_texts,
             pipelines: Arc::default(),
             sources: Arc::default(),
             replaced: Arc::default(),
@@ -130,17 +128,23 @@ impl Gpu {
 
     /// The device with the passes that do without subgroup operations, as on an adapter that has none.
     pub(crate) fn without_subgroups(&self) -> Self {
-        Self { subgroups: false, textures: false, pipelines: Arc::default(), replaced: Arc::default(), ..self.clone() }
+        Self { subgroups: false, ..self.without_software_texts() }
     }
 
-    /// The device with passes that read buffers only.
-    pub(crate) fn without_textures(&self) -> Self {
-        Self { textures: false, pipelines: Arc::default(), replaced: Arc::default(), ..self.clone() }
+    /// The device with the passes as on an adapter that is no software.
+    pub(crate) fn without_software_texts(&self) -> Self {
+        Self { software_texts: false, pipelines: Arc::default(), replaced: Arc::default(), ..self.clone() }
     }
 
-    /// Whether a pass reads some of its arrays as textures: all of those that its bindings name.
-    pub(crate) fn reads_textures(&self, pass: &Pass) -> bool {
-        self.textures && !self.sources.contains_key(pass.name)
+    /// Whether passes run in their texts for software adapters.
+    pub(crate) fn has_software_texts(&self) -> bool {
+        self.software_texts
+    }
+
+    /// Kind of a binding in the text of a pass that runs.
+    pub(crate) fn kind(&self, pass: &Pass, binding: &Binding) -> BindingKind {
+        let software = self.software_texts && !self.sources.contains_key(pass.name);
+        if software { binding.kind_in_software } else { binding.kind }
     }
 
     /// The device, for drawing beside the engine.
@@ -226,10 +230,9 @@ impl Gpu {
         }
         let switch = [(MESHES, f64::from(u8::from(meshes)))];
         let constants = if pass.asks_for_meshes { &switch[..] } else { &[] };
-        let textures = self.reads_textures(pass);
-        let other = match (self.subgroups, textures) {
+        let other = match (self.subgroups, self.software_texts) {
             (false, _) => pass.source_without_subgroups,
-            (true, true) => pass.source_with_textures,
+            (true, true) => pass.source_for_software,
             (true, false) => None,
         };
         let source = own.map_or(other.unwrap_or(pass.source), String::as_str);
@@ -240,7 +243,11 @@ impl Gpu {
                     label: Some(pass.name),
                     source: wgpu::ShaderSource::Wgsl(source.into()),
                 });
-                let entries: Vec<_> = pass.bindings.iter().map(|binding| layout_entry(binding, textures)).collect();
+                let entries: Vec<_> = pass
+                    .bindings
+                    .iter()
+                    .map(|binding| layout_entry(binding.binding, self.kind(pass, binding)))
+                    .collect();
                 let group = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                     label: Some(pass.name),
                     entries: &entries,
@@ -265,22 +272,28 @@ impl Gpu {
     }
 }
 
-fn layout_entry(binding: &windswept_shaders::Binding, textures: bool) -> wgpu::BindGroupLayoutEntry {
-    let texture = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Uint,
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
+/// Whether a device of these limits binds as many textures as any pass reads, each as large as a buffer that it binds.
+fn binds_textures(limits: &wgpu::Limits) -> bool {
+    let textures = |pass: &&Pass| {
+        pass.bindings.iter().filter(|binding| matches!(binding.kind_in_software, BindingKind::Texture(_))).count()
     };
-    let kind = match binding.kind {
-        BindingKind::Uniform => wgpu::BufferBindingType::Uniform,
-        BindingKind::Read => wgpu::BufferBindingType::Storage { read_only: true },
-        BindingKind::ReadWrite => wgpu::BufferBindingType::Storage { read_only: false },
+    let most = PASSES.iter().map(textures).max().unwrap_or(0) as u64;
+    let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    let (side, row) = (u64::from(limits.max_texture_dimension_2d), u64::from(TEXTURE_ROW));
+    u64::from(limits.max_storage_textures_per_shader_stage) >= most && side >= row / 4 && side * row >= binding
+}
+
+fn layout_entry(number: u32, kind: BindingKind) -> wgpu::BindGroupLayoutEntry {
+    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+    let ty = match kind {
+        BindingKind::Uniform => buffer(wgpu::BufferBindingType::Uniform),
+        BindingKind::Read => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
+        BindingKind::ReadWrite => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
+        BindingKind::Texture(texel) => wgpu::BindingType::StorageTexture {
+            access: wgpu::StorageTextureAccess::ReadOnly,
+            format: memory::format(texel),
+            view_dimension: wgpu::TextureViewDimension::D2,
+        },
     };
-    let buffer = wgpu::BindingType::Buffer { ty: kind, has_dynamic_offset: false, min_binding_size: None };
-    wgpu::BindGroupLayoutEntry {
-        binding: binding.binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: if textures && binding.texture { texture } else { buffer },
-        count: None,
-    }
+    wgpu::BindGroupLayoutEntry { binding: number, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None }
 }

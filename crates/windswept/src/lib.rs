@@ -64,7 +64,7 @@ pub use engine::required_limits;
 pub use error::{CheckpointError, Error, GpuError, RunError};
 pub use frame::{AirFrame, Frame, HairFrame};
 pub use gpu::{AdapterChoice, AdapterInfo, Gpu, adapters};
-pub use plan::{BufferRow, PlanRow, Uses, buffers, memory_bytes, table as plan, texture_bytes};
+pub use plan::{BufferRow, MemoryBytes, PlanRow, Uses, buffers, memory_bytes, table as plan};
 pub use report::{BandEnergy, Counts, PassReport, Report, Reset, SkippedReport};
 pub use simulation::{Accelerations, Buffers, Checkpoint, Simulation};
 
@@ -93,10 +93,10 @@ pub mod internals {
     pub fn without_subgroups(gpu: &Gpu) -> Gpu {
         gpu.without_subgroups()
     }
-    /// The device with passes that read buffers only, as on an adapter that is no program.
+    /// The device with the passes as on an adapter that is no software.
     #[must_use]
-    pub fn without_textures(gpu: &Gpu) -> Gpu {
-        gpu.without_textures()
+    pub fn without_software_texts(gpu: &Gpu) -> Gpu {
+        gpu.without_software_texts()
     }
     /// The status word and the counters.
     pub mod status {

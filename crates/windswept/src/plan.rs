@@ -20,7 +20,7 @@ use crate::{
     step::neighbours::Sort,
 };
 
-pub use self::table::{BufferRow, PlanRow, Uses, buffers, memory_bytes, table, texture_bytes};
+pub use self::table::{BufferRow, MemoryBytes, PlanRow, Uses, buffers, memory_bytes, table};
 
 /// What runs, and over how many elements.
 #[derive(Debug, Clone)]

@@ -3,62 +3,89 @@
 //! When an array is needed follows from what was recorded: from the first pass that binds it to the last one, in each recording.
 //! An array that is kept ([`Life::Kept`], [`Life::Lasting`]) lies alone, and so does one that a recording reads before any of its passes wrote it:
 //! what it holds came from elsewhere.
+//!
+//! Arrays that are read as textures (`textures.rs`) share those in the same way.
 
-use std::{cmp::Reverse, ops::Range};
+use std::{cmp::Reverse, collections::BTreeMap, ops::Range};
 
 use crate::{
     array::{AnyArray, Life},
     recorder::{Command, Recording},
+    textures::{self, Reading},
 };
 
-/// A block of memory for each array, by the array's slot.
+/// Where each array lies, by the array's slot.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sharing {
+    /// The block of memory.
     blocks: Vec<usize>,
+    /// The largest array that is read through the same texture, by its slot.
+    textures: Vec<usize>,
+}
+
+/// When something is needed: the passes of all recordings are numbered on end.
+type Times = Vec<Range<usize>>;
+
+/// Blocks of memory, each with its first array, and when it is needed: `None` takes no other array.
+#[derive(Default)]
+struct Blocks(Vec<(usize, Option<Times>)>);
+
+impl Blocks {
+    /// The block of an array: the first one that is free at these times, or one of its own.
+    fn place(&mut self, array: &AnyArray, times: Times, alone: bool) -> usize {
+        let apart = |other: &Range<usize>| times.iter().all(|time| other.end <= time.start || time.end <= other.start);
+        let free = |(_, taken): &(usize, Option<Times>)| taken.as_ref().is_some_and(|taken| taken.iter().all(apart));
+        let found = self.0.iter().position(free).filter(|_| !alone);
+        match found.and_then(|block| self.0[block].1.as_mut()) {
+            Some(taken) => taken.extend(times),
+            None => self.0.push((array.slot(), (!alone).then_some(times))),
+        }
+        found.unwrap_or(self.0.len() - 1)
+    }
 }
 
 impl Sharing {
     /// Every array alone, so that each can be looked at after any pass.
     #[must_use]
     pub fn none(arrays: &[AnyArray]) -> Self {
-        Self { blocks: (0..arrays.len()).collect() }
+        let own: Vec<usize> = (0..arrays.len()).collect();
+        Self { blocks: own.clone(), textures: own }
     }
 
     /// Arrays together that none of the recordings needs at the same time: the largest first, each in the first block where there is
     /// room.
     #[must_use]
     pub fn of(arrays: &[AnyArray], recordings: &[Recording]) -> Self {
-        let needed = |array: &AnyArray| recordings.iter().map(|recording| needed(array, recording)).collect::<Vec<_>>();
-        let mut order: Vec<(&AnyArray, Vec<Range<usize>>)> =
-            arrays.iter().map(|array| (array, needed(array))).collect();
+        let mut sharing = Self::none(arrays);
+        let mut order: Vec<(&AnyArray, Times)> =
+            arrays.iter().map(|array| (array, needed(array, recordings))).collect();
         // What no pass binds is never needed: it fits anywhere, and comes last.
-        order.sort_by_key(|(array, times)| Reverse((times.iter().any(|time| !time.is_empty()), array.bytes())));
-        let mut blocks = vec![0; arrays.len()];
-        // When each block is needed; a block of one array takes no other.
-        let mut taken: Vec<Option<Vec<Vec<Range<usize>>>>> = Vec::new();
+        order.sort_by_key(|(array, times)| Reverse((!times.is_empty(), array.bytes())));
+        let mut blocks = Blocks::default();
         for (array, times) in order {
-            let apart = |other: &Vec<Range<usize>>| {
-                other
-                    .iter()
-                    .zip(&times)
-                    .all(|(a, b)| a.is_empty() || b.is_empty() || a.end <= b.start || b.end <= a.start)
-            };
             let kept = matches!(array.life(), Life::Kept | Life::Lasting);
             let alone = kept || recordings.iter().any(|recording| comes_from_elsewhere(array, recording));
-            let free = |block: &Option<Vec<_>>| block.as_ref().is_some_and(|others| others.iter().all(apart));
-            let found = taken.iter().position(free).filter(|_| !alone);
-            blocks[array.slot()] = found.unwrap_or(taken.len());
-            match found.and_then(|block| taken[block].as_mut()) {
-                Some(others) => others.push(times),
-                None => taken.push((!alone).then(|| vec![times])),
-            }
+            sharing.blocks[array.slot()] = blocks.place(array, times, alone);
         }
-        Self { blocks }
+        let mut read = read(recordings);
+        read.sort_by_key(|reading| Reverse(reading.array.bytes()));
+        let mut textures: BTreeMap<u32, Blocks> = BTreeMap::new();
+        for Reading { array, texel, times } in read {
+            let same = textures.entry(texel).or_default();
+            let block = same.place(&array, times, false);
+            sharing.textures[array.slot()] = same.0[block].0;
+        }
+        sharing
     }
 
     /// The block of an array.
     pub(crate) fn block(&self, array: &AnyArray) -> usize {
         self.blocks[array.slot()]
+    }
+
+    /// The texture of an array, for those that passes read as textures: the slot of the largest array that is read through it.
+    pub(crate) fn texture(&self, array: &AnyArray) -> usize {
+        self.textures[array.slot()]
     }
 
     /// Whether no other array lies in the block of this one.
@@ -82,6 +109,12 @@ impl Sharing {
     #[must_use]
     pub fn bytes(&self, arrays: &[AnyArray]) -> u64 {
         self.largest(arrays).iter().map(AnyArray::bytes).sum()
+    }
+
+    /// The largest array of each texture that the recordings read.
+    pub(crate) fn textures(&self, arrays: &[AnyArray], recordings: &[Recording]) -> Vec<AnyArray> {
+        let read: Vec<usize> = read(recordings).iter().map(|reading| self.texture(&reading.array)).collect();
+        arrays.iter().filter(|array| read.contains(&array.slot())).copied().collect()
     }
 
     /// The first pass of a recording, and the array that it binds, where the array's memory was another's since the array was
@@ -114,14 +147,44 @@ fn uses<'a>(array: &AnyArray, recording: &'a Recording) -> impl DoubleEndedItera
     running.into_iter().filter(move |(_, command)| command.arrays.iter().any(|bound| bound.slot() == slot))
 }
 
-/// Passes of a recording that an array is needed for; none if no pass binds it.
-fn needed(array: &AnyArray, recording: &Recording) -> Range<usize> {
-    let mut places = uses(array, recording).map(|(place, _)| place);
-    let Some(first) = places.next() else { return 0..0 };
-    match array.life() {
-        Life::Scratch => first..places.next_back().unwrap_or(first) + 1,
-        Life::Left | Life::Kept | Life::Lasting => first..usize::MAX,
+/// When an array is needed; never if no pass binds it.
+fn needed(array: &AnyArray, recordings: &[Recording]) -> Times {
+    let mut times = Vec::new();
+    for (recording, before) in numbered(recordings) {
+        let mut places = uses(array, recording).map(|(place, _)| before + place);
+        let Some(first) = places.next() else { continue };
+        let end = match array.life() {
+            Life::Scratch => places.next_back().unwrap_or(first) + 1,
+            Life::Left | Life::Kept | Life::Lasting => before + recording.running().count(),
+        };
+        times.push(first..end);
     }
+    times
+}
+
+/// The arrays that recordings read as textures, and when.
+fn read(recordings: &[Recording]) -> Vec<Reading> {
+    let mut all: Vec<Reading> = Vec::new();
+    for (recording, before) in numbered(recordings) {
+        for reading in textures::readings(recording) {
+            let times = reading.times.iter().map(|time| before + time.start..before + time.end).collect();
+            match all.iter_mut().find(|other| other.array.slot() == reading.array.slot()) {
+                Some(other) => other.times.extend::<Times>(times),
+                None => all.push(Reading { times, ..reading }),
+            }
+        }
+    }
+    all
+}
+
+/// Recordings, and the number of passes of those before.
+fn numbered(recordings: &[Recording]) -> impl Iterator<Item = (&Recording, usize)> {
+    let before = |sum: &mut usize, recording: &Recording| {
+        let before = *sum;
+        *sum += recording.running().count();
+        Some(before)
+    };
+    recordings.iter().zip(recordings.iter().scan(0, before))
 }
 
 /// Whether the first pass that binds an array only reads it.

@@ -1,118 +1,59 @@
-//! Which arrays a recording reads as textures, where passes read textures faster than buffers (`shaders/build/textures.rs`).
+//! Which arrays passes read as textures on a software adapter (`shaders/build/software.rs`).
 //!
-//! Such an array has a buffer all the same, which passes write. Before a pass that reads its texture, the buffer is copied there unless
-//! the texture has it already. Arrays that a recording does not need as textures at the same time share one.
+//! Such an array has a buffer all the same, which passes write. It is copied to its texture before the first pass that reads it there, and
+//! again before the next one that does after a pass has written it. A texture is whole rows of texels. Arrays that are not needed as
+//! textures at the same time share one (`sharing.rs`).
 
 use std::ops::Range;
 
-use windswept_shaders::{Pass, TEXTURE_ROW};
+use windswept_shaders::{BindingKind, TEXTURE_ROW};
 
-use crate::{
-    array::AnyArray,
-    recorder::{Command, Recording},
-};
+use crate::{array::AnyArray, recorder::Recording};
 
-/// A texture of whole rows of texels, each of [`TEXTURE_ROW`] bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) struct Shape {
-    /// Bytes of a texel: 4, 8 or 16.
+/// An array that a recording reads as a texture.
+#[derive(Debug)]
+pub(crate) struct Reading {
+    pub(crate) array: AnyArray,
+    /// Bytes of a texel.
     pub(crate) texel: u32,
-    /// Rows of texels.
-    pub(crate) rows: u32,
-    /// Number of the texture among those of the same texels and rows.
-    pub(crate) number: usize,
+    /// When it is in the texture: from a pass before which it is copied there to the last one that reads that copy, by their places
+    /// among the passes that run.
+    pub(crate) times: Vec<Range<usize>>,
 }
 
-impl Shape {
-    fn new(array: &AnyArray, number: usize) -> Self {
-        let texel = array.size().min(16) as u32;
-        Self { texel, rows: array.bytes().div_ceil(TEXTURE_ROW.into()) as u32, number }
-    }
-
-    /// Size of the texture \[bytes\].
-    pub(crate) fn bytes(&self) -> u64 {
-        u64::from(TEXTURE_ROW) * u64::from(self.rows)
-    }
-
-    /// Texels of a row.
-    pub(crate) fn width(&self) -> u32 {
-        TEXTURE_ROW / self.texel
-    }
-}
-
-/// The textures of a recording: for each array that it reads as one, by the array's slot.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(crate) struct Textures(Vec<(AnyArray, Shape)>);
-
-impl Textures {
-    /// The textures that those passes of a recording read of which `reads` says that they read any.
-    pub(crate) fn of(recording: &Recording, reads: impl Fn(&Pass) -> bool) -> Self {
-        let mut needed: Vec<(AnyArray, Range<usize>)> = Vec::new();
-        for (place, command) in recording.running().enumerate() {
-            for array in read(command).filter(|_| reads(command.pass)) {
-                match needed.iter_mut().find(|(other, _)| other.slot() == array.slot()) {
-                    Some((_, times)) => times.end = place + 1,
-                    None => needed.push((*array, place..place + 1)),
-                }
+/// The arrays that a recording reads as textures.
+pub(crate) fn readings(recording: &Recording) -> Vec<Reading> {
+    let mut all: Vec<Reading> = Vec::new();
+    // Slots of the arrays whose textures have what their buffers have.
+    let mut there: Vec<usize> = Vec::new();
+    for (place, command) in recording.running().enumerate() {
+        let bound = || command.pass.bindings.iter().zip(&command.arrays);
+        for (binding, array) in bound() {
+            let BindingKind::Texture(texel) = binding.kind_in_software else { continue };
+            let known = all.iter().position(|reading| reading.array.slot() == array.slot());
+            let at = known.unwrap_or_else(|| {
+                all.push(Reading { array: *array, texel, times: Vec::new() });
+                all.len() - 1
+            });
+            if !there.contains(&array.slot()) {
+                there.push(array.slot());
+                all[at].times.push(place..place);
             }
+            all[at].times.last_mut().into_iter().for_each(|time| time.end = place + 1);
         }
-        let mut taken: Vec<(Shape, Range<usize>)> = Vec::new();
-        let mut place = |(array, times): (AnyArray, Range<usize>)| {
-            let free = |shape: &Shape| {
-                let mut same = taken.iter().filter(|(other, _)| other == shape);
-                same.all(|(_, other)| other.end <= times.start || times.end <= other.start)
-            };
-            let shape = (0..).map(|number| Shape::new(&array, number)).find(free);
-            let shape = shape.unwrap_or_else(|| Shape::new(&array, 0));
-            taken.push((shape, times));
-            (array, shape)
-        };
-        Self(needed.into_iter().map(&mut place).collect())
-    }
-
-    /// The texture of an array.
-    pub(crate) fn shape(&self, array: &AnyArray) -> Option<Shape> {
-        self.0.iter().find(|(other, _)| other.slot() == array.slot()).map(|(_, shape)| *shape)
-    }
-
-    /// Every texture, once.
-    pub(crate) fn shapes(&self) -> Vec<Shape> {
-        let mut shapes: Vec<Shape> = Vec::new();
-        for (_, shape) in &self.0 {
-            if !shapes.contains(shape) {
-                shapes.push(*shape);
-            }
+        for (_, array) in bound().filter(|(binding, _)| binding.writes) {
+            there.retain(|slot| *slot != array.slot());
         }
-        shapes
     }
-
-    /// For each pass that runs, the arrays that are copied to their textures before it.
-    pub(crate) fn copies(&self, recording: &Recording) -> Vec<Vec<AnyArray>> {
-        // Which array each texture has, by slot.
-        let mut has: Vec<(Shape, usize)> = Vec::new();
-        let mut before = |command: &Command| {
-            let mut copied = Vec::new();
-            for array in read(command) {
-                let Some(shape) = self.shape(array) else { continue };
-                if !has.contains(&(shape, array.slot())) {
-                    has.retain(|(other, _)| *other != shape);
-                    has.push((shape, array.slot()));
-                    copied.push(*array);
-                }
-            }
-            for (binding, array) in command.pass.bindings.iter().zip(&command.arrays) {
-                if binding.writes {
-                    has.retain(|(_, slot)| *slot != array.slot());
-                }
-            }
-            copied
-        };
-        recording.running().map(&mut before).collect()
-    }
+    all
 }
 
-/// The arrays that a pass reads as textures.
-fn read(command: &Command) -> impl Iterator<Item = &AnyArray> {
-    let bound = command.pass.bindings.iter().zip(&command.arrays);
-    bound.filter(|(binding, _)| binding.texture).map(|(_, array)| array)
+/// Rows of the texture that holds an array.
+pub(crate) fn rows(array: &AnyArray) -> u64 {
+    array.bytes().div_ceil(TEXTURE_ROW.into())
+}
+
+/// Size of the texture that holds an array \[bytes\].
+pub(crate) fn bytes(array: &AnyArray) -> u64 {
+    rows(array) * u64::from(TEXTURE_ROW)
 }

@@ -8,7 +8,7 @@ use std::{
 
 use bytemuck::Pod;
 
-use windswept_shaders::common::lanes::LANES;
+use windswept_shaders::{BindingKind, TEXTURE_ROW, common::lanes::LANES};
 
 use crate::{
     array::{AnyArray, Array, Life, is_uniform},
@@ -17,15 +17,21 @@ use crate::{
     gpu::Gpu,
     sharing::Sharing,
     state::State,
-    textures::Shape,
+    textures,
 };
+
+/// Size of a row of a uniform, four words \[bytes\].
+const UNIFORM_ROW: u64 = 16;
 
 /// A buffer for each block of memory, and which array lies in which block.
 #[derive(Debug)]
 pub(crate) struct Memory {
     buffers: Vec<wgpu::Buffer>,
     sharing: Sharing,
-    textures: Mutex<HashMap<Shape, wgpu::Texture>>,
+    /// Textures by their numbers in `sharing`, each made when a program first reads it.
+    textures: Mutex<HashMap<usize, wgpu::Texture>>,
+    /// Rows of each of those, made or not.
+    rows: Vec<u64>,
 }
 
 impl Memory {
@@ -36,7 +42,12 @@ impl Memory {
             check_size(gpu, state, array)?;
         }
         let buffers = sharing.largest(&arrays).iter().map(|array| allocate(gpu, array)).collect::<Result<_, _>>()?;
-        Ok(Self { buffers, sharing, textures: Mutex::default() })
+        let mut rows = vec![0; arrays.len()];
+        for array in &arrays {
+            let rows = &mut rows[sharing.texture(array)];
+            *rows = textures::rows(array).max(*rows);
+        }
+        Ok(Self { buffers, sharing, textures: Mutex::default(), rows })
     }
 
     /// Which array lies in which block.
@@ -47,6 +58,11 @@ impl Memory {
     /// Gives an array that has grown, and lies alone, a new, zeroed buffer.
     pub(crate) fn reallocate(&mut self, gpu: &Gpu, array: &AnyArray) -> Result<(), GpuError> {
         self.buffers[self.sharing.block(array)] = allocate(gpu, array)?;
+        let texture = self.sharing.texture(array);
+        if textures::rows(array) > self.rows[texture] {
+            self.rows[texture] = textures::rows(array);
+            self.textures.get_mut().unwrap_or_else(PoisonError::into_inner).remove(&texture);
+        }
         Ok(())
     }
 
@@ -54,45 +70,44 @@ impl Memory {
         &self.buffers[self.sharing.block(array)]
     }
 
-    /// The binding of an array: the whole of it, or one element. Its buffer may be longer.
-    pub(crate) fn binding(&self, array: &AnyArray) -> wgpu::BindingResource<'_> {
+    /// The binding of an array: the whole of it, or one element. Its buffer may be longer, and a uniform is whole rows.
+    pub(crate) fn binding(&self, array: &AnyArray, kind: BindingKind) -> wgpu::BindingResource<'_> {
         let (offset, size) = array.element().map_or((0, array.bytes()), |k| (k * array.stride(), array.size()));
+        let size = if kind == BindingKind::Uniform { size.next_multiple_of(UNIFORM_ROW) } else { size };
         let (buffer, size) = (self.buffer(array), NonZero::new(size));
         wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size })
     }
 
-    /// Size of all textures together \[bytes\].
+    /// Size of all textures together that were made \[bytes\].
     pub(crate) fn texture_bytes(&self) -> u64 {
-        self.textures.lock().unwrap_or_else(PoisonError::into_inner).keys().map(Shape::bytes).sum()
+        let textures = self.textures.lock().unwrap_or_else(PoisonError::into_inner);
+        textures.values().map(|texture| u64::from(texture.height()) * u64::from(TEXTURE_ROW)).sum()
     }
 
-    /// The texture of a shape, made at its first use. Programs that have textures of the same shape share them.
-    pub(crate) fn texture(&self, gpu: &Gpu, shape: Shape) -> Result<wgpu::Texture, GpuError> {
+    /// The texture of an array, of texels of so many bytes.
+    pub(crate) fn texture(&self, gpu: &Gpu, array: &AnyArray, texel: u32) -> Result<wgpu::Texture, GpuError> {
         let mut textures = self.textures.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(texture) = textures.get(&shape) {
+        let number = self.sharing.texture(array);
+        if let Some(texture) = textures.get(&number) {
             return Ok(texture.clone());
         }
-        let format = match shape.texel {
-            4 => wgpu::TextureFormat::R32Uint,
-            8 => wgpu::TextureFormat::Rg32Uint,
-            _ => wgpu::TextureFormat::Rgba32Uint,
-        };
+        let height = self.rows[number] as u32;
         let texture = gpu.checked(
-            || format!("allocating a texture of {} bytes", shape.bytes()),
+            || format!("allocating a texture of {height} rows of {TEXTURE_ROW} bytes for {}", array.name()),
             || {
                 gpu.device.create_texture(&wgpu::TextureDescriptor {
-                    label: Some("what passes read"),
-                    size: wgpu::Extent3d { width: shape.width(), height: shape.rows, depth_or_array_layers: 1 },
+                    label: Some(array.name()),
+                    size: wgpu::Extent3d { width: TEXTURE_ROW / texel, height, depth_or_array_layers: 1 },
                     mip_level_count: 1,
                     sample_count: 1,
                     dimension: wgpu::TextureDimension::D2,
-                    format,
-                    usage: wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING,
+                    format: format(texel),
+                    usage: wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::STORAGE_BINDING,
                     view_formats: &[],
                 })
             },
         )?;
-        textures.insert(shape, texture.clone());
+        textures.insert(number, texture.clone());
         Ok(texture)
     }
 
@@ -193,6 +208,15 @@ impl Memory {
     }
 }
 
+/// The format of texels of so many bytes.
+pub(super) fn format(texel: u32) -> wgpu::TextureFormat {
+    match texel {
+        4 => wgpu::TextureFormat::R32Uint,
+        8 => wgpu::TextureFormat::Rg32Uint,
+        _ => wgpu::TextureFormat::Rgba32Uint,
+    }
+}
+
 fn check_size(gpu: &Gpu, state: &State, array: &AnyArray) -> Result<(), GpuError> {
     let limit = gpu.largest_binding();
     if array.bytes() <= limit {
@@ -206,13 +230,17 @@ fn check_size(gpu: &Gpu, state: &State, array: &AnyArray) -> Result<(), GpuError
 
 fn allocate(gpu: &Gpu, array: &AnyArray) -> Result<wgpu::Buffer, GpuError> {
     let uniform = is_uniform(array.name());
-    let kind = if uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
+    let kind = match (uniform, gpu.has_software_texts()) {
+        (true, _) => wgpu::BufferUsages::UNIFORM,
+        (false, true) => wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
+        (false, false) => wgpu::BufferUsages::STORAGE,
+    };
     gpu.checked(
         || format!("allocating {} bytes for {}", array.bytes(), array.name()),
         || {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(array.name()),
-                size: array.bytes().next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT),
+                size: array.bytes().next_multiple_of(UNIFORM_ROW),
                 usage: kind | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             })

@@ -7,14 +7,13 @@ use std::{
 
 pub(crate) use wgpu_profiler::chrometrace::write_chrometrace as write_trace;
 use wgpu_profiler::{GpuProfiler, GpuProfilerSettings, GpuTimerQueryResult};
-use windswept_shaders::TEXTURE_ROW;
+use windswept_shaders::{BindingKind, TEXTURE_ROW};
 
 use crate::{
-    array::AnyArray,
     error::GpuError,
     gpu::{Gpu, Memory},
     recorder::{Command, Recording},
-    textures::{Shape, Textures},
+    textures::{self, Reading},
 };
 
 /// A recorded step, ready to replay.
@@ -41,7 +40,6 @@ struct Copy {
     buffer: wgpu::Buffer,
     bytes: u64,
     texture: wgpu::Texture,
-    shape: Shape,
 }
 
 /// GPU time of a pass over all its runs in the measured steps.
@@ -61,13 +59,12 @@ pub(crate) type Profile = BTreeMap<(&'static str, &'static str, Option<usize>), 
 
 impl Program {
     pub(crate) fn new(gpu: &Gpu, memory: &Memory, recording: &Recording, meshes: bool) -> Result<Self, GpuError> {
-        let textures = Textures::of(recording, |pass| gpu.reads_textures(pass));
-        let each = recording
-            .running()
-            .zip(textures.copies(recording))
-            .map(|(command, copies)| dispatch(gpu, memory, &textures, command, &copies, meshes));
-        let dispatches = each.collect::<Result<_, _>>()?;
-        Ok(Self { dispatches })
+        let readings = textures::readings(recording);
+        let dispatches = recording.running().enumerate().map(|(place, command)| {
+            let copied = readings.iter().filter(|reading| reading.times.iter().any(|time| time.start == place));
+            Dispatch::new(gpu, memory, command, copied.filter(|_| gpu.has_software_texts()), meshes)
+        });
+        Ok(Self { dispatches: dispatches.collect::<Result<_, _>>()? })
     }
 
     /// Encodes the recording once.
@@ -83,13 +80,15 @@ impl Program {
         }
     }
 
-    /// Encodes the recording once, with a timer around each dispatch.
+    /// Encodes the recording once, with a timer around each dispatch and what is copied before it.
     fn encode_profiled(&self, profiler: &GpuProfiler, encoder: &mut wgpu::CommandEncoder) {
         for part in self.parts() {
+            let name = |dispatch: &Dispatch| format!("{}: {}", dispatch.pass, dispatch.label);
+            let mut begun = (!part[0].copies.is_empty()).then(|| profiler.begin_query(name(&part[0]), encoder));
             part[0].copies.iter().for_each(|copy| copy.encode(encoder));
             let mut pass = encoder.begin_compute_pass(&STEP);
             for dispatch in part {
-                let query = profiler.begin_query(format!("{}: {}", dispatch.pass, dispatch.label), &mut pass);
+                let query = begun.take().unwrap_or_else(|| profiler.begin_query(name(dispatch), &mut pass));
                 dispatch.encode(&mut pass);
                 profiler.end_query(&mut pass, query);
             }
@@ -108,7 +107,8 @@ impl Program {
             doing: "timing the passes".to_owned(),
             reason: error.to_string(),
         };
-        let settings = GpuProfilerSettings::default();
+        // A timer that begins before a pass, as copies do, and ends inside it cannot be a debug group.
+        let settings = GpuProfilerSettings { enable_debug_groups: false, ..GpuProfilerSettings::default() };
         let mut profiler = GpuProfiler::new(&gpu.device, settings).map_err(|error| failed(&error))?;
         gpu.checked(
             || "running a timed step".to_owned(),
@@ -154,7 +154,8 @@ impl Copy {
             if rows == 0 || bytes == 0 {
                 continue;
             }
-            let width = (bytes / u64::from(self.shape.texel)) as u32;
+            // Texels of so many of a row's bytes.
+            let width = (bytes * u64::from(self.texture.width()) / u64::from(TEXTURE_ROW)) as u32;
             encoder.copy_buffer_to_texture(
                 wgpu::TexelCopyBufferInfo {
                     buffer: &self.buffer,
@@ -177,67 +178,62 @@ impl Copy {
 }
 
 impl Dispatch {
+    fn new<'a>(
+        gpu: &Gpu,
+        memory: &Memory,
+        command: &Command,
+        copied: impl Iterator<Item = &'a Reading>,
+        meshes: bool,
+    ) -> Result<Self, GpuError> {
+        let copies = copied.map(|Reading { array, texel, .. }| {
+            let texture = memory.texture(gpu, array, *texel)?;
+            Ok(Copy { buffer: memory.buffer(array).clone(), bytes: array.bytes(), texture })
+        });
+        let copies = copies.collect::<Result<_, GpuError>>()?;
+        let pipeline = gpu.pipeline(command.pass, meshes)?;
+        let bound = || command.pass.bindings.iter().zip(&command.arrays);
+        let views = bound().map(|(binding, array)| match gpu.kind(command.pass, binding) {
+            BindingKind::Texture(texel) => {
+                let texture = memory.texture(gpu, array, texel)?;
+                Ok(Some(texture.create_view(&wgpu::TextureViewDescriptor::default())))
+            }
+            _ => Ok(None),
+        });
+        let views = views.collect::<Result<Vec<_>, GpuError>>()?;
+        let resources = bound().zip(&views).map(|((binding, array), view)| {
+            let buffer = || memory.binding(array, gpu.kind(command.pass, binding));
+            let resource = view.as_ref().map_or_else(buffer, wgpu::BindingResource::TextureView);
+            wgpu::BindGroupEntry { binding: binding.binding, resource }
+        });
+        let entries: Vec<_> = resources.collect();
+        let group = gpu.checked(
+            || format!("binding {} ({})", command.pass.name, command.label),
+            || {
+                gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: Some(command.label),
+                    layout: &pipeline.get_bind_group_layout(0),
+                    entries: &entries,
+                })
+            },
+        )?;
+        let row = gpu.device.limits().max_compute_workgroups_per_dimension;
+        let workgroups = command.invocations.div_ceil(command.pass.workgroup);
+        // More workgroups than a dimension holds fold into rows (`shaders/common/dispatch.wgsl`).
+        let rows = workgroups.div_ceil(row).max(1);
+        Ok(Self {
+            copies,
+            label: command.label,
+            pass: command.pass.name,
+            band: command.band,
+            pipeline,
+            group,
+            workgroups: [workgroups.div_ceil(rows), rows],
+        })
+    }
+
     fn encode(&self, pass: &mut wgpu::ComputePass<'_>) {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.group, &[]);
         pass.dispatch_workgroups(self.workgroups[0], self.workgroups[1], 1);
     }
-}
-
-fn dispatch(
-    gpu: &Gpu,
-    memory: &Memory,
-    textures: &Textures,
-    command: &Command,
-    copied: &[AnyArray],
-    meshes: bool,
-) -> Result<Dispatch, GpuError> {
-    let pipeline = gpu.pipeline(command.pass, meshes)?;
-    let reads_textures = gpu.reads_textures(command.pass);
-    let mut views = Vec::new();
-    for (binding, array) in command.pass.bindings.iter().zip(&command.arrays) {
-        let shape = textures.shape(array).filter(|_| reads_textures && binding.texture);
-        let texture = shape.map(|shape| memory.texture(gpu, shape)).transpose()?;
-        views.push(texture.map(|texture| texture.create_view(&wgpu::TextureViewDescriptor::default())));
-    }
-    let entries: Vec<_> = command
-        .pass
-        .bindings
-        .iter()
-        .zip(&command.arrays)
-        .zip(&views)
-        .map(|((binding, array), view)| {
-            let resource = view.as_ref().map_or_else(|| memory.binding(array), wgpu::BindingResource::TextureView);
-            wgpu::BindGroupEntry { binding: binding.binding, resource }
-        })
-        .collect();
-    let group = gpu.checked(
-        || format!("binding {} ({})", command.pass.name, command.label),
-        || {
-            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some(command.label),
-                layout: &pipeline.get_bind_group_layout(0),
-                entries: &entries,
-            })
-        },
-    )?;
-    let mut copies = Vec::new();
-    for array in copied {
-        let Some(shape) = textures.shape(array) else { continue };
-        let texture = memory.texture(gpu, shape)?;
-        copies.push(Copy { buffer: memory.buffer(array).clone(), bytes: array.bytes(), texture, shape });
-    }
-    let row = gpu.device.limits().max_compute_workgroups_per_dimension;
-    let workgroups = command.invocations.div_ceil(command.pass.workgroup);
-    // More workgroups than a dimension holds fold into rows (`shaders/common/dispatch.wgsl`).
-    let rows = workgroups.div_ceil(row).max(1);
-    Ok(Dispatch {
-        copies,
-        label: command.label,
-        pass: command.pass.name,
-        band: command.band,
-        pipeline,
-        group,
-        workgroups: [workgroups.div_ceil(rows), rows],
-    })
 }

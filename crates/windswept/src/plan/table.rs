@@ -11,8 +11,7 @@ use crate::{
     setup::Setup,
     sharing::Sharing,
     state::State,
-    step,
-    textures::{Shape, Textures},
+    step, textures,
 };
 
 /// A row of `windswept plan`: a pass of the step.
@@ -61,6 +60,8 @@ pub struct BufferRow {
     pub stride: u64,
     /// The largest buffer of those in the same memory, no two of which are needed at a time; its own name where it is the largest.
     pub memory: &'static str,
+    /// Size of the texture that a software adapter has besides for this buffer, and perhaps for smaller ones; 0 if for none \[bytes\].
+    pub texture_bytes: u64,
     /// What it holds, with its unit.
     pub doc: &'static str,
 }
@@ -79,34 +80,32 @@ impl BufferRow {
     }
 }
 
-/// The buffers of a setup at the start of a run, and how they share memory.
-fn first_arrays(setup: &Setup<'_>) -> (Vec<AnyArray>, Sharing) {
+/// The buffers of a setup at the start of a run, how they share memory, and the largest array of each texture on a software adapter.
+fn first_memory(setup: &Setup<'_>) -> (Vec<AnyArray>, Sharing, Vec<AnyArray>) {
     let state = State::new(&first_sizes(setup));
-    let arrays = state.arrays();
-    let sharing = Sharing::of(&arrays, &step::recordings(&state, &Plan::new(setup)));
-    (arrays, sharing)
+    let (arrays, recordings) = (state.arrays(), step::recordings(&state, &Plan::new(setup)));
+    let sharing = Sharing::of(&arrays, &recordings);
+    let textures = sharing.textures(&arrays, &recordings);
+    (arrays, sharing, textures)
 }
 
-/// Bytes of a scene's buffers at the start of a run; its neighbour list may grow.
+/// GPU memory of a scene at the start of a run; its neighbour list may grow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MemoryBytes {
+    /// Size of all buffers together \[bytes\].
+    pub buffers: u64,
+    /// Size of the textures that there are besides on a software adapter \[bytes\].
+    pub textures: u64,
+}
+
+/// What GPU memory a scene takes at the start of a run, with no GPU.
 ///
 /// # Errors
 /// [`SceneError`] when the arrays of the initial state do not belong together.
-pub fn memory_bytes(scene: &Scene, initial: &InitialState) -> Result<u64, SceneError> {
+pub fn memory_bytes(scene: &Scene, initial: &InitialState) -> Result<MemoryBytes, SceneError> {
     initial.check()?;
-    let (arrays, sharing) = first_arrays(&Setup::new(scene, initial));
-    Ok(sharing.bytes(&arrays))
-}
-
-/// Bytes of the textures that a scene takes besides its buffers on a software adapter, at the start of a run.
-///
-/// # Errors
-/// [`SceneError`] when the arrays of the initial state do not belong together.
-pub fn texture_bytes(scene: &Scene, initial: &InitialState) -> Result<u64, SceneError> {
-    initial.check()?;
-    let setup = Setup::new(scene, initial);
-    let state = State::new(&first_sizes(&setup));
-    let recording = Recorder::record(&state, |r| step::record(r, &Plan::new(&setup)));
-    Ok(Textures::of(&recording, |_| true).shapes().iter().map(Shape::bytes).sum())
+    let (arrays, sharing, textures) = first_memory(&Setup::new(scene, initial));
+    Ok(MemoryBytes { buffers: sharing.bytes(&arrays), textures: textures.iter().map(textures::bytes).sum() })
 }
 
 /// The step of a scene, pass by pass in execution order: a dry run of `step.rs`, with no GPU.
@@ -172,13 +171,14 @@ fn uses(command: &Command) -> Uses {
 /// [`SceneError`] when the initial state cannot be made.
 pub fn buffers(scene: &Scene) -> Result<Vec<BufferRow>, SceneError> {
     let initial = InitialState::new(scene)?;
-    let (arrays, sharing) = first_arrays(&Setup::new(scene, &initial));
+    let (arrays, sharing, textures) = first_memory(&Setup::new(scene, &initial));
     let largest = sharing.largest(&arrays);
     let row = |array: &AnyArray| BufferRow {
         name: array.name(),
         len: array.len(),
         stride: array.stride(),
         memory: largest[sharing.block(array)].name(),
+        texture_bytes: textures.iter().find(|first| first.slot() == array.slot()).map_or(0, textures::bytes),
         doc: array.doc(),
     };
     Ok(arrays.iter().map(row).collect())

@@ -1,0 +1,270 @@
+//! The same pass for a software adapter: what it only reads lies in uniforms and textures instead of storage buffers.
+//!
+//! Mesa's software driver reads a storage buffer lane by lane. It reads a read-only storage texture eight lanes at once, some ten times
+//! faster, and a constant place of a uniform once for all. A texture has the words of an array in texels of one, two or four, row by row;
+//! an element of more words takes several texels. Texels and the uniforms' words hold bits, and a load turns them into what the shader
+//! reads, so that both texts of a pass give the same bits.
+
+use std::collections::BTreeMap;
+
+use naga::{
+    AddressSpace, ArraySize, Handle, Module, Scalar, ScalarKind, StructMember, Type, TypeInner,
+    valid::{GlobalUse, ModuleInfo},
+};
+
+use crate::Result;
+
+/// Bytes of a row of texels in every texture.
+pub(crate) const ROW: u32 = 32768;
+
+/// Names, as shaders bind them, of the arrays that are textures where a pass only reads them: those of which a step reads most.
+const ARRAYS: [&str; 43] = [
+    "air_id",
+    "brought",
+    "cell_start",
+    "coarse_change",
+    "confinement",
+    "curvature",
+    "density",
+    "deposited",
+    "distances",
+    "drag_impulse",
+    "exchange",
+    "field",
+    "final_velocity",
+    "flow",
+    "gradients",
+    "members",
+    "multiplier",
+    "neighbour_list",
+    "new_velocity",
+    "next_air_id",
+    "nodes",
+    "point_history",
+    "position",
+    "predicted",
+    "pressed",
+    "pressed_before",
+    "rod_points",
+    "rubbing",
+    "sampled",
+    "scattered",
+    "shift",
+    "smoothed",
+    "smoother",
+    "smoother_curvature",
+    "sorted",
+    "sorted_position",
+    "squeezed",
+    "strands",
+    "stress",
+    "taps",
+    "velocity",
+    "vorticity",
+    "wind_change",
+];
+
+/// Names of the arrays that have so few elements that they are uniforms, and how many elements those are.
+const FEW: [(&str, u32); 3] = [("lack", 1), ("coarse_mean", 1), ("mean_confinement", 2)];
+
+/// What stands in the text for software adapters in place of a storage buffer.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Place {
+    /// A uniform.
+    Uniform,
+    /// A texture of texels of so many bytes.
+    Texture(u32),
+}
+
+/// The text of a pass for software adapters, and what is in another place there, by the numbers of the bindings; `None` where nothing is.
+pub(crate) fn text_for_software(
+    text: &str,
+    module: &Module,
+    info: &ModuleInfo,
+) -> Result<Option<(String, BTreeMap<u32, Place>)>> {
+    let (mut text, mut places) = (text.to_owned(), BTreeMap::new());
+    for (handle, variable) in module.global_variables.iter() {
+        let (Some(name), Some(binding)) = (variable.name.as_deref(), &variable.binding) else { continue };
+        let AddressSpace::Storage { access } = variable.space else { continue };
+        if info.get_entry_point(0)[handle].intersects(GlobalUse::WRITE | GlobalUse::ATOMIC) {
+            continue;
+        }
+        let mode = if access.contains(naga::StorageAccess::STORE) { "read_write" } else { "read" };
+        let declaration = format!("var<storage, {mode}> {name}: ");
+        let (before, rest) = text.split_once(&declaration).ok_or_else(|| format!("no `{declaration}`"))?;
+        let (_, after) = rest.split_once(';').ok_or_else(|| format!("no end of `{declaration}`"))?;
+        let few = FEW.iter().find(|(few, _)| *few == name).map(|(_, count)| *count);
+        let (made, place) = match (&module.types[variable.ty].inner, few) {
+            (TypeInner::Struct { members, span }, _) => {
+                let words = format!("var<uniform> {name}: array<vec4<u32>, {}>;", span.div_ceil(16));
+                let with_words = |text| with_words(text, name, module, members);
+                (format!("{}{words}{}", with_words(before)?, with_words(after)?), Place::Uniform)
+            }
+            (TypeInner::Array { base, size: ArraySize::Dynamic, .. }, Some(count)) => {
+                let kind = type_name(module, *base)?;
+                (format!("{before}var<uniform> {name}: array<{kind}, {count}>;{after}"), Place::Uniform)
+            }
+            (TypeInner::Array { base, size: ArraySize::Dynamic, stride }, None) if ARRAYS.contains(&name) => {
+                let (declared, texel) = texture(name, module, *base, *stride)?;
+                (format!("{}{declared}{}", loaded(before, name)?, loaded(after, name)?), Place::Texture(texel))
+            }
+            _ => continue,
+        };
+        text = made;
+        places.insert(binding.binding, place);
+    }
+    Ok((!places.is_empty()).then_some((text, places)))
+}
+
+/// Bytes of a texel for elements of so many bytes: the most of 4, 8 and 16 of which they are a multiple.
+fn texel(stride: u32) -> u32 {
+    1 << stride.trailing_zeros().min(4)
+}
+
+/// The declaration of a texture in place of the array `name` with a function that loads an element of it, and the bytes of its texels.
+fn texture(name: &str, module: &Module, base: Handle<Type>, stride: u32) -> Result<(String, u32)> {
+    let texel = texel(stride);
+    let (texels, per_row) = (stride / texel, ROW / texel);
+    let (across, down) = (per_row - 1, per_row.ilog2());
+    let loads: String = (0..texels)
+        .map(|k| {
+            let at = if texels > 1 { format!("({texels}u * e + {k}u)") } else { "e".to_owned() };
+            format!("    let t{k} = textureLoad({name}, vec2u({at} & {across}u, {at} >> {down}u));\n")
+        })
+        .collect();
+    let (kind, element) = (type_name(module, base)?, element(module, base, 0, texel)?);
+    let function = format!("fn load_{name}(e: u32) -> {kind} {{\n{loads}    return {element};\n}}\n");
+    let format = match texel {
+        4 => "r32uint",
+        8 => "rg32uint",
+        _ => "rgba32uint",
+    };
+    Ok((format!("var {name}: texture_storage_2d<{format}, read>;\n\n{function}"), texel))
+}
+
+/// The text with words of the uniform `name` in place of each `name.member`, atomic or not.
+fn with_words(text: &str, name: &str, module: &Module, members: &[StructMember]) -> Result<String> {
+    let word = |scalar: Scalar, index: &str| {
+        let bits = format!("{name}[({index}) / 4u][({index}) % 4u]");
+        if scalar.kind == ScalarKind::Uint { bits } else { format!("bitcast<{}>({bits})", scalar_name(scalar)) }
+    };
+    let mut made = String::new();
+    let mut rest = text;
+    let pattern = format!("{name}.");
+    while let Some(at) = rest.find(&pattern) {
+        let (before, from) = rest.split_at(at);
+        let inside = &from[pattern.len()..];
+        if ends_in_word(before) {
+            made += before;
+            made += &pattern;
+            rest = inside;
+            continue;
+        }
+        let end = inside.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(inside.len());
+        let (field, after) = inside.split_at(end);
+        let member = members.iter().find(|member| member.name.as_deref() == Some(field));
+        let member = member.ok_or_else(|| format!("{name} has no member {field:?}"))?;
+        let first = member.offset / 4;
+        let scalar = |ty: Handle<Type>| match module.types[ty].inner {
+            TypeInner::Scalar(scalar) | TypeInner::Atomic(scalar) => Ok(scalar),
+            ref other => Err(format!("{name}.{field}: {other:?} is no word")),
+        };
+        let (before, value, after) = match (&module.types[member.ty].inner, after.strip_prefix('[')) {
+            (TypeInner::Array { base, .. }, Some(inside)) => {
+                let (index, after) = closed(inside)?;
+                (before, word(scalar(*base)?, &format!("{first}u + u32({index})")), after)
+            }
+            _ => (before, word(scalar(member.ty)?, &format!("{first}u")), after),
+        };
+        let (before, after) = match (before.strip_suffix("atomicLoad(&"), after.strip_prefix(')')) {
+            (Some(before), Some(after)) => (before, after),
+            _ => (before, after),
+        };
+        made += before;
+        made += &value;
+        rest = after;
+    }
+    Ok(made + rest)
+}
+
+/// Whether a text ends within a word, or with the dot before a member.
+fn ends_in_word(text: &str) -> bool {
+    text.ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == '.')
+}
+
+/// What is inside a bracket that a text begins in, and what follows the bracket.
+fn closed(text: &str) -> Result<(&str, &str)> {
+    let mut depth = 1;
+    let end = text.find(|c| {
+        depth += match c {
+            '[' => 1,
+            ']' => -1,
+            _ => 0,
+        };
+        depth == 0
+    });
+    let end = end.ok_or_else(|| format!("a bracket is not closed: {text:?}"))?;
+    Ok((&text[..end], &text[end + 1..]))
+}
+
+/// The text with `load_name(u32(index))` in place of each `name[index]`.
+fn loaded(text: &str, name: &str) -> Result<String> {
+    let mut made = String::new();
+    let mut rest = text;
+    let pattern = format!("{name}[");
+    while let Some(at) = rest.find(&pattern) {
+        let (before, from) = rest.split_at(at);
+        made += before;
+        let inside = &from[pattern.len()..];
+        if ends_in_word(before) {
+            made += &pattern;
+            rest = inside;
+            continue;
+        }
+        let (index, after) = closed(inside)?;
+        made += &format!("load_{name}(u32({}))", loaded(index, name)?);
+        rest = after;
+    }
+    Ok(made + rest)
+}
+
+/// A scalar as WGSL spells it.
+fn scalar_name(scalar: Scalar) -> &'static str {
+    match scalar.kind {
+        ScalarKind::Float => "f32",
+        ScalarKind::Sint => "i32",
+        _ => "u32",
+    }
+}
+
+/// A type as WGSL spells it.
+fn type_name(module: &Module, ty: Handle<Type>) -> Result<String> {
+    Ok(match &module.types[ty] {
+        Type { name: Some(name), .. } => name.clone(),
+        Type { inner: TypeInner::Scalar(scalar), .. } => scalar_name(*scalar).to_owned(),
+        Type { inner: TypeInner::Vector { size, scalar }, .. } => {
+            format!("vec{}<{}>", *size as u32, scalar_name(*scalar))
+        }
+        other => return Err(format!("{other:?} cannot be in a texture").into()),
+    })
+}
+
+/// The value of a type at an offset of an element whose texels, each of so many bytes, are `t0`, `t1` and so on.
+fn element(module: &Module, ty: Handle<Type>, offset: u32, texel: u32) -> Result<String> {
+    let kind = type_name(module, ty)?;
+    let word = |k: u32| {
+        format!("t{}.{}", (offset + 4 * k) / texel, ["x", "y", "z", "w"][((offset + 4 * k) % texel / 4) as usize])
+    };
+    Ok(match &module.types[ty].inner {
+        TypeInner::Scalar(_) => format!("bitcast<{kind}>({})", word(0)),
+        TypeInner::Vector { size, .. } => {
+            let count = *size as u32;
+            format!("bitcast<{kind}>(vec{count}u({}))", (0..count).map(word).collect::<Vec<_>>().join(", "))
+        }
+        TypeInner::Struct { members, .. } => {
+            let values = members.iter().map(|member| element(module, member.ty, offset + member.offset, texel));
+            format!("{kind}({})", values.collect::<Result<Vec<_>>>()?.join(", "))
+        }
+        other => return Err(format!("{other:?} cannot be in a texture").into()),
+    })
+}
