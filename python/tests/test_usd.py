@@ -108,6 +108,24 @@ def test_ids_of_several_prims_are_made_unique(tmp_path):
         assert file["ids"].tolist() == [9, 4, 10, 11]
 
 
+def test_what_only_some_prims_have_is_left_out_by_name(tmp_path):
+    points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
+    stage = stage_of(tmp_path / "groom.usda", points, [4, 7])
+    Sdf.CopySpec(stage.GetRootLayer(), "/Head/Hair", stage.GetRootLayer(), "/Head/Lashes")
+    lashes = UsdGeom.BasisCurves(stage.GetPrimAtPath("/Head/Lashes"))
+    lashes.GetPrim().RemoveProperty("primvars:groom_id")
+    lashes.GetWidthsAttr().Set([0.004, 0.006])
+    stage.GetRootLayer().Save()
+    with pytest.warns(UserWarning) as said:
+        assert ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "groom.npz") == 4
+    assert sorted(str(warning.message).split("groom.usda: ")[1] for warning in said) == [
+        "/Head/Hair has no widths, which is left out of the other prims too",
+        "/Head/Lashes has no groom_id, which is left out of the other prims too",
+    ]
+    with np.load(tmp_path / "groom.npz") as file:
+        assert sorted(file.files) == ["guides", "meters_per_unit", "offsets", "points"]
+
+
 def test_curves_of_instances_are_found(tmp_path):
     points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
     stage_of(tmp_path / "head.usda", points, [4, 7])

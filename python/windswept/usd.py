@@ -42,7 +42,8 @@ def to_npz(path: str | PathLike[str], out: str | PathLike[str], time: float | No
     vertices ("linear", or "catmullRom" that is pinned), and Bézier curves by their points on the curve. Curves keep the order of
     the stage; `groom_id`, `groom_group_id`, `groom_root_uv` and `groom_guide` become ids, groups, root_uv and guides, where every
     prim has them. The unit comes along, and what is up becomes +Y. A `UserWarning` names prims without points, which are left
-    out, and says how many curves have an id that a curve before them has: those get new ids.
+    out, says which of these and of the widths are left out since only some prims have them, and says how many curves have an id that a
+    curve before them has: those get new ids.
 
     Args:
         path: the file: .usd, .usda, .usdc or .usdz.
@@ -65,16 +66,20 @@ def to_npz(path: str | PathLike[str], out: str | PathLike[str], time: float | No
         reason = error.args[0].commentary.strip() if os.path.exists(path) else "there is no such file"
         raise ValueError(f"{path}: expected a USD file: {reason}") from None
     arrays: dict[str, Any] = {
-        "points": np.concatenate([part["points"] for part in parts]),
-        "offsets": np.concatenate([[0], np.cumsum(np.concatenate([part["counts"] for part in parts]))]),
+        "points": np.concatenate([part["points"] for part in parts.values()]),
+        "offsets": np.concatenate([[0], np.cumsum(np.concatenate([part["counts"] for part in parts.values()]))]),
         "meters_per_unit": np.array(UsdGeom.GetStageMetersPerUnit(stage)),
     }
     if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z:
         x, y, z = arrays["points"].T
         arrays["points"] = np.stack([x, z, -y], axis=1)
-    for name in ("radius", *_NAMES):
-        if all(name in part for part in parts):
-            arrays[name] = np.concatenate([part[name] for part in parts])
+    for name, called in {"radius": ("widths",), **_NAMES}.items():
+        without = [prim for prim, part in parts.items() if name not in part]
+        if not without:
+            arrays[name] = np.concatenate([part[name] for part in parts.values()])
+        elif len(without) < len(parts):
+            what = " or ".join(called)
+            warnings.warn(f"{path}: {_listed(without)} has no {what}, which is left out of the other prims too", stacklevel=2)
     if "ids" in arrays:
         arrays["ids"] = _unique(path, arrays["ids"])
     # NumPy appends .npz to a name that ends otherwise, and not to a file.
@@ -88,20 +93,20 @@ def _library() -> tuple[ModuleType, ModuleType, ModuleType]:
     return import_module("pxr.Usd"), import_module("pxr.UsdGeom"), import_module("pxr.Tf")
 
 
-def _parts(path: Any, stage: Any, time: float | None) -> list[dict[str, NDArray[Any]]]:
-    """What each prim of curves has, those of instances too; prims without points are left out, and a warning names them."""
+def _parts(path: Any, stage: Any, time: float | None) -> dict[str, dict[str, NDArray[Any]]]:
+    """What each prim of curves has, those of instances too, by its path; prims without points are left out, and a warning names them."""
     Usd, UsdGeom, _ = _library()
     prims = stage.Traverse(Usd.TraverseInstanceProxies())
     found = [UsdGeom.BasisCurves(prim) for prim in prims if prim.IsA(UsdGeom.BasisCurves)]
     if not found:
         raise ValueError(f"{path}: expected BasisCurves, found none")
-    parts = [_curves(curves, time) for curves in found]
-    empty = [str(curves.GetPath()) for curves, part in zip(found, parts) if part is None]
+    parts = {str(curves.GetPath()): _curves(curves, time) for curves in found}
+    empty = [prim for prim, part in parts.items() if part is None]
     if len(empty) == len(found):
         raise ValueError(f"{path}: expected BasisCurves with points, found none in {_listed(empty)}")
     if empty:
         warnings.warn(f"{path}: {_listed(empty)} has no points, and is left out", stacklevel=3)
-    return [part for part in parts if part is not None]
+    return {prim: part for prim, part in parts.items() if part is not None}
 
 
 def _listed(names: list[str]) -> str:
