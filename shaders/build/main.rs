@@ -10,14 +10,14 @@ mod table;
 
 use std::{
     borrow::Cow,
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     env, error, fs,
     path::{Path, PathBuf},
     process::ExitCode,
 };
 
 use naga::{
-    Module,
+    AddressSpace, Module,
     valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
 };
 
@@ -42,6 +42,9 @@ fn main() -> ExitCode {
     }
 }
 
+/// WebGPU's default: bytes of memory that the invocations of a workgroup share.
+const WORKGROUP_BYTES: u32 = 16384;
+
 fn build() -> Result<()> {
     let root = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?);
     let out = PathBuf::from(env::var("OUT_DIR")?);
@@ -56,6 +59,8 @@ fn build() -> Result<()> {
     }
     let mut structs = Structs::default();
     let mut table = Table::default();
+    // Names of arrays that any text for software adapters has elsewhere than in a storage buffer.
+    let mut elsewhere = BTreeSet::new();
     for source in &sources {
         if !source.runs() {
             continue;
@@ -79,7 +84,7 @@ fn build() -> Result<()> {
             other = Some(target);
         }
         let mut software = None;
-        if let Some((text, places)) = software::text_for_software(&text, &module, &info)
+        if let Some((text, places)) = software::text_for_software(&text, &module, &info, &mut elsewhere)
             .map_err(|error| format!("shaders/{name}.wgsl: for software adapters: {error}"))?
         {
             validate(&name, &text)?;
@@ -89,6 +94,7 @@ fn build() -> Result<()> {
         }
         table.pass(source, &target, other.as_deref(), software, &module, &info)?;
     }
+    software::all_found(&elsewhere)?;
     fs::write(out.join("shaders.rs"), table.write(&sources, &structs)?)?;
     Ok(())
 }
@@ -136,5 +142,10 @@ fn validate(name: &str, text: &str) -> Result<(Module, ModuleInfo)> {
     let info = Validator::new(ValidationFlags::all(), Capabilities::SUBGROUP)
         .validate(&module)
         .map_err(|error| shown(error.emit_to_string(text)))?;
+    let shared = module.global_variables.iter().filter(|(_, variable)| variable.space == AddressSpace::WorkGroup);
+    let bytes: u32 = shared.map(|(_, variable)| module.types[variable.ty].inner.size(module.to_ctx())).sum();
+    if bytes > WORKGROUP_BYTES {
+        return Err(format!("shaders/{name}.wgsl: {bytes} bytes of a workgroup's memory, of {WORKGROUP_BYTES}").into());
+    }
     Ok((module, info))
 }

@@ -1,11 +1,11 @@
 //! The same pass for a software adapter: what it only reads lies in uniforms and textures instead of storage buffers.
 //!
 //! Mesa's software driver reads a storage buffer lane by lane. It reads a read-only storage texture eight lanes at once, some ten times
-//! faster, and a constant place of a uniform once for all. A texture has the words of an array in texels of one, two or four, row by row;
+//! as fast, and a constant place of a uniform once for all. A texture has the words of an array in texels of one, two or four, row by row;
 //! an element of more words takes several texels. Texels and the uniforms' words hold bits, and a load turns them into what the shader
 //! reads, so that both texts of a pass give the same bits.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use naga::{
     AddressSpace, ArraySize, Handle, Module, Scalar, ScalarKind, StructMember, Type, TypeInner,
@@ -72,15 +72,19 @@ const FEW: [(&str, u32); 3] = [("lack", 1), ("coarse_mean", 1), ("mean_confineme
 pub(crate) enum Place {
     /// A uniform.
     Uniform,
+    /// A uniform array of so many elements.
+    Few(u32),
     /// A texture of texels of so many bytes.
     Texture(u32),
 }
 
 /// The text of a pass for software adapters, and what is in another place there, by the numbers of the bindings; `None` where nothing is.
+/// Names of what is are added to `found`.
 pub(crate) fn text_for_software(
     text: &str,
     module: &Module,
     info: &ModuleInfo,
+    found: &mut BTreeSet<String>,
 ) -> Result<Option<(String, BTreeMap<u32, Place>)>> {
     let (mut text, mut places) = (text.to_owned(), BTreeMap::new());
     for (handle, variable) in module.global_variables.iter() {
@@ -102,7 +106,7 @@ pub(crate) fn text_for_software(
             }
             (TypeInner::Array { base, size: ArraySize::Dynamic, .. }, Some(count)) => {
                 let kind = type_name(module, *base)?;
-                (format!("{before}var<uniform> {name}: array<{kind}, {count}>;{after}"), Place::Uniform)
+                (format!("{before}var<uniform> {name}: array<{kind}, {count}>;{after}"), Place::Few(count))
             }
             (TypeInner::Array { base, size: ArraySize::Dynamic, stride }, None) if ARRAYS.contains(&name) => {
                 let (declared, texel) = texture(name, module, *base, *stride)?;
@@ -112,8 +116,17 @@ pub(crate) fn text_for_software(
         };
         text = made;
         places.insert(binding.binding, place);
+        found.insert(name.to_owned());
     }
     Ok((!places.is_empty()).then_some((text, places)))
+}
+
+/// An error if a name of [`ARRAYS`] or [`FEW`] was not found in any pass: it may have been renamed there.
+pub(crate) fn all_found(found: &BTreeSet<String>) -> Result<()> {
+    match ARRAYS.into_iter().chain(FEW.map(|(name, _)| name)).find(|name| !found.contains(*name)) {
+        Some(name) => Err(format!("shaders/build/software.rs: no pass only reads an array {name}").into()),
+        None => Ok(()),
+    }
 }
 
 /// Bytes of a texel for elements of so many bytes: the most of 4, 8 and 16 of which they are a multiple.

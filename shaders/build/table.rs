@@ -71,11 +71,15 @@ impl Table {
             let read = uses.intersects(GlobalUse::READ | GlobalUse::ATOMIC);
             let in_software = match places.get(&binding.binding) {
                 None => kind.to_owned(),
-                Some(Place::Uniform) => "Uniform".to_owned(),
+                Some(Place::Uniform | Place::Few(_)) => "Uniform".to_owned(),
                 Some(Place::Texture(texel)) => format!("Texture({texel})"),
             };
+            let few = match places.get(&binding.binding) {
+                Some(Place::Few(count)) => Some(count),
+                _ => None,
+            };
             let row = format!(
-                "Binding {{ binding: {}, name: {:?}, kind: BindingKind::{kind}, reads: {read}, writes: {written}, stride: {stride}, kind_in_software: BindingKind::{in_software} }}",
+                "Binding {{ binding: {}, name: {:?}, kind: BindingKind::{kind}, reads: {read}, writes: {written}, stride: {stride}, kind_in_software: BindingKind::{in_software}, few: {few:?} }}",
                 binding.binding,
                 variable.name.clone().unwrap_or_default(),
             );

@@ -23,7 +23,7 @@ const TURNS: u32 = 3u;                     // boxes that a row may reach into: t
 const OWN: u32 = 0u;                       // kinds: the cluster's own, the other one
 const OTHER: u32 = 1u;
 const KINDS: u32 = 2u;
-const HELD: u32 = 192u;                    // entries of a cluster that are kept while searching; with more it is searched again
+const HELD: u32 = 176u;                    // entries of a cluster that are kept while searching; with more it is searched again
 
 // What is kept of an entry: whose neighbour it is, bit by bit; its place in its stretch; which stretch that is. 0 is nobody.
 const PLACE_BITS: u32 = 8u;

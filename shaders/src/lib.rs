@@ -45,6 +45,8 @@ pub struct Binding {
     pub stride: u32,
     /// Kind of the declaration in `source_for_software`.
     pub kind_in_software: BindingKind,
+    /// How many elements `source_for_software` declares, where it has a uniform array in place of one of any length.
+    pub few: Option<u64>,
 }
 
 /// Kind of a buffer's declaration in a shader.

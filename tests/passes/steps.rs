@@ -2,7 +2,7 @@
 
 use windswept::{
     Gpu, Simulation,
-    internals::{with_sources, without_software_texts, without_subgroups},
+    internals::{has_software_texts, with_sources, without_software_texts, without_subgroups},
 };
 use windswept_reference::step::step as twin_step;
 use windswept_scene::{InitialState, Scene, Strands};
@@ -226,13 +226,14 @@ fn steps_without_subgroups_are_those_of_the_twin() {
 fn software_texts_change_no_bit() {
     let gpu = support::gpu();
     let storage = without_software_texts(&gpu);
+    assert!(has_software_texts(&gpu) || gpu.info().kind != "software", "{:?} runs the texts of a GPU", gpu.info());
     for sets in [PUBLISHED, PARTICLES, CROWDED, DIVERGENCE, PRESSED_HAIR, BODIES, FIELDS] {
         let [a, b] = [&gpu, &storage].map(|gpu| {
             let mut sim = Simulation::new(gpu, &small(sets)).unwrap();
             sim.step(5).unwrap();
             (sim.engine().memory_bytes(), sim.frame().unwrap())
         });
-        assert!(a.0 > b.0, "{sets:?}: {} and {} bytes: there are no textures", a.0, b.0);
+        assert!(a.0 > b.0 || !has_software_texts(&gpu), "{sets:?}: {} and {} bytes: there are no textures", a.0, b.0);
         assert!(a.1 == b.1, "{sets:?}: not the same bits");
     }
 }

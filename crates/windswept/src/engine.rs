@@ -325,6 +325,7 @@ impl Engine {
 
     pub(crate) fn program(&self, recording: &Recording) -> Result<Program, GpuError> {
         debug_assert_eq!(self.memory.sharing().overwritten(recording), None, "a pass whose array is gone");
+        debug_assert_eq!(self.memory.sharing().mixed(recording), None, "two arrays in one texture");
         Program::new(&self.gpu, &self.memory, recording, self.sizes.distances > 0)
     }
 
@@ -409,7 +410,8 @@ impl Engine {
 }
 
 /// The limits that a device of the caller's own must have for this scene: WebGPU's defaults, and room for the largest
-/// buffer. The neighbour list may still have to grow; more room lets it.
+/// buffer. The neighbour list may still have to grow; more room lets it. On a software adapter passes run three to four times as fast if
+/// the device has the adapter's `max_storage_textures_per_shader_stage` too.
 ///
 /// # Errors
 /// [`SceneError`] when the initial state cannot be made.

@@ -54,6 +54,7 @@ impl Gpu {
             max_storage_buffer_binding_size: has.max_storage_buffer_binding_size,
             max_buffer_size: has.max_buffer_size,
             max_storage_textures_per_shader_stage: has.max_storage_textures_per_shader_stage,
+            max_texture_dimension_2d: has.max_texture_dimension_2d,
             ..wgpu::Limits::default()
         };
         let descriptor = wgpu::DeviceDescriptor {
@@ -83,6 +84,11 @@ impl Gpu {
                 "max_compute_invocations_per_workgroup",
                 has.max_compute_invocations_per_workgroup,
                 needs.max_compute_invocations_per_workgroup,
+            ),
+            (
+                "max_compute_workgroup_storage_size",
+                has.max_compute_workgroup_storage_size,
+                needs.max_compute_workgroup_storage_size,
             ),
             ("max_compute_workgroup_size_x", has.max_compute_workgroup_size_x, needs.max_compute_workgroup_size_x),
             (
@@ -131,7 +137,7 @@ impl Gpu {
         Self { subgroups: false, ..self.without_software_texts() }
     }
 
-    /// The device with the passes as on an adapter that is no software.
+    /// The device with the passes as on an adapter that is not software.
     pub(crate) fn without_software_texts(&self) -> Self {
         Self { software_texts: false, pipelines: Arc::default(), replaced: Arc::default(), ..self.clone() }
     }

@@ -93,7 +93,12 @@ pub mod internals {
     pub fn without_subgroups(gpu: &Gpu) -> Gpu {
         gpu.without_subgroups()
     }
-    /// The device with the passes as on an adapter that is no software.
+    /// Whether passes run in their texts for software adapters.
+    #[must_use]
+    pub fn has_software_texts(gpu: &Gpu) -> bool {
+        gpu.has_software_texts()
+    }
+    /// The device with the passes as on an adapter that is not software.
     #[must_use]
     pub fn without_software_texts(gpu: &Gpu) -> Gpu {
         gpu.without_software_texts()

@@ -138,6 +138,18 @@ impl Sharing {
         }
         None
     }
+
+    /// Two arrays that a recording needs in one texture at the same time.
+    #[must_use]
+    pub fn mixed(&self, recording: &Recording) -> Option<(&'static str, &'static str)> {
+        let readings = textures::readings(recording);
+        let at_once = |a: &Reading, b: &Reading| {
+            a.times.iter().any(|a| b.times.iter().any(|b| a.start < b.end && b.start < a.end))
+        };
+        let pairs = readings.iter().enumerate().flat_map(|(k, a)| readings[..k].iter().map(move |b| (a, b)));
+        let mut mixed = pairs.filter(|(a, b)| self.texture(&a.array) == self.texture(&b.array) && at_once(a, b));
+        mixed.next().map(|(a, b)| (a.array.name(), b.array.name()))
+    }
 }
 
 /// Passes that bind an array, each by its place among those that run.

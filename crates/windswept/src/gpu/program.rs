@@ -81,10 +81,14 @@ impl Program {
     }
 
     /// Encodes the recording once, with a timer around each dispatch and what is copied before it.
-    fn encode_profiled(&self, profiler: &GpuProfiler, encoder: &mut wgpu::CommandEncoder) {
+    fn encode_profiled(&self, gpu: &Gpu, profiler: &GpuProfiler, encoder: &mut wgpu::CommandEncoder) {
+        // A timer that begins outside a pass and ends inside it needs both.
+        let needs = wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES;
+        let times_copies = gpu.device.features().contains(needs);
         for part in self.parts() {
             let name = |dispatch: &Dispatch| format!("{}: {}", dispatch.pass, dispatch.label);
-            let mut begun = (!part[0].copies.is_empty()).then(|| profiler.begin_query(name(&part[0]), encoder));
+            let copies = times_copies && !part[0].copies.is_empty();
+            let mut begun = copies.then(|| profiler.begin_query(name(&part[0]), encoder));
             part[0].copies.iter().for_each(|copy| copy.encode(encoder));
             let mut pass = encoder.begin_compute_pass(&STEP);
             for dispatch in part {
@@ -107,7 +111,7 @@ impl Program {
             doing: "timing the passes".to_owned(),
             reason: error.to_string(),
         };
-        // A timer that begins before a pass, as copies do, and ends inside it cannot be a debug group.
+        // A timer that begins outside a pass and ends inside it cannot be a debug group.
         let settings = GpuProfilerSettings { enable_debug_groups: false, ..GpuProfilerSettings::default() };
         let mut profiler = GpuProfiler::new(&gpu.device, settings).map_err(|error| failed(&error))?;
         gpu.checked(
@@ -115,7 +119,7 @@ impl Program {
             || {
                 let mut encoder =
                     gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("timed step") });
-                self.encode_profiled(&profiler, &mut encoder);
+                self.encode_profiled(gpu, &profiler, &mut encoder);
                 profiler.resolve_queries(&mut encoder);
                 gpu.queue.submit([encoder.finish()]);
             },
