@@ -63,7 +63,7 @@ var<private> first_of_eight: u32;   // its number in the subgroup, or in the wor
 @if(subgroups) var<private> keeps: array<vec2u, KEPT>;
 @if(!subgroups) var<workgroup> all_keeps: array<array<vec2u, KEPT>, WORKGROUP>;
 
-// Keeps a value, by a number that is the same in all eight. They all keep theirs before any asks for one, with a barrier of the workgroup in between.
+// Keeps a value, by a number that is a constant. All eight keep theirs before any asks for one, with a barrier of the workgroup in between.
 @if(subgroups)
 fn keep(local: u32, number: u32, value: vec2u) {
     keeps[number] = value;

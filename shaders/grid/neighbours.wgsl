@@ -22,7 +22,7 @@ const ROWS: u32 = 9u;                      // of cells around a cluster
 const TURNS: u32 = 3u;                     // boxes that a row may reach into: the one before, its own, the one behind
 const OWN: u32 = 0u;                       // kinds: the cluster's own, the other one
 const OTHER: u32 = 1u;
-const KINDS: u32 = 2u;
+const LAST: u32 = 6u;                      // number from which on the last row is kept: 2 kinds of 3 stretches are kept of each row
 const HELD: u32 = 176u;                    // entries of a cluster that are kept while searching; with more it is searched again
 
 // What is kept of an entry: whose neighbour it is, bit by bit; its place in its stretch; which stretch that is. 0 is nobody.
@@ -56,8 +56,8 @@ fn cluster_in_workgroup() -> u32 {
     return local / LANES;
 }
 
-// Notes what is to be searched, of both kinds, in a row next to the cluster's own.
-fn look_ahead(home: vec3i, row: u32, air: bool) {
+// Notes what is to be searched, of both kinds, in a row next to the cluster's own; what is kept of it has numbers from `first` on.
+fn look_ahead(home: vec3i, row: u32, first: u32, air: bool) {
     let cells = params.cells;
     let line = home.yz + step_of(row);
     let side = params.cell_size.yz * vec2f(line);
@@ -70,13 +70,13 @@ fn look_ahead(home: vec3i, row: u32, air: bool) {
     let along = vec3i(start, end, min(end, start + cells.x));
     let at = select(select(line, line - cells.yz, line >= cells.yz), line + cells.yz, line < vec2i(0));
     let bucket = box_bucket(vec3i(0, at));
-    note(0u, row, along, bucket, air);
-    note(1u, row, along, bucket, air);
-    note(2u, row, along, bucket, air);
+    note(0u, row, first, along, bucket, air);
+    note(1u, row, first, along, bucket, air);
+    note(2u, row, first, along, bucket, air);
 }
 
 // Notes what is to be searched in one of the boxes that a row reaches into.
-fn note(turn: u32, row: u32, along: vec3i, bucket: u32, air: bool) {
+fn note(turn: u32, row: u32, first: u32, along: vec3i, bucket: u32, air: bool) {
     let cells = params.cells.x;
     let span = bucket + vec3u(clamp(along - (i32(turn) - 1) * cells, vec3i(0), vec3i(cells)));
     let of_air = vec2u(cell_start[span.x], cell_start[select(span.z, span.y, air)]);
@@ -84,9 +84,8 @@ fn note(turn: u32, row: u32, along: vec3i, bucket: u32, air: bool) {
     let of_hair = vec2u(cell_start[hair.x], cell_start[hair.y]);
     let own_kind = select(of_hair, of_air, air);
     let other_kind = select(of_air, of_hair, air);
-    let last = KINDS * TURNS * (row / LANES);
-    keep(local, last + turn, own_kind);
-    keep(local, last + TURNS + turn, other_kind);
+    keep(local, first + TURNS * OWN + turn, own_kind);
+    keep(local, first + TURNS * OTHER + turn, other_kind);
     let some = vec2<bool>(own_kind.y > own_kind.x, other_kind.y > other_kind.x);
     full |= select(vec2u(0u), vec2u(1u << (turn * ROWS + row)), some);
 }
@@ -96,7 +95,7 @@ fn stretch(kind: u32, which: u32) -> vec2u {
     let turn = turn_of(which);
     let row = which - ROWS * turn;
     let others = kept_in(turn, TURNS * kind, row % LANES);
-    let last = kept_in(turn, TURNS * (KINDS + kind), lane);
+    let last = kept_in(turn, LAST + TURNS * kind, lane);
     return select(others, last, row == LANES);
 }
 
@@ -265,8 +264,8 @@ fn main(
     if local == 0u { atomicStore(&most, 0u); }
 
     let home = home_of(sorted_position[entries.x].xyz);
-    look_ahead(home, lane, air);
-    look_ahead(home, LANES, air);
+    look_ahead(home, lane, 0u, air);
+    look_ahead(home, LANES, LAST, air);
     workgroupBarrier();
     let own_kind = search_all(home, air);
     workgroupBarrier();
