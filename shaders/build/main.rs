@@ -59,7 +59,7 @@ fn build() -> Result<()> {
     }
     let mut structs = Structs::default();
     let mut table = Table::default();
-    // Names of arrays that any text for software adapters has elsewhere than in a storage buffer.
+    // Names of arrays that any text for software adapters reads elsewhere than in a storage buffer, and of passes that also write such arrays.
     let mut elsewhere = BTreeSet::new();
     for source in &sources {
         if !source.runs() {
@@ -84,7 +84,7 @@ fn build() -> Result<()> {
             other = Some(target);
         }
         let mut software = None;
-        if let Some((text, places)) = software::text_for_software(&text, &module, &info, &mut elsewhere)
+        if let Some((text, places)) = software::text_for_software(&name, &text, &module, &info, &mut elsewhere)
             .map_err(|error| format!("shaders/{name}.wgsl: for software adapters: {error}"))?
         {
             validate(&name, &text)?;

@@ -4,6 +4,9 @@
 //! as fast, and a constant place of a uniform once for all. A texture has the words of an array in texels of one, two or four, row by row;
 //! an element of more words takes several texels. Texels and the uniforms' words hold bits, and a load turns them into what the shader
 //! reads, so that both texts of a pass give the same bits.
+//!
+//! Some passes read an array that they also write, and no element of it after they have written it. They read a texture beside the
+//! buffer that they write.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,13 +20,19 @@ use crate::Result;
 /// Bytes of a row of texels in every texture.
 pub(crate) const ROW: u32 = 32768;
 
-/// Names, as shaders bind them, of the arrays that are textures where a pass only reads them: those of which a step reads most.
-const ARRAYS: [&str; 43] = [
+/// Names, as shaders bind them, of the arrays that passes read as textures: those of which a step reads most.
+const ARRAYS: [&str; 59] = [
     "air_id",
+    "angular_velocity",
+    "band_velocity",
     "brought",
+    "cell_count",
+    "cell_rows",
     "cell_start",
+    "clamps",
     "coarse_change",
     "confinement",
+    "correction",
     "curvature",
     "density",
     "deposited",
@@ -33,22 +42,32 @@ const ARRAYS: [&str; 43] = [
     "field",
     "final_velocity",
     "flow",
+    "flow_position",
     "gradients",
+    "grip",
+    "hair_force",
+    "inverse_mass",
+    "largest_move",
     "members",
     "multiplier",
     "neighbour_list",
     "new_velocity",
     "next_air_id",
     "nodes",
+    "orientation",
     "point_history",
     "position",
     "predicted",
     "pressed",
     "pressed_before",
     "rod_points",
+    "rod_segments",
+    "rod_strands",
     "rubbing",
     "sampled",
     "scattered",
+    "segment_history",
+    "segments",
     "shift",
     "smoothed",
     "smoother",
@@ -67,6 +86,32 @@ const ARRAYS: [&str; 43] = [
 /// Names of the arrays that have so few elements that they are uniforms, and how many elements those are.
 const FEW: [(&str, u32); 3] = [("lack", 1), ("coarse_mean", 1), ("mean_confinement", 2)];
 
+/// Passes that read no element of an array after they have written it.
+const READ_FIRST: [&str; 19] = [
+    "coarse/push",
+    "contact/air",
+    "fluid/friction",
+    "fluid/limit",
+    "fluid/move",
+    "fluid/place",
+    "fluid/push",
+    "fluid/velocity",
+    "grid/start",
+    "guard/commit_hair",
+    "rods/choose",
+    "rods/direct",
+    "rods/finish",
+    "rods/load",
+    "rods/velocity",
+    "turbulence/confine",
+    "turbulence/strengthen",
+    "wind/drag",
+    "wind/react",
+];
+
+/// What the number of a buffer's binding is less than that of the texture beside it.
+const BESIDE: u32 = 32;
+
 /// What stands in the text for software adapters in place of a storage buffer.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Place {
@@ -76,11 +121,14 @@ pub(crate) enum Place {
     Few(u32),
     /// A texture of texels of so many bytes.
     Texture(u32),
+    /// The buffer, to write, and a texture, to read, with the number of its binding and the bytes of its texels.
+    Beside(u32, u32),
 }
 
-/// The text of a pass for software adapters, and what is in another place there, by the numbers of the bindings; `None` where nothing is.
-/// Names of what is are added to `found`.
+/// The text of a pass for software adapters, and what is in another place there, by the numbers of the bindings; `None` where
+/// nothing is. Names of what is are added to `found`, and so is that of a pass of [`READ_FIRST`].
 pub(crate) fn text_for_software(
+    pass: &str,
     text: &str,
     module: &Module,
     info: &ModuleInfo,
@@ -90,7 +138,10 @@ pub(crate) fn text_for_software(
     for (handle, variable) in module.global_variables.iter() {
         let (Some(name), Some(binding)) = (variable.name.as_deref(), &variable.binding) else { continue };
         let AddressSpace::Storage { access } = variable.space else { continue };
-        if info.get_entry_point(0)[handle].intersects(GlobalUse::WRITE | GlobalUse::ATOMIC) {
+        let uses = info.get_entry_point(0)[handle];
+        let written = uses.contains(GlobalUse::WRITE);
+        let reads_first = uses.contains(GlobalUse::READ) && READ_FIRST.contains(&pass);
+        if uses.contains(GlobalUse::ATOMIC) || (written && !reads_first) {
             continue;
         }
         let mode = if access.contains(naga::StorageAccess::STORE) { "read_write" } else { "read" };
@@ -99,18 +150,28 @@ pub(crate) fn text_for_software(
         let (_, after) = rest.split_once(';').ok_or_else(|| format!("no end of `{declaration}`"))?;
         let few = FEW.iter().find(|(few, _)| *few == name).map(|(_, count)| *count);
         let (made, place) = match (&module.types[variable.ty].inner, few) {
-            (TypeInner::Struct { members, span }, _) => {
+            (TypeInner::Struct { members, span }, _) if !written => {
                 let words = format!("var<uniform> {name}: array<vec4<u32>, {}>;", span.div_ceil(16));
                 let with_words = |text| with_words(text, name, module, members);
                 (format!("{}{words}{}", with_words(before)?, with_words(after)?), Place::Uniform)
             }
-            (TypeInner::Array { base, size: ArraySize::Dynamic, .. }, Some(count)) => {
+            (TypeInner::Array { base, size: ArraySize::Dynamic, .. }, Some(count)) if !written => {
                 let kind = type_name(module, *base)?;
                 (format!("{before}var<uniform> {name}: array<{kind}, {count}>;{after}"), Place::Few(count))
             }
             (TypeInner::Array { base, size: ArraySize::Dynamic, stride }, None) if ARRAYS.contains(&name) => {
-                let (declared, texel) = texture(name, module, *base, *stride)?;
-                (format!("{}{declared}{}", loaded(before, name)?, loaded(after, name)?), Place::Texture(texel))
+                let (before, after, texel) = (loaded(before, name)?, loaded(after, name)?, texel(*stride));
+                let load = load(name, module, *base, *stride)?;
+                let texture = format!("var {name}_texels: texture_storage_2d<{}, read>;\n\n{load}", format_of(texel));
+                if written {
+                    found.insert(pass.to_owned());
+                    let number = binding.binding + BESIDE;
+                    let buffer = format!("{declaration}array<{}>;", type_name(module, *base)?);
+                    let both = format!("{buffer}\n\n@group(0) @binding({number})\n{texture}");
+                    (format!("{before}{both}{after}"), Place::Beside(number, texel))
+                } else {
+                    (format!("{before}{texture}{after}"), Place::Texture(texel))
+                }
             }
             _ => continue,
         };
@@ -121,10 +182,11 @@ pub(crate) fn text_for_software(
     Ok((!places.is_empty()).then_some((text, places)))
 }
 
-/// An error if a name of [`ARRAYS`] or [`FEW`] was not found in any pass: it may have been renamed there.
+/// An error if a name of [`ARRAYS`], [`FEW`] or [`READ_FIRST`] was of no use: it may have been renamed.
 pub(crate) fn all_found(found: &BTreeSet<String>) -> Result<()> {
-    match ARRAYS.into_iter().chain(FEW.map(|(name, _)| name)).find(|name| !found.contains(*name)) {
-        Some(name) => Err(format!("shaders/build/software.rs: no pass only reads an array {name}").into()),
+    let mut names = ARRAYS.into_iter().chain(FEW.map(|(name, _)| name)).chain(READ_FIRST);
+    match names.find(|name| !found.contains(*name)) {
+        Some(name) => Err(format!("shaders/build/software.rs: no array or pass {name} is read elsewhere").into()),
         None => Ok(()),
     }
 }
@@ -134,25 +196,28 @@ fn texel(stride: u32) -> u32 {
     1 << stride.trailing_zeros().min(4)
 }
 
-/// The declaration of a texture in place of the array `name` with a function that loads an element of it, and the bytes of its texels.
-fn texture(name: &str, module: &Module, base: Handle<Type>, stride: u32) -> Result<(String, u32)> {
+/// The format of texels of so many bytes.
+fn format_of(texel: u32) -> &'static str {
+    match texel {
+        4 => "r32uint",
+        8 => "rg32uint",
+        _ => "rgba32uint",
+    }
+}
+
+/// A function that loads an element of the array `name` from its texture.
+fn load(name: &str, module: &Module, base: Handle<Type>, stride: u32) -> Result<String> {
     let texel = texel(stride);
     let (texels, per_row) = (stride / texel, ROW / texel);
     let (across, down) = (per_row - 1, per_row.ilog2());
     let loads: String = (0..texels)
         .map(|k| {
             let at = if texels > 1 { format!("({texels}u * e + {k}u)") } else { "e".to_owned() };
-            format!("    let t{k} = textureLoad({name}, vec2u({at} & {across}u, {at} >> {down}u));\n")
+            format!("    let t{k} = textureLoad({name}_texels, vec2u({at} & {across}u, {at} >> {down}u));\n")
         })
         .collect();
     let (kind, element) = (type_name(module, base)?, element(module, base, 0, texel)?);
-    let function = format!("fn load_{name}(e: u32) -> {kind} {{\n{loads}    return {element};\n}}\n");
-    let format = match texel {
-        4 => "r32uint",
-        8 => "rg32uint",
-        _ => "rgba32uint",
-    };
-    Ok((format!("var {name}: texture_storage_2d<{format}, read>;\n\n{function}"), texel))
+    Ok(format!("fn load_{name}(e: u32) -> {kind} {{\n{loads}    return {element};\n}}\n"))
 }
 
 /// The text with words of the uniform `name` in place of each `name.member`, atomic or not.
@@ -220,7 +285,7 @@ fn closed(text: &str) -> Result<(&str, &str)> {
     Ok((&text[..end], &text[end + 1..]))
 }
 
-/// The text with `load_name(u32(index))` in place of each `name[index]`.
+/// The text with `load_name(u32(index))` in place of each `name[index]` that is read.
 fn loaded(text: &str, name: &str) -> Result<String> {
     let mut made = String::new();
     let mut rest = text;
@@ -235,10 +300,45 @@ fn loaded(text: &str, name: &str) -> Result<String> {
             continue;
         }
         let (index, after) = closed(inside)?;
-        made += &format!("load_{name}(u32({}))", loaded(index, name)?);
-        rest = after;
+        let index = loaded(index, name)?;
+        let load = format!("load_{name}(u32({index}))");
+        let (path, behind) = path(after)?;
+        (made, rest) = match assigned(behind) {
+            None => (made + &load, after),
+            Some(("", _)) => (format!("{made}{name}[{index}]"), after),
+            Some((operator, behind)) => {
+                let (value, behind) = behind.split_once(';').ok_or("an assignment does not end")?;
+                let value = loaded(value.trim_start(), name)?;
+                (format!("{made}{name}[{index}]{path} = {load}{path} {operator} ({value});"), behind)
+            }
+        };
     }
     Ok(made + rest)
+}
+
+/// Members and elements that a text begins with, and what follows them.
+fn path(text: &str) -> Result<(&str, &str)> {
+    let mut rest = text;
+    loop {
+        rest = if let Some(inside) = rest.strip_prefix('[') {
+            closed(inside)?.1
+        } else if let Some(member) = rest.strip_prefix('.') {
+            member.trim_start_matches(|c: char| c.is_alphanumeric() || c == '_')
+        } else {
+            return Ok(text.split_at(text.len() - rest.len()));
+        };
+    }
+}
+
+/// The operator of an assignment to what stands before a text, and what follows it: none in `=`, `+` in `+=`.
+fn assigned(text: &str) -> Option<(&str, &str)> {
+    let text = text.trim_start();
+    if text.starts_with("==") {
+        return None;
+    }
+    let end = text.find(|c| !"+-*/%&|^".contains(c))?;
+    let (operator, rest) = text.split_at(end);
+    rest.strip_prefix('=').map(|rest| (operator, rest))
 }
 
 /// A scalar as WGSL spells it.

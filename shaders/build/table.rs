@@ -69,17 +69,21 @@ impl Table {
             };
             let written = uses.intersects(GlobalUse::WRITE | GlobalUse::ATOMIC);
             let read = uses.intersects(GlobalUse::READ | GlobalUse::ATOMIC);
+            let buffer = |kind: &str| format!("buffer: Some(BufferKind::{kind})");
+            let texture =
+                |number: &u32, texel: &u32| format!("texture: Some(Texture {{ binding: {number}, texel: {texel} }})");
             let in_software = match places.get(&binding.binding) {
-                None => kind.to_owned(),
-                Some(Place::Uniform | Place::Few(_)) => "Uniform".to_owned(),
-                Some(Place::Texture(texel)) => format!("Texture({texel})"),
+                None => format!("{}, texture: None", buffer(kind)),
+                Some(Place::Uniform | Place::Few(_)) => format!("{}, texture: None", buffer("Uniform")),
+                Some(Place::Texture(texel)) => format!("buffer: None, {}", texture(&binding.binding, texel)),
+                Some(Place::Beside(number, texel)) => format!("{}, {}", buffer(kind), texture(number, texel)),
             };
             let few = match places.get(&binding.binding) {
                 Some(Place::Few(count)) => Some(count),
                 _ => None,
             };
             let row = format!(
-                "Binding {{ binding: {}, name: {:?}, kind: BindingKind::{kind}, reads: {read}, writes: {written}, stride: {stride}, kind_in_software: BindingKind::{in_software}, few: {few:?} }}",
+                "Binding {{ binding: {}, name: {:?}, kind: BufferKind::{kind}, reads: {read}, writes: {written}, stride: {stride}, in_software: InSoftware {{ {in_software} }}, few: {few:?} }}",
                 binding.binding,
                 variable.name.clone().unwrap_or_default(),
             );
@@ -145,7 +149,7 @@ impl Table {
                 writeln!(
                     text,
                     "use crate::{};\n{statics}",
-                    if folder == "pictures" { "Picture" } else { "{Binding, BindingKind, Pass}" }
+                    if folder == "pictures" { "Picture" } else { "{Binding, BufferKind, InSoftware, Pass, Texture}" }
                 )?;
             }
             for source in sources.iter().filter(|source| source.folder == folder) {

@@ -36,30 +36,47 @@ pub struct Binding {
     /// Name in the shader. The engine's array of that name is bound unless the step says otherwise.
     pub name: &'static str,
     /// Kind of the declaration in the shader.
-    pub kind: BindingKind,
+    pub kind: BufferKind,
     /// Whether the pass reads it; an atomic counter is read and written.
     pub reads: bool,
     /// Whether the pass writes it.
     pub writes: bool,
     /// Size of an element, or of the struct \[bytes\].
     pub stride: u32,
-    /// Kind of the declaration in `source_for_software`.
-    pub kind_in_software: BindingKind,
+    /// Where `source_for_software` has it.
+    pub in_software: InSoftware,
     /// How many elements `source_for_software` declares, where it has a uniform array in place of one of any length.
     pub few: Option<u64>,
 }
 
 /// Kind of a buffer's declaration in a shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum BindingKind {
+pub enum BufferKind {
     /// `var<uniform>`.
     Uniform,
     /// `var<storage, read>`.
     Read,
     /// `var<storage, read_write>`; atomics are declared so where they are read only.
     ReadWrite,
-    /// `texture_storage_2d`, with texels of so many bytes: 4, 8 or 16.
-    Texture(u32),
+}
+
+/// Where a text for software adapters has an array: in a buffer, in a texture, or in a buffer that the pass writes and a texture
+/// from which it reads what the buffer held before the pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct InSoftware {
+    /// The buffer's kind.
+    pub buffer: Option<BufferKind>,
+    /// The texture.
+    pub texture: Option<Texture>,
+}
+
+/// A read-only storage texture that a pass binds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Texture {
+    /// Number in group 0.
+    pub binding: u32,
+    /// Size of a texel: 4, 8 or 16 \[bytes\].
+    pub texel: u32,
 }
 
 /// A shader of the pictures, with entry points of its own names.

@@ -3,6 +3,7 @@
 use windswept::{
     Gpu, Simulation,
     internals::{has_software_texts, with_sources, without_software_texts, without_subgroups},
+    plan,
 };
 use windswept_reference::step::step as twin_step;
 use windswept_scene::{InitialState, Scene, Strands};
@@ -42,6 +43,8 @@ pub const PARTICLES: &[&str] = &[
     "hair.motion=[{time=0,rotation=[0,1,0]},{time=0.008,translation=[0,0.003,0],rotation=[0.1,1.2,0]}]",
     "fluid.iterations=2",
 ];
+/// Settings with strands whose directions change at once, so that some take several Newton steps.
+const NEWTON: &[&str] = &["rods.newton=6", "interaction.model=drag", "air.ramp=0.0", "air.wind=[0,30,0]"];
 /// Settings with hair that the mean wind drags.
 pub const DRAG: &[&str] = &["interaction.model=drag", "interaction.lift=1.0", "air.ramp=0.0"];
 /// Setting with hair and air that exchange drag.
@@ -227,7 +230,13 @@ fn software_texts_change_no_bit() {
     let gpu = support::gpu();
     let storage = without_software_texts(&gpu);
     assert!(has_software_texts(&gpu) || gpu.info().kind != "software", "{:?} runs the texts of a GPU", gpu.info());
-    for sets in [PUBLISHED, PARTICLES, CROWDED, DIVERGENCE, PRESSED_HAIR, BODIES, FIELDS] {
+    let all = [PUBLISHED, PARTICLES, DRAG, CROWDED, DIVERGENCE, PRESSED_HAIR, BODIES, FIELDS, NEWTON];
+    let run: Vec<_> = all.iter().flat_map(|sets| plan(&small(sets)).unwrap()).filter(|row| row.runs > 0).collect();
+    for pass in PASSES {
+        let beside = pass.bindings.iter().any(|bound| bound.writes && bound.in_software.texture.is_some());
+        assert!(!beside || run.iter().any(|row| row.pass == pass.name), "no scene runs {}", pass.name);
+    }
+    for sets in all {
         let [a, b] = [&gpu, &storage].map(|gpu| {
             let mut sim = Simulation::new(gpu, &small(sets)).unwrap();
             sim.step(5).unwrap();

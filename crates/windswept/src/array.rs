@@ -2,7 +2,7 @@
 
 use std::{fmt, marker::PhantomData, mem::size_of, ops::Deref};
 
-use windswept_shaders::{BindingKind, PASSES};
+use windswept_shaders::{BufferKind, PASSES};
 
 /// How long what an array holds is needed, which says whether others may lie in its memory (`sharing.rs`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -108,7 +108,7 @@ const UNIFORM_ALIGNMENT: u64 = 256;
 /// Whether any pass binds the array of this name as a uniform.
 pub(crate) fn is_uniform(name: &str) -> bool {
     let mut bindings = PASSES.iter().flat_map(|pass| pass.bindings);
-    bindings.any(|binding| binding.name == name && binding.kind == BindingKind::Uniform)
+    bindings.any(|binding| binding.name == name && binding.kind == BufferKind::Uniform)
 }
 
 /// A buffer of elements of `T`, which Rust and WGSL lay out alike.

@@ -13,7 +13,9 @@ pub use adapter::{AdapterChoice, AdapterInfo, adapters};
 pub(crate) use memory::Memory;
 pub(crate) use program::{Profile, Program, Span, write_trace};
 pub use wgpu;
-use windswept_shaders::{Binding, BindingKind, MESHES, PASSES, Pass, TEXTURE_ROW, common::lanes::LANES};
+use windswept_shaders::{
+    Binding, BufferKind, InSoftware, MESHES, PASSES, Pass, TEXTURE_ROW, Texture, common::lanes::LANES,
+};
 
 use crate::error::GpuError;
 
@@ -147,10 +149,11 @@ impl Gpu {
         self.software_texts
     }
 
-    /// Kind of a binding in the text of a pass that runs.
-    pub(crate) fn kind(&self, pass: &Pass, binding: &Binding) -> BindingKind {
+    /// What the text of a pass that runs binds for a binding: a buffer, with its kind, and a texture.
+    pub(crate) fn bound(&self, pass: &Pass, binding: &Binding) -> (Option<BufferKind>, Option<Texture>) {
         let software = self.software_texts && !self.sources.contains_key(pass.name);
-        if software { binding.kind_in_software } else { binding.kind }
+        let InSoftware { buffer, texture } = binding.in_software;
+        if software { (buffer, texture) } else { (Some(binding.kind), None) }
     }
 
     /// The device, for drawing beside the engine.
@@ -249,11 +252,7 @@ impl Gpu {
                     label: Some(pass.name),
                     source: wgpu::ShaderSource::Wgsl(source.into()),
                 });
-                let entries: Vec<_> = pass
-                    .bindings
-                    .iter()
-                    .map(|binding| layout_entry(binding.binding, self.kind(pass, binding)))
-                    .collect();
+                let entries: Vec<_> = pass.bindings.iter().flat_map(|binding| self.layout(pass, binding)).collect();
                 let group = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                     label: Some(pass.name),
                     entries: &entries,
@@ -276,30 +275,40 @@ impl Gpu {
         pipelines.insert(key, pipeline.clone());
         Ok(pipeline)
     }
+
+    /// What a binding adds to the layout of its pass.
+    fn layout(&self, pass: &Pass, binding: &Binding) -> impl Iterator<Item = wgpu::BindGroupLayoutEntry> {
+        let (buffer, texture) = self.bound(pass, binding);
+        let buffer = buffer.map(|kind| (binding.binding, buffer_type(kind)));
+        let texture = texture.map(|texture| (texture.binding, texture_type(texture.texel)));
+        let visibility = wgpu::ShaderStages::COMPUTE;
+        let entry = move |(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+        buffer.into_iter().chain(texture).map(entry)
+    }
 }
 
 /// Whether a device of these limits binds as many textures as any pass reads, each as large as a buffer that it binds.
 fn binds_textures(limits: &wgpu::Limits) -> bool {
-    let textures = |pass: &&Pass| {
-        pass.bindings.iter().filter(|binding| matches!(binding.kind_in_software, BindingKind::Texture(_))).count()
-    };
+    let textures = |pass: &&Pass| pass.bindings.iter().filter(|binding| binding.in_software.texture.is_some()).count();
     let most = PASSES.iter().map(textures).max().unwrap_or(0) as u64;
     let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     let (side, row) = (u64::from(limits.max_texture_dimension_2d), u64::from(TEXTURE_ROW));
     u64::from(limits.max_storage_textures_per_shader_stage) >= most && side >= row / 4 && side * row >= binding
 }
 
-fn layout_entry(number: u32, kind: BindingKind) -> wgpu::BindGroupLayoutEntry {
-    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+fn buffer_type(kind: BufferKind) -> wgpu::BindingType {
     let ty = match kind {
-        BindingKind::Uniform => buffer(wgpu::BufferBindingType::Uniform),
-        BindingKind::Read => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
-        BindingKind::ReadWrite => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
-        BindingKind::Texture(texel) => wgpu::BindingType::StorageTexture {
-            access: wgpu::StorageTextureAccess::ReadOnly,
-            format: memory::format(texel),
-            view_dimension: wgpu::TextureViewDimension::D2,
-        },
+        BufferKind::Uniform => wgpu::BufferBindingType::Uniform,
+        BufferKind::Read => wgpu::BufferBindingType::Storage { read_only: true },
+        BufferKind::ReadWrite => wgpu::BufferBindingType::Storage { read_only: false },
     };
-    wgpu::BindGroupLayoutEntry { binding: number, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None }
+    wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
+}
+
+fn texture_type(texel: u32) -> wgpu::BindingType {
+    wgpu::BindingType::StorageTexture {
+        access: wgpu::StorageTextureAccess::ReadOnly,
+        format: memory::format(texel),
+        view_dimension: wgpu::TextureViewDimension::D2,
+    }
 }

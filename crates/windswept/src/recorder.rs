@@ -1,6 +1,6 @@
 //! Writes down a step: which pass runs over which arrays, and which is left out and why. It needs no GPU.
 
-use windswept_shaders::{Binding, BindingKind, Pass};
+use windswept_shaders::{Binding, BufferKind, Pass};
 
 use crate::{array::AnyArray, state::State};
 
@@ -108,7 +108,7 @@ impl<'a> Recorder<'a> {
     pub fn run(&mut self, pass: &'static Pass, label: &'static str, invocations: u32) -> Bindings<'_> {
         let named = |binding: &Binding| {
             let array = self.arrays.iter().find(|array| array.name() == binding.name).copied().unwrap_or_default();
-            if binding.kind == BindingKind::Uniform { array.as_uniform() } else { array }
+            if binding.kind == BufferKind::Uniform { array.as_uniform() } else { array }
         };
         let command = Command {
             heading: self.heading,

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use windswept_shaders::{BindingKind, TEXTURE_ROW};
+use windswept_shaders::{TEXTURE_ROW, Texture};
 
 use crate::{array::AnyArray, recorder::Recording};
 
@@ -29,7 +29,7 @@ pub(crate) fn readings(recording: &Recording) -> Vec<Reading> {
     for (place, command) in recording.running().enumerate() {
         let bound = || command.pass.bindings.iter().zip(&command.arrays);
         for (binding, array) in bound() {
-            let BindingKind::Texture(texel) = binding.kind_in_software else { continue };
+            let Some(Texture { texel, .. }) = binding.in_software.texture else { continue };
             let known = all.iter().position(|reading| reading.array.slot() == array.slot());
             let at = known.unwrap_or_else(|| {
                 all.push(Reading { array: *array, texel, times: Vec::new() });

@@ -8,7 +8,7 @@ use std::{
 
 use bytemuck::Pod;
 
-use windswept_shaders::{BindingKind, TEXTURE_ROW, common::lanes::LANES};
+use windswept_shaders::{BufferKind, TEXTURE_ROW, common::lanes::LANES};
 
 use crate::{
     array::{AnyArray, Array, Life, is_uniform},
@@ -71,9 +71,9 @@ impl Memory {
     }
 
     /// The binding of an array: the whole of it, or one element. Its buffer may be longer, and a uniform is whole rows.
-    pub(crate) fn binding(&self, array: &AnyArray, kind: BindingKind) -> wgpu::BindingResource<'_> {
+    pub(crate) fn binding(&self, array: &AnyArray, kind: BufferKind) -> wgpu::BindingResource<'_> {
         let (offset, size) = array.element().map_or((0, array.bytes()), |k| (k * array.stride(), array.size()));
-        let size = if kind == BindingKind::Uniform { size.next_multiple_of(UNIFORM_ROW) } else { size };
+        let size = if kind == BufferKind::Uniform { size.next_multiple_of(UNIFORM_ROW) } else { size };
         let (buffer, size) = (self.buffer(array), NonZero::new(size));
         wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size })
     }

@@ -7,7 +7,7 @@ use std::{
 
 pub(crate) use wgpu_profiler::chrometrace::write_chrometrace as write_trace;
 use wgpu_profiler::{GpuProfiler, GpuProfilerSettings, GpuTimerQueryResult};
-use windswept_shaders::{BindingKind, TEXTURE_ROW};
+use windswept_shaders::{TEXTURE_ROW, Texture};
 
 use crate::{
     error::GpuError,
@@ -195,21 +195,20 @@ impl Dispatch {
         });
         let copies = copies.collect::<Result<_, GpuError>>()?;
         let pipeline = gpu.pipeline(command.pass, meshes)?;
-        let bound = || command.pass.bindings.iter().zip(&command.arrays);
-        let views = bound().map(|(binding, array)| match gpu.kind(command.pass, binding) {
-            BindingKind::Texture(texel) => {
-                let texture = memory.texture(gpu, array, texel)?;
-                Ok(Some(texture.create_view(&wgpu::TextureViewDescriptor::default())))
-            }
-            _ => Ok(None),
+        let bound = || {
+            let all = command.pass.bindings.iter().zip(&command.arrays);
+            all.map(|(binding, array)| (binding.binding, gpu.bound(command.pass, binding), array))
+        };
+        let textures = bound().filter_map(|(_, (_, texture), array)| Some((texture?, array)));
+        let views = textures.map(|(Texture { binding, texel }, array)| {
+            let texture = memory.texture(gpu, array, texel)?;
+            Ok((binding, texture.create_view(&wgpu::TextureViewDescriptor::default())))
         });
         let views = views.collect::<Result<Vec<_>, GpuError>>()?;
-        let resources = bound().zip(&views).map(|((binding, array), view)| {
-            let buffer = || memory.binding(array, gpu.kind(command.pass, binding));
-            let resource = view.as_ref().map_or_else(buffer, wgpu::BindingResource::TextureView);
-            wgpu::BindGroupEntry { binding: binding.binding, resource }
-        });
-        let entries: Vec<_> = resources.collect();
+        let buffers = bound().filter_map(|(binding, (kind, _), array)| Some((binding, memory.binding(array, kind?))));
+        let views = views.iter().map(|(binding, view)| (*binding, wgpu::BindingResource::TextureView(view)));
+        let all = buffers.chain(views).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
+        let entries: Vec<_> = all.collect();
         let group = gpu.checked(
             || format!("binding {} ({})", command.pass.name, command.label),
             || {
