@@ -66,7 +66,7 @@ fn build() -> Result<()> {
             continue;
         }
         let name = source.name();
-        let text = link(&root, &name, true)?;
+        let text = link(&root, &name, &["subgroups"])?;
         let (module, info) = validate(&name, &text)?;
         let target = format!("{}.wgsl", name.replace('/', "_"));
         fs::write(out.join(&target), &text)?;
@@ -75,7 +75,7 @@ fn build() -> Result<()> {
             table.picture(source, &target);
             continue;
         }
-        let plain = link(&root, &name, false)?;
+        let plain = link(&root, &name, &[])?;
         let mut other = None;
         if plain != text {
             validate(&name, &plain)?;
@@ -84,8 +84,11 @@ fn build() -> Result<()> {
             other = Some(target);
         }
         let mut software = None;
-        if let Some((text, places)) = software::text_for_software(&name, &text, &module, &info, &mut elsewhere)
-            .map_err(|error| format!("shaders/{name}.wgsl: for software adapters: {error}"))?
+        let in_step = link(&root, &name, &["subgroups", "in_step"])?;
+        let (module_in_step, info_in_step) = validate(&name, &in_step)?;
+        if let Some((text, places)) =
+            software::text_for_software(&name, &in_step, &module_in_step, &info_in_step, &mut elsewhere)
+                .map_err(|error| format!("shaders/{name}.wgsl: for software adapters: {error}"))?
         {
             validate(&name, &text)?;
             let target = format!("{}_software.wgsl", name.replace('/', "_"));
@@ -125,12 +128,17 @@ impl wesl::Resolver for Files<'_> {
     }
 }
 
-/// The shader with everything that it imports, and nothing else, under the names as they are written; with subgroup operations or
-/// without.
-fn link(root: &Path, name: &str, subgroups: bool) -> Result<String> {
+/// Features of the shaders: `subgroups`, their operations; `in_step`, lanes of a subgroup that need no barrier (`common/lanes.wgsl`).
+const FEATURES: [&str; 2] = ["subgroups", "in_step"];
+
+/// The shader with everything that it imports, and nothing else, under the names as they are written; with these features.
+fn link(root: &Path, name: &str, features: &[&str]) -> Result<String> {
     let files = Files { all: wesl::FileResolver::new(root), name };
     let mut compiler = wesl::Wesl::new(root).set_custom_resolver(files);
-    compiler.set_mangler(wesl::ManglerKind::None).use_sourcemap(true).set_feature("subgroups", subgroups);
+    compiler.set_mangler(wesl::ManglerKind::None).use_sourcemap(true);
+    for feature in FEATURES {
+        compiler.set_feature(feature, features.contains(&feature));
+    }
     let path: wesl::ModulePath = format!("package::{PASS}").parse()?;
     let linked = compiler.compile(&path).map_err(|error| format!("shaders/{name}.wgsl: {error}"))?;
     Ok(linked.to_string())

@@ -1,6 +1,9 @@
 // Eight invocations side by side show one another what each of them has read: by subgroup operations, or through the workgroup's
 // memory on a device whose subgroups may have fewer than eight lanes, or that has none. Invocations are taken to be numbered in
 // a subgroup as they are in the workgroup, which drivers do where workgroups have one dimension.
+//
+// Software adapters (`in_step`) run the lanes of a subgroup instruction by instruction: what one has written the others read without a
+// barrier. A single barrier there makes all variables of a pass live in memory.
 import package::common::dispatch::WORKGROUP;
 
 const LANES: u32 = 8u;             // invocations that work together, and particles of a cluster
@@ -63,7 +66,7 @@ var<private> first_of_eight: u32;   // its number in the subgroup, or in the wor
 @if(subgroups) var<private> keeps: array<vec2u, KEPT>;
 @if(!subgroups) var<workgroup> all_keeps: array<array<vec2u, KEPT>, WORKGROUP>;
 
-// Keeps a value, by a number that is a constant. All eight keep theirs before any asks for one, with a barrier of the workgroup in between.
+// Keeps a value, by a number that is a constant. All eight keep theirs before any asks for one, and `settle` in between.
 @if(subgroups)
 fn keep(local: u32, number: u32, value: vec2u) {
     keeps[number] = value;
@@ -83,23 +86,37 @@ fn kept(number: u32, lane: u32) -> vec2u {
     return all_keeps[first_of_eight + lane][number];
 }
 
-// A bit for each of the eight: whether it says yes.
+// What any of the eight has written to the workgroup's memory is there for the other seven afterwards. Every invocation of the workgroup
+// calls it, from the same place.
+@if(in_step)
+fn settle() {}
+@if(!in_step)
+fn settle() {
+    workgroupBarrier();
+}
+
+// Every bit that any of the eight has.
 @if(subgroups)
-fn votes(local: u32, yes: bool) -> u32 {
-    var bits = u32(yes) << lane_of(local);
+fn joined(local: u32, own: u32) -> u32 {
+    var bits = own;
     bits |= subgroupShuffleXor(bits, 1u);
     bits |= subgroupShuffleXor(bits, 2u);
     return bits | subgroupShuffleXor(bits, 4u);
 }
 @if(!subgroups)
-fn votes(local: u32, yes: bool) -> u32 {
+fn joined(local: u32, own: u32) -> u32 {
     workgroupBarrier();
-    all_counts[local] = u32(yes);
+    all_counts[local] = own;
     workgroupBarrier();
     let first = local - lane_of(local);
     var bits = 0u;
-    for (var k = 0u; k < LANES; k++) { bits |= all_counts[first + k] << k; }
+    for (var k = 0u; k < LANES; k++) { bits |= all_counts[first + k]; }
     return bits;
+}
+
+// A bit for each of the eight: whether it says yes.
+fn votes(local: u32, yes: bool) -> u32 {
+    return joined(local, u32(yes) << lane_of(local));
 }
 
 // Turns a square of bits: bit k of the byte that belongs to an invocation is the bit with its own number of what another of the
@@ -169,4 +186,20 @@ fn largest_of_all(local: u32, count: u32) -> u32 {
         one_for_all = largest;
     }
     return workgroupUniformLoad(&one_for_all);
+}
+
+@if(subgroups && !in_step) var<workgroup> most: atomic<u32>;
+@if(subgroups && !in_step) var<workgroup> all_most: u32;
+
+// The largest of the counts of a workgroup, or of all that work in step where no barrier needs more. A pass asks once.
+@if(subgroups && !in_step)
+fn largest_in_workgroup(local: u32, count: u32) -> u32 {
+    atomicMax(&most, count);
+    workgroupBarrier();
+    if local == 0u { all_most = atomicLoad(&most); }
+    return workgroupUniformLoad(&all_most);
+}
+@if(!subgroups || in_step)
+fn largest_in_workgroup(local: u32, count: u32) -> u32 {
+    return largest_of_all(local, count);
 }

@@ -7,7 +7,10 @@
 import package::common::{
     params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, cells::{wrap, home_of, box_bucket},
     list::{HEADER, BATCH, NOBODY, IMAGE_BITS, FRAME_BITS, FAR},
-    lanes::{Near, LANES, lane_of, show, shown_by, keep, kept, first_of_eight, votes, turned, bits_of_all, largest_of_all},
+    lanes::{
+        Near, LANES, lane_of, show, shown_by, keep, kept, first_of_eight, settle, joined, votes, turned, bits_of_all, largest_of_all,
+        largest_in_workgroup,
+    },
     status::{status, frozen_before},
 };
 
@@ -34,9 +37,6 @@ const PLACES: u32 = 524288u;               // a stretch with more freezes the st
 // box times ROWS, and that of its row. Each of the eight keeps those of the row that has its number, and all of them those of the last row.
 
 var<workgroup> held: array<u32, CLUSTERS * HELD>;
-var<workgroup> firsts: array<u32, CLUSTERS>;
-var<workgroup> most: atomic<u32>;   // entries of a cluster of the workgroup
-var<workgroup> all_most: u32;
 
 var<private> local: u32;           // place in the workgroup
 var<private> lane: u32;            // place among the eight
@@ -261,22 +261,18 @@ fn main(
         low = vec3f(FAR);
         high = vec3f(-FAR);
     }
-    if local == 0u { atomicStore(&most, 0u); }
-
     let home = home_of(sorted_position[entries.x].xyz);
     look_ahead(home, lane, 0u, air);
     look_ahead(home, LANES, LAST, air);
-    workgroupBarrier();
+    settle();
     let own_kind = search_all(home, air);
-    workgroupBarrier();
+    settle();
+    var first = 0u;
     if lane == 0u {
-        atomicMax(&most, found);
-        firsts[cluster_in_workgroup()] = 0u;
         if crowded { atomicAdd(&status.neighbour_carries, 1u); }
-        if used { firsts[cluster_in_workgroup()] = room_for(LANES + BATCH * (found / LANES)); }
+        if used { first = room_for(LANES + BATCH * (found / LANES)); }
     }
-    workgroupBarrier();
-    let first = firsts[cluster_in_workgroup()];
+    first = joined(local, first);
     if first > 0u { neighbour_list[first + lane] = select(NOBODY, sorted[select(0u, e, there)], there); }
     if lane == 0u && c < params.clusters {
         neighbour_list[HEADER * c] = first;
@@ -284,14 +280,13 @@ fn main(
         neighbour_list[HEADER * c + 1u] = select(0u, (own_kind / LANES) | moved.x | moved.y | moved.z, first > 0u);
         neighbour_list[HEADER * c + 2u] = select(0u, (found - own_kind) / LANES, first > 0u);
     }
-    if local == 0u { all_most = atomicLoad(&most); }
-    let searches = (workgroupUniformLoad(&all_most) + HELD - 1u) / HELD;
+    let searches = (largest_in_workgroup(local, found) + HELD - 1u) / HELD;
     for (var k = 0u; k < searches; k++) {
         if k > 0u {
-            workgroupBarrier();
+            settle();
             window = HELD * k;
             let again = search_all(home, air);
-            workgroupBarrier();
+            settle();
         }
         copy(first + LANES, home, air, first > 0u);
     }
