@@ -251,6 +251,46 @@ fn comes_out_slowly(name: &str, scene: &Scene, points_of_strand: usize, off: f64
     assert!(fastest < 0.2 && stretch < 2e-3, "{fastest} m/s, {stretch}");
 }
 
+/// Hair that starts through a plate, with no point in it or with one, is not thrown.
+#[test]
+fn hair_that_starts_through_a_plate_is_not_thrown() {
+    let text = "interaction.model = \"drag\"\nair = { wind = [0, 0, 0] }\nrods.sleep = false\n\
+        time = { step = 1.38e-3, duration = 1.0 }\n[[body]]\nradius = 0.04\ncenter = [0, 0, 0]\n";
+    let round = Scene::parse(text).unwrap();
+    // Thickness of the plate, distance between points, of the root from the plate's middle and of the strand from the plate's edge [m].
+    let cases = [
+        (0.005, 0.009, -0.040, 0.02),
+        (0.005, 0.009, -0.040, 0.005),
+        (0.005, 0.009, -0.036, 0.02),
+        (0.005, 0.003, -0.040, 0.02),
+        (0.004, 0.020, -0.050, 0.02),
+        (0.008, 0.020, -0.050, 0.02),
+    ];
+    for (thickness, apart, root, from_edge) in cases {
+        let half = DVec3::new(0.5 * thickness, 0.05, 0.05);
+        let corner = |k: usize| half * DVec3::from_array([0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 1.0 } else { -1.0 }));
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+        let plate = Triangles { points: (0..8).map(corner).collect(), corners: triangles, ..Triangles::default() };
+        let mut scene = round.clone();
+        scene.bodies[0].shape = Shape::Mesh(Solid::enclosed(plate, Some(1e-3)).unwrap());
+        let count = (0.09 / apart) as usize;
+        let strand = (0..count).map(|k| [root + apart * k as f64, 0.05 - from_edge, 0.003]).collect();
+        let groom = Groom::new(strand, vec![0, count as u32]);
+        let initial = InitialState::with_groom(&scene, &groom).unwrap();
+        let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
+        let mut fastest = [0.0_f64; 3];
+        for step in 0..500 {
+            simulation.step(1).unwrap();
+            let v = points(&simulation.frame().unwrap().hair.velocities);
+            let part = if step < 20 { 0 } else if step < 100 { 1 } else { 2 };
+            fastest[part] = v.iter().map(|v| v.length()).fold(fastest[part], f64::max);
+        }
+        println!("plate of {thickness} m, points {apart} m apart, root at {root} m, {from_edge} m from the edge: {fastest:.3?} m/s");
+        assert!(fastest[0] < 0.3, "{fastest:?} m/s");
+    }
+}
+
 /// Hair that is rooted 0.2 to 1.5 mm below a surface and combed along it, or into it, comes out slowly and rests, on a mesh too. Its
 /// shape at rest bends it back into the body.
 #[test]

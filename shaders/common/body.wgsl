@@ -40,7 +40,7 @@ const ROUNDS: u32 = 2u;
 
 const PUSHED: u32 = 1u;   // bit of `touched`: a body pushed one of the strand's points or segments
 const MOVED: u32 = 2u;    // bit of `touched`: some body moved, and the strand may have lain on it
-const INSIDE: u32 = 4u;   // bit of `touched`: a point that is to be outside began the step deeper in a body than it comes out in a step
+const INSIDE: u32 = 4u;   // bit of `touched`: what is to be outside began the step deeper in a body than it comes out in a step
 const PULLED: u32 = 8u;   // bit of `touched`: what was pushed has pulled the strand along
 const PART: u32 = 4u;     // bits of `touched` from this one to EMBEDDED: dispatches of `contact/pull` in this step
 const EMBEDDED: u32 = 8u; // bits of `touched` from this one on: number of the strand's points, from its root on, that bodies let be

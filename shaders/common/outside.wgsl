@@ -50,17 +50,17 @@ fn stopped(body: Placed, start: vec3f, goal: vec3f, normal: vec3f, depth: f32) -
 
 // The same for a place of a segment that is nearest to the body where it goes. A segment slides over the body, and other places of it come
 // to be the nearest: the plane touches the body where the place ends, unless that is on another side than where its way enters.
-fn keep_nearest(body: Placed, before: vec3f, goal: vec3f) -> vec3f {
+fn keep_nearest(body: Placed, before: vec3f, goal: vec3f) -> Kept {
     let start = carried(body, before);
     let part = entry(body, start, goal - start);
-    if part > 1.0 { return goal; }
+    if part > 1.0 { return Kept(goal, 0.0); }
     let contact = start + part * (goal - start);
     let touch = surface(body, contact);
     let near = surface(body, goal);
     let recovered = min(-touch.distance, RECOVERY * params.step);
     let beside = dot(near.normal, touch.normal) > SAME_SIDE;
     let depth = select(recovered - dot(touch.normal, goal - contact), recovered + touch.distance - near.distance, beside);
-    return stopped(body, start, goal, select(touch.normal, near.normal, beside), depth);
+    return Kept(stopped(body, start, goal, select(touch.normal, near.normal, beside), depth), -touch.distance);
 }
 
 // Point that was at `before` and would go to `goal` [m], kept out of all bodies: in order, and twice, for points between two bodies.
@@ -89,13 +89,14 @@ struct Ends {
 struct Cleared {
     ends: Ends,
     push: f32,        // longest way by which one of its places was pushed [m]
+    inside: f32,      // depth below a surface at which one of these places begins the step [m]; 0 if they begin outside
 }
 
 // The segment from point p to the next, with its ends before the step and where they would go, kept out of all bodies by its place that
 // is nearest to each. A push of that place moves both ends by their masses and by how near they are to it. Where the second end is held
 // inside a body the segment is left as it is.
 fn clear(p: u32, before: Ends, goal: Ends) -> Cleared {
-    var x = Cleared(goal, 0.0);
+    var x = Cleared(goal, 0.0, 0.0);
     let give = vec2f(inverse_mass[p], inverse_mass[p + 1u]);
     for (var k = 0u; k < arrayLength(&placed); k++) {
         let body = placed[k];
@@ -105,11 +106,13 @@ fn clear(p: u32, before: Ends, goal: Ends) -> Cleared {
         if response == 0.0 { continue; }
         if give.y == 0.0 && surface(body, x.ends.second).distance < 0.0 { continue; }
         let goes = mix(x.ends.first, x.ends.second, t);
-        let push = keep_nearest(body, mix(before.first, before.second, t), goes) - goes;
+        let kept = keep_nearest(body, mix(before.first, before.second, t), goes);
+        let push = kept.place - goes;
         let parts = min(share / response, vec2f(AT_MOST));
         x.ends.first += parts.x * push;
         x.ends.second += parts.y * push;
         x.push = max(x.push, length(push));
+        x.inside = max(x.inside, kept.inside);
     }
     return x;
 }

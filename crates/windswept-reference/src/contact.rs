@@ -57,7 +57,7 @@ pub fn push_air(w: &mut Scratch, p: &Parameters, placed: &[Placed]) {
 pub struct Touch {
     /// Whether a body pushed one of its points or segments.
     pub pushed: bool,
-    /// Whether a point of it that is to be outside began the step deeper in a body than it comes out in a step.
+    /// Whether a place of it that is to be outside began the step deeper in a body than it comes out in a step.
     pub inside: bool,
     /// Number of its points, from the root on, that bodies let be: it grows out of one.
     pub embedded: usize,
@@ -103,6 +103,7 @@ pub fn middle(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed], tou
             let give = [s.inverse_mass[i], s.inverse_mass[i + 1]];
             let cleared = clear(p, placed, give, ends(&s.position), ends(&w.predicted));
             touch.pushed |= is_touch(cleared.push, length(s, strand));
+            touch.inside |= is_deep(p, cleared.inside);
         }
         w.touched[strand] |= touch.pushed;
     }

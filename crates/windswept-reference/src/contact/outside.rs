@@ -28,6 +28,8 @@ pub struct Cleared {
     pub ends: [DVec3; 2],
     /// Longest way by which one of its places was pushed \[m\].
     pub push: f64,
+    /// Depth at which one of these places begins the step below a surface \[m\]; 0 if they begin outside.
+    pub inside: f64,
 }
 
 impl Placed {
@@ -57,10 +59,10 @@ impl Placed {
 
     /// The same of a place that is the nearest of its segment where it goes: the plane touches the body where the place ends, unless
     /// that is on another side than where its way enters.
-    fn keep_nearest(&self, p: &Parameters, position: DVec3, predicted: DVec3) -> DVec3 {
+    fn keep_nearest(&self, p: &Parameters, position: DVec3, predicted: DVec3) -> Kept {
         let Self { body, before, after } = self;
         let (a, b) = (before.back(position), after.back(predicted));
-        let Some(contact) = body.entry(a, b) else { return predicted };
+        let Some(contact) = body.entry(a, b) else { return Kept { place: predicted, inside: 0.0 } };
         let (distance, normal) = body.shape.signed_distance(contact);
         let (distance_there, normal_there) = body.shape.signed_distance(b);
         let inside = (-distance).max(0.0);
@@ -70,7 +72,7 @@ impl Placed {
         } else {
             self.stopped(a, b, normal, recovered - (b - contact).dot(normal))
         };
-        stopped.unwrap_or(predicted)
+        Kept { place: stopped.unwrap_or(predicted), inside }
     }
 
     /// Part of a segment at which it is nearest to the body after the step.
@@ -106,7 +108,7 @@ pub(super) fn is_deep(p: &Parameters, inside: f64) -> bool {
 /// segment is left as it is.
 #[must_use]
 pub fn clear(p: &Parameters, placed: &[Placed], give: [f64; 2], before: [DVec3; 2], ends: [DVec3; 2]) -> Cleared {
-    let mut x = Cleared { ends, push: 0.0 };
+    let mut x = Cleared { ends, push: 0.0, inside: 0.0 };
     for placed in placed {
         let t = placed.nearest(x.ends);
         let share = [(1.0 - t) * give[0], t * give[1]];
@@ -116,11 +118,13 @@ pub fn clear(p: &Parameters, placed: &[Placed], give: [f64; 2], before: [DVec3; 
             continue;
         }
         let goes = x.ends[0].lerp(x.ends[1], t);
-        let push = placed.keep_nearest(p, before[0].lerp(before[1], t), goes) - goes;
+        let kept = placed.keep_nearest(p, before[0].lerp(before[1], t), goes);
+        let push = kept.place - goes;
         for (end, share) in x.ends.iter_mut().zip(share) {
             *end += (share / response).min(AT_MOST) * push;
         }
         x.push = x.push.max(push.length());
+        x.inside = x.inside.max(kept.inside);
     }
     x
 }
