@@ -251,7 +251,7 @@ fn comes_out_slowly(name: &str, scene: &Scene, points_of_strand: usize, off: f64
     assert!(fastest < 0.2 && stretch < 2e-3, "{fastest} m/s, {stretch}");
 }
 
-/// Hair that starts through a plate, with no point in it or with one, is not thrown.
+/// Hair that starts through a plate, with no point in it or with one, is not thrown: it came to 24 m/s in the first steps.
 #[test]
 fn hair_that_starts_through_a_plate_is_not_thrown() {
     let text = "interaction.model = \"drag\"\nair = { wind = [0, 0, 0] }\nrods.sleep = false\n\
@@ -268,7 +268,8 @@ fn hair_that_starts_through_a_plate_is_not_thrown() {
     ];
     for (thickness, apart, root, from_edge) in cases {
         let half = DVec3::new(0.5 * thickness, 0.05, 0.05);
-        let corner = |k: usize| half * DVec3::from_array([0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 1.0 } else { -1.0 }));
+        let corner =
+            |k: usize| half * DVec3::from_array([0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 1.0 } else { -1.0 }));
         let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         let triangles = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
         let plate = Triangles { points: (0..8).map(corner).collect(), corners: triangles, ..Triangles::default() };
@@ -283,11 +284,20 @@ fn hair_that_starts_through_a_plate_is_not_thrown() {
         for step in 0..500 {
             simulation.step(1).unwrap();
             let v = points(&simulation.frame().unwrap().hair.velocities);
-            let part = if step < 20 { 0 } else if step < 100 { 1 } else { 2 };
+            let part = if step < 20 {
+                0
+            } else if step < 100 {
+                1
+            } else {
+                2
+            };
             fastest[part] = v.iter().map(|v| v.length()).fold(fastest[part], f64::max);
         }
-        println!("plate of {thickness} m, points {apart} m apart, root at {root} m, {from_edge} m from the edge: {fastest:.3?} m/s");
+        println!(
+            "plate of {thickness} m, points {apart} m apart, root at {root} m, {from_edge} m from the edge: {fastest:.3?} m/s"
+        );
         assert!(fastest[0] < 0.3, "{fastest:?} m/s");
+        assert!(fastest[1] < 2.5 && fastest[2] < 2.5, "{fastest:?} m/s; what a body bent springs back when it is out");
     }
 }
 
