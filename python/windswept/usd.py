@@ -100,7 +100,10 @@ def _parts(path: Any, stage: Any, time: float | None) -> dict[str, dict[str, NDA
     found = [UsdGeom.BasisCurves(prim) for prim in prims if prim.IsA(UsdGeom.BasisCurves)]
     if not found:
         raise ValueError(f"{path}: expected BasisCurves, found none")
-    parts = {str(curves.GetPath()): _curves(curves, time) for curves in found}
+    try:
+        parts = {str(curves.GetPath()): _curves(curves, time) for curves in found}
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
     empty = [prim for prim, part in parts.items() if part is None]
     if len(empty) == len(found):
         raise ValueError(f"{path}: expected BasisCurves with points, found none in {_listed(empty)}")
@@ -141,6 +144,8 @@ def _curves(curves: Any, time: float | None) -> dict[str, NDArray[Any]] | None:
         return None
     counts = np.array(given[0], dtype=np.int64)
     points = np.array(given[1], dtype=np.float64).reshape(-1, 3)
+    if counts.min() < 0:
+        raise ValueError(f"{path}: expected curves of 0 or more points, found one of {counts.min()}")
     if counts.sum() != len(points):
         raise ValueError(f"{path}: {len(points)} points are not the {counts.sum()} of its curves")
     kind, basis, wrap = (attribute.Get() for attribute in (curves.GetTypeAttr(), curves.GetBasisAttr(), curves.GetWrapAttr()))

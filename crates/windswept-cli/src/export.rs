@@ -93,7 +93,7 @@ impl Converter {
         let asked = Command::new(&python).args(["-c", "from pxr import Sdf"]).output();
         let words = match asked {
             Ok(asked) if asked.status.success() => return Ok(Self(python)),
-            Ok(_) => "has no usd-core, which --format usdc needs: pip install usd-core, or --format usda".to_owned(),
+            Ok(_) => "has no usd-core, which --format usdc needs: pip install usd-core, name a Python that has it by WINDSWEPT_PYTHON, or --format usda".to_owned(),
             Err(error) => format!(
                 "cannot be started: {error}; --format usdc needs a Python with usd-core, which WINDSWEPT_PYTHON names, or else --format usda"
             ),

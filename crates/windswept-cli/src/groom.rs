@@ -47,9 +47,12 @@ fn summary(curves: &Curves) -> Vec<(&'static str, String)> {
     let unit = if curves.unit.is_some() { "m" } else { "units" };
     let scale = curves.unit.unwrap_or(1.0);
     if let Some([low, high]) = curves.bounds() {
+        let sides = [0, 1, 2].map(|k| scale * (high[k] - low[k]));
+        let small = sides.iter().all(|side| *side < 0.01);
         // A 0 has no sign.
-        let corner = |x: [f64; 3]| x.map(|x| format!("{:.4}", scale * x + 0.0)).join(", ");
-        let sides = [0, 1, 2].map(|k| format!("{:.4}", scale * (high[k] - low[k]))).join(" x ");
+        let shown = |x: f64| if small { format!("{:.3e}", x + 0.0) } else { format!("{:.4}", x + 0.0) };
+        let corner = |x: [f64; 3]| x.map(|x| shown(scale * x)).join(", ");
+        let sides = sides.map(shown).join(" x ");
         rows.push(("box", format!("{sides} {unit}, from ({}) to ({})", corner(low), corner(high))));
     }
     if let [thinnest, thickest] = range(&mut curves.radius.iter().copied())
@@ -71,7 +74,9 @@ fn summary(curves: &Curves) -> Vec<(&'static str, String)> {
     let lengths = |s: usize| fit.strand(s).windows(2).map(|pair| distance(pair[0], pair[1])).sum::<f64>();
     let [shortest, longest] = range(&mut (0..fit.len()).map(lengths));
     if !fit.is_empty() {
-        rows.push(("length", format!("{:.4} to {:.4} {unit} along a strand", scale * shortest, scale * longest)));
+        let shown = |x: f64| if scale * longest < 0.01 { format!("{x:.3e}") } else { format!("{x:.4}") };
+        let [from, to] = [shortest, longest].map(|x| shown(scale * x));
+        rows.push(("length", format!("{from} to {to} {unit} along a strand")));
     }
     rows
 }

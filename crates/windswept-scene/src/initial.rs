@@ -456,8 +456,9 @@ fn rooted_outside(scene: &Scene, hair: &Strands, bodies: &[Shape]) -> Result<(),
         for (body, shape) in scene.bodies.iter().zip(bodies) {
             let (depth, most) = (-shape.signed_distance(root).0, DEEPEST_ROOT * shape.inradius());
             if depth > most * (1.0 + 1e-9) {
+                let its = if shape.solid().is_some() { "the radius of the largest ball in it" } else { "its radius" };
                 let words = format!(
-                    "strand {strand} is rooted {depth:.2e} m inside body \"{}\"; expected at most a tenth of its radius, {most:.2e} m",
+                    "strand {strand} is rooted {depth:.2e} m inside body \"{}\"; expected at most a tenth of {its}, {most:.2e} m",
                     body.name
                 );
                 let place = hair.table(strand, scene);

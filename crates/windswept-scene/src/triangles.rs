@@ -182,7 +182,10 @@ impl Triangles {
             )));
         }
         if let Some(i) = self.points.iter().position(|x| !(x.abs().max_element() <= LARGEST && x.is_finite())) {
-            return Err(SceneError::new(format!("point {i} is {}: expected finite numbers", self.points[i])));
+            return Err(SceneError::new(format!(
+                "point {i} is {}: expected finite numbers of at most {LARGEST:e}",
+                self.points[i]
+            )));
         }
         if !self.normals.iter().flatten().all(|normal| normal.is_finite()) {
             return Err(SceneError::new("a normal is not finite: expected finite numbers"));

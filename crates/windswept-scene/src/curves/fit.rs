@@ -391,7 +391,7 @@ impl GroomFile {
         }
         let mut notes = Vec::new();
         if let Some(asked) = self.strands.filter(|&asked| asked as usize > there && there > 0) {
-            notes.push(format!("{asked} strands are asked for, and {} has {there} that can be simulated", self.file));
+            notes.push(format!("{asked} strands are asked for, and {} has {there} to choose from", self.file));
         }
         if dropped.total() > 0 {
             notes.push(format!("{} of the {total} strands of {} are left out: {dropped}", dropped.total(), self.file));

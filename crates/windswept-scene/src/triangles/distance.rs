@@ -60,8 +60,9 @@ impl DistanceGrid {
         if nodes.is_nan() || nodes > MOST_GRID_VALUES as f64 {
             let size = high - low;
             let words = format!(
-                "a grid of {spacing} m about {:.3} x {:.3} x {:.3} m has {nodes:.2e} nodes and takes {:.2e} bytes; expected at most \
+                "a grid of {} m about {:.3} x {:.3} x {:.3} m has {nodes:.2e} nodes and takes {:.2e} bytes; expected at most \
                  {MOST_GRID_VALUES} nodes",
+                spacing as f32,
                 size.x,
                 size.y,
                 size.z,
@@ -74,10 +75,11 @@ impl DistanceGrid {
         let mut grid = Self { origin, spacing, counts, values: vec![0.0; nodes as usize] };
         grid.fill(&Tree::new(surface.places()));
         if grid.inradius() <= ROUNDING * spacing {
-            let words = format!("the triangles enclose no node of a grid of {spacing} m: expected a closed surface");
+            let words =
+                format!("the triangles enclose no node of a grid of {} m: expected a closed surface", spacing as f32);
             let help = format!(
                 "a body has an inside: give a flat mesh a thickness of {} m or more, or a thin one a smaller resolution",
-                2.0 * spacing
+                2.0 * spacing as f32
             );
             return Err(SceneError::new(words).with_help(help));
         }
