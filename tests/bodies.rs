@@ -12,6 +12,18 @@ fn simulation(text: &str, sets: &[&str]) -> Simulation {
     Simulation::new(&support::gpu(), &Scene::parse_with("bodies", text, &sets).unwrap()).unwrap()
 }
 
+/// Surface of a block, by its middle and half of its sides \[m\].
+fn block(middle: DVec3, half: DVec3) -> Triangles {
+    let corner =
+        |i: usize| middle + half * DVec3::from_array([1, 2, 4].map(|bit| if i & bit == 0 { -1.0 } else { 1.0 }));
+    let squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    Triangles {
+        points: (0..8).map(corner).collect(),
+        corners: squares.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+        ..Triangles::default()
+    }
+}
+
 fn points(of: &[[f32; 3]]) -> Vec<DVec3> {
     of.iter().map(|x| DVec3::from_array(x.map(f64::from))).collect()
 }
@@ -174,14 +186,7 @@ fn segments_lie_on_what_is_smaller_than_they_are() {
     let ball = Scene::parse(text).unwrap();
     let (mut meshed, mut plate) = (ball.clone(), ball.clone());
     meshed.bodies[0].shape = Shape::Mesh(Solid::enclosed(ball.bodies[0].shape.surface(32, 64), Some(3e-4)).unwrap());
-    let half = DVec3::new(0.001, 0.02, 0.02);
-    let corner = |i: usize| half * DVec3::from_array([1, 2, 4].map(|bit| if i & bit == 0 { -1.0 } else { 1.0 }));
-    let squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let surface = Triangles {
-        points: (0..8).map(|i| corner(i) + DVec3::new(0.045, -0.017, 0.0)).collect(),
-        corners: squares.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
-        ..Triangles::default()
-    };
+    let surface = block(DVec3::new(0.045, -0.017, 0.0), DVec3::new(0.001, 0.02, 0.02));
     plate.bodies[0].shape = Shape::Mesh(Solid::enclosed(surface, Some(3e-4)).unwrap());
     for (name, scene) in [("ball", ball), ("ball of triangles", meshed), ("plate", plate)] {
         let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
@@ -251,7 +256,8 @@ fn comes_out_slowly(name: &str, scene: &Scene, points_of_strand: usize, off: f64
     assert!(fastest < 0.2 && stretch < 2e-3, "{fastest} m/s, {stretch}");
 }
 
-/// Hair that starts through a plate, with no point in it or with one, is not thrown: it came to 24 m/s in the first steps.
+/// Hair that starts through a plate, with no point in it or with one, is not thrown: the first came to 16.7 m/s in 20 steps where
+/// its segments did not mark it.
 #[test]
 fn hair_that_starts_through_a_plate_is_not_thrown() {
     let text = "interaction.model = \"drag\"\nair = { wind = [0, 0, 0] }\nrods.sleep = false\n\
@@ -267,12 +273,7 @@ fn hair_that_starts_through_a_plate_is_not_thrown() {
         (0.008, 0.020, -0.050, 0.02),
     ];
     for (thickness, apart, root, from_edge) in cases {
-        let half = DVec3::new(0.5 * thickness, 0.05, 0.05);
-        let corner =
-            |k: usize| half * DVec3::from_array([0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 1.0 } else { -1.0 }));
-        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let triangles = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
-        let plate = Triangles { points: (0..8).map(corner).collect(), corners: triangles, ..Triangles::default() };
+        let plate = block(DVec3::ZERO, DVec3::new(0.5 * thickness, 0.05, 0.05));
         let mut scene = round.clone();
         scene.bodies[0].shape = Shape::Mesh(Solid::enclosed(plate, Some(1e-3)).unwrap());
         let count = (0.09 / apart) as usize;
@@ -284,13 +285,7 @@ fn hair_that_starts_through_a_plate_is_not_thrown() {
         for step in 0..500 {
             simulation.step(1).unwrap();
             let v = points(&simulation.frame().unwrap().hair.velocities);
-            let part = if step < 20 {
-                0
-            } else if step < 100 {
-                1
-            } else {
-                2
-            };
+            let part = usize::from(step >= 20) + usize::from(step >= 100);
             fastest[part] = v.iter().map(|v| v.length()).fold(fastest[part], f64::max);
         }
         println!(

@@ -58,7 +58,7 @@ def test_curves_that_leave_their_vertices_are_refused(tmp_path):
     for basis, wrap in [("bspline", "nonperiodic"), ("catmullRom", "nonperiodic"), ("catmullRom", "periodic")]:
         path = tmp_path / f"{basis}_{wrap}.usda"
         stage_of(path, points, [4, 7], basis=basis, wrap=wrap)
-        with pytest.raises(ValueError, match="Head/Hair: expected curves"):
+        with pytest.raises(ValueError, match=r"\.usda: /Head/Hair: expected curves"):
             ws.usd.to_npz(path, tmp_path / "no.npz")
     stage_of(tmp_path / "bezier.usda", points, [4, 7], basis="bezier", wrap="nonperiodic")
     assert ws.usd.to_npz(tmp_path / "bezier.usda", tmp_path / "bezier.npz") == 2

@@ -48,11 +48,9 @@ fn summary(curves: &Curves) -> Vec<(&'static str, String)> {
     let scale = curves.unit.unwrap_or(1.0);
     if let Some([low, high]) = curves.bounds() {
         let sides = [0, 1, 2].map(|k| scale * (high[k] - low[k]));
-        let small = sides.iter().all(|side| *side < 0.01);
-        // A 0 has no sign.
-        let shown = |x: f64| if small { format!("{:.3e}", x + 0.0) } else { format!("{:.4}", x + 0.0) };
+        let shown = digits(sides.into_iter().fold(0.0, f64::max));
         let corner = |x: [f64; 3]| x.map(|x| shown(scale * x)).join(", ");
-        let sides = sides.map(shown).join(" x ");
+        let sides = sides.map(&shown).join(" x ");
         rows.push(("box", format!("{sides} {unit}, from ({}) to ({})", corner(low), corner(high))));
     }
     if let [thinnest, thickest] = range(&mut curves.radius.iter().copied())
@@ -74,11 +72,16 @@ fn summary(curves: &Curves) -> Vec<(&'static str, String)> {
     let lengths = |s: usize| fit.strand(s).windows(2).map(|pair| distance(pair[0], pair[1])).sum::<f64>();
     let [shortest, longest] = range(&mut (0..fit.len()).map(lengths));
     if !fit.is_empty() {
-        let shown = |x: f64| if scale * longest < 0.01 { format!("{x:.3e}") } else { format!("{x:.4}") };
-        let [from, to] = [shortest, longest].map(|x| shown(scale * x));
+        let [from, to] = [shortest, longest].map(|x| digits(scale * longest)(scale * x));
         rows.push(("length", format!("{from} to {to} {unit} along a strand")));
     }
     rows
+}
+
+/// Shows numbers of which the largest is this, so that what is small has digits too.
+fn digits(largest: f64) -> impl Fn(f64) -> String {
+    // A 0 has no sign.
+    move |x| if largest < 0.01 { format!("{:.3e}", x + 0.0) } else { format!("{:.4}", x + 0.0) }
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
