@@ -9,6 +9,11 @@ mod support;
 use windswept::Simulation;
 use windswept_scene::Scene;
 
+/// Names the case to the process that runs it.
+const CASE: &str = "WINDSWEPT_MEMORY_CASE";
+/// What stands before what two steps of a case leave behind, as the process prints it [MB].
+const GROWN: &str = "grown: ";
+
 /// Memory of this process that is in RAM [MB].
 fn resident() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
@@ -16,13 +21,12 @@ fn resident() -> f64 {
     1e-3 * line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap()
 }
 
-#[test]
-fn memory_is_flat() {
-    let gpu = support::gpu();
+/// What is set in `quick`, by the number of the case.
+fn sets(case: usize) -> Option<Vec<String>> {
     let body = "body=[{name='a',center=[0.1,0.06,0.03],radius=0.012}]";
     let fields = "force=[{name='a',field='jet',origin=[0.02,0.06,0.03],axis=[1,0,0],reach=0.1,strength=2},\
         {name='b',field='vortex',origin=[0.1,0.06,0.03],axis=[0,0,1],reach=0.1,strength=2}]";
-    let cases: &[&[&str]] = &[
+    let cases: [&[&str]; 7] = [
         &[],
         &["method=published"],
         &["interaction.model=particles", "turbulence.filter=direct", body],
@@ -37,15 +41,40 @@ fn memory_is_flat() {
         &[fields],
         &["interaction.model=drag", fields],
     ];
-    for sets in cases {
-        let text = include_str!("../examples/scenes/quick.toml");
-        let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
-        let mut simulation = Simulation::new(&gpu, &Scene::parse_with("quick.toml", text, &sets).unwrap()).unwrap();
-        simulation.step(4).unwrap();
-        let before = resident();
-        simulation.step(16).unwrap();
-        let grown = resident() - before;
-        println!("{sets:?}: {grown:.2} MB");
-        assert!(grown < 4.0, "16 steps with {sets:?} left {grown:.1} MB behind");
+    Some(cases.get(case)?.iter().map(|&set| set.to_owned()).collect())
+}
+
+#[test]
+fn memory_is_flat() {
+    if let Ok(case) = std::env::var(CASE) {
+        let sets = sets(case.parse().unwrap()).unwrap();
+        return println!("\n{GROWN}{}", grown(&sets));
     }
+    for (case, sets) in (0..).map_while(|case| Some((case, sets(case)?))) {
+        // In a process of its own: elsewhere what is left behind may lie where the device of an earlier case was.
+        let mut process = std::process::Command::new(std::env::current_exe().unwrap());
+        process.args(["memory_is_flat", "--exact", "--nocapture"]).env(CASE, case.to_string());
+        let output = process.output().unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        let grown = text.lines().find_map(|line| line.strip_prefix(GROWN)).and_then(|mb| mb.parse::<f64>().ok());
+        let Some(grown) = grown else { panic!("{text}{}", String::from_utf8_lossy(&output.stderr)) };
+        println!("{sets:?}: {grown:.2} MB");
+        assert!(grown < 0.05, "two steps with {sets:?} left {grown:.2} MB behind, and so did most of the others");
+    }
+}
+
+/// What two steps leave behind in this process [MB]: the ninth of twelve such growths, from the largest. Memory may be had for
+/// longer lists or by another thread, but not in every step.
+fn grown(sets: &[String]) -> f64 {
+    let gpu = support::gpu();
+    let text = include_str!("../examples/scenes/quick.toml");
+    let mut simulation = Simulation::new(&gpu, &Scene::parse_with("quick.toml", text, sets).unwrap()).unwrap();
+    simulation.step(4).unwrap();
+    let mut grown = [0.0; 12].map(|_: f64| {
+        let before = resident();
+        simulation.step(2).unwrap();
+        resident() - before
+    });
+    grown.sort_by(f64::total_cmp);
+    grown[3]
 }
