@@ -206,9 +206,13 @@ fn what_was_set_is_saved() {
 #[test]
 fn a_groom_is_saved() {
     let points = (0..30).map(|k| [0.004 * f64::from(k % 6), 0.0, 0.01 * f64::from(k / 6)]).collect();
-    let groom = Groom::new(points, vec![0, 6, 12, 18, 24, 30]);
+    let guides = vec![true, false, true, false, true];
+    let groom = Groom { guides, ..Groom::new(points, vec![0, 6, 12, 18, 24, 30]) };
     let mut simulation = Simulation::with_groom(&support::gpu(), &scene(&["interaction.model=drag"]), &groom).unwrap();
     simulation.step(7).unwrap();
+    let loaded = Checkpoint::from_bytes(&simulation.to_bytes().unwrap(), "bytes").unwrap().start(simulation.gpu());
+    let all = loaded.unwrap().initial().followers.clone().unwrap();
+    assert_eq!((all.points, all.guides), (groom.points, groom.guides));
     goes_on(&mut simulation, "groom");
 }
 

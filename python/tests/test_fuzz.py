@@ -82,7 +82,7 @@ def attack(seed: int, rounds: int, folder: str) -> int:
         (scene.__eq__, [None]),
         (ws.Groom, ["points", "offsets", "group", "radius", "density", "youngs_modulus", "poissons_ratio", "rest_curvature",
                     "root_frame", "root", "tip", "fibres_per_strand", "point_mass", "aspect", "tip_frame",
-                    "friction"]),
+                    "friction", "rest", "guides"]),
         (lambda **words: ws.Groom(points, **words), ["group", "radius", "rest_curvature", "root_frame", "root", "tip", "tip_frame"]),
         (ws.Simulation, ["scene", "groom", "adapter"]),
         (sim.step, ["n"]),

@@ -81,7 +81,7 @@ def test_strands_of_unlike_lengths_by_offsets(tmp_path):
     np.testing.assert_allclose(groom.points, 0.01 * points[:, [0, 2, 1]] * [1, 1, -1], rtol=1e-15)
     assert groom.offsets.tolist() == [0, 2, 9] and groom.ids.tolist() == [70, 3]
     fewer = ws.Groom.load(tmp_path / "s.npz", strands=1, points=4)
-    assert len(fewer) == 1 and fewer.ids[0] in (70, 3) and fewer.points.shape == (4, 3)
+    assert fewer.guides.sum() == 1 and fewer.ids.tolist() == [70, 3] and fewer.points.shape == (8, 3)
     np.savez(tmp_path / "s.npz", points=points, offsets=[0, 2, 10])
     with pytest.raises(ws.SceneError, match="offsets: expected rising numbers from 0 to 9"):
         ws.Groom.load(tmp_path / "s.npz", scale=1)
@@ -101,10 +101,62 @@ def test_strands_that_are_left_to_followers_are_said(tmp_path):
     points = np.cumsum(np.random.default_rng(1).normal(size=(9, 7, 3)), axis=1)
     np.savez(tmp_path / "nine.npz", points=points, ids=[0, 1, 2, 3, 3, 3, 6, 7, 8], guides=[0, 1, 1, 0, 0, 0, 0, 0, 0], meters_per_unit=1.0)
     with pytest.warns(UserWarning) as caught:
-        assert ws.Groom.load(tmp_path / "nine.npz").ids.tolist() == [1, 2]
+        groom = ws.Groom.load(tmp_path / "nine.npz")
+    assert groom.ids[groom.guides].tolist() == [1, 2] and repr(groom) == "<windswept.Groom: 9 strands, 2 of them guides, 63 points>"
     said = [str(warning.message) for warning in caught]
     assert any("marks 2 of its 9 strands as guides" in words and "7 left to followers" in words for words in said)
     assert any("2 of the 9 strands of" in words and "have the id of a strand before them" in words for words in said)
+
+
+def test_a_groom_keeps_its_followers(tmp_path, bare):
+    strand = 0.01 * np.arange(6)[:, None] * [0.0, -1.0, 0.2]
+    roots = np.random.default_rng(4).uniform(-0.1, 0.1, (301, 1, 3)) * [1, 0, 1]
+    marked = np.isin(np.arange(301), [7, 100, 250])
+    given = dict(points=(roots + strand).astype(np.float32), ids=np.arange(301)[::-1], meters_per_unit=1.0)
+    np.savez(tmp_path / "all.npz", guides=marked, **given)
+    with pytest.warns(UserWarning, match="marks 3 of its 301 strands as guides: strands are taken of these, and 298 left to followers"):
+        groom = ws.Groom.load(tmp_path / "all.npz")
+    assert len(groom) == 301 and groom.guides.dtype == bool
+    np.testing.assert_array_equal(groom.guides, marked)
+
+    # What is simulated and what follows is what a scene makes of the file.
+    (tmp_path / "scene.toml").write_text(bare.text + '[hair]\nfile = "all.npz"\n')
+    with pytest.warns(UserWarning):
+        sims = [ws.Simulation(ws.Scene.load(tmp_path / "scene.toml")), ws.Simulation(bare, groom=groom)]
+    for sim in sims:
+        assert sim.hair.ids.tolist() == [293, 200, 50]
+        sim.step(20)
+    of_scene, of_groom = (sim.followers for sim in sims)
+    np.testing.assert_array_equal(of_groom.ids, given["ids"])
+    for name in ["positions", "velocities", "offsets", "ids", "guides", "weights"]:
+        np.testing.assert_array_equal(getattr(of_groom, name), getattr(of_scene, name), err_msg=name)
+    sims[1].save(tmp_path / "now.windswept")
+    np.testing.assert_array_equal(ws.Simulation.load(tmp_path / "now.windswept").followers.positions, of_groom.positions)
+    # Pictures draw them: another follower is another picture.
+    shifted = ws.Groom(groom.points.reshape(301, 6, 3) + 0.05 * ~marked[:, None, None], guides=marked)
+    pictures = [ws.Simulation(bare, groom=g).render(160, 120) for g in [ws.Groom(groom.points.reshape(301, 6, 3), guides=marked), shifted]]
+    assert (pictures[0] != pictures[1]).any()
+
+    # All of it is saved and comes back, and the marks can be left aside.
+    groom.save(tmp_path / "again.npz")
+    with np.load(tmp_path / "again.npz") as file:
+        np.testing.assert_array_equal(file["guides"].astype(bool), marked)
+        np.testing.assert_array_equal(file["points"].reshape(301, 6, 3), given["points"])
+    unmarked = ws.Groom.load(tmp_path / "all.npz", file_guides=False)
+    assert unmarked.guides.all() and len(unmarked) == 301
+    assert len(ws.Simulation(bare, groom=unmarked).hair.ids) == 301
+    few = ws.Groom.load(tmp_path / "all.npz", file_guides=False, strands=5)
+    assert len(few) == 301 and few.guides.sum() == 5
+    with pytest.warns(UserWarning, match="again.npy has no ids, guides"):
+        groom.save(tmp_path / "again.npy")
+
+
+def test_guides_are_truth_values():
+    points = np.zeros((3, 2, 3)) + [[[0, 0, 0], [0, 1, 0]]]
+    assert ws.Groom(points, guides=[0, 1, 0]).guides.tolist() == [False, True, False]
+    for guides, words in [([0, 2, 1], "found 2"), ([0.5, 1, 0], "array of booleans"), ([True], "expected 3 values"), (True, "shape"), ([False] * 3, "at least one")]:
+        with pytest.raises(ValueError, match=rf"guides: .*{words}"):
+            ws.Groom(points, guides=guides)
 
 
 def test_what_a_format_cannot_hold_is_said(tmp_path):

@@ -49,8 +49,8 @@ def test_a_stage_becomes_a_groom(tmp_path):
     with pytest.warns(UserWarning, match="the radius that"):
         groom = ws.Groom.load(tmp_path / "groom.npz")
     # Only the marked one is simulated.
-    assert groom.ids.tolist() == [4] and len(groom.points) == 7
-    assert abs(groom.points - 0.01 * (placed[4:, [0, 2, 1]] * [1, 1, -1])).max() < 1e-7
+    assert groom.ids.tolist() == [9, 4] and groom.guides.tolist() == [False, True]
+    assert abs(groom.points - 0.01 * (placed[:, [0, 2, 1]] * [1, 1, -1])).max() < 1e-7
 
 
 def test_curves_that_leave_their_vertices_are_refused(tmp_path):
@@ -184,6 +184,13 @@ def test_ten_thousand_strands_come_back_with_their_followers(tmp_path):
         first = np.array(curves.GetPointsAttr().Get(0)).reshape(10_001, 6, 3)
         np.testing.assert_allclose(first, given["points"], rtol=0, atol=1e-6)
         np.testing.assert_array_equal(UsdGeom.PrimvarsAPI(curves).GetPrimvar("groom_id").Get(), given["ids"])
+        # The film is the same groom again: 200 guides, and all others with them.
+        ws.usd.to_npz(tmp_path / "out/film.usdc", tmp_path / "film.npz", time=0)
+        with pytest.warns(UserWarning, match="marks 200 of its 10001 strands"):
+            groom = ws.Groom.load(tmp_path / "film.npz")
+        assert groom.guides.sum() == 200
+        np.testing.assert_array_equal(groom.ids, given["ids"])
+        np.testing.assert_allclose(groom.points.reshape(10_001, 6, 3), given["points"], rtol=0, atol=1e-6)
     assert sum(UsdGeom.PrimvarsAPI(curves).GetPrimvar("groom_guide").Get()) == 200
 
 

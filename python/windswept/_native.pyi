@@ -99,6 +99,7 @@ class Groom:
         tip_frame: _Array | None = None,
         friction: _Array = 0.3,
         rest: _Rest = "weightless",
+        guides: _Array | None = None,
     ) -> Self: ...
     @staticmethod
     def load(
@@ -111,6 +112,7 @@ class Groom:
         points_per_strand: int | None = None,
         seed: int = 1,
         rest: _Rest = "hanging",
+        file_guides: bool = True,
     ) -> Groom: ...
     def save(self, path: _Path) -> None: ...
     @property
@@ -119,6 +121,8 @@ class Groom:
     def offsets(self) -> NDArray[np.int64]: ...
     @property
     def ids(self) -> NDArray[np.int64]: ...
+    @property
+    def guides(self) -> NDArray[np.bool_]: ...
     def __len__(self) -> int: ...
 
 @final

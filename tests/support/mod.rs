@@ -153,6 +153,7 @@ pub fn particles(n: usize, hair: usize, layout: Layout, seed: u64) -> InitialSta
     }
     let air = all.split_off(hair_points);
     InitialState {
+        followers: None,
         origin: DVec3::ZERO,
         hair: strands(&hair, 3),
         air: AirParticles {

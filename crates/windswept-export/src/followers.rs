@@ -72,8 +72,19 @@ impl Followers {
     /// [`ExportError::Picture`] if there is no strand, a groom file cannot be read any more, or the hairs are more than
     /// [`MOST_HAIRS`].
     pub fn new(scene: &Scene, start: &HairFrame) -> Result<Self, ExportError> {
+        Self::with_groom(scene, start, None)
+    }
+
+    /// The hairs that the strands of a scene or of a caller's own groom stand for: where that groom has followers
+    /// ([`InitialState::followers`]), all its curves, in their order, and else as [`Self::new`].
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    ///
+    /// [`InitialState::followers`]: windswept_scene::InitialState::followers
+    pub fn with_groom(scene: &Scene, start: &HairFrame, groom: Option<&Curves>) -> Result<Self, ExportError> {
         let fibres = |s: usize| start.fibres.get(s).map_or(1, |fibres| hairs_of((*fibres).into()));
-        Self::make(scene, start, fibres, |_, there| there)
+        Self::make(scene, start, groom, fibres, |_, there| there)
     }
 
     /// Number of the hairs that [`Self::new`] makes of a scene's strands.
@@ -82,7 +93,7 @@ impl Followers {
     /// [`ExportError::Picture`] if a groom file cannot be read any more.
     pub fn number(scene: &Scene, strands: &Strands) -> Result<usize, ExportError> {
         let mut first = 0;
-        let hairs = parts(scene, strands.len())?.into_iter().map(|part| {
+        let hairs = parts(scene, strands.len(), None)?.into_iter().map(|part| {
             let range = first..first + part.strands;
             first = range.end;
             let fibres = || range.map(|s| hairs_of(strands.fibres[strands.segments(s).start])).sum();
@@ -92,10 +103,15 @@ impl Followers {
     }
 
     /// About this many hairs in all, at least one a strand: fewer or more than the strands stand for.
-    pub(crate) fn about(scene: &Scene, start: &HairFrame, hairs: u32) -> Result<Self, ExportError> {
+    pub(crate) fn about(
+        scene: &Scene,
+        start: &HairFrame,
+        groom: Option<&Curves>,
+        hairs: u32,
+    ) -> Result<Self, ExportError> {
         let (hairs, strands) = (hairs as usize, start.offsets.len().saturating_sub(1).max(1));
         let each = |s: usize| (hairs / strands + usize::from(s < hairs % strands)).max(1);
-        Self::make(scene, start, each, |simulated, _| (hairs * simulated).div_ceil(strands).max(1))
+        Self::make(scene, start, groom, each, |simulated, _| (hairs * simulated).div_ceil(strands).max(1))
     }
 
     /// The hairs, with as many to each strand as `each` says, and as many of a groom file's as `of_file` says by the number of the
@@ -103,6 +119,7 @@ impl Followers {
     fn make(
         scene: &Scene,
         start: &HairFrame,
+        groom: Option<&Curves>,
         each: impl Fn(usize) -> usize,
         of_file: impl Fn(usize, usize) -> usize,
     ) -> Result<Self, ExportError> {
@@ -116,7 +133,7 @@ impl Followers {
         };
         let strands = start.offsets.len() - 1;
         let mut first = 0;
-        for Part { hair, strands: count, file } in parts(scene, strands)? {
+        for Part { hair, strands: count, file } in parts(scene, strands, groom)? {
             let group = Group::new(start, first..first + count);
             let before = made.len();
             match &file {
@@ -350,13 +367,17 @@ struct Part {
     hair: Option<usize>,
     /// Number of its strands.
     strands: usize,
-    /// All curves of its groom file, where those are more.
+    /// All curves of its groom file, or of the caller's own groom, where those are more.
     file: Option<Curves>,
 }
 
-/// The scene's groups, in the order of their strands; one that is none of the scene's where the strands are the caller's own.
-fn parts(scene: &Scene, strands: usize) -> Result<Vec<Part>, ExportError> {
-    let own = || vec![Part { hair: None, strands, file: None }];
+/// The scene's groups, in the order of their strands; one that is none of the scene's where the strands are the caller's own, with all
+/// curves of `groom`.
+fn parts(scene: &Scene, strands: usize, groom: Option<&Curves>) -> Result<Vec<Part>, ExportError> {
+    let own = || vec![Part { hair: None, strands, file: groom.cloned() }];
+    if groom.is_some() {
+        return Ok(own());
+    }
     let drawn: usize = scene.hair.iter().filter_map(Hair::drawn).map(|drawn| drawn.strands as usize).sum();
     if drawn > strands || scene.hair.is_empty() {
         return Ok(own());

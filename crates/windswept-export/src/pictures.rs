@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use windswept::{Frame, Gpu};
-use windswept_scene::Scene;
+use windswept_scene::{Curves, Scene};
 
 use crate::picture::read_png;
 use crate::{ExportError, FrameSink, Preview, Renderer, write_png};
@@ -21,12 +21,18 @@ impl Pictures {
     /// Names within the folder: a picture per frame, and the short film.
     pub const FILES: [&str; 2] = ["frames/0000.png", "preview.gif"];
 
-    /// Checks that frames like `first` can be drawn. Writes nothing.
+    /// Checks that frames like `first` can be drawn, with the followers of a caller's own `groom`. Writes nothing.
     ///
     /// # Errors
     /// [`ExportError`] as [`Renderer::new`] and [`Renderer::check`].
-    pub fn new(folder: &Path, gpu: &Gpu, scene: &Scene, first: &Frame) -> Result<Self, ExportError> {
-        let renderer = Renderer::new(gpu, scene, &first.hair)?;
+    pub fn new(
+        folder: &Path,
+        gpu: &Gpu,
+        scene: &Scene,
+        first: &Frame,
+        groom: Option<&Curves>,
+    ) -> Result<Self, ExportError> {
+        let renderer = Renderer::with_groom(gpu, scene, &first.hair, groom)?;
         renderer.check(first)?;
         let [_, preview] = Self::FILES;
         Ok(Self { renderer, preview: Preview::new(folder.join(preview)), folder: folder.join("frames"), made: 0 })

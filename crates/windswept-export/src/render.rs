@@ -20,7 +20,7 @@ use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use windswept::gpu::wgpu;
 use windswept::{Frame, Gpu, HairFrame};
-use windswept_scene::{AirPicture, Scene};
+use windswept_scene::{AirPicture, Curves, Scene};
 
 use crate::ExportError;
 use groom::Groom;
@@ -64,6 +64,21 @@ impl Renderer {
     /// [`ExportError::Picture`] if there is no strand, the camera stands where it looks or asks for a picture larger than
     /// the adapter draws, or so many hairs do not fit it; [`ExportError::Gpu`] if the driver refuses.
     pub fn new(gpu: &Gpu, scene: &Scene, start: &HairFrame) -> Result<Self, ExportError> {
+        Self::with_groom(gpu, scene, start, None)
+    }
+
+    /// A renderer of a scene with a caller's own groom, whose followers ([`InitialState::followers`]) it draws.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    ///
+    /// [`InitialState::followers`]: windswept_scene::InitialState::followers
+    pub fn with_groom(
+        gpu: &Gpu,
+        scene: &Scene,
+        start: &HairFrame,
+        groom: Option<&Curves>,
+    ) -> Result<Self, ExportError> {
         check(start)?;
         let view = View::new(scene, &start.positions)?;
         let limits = gpu.device().limits();
@@ -74,7 +89,7 @@ impl Renderer {
                 view.width, view.height
             )));
         }
-        let groom = Groom::new(scene, start, scene.picture.hairs)?;
+        let groom = Groom::new(scene, start, groom, scene.picture.hairs)?;
         let hairs = groom.hairs.len() as u32;
         let samples = samples(groom.followers.start());
         let fits = gpu.largest_binding() / (u64::from(samples) * 16);

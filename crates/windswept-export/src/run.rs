@@ -241,7 +241,8 @@ impl Recording {
             first.hair = simulation.hair_at_start();
         }
         let (gpu, scene) = (simulation.engine().gpu(), simulation.scene());
-        let start = Start { folder, gpu, scene, first: &first, written, frames };
+        let groom = simulation.initial().followers.as_ref();
+        let start = Start { folder, gpu, scene, groom, first: &first, written, frames };
         let wanted = crate::FORMATS.iter().filter(|format| formats.iter().any(|wanted| wanted.name == format.name));
         let sinks = wanted.map(|format| Ok((format, (format.create)(&start)?))).collect::<Result<_, ExportError>>()?;
         Ok(Self { sinks })

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use windswept::{Frame, Gpu};
-use windswept_scene::Scene;
+use windswept_scene::{Curves, Scene};
 
 use crate::usd::UsdFilm;
 use crate::{ExportError, Pictures, UsdWriter};
@@ -75,7 +75,7 @@ pub const FORMATS: &[Format] = &[
         files: &Pictures::FILES,
         made_again: true,
         create: |start| {
-            let mut pictures = Pictures::new(start.folder, start.gpu, start.scene, start.first)?;
+            let mut pictures = Pictures::new(start.folder, start.gpu, start.scene, start.first, start.groom)?;
             pictures.go_on(start.written)?;
             Ok(Box::new(pictures))
         },
@@ -102,6 +102,8 @@ pub struct Start<'a> {
     pub gpu: &'a Gpu,
     /// The scene as it runs.
     pub scene: &'a Scene,
+    /// All curves of a caller's own groom, where some of them follow the strands: [`windswept_scene::InitialState::followers`].
+    pub groom: Option<&'a Curves>,
     /// The first frame of the run, of which that of a run which goes on has the strands only.
     pub first: &'a Frame,
     /// Times of the frames that are in the folder already, from the first on, and that the sink goes on behind \[s\]; of a new run none.

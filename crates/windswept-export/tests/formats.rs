@@ -42,8 +42,15 @@ fn a_format_writes_its_files() {
     let (gpu, scene) = (gpu(), scene(&["picture.hairs=10"]));
     for format in FORMATS {
         let folder = tempfile::tempdir().unwrap();
-        let start =
-            Start { folder: folder.path(), gpu: &gpu, scene: &scene, first: &moment(0), written: &[], frames: 2 };
+        let start = Start {
+            folder: folder.path(),
+            gpu: &gpu,
+            scene: &scene,
+            groom: None,
+            first: &moment(0),
+            written: &[],
+            frames: 2,
+        };
         let mut sink = (format.create)(&start).unwrap();
         assert_eq!(listing(folder.path()), BTreeSet::new(), "{}", format.name);
         for k in 0..2 {

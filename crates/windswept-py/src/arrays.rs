@@ -15,6 +15,8 @@ pub(crate) enum Numbers {
     Any,
     /// Whole numbers only.
     Whole,
+    /// Booleans, or whole numbers.
+    Flags,
 }
 
 /// Anything that NumPy makes an array of, as contiguous f64.
@@ -42,12 +44,17 @@ pub(crate) fn doubles<'py>(
     let fits = match (kind.as_str(), numbers) {
         ("f", Numbers::Floats | Numbers::Any) | ("i" | "u", Numbers::Any | Numbers::Whole) => true,
         ("i" | "u", Numbers::Floats) => !given,
+        ("b" | "i" | "u", Numbers::Flags) => true,
         // An empty list is an array of floats.
-        ("f", Numbers::Whole) => array.getattr("size")?.extract::<usize>()? == 0,
+        ("f", Numbers::Whole | Numbers::Flags) => array.getattr("size")?.extract::<usize>()? == 0,
         _ => false,
     };
     if !fits {
-        let expected = if numbers == Numbers::Whole { "whole numbers" } else { "floats" };
+        let expected = match numbers {
+            Numbers::Floats | Numbers::Any => "floats",
+            Numbers::Whole => "whole numbers",
+            Numbers::Flags => "booleans",
+        };
         return Err(of_value(name, format!("expected an array of {expected}, found dtype {dtype}")));
     }
     let plain = numpy.call_method1("require", (array, "float64", ["C_CONTIGUOUS", "ALIGNED"])).map_err(unfit)?;

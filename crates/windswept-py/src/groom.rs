@@ -17,7 +17,8 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Strands of your own, or of a groom file (`Groom.load`): they replace the scene's [hair] wholly.
 ///
-/// Each value is a scalar or an array `(strands,)`.
+/// Each value is a scalar or an array `(strands,)`. Where only some strands are guides, those are simulated, and all strands are the
+/// simulation's `followers`, which go with them.
 ///
 /// Args:
 ///     points: `(strands, n, 3)` or, with offsets, `(points, 3)` floats, root to tip [m].
@@ -41,6 +42,8 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 ///     friction: Coulomb's coefficient of the strands on other strands, at least 0; model two-way only.
 ///     rest: "weightless": the given shape is the rest shape, and weight bends strands from it. "hanging": gravity alone
 ///         leaves strands with a clamped root and a free tip as they are given. Not with rest_curvature.
+///     guides: `(strands,)` bool, which strands are simulated; the others follow the three of those whose roots are nearest. None: all
+///         are simulated.
 ///
 /// Raises:
 ///     ValueError: a wrong shape or dtype, a NaN; names the argument.
@@ -58,10 +61,10 @@ impl Groom {
     #[pyo3(signature = (
         points, offsets=None, group=None, radius=None, density=None, youngs_modulus=None, poissons_ratio=None,
         rest_curvature=None, root_frame=None, root=None, tip=None, fibres_per_strand=None, point_mass=None, aspect=None,
-        tip_frame=None, friction=None, rest=None
+        tip_frame=None, friction=None, rest=None, guides=None
     ), text_signature = "(points, offsets=None, group=None, radius=4e-5, density=1320.0, youngs_modulus=4e9, \
         poissons_ratio=0.38, rest_curvature=None, root_frame=None, root='clamped', tip='free', fibres_per_strand=1.0, \
-        point_mass=None, aspect=1.0, tip_frame=None, friction=0.3, rest='weightless')")]
+        point_mass=None, aspect=1.0, tip_frame=None, friction=0.3, rest='weightless', guides=None)")]
     fn new(
         py: Python<'_>,
         points: &Bound<'_, PyAny>,
@@ -81,6 +84,7 @@ impl Groom {
         tip_frame: Option<&Bound<'_, PyAny>>,
         friction: Option<&Bound<'_, PyAny>>,
         rest: Option<&str>,
+        guides: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let (points, offsets) = strands(points, offsets)?;
         let mut groom = windswept_scene::Groom::new(points, offsets);
@@ -107,6 +111,7 @@ impl Groom {
                 groom.fibre.set(strands, name, &values, set).map_err(|error| of_scene(py, &error))?;
             }
         }
+        groom.guides = guides.map(|value| flags("guides", value)).transpose()?.unwrap_or_default();
         if let Some(value) = group {
             groom.group = groups(value)?;
         }
@@ -129,28 +134,31 @@ impl Groom {
 
     /// Reads strands from a groom file, as `hair.file` of a scene does.
     ///
-    /// The ending of the name says the format: .hair, .data, .bin, .npz, .npy or .ply. Where the file marks guides (`guides` of a
-    /// .npz), only those are taken. Strands that cannot be simulated are left out. A `UserWarning` says how many strands are
-    /// not taken, and why.
+    /// The ending of the name says the format: .hair, .data, .bin, .npz, .npy or .ply. All strands of the file are the groom's, but for
+    /// those that cannot be simulated. Where the file marks guides (`guides` of a .npz), or `strands` asks for fewer than there are,
+    /// only those are simulated, and the others follow them: `guides` says which. A `UserWarning` says how many strands are left out,
+    /// and how many follow.
     ///
     /// Args:
     ///     path: the file.
     ///     scale: metres per unit of the file; needed, unless the file says its unit.
     ///     up: axis of the file that points up ("y", "z" or "x"), or its axes that become x, y and z ("yzx").
     ///     points: points per strand; they are placed anew, evenly along each. None: the file's.
-    ///     strands: how many, those whose roots are far from one another. None: all that the file marks as guides, or all where it
-    ///         marks none. With hair.file of a scene, and not here, the others of the file follow them.
+    ///     strands: how many are simulated, of the file's guides, or of all its strands, those whose roots are far from one another.
+    ///         None: all guides, or all strands where the file marks none.
     ///     radius: of a fibre [m]. None: the file's, where it has one that is a hair's, 15 to 150 µm on average; else 40 µm.
     ///     points_per_strand: of a file that does not say where a strand ends.
     ///     seed: draws the first of the strands that are kept.
     ///     rest: "hanging": gravity alone leaves the strands as the file has them. "weightless": it bends them from there.
+    ///     file_guides: whether the file's marks count; False: as if it marked no guides.
     ///
     /// Raises:
     ///     SceneError: a file that cannot be read, with the byte and what was expected there; no strand that can be simulated.
     ///     ValueError: a number out of range; names the argument.
     #[staticmethod]
     #[pyo3(signature = (
-        path, scale=None, up="y", points=None, strands=None, radius=None, points_per_strand=None, seed=1, rest="hanging"
+        path, scale=None, up="y", points=None, strands=None, radius=None, points_per_strand=None, seed=1, rest="hanging",
+        file_guides=true
     ))]
     fn load(
         py: Python<'_>,
@@ -163,6 +171,7 @@ impl Groom {
         points_per_strand: Option<i64>,
         seed: i128,
         rest: &str,
+        file_guides: bool,
     ) -> PyResult<Self> {
         let fits = |_| of_value("seed", format!("expected a whole number from 0 to {}, found {seed}", u64::MAX));
         let drawn_by = u64::try_from(seed).map_err(fits)?;
@@ -175,6 +184,7 @@ impl Groom {
             up,
             rest: rest_shape(rest)?,
             file_radius: radius.is_none(),
+            file_guides,
             points_per_strand: count("points_per_strand", points_per_strand)?,
             strands: count("strands", strands)?,
             points: count("points", points)?,
@@ -191,9 +201,9 @@ impl Groom {
         Ok(Self { inner })
     }
 
-    /// Writes the strands to a groom file, in metres; the ending of its name says the format: .hair, .data, .npz, .npy, .ply.
+    /// Writes all strands to a groom file, in metres; the ending of its name says the format: .hair, .data, .npz, .npy, .ply.
     ///
-    /// A .npz file keeps everything: `points`, `offsets`, `ids`, `radius`, `groups`, `root_uv` and `meters_per_unit`. A `UserWarning`
+    /// A .npz file keeps everything: `points`, `offsets`, `ids`, `radius`, `groups`, `root_uv`, `guides` and `meters_per_unit`. A `UserWarning`
     /// says what of it another format cannot hold. A file that is there is replaced.
     ///
     /// Raises:
@@ -222,6 +232,12 @@ impl Groom {
         strand_ids(py, &self.inner.ids, self.inner.len())
     }
 
+    /// Which strands are simulated; the others follow them: `(strands,)` bool.
+    #[getter]
+    fn guides<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        PyArray1::from_iter(py, (0..self.inner.len()).map(|s| self.inner.is_guide(s)))
+    }
+
     /// What `pickle` makes a groom of again.
     #[staticmethod]
     fn _unpickled(py: Python<'_>, version: &str, bytes: Vec<u8>) -> PyResult<Self> {
@@ -245,7 +261,10 @@ impl Groom {
     }
 
     fn __repr__(&self) -> String {
-        format!("<windswept.Groom: {} strands, {} points>", self.inner.len(), self.inner.points.len())
+        let (strands, points) = (self.inner.len(), self.inner.points.len());
+        let simulated = (0..strands).filter(|&s| self.inner.is_guide(s)).count();
+        let guides = if simulated < strands { format!(", {simulated} of them guides") } else { String::new() };
+        format!("<windswept.Groom: {strands} strands{guides}, {points} points>")
     }
 }
 
@@ -309,6 +328,16 @@ fn groups(value: &Bound<'_, PyAny>) -> PyResult<PerStrand<u32>> {
         0 => Ok(numbers[0].into()),
         1 => Ok(numbers.into()),
         _ => Err(of_value("group", format!("expected a scalar or shape (strands,), found {}", shown(&shape)))),
+    }
+}
+
+/// A truth value for each strand, as booleans or as 0 and 1.
+fn flags(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<bool>> {
+    let (numbers, shape) = values(name, value, Numbers::Flags)?;
+    match numbers.iter().find(|x| ![0.0, 1.0].contains(*x)) {
+        Some(x) => Err(of_value(name, format!("expected True or False, or 1 or 0, found {x}"))),
+        None if shape.len() != 1 => Err(of_value(name, format!("expected shape (strands,), found {}", shown(&shape)))),
+        None => Ok(numbers.iter().map(|x| *x != 0.0).collect()),
     }
 }
 

@@ -210,8 +210,8 @@ impl Simulation {
         Air { sim: slf.clone().unbind() }
     }
 
-    /// All hairs that the strands stand for, now: those of the groom file, where the scene's file has more than are simulated, or
-    /// fibres_per_strand to each strand. The strands are among them.
+    /// All hairs that the strands stand for, now: those of the groom, or of the scene's groom file, where it has more than are simulated,
+    /// or fibres_per_strand to each strand. The strands are among them.
     ///
     /// Raises:
     ///     ExportError: a groom file that cannot be read any more.

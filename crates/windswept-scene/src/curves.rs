@@ -10,6 +10,8 @@ mod usc;
 
 use std::{collections::HashSet, fs, path::Path};
 
+use serde::{Deserialize, Serialize};
+
 pub(crate) use bytes::{Bytes, fault_at};
 pub use fit::Dropped;
 pub(crate) use fit::no_unit;
@@ -35,7 +37,7 @@ use crate::{
 /// curves.save("curly.npz")?;
 /// # Ok::<(), windswept_scene::SceneError>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Curves {
     /// Points of all strands, strand by strand, root to tip \[units of the file\].
     pub points: Vec<[f64; 3]>,
@@ -51,7 +53,7 @@ pub struct Curves {
     pub groups: Vec<u32>,
     /// Place of each root in the texture of what it grows on; empty where the file has none.
     pub root_uvs: Vec<[f32; 2]>,
-    /// Whether each strand is a guide, which others follow; empty where the file does not say.
+    /// Whether each strand is a guide, which others follow; empty where nothing says which are.
     pub guides: Vec<bool>,
 }
 
@@ -229,7 +231,7 @@ impl Curves {
     }
 
     /// Whether the arrays belong together.
-    fn check(&self) -> Result<(), SceneError> {
+    pub(crate) fn check(&self) -> Result<(), SceneError> {
         let (points, strands) = (self.points.len(), self.len());
         let ends = (self.offsets.first().copied(), self.offsets.last().map(|&last| last as usize));
         let radii = self.radius.len();
@@ -291,6 +293,17 @@ impl Curves {
     #[must_use]
     pub fn marked(&self) -> usize {
         self.guides.iter().filter(|mark| **mark).count()
+    }
+
+    /// Whether the marks tell strands that are simulated from others, which follow them: not where all or none are marked.
+    #[must_use]
+    pub(crate) fn follow(&self) -> bool {
+        (1..self.len()).contains(&self.marked())
+    }
+
+    /// Number of strands that are simulated: those that are marked, where others follow them, and else all.
+    pub(crate) fn simulated(&self) -> usize {
+        if self.follow() { self.marked() } else { self.len() }
     }
 
     /// Number of strands with the id of a strand before them.

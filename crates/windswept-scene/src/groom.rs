@@ -9,7 +9,7 @@ use crate::{
     error::SceneError,
     hang::Hung,
     initial::{End, Strands},
-    limits::{LARGEST, MAGNITUDES, MOST_HAIR_POINTS, MOST_POINTS_OF_A_STRAND},
+    limits::{LARGEST, MAGNITUDES, MOST_CURVE_POINTS, MOST_HAIR_POINTS, MOST_POINTS_OF_A_STRAND},
     scene::{CLAMPED_TIP, FRICTION, Fibre, Scene, Solver},
     strand::{Parcel, Shape, frame, turn, turned_onto},
 };
@@ -17,7 +17,8 @@ use crate::{
 /// Points nearer to each other than this part of their strand's length are one.
 pub(crate) const COINCIDENT: f64 = 1e-6;
 
-/// Strands of the caller's own: they replace a scene's `[hair]` wholly, for [`crate::InitialState::with_groom`].
+/// Strands of the caller's own: they replace a scene's `[hair]` wholly, for [`crate::InitialState::with_groom`]. Where `guides` says
+/// so, only some of them are simulated, and the others follow those.
 ///
 /// The shape they are given in is their rest shape, unless `rest_curvature` is given. Frames follow it without twist, or
 /// with the rest shape's. Every value is one for all strands or one for each.
@@ -44,6 +45,8 @@ pub struct Groom {
     pub groups: Vec<u32>,
     /// Place of each root in the texture of what it grows on, as the file has it; empty where it has none.
     pub root_uvs: Vec<[f32; 2]>,
+    /// Whether each strand is simulated; the others follow those that are. Empty: all are.
+    pub guides: Vec<bool>,
     /// Number of a strand's group, for the caller's own use.
     pub group: PerStrand<u32>,
     /// Fibres that the strands are made of.
@@ -191,6 +194,7 @@ impl Groom {
             ids: Vec::new(),
             groups: Vec::new(),
             root_uvs: Vec::new(),
+            guides: Vec::new(),
             group: 0.into(),
             fibre: Fibre::default().into(),
             rest_curvature: None,
@@ -203,7 +207,7 @@ impl Groom {
         }
     }
 
-    /// Number of strands.
+    /// Number of strands, those that follow others too.
     #[must_use]
     pub fn len(&self) -> usize {
         self.offsets.len().saturating_sub(1)
@@ -213,6 +217,22 @@ impl Groom {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Whether strand `s` is simulated.
+    #[must_use]
+    pub fn is_guide(&self, s: usize) -> bool {
+        self.guides.get(s).copied().unwrap_or(true)
+    }
+
+    /// Indices of the strands that are simulated.
+    fn simulated(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.len()).filter(|&s| self.is_guide(s))
+    }
+
+    /// Number of the points of the strands that are simulated.
+    pub(crate) fn simulated_points(&self) -> usize {
+        self.simulated().map(|s| self.points_of(s).len()).sum()
     }
 
     /// Whether the values can be computed with, and are as many as they must be.
@@ -229,9 +249,21 @@ impl Groom {
                 .as_ref()
                 .map_or(Ok(()), |frames| frames.check(name, strands, "a quaternion (x, y, z, w), not 0", rotates))?;
         }
-        let each = [("ids", self.ids.len()), ("groups", self.groups.len()), ("root_uvs", self.root_uvs.len())];
+        let each = [
+            ("ids", self.ids.len()),
+            ("groups", self.groups.len()),
+            ("root_uvs", self.root_uvs.len()),
+            ("guides", self.guides.len()),
+        ];
         if let Some((name, found)) = each.into_iter().find(|(_, found)| *found != 0 && *found != strands) {
             return Err(fault(name, format!("expected {strands} values, one a strand, or none; found {found}")));
+        }
+        if self.simulated().next().is_none() {
+            return Err(fault("guides", "expected at least one strand that is simulated, found none".to_owned()));
+        }
+        if self.simulated_points() > MOST_HAIR_POINTS as usize {
+            let (most, found) = (MOST_HAIR_POINTS, self.simulated_points());
+            return Err(fault("points", format!("expected at most {most} points of simulated strands, found {found}")));
         }
         self.group.check("group", strands, "", |_| true)?;
         self.friction.check("friction", strands, "a number of at least 0", |mu| *mu >= 0.0 && mu.is_finite())?;
@@ -257,8 +289,8 @@ impl Groom {
 
     fn check_points(&self) -> Result<(), SceneError> {
         let points = self.points.len();
-        if points > MOST_HAIR_POINTS as usize {
-            return Err(fault("points", format!("expected at most {MOST_HAIR_POINTS} points, found {points}")));
+        if points as u64 > MOST_CURVE_POINTS {
+            return Err(fault("points", format!("expected at most {MOST_CURVE_POINTS} points, found {points}")));
         }
         if let Some(i) = self.points.iter().position(|x| !x.iter().all(|x| x.abs() <= LARGEST)) {
             let words = format!("expected finite numbers of at most {:e}, found {:?}", LARGEST, self.points[i]);
@@ -333,8 +365,17 @@ impl Groom {
             unit: Some(1.0),
             groups: self.groups.clone(),
             root_uvs: self.root_uvs.clone(),
-            guides: Vec::new(),
+            guides: self.guides.clone(),
         })
+    }
+
+    /// All strands as curves, where some are not simulated and follow the others.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub(crate) fn followers(&self) -> Result<Option<Curves>, SceneError> {
+        let all = self.curves()?;
+        Ok(all.follow().then_some(all))
     }
 
     /// The points of strand `s` \[m\].
@@ -355,7 +396,7 @@ impl Groom {
         warnings: &mut Vec<String>,
     ) -> Result<Strands, SceneError> {
         self.check()?;
-        let clamped = (0..self.len()).any(|s| self.tip.get(s) == End::Clamped);
+        let clamped = self.simulated().any(|s| self.tip.get(s) == End::Clamped);
         if clamped && scene.rods.solver == Solver::GaussSeidel {
             return Err(fault("tip", CLAMPED_TIP.to_owned()));
         }
@@ -364,13 +405,16 @@ impl Groom {
         Ok(all)
     }
 
-    /// Appends the strands of a groom that was checked, and returns what a user should know of them.
+    /// Appends the strands of a groom that was checked and are simulated, and returns what a user should know of them.
     pub(crate) fn append(&self, scene: &Scene, parcel: Parcel, all: &mut Strands) -> Vec<String> {
         let (mut soft, mut unstable) = (0, 0);
-        all.ids.extend(&self.ids);
-        all.groups.extend((0..self.len()).map(|s| self.groups.get(s).copied().unwrap_or(self.group.get(s))));
-        all.root_uvs.extend((0..self.len()).map(|s| self.root_uvs.get(s).copied().unwrap_or_default()));
-        for s in 0..self.len() {
+        let count = self.simulated().count();
+        if !self.ids.is_empty() || count < self.len() {
+            all.ids.extend(self.simulated().map(|s| self.ids.get(s).copied().unwrap_or(s as u32)));
+        }
+        all.groups.extend(self.simulated().map(|s| self.groups.get(s).copied().unwrap_or(self.group.get(s))));
+        all.root_uvs.extend(self.simulated().map(|s| self.root_uvs.get(s).copied().unwrap_or_default()));
+        for s in self.simulated() {
             let (mut shape, fibre) = (self.shape(s), self.fibre.get(s));
             if self.rest == RestShape::Hanging {
                 match shape.hang(&fibre, scene.rods.inextensible, vec3(scene.gravity)) {
@@ -383,7 +427,7 @@ impl Groom {
             all.group.push(self.group.get(s));
             all.friction.push(self.friction.get(s));
         }
-        let of = |count: usize, what: &str| (count > 0).then(|| format!("{count} of {} strands {what}", self.len()));
+        let of = |some: usize, what: &str| (some > 0).then(|| format!("{some} of {count} strands {what}"));
         let soft = of(soft, "are too soft to hang as they are given, and sag: more points bend farther");
         let unstable =
             of(unstable, "are so soft that they do not stay as they are given: the least push takes them away");

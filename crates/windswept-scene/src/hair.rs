@@ -40,8 +40,8 @@ pub(crate) fn strands(scene: &Scene, parcel: Parcel, warnings: &mut Vec<String>)
             HairSource::File(file) => {
                 let groom = groom(scene, group, hair, file, warnings);
                 let groom = groom.map_err(|error| of_group(group, &file.file, &error))?;
-                if all.positions.len() + groom.points.len() > MOST_HAIR_POINTS as usize {
-                    let points = all.positions.len() + groom.points.len();
+                let points = all.positions.len() + groom.simulated_points();
+                if points > MOST_HAIR_POINTS as usize {
                     let words = format!("makes {points} hair points; expected at most {MOST_HAIR_POINTS}");
                     return Err(SceneError::new(words).at(format!("hair.{group}.strands"), None));
                 }
@@ -92,6 +92,7 @@ fn groom(
         ids: read.ids,
         groups: read.groups,
         root_uvs: read.root_uvs,
+        guides: read.guides,
         ..Groom::new(Vec::new(), read.offsets)
     };
     groom.check()?;

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     air,
     body::Shape,
+    curves::Curves,
     declare::words,
     error::SceneError,
     groom::Groom,
@@ -28,6 +29,9 @@ pub struct InitialState {
     pub origin: DVec3,
     /// The strands.
     pub hair: Strands,
+    /// All curves of a caller's own groom, where it has more strands than `hair`: the others follow those. A scene's groom files are
+    /// read where followers are asked for ([`Hair::followers`]).
+    pub followers: Option<Curves>,
     /// The air particles.
     pub air: AirParticles,
     /// Warnings for the user, counted by cause.
@@ -363,6 +367,7 @@ impl InitialState {
     /// [`SceneError`] names the array or the element.
     pub fn check(&self) -> Result<(), SceneError> {
         self.hair.consistent()?;
+        self.followers.as_ref().map_or(Ok(()), |all| follow(all, &self.hair))?;
         self.air.consistent()
     }
 
@@ -385,7 +390,8 @@ impl InitialState {
     pub fn with_groom(scene: &Scene, groom: &Groom) -> Result<Self, SceneError> {
         let mut warnings = Vec::new();
         let hair = groom.strands(scene, parcel(scene), &mut warnings)?;
-        Self::with_hair(&Scene { hair: Vec::new(), ..scene.clone() }, hair, warnings)
+        let state = Self::with_hair(&Scene { hair: Vec::new(), ..scene.clone() }, hair, warnings)?;
+        Ok(Self { followers: groom.followers()?, ..state })
     }
 
     fn with_hair(scene: &Scene, hair: Strands, warnings: Vec<String>) -> Result<Self, SceneError> {
@@ -434,6 +440,22 @@ impl InitialState {
         }
         state.warnings.extend(warnings::of_fields(scene, &state.hair, &state.air));
         Ok(state)
+    }
+}
+
+/// Whether curves can follow strands, which are those of them that are marked.
+fn follow(all: &Curves, hair: &Strands) -> Result<(), SceneError> {
+    let fault = |what: String| Err(SceneError::new(what).at("followers", None));
+    if let Err(error) = all.check() {
+        return fault(error.message().to_owned());
+    }
+    if all.marked() != hair.len() {
+        return fault(format!("expected marks at {} strands, which are simulated, found {}", hair.len(), all.marked()));
+    }
+    let shaped = |&s: &usize| all.strand(s).len() >= 2 && all.strand(s).iter().flatten().all(|x| x.is_finite());
+    match (0..all.len()).find(|s| !shaped(s)) {
+        Some(s) => fault(format!("strand {s}: expected at least 2 points of finite numbers")),
+        None => Ok(()),
     }
 }
 

@@ -22,6 +22,9 @@ pub const LARGEST_DATA_FILE: u64 = 1_000_000_000;
 
 /// Most hair points of a scene: strands take 216 B a point at the start, 3.6 GB in all.
 pub const MOST_HAIR_POINTS: u32 = 1 << 24;
+/// Most points of all curves of a groom file once they are divided anew, those that are not simulated too: as many as the largest
+/// file holds, 2 GB.
+pub const MOST_CURVE_POINTS: u64 = LARGEST_DATA_FILE / 12;
 /// Most points of one strand: one invocation walks along it, and Mesa's software adapter ends the loops of an invocation after
 /// 65 535 rounds in all, without a word.
 pub const MOST_POINTS_OF_A_STRAND: u32 = 16_384;

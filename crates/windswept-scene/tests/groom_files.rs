@@ -317,13 +317,37 @@ fn groups_and_places_of_roots_come_back() {
     assert_eq!(Curves::load(&path, None).unwrap(), curves);
     let file = GroomFile { points: Some(5), scale: Some(1.0), ..GroomFile::new(path.to_string_lossy()) };
     let (groom, _) = file.groom(1).unwrap();
-    assert_eq!((groom.ids, groom.groups), (vec![7, 1], vec![2, 4_000_000_000]));
-    assert_eq!(groom.root_uvs, [[0.25, 0.5], [3.0, 4.0]]);
+    assert_eq!((&groom.ids, &groom.groups), (&curves.ids, &curves.groups));
+    assert_eq!((&groom.root_uvs, &groom.guides), (&curves.root_uvs, &curves.guides));
+    // Of the groom those are simulated that are marked, and all of it is saved again.
+    let scene = Scene::parse("time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"").unwrap();
+    let state = InitialState::with_groom(&scene, &groom).unwrap();
+    let hair = &state.hair;
+    assert_eq!((&hair.ids[..], &hair.groups[..]), (&[7, 1][..], &[2, 4_000_000_000][..]));
+    assert_eq!(hair.root_uvs, [[0.25, 0.5], [3.0, 4.0]]);
+    assert_eq!(state.followers.as_ref(), Some(&groom.curves().unwrap()));
+    groom.curves().unwrap().save(&path).unwrap();
+    let again = Curves::load(&path, None).unwrap();
+    assert_eq!((again.ids, again.guides, again.points), (curves.ids.clone(), curves.guides.clone(), groom.points));
+    curves.save(&path).unwrap();
+    // Marks can be left aside, and fewer of the marked be asked for.
+    let (unmarked, _) = GroomFile { file_guides: false, ..file.clone() }.groom(1).unwrap();
+    assert_eq!((unmarked.len(), unmarked.guides), (4, vec![]));
+    let (one, _) = GroomFile { strands: Some(1), ..file.clone() }.groom(1).unwrap();
+    assert!(one.guides == [true, false, false, false] || one.guides == [false, false, false, true], "{:?}", one.guides);
     // The others follow, and all of them are what the file becomes as another file.
     let (simulated, all) = file.followers(1).unwrap();
     let all = all.unwrap();
     assert_eq!((simulated, all.ids, all.points.len()), (2, curves.ids.clone(), 20));
     assert_eq!(file.fitted(curves.clone(), 1).unwrap().0.guides, curves.guides);
+    // A file whose guides are all broken is no groom.
+    let mut bald = curves.clone();
+    bald.points[0] = bald.points[1];
+    bald.points[9][0] = f64::NAN;
+    bald.save(&path).unwrap();
+    let said = GroomFile { points: None, ..file.clone() }.groom(1).unwrap_err().to_string();
+    assert!(said.ends_with("expected guides that can be simulated: 1 not finite, 1 with doubled points"), "{said}");
+    curves.save(&path).unwrap();
     for (spoilt, name) in [
         (Curves { groups: vec![1], ..curves.clone() }, "groups"),
         (Curves { root_uvs: vec![[0.0; 2]; 5], ..curves.clone() }, "root_uvs"),

@@ -239,6 +239,8 @@ fn faults_name_the_argument() {
         (edit(&|g| g.root_frame = Some([0.0; 4].into())), "groom.root_frame", "not 0"),
         (edit(&|g| g.tip_frame = Some([f64::NAN; 4].into())), "groom.tip_frame", "not 0"),
         (edit(&|g| g.friction = (-0.1).into()), "groom.friction", "at least 0"),
+        (edit(&|g| g.guides = vec![true]), "groom.guides", "expected 2 values"),
+        (edit(&|g| g.guides = vec![false; 2]), "groom.guides", "at least one strand"),
         (
             edit(&|g| g.rest_curvature = Some(RestCurvature::Joints(vec![[0.0; 3]; 11]))),
             "groom.rest_curvature",

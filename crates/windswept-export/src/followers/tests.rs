@@ -39,7 +39,7 @@ fn followers_are_rooted_on_the_shape() {
             root_frames: start.root_frame.iter().map(|q| q.as_quat().to_array()).collect(),
             ..HairFrame::default()
         };
-        let followers = Followers::about(&scene, &frame, 400).unwrap_or_else(|error| panic!("{error}"));
+        let followers = Followers::about(&scene, &frame, None, 400).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(followers.len(), 400);
         for s in 0..400 {
             let root = Vec3::from_array(points_of(&followers.start, s)[0]);
@@ -192,7 +192,7 @@ fn a_files_hairs_come_first() {
         ..HairFrame::default()
     };
     for (asked, in_file) in [(20, 20), (50, 50), (120, 50)] {
-        let hairs = Followers::about(&scene, &frame, asked).unwrap_or_else(|error| panic!("{error}"));
+        let hairs = Followers::about(&scene, &frame, None, asked).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(hairs.len(), asked as usize);
         let own = hairs.start.ids.iter().filter(|id| curves.ids.contains(id));
         assert_eq!(own.count(), in_file);

@@ -2,7 +2,7 @@
 
 use glam::Quat;
 use windswept::HairFrame;
-use windswept_scene::Scene;
+use windswept_scene::{Curves, Scene};
 use windswept_shaders::pictures::grow::Hair;
 
 use crate::ExportError;
@@ -32,9 +32,14 @@ impl Groom {
     ///
     /// # Errors
     /// [`ExportError::Picture`] as [`Followers::new`].
-    pub(super) fn new(scene: &Scene, start: &HairFrame, hairs: u32) -> Result<Self, ExportError> {
+    pub(super) fn new(
+        scene: &Scene,
+        start: &HairFrame,
+        groom: Option<&Curves>,
+        hairs: u32,
+    ) -> Result<Self, ExportError> {
         let strands = start.offsets.len() - 1;
-        let followers = Followers::about(scene, start, hairs)?;
+        let followers = Followers::about(scene, start, groom, hairs)?;
         let per_strand = (hairs as usize).div_ceil(strands).max(1);
         let mut groom = Self {
             hairs: Vec::with_capacity(followers.len()),

@@ -33,7 +33,8 @@ impl Simulation {
         if let Some(followers) = &*followers {
             return Ok(followers.clone());
         }
-        let made = Followers::new(engine.scene(), &engine.hair_at_start()).map_err(|error| of_export(&error))?;
+        let made = Followers::with_groom(engine.scene(), &engine.hair_at_start(), engine.initial().followers.as_ref());
+        let made = made.map_err(|error| of_export(&error))?;
         Ok(followers.insert(Arc::new(made)).clone())
     }
 
@@ -49,7 +50,8 @@ impl Simulation {
         scene.camera.width = size.0.unwrap_or(scene.camera.width);
         scene.camera.height = size.1.unwrap_or(scene.camera.height);
         let start = engine.hair_at_start();
-        let made = Renderer::new(engine.engine().gpu(), &scene, &start).map_err(|error| of_export(&error))?;
+        let made = Renderer::with_groom(engine.engine().gpu(), &scene, &start, engine.initial().followers.as_ref());
+        let made = made.map_err(|error| of_export(&error))?;
         let made = Arc::new(made);
         *renderer = Some((size, made.clone()));
         Ok(made)

@@ -13,7 +13,7 @@ use crate::{
     error::SceneError,
     groom::{COINCIDENT, Groom, PerStrand},
     keys::{Key, Kind},
-    limits::{MOST_HAIR_POINTS, MOST_POINTS_OF_A_STRAND},
+    limits::{MOST_CURVE_POINTS, MOST_HAIR_POINTS, MOST_POINTS_OF_A_STRAND},
     scene::{GroomFile, Up},
 };
 
@@ -154,6 +154,12 @@ impl Curves {
     /// draws the first. They keep their order.
     #[must_use]
     pub fn guides(self, strands: Option<u32>, seed: u64) -> Self {
+        let taken = self.taken(strands, seed);
+        if taken.len() == self.len() { self } else { self.only(&taken) }
+    }
+
+    /// Indices of the curves that [`Self::guides`] takes.
+    fn taken(&self, strands: Option<u32>, seed: u64) -> Vec<usize> {
         let marked = |s: &usize| self.guides.get(*s).copied().unwrap_or(false);
         let mut taken: Vec<usize> = (0..self.len()).filter(marked).collect();
         if taken.is_empty() {
@@ -167,7 +173,29 @@ impl Curves {
             taken = far.into_iter().map(|k| taken[k]).collect();
             taken.sort_unstable();
         }
-        if taken.len() == self.len() { self } else { self.only(&taken) }
+        taken
+    }
+
+    /// Whether a curve is left to be simulated of the `total` that there were: one that is marked, where some were.
+    fn check_left(&self, total: usize, marked: bool, dropped: &Dropped) -> Result<(), SceneError> {
+        let what = match (self.len(), self.marked()) {
+            (0, _) => "strands",
+            (_, 0) if marked => "guides",
+            _ => return Ok(()),
+        };
+        let words = if total == 0 { "there are none".to_owned() } else { dropped.to_string() };
+        Err(SceneError::new(format!("expected {what} that can be simulated: {words}")))
+    }
+
+    /// The same curves, of which those that [`Self::guides`] takes are marked and the others follow; no marks where all are taken.
+    fn with_marks(mut self, strands: Option<u32>, seed: u64) -> Self {
+        let taken = self.taken(strands, seed);
+        self.guides.clear();
+        if taken.len() < self.len() {
+            self.guides.resize(self.len(), false);
+            taken.into_iter().for_each(|s| self.guides[s] = true);
+        }
+        self
     }
 
     /// The strands of these indices.
@@ -279,19 +307,18 @@ fn places(strand: &[[f64; 3]], points: u32) -> Option<Vec<(usize, f64)>> {
 }
 
 impl GroomFile {
-    /// The curves as strands are made of them, in metres and Y up, and what a user should know of them; `seed` draws which of
-    /// many strands are taken.
+    /// All curves of the file that can be simulated, in metres and Y up, and what a user should know of them. Where not all are to be
+    /// simulated, those that are have a mark, and the others follow them; `seed` draws which of many strands are taken.
     ///
     /// # Errors
-    /// As [`Curves::load`]; where no unit is known; where no strand is left.
+    /// As [`Curves::load`]; where no unit is known; where no strand is left to be simulated.
     pub fn curves(&self, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
-        self.simulated(self.loaded()?, seed)
-    }
-
-    /// The curves of the file that are simulated: of those it marks as guides, or of all.
-    fn simulated(&self, loaded: Curves, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
+        let mut loaded = self.loaded()?;
+        if !self.file_guides {
+            loaded.guides.clear();
+        }
         let mut notes = self.notes_of(&loaded, true);
-        let (curves, more) = self.fit(loaded.guides(None, seed), seed).map_err(|error| error.of(&self.file, ""))?;
+        let (curves, more) = self.fit(loaded, true, seed).map_err(|error| error.of(&self.file, ""))?;
         notes.extend(more);
         Ok((curves, notes))
     }
@@ -326,17 +353,14 @@ impl GroomFile {
         Ok(curves.in_metres(scale, self.up))
     }
 
-    /// How many strands of the file are simulated, and all that can be, with as many points each, where those are more: the others
-    /// follow the simulated ones.
+    /// How many strands of the file are simulated, and the curves of [`Self::curves`] where those are more: the others follow.
     ///
     /// # Errors
     /// As [`Self::curves`].
     pub fn followers(&self, seed: u64) -> Result<(usize, Option<Curves>), SceneError> {
-        let loaded = self.loaded()?;
-        let simulated = self.simulated(loaded.clone(), seed)?.0.len();
-        let all = Self { strands: None, ..self.clone() };
-        let (all, _) = all.fit(loaded, seed).map_err(|error| error.of(&self.file, ""))?;
-        Ok((simulated, (all.len() > simulated).then_some(all)))
+        let (all, _) = self.curves(seed)?;
+        let follow = all.follow();
+        Ok((all.simulated(), follow.then_some(all)))
     }
 
     /// Whether the numbers are such as their keys take, in a struct that was made in code.
@@ -366,44 +390,49 @@ impl GroomFile {
     pub fn fitted(&self, curves: Curves, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
         curves.check()?;
         let mut notes = self.notes_of(&curves, self.strands.is_some());
-        let (curves, more) = self.fit(curves, seed)?;
+        let (curves, more) = self.fit(curves, false, seed)?;
         notes.extend(more);
         Ok((curves, notes))
     }
 
-    /// As [`Self::fitted`], without what is to be known of the file.
-    fn fit(&self, curves: Curves, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
+    /// As [`Self::fitted`], without what is to be known of the file. Where `all` are kept, those that are simulated are marked.
+    fn fit(&self, curves: Curves, all: bool, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
         let total = curves.len();
         let mut dropped = Dropped::default();
+        let mut marked = curves.marked() > 0;
         let mut curves = curves.kept(self.points.is_some(), &mut dropped);
-        let there = curves.len();
-        if self.strands.is_some() {
+        curves.check_left(total, marked && all, &dropped)?;
+        let there = if curves.marked() > 0 { curves.marked() } else { curves.len() };
+        if all {
+            curves = curves.with_marks(self.strands, seed);
+            marked = curves.follow();
+        } else if self.strands.is_some() {
             curves = curves.guides(self.strands, seed);
         }
         if let Some(points) = self.points {
-            let most = u64::from(MOST_HAIR_POINTS);
-            if curves.len() as u64 * u64::from(points) > most {
-                let words = format!("{} strands of {points} points each: expected at most {most} points", curves.len());
-                return Err(SceneError::new(words));
+            for (count, most) in [(curves.simulated(), u64::from(MOST_HAIR_POINTS)), (curves.len(), MOST_CURVE_POINTS)]
+            {
+                if count as u64 * u64::from(points) > most {
+                    let words = format!("{count} strands of {points} points each: expected at most {most} points");
+                    return Err(SceneError::new(words));
+                }
             }
             // A strand that turns back on itself may have points in one place even so.
             curves = curves.resampled(points).kept(false, &mut dropped);
+            curves.check_left(total, marked && all, &dropped)?;
         }
         let mut notes = Vec::new();
-        if let Some(asked) = self.strands.filter(|&asked| asked as usize > there && there > 0) {
+        if let Some(asked) = self.strands.filter(|&asked| asked as usize > there) {
             notes.push(format!("{asked} strands are asked for, and {} has {there} to choose from", self.file));
         }
         if dropped.total() > 0 {
             notes.push(format!("{} of the {total} strands of {} are left out: {dropped}", dropped.total(), self.file));
         }
-        if curves.is_empty() {
-            let words = if total == 0 { "there are none".to_owned() } else { dropped.to_string() };
-            return Err(SceneError::new(format!("expected strands that can be simulated: {words}")));
-        }
         Ok((curves, notes))
     }
 
-    /// The strands, of default fibres but for the radius where the file has one, and what a user should know of them.
+    /// All strands of [`Self::curves`], of default fibres but for the radius where the file has one, and what a user should know of
+    /// them.
     ///
     /// # Errors
     /// As [`Self::curves`].
@@ -414,6 +443,7 @@ impl GroomFile {
             ids: curves.ids,
             groups: curves.groups,
             root_uvs: curves.root_uvs,
+            guides: curves.guides,
             rest: self.rest,
             ..Groom::new(curves.points, curves.offsets)
         };

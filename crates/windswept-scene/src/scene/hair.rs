@@ -89,6 +89,8 @@ table! {
         rest: RestShape = Choice(RestShape::WORDS), "", Value(RestShape::Hanging);
         /// Whether strands take their radius from the file, where it has one that is a hair's, 15 to 150 µm on average.
         file_radius: bool = Bool, "", Value(true);
+        /// Whether the strands that the file marks as guides are those that are simulated; false: as if it marked none.
+        file_guides: bool = Bool, "", Value(true);
         /// Points of each strand of a file that does not say where one ends: a .ply without strands, an array (points, 3).
         points_per_strand: Option<u32> = Count(1, MOST_POINTS_OF_A_STRAND), "", Absent("the file must say");
         /// Number of strands; of a file's guides, or of all its strands, those whose roots are far from one another. The others follow.
@@ -227,6 +229,7 @@ impl GroomFile {
             up: Up::Y,
             rest: RestShape::Hanging,
             file_radius: true,
+            file_guides: true,
             points_per_strand: None,
             strands: None,
             points: None,
