@@ -31,31 +31,54 @@ pub(crate) fn area([a, b, c]: [DVec3; 3]) -> f64 {
     0.5 * (b - a).cross(c - a).length()
 }
 
+/// Triangles of a solid, by how much of their area lies before and in each.
+pub(crate) struct Areas<'a> {
+    solid: &'a Solid,
+    triangles: &'a [usize],
+    /// Area of the triangles up to the end of each \[m²\].
+    ends: Vec<f64>,
+}
+
+impl<'a> Areas<'a> {
+    pub(crate) fn new(solid: &'a Solid, triangles: &'a [usize]) -> Self {
+        let sum = triangles.iter().scan(0.0, |total, &i| {
+            *total += area(solid.corners(i));
+            Some(*total)
+        });
+        let ends = sum.collect();
+        Self { solid, triangles, ends }
+    }
+
+    /// Area of all triangles \[m²\].
+    fn total(&self) -> f64 {
+        self.ends.last().copied().unwrap_or_default()
+    }
+
+    /// A place on the triangles by three numbers from 0 to below 1: that part of the area lies before its triangle, or in it, and the other
+    /// two say where in the triangle it is. Its triangle, what parts of its corners it consists of, and where it is \[m\].
+    pub(crate) fn place(&self, [part, u, v]: [f64; 3]) -> (usize, [f64; 3], DVec3) {
+        let at = self.total() * part;
+        let triangle = self.triangles[self.ends.partition_point(|end| *end <= at).min(self.ends.len() - 1)];
+        // Evenly over the triangle: the corner across from it is as far as the root of chance.
+        let u = u.sqrt();
+        let parts = [1.0 - u, u * (1.0 - v), u * v];
+        (triangle, parts, mix(parts, self.solid.corners(triangle)))
+    }
+}
+
 /// As many roots as `count` on some triangles of a solid. Together the triangles have an area.
 ///
 /// Places are drawn evenly over the area. One that is nearer to another than a distance is drawn again; where none is found that is
 /// far enough from all, the distance is made less.
 pub(crate) fn scatter(solid: &Solid, triangles: &[usize], count: u32, rng: &mut Pcg64) -> Vec<Seat> {
-    let mut total = 0.0;
-    let ends: Vec<f64> = triangles
-        .iter()
-        .map(|&i| {
-            total += area(solid.corners(i));
-            total
-        })
-        .collect();
-    let cell = APART * (total / f64::from(count)).sqrt();
+    let areas = Areas::new(solid, triangles);
+    let cell = APART * (areas.total() / f64::from(count)).sqrt();
     let cell_of = |x: DVec3| (x / cell).floor().to_array().map(|x| x as i64);
     let mut cells: HashMap<[i64; 3], Vec<DVec3>> = HashMap::new();
     let (mut apart, mut failed) = (cell, 0);
     let mut seats = Vec::with_capacity(count as usize);
     while seats.len() < count as usize {
-        let at = total * rng.random::<f64>();
-        let triangle = triangles[ends.partition_point(|end| *end <= at).min(ends.len() - 1)];
-        // Evenly over the triangle: the corner across from it is as far as the root of chance.
-        let (u, v) = (rng.random::<f64>().sqrt(), rng.random::<f64>());
-        let parts = [1.0 - u, u * (1.0 - v), u * v];
-        let root = mix(parts, solid.corners(triangle));
+        let (triangle, parts, root) = areas.place([0; 3].map(|_| rng.random::<f64>()));
         let own = cell_of(root);
         let beside = (0..27).map(|k| [own[0] + k % 3 - 1, own[1] + k / 3 % 3 - 1, own[2] + k / 9 - 1]);
         if beside.filter_map(|cell| cells.get(&cell)).flatten().any(|other| other.distance(root) < apart) {

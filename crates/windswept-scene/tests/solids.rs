@@ -178,6 +178,46 @@ fn meshes_of_another_unit_are_warned_of() {
     assert!(warnings(1e-3).iter().all(|warning| !warning.contains("large")), "{:?}", warnings(1e-3));
 }
 
+/// A grid whose distances are far off the mesh's own triangles has a warning, with how far: h²/(4 R) on a ball. Detail inside a solid, which
+/// nothing meets, does not count.
+#[test]
+fn grids_that_are_too_coarse_are_warned_of() {
+    let folder = Folder::new();
+    let error = |file: &str, resolution: f64| {
+        let body = format!(
+            "[[body]]\nname = \"far\"\nshape = \"mesh\"\nfile = \"{file}\"\nscale = 1e-3\nresolution = {resolution}\n"
+        );
+        let scene = load(&folder, &format!("{AWAY}{body}")).unwrap();
+        let said = InitialState::new(&scene).unwrap().warnings;
+        let coarse = said.into_iter().find(|warning| warning.contains("grid of distances"));
+        (scene.bodies[0].shape.solid().unwrap().grid_error(), coarse)
+    };
+    let ball = |radius: f64| Shape::Sphere { center: [0.0; 3], radius }.surface(64, 128);
+    let with = |mut mesh: Triangles, other: Triangles| {
+        let first = mesh.points.len() as u32;
+        mesh.points.extend(other.points);
+        mesh.corners.extend(other.corners.iter().map(|corners| corners.map(|i| first + i)));
+        mesh
+    };
+    folder.write("ball.obj", &obj(&ball(40.0)));
+    let [(fine, none), (coarse, some)] = [8e-3, 1e-2].map(|h| error("ball.obj", h));
+    // Measured 2 and 3 % less.
+    for (off, h) in [(fine, 8e-3), (coarse, 1e-2_f64)] {
+        assert!((off / (h * h / (4.0 * 0.04)) - 1.0).abs() < 0.1, "{h}: {off:e}");
+    }
+    assert_eq!(none, None);
+    let said = "body.far: its grid of distances, 10.000 mm apart, puts 1 % of the surface 0.61 mm or more off the triangles: \
+        body.far.resolution = 5.00e-3 would make that a half, or a quarter where the surface is smooth, with eight times the memory";
+    assert_eq!(some.as_deref(), Some(said));
+    folder.write("eye.obj", &obj(&with(ball(40.0), ball(20.0))));
+    let (off, none) = error("eye.obj", 8e-3);
+    assert!(none.is_none() && (off / fine - 1.0).abs() < 0.1, "{off:e}, {none:?}");
+    // A fin that a grid of 4 mm does not see.
+    let fin = box_of(DVec3::new(60.0, 0.5, 10.0), 4, |_, _, _| false);
+    folder.write("fin.obj", &obj(&with(ball(40.0), fin)));
+    assert!(error("fin.obj", 4e-3).1.is_some() && error("fin.obj", 5e-4).1.is_none());
+}
+
 /// A box without one of its sides, a sixth of its surface, may not be what was meant; one with a small hole is.
 #[test]
 fn meshes_with_parts_missing_are_warned_of() {
@@ -222,7 +262,7 @@ fn box_file(folder: &Folder) {
 fn roots_are_scattered_on_a_mesh() {
     let folder = Folder::new();
     box_file(&folder);
-    let body = "[[body]]\nname = \"box\"\nshape = \"mesh\"\nfile = \"box.obj\"\nscale = 1\nresolution = 4e-3\n";
+    let body = "[[body]]\nname = \"box\"\nshape = \"mesh\"\nfile = \"box.obj\"\nscale = 1\nresolution = 2e-3\n";
     let roots = |keys: &str, body: &str| {
         load(&folder, &format!("roots = {{ shape = \"mesh\", body = \"box\"{keys} }}\n{body}")).unwrap()
     };
