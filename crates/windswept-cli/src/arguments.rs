@@ -1,11 +1,14 @@
 //! The arguments that can be typed.
 
+use std::ffi::OsStr;
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::{Path, PathBuf};
 
 #[cfg(feature = "validate")]
 use clap::builder::PossibleValuesParser;
-use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
+use clap::builder::{EnumValueParser, PossibleValue, TypedValueParser};
+use clap::error::ErrorKind;
+use clap::{Arg, Args, Parser, Subcommand, ValueEnum, value_parser};
 use windswept_export::{DEFAULT_FORMATS, FORMATS, Format};
 use windswept_scene::{GroomFormat, Scene, Up, keys::Key, limits::MOST_POINTS_OF_A_STRAND};
 #[cfg(feature = "validate")]
@@ -150,7 +153,7 @@ pub(crate) struct ConvertOptions {
     /// Metres per unit of IN; OUT is in metres then [default: OUT has the units of IN]
     #[arg(long, value_name = "M", value_parser = positive)]
     pub(crate) scale: Option<f64>,
-    /// Axis of IN that becomes +Y, or its axes that become x, y and z [default: y]
+    /// Axis of IN that becomes +Y, or its axes that become x, y and z; xzy, yxz and zyx mirror [default: y]
     #[arg(long, value_name = "AXES", value_parser = up)]
     pub(crate) up: Option<Up>,
     /// Divide strands anew into so many points, evenly along their length
@@ -362,6 +365,35 @@ fn scale(word: &str) -> Result<f64, String> {
     word.parse().ok().filter(|scale: &f64| scale.is_finite() && *scale > 0.0).ok_or_else(expected)
 }
 
+/// What is said of Alembic, which Blender makes of a film.
+const OF_ALEMBIC: &str = "\
+windswept writes no Alembic, but Blender makes it of USD, without a window: export --format usdc, and then run
+
+blender --background --python-expr 'import bpy
+bpy.ops.wm.read_factory_settings(use_empty=True)
+bpy.ops.wm.usd_import(filepath=\"film.usdc\")
+bpy.ops.wm.alembic_export(filepath=\"film.abc\")'
+";
+
+/// Reads a [`FilmFormat`], and says the way to a format that is none.
+#[derive(Debug, Clone, Copy)]
+struct FilmFormats;
+
+impl TypedValueParser for FilmFormats {
+    type Value = FilmFormat;
+
+    fn parse_ref(&self, command: &clap::Command, arg: Option<&Arg>, word: &OsStr) -> Result<FilmFormat, clap::Error> {
+        if ["abc", "alembic"].iter().any(|other| word.eq_ignore_ascii_case(other)) {
+            return Err(clap::Error::raw(ErrorKind::InvalidValue, OF_ALEMBIC).with_cmd(command));
+        }
+        EnumValueParser::new().parse_ref(command, arg, word)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(FilmFormat::value_variants().iter().filter_map(ValueEnum::to_possible_value)))
+    }
+}
+
 /// Kinds of films that `windswept export` makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FilmFormat {
@@ -379,7 +411,7 @@ pub(crate) struct ExportOptions {
     #[arg(value_name = "DIR")]
     pub(crate) dir: PathBuf,
     /// What to write
-    #[arg(long, value_name = "FORMAT")]
+    #[arg(long, value_name = "FORMAT", value_parser = FilmFormats)]
     pub(crate) format: FilmFormat,
     /// File to write [default: film.usda, film.usdc or film.npz in DIR]
     #[arg(long, value_name = "FILE")]

@@ -145,7 +145,17 @@ fn what_cannot_be_exported_is_refused() {
     refused(&["usda", "--out", "out/hair.usda"], "belongs to the run");
     refused(&["npz", "--out", "film.usda"], "ends in .npz");
     refused(&["npz", "--out", "none/film.npz"], "a folder that is there");
-    refused(&["abc"], "possible values: usda, usdc, npz");
+    refused(&["mov"], "possible values: usda, usdc, npz");
+    // The way to Alembic is the one that the page says, which was run.
+    let page = include_str!("../../../docs/other-programs.md");
+    let way = page.split("blender --background").find(|part| part.contains("alembic_export")).expect("a way");
+    let commands: Vec<&str> =
+        way.split("```").next().expect("a block").lines().filter(|l| !l.contains("usd_import")).collect();
+    assert!(commands.len() == 3, "{commands:?}");
+    for line in commands {
+        refused(&["abc"], line);
+        refused(&["Alembic"], line);
+    }
     assert_eq!(export(folder, &["usda"]).status.code(), Some(0));
     refused(&["usda"], "film.usda: is there already; --overwrite");
     assert_eq!(export(folder, &["usda", "--overwrite"]).status.code(), Some(0));
