@@ -290,6 +290,64 @@ fn files_have_the_same_triangles() {
     }
 }
 
+/// A Wavefront file that ends within a line before all its points have faces was cut off; one that ends so with all of them is whole.
+#[test]
+fn a_wavefront_file_that_is_cut_off_is_refused() {
+    let folder = Folder::new();
+    let text = obj(&box_of(DVec3::splat(0.1), 3, |_, _, _| false));
+    let faces = text.windows(2).position(|two| two == b"\nf").unwrap();
+    let (mut refused, mut loaded) = (0, 0);
+    for end in (faces + 2..text.len()).filter(|&end| text[end - 1] != b'\n') {
+        match Triangles::load(folder.write("cut.obj", &text[..end])) {
+            Ok(found) => {
+                let used: std::collections::HashSet<u32> = found.corners.as_flattened().iter().copied().collect();
+                // Each square has points of its own: all are used from the first triangle of the last one on.
+                assert!(used.len() >= 54 * 4 - 1, "{end} of {}: {} points", text.len(), used.len());
+                loaded += 1;
+            }
+            Err(error) => {
+                let said = error.to_string();
+                let whole = said.contains(
+                    "points are of no face yet; the file is cut off there, or lacks the line break at its end",
+                );
+                let torn = ["corners: expected at least 3", "has index", "expected a Wavefront file"];
+                assert!(whole || torn.iter().any(|words| said.contains(words)), "{said}");
+                refused += 1;
+            }
+        }
+    }
+    assert!(refused > 1000 && loaded > 0, "{refused} {loaded}");
+    let ragged = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\nf 1 2 3\n";
+    let said = Triangles::load(folder.write("ragged.obj", ragged)).unwrap_err().to_string();
+    assert!(said.ends_with("ragged.obj: line 4: a face of 2 corners: expected at least 3"), "{said}");
+}
+
+/// Comments of any encoding are no fault, and neither are names, which come with a mark for what is no UTF-8; numbers must be.
+#[test]
+fn text_need_not_be_of_utf8() {
+    let folder = Folder::new();
+    let latin =
+        b"# K\xf6rper\no K\xf6rper\nmtllib K\xf6rper.mtl\nusemtl skin\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n# \xe4\n";
+    let found = Triangles::load(folder.write("latin.obj", latin)).unwrap();
+    assert_eq!(found.parts[0].names, ["K\u{fffd}rper", "skin"]);
+    let said =
+        Triangles::load(folder.write("bad.obj", b"v 0 0 0\nv 1 0 \xe4\nv 0 1 0\nf 1 2 3\n")).unwrap_err().to_string();
+    assert!(said.contains("bad.obj: line 2: expected a Wavefront file"), "{said}");
+    let ply = |head: &[u8]| {
+        [
+            &b"ply\nformat ascii 1.0\ncomment K\xf6rper\n"[..],
+            head,
+            b"property float x\nproperty float y\nproperty float z\n\
+          element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+        ]
+        .concat()
+    };
+    let found = Triangles::load(folder.write("latin.ply", &ply(b"element vertex 3\n"))).unwrap();
+    assert_eq!(found.corners, [[0, 1, 2]]);
+    let said = Triangles::load(folder.write("bad.ply", &ply(b"element vertex \xb3\n"))).unwrap_err().to_string();
+    assert!(said.contains("expected a number of vertex, found \"\u{fffd}\""), "{said}");
+}
+
 /// Names of groups, objects and materials lead to their triangles; normals and places in a texture go with their corners.
 #[test]
 fn names_normals_and_textures_are_kept() {

@@ -3,6 +3,8 @@
 //!
 //! Source: Greg Turk's "The PLY polygon file format"; hairutil, `src/io/ply.cpp`.
 
+use std::borrow::Cow;
+
 use super::{
     Curves,
     bytes::{Bytes, fault_at, put_floats},
@@ -84,11 +86,11 @@ impl Element {
     }
 }
 
-/// A line of the header, without the end.
-fn line<'a>(bytes: &mut Bytes<'a>) -> Result<&'a str, SceneError> {
+/// A line of the header, without the end. Comments may be of any encoding; words that matter are of ASCII.
+fn line<'a>(bytes: &mut Bytes<'a>) -> Result<Cow<'a, str>, SceneError> {
     let at = bytes.at();
     let line = bytes.until(b'\n').ok_or_else(|| fault_at(at, "expected a line of a header that ends in end_header"))?;
-    std::str::from_utf8(line).map(str::trim).map_err(|_| fault_at(at, "expected a line of text"))
+    Ok(String::from_utf8_lossy(line.trim_ascii()))
 }
 
 fn header(bytes: &mut Bytes<'_>) -> Result<(Encoding, Vec<Element>), SceneError> {
@@ -98,7 +100,8 @@ fn header(bytes: &mut Bytes<'_>) -> Result<(Encoding, Vec<Element>), SceneError>
     let (mut encoding, mut elements) = (None, Vec::<Element>::new());
     loop {
         let at = bytes.at();
-        let words: Vec<&str> = line(bytes)?.split_whitespace().collect();
+        let line = line(bytes)?;
+        let words: Vec<&str> = line.split_whitespace().collect();
         let scalar = |name: &str| {
             Scalar::named(name).ok_or_else(|| fault_at(at, format!("expected a type of numbers, found {name:?}")))
         };

@@ -1,5 +1,7 @@
 //! Wavefront files, `.obj`.
 
+use std::collections::HashSet;
+
 use glam::DVec3;
 
 use super::Triangles;
@@ -29,10 +31,10 @@ fn line_of(bytes: &[u8], is_faulty: impl Fn(&[u8]) -> bool) -> usize {
 const INDEXED: [(&str, &str); 3] = [("v", "points"), ("vt", "places in the texture"), ("vn", "normals")];
 
 /// Refuses an index that leads to nothing: the crate multiplies indices before it looks at them. One below 0 counts back from its line.
-fn check_indices(bytes: &[u8]) -> Result<(), SceneError> {
+fn check_indices(text: &str) -> Result<(), SceneError> {
     let lines = || {
-        let texts = bytes.split(|byte| *byte == b'\n').map(|line| std::str::from_utf8(line).unwrap_or_default());
-        texts.map(str::split_whitespace).map(|mut words| (words.next().unwrap_or_default(), words))
+        let lines = text.split('\n').map(str::split_whitespace);
+        lines.map(|mut words| (words.next().unwrap_or_default(), words))
     };
     let kind = |word: &str| INDEXED.iter().position(|(name, _)| *name == word);
     let mut all = [0_u64; 3];
@@ -60,6 +62,36 @@ fn check_indices(bytes: &[u8]) -> Result<(), SceneError> {
     Ok(())
 }
 
+/// Refuses faces that are none, and a file that ends within a line although some of its points are of no face yet: it was cut off there.
+fn check_whole(text: &str) -> Result<(), SceneError> {
+    let is_whole = text.ends_with('\n');
+    let (mut points, mut used) = (0_u64, HashSet::new());
+    for (number, mut words) in (1..).zip(text.lines().map(str::split_whitespace)) {
+        match words.next() {
+            Some("v") => points += 1,
+            Some("f") => {
+                let corners = words.clone().count();
+                if corners < 3 {
+                    let words = format!("line {number}: a face of {corners} corners: expected at least 3");
+                    return Err(SceneError::new(words));
+                }
+                used.extend(words.filter(|_| !is_whole).filter_map(|corner| {
+                    let index: i64 = corner.split('/').next()?.parse().ok()?;
+                    Some(if index < 0 { points.saturating_add_signed(index) } else { index.unsigned_abs() - 1 })
+                }));
+            }
+            _ => {}
+        }
+    }
+    let unused = points - used.len() as u64;
+    if is_whole || unused == 0 {
+        return Ok(());
+    }
+    let words = format!("expected the end of the line: {unused} of the {points} points are of no face yet");
+    let fault = SceneError::new(format!("line {}: {words}", text.lines().count()));
+    Err(fault.with_help("the file is cut off there, or lacks the line break at its end"))
+}
+
 /// What faces are named by, from a line of the file on.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Names<'a> {
@@ -80,12 +112,12 @@ impl Names<'_> {
 
 /// The file with the number of its names as the one name of each face, and what the numbers stand for: the crate knows an object or a
 /// group of each face, and materials only of a library, whose properties do not matter here. Lines keep their numbers.
-fn numbered(bytes: &[u8]) -> Result<(Vec<u8>, Vec<Names<'_>>), SceneError> {
-    let mut text = Vec::with_capacity(bytes.len() + 1);
+fn numbered(given: &str) -> Result<(String, Vec<Names<'_>>), SceneError> {
+    let mut text = String::with_capacity(given.len() + 1);
     let mut names = vec![Names::default()];
     let mut last = Names::default();
-    for (number, line) in (1..).zip(bytes.split(|byte| *byte == b'\n')) {
-        let words = std::str::from_utf8(line).unwrap_or_default().trim();
+    for (number, line) in (1..).zip(given.split('\n')) {
+        let words = line.trim();
         let (word, name) = words.split_once(char::is_whitespace).unwrap_or((words, ""));
         let name = name.trim();
         let now = match word {
@@ -94,8 +126,8 @@ fn numbered(bytes: &[u8]) -> Result<(Vec<u8>, Vec<Names<'_>>), SceneError> {
             "g" => Names { groups: name, ..last },
             "usemtl" => Names { material: name, ..last },
             _ => {
-                text.extend(line);
-                text.push(b'\n');
+                text.push_str(line);
+                text.push('\n');
                 continue;
             }
         };
@@ -106,11 +138,11 @@ fn numbered(bytes: &[u8]) -> Result<(Vec<u8>, Vec<Names<'_>>), SceneError> {
             )));
         }
         if now != last {
-            text.extend(format!("g {}", names.len()).bytes());
+            text.push_str(&format!("g {}", names.len()));
             names.push(now);
             last = now;
         }
-        text.push(b'\n');
+        text.push('\n');
     }
     Ok((text, names))
 }
@@ -119,13 +151,16 @@ pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
     let options =
         tobj::LoadOptions { triangulate: true, ignore_lines: true, ignore_points: true, ..Default::default() };
     let load = |mut bytes: &[u8]| tobj::load_obj_buf(&mut bytes, &options, |_| Err(tobj::LoadError::OpenFileFailed));
-    let (text, names) = numbered(bytes)?;
-    let bytes = &text[..];
-    check_indices(bytes)?;
+    // Comments and names may be of any encoding: numbers are text of all.
+    let given = String::from_utf8_lossy(bytes);
+    let (text, names) = numbered(&given)?;
+    check_indices(&text)?;
+    let bytes = text.as_bytes();
     let (models, _) = load(bytes).map_err(|error| {
         let line = line_of(bytes, |part| load(part).is_err_and(|other| other == error));
         SceneError::new(format!("line {line}: expected a Wavefront file: {error}"))
     })?;
+    check_whole(&given)?;
     let mut all = Triangles::default();
     for model in models {
         let mesh = model.mesh;
