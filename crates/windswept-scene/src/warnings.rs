@@ -19,6 +19,9 @@ const SMALLEST_EDDY: f64 = 1.03;
 /// Longest side of a mesh below which it is likely that its scale is wrong \[m\].
 const SMALLEST_MESH: f64 = 1e-3;
 
+/// Places of a segment, at most, that are asked whether they are inside a body.
+const STEPS_ALONG: f64 = 32.0;
+
 /// Part of a mesh's surface that may cover holes without a warning: the neck of a head is 5 %.
 const MUCH_COVERED: f64 = 0.1;
 
@@ -181,12 +184,36 @@ pub(crate) fn of_hair(hair: &Strands, air: &AirParticles, wind: DVec3) -> Vec<St
     warnings
 }
 
-/// A warning about hair that starts inside bodies, by more than rounding and grids make of a surface.
+/// A warning about hair that starts inside bodies, by more than rounding and grids make of a surface: points, and segments whose two points
+/// are outside.
 pub(crate) fn of_bodies(hair: &Strands, bodies: &[Shape]) -> Option<String> {
-    let inside = |x: &DVec3| bodies.iter().any(|body| body.signed_distance(*x).0 < -body.slack());
+    let slack: Vec<f64> = bodies.iter().map(Shape::slack).collect();
+    let bodies = || bodies.iter().zip(&slack);
+    let inside = |x: &DVec3| bodies().any(|(body, slack)| body.signed_distance(*x).0 < -slack);
     let n = hair.positions.iter().filter(|x| inside(x)).count();
-    let points = hair.positions.len();
-    (n > 0).then(|| format!("{n} of {points} hair points start inside bodies, which push them out"))
+    let ends = (0..hair.len()).flat_map(|s| hair.positions[hair.points(s)].windows(2));
+    let crosses = |ends: &&[DVec3]| bodies().any(|(body, slack)| crosses(body, *slack, [ends[0], ends[1]]));
+    let segments = ends.clone().filter(|ends| !ends.iter().any(inside)).filter(|ends| crosses(ends)).count();
+    let points = (n > 0).then(|| format!("{n} of {} hair points", hair.positions.len()));
+    let segments = (segments > 0).then(|| format!("{segments} of {} segments between points outside", ends.count()));
+    let what: Vec<String> = points.into_iter().chain(segments).collect();
+    (!what.is_empty()).then(|| format!("{} start inside bodies, which push them out", what.join(" and ")))
+}
+
+/// Whether a segment between two points outside is deeper inside a body than `slack` \[m\] somewhere. A step from a place leads as far as no
+/// place inside can be: a trilinear distance grows by at most √3 m in a metre.
+fn crosses(body: &Shape, slack: f64, [from, to]: [DVec3; 2]) -> bool {
+    let length = from.distance(to);
+    let least = length / STEPS_ALONG;
+    let mut at = 0.0;
+    while at < length {
+        let distance = body.signed_distance(from + at / length * (to - from)).0;
+        if distance < -slack {
+            return true;
+        }
+        at += least.max(distance / 3.0_f64.sqrt());
+    }
+    false
 }
 
 /// Warnings about meshes that are so small that their scale may be that of other units, have a large part missing, or more detail than their

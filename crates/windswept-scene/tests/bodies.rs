@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use common::{BRUSH, assert_close, scene_of};
 use glam::{DQuat, DVec3};
-use windswept_scene::{Body, InitialState, Keyframe, Motion, Round, Shape};
+use windswept_scene::{Body, Groom, InitialState, Keyframe, Motion, Round, Shape};
 
 fn keyframe(time: f64, translation: [f64; 3], rotation: [f64; 3]) -> Keyframe {
     Keyframe { time, translation, rotation }
@@ -145,6 +145,13 @@ fn hair_grows_on_a_body_and_not_in_it() {
         let inside = state.warnings.iter().any(|warning| warning.contains("20 of 100 hair points start inside bodies"));
         assert_eq!(inside, radius < 0.1, "{:?}", state.warnings);
     }
+    // Two strands of one segment each, through the ball and past it, with both ends outside.
+    let scene = scene_of(&text(0.1), &[]);
+    let across = |height: f64| [[-0.2, height, 0.0], [0.2, height, 0.0]];
+    let groom = Groom::new([across(1.099), across(1.101)].concat(), vec![0, 2, 4]);
+    let warnings = InitialState::with_groom(&scene, &groom).unwrap().warnings;
+    let said = "1 of 2 segments between points outside start inside bodies, which push them out";
+    assert!(warnings.iter().any(|warning| warning == said), "{warnings:?}");
     let error = InitialState::new(&scene_of(&text(0.0899), &[])).unwrap_err();
     assert_eq!(error.key(), Some("hair.roots"), "{error}");
     let shown = error.to_string();
