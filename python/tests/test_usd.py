@@ -143,6 +143,16 @@ def test_curves_of_instances_are_found(tmp_path):
         np.testing.assert_allclose(there - here, np.broadcast_to([100, 0, 0], here.shape), rtol=0, atol=1e-9)
 
 
+def test_counts_below_zero_are_refused(tmp_path):
+    points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
+    for counts, words in [([14, -3], "expected curves of 0 or more points, found one of -3"), ([4, 6], "11 points are not the 10 of its curves")]:
+        (tmp_path / "groom.usda").unlink(missing_ok=True)
+        stage_of(tmp_path / "groom.usda", points, counts)
+        with pytest.raises(ValueError, match=rf"groom.usda: .*: {words}"):
+            ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "groom.npz")
+    assert not (tmp_path / "groom.npz").exists()
+
+
 def test_the_groom_file_has_the_name_that_was_asked_for(tmp_path):
     stage_of(tmp_path / "groom.usda", np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0), [4, 7])
     ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "groom.partial")

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use windswept_export::{Followers, Kind, Provenance, write_npz, write_usda};
-use windswept_scene::Scene;
+use windswept_scene::{Outline, Scene};
 
 use crate::arguments::{ExportOptions, FilmFormat};
 use crate::console::Console;
@@ -17,7 +17,7 @@ pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Resu
     let dir = &options.dir;
     check_folder(dir)?;
     let output = Output::of_run(dir);
-    let scene = Scene::load(there(output.scene(), OF_SCENE)?)?;
+    let outline = Outline::load(there(output.scene(), OF_SCENE)?)?;
     let film = there(output.film(Kind::Hair), OF_HAIR)?;
     let hair = open(&film, Kind::Hair)?;
     let frames = hair.times().len();
@@ -27,15 +27,18 @@ pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Resu
     let path = place(options, &output)?;
     let converter = (options.format == FilmFormat::Usdc).then(Converter::find).transpose()?;
     let [adapter, version] = hair.origin();
-    let provenance = Provenance { version: &version, ..Provenance::of(&scene, &adapter) };
+    let provenance = Provenance { scene: &outline.text, version: &version, adapter: &adapter, seed: outline.seed };
     let first = hair.frame(0)?.hair;
-    let followers = options.followers.then(|| Followers::new(&scene, &first)).transpose();
-    let followers = followers.map_err(|error| Failure::Input(error.to_string()))?;
+    let followers = match options.followers {
+        false => None,
+        // They come from groom files, and stay out of meshes.
+        true => Some(Followers::new(&Scene::load(output.scene())?, &first).map_err(|e| Failure::Input(e.to_string()))?),
+    };
     let frame = |k| match &followers {
         Some(followers) => followers.frame(&hair.frame(k)?),
         None => hair.frame(k),
     };
-    let rate = scene.time.frame_rate;
+    let rate = outline.time.frame_rate;
     // What was refused until here was bad input; now it is a failure.
     let failed = |error: windswept_export::ExportError| Failure::Run(error.to_string());
     match (options.format, converter) {

@@ -16,11 +16,22 @@ pub(crate) fn groom(command: &Groom, console: &mut Console<'_>) -> Result<(), Fa
 }
 
 fn info(file: &Path, points_per_strand: Option<u32>, console: &mut Console<'_>) -> Result<(), Failure> {
-    let curves = Curves::load(file, points_per_strand)?;
+    let curves = load(file, points_per_strand)?;
     for (what, value) in summary(&curves) {
         console.print(format_args!("{what:<9} {value}"));
     }
     Ok(())
+}
+
+/// The curves of a file. A key of a scene that is at fault is an option here.
+fn load(file: &Path, points_per_strand: Option<u32>) -> Result<Curves, Failure> {
+    Curves::load(file, points_per_strand).map_err(|error| match error.key() {
+        Some(key) => {
+            let option = key.replace('_', "-");
+            Failure::Input(format!("{}: --{option}: {}", error.source_name(), error.message()))
+        }
+        None => error.into(),
+    })
 }
 
 /// What a groom file holds, line by line.
@@ -46,12 +57,8 @@ fn summary(curves: &Curves) -> Vec<(&'static str, String)> {
     }
     let unit = if curves.unit.is_some() { "m" } else { "units" };
     let scale = curves.unit.unwrap_or(1.0);
-    if let Some([low, high]) = curves.bounds() {
-        let sides = [0, 1, 2].map(|k| scale * (high[k] - low[k]));
-        let shown = digits(sides.into_iter().fold(0.0, f64::max));
-        let corner = |x: [f64; 3]| x.map(|x| shown(scale * x)).join(", ");
-        let sides = sides.map(&shown).join(" x ");
-        rows.push(("box", format!("{sides} {unit}, from ({}) to ({})", corner(low), corner(high))));
+    if let Some(corners) = curves.bounds() {
+        rows.push(("box", shown_box(corners.map(|corner| corner.map(|x| scale * x)), unit)));
     }
     if let [thinnest, thickest] = range(&mut curves.radius.iter().copied())
         && thinnest.is_finite()
@@ -78,6 +85,14 @@ fn summary(curves: &Curves) -> Vec<(&'static str, String)> {
     rows
 }
 
+/// The size of a box, and its lower and upper corner, in this unit.
+pub(crate) fn shown_box([low, high]: [[f64; 3]; 2], unit: &str) -> String {
+    let sides = [0, 1, 2].map(|k| high[k] - low[k]);
+    let shown = digits(sides.into_iter().fold(0.0, f64::max));
+    let corner = |x: [f64; 3]| x.map(&shown).join(", ");
+    format!("{} {unit}, from ({}) to ({})", sides.map(&shown).join(" x "), corner(low), corner(high))
+}
+
 /// Shows numbers of which the largest is this, so that what is small has digits too.
 fn digits(largest: f64) -> impl Fn(f64) -> String {
     // A 0 has no sign.
@@ -93,7 +108,7 @@ fn convert(options: &ConvertOptions, console: &mut Console<'_>) -> Result<(), Fa
         let words = format!("{} is there already: --overwrite replaces it", options.output.display());
         return Err(Failure::Input(words));
     }
-    let curves = Curves::load(&options.input, options.points_per_strand)?;
+    let curves = load(&options.input, options.points_per_strand)?;
     let up = options.up.unwrap_or(Up::Y);
     let curves = match options.scale.or(curves.unit) {
         Some(scale) => curves.in_metres(scale, up),

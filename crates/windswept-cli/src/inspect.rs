@@ -9,6 +9,7 @@ use windswept_scene::{Force, InitialState, Scene};
 use crate::arguments::{Changes, SceneOptions};
 use crate::console::Console;
 use crate::failure::Failure;
+use crate::groom::shown_box;
 
 /// `windswept check`: what was understood, and what a run would take.
 pub(crate) fn check(
@@ -59,6 +60,10 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
         "hair",
         format!("{} strands that stand for {fibres} fibres, {} points", hair.len(), hair.positions.len()),
     ));
+    for (group, file) in (0..).zip(&scene.hair).filter_map(|(group, hair)| Some((group, hair.file()?))) {
+        let name = Path::new(&file.file).file_name().unwrap_or_default().to_string_lossy().into_owned();
+        rows.push(("groom", format!("{name}: {}", shown_box(hair.bounds(Some(group)).map(|x| x.to_array()), "m"))));
+    }
     let all = Followers::number(scene, hair)?;
     if all > hair.len() {
         rows.push((

@@ -126,6 +126,27 @@ print('curves')
     assert!(String::from_utf8_lossy(&done.stdout).contains("film.npz: 400 hairs of 4 strands, 2 frames"), "{done:?}");
 }
 
+/// A film of the strands needs the run's own files only; followers stay out of bodies, and need the mesh.
+#[test]
+fn a_film_of_strands_needs_no_mesh() {
+    let folder = folder();
+    let folder = folder.path();
+    let scene = fs::read_to_string(folder.join("scene.toml")).expect("the scene");
+    let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    fs::write(folder.join("wedge.obj"), mesh).expect("a mesh");
+    let body = "[[body]]\nshape = \"mesh\"\nfile = \"wedge.obj\"\nscale = 0.01\nmotion = [{ time = 0.0, translation = [0, -1, 0] }]\n";
+    fs::write(folder.join("scene.toml"), format!("{scene}\n{body}")).expect("a scene");
+    assert_eq!(run(folder, &["--steps", "1", "--formats", "vtkhdf"]).status.code(), Some(0));
+    fs::remove_file(folder.join("wedge.obj")).expect("the mesh");
+    let done = export(folder, &["usda"]);
+    assert_eq!(done.status.code(), Some(0), "{done:?}");
+    let film = fs::read_to_string(folder.join("out/film.usda")).expect("a film");
+    assert!(film.contains("wedge.obj") && film.contains("framesPerSecond"));
+    let refused = export(folder, &["npz", "--followers"]);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(refused.status.code() == Some(2) && said.contains("wedge.obj: cannot be read"), "{said}");
+}
+
 /// What cannot be exported is refused, with the reason, and nothing is written.
 #[test]
 fn what_cannot_be_exported_is_refused() {

@@ -41,6 +41,31 @@ fn a_groom_file_is_described() {
         "length    8.0000 to 10.0000 units along a strand",
     ];
     assert_eq!(out.lines().collect::<Vec<_>>(), expected);
+    // A groom of a millimetre has digits too, and a 0 no sign.
+    let tiny = Curves {
+        points: vec![[0.0, -0.0, 2e-4], [1.25e-3, 0.0, 2e-4]],
+        offsets: vec![0, 2],
+        ids: vec![0],
+        unit: Some(1.0),
+        ..Curves::default()
+    };
+    tiny.save(folder.path().join("tiny.npz")).expect("a groom file");
+    let (_, out, _) = done(folder.path(), &["groom", "info", "tiny.npz"]);
+    for row in [
+        "box       1.250e-3 x 0.000e0 x 0.000e0 m, from (0.000e0, 0.000e0, 2.000e-4) to (1.250e-3, 0.000e0, 2.000e-4)",
+        "length    1.250e-3 to 1.250e-3 m along a strand",
+    ] {
+        assert!(out.lines().any(|line| line == row), "{out}");
+    }
+    // What is asked for is named as it is typed.
+    let bare = STRANDS.replace("element strand 3\nproperty ushort nsegs\n", "").replace("9 9 9\n2\n2\n1\n", "9 9 9\n");
+    fs::write(folder.path().join("bare.ply"), bare).expect("a groom file");
+    let (status, _, err) = done(folder.path(), &["groom", "info", "bare.ply"]);
+    assert_eq!(status, Some(2));
+    let said = "error: bare.ply: --points-per-strand: the 8 points do not say where a strand ends: expected how many points each strand has";
+    assert_eq!(err.trim(), said);
+    let (status, out, _) = done(folder.path(), &["groom", "info", "bare.ply", "--points-per-strand", "4"]);
+    assert!(status == Some(0) && out.contains("8, 4 to 4 a strand"), "{out}");
     fs::write(folder.path().join("three.ply"), &STRANDS[..STRANDS.len() - 2]).expect("a groom file");
     let (status, out, err) = done(folder.path(), &["groom", "info", "three.ply"]);
     assert_eq!((status, &out[..]), (Some(2), ""));
@@ -125,6 +150,9 @@ fn a_groom_file_runs() {
     let (status, out, err) = done(folder.path(), &["check", "scenes/three.toml"]);
     assert_eq!(status, Some(0), "{err}");
     assert!(out.contains("2 strands that stand for 2 fibres, 6 points"), "{out}");
+    let row =
+        "groom     three.ply: 0.0500 x 0.1000 x 0.0000 m, from (0.0000, 0.1000, 0.0000) to (0.0500, 0.2000, 0.0000)";
+    assert!(out.lines().any(|line| line == row), "{out}");
     assert!(err.contains("1 of the 3 strands of") && err.contains("are left out: 1 of no length"), "{err}");
     let run = ["run", "scenes/three.toml", "--out", "out", "--adapter", "software", "--formats", "vtkhdf"];
     let (status, _, err) = done(folder.path(), &run);

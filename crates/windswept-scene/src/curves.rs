@@ -218,14 +218,16 @@ impl Curves {
     /// Curves of equally many points each.
     fn even(points: Vec<[f64; 3]>, each: Option<u32>) -> Result<Self, SceneError> {
         let Some(each) = each else {
-            let words =
-                format!("the {} points do not say where a strand ends: expected points_per_strand", points.len());
-            return Err(SceneError::new(words));
+            let words = format!(
+                "the {} points do not say where a strand ends: expected how many points each strand has",
+                points.len()
+            );
+            return Err(SceneError::new(words).at("points_per_strand", None));
         };
         let total = count32(points.len())?;
         if each == 0 || total % each != 0 {
-            let words = format!("expected points_per_strand that divides the {total} points of the file, found {each}");
-            return Err(SceneError::new(words));
+            let words = format!("expected a number that divides the {total} points of the file, found {each}");
+            return Err(SceneError::new(words).at("points_per_strand", None));
         }
         Ok(Self::of(points, std::iter::repeat_n(each, (total / each) as usize)))
     }

@@ -181,6 +181,14 @@ impl Strands {
         self.root_frame[s] = root_frame;
     }
 
+    /// Corners of the box about the points of the strands of this [`Self::group`] \[m\]; of all where none is said.
+    #[must_use]
+    pub fn bounds(&self, group: Option<u32>) -> [DVec3; 2] {
+        let of_group = |&s: &usize| group.is_none_or(|group| self.group.get(s) == Some(&group));
+        let points = (0..self.len()).filter(of_group).flat_map(|s| &self.positions[self.points(s)]);
+        points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)])
+    }
+
     /// How the ends of strand `s` are held.
     #[must_use]
     pub fn ends(&self, s: usize) -> Ends {
@@ -461,9 +469,7 @@ fn follow(all: &Curves, hair: &Strands) -> Result<(), SceneError> {
 
 /// How large the group of a strand and a body are, where they may be of two scales.
 fn sizes(hair: &Strands, strand: usize, body: &str, shape: &Shape) -> String {
-    let of_group = |&s: &usize| hair.group.get(s) == hair.group.get(strand);
-    let points = (0..hair.len()).filter(of_group).flat_map(|s| &hair.positions[hair.points(s)]);
-    let bounds = points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)]);
+    let bounds = hair.bounds(hair.group.get(strand).copied());
     let sides = |[low, high]: [DVec3; 2]| (high - low).to_array().map(|side| format!("{side:.3}")).join(" x ");
     format!(
         "the groom is {} m large, body \"{body}\" {} m: hair.scale is the metres per unit of the groom's file",

@@ -38,6 +38,7 @@ pub use error::SceneError;
 pub use force::{Force, ForceField, Strength};
 pub use groom::{Groom, PerStrand, RestCurvature, RestShape};
 pub use initial::{AirParticles, End, Ends, InitialState, Strands};
+pub use load::Outline;
 pub use motion::{Keyframe, Motion};
 pub use picture::*;
 pub use rest::Rest;

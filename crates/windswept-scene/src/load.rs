@@ -10,7 +10,7 @@ use crate::{
     keys::{self, Key},
     limits::LARGEST_SCENE_FILE,
     reader::Reader,
-    scene::{Hair, Scene, Source},
+    scene::{Hair, SEED, Scene, Source, Time},
 };
 
 impl Scene {
@@ -51,7 +51,11 @@ impl Scene {
         let scene = Self::parse_in(folder, &name, &text, sets)?;
         // From here on the scene goes by itself: to a run's folder, to another process.
         match assign::files_beside(scene.text(), folder) {
-            Some(text) => Self::parse_named(&name, &text),
+            Some(text) => {
+                let given = scene.text.given;
+                let scene = Self::parse_named(&name, &text)?;
+                Ok(Self { text: Source { given, ..scene.text }, ..scene })
+            }
             None => Ok(scene),
         }
     }
@@ -72,7 +76,10 @@ impl Scene {
             changed = set.map_err(|error| if error.source_name().is_empty() { error.of(name, text) } else { error })?;
         }
         match read(&changed, folder) {
-            Ok(scene) => Ok(Self { text: Source { text: changed, name: name.to_owned() }, ..scene }),
+            Ok(scene) => {
+                let given = (text.to_owned(), sets.to_vec());
+                Ok(Self { text: Source { text: changed, name: name.to_owned(), given }, ..scene })
+            }
             Err(error) => Err(match guilty(&error, text, folder, sets) {
                 Some(assignment) => error.of_assignment(assignment),
                 None => error.of(name, &changed),
@@ -96,7 +103,7 @@ impl Scene {
         }
     }
 
-    /// An error that was found after the scene was read, with the file and the line that spell its key. The key is a real path
+    /// An error that was found after the scene was read, with the file and the line that spell its key, or the assignment that does. The key is a real path
     /// (`hair.0.file`), and becomes the one that the text has (`hair.file`). Other keys than a scene's, as those of a caller's own
     /// groom, stay.
     pub(crate) fn located(&self, error: SceneError) -> SceneError {
@@ -106,10 +113,16 @@ impl Scene {
             Some(group) => error.renamed(&format!("hair.{group}"), &self.called(group)),
             None => error,
         };
-        match Document::parse(self.text(), Path::new("")) {
-            Ok(document) if !self.text().is_empty() => {
+        // Lines are those of the file, without the assignments.
+        let (given, _) = &self.text.given;
+        match Document::parse(given, Path::new("")) {
+            Ok(document) if !given.is_empty() => {
                 let span = Reader::new(&document).fault(&key, "").span();
-                named(document.shown(error.with_span(span))).of(&self.text.name, self.text())
+                let error = named(document.shown(error.with_span(span)));
+                match self.text.assigned(&key) {
+                    Some(assignment) => error.of_assignment(assignment),
+                    None => error.of(&self.text.name, given),
+                }
             }
             _ => named(error),
         }
@@ -119,6 +132,61 @@ impl Scene {
     #[must_use]
     pub fn explain() -> String {
         keys::explain()
+    }
+}
+
+/// What a film says of its scene: what a scene file says of it by itself, without the groom and mesh files that it names.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outline {
+    /// Text of the file.
+    pub text: String,
+    /// `time`.
+    pub time: Time,
+    /// `seed`.
+    pub seed: u64,
+}
+
+impl Outline {
+    /// Reads a scene file, and no other file.
+    ///
+    /// # Errors
+    /// As [`Scene::load`], for faults of one key and those of `time`.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        let path = path.as_ref();
+        let name = path.display().to_string();
+        let text = read_text(path).map_err(|error| error.of(&name, ""))?;
+        let read = || -> Result<_, SceneError> {
+            let document = Document::parse(&text, Path::new(""))?;
+            let reader = Reader::new(&document);
+            let time = reader.read("time").map_err(|error| document.shown(error))?;
+            Ok((time, reader.said("seed").unwrap_or(SEED)))
+        };
+        let (time, seed) = read().map_err(|error: SceneError| error.of(&name, &text))?;
+        Ok(Self { text, time, seed })
+    }
+}
+
+impl Source {
+    /// The assignment that gave the key of this real path its value; where the text does not spell it, that of the file in its table, which
+    /// asks for it.
+    fn assigned(&self, key: &str) -> Option<&String> {
+        let (given, sets) = &self.given;
+        let file = key.rsplit_once('.').map(|(table, _)| format!("{table}.file"));
+        let spelled = |text: &str| {
+            let entries = Document::parse(text, Path::new("")).unwrap_or_default().entries;
+            let of = |key: &str| entries.get(key).map(|entry| entry.datum.clone());
+            of(key).or_else(|| of(file.as_deref()?))
+        };
+        let (mut text, mut guilty) = (given.clone(), None);
+        let mut before = spelled(&text);
+        for assignment in sets {
+            text = assign::set(&text, assignment).ok()?;
+            let after = spelled(&text);
+            if after != before {
+                (guilty, before) = (Some(assignment), after);
+            }
+        }
+        guilty
     }
 }
 

@@ -41,7 +41,7 @@ use crate::{
 pub(crate) const CLAMPED_TIP: &str =
     "expected \"pinned\" or \"free\" with rods.solver = \"gauss-seidel\", or the direct solver";
 /// Seed of all chance where the file names none.
-const SEED: u64 = 1;
+pub(crate) const SEED: u64 = 1;
 
 table! {
     /// A whole scene, checked. Made by [`Scene::parse`] or [`Scene::load`]. Two are equal when they mean the same, however
@@ -94,6 +94,8 @@ pub struct Source {
     pub text: String,
     /// Name of the file, or of what else the text came from.
     pub name: String,
+    /// The text before assignments, and these, `key=value`.
+    pub given: (String, Vec<String>),
 }
 
 impl PartialEq for Source {

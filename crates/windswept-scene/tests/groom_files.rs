@@ -242,13 +242,36 @@ fn equal_strands_need_their_number_of_points() {
     let text = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nend_header\n\
                 0 0 0\n0 1 0\n5 0 0\n5 1 0";
     let path = folder.write("gaussian.ply", text.as_bytes());
-    let refused = |points| Curves::load(&path, points).unwrap_err().message().to_owned();
-    assert!(refused(None).contains("expected points_per_strand"));
+    let refused = |points| Curves::load(&path, points).unwrap_err().to_string();
+    assert!(refused(None).ends_with(
+        "gaussian.ply: points_per_strand: the 4 points do not say where a strand ends: expected how many points each strand has"
+    ));
     assert!(refused(Some(3)).contains("divides the 4 points"));
     assert!(refused(Some(0)).contains("divides the 4 points"));
     let curves = Curves::load(&path, Some(2)).unwrap();
     assert_eq!(curves.offsets, [0, 2, 4]);
     assert_eq!(curves.strand(1), [[5.0, 0.0, 0.0], [5.0, 1.0, 0.0]]);
+}
+
+/// A fault of a file that an assignment names is the assignment's, and so is that of a key that the file then needs; else it is the line's.
+#[test]
+fn the_file_of_an_assignment_is_its_fault() {
+    let folder = Folder::new();
+    let strand: Vec<_> = (0..4).map(|k| [0.0, -0.1 * k as f32, 0.0]).collect();
+    folder.write("unit.hair", &hair_file(&[strand], None));
+    let text = "time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"\n[hair]\nfile = \"none.npz\"\n";
+    let path = folder.write("scene.toml", text.as_bytes());
+    let said = |sets: &[&str]| {
+        let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
+        InitialState::new(&Scene::load_with(&path, &sets).unwrap()).unwrap_err().to_string()
+    };
+    assert!(said(&[]).contains("scene.toml:4: hair.file: "), "{}", said(&[]));
+    assert!(said(&["title=other"]).contains("scene.toml:4: hair.file: "), "{}", said(&["title=other"]));
+    for set in ["hair.file=gone.npz", "hair.0.file=gone.npz"] {
+        assert!(said(&[set]).starts_with(&format!("--set {set}: hair.file: ")), "{}", said(&[set]));
+    }
+    let lacks = said(&["title=other", "hair.file=unit.hair"]);
+    assert!(lacks.starts_with("--set hair.file=unit.hair: hair.scale: "), "{lacks}");
 }
 
 /// Strands that cannot be are left out, each for its reason, and the others keep order and number.

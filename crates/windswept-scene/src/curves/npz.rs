@@ -102,7 +102,10 @@ pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curve
             }
             Curves::of(array.points(), offsets.windows(2).map(|pair| pair[1] - pair[0]))
         }
-        _ => array.curves(points_per_strand).map_err(|error| of_array(name, &error.message()))?,
+        _ => array.curves(points_per_strand).map_err(|error| {
+            let fault = of_array(name, &error.message());
+            error.key().into_iter().fold(fault, |fault, key| fault.at(key, None))
+        })?,
     };
     let strands = curves.len();
     let ids = arrays.each("ids", &[strands])?;

@@ -209,6 +209,15 @@ impl Hair {
         }
     }
 
+    /// The groom file that the strands come from; `None` where they are drawn.
+    #[must_use]
+    pub fn file(&self) -> Option<&GroomFile> {
+        match &self.source {
+            HairSource::Drawn(_) => None,
+            HairSource::File(file) => Some(file),
+        }
+    }
+
     /// The point that the roots' motion turns about \[m\]: the centre of their shape, or the origin of their groom or mesh file.
     #[must_use]
     pub fn center(&self) -> DVec3 {
