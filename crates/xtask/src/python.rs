@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::tests::Length;
-use crate::{Result, cargo, root, run, say, venv};
+use crate::{Result, cargo, root, run, say, system, venv};
 
 /// PyPI packages by which tests read our files with other people's readers, as users do.
 pub(crate) const READERS: [&str; 5] = ["numpy", "h5py", "vtk", "pillow", "usd-core; python_version >= '3.11'"];
@@ -41,7 +41,7 @@ pub(crate) fn install(profile: &str) -> Result<PathBuf> {
 }
 
 /// The package's tests, to be run. `pyproject.toml` leaves out those marked `long`.
-pub(crate) fn tests(python: &Path, length: Length) -> Command {
+pub(crate) fn tests(python: &Path, length: Length) -> Result<Command> {
     let mut pytest = Command::new(python);
     pytest.current_dir(root()).args([
         "-m",
@@ -54,8 +54,23 @@ pub(crate) fn tests(python: &Path, length: Length) -> Command {
     ]);
     if length == Length::Long {
         pytest.args(["-m", ""]);
+        if let Some(blender) = blender()? {
+            pytest.env("WINDSWEPT_BLENDER", blender);
+        }
     }
-    pytest
+    Ok(pytest)
+}
+
+/// The Python of `target/venv-blender`, which has Blender as a module, 1 GB; `None` where that is not for this Python.
+fn blender() -> Result<Option<PathBuf>> {
+    let name = "venv-blender";
+    let python = venv::provide_in(name, &[])?;
+    let fits = "import sys; sys.exit(sys.version_info[:2] != (3, 11))";
+    if !system::succeeds(&python.to_string_lossy(), &["-c", fits]) {
+        println!("Left out: tests with Blender, whose module is for Python 3.11 only.");
+        return Ok(None);
+    }
+    venv::provide_in(name, &["bpy == 5.0.*"]).map(Some)
 }
 
 pub(crate) fn the_file_in(folder: &Path) -> Result<PathBuf> {

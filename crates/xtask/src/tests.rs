@@ -10,7 +10,8 @@ use crate::{Result, cargo, line, python, say, venv, vulkan};
 pub(crate) enum Length {
     /// The tests that `cargo test` runs, and those of pytest without the mark `long`.
     Usual,
-    /// Also the tests that are ignored because they take long, the Python tests marked `long`, and a short run of the benches.
+    /// Also the tests that are ignored because they take long, the Python tests marked `long`, for which Blender is installed, and a short
+    /// run of the benches.
     Long,
 }
 
@@ -59,7 +60,7 @@ pub(crate) fn run(length: Length) -> Result {
     }
 
     say("Tests of the Python package");
-    count(python::tests(&python::install("dev")?, length))?;
+    count(python::tests(&python::install("dev")?, length)?)?;
 
     println!("\n{} passed, {} failed", total.passed, total.failed);
     if length == Length::Usual {

@@ -1,4 +1,4 @@
-//! `target/venv`: a Python environment for what comes from PyPI. Nothing outside `target/` changes.
+//! `target/venv`, and others: Python environments for what comes from PyPI. Nothing outside `target/` changes.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -23,14 +23,20 @@ pub(crate) fn provide_cmake(command: &mut Command) -> Result {
     Ok(())
 }
 
-/// Makes sure that these PyPI packages are in the environment; returns its Python.
+/// Makes sure that these PyPI packages are in `target/venv`; returns its Python.
+pub(crate) fn provide(packages: &[&str]) -> Result<PathBuf> {
+    provide_in("venv", packages)
+}
+
+/// Makes sure that these PyPI packages are in the environment of this name in `target`; returns its Python.
 ///
 /// A list of what was installed makes the second call quick: pip alone takes a second to find that nothing is to be done.
-pub(crate) fn provide(packages: &[&str]) -> Result<PathBuf> {
-    let venv = root().join("target/venv");
+pub(crate) fn provide_in(name: &str, packages: &[&str]) -> Result<PathBuf> {
+    let venv = root().join("target").join(name);
     let python = if cfg!(windows) { venv.join("Scripts/python.exe") } else { venv.join("bin/python") };
     let list = venv.join("installed.txt");
     if !system::succeeds(&python.to_string_lossy(), &["-m", "pip", "--version"]) {
+        say(&format!("Making target/{name}"));
         create(&venv.to_string_lossy())?;
     }
     let mut installed = std::fs::read_to_string(&list).unwrap_or_default();
@@ -38,7 +44,7 @@ pub(crate) fn provide(packages: &[&str]) -> Result<PathBuf> {
     if missing.is_empty() {
         return Ok(python);
     }
-    say(&format!("Installing {} into target/venv", missing.join(", ")));
+    say(&format!("Installing {} into target/{name}", missing.join(", ")));
     let mut pip = Command::new(&python);
     run(pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]).args(&missing))?;
     installed.extend(missing.iter().flat_map(|p| [*p, "\n"]));
@@ -57,7 +63,6 @@ fn create(venv: &str) -> Result {
             find().ok_or("Python was installed, but `import venv, ensurepip` still fails")?
         }
     };
-    say("Making target/venv");
     // --clear: an environment that is there but does not work is replaced (its base Python may be gone).
     run(Command::new(base).args(["-m", "venv", "--clear", venv]))
 }

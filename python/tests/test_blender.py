@@ -1,0 +1,90 @@
+"""Blender opens our films, and what it exports again is the same strands.
+
+`cargo xtask test --long` installs Blender as a Python module and names its Python by WINDSWEPT_BLENDER.
+"""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import windswept as ws
+
+#: Opens a film, says what each frame has, and exports the film again.
+PROGRAM = """
+import sys, bpy, numpy as np
+film, said, again = sys.argv[-3:]
+bpy.ops.wm.read_factory_settings(use_empty=True)
+bpy.ops.wm.usd_import(filepath=film)
+(hair,) = [found for found in bpy.data.objects if found.type == "CURVES"]
+scene = bpy.context.scene
+shapes = []
+for frame in range(scene.frame_start, scene.frame_end + 1):
+    scene.frame_set(frame)
+    now = hair.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    position = np.empty(3 * len(now.data.points), np.float32)
+    now.data.attributes["position"].data.foreach_get("vector", position)
+    matrix = np.array(now.matrix_world)
+    shapes.append(position.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3])
+counts = [curve.points_length for curve in now.data.curves]
+ids = np.empty(len(counts), np.int32)
+now.data.attributes["groom_id"].data.foreach_get("value", ids)
+np.savez(said, positions=shapes, counts=counts, ids=ids, frames=[scene.frame_start, scene.frame_end])
+bpy.ops.wm.usd_export(filepath=again, export_animation=True)
+"""
+
+
+@pytest.fixture
+def blender():
+    python = os.environ.get("WINDSWEPT_BLENDER")
+    if python is None:
+        pytest.skip("WINDSWEPT_BLENDER names no Python with Blender: cargo xtask test --long does, where it has Python 3.11")
+    return python
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "film, followers",
+    [("hair.usda", []), ("film.usda", []), ("film.usda", ["--followers"]), ("film.usdc", []), ("film.usdc", ["--followers"])],
+)
+def test_a_film_goes_through_blender(tmp_path, blender, film, followers):
+    rng = np.random.default_rng(3)
+    roots = rng.uniform(-0.05, 0.05, (61, 1, 3))
+    points = roots + 0.01 * np.arange(7)[:, None] * [1.0, 0.2, 0.1]
+    np.savez(tmp_path / "groom.npz", points=points.astype(np.float32), ids=rng.permutation(61) + 100, meters_per_unit=1.0)
+    # Ten steps a frame: Blender shows whole frames only.
+    (tmp_path / "scene.toml").write_text(
+        "time = { step = 0.0016666666666666668, duration = 0.1, frame_rate = 60 }\n"
+        'interaction.model = "none"\n[hair]\nfile = "groom.npz"\nstrands = 23\nrest = "weightless"\n'
+    )
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "windswept"]
+    done([*command, "run", tmp_path / "scene.toml", "--out", out, "--formats", "vtkhdf,usd"])
+    done([*command, "export", out, "--format", "npz", *followers])
+    if film != "hair.usda":
+        done([*command, "export", out, "--format", film.split(".")[1], *followers])
+    done([blender, "-c", PROGRAM, out / film, tmp_path / "said.npz", tmp_path / "again.usdc"])
+
+    with np.load(out / "film.npz") as ours, np.load(tmp_path / "said.npz") as said:
+        strands = 61 if followers else 23
+        assert len(said["counts"]) == strands and said["frames"].tolist() == [0, 6]
+        np.testing.assert_array_equal(said["counts"], np.diff(ours["offsets"]))
+        np.testing.assert_array_equal(said["ids"], ours["ids"])
+        # Blender has Z up.
+        x, y, z = np.moveaxis(ours["positions"], -1, 0)
+        np.testing.assert_allclose(said["positions"], np.stack([x, -z, y], axis=-1), rtol=0, atol=1e-6)
+        assert np.abs(ours["positions"][-1] - ours["positions"][0]).max() > 1e-3
+        for frame, positions in enumerate(ours["positions"]):
+            assert ws.usd.to_npz(tmp_path / "again.usdc", tmp_path / "again.npz", time=frame) == strands
+            with np.load(tmp_path / "again.npz") as again:
+                np.testing.assert_array_equal(again["offsets"], ours["offsets"])
+                np.testing.assert_array_equal(again["ids"], ours["ids"])
+                # Strands, order and places to 1e-6, as the unit says.
+                np.testing.assert_allclose(again["points"] * again["meters_per_unit"], positions, rtol=0, atol=1e-6)
+
+
+def done(command):
+    ran = subprocess.run(command, capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stdout + ran.stderr
