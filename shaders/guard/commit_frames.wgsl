@@ -12,13 +12,19 @@ import package::common::{
 @group(0) @binding(6) var<storage, read_write> segment_history:  array<SegmentHistory>;
 @group(0) @binding(7) var<storage, read_write> clamps:           array<Root>;
 
+const ROUNDING: f32 = 1e-6;   // rad, of the turn between two frames
+
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let k = invocation(id, groups);
     if k >= params.segments || frozen() { return; }
     let segment = rod_segments[k];
     let anew = segment.scheme >= PUT;
-    let turn = rotation_vector(product(segment.frame, conjugate(segment.start)));
+    // The turn between two frames is off by their rounding, which as a spin would kick the strand in every step. The turn that the rod
+    // was solved for is exact; it is another one than the frames' only where something else has set them.
+    let between = rotation_vector(product(segment.frame, conjugate(segment.start)));
+    let solved = params.direct_rods != 0u && length(between - segment.turn) < ROUNDING;
+    let turn = select(between, segment.turn, solved);
     let spin = rate(turn, segment.carried, segment.scheme);
     segment_history[k] = SegmentHistory(
         select(turn, vec3f(0.0), anew),
