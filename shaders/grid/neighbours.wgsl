@@ -26,7 +26,7 @@ const TURNS: u32 = 3u;                     // boxes that a row may reach into: t
 const OWN: u32 = 0u;                       // kinds: the cluster's own, the other one
 const OTHER: u32 = 1u;
 const LAST: u32 = 6u;                      // number from which on the last row is kept: 2 kinds of 3 stretches are kept of each row
-const HELD: u32 = 176u;                    // entries of a cluster that are kept while searching; with more it is searched again
+const HELD: u32 = 168u;                    // entries of a cluster that are kept while searching; with more it is searched again
 
 // What is kept of an entry: whose neighbour it is, bit by bit; its place in its stretch; which stretch that is. 0 is nobody.
 const PLACE_BITS: u32 = 8u;
@@ -36,7 +36,9 @@ const PLACES: u32 = 524288u;               // a stretch with more freezes the st
 // A stretch is the entries of a row of cells in one of the boxes that it reaches into: the first, and the end. Its number is that of its
 // box times ROWS, and that of its row. Each of the eight keeps those of the row that has its number, and all of them those of the last row.
 
-var<workgroup> held: array<u32, CLUSTERS * HELD>;
+const KEEPS: u32 = 176u;                   // words of a cluster: those, and one for each invocation that has nothing to keep
+
+var<workgroup> held: array<u32, CLUSTERS * KEEPS>;
 
 var<private> local: u32;           // place in the workgroup
 var<private> lane: u32;            // place among the eight
@@ -140,9 +142,8 @@ fn near(other: u32, at: vec3f) -> u32 {
 fn take(entry: u32, hit: bool) {
     let bits = votes(local, hit);
     let place = found + countOneBits(bits & ((1u << lane) - 1u)) - window;
-    if hit && place < HELD {
-        held[cluster_in_workgroup() * HELD + place] = entry;
-    }
+    // Every invocation writes: a branch that one of them takes by chance costs more than the write.
+    held[cluster_in_workgroup() * KEEPS + select(HELD + lane, place, hit && place < HELD)] = entry;
     found += countOneBits(bits);
 }
 
@@ -190,7 +191,7 @@ fn search_all(home: vec3i, air: bool) -> u32 {
 
 // Copies what is kept to where the cluster's batches begin.
 fn copy(batches: u32, home: vec3i, air: bool, used: bool) {
-    let from_here = cluster_in_workgroup() * HELD;
+    let from_here = cluster_in_workgroup() * KEEPS;
     let end = largest_of_all(local, min(HELD, max(found, window) - window));
     for (var n = 0u; n < end; n += LANES) {
         let entry = window + n + lane;
