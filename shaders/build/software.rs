@@ -21,12 +21,13 @@ use crate::Result;
 pub(crate) const ROW: u32 = 32768;
 
 /// Names, as shaders bind them, of the arrays that passes read as textures: those of which a step reads most.
-const ARRAYS: [&str; 59] = [
+const ARRAYS: [&str; 60] = [
     "air_id",
     "angular_velocity",
     "band_velocity",
     "brought",
     "cell_count",
+    "cell_place",
     "cell_rows",
     "cell_start",
     "clamps",
@@ -87,7 +88,7 @@ const ARRAYS: [&str; 59] = [
 const FEW: [(&str, u32); 3] = [("lack", 1), ("coarse_mean", 1), ("mean_confinement", 2)];
 
 /// Passes that read no element of an array after they have written it.
-const READ_FIRST: [&str; 19] = [
+const READ_FIRST: [&str; 18] = [
     "coarse/push",
     "contact/air",
     "fluid/friction",
@@ -96,7 +97,6 @@ const READ_FIRST: [&str; 19] = [
     "fluid/place",
     "fluid/push",
     "fluid/velocity",
-    "grid/start",
     "guard/commit_hair",
     "rods/choose",
     "rods/direct",

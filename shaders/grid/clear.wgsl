@@ -6,11 +6,18 @@ import package::common::{
 @group(0) @binding(2) var<storage, read_write> cell_count: array<u32>;
 @group(0) @binding(3) var<storage, read_write> members:    array<vec2u>;   // of each cluster: its first entry, and their end
 
+const CELLS: u32 = 8u;   // that an invocation empties
+
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let at = invocation(id, groups);
     if frozen() { return; }
-    if at < buckets() { cell_count[at] = 0u; }
+    // Cells of invocations side by side are side by side.
+    let stride = (buckets() + CELLS - 1u) / CELLS;
+    for (var k = 0u; k < CELLS; k++) {
+        let cell = at + k * stride;
+        if at < stride && cell < buckets() { cell_count[cell] = 0u; }
+    }
     if at < params.clusters { members[at] = vec2u(0u); }
     if at == 0u && params.clusters > 0u {
         atomicStore(&status.neighbours, HEADER * params.clusters);

@@ -1,11 +1,11 @@
-// Finds the first entry of each cell, row by row, and empties the counts for `scatter`; cuts each row into clusters of eight entries.
+// Finds the first entry of each cell, row by row, and cuts each row into clusters of eight entries.
 // Clusters of hair come first.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::{rows, buckets}, lanes::LANES, row::Row, status::frozen,
 };
 
 @group(0) @binding(2) var<storage, read>       cell_rows:  array<Row>;
-@group(0) @binding(3) var<storage, read_write> cell_count: array<u32>;
+@group(0) @binding(3) var<storage, read>       cell_count: array<u32>;
 @group(0) @binding(4) var<storage, read_write> cell_start: array<u32>;     // first entry of each cell, and the end of the last
 @group(0) @binding(5) var<storage, read_write> members:    array<vec2u>;   // of each cluster: its first entry, and their end
 
@@ -20,7 +20,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     for (var cell = cells * row; cell < cells * (row + 1u); cell++) {
         cell_start[cell] = running;
         running += cell_count[cell];
-        cell_count[cell] = 0u;
     }
     if row + 1u == rows() { cell_start[buckets()] = end; }
     if params.clusters == 0u { return; }

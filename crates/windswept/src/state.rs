@@ -349,6 +349,8 @@ state! {
     cell_count: u32, |s| s.cells;
     /// First entry of a cell, and the end of the last.
     cell_start: u32, |s| s.cells.saturating_add(1);
+    /// Place of a particle among those of its cell, in any order.
+    cell_place: u32, |s| s.particles;
     /// Particles by cell, in any order.
     scattered: u32, |s| s.particles;
     /// Particles by cell, ordered by index: air first, then hair. Air as it is where nothing is sorted.

@@ -1,6 +1,9 @@
 //! 2. Sort particles into cells, list who is near whom.
 
-use windswept_shaders::{common::params::Params, grid};
+use windswept_shaders::{
+    common::params::Params,
+    grid::{self, clear::CELLS},
+};
 
 use crate::{
     array::{AnyArray, Index},
@@ -48,7 +51,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
 /// Particles by the cells of an element of `params`, ordered by index within each, into `sorted`: a counting sort, row by row.
 pub(crate) fn sort(r: &mut Recorder<'_>, cells: Index<Params>, sort: &Sort, sorted: &AnyArray) {
     let params = &r.state().params.at(cells);
-    r.run(&grid::CLEAR, "empty the cells", sort.buckets.max(sort.clusters)).bind("params", params);
+    r.run(&grid::CLEAR, "empty the cells", sort.buckets.div_ceil(CELLS).max(sort.clusters)).bind("params", params);
     r.run(&grid::COUNT, "count particles per cell", sort.particles).bind("params", params);
     r.run(&grid::TOTAL, "count particles per row of cells", sort.rows).bind("params", params);
     r.run(&grid::SCAN, "first entry of each row", ONE_WORKGROUP).bind("params", params);
