@@ -11,7 +11,7 @@
 //
 //   D_k = [F G; G^T H],   above the diagonal O_k = [P 0; Q -s I]   (segment k and joint k + 1 share a frame, or a point)
 //
-// so that root to tip  D_k -= O_(k-1)^T U_(k-1), U = D^-1 O, y = D^-1 r  and tip to root  dmu_k = y_k - U_k dmu_(k+1).
+// so that root to tip  D_k -= O_(k-1)^T U_(k-1), U = D^-1 O, y = D^-1 r  and tip to root  dmu_k = y_k - D_k^-1 O_k dmu_(k+1).
 // One invocation per strand, done when its segments fit.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::{frozen, count, QUIET_STEP},
@@ -19,8 +19,22 @@ import package::common::{
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT},
 };
 
-// U and y of a block.
+// D^-1 and y of a block, D^-1 = [1 -T; 0 1] [F^-1 0; 0 S^-1] [1 0; -T^T 1] with T = F^-1 G and S = H - G^T T.
 struct Factor {
+    f: Symmetric,     // F^-1
+    s: Symmetric,     // S^-1
+    t: mat3x3f,
+    bend: vec3f,      // y
+    stretch: vec3f,
+}
+
+struct Symmetric {
+    diagonal: vec3f,
+    off_diagonal: vec3f,   // yz, zx, xy
+}
+
+// U and y of a block.
+struct Carried {
     bend_bend: mat3x3f,
     bend_stretch: mat3x3f,
     stretch_bend: mat3x3f,
@@ -49,6 +63,14 @@ fn skew(v: vec3f) -> mat3x3f {
 
 fn diagonal(v: vec3f) -> mat3x3f {
     return mat3x3f(vec3f(v.x, 0.0, 0.0), vec3f(0.0, v.y, 0.0), vec3f(0.0, 0.0, v.z));
+}
+
+fn symmetric(m: mat3x3f) -> Symmetric {
+    return Symmetric(vec3f(m[0].x, m[1].y, m[2].z), vec3f(m[1].z, m[2].x, m[0].y));
+}
+
+fn times(m: Symmetric, v: vec3f) -> vec3f {
+    return m.diagonal * v + m.off_diagonal.zzy * v.yxx + m.off_diagonal.yxx * v.zzy;
 }
 
 // Inverse of a symmetric positive definite matrix, by the adjugate; scaled, so that the determinant stays in the range of f32.
@@ -196,7 +218,7 @@ fn eliminate(strand: Strand, rod: RodStrand) -> Eliminated {
     var p = mat3x3f();
     var q = mat3x3f();
     var shared_point = 0.0;
-    var u: Factor;
+    var u: Carried;
     // Of block k, the frame before its joint, and the point that its segment begins at.
     var weight_before = mat3x3f();
     var turn_before = vec3f(0.0);
@@ -246,7 +268,9 @@ fn eliminate(strand: Strand, rod: RodStrand) -> Eliminated {
             u.bend_bend = f_inverse * p - t * u.stretch_bend;
             u.stretch_stretch = -shared_point * s_inverse;
             u.bend_stretch = shared_point * t * s_inverse;
-            if next < strand.points { factors[strand.first_segment + next - 1u] = u; }
+            if next < strand.points {
+                factors[strand.first_segment + next - 1u] = Factor(symmetric(f_inverse), symmetric(s_inverse), t, u.bend, u.stretch);
+            }
             weight_before = weight;
             turn_before = turn;
         }
@@ -279,14 +303,21 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
         var own = no_link();
         var chord = vec3f(0.0);
         var frame = ONE;
+        var end: Node;
+        if done > 0u { end = node(p); }
         if done <= last {
             joint_before = joint(strand, rod, k);
             if done > 0u {
-                let u = factors[j];
                 own = link(strand, k, rod_points[p - 1u].travel);
-                let bend_change = u.bend - u.bend_bend * bend - u.bend_stretch * stretch;
-                stretch = u.stretch - u.stretch_bend * bend - u.stretch_stretch * stretch;
-                bend = bend_change;
+                // O dmu of the block after, and D^-1 of that.
+                let turn = transpose(joint_after.gradient) * bend;
+                let bend_after = -(joint_before.gradient * (turn_weight(own) * turn));
+                let stretch_after = -own.weight * own.yielding * cross(own.tangent, turn)
+                    - end.weight * own.over_length * after.over_length * stretch;
+                let factor = factors[j];
+                let stretch_less = times(factor.s, stretch_after - transpose(factor.t) * bend_after);
+                stretch = factor.stretch - stretch_less;
+                bend = factor.bend - times(factor.f, bend_after) + factor.t * stretch_less;
                 own.force += stretch;
             }
             joint_before.moment += bend;
@@ -294,7 +325,6 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
         if done == 0u {
             rod_strands[s].tip_moment = joint_before.moment;
         } else {
-            let end = node(p);
             let travel = end.travel + point_excess(end, own, after);
             rod_points[p].travel = travel;
             if done <= last {
