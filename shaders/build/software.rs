@@ -88,7 +88,7 @@ const ARRAYS: [&str; 60] = [
 const FEW: [(&str, u32); 3] = [("lack", 1), ("coarse_mean", 1), ("mean_confinement", 2)];
 
 /// Passes that read no element of an array after they have written it.
-const READ_FIRST: [&str; 18] = [
+const READ_FIRST: [&str; 19] = [
     "coarse/push",
     "contact/air",
     "fluid/friction",
@@ -102,6 +102,7 @@ const READ_FIRST: [&str; 18] = [
     "rods/direct",
     "rods/finish",
     "rods/load",
+    "rods/start",
     "rods/velocity",
     "turbulence/confine",
     "turbulence/strengthen",

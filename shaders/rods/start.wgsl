@@ -122,53 +122,58 @@ fn capped(shift: vec3f, origin: vec3f, largest: f32) -> vec3f {
     return origin + (largest / max(length(way), largest)) * way;
 }
 
-// Returns the farthest free move. What caps take from a strand that nothing holds, beside forces, it keeps as a whole.
+// Returns the farthest free move. What caps take from a strand that nothing holds, beside forces, it keeps as a whole: a first look at
+// its points finds how much that is, so that nothing is read which this pass has written.
 fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
     let origin = base(strand, rod);
     let drags = params.model == TWO_WAY || params.model == MEAN_WIND;
     let grown = select(0.0, GROWTH * reach, params.direct_rods != 0u && drags);
+    let loose = (strand.joints & (ROOT_HELD | TIP_HELD)) == 0u;
     var lost = vec3f(0.0);   // N, to the caps, beside what is cut of forces
     var heaviness = 0.0;     // N/m
+    var kept = vec3f(0.0);   // m, of what is lost
     var farthest = 0.0;
     var carried_far = false;
-    for (var k = 0u; k < strand.points; k++) {
-        let p = strand.first_point + k;
-        let point = rod_points[p];
-        let moves = free_point(point, rod, k);
-        var free = moves.whole;
-        var travel = free;
-        if point.inverse_mass > 0.0 {
-            let far = length(free - origin.whole);
-            let reply = response(damping_of(point), rod.scheme) * point.inverse_mass;
-            let loaded = reply * length(point.force);
-            let bears = select(0.0, min(loaded, LOADED * strand.length), rod.whole != 0u);
-            let largest = max(point.largest + bears, grown);
-            heaviness += 1.0 / reply;
-            if far > largest {
-                free = capped(free, origin.whole, largest);
-                // What the force still moves the point by is all of it that the point feels, and that the air gives.
-                let bare_capped = capped(moves.bare, origin.bare, largest);
-                let felt = (free - bare_capped) / reply;
-                lost += (moves.bare - bare_capped) / reply;
-                rod_points[p].outside += params.step * point.inverse_mass * (felt - point.force);
-                rod_points[p].force = felt;
-                count(MOVE_CAPPED);
-            }
-            travel = free;
-            if led { travel = led_move(point, rod, k); }
-            farthest = max(farthest, min(far, largest));
-            carried_far = carried_far || min(far, largest) > point.largest;
-        }
-        rod_points[p].free = free;
-        rod_points[p].travel = travel;
-        rod_points[p].scheme = rod.scheme;
-    }
-    if (strand.joints & (ROOT_HELD | TIP_HELD)) == 0u {
+    for (var look = select(1u, 0u, loose); look < 2u; look++) {
         for (var k = 0u; k < strand.points; k++) {
             let p = strand.first_point + k;
-            rod_points[p].free += lost / heaviness;
-            if !led { rod_points[p].travel = rod_points[p].free; }
+            let point = rod_points[p];
+            let moves = free_point(point, rod, k);
+            let held = point.inverse_mass == 0.0;
+            var free = moves.whole;
+            var far = 0.0;
+            if !held {
+                far = length(free - origin.whole);
+                let reply = response(damping_of(point), rod.scheme) * point.inverse_mass;
+                let loaded = reply * length(point.force);
+                let bears = select(0.0, min(loaded, LOADED * strand.length), rod.whole != 0u);
+                let largest = max(point.largest + bears, grown);
+                heaviness += 1.0 / reply;
+                if far > largest {
+                    free = capped(free, origin.whole, largest);
+                    // What the force still moves the point by is all of it that the point feels, and that the air gives.
+                    let bare_capped = capped(moves.bare, origin.bare, largest);
+                    let felt = (free - bare_capped) / reply;
+                    lost += (moves.bare - bare_capped) / reply;
+                    far = largest;
+                    if look == 1u {
+                        rod_points[p].outside = point.outside + params.step * point.inverse_mass * (felt - point.force);
+                        rod_points[p].force = felt;
+                        count(MOVE_CAPPED);
+                    }
+                }
+            }
+            if look == 0u { continue; }
+            free += kept;
+            var travel = free;
+            if led && !held { travel = led_move(point, rod, k); }
+            farthest = max(farthest, far);
+            carried_far = carried_far || far > point.largest;
+            rod_points[p].free = free;
+            rod_points[p].travel = travel;
+            rod_points[p].scheme = rod.scheme;
         }
+        if look == 0u { kept = lost / heaviness; }
     }
     for (var k = 0u; k < strand.points - 1u; k++) {
         let j = strand.first_segment + k;
