@@ -181,7 +181,7 @@ impl Strands {
         self.root_frame[s] = root_frame;
     }
 
-    /// Corners of the box about the points of the strands of this [`Self::group`] \[m\]; of all where none is said.
+    /// Corners of the box about the points of the strands of this [`group`](field@Self::group) \[m\]; of all where none is said.
     #[must_use]
     pub fn bounds(&self, group: Option<u32>) -> [DVec3; 2] {
         let of_group = |&s: &usize| group.is_none_or(|group| self.group.get(s) == Some(&group));
