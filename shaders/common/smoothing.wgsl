@@ -2,8 +2,15 @@
 //
 // An invocation makes four nodes in a row along its axis, so that what it reads of a node serves all four. It goes along the
 // nodes that reach them; the window of taps, one for each of the four, moves on with every node.
+import package::common::mesh::Mesh;
 
 const ROW: i32 = 4;   // nodes in a row that an invocation makes: the window of their taps is a vec4f
+
+// The end of the taps, for an invocation that has nodes to make. It depends on the invocation: a driver that knows how few taps there
+// are would compile the pass for each dispatch.
+fn end_of_taps(mesh: Mesh, makes_nodes: bool) -> u32 {
+    return select(mesh.first_tap, mesh.end_tap, makes_nodes);
+}
 
 // The window of taps after it has moved on by one node.
 fn moved(window: vec4f, tap: f32) -> vec4f {

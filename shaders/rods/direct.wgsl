@@ -15,7 +15,7 @@
 // One invocation per strand, done when its segments fit.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::{frozen, count, QUIET_STEP},
-    quaternion::{product, conjugate, rotate, rotation, tangent, matrix}, integration::response, load::damping_of,
+    quaternion::{product, conjugate, rotate, rotation, tangent, matrix}, integration::response, load::damping_of, pressure::times,
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT},
 };
 
@@ -67,10 +67,6 @@ fn diagonal(v: vec3f) -> mat3x3f {
 
 fn symmetric(m: mat3x3f) -> Symmetric {
     return Symmetric(vec3f(m[0].x, m[1].y, m[2].z), vec3f(m[1].z, m[2].x, m[0].y));
-}
-
-fn times(m: Symmetric, v: vec3f) -> vec3f {
-    return m.diagonal * v + m.off_diagonal.zzy * v.yxx + m.off_diagonal.yxx * v.zzy;
 }
 
 // Inverse of a symmetric positive definite matrix, by the adjugate; scaled, so that the determinant stays in the range of f32.
@@ -315,9 +311,9 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
                 let stretch_after = -own.weight * own.yielding * cross(own.tangent, turn)
                     - end.weight * own.over_length * after.over_length * stretch;
                 let factor = factors[j];
-                let stretch_less = times(factor.s, stretch_after - transpose(factor.t) * bend_after);
+                let stretch_less = times(factor.s.diagonal, factor.s.off_diagonal, stretch_after - transpose(factor.t) * bend_after);
                 stretch = factor.stretch - stretch_less;
-                bend = factor.bend - times(factor.f, bend_after) + factor.t * stretch_less;
+                bend = factor.bend - times(factor.f.diagonal, factor.f.off_diagonal, bend_after) + factor.t * stretch_less;
                 own.force += stretch;
             }
             joint_before.moment += bend;

@@ -5,7 +5,7 @@
 // g and g'' are taps of the periodic Gaussian and of its second derivative, with the blur of deposit and gather along the
 // axis taken out. After y and z, C is the Laplacian of the smoothed deposit.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, moved, spread, spread3},
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, end_of_taps, moved, spread, spread3},
 };
 
 @group(0) @binding(2) var<uniform>             mesh:      Mesh;
@@ -39,8 +39,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
 
     var at = begin + place + mesh.nearest;
     if at < begin { at += nodes.x; }
-    // By the invocation, too: a driver that knows how few taps there are would compile the pass for each dispatch.
-    let end_tap = select(mesh.first_tap, mesh.end_tap, line < nodes.y * nodes.z);
+    let end_tap = end_of_taps(mesh, line < nodes.y * nodes.z);
     for (var t = mesh.first_tap; t < end_tap; t++) {
         let pair = taps[t];
         take(pair.xy, deposited[at]);

@@ -2,7 +2,7 @@
 //
 //   G <- g * G,  C <- g * C + g'' * G       taps as in `smooth_x`
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, moved, spread, spread3},
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, end_of_taps, moved, spread, spread3},
 };
 
 @group(0) @binding(2) var<uniform>             mesh:               Mesh;
@@ -40,8 +40,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
 
     var at = begin + stride * (place + mesh.nearest);
     if at < begin { at += end - begin; }
-    // By the invocation, too: a driver that knows how few taps there are would compile the pass for each dispatch.
-    let end_tap = select(mesh.first_tap, mesh.end_tap, z < nodes.z);
+    let end_tap = end_of_taps(mesh, z < nodes.z);
     for (var t = mesh.first_tap; t < end_tap; t++) {
         let pair = taps[t];
         take(pair.xy, at);

@@ -2,7 +2,7 @@
 //
 //   C <- g * C + g'' * G,  S = g * (volume of G)       taps as in `smooth_x`
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, moved, spread3},
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, end_of_taps, moved, spread3},
 };
 
 @group(0) @binding(2) var<uniform>             mesh:               Mesh;
@@ -37,8 +37,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
 
     var at = begin + stride * (place + mesh.nearest);
     if at < begin { at += end - begin; }
-    // By the invocation, too: a driver that knows how few taps there are would compile the pass for each dispatch.
-    let end_tap = select(mesh.first_tap, mesh.end_tap, place < nodes.z);
+    let end_tap = end_of_taps(mesh, place < nodes.z);
     for (var t = mesh.first_tap; t < end_tap; t++) {
         let pair = taps[t];
         take(pair.xy, at);

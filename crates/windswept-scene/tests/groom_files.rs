@@ -342,7 +342,7 @@ fn groups_and_places_of_roots_come_back() {
     let (groom, _) = file.groom(1).unwrap();
     assert_eq!((&groom.ids, &groom.groups), (&curves.ids, &curves.groups));
     assert_eq!((&groom.root_uvs, &groom.guides), (&curves.root_uvs, &curves.guides));
-    // Of the groom those are simulated that are marked, and all of it is saved again.
+    // The strands that are marked are simulated. A groom that is saved keeps the others too.
     let scene = Scene::parse("time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"").unwrap();
     let state = InitialState::with_groom(&scene, &groom).unwrap();
     let hair = &state.hair;
