@@ -57,7 +57,7 @@ const PUSH: &[&str] = &["fluid/push 2"];
 const HAIR_ALONE: &[&str] = &["rods/inspect", "rods/reset", "rods/roots"];
 const BEGIN: &[&str] = &["rods/begin_points", "rods/begin_segments", "rods/choose"];
 const SOLVE: &[&str] =
-    &["rods/load", "rods/start", "rods/direct 8", "rods/rescue", "rods/gauss_seidel", "rods/finish", "rods/place"];
+    &["rods/load", "rods/start", "rods/direct", "rods/rescue", "rods/gauss_seidel", "rods/finish", "rods/place"];
 const CONFINE: &[&str] = &["turbulence/vorticity", "turbulence/confine"];
 /// A band on a grid, after the sort.
 const FILTER: &[&str] = &[
@@ -258,6 +258,17 @@ fn cases() -> [Case; 11] {
 fn a_scene_runs_what_it_needs() {
     for (name, sets, without, expected) in cases() {
         assert_eq!(runs(&scene(sets, without)), expected, "{name}");
+    }
+}
+
+/// Of all passes the direct solver alone is dispatched more often on a software adapter: once for each Newton step.
+#[test]
+fn a_software_adapter_dispatches_newton_steps_one_by_one() {
+    for (sets, times) in [(&[][..], 8), (&["rods.newton=3"], 3), (&["rods.newton=1"], 1)] {
+        for row in windswept::plan(&scene(sets, None)).unwrap() {
+            let expected = if row.pass == "rods/direct" { times } else { row.runs };
+            assert_eq!(row.runs_in_software, expected, "{} of {sets:?}", row.pass);
+        }
     }
 }
 

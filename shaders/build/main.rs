@@ -84,10 +84,10 @@ fn build() -> Result<()> {
             other = Some(target);
         }
         let mut software = None;
-        let in_step = link(&root, &name, &["subgroups", "in_step"])?;
-        let (module_in_step, info_in_step) = validate(&name, &in_step)?;
+        let linked = link(&root, &name, &["subgroups", "software"])?;
+        let (module_in_software, info_in_software) = validate(&name, &linked)?;
         if let Some((text, places)) =
-            software::text_for_software(&name, &in_step, &module_in_step, &info_in_step, &mut elsewhere)
+            software::text_for_software(&name, &linked, &module_in_software, &info_in_software, &mut elsewhere)
                 .map_err(|error| format!("shaders/{name}.wgsl: for software adapters: {error}"))?
         {
             validate(&name, &text)?;
@@ -128,8 +128,9 @@ impl wesl::Resolver for Files<'_> {
     }
 }
 
-/// Features of the shaders: `subgroups`, their operations; `in_step`, lanes of a subgroup that need no barrier (`common/lanes.wgsl`).
-const FEATURES: [&str; 2] = ["subgroups", "in_step"];
+/// Features of the shaders: `subgroups`, their operations; `software`, lanes of a subgroup that need no barrier (`common/lanes.wgsl`), and
+/// arrays that are read as they were before the dispatch (`software.rs`).
+const FEATURES: [&str; 2] = ["subgroups", "software"];
 
 /// The shader with everything that it imports, and nothing else, under the names as they are written; with these features.
 fn link(root: &Path, name: &str, features: &[&str]) -> Result<String> {

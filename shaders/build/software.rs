@@ -6,7 +6,7 @@
 //! reads, so that both texts of a pass give the same bits.
 //!
 //! Some passes read an array that they also write, and no element of it after they have written it. They read a texture beside the
-//! buffer that they write.
+//! buffer that they write. A pass that does so only within a part of its work is dispatched for each part (`Recorder::repeat_in_software`).
 
 use std::collections::{BTreeMap, BTreeSet};
 

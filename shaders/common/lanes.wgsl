@@ -2,7 +2,7 @@
 // memory on a device whose subgroups may have fewer than eight lanes, or that has none. Invocations are taken to be numbered in
 // a subgroup as they are in the workgroup, which drivers do where workgroups have one dimension.
 //
-// Software adapters (`in_step`) run the lanes of a subgroup instruction by instruction: what one has written the others read without a
+// Software adapters (`software`) run the lanes of a subgroup instruction by instruction: what one has written the others read without a
 // barrier. A single barrier there makes all variables of a pass live in memory.
 import package::common::dispatch::WORKGROUP;
 
@@ -88,9 +88,9 @@ fn kept(number: u32, lane: u32) -> vec2u {
 
 // What any of the eight has written to the workgroup's memory is there for the other seven afterwards. Every invocation of the workgroup
 // calls it, from the same place.
-@if(in_step)
+@if(software)
 fn settle() {}
-@if(!in_step)
+@if(!software)
 fn settle() {
     workgroupBarrier();
 }
@@ -188,18 +188,18 @@ fn largest_of_all(local: u32, count: u32) -> u32 {
     return workgroupUniformLoad(&one_for_all);
 }
 
-@if(subgroups && !in_step) var<workgroup> most: atomic<u32>;
-@if(subgroups && !in_step) var<workgroup> all_most: u32;
+@if(subgroups && !software) var<workgroup> most: atomic<u32>;
+@if(subgroups && !software) var<workgroup> all_most: u32;
 
 // The largest of the counts of a workgroup, or of all that work in step where no barrier needs more. A pass asks once.
-@if(subgroups && !in_step)
+@if(subgroups && !software)
 fn largest_in_workgroup(local: u32, count: u32) -> u32 {
     atomicMax(&most, count);
     workgroupBarrier();
     if local == 0u { all_most = atomicLoad(&most); }
     return workgroupUniformLoad(&all_most);
 }
-@if(!subgroups || in_step)
+@if(!subgroups || software)
 fn largest_in_workgroup(local: u32, count: u32) -> u32 {
     return largest_of_all(local, count);
 }

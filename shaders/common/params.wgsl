@@ -19,7 +19,8 @@ struct Params {
     clusters: u32,                // most clusters of the neighbour list; 0 where it is not made from these cells
     hair_clusters: u32,           // of them hair's, which come first
     neighbour_capacity: u32,      // entries of the list
-    rod_sweeps: u32,              // of one dispatch of the rods' solver
+    newton_steps: u32,            // of one dispatch of the rods' direct solver, at most
+    rod_sweeps: u32,              // of one dispatch of Gauss-Seidel
     air_inverse_mass: f32,        // 1/kg
     constrained: u32,             // particles that the density constraint moves, from the first on: hair, or all
     relaxation: f32,

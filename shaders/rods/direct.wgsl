@@ -1,4 +1,4 @@
-// One Newton step of the dual system of each strand, solved directly in linear time.
+// Newton steps of the dual system of each strand, each solved directly in linear time.
 //
 //   joint k:    C = Im(conj(q_(k-1)) q_k) - s Im(rest),  dC = A_k (theta_k - theta_(k-1)),  A = 1/2 (p_w I - [p_v]x) R_(k-1)^T
 //   segment k:  C = (x_(k+1) - x_k)/l - d3(q_k),         dC = (dx_(k+1) - dx_k)/l + [d3]x theta_k
@@ -56,6 +56,16 @@ const QUIET: f32 = 1e-6;     // residual below which a strand need not be solved
 // short. Steps come out shorter by that much where they are the least certain; where a strand comes to rest stays the same.
 const GIVE: f32 = 2e-7;
 const ONE = mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
+
+// Newton steps of one dispatch. The text for software adapters reads copies of what it writes, and so takes one.
+@if(software)
+fn newton_steps() -> u32 {
+    return 1u;
+}
+@if(!software)
+fn newton_steps() -> u32 {
+    return params.newton_steps;
+}
 
 fn skew(v: vec3f) -> mat3x3f {
     return mat3x3f(vec3f(0.0, v.z, -v.y), vec3f(-v.z, 0.0, v.x), vec3f(v.y, -v.x, 0.0));
@@ -353,16 +363,18 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
     if s >= params.strands || frozen() { return; }
-    let rod = rod_strands[s];
-    if rod.state != FREE { return; }
     let strand = strands[s];
-    let eliminated = eliminate(strand, rod);
-    if params.sleep != 0u && eliminated.unrest < quiet_below(strand) {
-        rod_strands[s].state = SOLVED;
-        count(QUIET_STEP);
-        return;
+    for (var step = 0u; step < newton_steps(); step++) {
+        let rod = rod_strands[s];
+        if rod.state != FREE { break; }
+        let eliminated = eliminate(strand, rod);
+        if params.sleep != 0u && eliminated.unrest < quiet_below(strand) {
+            rod_strands[s].state = SOLVED;
+            count(QUIET_STEP);
+            break;
+        }
+        let misfit = substitute(strand, s, rod, eliminated.tip_change);
+        rod_strands[s].misfit = misfit;
+        if misfit < FITS { rod_strands[s].state = SOLVED; }
     }
-    let misfit = substitute(strand, s, rod, eliminated.tip_change);
-    rod_strands[s].misfit = misfit;
-    if misfit < FITS { rod_strands[s].state = SOLVED; }
 }

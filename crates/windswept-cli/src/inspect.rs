@@ -140,7 +140,11 @@ pub(crate) fn plan(options: &SceneOptions, buffers: bool, console: &mut Console<
         }
         let does = match &row.skipped {
             Some(why) => format!("skipped: {why}"),
-            None => format!("runs {} x: {} invocations, {:.2} MB", row.runs, row.invocations, megabytes(row.bytes)),
+            None => {
+                let in_software = in_software(row.runs, row.runs_in_software);
+                let (runs, invocations, moved) = (row.runs, row.invocations, megabytes(row.bytes));
+                format!("runs {runs} x{in_software}: {invocations} invocations, {moved:.2} MB")
+            }
         };
         let band = row.band.map_or(String::new(), |band| format!(" (turbulence.bands.{band})"));
         console.print(format_args!("  {:<pass$}  {:<label$}  {does}{band}", row.pass, row.label));
@@ -162,9 +166,11 @@ const LARGEST: usize = 5;
 
 /// What a step moves, by the model of [`windswept::PlanRow::bytes`], and what memory the scene takes.
 fn print_totals(rows: &[windswept::PlanRow], mut buffers: Vec<windswept::BufferRow>, console: &mut Console<'_>) {
-    let (runs, traffic): (u32, u64) = rows.iter().fold((0, 0), |(n, b), row| (n + row.runs, b + row.bytes));
+    let sum = |of: fn(&windswept::PlanRow) -> u32| rows.iter().map(of).sum::<u32>();
+    let (runs, traffic) = (sum(|row| row.runs), rows.iter().map(|row| row.bytes).sum());
     console.print(format_args!(
-        "a step: {runs} dispatches move {:.1} MB, if each reads and writes each of its buffers once as a whole",
+        "a step: {runs} dispatches{} move {:.1} MB, if each reads and writes each of its buffers once as a whole",
+        in_software(runs, sum(|row| row.runs_in_software)),
         megabytes(traffic)
     ));
     let all = buffers.len();
@@ -180,6 +186,11 @@ fn print_totals(rows: &[windswept::PlanRow], mut buffers: Vec<windswept::BufferR
         largest.collect::<Vec<_>>().join(", ")
     ));
     console.print(format_args!("on a software adapter textures besides: {:.1} MB", megabytes(textures)));
+}
+
+/// How often something runs on a software adapter, where that is more often than elsewhere.
+fn in_software(runs: u32, runs_in_software: u32) -> String {
+    if runs_in_software > runs { format!(" ({runs_in_software} x on a software adapter)") } else { String::new() }
 }
 
 fn megabytes(bytes: u64) -> f64 {

@@ -149,11 +149,15 @@ impl Gpu {
         self.software_texts
     }
 
+    /// Whether a pass runs in its text for software adapters.
+    pub(crate) fn runs_software_text(&self, pass: &Pass) -> bool {
+        self.software_texts && !self.sources.contains_key(pass.name)
+    }
+
     /// What the text of a pass that runs binds for a binding: a buffer, with its kind, and a texture.
     pub(crate) fn bound(&self, pass: &Pass, binding: &Binding) -> (Option<BufferKind>, Option<Texture>) {
-        let software = self.software_texts && !self.sources.contains_key(pass.name);
         let InSoftware { buffer, texture } = binding.in_software;
-        if software { (buffer, texture) } else { (Some(binding.kind), None) }
+        if self.runs_software_text(pass) { (buffer, texture) } else { (Some(binding.kind), None) }
     }
 
     /// The device, for drawing beside the engine.

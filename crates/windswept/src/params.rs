@@ -39,6 +39,7 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
         hair_points,
         segments: initial.hair.orientations.len() as u32,
         strands,
+        newton_steps: rods::newton_steps_per_dispatch(scene.rods.newton, &initial.hair),
         rod_sweeps: rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
         relaxation: scene.fluid.relaxation as f32,
         tension: scene.fluid.tension as f32,

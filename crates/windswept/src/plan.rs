@@ -33,8 +33,10 @@ pub struct Plan {
     pub rod_dispatches: u32,
     /// Number of dispatches in which touched strands come along.
     pub pull_dispatches: u32,
-    /// Newton steps of the direct solver, at most.
-    pub newton_steps: u32,
+    /// Dispatches that the direct solver's Newton steps are cut into.
+    pub newton_dispatches: u32,
+    /// Newton steps of one of them, which software adapters dispatch one by one.
+    pub newton_steps_per_dispatch: u32,
     /// Whether rods are solved by the direct solver.
     pub direct: Decision,
     /// Whether hair meets air particles.
@@ -198,7 +200,8 @@ impl Plan {
             fluid_iterations: scene.fluid.iterations,
             pull_dispatches: if scene.bodies.iter().any(|body| body.shape.solid().is_some()) { PARTS } else { 1 },
             rod_dispatches: scene.rods.iterations / rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
-            newton_steps: scene.rods.newton,
+            newton_dispatches: scene.rods.newton / setup.params.newton_steps,
+            newton_steps_per_dispatch: setup.params.newton_steps,
             direct: hair.and(Decision::when(direct, "rods.solver is gauss-seidel")),
             hair_meets_air: hair_meets_air.clone(),
             hair,

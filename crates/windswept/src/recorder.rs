@@ -44,6 +44,8 @@ pub struct Command {
     pub band: Option<usize>,
     /// Reason why the pass is left out; `None` if it runs.
     pub skipped: Option<String>,
+    /// Whether it runs again only because its text for software adapters does in one run a part of what another text does.
+    pub software_only: bool,
 }
 
 /// A recorded step, in execution order, skipped passes included.
@@ -69,6 +71,7 @@ pub struct Recorder<'a> {
     heading: &'static str,
     band: Option<usize>,
     skipping: Option<String>,
+    software_only: bool,
 }
 
 impl<'a> Recorder<'a> {
@@ -86,6 +89,7 @@ impl<'a> Recorder<'a> {
             heading: "",
             band: None,
             skipping: None,
+            software_only: false,
         };
         record(&mut recorder);
         recorder.recording.commands.iter().for_each(check);
@@ -118,6 +122,7 @@ impl<'a> Recorder<'a> {
             arrays: pass.bindings.iter().map(named).collect(),
             band: self.band,
             skipped: self.skipping.clone(),
+            software_only: self.software_only,
         };
         let commands = &mut self.recording.commands;
         commands.push(command);
@@ -146,6 +151,19 @@ impl<'a> Recorder<'a> {
     /// Adds passes that run `times` times.
     pub fn repeat(&mut self, times: u32, record: impl Fn(&mut Self)) {
         self.when(&Decision::when(times > 0, "0 iterations"), &record);
+        self.again(times, record);
+    }
+
+    /// Adds passes that run once, but in their texts for software adapters `times` times.
+    pub fn repeat_in_software(&mut self, times: u32, record: impl Fn(&mut Self)) {
+        record(self);
+        self.software_only = true;
+        self.again(times, record);
+        self.software_only = false;
+    }
+
+    /// Adds passes that were recorded once, so that they run `times` times in all.
+    fn again(&mut self, times: u32, record: impl Fn(&mut Self)) {
         for _ in 1..times {
             if self.skipping.is_none() {
                 record(self);

@@ -11,7 +11,7 @@ use crate::motion::Motions;
 /// Calm steps that a strand starts with: it takes one step of Euler, then BDF2. It has no acceleration to carry on before.
 const CALM_AT_START: u32 = 1;
 
-/// Rounds of the loops of one invocation of `rods/gauss_seidel`, at most: Mesa's software adapter ends the loops of an
+/// Rounds of the loops of one invocation of `rods/direct` or `rods/gauss_seidel`, at most: Mesa's software adapter ends the loops of an
 /// invocation after 65 535 rounds in all, without a word.
 const ROUNDS: u32 = 30_000;
 
@@ -154,10 +154,26 @@ pub(crate) fn healths(hair: &Strands) -> Vec<Health> {
 /// Sweeps of one dispatch: as many as divide `iterations` and keep the longest strand below [`ROUNDS`], at least 1.
 #[must_use]
 pub(crate) fn sweeps_per_dispatch(iterations: u32, hair: &Strands) -> u32 {
-    let longest = (0..hair.len()).map(|s| hair.points(s).len()).max().unwrap_or_default() as u32;
     // A sweep is one round of its own and one per segment: as many as points.
-    let most = (ROUNDS / longest.max(1)).clamp(1, iterations.max(1));
-    (1..=most).rev().find(|&sweeps| iterations.is_multiple_of(sweeps)).unwrap_or(1)
+    per_dispatch(iterations, longest(hair))
+}
+
+/// Newton steps of one dispatch of `rods/direct`: as many as divide `newton` and keep the longest strand below [`ROUNDS`], at least 1.
+#[must_use]
+pub(crate) fn newton_steps_per_dispatch(newton: u32, hair: &Strands) -> u32 {
+    // A Newton step is one round of its own, and from root to tip and back one per point and one more.
+    per_dispatch(newton, 2 * longest(hair) + 3)
+}
+
+/// Points of the longest strand.
+fn longest(hair: &Strands) -> u32 {
+    (0..hair.len()).map(|s| hair.points(s).len()).max().unwrap_or_default() as u32
+}
+
+/// Of `all` repeats of so many rounds each those of one dispatch.
+fn per_dispatch(all: u32, rounds: u32) -> u32 {
+    let most = (ROUNDS / rounds.max(1)).clamp(1, all.max(1));
+    (1..=most).rev().find(|&repeats| all.is_multiple_of(repeats)).unwrap_or(1)
 }
 
 /// Largest move of each point in a step, max(l, 0.03 L) \[m\].
@@ -202,5 +218,9 @@ mod tests {
         assert_eq!(sweeps_per_dispatch(2000, &strand(35)), 500);
         assert_eq!(sweeps_per_dispatch(0, &strand(35)), 1);
         assert_eq!(sweeps_per_dispatch(10, &Strands::default()), 10);
+        // A Newton step of 35 points is 73 rounds. One of 1024 is 2051: 14 fit, and 10 are the most of these that divide 20.
+        assert_eq!(newton_steps_per_dispatch(8, &strand(35)), 8);
+        assert_eq!(newton_steps_per_dispatch(20, &strand(1024)), 10);
+        assert_eq!(newton_steps_per_dispatch(8, &strand(16_384)), 1);
     }
 }

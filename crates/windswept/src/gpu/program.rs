@@ -60,7 +60,9 @@ pub(crate) type Profile = BTreeMap<(&'static str, &'static str, Option<usize>), 
 impl Program {
     pub(crate) fn new(gpu: &Gpu, memory: &Memory, recording: &Recording, meshes: bool) -> Result<Self, GpuError> {
         let readings = textures::readings(recording);
-        let dispatches = recording.running().enumerate().map(|(place, command)| {
+        let running = recording.running().enumerate();
+        let dispatched = running.filter(|(_, command)| !command.software_only || gpu.runs_software_text(command.pass));
+        let dispatches = dispatched.map(|(place, command)| {
             let copied = readings.iter().filter(|reading| reading.times.iter().any(|time| time.start == place));
             Dispatch::new(gpu, memory, command, copied.filter(|_| gpu.has_software_texts()), meshes)
         });

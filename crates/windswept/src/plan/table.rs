@@ -27,9 +27,11 @@ pub struct PlanRow {
     pub band: Option<usize>,
     /// How often it runs in a step.
     pub runs: u32,
-    /// Number of invocations of all its runs together.
+    /// How often it runs in a step on a software adapter, where some passes do a part of their work in a run.
+    pub runs_in_software: u32,
+    /// Number of invocations of all its [`Self::runs`] together.
     pub invocations: u64,
-    /// Memory traffic of all its runs together \[bytes\], by a simple model: an array that the pass reads is read once as a
+    /// Memory traffic of all its [`Self::runs`] together \[bytes\], by a simple model: an array that the pass reads is read once as a
     /// whole, one that it writes is written once, and one that it does both with counts twice. Caches are taken to catch
     /// whatever is read again, and the neighbour list is taken to be as long as it is at the start of a run. A pass that
     /// looks at a part of an array moves less, one whose reads miss the caches moves more.
@@ -130,6 +132,7 @@ pub fn table(scene: &Scene) -> Result<Vec<PlanRow>, SceneError> {
                 label: command.label,
                 band: command.band,
                 runs: 0,
+                runs_in_software: 0,
                 invocations: 0,
                 bytes: 0,
                 skipped: command.skipped.clone(),
@@ -137,7 +140,11 @@ pub fn table(scene: &Scene) -> Result<Vec<PlanRow>, SceneError> {
             });
             rows.len() - 1
         });
-        if command.skipped.is_none() {
+        if command.skipped.is_some() {
+            continue;
+        }
+        rows[at].runs_in_software += 1;
+        if !command.software_only {
             rows[at].runs += 1;
             rows[at].invocations += u64::from(command.invocations);
             rows[at].bytes += traffic(command);

@@ -27,8 +27,10 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.run(&rods::LOAD, "what forces are to the rods", n.hair_points);
         r.run(&rods::START, "how each strand starts", n.strands);
         r.when(&plan.direct, |r| {
-            r.repeat(plan.newton_steps, |r| {
-                r.run(&rods::DIRECT, "Cosserat rods, solved directly", n.strands);
+            r.repeat(plan.newton_dispatches, |r| {
+                r.repeat_in_software(plan.newton_steps_per_dispatch, |r| {
+                    r.run(&rods::DIRECT, "Cosserat rods, solved directly", n.strands);
+                });
             });
             r.run(&rods::RESCUE, "what the direct solver did not solve is rescued", n.strands);
         });
