@@ -41,7 +41,7 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 ///     tip_frame: `(4,)` or `(strands, 4)` quaternion of a clamped tip. None: turned on by half a joint from the last segment.
 ///     friction: Coulomb's coefficient of the strands on other strands, at least 0; model two-way only.
 ///     rest: "weightless": the given shape is the rest shape, and weight bends strands from it. "hanging": gravity alone
-///         leaves strands with a clamped root and a free tip as they are given. Not with rest_curvature.
+///         leaves strands with a clamped root as they are given; those of another root are warned of. Not with rest_curvature.
 ///     guides: `(strands,)` bool, which strands are simulated; the others follow the three of those whose roots are nearest. None: all
 ///         are simulated.
 ///

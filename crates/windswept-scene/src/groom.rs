@@ -74,8 +74,7 @@ words! {
         /// The rest shape: weight bends the strands from it.
         #[default]
         Weightless = "weightless",
-        /// The shape that gravity alone leaves the strands in, clamped at the root and free at the tip: the rest shape is found
-        /// from it.
+        /// The shape that gravity alone leaves the strands in, where their roots are clamped: the rest shape is found from it.
         Hanging = "hanging",
     }
 }
@@ -407,7 +406,7 @@ impl Groom {
 
     /// Appends the strands of a groom that was checked and are simulated, and returns what a user should know of them.
     pub(crate) fn append(&self, scene: &Scene, parcel: Parcel, all: &mut Strands) -> Vec<String> {
-        let (mut soft, mut unstable) = (0, 0);
+        let (mut soft, mut unstable, mut loose) = (0, 0, 0);
         let count = self.simulated().count();
         if !self.ids.is_empty() || count < self.len() {
             all.ids.extend(self.simulated().map(|s| self.ids.get(s).copied().unwrap_or(s as u32)));
@@ -421,6 +420,7 @@ impl Groom {
                     Hung::Held => {}
                     Hung::TooSoft => soft += 1,
                     Hung::Unstable => unstable += 1,
+                    Hung::Loose => loose += 1,
                 }
             }
             shape.append(&fibre, scene.rods.inextensible, parcel, all);
@@ -431,7 +431,11 @@ impl Groom {
         let soft = of(soft, "are too soft to hang as they are given, and sag: more points bend farther");
         let unstable =
             of(unstable, "are so soft that they do not stay as they are given: the least push takes them away");
-        soft.into_iter().chain(unstable).collect()
+        let loose = of(
+            loose,
+            "have a root that is not clamped: no rest shape holds them as they are given, and their weight may move them",
+        );
+        soft.into_iter().chain(unstable).chain(loose).collect()
     }
 
     /// The rest turn of joint `k` of strand `s`, `length` long; the tip's joint is as the one before it.

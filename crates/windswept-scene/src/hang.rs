@@ -1,7 +1,8 @@
 //! The rest shape of a strand that hangs as it is given: what it would be without weight.
 //!
 //! A strand that is clamped at its root and free at its tip is statically determinate: forces and moments follow from its
-//! shape alone, from the tip to the root, and the rest shape from them joint by joint. With the constraints of
+//! shape alone, from the tip to the root, and the rest shape from them joint by joint. A tip that is held as well is given the rest shape
+//! of a free one, so that what holds it bears nothing. With the constraints of
 //! `docs/decisions/rods.md`, C + α μ = 0, and F the force that holds up what is beyond a segment,
 //!
 //! ```text
@@ -34,14 +35,17 @@ pub(crate) enum Hung {
     TooSoft,
     /// The strand is in balance, but the least push takes it away: an upright one that is too soft.
     Unstable,
+    /// Its root is not clamped, so that no rest shape holds it: it falls, or swings about its root.
+    Loose,
 }
 
 impl Shape {
-    /// Changes the rest shape such that `gravity` alone leaves the strand, made of `fibre`, as it is. A strand of other ends than
-    /// a clamped root and a free tip stays as it is: its forces do not follow from its shape.
+    /// Changes the rest shape such that `gravity` alone leaves the strand, made of `fibre`, as it is. That of a strand whose root is not
+    /// clamped stays.
     pub(crate) fn hang(&mut self, fibre: &Fibre, inextensible: bool, gravity: DVec3) -> Hung {
-        if self.ends != [End::Clamped, End::Free] {
-            return Hung::Held;
+        let [root, tip] = self.ends;
+        if root != End::Clamped {
+            return if gravity == DVec3::ZERO { Hung::Held } else { Hung::Loose };
         }
         let segments = self.lengths.len();
         let chords: Vec<DVec3> = self.points.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -74,9 +78,11 @@ impl Shape {
             self.turns[k] = rest;
             held &= fits;
         }
+        let (tip_frame, _) = self.tip;
+        self.tip.1 = (self.frames[segments - 1].conjugate() * tip_frame).normalize();
         if !held {
             Hung::TooSoft
-        } else if self.is_stable(&joints, &forces) {
+        } else if tip != End::Free || self.is_stable(&joints, &forces) {
             Hung::Held
         } else {
             Hung::Unstable

@@ -44,7 +44,8 @@ pub struct Triangles {
     pub corners: Vec<[u32; 3]>,
     /// Normal at each corner of each triangle, zero where the file says none; empty where it says none at all.
     pub normals: Vec<[DVec3; 3]>,
-    /// Place of each corner of each triangle in the texture, zero where the file says none; empty where it says none at all.
+    /// Place of each corner of each triangle in the texture, whose lower left corner is (0, 0); zero where the file says none, and empty
+    /// where it says none at all.
     pub uvs: Vec<[[f32; 2]; 3]>,
     /// Parts of the triangles that the file gives names.
     pub parts: Vec<Part>,
@@ -176,11 +177,7 @@ impl Triangles {
         if triangles == 0 || triangles > MOST_TRIANGLES {
             return Err(SceneError::new(format!("expected 1 to {MOST_TRIANGLES} triangles, found {triangles}")));
         }
-        if let Some(index) = self.corners.as_flattened().iter().find(|&&index| index as usize >= points) {
-            return Err(SceneError::new(format!(
-                "a triangle has point {index}: expected less than {points}, the points"
-            )));
-        }
+        check_indices(&self.corners, points)?;
         if let Some(i) = self.points.iter().position(|x| !(x.abs().max_element() <= LARGEST && x.is_finite())) {
             return Err(SceneError::new(format!(
                 "point {i} is {}: expected finite numbers of at most {LARGEST:e}",
@@ -203,14 +200,39 @@ impl Triangles {
     }
 }
 
-/// Triangles of a polygon file: each polygon is a fan about its first corner.
+/// Triangles of a polygon file: each polygon is a fan about its first corner. A corner has the normal and the place of its point.
 fn polygons(bytes: &[u8]) -> Result<Triangles, SceneError> {
     let polygons = curves::ply_polygons(bytes)?;
     let fan = |polygon: Vec<u32>| -> Vec<[u32; 3]> {
         let Some((&first, rest)) = polygon.split_first() else { return Vec::new() };
         rest.windows(2).map(|pair| [first, pair[0], pair[1]]).collect()
     };
-    let points = polygons.points.into_iter().map(DVec3::from_array).collect();
-    let corners = polygons.corners.into_iter().flat_map(fan).collect();
-    Ok(Triangles { points, corners, ..Triangles::default() })
+    let points: Vec<_> = polygons.points.into_iter().map(DVec3::from_array).collect();
+    let corners: Vec<_> = polygons.corners.into_iter().flat_map(fan).collect();
+    check_indices(&corners, points.len())?;
+    let normals: Vec<_> =
+        polygons.normals.iter().map(|normal| DVec3::from_array(*normal).normalize_or_zero()).collect();
+    let places: Vec<_> = polygons.places.iter().map(|place| place.map(|x| x as f32)).collect();
+    Ok(Triangles {
+        normals: of_corners(&corners, &normals),
+        uvs: of_corners(&corners, &places),
+        points,
+        corners,
+        ..Triangles::default()
+    })
+}
+
+/// What belongs to the point of each corner, where there is something for each point.
+fn of_corners<T: Copy>(corners: &[[u32; 3]], of_points: &[T]) -> Vec<[T; 3]> {
+    let found = |corners: &[u32; 3]| corners.map(|index| of_points[index as usize]);
+    if of_points.is_empty() { Vec::new() } else { corners.iter().map(found).collect() }
+}
+
+/// An error if a triangle has a point that there is not.
+fn check_indices(corners: &[[u32; 3]], points: usize) -> Result<(), SceneError> {
+    let beyond = |corners: &&[u32; 3]| corners.iter().any(|&index| index as usize >= points);
+    let Some(triangle) = corners.iter().position(|corners| beyond(&corners)) else { return Ok(()) };
+    let words =
+        format!("triangle {triangle} has the points {:?}: expected numbers less than {points}", corners[triangle]);
+    Err(SceneError::new(words))
 }

@@ -12,7 +12,7 @@ use common::Folder;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept_scene::{
-    Curves, Fibre, Groom, GroomFile, GroomFormat, HairSource, InitialState, RestShape, Scene, Stiffness, Up,
+    Curves, End, Fibre, Groom, GroomFile, GroomFormat, HairSource, InitialState, RestShape, Scene, Stiffness, Up,
 };
 
 fn f32s(numbers: &[f32]) -> Vec<u8> {
@@ -222,6 +222,14 @@ fn counts_beyond_the_file_are_errors() {
     refused("a.npy", &npy("{'descr': '|O', 'fortran_order': False, 'shape': (9, 9, 3), }"), &["found \"O\""]);
     refused("a.npy", &npy("{'descr': '<f4', 'fortran_order': False, 'shape': (-1, 9, 3), }"), &["a shape of whole"]);
     refused("a.npz", b"PK\x03\x04", &["zip archive"]);
+    let npz = a_file_of_each(&folder).into_iter().find(|path| path.extension().is_some_and(|ending| ending == "npz"));
+    let whole = std::fs::read(npz.unwrap()).unwrap();
+    let last = whole.len() - 19;
+    refused("a.npz", &[&whole[..], b"abc"].concat(), &[&format!("at byte {last}: expected the archive's last record")]);
+    let at = whole.windows(10).position(|bytes| bytes == b"points.npy").unwrap();
+    let mut altered = whole.clone();
+    altered[at + 200] ^= 0x55;
+    refused("a.npz", &altered, &["points: at byte 0: expected", "bytes with the checksum that the archive says"]);
     let ply = |body: &str| format!("ply\nformat binary_little_endian 1.0\n{body}end_header\n");
     let vertex = "element vertex 18446744073709551615\nproperty float x\nproperty float y\nproperty float z\n";
     refused("a.ply", ply(vertex).as_bytes(), &["expected vertex"]);
@@ -556,6 +564,28 @@ fn upright(gamma: f64, lean: f64) -> Vec<String> {
     let groom = Groom { fibre: fibre.into(), rest: RestShape::Hanging, ..Groom::new(points, vec![0, 31]) };
     let scene = Scene::parse("time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"").unwrap();
     InitialState::with_groom(&scene, &groom).unwrap().warnings
+}
+
+/// A root that is not clamped holds no strand as it hangs, which is said; without weight there is nothing to hold.
+#[test]
+fn strands_whose_roots_are_not_clamped_are_told() {
+    for (gravity, root, tip, told) in [
+        (9.81, End::Clamped, End::Free, false),
+        (9.81, End::Clamped, End::Pinned, false),
+        (9.81, End::Pinned, End::Free, true),
+        (9.81, End::Free, End::Clamped, true),
+        (0.0, End::Free, End::Free, false),
+    ] {
+        let points = vec![[0.0; 3], [0.01, 0.0, 0.0], [0.02, -0.001, 0.0]];
+        let ends = Groom { root: root.into(), tip: tip.into(), ..Groom::new(points, vec![0, 3]) };
+        let groom = Groom { rest: RestShape::Hanging, ..ends };
+        let text = format!(
+            "gravity = [0, -{gravity}, 0]\ntime = {{ step = 1e-3, duration = 1 }}\ninteraction.model = \"none\""
+        );
+        let warnings = InitialState::with_groom(&Scene::parse(&text).unwrap(), &groom).unwrap().warnings;
+        let says = warnings.iter().any(|warning| warning.contains("1 of 1 strands have a root that is not clamped"));
+        assert_eq!(says, told, "{root:?} {tip:?}: {warnings:?}");
+    }
 }
 
 /// A column falls over above γ = 7.8373 (Greenhill 1881); the 30 segments change that by less than 1 %.

@@ -130,15 +130,21 @@ fn faults_name_key_and_file() {
         ("file = \"sheet.obj\"\nscale = 1\nresolution = 0.01", "resolution", "a thickness of 0.02 m or more"),
         (
             "file = \"wall.obj\"\nscale = 1",
-            "file",
+            "scale",
             "wall.obj: a grid of 0.002 m about 10.000 x 10.000 x 0.200 m has 3.08e9 nodes",
         ),
         ("file = \"wall.obj\"\nscale = 1\nresolution = 0.002", "resolution", "takes 1.23e10 bytes"),
-        ("file = \"wall.obj\"\nscale = 1", "file", "a larger resolution has fewer nodes"),
+        (
+            "file = \"wall.obj\"\nscale = 1",
+            "scale",
+            "10.000 m large with a scale of 1; it would be 1.000 m with 0.1, of decimetres, 0.254 m with 0.0254, of inches, 0.100 m with",
+        ),
+        ("file = \"wall.obj\"\nscale = 1\nresolution = 0.002", "resolution", "a larger resolution has fewer nodes"),
         (
             "file = \"ball.obj\"\nscale = 1",
             "scale",
-            "the mesh is 80.000 m large with a scale of 1: 0.001 is that of millimetres",
+            "the mesh is 80.000 m large with a scale of 1; it would be 0.800 m with 0.01, of centimetres, 0.080 m with 0.001, of \
+             millimetres. For one that is so large, give a larger resolution",
         ),
         (
             "file = \"ball.obj\"",

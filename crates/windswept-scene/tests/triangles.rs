@@ -371,13 +371,51 @@ fn names_normals_and_textures_are_kept() {
         for k in 0..3 {
             let i = corners[k] as usize;
             assert!(normals[k].distance(turn * mesh.points[i].normalize()) < 1e-6, "{}", normals[k]);
-            assert_eq!(uvs[k], numbers[2 * i..2 * i + 2]);
+            // The format has (0, 0) at a texture's upper left.
+            assert_eq!(uvs[k], [numbers[2 * i], (1.0 - f64::from(numbers[2 * i + 1])) as f32]);
         }
     }
     // A mirror image keeps what belongs to a corner with it.
     let mirrored = found.clone().in_metres(1.0, Up::Zyx);
     assert_eq!(mirrored.uvs[0], [found.uvs[0][0], found.uvs[0][2], found.uvs[0][1]]);
     assert!(mirrored.normals[0][1].distance(found.normals[0][2].zyx()) < 1e-12);
+}
+
+/// A `.ply` file may have normals and places in a texture at its points, by any name that writers give these; without all of a normal's
+/// numbers there is none. An `.obj` file of the same triangles has the same.
+#[test]
+fn points_of_ply_files_have_normals_and_textures() {
+    let folder = Folder::new();
+    let names = "property float nx\nproperty float ny\nproperty float nz\n";
+    let load = |names: &str, rows: [&str; 3]| {
+        let text = format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n{names}element face 1\n\
+             property list uchar int vertex_indices\nend_header\n0 0 0 {}\n1 0 0 {}\n0 1 0 {}\n3 2 0 1\n",
+            rows[0], rows[1], rows[2]
+        );
+        Triangles::load(folder.write("a.ply", text.as_bytes())).unwrap()
+    };
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0.25\nvt 0.5 0.25\nvt 1 0.75\nvn 0 0 2\nvn 0 3 0\nvn 1 0 0\nf 3/3/3 1/1/1 2/2/2\n";
+    let expected = Triangles::load(folder.write("a.obj", text.as_bytes())).unwrap();
+    for pair in [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]] {
+        let names = format!("{names}property float {}\nproperty uchar red\nproperty float {}\n", pair[0], pair[1]);
+        let found = load(&names, ["0 0 2 0 9 0.25", "0 3 0 0.5 9 0.25", "1 0 0 1 9 0.75"]);
+        assert_eq!((&found.normals, &found.uvs), (&expected.normals, &expected.uvs), "{pair:?}");
+    }
+    let found = load("property float nx\nproperty float ny\nproperty float t\n", ["1 2 3"; 3]);
+    assert!(found.normals.is_empty() && found.uvs.is_empty());
+}
+
+/// A `.glb` file says how long it is.
+#[test]
+fn bytes_behind_a_glb_file_are_refused() {
+    let folder = Folder::new();
+    let mut bytes = glb(&box_of(DVec3::ONE, 1, |_, _, _| false), DQuat::IDENTITY, DVec3::ZERO);
+    let all = bytes.len();
+    assert!(Triangles::load(folder.write("a.glb", &bytes)).is_ok());
+    bytes.extend([0; 3]);
+    let error = Triangles::load(folder.write("a.glb", &bytes)).unwrap_err().to_string();
+    assert!(error.contains(&format!("a.glb: at byte 8: expected a file of {all} bytes, found {}", all + 3)), "{error}");
 }
 
 /// A face has the names of its object, of each of its groups, and of its material, whatever blanks are between words.

@@ -60,6 +60,9 @@ mod taps;
 mod textures;
 mod winds;
 
+/// The crate whose vectors and quaternions this one takes.
+pub use glam;
+
 pub use engine::required_limits;
 pub use error::{CheckpointError, Error, GpuError, RunError};
 pub use frame::{AirFrame, Frame, HairFrame};

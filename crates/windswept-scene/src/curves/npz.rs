@@ -19,12 +19,16 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter, result::ZipError, write::Sim
 
 use super::{
     Curves,
+    bytes::fault_at,
     npy::{Array, of_floats, of_whole},
 };
 use crate::error::SceneError;
 
 /// Most bytes that one byte of a compressed array can stand for, by the definition of deflate.
 const MOST_DEFLATED: u64 = 1032;
+
+/// What the last record of a zip archive begins with, and its length without the archive's comment \[bytes\].
+const END_RECORD: (&[u8], usize) = (b"PK\x05\x06", 22);
 
 const POINTS: [&str; 2] = ["points", "positions"];
 
@@ -38,15 +42,17 @@ impl Arrays<'_> {
         let mut member = match self.archive.by_name(&format!("{name}.npy")) {
             Ok(member) => member,
             Err(ZipError::FileNotFound) => return Ok(None),
-            Err(error) => return Err(of_array(name, &error)),
+            Err(error) => return Err(of_array(name, &format!("expected an entry of a zip archive: {error}"))),
         };
-        let (size, packed) = (member.size(), member.compressed_size());
+        let (size, packed, at) = (member.size(), member.compressed_size(), member.header_start());
+        let fault = |words: String| of_array(name, &fault_at(at as usize, words).message());
         if size > packed.saturating_mul(MOST_DEFLATED) {
-            return Err(of_array(name, &format!("{packed} bytes cannot hold the {size} that the archive says")));
+            return Err(fault(format!("{packed} bytes cannot hold the {size} that the archive says")));
         }
         let mut bytes = Vec::new();
         // One more than there should be, to see whether there are more.
-        member.by_ref().take(size.saturating_add(1)).read_to_end(&mut bytes).map_err(|error| of_array(name, &error))?;
+        let read = member.by_ref().take(size.saturating_add(1)).read_to_end(&mut bytes);
+        read.map_err(|error| fault(format!("expected {size} bytes with the checksum that the archive says: {error}")))?;
         Array::read(&bytes).map(Some).map_err(|error| of_array(name, &error.message()))
     }
 
@@ -78,6 +84,10 @@ pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curve
     let archive = ZipArchive::new(Cursor::new(bytes));
     let archive =
         archive.map_err(|error| SceneError::new(format!("expected NumPy arrays in a zip archive: {error}")))?;
+    let end = bytes.len().saturating_sub(END_RECORD.1 + archive.comment().len());
+    if !bytes[end..].starts_with(END_RECORD.0) {
+        return Err(fault_at(end, "expected the archive's last record, and found that more bytes follow it"));
+    }
     let mut arrays = Arrays { archive };
     let mut found = None;
     for name in POINTS {

@@ -170,6 +170,9 @@ fn number(bytes: &mut Bytes<'_>, encoding: Encoding, scalar: Scalar) -> Result<f
     })
 }
 
+/// Names that writers give to a vertex's place in a texture.
+const PLACES: [[&str; 2]; 3] = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
+
 /// What a file has of a groom, or of a surface.
 #[derive(Default)]
 struct Found {
@@ -179,6 +182,9 @@ struct Found {
     counts: Option<Vec<u32>>,
     /// Indices of the points of each polygon.
     polygons: Vec<Vec<u32>>,
+    /// Normals of the points, and their places in a texture; empty where the file has none.
+    normals: Vec<[f64; 3]>,
+    places: Vec<[f64; 2]>,
 }
 
 impl Found {
@@ -201,7 +207,11 @@ impl Found {
             element.property(property).ok_or_else(words)
         };
         let axes = if name == "vertex" { Some([place("x")?, place("y")?, place("z")?]) } else { None };
-        let thickness = element.property("thickness").filter(|_| axes.is_some());
+        let of_vertex = |name: &str| element.property(name).filter(|_| axes.is_some());
+        let thickness = of_vertex("thickness");
+        let normal = [of_vertex("nx"), of_vertex("ny"), of_vertex("nz")];
+        let normal = if let [Some(x), Some(y), Some(z)] = normal { Some([x, y, z]) } else { None };
+        let texture = PLACES.iter().find_map(|[u, v]| Some([of_vertex(u)?, of_vertex(v)?]));
         let segments = if name == "strand" { Some(place("nsegs")?) } else { None };
         let polygon = |property: &Property| {
             name == "face" && ["vertex_indices", "vertex_index"].contains(&property.name.as_str())
@@ -241,6 +251,8 @@ impl Found {
             if let Some(axes) = axes {
                 points.push(axes.map(|axis| row[axis]));
                 self.thickness.extend(thickness.map(|place| row[place]));
+                self.normals.extend(normal.map(|axes| axes.map(|axis| row[axis])));
+                self.places.extend(texture.map(|pair| pair.map(|place| row[place])));
             }
             if let Some(segments) = segments {
                 let segments = row[segments];
@@ -286,6 +298,10 @@ pub(crate) struct Polygons {
     pub(crate) points: Vec<[f64; 3]>,
     /// Indices of the points of each polygon.
     pub(crate) corners: Vec<Vec<u32>>,
+    /// Normal of each point; empty where the file has none.
+    pub(crate) normals: Vec<[f64; 3]>,
+    /// Place of each point in a texture; empty where the file has none.
+    pub(crate) places: Vec<[f64; 2]>,
 }
 
 /// The polygons of the element `face`.
@@ -295,7 +311,7 @@ pub(crate) fn polygons(bytes: &[u8]) -> Result<Polygons, SceneError> {
     if found.polygons.is_empty() {
         return Err(fault_at(at, "expected an element face with a list vertex_indices"));
     }
-    Ok(Polygons { points, corners: found.polygons })
+    Ok(Polygons { points, corners: found.polygons, normals: found.normals, places: found.places })
 }
 
 pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curves, SceneError> {

@@ -85,7 +85,8 @@ table! {
         scale: Option<f64> = Positive, "m", Absent("needed, unless the file says its unit");
         /// Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror.
         up: Up = Choice(Up::WORDS), "", Value(Up::Y);
-        /// Whether the shape in the file is the one at rest, from which weight bends the strands, or the one that they hang in.
+        /// Whether the shape in the file is the one at rest, from which weight bends the strands, or the one that they hang in, with
+        /// their roots clamped.
         rest: RestShape = Choice(RestShape::WORDS), "", Value(RestShape::Hanging);
         /// Whether strands take their radius from the file, where it has one that is a hair's, 15 to 150 µm on average.
         file_radius: bool = Bool, "", Value(true);

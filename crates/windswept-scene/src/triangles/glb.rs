@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use glam::{DMat4, DQuat, DVec3};
 use serde::Deserialize;
 
-use super::Triangles;
+use super::{Triangles, of_corners};
 use crate::{
     curves::{Bytes, fault_at},
     error::SceneError,
@@ -141,11 +141,15 @@ pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
 
 /// The two chunks of a file: what it says, and its numbers.
 fn parts(bytes: &[u8]) -> Result<(Document, &[u8]), SceneError> {
+    let all = bytes.len() as u64;
     let mut bytes = Bytes::new(bytes);
     if bytes.array("the word glTF")? != *b"glTF" || bytes.u32("a version")? != 2 {
         return Err(fault_at(0, "expected a binary glTF file of version 2"));
     }
-    bytes.u32("the length of the file")?;
+    let length = bytes.u32("the length of the file")?;
+    if u64::from(length) != all {
+        return Err(fault_at(8, format!("expected a file of {length} bytes, found {all}")));
+    }
     let mut chunk = |name: &[u8; 4]| {
         let length = bytes.u32("the length of a chunk")?;
         let at = bytes.at();
@@ -210,14 +214,14 @@ impl Document {
         let normals = normals.as_chunks::<3>().0.iter();
         let normals: Vec<_> =
             normals.map(|n| across.transform_vector3(DVec3::from_array(*n)).normalize_or_zero()).collect();
-        let uvs: Vec<_> = uvs.as_chunks::<2>().0.iter().map(|uv| uv.map(|x| x as f32)).collect();
+        // Here (0, 0) is the texture's upper left corner, in the other formats its lower left one.
+        let uvs: Vec<_> = uvs.as_chunks::<2>().0.iter().map(|[u, v]| [*u as f32, (1.0 - v) as f32]).collect();
         let mirrored = place.determinant() < 0.0;
         let triangles = indices.as_chunks::<3>().0.iter();
         let triangles = triangles.map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
-        let corners = || triangles.clone().map(|corners| corners.map(|index| index as usize));
-        let normals = if normals.is_empty() { Vec::new() } else { corners().map(|t| t.map(|i| normals[i])).collect() };
-        let uvs = if uvs.is_empty() { Vec::new() } else { corners().map(|t| t.map(|i| uvs[i])).collect() };
-        all.append(names, triangles.clone().map(|corners| corners.map(|index| first + index)), normals, uvs);
+        let triangles: Vec<_> = triangles.collect();
+        let (normals, uvs) = (of_corners(&triangles, &normals), of_corners(&triangles, &uvs));
+        all.append(names, triangles.iter().map(|corners| corners.map(|index| first + index)), normals, uvs);
         // Many nodes may have one mesh.
         if all.corners.len().max(all.points.len() / 3) > MOST_TRIANGLES {
             return Err(SceneError::new(format!("expected at most {MOST_TRIANGLES} triangles in all nodes")));

@@ -50,6 +50,18 @@ impl Simulation {
     /// Sets a force by a function that is called before each step of Δt with the state as it is then, and returns the accelerations of
     /// that step, as [`Self::set_force`] takes them. It is called by [`Self::step`] and [`Self::step_timed`], not by [`Self::record`].
     ///
+    /// ```no_run
+    /// use windswept::{Accelerations, Simulation, glam::DVec3};
+    ///
+    /// /// Draws hair to the plane x = 0, by 100 m/s² a metre.
+    /// fn draw(simulation: &mut Simulation) {
+    ///     simulation.set_force_by(|frame| {
+    ///         let pull = |x: &[f32; 3]| DVec3::new(-100.0 * f64::from(x[0]), 0.0, 0.0);
+    ///         Ok(Accelerations { hair: frame.hair.positions.iter().map(pull).collect(), ..Accelerations::default() })
+    ///     });
+    /// }
+    /// ```
+    ///
     /// An error that it returns ends the stepping there as [`RunError::Callback`]. A checkpoint holds the accelerations that were set
     /// last, and not the function: set it again after [`Self::load`].
     pub fn set_force_by(
