@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import warnings
 
 import numpy as np
 import pytest
@@ -83,6 +84,41 @@ def test_a_file_that_usd_cannot_read_is_a_value_error(tmp_path):
     assert not (tmp_path / "no.npz").exists()
 
 
+def test_a_damaged_part_of_a_file_is_a_value_error(tmp_path):
+    curves = 'def BasisCurves "Hair" {\n int[] curveVertexCounts = [2]\n %s\n uniform token type = "linear"\n %s\n}\n'
+    points = "point3f[] points = [(0, 0, 0), (1, 0, 0)]"
+    # A binary file can hold text that is not UTF-8, where the text format refuses it.
+    (tmp_path / "words.usda").write_text("#usda 1.0\n" + curves % (points, 'string[] primvars:groom_id = ["Quxxyz"]'))
+    assert usd.Stage.Open(str(tmp_path / "words.usda")).GetRootLayer().Export(str(tmp_path / "binary.usdc"))
+    binary = (tmp_path / "binary.usdc").read_bytes()
+    assert binary.count(b"Quxxyz") == 1
+    files = {
+        # USD quotes the byte in its error.
+        "quoted.usda": (b"#usda 1.0\n" + (curves % (points, "")).encode().replace(b"BasisCurves", b"Basis\xf2urves"), r"USD file: .*Basis\\xf2urves"),
+        # A value that USD hands over.
+        "value.usdc": (binary.replace(b"Quxxyz", b"Qux\xedyz"), r"USD file: its text is not UTF-8: Qux\\xedyz"),
+        # What is read after the curves.
+        "axis.usda": (b"#usda 1.0\n(\n upAxis = {}\n)\n" + (curves % (points, "")).encode(), "USD file: .*VtDictionary"),
+        "unit.usda": (b"#usda 1.0\n(\n metersPerUnit = {}\n)\n" + (curves % (points, "")).encode(), "USD file: .*VtDictionary"),
+        "points.usda": (b"#usda 1.0\n" + (curves % ("int points = 3", "")).encode(), r"/Hair: points: expected point3f\[\], found 1 of type"),
+        "kind.usda": (b"#usda 1.0\n" + (curves % (points, "")).encode().replace(b'"linear"', b'"lunear"'), "/Hair: expected curves .*lunear"),
+    }
+    for name, (content, words) in files.items():
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(ValueError, match=f"{name}: .*{words}") as raised:
+            ws.usd.to_npz(tmp_path / name, tmp_path / "no.npz")
+        assert type(raised.value) is ValueError, name
+    assert not (tmp_path / "no.npz").exists()
+
+
+def test_only_errors_of_usd_become_value_errors(tmp_path, monkeypatch):
+    stage_of(tmp_path / "groom.usda", np.zeros((4, 3)), [4])
+    for error in (MemoryError, KeyboardInterrupt, AssertionError):
+        monkeypatch.setattr(UsdGeom, "GetStageUpAxis", lambda stage, error=error: (_ for _ in ()).throw(error()))
+        with pytest.raises(error):
+            ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "no.npz")
+
+
 def test_prims_without_points_are_left_out_by_name(tmp_path):
     points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
     stage = stage_of(tmp_path / "groom.usda", points, [4, 7])
@@ -119,11 +155,63 @@ def test_what_only_some_prims_have_is_left_out_by_name(tmp_path):
     with pytest.warns(UserWarning) as said:
         assert ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "groom.npz") == 4
     assert sorted(str(warning.message).split("groom.usda: ")[1] for warning in said) == [
-        "/Head/Hair has no widths, which is left out of the other prims too",
-        "/Head/Lashes has no groom_id, which is left out of the other prims too",
+        "/Head/Hair has no usable widths, which is left out of the other prims too",
+        "/Head/Lashes has no usable groom_id, which is left out of the other prims too",
     ]
     with np.load(tmp_path / "groom.npz") as file:
         assert sorted(file.files) == ["guides", "meters_per_unit", "offsets", "points"]
+
+
+@pytest.mark.parametrize(
+    ("primvar", "kind", "value", "words"),
+    [
+        ("groom_id", "int[]", [7], r"expected 2 numbers, one for each curve, found 1 of type int\[\]"),
+        ("groom_group_id", "int[]", [1, 2, 3], r"expected 2 numbers, one for each curve, found 3 of type int\[\]"),
+        ("groom_guide", "int", 1, "expected 2 numbers, one for each curve, found 1 of type int"),
+        ("groom_root_uv", "texCoord2f", (0.5, 0.5), "expected 2 pairs of numbers, one for each curve, found 1 of type texCoord2f"),
+        ("groom_root_uv", "float3[]", [(0, 0, 0)] * 2, r"expected 2 pairs of numbers, one for each curve, found 2 of type float3\[\]"),
+        ("surface_uv_coordinate", "float2[]", [(0, 0)] * 11, r"expected 2 pairs of numbers, .*, found 11 of type float2\[\]"),
+        ("widths", "float[]", [0.1, 0.2, 0.3], r"expected 11, 2 or 1 numbers, for each point, each curve or all, found 3 of type float\[\]"),
+    ],
+)
+def test_what_is_not_one_for_each_curve_is_left_out_by_name(tmp_path, primvar, kind, value, words):
+    points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
+    stage = stage_of(tmp_path / "groom.usda", points, [4, 7])
+    hair = UsdGeom.BasisCurves(stage.GetPrimAtPath("/Head/Hair"))
+    for name in ("groom_id", "groom_guide"):
+        hair.GetPrim().RemoveProperty(f"primvars:{name}")
+    if primvar == "widths":
+        hair.GetWidthsAttr().Set(value)
+    else:
+        UsdGeom.PrimvarsAPI(hair).CreatePrimvar(primvar, Sdf.ValueTypeNames.Find(kind), UsdGeom.Tokens.uniform).Set(value)
+    stage.GetRootLayer().Save()
+    with pytest.warns(UserWarning, match=rf"groom.usda: {primvar} is not taken from /Head/Hair \({words}\)$") as said:
+        assert ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "groom.npz") == 2
+    assert len(said) == 1
+    with np.load(tmp_path / "groom.npz") as file:
+        assert sorted(file.files) == ["meters_per_unit", "offsets", "points"]
+
+
+def test_curves_of_a_wrong_number_of_vertices_are_refused(tmp_path):
+    bezier, two = r"3 k \+ 1 vertices \(4, 7, 10 and so on\) of a Bézier curve", "at least 2 vertices"
+    for k, (kind, basis, counts, expected) in enumerate([
+        ("cubic", "bezier", [4, 6], bezier),
+        ("cubic", "bezier", [4, 1], bezier),
+        ("cubic", "bezier", [7, 0], bezier),
+        ("cubic", "catmullRom", [4, 1], two),
+        ("linear", "bezier", [4, 1], two),
+        ("linear", "bezier", [2, 0], two),
+    ]):
+        path = tmp_path / f"{k}.usda"
+        stage_of(path, np.ones((sum(counts), 3)), counts, type=kind, basis=basis)
+        with pytest.raises(ValueError, match=rf"{k}.usda: /Head/Hair: curve 1, counted from 0: expected {expected}, found {counts[1]}$"):
+            ws.usd.to_npz(path, tmp_path / "no.npz")
+    for kind, basis, counts in [("cubic", "bezier", [4, 10]), ("cubic", "catmullRom", [2, 3]), ("linear", "bezier", [2, 6])]:
+        path = tmp_path / f"{kind}_{basis}.usda"
+        stage_of(path, np.ones((sum(counts), 3)), counts, type=kind, basis=basis)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            assert ws.usd.to_npz(path, tmp_path / "groom.npz") == 2
 
 
 def test_curves_of_instances_are_found(tmp_path):
@@ -145,7 +233,7 @@ def test_curves_of_instances_are_found(tmp_path):
 
 def test_counts_below_zero_are_refused(tmp_path):
     points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
-    for counts, words in [([14, -3], "expected curves of 0 or more points, found one of -3"), ([4, 6], "11 points are not the 10 of its curves")]:
+    for counts, words in [([14, -3], "curve 1, counted from 0: expected at least 2 vertices, found -3"), ([4, 6], "11 points are not the 10 of its curves")]:
         (tmp_path / "groom.usda").unlink(missing_ok=True)
         stage_of(tmp_path / "groom.usda", points, counts)
         with pytest.raises(ValueError, match=rf"groom.usda: .*: {words}"):

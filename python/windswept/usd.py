@@ -13,6 +13,8 @@ Blender makes USD of an Alembic file, without a window:
 
 import os
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from os import PathLike
 from types import ModuleType
@@ -31,6 +33,9 @@ _NAMES = {
     "guides": ("groom_guide",),
 }
 
+#: The kinds of NumPy that are numbers: truth values, whole numbers with and without a sign, and real numbers.
+_NUMBERS = "biuf"
+
 #: How many prims a message names at most.
 _MOST_NAMES = 5
 
@@ -42,8 +47,8 @@ def to_npz(path: str | PathLike[str], out: str | PathLike[str], time: float | No
     vertices ("linear", or "catmullRom" that is pinned), and Bézier curves by their points on the curve. Curves keep the order of
     the stage; `groom_id`, `groom_group_id`, `groom_root_uv` and `groom_guide` become ids, groups, root_uv and guides, where every
     prim has them. The unit comes along, and what is up becomes +Y. A `UserWarning` names prims without points, which are left
-    out, says which of these and of the widths are left out since only some prims have them, and says how many curves have an id that a
-    curve before them has: those get new ids.
+    out, says which of these and of the widths are left out since their numbers are not one for each curve or since only some prims have
+    them, and says how many curves have an id that a curve before them has: those get new ids.
 
     usd-core reads the file, and a damaged .usdc can cost it much memory and time: one of 1 kB took 7 GB and 8 s to be refused.
 
@@ -57,22 +62,23 @@ def to_npz(path: str | PathLike[str], out: str | PathLike[str], time: float | No
 
     Raises:
         ModuleNotFoundError: usd-core is not installed.
-        ValueError: the file cannot be read, has no curves, or some that do not go through their vertices.
+        ValueError: the file cannot be read, has no curves, some that do not go through their vertices, or some of a number of vertices
+            that curves of their kind cannot have.
     """
-    Usd, UsdGeom, Tf = _library()
-    try:
+    Usd, UsdGeom, _ = _library()
+    with _errors_of_usd(path):
         stage = Usd.Stage.Open(str(path))
-        parts = _parts(path, stage, time)
-    except Tf.ErrorException as error:
-        # The first of USD's errors is the cause, and the others follow from it.
-        reason = error.args[0].commentary.strip() if os.path.exists(path) else "there is no such file"
-        raise ValueError(f"{path}: expected a USD file: {reason}") from None
+        parts, untaken = _parts(path, stage, time)
+        unit = np.array(UsdGeom.GetStageMetersPerUnit(stage))
+        z_up = UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z
+    for primvar, prims in untaken.items():
+        warnings.warn(f"{path}: {primvar} is not taken from {_listed(prims)}", stacklevel=2)
     arrays: dict[str, Any] = {
         "points": np.concatenate([part["points"] for part in parts.values()]),
         "offsets": np.concatenate([[0], np.cumsum(np.concatenate([part["counts"] for part in parts.values()]))]),
-        "meters_per_unit": np.array(UsdGeom.GetStageMetersPerUnit(stage)),
+        "meters_per_unit": unit,
     }
-    if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z:
+    if z_up:
         x, y, z = arrays["points"].T
         arrays["points"] = np.stack([x, z, -y], axis=1)
     for name, called in {"radius": ("widths",), **_NAMES}.items():
@@ -81,7 +87,7 @@ def to_npz(path: str | PathLike[str], out: str | PathLike[str], time: float | No
             arrays[name] = np.concatenate([part[name] for part in parts.values()])
         elif len(without) < len(parts):
             what = " or ".join(called)
-            warnings.warn(f"{path}: {_listed(without)} has no {what}, which is left out of the other prims too", stacklevel=2)
+            warnings.warn(f"{path}: {_listed(without)} has no usable {what}, which is left out of the other prims too", stacklevel=2)
     if "ids" in arrays:
         arrays["ids"] = _unique(path, arrays["ids"])
     # NumPy appends .npz to a name that ends otherwise, and not to a file.
@@ -95,23 +101,52 @@ def _library() -> tuple[ModuleType, ModuleType, ModuleType]:
     return import_module("pxr.Usd"), import_module("pxr.UsdGeom"), import_module("pxr.Tf")
 
 
-def _parts(path: Any, stage: Any, time: float | None) -> dict[str, dict[str, NDArray[Any]]]:
-    """What each prim of curves has, those of instances too, by its path; prims without points are left out, and a warning names them."""
+@contextmanager
+def _errors_of_usd(path: Any) -> Iterator[None]:
+    """Makes a `ValueError` that names the file of an error that USD raises, and of text that is not UTF-8."""
+    _, _, Tf = _library()
+    try:
+        yield
+        return
+    except Tf.ErrorException as error:
+        reason = _commentary(error) if os.path.exists(path) else "there is no such file"
+    except UnicodeDecodeError as error:
+        reason = f"its text is not UTF-8: {error.object.decode(errors='backslashreplace')}"
+    raise ValueError(f"{path}: expected a USD file: {reason}") from None
+
+
+def _commentary(error: Any) -> str:
+    """What USD says of the first of its errors: that is the cause, and the others follow from it."""
+    try:
+        return str(error.args[0].commentary).strip()
+    except UnicodeDecodeError as undecoded:
+        # USD quotes what it found in the file.
+        return undecoded.object.decode(errors="backslashreplace").strip()
+
+
+def _parts(path: Any, stage: Any, time: float | None) -> tuple[dict[str, dict[str, NDArray[Any]]], dict[str, list[str]]]:
+    """What each prim of curves has, those of instances too, by its path, and from which prims a primvar is not taken, with the reason.
+
+    Prims without points are left out, and a warning names them.
+    """
     Usd, UsdGeom, _ = _library()
     prims = stage.Traverse(Usd.TraverseInstanceProxies())
     found = [UsdGeom.BasisCurves(prim) for prim in prims if prim.IsA(UsdGeom.BasisCurves)]
     if not found:
         raise ValueError(f"{path}: expected BasisCurves, found none")
-    try:
-        parts = {str(curves.GetPath()): _curves(curves, time) for curves in found}
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
+    parts: dict[str, dict[str, NDArray[Any]] | None] = {}
+    untaken: dict[str, list[str]] = {}
+    for curves in found:
+        prim = str(curves.GetPath())
+        parts[prim], reasons = _curves(f"{path}: {prim}", curves, time)
+        for primvar, reason in reasons.items():
+            untaken.setdefault(primvar, []).append(f"{prim} ({reason})")
     empty = [prim for prim, part in parts.items() if part is None]
     if len(empty) == len(found):
         raise ValueError(f"{path}: expected BasisCurves with points, found none in {_listed(empty)}")
     if empty:
         warnings.warn(f"{path}: {_listed(empty)} has no points, and is left out", stacklevel=3)
-    return {prim: part for prim, part in parts.items() if part is not None}
+    return {prim: part for prim, part in parts.items() if part is not None}, untaken
 
 
 def _listed(names: list[str]) -> str:
@@ -136,52 +171,84 @@ def _unique(path: Any, ids: NDArray[Any]) -> NDArray[Any]:
     return unique
 
 
-def _curves(curves: Any, time: float | None) -> dict[str, NDArray[Any]] | None:
-    """Points and what else a prim has, each curve by its points on it, in the world; None without points."""
+def _curves(where: str, curves: Any, time: float | None) -> tuple[dict[str, NDArray[Any]] | None, dict[str, str]]:
+    """What a prim has, and by the name of a primvar why it is not taken.
+
+    It has points, each curve by its points on it, in the world, and what else is one for each curve or point; None without points.
+    `where` names file and prim for an error.
+    """
     Usd, UsdGeom, _ = _library()
-    path = curves.GetPath()
     code = Usd.TimeCode.EarliestTime() if time is None else Usd.TimeCode(time)
-    given = [attribute.Get(code) for attribute in (curves.GetCurveVertexCountsAttr(), curves.GetPointsAttr())]
-    if any(values is None or len(values) == 0 for values in given):
-        return None
-    counts = np.array(given[0], dtype=np.int64)
-    points = np.array(given[1], dtype=np.float64).reshape(-1, 3)
-    if counts.min() < 0:
-        raise ValueError(f"{path}: expected curves of 0 or more points, found one of {counts.min()}")
+    given, placed = curves.GetCurveVertexCountsAttr(), curves.GetPointsAttr()
+    counts, points = _values(given, given.Get(code)), _values(placed, placed.Get(code))
+    if len(counts) == 0 or len(points) == 0:
+        return None, {}
+    if counts.dtype.kind not in "iu" or counts.ndim != 1:
+        raise ValueError(f"{where}: curveVertexCounts: expected int[], found {_described(given, counts)}")
+    if points.dtype.kind != "f" or points.shape[1:] != (3,):
+        raise ValueError(f"{where}: points: expected point3f[], found {_described(placed, points)}")
+    counts, points = counts.astype(np.int64), points.astype(np.float64)
     if counts.sum() != len(points):
-        raise ValueError(f"{path}: {len(points)} points are not the {counts.sum()} of its curves")
-    kind, basis, wrap = (attribute.Get() for attribute in (curves.GetTypeAttr(), curves.GetBasisAttr(), curves.GetWrapAttr()))
-    if wrap == "periodic":
-        raise ValueError(f"{path}: expected curves with two ends, found periodic ones")
-    kept = np.ones(len(points), dtype=bool)
-    if kind == "cubic" and basis == "bezier":
-        # Every third vertex is on the curve, the others are handles.
-        kept = np.concatenate([np.arange(count) % 3 == 0 for count in counts])
-    elif kind == "cubic" and not (basis == "catmullRom" and wrap == "pinned"):
-        raise ValueError(f"{path}: expected curves through their vertices, found {basis} that is {wrap}")
+        raise ValueError(f"{where}: {len(points)} points are not the {counts.sum()} of its curves")
+    kept = _on_curves(where, curves, counts)
     matrix = np.array(UsdGeom.XformCache(code).GetLocalToWorldTransform(curves.GetPrim()))
     # Rows are points: the matrix stands on the right.
     points = points @ matrix[:3, :3] + matrix[3, :3]
     ends = np.concatenate([[0], np.cumsum(counts)])
     found = {"points": points[kept], "counts": np.array([kept[a:b].sum() for a, b in zip(ends, ends[1:])], dtype=np.int64)}
-    widths = curves.GetWidthsAttr().Get(code)
-    if widths is not None and len(widths):
+    untaken: dict[str, str] = {}
+    attribute = curves.GetWidthsAttr()
+    widths = _values(attribute, attribute.Get(code))
+    # How many points a width is for, by how many widths there are: one for each point, each curve, or all.
+    repeats: dict[int, Any] = {len(kept): 1, 1: len(kept), len(counts): counts}
+    if widths.ndim == 1 and widths.dtype.kind in _NUMBERS and len(widths) in repeats:
         scale = abs(np.linalg.det(matrix[:3, :3])) ** (1 / 3)
-        radius = _per_point(np.array(widths, dtype=np.float64), counts, len(kept))
-        if radius is not None:
-            found["radius"] = 0.5 * scale * radius[kept]
+        found["radius"] = 0.5 * scale * np.repeat(widths.astype(np.float64), repeats[len(widths)])[kept]
+    elif len(widths):
+        expected = f"{len(kept)}, {len(counts)} or 1 numbers, for each point, each curve or all"
+        untaken["widths"] = f"expected {expected}, found {_described(attribute, widths)}"
     api = UsdGeom.PrimvarsAPI(curves)
     for name, primvars in _NAMES.items():
-        present = (api.GetPrimvar(primvar) for primvar in primvars)
-        values = (np.array(primvar.ComputeFlattened(code)) for primvar in present if primvar.HasValue())
-        found.update((name, value) for value in values if len(value) == len(counts) and name not in found)
-    return found
+        for primvar in (api.GetPrimvar(each) for each in primvars):
+            if name in found or not primvar.HasValue():
+                continue
+            values = _values(primvar, primvar.ComputeFlattened(code))
+            shape = (len(counts), 2) if name == "root_uv" else (len(counts),)
+            if values.shape == shape and values.dtype.kind in _NUMBERS:
+                found[name] = values
+                continue
+            expected = f"{len(counts)} {'pairs of numbers' if len(shape) == 2 else 'numbers'}, one for each curve"
+            untaken[str(primvar.GetPrimvarName())] = f"expected {expected}, found {_described(primvar, values)}"
+    return found, untaken
 
 
-def _per_point(values: NDArray[np.float64], counts: NDArray[np.int64], points: int) -> NDArray[np.float64] | None:
-    """Values per point, curve or prim as one for each point; None where they are something else."""
-    if len(values) == points:
-        return values
-    if len(values) == len(counts):
-        return np.repeat(values, counts)
-    return np.repeat(values, points) if len(values) == 1 else None
+def _on_curves(where: str, curves: Any, counts: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Which vertices of a prim are points on its curves: all of curves that go through them, and every third of Bézier curves.
+
+    The numbers of vertices that a curve can have are those of `UsdGeomBasisCurves`.
+    """
+    kind, basis, wrap = (attribute.Get() for attribute in (curves.GetTypeAttr(), curves.GetBasisAttr(), curves.GetWrapAttr()))
+    if wrap not in ("nonperiodic", "pinned"):
+        raise ValueError(f"{where}: expected curves with two ends, which are nonperiodic or pinned, found {wrap} ones")
+    bezier = (kind, basis) == ("cubic", "bezier")
+    if kind != "linear" and not bezier and (kind, basis, wrap) != ("cubic", "catmullRom", "pinned"):
+        raise ValueError(f"{where}: expected curves through their vertices, found {kind} {basis} that is {wrap}")
+    wrong = np.flatnonzero((counts < 4) | (counts % 3 != 1) if bezier else counts < 2)
+    if len(wrong):
+        expected = "3 k + 1 vertices (4, 7, 10 and so on) of a Bézier curve" if bezier else "at least 2 vertices"
+        raise ValueError(f"{where}: curve {wrong[0]}, counted from 0: expected {expected}, found {counts[wrong[0]]}")
+    if not bezier:
+        return np.ones(counts.sum(), dtype=bool)
+    return np.concatenate([np.arange(count) % 3 == 0 for count in counts])
+
+
+def _values(attribute: Any, value: Any) -> NDArray[Any]:
+    """What USD gave for an attribute or a primvar, as an array with a row for each value; one without rows where that is nothing."""
+    if value is None:
+        return np.empty(0)
+    return np.atleast_1d(np.array(value if attribute.GetTypeName().isArray else [value]))
+
+
+def _described(attribute: Any, values: NDArray[Any]) -> str:
+    """How many values there are, and of which type the file says that they are."""
+    return f"{len(values)} of type {attribute.GetTypeName()}"
