@@ -193,19 +193,19 @@ def test_what_is_not_one_for_each_curve_is_left_out_by_name(tmp_path, primvar, k
 
 
 def test_curves_of_a_wrong_number_of_vertices_are_refused(tmp_path):
-    bezier, two = r"3 k \+ 1 vertices \(4, 7, 10 and so on\) of a Bézier curve", "at least 2 vertices"
-    for k, (kind, basis, counts, expected) in enumerate([
-        ("cubic", "bezier", [4, 6], bezier),
-        ("cubic", "bezier", [4, 1], bezier),
-        ("cubic", "bezier", [7, 0], bezier),
-        ("cubic", "catmullRom", [4, 1], two),
-        ("linear", "bezier", [4, 1], two),
-        ("linear", "bezier", [2, 0], two),
-    ]):
-        path = tmp_path / f"{k}.usda"
-        stage_of(path, np.ones((sum(counts), 3)), counts, type=kind, basis=basis)
-        with pytest.raises(ValueError, match=rf"{k}.usda: /Head/Hair: curve 1, counted from 0: expected {expected}, found {counts[1]}$"):
+    expected = r"3 k \+ 1 vertices \(4, 7, 10 and so on\) of a Bézier curve"
+    for wrong in 2, 3, 6:
+        path = tmp_path / f"{wrong}.usda"
+        stage_of(path, np.ones((4 + wrong, 3)), [4, wrong], type="cubic", basis="bezier")
+        with pytest.raises(ValueError, match=rf"{wrong}.usda: /Head/Hair: curve 1, counted from 0: expected {expected}, found {wrong}$"):
             ws.usd.to_npz(path, tmp_path / "no.npz")
+    # A curve of one vertex or none is left out where the groom is loaded, as from any other file.
+    for k, (kind, basis, few) in enumerate([("cubic", "bezier", 1), ("cubic", "bezier", 0), ("linear", "bezier", 1)]):
+        path = tmp_path / f"few{k}.usda"
+        stage_of(path, np.cumsum(np.ones((4 + few, 3)), axis=0), [4, few], type=kind, basis=basis)
+        assert ws.usd.to_npz(path, tmp_path / "groom.npz") == 2
+        with pytest.warns(UserWarning, match="1 of fewer than two points"):
+            assert ws.Groom.load(tmp_path / "groom.npz", file_guides=False).ids.tolist() == [9]
     for kind, basis, counts in [("cubic", "bezier", [4, 10]), ("cubic", "catmullRom", [2, 3]), ("linear", "bezier", [2, 6])]:
         path = tmp_path / f"{kind}_{basis}.usda"
         stage_of(path, np.ones((sum(counts), 3)), counts, type=kind, basis=basis)
@@ -233,7 +233,7 @@ def test_curves_of_instances_are_found(tmp_path):
 
 def test_counts_below_zero_are_refused(tmp_path):
     points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
-    for counts, words in [([14, -3], "curve 1, counted from 0: expected at least 2 vertices, found -3"), ([4, 6], "11 points are not the 10 of its curves")]:
+    for counts, words in [([14, -3], "curve 1, counted from 0: expected a number of vertices, found -3"), ([4, 6], "11 points are not the 10 of its curves")]:
         (tmp_path / "groom.usda").unlink(missing_ok=True)
         stage_of(tmp_path / "groom.usda", points, counts)
         with pytest.raises(ValueError, match=rf"groom.usda: .*: {words}"):

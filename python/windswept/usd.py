@@ -233,9 +233,10 @@ def _on_curves(where: str, curves: Any, counts: NDArray[np.int64]) -> NDArray[np
     bezier = (kind, basis) == ("cubic", "bezier")
     if kind != "linear" and not bezier and (kind, basis, wrap) != ("cubic", "catmullRom", "pinned"):
         raise ValueError(f"{where}: expected curves through their vertices, found {kind} {basis} that is {wrap}")
-    wrong = np.flatnonzero((counts < 4) | (counts % 3 != 1) if bezier else counts < 2)
+    # A curve of one vertex or none is a strand that cannot be simulated: the groom leaves it out, and says so.
+    wrong = np.flatnonzero((counts < 0) | (bezier & (counts > 1) & (counts % 3 != 1)))
     if len(wrong):
-        expected = "3 k + 1 vertices (4, 7, 10 and so on) of a Bézier curve" if bezier else "at least 2 vertices"
+        expected = "3 k + 1 vertices (4, 7, 10 and so on) of a Bézier curve" if bezier else "a number of vertices"
         raise ValueError(f"{where}: curve {wrong[0]}, counted from 0: expected {expected}, found {counts[wrong[0]]}")
     if not bezier:
         return np.ones(counts.sum(), dtype=bool)
