@@ -14,7 +14,12 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = invocation(id, groups);
-    if i >= params.particles || status.ended != 0u { return; }
+    if i >= params.particles { return; }
+    let bad = is_air(i) && !(finite3(predicted[i].xyz) && finite3(final_velocity[i].xyz));
+    let outside = !is_air(i) && params.box_cells > 0u && !in_box(cell_of(predicted[i].xyz));
+    // The first particle speaks for all. Few others have something to say, and only those ask for the status.
+    if !(i == 0u || bad || outside) { return; }
+    if status.ended != 0u { return; }
     if list_too_short() {
         // The scratch arrays mean nothing.
         freeze(NEIGHBOUR_OVERFLOW);
@@ -23,10 +28,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if i == 0u && atomicLoad(&status.bad_strands) > params.bad_strand_limit {
         freeze(TOO_MANY_BAD_STRANDS);
     }
-    if !is_air(i) && params.box_cells > 0u && !in_box(cell_of(predicted[i].xyz)) {
+    if outside {
         atomicAdd(&status.hair_outside, 1u);
     }
-    if is_air(i) && !(finite3(predicted[i].xyz) && finite3(final_velocity[i].xyz)) {
+    if bad {
         freeze(NON_FINITE_AIR);
         atomicMin(&status.first_bad_air, air_id[i - params.hair_points]);
     }
