@@ -28,6 +28,7 @@ mod scene;
 mod solid;
 mod strand;
 mod triangles;
+mod units;
 mod warnings;
 mod wind;
 mod write;

@@ -16,6 +16,7 @@ use crate::{
     scatter::Areas,
     scene::Up,
     triangles::{DistanceGrid, Triangles, cache},
+    units::with_scale,
 };
 
 /// Cells that a grid reaches beyond its surface: half a particle spacing of air is within, where distances are those of the surface.
@@ -23,10 +24,7 @@ const MARGIN: f64 = 10.0;
 
 /// Longest sides between which a mesh may well be what its scale makes of it \[m\]. Where the grid of a larger one has too many nodes,
 /// its scale may be that of other units.
-const LIKELY: RangeInclusive<f64> = 0.05..=2.0;
-/// Metres of units that mesh files are in, where they are not in metres.
-const UNITS: [(f64, &str); 4] =
-    [(0.1, "decimetres"), (0.0254, "inches"), (0.01, "centimetres"), (0.001, "millimetres")];
+pub(crate) const LIKELY: RangeInclusive<f64> = 0.05..=2.0;
 
 /// A mesh file, and how its triangles become a solid.
 #[derive(Debug, Clone, PartialEq)]
@@ -286,7 +284,10 @@ impl Content {
         let grid = cache::bake(&surface, spacing, MARGIN * spacing);
         let size = surface.size();
         let grid = grid.map_err(|error| match (size > *LIKELY.end(), file.resolution) {
-            (true, None) => error.at("scale", None).with_help(of_scale(size, scale)),
+            (true, None) => error.at("scale", None).with_help(format!(
+                "the mesh is {}. For one that is so large, give a larger resolution",
+                with_scale(size, scale, &LIKELY)
+            )),
             // The key that makes the grid, if somebody wrote it.
             (_, resolution) => error.at(if resolution.is_some() { "resolution" } else { "file" }, None),
         })?;
@@ -294,15 +295,4 @@ impl Content {
         let covered = (1.0 - triangles.area() / surface.area()).max(0.0);
         Ok(Self { triangles, holes, covered, grid, inradius })
     }
-}
-
-/// What size a mesh would have in other units, where its scale may be that of the wrong one, and what else makes its grid smaller.
-fn of_scale(size: f64, scale: f64) -> String {
-    let others = UNITS.iter().map(|(other, unit)| (other, unit, size * other / scale));
-    let others = others.filter(|(.., size)| LIKELY.contains(size));
-    let others: Vec<_> = others.map(|(other, unit, size)| format!("{size:.3} m with {other}, of {unit}")).collect();
-    let or = if others.is_empty() { String::new() } else { format!("; it would be {}", others.join(", ")) };
-    format!(
-        "the mesh is {size:.3} m large with a scale of {scale}{or}. For one that is so large, give a larger resolution"
-    )
 }

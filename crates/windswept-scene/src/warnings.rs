@@ -9,6 +9,8 @@ use crate::{
     limits::MOST_REPEATS,
     reach,
     scene::{Air, Bounds, FRICTION, FluidSolver, Model, Scene},
+    solid,
+    units::with_scale,
 };
 
 /// Kernel radii in particle spacings between which the density constraint was tried; the paper's is 1.92.
@@ -223,9 +225,9 @@ pub(crate) fn of_meshes(scene: &Scene) -> Vec<String> {
     for (name, solid) in scene.bodies.iter().filter_map(|body| Some((&body.name, body.shape.solid()?))) {
         let (size, covered) = (solid.size(), solid.covered());
         if size < SMALLEST_MESH {
-            let scale = solid.file().scale;
-            let scale = scale.map_or("the scale of its file".to_owned(), |scale| format!("a scale of {scale}"));
-            warnings.push(format!("body.{name}: the mesh is {size:.1e} m large with {scale}: 1 is that of metres"));
+            // A file that says its unit is in metres.
+            let scale = solid.file().scale.unwrap_or(1.0);
+            warnings.push(format!("body.{name}: the mesh is {}", with_scale(size, scale, &solid::LIKELY)));
         }
         if covered > MUCH_COVERED {
             warnings.push(format!(

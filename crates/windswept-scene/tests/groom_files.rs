@@ -312,6 +312,21 @@ fn what_cannot_be_a_strand_is_left_out_and_counted() {
     assert!(error.message().contains("expected strands that can be simulated"), "{error}");
 }
 
+/// A file whose strands are longer or shorter than hair is told how long they would be in other units.
+#[test]
+fn files_in_another_unit_are_told() {
+    let folder = Folder::new();
+    let strand = |x: f32| (0..4).map(|k| [x, -0.1 * k as f32, 0.0]).collect::<Vec<_>>();
+    let path = folder.write("some.hair", &hair_file(&[strand(0.0), strand(1.0), strand(2.0)], None));
+    let notes =
+        |scale: f64| GroomFile { scale: Some(scale), ..GroomFile::new(path.to_string_lossy()) }.curves(1).unwrap().1;
+    let long = "are at least 3.000 m with a scale of 10; it would be 0.300 m with 1, of metres, 0.030 m with 0.1, of decimetres, 0.008 m";
+    assert!(notes(10.0)[0].contains(long), "{:?}", notes(10.0));
+    let short = "some.hair are at least 3.0e-4 m with a scale of 0.001; it would be 0.300 m with 1, of metres";
+    assert!(notes(1e-3)[0].contains(short), "{:?}", notes(1e-3));
+    assert!(notes(1.0).is_empty() && notes(5.0).is_empty() && notes(0.01).is_empty());
+}
+
 /// Points placed anew are equally far apart along the strand, on it, from root to tip.
 #[test]
 fn points_are_placed_evenly() {

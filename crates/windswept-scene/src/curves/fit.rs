@@ -1,7 +1,7 @@
 //! Curves made fit to be simulated: in metres and Y up, without strands that cannot be, as many strands and points as asked
 //! for.
 
-use std::fmt;
+use std::{fmt, ops::RangeInclusive};
 
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
@@ -15,10 +15,14 @@ use crate::{
     keys::{Key, Kind},
     limits::{MOST_CURVE_POINTS, MOST_HAIR_POINTS, MOST_POINTS_OF_A_STRAND},
     scene::{GroomFile, Up},
+    units::with_scale,
 };
 
 /// Radii that a hair may have \[m\]: a file's that are not, on average, were meant for a renderer.
-const RADII: std::ops::RangeInclusive<f64> = 15e-6..=150e-6;
+const RADII: RangeInclusive<f64> = 15e-6..=150e-6;
+/// Lengths of the median strand of a file that nothing is said of, and those with which another unit is likely \[m\].
+const LENGTHS: RangeInclusive<f64> = 1e-3..=2.0;
+const LIKELY: RangeInclusive<f64> = 5e-3..=1.0;
 
 /// Strands of a file that cannot be simulated, by the reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -313,13 +317,22 @@ impl GroomFile {
     /// # Errors
     /// As [`Curves::load`]; where no unit is known; where no strand is left to be simulated.
     pub fn curves(&self, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
-        let mut loaded = self.loaded()?;
+        let (mut loaded, scale) = self.loaded()?;
         if !self.file_guides {
             loaded.guides.clear();
         }
         let mut notes = self.notes_of(&loaded, true);
         let (curves, more) = self.fit(loaded, true, seed).map_err(|error| error.of(&self.file, ""))?;
         notes.extend(more);
+        let mut sorted: Vec<f64> = (0..curves.len()).map(|s| lengths(curves.strand(s)).sum()).collect();
+        sorted.sort_by(f64::total_cmp);
+        if let Some(median) = sorted.get(sorted.len() / 2).filter(|median| !LENGTHS.contains(median)) {
+            notes.push(format!(
+                "half of the strands of {} are at least {}",
+                self.file,
+                with_scale(*median, scale, &LIKELY)
+            ));
+        }
         Ok((curves, notes))
     }
 
@@ -341,8 +354,8 @@ impl GroomFile {
         notes
     }
 
-    /// All curves of the file, in metres and Y up.
-    fn loaded(&self) -> Result<Curves, SceneError> {
+    /// All curves of the file, in metres and Y up, and what the metres per unit were.
+    fn loaded(&self) -> Result<(Curves, f64), SceneError> {
         self.checked_in_code()?;
         let curves = Curves::load(&self.file, self.points_per_strand)?;
         let fault = |words: String| SceneError::new(words).of(&self.file, "");
@@ -350,7 +363,7 @@ impl GroomFile {
             let fault = fault(no_unit(curves.bounds())).at("scale", None);
             return Err(fault.with_help("give scale, the metres per unit"));
         };
-        Ok(curves.in_metres(scale, self.up))
+        Ok((curves.in_metres(scale, self.up), scale))
     }
 
     /// How many strands of the file are simulated, and the curves of [`Self::curves`] where those are more: the others follow.
