@@ -231,3 +231,22 @@ fn samples(hair: &HairFrame) -> u32 {
     let between = (FEWEST_POINTS.div_ceil(segments)).max((mean / ROUND).ceil() as u32).clamp(1, MOST_BETWEEN);
     segments * between + 1
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each point of a strand is one of those that its hair is drawn with, and a strand of few points is drawn with more.
+    #[test]
+    fn points_of_strands_are_drawn() {
+        for points in [2, 3, 10, 34, 100] {
+            let positions = (0..points).map(|k| [0.0, -0.001 * k as f32, 0.0]).collect();
+            let drawn = samples(&HairFrame { positions, offsets: vec![0, points], ..HairFrame::default() });
+            assert_eq!((drawn - 1) % (points - 1), 0, "{drawn} of {points} points");
+            assert!(
+                drawn >= points && drawn > FEWEST_POINTS.min(MOST_BETWEEN * (points - 1)),
+                "{drawn} of {points} points"
+            );
+        }
+    }
+}
