@@ -6,10 +6,12 @@
 // A pair that was not nearer than the kernel radius when the list was made does not meet, wherever it is by now.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}};
 import package::common::lanes::{Near, LANES, lane_of, show, shown_by, largest_of_all};
-import package::common::list::{HEADER, BATCH, NOBODY, INDEX, IMAGE_BITS, FRAME_BITS, FAR};
+import package::common::list::{PARTICLES, BATCHES, GROUP, NOBODY, INDEX, IMAGE_BITS, FRAME_BITS, FAR, groups_of};
+import package::common::pairs::{here, slope_now, slopes_over};
+import package::common::pairs::{Pair, stand, meet_four};
 import package::pass::{see, meet};
 
-@group(0) @binding(20) var<storage, read> neighbour_list: array<u32>;
+@group(0) @binding(20) var<storage, read> neighbour_list: array<vec4u>;
 
 struct Cluster {
     first: u32,    // word of its first particle
@@ -33,15 +35,20 @@ fn take_particle(entry: u32, local: u32) -> u32 {
     cluster = Cluster();
     let c = entry / LANES;
     if c < params.clusters {
-        let own = neighbour_list[HEADER * c + 1u];
-        let moved = vec3u(own >> FRAME_BITS, own >> (FRAME_BITS + 1u), own >> (FRAME_BITS + 2u)) & vec3u(1u);
+        let header = neighbour_list[c];
+        let moved = vec3u(header.y >> FRAME_BITS, header.y >> (FRAME_BITS + 1u), header.y >> (FRAME_BITS + 2u)) & vec3u(1u);
         frame = box * vec3f(moved);
-        cluster = Cluster(neighbour_list[HEADER * c], own & ((1u << FRAME_BITS) - 1u), neighbour_list[HEADER * c + 2u]);
+        cluster = Cluster(header.x, header.y & ((1u << FRAME_BITS) - 1u), header.z);
+        member = header.w;
     }
-    let own = neighbour_list[cluster.first + lane_of(local)];
-    member = select(neighbour_list[cluster.first], 0u, cluster.first == 0u);
+    let own = word_of(cluster.first, lane_of(local));
     nobody = cluster.first == 0u || own == NOBODY;
     return select(own, member, nobody);
+}
+
+// A word of two elements of the list, the invocation's own of eight.
+fn word_of(first: u32, lane: u32) -> u32 {
+    return neighbour_list[first + (lane >> 2u)][lane & 3u];
 }
 
 fn has_none() -> bool {
@@ -57,48 +64,57 @@ fn of_air(id: vec3u, groups: vec3u) -> u32 {
     return LANES * params.hair_clusters + invocation(id, groups);
 }
 
-// Meets those of the own kind, or all unless the model is TWO_WAY.
-fn meet_own_kind() {
-    meet_batches(cluster.first + LANES, cluster.own);
+// Meets those of the own kind, or all unless the model is TWO_WAY, from where the particle is.
+fn meet_own_kind(at: vec3f) {
+    stand(at - frame);
+    meet_batches(cluster.first + PARTICLES, cluster.own);
 }
 
-// Meets those of the other kind, if the model is TWO_WAY.
-fn meet_other_kind() {
-    meet_batches(cluster.first + LANES + BATCH * cluster.own, cluster.others);
+// Meets those of the other kind, if the model is TWO_WAY, from where the particle is.
+fn meet_other_kind(at: vec3f) {
+    stand(at - frame);
+    meet_batches(cluster.first + PARTICLES + GROUP * groups_of(cluster.own), cluster.others);
 }
 
 fn meet_batches(first: u32, count: u32) {
     let lane = lane_of(place);
     let batches = largest_of_all(place, count);
     var at = first;
-    for (var b = 0u; b < batches; b++) {
-        let there = b < count;
-        let batch = select(0u, at, there);
-        let bytes = neighbour_list[batch + LANES + (lane >> 2u)];
-        meets = select(0u, bytes >> (8u * (lane & 3u)), there);
-        show(place, seen(batch, lane, there));
-        meet_one(0u);
-        meet_one(1u);
-        meet_one(2u);
-        meet_one(3u);
-        meet_one(4u);
-        meet_one(5u);
-        meet_one(6u);
-        meet_one(7u);
-        at += BATCH;
+    for (var b = 0u; b < batches; b += BATCHES) {
+        let group = select(0u, at, b < count);
+        var entries = neighbour_list[group + lane];
+        meets = word_of(group + LANES, lane);
+        let end = min(b + BATCHES, batches);
+        for (var k = b; k < end; k++) {
+            let there = k < count;
+            meets = select(0u, meets, there);
+            show(place, seen(entries.x, there));
+            let first = meet_four(shown_to(0u), shown_to(1u), shown_to(2u), shown_to(3u));
+            let second = meet_four(shown_to(4u), shown_to(5u), shown_to(6u), shown_to(7u));
+            meet(first.a);
+            meet(first.b);
+            meet(first.c);
+            meet(first.d);
+            meet(second.a);
+            meet(second.b);
+            meet(second.c);
+            meet(second.d);
+            entries = entries.yzww;
+            meets >>= 8u;
+        }
+        at += GROUP;
     }
 }
 
-// Meets the one that another of the eight has read, if it is a neighbour: else it is far.
-fn meet_one(other: u32) {
+// The one that another of the eight has read, if it is a neighbour: else it is far.
+fn shown_to(other: u32) -> Near {
     var near = shown_by(other);
     near.at.x = select(FAR, near.at.x, (meets & (1u << other)) != 0u);
-    meet(near);
+    return near;
 }
 
-// What this invocation reads of a batch.
-fn seen(batch: u32, lane: u32, there: bool) -> Near {
-    let entry = neighbour_list[batch + lane];
+// What this invocation reads of a batch: who its entry says.
+fn seen(entry: u32, there: bool) -> Near {
     let none = !there || entry == NOBODY;
     var near = see(select(entry & INDEX, member, none));
     let image = vec3u(entry >> IMAGE_BITS, entry >> (IMAGE_BITS + 2u), entry >> (IMAGE_BITS + 4u)) & vec3u(3u);

@@ -8,7 +8,7 @@ import package::common::dispatch::WORKGROUP;
 
 const LANES: u32 = 8u;             // invocations that work together, and particles of a cluster
 
-// A particle as others meet it.
+// A particle as its cluster reads it for all eight.
 struct Near {
     index: u32,      // of the particle
     at: vec3f,       // m, where it is as seen from whoever meets it
@@ -119,8 +119,8 @@ fn votes(local: u32, yes: bool) -> u32 {
     return joined(local, u32(yes) << lane_of(local));
 }
 
-// Turns a square of bits: bit k of the byte that belongs to an invocation is the bit with its own number of what another of the
-// eight has, of the one whose place differs in the bits of k. Bytes of four invocations are in one word, which all four get.
+// Turns a square of bits: bit k of the byte that an invocation gets is the bit with its own number of what another of the eight has, of
+// the one whose place differs in the bits of k.
 @if(subgroups)
 fn turned(local: u32, bits: u32) -> u32 {
     let lane = lane_of(local);
@@ -132,9 +132,7 @@ fn turned(local: u32, bits: u32) -> u32 {
     byte |= ((subgroupShuffleXor(bits, 5u) >> lane) & 1u) << 5u;
     byte |= ((subgroupShuffleXor(bits, 6u) >> lane) & 1u) << 6u;
     byte |= ((subgroupShuffleXor(bits, 7u) >> lane) & 1u) << 7u;
-    var word = byte << (8u * (lane & 3u));
-    word |= subgroupShuffleXor(word, 1u);
-    return word | subgroupShuffleXor(word, 2u);
+    return byte;
 }
 @if(!subgroups)
 fn turned(local: u32, bits: u32) -> u32 {
@@ -142,14 +140,11 @@ fn turned(local: u32, bits: u32) -> u32 {
     all_counts[local] = bits;
     workgroupBarrier();
     let lane = lane_of(local);
-    let half = lane & 4u;   // of the eight
-    var word = 0u;
-    for (var k = 0u; k < 4u * LANES; k++) {
-        let other = half + k / LANES;
-        let one = (all_counts[local - lane + (other ^ (k % LANES))] >> other) & 1u;
-        word |= one << k;
+    var byte = 0u;
+    for (var k = 0u; k < LANES; k++) {
+        byte |= ((all_counts[local ^ k] >> lane) & 1u) << k;
     }
-    return word;
+    return byte;
 }
 
 // Every bit that any of those that work in step with this invocation has.

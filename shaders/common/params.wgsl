@@ -18,7 +18,7 @@ struct Params {
     first_sorted: u32,            // particle from which on all are sorted into cells: 0, or air's first
     clusters: u32,                // most clusters of the neighbour list; 0 where it is not made from these cells
     hair_clusters: u32,           // of them hair's, which come first
-    neighbour_capacity: u32,      // entries of the list
+    neighbour_capacity: u32,      // elements of the list
     newton_steps: u32,            // of one dispatch of the rods' direct solver, at most
     rod_sweeps: u32,              // of one dispatch of Gauss-Seidel
     air_inverse_mass: f32,        // 1/kg

@@ -23,7 +23,7 @@ struct Status {
     causes: atomic<u32>,              // bits above
     step: u32,                        // committed engine steps
     ended: u32,                       // 1 once a step that froze has ended: those submitted with it find nothing out
-    neighbours: atomic<u32>,          // entries the list needs in this step, the low half of 64 bits
+    neighbours: atomic<u32>,          // elements the list needs in this step, the low half of 64 bits
     neighbour_carries: atomic<u32>,   // the high half
     bad_strands: atomic<u32>,         // non-finite in this step
     first_bad_strand: atomic<u32>,    // smallest index, in this step

@@ -4,7 +4,7 @@
 //
 // Jacobi: everyone's position is read, only `move` changes it.
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, matter::inverse_mass_of, pairs::{Pairs, pairs_of, gradient_apart},
+    params::params, dispatch::WORKGROUP, lanes::Near, matter::inverse_mass_of, pairs::{Pair, gradient_apart},
     clusters::{take_particle, has_none, of_all, meet_own_kind},
 };
 
@@ -12,7 +12,6 @@ import package::common::{
 @group(0) @binding(4) var<storage, read>       multiplier: array<f32>;
 @group(0) @binding(5) var<storage, read_write> shift:      array<vec4f>;   // m, of this iteration; w: multiplier times relaxation
 
-var<private> pairs: Pairs;
 var<private> own_index: u32;
 var<private> volume: f32;
 var<private> lambda: f32;
@@ -23,8 +22,8 @@ fn see(j: u32) -> Near {
     return Near(j, other.xyz, other.w, vec4f(multiplier[j]), vec4f());
 }
 
-fn meet(other: Near) {
-    let gradient = gradient_apart(pairs, own_index, other.index, pairs.own - other.at);
+fn meet(other: Pair) {
+    let gradient = gradient_apart(other, own_index);
     sum += (lambda * other.volume + other.value.x * volume) * gradient;
 }
 
@@ -35,11 +34,10 @@ fn main(
 ) {
     let i = take_particle(of_all(id, groups), local);
     let own = predicted[i];
-    pairs = pairs_of(own.xyz);
     own_index = i;
     volume = own.w;
     lambda = multiplier[i];
-    meet_own_kind();
+    meet_own_kind(own.xyz);
     if has_none() { return; }
     shift[i] = vec4f(params.relaxation * inverse_mass_of(i) * sum, params.relaxation * lambda);
 }

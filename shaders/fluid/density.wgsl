@@ -5,15 +5,14 @@
 //
 // Negative C (a void) counts with `tension`.
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, matter::inverse_mass_of,
-    pairs::{Pairs, pairs_of, gradient_apart, kernel_at}, clusters::{take_particle, has_none, of_all, meet_own_kind},
+    params::params, dispatch::WORKGROUP, lanes::Near, sph_kernels::poly6_factor, matter::inverse_mass_of,
+    pairs::{Pair, gradient_apart}, clusters::{take_particle, has_none, of_all, meet_own_kind},
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:  array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(4) var<storage, read_write> density:    array<f32>;     // rho / rho_0
 @group(0) @binding(5) var<storage, read_write> multiplier: array<f32>;     // lambda [kg m^2]
 
-var<private> pairs: Pairs;
 var<private> own_index: u32;
 var<private> ratio: f32;
 var<private> own_gradient: vec3f;
@@ -24,10 +23,9 @@ fn see(j: u32) -> Near {
     return Near(j, other.xyz, other.w, vec4f(inverse_mass_of(j)), vec4f());
 }
 
-fn meet(other: Near) {
-    let gap = pairs.own - other.at;
-    ratio += other.volume * kernel_at(pairs, gap);
-    let gradient = other.volume * gradient_apart(pairs, own_index, other.index, gap);
+fn meet(other: Pair) {
+    ratio += other.volume * other.kernel;
+    let gradient = other.volume * gradient_apart(other, own_index);
     own_gradient += gradient;
     others += other.value.x * dot(gradient, gradient);
 }
@@ -40,9 +38,8 @@ fn main(
     let i = take_particle(of_all(id, groups), local);
     own_index = i;
     let own = predicted[i];
-    pairs = pairs_of(own.xyz);
-    ratio = own.w * pairs.height;
-    meet_own_kind();
+    ratio = own.w * poly6_factor();
+    meet_own_kind(own.xyz);
     if has_none() { return; }
     let error = ratio - 1.0;
     let constraint = max(error, 0.0) + params.tension * min(error, 0.0);

@@ -6,8 +6,8 @@
 // Particles that crowd see the same divergence, and would all take it out: theta is their density over that at rest.
 // Where air is missing lambda_i is at most 0: what flies apart there is not pulled together.
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pairs, pairs_of, gradient_to},
-    clusters::{take_particle, has_none, meet_own_kind}, pressure::{Pressed, Gradients, Stress, allowed, of_flow, times},
+    params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pair, gradient_to},
+    clusters::{take_particle, has_none, meet_own_kind}, pressure::{Pressed, Gradients, Stress, allowed, of_flow},
 };
 
 struct Iteration {
@@ -22,20 +22,21 @@ struct Iteration {
 @group(0) @binding(7) var<storage, read_write> pressed:      array<Pressed>;
 @group(0) @binding(8) var<storage, read_write> stress:       array<Stress>;
 
-var<private> pairs: Pairs;
 var<private> velocity: vec3f;
-var<private> diagonal: vec3f;       // of B
+// Symmetric part of sum_j V_j (v_i - v_j) (x) grad_i W [1/s]: xx, yy, zz; twice yz, zx, xy. B_i is taken times all of it at once.
+var<private> diagonal: vec3f;
 var<private> off_diagonal: vec3f;
-var<private> sum: f32;
 
 fn see(j: u32) -> Near {
     let other = predicted[j];
     return Near(j, other.xyz, other.w, new_velocity[j], vec4f());
 }
 
-fn meet(other: Near) {
-    let gradient = gradient_to(pairs, other);
-    sum += dot(velocity - other.value.xyz, times(diagonal, off_diagonal, gradient));
+fn meet(other: Pair) {
+    let gradient = gradient_to(other);
+    let slower = velocity - other.value.xyz;
+    diagonal += slower * gradient;
+    off_diagonal += slower.yzx * gradient.zxy + slower.zxy * gradient.yzx;
 }
 
 const CROWD: f32 = 0.8;   // a crowd counts beyond 1.25 of the rest density: so much more than air's the iterations bear
@@ -47,13 +48,11 @@ fn main(
 ) {
     let i = take_particle(of_flow(id, groups), local);
     let own = predicted[i];
-    pairs = pairs_of(own.xyz);
     velocity = new_velocity[i].xyz;
-    let at = gradients[i];
-    diagonal = at.diagonal;
-    off_diagonal = at.off_diagonal;
-    meet_own_kind();
+    meet_own_kind(own.xyz);
     if has_none() { return; }
+    let at = gradients[i];
+    let sum = dot(at.diagonal, diagonal) + dot(at.off_diagonal, off_diagonal);
     let before = allowed(pressed[i].pressure, density[i]);
     let relaxation = iteration.relaxation / max(1.0, CROWD * density[i]);
     let after = allowed(before - relaxation * sum / at.response, density[i]);

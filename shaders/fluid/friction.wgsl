@@ -9,7 +9,7 @@
 // 2014, eq. 24), with the constraint's own impulse p for the depth. The grip g is the spring of Cundall & Strack (1979), kept
 // by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, lanes::Near, rub::{Rub, pressed},
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, lanes::Near, pairs::Pair, rub::{Rub, pressed},
     clusters::{take_particle, has_none, of_all, meet_own_kind}, owner::{Points, points_with, holds},
 };
 
@@ -42,8 +42,8 @@ fn see(j: u32) -> Near {
     return Near(j, other.xyz, other.w, vec4f(rub.pull, rub.multiplier), vec4f(squeezed[j], rub.friction, 0.0, 0.0));
 }
 
-fn meet(other: Near) {
-    let gap = x.xyz - other.at;
+fn meet(other: Pair) {
+    let gap = other.gap;
     let both = own_squeezed + other.more.x;
     if both == 0.0 || dot(gap, gap) == 0.0 || holds(own_strand, other.index) { return; }
     let squeeze = pressed(own.multiplier, x.w, other.value.w, other.volume, length(gap));
@@ -70,7 +70,7 @@ fn main(
     x = predicted[i];
     own = rubbing[i];
     own_squeezed = squeezed[i];
-    meet_own_kind();
+    meet_own_kind(x.xyz);
     if has_none() { return; }
     shift[i] = vec4f(params.step * own.inverse_mass * change, 0.0);
     let kept = grip[i].xyz + own.inverse_mass * slid;

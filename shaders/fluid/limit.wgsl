@@ -1,7 +1,7 @@
 // How much of its velocity a particle would exchange in one XSPH update, S_i = sum_j c_ij w_ij. Where S exceeds 1 the
 // update would overshoot; `viscosity` divides by it, for both partners alike. The sum is over the pairs of `viscosity`.
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, matter::{Exchange, viscosity_of}, pairs::{Pairs, pairs_of, kernel_to},
+    params::params, dispatch::WORKGROUP, lanes::Near, matter::{Exchange, viscosity_of}, pairs::Pair,
     clusters::{take_particle, has_none, of_all, meet_own_kind}, owner::{Points, points_with, holds},
 };
 
@@ -9,7 +9,6 @@ import package::common::{
 @group(0) @binding(3) var<storage, read>       density:   array<f32>;     // rho / rho_0
 @group(0) @binding(5) var<storage, read_write> exchange:  array<Exchange>;
 
-var<private> pairs: Pairs;
 var<private> own_strand: Points;
 var<private> root: f32;        // of the volume [m^(3/2)]
 var<private> coefficient: f32;
@@ -22,8 +21,8 @@ fn see(j: u32) -> Near {
     return Near(j, other.xyz, sqrt(other.w), vec4f(density[j], viscosity_of(j) + exchange[j].eddies, 0.0, 0.0), vec4f());
 }
 
-fn meet(other: Near) {
-    let weight = 2.0 * root * other.volume * kernel_to(pairs, other) / (thickness + other.value.x);
+fn meet(other: Pair) {
+    let weight = 2.0 * root * other.volume * other.kernel / (thickness + other.value.x);
     sum += select(min(coefficient, other.value.y) * weight, 0.0, holds(own_strand, other.index));
 }
 
@@ -34,12 +33,11 @@ fn main(
 ) {
     let i = take_particle(of_all(id, groups), local);
     let own = predicted[i];
-    pairs = pairs_of(own.xyz);
     own_strand = points_with(i);
     coefficient = viscosity_of(i) + exchange[i].eddies;
     root = sqrt(own.w);
     thickness = density[i];
-    meet_own_kind();
+    meet_own_kind(own.xyz);
     if has_none() { return; }
     exchange[i].share = sum;
 }

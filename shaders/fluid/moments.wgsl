@@ -7,7 +7,7 @@
 //
 // With it the push of the pressure that the step before left, lambda B/V.
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pairs, pairs_of, slope_at, kernel_at},
+    params::params, dispatch::WORKGROUP, lanes::Near, sph_kernels::poly6_factor, pairs::Pair,
     clusters::{take_particle, has_none, meet_own_kind}, pressure::{Pressed, Gradients, Stress, allowed, of_flow, share_of},
 };
 
@@ -21,7 +21,6 @@ const LARGEST: f32 = 6.0;     // trace of B above which it is not taken
 @group(0) @binding(6) var<storage, read_write> gradients: array<Gradients>;
 @group(0) @binding(7) var<storage, read_write> stress:    array<Stress>;
 
-var<private> pairs: Pairs;
 var<private> theta: f32;
 var<private> sum: vec3f;
 // Sums of symmetric matrices, times gap (x) gap: xx, yy, zz; yz, zx, xy.
@@ -35,10 +34,10 @@ fn see(j: u32) -> Near {
     return Near(j, other.xyz, other.w, vec4f(share_of(j)), vec4f());
 }
 
-fn meet(other: Near) {
-    let gap = pairs.own - other.at;
-    let slope = other.volume * slope_at(pairs, gap);   // V_j grad_i W is this times the gap
-    theta += other.volume * kernel_at(pairs, gap);
+fn meet(other: Pair) {
+    let gap = other.gap;
+    let slope = other.volume * other.slope;   // V_j grad_i W is this times the gap
+    theta += other.volume * other.kernel;
     sum += slope * gap;
     let diagonal = gap * gap;
     let off_diagonal = gap.yzx * gap.zxy;
@@ -72,10 +71,9 @@ fn main(
 ) {
     let i = take_particle(of_flow(id, groups), local);
     let own = predicted[i];
-    pairs = pairs_of(own.xyz);
     moment = vec3f(FLOOR);
-    theta = own.w * pairs.height;
-    meet_own_kind();
+    theta = own.w * poly6_factor();
+    meet_own_kind(own.xyz);
     if has_none() { return; }
     let b = corrected(matrix(moment, moment_off));
     let turned = b * sum;

@@ -4,7 +4,7 @@
 //
 // With the pressures that the step before left, and with each that an iteration adds.
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pairs, pairs_of, gradient_to},
+    params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pair, gradient_to},
     clusters::{take_particle, has_none, meet_own_kind}, pressure::{Pressed, Stress, of_flow, share_of, times},
 };
 
@@ -13,7 +13,6 @@ import package::common::{
 @group(0) @binding(5) var<storage, read_write> new_velocity: array<vec4f>;   // m/s
 @group(0) @binding(6) var<storage, read_write> pressed:      array<Pressed>;
 
-var<private> pairs: Pairs;
 var<private> gradients: vec3f;   // sum_j V_j grad_i W [1/m]
 var<private> pushes: vec3f;      // sum_j lambda_j B_j/V_j V_j grad_i W
 
@@ -22,8 +21,8 @@ fn see(j: u32) -> Near {
     return Near(j, other.xyz, other.w, vec4f(stress[j].diagonal, 0.0), vec4f(stress[j].off_diagonal, 0.0));
 }
 
-fn meet(other: Near) {
-    let gradient = gradient_to(pairs, other);
+fn meet(other: Pair) {
+    let gradient = gradient_to(other);
     gradients += gradient;
     pushes += times(other.value.xyz, other.more.xyz, gradient);
 }
@@ -35,8 +34,7 @@ fn main(
 ) {
     let i = take_particle(of_flow(id, groups), local);
     let own = predicted[i];
-    pairs = pairs_of(own.xyz);
-    meet_own_kind();
+    meet_own_kind(own.xyz);
     if has_none() { return; }
     let of_own = times(stress[i].diagonal, stress[i].off_diagonal, gradients);
     let change = share_of(i) * own.w * (of_own + pushes);

@@ -20,7 +20,7 @@
 //
 // After Xu, Stansby & Laurence (2009) and Lind et al. (2012); it goes with the step, so that its diffusion vanishes with it.
 import package::common::{
-    params::params, dispatch::WORKGROUP, status::status, lanes::Near, pairs::{Pairs, pairs_of, coincide, gradient_to, apart},
+    params::params, dispatch::WORKGROUP, status::status, lanes::Near, sph_kernels::spiky_factor, pairs::{Pair, gradient_to, apart},
     clusters::{take_particle, has_none, of_air, meet_own_kind}, matter::{Exchange, MOST_EDDIES},
 };
 
@@ -35,7 +35,6 @@ const FARTHEST: f32 = 0.25;   // d, of the shift
 @group(0) @binding(5) var<storage, read_write> shift:        array<vec4f>;   // m
 @group(0) @binding(6) var<storage, read_write> exchange:     array<Exchange>;
 
-var<private> pairs: Pairs;
 var<private> velocity: vec3f;
 var<private> uneven: vec3f;
 var<private> deformed: mat3x3f;   // G [1/s]
@@ -46,11 +45,10 @@ fn see(j: u32) -> Near {
     return Near(j, other.xyz, other.w, new_velocity[j], vec4f());
 }
 
-fn meet(other: Near) {
-    let gap = pairs.own - other.at;
-    let gradient = gradient_to(pairs, other);
+fn meet(other: Pair) {
+    let gradient = gradient_to(other);
     uneven += gradient;
-    met = max(met, select(0u, other.index + 1u, coincide(pairs, gap)));
+    met = max(met, select(0u, other.index + 1u, other.coincide));
     let faster = other.value.xyz - velocity;
     deformed += mat3x3f(gradient.x * faster, gradient.y * faster, gradient.z * faster);
 }
@@ -61,11 +59,10 @@ fn main(
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = take_particle(of_air(id, groups), local);
-    pairs = pairs_of(predicted[i].xyz);
     velocity = new_velocity[i].xyz;
-    meet_own_kind();
+    meet_own_kind(predicted[i].xyz);
     if has_none() { return; }
-    if met > 0u { uneven -= predicted[met - 1u].w * pairs.slope * apart(i, met - 1u); }
+    if met > 0u { uneven -= predicted[met - 1u].w * spiky_factor() * apart(i, met - 1u); }
     var part = CARRIED * params.step * max(status.fastest_wind, length(velocity)) / params.spacing;
     let deformation = params.step * length(vec3f(length(deformed[0]), length(deformed[1]), length(deformed[2])));
     let motion = max(deformation, params.step * length(velocity) / params.spacing);

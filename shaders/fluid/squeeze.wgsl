@@ -1,6 +1,6 @@
 // How hard the density constraint squeezes a hair point between the points of other strands: P_i = w_i sum_j p_ij [m/s].
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, rub::{Rub, pressed}, clusters::{take_particle, has_none, of_all, meet_own_kind},
+    params::params, dispatch::WORKGROUP, lanes::Near, pairs::Pair, rub::{Rub, pressed}, clusters::{take_particle, has_none, of_all, meet_own_kind},
     owner::{Points, points_with, holds},
 };
 
@@ -18,8 +18,8 @@ fn see(j: u32) -> Near {
     return Near(j, other.xyz, other.w, vec4f(rubbing[j].multiplier), vec4f());
 }
 
-fn meet(other: Near) {
-    let squeeze = pressed(own_multiplier, x.w, other.value.x, other.volume, length(x.xyz - other.at));
+fn meet(other: Pair) {
+    let squeeze = pressed(own_multiplier, x.w, other.value.x, other.volume, length(other.gap));
     sum += select(squeeze, 0.0, holds(own_strand, other.index));
 }
 
@@ -33,7 +33,7 @@ fn main(
     x = predicted[i];
     let own = rubbing[i];
     own_multiplier = own.multiplier;
-    meet_own_kind();
+    meet_own_kind(x.xyz);
     if has_none() { return; }
     squeezed[i] = own.inverse_mass * sum;
 }

@@ -7,7 +7,7 @@
 // air. With the model TWO_WAY points of one strand exchange nothing: a strand has its rod and `rods.damping`, and XSPH would
 // resist its bending.
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, matter::{Exchange, inverse_mass_of, viscosity_of}, pairs::{Pairs, pairs_of, kernel_to},
+    params::params, dispatch::WORKGROUP, lanes::Near, matter::{Exchange, inverse_mass_of, viscosity_of}, pairs::Pair,
     clusters::{take_particle, has_none, of_all, meet_own_kind}, owner::{Points, points_with, holds},
 };
 
@@ -17,7 +17,6 @@ import package::common::{
 @group(0) @binding(7) var<storage, read>       new_velocity:     array<vec4f>;   // m/s
 @group(0) @binding(8) var<storage, read_write> viscous_velocity: array<vec4f>;
 
-var<private> pairs: Pairs;
 var<private> own_strand: Points;
 var<private> velocity: vec3f;
 var<private> root: f32;        // of the volume [m^(3/2)]
@@ -36,9 +35,9 @@ fn see(j: u32) -> Near {
     return Near(j, other.xyz, sqrt(other.w), value, more);
 }
 
-fn meet(other: Near) {
+fn meet(other: Pair) {
     let both = mass + other.more.y;
-    let exchange_of_pair = min(coefficient, other.more.z) * root * other.volume * kernel_to(pairs, other);
+    let exchange_of_pair = min(coefficient, other.more.z) * root * other.volume * other.kernel;
     let parts = (thickness + other.value.w) * max(exchanged, other.more.x) * both;
     let left_out = both == 0.0 || holds(own_strand, other.index);
     sum += select(4.0 * mass * exchange_of_pair / parts, 0.0, left_out) * (other.value.xyz - velocity);
@@ -51,7 +50,6 @@ fn main(
 ) {
     let i = take_particle(of_all(id, groups), local);
     let own = predicted[i];
-    pairs = pairs_of(own.xyz);
     own_strand = points_with(i);
     coefficient = viscosity_of(i) + exchange[i].eddies;
     velocity = new_velocity[i].xyz;
@@ -59,7 +57,7 @@ fn main(
     mass = inverse_mass_of(i);
     thickness = density[i];
     exchanged = max(1.0, exchange[i].share);
-    meet_own_kind();
+    meet_own_kind(own.xyz);
     if has_none() { return; }
     viscous_velocity[i] = vec4f(velocity + sum, 0.0);
 }

@@ -1,6 +1,6 @@
 // Empties the cells of the neighbour search, the table of clusters and the counters of their list.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::buckets, list::HEADER, status::{status, frozen},
+    params::params, dispatch::{invocation, WORKGROUP}, cells::buckets, status::{status, frozen},
 };
 
 @group(0) @binding(2) var<storage, read_write> cell_count: array<u32>;
@@ -20,7 +20,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     if at < params.clusters { members[at] = vec2u(0u); }
     if at == 0u && params.clusters > 0u {
-        atomicStore(&status.neighbours, HEADER * params.clusters);
+        atomicStore(&status.neighbours, params.clusters);
         atomicStore(&status.neighbour_carries, 0u);
     }
 }

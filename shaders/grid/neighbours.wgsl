@@ -2,11 +2,11 @@
 // of cells.
 //
 // Air meets air through the periodic faces; air and hair, hair and hair meet directly. The status sums the number of
-// words that the step needs, even beyond the end of a list that is too short: the step is then frozen, and the host
+// elements that the step needs, even beyond the end of a list that is too short: the step is then frozen, and the host
 // grows the list to that number.
 import package::common::{
     params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, cells::{wrap, home_of, box_bucket},
-    list::{HEADER, BATCH, NOBODY, IMAGE_BITS, FRAME_BITS, FAR},
+    list::{PARTICLES, BATCHES, GROUP, NOBODY, IMAGE_BITS, FRAME_BITS, FAR, groups_of},
     lanes::{
         Near, LANES, lane_of, show, shown_by, keep, kept, first_of_eight, settle, joined, votes, turned, bits_of_all, largest_of_all,
         largest_in_workgroup,
@@ -18,7 +18,7 @@ import package::common::{
 @group(0) @binding(3) var<storage, read>       sorted:          array<u32>;
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
 @group(0) @binding(5) var<storage, read>       members:         array<vec2u>;   // of each cluster: its first entry, and their end
-@group(0) @binding(6) var<storage, read_write> neighbour_list:  array<u32>;
+@group(0) @binding(6) var<storage, read_write> neighbour_list:  array<vec4u>;
 
 const CLUSTERS: u32 = 8u; // of a workgroup
 const ROWS: u32 = 9u;                      // of cells around a cluster
@@ -52,6 +52,7 @@ var<private> frame: vec3i;         // boxes by which the cluster is moved to mee
 var<private> found: u32;           // entries so far
 var<private> middle: u32;          // entry from which on they are of the other kind
 var<private> window: u32;          // entry from which on they are kept
+var<private> meets: u32;           // whom the invocation's particle meets in the group that is copied, a byte for each batch
 var<private> crowded: bool;        // a stretch is too long for what is kept of an entry
 
 fn cluster_in_workgroup() -> u32 {
@@ -189,10 +190,11 @@ fn search_all(home: vec3i, air: bool) -> u32 {
     return select(found, middle, params.model == TWO_WAY);
 }
 
-// Copies what is kept to where the cluster's batches begin.
-fn copy(batches: u32, home: vec3i, air: bool, used: bool) {
+// Copies what is kept to where the cluster's groups begin: `own_kind` entries are in the first part.
+fn copy(groups: u32, own_kind: u32, home: vec3i, air: bool, used: bool) {
     let from_here = cluster_in_workgroup() * KEEPS;
     let end = largest_of_all(local, min(HELD, max(found, window) - window));
+    let own_batches = own_kind / LANES;
     for (var n = 0u; n < end; n += LANES) {
         let entry = window + n + lane;
         let there = used && entry < found;
@@ -204,23 +206,30 @@ fn copy(batches: u32, home: vec3i, air: bool, used: bool) {
         let at = begin + ((word >> PLACE_BITS) & (PLACES - 1u));
         let seen = vec3u(turns_of(home, which, air && !others) + vec3i(1) - frame);
         let mark = (seen.x | (seen.y << 2u) | (seen.z << 4u)) << IMAGE_BITS;
-        let bytes = turned(local, word & 255u);
+        let bits = turned(local, word & 255u);
+        // The batch's number within its part.
+        let whole = (window + n) / LANES;
+        let second = whole >= own_batches;
+        let batch = whole - select(0u, own_batches, second);
+        let last = select(own_batches, found / LANES - own_batches, second) - 1u;
+        let in_group = batch % BATCHES;
+        meets = select(meets, 0u, in_group == 0u) | (bits << (8u * in_group));
         if there {
-            let batch = batches + BATCH * ((window + n) / LANES);
-            neighbour_list[batch + lane] = select(sorted[select(at, 0u, nobody)] | mark, NOBODY, nobody);
-            if (lane & 3u) == 0u { neighbour_list[batch + LANES + (lane >> 2u)] = bytes; }
+            let group = groups + GROUP * (batch / BATCHES + select(0u, groups_of(own_batches), second));
+            neighbour_list[group + lane][in_group] = select(sorted[select(at, 0u, nobody)] | mark, NOBODY, nobody);
+            if in_group == BATCHES - 1u || batch == last { neighbour_list[group + LANES + (lane >> 2u)][lane & 3u] = meets; }
         }
     }
 }
 
-// Where so many words of the list begin; 0 where they do not fit.
-fn room_for(words: u32) -> u32 {
-    let begin = atomicAdd(&status.neighbours, words);
-    if begin + words < words {
+// Where so many elements of the list begin; 0 where they do not fit.
+fn room_for(length: u32) -> u32 {
+    let begin = atomicAdd(&status.neighbours, length);
+    if begin + length < length {
         // The sum has passed 32 bits. What a later cluster overwrites does not matter: the step is frozen.
         atomicAdd(&status.neighbour_carries, 1u);
     }
-    let fits = words <= params.neighbour_capacity && begin <= params.neighbour_capacity - words;
+    let fits = length <= params.neighbour_capacity && begin <= params.neighbour_capacity - length;
     return select(0u, begin, fits);
 }
 
@@ -268,18 +277,18 @@ fn main(
     settle();
     let own_kind = search_all(home, air);
     settle();
+    let batches = vec2u(own_kind, found - own_kind) / LANES;
     var first = 0u;
     if lane == 0u {
         if crowded { atomicAdd(&status.neighbour_carries, 1u); }
-        if used { first = room_for(LANES + BATCH * (found / LANES)); }
+        if used { first = room_for(PARTICLES + GROUP * (groups_of(batches.x) + groups_of(batches.y))); }
     }
     first = joined(local, first);
-    if first > 0u { neighbour_list[first + lane] = select(NOBODY, sorted[select(0u, e, there)], there); }
+    if first > 0u { neighbour_list[first + (lane >> 2u)][lane & 3u] = select(NOBODY, sorted[select(0u, e, there)], there); }
     if lane == 0u && c < params.clusters {
-        neighbour_list[HEADER * c] = first;
         let moved = vec3u(frame) << vec3u(FRAME_BITS, FRAME_BITS + 1u, FRAME_BITS + 2u);
-        neighbour_list[HEADER * c + 1u] = select(0u, (own_kind / LANES) | moved.x | moved.y | moved.z, first > 0u);
-        neighbour_list[HEADER * c + 2u] = select(0u, (found - own_kind) / LANES, first > 0u);
+        let filled = select(vec2u(0u), batches | vec2u(moved.x | moved.y | moved.z, 0u), first > 0u);
+        neighbour_list[c] = vec4u(first, filled, select(0u, sorted[entries.x], first > 0u));
     }
     let searches = (largest_in_workgroup(local, found) + HELD - 1u) / HELD;
     for (var k = 0u; k < searches; k++) {
@@ -289,6 +298,6 @@ fn main(
             let again = search_all(home, air);
             settle();
         }
-        copy(first + LANES, home, air, first > 0u);
+        copy(first + PARTICLES, own_kind, home, air, first > 0u);
     }
 }

@@ -5,7 +5,7 @@
 //   as printed (eqs. 2, 4): a_i = epsilon 1/2 m |u_i|^2 (N x omega_i) in mg, mm, s; omega of v, hair in the sum
 import package::common::{
     params::params, dispatch::WORKGROUP, cells::is_air, status::{count_step, CONFINEMENT_LIMITED}, lanes::Near,
-    pairs::{Pairs, pairs_of, gradient_to}, clusters::{take_particle, has_none, of_air, meet_own_kind}, wind::left_by_fringe, band::Band,
+    pairs::{Pair, gradient_to}, clusters::{take_particle, has_none, of_air, meet_own_kind}, wind::left_by_fringe, band::Band,
 };
 
 const SOFTENING: f32 = 1e-3;   // part of |omega|/h added to |eta|, so that N vanishes where vorticity is uniform
@@ -17,7 +17,6 @@ const LARGEST: f32 = 0.12;     // largest part of its speed that a band may gain
 @group(0) @binding(5) var<storage, read>       vorticity:     array<vec4f>;   // xyz [1/s]; w: its length [1/s]
 @group(0) @binding(6) var<storage, read_write> confinement:   array<vec4f>;   // change of velocity by all bands so far [m/s]
 
-var<private> pairs: Pairs;
 var<private> length_of_omega: f32;
 var<private> eta: vec3f;
 
@@ -27,8 +26,8 @@ fn see(j: u32) -> Near {
     return Near(j, other.xyz, select(0.0, other.w, there), select(vec4f(), vorticity[j], there), vec4f());
 }
 
-fn meet(other: Near) {
-    eta += (other.value.w - length_of_omega) * gradient_to(pairs, other);
+fn meet(other: Pair) {
+    eta += (other.value.w - length_of_omega) * gradient_to(other);
 }
 
 // Change of velocity by this band in this step [m/s], where so much of it is left by the fringe.
@@ -56,9 +55,8 @@ fn main(
 ) {
     let i = take_particle(of_air(id, groups), local);
     let own = predicted[i].xyz;
-    pairs = pairs_of(own);
     length_of_omega = vorticity[i].w;
-    meet_own_kind();
+    meet_own_kind(own);
     if has_none() { return; }
     let before = select(confinement[i].xyz, vec3f(0.0), band.comes_first != 0u);
     confinement[i] = vec4f(before + change(i, left_by_fringe(own)), 0.0);

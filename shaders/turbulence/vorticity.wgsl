@@ -2,7 +2,7 @@
 //
 //   omega_i = sum_j V_j (f_j - f_i) x grad_j W       over air only; as printed, over hair too
 import package::common::{
-    params::params, dispatch::WORKGROUP, cells::is_air, lanes::Near, pairs::{Pairs, pairs_of, gradient_to},
+    params::params, dispatch::WORKGROUP, cells::is_air, lanes::Near, pairs::{Pair, gradient_to},
     clusters::{take_particle, has_none, of_all, of_air, meet_own_kind},
 };
 
@@ -10,7 +10,6 @@ import package::common::{
 @group(0) @binding(3) var<storage, read>       field:     array<vec4f>;   // velocity [m/s]
 @group(0) @binding(4) var<storage, read_write> vorticity: array<vec4f>;   // xyz [1/s]; w: its length [1/s]
 
-var<private> pairs: Pairs;
 var<private> value: vec3f;
 var<private> omega: vec3f;
 
@@ -30,9 +29,9 @@ fn see(j: u32) -> Near {
     return Near(j, other.xyz, select(0.0, other.w, there), select(vec4f(), field[j], there), vec4f());
 }
 
-fn meet(other: Near) {
+fn meet(other: Pair) {
     // grad_j W = -grad_i W
-    omega -= cross(other.value.xyz - value, gradient_to(pairs, other));
+    omega -= cross(other.value.xyz - value, gradient_to(other));
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -41,9 +40,8 @@ fn main(
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = take_particle(entry(id, groups), local);
-    pairs = pairs_of(predicted[i].xyz);
     value = field[i].xyz;
-    meet_own_kind();
+    meet_own_kind(predicted[i].xyz);
     if has_none() || !counts(i) { return; }
     vorticity[i] = vec4f(omega, length(omega));
 }

@@ -1,7 +1,7 @@
 // What hair gives back to each air particle, with the weights that it was sampled with: v_j -= sum_i w_ij J_i/m_j over hair,
 // w_ij = V_j W(y_i - x_j)/max(theta_i, 1/2).
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pairs, pairs_of, kernel_to},
+    params::params, dispatch::WORKGROUP, lanes::Near, pairs::Pair,
     clusters::{take_particle, has_none, of_air, meet_other_kind}, air::{Sampled, THIN},
 };
 
@@ -10,7 +10,6 @@ import package::common::{
 @group(0) @binding(4) var<storage, read>       drag_impulse: array<vec4f>;   // N s
 @group(0) @binding(5) var<storage, read_write> new_velocity: array<vec4f>;
 
-var<private> pairs: Pairs;
 var<private> given: vec3f;
 
 fn see(i: u32) -> Near {
@@ -18,8 +17,8 @@ fn see(i: u32) -> Near {
     return Near(i, point.position, 0.0, drag_impulse[i] / max(point.filled, THIN), vec4f());
 }
 
-fn meet(other: Near) {
-    given += kernel_to(pairs, other) * other.value.xyz;
+fn meet(other: Pair) {
+    given += other.kernel * other.value.xyz;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -29,8 +28,7 @@ fn main(
 ) {
     let j = take_particle(of_air(id, groups), local);
     let own = predicted[j];
-    pairs = pairs_of(own.xyz);
-    meet_other_kind();
+    meet_other_kind(own.xyz);
     if has_none() { return; }
     new_velocity[j] -= vec4f(params.air_inverse_mass * own.w * given, 0.0);
 }

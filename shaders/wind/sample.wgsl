@@ -3,7 +3,7 @@
 //   theta_i = sum_j V_j W(y_i - x_j),  u_i = U + sum_j w_ij (v_j - U)  over air; where air thins out the mean wind takes over
 //   G_i = (W(0) + sum_k W(y_i - y_k))/rho_0                            over hair
 import package::common::{
-    params::params, dispatch::WORKGROUP, cells::is_air, wind::mean_wind, lanes::Near, pairs::{Pairs, pairs_of, kernel_to},
+    params::params, dispatch::WORKGROUP, cells::is_air, wind::mean_wind, lanes::Near, sph_kernels::poly6_factor, pairs::Pair,
     clusters::{take_particle, has_none, of_all, meet_own_kind, meet_other_kind}, air::{Sampled, THIN},
 };
 
@@ -11,7 +11,6 @@ import package::common::{
 @group(0) @binding(3) var<storage, read>       new_velocity: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> sampled:      array<Sampled>;
 
-var<private> pairs: Pairs;
 var<private> wind: vec3f;
 var<private> hair: f32;
 var<private> filled: f32;
@@ -24,8 +23,8 @@ fn see(j: u32) -> Near {
     return Near(j, other.xyz, select(0.0, other.w, air), vec4f(new_velocity[j].xyz, select(1.0, 0.0, air)), vec4f());
 }
 
-fn meet(other: Near) {
-    let kernel = kernel_to(pairs, other);
+fn meet(other: Pair) {
+    let kernel = other.kernel;
     hair += other.value.w * kernel;
     let share = other.volume * kernel;
     filled += share;
@@ -39,11 +38,10 @@ fn main(
 ) {
     let p = take_particle(of_all(id, groups), local);
     let own = predicted[p].xyz;
-    pairs = pairs_of(own);
     wind = mean_wind();
-    hair = pairs.height;
-    meet_own_kind();
-    meet_other_kind();
+    hair = poly6_factor();
+    meet_own_kind(own);
+    meet_other_kind(own);
     if has_none() { return; }
     let u = wind + relative / max(filled, THIN);
     sampled[p] = Sampled(own, filled, u, hair / params.air_density);

@@ -3,7 +3,7 @@
 use glam::IVec3;
 use windswept_shaders::common::{
     lanes::LANES,
-    list::{BATCH, FRAME_BITS, HEADER, IMAGE_BITS, INDEX, NOBODY},
+    list::{BATCHES, FRAME_BITS, GROUP, IMAGE_BITS, INDEX, NOBODY, PARTICLES},
 };
 
 /// A particle that is near a cluster.
@@ -28,41 +28,42 @@ pub struct Cluster {
     pub other_kind: Vec<Seen>,
 }
 
-/// The clusters that have particles, from the words of the list for so many clusters.
+/// The clusters that have particles, from the elements of the list for so many clusters.
 #[must_use]
-pub fn read(list: &[u32], clusters: u32) -> Vec<Cluster> {
-    let headers = list.chunks_exact(HEADER as usize).take(clusters as usize).filter(|header| header[0] > 0);
-    let cluster = |header: &[u32]| {
-        let near = header[0] + LANES;
+pub fn read(list: &[[u32; 4]], clusters: u32) -> Vec<Cluster> {
+    let headers = list.iter().take(clusters as usize).filter(|header| header[0] > 0);
+    let cluster = |header: &[u32; 4]| {
+        let groups = header[0] + PARTICLES;
         let moved = |bit: u32| (header[1] >> (FRAME_BITS + bit) & 1).cast_signed();
         let frame = IVec3::new(moved(0), moved(1), moved(2));
         let own = header[1] & ((1 << FRAME_BITS) - 1);
-        let part = |first: u32, count: u32| -> Vec<Seen> {
-            let words = &list[first as usize..(first + BATCH * count) as usize];
-            words.chunks_exact(BATCH as usize).flat_map(|words| batch(words, frame)).collect()
+        let part = |first: u32, batches: u32| -> Vec<Seen> {
+            let group = |k: u32| &list[(first + GROUP * (k / BATCHES)) as usize..][..GROUP as usize];
+            (0..batches).flat_map(|k| batch(group(k), (k % BATCHES) as usize, frame)).collect()
         };
-        let particles = &list[header[0] as usize..near as usize];
+        let particles = list[header[0] as usize..groups as usize].as_flattened();
         Cluster {
             particles: particles.iter().copied().filter(|word| *word != NOBODY).collect(),
-            own_kind: part(near, own),
-            other_kind: part(near + BATCH * own, header[2]),
+            own_kind: part(groups, own),
+            other_kind: part(groups + GROUP * own.div_ceil(BATCHES), header[2]),
         }
     };
     headers.map(cluster).collect()
 }
 
-fn batch(words: &[u32], frame: IVec3) -> Vec<Seen> {
-    let (entries, bytes) = words.split_at(LANES as usize);
-    let meets = |particle: usize, k: usize| bytes[particle / 4] >> (8 * (particle % 4) + (particle ^ k)) & 1;
-    let seen = |(k, word): (usize, &u32)| {
+/// A batch of a group, by its place among the group's.
+fn batch(group: &[[u32; 4]], place: usize, frame: IVec3) -> Vec<Seen> {
+    let (entries, meets) = group.split_at(LANES as usize);
+    let bytes = meets.as_flattened();
+    let meets = |particle: usize, k: usize| bytes[particle] >> (8 * place + (particle ^ k)) & 1;
+    let seen = |(k, words): (usize, &[u32; 4])| {
+        let word = words[place];
         let turns = |bit: u32| (word >> (IMAGE_BITS + bit) & 3).cast_signed() - 1;
-        Seen {
-            index: word & INDEX,
-            image: IVec3::new(turns(0), turns(2), turns(4)) + frame,
-            met_by: (0..LANES as usize).map(|particle| meets(particle, k) << particle).sum(),
-        }
+        let met_by = (0..LANES as usize).map(|particle| meets(particle, k) << particle).sum();
+        let image = IVec3::new(turns(0), turns(2), turns(4)) + frame;
+        (word != NOBODY).then_some(Seen { index: word & INDEX, image, met_by })
     };
-    entries.iter().enumerate().filter(|(_, word)| **word != NOBODY).map(seen).collect()
+    entries.iter().enumerate().filter_map(seen).collect()
 }
 
 /// Neighbours of each of so many particles, in rising order.

@@ -24,8 +24,9 @@ use crate::{
     status,
 };
 
-/// Words of the neighbour list per cluster at the start: on the lattice some 75 particles are near its eight (h/d = 1.92).
-pub(crate) const WORDS_PER_CLUSTER: u64 = 112;
+/// Elements of the neighbour list per cluster at the start: on the lattice some 75 particles are near its eight (h/d = 1.92), which
+/// take three groups, and air that is near hair a fourth. After ten steps fig2b needs 36.
+pub(crate) const LIST_PER_CLUSTER: u64 = 40;
 
 /// Length of a neighbour list that has grown, over what the step needed: room for a few steps' changes.
 const GROWTH: f64 = 1.25;
@@ -195,7 +196,7 @@ impl Engine {
         self.memory.sharing().bytes(&self.state.arrays()) + self.memory.texture_bytes()
     }
 
-    /// Length of the longest neighbour list that the adapter allows \[words\].
+    /// Length of the longest neighbour list that the adapter allows \[elements of four words\].
     #[must_use]
     pub fn largest_list(&self) -> u64 {
         (self.gpu.largest_binding() / self.state.neighbour_list.stride()).min(u32::MAX.into())
@@ -392,7 +393,7 @@ impl Engine {
         self.write(&self.state.pushed, &rows)
     }
 
-    /// Replaces the neighbour list by one of `capacity` words. Programs made before bind the old one.
+    /// Replaces the neighbour list by one of `capacity` elements. Programs made before bind the old one.
     ///
     /// # Errors
     /// [`GpuError`] when the adapter has no room.
@@ -445,6 +446,6 @@ pub(crate) fn first_sizes(setup: &Setup<'_>) -> Sizes {
 }
 
 fn first_capacity(largest_binding: u64, setup: &Setup<'_>) -> u32 {
-    let wanted = u64::from(setup.sizes().clusters) * WORDS_PER_CLUSTER;
-    wanted.min(largest_binding / size_of::<u32>() as u64).min(u32::MAX.into()) as u32
+    let wanted = u64::from(setup.sizes().clusters) * LIST_PER_CLUSTER;
+    wanted.min(largest_binding / size_of::<[u32; 4]>() as u64).min(u32::MAX.into()) as u32
 }

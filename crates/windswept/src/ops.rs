@@ -299,7 +299,7 @@ impl<'a> Particles<'a> {
             return Ok(Neighbours { offsets: vec![0], indices: Vec::new() });
         };
         stage.evaluate(step::neighbours::record)?;
-        let list: Vec<u32> = stage.read(|s| &s.neighbour_list)?;
+        let list: Vec<[u32; 4]> = stage.read(|s| &s.neighbour_list)?;
         let params = stage.engine.params();
         let mut all = Neighbours { offsets: vec![0], indices: Vec::new() };
         for near in clusters::neighbours(&clusters::read(&list, params.clusters), params.particles) {

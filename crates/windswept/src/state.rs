@@ -52,7 +52,7 @@ pub struct Sizes {
     pub clusters: u32,
     /// Clusters of hair, which come first.
     pub hair_clusters: u32,
-    /// Words of the neighbour list.
+    /// Elements of the neighbour list, of four words each.
     pub neighbours: u32,
     /// Dispatches of the direct band filter; with the grid filter the number of bands.
     pub band_tasks: u32,
@@ -255,7 +255,7 @@ state! {
 
     // Passes over neighbours run on in a frozen step, and would follow whatever another array left here.
     /// Who is near the particles of each cluster (`shaders/common/list.wgsl`).
-    neighbour_list: u32, |s| s.neighbours;
+    neighbour_list: [u32; 4], |s| s.neighbours;
 
     [Left] // What is measured between steps.
     /// Velocities, free move and move of a hair point in this step.

@@ -12,7 +12,7 @@ use windswept_shaders::{BufferKind, TEXTURE_ROW, common::lanes::LANES};
 
 use crate::{
     array::{AnyArray, Array, Life, is_uniform},
-    engine::WORDS_PER_CLUSTER,
+    engine::LIST_PER_CLUSTER,
     error::GpuError,
     gpu::Gpu,
     sharing::Sharing,
@@ -223,7 +223,7 @@ fn check_size(gpu: &Gpu, state: &State, array: &AnyArray) -> Result<(), GpuError
         return Ok(());
     }
     // A particle takes room in the neighbour list too, and most there.
-    let list = state.neighbour_list.stride() * WORDS_PER_CLUSTER / u64::from(LANES);
+    let list = state.neighbour_list.stride() * LIST_PER_CLUSTER / u64::from(LANES);
     let each = if array.len() == state.position.len() { list.max(array.stride()) } else { array.stride() };
     Err(GpuError::TooLarge { array: array.name(), bytes: array.bytes(), limit, fits: limit / each })
 }
