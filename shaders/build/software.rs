@@ -21,7 +21,7 @@ use crate::Result;
 pub(crate) const ROW: u32 = 32768;
 
 /// Names, as shaders bind them, of the arrays that passes read as textures: those of which a step reads most.
-const ARRAYS: [&str; 60] = [
+const ARRAYS: [&str; 61] = [
     "air_id",
     "angular_velocity",
     "band_velocity",
@@ -40,6 +40,7 @@ const ARRAYS: [&str; 60] = [
     "distances",
     "drag_impulse",
     "exchange",
+    "felt_shift",
     "field",
     "final_velocity",
     "flow",

@@ -2,29 +2,33 @@
 //
 //   dx_i = relaxation w_i sum_j (lambda_i V_j + lambda_j V_i) grad_i W     equal and opposite for a pair in m dx
 //
-// Jacobi: everyone's position is read, only `move` changes it.
+// Jacobi: everyone's position is read, only `move` changes it. The part of lambda that becomes velocity is summed beside it.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, matter::inverse_mass_of, pairs::{Pair, gradient_apart},
     clusters::{take_particle, has_none, of_all, meet_own_kind},
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:  array<vec4f>;   // xyz [m], w: volume [m^3]
-@group(0) @binding(4) var<storage, read>       multiplier: array<f32>;
-@group(0) @binding(5) var<storage, read_write> shift:      array<vec4f>;   // m, of this iteration; w: multiplier times relaxation
+@group(0) @binding(4) var<storage, read>       multiplier: array<vec2f>;   // kg m^2, lambda, and the part of it that becomes velocity
+@group(0) @binding(5) var<storage, read_write> shift:      array<vec4f>;   // m, of this iteration
+@group(0) @binding(6) var<storage, read_write> felt_shift: array<vec4f>;   // m, what of it becomes velocity; w: lambda times relaxation
 
 var<private> own_index: u32;
 var<private> volume: f32;
-var<private> lambda: f32;
+var<private> lambda: vec2f;
 var<private> sum: vec3f;
+var<private> felt: vec3f;
 
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, other.xyz, other.w, vec4f(multiplier[j]), vec4f());
+    return Near(j, other.xyz, other.w, vec4f(multiplier[j], 0.0, 0.0), vec4f());
 }
 
 fn meet(other: Pair) {
     let gradient = gradient_apart(other, own_index);
-    sum += (lambda * other.volume + other.value.x * volume) * gradient;
+    let pair = lambda * other.volume + other.value.xy * volume;
+    sum += pair.x * gradient;
+    felt += pair.y * gradient;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -39,5 +43,7 @@ fn main(
     lambda = multiplier[i];
     meet_own_kind(own.xyz);
     if has_none() { return; }
-    shift[i] = vec4f(params.relaxation * inverse_mass_of(i) * sum, params.relaxation * lambda);
+    let give = params.relaxation * inverse_mass_of(i);
+    shift[i] = vec4f(give * sum, 0.0);
+    felt_shift[i] = vec4f(give * felt, params.relaxation * lambda.x);
 }

@@ -3,15 +3,18 @@
 //   rho_i / rho_0 = sum_j V_j W(|x_i - x_j|)                  self included; V volume, not mass
 //   lambda_i = -C_i / (sum_k w_k |grad_k C_i|^2 + alpha)      C_i = rho_i / rho_0 - 1, w inverse mass
 //
-// Negative C (a void) counts with `tension`.
+// Negative C (a void) counts with `tension`. What moves air becomes its velocity, but where C is large only in part: crowded air
+// comes apart, and is not shot apart. It is a part of lambda, so that what the two of a pair get stays opposite.
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, sph_kernels::poly6_factor, matter::inverse_mass_of,
+    params::params, dispatch::WORKGROUP, lanes::Near, cells::is_air, sph_kernels::poly6_factor, matter::inverse_mass_of,
     pairs::{Pair, gradient_apart}, clusters::{take_particle, has_none, of_all, meet_own_kind},
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:  array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(4) var<storage, read_write> density:    array<f32>;     // rho / rho_0
-@group(0) @binding(5) var<storage, read_write> multiplier: array<f32>;     // lambda [kg m^2]
+@group(0) @binding(5) var<storage, read_write> multiplier: array<vec2f>;   // lambda [kg m^2], and the part of it that becomes velocity
+
+const ABRUPT: f32 = 0.2;   // C of air beyond which a move becomes no velocity
 
 var<private> own_index: u32;
 var<private> ratio: f32;
@@ -45,5 +48,6 @@ fn main(
     let constraint = max(error, 0.0) + params.tension * min(error, 0.0);
     let sum = inverse_mass_of(i) * dot(own_gradient, own_gradient) + others;
     density[i] = ratio;
-    multiplier[i] = -constraint / (sum + params.density_softening);
+    let felt = select(constraint, min(constraint, ABRUPT), is_air(i));
+    multiplier[i] = -vec2f(constraint, felt) / (sum + params.density_softening);
 }

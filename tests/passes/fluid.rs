@@ -31,21 +31,29 @@ impl Walk<'_> {
             w.density[..count].copy_from_slice(&density);
             self.same("fluid/density", gap, bounds.density)?;
             let most = largest(lambda.iter().map(|lambda| lambda.abs())).max(self.of_one_percent());
-            let gap = numbers_apart(&stage.numbers(&state.multiplier)[..count], &lambda) / most;
-            self.same("fluid/density", gap, bounds.multiplier)?;
+            let felt = fluid::felt(self.p(), &density, &lambda);
+            let got = stage.engine.read(&state.multiplier).unwrap();
+            for (k, wanted) in [&lambda, &felt].into_iter().enumerate() {
+                let got: Vec<_> = got[..count].iter().map(|parts| f64::from(parts[k])).collect();
+                self.same("fluid/density", numbers_apart(&got, wanted) / most, bounds.multiplier)?;
+            }
             if !passes.through("fluid/correct") {
                 break;
             }
-            let shift = fluid::correct(self.p(), x, &s.inverse_mass, &s.volume, &w.near, &lambda);
+            let correct = |lambda: &[f64]| fluid::correct(self.p(), x, &s.inverse_mass, &s.volume, &w.near, lambda);
+            let (shift, felt) = (correct(&lambda), correct(&felt));
             // In parts of the largest, or of 10 µm: a density error of 1 % asks for about as much.
             let most = largest(shift.iter().map(|shift| shift.length())).max(1e-5);
-            self.same("fluid/correct", apart(&stage.vectors(&state.shift)[..count], &shift) / most, bounds.multiplier)?;
+            for (array, wanted) in [(&state.shift, &shift), (&state.felt_shift, &felt)] {
+                let gap = apart(&stage.vectors(array)[..count], wanted) / most;
+                self.same("fluid/correct", gap, bounds.multiplier)?;
+            }
             passes.through("fluid/move");
             let relaxation = self.p().relaxation;
             multiplier.iter_mut().zip(&lambda).for_each(|(sum, lambda)| *sum += relaxation * lambda);
-            for (i, shift) in shift.into_iter().enumerate() {
+            for (i, (shift, felt)) in shift.into_iter().zip(felt).enumerate() {
                 w.predicted[i] += shift;
-                w.correction[i] += shift;
+                w.correction[i] += felt;
             }
             let got = stage.vectors(&state.predicted);
             self.same("fluid/move", self.places(&got[..count], &w.predicted[..count], 0), bounds.length)?;
@@ -285,8 +293,10 @@ fn give(w: &mut Scratch, change: &[DVec3]) {
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::DENSITY, "315.0", "314.0", PARTICLES),
+    (&shaders::fluid::DENSITY, "ABRUPT: f32 = 0.2", "ABRUPT: f32 = 0.01", PARTICLES),
     (&shaders::fluid::CORRECT, "params.relaxation * inverse_mass_of(i)", "0.49 * inverse_mass_of(i)", PARTICLES),
-    (&shaders::fluid::MOVE, "correction[i] += shift[i]", "correction[i] = shift[i]", PARTICLES),
+    (&shaders::fluid::CORRECT, "felt += pair.y", "felt += 0.9 * pair.y", PARTICLES),
+    (&shaders::fluid::MOVE, "correction[i] += felt_shift[i]", "correction[i] = felt_shift[i]", PARTICLES),
     (&shaders::fluid::SPREAD, "CARRIED: f32 = 0.05", "CARRIED: f32 = 0.04", DIVERGENCE),
     (&shaders::fluid::PLACE, "vec4f(shift[i].xyz", "vec4f(0.5 * shift[i].xyz", DIVERGENCE),
     (&shaders::fluid::MOMENTS, "FLOOR: f32 = 0.02", "FLOOR: f32 = 0.03", DIVERGENCE),

@@ -20,6 +20,9 @@ use crate::{
     step::Scratch,
 };
 
+/// C of air beyond which a move of the density constraint becomes no velocity.
+pub const ABRUPT: f64 = 0.2;
+
 /// Runs the heading: the pressure of solver `divergence`, of air or of hair and air; and density constraints (eq. 1) of all
 /// that it leaves out. Where none is solved the density is found all the same, for viscosity.
 pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
@@ -68,9 +71,11 @@ fn constrain(s: &State, w: &mut Scratch, p: &Parameters, count: usize) -> Vec<f6
         w.density[..count].copy_from_slice(&density);
         if iteration < p.fluid_iterations {
             let shift = correct(p, x, &s.inverse_mass, &s.volume, &w.near, &lambda);
-            for (i, shift) in shift.into_iter().enumerate() {
+            let felt = felt(p, &density, &lambda);
+            let felt_shift = correct(p, x, &s.inverse_mass, &s.volume, &w.near, &felt);
+            for (i, (shift, felt)) in shift.into_iter().zip(felt_shift).enumerate() {
                 w.predicted[i] += shift;
-                w.correction[i] += shift;
+                w.correction[i] += felt;
             }
             multiplier.iter_mut().zip(&lambda).for_each(|(sum, lambda)| *sum += p.relaxation * lambda);
         }
@@ -107,6 +112,16 @@ pub fn density(
         (ratio, -constraint / (sum + p.density_softening))
     };
     (0..x.len()).map(each).unzip()
+}
+
+/// The part of each multiplier that becomes velocity \[kg m²\]: all of a hair point's, and of air's what C up to [`ABRUPT`] gives.
+#[must_use]
+pub fn felt(p: &Parameters, density: &[f64], lambda: &[f64]) -> Vec<f64> {
+    let part = |(i, (density, lambda)): (usize, (&f64, &f64))| {
+        let error = density - 1.0;
+        if i >= p.hair_points && error > ABRUPT { lambda * ABRUPT / error } else { *lambda }
+    };
+    density.iter().zip(lambda).enumerate().map(part).collect()
 }
 
 /// Shift Δx_i = relaxation w_i Σ_j (λ_i V_j + λ_j V_i) ∇_i W \[m\]: equal and opposite in m Δx for a pair.

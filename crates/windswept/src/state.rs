@@ -283,11 +283,13 @@ state! {
     hair_force: Vec4, |s| s.hair_points;
     /// What friction of hair on hair asks of a hair point: how it slips, its multipliers, its strand.
     rubbing: Rub, |s| s.hair_points;
-    /// What the density constraint, and friction of hair on hair, moved a particle by in this step \[m\]; w: sum of the multipliers
-    /// times the relaxation \[kg m²\].
+    /// What becomes velocity of what the density constraint, and friction of hair on hair, moved a particle by in this step \[m\];
+    /// w: sum of the multipliers times the relaxation \[kg m²\].
     correction: Vec4, |s| s.particles;
-    /// What one iteration of the density constraint, or friction, moves a particle by \[m\]; w: the multiplier times the relaxation.
+    /// What one iteration of the density constraint, or friction, moves a particle by \[m\].
     shift: Vec4, |s| s.particles;
+    /// What of that shift becomes velocity \[m\]; w: the multiplier times the relaxation \[kg m²\].
+    felt_shift: Vec4, |s| s.particles;
     /// What pressure has done to a particle in this step so far.
     pressed: Pressed, |s| s.pressed;
     /// What corrects the gradients of the kernel at a particle, and how its divergence gives way \[1/m²\].
@@ -304,8 +306,8 @@ state! {
     coarse_change: Vec4, |s| if s.coarse_nodes > 0 { s.particles } else { 0 };
     /// Mean of that over the air \[m/s\].
     coarse_mean: Vec4, |_| 1;
-    /// Lagrange multiplier of a particle's density constraint \[kg m²\].
-    multiplier: f32, |s| s.particles;
+    /// Lagrange multiplier of a particle's density constraint, and the part of it that becomes velocity \[kg m²\].
+    multiplier: [f32; 2], |s| s.particles;
     /// What a strand's clamp does in this step, and whether the strand is solved.
     rod_strands: RodStrand, |s| s.strands;
     /// Frames, spins, turns and forces of a segment in this step.

@@ -26,11 +26,12 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
             r.run(&fluid::MOVE, "apply the shift", plan.constrained);
         });
     });
+    let shift = r.state().shift;
     r.when(&plan.friction, |r| {
         r.run(&fluid::SLIP, "how hair would slip", n.hair_points);
         r.run(&fluid::SQUEEZE, "how hard strands are squeezed", n.hair_in_clusters());
         r.run(&fluid::FRICTION, "friction of hair on hair", n.hair_in_clusters());
-        r.run(&fluid::MOVE, "apply what friction moves", n.hair_points);
+        r.run(&fluid::MOVE, "apply what friction moves", n.hair_points).bind("felt_shift", &shift);
     });
     r.when(&plan.density_alone, |r| density(r, plan.constrained_in_clusters()));
     r.when(&plan.air_first, |r| {
