@@ -56,8 +56,7 @@ const COARSE: &[&str] = &[
 const PUSH: &[&str] = &["fluid/push 2"];
 const HAIR_ALONE: &[&str] = &["rods/inspect", "rods/reset", "rods/roots"];
 const BEGIN: &[&str] = &["rods/begin_points", "rods/begin_segments", "rods/choose"];
-const SOLVE: &[&str] =
-    &["rods/load", "rods/start", "rods/direct", "rods/rescue", "rods/gauss_seidel", "rods/finish", "rods/place"];
+const SOLVE: &[&str] = &["rods/load", "rods/start", "rods/direct", "rods/finish", "rods/place"];
 const CONFINE: &[&str] = &["turbulence/vorticity", "turbulence/confine"];
 /// A band on a grid, after the sort.
 const FILTER: &[&str] = &[
@@ -371,6 +370,7 @@ fn what_is_left_out_changes_nothing() {
     let crowded = ["hair.friction=0", "hair.roots.radius=0.002", "hair.points=13"];
     same_bits(&crowded, |plan| plan.friction = runs());
     same_bits(&[], |plan| plan.bodies = runs());
+    same_bits(&[], Plan::rescue_strands);
 }
 
 /// Kinds of scenes whose buffers share memory: those above, and some whose passes read other buffers.

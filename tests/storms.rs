@@ -3,8 +3,11 @@
 
 mod support;
 
-use windswept::{Gpu, Simulation};
-use windswept_scene::Scene;
+use windswept::{
+    Gpu, Simulation,
+    internals::{Engine, Plan, Recorder, Setup, step},
+};
+use windswept_scene::{InitialState, Scene};
 
 /// Radius \[m\], density \[kg/m³\] and Young's modulus \[Pa\] of a real hair.
 const RADIUS: f64 = 40e-6;
@@ -98,6 +101,55 @@ fn storms_lose_nothing() {
     let blow = |(wind, step, fibres, mass)| Storm { wind, step, fibres, mass }.blow(&support::gpu());
     let faults: Vec<String> = storms.into_iter().flat_map(blow).collect();
     assert!(faults.is_empty(), "{faults:#?}");
+}
+
+/// The passes that rescue strands run from the first step on in which the direct solver leaves one unsolved: a step of the simulation's
+/// own loop, of the caller's submits, or of a run of all passes has the same bits.
+#[test]
+fn strands_are_rescued_from_the_first_that_needs_it() {
+    const RESCUERS: [&str; 2] = ["what the direct solver did not solve is rescued", "Cosserat rods by Gauss-Seidel"];
+    let scene = Storm { wind: 100.0, step: 1.38e-3, fibres: 1.0, mass: 1.0 }.scene();
+    let initial = InitialState::new(&scene).unwrap();
+    let bits = |engine: &Engine| {
+        let s = engine.state();
+        [&s.position, &s.velocity, &s.orientation].map(|array| engine.read(array).unwrap())
+    };
+    let skipped = |simulation: &mut Simulation| {
+        let report = simulation.report().unwrap();
+        let rescued = report.strand_steps.unwrap()["rescued_steps"];
+        (rescued, RESCUERS.map(|pass| report.skipped.iter().any(|row| row.name == pass)))
+    };
+    let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
+    assert_eq!(skipped(&mut simulation), (0, [true; 2]));
+    simulation.step(STEPS.into()).unwrap();
+    let (rescued, left_out) = skipped(&mut simulation);
+    assert!(rescued > 0, "no strand needed to be rescued");
+    assert_eq!(left_out, [false; 2]);
+
+    let mut given = Simulation::new(&support::gpu(), &scene).unwrap();
+    let mut submits = 0;
+    while given.steps() < STEPS.into() {
+        let (device, queue) = (given.gpu().device().clone(), given.gpu().queue().clone());
+        let mut encoder = device.create_command_encoder(&Default::default());
+        given.record(&mut encoder, 5.min(u64::from(STEPS) - given.steps()));
+        queue.submit([encoder.finish()]);
+        given.settle().unwrap();
+        submits += 1;
+    }
+    assert!(submits > STEPS.div_ceil(5), "no step froze");
+    assert!(bits(given.engine()) == bits(simulation.engine()), "submits of the caller's have other bits");
+
+    let mut scene = scene;
+    scene.time.substeps = initial.hair.substeps(&scene);
+    let setup = Setup::new(&scene, &initial);
+    let (engine, mut plan) = (Engine::new(&support::gpu(), &setup).unwrap(), Plan::new(&setup));
+    plan.rescue_strands();
+    let recording = Recorder::record(engine.state(), |r| step::record(r, &plan));
+    for _ in 0..STEPS * scene.time.substeps {
+        engine.replay(&recording).unwrap();
+    }
+    assert_eq!(engine.status().unwrap().causes, 0);
+    assert!(bits(&engine) == bits(simulation.engine()), "all passes from the start have other bits");
 }
 
 #[test]

@@ -56,7 +56,7 @@ struct Segment {
 // What a strand does within a step.
 struct RodStrand {
     root_travel: vec3f,   // m, what the clamp moves by
-    state: u32,           // FREE, TELEPORTED, ASLEEP, SOLVED
+    state: u32,           // FREE, SOLVED, TELEPORTED, ASLEEP, LEFT
     root_frame: vec4f,    // ghost frame at the step's end
     root_turn: vec4f,     // from the ghost frame at the step's start
     tip_moment: vec3f,    // multiplier of the tip joint [N m]
@@ -71,6 +71,7 @@ const FREE: u32 = 0u;         // still to be solved
 const SOLVED: u32 = 1u;
 const TELEPORTED: u32 = 2u;   // moved as a whole
 const ASLEEP: u32 = 3u;       // stays where it is
+const LEFT: u32 = 4u;         // rescued, and left to Gauss-Seidel
 
 // A point within a step. One that is put somewhere felt no force on its way: force, resistance and outside are 0.
 struct RodPoint {
@@ -148,6 +149,12 @@ const SLEEPS: u32 = 0xffffffffu;
 const STRAINED_STEPS: u32 = 50u;   // on end, before it is counted
 const STRAINED: f32 = 0.05;        // |l/l0 - 1|
 const MISFIT: f32 = 1e-2;          // |C + alpha mu| of stretch-shear that the direct solver may leave in a calm strand
+const LOST: f32 = 1.0;             // that from which it has lost a strand
+
+// Whether the direct solver did not solve a strand, so that it is to be rescued. What is not a number is no solution either.
+fn unsolved(rod: RodStrand) -> bool {
+    return (rod.state == FREE) & !(rod.misfit <= select(LOST, MISFIT, rod.far != 0u));
+}
 
 // Steps of over-strain on end after a step that stretched by this much, when there were `before`.
 fn strained_steps(before: u32, stretch: f32) -> u32 {

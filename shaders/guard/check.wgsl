@@ -4,6 +4,7 @@ import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, cell_of, in_box},
     status::{
         status, list_too_short, freeze, finite3, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, TOO_MANY_BAD_STRANDS,
+        UNSOLVED_STRAND,
     },
 };
 
@@ -20,11 +21,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     // The first particle speaks for all. Few others have something to say, and only those ask for the status.
     if !(i == 0u || bad || outside) { return; }
     if status.ended != 0u { return; }
+    // Where the step froze before, the scratch arrays mean nothing.
     if list_too_short() {
-        // The scratch arrays mean nothing.
         freeze(NEIGHBOUR_OVERFLOW);
         return;
     }
+    if (atomicLoad(&status.causes) & UNSOLVED_STRAND) != 0u { return; }
     if i == 0u && atomicLoad(&status.bad_strands) > params.bad_strand_limit {
         freeze(TOO_MANY_BAD_STRANDS);
     }

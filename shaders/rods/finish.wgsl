@@ -1,11 +1,12 @@
 // Health of each strand after its solve: a non-finite one is held where it was for this step (so that it spoils no
-// neighbour) and reset in the next; stretch is recorded; over-strain and rest are counted, steps on end.
+// neighbour) and reset in the next; stretch is recorded; over-strain and rest are counted, steps on end. Where the direct solver
+// left a strand unsolved and no pass has rescued it, the step freezes, and is taken again with those passes.
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::PUT,
     rest::{STILL_STEPS, STILL_TURN},
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SLEEPS, STRAINED_STEPS, strained_steps,
-        ROOT_HELD, MISFIT, BAD},
-    status::{status, frozen, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED},
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, LEFT, SLEEPS, STRAINED_STEPS, strained_steps,
+        ROOT_HELD, MISFIT, BAD, unsolved},
+    status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNSOLVED_STRAND},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
@@ -72,6 +73,11 @@ fn settle(strand: Strand) {
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
     if s >= params.strands || frozen() { return; }
+    let rod = rod_strands[s];
+    if unsolved(rod) {
+        freeze(UNSOLVED_STRAND);
+        return;
+    }
     let strand = strands[s];
     var stretch = 0.0;
     var before = rod_points[strand.first_point].travel;
@@ -97,11 +103,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     found.strained = strained_steps(found.strained, stretch);
     if found.strained == STRAINED_STEPS { count(OVER_STRAINED); }
     // The direct solver got nowhere near: Euler does, from its free move.
-    if !(rod_strands[s].misfit <= MISFIT) {
+    if !(rod.misfit <= MISFIT) {
         found.calm = 0u;
         found.still = 0u;
     }
-    if rod_strands[s].state == FREE { forget(strand); }
+    if rod.state == select(FREE, LEFT, params.direct_rods != 0u) { forget(strand); }
     if params.sleep != 0u && found.still != SLEEPS {
         found.still = select(0u, min(found.still, SLEEPS - 2u) + 1u, still(strand));
         if found.still == 0u { settle(strand); } else { remember(strand, found.still); }

@@ -11,7 +11,7 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen,
     quaternion::{product, conjugate, rotate, tangent, turned}, integration::response, load::damping_of,
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, ROOT_JOINT},
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, LEFT, ROOT_JOINT},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
@@ -80,7 +80,9 @@ fn stretch_shear(k: u32, point: u32) {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() || rod_strands[s].state != FREE { return; }
+    if s >= params.strands || frozen() { return; }
+    // Of strands that the direct solver has had, those that it lost.
+    if rod_strands[s].state != select(FREE, LEFT, params.direct_rods != 0u) { return; }
     let strand = strands[s];
     let first = strand.first_segment;
     let last = first + strand.points - 1u;

@@ -3,15 +3,14 @@
 // system) is left to Gauss-Seidel, which is inexact but tears nothing: back to its free move, nothing held. Others are done.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotation}, integration::{EULER, PUT},
-    rod::{Strand, RodStrand, RodPoint, RodSegment, FREE, SOLVED, MISFIT, ROOT_HELD, TIP_HELD}, status::{frozen, count, RESCUED_STEP},
+    rod::{Strand, RodStrand, RodPoint, RodSegment, FREE, SOLVED, LEFT, ROOT_HELD, TIP_HELD, unsolved},
+    status::{frozen, count, RESCUED_STEP},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
 @group(0) @binding(3) var<storage, read_write> rod_strands:  array<RodStrand>;
 @group(0) @binding(4) var<storage, read_write> rod_points:   array<RodPoint>;
 @group(0) @binding(5) var<storage, read_write> rod_segments: array<RodSegment>;
-
-const LOST: f32 = 1.0;   // |C + alpha mu| of stretch-shear from which the direct solver has lost a strand
 
 // The mean velocity of a strand that nothing holds, by mass.
 fn mean_velocity(strand: Strand) -> vec3f {
@@ -58,9 +57,10 @@ fn release(strand: Strand) {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() || rod_strands[s].state != FREE { return; }
+    if s >= params.strands || frozen() { return; }
     let rod = rod_strands[s];
-    if rod.misfit <= select(LOST, MISFIT, rod.far != 0u) {
+    if rod.state != FREE { return; }
+    if !unsolved(rod) {
         rod_strands[s].state = SOLVED;
         return;
     }
@@ -75,6 +75,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         rod_strands[s].state = SOLVED;
     } else {
         release(strand);
+        rod_strands[s].state = LEFT;
     }
     count(RESCUED_STEP);
 }

@@ -204,7 +204,7 @@ pub const FAULTS: &[Fault] = &[
         PARTICLES,
     ),
     (&shaders::rods::DIRECT, "own.force += stretch;", "own.force += 0.9 * stretch;", PARTICLES),
-    (&shaders::rods::RESCUE, "select(LOST, MISFIT, rod.far != 0u)", "-1.0", PARTICLES),
+    (&shaders::rods::RESCUE, "<= select(LOST, MISFIT, rod.far != 0u)", "<= -1.0", PARTICLES),
     (&shaders::rods::GAUSS_SEIDEL, "0.5 * rotate(before", "0.4 * rotate(before", SWEEPS),
     (&shaders::rods::FINISH, "rest_length - 1.0", "rest_length - 1.0001", PARTICLES),
     (&shaders::rods::PLACE, "remainder, point.travel", "remainder, 0.9 * point.travel", PARTICLES),

@@ -45,7 +45,8 @@ impl Stage {
         // Room for every pair of a clump; growing is tested elsewhere.
         let capacity = (initial.hair.positions.len() + initial.air.positions.len()).max(64) as u32 * 300;
         engine.grow_neighbours(capacity).unwrap();
-        let plan = Plan::new(&setup);
+        let mut plan = Plan::new(&setup);
+        plan.rescue_strands();
         let parameters = Parameters::new(scene, initial);
         let mut twin = Twin::new(initial, parameters.step);
         for x in &mut twin.position {

@@ -170,7 +170,7 @@ pub fn leave(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
         s.max_stretch = s.max_stretch.max(stretch);
         s.strained_steps[strand] = if stretch > STRAINED { s.strained_steps[strand] + 1 } else { 0 };
         s.over_strained += usize::from(s.strained_steps[strand] == STRAINED_STEPS);
-        if w.drives[strand].state == State::Free {
+        if w.drives[strand].state.is_swept(p) {
             forget(&s.hair, strand, &mut w.moving);
         }
         // A misfit that is not a number counts as well.

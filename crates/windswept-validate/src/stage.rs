@@ -22,7 +22,8 @@ pub(crate) struct Stage {
 impl Stage {
     pub(crate) fn new(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Self, Error> {
         let setup = Setup::new(scene, initial);
-        let (engine, plan) = (Engine::new(gpu, &setup)?, Plan::new(&setup));
+        let (engine, mut plan) = (Engine::new(gpu, &setup)?, Plan::new(&setup));
+        plan.rescue_strands();
         let p = Parameters::new(scene, initial);
         let mut twin = State::new(initial, p.step);
         for row in twin.position.iter_mut().chain(&mut twin.velocity) {

@@ -319,9 +319,14 @@ impl Engine {
         let capacity = ((needed as f64 * GROWTH) as u64).min(limit) as u32;
         tracing::debug!(needed, capacity, "the neighbour list grows");
         self.grow_neighbours(capacity)?;
+        Ok(Some(self.thaw(status)?))
+    }
+
+    /// Thaws a frozen step, so that it can be taken again, and returns the status now.
+    pub(crate) fn thaw(&self, status: &Status) -> Result<Status, GpuError> {
         let thawed = status::thawed(status);
         self.set_status(&thawed)?;
-        Ok(Some(thawed))
+        Ok(thawed)
     }
 
     pub(crate) fn program(&self, recording: &Recording) -> Result<Program, GpuError> {

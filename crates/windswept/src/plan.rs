@@ -39,6 +39,10 @@ pub struct Plan {
     pub newton_steps_per_dispatch: u32,
     /// Whether rods are solved by the direct solver.
     pub direct: Decision,
+    /// Whether strands that the direct solver left unsolved are rescued.
+    pub rescue: Decision,
+    /// Whether Gauss-Seidel sweeps over strands: over all, or over those that were rescued.
+    pub sweeps: Decision,
     /// Whether hair meets air particles.
     pub hair_meets_air: Decision,
     /// Whether there are strands.
@@ -186,7 +190,8 @@ impl Plan {
             !two_way,
             "interaction.model is two-way: air got its velocity before the rods, in heading 3",
         ));
-        let direct = scene.rods.solver == Solver::Direct;
+        let direct = hair.and(Decision::when(scene.rods.solver == Solver::Direct, "rods.solver is gauss-seidel"));
+        let rescue = direct.and(Decision::when(false, NONE_UNSOLVED));
         let viscosity =
             air.and(Decision::when(viscous, "viscosity.hair, viscosity.air and viscosity.smagorinsky are 0"));
         let density_alone = viscosity
@@ -202,7 +207,9 @@ impl Plan {
             rod_dispatches: scene.rods.iterations / rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
             newton_dispatches: scene.rods.newton / setup.params.newton_steps,
             newton_steps_per_dispatch: setup.params.newton_steps,
-            direct: hair.and(Decision::when(direct, "rods.solver is gauss-seidel")),
+            sweeps: if direct.runs { rescue.clone() } else { hair.clone() },
+            direct,
+            rescue,
             hair_meets_air: hair_meets_air.clone(),
             hair,
             air,
@@ -252,6 +259,13 @@ impl Plan {
         changed
     }
 
+    /// Lets strands that the direct solver leaves unsolved be rescued from now on. A step freezes where one is left and no pass
+    /// rescues it.
+    pub fn rescue_strands(&mut self) {
+        self.rescue = self.direct.clone();
+        self.sweeps = self.hair.clone();
+    }
+
     /// Lets the force that the caller sets push from now on, or lets it push no longer. It reaches air through the wind's passes.
     pub fn set_force(&mut self, pushes: bool) {
         self.pushes = Decision::when(pushes, "no force was set");
@@ -285,6 +299,7 @@ impl Plan {
     }
 }
 
+const NONE_UNSOLVED: &str = "the direct solver has left no strand unsolved";
 const NO_BANDS: &str = "the scene names no turbulence.bands";
 
 /// Whether a wind blows at all, and whether it blows over air particles.

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use glam::{DQuat, DVec3};
 use windswept_scene::{Groom, InitialState, Scene};
-use windswept_shaders::common::status::{NON_FINITE_AIR, Status, TOO_MANY_BAD_STRANDS};
+use windswept_shaders::common::status::{NON_FINITE_AIR, Status, TOO_MANY_BAD_STRANDS, UNSOLVED_STRAND};
 
 pub use checkpoint::Checkpoint;
 pub use force::Accelerations;
@@ -204,8 +204,9 @@ impl Simulation {
         }
     }
 
-    /// Reads the status after a submit. Grows the neighbour list when a step needed a longer one: the frozen steps are
-    /// then not done, so compare [`Self::steps`] and record them again. Turns what ended the run into an error.
+    /// Reads the status after a submit. Where a step needed a longer neighbour list it grows, and where the rods' direct solver
+    /// left a strand unsolved for the first time, the step gets the passes that rescue such strands. The frozen steps are then not
+    /// done, so compare [`Self::steps`] and record them again. Turns what ended the run into an error.
     ///
     /// # Errors
     /// [`RunError`] names what ended the run.
@@ -217,6 +218,11 @@ impl Simulation {
         self.steps = step;
         if let Some(thawed) = self.engine.grow_if_short(&status, step)? {
             self.last = thawed;
+            self.record_again()?;
+        } else if status.causes & UNSOLVED_STRAND != 0 {
+            tracing::debug!(step, "strands are rescued from now on");
+            self.plan.rescue_strands();
+            self.last = self.engine.thaw(&status)?;
             self.record_again()?;
         } else if status.causes & NON_FINITE_AIR != 0 {
             return Err(RunError::NonFiniteAir { particle: status.first_bad_air, step, time: self.time() });

@@ -42,11 +42,13 @@ pub enum Quantity {
     Vorticity,
 }
 
-/// All that a simulation of this plan runs: its step, also as it is once a wind or a force is set, and the passes of each
-/// quantity.
+/// All that a simulation of this plan runs: its step, also as it is once strands are rescued and once a wind or a force is set,
+/// and the passes of each quantity.
 #[must_use]
 pub fn recordings(state: &State, plan: &Plan) -> Vec<Recording> {
-    let (mut windy, mut pushed) = (plan.clone(), plan.clone());
+    let mut plan = plan.clone();
+    plan.rescue_strands();
+    let (plan, mut windy, mut pushed) = (&plan, plan.clone(), plan.clone());
     let changes = windy.set_wind();
     pushed.set_force(true);
     let steps = [Some(plan), changes.then_some(&windy), Some(&pushed)].into_iter().flatten();

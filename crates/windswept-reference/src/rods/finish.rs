@@ -46,6 +46,7 @@ pub fn rescue(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &m
         segment.frame = (rotation(segment.free) * segment.start).normalize();
     }
     forget(hair, s, m);
+    drive.state = State::Left;
     true
 }
 

@@ -3,12 +3,12 @@
 use glam::{DMat3, DQuat, DVec3};
 use windswept_scene::{End, Strands};
 
-use super::{Drive, Moving, State, cross_matrix, damping, nearest_rest, response, turned};
+use super::{Drive, Moving, cross_matrix, damping, nearest_rest, response, turned};
 use crate::Parameters;
 
 /// Sweeps over strand `s` from root to tip: joint k, then segment k. Multipliers persist over the sweeps.
 pub fn gauss_seidel(p: &Parameters, hair: &Strands, s: usize, drive: &Drive, m: &mut Moving) {
-    if drive.state != State::Free {
+    if !drive.state.is_swept(p) {
         return;
     }
     let clamped = hair.ends(s).root == End::Clamped;

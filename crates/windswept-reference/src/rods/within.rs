@@ -4,6 +4,8 @@ use std::ops::AddAssign;
 
 use glam::{DQuat, DVec3};
 
+use crate::Parameters;
+
 /// State of a strand within a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum State {
@@ -16,6 +18,16 @@ pub enum State {
     Teleported,
     /// The strand stays where it is.
     Asleep,
+    /// The strand was rescued, and is left to Gauss-Seidel.
+    Left,
+}
+
+impl State {
+    /// Whether Gauss-Seidel solves the strand: of strands that the direct solver has had, those that it lost.
+    #[must_use]
+    pub fn is_swept(self, p: &Parameters) -> bool {
+        self == if p.direct { Self::Left } else { Self::Free }
+    }
 }
 
 /// Way of a strand through a step, with its clamp's.

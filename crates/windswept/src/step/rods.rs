@@ -32,11 +32,15 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
                     r.run(&rods::DIRECT, "Cosserat rods, solved directly", n.strands);
                 });
             });
+        });
+        r.when(&plan.rescue, |r| {
             r.run(&rods::RESCUE, "what the direct solver did not solve is rescued", n.strands);
         });
-        // All strands, or those that were rescued. Short dispatches: see `rods::sweeps_per_dispatch`.
-        r.repeat(plan.rod_dispatches, |r| {
-            r.run(&rods::GAUSS_SEIDEL, "Cosserat rods by Gauss-Seidel", n.strands);
+        r.when(&plan.sweeps, |r| {
+            // Short dispatches: see `rods::sweeps_per_dispatch`.
+            r.repeat(plan.rod_dispatches, |r| {
+                r.run(&rods::GAUSS_SEIDEL, "Cosserat rods by Gauss-Seidel", n.strands);
+            });
         });
         r.run(&rods::FINISH, "health of each strand", n.strands);
         r.run(&rods::PLACE, "hair goes where its rods took it", n.hair_points);
