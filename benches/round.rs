@@ -17,7 +17,7 @@ use timed::{Timed, scene};
 
 /// Scenes by name: file, keys, and whether it runs where nobody names it. Between them they have every heading but contact, and are
 /// short: a turn of all takes some ten seconds on a software adapter.
-const SCENES: [(&str, &str, &[&str], bool); 5] = [
+const SCENES: [(&str, &str, &[&str], bool); 7] = [
     // All of a step, small enough to stay in a CPU's cache.
     ("quick", "quick.toml", &[], true),
     // The density constraint, the direct filter and Gauss-Seidel.
@@ -28,6 +28,9 @@ const SCENES: [(&str, &str, &[&str], bool); 5] = [
     ("fig2b small", "small/fig2b.toml", &[], true),
     // The paper's size, at one substep as the peer's step.
     ("fig2b", "fig2b.toml", &["time.substeps=1"], false),
+    // Hair that the mean wind drags, and eddies three times as large.
+    ("fig2a", "fig2a.toml", &["time.substeps=1"], false),
+    ("fig3c", "fig3c.toml", &["time.substeps=1"], false),
 ];
 
 /// What one turn takes.

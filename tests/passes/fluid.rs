@@ -20,7 +20,7 @@ impl Walk<'_> {
         w.correction = vec![DVec3::ZERO; w.predicted.len()];
         w.pressed.clone_from(&s.pressed);
         let mut passes = stage.passes(step::fluid::record);
-        let count = stage.plan.constrained as usize;
+        let count = stage.plan.sizes.constrained as usize;
         w.density = vec![0.0; w.predicted.len()];
         let mut multiplier = vec![0.0; self.p().hair_points];
         while passes.through("fluid/density") {

@@ -65,8 +65,6 @@ pub struct Plan {
     pub sort: Sort,
     /// Whether the density constraint is solved.
     pub fluid: Decision,
-    /// Particles that the density constraint has to do with, from the first on: hair, or all.
-    pub constrained: u32,
     /// Whether air is integrated with its moves: with solver pbf.
     pub pbf: Decision,
     /// Whether velocities are freed of divergence.
@@ -171,10 +169,9 @@ impl Plan {
         let divergence = air.and(Decision::when(!is_pbf, "fluid.solver is pbf"));
         let coarse =
             divergence.and(scene.why_no_coarse().map_or(Decision::when(true, ""), |why| Decision::when(false, why)));
-        let constrained = setup.params.constrained;
         let fluid = air
             .and(Decision::when(solved, "fluid.iterations is 0"))
-            .and(Decision::when(constrained > 0, "fluid.solver is divergence"));
+            .and(Decision::when(sizes.constrained > 0, "fluid.solver is divergence"));
         let rough = (0..initial.hair.len()).any(|s| initial.hair.friction(s) > 0.0);
         let smooth = scene.why_no_friction();
         let friction = hair
@@ -196,7 +193,7 @@ impl Plan {
             air.and(Decision::when(viscous, "viscosity.hair, viscosity.air and viscosity.smagorinsky are 0"));
         let density_alone = viscosity
             .and(Decision::when(!solved, "the density constraint has it already"))
-            .and(Decision::when(constrained > 0, "the pressure's moments have it already"));
+            .and(Decision::when(sizes.constrained > 0, "the pressure's moments have it already"));
         let bounds = exchanges(scene, initial);
         let limiter = viscosity.and(limiter(scene, bounds));
         let limited_in_clusters = if bounds.air > 1.0 { sizes.in_clusters() } else { sizes.hair_in_clusters() };
@@ -221,7 +218,6 @@ impl Plan {
             neighbours,
             sort: Sort::new(&setup.params),
             fluid,
-            constrained,
             pbf,
             pressure_iterations: (1..setup.iterations.len()).map(Index::new).collect(),
             pressed_hair: divergence
@@ -277,7 +273,8 @@ impl Plan {
     /// Invocations of a pass over the clusters that the density constraint has to do with.
     #[must_use]
     pub fn constrained_in_clusters(&self) -> u32 {
-        if self.constrained == self.sizes.particles { self.sizes.in_clusters() } else { self.sizes.hair_in_clusters() }
+        let sizes = &self.sizes;
+        if sizes.constrained == sizes.particles { sizes.in_clusters() } else { sizes.hair_in_clusters() }
     }
 
     /// Invocations of a pass over the clusters whose velocity is freed of divergence.

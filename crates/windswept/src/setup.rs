@@ -69,6 +69,7 @@ impl<'a> Setup<'a> {
             band_tasks: bands.tasks.len() as u32,
             direct_filter: if direct { params.particles } else { 0 },
             sampled: if params.sampled != 0 { params.hair_points } else { 0 },
+            constrained: params.constrained,
             pressed: if divergence { params.particles } else { 0 },
             relaxations: iterations.len() as u32,
             coarse_nodes: coarse.as_ref().map_or(0, Coarse::nodes),

@@ -60,6 +60,8 @@ pub struct Sizes {
     pub direct_filter: u32,
     /// Hair points that drag knows the air at: all with the model `two-way` or with force fields, else none.
     pub sampled: u32,
+    /// Particles that the density constraint has to do with, from the first on: hair, or all.
+    pub constrained: u32,
     /// Particles that the solver of velocities without divergence keeps something of; none with solver pbf.
     pub pressed: u32,
     /// Entries of its table of relaxations.
@@ -289,7 +291,7 @@ state! {
     /// What one iteration of the density constraint, or friction, moves a particle by \[m\].
     shift: Vec4, |s| s.particles;
     /// What of that shift becomes velocity \[m\]; w: the multiplier times the relaxation \[kg m²\].
-    felt_shift: Vec4, |s| s.particles;
+    felt_shift: Vec4, |s| s.constrained;
     /// What pressure has done to a particle in this step so far.
     pressed: Pressed, |s| s.pressed;
     /// What corrects the gradients of the kernel at a particle, and how its divergence gives way \[1/m²\].

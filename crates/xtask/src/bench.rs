@@ -16,6 +16,9 @@ const SLOWER: f64 = 3.0;
 /// Steps of the peer in a turn: as many as of ours, and enough for a median.
 const PEER_STEPS: &str = "5";
 
+/// Scenes whose steps run beside the peer's: as many particles as it has, hair that the mean wind drags, larger eddies.
+const PEER_SCENES: [&str; 3] = ["fig2b", "fig2a", "fig3c"];
+
 /// Places of GLVND's dispatcher: Debian's and Ubuntu's, Fedora's and Arch's.
 const GLVND: [&str; 3] =
     ["/usr/lib/x86_64-linux-gnu/libGLdispatch.so.0", "/usr/lib64/libGLdispatch.so.0", "/usr/lib/libGLdispatch.so.0"];
@@ -86,17 +89,21 @@ pub(crate) fn compare(file: &str, rest: &[&str]) -> Result {
     Ok(())
 }
 
-/// `cargo xtask bench --peer`: the whole step of fig2b at one substep, by turns with SPlisHSPlasH on as many particles.
+/// `cargo xtask bench --peer`: whole steps of the paper's scenes at one substep, by turns with SPlisHSPlasH on as many particles as
+/// fig2b has.
 pub(crate) fn peer(rest: &[&str]) -> Result {
     let options = options(rest)?;
     let python = venv::provide(&["pysplishsplash"])?;
     let built = build("round", &options)?;
-    let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+    let mut ours = PEER_SCENES.map(|_| Vec::new());
+    let mut theirs = Vec::new();
     for k in 0..options.turns {
         say(&format!("Turn {} of {}", k + 1, options.turns));
-        let own = turn(Command::new(&built).arg("fig2b"))?;
+        let own = turn(Command::new(&built).args(PEER_SCENES))?;
         let particles = of(&own, "fig2b, particles")?;
-        ours.push(of(&own, "fig2b, wall")?);
+        for (scene, times) in PEER_SCENES.iter().zip(&mut ours) {
+            times.push(of(&own, &format!("{scene}, wall"))?);
+        }
         let mut command = Command::new(&python);
         command.arg(root().join("benches/peer/splishsplash.py")).arg(particles.to_string()).arg(PEER_STEPS);
         // The native module of pysplishsplash needs GLVND and is not linked to it.
@@ -105,19 +112,15 @@ pub(crate) fn peer(rest: &[&str]) -> Result {
         }
         let other = turn(&mut command).map_err(|e| format!("{e}; benches/peer/splishsplash.py says what it needs"))?;
         theirs.push(of(&other, "wall")?);
-        println!(
-            "windswept {:.0} ms, SPlisHSPlasH {:.0} ms, {particles} and {} particles",
-            ours[ours.len() - 1],
-            theirs[theirs.len() - 1],
-            of(&other, "particles")?
-        );
+        println!("{particles} particles in fig2b, {} in SPlisHSPlasH", of(&other, "particles")?);
     }
-    let ratios = Ratios::new(&theirs, &ours);
-    println!("\n{:<24} {:>10} {:>10}", "a step, ms", "least", "median");
-    println!("{:<24} {:>10.0} {:>10.0}", "windswept", least(&ours), median(&ours));
-    println!("{:<24} {:>10.0} {:>10.0}", "SPlisHSPlasH", least(&theirs), median(&theirs));
-    println!("{:<24} {:>10.2} {:>10.2}", "ratio", least(&ours) / least(&theirs), median(&ours) / median(&theirs));
-    println!("\nratio of each turn: median {:.2}, spread {:.2}", ratios.median, ratios.deviation);
+    println!("\n{:<14} {:>12} {:>12} {:>30}", "a step", "least, ms", "median, ms", "over SPlisHSPlasH, by turns");
+    println!("{:<14} {:>12.1} {:>12.1}", "SPlisHSPlasH", least(&theirs), median(&theirs));
+    for (scene, times) in PEER_SCENES.iter().zip(&ours) {
+        let ratios = Ratios::new(&theirs, times);
+        let by_turns = format!("{:.3} ± {:.3}", ratios.median, ratios.deviation);
+        println!("{scene:<14} {:>12.1} {:>12.1} {by_turns:>30}", least(times), median(times));
+    }
     Ok(())
 }
 

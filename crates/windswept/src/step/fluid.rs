@@ -23,7 +23,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.repeat(plan.fluid_iterations, |r| {
             density(r, plan.constrained_in_clusters());
             r.run(&fluid::CORRECT, "shift toward rest density", plan.constrained_in_clusters());
-            r.run(&fluid::MOVE, "apply the shift", plan.constrained);
+            r.run(&fluid::MOVE, "apply the shift", n.constrained);
         });
     });
     let shift = r.state().shift;
