@@ -110,9 +110,10 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
     }
     let bytes = windswept::memory_bytes(scene, initial)?;
     let memory = format!(
-        "{:.1} MB on the GPU, on a software adapter {:.1} MB more for textures; the neighbour list may grow",
+        "{:.1} MB on the GPU, on a software adapter {:.1} MB more for textures{}",
         megabytes(bytes.buffers),
-        megabytes(bytes.textures)
+        megabytes(bytes.textures),
+        if bytes.grows { "; the neighbour list may grow" } else { "" }
     );
     rows.push(("memory", memory));
     Ok(rows)

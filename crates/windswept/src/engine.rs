@@ -350,8 +350,8 @@ impl Engine {
         )
     }
 
-    pub(crate) fn run_profiled(&self, program: &Program, profile: &mut Profile) -> Result<Vec<Span>, RunError> {
-        Ok(program.run_profiled(&self.gpu, profile)?)
+    pub(crate) fn run_profiled(&self, program: &Program) -> Result<(Profile, Vec<Span>), RunError> {
+        Ok(program.run_profiled(&self.gpu)?)
     }
 
     /// Copies the committed positions and velocities to where a step's own stand, for headings that run on their own.

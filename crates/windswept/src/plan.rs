@@ -296,7 +296,7 @@ impl Plan {
     }
 }
 
-const NONE_UNSOLVED: &str = "the direct solver has left no strand unsolved";
+const NONE_UNSOLVED: &str = "not until the direct solver leaves a strand unsolved";
 const NO_BANDS: &str = "the scene names no turbulence.bands";
 
 /// Whether a wind blows at all, and whether it blows over air particles.

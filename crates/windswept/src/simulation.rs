@@ -178,18 +178,18 @@ impl Simulation {
             }
             let started = Instant::now();
             let before = self.last.step;
-            let timed = is_timed(self.submits);
-            if timed {
-                let spans = self.engine.run_profiled(&self.program, &mut self.profile)?;
-                self.timed_steps += 1;
-                if let Some(trace) = &mut self.trace {
-                    trace.extend(spans.into_iter().filter(|span| span.time.is_some()));
-                }
+            let timed = if is_timed(self.submits) {
+                Some(self.engine.run_profiled(&self.program)?)
             } else {
                 self.engine.run(&self.program, left.min(self.batch()))?;
-            }
+                None
+            };
             self.settle()?;
-            self.record_time(started.elapsed().as_secs_f64() * 1e3, before, timed);
+            self.record_time(started.elapsed().as_secs_f64() * 1e3, before, timed.is_some());
+            // A step that froze was done in part.
+            if let Some((profile, spans)) = timed.filter(|_| self.last.step > before) {
+                self.record_profile(profile, spans);
+            }
             self.submits += 1;
             self.steps = u64::from(self.last.step) / self.substeps();
         }
@@ -263,6 +263,17 @@ impl Simulation {
             *self.first_step_ms.get_or_insert(0.0) += ms;
         } else if substeps > 0 && !timed {
             self.step_ms.push(ms * self.substeps() as f64 / f64::from(substeps));
+        }
+    }
+
+    /// Takes down what the passes of a timed step took, and when they ran.
+    fn record_profile(&mut self, profile: Profile, spans: Vec<Span>) {
+        self.timed_steps += 1;
+        for (pass, time) in profile {
+            self.profile.entry(pass).or_default().add(time);
+        }
+        if let Some(trace) = &mut self.trace {
+            trace.extend(spans.into_iter().filter(|span| span.time.is_some()));
         }
     }
 

@@ -42,17 +42,19 @@ pub enum Quantity {
     Vorticity,
 }
 
-/// All that a simulation of this plan runs: its step, also as it is once strands are rescued and once a wind or a force is set,
-/// and the passes of each quantity.
+/// All that a simulation of this plan runs: its step, also as it is once a wind or a force is set, each with and without the passes
+/// that rescue strands, and the passes of each quantity.
 #[must_use]
 pub fn recordings(state: &State, plan: &Plan) -> Vec<Recording> {
-    let mut plan = plan.clone();
-    plan.rescue_strands();
-    let (plan, mut windy, mut pushed) = (&plan, plan.clone(), plan.clone());
+    let (mut windy, mut pushed) = (plan.clone(), plan.clone());
     let changes = windy.set_wind();
     pushed.set_force(true);
-    let steps = [Some(plan), changes.then_some(&windy), Some(&pushed)].into_iter().flatten();
-    let steps = steps.map(|plan| Recorder::record(state, |r| record(r, plan)));
+    let plans = [Some(plan.clone()), changes.then_some(windy), Some(pushed)].into_iter().flatten();
+    let steps = plans.flat_map(|mut plan| {
+        let step = Recorder::record(state, |r| record(r, &plan));
+        plan.rescue_strands();
+        [step, Recorder::record(state, |r| record(r, &plan))]
+    });
     let quantities = [Quantity::Density, Quantity::Vorticity];
     let measured = quantities.map(|quantity| Recorder::record(state, |r| record_quantity(r, plan, quantity)));
     steps.chain(measured).collect()

@@ -95,24 +95,35 @@ pub(crate) fn peer(rest: &[&str]) -> Result {
     let options = options(rest)?;
     let python = venv::provide(&["pysplishsplash"])?;
     let built = build("round", &options)?;
-    let mut ours = PEER_SCENES.map(|_| Vec::new());
-    let mut theirs = Vec::new();
-    for k in 0..options.turns {
-        say(&format!("Turn {} of {}", k + 1, options.turns));
-        let own = turn(Command::new(&built).args(PEER_SCENES))?;
-        let particles = of(&own, "fig2b, particles")?;
-        for (scene, times) in PEER_SCENES.iter().zip(&mut ours) {
-            times.push(of(&own, &format!("{scene}, wall"))?);
-        }
+    let own = || turn(Command::new(&built).args(PEER_SCENES));
+    let peer = |particles: f64| {
         let mut command = Command::new(&python);
         command.arg(root().join("benches/peer/splishsplash.py")).arg(particles.to_string()).arg(PEER_STEPS);
         // The native module of pysplishsplash needs GLVND and is not linked to it.
         if let Some(library) = GLVND.iter().find(|path| Path::new(path).is_file()) {
             command.env("LD_PRELOAD", library);
         }
-        let other = turn(&mut command).map_err(|e| format!("{e}; benches/peer/splishsplash.py says what it needs"))?;
+        turn(&mut command).map_err(|e| format!("{e}; benches/peer/splishsplash.py says what it needs"))
+    };
+    // The scene's own size, before anything counts.
+    let particles = of(&own()?, "fig2b, particles")?;
+    let (mut ours, mut theirs) = (PEER_SCENES.map(|_| Vec::new()), Vec::new());
+    let mut of_peer = particles;
+    for k in 0..options.turns {
+        say(&format!("Turn {} of {}", k + 1, options.turns));
+        // Whoever runs second finds the machine warmer: they take turns in that too.
+        let (own, other) = if k % 2 == 0 {
+            let own = own()?;
+            (own, peer(particles)?)
+        } else {
+            let other = peer(particles)?;
+            (own()?, other)
+        };
+        for (scene, times) in PEER_SCENES.iter().zip(&mut ours) {
+            times.push(of(&own, &format!("{scene}, wall"))?);
+        }
         theirs.push(of(&other, "wall")?);
-        println!("{particles} particles in fig2b, {} in SPlisHSPlasH", of(&other, "particles")?);
+        of_peer = of(&other, "particles")?;
     }
     println!("\n{:<14} {:>12} {:>12} {:>30}", "a step", "least, ms", "median, ms", "over SPlisHSPlasH, by turns");
     println!("{:<14} {:>12.1} {:>12.1}", "SPlisHSPlasH", least(&theirs), median(&theirs));
@@ -121,6 +132,8 @@ pub(crate) fn peer(rest: &[&str]) -> Result {
         let by_turns = format!("{:.3} ± {:.3}", ratios.median, ratios.deviation);
         println!("{scene:<14} {:>12.1} {:>12.1} {by_turns:>30}", least(times), median(times));
     }
+    let each = Ratios::new(&theirs, &ours[0]).median * of_peer / particles;
+    println!("\nfig2b has {particles} particles and SPlisHSPlasH {of_peer}: a particle takes {each:.3} of its time");
     Ok(())
 }
 

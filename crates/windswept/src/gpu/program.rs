@@ -49,6 +49,17 @@ pub(crate) struct PassTime {
     pub(crate) ms: f64,
     /// Number of runs.
     pub(crate) runs: u64,
+    /// Number of steps with any.
+    pub(crate) steps: u64,
+}
+
+impl PassTime {
+    /// Adds what a step took.
+    pub(crate) fn add(&mut self, step: Self) {
+        self.ms += step.ms;
+        self.runs += step.runs;
+        self.steps += step.steps;
+    }
 }
 
 /// When a dispatch of a timed run began and ended; without a time where the adapter has no timestamps.
@@ -106,9 +117,8 @@ impl Program {
         self.dispatches.chunk_by(|_, next| next.copies.is_empty())
     }
 
-    /// Runs the recording once, adds the passes' times to `profile` and returns when each of them ran; without timestamps it
-    /// runs all the same.
-    pub(crate) fn run_profiled(&self, gpu: &Gpu, profile: &mut Profile) -> Result<Vec<Span>, GpuError> {
+    /// Runs the recording once, and returns the passes' times and when each of them ran; without timestamps it runs all the same.
+    pub(crate) fn run_profiled(&self, gpu: &Gpu) -> Result<(Profile, Vec<Span>), GpuError> {
         let failed = |error: &dyn std::fmt::Display| GpuError::Driver {
             doing: "timing the passes".to_owned(),
             reason: error.to_string(),
@@ -137,14 +147,16 @@ impl Program {
                 times => break times.unwrap_or_default(),
             }
         };
+        let mut profile = Profile::new();
         for (dispatch, time) in self.dispatches.iter().zip(&times) {
             if let Some(span) = &time.time {
                 let entry = profile.entry((dispatch.pass, dispatch.label, dispatch.band)).or_default();
                 entry.ms += (span.end - span.start) * 1e3;
                 entry.runs += 1;
+                entry.steps = 1;
             }
         }
-        Ok(times)
+        Ok((profile, times))
     }
 }
 

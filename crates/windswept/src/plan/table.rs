@@ -98,6 +98,8 @@ pub struct MemoryBytes {
     pub buffers: u64,
     /// Size of the textures that there are besides on a software adapter \[bytes\].
     pub textures: u64,
+    /// Whether there is a neighbour list, which may grow in the run.
+    pub grows: bool,
 }
 
 /// What GPU memory a scene takes at the start of a run, with no GPU.
@@ -106,8 +108,13 @@ pub struct MemoryBytes {
 /// [`SceneError`] when the arrays of the initial state do not belong together.
 pub fn memory_bytes(scene: &Scene, initial: &InitialState) -> Result<MemoryBytes, SceneError> {
     initial.check()?;
-    let (arrays, sharing, textures) = first_memory(&Setup::new(scene, initial));
-    Ok(MemoryBytes { buffers: sharing.bytes(&arrays), textures: textures.iter().map(textures::bytes).sum() })
+    let setup = Setup::new(scene, initial);
+    let (arrays, sharing, textures) = first_memory(&setup);
+    Ok(MemoryBytes {
+        buffers: sharing.bytes(&arrays),
+        textures: textures.iter().map(textures::bytes).sum(),
+        grows: Plan::new(&setup).neighbours.runs,
+    })
 }
 
 /// The step of a scene, pass by pass in execution order: a dry run of `step.rs`, with no GPU.

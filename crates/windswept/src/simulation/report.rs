@@ -119,10 +119,10 @@ impl Simulation {
         self.timed_steps
     }
 
-    /// GPU time per pass and step so far, the mean of [`Self::timed_steps`]. Empty where the adapter has no timestamps.
+    /// GPU time per pass and step so far: the mean of those of [`Self::timed_steps`] in which the pass ran. Empty where the adapter
+    /// has no timestamps.
     #[must_use]
     pub fn pass_times(&self) -> Vec<PassReport> {
-        let steps = self.timed_steps as f64 / self.substeps() as f64;
         let mut rows: Vec<PassReport> = Vec::new();
         for command in self.recording.running() {
             let (pass, label, band) = (command.pass.name, command.label, command.band);
@@ -130,6 +130,7 @@ impl Simulation {
             if rows.iter().any(|row| row.pass == pass && row.name == label && row.band == band) {
                 continue;
             }
+            let steps = time.steps as f64 / self.substeps() as f64;
             rows.push(PassReport {
                 heading: command.heading.to_owned(),
                 name: label.to_owned(),

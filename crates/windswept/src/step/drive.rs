@@ -10,7 +10,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     let n = &plan.sizes;
     r.when(&plan.blows, |r| {
         r.run(&wind::BLOW, "mean wind of the step", 1);
-        r.when(&plan.fields, |r| {
+    });
+    r.when(&plan.fields, |r| {
+        r.when(&plan.blows, |r| {
             r.run(&force::COURSE, "strengths of the force fields", 1);
         });
     });
@@ -31,10 +33,14 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
             r.run(&wind::HOLD, "what the air lacks of the wind", ONE_WORKGROUP);
         });
         r.run(&wind::FRINGE, "wind enters", n.air());
-        r.when(&plan.fields, |r| {
+    });
+    r.when(&plan.fields, |r| {
+        r.when(&plan.wind, |r| {
             r.run(&force::DRAW, "force fields draw air", n.air());
         });
-        r.when(&plan.pushes, |r| {
+    });
+    r.when(&plan.pushes, |r| {
+        r.when(&plan.wind, |r| {
             r.run(&force::PUSH_AIR, "the force that was set pushes air", n.air());
         });
     });
