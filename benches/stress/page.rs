@@ -18,7 +18,8 @@ pub(crate) fn page(gpu: &Gpu, all: &[Stressed], took: Duration, before: &str) ->
     let rows: String = parts.iter().map(|part| part.rows.as_str()).collect();
     let failures: String = parts.iter().map(|part| part.failures.as_str()).collect();
     let pictures: String = parts.iter().map(|part| part.picture.as_str()).collect();
-    let holding = rows.lines().filter(|row| row.ends_with("| yes |")).count();
+    let ends = |with: &str| rows.lines().filter(|row| row.ends_with(&format!("| {with} |"))).count();
+    let (holding, bounded) = (ends(HOLDS), rows.lines().count() - ends(UNBOUNDED));
     let commit = provenance::commit();
     let (date, took) = (provenance::date(), took.as_secs_f64());
     let names: Vec<_> = all.iter().map(|stressed| stressed.stress.name).collect();
@@ -27,14 +28,16 @@ pub(crate) fn page(gpu: &Gpu, all: &[Stressed], took: Duration, before: &str) ->
         None => format!("adapter: {}  \ncommit: {commit}  \ndate: {date}, took {took:.0} s", gpu.info()),
     };
     format!(
-        "# Stress\n\nMade by `cargo xtask stress`; [README](../README.md#stress) says how to read it. {holding} of {} rows hold.\n\n\
+        "# Stress\n\nMade by `cargo xtask stress`; [README](../README.md#stress) says how to read it. {holding} of {bounded} rows hold.\n\n\
          {run}\n\n{TABLE}{rows}\n{FAILURES}{failures}{pictures}",
-        rows.lines().count(),
     )
 }
 
 const TABLE: &str = "| Stress | Settings | Quantity | Worst | at | Bound | Holds |\n|---|---|---|---|---|---|---|\n";
 const FAILURES: &str = "## What does not hold\n\n";
+/// What the last column says of a row that holds, and of one that only says what was measured.
+const HOLDS: &str = "yes";
+const UNBOUNDED: &str = "–";
 
 /// When, where and of what commit a page was made.
 fn provenance_in(page: &str) -> Option<&str> {
@@ -113,7 +116,8 @@ fn worst(sweep: &Sweep) -> String {
 
 fn holds(sweep: &Sweep) -> String {
     match sweep.failing() {
-        0 => "yes".to_owned(),
+        0 if sweep.samples.iter().all(|sample| sample.bound.is_infinite()) => UNBOUNDED.to_owned(),
+        0 => HOLDS.to_owned(),
         failing => format!("**no**: {failing} of {}", sweep.samples.len()),
     }
 }
@@ -131,7 +135,14 @@ fn failures(sweep: &Sweep) -> String {
 }
 
 fn place(sample: &Sample) -> String {
-    format!("{}, {}", sample.series, sample.setting).replace('|', "/").replace('\n', " ")
+    let parts = [sample.series.as_str(), sample.setting.as_str()];
+    parts
+        .into_iter()
+        .filter(|part| !part.is_empty())
+        .collect::<Vec<_>>()
+        .join(", ")
+        .replace('|', "/")
+        .replace('\n', " ")
 }
 
 fn value(sweep: &Sweep, value: f64) -> String {

@@ -20,6 +20,11 @@ const RESCUED_STEP: u32 = 9u;    // the direct solver did not solve a strand: it
 const EXCHANGE_LIMITED: u32 = 10u;   // a hair point whose exchange with the air was limited
 const COUNTERS: u32 = 11u;
 
+const BY_INSPECT: u32 = 0u;   // passes that find strands which are not finite: rods/inspect as the step begins,
+const BY_FINISH: u32 = 1u;    // rods/finish after the solve,
+const BY_HOLD: u32 = 2u;      // guard/hold at the end
+const NO_POINT: u32 = 0xffffffffu;
+
 struct Status {
     causes: atomic<u32>,              // bits above
     step: u32,                        // committed engine steps
@@ -27,8 +32,8 @@ struct Status {
     neighbours: atomic<u32>,          // elements the list needs in this step, the low half of 64 bits
     neighbour_carries: atomic<u32>,   // the high half
     bad_strands: atomic<u32>,         // non-finite in this step
-    first_bad_strand: atomic<u32>,    // smallest index, in this step
-    reset_strand: u32,                // that of the last committed step in which one was not finite
+    first_bad: atomic<u32>,           // smallest hair point that is not finite in this step, times 4, and the pass that found it
+    reset_first: u32,                 // that of the last committed step in which one was not finite
     reset_step: u32,                  // number of that step, from 1; 0 if there was none
     first_bad_air: atomic<u32>,       // smallest id
     max_stretch: atomic<u32>,         // max |l/l0 - 1| over the run, the bits of a positive f32
@@ -69,11 +74,11 @@ fn count_many(cause: u32, times: u32) {
     if times > 0u { atomicAdd(&status.counting[cause], times); }
 }
 
-// A strand that is not finite, and is to be reset.
-fn count_bad_strand(s: u32) {
+// A strand that is to be reset, since its point p is not finite, as a pass has found.
+fn count_bad_strand(p: u32, pass_of: u32) {
     count(STRAND_RESET);
     atomicAdd(&status.bad_strands, 1u);
-    atomicMin(&status.first_bad_strand, s);
+    atomicMin(&status.first_bad, 4u * p + pass_of);
 }
 
 // Once a step, however many say so.

@@ -33,8 +33,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         status.step += 1u;
         confinement_impulse[0] += mean_confinement[1];
         let bad = atomicExchange(&status.bad_strands, 0u) != 0u;
-        let first = atomicExchange(&status.first_bad_strand, NONE);
-        status.reset_strand = select(status.reset_strand, first, bad);
+        let first = atomicExchange(&status.first_bad, NONE);
+        status.reset_first = select(status.reset_first, first, bad);
         status.reset_step = select(status.reset_step, status.step, bad);
     }
     // An invocation per axis and per cause: drivers write out loops over so few.

@@ -2,18 +2,19 @@
 // (`rods/finish`).
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, Health, BAD},
-    status::{frozen, count_bad_strand, finite3},
+    status::{frozen, count_bad_strand, finite3, BY_HOLD, NO_POINT},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:        array<Strand>;
 @group(0) @binding(3) var<storage, read_write> health:         array<Health>;
 @group(0) @binding(4) var<storage, read_write> final_velocity: array<vec4f>;
 
-fn sound(strand: Strand) -> bool {
+// The first point of a strand whose velocity is not finite.
+fn lost(strand: Strand) -> u32 {
     for (var k = 0u; k < strand.points; k++) {
-        if !finite3(final_velocity[strand.first_point + k].xyz) { return false; }
+        if !finite3(final_velocity[strand.first_point + k].xyz) { return strand.first_point + k; }
     }
-    return true;
+    return NO_POINT;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -21,11 +22,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let s = invocation(id, groups);
     if s >= params.strands || frozen() { return; }
     let strand = strands[s];
-    if sound(strand) { return; }
+    let point = lost(strand);
+    if point == NO_POINT { return; }
     for (var k = 0u; k < strand.points; k++) {
         final_velocity[strand.first_point + k] = vec4f(0.0);
     }
     if health[s].found.bad != 0u { return; }
     health[s].found.bad = BAD;
-    count_bad_strand(s);
+    count_bad_strand(point, BY_HOLD);
 }

@@ -5,8 +5,9 @@ import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::PUT,
     rest::{STILL_STEPS, STILL_TURN},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, LEFT, SLEEPS, STRAINED_STEPS, strained_steps,
-        ROOT_HELD, MISFIT, BAD, unsolved},
-    status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNSOLVED_STRAND},
+        ROOT_HELD, MISFIT, BAD, SPOILT, unsolved},
+    status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNSOLVED_STRAND, BY_FINISH,
+        NO_POINT},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
@@ -81,20 +82,21 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let strand = strands[s];
     var stretch = 0.0;
     var before = rod_points[strand.first_point].travel;
-    var sound = finite3(before);
+    var lost = select(strand.first_point, NO_POINT, finite3(before));   // the first point that is not finite
     for (var k = 0u; k < strand.points - 1u; k++) {
         let segment = rod_segments[strand.first_segment + k];
         let after = rod_points[strand.first_point + k + 1u].travel;
         let l = length(segment.chord + after - before);
-        sound = sound && finite3(after) && finite4(segment.frame);
+        if lost == NO_POINT && !(finite3(after) && finite4(segment.frame)) { lost = strand.first_point + k + 1u; }
         before = after;
         stretch = max(stretch, abs(l / segments[strand.first_segment + k].rest_length - 1.0));
     }
-    if !(sound && finite(stretch)) {
+    if lost != NO_POINT || !finite(stretch) {
         hold(strand);
         health[s].found.bad = BAD;
         health[s].found.reach = 0.0;
-        count_bad_strand(s);
+        // One that was spoilt when the step began is counted.
+        if health[s].committed.bad != SPOILT { count_bad_strand(min(lost, strand.first_point + strand.points - 1u), BY_FINISH); }
         return;
     }
     atomicMax(&status.max_stretch, bitcast<u32>(stretch));

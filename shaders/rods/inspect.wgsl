@@ -8,7 +8,7 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP},
     rod::{Strand, Health, PointHistory, Root, SPOILT}, sound::{within, root_of, in_reach},
-    status::{frozen, count_bad_strand, finite, finite3},
+    status::{frozen, count_bad_strand, finite, finite3, BY_INSPECT, NO_POINT},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:       array<Strand>;
@@ -22,19 +22,20 @@ import package::common::{
 const FAST: f32 = 1e6;    // m/s: no point is faster
 const UNLIKE: f32 = 0.1;  // what the square of a frame's length is not off 1 by
 
-fn sound(s: u32, strand: Strand) -> bool {
+// The first point of a strand that is spoilt, or whose segment is.
+fn spoilt(s: u32, strand: Strand) -> u32 {
     let root = root_of(strand, clamps[s], position[strand.first_point].xyz);
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
         let history = point_history[p];
-        if !in_reach(strand, root, position[p].xyz) { return false; }
-        if !(within(velocity[p].xyz, FAST) && within(history.velocity, FAST)) { return false; }
-        if !(finite3(history.travel + history.remainder + history.outside) && finite3(history.own + history.grip)) { return false; }
+        if !in_reach(strand, root, position[p].xyz) { return p; }
+        if !(within(velocity[p].xyz, FAST) && within(history.velocity, FAST)) { return p; }
+        if !(finite3(history.travel + history.remainder + history.outside) && finite3(history.own + history.grip)) { return p; }
         if k + 1u == strand.points { continue; }
         let frame = orientation[strand.first_segment + k];
-        if !finite(dot(frame, frame)) || abs(dot(frame, frame) - 1.0) > UNLIKE { return false; }
+        if !finite(dot(frame, frame)) || abs(dot(frame, frame) - 1.0) > UNLIKE { return p; }
     }
-    return true;
+    return NO_POINT;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -42,7 +43,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let s = invocation(id, groups);
     if s >= params.strands || frozen() { return; }
     let bad = health[s].committed.bad;
-    if bad == 0u && sound(s, strands[s]) { return; }
-    if bad == 0u { health[s].committed.bad = SPOILT; }
-    if bad == 0u || bad == SPOILT { count_bad_strand(s); }
+    var point = strands[s].first_point;
+    if bad == 0u {
+        point = spoilt(s, strands[s]);
+        if point == NO_POINT { return; }
+        health[s].committed.bad = SPOILT;
+    }
+    if bad == 0u || bad == SPOILT { count_bad_strand(point, BY_INSPECT); }
 }

@@ -11,8 +11,8 @@ use windswept_scene::Model;
 use windswept_shaders::{
     self as shaders,
     common::status::{
-        ASLEEP_STEP, EULER_STEP, MOVE_CAPPED, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, RESCUED_STEP, STRAND_RESET, TELEPORT,
-        TOO_MANY_BAD_STRANDS,
+        ASLEEP_STEP, BY_FINISH, BY_HOLD, EULER_STEP, MOVE_CAPPED, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, RESCUED_STEP,
+        STRAND_RESET, TELEPORT, TOO_MANY_BAD_STRANDS,
     },
 };
 
@@ -211,9 +211,14 @@ fn check_is_that_of_the_twin() {
                 }
             }
             let by_rods = twin.bad.iter().filter(|bad| **bad).count() as u32;
-            let first = twin.bad.iter().position(|bad| *bad).map_or(u32::MAX, |strand| strand as u32);
+            let named = |strand: usize, pass: u32| 4 * twin.hair.points(strand).start as u32 + pass;
+            let first = twin.bad.iter().position(|bad| *bad).map_or(u32::MAX, |strand| named(strand, BY_FINISH));
+            let first_of_all = match strands - bad {
+                strand if bad == 0 || strand >= strands => u32::MAX,
+                strand => named(strand, if strand % 2 == 0 { BY_FINISH } else { BY_HOLD }),
+            };
             let mut status = stage.engine.status().unwrap();
-            (status.bad_strands, status.first_bad_strand) = (by_rods, first);
+            (status.bad_strands, status.first_bad) = (by_rods, first);
             status.neighbours = if short { stage.engine.sizes().neighbours + 1 } else { 0 };
             stage.engine.set_status(&status).unwrap();
             stage.engine.write(&s.health, &health).unwrap();
@@ -245,10 +250,7 @@ fn check_is_that_of_the_twin() {
                 assert_eq!(frozen, expected, "{what}");
                 assert!(lost.is_none_or(|lost| lost == status.first_bad_air as usize), "{what}: {status:?}");
                 if status.causes != 0 {
-                    assert_eq!(
-                        status.first_bad_strand as usize,
-                        if bad > 0 { strands - bad } else { u32::MAX as usize }
-                    );
+                    assert_eq!(status.first_bad, first_of_all, "{what}");
                     assert_eq!(status.hair_outside, outside, "{what}");
                 }
             }

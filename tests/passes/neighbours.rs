@@ -177,7 +177,7 @@ impl Walk<'_> {
             return f64::INFINITY;
         }
         let all = lists(engine);
-        let mut off = 0.0_f64;
+        let mut off = self.images_apart(&clusters, &w.predicted);
         for (i, got) in all.iter().enumerate() {
             if got.windows(2).any(|pair| pair[0] == pair[1]) {
                 return f64::INFINITY;
@@ -189,6 +189,24 @@ impl Walk<'_> {
             off = extra.chain(missing).map(|j| from_edge(j).abs()).fold(off, f64::max);
         }
         off
+    }
+
+    /// Largest difference between where a particle sees another of its list, by the image that the entry names, and where the twin has
+    /// the nearest one \[m\].
+    fn images_apart(&self, clusters: &[Cluster], x: &[DVec3]) -> f64 {
+        let p = self.p();
+        let seen = clusters.iter().flat_map(|cluster| {
+            let near = cluster.own_kind.iter().chain(&cluster.other_kind);
+            near.flat_map(move |near| {
+                cluster.particles.iter().enumerate().map(move |(lane, i)| (lane, *i as usize, near))
+            })
+        });
+        let gaps = seen.filter(|(lane, _, near)| near.met_by >> lane & 1 == 1).map(|(_, i, near)| {
+            let j = near.index as usize;
+            let gap = x[i] - x[j] - near.image.as_dvec3() * p.box_size;
+            (gap - p.separation(i, j, x[i], x[j])).length()
+        });
+        largest(gaps)
     }
 }
 

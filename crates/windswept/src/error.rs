@@ -115,7 +115,7 @@ fn remedy(array: &str, fits: u64) -> String {
 pub enum RunError {
     /// An air particle became non-finite.
     #[error(
-        "air particle {particle} became non-finite in step {step} (t = {time:.6} s): the run ends; a smaller time.step may help"
+        "step {step} (t = {time:.6} s): position or velocity of air particle {particle} is no finite number at the end of the step (guard/check): the run ends; a smaller time.step may help"
     )]
     NonFiniteAir {
         /// Stable id of the first such particle.
@@ -127,13 +127,19 @@ pub enum RunError {
     },
     /// More strands than max(3, 1 %) became non-finite in one step.
     #[error(
-        "{count} strands became non-finite in the rod solve of step {step} (t = {time:.6} s), strand {first} among them: the run ends; a smaller time.step or fewer hair.points may help"
+        "step {step} (t = {time:.6} s): {count} strands have numbers that are not finite, and at most {limit} are put back to rest in a step; the first is point {point} of strand {strand}, found by {pass}: the run ends; a smaller time.step or fewer hair.points may help"
     )]
     TooManyBadStrands {
         /// Number of such strands.
         count: u32,
-        /// Smallest index of such a strand.
-        first: u32,
+        /// Number of strands that are put back to rest in a step at most.
+        limit: u32,
+        /// First of the strands, from 0.
+        strand: usize,
+        /// First of its points that is not finite, from 0 at the root.
+        point: usize,
+        /// Pass that found it: `rods/inspect` as the step began, `rods/finish` after the rods' solve, `guard/hold` at the end.
+        pass: &'static str,
         /// The step that failed; the state is that before it.
         step: u64,
         /// Time of that step \[s\].

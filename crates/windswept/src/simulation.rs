@@ -27,6 +27,7 @@ use crate::{
     report::Reset,
     rods,
     setup::Setup,
+    status,
     step::{self, Quantity},
 };
 
@@ -227,8 +228,10 @@ impl Simulation {
         } else if status.causes & NON_FINITE_AIR != 0 {
             return Err(RunError::NonFiniteAir { particle: status.first_bad_air, step, time: self.time() });
         } else if status.causes & TOO_MANY_BAD_STRANDS != 0 {
-            let (count, first) = (status.bad_strands, status.first_bad_strand);
-            return Err(RunError::TooManyBadStrands { count, first, step, time: self.time() });
+            let (point, pass) = status::bad_point(status.first_bad);
+            let (strand, point) = self.strand_of(point);
+            let (count, limit) = (status.bad_strands, self.engine.params().bad_strand_limit);
+            return Err(RunError::TooManyBadStrands { count, limit, strand, point, pass, step, time: self.time() });
         }
         Ok(())
     }

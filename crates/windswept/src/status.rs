@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use windswept_shaders::common::status::{
-    ASLEEP_STEP, CONFINEMENT_LIMITED, EULER_STEP, EXCHANGE_LIMITED, HAIR_OUTSIDE, MOVE_CAPPED, OVER_STRAINED,
-    QUIET_STEP, RESCUED_STEP, STRAND_RESET, Status, TELEPORT,
+    ASLEEP_STEP, BY_FINISH, BY_INSPECT, CONFINEMENT_LIMITED, EULER_STEP, EXCHANGE_LIMITED, HAIR_OUTSIDE, MOVE_CAPPED,
+    OVER_STRAINED, QUIET_STEP, RESCUED_STEP, STRAND_RESET, Status, TELEPORT,
 };
 
 /// Counters of what a user should know; keys of the report's `warnings`.
@@ -27,7 +27,7 @@ const STRAND_STEPS: [(u32, &str); 5] = [
 /// The status of a run that has not begun.
 #[must_use]
 pub fn start() -> Status {
-    Status { first_bad_strand: u32::MAX, first_bad_air: u32::MAX, ..Status::default() }
+    Status { first_bad: u32::MAX, first_bad_air: u32::MAX, ..Status::default() }
 }
 
 /// The status with which a frozen step is run again.
@@ -39,7 +39,7 @@ pub fn thawed(status: &Status) -> Status {
         neighbours: 0,
         neighbour_carries: 0,
         bad_strands: 0,
-        first_bad_strand: u32::MAX,
+        first_bad: u32::MAX,
         hair_outside: 0,
         wind: status.wind_before,
         counting: Status::default().counting,
@@ -51,6 +51,17 @@ pub fn thawed(status: &Status) -> Status {
 #[must_use]
 pub fn neighbours_needed(status: &Status) -> u64 {
     u64::from(status.neighbour_carries) << 32 | u64::from(status.neighbours)
+}
+
+/// The hair point that `first` names, and the pass that found it not finite.
+#[must_use]
+pub fn bad_point(first: u32) -> (usize, &'static str) {
+    let pass = match first % 4 {
+        BY_INSPECT => "rods/inspect",
+        BY_FINISH => "rods/finish",
+        _ => "guard/hold",
+    };
+    ((first / 4) as usize, pass)
 }
 
 /// max |l/l0 − 1| over the run.

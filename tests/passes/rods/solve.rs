@@ -156,7 +156,9 @@ fn finish_measures_stretch_and_finds_bad_strands() {
         println!("{n} strands: largest stretch {wanted:.3} to {off:.1e}");
         // Measured at most 1.4e-7; margin 4.
         assert!(off < 6e-7, "{n}: {} instead of {wanted}", status::max_stretch(&got));
-        assert_eq!((got.bad_strands, got.first_bad_strand, got.counting[STRAND_RESET as usize]), (1, victim as u32, 1));
+        let (point, pass) = status::bad_point(got.first_bad);
+        assert!(hair.points(victim).contains(&point) && pass == "rods/finish", "{n}: point {point}, {pass}");
+        assert_eq!((got.bad_strands, got.counting[STRAND_RESET as usize]), (1, 1));
         // Found in this step, not committed yet.
         for (strand, health) in stage.health().iter().enumerate() {
             assert_eq!(

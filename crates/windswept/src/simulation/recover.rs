@@ -81,11 +81,18 @@ impl Simulation {
                 step,
                 time_s: step as f64 * self.dt(),
                 strands: strands.into(),
-                named: vec![now.reset_strand],
+                named: vec![self.strand_of(status::bad_point(now.reset_first).0).0 as u32],
                 air: false,
                 recovered: false,
             });
         }
+    }
+
+    /// The strand of a hair point, and the point's place in it, from the root on.
+    pub(super) fn strand_of(&self, point: usize) -> (usize, usize) {
+        let offsets = &self.initial.hair.point_offsets;
+        let strand = offsets.partition_point(|first| *first as usize <= point).saturating_sub(1);
+        (strand, point - offsets.get(strand).map_or(0, |first| *first as usize))
     }
 
     fn remember(&mut self, reset: Reset) {
