@@ -54,7 +54,15 @@ const PARTS: &[Part] = &[
         files: &["crates/windswept/src/*.rs"],
         package: "windswept",
         tested: &["windswept", "windswept-workspace"],
-        tests: &["--lib", "--test=plan", "--test=slots", "--test=checkpoints", "--test=simulation", "--test=passes"],
+        tests: &[
+            "--lib",
+            "--test=plan",
+            "--test=slots",
+            "--test=checkpoints",
+            "--test=simulation",
+            "--test=ops",
+            "--test=passes",
+        ],
         shard: "0/32",
     },
 ];
