@@ -1,7 +1,7 @@
 //! The two streams: results to the first, everything about the run to the second.
 
 use std::fmt::Display;
-use std::io::Write;
+use std::io::{self, ErrorKind, Write};
 
 use crate::failure::Failure;
 
@@ -10,16 +10,36 @@ pub(crate) struct Console<'a> {
     err: &'a mut dyn Write,
     /// Whether `err` is a terminal.
     pub(crate) terminal: bool,
+    /// The first error of `out`.
+    failed: Option<io::Error>,
 }
 
 impl<'a> Console<'a> {
     pub(crate) fn new(out: &'a mut dyn Write, err: &'a mut dyn Write, terminal: bool) -> Self {
-        Self { out, err, terminal }
+        Self { out, err, terminal, failed: None }
     }
 
-    /// A line of the result. A reader that has gone away (`| head`) has seen what it wanted.
+    /// A line of the result. Nothing more is written behind one that could not be; [`Self::end`] says why.
     pub(crate) fn print(&mut self, line: impl Display) {
-        let _ = writeln!(self.out, "{line}");
+        self.put(format_args!("{line}\n"));
+    }
+
+    /// Hands out what is left in memory.
+    ///
+    /// # Errors
+    /// [`Failure::Run`] if the result could not be written. A reader that has gone away (`| head`) has seen what it wanted.
+    pub(crate) fn end(&mut self) -> Result<(), Failure> {
+        let failed = self.failed.take().map_or_else(|| self.out.flush(), Err);
+        match failed {
+            Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Failure::Run(format!("standard output: {e}"))),
+            _ => Ok(()),
+        }
+    }
+
+    fn put(&mut self, text: impl Display) {
+        if self.failed.is_none() {
+            self.failed = write!(self.out, "{text}").err();
+        }
     }
 
     /// A line about the run; there is nobody left to tell if it cannot be written.
@@ -42,7 +62,7 @@ impl<'a> Console<'a> {
         if usage.use_stderr() {
             let _ = if self.terminal { write!(self.err, "{}", text.ansi()) } else { write!(self.err, "{text}") };
         } else {
-            let _ = write!(self.out, "{text}");
+            self.put(text);
         }
         u8::try_from(usage.exit_code()).unwrap_or(2)
     }

@@ -11,6 +11,7 @@ mod failure;
 mod groom;
 mod inspect;
 mod interrupt;
+mod lock;
 mod output;
 mod progress;
 mod render;
@@ -58,11 +59,12 @@ pub fn run_on(
 ) -> u8 {
     let mut console = Console::new(out, err, terminal);
     let done = match Arguments::try_parse_from(arguments) {
-        Ok(arguments) => dispatch(&arguments.command, &mut console),
-        Err(usage) => return console.usage(&usage),
+        Ok(arguments) => dispatch(&arguments.command, &mut console).map(|()| 0),
+        Err(usage) => Ok(console.usage(&usage)),
     };
-    match done {
-        Ok(()) => 0,
+    let written = console.end();
+    match done.and_then(|status| written.map(|()| status)) {
+        Ok(status) => status,
         Err(failure) => {
             console.failure(&failure);
             failure.status()

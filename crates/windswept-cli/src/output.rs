@@ -9,6 +9,7 @@ use windswept_export::{FORMATS, Kind, Pictures};
 
 use crate::arguments::RunOptions;
 use crate::failure::Failure;
+use crate::lock::{LOCK, Lock};
 
 const REPORT: &str = "report.json";
 const SCENE: &str = "scene.toml";
@@ -18,6 +19,10 @@ pub(crate) const CHECKPOINT: &str = "checkpoint.windswept";
 const SHEET: &str = "contact-sheet.png";
 /// Written by `windswept export` only.
 pub(crate) const FILMS: [&str; 3] = ["film.usda", "film.usdc", "film.npz"];
+
+/// What a kill may leave of a file that has its own name once it is whole.
+const PARTS: [&str; 5] =
+    ["checkpoint.windswept.part", "hair.vtkhdf.part", "air.vtkhdf.part", "film.usda.part", "film.npz.part"];
 
 /// Every name that a run writes: its formats' files, the report, the scene and the checkpoint. As in [`windswept_export::Format::files`], a
 /// stem of zeros stands for a file per frame.
@@ -32,20 +37,15 @@ pub(crate) struct Output {
     report: Option<PathBuf>,
     /// Place of the trace.
     trace: Option<PathBuf>,
+    /// Whether what an earlier run left is replaced.
+    overwrite: bool,
 }
 
 impl Output {
     /// Refuses a folder that holds something already (unless it may be overwritten), paths that cannot be, folders where
     /// files are to be, and what would cost the user the scene file.
     pub(crate) fn check(options: &RunOptions, scene: &Path, dir: &Path) -> Result<Self, Failure> {
-        match fs::read_dir(dir).map(|mut entries| entries.next().is_some()) {
-            Ok(true) if !options.overwrite => {
-                return refuse(dir, "not empty; --overwrite replaces what an earlier run left there");
-            }
-            Ok(_) => {}
-            Err(error) if error.kind() == ErrorKind::NotFound => {}
-            Err(error) => return refuse(dir, &error.to_string()),
-        }
+        check_folder(dir, options.overwrite)?;
         let output = Self::beside(options, dir, Some(scene))?;
         if output.replaces(scene) {
             return refuse(scene, "would be replaced by the run's own file of that name; --out takes another folder");
@@ -54,14 +54,17 @@ impl Output {
         Ok(output)
     }
 
-    /// The folder of a run that goes on. Refuses what cannot be written beside it.
+    /// The folder of a run that goes on. Refuses what cannot be written beside it, and what cannot be replaced in it.
     pub(crate) fn go_on(options: &RunOptions, dir: &Path) -> Result<Self, Failure> {
-        Self::beside(options, dir, None)
+        let output = Self::beside(options, dir, None)?;
+        output.check_files(&replaced())?;
+        Ok(output)
     }
 
     /// The folder with the files that were asked for beside it, if these can be written and do not replace the scene.
     fn beside(options: &RunOptions, dir: &Path, scene: Option<&Path>) -> Result<Self, Failure> {
-        let output = Self { dir: dir.into(), report: options.report.clone(), trace: options.trace.clone() };
+        let (report, trace) = (options.report.clone(), options.trace.clone());
+        let output = Self { dir: dir.into(), report, trace, overwrite: options.overwrite };
         let beside = [("--report", &output.report), ("--trace", &output.trace)];
         for (flag, file) in beside.into_iter().filter_map(|(flag, file)| Some((flag, file.as_deref()?))) {
             let folder = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -89,14 +92,34 @@ impl Output {
 
     /// The folder of a run that is over.
     pub(crate) fn of_run(dir: &Path) -> Self {
-        Self { dir: dir.into(), report: None, trace: None }
+        Self { dir: dir.into(), report: None, trace: None, overwrite: false }
     }
 
-    /// Makes the folder, clears away an earlier run's files, and writes the scene as it runs.
-    pub(crate) fn create(&self, scene: &str) -> Result<(), Failure> {
+    /// Makes the folder, locks it, clears away an earlier run's files, and writes the scene as it runs.
+    pub(crate) fn create(&self, scene: &str) -> Result<Lock, Failure> {
         fs::create_dir_all(&self.dir).map_err(|e| Failure::Input(format!("{}: {e}", self.dir.display())))?;
+        let lock = Lock::take(&self.dir)?;
+        // Another run may have come and gone since it was checked.
+        check_folder(&self.dir, self.overwrite)?;
         self.remove_files(&replaced())?;
-        write(&self.dir.join(SCENE), scene)
+        write(&self.scene(), scene)?;
+        Ok(lock)
+    }
+
+    /// Makes the folder that of a run which goes on: without the report of what was until now, and with the scene as it runs. Returns what
+    /// was wrong with the scene's file, if anything was.
+    pub(crate) fn reopen(&self, scene: &str) -> Result<Option<String>, Failure> {
+        remove(&self.dir.join(REPORT))?;
+        let path = self.scene();
+        // A link is another file than the run's, and what is no file may never end.
+        let is_file = path.symlink_metadata().is_ok_and(|found| found.is_file());
+        if is_file && fs::read(&path).is_ok_and(|found| found == scene.as_bytes()) {
+            return Ok(None);
+        }
+        let was = if is_file { "is not the scene that the run began with" } else { "is missing" };
+        remove(&path)?;
+        write(&path, scene)?;
+        Ok(Some(format!("{} {was}, and is written again: the run goes on with its own", path.display())))
     }
 
     /// Refuses pictures that cannot be replaced, before any is.
@@ -114,12 +137,17 @@ impl Output {
         self.found(&Pictures::FILES).iter().any(|path| path.exists())
     }
 
-    /// Refuses folders in the place of these files.
+    /// Refuses folders in the place of these files, and links in the place of their folders: what they lead to is not the run's.
     fn check_files(&self, names: &[&str]) -> Result<(), Failure> {
+        for path in names.iter().filter_map(|name| Some(self.dir.join(series(name)?.0))) {
+            if path.symlink_metadata().is_ok_and(|found| found.is_symlink()) {
+                return refuse(&path, "is a link; expected a folder or nothing");
+            }
+        }
         // A link is removed itself, wherever it leads.
         let is_folder = |path: &PathBuf| path.symlink_metadata().is_ok_and(|found| found.is_dir());
         match self.found(names).into_iter().find(is_folder) {
-            Some(path) => Err(Failure::Input(format!("{}: is a folder; expected a file or nothing", path.display()))),
+            Some(path) => refuse(&path, "is a folder; expected a file or nothing"),
             None => Ok(()),
         }
     }
@@ -153,7 +181,7 @@ impl Output {
 
     /// Whether `--overwrite` would replace this file.
     fn replaces(&self, path: &Path) -> bool {
-        self.names(&replaced(), path)
+        self.names(&replaced(), path) || self.names(&[LOCK], path)
     }
 
     /// Whether one of these names stands for a path, whether it is there yet or not.
@@ -204,9 +232,19 @@ fn refuse<T>(path: &Path, why: &str) -> Result<T, Failure> {
     Err(Failure::Input(format!("{}: {why}", path.display())))
 }
 
+/// Refuses what is no folder, and one that holds something already unless it may be overwritten.
+fn check_folder(dir: &Path, overwrite: bool) -> Result<(), Failure> {
+    match fs::read_dir(dir).map(|entries| entries.flatten().any(|entry| entry.file_name() != LOCK)) {
+        Ok(true) if !overwrite => refuse(dir, "not empty; --overwrite replaces what an earlier run left there"),
+        Ok(_) => Ok(()),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+        Err(error) => refuse(dir, &error.to_string()),
+    }
+}
+
 /// Everything that `--overwrite` removes.
 fn replaced() -> Vec<&'static str> {
-    files().into_iter().chain([SHEET]).chain(FILMS).collect()
+    files().into_iter().chain([SHEET]).chain(FILMS).chain(PARTS).collect()
 }
 
 /// Folder and ending of a name that stands for a file per frame.

@@ -11,6 +11,7 @@ use crate::arguments::RenderOptions;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
+use crate::lock::Lock;
 use crate::output::Output;
 use crate::progress::Progress;
 
@@ -31,6 +32,7 @@ fn film(run: &FinishedRun, output: &Output, options: &RenderOptions, console: &m
         return Err(Failure::Input(format!("{dir}: has pictures already; --overwrite replaces them")));
     }
     output.check_pictures()?;
+    let _lock = Lock::take(&run.dir)?;
     let gpu = gpu(options, console)?;
     let mut pictures = Pictures::new(&run.dir, &gpu, &run.scene, &run.frame(0)?, None)?;
     let interrupt = Interrupt::listen().map_err(|e| Failure::Run(format!("Ctrl-C cannot be listened to: {e}")))?;

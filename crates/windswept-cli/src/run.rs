@@ -7,13 +7,14 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use windswept::{AdapterChoice, Checkpoint, CheckpointError, Gpu, Report, RunError, Simulation};
-use windswept_export::{DEFAULT_FORMATS, Format, Loss, Recording, Run, Schedule, Stop};
+use windswept_export::{DEFAULT_FORMATS, ExportError, FORMATS, Format, Loss, Recording, Run, Schedule, Stop};
 use windswept_scene::{InitialState, Time};
 
 use crate::arguments::{Asked, OnBlowup, RunOptions};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
+use crate::lock::Lock;
 use crate::output::Output;
 use crate::progress::Progress;
 
@@ -22,7 +23,7 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
         Asked::Start(scene, out) => start(options, scene, out, console)?,
         Asked::GoOn(dir) => go_on(options, dir, console)?,
     };
-    let Begun { mut filmed, mut run, output, steps } = begun;
+    let Begun { mut filmed, mut run, output, steps, _lock } = begun;
     let interrupt = Interrupt::listen().map_err(|e| Failure::Run(format!("Ctrl-C cannot be listened to: {e}")))?;
     if options.trace.is_some() {
         filmed.simulation.keep_trace();
@@ -71,6 +72,8 @@ struct Begun {
     output: Output,
     /// Steps of the whole run.
     steps: u64,
+    /// Held until the last file is written.
+    _lock: Lock,
 }
 
 /// Begins the run of a scene.
@@ -86,24 +89,26 @@ fn start(options: &RunOptions, path: &Path, out: &Path, console: &mut Console<'_
     let gpu = Gpu::new(&AdapterChoice::from_flag(options.adapter.as_deref()))?;
     console.note(format_args!("running on {}", gpu.info()));
     let mut simulation = Simulation::with_state(&gpu, &scene, initial)?;
-    let recording = Recording::new(&formats, &mut simulation, out, room(&schedule))?;
-    output.create(scene.text())?;
+    let recording = Recording::new(&formats, &mut simulation, out, room(&schedule)).map_err(refused_at_start)?;
+    let _lock = output.create(scene.text())?;
     let notes = Notes::new(options.steps, &formats, options.checkpoint_every);
     let checkpoint = output.checkpoint();
     let steps = schedule.steps();
     let run = Run::new(schedule, 0, LENGTH);
     let run = options.checkpoint_every.into_iter().fold(run, |run, every| run.with_checkpoints(every, None));
-    Ok(Begun { filmed: Filmed { simulation, recording, lost: None, notes, checkpoint }, run, output, steps })
+    Ok(Begun { filmed: Filmed { simulation, recording, lost: None, notes, checkpoint }, run, output, steps, _lock })
 }
 
 /// Goes on with the run of a folder, behind its checkpoint.
 fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<Begun, Failure> {
     let output = Output::go_on(options, dir)?;
     let path = output.checkpoint();
-    if !path.exists() {
+    // What is no file, as a pipe, may never end.
+    if !path.is_file() {
         let words = "no checkpoint: expected that of a run with --checkpoint-every";
         return Err(Failure::Input(format!("{}: {words}", path.display())));
     }
+    let _lock = Lock::take(dir)?;
     // What cannot be read is bad input: nothing was written.
     let refused = |error: CheckpointError| match error {
         CheckpointError::Start { error, .. } => error.into(),
@@ -118,6 +123,7 @@ fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<
     let schedule = schedule(&checkpoint.scene().time, steps)?;
     let gpu = Gpu::new(&checkpoint.choice(options.adapter.as_deref()))?;
     console.note(format_args!("running on {}", gpu.info()));
+    let scene = checkpoint.scene().text().to_owned();
     let mut simulation = checkpoint.start(&gpu).map_err(refused)?;
     for warning in &simulation.initial().warnings {
         console.warn(warning);
@@ -133,11 +139,31 @@ fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<
     let written: Vec<f64> = (0..next).map(|frame| schedule.step(frame) as f64 * simulation.dt()).collect();
     let recording = Recording::behind(&formats, &mut simulation, dir, room(&schedule), &written)
         .map_err(|error| Failure::Input(error.to_string()))?;
+    if let Some(changed) = output.reopen(&scene)? {
+        console.warn(changed);
+    }
+    left_out(&notes.formats, &formats).for_each(|words| console.warn(words));
     notes = Notes { frames: notes.frames, ..Notes::new(steps, &formats, every) };
     let steps = schedule.steps();
     let run = Run::new(schedule, next, LENGTH);
     let run = every.into_iter().fold(run, |run, every| run.with_checkpoints(every, Some(now)));
-    Ok(Begun { filmed: Filmed { simulation, recording, lost: None, notes, checkpoint: path }, run, output, steps })
+    let filmed = Filmed { simulation, recording, lost: None, notes, checkpoint: path };
+    Ok(Begun { filmed, run, output, steps, _lock })
+}
+
+/// A warning for each format of a run that it goes on without: frames that it lacks are not made again.
+fn left_out<'a>(had: &'a [String], kept: &'a [&'static Format]) -> impl Iterator<Item = String> + 'a {
+    let had = FORMATS.iter().filter(|format| had.iter().any(|name| name == format.name));
+    let left = had.filter(|format| kept.iter().all(|kept| kept.name != format.name));
+    left.map(|format| format!("no more {}: --formats leaves out {}, for good", format.writes, format.name))
+}
+
+/// Why a recording cannot begin. A file that cannot be is bad input, as nothing is written yet.
+fn refused_at_start(error: ExportError) -> Failure {
+    match error {
+        ExportError::File { .. } => Failure::Input(error.to_string()),
+        error => error.into(),
+    }
 }
 
 /// The schedule, if the engine can count its steps.

@@ -199,7 +199,7 @@ fn a_failed_run_keeps_its_frames() {
     let failed = run(folder.path(), &sets);
     let said = String::from_utf8_lossy(&failed.stderr).into_owned();
     assert_eq!(failed.status.code(), Some(1), "{said}");
-    assert!(said.contains("non-finite") && said.contains("step 0"), "{said}");
+    assert!(said.contains("not finite") && said.contains("step 0"), "{said}");
     let out = folder.path().join("out");
     let left = ["air.vtkhdf", "checkpoint.windswept", "frames", "hair.vtkhdf", "preview.gif", "scene.toml"];
     assert_eq!(listing(&out), left);

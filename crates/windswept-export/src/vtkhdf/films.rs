@@ -20,6 +20,11 @@ pub(crate) struct Films {
 
 impl Films {
     pub(crate) fn new(start: &Start<'_>) -> Result<Self, ExportError> {
+        if start.folder.to_str().is_none() {
+            let path = start.folder.join(Kind::Hair.file_name());
+            let reason = "HDF5 takes no path that is not UTF-8".to_owned();
+            return Err(ExportError::File { path, doing: "could not be created", reason });
+        }
         let mut films = Self {
             folder: start.folder.into(),
             scene: start.scene.clone(),

@@ -251,7 +251,8 @@ impl Simulation {
         part.push(".part");
         let name = path.display().to_string();
         let io = |reason| CheckpointError::File { file: name.clone(), be: "written", reason };
-        let written = File::create(&part).map_err(io).and_then(|file| {
+        let unmade = |reason| CheckpointError::File { file: part.display().to_string(), be: "written", reason };
+        let written = File::create(&part).map_err(unmade).and_then(|file| {
             let out = self.write(BufWriter::new(file), &name, notes)?;
             let file = out.into_inner().map_err(|error| io(error.into_error()))?;
             file.sync_all().map_err(io)?;

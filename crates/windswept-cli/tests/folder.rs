@@ -1,0 +1,241 @@
+//! A run's folder with something unexpected in it, or with two runs at once: nothing of anybody else's is touched.
+
+#![cfg(unix)]
+#![allow(clippy::expect_used)] // a test may panic
+
+mod support;
+
+use std::ffi::OsStr;
+use std::fs;
+use std::os::unix::ffi::OsStrExt;
+use std::os::unix::fs::symlink;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use support::{SCENE, folder, listing, run, windswept};
+use windswept::{AdapterChoice, Gpu, Simulation};
+use windswept_scene::Scene;
+
+const LOCK: &str = ".windswept.lock";
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn resume(folder: &Path, more: &[&str]) -> Output {
+    windswept(folder, &[&["run", "--resume", "out"], more].concat()).output().expect("the program starts")
+}
+
+/// A short run with a checkpoint at its end.
+fn begun(folder: &Path, formats: &str) {
+    let ran = run(folder, &["--steps", "13", "--checkpoint-every", "13", "--formats", formats]);
+    assert_eq!(ran.status.code(), Some(0), "{ran:?}");
+}
+
+fn refused(output: &Output, words: &str) {
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(said(output).contains(words), "{words}: {output:?}");
+}
+
+/// Begins a run that lasts for minutes, and waits until it writes.
+fn long_run(folder: &Path, command: &mut Command) -> Child {
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts");
+    let started = Instant::now();
+    while !folder.join("out").join(LOCK).exists() && started.elapsed() < Duration::from_secs(60) {
+        assert!(child.try_wait().expect("a child").is_none(), "ended by itself");
+        sleep(Duration::from_millis(5));
+    }
+    child
+}
+
+fn kill(mut child: Child) {
+    child.kill().expect("it is ours");
+    child.wait().expect("an end");
+}
+
+/// Waits until a program ends by itself; after a while it is killed, and has no exit code.
+fn ended(mut command: Command) -> Output {
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+    let started = Instant::now();
+    while child.try_wait().expect("a child").is_none() && started.elapsed() < Duration::from_secs(20) {
+        sleep(Duration::from_millis(20));
+    }
+    // It may have ended by now.
+    let _ = child.kill();
+    child.wait_with_output().expect("an end")
+}
+
+/// Pictures behind a link are somebody else's: nothing is removed or written there.
+#[test]
+fn a_link_in_place_of_the_pictures_is_refused() {
+    let folder = folder();
+    begun(folder.path(), "png,vtkhdf");
+    let (out, other) = (folder.path().join("out"), folder.path().join("other"));
+    fs::rename(out.join("frames"), &other).expect("pictures");
+    for name in ["0000.png", "2024.png"] {
+        fs::write(other.join(name), "precious").expect("a file");
+    }
+    symlink("../other", out.join("frames")).expect("a link");
+    let there = listing(&out);
+    let words = "frames: is a link; expected a folder or nothing";
+    refused(&run(folder.path(), &["--steps", "13", "--overwrite"]), words);
+    refused(&resume(folder.path(), &["--steps", "30"]), words);
+    let render = ["render", "out", "--overwrite", "--adapter", "software"];
+    refused(&windswept(folder.path(), &render).output().expect("the program starts"), words);
+    assert_eq!(
+        (listing(&out), listing(&other)),
+        (there, ["0000.png", "0001.png", "2024.png"].map(String::from).to_vec())
+    );
+    for name in ["0000.png", "2024.png"] {
+        assert_eq!(fs::read_to_string(other.join(name)).expect("a file"), "precious");
+    }
+}
+
+/// A scene that was edited in the folder, or is gone, is written again as it runs, with a warning; nothing is said of one that is as it was.
+#[test]
+fn a_run_goes_on_with_its_own_scene() {
+    let folder = folder();
+    begun(folder.path(), "none");
+    let path = folder.path().join("out/scene.toml");
+    let whole = fs::read_to_string(&path).expect("a scene");
+    let untouched = resume(folder.path(), &[]);
+    assert!(!said(&untouched).contains("scene.toml"), "{untouched:?}");
+    fs::write(&path, whole.replace("wind = [1.0", "wind = [9.0")).expect("a scene");
+    for words in ["out/scene.toml is not the scene that the run began with", "out/scene.toml is missing"] {
+        let on = resume(folder.path(), &[]);
+        assert_eq!(on.status.code(), Some(0), "{on:?}");
+        assert!(said(&on).contains(&format!("warning: {words}")), "{on:?}");
+        assert_eq!(fs::read_to_string(&path).expect("a scene"), whole);
+        fs::remove_file(&path).expect("a scene");
+    }
+}
+
+/// A run that goes on has no report until it ends: that of the run before would be wrong once it is killed.
+#[test]
+fn a_run_that_goes_on_drops_its_report() {
+    let folder = folder();
+    begun(folder.path(), "none");
+    let report = folder.path().join("out/report.json");
+    assert!(report.exists());
+    let mut on = windswept(folder.path(), &["run", "--resume", "out", "--steps", "100000"]);
+    let mut child = on.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts");
+    let started = Instant::now();
+    while report.exists() && started.elapsed() < Duration::from_secs(60) {
+        assert!(child.try_wait().expect("a child").is_none(), "ended by itself");
+        sleep(Duration::from_millis(5));
+    }
+    kill(child);
+    assert!(!report.exists());
+}
+
+/// Half a checkpoint that a kill left goes with the rest of the run; a folder of that name is refused, by its name.
+#[test]
+fn half_a_checkpoint_is_replaced() {
+    let folder = folder();
+    begun(folder.path(), "none");
+    let part = folder.path().join("out/checkpoint.windswept.part");
+    fs::write(&part, "half").expect("a file");
+    let again = run(folder.path(), &["--steps", "1", "--formats", "none", "--overwrite"]);
+    assert_eq!(again.status.code(), Some(0), "{again:?}");
+    assert_eq!(listing(&folder.path().join("out")), ["report.json", "scene.toml"]);
+    fs::create_dir(&part).expect("a folder");
+    refused(&run(folder.path(), &["--steps", "1", "--overwrite"]), "checkpoint.windswept.part: is a folder");
+}
+
+/// A checkpoint that cannot be begun says which file is in its way.
+#[test]
+fn the_file_beside_a_checkpoint_is_named() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("now.windswept.part")).expect("a folder");
+    let gpu = Gpu::new(&AdapterChoice::Software).expect("the software adapter");
+    let scene = Scene::parse(SCENE).expect("a scene");
+    let simulation = Simulation::new(&gpu, &scene).expect("a simulation");
+    let error = simulation.save(folder.path().join("now.windswept")).expect_err("a folder is there");
+    assert!(error.to_string().contains("now.windswept.part: cannot be written: Is a directory"), "{error}");
+}
+
+/// A second run in a folder is refused as long as the first one is there, and nothing is touched; a killed run keeps nobody out.
+#[test]
+fn two_runs_do_not_share_a_folder() {
+    let folder = folder();
+    let out = folder.path().join("out");
+    let begin = ["run", "scene.toml", "--out", "out", "--adapter", "software", "--formats", "none", "--steps"];
+    let first = long_run(folder.path(), windswept(folder.path(), &begin).args(["100000", "--checkpoint-every=1"]));
+    let started = Instant::now();
+    while !out.join("checkpoint.windswept").exists() && started.elapsed() < Duration::from_secs(60) {
+        sleep(Duration::from_millis(5));
+    }
+    let words = "out: another run is writing here";
+    refused(&run(folder.path(), &["--steps", "1", "--overwrite"]), words);
+    refused(&resume(folder.path(), &[]), words);
+    refused(&run(folder.path(), &["--steps", "1"]), "not empty");
+    let there = listing(&out);
+    assert!(
+        ["checkpoint.windswept", "scene.toml", LOCK].iter().all(|name| there.contains(&(*name).to_owned())),
+        "{there:?}"
+    );
+    kill(first);
+    assert!(out.join(LOCK).exists());
+    let next = run(folder.path(), &["--steps", "1", "--formats", "none", "--overwrite"]);
+    assert_eq!(next.status.code(), Some(0), "{next:?}");
+    assert_eq!(listing(&out), ["report.json", "scene.toml"]);
+    // What a kill left of a run that had written nothing does not make a folder full.
+    fs::remove_dir_all(&out).expect("it is ours");
+    fs::create_dir(&out).expect("a folder");
+    fs::write(out.join(LOCK), "").expect("a file");
+    let fresh = run(folder.path(), &["--steps", "1", "--formats", "none"]);
+    assert_eq!(fresh.status.code(), Some(0), "{fresh:?}");
+}
+
+/// A path that is not UTF-8 is refused for the format that cannot take it, before there is a folder; the others take it.
+#[test]
+fn a_path_that_is_not_utf8_is_refused_for_films() {
+    let folder = folder();
+    let out = OsStr::from_bytes(b"no\xffutf");
+    let ran = |formats: &str| {
+        let mut command = windswept(folder.path(), &["run", "scene.toml", "--steps", "1", "--adapter", "software"]);
+        command.args(["--formats", formats, "--out"]).arg(out).output().expect("the program starts")
+    };
+    refused(&ran("png,vtkhdf"), "hair.vtkhdf: could not be created: HDF5 takes no path that is not UTF-8");
+    assert_eq!(listing(folder.path()), ["scene.toml"]);
+    assert_eq!(ran("png,usd").status.code(), Some(0));
+    assert!(folder.path().join(out).join("hair.usda").exists());
+}
+
+/// A pipe in place of the checkpoint is no checkpoint, and nobody waits for one.
+#[test]
+fn a_pipe_is_no_checkpoint() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("out")).expect("a folder");
+    let path = folder.path().join("out/checkpoint.windswept");
+    assert!(Command::new("mkfifo").arg(&path).status().expect("mkfifo runs").success());
+    refused(&ended(windswept(folder.path(), &["run", "--resume", "out"])), "checkpoint.windswept: no checkpoint");
+}
+
+/// A format that a run goes on without is over, and the console says so once.
+#[test]
+fn a_format_that_is_left_out_is_over() {
+    let folder = folder();
+    begun(folder.path(), "png,vtkhdf");
+    let left = "warning: no more pictures and preview.gif: --formats leaves out png";
+    let on = resume(folder.path(), &["--steps", "26", "--formats", "vtkhdf"]);
+    assert_eq!((on.status.code(), said(&on).matches(left).count()), (Some(0), 1), "{on:?}");
+    assert!(!said(&on).contains("out vtkhdf"), "{on:?}");
+    let on = resume(folder.path(), &[]);
+    assert_eq!((on.status.code(), said(&on).matches("leaves out").count()), (Some(0), 0), "{on:?}");
+}
+
+/// A result that cannot be written is a failure; its reason is on the other stream.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_behind_the_output_is_told() {
+    let folder = folder();
+    for arguments in [&["plan", "scene.toml"][..], &["check", "--explain"], &["--help"]] {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
+        let failed = windswept(folder.path(), arguments).stdout(full).output().expect("the program starts");
+        assert_eq!(failed.status.code(), Some(1), "{arguments:?}: {failed:?}");
+        assert_eq!(said(&failed), "error: standard output: No space left on device (os error 28)\n", "{arguments:?}");
+    }
+}
