@@ -116,6 +116,9 @@ fn drawn(error: &SceneError) -> String {
     if let Some((line, before, fault)) = error.span().and_then(|span| underlined(error.source_text(), &span)) {
         // A tab stays one, so that the mark stands under the fault however wide it is shown.
         let indent: String = before.chars().map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
+        // What would move the cursor takes a place of its own, as it did.
+        let shown = |c: char| if c.is_control() && c != '\t' { char::REPLACEMENT_CHARACTER } else { c };
+        let line: String = line.chars().map(shown).collect();
         let mark = "^".repeat(fault.chars().count().max(1));
         lines.extend([format!("{margin} |"), format!("{number} | {line}"), format!("{margin} | {indent}{mark}")]);
     }
@@ -148,6 +151,9 @@ mod tests {
         let drawn = Failure::from(error).render(true);
         let (line, mark) = ("\n3 | \tlenght = 0.1 # m\n", "\n  | \t^^^^^^\n");
         assert!(drawn.contains(line) && drawn.contains(mark) && drawn.contains("hair.length"), "{drawn}");
+        let error = Scene::parse("a = 1\n\u{1b}[2Jb = 1\n").unwrap_err();
+        let drawn = Failure::from(error).render(true);
+        assert!(drawn.contains('\u{fffd}') && !drawn.contains('\u{1b}'), "{drawn:?}");
         let text = "a = 1\nb = é2";
         assert_eq!(underlined(text, &(10..13)), Some(("b = é2", "b = ", "é2")));
         assert_eq!(underlined(text, &(4..9)), Some(("a = 1", "a = ", "1")));

@@ -1,7 +1,7 @@
 //! A scene's text, checked key by key against the table of keys, with the place of each.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, HashSet},
     ops::Range,
     path::{Path, PathBuf},
 };
@@ -13,7 +13,7 @@ use crate::{
     declare::join,
     error::SceneError,
     keys::{Fallback, KEYS, Key, Kind},
-    limits::{LARGEST, MAGNITUDES, SMALLEST},
+    limits::{LARGEST, MAGNITUDES, MOST_BANDS, MOST_BODIES, MOST_FORCES, MOST_HAIR_GROUPS, SMALLEST},
 };
 
 /// A checked value.
@@ -40,6 +40,8 @@ pub(crate) struct Document {
     pub(crate) entries: BTreeMap<String, Entry>,
     /// What a table that says its name is called, by its real path: `hair.1` is `hair.fringe`. A name counts once.
     called: BTreeMap<String, String>,
+    /// The names that count.
+    taken: HashSet<String>,
     /// Where files with relative paths are.
     pub(crate) folder: PathBuf,
 }
@@ -115,6 +117,11 @@ impl Document {
             }
             (_, other) => return Err(wrong(describe(other))),
         };
+        // Before any of them is looked at.
+        if let Some((most, what)) = most_of(&key.path).filter(|(most, _)| tables.len() > *most) {
+            let words = format!("expected at most {most} {what}, found {}", tables.len());
+            return Err(SceneError::new(words).at(real, span));
+        }
         let datum = Datum::Tables(tables.len());
         if !tables.is_empty() {
             built(key, real, span.clone())?;
@@ -126,13 +133,24 @@ impl Document {
                 element = format!("{real}.{index}");
                 self.entries.insert(element.clone(), Entry { datum: Datum::Tables(1), span });
                 let called = table.get("name").and_then(Item::as_str).map(|name| format!("{real}.{name}"));
-                if let Some(called) = called.filter(|called| self.called.values().all(|other| other != called)) {
+                if let Some(called) = called.filter(|called| self.taken.insert(called.clone())) {
                     self.called.insert(element.clone(), called);
                 }
             }
             self.table(table, &key.path, &element)?;
         }
         Ok(())
+    }
+}
+
+/// Most tables of an array, and what they are; `None` where only the length of the file says how many there are.
+fn most_of(path: &str) -> Option<(usize, &'static str)> {
+    match path {
+        "hair" => Some((MOST_HAIR_GROUPS, "groups of strands")),
+        "body" => Some((MOST_BODIES, "bodies")),
+        "force" => Some((MOST_FORCES, "force fields")),
+        "turbulence.bands" => Some((MOST_BANDS, "bands")),
+        _ => None,
     }
 }
 
@@ -226,7 +244,8 @@ pub(crate) fn short(text: &str) -> String {
 }
 
 pub(crate) fn syntax(error: &TomlError) -> SceneError {
-    SceneError::new(format!("not TOML: {}", error.message().trim())).with_span(error.span())
+    let lines: Vec<&str> = error.message().trim().lines().map(str::trim).collect();
+    SceneError::new(format!("not TOML: {}", lines.join("; "))).with_span(error.span())
 }
 
 /// The nearest key by its whole path, or one that ends in the same name.

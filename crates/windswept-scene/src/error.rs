@@ -1,8 +1,11 @@
 //! A fault in a scene: what, where, and what was expected.
 
-use std::{fmt, ops::Range};
+use std::{borrow::Cow, fmt, ops::Range};
 
 /// A scene that cannot be taken. Says the file, the line, the key, what was expected, and the nearest key if there is one.
+///
+/// Keys, names and paths that it quotes may be of a stranger's file: control characters in them are spelled, `\u{1b}`, so that none
+/// reaches a terminal. [`Self::source_text`] alone is as it was read, as spans count its bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct SceneError(Box<Fault>);
@@ -19,14 +22,26 @@ struct Fault {
     argument: bool,
 }
 
+/// The text with its control characters spelled, `\u{1b}`; all others stay. What is spelled stays so if it is spelled again.
+fn spelled(text: &str) -> Cow<'_, str> {
+    if !text.contains(char::is_control) {
+        return text.into();
+    }
+    let mut spelled = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c.is_control() { spelled.extend(c.escape_default()) } else { spelled.push(c) }
+    }
+    spelled.into()
+}
+
 impl SceneError {
     pub(crate) fn new(message: impl Into<String>) -> Self {
-        let message = message.into();
+        let message = spelled(&message.into()).into_owned();
         Self(Box::new(Fault { message, ..Fault::default() }))
     }
 
     pub(crate) fn at(mut self, key: impl Into<String>, span: Option<Range<usize>>) -> Self {
-        self.0.key = Some(key.into());
+        self.0.key = Some(spelled(&key.into()).into_owned());
         self.0.span = span;
         self
     }
@@ -35,13 +50,13 @@ impl SceneError {
     pub(crate) fn renamed(mut self, real: &str, called: &str) -> Self {
         let rest = self.0.key.as_deref().and_then(|key| key.strip_prefix(real));
         if let Some(rest) = rest.filter(|rest| rest.is_empty() || rest.starts_with('.')) {
-            self.0.key = Some(format!("{called}{rest}"));
+            self.0.key = Some(spelled(&format!("{called}{rest}")).into_owned());
         }
         self
     }
 
     pub(crate) fn with_help(mut self, help: impl Into<String>) -> Self {
-        self.0.help = Some(help.into());
+        self.0.help = Some(spelled(&help.into()).into_owned());
         self
     }
 
@@ -52,7 +67,7 @@ impl SceneError {
 
     /// The error as one of the text that was read from `name`.
     pub(crate) fn of(mut self, name: &str, text: &str) -> Self {
-        self.0.source_name = name.to_owned();
+        self.0.source_name = spelled(name).into_owned();
         self.0.source_text = text.to_owned();
         self
     }

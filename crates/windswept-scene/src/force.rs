@@ -9,7 +9,6 @@ use crate::{
         Fallback::{Absent, Needed, Value},
         Kind::{Choice, Direction, Length, NonNegative, Number, Tables, Text, Vector},
     },
-    limits::MOST_FORCES,
     reader::Reader,
     scene::{Air, Model, Scene},
 };
@@ -169,14 +168,5 @@ impl Scene {
         } else {
             None
         }
-    }
-
-    /// No more fields than particles should look at.
-    pub(crate) fn check_forces(&self, reader: &Reader<'_>) -> Result<(), SceneError> {
-        if self.forces.len() > MOST_FORCES {
-            let words = format!("expected at most {MOST_FORCES} force fields, found {}", self.forces.len());
-            return Err(reader.fault("force", words));
-        }
-        Ok(())
     }
 }

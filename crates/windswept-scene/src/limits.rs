@@ -25,6 +25,9 @@ pub const MOST_HAIR_POINTS: u32 = 1 << 24;
 /// Most points of all curves of a groom file once they are divided anew, those that are not simulated too: as many as the largest
 /// file holds, 2 GB.
 pub const MOST_CURVE_POINTS: u64 = LARGEST_DATA_FILE / 12;
+/// Most numbers of a compressed array in a groom file, unless the array has a byte for each: the coordinates of [`MOST_HAIR_POINTS`]. A
+/// few bytes can stand for any number of zeros.
+pub const MOST_PACKED_NUMBERS: u64 = 3 * MOST_HAIR_POINTS as u64;
 /// Most points of one strand: one invocation walks along it, and Mesa's software adapter ends the loops of an invocation after
 /// 65 535 rounds in all, without a word.
 pub const MOST_POINTS_OF_A_STRAND: u32 = 16_384;
@@ -56,6 +59,8 @@ pub const MOST_BOX_CELLS: f64 = 8e6;
 /// Most cells that are sorted into, those of air and those of hair: the four passes that walk over cells stay short.
 pub const MOST_BUCKETS: u32 = 256 * 32_760;
 
+/// Most bands of the turbulence: each is filtered by passes of its own in every step.
+pub const MOST_BANDS: usize = 1024;
 /// Coarsest spacing of the band filter's nodes, in scales of a band: at 1 the grid still knows the band's centre, coarser
 /// grids do not.
 pub const COARSEST_SPACING: f64 = 1.0;
@@ -66,6 +71,8 @@ pub const MOST_SORTED_NODES: u64 = MOST_BUCKETS as u64;
 /// Most pairs of particles that the direct filter may sum in a step: minutes on a software adapter.
 pub const MOST_PAIRS: f64 = 1e11;
 
+/// Most groups of strands of a scene: each has a name, and is looked for by it.
+pub const MOST_HAIR_GROUPS: usize = 4096;
 /// Most bodies of a scene: every hair point and every air particle looks at every body, twice in a step.
 pub const MOST_BODIES: usize = 1024;
 /// Most force fields of a scene: every air particle and every hair point looks at every field, once in a step.

@@ -1,6 +1,10 @@
 //! A scene from text or a file, with assignments.
 
-use std::{fs::File, io::Read, path::Path};
+use std::{
+    fs::{self, File},
+    io::Read,
+    path::Path,
+};
 
 use crate::{
     assign,
@@ -195,8 +199,16 @@ fn is_of_scene(key: &str) -> bool {
     key.split('.').next().is_some_and(|table| Key::find(table).is_some())
 }
 
-/// A scene file's text. It may come through a pipe, but not without end.
+/// Folders and files in whose place the system has what this process was given to read, as a pipe from another command.
+const GIVEN: [&str; 3] = ["/dev/stdin", "/dev/fd", "/proc/self/fd"];
+
+/// A scene file's text. It may come through a pipe that the process was given, but not without end; other pipes and devices may never
+/// end, or never begin.
 fn read_text(path: &Path) -> Result<String, SceneError> {
+    let odd = |kind: fs::Metadata| !kind.is_file() && !kind.is_dir();
+    if fs::metadata(path).is_ok_and(odd) && !GIVEN.iter().any(|given| path.starts_with(given)) {
+        return Err(SceneError::new("expected a file"));
+    }
     let mut text = String::new();
     let read = File::open(path).and_then(|file| file.take(LARGEST_SCENE_FILE + 1).read_to_string(&mut text));
     match read {

@@ -15,7 +15,7 @@ pub use roots::{Patch, RootShape, Roots, Scalp};
 pub use turbulence::{Band, Filter, Law, Order, Turbulence};
 pub use viscosity::{Viscosity, ViscosityForm};
 
-use std::f64::consts::PI;
+use std::{collections::HashSet, f64::consts::PI};
 
 use crate::{
     body::Body,
@@ -28,7 +28,7 @@ use crate::{
         Key,
         Kind::{Bool, Choice, Count, NonNegative, Positive, Table, Tables, Text, Vector},
     },
-    limits::{LEAST_COARSE_RADIUS, MOST_BODIES, MOST_HAIR_POINTS, MOST_PRESSURE_ITERATIONS, MOST_REPEATS},
+    limits::{LEAST_COARSE_RADIUS, MOST_HAIR_POINTS, MOST_PRESSURE_ITERATIONS, MOST_REPEATS},
     picture::{Camera, Picture},
     reader::Reader,
     scatter::area,
@@ -354,7 +354,8 @@ impl Scene {
     /// The scene, if keys of different tables go together.
     fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
         let names = |table: &'static str, names: Vec<&String>| {
-            let again = (1..names.len()).find_map(|i| names[..i].contains(&names[i]).then_some((i, names[i])));
+            let mut seen = HashSet::with_capacity(names.len());
+            let again = names.into_iter().enumerate().find(|(_, name)| !seen.insert(*name));
             again.map_or(Ok(()), |(i, name)| {
                 let words = format!("expected a name of its own for each [[{table}]], found \"{name}\" a second time");
                 Err(reader.fault(&format!("{table}.{i}.name"), words))
@@ -363,10 +364,6 @@ impl Scene {
         names("hair", self.hair.iter().map(|hair| &hair.name).collect())?;
         names("body", self.bodies.iter().map(|body| &body.name).collect())?;
         names("force", self.forces.iter().map(|force| &force.name).collect())?;
-        if self.bodies.len() > MOST_BODIES {
-            let words = format!("expected at most {MOST_BODIES} bodies, found {}", self.bodies.len());
-            return Err(reader.fault("body", words));
-        }
         let mut points = 0u64;
         for (i, hair) in self.hair.iter().enumerate() {
             points += hair.drawn().map_or(0, |drawn| u64::from(drawn.strands) * u64::from(drawn.points));
@@ -391,7 +388,6 @@ impl Scene {
         }
         self.check_bands(reader)?;
         self.check_bodies(reader)?;
-        self.check_forces(reader)?;
         self.check_picture(reader)?;
         self.with_roots_on_bodies(reader)
     }

@@ -341,3 +341,61 @@ fn a_box_of_three_kernel_radii_will_do() {
     set(SMALL, &["air.kernel_radius=0.00580456"]).unwrap();
     set(SMALL, &["air.kernel_radius=5.0e-4", "air.particle_mass=2.7e-11"]).unwrap();
 }
+
+/// More tables than there may be are refused by their number, before any of them is looked at: the fault in each is not found.
+#[test]
+fn tables_are_counted_before_they_are_looked_at() {
+    for (table, words) in [
+        ("hair", "hair: expected at most 4096 groups of strands, found 5000"),
+        ("body", "body: expected at most 1024 bodies, found 5000"),
+        ("force", "force: expected at most 256 force fields, found 5000"),
+        ("turbulence.bands", "turbulence.bands: expected at most 1024 bands, found 5000"),
+    ] {
+        let headed = format!("[[{table}]]\nbanana = 1\n").repeat(5000);
+        let inline = format!("{table} = [{}]\n", "{ banana = 1 }, ".repeat(5000));
+        for text in [headed, inline] {
+            let shown = Scene::parse(&text).unwrap_err().to_string();
+            assert!(shown.starts_with("scene:1: ") && shown.contains(words), "{shown}");
+        }
+    }
+}
+
+/// Control characters of a file are spelled where an error quotes them; other characters stay.
+#[test]
+fn control_characters_are_spelled() {
+    let shown = |text: &str| Scene::parse_named("sc\u{1b}[2Jene", text).unwrap_err();
+    for (text, words) in [
+        ("\"\\u001b[31mevil\" = 1", "\\u{1b}[31mevil: unknown key"),
+        ("\"a\\nerror: b\" = 1", "a\\nerror: b: unknown key"),
+        ("method = \"\\u009b31m\"", "expected one of"),
+        ("[[hair]]\nname = \"\\u0007ü\"\nradius = -1", "hair.\\u{7}ü.radius"),
+        ("\"größe\" = 1", "größe: unknown key"),
+        ("\u{1b}", "not TOML"),
+    ] {
+        let error = shown(text);
+        let said = [error.to_string(), error.message().to_owned(), error.key().unwrap_or_default().to_owned()];
+        assert!(said[0].starts_with("sc\\u{1b}[2Jene:") && said[0].contains(words), "{said:?}");
+        assert!(!said.concat().contains(char::is_control), "{said:?}");
+    }
+    let shown = Scene::load("none\u{1b}[31m.toml").unwrap_err().to_string();
+    assert!(shown.starts_with("none\\u{1b}[31m.toml: cannot be read"), "{shown}");
+}
+
+/// A pipe that has a name may never begin: it is refused, as it is where a groom or a mesh should be. A device is no file either. A pipe
+/// that the process was given is read, as `windswept check /dev/stdin` is.
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe.toml");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    for path in [pipe.as_path(), std::path::Path::new("/dev/zero")] {
+        let shown = Scene::load(path).unwrap_err().to_string();
+        assert_eq!(shown, format!("{}: expected a file", path.display()));
+    }
+    use std::{io::Write, os::fd::AsRawFd};
+    let (reader, mut writer) = std::io::pipe().unwrap();
+    writer.write_all(SMALL.as_bytes()).unwrap();
+    drop(writer);
+    assert_eq!(Scene::load(format!("/dev/fd/{}", reader.as_raw_fd())), Scene::parse(SMALL));
+}

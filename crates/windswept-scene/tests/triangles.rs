@@ -179,6 +179,36 @@ fn distances_go_on_beyond_the_grid() {
     }
 }
 
+/// Triangles with the same corners, either way round, cost no more than one, and count as they did: a box stays that box where a triangle
+/// is there ten thousand times, which as many covers take back, and where as many more are turned around.
+#[test]
+fn doubles_cost_nothing_and_change_nothing() {
+    let sound = box_of(DVec3::new(0.03, 0.02, 0.01), 2, |_, _, _| false);
+    let bake = |mesh: &Triangles| DistanceGrid::bake(&mesh.closed().0, 1e-3, 5e-3).unwrap();
+    let expected = bake(&sound);
+    let [a, b, c] = sound.corners[0];
+    for more in [vec![[a, b, c]], vec![[b, c, a], [c, b, a]]] {
+        let mut doubled = sound.clone();
+        doubled.corners.extend(more.repeat(10_000));
+        let grid = bake(&doubled);
+        let off = grid.values.iter().zip(&expected.values).map(|(x, y)| (x - y).abs());
+        assert_eq!((grid.counts, off.fold(0.0, f32::max)), (expected.counts, 0.0));
+    }
+}
+
+/// Triangles that lie across one another all through a box are refused: every one of them is near every node.
+#[test]
+fn triangles_across_one_another_are_refused() {
+    let mut rng = Pcg64::seed_from_u64(5);
+    let mut place = || 0.1 * DVec3::from_array(std::array::from_fn(|_| rng.random()));
+    let count = 20_000;
+    let points = (0..3 * count).map(|_| place()).collect();
+    let corners = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let soup = Triangles { points, corners, ..Triangles::default() };
+    let said = DistanceGrid::bake(&soup.closed().0, 1e-3, 0.0).unwrap_err().to_string();
+    assert!(said.contains("lie close to one another") && said.contains("leave out"), "{said}");
+}
+
 /// What cannot be baked is an error that says why.
 #[test]
 fn a_surface_that_encloses_nothing_is_refused() {

@@ -19,6 +19,8 @@ use crate::error::SceneError;
 
 /// Start of every file.
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
+/// Most sides of an array: none that is looked at has more.
+const MOST_SIDES: usize = 3;
 /// What the header's length is a multiple of.
 const ALIGNMENT: usize = 64;
 
@@ -28,7 +30,48 @@ pub(super) struct Array {
     pub(super) values: Vec<f64>,
 }
 
-impl Array {
+/// What stands before the numbers of a file.
+pub(super) struct Head {
+    pub(super) shape: Vec<usize>,
+    /// Kind of the numbers, without their byte order.
+    kind: &'static Kind,
+    /// Whether the highest byte of a number comes first.
+    big: bool,
+    /// Whether the first index runs fastest.
+    fortran: bool,
+    /// Number of the numbers.
+    pub(super) count: u64,
+    /// Bytes of the file before the numbers.
+    start: usize,
+}
+
+/// A kind of numbers.
+struct Kind {
+    /// Name, as NumPy spells it.
+    name: &'static str,
+    /// Length of a number \[bytes\].
+    size: usize,
+    /// The numbers of some bytes; whether their highest bytes come first.
+    decode: fn(&[u8], bool) -> Result<Vec<f64>, SceneError>,
+}
+
+/// Every kind of numbers that is read.
+const KINDS: [Kind; 8] = [
+    Kind { name: "f4", size: 4, decode: |bytes, big| decoded(bytes, big, |x| f32::from_le_bytes(x).into()) },
+    Kind { name: "f8", size: 8, decode: |bytes, big| decoded(bytes, big, f64::from_le_bytes) },
+    Kind { name: "b1", size: 1, decode: |bytes, big| decoded(bytes, big, |x| u8::from_le_bytes(x).into()) },
+    Kind { name: "u1", size: 1, decode: |bytes, big| decoded(bytes, big, |x| u8::from_le_bytes(x).into()) },
+    Kind { name: "i4", size: 4, decode: |bytes, big| decoded(bytes, big, |x| i32::from_le_bytes(x).into()) },
+    Kind { name: "u4", size: 4, decode: |bytes, big| decoded(bytes, big, |x| u32::from_le_bytes(x).into()) },
+    Kind { name: "i8", size: 8, decode: |bytes, big| decoded(bytes, big, |x| i64::from_le_bytes(x) as f64) },
+    Kind { name: "u8", size: 8, decode: |bytes, big| decoded(bytes, big, |x| u64::from_le_bytes(x) as f64) },
+];
+
+impl Head {
+    /// Longest that a header may be with what is before it \[bytes\]: NumPy itself takes 10 000.
+    pub(super) const LONGEST: usize = 1 << 16;
+
+    /// The head of a file that begins with these bytes; those after it are not looked at.
     pub(super) fn read(bytes: &[u8]) -> Result<Self, SceneError> {
         let mut bytes = Bytes::new(bytes);
         if bytes.array::<6>("a NumPy array")? != *MAGIC {
@@ -41,29 +84,65 @@ impl Array {
             _ => return Err(fault_at(6, format!("expected version 1, 2 or 3 of the format, found {major}"))),
         };
         let at = bytes.at();
+        if at + length as usize > Self::LONGEST {
+            return Err(fault_at(
+                at,
+                format!("expected a header that ends before byte {}, found {length} bytes", Self::LONGEST),
+            ));
+        }
         let header = bytes.take(length.into(), 1, "the header")?;
         let header = std::str::from_utf8(header).map_err(|_| fault_at(at, "expected the header as text"))?;
         let kind = quoted(field(header, "descr", at)?).ok_or_else(|| fault_at(at, NUMBERS))?;
         let fortran = field(header, "fortran_order", at)?.starts_with("True");
         let shape = shape(field(header, "shape", at)?)
             .ok_or_else(|| fault_at(at, "expected a shape of whole numbers, (100, 20, 3)"))?;
-        let values = numbers(kind, &shape, &mut bytes, at)?;
+        if shape.len() > MOST_SIDES {
+            return Err(fault_at(
+                at,
+                format!("expected at most {MOST_SIDES} sides of the shape, found {}", shape.len()),
+            ));
+        }
+        let count = shape.iter().try_fold(1u64, |count, &n| count.checked_mul(n as u64));
+        let count = count.ok_or_else(|| fault_at(at, "expected a shape that 64 bits can count"))?;
+        let (big, kind) = (kind.starts_with('>'), kind.trim_start_matches(['<', '>', '|', '=']));
+        let kind = KINDS.iter().find(|known| known.name == kind).ok_or_else(|| {
+            fault_at(at, format!("{NUMBERS} of type f4, f8, i4, i8, b1, u1, u4 or u8, found {kind:?}"))
+        })?;
+        Ok(Self { shape, kind, big, fortran, count, start: bytes.at() })
+    }
+
+    /// Length of the whole file \[bytes\].
+    pub(super) fn file_size(&self) -> u128 {
+        self.start as u128 + u128::from(self.count) * self.kind.size as u128
+    }
+}
+
+impl Array {
+    pub(super) fn read(bytes: &[u8]) -> Result<Self, SceneError> {
+        let Head { shape, kind, big, fortran, count, start } = Head::read(bytes)?;
+        let mut bytes = Bytes::new(bytes);
+        bytes.take(start as u64, 1, "the header")?;
+        let numbers = bytes.take(count, kind.size, "the numbers")?;
         bytes.end()?;
+        let values = (kind.decode)(numbers, big)?;
         let values = if fortran && shape.len() > 1 { in_c_order(&values, &shape) } else { values };
         Ok(Self { shape, values })
     }
 
     /// The rows of an array of shape (…, 3).
-    pub(super) fn points(&self) -> Vec<[f64; 3]> {
-        self.values.as_chunks::<3>().0.to_vec()
+    pub(super) fn points(&self) -> Result<Vec<[f64; 3]>, SceneError> {
+        let rows = self.values.as_chunks::<3>().0;
+        let mut points = room(rows.len())?;
+        points.extend_from_slice(rows);
+        Ok(points)
     }
 
     /// The curves of an array of shape (strands, n, 3) or (points, 3).
     pub(super) fn curves(&self, points_per_strand: Option<u32>) -> Result<Curves, SceneError> {
         match self.shape[..] {
             [0, _, 3] => Ok(Curves::of(Vec::new(), std::iter::empty())),
-            [_, n, 3] if n > 0 => Curves::even(self.points(), Some(count32(n)?)),
-            [_, 3] => Curves::even(self.points(), points_per_strand),
+            [_, n, 3] if n > 0 => Curves::even(self.points()?, Some(count32(n)?)),
+            [_, 3] => Curves::even(self.points()?, points_per_strand),
             _ => {
                 let found = &self.shape;
                 Err(SceneError::new(format!("expected shape (strands, n, 3) or (points, 3), found {found:?}")))
@@ -90,25 +169,7 @@ fn shape(text: &str) -> Option<Vec<usize>> {
     numbers.map(|number| number.parse().ok()).collect()
 }
 
-/// The numbers of an array of this kind and shape.
-fn numbers(kind: &str, shape: &[usize], bytes: &mut Bytes<'_>, at: usize) -> Result<Vec<f64>, SceneError> {
-    let count = shape.iter().try_fold(1u64, |count, &n| count.checked_mul(n as u64));
-    let count = count.ok_or_else(|| fault_at(at, "expected a shape that 64 bits can count"))?;
-    let (big, kind) = (kind.starts_with('>'), kind.trim_start_matches(['<', '>', '|', '=']));
-    let mut of = |size| bytes.take(count, size, "the numbers");
-    Ok(match kind {
-        "f4" => decoded(of(4)?, big, |x| f32::from_le_bytes(x).into()),
-        "f8" => decoded(of(8)?, big, f64::from_le_bytes),
-        "b1" | "u1" => decoded(of(1)?, big, |x| u8::from_le_bytes(x).into()),
-        "i4" => decoded(of(4)?, big, |x| i32::from_le_bytes(x).into()),
-        "u4" => decoded(of(4)?, big, |x| u32::from_le_bytes(x).into()),
-        "i8" => decoded(of(8)?, big, |x| i64::from_le_bytes(x) as f64),
-        "u8" => decoded(of(8)?, big, |x| u64::from_le_bytes(x) as f64),
-        _ => return Err(fault_at(at, format!("{NUMBERS} of type f4, f8, i4, i8, b1, u1, u4 or u8, found {kind:?}"))),
-    })
-}
-
-fn decoded<const N: usize>(bytes: &[u8], big: bool, number: impl Fn([u8; N]) -> f64) -> Vec<f64> {
+fn decoded<const N: usize>(bytes: &[u8], big: bool, number: impl Fn([u8; N]) -> f64) -> Result<Vec<f64>, SceneError> {
     let little = |bytes: &[u8; N]| {
         let mut bytes = *bytes;
         if big {
@@ -116,7 +177,18 @@ fn decoded<const N: usize>(bytes: &[u8], big: bool, number: impl Fn([u8; N]) -> 
         }
         number(bytes)
     };
-    bytes.as_chunks::<N>().0.iter().map(little).collect()
+    let bytes = bytes.as_chunks::<N>().0;
+    let mut numbers = room(bytes.len())?;
+    numbers.extend(bytes.iter().map(little));
+    Ok(numbers)
+}
+
+/// An empty list with room for so many things.
+pub(super) fn room<T>(count: usize) -> Result<Vec<T>, SceneError> {
+    let mut list = Vec::new();
+    let made = list.try_reserve_exact(count);
+    let bytes = count as u128 * size_of::<T>() as u128;
+    made.map(|()| list).map_err(|_| SceneError::new(format!("there is no memory for its numbers, {bytes} bytes")))
 }
 
 /// The numbers of an array whose first index runs fastest, so that its last one does.

@@ -20,12 +20,12 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter, result::ZipError, write::Sim
 use super::{
     Curves,
     bytes::fault_at,
-    npy::{Array, of_floats, of_whole},
+    npy::{Array, Head, of_floats, of_whole, room},
 };
-use crate::error::SceneError;
-
-/// Most bytes that one byte of a compressed array can stand for, by the definition of deflate.
-const MOST_DEFLATED: u64 = 1032;
+use crate::{
+    error::SceneError,
+    limits::{MOST_HAIR_POINTS, MOST_PACKED_NUMBERS},
+};
 
 /// What the last record of a zip archive begins with, and its length without the archive's comment \[bytes\].
 const END_RECORD: (&[u8], usize) = (b"PK\x05\x06", 22);
@@ -38,7 +38,14 @@ struct Arrays<'a> {
 }
 
 impl Arrays<'_> {
-    fn get(&mut self, name: &str) -> Result<Option<Array>, SceneError> {
+    /// An array of at most this many numbers, if it is compressed to less than a byte for each; `fits` may refuse its shape. All that its
+    /// head says is checked before its numbers are unpacked.
+    fn get(
+        &mut self,
+        name: &str,
+        most: u64,
+        fits: impl Fn(&[usize]) -> Result<(), String>,
+    ) -> Result<Option<Array>, SceneError> {
         let mut member = match self.archive.by_name(&format!("{name}.npy")) {
             Ok(member) => member,
             Err(ZipError::FileNotFound) => return Ok(None),
@@ -46,24 +53,38 @@ impl Arrays<'_> {
         };
         let (size, packed, at) = (member.size(), member.compressed_size(), member.header_start());
         let fault = |words: String| of_array(name, &fault_at(at as usize, words).message());
-        if size > packed.saturating_mul(MOST_DEFLATED) {
-            return Err(fault(format!("{packed} bytes cannot hold the {size} that the archive says")));
-        }
+        let unread = |error| fault(format!("expected {size} bytes with the checksum that the archive says: {error}"));
         let mut bytes = Vec::new();
+        member.by_ref().take(Head::LONGEST as u64).read_to_end(&mut bytes).map_err(unread)?;
+        let head = Head::read(&bytes).map_err(|error| of_array(name, &error.message()))?;
+        fits(&head.shape).map_err(|words| of_array(name, &words))?;
+        if head.count > most.max(packed) {
+            let words = format!(
+                "expected at most {most} numbers in {packed} compressed bytes, found {} of shape {:?}",
+                head.count, head.shape
+            );
+            return Err(fault(words).with_help("an array that is stored as it is may have more: numpy.savez"));
+        }
+        let expected = head.file_size();
+        if expected != u128::from(size) {
+            let words = format!("expected {expected} bytes for shape {:?}, found {size}", head.shape);
+            return Err(fault(words));
+        }
+        let mut all = room(size as usize).map_err(|error| of_array(name, &error.message()))?;
+        all.append(&mut bytes);
         // One more than there should be, to see whether there are more.
-        let read = member.by_ref().take(size.saturating_add(1)).read_to_end(&mut bytes);
-        read.map_err(|error| fault(format!("expected {size} bytes with the checksum that the archive says: {error}")))?;
-        Array::read(&bytes).map(Some).map_err(|error| of_array(name, &error.message()))
+        let rest = (size + 1).saturating_sub(all.len() as u64);
+        member.by_ref().take(rest).read_to_end(&mut all).map_err(unread)?;
+        Array::read(&all).map(Some).map_err(|error| of_array(name, &error.message()))
     }
 
     /// The numbers of an array of this shape, or of one that is not there.
     fn each(&mut self, name: &str, expected: &[usize]) -> Result<Vec<f64>, SceneError> {
-        let Some(Array { shape, values }) = self.get(name)? else { return Ok(Vec::new()) };
-        if shape == expected {
-            Ok(values)
-        } else {
-            Err(of_array(name, &format!("expected shape {expected:?}, found {shape:?}")))
-        }
+        let fits = |shape: &[usize]| match shape == expected {
+            true => Ok(()),
+            false => Err(format!("expected shape {expected:?}, found {shape:?}")),
+        };
+        Ok(self.get(name, MOST_PACKED_NUMBERS, fits)?.map(|array| array.values).unwrap_or_default())
     }
 }
 
@@ -92,14 +113,14 @@ pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curve
     let mut found = None;
     for name in POINTS {
         if found.is_none() {
-            found = arrays.get(name)?.map(|array| (name, array));
+            found = arrays.get(name, MOST_PACKED_NUMBERS, |_| Ok(()))?.map(|array| (name, array));
         }
     }
     let Some((name, array)) = found else {
         let names: Vec<_> = arrays.archive.file_names().map(|name| name.trim_end_matches(".npy")).take(8).collect();
         return Err(SceneError::new(format!("expected an array {}, found {names:?}", POINTS.join(" or "))));
     };
-    let mut curves = match (arrays.get("offsets")?, &array.shape[..]) {
+    let mut curves = match (arrays.get("offsets", MOST_HAIR_POINTS.into(), |_| Ok(()))?, &array.shape[..]) {
         (Some(_), [_, _, 3]) => {
             return Err(of_array(name, &format!("expected shape (points, 3) with offsets, found {:?}", array.shape)));
         }
@@ -110,7 +131,7 @@ pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curve
             if !rising || ends != (Some(0), Some(*total)) {
                 return Err(of_array("offsets", &format!("expected rising numbers from 0 to {total}, the points")));
             }
-            Curves::of(array.points(), offsets.windows(2).map(|pair| pair[1] - pair[0]))
+            Curves::of(array.points()?, offsets.windows(2).map(|pair| pair[1] - pair[0]))
         }
         _ => array.curves(points_per_strand).map_err(|error| {
             let fault = of_array(name, &error.message());
@@ -127,7 +148,7 @@ pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curve
     let places = arrays.each("root_uv", &[strands, 2])?;
     curves.root_uvs = places.as_chunks::<2>().0.iter().map(|place| place.map(|x| x as f32)).collect();
     curves.guides = arrays.each("guides", &[strands])?.iter().map(|mark| *mark != 0.0).collect();
-    if let Some(unit) = arrays.get("meters_per_unit")? {
+    if let Some(unit) = arrays.get("meters_per_unit", 1, |_| Ok(()))? {
         curves.unit = Some(match unit.values[..] {
             [unit] if unit > 0.0 && unit.is_finite() => unit,
             _ => return Err(of_array("meters_per_unit", &"expected a number greater than 0")),

@@ -27,7 +27,7 @@ use super::{DistanceGrid, Triangles};
 use crate::{error::SceneError, limits::MOST_GRID_VALUES};
 
 /// Version of what [`DistanceGrid::bake`] makes, and of the files: another number for any change of either.
-const VERSION: u16 = 1;
+const VERSION: u16 = 2;
 /// A grid that is made in less is not kept.
 const WORTH: Duration = Duration::from_millis(300);
 /// Bytes of all files that are kept; the oldest go first.

@@ -4,6 +4,8 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use super::Triangles;
+
 /// Triangles of a leaf at most.
 const LEAF: usize = 4;
 /// Distance from which triangles are seen as one, in radii of the ball about them (Barill et al. 2018, section 4).
@@ -11,9 +13,21 @@ const FAR: f64 = 2.0;
 
 /// Triangles, and boxes about them.
 pub(super) struct Tree {
-    triangles: Vec<[DVec3; 3]>,
+    triangles: Vec<Face>,
     nodes: Vec<Node>,
 }
+
+/// A triangle, and all that have its corners too: no box would tell them apart.
+struct Face {
+    corners: [DVec3; 3],
+    /// Number of those that are turned as it is, less those that are turned around. Where both are as many it does not bound anything, but is
+    /// as near as any other.
+    weight: f64,
+}
+
+/// How much was looked at, in nodes of trees.
+#[derive(Default)]
+pub(super) struct Looks(pub(super) u64);
 
 /// A box about successive triangles, and what they are from afar.
 struct Node {
@@ -23,7 +37,7 @@ struct Node {
     center: DVec3,
     /// Radius of a ball about the centre that has all triangles in it \[m\].
     radius: f64,
-    /// Sum of the triangles' areas along their normals \[m²\].
+    /// Sum of the triangles' areas along their normals, by their weights \[m²\].
     area: DVec3,
     kind: Kind,
 }
@@ -36,9 +50,11 @@ enum Kind {
 }
 
 impl Tree {
-    /// The tree of at least one triangle.
-    pub(super) fn new(triangles: impl Iterator<Item = [DVec3; 3]>) -> Self {
-        let triangles: Vec<_> = triangles.collect();
+    /// The tree of the triangles of a surface, of which there is at least one.
+    pub(super) fn new(surface: &Triangles) -> Self {
+        let weights = weights(&surface.corners);
+        let faces = surface.places().zip(weights);
+        let triangles: Vec<_> = faces.filter_map(|(corners, weight)| Some(Face { corners, weight: weight? })).collect();
         let mut tree = Self { nodes: Vec::with_capacity(triangles.len()), triangles };
         tree.grow(0, tree.triangles.len());
         tree
@@ -47,16 +63,18 @@ impl Tree {
     /// Adds the node of some triangles, and its parts.
     fn grow(&mut self, first: usize, end: usize) {
         let triangles = &mut self.triangles[first..end];
-        let corners = triangles.as_flattened();
-        let low = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let high = corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let areas = triangles.iter().map(|&[a, b, c]| (0.5 * (b - a).cross(c - a), (a + b + c) / 3.0));
+        let corners = || triangles.iter().flat_map(|face| face.corners);
+        let low = corners().fold(DVec3::INFINITY, DVec3::min);
+        let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let areas = triangles
+            .iter()
+            .map(|&Face { corners: [a, b, c], weight }| (0.5 * weight * (b - a).cross(c - a), (a + b + c) / 3.0));
         let (area, moment, total) = areas
             .fold((DVec3::ZERO, DVec3::ZERO, 0.0), |(area, moment, total), (own, middle)| {
                 (area + own, moment + own.length() * middle, total + own.length())
             });
         let center = if total > 0.0 { moment / total } else { 0.5 * (low + high) };
-        let radius = corners.iter().map(|x| x.distance(center)).fold(0.0, f64::max);
+        let radius = corners().map(|x| x.distance(center)).fold(0.0, f64::max);
         let own = self.nodes.len();
         let leaf = end - first <= LEAF;
         self.nodes.push(Node { low, high, center, radius, area, kind: Kind::Leaf(first, end) });
@@ -65,7 +83,7 @@ impl Tree {
         }
         let axis = (high - low).max_position();
         let middle = triangles.len() / 2;
-        let along = |[a, b, c]: &[DVec3; 3]| a[axis] + b[axis] + c[axis];
+        let along = |Face { corners: [a, b, c], .. }: &Face| a[axis] + b[axis] + c[axis];
         triangles.select_nth_unstable_by(middle, |one, other| along(one).total_cmp(&along(other)));
         self.grow(first, first + middle);
         self.nodes[own].kind = Kind::Branch(self.nodes.len());
@@ -73,18 +91,19 @@ impl Tree {
     }
 
     /// The point of the surface that is nearest to `x`; `None` where none is as near as `within`.
-    pub(super) fn nearest(&self, x: DVec3, within: f64) -> Option<DVec3> {
+    pub(super) fn nearest(&self, x: DVec3, within: f64, looks: &mut Looks) -> Option<DVec3> {
         let mut found = (None, within * within);
-        self.search(0, x, &mut found);
+        self.search(0, x, &mut found, looks);
         found.0
     }
 
     /// Finds a nearer point, and the square of its distance, among a node's triangles.
-    fn search(&self, node: usize, x: DVec3, found: &mut (Option<DVec3>, f64)) {
+    fn search(&self, node: usize, x: DVec3, found: &mut (Option<DVec3>, f64), looks: &mut Looks) {
+        looks.0 += 1;
         match self.nodes[node].kind {
             Kind::Leaf(first, end) => {
-                for triangle in &self.triangles[first..end] {
-                    let point = nearest(triangle, x);
+                for face in &self.triangles[first..end] {
+                    let point = nearest(&face.corners, x);
                     let squared = x.distance_squared(point);
                     if squared < found.1 {
                         *found = (Some(point), squared);
@@ -99,7 +118,7 @@ impl Tree {
                 }
                 for (part, away) in parts {
                     if away < found.1 {
-                        self.search(part, x, found);
+                        self.search(part, x, found, looks);
                     }
                 }
             }
@@ -107,12 +126,13 @@ impl Tree {
     }
 
     /// Generalised winding number about `x` (Jacobson et al. 2013): 1 inside a closed surface, 0 outside.
-    pub(super) fn winding(&self, x: DVec3) -> f64 {
-        self.angle(0, x) / (2.0 * TAU)
+    pub(super) fn winding(&self, x: DVec3, looks: &mut Looks) -> f64 {
+        self.angle(0, x, looks) / (2.0 * TAU)
     }
 
     /// Solid angle that a node's triangles take, seen from `x`.
-    fn angle(&self, node: usize, x: DVec3) -> f64 {
+    fn angle(&self, node: usize, x: DVec3, looks: &mut Looks) -> f64 {
+        looks.0 += 1;
         let Node { center, radius, area, ref kind, .. } = self.nodes[node];
         let way = center - x;
         let away = way.length();
@@ -120,8 +140,10 @@ impl Tree {
             return area.dot(way) / away.powi(3);
         }
         match *kind {
-            Kind::Leaf(first, end) => self.triangles[first..end].iter().map(|triangle| angle(triangle, x)).sum(),
-            Kind::Branch(second) => self.angle(node + 1, x) + self.angle(second, x),
+            Kind::Leaf(first, end) => {
+                self.triangles[first..end].iter().map(|face| face.weight * angle(&face.corners, x)).sum()
+            }
+            Kind::Branch(second) => self.angle(node + 1, x, looks) + self.angle(second, x, looks),
         }
     }
 }
@@ -130,6 +152,31 @@ impl Node {
     fn distance_squared(&self, x: DVec3) -> f64 {
         x.distance_squared(x.clamp(self.low, self.high))
     }
+}
+
+/// The weight of each triangle as a [`Face`]; `None` of one whose corners one before it has.
+fn weights(corners: &[[u32; 3]]) -> Vec<Option<f64>> {
+    let mut sorted: Vec<_> = corners.iter().zip(0..).map(|(&corners, i)| (in_order(corners), i)).collect();
+    sorted.sort_unstable_by_key(|&((corners, _), i)| (corners, i));
+    let mut weights = vec![None; corners.len()];
+    for same in sorted.chunk_by(|((one, _), _), ((other, _), _)| one == other) {
+        let ((_, way), first) = same[0];
+        let sum: i64 = same.iter().map(|((_, other), _)| way * other).sum();
+        weights[first] = Some(sum as f64);
+    }
+    weights
+}
+
+/// The corners in the order of their indices, and 1, or −1 where that turns the triangle around.
+fn in_order(mut corners: [u32; 3]) -> ([u32; 3], i64) {
+    let mut way = 1;
+    for [one, other] in [[0, 1], [1, 2], [0, 1]] {
+        if corners[one] > corners[other] {
+            corners.swap(one, other);
+            way = -way;
+        }
+    }
+    (corners, way)
 }
 
 /// The point of a triangle that is nearest to `x` (Ericson 2005, Real-time collision detection, section 5.1.5).
@@ -169,4 +216,30 @@ fn angle(triangle: &[DVec3; 3], x: DVec3) -> f64 {
     let over = a.dot(b.cross(c));
     let under = l * m * n + a.dot(b) * n + b.dot(c) * l + c.dot(a) * m;
     2.0 * over.atan2(under)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of triangles with the same corners one is kept, which weighs what all do: those that are turned around count against it.
+    #[test]
+    fn doubles_weigh_and_are_searched_once() {
+        let corners = [[0, 1, 2], [3, 1, 2], [1, 2, 0], [2, 0, 1], [1, 0, 2], [1, 3, 2], [2, 1, 0], [0, 1, 3]];
+        assert_eq!(weights(&corners)[..4], [Some(1.0), Some(0.0), None, None]);
+        assert_eq!(weights(&corners)[4..], [None, None, None, Some(1.0)]);
+        assert_eq!(weights(&[[1, 0, 2], [0, 2, 1], [2, 1, 0], [0, 1, 2]])[..2], [Some(2.0), None]);
+        let points = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        let sound = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+        let doubled: Vec<_> = sound.iter().copied().chain([[0, 1, 2], [2, 1, 0]].repeat(1000)).collect();
+        let [sound, doubled] = [sound, doubled]
+            .map(|corners| Tree::new(&Triangles { points: points.clone(), corners, ..Triangles::default() }));
+        assert_eq!(doubled.triangles.len(), 4);
+        for x in [DVec3::splat(0.1), DVec3::splat(0.5), DVec3::new(0.2, 0.3, -0.1), DVec3::new(3.0, 2.0, 1.0)] {
+            let (mut few, mut many) = (Looks::default(), Looks::default());
+            assert_eq!(sound.nearest(x, 9.0, &mut few), doubled.nearest(x, 9.0, &mut many));
+            assert!((sound.winding(x, &mut few) - doubled.winding(x, &mut many)).abs() < 1e-12, "{x}");
+            assert_eq!(few.0, many.0);
+        }
+    }
 }
