@@ -151,7 +151,7 @@ mod tests {
         let drawn = Failure::from(error).render(true);
         let (line, mark) = ("\n3 | \tlenght = 0.1 # m\n", "\n  | \t^^^^^^\n");
         assert!(drawn.contains(line) && drawn.contains(mark) && drawn.contains("hair.length"), "{drawn}");
-        let error = Scene::parse("a = 1\n\u{1b}[2Jb = 1\n").unwrap_err();
+        let error = Scene::parse("a = 1\n\u{1b}[2Jb = 1\n").expect_err("no TOML");
         let drawn = Failure::from(error).render(true);
         assert!(drawn.contains('\u{fffd}') && !drawn.contains('\u{1b}'), "{drawn:?}");
         let text = "a = 1\nb = é2";
