@@ -311,7 +311,7 @@ fn what_comes_back_ends_the_run() {
             Err(error) => break error.to_string(),
         }
     };
-    assert!(tries == 3 && ended.contains("non-finite"), "{tries}: {ended}");
+    assert!(tries == 3 && ended.contains("no finite number"), "{tries}: {ended}");
 }
 
 /// A point faster than a rod could follow is capped and counted, and the strand recovers.
