@@ -2,12 +2,11 @@
 // number. A frozen step leaves all as it was.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, rod::Health,
-    status::{status, frozen, COUNTERS, HAIR_OUTSIDE},
+    status::{status, frozen, COUNTERS, HAIR_OUTSIDE, NO_POINT},
 };
 
 const MANY: u32 = 20u;          // one in 20 of the hair's points
 const LONG: f32 = 0.1;          // s
-const NONE: u32 = 0xffffffffu;
 
 @group(0) @binding(2) var<storage, read>       predicted:      array<vec4f>;
 @group(0) @binding(3) var<storage, read>       final_velocity: array<vec4f>;
@@ -33,7 +32,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         status.step += 1u;
         confinement_impulse[0] += mean_confinement[1];
         let bad = atomicExchange(&status.bad_strands, 0u) != 0u;
-        let first = atomicExchange(&status.first_bad, NONE);
+        let first = atomicExchange(&status.first_bad, NO_POINT);
         status.reset_first = select(status.reset_first, first, bad);
         status.reset_step = select(status.reset_step, status.step, bad);
     }
