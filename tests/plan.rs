@@ -54,7 +54,7 @@ const COARSE: &[&str] = &[
     "coarse/push",
 ];
 const PUSH: &[&str] = &["fluid/push 2"];
-const HAIR_ALONE: &[&str] = &["rods/inspect", "rods/reset", "rods/roots"];
+const HAIR_ALONE: &[&str] = &["rods/inspect", "rods/roots"];
 const BEGIN: &[&str] = &["rods/begin_points", "rods/begin_segments", "rods/choose"];
 const SOLVE: &[&str] = &["rods/load", "rods/start", "rods/direct", "rods/finish", "rods/place"];
 const CONFINE: &[&str] = &["turbulence/vorticity", "turbulence/confine"];
@@ -370,7 +370,7 @@ fn what_is_left_out_changes_nothing() {
     let crowded = ["hair.friction=0", "hair.roots.radius=0.002", "hair.points=13"];
     same_bits(&crowded, |plan| plan.friction = runs());
     same_bits(&[], |plan| plan.bodies = runs());
-    same_bits(&[], Plan::rescue_strands);
+    same_bits(&[], Plan::mend_strands);
 }
 
 /// Kinds of scenes whose buffers share memory: those above, and some whose passes read other buffers.

@@ -130,7 +130,7 @@ struct SegmentHistory {
 
 // How a strand is.
 struct Condition {
-    bad: u32,        // BAD, SPOILT: not finite, to be reset; 0: sound
+    bad: u32,        // BAD, SPOILT: not finite, to be reset; MENDED; 0: sound
     strained: u32,   // steps of over-strain on end
     calm: u32,       // steps on end that BDF2 could take
     still: u32,      // steps on end at rest; SLEEPS
@@ -144,6 +144,7 @@ struct Health {
 
 const BAD: u32 = 1u;               // what its step found after the solve, and counted: the next step resets it
 const SPOILT: u32 = 2u;            // what its step finds as it begins, and counts: the same step resets it
+const MENDED: u32 = 3u;            // a bad strand that its step has reset
 const CALM_STEPS: u32 = 3u;        // on end, before a strand takes BDF2
 const SLEEPS: u32 = 0xffffffffu;
 const STRAINED_STEPS: u32 = 50u;   // on end, before it is counted

@@ -4,7 +4,7 @@ import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, cell_of, in_box},
     status::{
         status, list_too_short, freeze, finite3, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, TOO_MANY_BAD_STRANDS,
-        UNSOLVED_STRAND,
+        UNMENDED_STRAND,
     },
 };
 
@@ -26,7 +26,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         freeze(NEIGHBOUR_OVERFLOW);
         return;
     }
-    if (atomicLoad(&status.causes) & UNSOLVED_STRAND) != 0u { return; }
+    if (atomicLoad(&status.causes) & UNMENDED_STRAND) != 0u { return; }
     if i == 0u && atomicLoad(&status.bad_strands) > params.bad_strand_limit {
         freeze(TOO_MANY_BAD_STRANDS);
     }

@@ -6,7 +6,7 @@ import package::common::{
     rest::{STILL_STEPS, STILL_TURN},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, LEFT, SLEEPS, STRAINED_STEPS, strained_steps,
         ROOT_HELD, MISFIT, BAD, SPOILT, unsolved},
-    status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNSOLVED_STRAND, BY_FINISH,
+    status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNMENDED_STRAND, BY_FINISH,
         NO_POINT},
 };
 
@@ -76,7 +76,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if s >= params.strands || frozen() { return; }
     let rod = rod_strands[s];
     if unsolved(rod) {
-        freeze(UNSOLVED_STRAND);
+        freeze(UNMENDED_STRAND);
         return;
     }
     let strand = strands[s];

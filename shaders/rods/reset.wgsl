@@ -4,13 +4,13 @@
 // This pass writes what lasts. A step that freezes does no harm by that: taken again, it finds the strand bad and puts it there again.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, tangent},
-    rod::{Strand, Segment, Health, PointHistory, Root, TIP_HELD}, sound::{root_of, in_reach}, status::frozen,
+    rod::{Strand, Segment, Health, PointHistory, Root, TIP_HELD, MENDED}, sound::{root_of, in_reach}, status::frozen,
 };
 
 @group(0) @binding(2) var<storage, read>       strands:       array<Strand>;
 @group(0) @binding(3) var<storage, read>       segments:      array<Segment>;
 @group(0) @binding(4) var<storage, read>       clamps:        array<Root>;
-@group(0) @binding(5) var<storage, read>       health:        array<Health>;
+@group(0) @binding(5) var<storage, read_write> health:        array<Health>;
 @group(0) @binding(6) var<storage, read_write> position:      array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> velocity:      array<vec4f>;
 @group(0) @binding(8) var<storage, read_write> point_history: array<PointHistory>;
@@ -28,6 +28,7 @@ fn put(p: u32, root: vec3f, offset: vec3f) {
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
     if s >= params.strands || frozen() || health[s].committed.bad == 0u { return; }
+    health[s].found.bad = MENDED;
     let strand = strands[s];
     var frame = clamps[s].frame;
     let root = root_of(strand, clamps[s], position[strand.first_point].xyz);

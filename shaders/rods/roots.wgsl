@@ -2,21 +2,29 @@
 // of the way to where the host wants it, and arrives in the last substep. A strand whose root jumps farther than the
 // strand is long is teleported, unless its tip is held too. A strand whose clamp does not move may sleep. Free roots
 // are left alone.
+//
+// The first pass behind `rods/reset`: where that did not run although a strand is bad, the step freezes, and is taken again with it.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotate, rotation, rotation_vector},
     motion::pose_after,
-    rod::{Strand, RodStrand, Root, FREE, TELEPORTED, ASLEEP, ROOT_HELD, TIP_HELD}, status::{status, frozen},
+    rod::{Strand, RodStrand, Root, Health, FREE, TELEPORTED, ASLEEP, ROOT_HELD, TIP_HELD, MENDED},
+    status::{status, frozen, freeze, UNMENDED_STRAND},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
 @group(0) @binding(3) var<storage, read>       root_targets: array<Root>;
 @group(0) @binding(4) var<storage, read>       clamps:       array<Root>;   // clamps at the step's start
-@group(0) @binding(5) var<storage, read_write> rod_strands:  array<RodStrand>;
+@group(0) @binding(5) var<storage, read>       health:       array<Health>;
+@group(0) @binding(6) var<storage, read_write> rod_strands:  array<RodStrand>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
     if s >= params.strands || frozen() { return; }
+    if health[s].committed.bad != 0u && health[s].found.bad != MENDED {
+        freeze(UNMENDED_STRAND);
+        return;
+    }
     let held = clamps[s];
     let strand = strands[s];
     var goal = root_targets[s];

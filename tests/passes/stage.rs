@@ -46,7 +46,7 @@ impl Stage {
         let capacity = (initial.hair.positions.len() + initial.air.positions.len()).max(64) as u32 * 300;
         engine.grow_neighbours(capacity).unwrap();
         let mut plan = Plan::new(&setup);
-        plan.rescue_strands();
+        plan.mend_strands();
         let parameters = Parameters::new(scene, initial);
         let mut twin = Twin::new(initial, parameters.step);
         for x in &mut twin.position {

@@ -23,7 +23,7 @@ impl Stage {
     pub(crate) fn new(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Self, Error> {
         let setup = Setup::new(scene, initial);
         let (engine, mut plan) = (Engine::new(gpu, &setup)?, Plan::new(&setup));
-        plan.rescue_strands();
+        plan.mend_strands();
         let p = Parameters::new(scene, initial);
         let mut twin = State::new(initial, p.step);
         for row in twin.position.iter_mut().chain(&mut twin.velocity) {

@@ -39,6 +39,8 @@ pub struct Plan {
     pub newton_steps_per_dispatch: u32,
     /// Whether rods are solved by the direct solver.
     pub direct: Decision,
+    /// Whether strands that are not finite are put into their rest shape.
+    pub reset: Decision,
     /// Whether strands that the direct solver left unsolved are rescued.
     pub rescue: Decision,
     /// Whether Gauss-Seidel sweeps over strands: over all, or over those that were rescued.
@@ -188,7 +190,7 @@ impl Plan {
             "interaction.model is two-way: air got its velocity before the rods, in heading 3",
         ));
         let direct = hair.and(Decision::when(scene.rods.solver == Solver::Direct, "rods.solver is gauss-seidel"));
-        let rescue = direct.and(Decision::when(false, NONE_UNSOLVED));
+        let rescue = direct.and(Decision::when(false, "not until the direct solver leaves a strand unsolved"));
         let viscosity =
             air.and(Decision::when(viscous, "viscosity.hair, viscosity.air and viscosity.smagorinsky are 0"));
         let density_alone = viscosity
@@ -206,6 +208,7 @@ impl Plan {
             newton_steps_per_dispatch: setup.params.newton_steps,
             sweeps: if direct.runs { rescue.clone() } else { hair.clone() },
             direct,
+            reset: hair.and(Decision::when(false, "not until a strand is not finite")),
             rescue,
             hair_meets_air: hair_meets_air.clone(),
             hair,
@@ -255,9 +258,10 @@ impl Plan {
         changed
     }
 
-    /// Lets strands that the direct solver leaves unsolved be rescued from now on. A step freezes where one is left and no pass
-    /// rescues it.
-    pub fn rescue_strands(&mut self) {
+    /// Lets the passes run from now on that mend strands: those that are not finite, and those that the direct solver leaves unsolved.
+    /// A step freezes where there is one and no pass mends it.
+    pub fn mend_strands(&mut self) {
+        self.reset = self.hair.clone();
         self.rescue = self.direct.clone();
         self.sweeps = self.hair.clone();
     }
@@ -296,7 +300,6 @@ impl Plan {
     }
 }
 
-const NONE_UNSOLVED: &str = "not until the direct solver leaves a strand unsolved";
 const NO_BANDS: &str = "the scene names no turbulence.bands";
 
 /// Whether a wind blows at all, and whether it blows over air particles.

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use glam::{DQuat, DVec3};
 use windswept_scene::{Groom, InitialState, Scene};
-use windswept_shaders::common::status::{NON_FINITE_AIR, Status, TOO_MANY_BAD_STRANDS, UNSOLVED_STRAND};
+use windswept_shaders::common::status::{NON_FINITE_AIR, Status, TOO_MANY_BAD_STRANDS, UNMENDED_STRAND};
 
 pub use checkpoint::Checkpoint;
 pub use force::Accelerations;
@@ -205,8 +205,8 @@ impl Simulation {
         }
     }
 
-    /// Reads the status after a submit. Where a step needed a longer neighbour list it grows, and where the rods' direct solver
-    /// left a strand unsolved for the first time, the step gets the passes that rescue such strands. The frozen steps are then not
+    /// Reads the status after a submit. Where a step needed a longer neighbour list it grows, and where a strand was not
+    /// finite or not solved for the first time, the step gets the passes that mend such strands. The frozen steps are then not
     /// done, so compare [`Self::steps`] and record them again. Turns what ended the run into an error.
     ///
     /// # Errors
@@ -220,9 +220,9 @@ impl Simulation {
         if let Some(thawed) = self.engine.grow_if_short(&status, step)? {
             self.last = thawed;
             self.record_again()?;
-        } else if status.causes & UNSOLVED_STRAND != 0 {
-            tracing::debug!(step, "strands are rescued from now on");
-            self.plan.rescue_strands();
+        } else if status.causes & UNMENDED_STRAND != 0 {
+            tracing::debug!(step, "strands are mended from now on");
+            self.plan.mend_strands();
             self.last = self.engine.thaw(&status)?;
             self.record_again()?;
         } else if status.causes & NON_FINITE_AIR != 0 {

@@ -43,7 +43,7 @@ pub enum Quantity {
 }
 
 /// All that a simulation of this plan runs: its step, also as it is once a wind or a force is set, each with and without the passes
-/// that rescue strands, and the passes of each quantity.
+/// that mend strands, and the passes of each quantity.
 #[must_use]
 pub fn recordings(state: &State, plan: &Plan) -> Vec<Recording> {
     let (mut windy, mut pushed) = (plan.clone(), plan.clone());
@@ -52,7 +52,7 @@ pub fn recordings(state: &State, plan: &Plan) -> Vec<Recording> {
     let plans = [Some(plan.clone()), changes.then_some(windy), Some(pushed)].into_iter().flatten();
     let steps = plans.flat_map(|mut plan| {
         let step = Recorder::record(state, |r| record(r, &plan));
-        plan.rescue_strands();
+        plan.mend_strands();
         [step, Recorder::record(state, |r| record(r, &plan))]
     });
     let quantities = [Quantity::Density, Quantity::Vorticity];

@@ -18,7 +18,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     });
     r.when(&plan.hair, |r| {
         r.run(&rods::INSPECT, "is each strand sound", n.strands);
-        r.run(&rods::RESET, "a strand that is not starts from rest", n.strands);
+        r.when(&plan.reset, |r| {
+            r.run(&rods::RESET, "a strand that is not starts from rest", n.strands);
+        });
         r.run(&rods::ROOTS, "where clamps go", n.strands);
         r.when(&plan.hair_meets_air, |r| {
             r.run(&rods::DRIFT, "hair drifts among air", n.hair_points);
