@@ -338,7 +338,7 @@ fn same_bits(sets: &[&str], force: impl FnOnce(&mut Plan)) {
     force(&mut full);
     let [planned, forced] = [&plan, &full].map(|plan| {
         let mut engine = Engine::new(&support::gpu(), &setup).unwrap();
-        engine.grow_neighbours(200 * setup.sizes().particles).unwrap();
+        engine.grow_neighbours(1, 200 * setup.sizes().particles).unwrap();
         let recording = Recorder::record(engine.state(), |r| step::record(r, plan));
         for _ in 0..4 {
             engine.replay(&recording).unwrap();
@@ -423,7 +423,7 @@ fn sharing_memory_changes_nothing() {
         let gpu = support::gpu();
         // What there is after four steps, and before a step what `spoil` does.
         let steps = |mut engine: Engine, spoil: &dyn Fn(&Engine)| {
-            engine.grow_neighbours(200 * setup.sizes().particles).unwrap();
+            engine.grow_neighbours(1, 200 * setup.sizes().particles).unwrap();
             let recording = recordings(&setup, engine.state()).swap_remove(0);
             for _ in 0..4 {
                 spoil(&engine);

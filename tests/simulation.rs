@@ -9,7 +9,7 @@ use support::{MASS, RADIUS, VOLUME};
 use windswept::{
     Frame, RunError, Simulation,
     gpu::wgpu,
-    internals::{Engine, Setup},
+    internals::{AnyArray, Engine, Setup},
 };
 use windswept_scene::{AirParticles, Body, FluidSolver, InitialState, Keyframe, Model, Motion, Scene, Shape, Strands};
 use windswept_shaders::common::pressure::Pressed;
@@ -140,6 +140,51 @@ fn a_short_neighbour_list_is_grown_and_the_step_replayed() {
     let (again, _) = run(&scene, &initial, &[1, 1, 1]);
     assert!(frame == again);
     assert!(frame.air.positions.iter().flatten().all(|x| x.is_finite()));
+}
+
+/// On a device that binds less than the list takes, the list has pages, and steps have the bits that they have with one: with hair and
+/// air in pages of their own or in one, for each text of the passes, and where the pages grow and become more.
+#[test]
+fn a_list_in_pages_changes_no_bit() {
+    let pages_of = |scene: &Scene, initial: &InitialState, limit: u64, features: wgpu::Features, textures: u32| {
+        let limits = wgpu::Limits {
+            max_storage_buffer_binding_size: limit,
+            max_storage_textures_per_shader_stage: textures,
+            ..wgpu::Limits::default()
+        };
+        let (_, gpu) = support::callers_device(&wgpu::DeviceDescriptor {
+            required_features: features,
+            required_limits: limits,
+            ..Default::default()
+        });
+        let mut simulation = Simulation::with_state(&gpu.unwrap(), scene, initial.clone()).unwrap();
+        let first = simulation.engine().sizes().pages;
+        simulation.step(6).unwrap();
+        let sizes = simulation.engine().sizes();
+        let longest = simulation.engine().state().arrays().iter().map(AnyArray::bytes).max().unwrap();
+        assert!(longest <= limit, "an array of {longest} bytes, of {limit}");
+        (first, sizes.pages, simulation.frame().unwrap())
+    };
+    let clump = support::particles(600, 60, support::Layout::OneCell, 5);
+    let most = support::gpu().device().limits().max_storage_textures_per_shader_stage;
+    let mut seen = Vec::new();
+    for (scene, initial) in [(windy(), brush(4)), (with_model(Model::Particles), brush(4)), (support::scene(), clump)] {
+        let (frame, simulation) = run(&scene, &initial, &[6]);
+        assert_eq!(simulation.engine().sizes().pages, 1);
+        let arrays = simulation.engine().state().arrays();
+        let others = arrays.iter().filter(|array| !array.name().starts_with("neighbour_list"));
+        let list = simulation.engine().state().neighbour_list.bytes();
+        let largest = others.map(AnyArray::bytes).max().unwrap().max(list / 3);
+        for (features, textures) in
+            [(wgpu::Features::empty(), 0), (wgpu::Features::SUBGROUP, 0), (wgpu::Features::SUBGROUP, most)]
+        {
+            let (first, pages, paged) = pages_of(&scene, &initial, largest, features, textures);
+            println!("{largest} bytes, {features:?}, {textures} textures: {first} pages, then {pages}");
+            assert!(frame == paged, "other bits in {pages} pages");
+            seen.push((first, pages));
+        }
+    }
+    assert!(seen.iter().all(|(_, pages)| *pages > 1) && seen.iter().any(|(first, pages)| pages > first), "{seen:?}");
 }
 
 /// Air alone in a steady wind stays the wind: the lattice melts, the mean does not change.

@@ -4,9 +4,10 @@
 // than the kernel radius to any of them. Its eight invocations, one per particle, read a batch of eight entries at once, one
 // each; then each of them meets all eight. A pass says what it needs of a neighbour, in `see`, and what a pair adds to its sums, in `meet`.
 // A pair that was not nearer than the kernel radius when the list was made does not meet, wherever it is by now.
-import package::common::{params::params, dispatch::{invocation, WORKGROUP}};
+import package::common::{params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}};
 import package::common::lanes::{Near, LANES, lane_of, show, shown_by, largest_of_all};
 import package::common::list::{PARTICLES, BATCHES, GROUP, NOBODY, INDEX, IMAGE_BITS, FRAME_BITS, FAR, groups_of};
+import package::common::page::{of_page, in_page, workgroups_of_page};
 import package::common::pairs::{here, slope_now, slopes_over};
 import package::common::pairs::{Pair, stand, meet_four};
 import package::pass::{see, meet};
@@ -33,8 +34,8 @@ fn take_particle(entry: u32, local: u32) -> u32 {
     place = local;
     box = params.box_size;
     cluster = Cluster();
-    let c = entry / LANES;
-    if c < params.clusters {
+    let c = in_page(entry) / LANES;
+    if c < params.page_clusters {
         let header = neighbour_list[c];
         let moved = vec3u(header.y >> FRAME_BITS, header.y >> (FRAME_BITS + 1u), header.y >> (FRAME_BITS + 2u)) & vec3u(1u);
         frame = box * vec3f(moved);
@@ -55,13 +56,20 @@ fn has_none() -> bool {
     return nobody;
 }
 
-// The place of an invocation in the order of clusters, in a pass over all of them or over those of air. Clusters of hair come first.
+// The place of an invocation in the order of clusters, in a pass over all of them or over those of air, of a page. Clusters of hair come
+// first.
 fn of_all(id: vec3u, groups: vec3u) -> u32 {
-    return invocation(id, groups);
+    return of_page(invocation(id, groups));
 }
 
 fn of_air(id: vec3u, groups: vec3u) -> u32 {
-    return LANES * params.hair_clusters + invocation(id, groups);
+    let of_hair = workgroups_of_page(params.hair_clusters * LANES / WORKGROUP);
+    return of_page(of_hair * WORKGROUP + invocation(id, groups));
+}
+
+// In a pass over those that pressure acts on: with the model TWO_WAY air alone.
+fn of_flow(id: vec3u, groups: vec3u) -> u32 {
+    return select(of_all(id, groups), of_air(id, groups), params.model == TWO_WAY);
 }
 
 // Meets those of the own kind, or all unless the model is TWO_WAY, from where the particle is.

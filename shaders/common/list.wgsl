@@ -1,6 +1,9 @@
 // How the neighbour list is laid out, in elements of four words.
 //
-// It begins with an element per cluster: where its own elements begin, how many batches it has of its own kind and of the other kind, and its
+// It has pages, as many as it takes for a pass to bind one at a time: most devices bind a list of any length, WebGPU by default 128 MiB.
+// Workgroups of clusters take turns among the pages, so that all are about as full. Passes over clusters run once for each page.
+//
+// A page begins with an element per cluster: where its own elements begin, how many batches it has of its own kind and of the other kind, and its
 // first particle. With the number of its own kind's batches come three bits, its frame: along which axes the cluster is moved by a box
 // towards 0 to meet the others. A cluster at the upper faces is, so that who comes through them stands where it is: to add a box to a
 // position would round it, to take one away does not, and the impulses of a pair are opposite to the last bit.
@@ -12,6 +15,7 @@
 // the entry whose place differs from the particle's in the bits of k, which is the one that `lanes::shown_by(k)` shows.
 // What is left over in a part's last batch is NOBODY, and a cluster's particles are filled up with it too.
 
+const PAGES: u32 = 4u;            // at most
 const PARTICLES: u32 = 2u;        // elements that are a cluster's particles
 const BATCHES: u32 = 4u;          // of a group
 const GROUP: u32 = 10u;           // elements of a group

@@ -18,7 +18,10 @@ struct Params {
     first_sorted: u32,            // particle from which on all are sorted into cells: 0, or air's first
     clusters: u32,                // most clusters of the neighbour list; 0 where it is not made from these cells
     hair_clusters: u32,           // of them hair's, which come first
-    neighbour_capacity: u32,      // elements of the list
+    pages: u32,                   // of the neighbour list (`list.wgsl`)
+    page: u32,                    // the one that a pass over clusters is for
+    page_clusters: u32,           // clusters that a page has room for
+    neighbour_capacity: u32,      // elements of a page
     newton_steps: u32,            // of one dispatch of the rods' direct solver, at most
     rod_sweeps: u32,              // of one dispatch of Gauss-Seidel
     air_inverse_mass: f32,        // 1/kg

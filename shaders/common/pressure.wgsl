@@ -1,5 +1,5 @@
 // What the solver of velocities without divergence keeps of a particle.
-import package::common::{params::{params, TWO_WAY}, cells::is_air, dispatch::invocation, lanes::LANES, matter::inverse_mass_of};
+import package::common::{params::{params, TWO_WAY}, cells::is_air, matter::inverse_mass_of};
 
 // What pressure did in the last step, from which the next one starts.
 struct Pressed {
@@ -26,11 +26,6 @@ const THIN: f32 = 0.6;   // rho/rho_0 below which air is missing: pressure pushe
 // The pressure that a particle of this density may have.
 fn allowed(pressure: f32, density: f32) -> f32 {
     return select(pressure, min(pressure, 0.0), density < THIN);
-}
-
-// The place of an invocation among those in the sums: in `two-way` the solver has to do with air only.
-fn of_flow(id: vec3u, groups: vec3u) -> u32 {
-    return invocation(id, groups) + select(0u, LANES * params.hair_clusters, params.model == TWO_WAY);
 }
 
 // Whether a particle is in the sums.

@@ -7,7 +7,7 @@
 // Where air is missing lambda_i is at most 0: what flies apart there is not pulled together.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pair, gradient_to},
-    clusters::{take_particle, has_none, meet_own_kind}, pressure::{Pressed, Gradients, Stress, allowed, of_flow},
+    clusters::{take_particle, has_none, of_flow, meet_own_kind}, pressure::{Pressed, Gradients, Stress, allowed},
 };
 
 struct Iteration {

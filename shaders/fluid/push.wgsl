@@ -5,7 +5,7 @@
 // With the pressures that the step before left, and with each that an iteration adds.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pair, gradient_to},
-    clusters::{take_particle, has_none, meet_own_kind}, pressure::{Pressed, Stress, of_flow, share_of, times},
+    clusters::{take_particle, has_none, of_flow, meet_own_kind}, pressure::{Pressed, Stress, share_of, times},
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]

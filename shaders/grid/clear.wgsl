@@ -1,6 +1,6 @@
 // Empties the cells of the neighbour search, the table of clusters and the counters of their list.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::buckets, status::{status, frozen},
+    params::params, dispatch::{invocation, WORKGROUP}, cells::buckets, list::PAGES, status::{status, frozen},
 };
 
 @group(0) @binding(2) var<storage, read_write> cell_count: array<u32>;
@@ -19,8 +19,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         if at < stride && cell < buckets() { cell_count[cell] = 0u; }
     }
     if at < params.clusters { members[at] = vec2u(0u); }
-    if at == 0u && params.clusters > 0u {
-        atomicStore(&status.neighbours, params.clusters);
+    if params.clusters == 0u { return; }
+    if at < PAGES { atomicStore(&status.page_ends[at], params.page_clusters); }
+    if at == 0u {
+        atomicStore(&status.neighbours, params.page_clusters);
         atomicStore(&status.neighbour_carries, 0u);
     }
 }

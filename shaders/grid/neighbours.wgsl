@@ -6,7 +6,7 @@
 // grows the list to that number.
 import package::common::{
     params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, cells::{wrap, home_of, box_bucket},
-    list::{PARTICLES, BATCHES, GROUP, NOBODY, IMAGE_BITS, FRAME_BITS, FAR, groups_of},
+    page::of_page, list::{PARTICLES, BATCHES, GROUP, NOBODY, IMAGE_BITS, FRAME_BITS, FAR, groups_of},
     lanes::{
         Near, LANES, lane_of, show, shown_by, keep, kept, first_of_eight, settle, joined, votes, turned, bits_of_all, largest_of_all,
         largest_in_workgroup,
@@ -224,7 +224,8 @@ fn copy(groups: u32, own_kind: u32, home: vec3i, air: bool, used: bool) {
 
 // Where so many elements of the list begin; 0 where they do not fit.
 fn room_for(length: u32) -> u32 {
-    let begin = atomicAdd(&status.neighbours, length);
+    let begin = atomicAdd(&status.page_ends[params.page], length);
+    atomicMax(&status.neighbours, begin + length);
     if begin + length < length {
         // The sum has passed 32 bits. What a later cluster overwrites does not matter: the step is frozen.
         atomicAdd(&status.neighbour_carries, 1u);
@@ -244,7 +245,8 @@ fn main(
     @if(subgroups) first_of_eight = in_subgroup - lane;
     @if(!subgroups) first_of_eight = local - lane;
     reach = params.kernel_radius * params.kernel_radius;
-    let c = invocation(id, groups) / LANES;
+    let place = invocation(id, groups);
+    let c = of_page(place) / LANES;
     var entries = vec2u(0u);
     if c < params.clusters && !frozen_before() { entries = members[c]; }
     members_of = entries;
@@ -285,10 +287,10 @@ fn main(
     }
     first = joined(local, first);
     if first > 0u { neighbour_list[first + (lane >> 2u)][lane & 3u] = select(NOBODY, sorted[select(0u, e, there)], there); }
-    if lane == 0u && c < params.clusters {
+    if lane == 0u && place / LANES < params.page_clusters {
         let moved = vec3u(frame) << vec3u(FRAME_BITS, FRAME_BITS + 1u, FRAME_BITS + 2u);
         let filled = select(vec2u(0u), batches | vec2u(moved.x | moved.y | moved.z, 0u), first > 0u);
-        neighbour_list[c] = vec4u(first, filled, select(0u, sorted[entries.x], first > 0u));
+        neighbour_list[place / LANES] = vec4u(first, filled, select(0u, sorted[entries.x], first > 0u));
     }
     let searches = (largest_in_workgroup(local, found) + HELD - 1u) / HELD;
     for (var k = 0u; k < searches; k++) {

@@ -171,8 +171,7 @@ impl Walk<'_> {
     /// rounding decides. A list that does not hold to its layout is infinitely far off.
     fn pairs_apart(&self, w: &Scratch) -> f64 {
         let (engine, p) = (&self.stage.engine, self.p());
-        let list = engine.read(&engine.state().neighbour_list).unwrap();
-        let clusters = clusters::read(&list, engine.params().clusters);
+        let clusters = engine.clusters().unwrap();
         if !each_once(&clusters, w.predicted.len()) || !clusters.iter().all(|cluster| of_kinds(p, cluster)) {
             return f64::INFINITY;
         }
@@ -229,8 +228,7 @@ fn of_kinds(p: &Parameters, cluster: &Cluster) -> bool {
 
 /// Neighbours of each particle, as the engine's list has them.
 fn lists(engine: &Engine) -> Vec<Vec<u32>> {
-    let list = engine.read(&engine.state().neighbour_list).unwrap();
-    clusters::neighbours(&clusters::read(&list, engine.params().clusters), engine.params().particles)
+    clusters::neighbours(&engine.clusters().unwrap(), engine.params().particles)
 }
 
 /// Planted faults of the passes of this heading.

@@ -44,7 +44,7 @@ impl Stage {
         let mut engine = Engine::new(gpu, &setup).unwrap();
         // Room for every pair of a clump; growing is tested elsewhere.
         let capacity = (initial.hair.positions.len() + initial.air.positions.len()).max(64) as u32 * 300;
-        engine.grow_neighbours(capacity).unwrap();
+        engine.grow_neighbours(1, capacity).unwrap();
         let mut plan = Plan::new(&setup);
         plan.mend_strands();
         let parameters = Parameters::new(scene, initial);

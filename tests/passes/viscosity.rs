@@ -18,7 +18,7 @@ impl Walk<'_> {
         let mut passes = stage.passes(step::viscosity::record);
         viscosity::run(s, w, self.p());
         if passes.through("fluid/limit") {
-            if stage.plan.limited_in_clusters < stage.plan.sizes.in_clusters() {
+            if stage.plan.limited_clusters != stage.plan.sizes.clusters_of_all() {
                 // Air cannot overshoot: its S is below 1, and not looked for.
                 let air = &mut w.exchange[self.p().hair_points..];
                 assert!(air.iter().all(|s| *s < 1.0));

@@ -28,7 +28,7 @@ pub struct Cluster {
     pub other_kind: Vec<Seen>,
 }
 
-/// The clusters that have particles, from the elements of the list for so many clusters.
+/// The clusters that have particles, from a page of the list that has room for so many clusters.
 #[must_use]
 pub fn read(list: &[[u32; 4]], clusters: u32) -> Vec<Cluster> {
     let headers = list.iter().take(clusters as usize).filter(|header| header[0] > 0);

@@ -7,11 +7,12 @@ use windswept_scene::{
     InitialState, Scene, SceneError, Strands,
     limits::{MOST_BUCKETS, MOST_SORTED_NODES},
 };
-use windswept_shaders::common::{params::Params, pressure::Pressed, status::Status};
+use windswept_shaders::common::{list::PAGES, params::Params, pressure::Pressed, status::Status};
 
 use crate::{
     array::{AnyArray, Array},
     bodies,
+    clusters::{self, Cluster},
     error::{GpuError, RunError},
     gpu::{Gpu, Memory, Profile, Program, Span, wgpu},
     meshes::Meshes,
@@ -69,8 +70,7 @@ impl Engine {
     }
 
     fn with(gpu: &Gpu, setup: &Setup<'_>, share: impl FnOnce(&State) -> Sharing) -> Result<Self, GpuError> {
-        let capacity = first_capacity(gpu.largest_binding(), setup);
-        let sizes = Sizes { neighbours: capacity, ..setup.sizes() };
+        let sizes = first_sizes(gpu.largest_binding(), setup);
         check_nodes(gpu, &setup.meshes)?;
         if sizes.buckets > MOST_BUCKETS {
             return Err(GpuError::TooManyCells { cells: sizes.buckets, most: MOST_BUCKETS });
@@ -78,7 +78,7 @@ impl Engine {
         let state = State::new(&sizes);
         let memory = Memory::new(gpu, &state, share(&state))?;
         let mut engine = Self { gpu: gpu.clone(), params: setup.uniforms(), sizes, state, memory };
-        engine.write_capacity(capacity)?;
+        engine.write_pages()?;
         engine.write_setup(setup)?;
         Ok(engine)
     }
@@ -196,10 +196,19 @@ impl Engine {
         self.memory.sharing().bytes(&self.state.arrays()) + self.memory.texture_bytes()
     }
 
-    /// Length of the longest neighbour list that the adapter allows \[elements of four words\].
+    /// Length of the longest page of the neighbour list that the adapter allows \[elements of four words\].
     #[must_use]
-    pub fn largest_list(&self) -> u64 {
-        (self.gpu.largest_binding() / self.state.neighbour_list.stride()).min(u32::MAX.into())
+    pub fn largest_page(&self) -> u64 {
+        largest_page(self.gpu.largest_binding())
+    }
+
+    /// The clusters of the neighbour list, and who is near them, as the last search has found.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the device is lost.
+    pub fn clusters(&self) -> Result<Vec<Cluster>, GpuError> {
+        let read = |page: &Array<[u32; 4]>| Ok(clusters::read(&self.read(page)?, self.sizes.page_clusters()));
+        Ok(self.state.pages().iter().map(read).collect::<Result<Vec<_>, GpuError>>()?.concat())
     }
 
     /// Runs a recording once and waits for it.
@@ -304,21 +313,24 @@ impl Engine {
         }
     }
 
-    /// Makes room where a step needed a longer neighbour list, and returns the thawed status.
+    /// Makes room where a step needed a longer neighbour list, and returns the thawed status: longer pages, or more.
     ///
     /// # Errors
     /// As [`Self::evaluate`].
     pub(crate) fn grow_if_short(&mut self, status: &Status, step: u64) -> Result<Option<Status>, RunError> {
-        let (needed, limit) = (status::neighbours_needed(status), self.largest_list());
+        let (needed, limit) = (status::neighbours_needed(status), self.largest_page());
         if needed <= u64::from(self.sizes.neighbours) {
             return Ok(None);
         }
-        if needed > limit {
-            return Err(RunError::TooManyNeighbours { needed, limit, step });
+        // As if all pages were as long as the longest.
+        let all = needed.saturating_mul(self.sizes.pages.into());
+        let pages = all.div_ceil(limit).max(self.sizes.pages.into());
+        if pages > PAGES.into() {
+            return Err(RunError::TooManyNeighbours { needed: all, limit: limit * u64::from(PAGES), step });
         }
-        let capacity = ((needed as f64 * GROWTH) as u64).min(limit) as u32;
-        tracing::debug!(needed, capacity, "the neighbour list grows");
-        self.grow_neighbours(capacity)?;
+        let capacity = ((all as f64 / pages as f64 * GROWTH) as u64).min(limit) as u32;
+        tracing::debug!(needed, pages, capacity, "the neighbour list grows");
+        self.grow_neighbours(pages as u32, capacity)?;
         Ok(Some(self.thaw(status)?))
     }
 
@@ -398,25 +410,31 @@ impl Engine {
         self.write(&self.state.pushed, &rows)
     }
 
-    /// Replaces the neighbour list by one of `capacity` elements. Programs made before bind the old one.
+    /// Replaces the neighbour list by one of so many pages of `capacity` elements each. Programs made before bind the old one.
     ///
     /// # Errors
     /// [`GpuError`] when the adapter has no room.
-    pub fn grow_neighbours(&mut self, capacity: u32) -> Result<(), GpuError> {
-        self.sizes.neighbours = capacity;
+    pub fn grow_neighbours(&mut self, pages: u32, capacity: u32) -> Result<(), GpuError> {
+        (self.sizes.pages, self.sizes.neighbours) = (pages, capacity);
         self.state = State::new(&self.sizes);
-        self.memory.reallocate(&self.gpu, &self.state.neighbour_list)?;
-        self.write_capacity(capacity)
+        for page in self.state.pages() {
+            self.memory.reallocate(&self.gpu, &page)?;
+        }
+        self.write_pages()
     }
 
-    fn write_capacity(&mut self, capacity: u32) -> Result<(), GpuError> {
-        self.params.iter_mut().for_each(|params| params.neighbour_capacity = capacity);
+    fn write_pages(&mut self) -> Result<(), GpuError> {
+        let Sizes { pages, neighbours: neighbour_capacity, .. } = self.sizes;
+        let page_clusters = self.sizes.page_clusters();
+        for params in &mut self.params {
+            *params = Params { pages, page_clusters, neighbour_capacity, ..*params };
+        }
         self.write(&self.state.params, &self.params)
     }
 }
 
 /// The limits that a device of the caller's own must have for this scene: WebGPU's defaults, and room for the largest
-/// buffer. The neighbour list may still have to grow; more room lets it. On a software adapter passes run three to four times as fast if
+/// buffer. The neighbour list is cut into pages that fit, and may still have to grow; more room lets it. On a software adapter passes run three to four times as fast if
 /// the device has the adapter's `max_storage_textures_per_shader_stage` too.
 ///
 /// # Errors
@@ -424,9 +442,9 @@ impl Engine {
 pub fn required_limits(scene: &Scene) -> Result<wgpu::Limits, SceneError> {
     let initial = InitialState::new(scene)?;
     let setup = Setup::new(scene, &initial);
-    let sizes = first_sizes(&setup);
-    let largest = State::new(&sizes).arrays().iter().map(AnyArray::bytes).max().unwrap_or_default();
     let defaults = wgpu::Limits::default();
+    let sizes = first_sizes(defaults.max_storage_buffer_binding_size, &setup);
+    let largest = State::new(&sizes).arrays().iter().map(AnyArray::bytes).max().unwrap_or_default();
     Ok(wgpu::Limits {
         max_storage_buffer_binding_size: defaults.max_storage_buffer_binding_size.max(largest),
         max_buffer_size: defaults.max_buffer_size.max(largest),
@@ -445,12 +463,16 @@ fn check_nodes(gpu: &Gpu, meshes: &Meshes) -> Result<(), GpuError> {
     Err(GpuError::BandTooFine { scale: meshes.finest, nodes: meshes.nodes, most, fits })
 }
 
-/// Sizes at the start of a run, on an adapter that binds arrays of any length.
-pub(crate) fn first_sizes(setup: &Setup<'_>) -> Sizes {
-    Sizes { neighbours: first_capacity(u64::MAX, setup), ..setup.sizes() }
+/// The sizes of a setup at the start of a run, on a device that binds at most so many bytes: a neighbour list of the usual length, in as
+/// few pages as the device allows.
+pub(crate) fn first_sizes(largest_binding: u64, setup: &Setup<'_>) -> Sizes {
+    let (sizes, limit) = (setup.sizes(), largest_page(largest_binding).max(1));
+    let wanted = u64::from(sizes.clusters) * LIST_PER_CLUSTER;
+    let pages = wanted.div_ceil(limit).clamp(1, PAGES.into());
+    Sizes { pages: pages as u32, neighbours: wanted.div_ceil(pages).min(limit) as u32, ..sizes }
 }
 
-fn first_capacity(largest_binding: u64, setup: &Setup<'_>) -> u32 {
-    let wanted = u64::from(setup.sizes().clusters) * LIST_PER_CLUSTER;
-    wanted.min(largest_binding / size_of::<[u32; 4]>() as u64).min(u32::MAX.into()) as u32
+/// Elements of the longest page of a neighbour list that a device binds.
+fn largest_page(largest_binding: u64) -> u64 {
+    (largest_binding / size_of::<[u32; 4]>() as u64).min(u32::MAX.into())
 }

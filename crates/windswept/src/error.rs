@@ -152,7 +152,7 @@ pub enum RunError {
     TooManyNeighbours {
         /// Number of entries that the step needs.
         needed: u64,
-        /// Number of entries that fit a binding.
+        /// Number of entries that fit: four times what the adapter binds at once.
         limit: u64,
         /// The step that needs them.
         step: u64,

@@ -299,10 +299,8 @@ impl<'a> Particles<'a> {
             return Ok(Neighbours { offsets: vec![0], indices: Vec::new() });
         };
         stage.evaluate(step::neighbours::record)?;
-        let list: Vec<[u32; 4]> = stage.read(|s| &s.neighbour_list)?;
-        let params = stage.engine.params();
         let mut all = Neighbours { offsets: vec![0], indices: Vec::new() };
-        for near in clusters::neighbours(&clusters::read(&list, params.clusters), params.particles) {
+        for near in clusters::neighbours(&stage.engine.clusters()?, stage.engine.params().particles) {
             all.indices.extend(near);
             all.offsets.push(all.indices.len() as u32);
         }

@@ -2,9 +2,11 @@
 
 mod table;
 
+use std::ops::Range;
+
 use windswept_scene::{Air, Filter, FluidSolver, InitialState, Law, Model, Scene, Solver, ViscosityForm};
 use windswept_shaders::{
-    common::{band::Band, body::PARTS, matter::MOST_EDDIES, mesh::Mesh, params::Params},
+    common::{band::Band, body::PARTS, list::PAGES, matter::MOST_EDDIES, mesh::Mesh, params::Params},
     fluid::divergence::Iteration,
 };
 
@@ -107,8 +109,8 @@ pub struct Plan {
     pub viscosity: Decision,
     /// Whether XSPH can overshoot, so that its limiter runs.
     pub limiter: Decision,
-    /// Invocations of the limiter: over the clusters of hair, where only hair can overshoot, or over all.
-    pub limited_in_clusters: u32,
+    /// The clusters that the limiter has to do with: of hair, where only hair can overshoot, or all.
+    pub limited_clusters: Range<u32>,
     /// Whether there is a body to stay out of.
     pub bodies: Decision,
 }
@@ -198,7 +200,7 @@ impl Plan {
             .and(Decision::when(sizes.constrained > 0, "the pressure's moments have it already"));
         let bounds = exchanges(scene, initial);
         let limiter = viscosity.and(limiter(scene, bounds));
-        let limited_in_clusters = if bounds.air > 1.0 { sizes.in_clusters() } else { sizes.hair_in_clusters() };
+        let limited_clusters = if bounds.air > 1.0 { sizes.clusters_of_all() } else { sizes.clusters_of_hair() };
         Self {
             sizes,
             fluid_iterations: scene.fluid.iterations,
@@ -244,7 +246,7 @@ impl Plan {
             bands,
             viscosity,
             limiter,
-            limited_in_clusters,
+            limited_clusters,
             bodies: Decision::when(sizes.bodies > 0, "the scene has no bodies"),
         }
     }
@@ -274,23 +276,23 @@ impl Plan {
         }
     }
 
-    /// Invocations of a pass over the clusters that the density constraint has to do with.
+    /// The clusters that the density constraint has to do with.
     #[must_use]
-    pub fn constrained_in_clusters(&self) -> u32 {
+    pub fn constrained_clusters(&self) -> Range<u32> {
         let sizes = &self.sizes;
-        if sizes.constrained == sizes.particles { sizes.in_clusters() } else { sizes.hair_in_clusters() }
+        if sizes.constrained == sizes.particles { sizes.clusters_of_all() } else { sizes.clusters_of_hair() }
     }
 
-    /// Invocations of a pass over the clusters whose velocity is freed of divergence.
+    /// The clusters whose velocity is freed of divergence.
     #[must_use]
-    pub fn flowing_in_clusters(&self) -> u32 {
-        if self.pressed_hair.runs { self.sizes.in_clusters() } else { self.sizes.air_in_clusters() }
+    pub fn flowing_clusters(&self) -> Range<u32> {
+        if self.pressed_hair.runs { self.sizes.clusters_of_all() } else { self.sizes.clusters_of_air() }
     }
 
-    /// Invocations of a pass over the clusters that have a vorticity: of air, as printed of hair too.
+    /// The clusters that have a vorticity: of air, as printed of hair too.
     #[must_use]
-    pub fn whirling_in_clusters(&self) -> u32 {
-        if self.published_law { self.sizes.in_clusters() } else { self.sizes.air_in_clusters() }
+    pub fn whirling_clusters(&self) -> Range<u32> {
+        if self.published_law { self.sizes.clusters_of_all() } else { self.sizes.clusters_of_air() }
     }
 
     /// The array that holds the velocities at the end of the step.
@@ -324,7 +326,7 @@ fn bands(setup: &Setup<'_>) -> Vec<BandPlan> {
             law: Index::new(tasks.start),
             // Without air there are no tasks: never run, so that the plan can say of every pass why.
             tasks: tasks.map(|k| (Index::new(k), cut.tasks.get(k).map_or(0, invocations))).collect(),
-            cells: Index::new(mesh.map_or(0, |mesh| 1 + mesh.grid)),
+            cells: Index::new(mesh.map_or(0, |mesh| PAGES as usize + mesh.grid)),
             deposit: Decision::when(blocks.is_some() || mesh.is_none(), "it shares the grid of the band before"),
             blocks: blocks.unwrap_or(0),
             sort: grid_params.as_ref().map_or_else(Sort::default, Sort::new),

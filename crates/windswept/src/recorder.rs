@@ -1,8 +1,16 @@
 //! Writes down a step: which pass runs over which arrays, and which is left out and why. It needs no GPU.
 
-use windswept_shaders::{Binding, BufferKind, Pass};
+use std::ops::Range;
 
-use crate::{array::AnyArray, state::State};
+use windswept_shaders::{
+    Binding, BufferKind, Pass,
+    common::{dispatch::WORKGROUP, lanes::LANES},
+};
+
+use crate::{
+    array::{AnyArray, Index},
+    state::State,
+};
 
 /// Whether a part of the step is needed, and why.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -127,7 +135,29 @@ impl<'a> Recorder<'a> {
         let commands = &mut self.recording.commands;
         commands.push(command);
         let last = commands.len() - 1;
-        Bindings(&mut commands[last])
+        Bindings(&mut commands[last..])
+    }
+
+    /// Adds a pass over the particles of clusters, which meet their neighbours: once for each page of the neighbour list that has any of
+    /// these clusters.
+    pub fn meet(&mut self, pass: &'static Pass, label: &'static str, clusters: Range<u32>) -> Bindings<'_> {
+        let (recorded, state) = (self.recording.commands.len(), self.state);
+        let pages = state.pages();
+        let count = pages.len() as u32;
+        let [first, end] = [clusters.start, clusters.end].map(|cluster| (cluster * LANES).div_ceil(WORKGROUP));
+        for (page, list) in (0..count).zip(&pages) {
+            // Every so many workgroups one is the page's.
+            let before = |workgroups: u32| (workgroups + count - 1 - page) / count;
+            let workgroups = before(end) - before(first);
+            // A pass over nobody, and one that is skipped, is recorded once.
+            let once = clusters.is_empty() || self.skipping.is_some();
+            if (once && page == 0) || (!once && workgroups > 0) {
+                let invocations = (workgroups * WORKGROUP).min(LANES * clusters.len() as u32);
+                let uniform = state.params.at(Index::new(page as usize));
+                self.run(pass, label, invocations).bind("params", &uniform).bind("neighbour_list", list);
+            }
+        }
+        Bindings(&mut self.recording.commands[recorded..])
     }
 
     /// Adds passes for one band of eddies, which have rows of their own in the profile.
@@ -172,9 +202,9 @@ impl<'a> Recorder<'a> {
     }
 }
 
-/// The bindings of a pass that was just recorded.
+/// The bindings of a pass that was just recorded, in all pages of the neighbour list.
 #[derive(Debug)]
-pub struct Bindings<'a>(&'a mut Command);
+pub struct Bindings<'a>(&'a mut [Command]);
 
 impl Bindings<'_> {
     /// Binds an array under another name than its own, or one element of an array of uniforms.
@@ -183,13 +213,14 @@ impl Bindings<'_> {
     /// When the pass has no binding of that name.
     #[allow(clippy::return_self_not_must_use)] // the last of a chain has done its work
     pub fn bind(self, name: &str, array: &AnyArray) -> Self {
-        let command = self.0;
-        let place = command.pass.bindings.iter().position(|binding| binding.name == name);
-        match place {
-            Some(place) => command.arrays[place] = *array,
-            None => panic!("{}: binds no {name}", command.pass.name),
+        for command in &mut *self.0 {
+            let place = command.pass.bindings.iter().position(|binding| binding.name == name);
+            match place {
+                Some(place) => command.arrays[place] = *array,
+                None => panic!("{}: binds no {name}", command.pass.name),
+            }
         }
-        Self(command)
+        self
     }
 }
 

@@ -2,7 +2,7 @@
 
 use windswept_scene::{Filter, FluidSolver, InitialState, Scene};
 use windswept_shaders::{
-    common::{inflow::Wave, mesh::Mesh, params::Params},
+    common::{inflow::Wave, list::PAGES, mesh::Mesh, params::Params},
     fluid::divergence::Iteration,
 };
 
@@ -65,6 +65,7 @@ impl<'a> Setup<'a> {
             rows: sorts().map(|sort| sort.rows).max().unwrap_or_default(),
             clusters: params.clusters,
             hair_clusters: params.hair_clusters,
+            pages: 1,
             neighbours: 0,
             band_tasks: bands.tasks.len() as u32,
             direct_filter: if direct { params.particles } else { 0 },
@@ -102,9 +103,9 @@ impl<'a> Setup<'a> {
         self.meshes.uniforms.iter().copied().chain(coarse).collect()
     }
 
-    /// The uniforms: of the scene, and of each grid of the band filter with its nodes for cells.
+    /// The uniforms: of the scene for each page of the neighbour list, and of each grid of the band filter with its nodes for cells.
     pub(crate) fn uniforms(&self) -> Vec<Params> {
         let grids = self.meshes.grids.iter().map(|grid| params::with_cells(&self.params, *grid));
-        std::iter::once(self.params).chain(grids).collect()
+        (0..PAGES).map(|page| Params { page, ..self.params }).chain(grids).collect()
     }
 }

@@ -5,6 +5,8 @@
 //! local: world minus the scene's origin. Which passes write what lasts from step to step stands in
 //! `docs/decisions/engine.md`, under *Who writes what lasts*.
 
+use std::ops::Range;
+
 use windswept_shaders::{
     common::{
         air::Sampled,
@@ -14,6 +16,7 @@ use windswept_shaders::{
         field::Field,
         inflow::Wave,
         lanes::LANES,
+        list::PAGES,
         matter::Exchange,
         mesh::Mesh,
         motion::Keyframe,
@@ -52,7 +55,9 @@ pub struct Sizes {
     pub clusters: u32,
     /// Clusters of hair, which come first.
     pub hair_clusters: u32,
-    /// Elements of the neighbour list, of four words each.
+    /// Pages of the neighbour list: as many as it takes to bind one at a time.
+    pub pages: u32,
+    /// Elements of a page, of four words each.
     pub neighbours: u32,
     /// Dispatches of the direct band filter; with the grid filter the number of bands.
     pub band_tasks: u32,
@@ -103,22 +108,28 @@ impl Sizes {
         self.particles - self.hair_points
     }
 
-    /// Invocations of a pass over all clusters.
+    /// All clusters.
     #[must_use]
-    pub fn in_clusters(&self) -> u32 {
-        LANES * self.clusters
+    pub fn clusters_of_all(&self) -> Range<u32> {
+        0..self.clusters
     }
 
-    /// Invocations of a pass over the clusters of hair.
+    /// The clusters of hair.
     #[must_use]
-    pub fn hair_in_clusters(&self) -> u32 {
-        LANES * self.hair_clusters
+    pub fn clusters_of_hair(&self) -> Range<u32> {
+        0..self.hair_clusters
     }
 
-    /// Invocations of a pass over the clusters of air.
+    /// The clusters of air.
     #[must_use]
-    pub fn air_in_clusters(&self) -> u32 {
-        LANES * (self.clusters - self.hair_clusters)
+    pub fn clusters_of_air(&self) -> Range<u32> {
+        self.hair_clusters..self.clusters
+    }
+
+    /// Clusters that a page of the neighbour list has room for: whole workgroups of them, as hair's are.
+    #[must_use]
+    pub fn page_clusters(&self) -> u32 {
+        self.clusters.div_ceil(self.pages.max(1)).next_multiple_of(WORKGROUP / LANES)
     }
 
     /// Particles that turbulence has to do with: all, or none without bands.
@@ -158,6 +169,13 @@ macro_rules! state {
                 vec![$($(*self.$name,)*)*]
             }
 
+            /// The pages of the neighbour list.
+            #[must_use]
+            pub fn pages(&self) -> Vec<Array<[u32; 4]>> {
+                let more = [self.neighbour_list_2, self.neighbour_list_3, self.neighbour_list_4];
+                std::iter::once(self.neighbour_list).chain(more.into_iter().filter(|page| !page.is_empty())).collect()
+            }
+
             /// The buffers that last from step to step, of which a checkpoint is made.
             #[must_use]
             pub fn lasting(&self) -> Vec<AnyArray> {
@@ -169,8 +187,9 @@ macro_rules! state {
 
 state! {
     [Kept] // Lies alone. First what the host derives from the scene.
-    /// Uniform: what stays the same from step to step; again per grid of the band filter, with its cells in place of the box's.
-    params: Params, |s| 1 + s.grids;
+    /// Uniform: what stays the same from step to step, for each page of the neighbour list; then per grid of the band filter, with its cells
+    /// in place of the box's.
+    params: Params, |s| s.grids + PAGES;
     /// Uniform per dispatch of the band filter: scale, law and the stretch of the box.
     band: Band, |s| s.band_tasks;
     /// Uniform per band of the grid filter and axis: nodes, spacing, taps.
@@ -258,6 +277,12 @@ state! {
     // Passes over neighbours run on in a frozen step, and would follow whatever another array left here.
     /// Who is near the particles of each cluster (`shaders/common/list.wgsl`).
     neighbour_list: [u32; 4], |s| s.neighbours;
+    /// Its second page, if it has as many.
+    neighbour_list_2: [u32; 4], |s| if s.pages > 1 { s.neighbours } else { 0 };
+    /// Its third page.
+    neighbour_list_3: [u32; 4], |s| if s.pages > 2 { s.neighbours } else { 0 };
+    /// Its fourth page.
+    neighbour_list_4: [u32; 4], |s| if s.pages > 3 { s.neighbours } else { 0 };
 
     [Left] // What is measured between steps.
     /// Velocities, free move and move of a hair point in this step.

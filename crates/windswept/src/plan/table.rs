@@ -84,7 +84,7 @@ impl BufferRow {
 
 /// The buffers of a setup at the start of a run, how they share memory, and the largest array of each texture on a software adapter.
 fn first_memory(setup: &Setup<'_>) -> (Vec<AnyArray>, Sharing, Vec<AnyArray>) {
-    let state = State::new(&first_sizes(setup));
+    let state = State::new(&first_sizes(u64::MAX, setup));
     let (arrays, recordings) = (state.arrays(), step::recordings(&state, &Plan::new(setup)));
     let sharing = Sharing::of(&arrays, &recordings);
     let textures = sharing.textures(&arrays, &recordings);
@@ -124,7 +124,7 @@ pub fn memory_bytes(scene: &Scene, initial: &InitialState) -> Result<MemoryBytes
 pub fn table(scene: &Scene) -> Result<Vec<PlanRow>, SceneError> {
     let initial = InitialState::new(scene)?;
     let setup = Setup::new(scene, &initial);
-    let (plan, state) = (Plan::new(&setup), State::new(&first_sizes(&setup)));
+    let (plan, state) = (Plan::new(&setup), State::new(&first_sizes(u64::MAX, &setup)));
     let recording = Recorder::record(&state, |r| step::record(r, &plan));
     let mut rows: Vec<PlanRow> = Vec::new();
     for command in &recording.commands {

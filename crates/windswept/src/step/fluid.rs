@@ -1,5 +1,7 @@
 //! 3. Density constraints (eq. 1), of hair and air together or of each kind; or pressures that free air of divergence.
 
+use std::ops::Range;
+
 use windswept_shaders::{
     coarse,
     common::{mesh::Mesh, reduce::TERMS},
@@ -21,19 +23,19 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     let n = &plan.sizes;
     r.when(&plan.fluid, |r| {
         r.repeat(plan.fluid_iterations, |r| {
-            density(r, plan.constrained_in_clusters());
-            r.run(&fluid::CORRECT, "shift toward rest density", plan.constrained_in_clusters());
+            density(r, plan.constrained_clusters());
+            r.meet(&fluid::CORRECT, "shift toward rest density", plan.constrained_clusters());
             r.run(&fluid::MOVE, "apply the shift", n.constrained);
         });
     });
     let shift = r.state().shift;
     r.when(&plan.friction, |r| {
         r.run(&fluid::SLIP, "how hair would slip", n.hair_points);
-        r.run(&fluid::SQUEEZE, "how hard strands are squeezed", n.hair_in_clusters());
-        r.run(&fluid::FRICTION, "friction of hair on hair", n.hair_in_clusters());
+        r.meet(&fluid::SQUEEZE, "how hard strands are squeezed", n.clusters_of_hair());
+        r.meet(&fluid::FRICTION, "friction of hair on hair", n.clusters_of_hair());
         r.run(&fluid::MOVE, "apply what friction moves", n.hair_points).bind("felt_shift", &shift);
     });
-    r.when(&plan.density_alone, |r| density(r, plan.constrained_in_clusters()));
+    r.when(&plan.density_alone, |r| density(r, plan.constrained_clusters()));
     r.when(&plan.air_first, |r| {
         r.run(&fluid::VELOCITY, "velocities of air", n.air());
     });
@@ -43,24 +45,24 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
 /// Records one evaluation of the density.
 pub fn record_density(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("3. fluid");
-    r.when(&plan.neighbours, |r| density(r, plan.sizes.in_clusters()));
+    r.when(&plan.neighbours, |r| density(r, plan.sizes.clusters_of_all()));
 }
 
-fn density(r: &mut Recorder<'_>, particles: u32) {
-    r.run(&fluid::DENSITY, "density and its multiplier", particles);
+fn density(r: &mut Recorder<'_>, clusters: Range<u32>) {
+    r.meet(&fluid::DENSITY, "density and its multiplier", clusters);
 }
 
 /// Air is spread, then its velocity is freed of divergence: by the pressures of the step before, on a coarse grid, by iterations.
 fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
     let n = &plan.sizes;
-    r.run(&fluid::SPREAD, "how air spreads evenly", n.air_in_clusters());
+    r.meet(&fluid::SPREAD, "how air spreads evenly", n.clusters_of_air());
     r.run(&fluid::PLACE, "air spreads", n.air());
-    r.run(&fluid::MOMENTS, "density, and gradients corrected", plan.flowing_in_clusters());
-    r.run(&fluid::PUSH, "the pressure before pushes", plan.flowing_in_clusters());
+    r.meet(&fluid::MOMENTS, "density, and gradients corrected", plan.flowing_clusters());
+    r.meet(&fluid::PUSH, "the pressure before pushes", plan.flowing_clusters());
     r.when(&plan.coarse, |r| on_coarse_grid(r, plan));
     for iteration in &plan.pressure_iterations {
         divergence(r, plan, *iteration);
-        r.run(&fluid::PUSH, "pressure pushes", plan.flowing_in_clusters());
+        r.meet(&fluid::PUSH, "pressure pushes", plan.flowing_clusters());
     }
     r.when(&plan.pressed_hair, |r| {
         r.run(&fluid::IMPULSE, "what pressure gives hair", n.hair_points);
@@ -69,7 +71,7 @@ fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
 
 fn divergence(r: &mut Recorder<'_>, plan: &Plan, iteration: Index<Iteration>) {
     let uniform = r.state().iteration.at(iteration);
-    r.run(&fluid::DIVERGENCE, "divergence, and pressure against it", plan.flowing_in_clusters())
+    r.meet(&fluid::DIVERGENCE, "divergence, and pressure against it", plan.flowing_clusters())
         .bind("iteration", &uniform);
 }
 

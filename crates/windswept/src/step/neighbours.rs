@@ -44,7 +44,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.neighbours, |r| {
         let sorted = r.state().sorted;
         sort(r, Index::new(0), &plan.sort, &sorted);
-        r.run(&grid::NEIGHBOURS, "who is near whom", plan.sizes.in_clusters());
+        r.meet(&grid::NEIGHBOURS, "who is near whom", plan.sizes.clusters_of_all());
     });
 }
 

@@ -13,7 +13,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.run(&rods::BEGIN_SEGMENTS, "what segments start from", n.segments);
         r.run(&rods::CHOOSE, "BDF2 or Euler", n.strands);
         r.when(&plan.exchange, |r| {
-            r.run(&wind::SAMPLE, "the air at hair points", n.hair_in_clusters());
+            r.meet(&wind::SAMPLE, "the air at hair points", n.clusters_of_hair());
         });
         r.when(&plan.drag, |r| {
             r.when(&plan.fields, |r| {
@@ -48,7 +48,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
             r.run(&force::KEEP, "the force that was set is no drag", n.hair_points);
         });
         r.when(&plan.exchange, |r| {
-            r.run(&wind::REACT, "hair slows the air", n.air_in_clusters());
+            r.meet(&wind::REACT, "hair slows the air", n.clusters_of_air());
         });
     });
 }

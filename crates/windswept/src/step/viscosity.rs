@@ -9,9 +9,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("8. viscosity");
     let n = &plan.sizes;
     r.when(&plan.limiter, |r| {
-        r.run(&fluid::LIMIT, "what XSPH may exchange", plan.limited_in_clusters);
+        r.meet(&fluid::LIMIT, "what XSPH may exchange", plan.limited_clusters.clone());
     });
     r.when(&plan.viscosity, |r| {
-        r.run(&fluid::VISCOSITY, "XSPH viscosity", n.in_clusters());
+        r.meet(&fluid::VISCOSITY, "XSPH viscosity", n.clusters_of_all());
     });
 }
