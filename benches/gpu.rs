@@ -1,14 +1,19 @@
 //! What a GPU makes of the step: `cargo xtask bench --gpu --bandwidth GB/S`, or `cargo bench --bench gpu -- --bandwidth GB/S`.
 //!
 //! Checks the adapter first (`windswept validate`, all of it), then times the paper's scenes and one of two million particles, each
-//! at one substep, and sets each pass beside the least time in which its arrays could cross the memory. Writes
+//! at one substep, and sets each pass beside the least time in which its arrays could cross the memory, and beside that in which its
+//! operations could be done. Writes
 //! `results/gpu-ADAPTER.json`. `cargo test --bench gpu` runs a few steps of a small scene, checks nothing and writes nothing.
 
 use std::{error::Error, fs, path::PathBuf, process::ExitCode, time::Instant};
 
 use clap::Parser;
 use serde_json::{Value, json};
-use windswept::{AdapterChoice, Gpu};
+use windswept::{
+    AdapterChoice, Gpu, PlanRow,
+    internals::clusters::{Cluster, Seen},
+};
+use windswept_shaders::common::lanes::LANES;
 use windswept_validate::{CHECKS, Row};
 
 #[path = "work_precision/exit.rs"]
@@ -34,6 +39,9 @@ struct Arguments {
     /// Peak bandwidth of the adapter's memory, as its maker states it [GB/s]; without it no pass is set beside it
     #[arg(long, value_name = "GB/S")]
     bandwidth: Option<f64>,
+    /// Peak rate of operations on f32 of the adapter, as its maker states it [TFLOP/s]; without it no pass is set beside it
+    #[arg(long, value_name = "TFLOP/S")]
+    operations: Option<f64>,
     /// Steps of each scene that are timed pass by pass, and as many that are timed as a whole
     #[arg(long, default_value_t = 20)]
     steps: u64,
@@ -73,12 +81,17 @@ fn run() -> Result<(), Box<dyn Error>> {
         "commit": provenance::commit(),
         "date": provenance::date().to_string(),
         "command": std::env::args().skip(1).collect::<Vec<_>>().join(" "),
+        "operations": "those on f32 in the text of a pass (windswept_shaders::Operations), with the neighbours that there are; `more` where \
+                       loops of which nobody knows the turns count once",
         "bytes": "each array that a pass reads, once as a whole, and each that it writes, once (PlanRow::bytes)",
         "scenes": scenes,
     });
     // What was not measured is left out.
     if let Some(bandwidth) = arguments.bandwidth {
         document["peak_bandwidth_gb_per_s"] = bandwidth.into();
+    }
+    if let Some(operations) = arguments.operations {
+        document["peak_tflop_per_s"] = operations.into();
     }
     if !checked.is_null() {
         document["validate"] = checked;
@@ -111,21 +124,37 @@ fn measure(gpu: &Gpu, name: &str, file: &str, keys: &[&str], arguments: &Argumen
     let mut timed = Timed::new(gpu, &scene)?;
     let steps = arguments.steps;
     let mut passes = Vec::new();
-    let (mut gpu_ms, mut all_bytes) = (0.0, 0);
-    for row in timed.steps(steps)? {
-        let same =
-            |other: &&windswept::PlanRow| (other.pass, other.label, other.band) == (&row.pass, &row.name, row.band);
-        let bytes = plan.iter().find(same).map_or(0, |planned| planned.bytes);
+    let (mut gpu_ms, mut all_bytes, mut all_operations) = (0.0, 0, 0);
+    let rows = timed.steps(steps)?;
+    let clusters = timed.simulation.engine().clusters()?;
+    let hair_points = timed.simulation.engine().sizes().hair_points;
+    let hair_clusters = timed.simulation.engine().sizes().hair_clusters;
+    for row in rows {
+        let same = |other: &&PlanRow| (other.pass, other.label, other.band) == (&row.pass, &row.name, row.band);
+        let Some(planned) = plan.iter().find(same) else { continue };
+        let is_met = |cluster: &&Cluster| match cluster.particles[0] < hair_points {
+            true => planned.clusters.start < hair_clusters,
+            false => planned.clusters.end > hair_clusters,
+        };
+        let (bytes, operations) = (planned.bytes, operations(planned, clusters.iter().filter(is_met)));
         let ms = row.ms / steps as f64;
         gpu_ms += ms;
         all_bytes += bytes;
-        let mut pass = json!({ "pass": row.pass, "name": row.name, "runs": row.runs, "ms": ms, "bytes": bytes });
+        all_operations += operations;
+        let mut pass = json!({
+            "pass": row.pass, "name": row.name, "runs": row.runs, "ms": ms, "bytes": bytes, "operations": operations,
+            "more": planned.operations.more,
+        });
         if let Some(band) = row.band {
             pass["band"] = band.into();
         }
         if let Some(peak) = arguments.bandwidth {
             // GB/s are bytes per nanosecond: 1e6 of them a millisecond.
             pass["of_peak_bandwidth"] = (bytes as f64 / (peak * 1e6) / ms).into();
+        }
+        if let Some(peak) = arguments.operations {
+            // TFLOP/s are 1e9 operations a millisecond.
+            pass["of_peak_operations"] = (operations as f64 / (peak * 1e9) / ms).into();
         }
         passes.push(pass);
     }
@@ -154,10 +183,24 @@ fn measure(gpu: &Gpu, name: &str, file: &str, keys: &[&str], arguments: &Argumen
         "ms_of_a_step_least": least,
         "ms_of_a_step_in_a_row": in_a_row,
         "bytes": all_bytes,
+        "operations": all_operations,
         "passes": passes,
     });
     if let Some(peak) = arguments.bandwidth {
         of_scene["of_peak_bandwidth"] = (all_bytes as f64 / (peak * 1e6) / gpu_ms).into();
     }
+    if let Some(peak) = arguments.operations {
+        of_scene["of_peak_operations"] = (all_operations as f64 / (peak * 1e9) / gpu_ms).into();
+    }
     Ok(of_scene)
+}
+
+/// Operations of a pass in a step: of its invocations, and of the batches of neighbours that these clusters have.
+fn operations<'a>(row: &PlanRow, clusters: impl Iterator<Item = &'a Cluster>) -> u64 {
+    let batch = |entries: &[Seen]| entries.len().div_ceil(LANES as usize) as u64;
+    let each = row.operations;
+    let of_cluster =
+        |cluster: &Cluster| each.own_batch * batch(&cluster.own_kind) + each.other_batch * batch(&cluster.other_kind);
+    let of_clusters: u64 = clusters.map(of_cluster).sum();
+    each.invocation * row.invocations + u64::from(row.runs) * u64::from(LANES) * of_clusters
 }

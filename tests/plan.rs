@@ -5,6 +5,7 @@ mod support;
 
 use windswept::internals::{AnyArray, Decision, Engine, Plan, Recorder, Recording, Setup, Sharing, State, step};
 use windswept_scene::{InitialState, Scene};
+use windswept_shaders::{self as shaders, Operations};
 
 /// The small brush with some keys set, and perhaps without its hair or its air.
 fn scene(sets: &[&str], without: Option<&str>) -> Scene {
@@ -466,4 +467,23 @@ fn sharing_memory_changes_nothing() {
         assert!(shared.memory_bytes() < apart().memory_bytes());
         assert!(steps(shared, &|_| {}) == clean, "{name}: sharing changes something");
     }
+}
+
+/// Operations of passes are those that a count by hand finds in their texts.
+#[test]
+fn operations_are_those_of_a_count_by_hand() {
+    let of = |pass: &shaders::Pass| {
+        let Operations { invocation, own_batch, other_batch, more } = pass.operations;
+        (invocation, own_batch, other_batch, more)
+    };
+    // A sum and a difference of four components; three quotients and a sum of four; a difference of three and a product of four.
+    assert_eq!(of(&shaders::turbulence::STRENGTHEN), (8, 0, 0, false));
+    assert_eq!(of(&shaders::fluid::VELOCITY), (7, 0, 0, false));
+    assert_eq!(of(&shaders::turbulence::WEIGH), (7, 0, 0, false));
+    // What four pairs take: gaps 12, their squares over h^2 24, roots 8, how much of h is left 12, slopes 12, and of h^2 8, kernels 12, do
+    // they coincide 4. Each of eight then adds a product of three, 6. Reading one takes 5, and its image 9.
+    let four = 12 + 24 + 8 + 12 + 12 + 8 + 12 + 4;
+    let react = of(&shaders::wind::REACT);
+    assert_eq!((react.1, react.2, react.3), (0, 2 * four + 8 * 6 + 5 + 9, false));
+    assert!(of(&shaders::rods::DIRECT).3, "its loops over a strand have any number of turns");
 }

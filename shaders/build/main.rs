@@ -4,6 +4,7 @@
 //! A mistake in a shader is a build error that names the file.
 
 mod layout;
+mod operations;
 mod software;
 mod source;
 mod table;

@@ -10,6 +10,7 @@ use naga::{
 use crate::{
     Result,
     layout::{Field, Kind, Structs},
+    operations::{Operations, operations},
     software::Place,
     source::{Source, StructDocs},
 };
@@ -104,6 +105,11 @@ impl Table {
             "name: {name:?}, workgroup: {workgroup}, asks_for_meshes: {meshes}, source: {}, source_without_subgroups: {plain}, source_for_software: {software},",
             file(target)
         )?;
+        let Operations { invocation, own_batch, other_batch, more } = operations(module, info);
+        writeln!(
+            text,
+            "operations: Operations {{ invocation: {invocation}, own_batch: {own_batch}, other_batch: {other_batch}, more: {more} }},"
+        )?;
         let rows: Vec<_> = bindings.into_values().map(|(row, _)| row).collect();
         writeln!(text, "bindings: &[{}],\n}};", rows.join(",\n"))?;
         self.passes.push(format!("{}::{constant}", source.folder));
@@ -149,7 +155,11 @@ impl Table {
                 writeln!(
                     text,
                     "use crate::{};\n{statics}",
-                    if folder == "pictures" { "Picture" } else { "{Binding, BufferKind, InSoftware, Pass, Texture}" }
+                    if folder == "pictures" {
+                        "Picture"
+                    } else {
+                        "{Binding, BufferKind, InSoftware, Operations, Pass, Texture}"
+                    }
                 )?;
             }
             for source in sources.iter().filter(|source| source.folder == folder) {

@@ -24,8 +24,24 @@ pub struct Pass {
     pub asks_for_meshes: bool,
     /// Invocations per workgroup.
     pub workgroup: u32,
+    /// Operations of an invocation of `source`.
+    pub operations: Operations,
     /// Buffers that the pass binds, in the order of their numbers, all in group 0.
     pub bindings: &'static [Binding],
+}
+
+/// Operations on floats of an invocation of a pass: additions, multiplications, divisions, comparisons, roots and other functions, per
+/// component, as the text has them, and of the two ways of a branch the longer one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Operations {
+    /// Outside of the loop over neighbours.
+    pub invocation: u64,
+    /// In each batch of eight neighbours of the particle's own kind, or of both kinds unless the model is `two-way`.
+    pub own_batch: u64,
+    /// In each batch of eight neighbours of the other kind.
+    pub other_batch: u64,
+    /// Whether the pass does more: it has loops of which nobody knows the turns beforehand, and they count once.
+    pub more: bool,
 }
 
 /// A buffer that a pass binds.

@@ -46,6 +46,8 @@ pub struct Command {
     pub label: &'static str,
     /// Number of invocations that are wanted.
     pub invocations: u32,
+    /// Clusters whose particles the pass goes through, in all pages of the neighbour list; none if it goes through no clusters.
+    pub clusters: Range<u32>,
     /// Arrays that the pass's bindings are bound to, in the order of the bindings.
     pub arrays: Vec<AnyArray>,
     /// Band of eddies that the pass is for, an index into `turbulence.bands`.
@@ -127,6 +129,7 @@ impl<'a> Recorder<'a> {
             pass,
             label,
             invocations,
+            clusters: 0..0,
             arrays: pass.bindings.iter().map(named).collect(),
             band: self.band,
             skipped: self.skipping.clone(),
@@ -157,7 +160,9 @@ impl<'a> Recorder<'a> {
                 self.run(pass, label, invocations).bind("params", &uniform).bind("neighbour_list", list);
             }
         }
-        Bindings(&mut self.recording.commands[recorded..])
+        let commands = &mut self.recording.commands[recorded..];
+        commands.iter_mut().for_each(|command| command.clusters = clusters.clone());
+        Bindings(commands)
     }
 
     /// Adds passes for one band of eddies, which have rows of their own in the profile.

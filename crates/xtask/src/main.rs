@@ -29,7 +29,8 @@ Commands:
   bench    --save FILE keeps the bench as it is now, --compare FILE runs it by turns with
            the present one and names what became slower, --peer runs fig2b by turns with
            SPlisHSPlasH; each takes --turns N and --profile NAME.
-           --gpu [--bandwidth GB/S] checks and times the adapter and writes into benches/results
+           --gpu [--bandwidth GB/S] [--operations TFLOP/S] checks and times the adapter and
+           writes into benches/results
   stress   run settings far beyond those of any scene, some minutes, and write what held into
            benches/results/stress.md; with names of stresses only those
   fuzz     read mutants of the files in fuzz/corpus, a minute per kind of file; `fuzz SECONDS`

@@ -1,7 +1,9 @@
 //! The plan as a table: the passes of a step and the buffers that they work on, without a GPU.
 
+use std::ops::Range;
+
 use windswept_scene::{InitialState, Scene, SceneError};
-use windswept_shaders::Binding;
+use windswept_shaders::{Binding, Operations};
 
 use super::Plan;
 use crate::{
@@ -31,6 +33,11 @@ pub struct PlanRow {
     pub runs_in_software: u32,
     /// Number of invocations of all its [`Self::runs`] together.
     pub invocations: u64,
+    /// Operations of each of these invocations.
+    pub operations: Operations,
+    /// Clusters of particles that it goes through, each with its neighbours, by their numbers: those of hair come first. None if it goes
+    /// through no clusters.
+    pub clusters: Range<u32>,
     /// Memory traffic of all its [`Self::runs`] together \[bytes\], by a simple model: an array that the pass reads is read once as a
     /// whole, one that it writes is written once, and one that it does both with counts twice. Caches are taken to catch
     /// whatever is read again, and the neighbour list is taken to be as long as it is at the start of a run. A pass that
@@ -141,6 +148,8 @@ pub fn table(scene: &Scene) -> Result<Vec<PlanRow>, SceneError> {
                 runs: 0,
                 runs_in_software: 0,
                 invocations: 0,
+                operations: command.pass.operations,
+                clusters: command.clusters.clone(),
                 bytes: 0,
                 skipped: command.skipped.clone(),
                 uses: uses(command),
