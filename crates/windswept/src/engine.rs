@@ -27,7 +27,7 @@ use crate::{
 
 /// Elements of the neighbour list per cluster at the start: on the lattice some 75 particles are near its eight (h/d = 1.92), which
 /// take three groups, and air that is near hair a fourth. After ten steps fig2b needs 36.
-pub(crate) const LIST_PER_CLUSTER: u64 = 40;
+const LIST_PER_CLUSTER: u64 = 40;
 
 /// Length of a neighbour list that has grown, over what the step needed: room for a few steps' changes.
 const GROWTH: f64 = 1.25;

@@ -8,11 +8,10 @@ use std::{
 
 use bytemuck::Pod;
 
-use windswept_shaders::{BufferKind, TEXTURE_ROW, common::lanes::LANES};
+use windswept_shaders::{BufferKind, TEXTURE_ROW};
 
 use crate::{
     array::{AnyArray, Array, Life, is_uniform},
-    engine::LIST_PER_CLUSTER,
     error::GpuError,
     gpu::Gpu,
     sharing::Sharing,
@@ -222,9 +221,9 @@ fn check_size(gpu: &Gpu, state: &State, array: &AnyArray) -> Result<(), GpuError
     if array.bytes() <= limit {
         return Ok(());
     }
-    // A particle takes room in the neighbour list too, and most there.
-    let list = state.neighbour_list.stride() * LIST_PER_CLUSTER / u64::from(LANES);
-    let each = if array.len() == state.position.len() { list.max(array.stride()) } else { array.stride() };
+    // What there are as many of may have an array of larger elements.
+    let same = state.arrays().into_iter().filter(|other| other.len() == array.len());
+    let each = same.map(|other| other.stride()).max().unwrap_or(array.stride());
     Err(GpuError::TooLarge { array: array.name(), bytes: array.bytes(), limit, fits: limit / each })
 }
 
