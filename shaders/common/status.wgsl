@@ -5,7 +5,7 @@ import package::common::{params::params, list::PAGES};
 const NEIGHBOUR_OVERFLOW: u32 = 1u;   // the list is too short: grow and replay
 const NON_FINITE_AIR: u32 = 2u;       // the run ends
 const TOO_MANY_BAD_STRANDS: u32 = 4u; // the run ends
-const UNMENDED_STRAND: u32 = 8u;      // a strand is bad, or the direct solver left it unsolved: replay with the passes that mend it
+const UNMENDED_STRAND: u32 = 8u;      // a strand is bad, or not solved: replay with the passes that mend it
 
 const STRAND_RESET: u32 = 0u;    // a non-finite strand goes back to its rest pose
 const MOVE_CAPPED: u32 = 1u;     // a point would have moved too far in one step

@@ -35,10 +35,9 @@ pub struct Plan {
     pub rod_dispatches: u32,
     /// Number of dispatches in which touched strands come along.
     pub pull_dispatches: u32,
-    /// Dispatches that the direct solver's Newton steps are cut into.
-    pub newton_dispatches: u32,
-    /// Newton steps of one of them, which software adapters dispatch one by one.
-    pub newton_steps_per_dispatch: u32,
+    /// Dispatches that the direct solver's Newton steps are cut into, and the Newton steps of each, which software adapters dispatch
+    /// one by one.
+    newton: [u32; 2],
     /// Whether rods are solved by the direct solver.
     pub direct: Decision,
     /// Whether strands that are not finite are put into their rest shape.
@@ -206,8 +205,7 @@ impl Plan {
             fluid_iterations: scene.fluid.iterations,
             pull_dispatches: if scene.bodies.iter().any(|body| body.shape.solid().is_some()) { PARTS } else { 1 },
             rod_dispatches: scene.rods.iterations / rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
-            newton_dispatches: scene.rods.newton / setup.params.newton_steps,
-            newton_steps_per_dispatch: setup.params.newton_steps,
+            newton: [scene.rods.newton / setup.params.newton_steps, setup.params.newton_steps],
             sweeps: if direct.runs { rescue.clone() } else { hair.clone() },
             direct,
             reset: hair.and(Decision::when(false, "not until a strand is not finite")),
@@ -260,6 +258,14 @@ impl Plan {
         changed
     }
 
+    /// Dispatches of the direct solver, and the Newton steps of each, which software adapters dispatch one by one: as many as solve
+    /// nearly all strands, and all of the scene once strands are rescued that these leave.
+    #[must_use]
+    pub fn newton(&self) -> [u32; 2] {
+        let [dispatches, steps] = self.newton;
+        if self.rescue.runs { [dispatches, steps] } else { [1, steps.min(NEWTON_STEPS)] }
+    }
+
     /// Lets the passes run from now on that mend strands: those that are not finite, and those that the direct solver leaves unsolved.
     /// A step freezes where there is one and no pass mends it.
     pub fn mend_strands(&mut self) {
@@ -302,6 +308,8 @@ impl Plan {
     }
 }
 
+/// Newton steps that solve nearly all strands.
+const NEWTON_STEPS: u32 = 3;
 const NO_BANDS: &str = "the scene names no turbulence.bands";
 
 /// Whether a wind blows at all, and whether it blows over air particles.

@@ -27,8 +27,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.run(&rods::LOAD, "what forces are to the rods", n.hair_points);
         r.run(&rods::START, "how each strand starts", n.strands);
         r.when(&plan.direct, |r| {
-            r.repeat(plan.newton_dispatches, |r| {
-                r.repeat_in_software(plan.newton_steps_per_dispatch, |r| {
+            let [dispatches, steps] = plan.newton();
+            r.repeat(dispatches, |r| {
+                r.repeat_in_software(steps, |r| {
                     r.run(&rods::DIRECT, "Cosserat rods, solved directly", n.strands);
                 });
             });
