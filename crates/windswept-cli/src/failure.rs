@@ -34,9 +34,16 @@ impl Failure {
     pub(crate) fn render(&self, terminal: bool) -> String {
         match self {
             Self::Scene(error) if terminal => drawn(error),
-            Self::Scene(error) => format!("error: {error}"),
-            Self::Input(what) | Self::Run(what) => format!("error: {what}"),
             Self::Interrupted(what) => what.clone(),
+            failure => format!("error: {}", failure.why()),
+        }
+    }
+
+    /// The failure in plain words.
+    pub(crate) fn why(&self) -> String {
+        match self {
+            Self::Scene(error) => error.to_string(),
+            Self::Input(what) | Self::Run(what) | Self::Interrupted(what) => what.clone(),
         }
     }
 }

@@ -189,7 +189,8 @@ fn no_adapter_is_told() {
     assert_eq!(listing(folder.path()), ["scene.toml"]);
 }
 
-/// A run that blows up ends with status 1 and says where; the frames before it are there, and the state as a checkpoint; a report is not.
+/// A run that blows up ends with status 1 and says where, and so does its report; the frames before it are there, and the state as a
+/// checkpoint.
 #[test]
 fn a_failed_run_keeps_its_frames() {
     let folder = folder();
@@ -201,14 +202,20 @@ fn a_failed_run_keeps_its_frames() {
     assert_eq!(failed.status.code(), Some(1), "{said}");
     assert!(said.contains("not finite") && said.contains("step 0"), "{said}");
     let out = folder.path().join("out");
-    let left = ["air.vtkhdf", "checkpoint.windswept", "frames", "hair.vtkhdf", "preview.gif", "scene.toml"];
+    let left = ["air.vtkhdf", "checkpoint.windswept", "frames", "hair.vtkhdf", "preview.gif", "report.json", "scene.toml"];
     assert_eq!(listing(&out), left);
     assert_eq!(times(&out.join("hair.vtkhdf")), [0.0]);
+    let failure = |said: &str| {
+        let report = report(&out.join("report.json"));
+        assert_eq!((&report["steps"], &report["failure"]["step"]), (&0.into(), &0.into()), "{report}");
+        let why = report["failure"]["why"].as_str().expect("words");
+        assert_eq!(said.lines().last(), Some(&*format!("error: {why}")));
+    };
+    failure(&said);
     // From the checkpoint it blows up again.
     let again = windswept(folder.path(), &["run", "--resume", "out"]).output().expect("the program starts");
     assert_eq!(again.status.code(), Some(1), "{again:?}");
-    let last = |said: &str| said.lines().last().map(str::to_owned);
-    assert_eq!(last(&String::from_utf8_lossy(&again.stderr)), last(&said));
+    failure(&String::from_utf8_lossy(&again.stderr));
     assert_eq!((listing(&out), times(&out.join("hair.vtkhdf"))), (left.map(str::to_owned).to_vec(), vec![0.0]));
 }
 

@@ -429,10 +429,18 @@ impl Simulation {
         Ok(self.engine.view_vec4(vorticity, air)?)
     }
 
-    /// Runs the passes of a quantity over the committed state.
+    /// Runs the passes of a quantity over the committed state. A step that ended the run stays frozen: only for these passes it thaws.
     fn measure(&mut self, quantity: Quantity) -> Result<(), RunError> {
         if !self.plan.neighbours.runs {
             return Ok(());
+        }
+        if self.last.causes != 0 {
+            let frozen = self.last;
+            self.last = self.engine.thaw(&frozen)?;
+            let measured = self.measure(quantity);
+            self.engine.set_status(&frozen)?;
+            self.last = frozen;
+            return measured;
         }
         let plan = &self.plan;
         if self.engine.evaluate(|r| step::record_quantity(r, plan, quantity))? {
