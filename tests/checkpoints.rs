@@ -152,6 +152,31 @@ fn what_was_saved_goes_on_with_the_same_bits() {
     }
 }
 
+/// A step that was ended between two substeps goes on there, from memory and from a file, and has the bits of one that was not.
+#[test]
+fn half_a_step_goes_on_with_the_same_bits() {
+    for (name, sets) in [KINDS[1], KINDS[8]] {
+        let scene = scene(&[sets, &["time.substeps=5"]].concat());
+        let begin = || Simulation::new(&support::gpu(), &scene).unwrap();
+        let (mut whole, mut halved) = (begin(), begin());
+        whole.step(8).unwrap();
+        // The first step is submitted substep by substep.
+        for step in [0, 1, 1] {
+            let mut asked = 0;
+            let stop = || {
+                asked += 1;
+                asked > 3
+            };
+            halved.step_until(8 - halved.steps(), stop).unwrap();
+            assert_eq!((halved.steps(), asked), (step, 4), "{name}");
+            halved = Checkpoint::from_bytes(&halved.to_bytes().unwrap(), name).unwrap().start(halved.gpu()).unwrap();
+            assert_eq!(halved.steps(), step, "{name}");
+        }
+        halved.step(7).unwrap();
+        assert!(halved.steps() == 8 && halved.to_bytes().unwrap() == whole.to_bytes().unwrap(), "{name}");
+    }
+}
+
 /// Hair that sleeps goes on sleeping.
 #[test]
 fn who_sleeps_sleeps_on() {

@@ -232,7 +232,7 @@ impl Filmed {
     ) -> Result<(), Failure> {
         loop {
             let known = self.simulation.resets().len();
-            let stop = match run.advance(&mut self.simulation) {
+            let stop = match run.advance_until(&mut self.simulation, interrupt.urges()) {
                 Err(error) if on_blowup == OnBlowup::Reset => {
                     let recovered = self.simulation.recover(error).map(|_| Stop::Between);
                     recovered.map_err(|error| self.ended(&error))?

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use support::{SCENE, folder, listing, run, windswept};
 
@@ -202,7 +202,8 @@ fn a_failed_run_keeps_its_frames() {
     assert_eq!(failed.status.code(), Some(1), "{said}");
     assert!(said.contains("not finite") && said.contains("step 0"), "{said}");
     let out = folder.path().join("out");
-    let left = ["air.vtkhdf", "checkpoint.windswept", "frames", "hair.vtkhdf", "preview.gif", "report.json", "scene.toml"];
+    let left =
+        ["air.vtkhdf", "checkpoint.windswept", "frames", "hair.vtkhdf", "preview.gif", "report.json", "scene.toml"];
     assert_eq!(listing(&out), left);
     assert_eq!(times(&out.join("hair.vtkhdf")), [0.0]);
     let failure = |said: &str| {
@@ -244,6 +245,34 @@ fn ctrl_c_keeps_what_was_finished() {
     assert!((1..100_000).contains(&steps), "{steps}");
     let frames = times(&film);
     assert!(!frames.is_empty() && frames[frames.len() - 1] <= steps as f64 * 1.38e-3, "{frames:?} of {steps}");
+}
+
+/// A step of ten thousand substeps, a minute here, ends a second after Ctrl-C, and a run goes on within it.
+#[cfg(unix)]
+#[test]
+fn ctrl_c_does_not_wait_for_a_long_step() {
+    let folder = folder();
+    let begin = ["run", "scene.toml", "--out", "out", "--adapter", "software", "--formats", "none"];
+    let more = ["--set", "time.substeps=10000", "--checkpoint-every", "1"];
+    let went_on = ["run", "--resume", "out"];
+    for arguments in [&[&begin[..], &more].concat(), &went_on[..]] {
+        let mut child = windswept(folder.path(), arguments).stderr(Stdio::piped()).spawn().expect("the program starts");
+        let started = Instant::now();
+        while !folder.path().join("out/.windswept.lock").exists() && started.elapsed() < Duration::from_secs(60) {
+            sleep(Duration::from_millis(10));
+        }
+        // Long enough for substeps.
+        sleep(Duration::from_secs(2));
+        assert!(child.try_wait().expect("a child").is_none(), "ended by itself");
+        let sent = Instant::now();
+        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs").success());
+        let ended = child.wait_with_output().expect("an end");
+        assert_eq!(ended.status.code(), Some(130), "{ended:?}");
+        // Measured 1.3 s; a whole step takes a minute.
+        assert!(sent.elapsed() < Duration::from_secs(10), "{:?}", sent.elapsed());
+        let report = report(&folder.path().join("out/report.json"));
+        assert_eq!(report["steps"], 0, "{report}");
+    }
 }
 
 /// A reader that goes away (`| head`) is no reason to panic.
