@@ -217,7 +217,9 @@ impl Output {
 
     /// Writes report.json, and the copy that was asked for.
     pub(crate) fn write_report(&self, report: &str) -> Result<(), Failure> {
-        write(&self.dir.join(REPORT), report)?;
+        let own = self.dir.join(REPORT);
+        // Half a report is none.
+        write(&own, report).inspect_err(|_| drop(fs::remove_file(&own)))?;
         self.report.as_deref().map_or(Ok(()), |path| write(path, report))
     }
 
