@@ -152,7 +152,8 @@ fn what_was_saved_goes_on_with_the_same_bits() {
     }
 }
 
-/// A step that was ended between two substeps goes on there, from memory and from a file, and has the bits of one that was not.
+/// A step that was ended between two substeps goes on there, from memory and from a file, and has the bits of one that
+/// was not.
 #[test]
 fn half_a_step_goes_on_with_the_same_bits() {
     for (name, sets) in [KINDS[1], KINDS[8]] {
@@ -394,7 +395,8 @@ fn no_content_is_a_panic() {
     assert!(refused > 0 && taken > 0);
 }
 
-/// What a step takes as the host gave it is refused where it is no number, by the file and the section: a step would not look at it.
+/// What a step takes as the host gave it is refused where it is no number, by the file and the section: a step would
+/// not look at it.
 #[test]
 fn what_a_step_does_not_look_at_is_refused() {
     let free = "hair.fringe.root=free";

@@ -72,8 +72,8 @@ fn a_device_that_was_lost_before_is_an_error() {
     assert!(error.to_string().contains("lost"), "{error}");
 }
 
-/// WebGPU's default limits, and each feature alone or none: without timestamps nothing is timed, without subgroups the passes run in
-/// another way, and hair and air are where they are with all features, up to rounding.
+/// WebGPU's default limits, and each feature alone or none: without timestamps nothing is timed, without subgroups the
+/// passes run in another way, and hair and air are where they are with all features, up to rounding.
 #[test]
 fn webgpus_defaults_are_enough() {
     let mut full = Simulation::new(&support::gpu(), &scene()).unwrap();

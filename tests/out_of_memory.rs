@@ -33,9 +33,9 @@ fn limit(spare: Option<u64>) {
     assert!(prlimit.status().unwrap().success());
 }
 
-/// A buffer that does not fit into the memory that is left is an error that says what it was for. The device goes on, and takes another
-/// simulation. A simulation that does not fit is an error that says for which array; where the driver gives its device up for that, the
-/// process opens another one.
+/// A buffer that does not fit into the memory that is left is an error that says what it was for. The device goes on,
+/// and takes another simulation. A simulation that does not fit is an error that says for which array; where the driver
+/// gives its device up for that, the process opens another one.
 #[test]
 fn memory_that_runs_out_is_an_error() {
     let gpu = support::gpu();

@@ -1,4 +1,5 @@
-//! Ctrl-C: the first ends the run between two steps, or between two substeps of a long one; a second ends the process at once.
+//! Ctrl-C: the first ends the run between two steps, or between two substeps of a long one; a second ends the process
+//! at once.
 
 use std::io;
 use std::sync::Arc;
@@ -37,7 +38,8 @@ impl Interrupt {
         self.asked.load(Ordering::Relaxed)
     }
 
-    /// Says whether a step is to end between two of its substeps, to somebody who asks again and again while it is taken.
+    /// Says whether a step is to end between two of its substeps, to somebody who asks again and again while it is
+    /// taken.
     pub(crate) fn urges(&self) -> impl FnMut() -> bool + '_ {
         let mut since = None;
         move || self.asked() && since.get_or_insert_with(Instant::now).elapsed() >= PATIENCE

@@ -7,14 +7,15 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use windswept::{AdapterChoice, Checkpoint, CheckpointError, Gpu, Report, RunError, RunFailure, Simulation};
-use windswept_export::{DEFAULT_FORMATS, ExportError, FORMATS, Format, Loss, Recording, Run, Schedule, Stop};
+use windswept_export::{
+    DEFAULT_FORMATS, ExportError, FORMATS, Folder, Format, Lock, Loss, Recording, Run, Schedule, Stop,
+};
 use windswept_scene::{InitialState, Time};
 
 use crate::arguments::{Asked, OnBlowup, RunOptions};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::lock::Lock;
 use crate::output::Output;
 use crate::progress::Progress;
 
@@ -108,7 +109,7 @@ fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<
         let words = "no checkpoint: expected that of a run with --checkpoint-every";
         return Err(Failure::Input(format!("{}: {words}", path.display())));
     }
-    let _lock = Lock::take(dir)?;
+    let _lock = Folder(dir).lock()?;
     // What cannot be read is bad input: nothing was written.
     let refused = |error: CheckpointError| match error {
         CheckpointError::Start { error, .. } => error.into(),

@@ -189,8 +189,8 @@ fn no_adapter_is_told() {
     assert_eq!(listing(folder.path()), ["scene.toml"]);
 }
 
-/// A run that blows up ends with status 1 and says where, and so does its report; the frames before it are there, and the state as a
-/// checkpoint.
+/// A run that blows up ends with status 1 and says where, and so does its report; the frames before it are there, and
+/// the state as a checkpoint.
 #[test]
 fn a_failed_run_keeps_its_frames() {
     let folder = folder();

@@ -196,8 +196,8 @@ fn doubles_cost_nothing_and_change_nothing() {
     }
 }
 
-/// Triangles that lie across one another all through a box are refused: every one of them is near every node. The fault is the file's,
-/// however large the box is and whatever the grid.
+/// Triangles that lie across one another all through a box are refused: every one of them is near every node. The fault
+/// is the file's, however large the box is and whatever the grid.
 #[test]
 fn triangles_across_one_another_are_refused() {
     let mut rng = Pcg64::seed_from_u64(5);

@@ -28,8 +28,8 @@ pub struct Report {
     pub steps: u64,
     /// Time reached \[s\].
     pub time_s: f64,
-    /// Why the run ended before its time. Left out where nothing went wrong, and of [`crate::Simulation::report`], which does not know
-    /// when a run is over.
+    /// Why the run ended before its time. Left out where nothing went wrong, and of [`crate::Simulation::report`],
+    /// which does not know when a run is over.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failure: Option<RunFailure>,
     /// Median wall time of a step, stepping alone, first step excluded \[ms\].

@@ -156,8 +156,9 @@ impl Simulation {
         self.step_until(n, || false)
     }
 
-    /// Runs `n` steps of Δt, or fewer: it returns as soon as `stop`, which is asked ten times a second, says so. That may be between two
-    /// substeps: the state is that of the last substep, and the next call takes those that the step still lacks first.
+    /// Runs `n` steps of Δt, or fewer: it returns as soon as `stop`, which is asked ten times a second, says so. That
+    /// may be between two substeps: the state is that of the last substep, and the next call takes those that the step
+    /// still lacks first.
     ///
     /// # Errors
     /// As [`Self::step`].
@@ -444,7 +445,8 @@ impl Simulation {
         Ok(self.engine.view_vec4(vorticity, air)?)
     }
 
-    /// Runs the passes of a quantity over the committed state. A step that ended the run stays frozen: only for these passes it thaws.
+    /// Runs the passes of a quantity over the committed state. A step that ended the run stays frozen: only for these
+    /// passes it thaws.
     fn measure(&mut self, quantity: Quantity) -> Result<(), RunError> {
         if !self.plan.neighbours.runs {
             return Ok(());

@@ -10,7 +10,8 @@ use hdf5::{Attribute, Dataset, Extents, File, FileBuilder, Group, H5Type, Result
 use super::Kind;
 use crate::Provenance;
 
-/// The most times of frames that are filled at once, half a megabyte: a chunk passes through memory, and takes its room on the disk.
+/// The most times of frames that are filled at once, half a megabyte: a chunk passes through memory, and takes its room
+/// on the disk.
 const CHUNK: usize = 1 << 16;
 
 /// The datasets that a frame is written to.
@@ -81,9 +82,10 @@ impl Layout {
         let finished = steps_group.new_attr::<i64>().create("NSteps")?;
         // VTK reads all of Values into an array of NSteps numbers; one row more and it crashes. So Values is the only
         // dataset that grows, within a chunk that is there from the start, filled, so that a full disk cannot come between
-        // the two before there are as many frames as a chunk has room for. (It has a first row, never read, before there is a frame, because without a row the chunk would be
-        // given up; and no cache, which would write the whole chunk for every row.) Made right after NSteps and before
-        // all else, its header lies right behind that number in the file, and HDF5 writes both at once: nor can a kill.
+        // the two before there are as many frames as a chunk has room for. (It has a first row, never read, before
+        // there is a frame, because without a row the chunk would be given up; and no cache, which would write the
+        // whole chunk for every row.) Made right after NSteps and before all else, its header lies right behind that
+        // number in the file, and HDF5 writes both at once: nor can a kill.
         let times = steps_group
             .new_dataset::<f64>()
             .chunk(frames.clamp(1, CHUNK))
@@ -301,8 +303,8 @@ fn write_rows<T: H5Type, const N: usize>(dataset: &Dataset, k: usize, rows: &[[T
 mod tests {
     use super::*;
 
-    /// Room for 48 days of film takes little of the disk, and so of memory, before there are frames; and times go on behind the first
-    /// chunk of them.
+    /// Room for 48 days of film takes little of the disk, and so of memory, before there are frames; and times go on
+    /// behind the first chunk of them.
     #[test]
     fn room_for_many_frames_is_made_as_they_come() {
         let folder = tempfile::tempdir().unwrap();

@@ -114,8 +114,8 @@ impl Head {
         self.start as u128 + u128::from(self.count) * self.kind.size as u128
     }
 
-    /// Rows of `N` numbers of the array in C order, each as `of` makes it, from what follows the head. Neither the bytes nor, unless the
-    /// first index runs fastest, the numbers are all in memory at once.
+    /// Rows of `N` numbers of the array in C order, each as `of` makes it, from what follows the head. Neither the
+    /// bytes nor, unless the first index runs fastest, the numbers are all in memory at once.
     pub(super) fn rows<const N: usize, T>(
         &self,
         from: impl Read,

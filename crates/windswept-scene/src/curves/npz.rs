@@ -38,8 +38,8 @@ struct Arrays<'a> {
 type Shaped<T> = (Vec<usize>, Vec<T>);
 
 impl Arrays<'_> {
-    /// Rows of `N` numbers of an array, each as `of` makes it, and the array's shape, which `fits` may refuse. All that its head says is
-    /// checked before its numbers are unpacked.
+    /// Rows of `N` numbers of an array, each as `of` makes it, and the array's shape, which `fits` may refuse. All that
+    /// its head says is checked before its numbers are unpacked.
     fn rows<const N: usize, T>(
         &mut self,
         name: &str,

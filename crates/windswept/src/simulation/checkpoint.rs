@@ -325,7 +325,8 @@ impl Simulation {
     }
 }
 
-/// The first row that is no number, or no rotation, of what a step takes as the host gave it. What a step computes it looks at itself.
+/// The first row that is no number, or no rotation, of what a step takes as the host gave it. What a step computes it
+/// looks at itself.
 fn unusable(state: &State, array: &AnyArray, bytes: &[u8]) -> Option<usize> {
     let is = |names: [&str; 2]| names.contains(&array.name());
     let vector = |x: [f32; 3]| held(&DVec3::from_array(x.map(f64::from)));
