@@ -152,6 +152,32 @@ fn what_was_saved_goes_on_with_the_same_bits() {
     }
 }
 
+/// A step that was ended between two substeps goes on there, from memory and from a file, and has the bits of one that
+/// was not.
+#[test]
+fn half_a_step_goes_on_with_the_same_bits() {
+    for (name, sets) in [KINDS[1], KINDS[8]] {
+        let scene = scene(&[sets, &["time.substeps=5"]].concat());
+        let begin = || Simulation::new(&support::gpu(), &scene).unwrap();
+        let (mut whole, mut halved) = (begin(), begin());
+        whole.step(8).unwrap();
+        // The first step is submitted substep by substep.
+        for step in [0, 1, 1] {
+            let mut asked = 0;
+            let stop = || {
+                asked += 1;
+                asked > 3
+            };
+            halved.step_until(8 - halved.steps(), stop).unwrap();
+            assert_eq!((halved.steps(), asked), (step, 4), "{name}");
+            halved = Checkpoint::from_bytes(&halved.to_bytes().unwrap(), name).unwrap().start(halved.gpu()).unwrap();
+            assert_eq!(halved.steps(), step, "{name}");
+        }
+        halved.step(7).unwrap();
+        assert!(halved.steps() == 8 && halved.to_bytes().unwrap() == whole.to_bytes().unwrap(), "{name}");
+    }
+}
+
 /// Hair that sleeps goes on sleeping.
 #[test]
 fn who_sleeps_sleeps_on() {
@@ -367,6 +393,35 @@ fn no_content_is_a_panic() {
     }
     println!("{refused} were refused, {taken} were simulations");
     assert!(refused > 0 && taken > 0);
+}
+
+/// What a step takes as the host gave it is refused where it is no number, by the file and the section: a step would
+/// not look at it.
+#[test]
+fn what_a_step_does_not_look_at_is_refused() {
+    let free = "hair.fringe.root=free";
+    let mut simulation = Simulation::new(&support::gpu(), &scene(&[free])).unwrap();
+    simulation.set_force(&push(&simulation, 9.0)).unwrap();
+    simulation.step(2).unwrap();
+    let whole = simulation.to_bytes().unwrap();
+    assert!(Checkpoint::from_bytes(&whole, "whole").unwrap().start(simulation.gpu()).is_ok());
+    let number = |x: f32| x.to_le_bytes();
+    // A root has a place, a number that means nothing, and a rotation.
+    let cases = [
+        ("clamps", 32 + 4, number(f32::NAN).to_vec(), "row 1 is not finite"),
+        ("clamps", 64 + 16, [0; 16].to_vec(), "row 2 is not finite, or beyond 1e18, or not a rotation"),
+        ("root_targets", 0, number(f32::INFINITY).to_vec(), "row 0 is not"),
+        ("root_targets", 11 * 32 + 28, number(f32::NAN).to_vec(), "row 11 is not"),
+        ("wind_table", 0, number(1e20).to_vec(), "row 0 is not"),
+        ("pushed", 16 + 8, number(f32::NEG_INFINITY).to_vec(), "row 1 is not"),
+    ];
+    for (name, at, bytes, words) in cases {
+        let own = sections(&whole).into_iter().find(|section| section.0 == name).unwrap().1;
+        let content = [&own[..at], &bytes, &own[at + bytes.len()..]].concat();
+        let spoilt = Checkpoint::from_bytes(&with_section(&whole, name, &content), "a/spoilt file").unwrap();
+        let said = spoilt.start(simulation.gpu()).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(said.starts_with(&format!("a/spoilt file: section {name}: {words}")), "{name}: {said}");
+    }
 }
 
 /// A file that is cut off, has a flipped bit, goes on behind its end, is another file or of a newer version is refused, with its name, what is

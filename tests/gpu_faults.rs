@@ -72,22 +72,31 @@ fn a_device_that_was_lost_before_is_an_error() {
     assert!(error.to_string().contains("lost"), "{error}");
 }
 
-/// WebGPU's default limits and no feature: without timestamps nothing is timed, without subgroups the passes run in another
-/// way, and hair and air are where they are with all features, up to rounding.
+/// WebGPU's default limits, and each feature alone or none: without timestamps nothing is timed, without subgroups the
+/// passes run in another way, and hair and air are where they are with all features, up to rounding.
 #[test]
 fn webgpus_defaults_are_enough() {
-    let (_, gpu) = with_limits(wgpu::Limits::default());
-    let mut plain = Simulation::new(&gpu.unwrap(), &scene()).unwrap();
-    plain.step(20).unwrap();
-    assert!(plain.report().unwrap().passes.is_empty(), "passes were timed without timestamps");
     let mut full = Simulation::new(&support::gpu(), &scene()).unwrap();
     full.step(20).unwrap();
-    let apart = places(&plain).into_iter().zip(places(&full)).flat_map(|(a, b)| [0, 1, 2].map(|k| (a[k] - b[k]).abs()));
-    // A particle that goes through a face of the box in one of them would be 0.06 m off.
-    let apart: Vec<f32> = apart.filter(|gap| *gap < 0.03).collect();
-    let farthest = apart.iter().copied().fold(0.0, f32::max);
-    println!("farthest apart: {farthest:.2e} m");
-    assert!(apart.len() > 3 * 1000 && farthest < 1e-4, "{farthest} m apart");
+    let timestamps = wgpu::Features::TIMESTAMP_QUERY
+        | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES
+        | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+    for features in [wgpu::Features::empty(), wgpu::Features::SUBGROUP, timestamps] {
+        // Without what the adapter lacks.
+        let required_features = features & support::gpu().device().features();
+        let (_, gpu) = support::callers_device(&wgpu::DeviceDescriptor { required_features, ..Default::default() });
+        let mut plain = Simulation::new(&gpu.unwrap(), &scene()).unwrap();
+        plain.step(20).unwrap();
+        let timed = !plain.report().unwrap().passes.is_empty();
+        assert_eq!(timed, required_features.contains(timestamps), "with {required_features:?}");
+        let pairs = places(&plain).into_iter().zip(places(&full));
+        let apart = pairs.flat_map(|(a, b)| [0, 1, 2].map(|k| (a[k] - b[k]).abs()));
+        // A particle that goes through a face of the box in one of them would be 0.06 m off.
+        let apart: Vec<f32> = apart.filter(|gap| *gap < 0.03).collect();
+        let farthest = apart.iter().copied().fold(0.0, f32::max);
+        println!("farthest apart with {required_features:?}: {farthest:.2e} m");
+        assert!(apart.len() > 3 * 1000 && farthest < 1e-4, "{farthest} m apart with {required_features:?}");
+    }
 }
 
 /// A device below WebGPU's default limits is refused, with the limit, what it is and what is needed.

@@ -162,6 +162,29 @@ def test_the_writers_write_what_the_command_writes(scene, tmp_path, air, scalar)
         assert (tmp_path / "command" / name).read_bytes() == (tmp_path / "python" / name).read_bytes(), name
 
 
+def test_a_folder_has_one_writer(sim, tmp_path):
+    out = tmp_path / "out"
+    with ws.Writer(out, sim) as writer:
+        writer.append(sim)
+        there = sorted(path.name for path in out.iterdir())
+        with pytest.raises(ws.ExportError, match="out: another run is writing here"):
+            ws.Writer(out, sim)
+        assert ".windswept.lock" in there and sorted(path.name for path in out.iterdir()) == there
+    assert not (out / ".windswept.lock").exists()
+    with ws.Writer(out, sim, formats=["usd"]):
+        pass
+    # Pictures behind a link are somebody else's.
+    (out / "frames").rename(tmp_path / "other")
+    before = {path.name: path.read_bytes() for path in (tmp_path / "other").iterdir()}
+    (out / "frames").symlink_to(tmp_path / "other")
+    with pytest.raises(ws.ExportError, match="frames: is a link; expected a folder or nothing"):
+        ws.Writer(out, sim)
+    assert {path.name: path.read_bytes() for path in (tmp_path / "other").iterdir()} == before
+    assert not (out / ".windswept.lock").exists()
+    with ws.Writer(out, sim, formats=["usd"]) as writer:
+        writer.append(sim)
+
+
 def test_a_writer_names_what_it_cannot_write(sim, tmp_path):
     assert {"vtkhdf", "png"} <= ws.formats().keys() and all(ws.formats().values())
     with pytest.raises(ValueError, match="formats: expected some of"):

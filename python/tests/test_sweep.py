@@ -1,6 +1,7 @@
 """Sweeps: in processes, on a cluster, with faults, with workers that die."""
 
 import csv
+import json
 import os
 import signal
 import threading
@@ -45,6 +46,10 @@ def test_every_combination_gets_its_folder_and_its_line(short, tmp_path):
     (tmp_path / "0002" / "report.json").unlink()
     assert [case.status for case in sweep.run(short, VARY, tmp_path)] == ["skipped", "skipped", "finished", "skipped"]
     assert os.stat(tmp_path / "0001" / "report.json").st_mtime_ns == reports[1]
+    # Nor is one finished whose run blew up, as the command's report says.
+    failed = {**cases[3].report, "failure": {"step": 3, "time_s": 0.004, "why": "not finite"}}
+    (tmp_path / "0003" / "report.json").write_text(json.dumps(failed), encoding="utf-8")
+    assert [case.status for case in sweep.run(short, VARY, tmp_path)] == ["skipped"] * 3 + ["finished"]
     # Other values of the same number are other cases, of which nothing of the old ones is left; NumPy's are as good.
     seeds = {"seed": np.array([7]), "air.wind": [np.array([4.0, 0.0, 0.0], np.float32)]}
     (other,) = sweep.run(short, seeds, tmp_path, picture=False)

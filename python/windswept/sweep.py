@@ -166,12 +166,12 @@ def _checkpoint(case: Case, every: int | None) -> tuple[str, int] | None:
 
 
 def _report(case: Case) -> dict[str, Any] | None:
-    """The report that the case's folder has, if it is of just this scene."""
+    """The report that the case's folder has, if it is of just this scene and of a run that did not fail."""
     try:
         if (case.folder / "scene.toml").read_bytes() != case._text.encode():
             return None
         report: dict[str, Any] = json.loads((case.folder / "report.json").read_text(encoding="utf-8"))
-        return report
+        return None if "failure" in report else report
     except (OSError, ValueError):
         return None
 

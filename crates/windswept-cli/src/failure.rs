@@ -34,9 +34,16 @@ impl Failure {
     pub(crate) fn render(&self, terminal: bool) -> String {
         match self {
             Self::Scene(error) if terminal => drawn(error),
-            Self::Scene(error) => format!("error: {error}"),
-            Self::Input(what) | Self::Run(what) => format!("error: {what}"),
             Self::Interrupted(what) => what.clone(),
+            failure => format!("error: {}", failure.why()),
+        }
+    }
+
+    /// The failure in plain words.
+    pub(crate) fn why(&self) -> String {
+        match self {
+            Self::Scene(error) => error.to_string(),
+            Self::Input(what) | Self::Run(what) | Self::Interrupted(what) => what.clone(),
         }
     }
 }
@@ -88,8 +95,8 @@ impl From<OpsError> for Failure {
 impl From<ExportError> for Failure {
     fn from(error: ExportError) -> Self {
         match error {
-            // The camera or the number of hairs: found before anything is written.
-            ExportError::Picture { .. } => Self::Input(error.to_string()),
+            // The camera or the number of hairs, the folder: found before anything is written.
+            ExportError::Picture { .. } | ExportError::Folder { .. } => Self::Input(error.to_string()),
             ExportError::Gpu(error) => error.into(),
             _ => Self::Run(error.to_string()),
         }

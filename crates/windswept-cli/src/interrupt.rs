@@ -1,8 +1,10 @@
-//! Ctrl-C: the first ends the run between two steps, a second ends the process at once.
+//! Ctrl-C: the first ends the run between two steps, or between two substeps of a long one; a second ends the process
+//! at once.
 
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use signal_hook::SigId;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -10,6 +12,9 @@ use signal_hook::flag;
 
 /// Exit status of a run that was interrupted: 128 + SIGINT, as shells have it.
 pub(crate) const STATUS: u8 = 130;
+
+/// Time that a step which goes on as Ctrl-C comes has to end by itself.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Listens for Ctrl-C and a polite kill until it is dropped.
 pub(crate) struct Interrupt {
@@ -31,6 +36,13 @@ impl Interrupt {
 
     pub(crate) fn asked(&self) -> bool {
         self.asked.load(Ordering::Relaxed)
+    }
+
+    /// Says whether a step is to end between two of its substeps, to somebody who asks again and again while it is
+    /// taken.
+    pub(crate) fn urges(&self) -> impl FnMut() -> bool + '_ {
+        let mut since = None;
+        move || self.asked() && since.get_or_insert_with(Instant::now).elapsed() >= PATIENCE
     }
 }
 

@@ -11,7 +11,6 @@ mod failure;
 mod groom;
 mod inspect;
 mod interrupt;
-mod lock;
 mod output;
 mod progress;
 mod render;

@@ -5,11 +5,10 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use windswept::Simulation;
-use windswept_export::{FORMATS, Kind, Pictures};
+use windswept_export::{FORMATS, Folder, Kind, LOCK, Lock, Pictures, real_path};
 
 use crate::arguments::RunOptions;
 use crate::failure::Failure;
-use crate::lock::{LOCK, Lock};
 
 const REPORT: &str = "report.json";
 const SCENE: &str = "scene.toml";
@@ -50,14 +49,14 @@ impl Output {
         if output.replaces(scene) {
             return refuse(scene, "would be replaced by the run's own file of that name; --out takes another folder");
         }
-        output.check_files(&replaced())?;
+        output.folder().check(&replaced())?;
         Ok(output)
     }
 
     /// The folder of a run that goes on. Refuses what cannot be written beside it, and what cannot be replaced in it.
     pub(crate) fn go_on(options: &RunOptions, dir: &Path) -> Result<Self, Failure> {
         let output = Self::beside(options, dir, None)?;
-        output.check_files(&replaced())?;
+        output.folder().check(&replaced())?;
         Ok(output)
     }
 
@@ -74,16 +73,16 @@ impl Output {
             if !folder.is_dir() && folder != dir {
                 return refuse(folder, &format!("no such folder (for {flag})"));
             }
-            if scene.is_some_and(|scene| real(file) == real(scene)) {
+            if scene.is_some_and(|scene| real_path(file) == real_path(scene)) {
                 return refuse(file, &format!("is the scene itself; {flag} takes another file"));
             }
-            let is_report = flag == "--report" && real(file) == real(&dir.join(REPORT));
+            let is_report = flag == "--report" && real_path(file) == real_path(&dir.join(REPORT));
             if output.replaces(file) && !is_report {
                 return refuse(file, &format!("is written by the run itself; {flag} takes another file"));
             }
         }
         if let (Some(report), Some(trace)) = (&output.report, &output.trace)
-            && real(report) == real(trace)
+            && real_path(report) == real_path(trace)
         {
             return refuse(trace, "is the report; --trace takes another file");
         }
@@ -98,7 +97,7 @@ impl Output {
     /// Makes the folder, locks it, clears away an earlier run's files, and writes the scene as it runs.
     pub(crate) fn create(&self, scene: &str) -> Result<Lock, Failure> {
         fs::create_dir_all(&self.dir).map_err(|e| Failure::Input(format!("{}: {e}", self.dir.display())))?;
-        let lock = Lock::take(&self.dir)?;
+        let lock = self.folder().lock()?;
         // Another run may have come and gone since it was checked.
         check_folder(&self.dir, self.overwrite)?;
         self.remove_files(&replaced())?;
@@ -124,7 +123,7 @@ impl Output {
 
     /// Refuses pictures that cannot be replaced, before any is.
     pub(crate) fn check_pictures(&self) -> Result<(), Failure> {
-        self.check_files(&Pictures::FILES)
+        Ok(self.folder().check(&Pictures::FILES)?)
     }
 
     /// Removes the film's pictures, their folder if nothing else is in it, and the preview.
@@ -134,65 +133,30 @@ impl Output {
 
     /// Whether there are pictures already.
     pub(crate) fn has_pictures(&self) -> bool {
-        self.found(&Pictures::FILES).iter().any(|path| path.exists())
-    }
-
-    /// Refuses folders in the place of these files, and links in the place of their folders: what they lead to is not the run's.
-    fn check_files(&self, names: &[&str]) -> Result<(), Failure> {
-        for path in names.iter().filter_map(|name| Some(self.dir.join(series(name)?.0))) {
-            if path.symlink_metadata().is_ok_and(|found| found.is_symlink()) {
-                return refuse(&path, "is a link; expected a folder or nothing");
-            }
-        }
-        // A link is removed itself, wherever it leads.
-        let is_folder = |path: &PathBuf| path.symlink_metadata().is_ok_and(|found| found.is_dir());
-        match self.found(names).into_iter().find(is_folder) {
-            Some(path) => refuse(&path, "is a folder; expected a file or nothing"),
-            None => Ok(()),
-        }
+        self.folder().found(&Pictures::FILES).iter().any(|path| path.exists())
     }
 
     fn remove_files(&self, names: &[&str]) -> Result<(), Failure> {
-        self.found(names).iter().try_for_each(|path| remove(path))?;
-        for (folder, _) in names.iter().filter_map(|name| series(name)) {
+        self.folder().found(names).iter().try_for_each(|path| remove(path))?;
+        for folder in self.folder().folders(names) {
             // A folder stays if it holds something of the user's.
-            let _ = fs::remove_dir(self.dir.join(folder));
+            let _ = fs::remove_dir(folder);
         }
         Ok(())
     }
 
-    /// The paths that names stand for: of a series, the files that are there.
-    fn found(&self, names: &[&str]) -> Vec<PathBuf> {
-        let of = |name: &&str| match series(name) {
-            None => vec![self.dir.join(name)],
-            Some((folder, ending)) => {
-                let entries = fs::read_dir(self.dir.join(folder)).into_iter().flatten();
-                let paths = entries.filter_map(|entry| entry.ok().map(|entry| entry.path()));
-                paths.filter(|path| is_of_series(path, ending)).collect()
-            }
-        };
-        names.iter().flat_map(of).collect()
-    }
-
     /// Whether a path is one of the files that a run leaves here, or may leave.
     pub(crate) fn owns(&self, path: &Path) -> bool {
-        self.names(&files(), path)
+        self.folder().names(&files(), path)
     }
 
     /// Whether `--overwrite` would replace this file.
     fn replaces(&self, path: &Path) -> bool {
-        self.names(&replaced(), path) || self.names(&[LOCK], path)
+        self.folder().names(&[&replaced()[..], &[LOCK]].concat(), path)
     }
 
-    /// Whether one of these names stands for a path, whether it is there yet or not.
-    fn names(&self, names: &[&str], path: &Path) -> bool {
-        let path = real(path);
-        names.iter().any(|name| match series(name) {
-            None => real(&self.dir.join(name)) == path,
-            Some((folder, ending)) => {
-                is_of_series(&path, ending) && path.parent() == Some(&real(&self.dir.join(folder)))
-            }
-        })
+    fn folder(&self) -> Folder<'_> {
+        Folder(&self.dir)
     }
 
     /// The folder.
@@ -217,7 +181,9 @@ impl Output {
 
     /// Writes report.json, and the copy that was asked for.
     pub(crate) fn write_report(&self, report: &str) -> Result<(), Failure> {
-        write(&self.dir.join(REPORT), report)?;
+        let own = self.dir.join(REPORT);
+        // Half a report is none.
+        write(&own, report).inspect_err(|_| drop(fs::remove_file(&own)))?;
         self.report.as_deref().map_or(Ok(()), |path| write(path, report))
     }
 
@@ -245,29 +211,6 @@ fn check_folder(dir: &Path, overwrite: bool) -> Result<(), Failure> {
 /// Everything that `--overwrite` removes.
 fn replaced() -> Vec<&'static str> {
     files().into_iter().chain([SHEET]).chain(FILMS).chain(PARTS).collect()
-}
-
-/// Folder and ending of a name that stands for a file per frame.
-fn series(name: &str) -> Option<(&str, &str)> {
-    let (folder, file) = name.rsplit_once('/')?;
-    let (stem, ending) = file.split_once('.')?;
-    stem.bytes().all(|b| b == b'0').then_some((folder, ending))
-}
-
-/// Whether a path is named like a frame's file.
-fn is_of_series(path: &Path, ending: &str) -> bool {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let stem = name.strip_suffix(ending).and_then(|stem| stem.strip_suffix('.'));
-    stem.is_some_and(|n| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit()))
-}
-
-/// The file that a path names, links followed, whether it is there yet or not.
-fn real(path: &Path) -> PathBuf {
-    let beside = |path: &Path| {
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Some(fs::canonicalize(folder).ok()?.join(path.file_name()?))
-    };
-    fs::canonicalize(path).ok().or_else(|| beside(path)).unwrap_or_else(|| path.into())
 }
 
 fn remove(path: &Path) -> Result<(), Failure> {

@@ -4,14 +4,13 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use windswept::{AdapterChoice, Frame, Gpu};
-use windswept_export::{FrameSink, Kind, Pictures, Renderer, VtkHdfReader, contact_sheet, write_png};
+use windswept_export::{Folder, FrameSink, Kind, Pictures, Renderer, VtkHdfReader, contact_sheet, write_png};
 use windswept_scene::{AirPicture, Scene};
 
 use crate::arguments::RenderOptions;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::lock::Lock;
 use crate::output::Output;
 use crate::progress::Progress;
 
@@ -32,7 +31,7 @@ fn film(run: &FinishedRun, output: &Output, options: &RenderOptions, console: &m
         return Err(Failure::Input(format!("{dir}: has pictures already; --overwrite replaces them")));
     }
     output.check_pictures()?;
-    let _lock = Lock::take(&run.dir)?;
+    let _lock = Folder(&run.dir).lock()?;
     let gpu = gpu(options, console)?;
     let mut pictures = Pictures::new(&run.dir, &gpu, &run.scene, &run.frame(0)?, None)?;
     let interrupt = Interrupt::listen().map_err(|e| Failure::Run(format!("Ctrl-C cannot be listened to: {e}")))?;

@@ -6,15 +6,16 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use windswept::{AdapterChoice, Checkpoint, CheckpointError, Gpu, Report, RunError, Simulation};
-use windswept_export::{DEFAULT_FORMATS, ExportError, FORMATS, Format, Loss, Recording, Run, Schedule, Stop};
+use windswept::{AdapterChoice, Checkpoint, CheckpointError, Gpu, Report, RunError, RunFailure, Simulation};
+use windswept_export::{
+    DEFAULT_FORMATS, ExportError, FORMATS, Folder, Format, Lock, Loss, Recording, Run, Schedule, Stop,
+};
 use windswept_scene::{InitialState, Time};
 
 use crate::arguments::{Asked, OnBlowup, RunOptions};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::lock::Lock;
 use crate::output::Output;
 use crate::progress::Progress;
 
@@ -34,12 +35,12 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     progress.finish();
     // Whatever ended the run, the frames it finished stay readable.
     let Filmed { mut simulation, recording, lost, notes, .. } = filmed;
-    let ended = recording.finish();
-    stepped?;
+    let ended = stepped.and(recording.finish().map_err(Failure::from));
+    let report = report(&mut simulation, ended.as_ref().err());
+    let written = report.and_then(|report| output.write_report(&json(&report, &notes.frames)?).map(|()| report));
+    // Of a device that is lost or a disk that is full there may be no report: what ended the run is what to tell.
     let lost = lost.or(ended?.into_iter().next());
-
-    let report = simulation.report()?;
-    output.write_report(&json(&report, &notes.frames)?)?;
+    let report = written?;
     output.write_trace(&simulation)?;
     if options.trace.is_some() && simulation.traced_passes() == 0 {
         console
@@ -108,7 +109,7 @@ fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<
         let words = "no checkpoint: expected that of a run with --checkpoint-every";
         return Err(Failure::Input(format!("{}: {words}", path.display())));
     }
-    let _lock = Lock::take(dir)?;
+    let _lock = Folder(dir).lock()?;
     // What cannot be read is bad input: nothing was written.
     let refused = |error: CheckpointError| match error {
         CheckpointError::Start { error, .. } => error.into(),
@@ -232,7 +233,7 @@ impl Filmed {
     ) -> Result<(), Failure> {
         loop {
             let known = self.simulation.resets().len();
-            let stop = match run.advance(&mut self.simulation) {
+            let stop = match run.advance_until(&mut self.simulation, interrupt.urges()) {
                 Err(error) if on_blowup == OnBlowup::Reset => {
                     let recovered = self.simulation.recover(error).map(|_| Stop::Between);
                     recovered.map_err(|error| self.ended(&error))?
@@ -309,6 +310,13 @@ impl Filmed {
 
 /// The longest that the engine is out of reach, if a step is not longer: short enough for Ctrl-C and the bar to feel immediate.
 const LENGTH: Duration = Duration::from_millis(250);
+
+/// The report of a run, and of its failure if it failed.
+fn report(simulation: &mut Simulation, failure: Option<&Failure>) -> Result<Report, Failure> {
+    let (step, time_s) = (simulation.steps(), simulation.time());
+    let failure = failure.map(|failure| RunFailure { step, time_s, why: failure.why() });
+    Ok(Report { failure, ..simulation.report()? })
+}
 
 /// report.json. JSON has no NaN and would say null: a run that reports one has failed.
 fn json(report: &Report, frames: &[Row]) -> Result<String, Failure> {

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use support::{SCENE, folder, listing, run, windswept};
 
@@ -189,7 +189,8 @@ fn no_adapter_is_told() {
     assert_eq!(listing(folder.path()), ["scene.toml"]);
 }
 
-/// A run that blows up ends with status 1 and says where; the frames before it are there, and the state as a checkpoint; a report is not.
+/// A run that blows up ends with status 1 and says where, and so does its report; the frames before it are there, and
+/// the state as a checkpoint.
 #[test]
 fn a_failed_run_keeps_its_frames() {
     let folder = folder();
@@ -201,14 +202,21 @@ fn a_failed_run_keeps_its_frames() {
     assert_eq!(failed.status.code(), Some(1), "{said}");
     assert!(said.contains("not finite") && said.contains("step 0"), "{said}");
     let out = folder.path().join("out");
-    let left = ["air.vtkhdf", "checkpoint.windswept", "frames", "hair.vtkhdf", "preview.gif", "scene.toml"];
+    let left =
+        ["air.vtkhdf", "checkpoint.windswept", "frames", "hair.vtkhdf", "preview.gif", "report.json", "scene.toml"];
     assert_eq!(listing(&out), left);
     assert_eq!(times(&out.join("hair.vtkhdf")), [0.0]);
+    let failure = |said: &str| {
+        let report = report(&out.join("report.json"));
+        assert_eq!((&report["steps"], &report["failure"]["step"]), (&0.into(), &0.into()), "{report}");
+        let why = report["failure"]["why"].as_str().expect("words");
+        assert_eq!(said.lines().last(), Some(&*format!("error: {why}")));
+    };
+    failure(&said);
     // From the checkpoint it blows up again.
     let again = windswept(folder.path(), &["run", "--resume", "out"]).output().expect("the program starts");
     assert_eq!(again.status.code(), Some(1), "{again:?}");
-    let last = |said: &str| said.lines().last().map(str::to_owned);
-    assert_eq!(last(&String::from_utf8_lossy(&again.stderr)), last(&said));
+    failure(&String::from_utf8_lossy(&again.stderr));
     assert_eq!((listing(&out), times(&out.join("hair.vtkhdf"))), (left.map(str::to_owned).to_vec(), vec![0.0]));
 }
 
@@ -237,6 +245,33 @@ fn ctrl_c_keeps_what_was_finished() {
     assert!((1..100_000).contains(&steps), "{steps}");
     let frames = times(&film);
     assert!(!frames.is_empty() && frames[frames.len() - 1] <= steps as f64 * 1.38e-3, "{frames:?} of {steps}");
+}
+
+/// A step of ten thousand substeps, a minute here, ends a second after Ctrl-C.
+#[cfg(unix)]
+#[test]
+fn ctrl_c_does_not_wait_for_a_long_step() {
+    let folder = folder();
+    let mut command = windswept(folder.path(), &["run", "scene.toml", "--out", "out", "--adapter", "software"]);
+    command.args(["--formats", "none", "--checkpoint-every", "1", "--set", "time.substeps=10000"]);
+    let mut child = command.stderr(Stdio::piped()).spawn().expect("the program starts");
+    let checkpoint = folder.path().join("out/checkpoint.windswept");
+    while !checkpoint.exists() {
+        assert!(child.try_wait().expect("a child").is_none(), "ended by itself");
+        sleep(Duration::from_millis(50));
+    }
+    let before = fs::read(&checkpoint).expect("a checkpoint");
+    // Some substeps.
+    sleep(Duration::from_secs(2));
+    let sent = Instant::now();
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs").success());
+    let ended = child.wait_with_output().expect("an end");
+    assert_eq!(ended.status.code(), Some(130), "{ended:?}");
+    // Measured 1.1 s; the whole step would last for a minute.
+    assert!(sent.elapsed() < Duration::from_secs(15), "{:?}", sent.elapsed());
+    let report = report(&folder.path().join("out/report.json"));
+    assert_eq!(report["steps"], 0, "{report}");
+    assert!(fs::read(&checkpoint).expect("a checkpoint") != before, "the substeps are not kept");
 }
 
 /// A reader that goes away (`| head`) is no reason to panic.

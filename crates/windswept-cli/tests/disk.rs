@@ -74,6 +74,8 @@ fn half_a_picture_is_not_left() {
     let output = run_with_room(folder.path(), "out", 4096, &["--formats", "png"]);
     assert_eq!(output.status.code(), Some(1), "{output:?}");
     assert!(said(&output).contains("out/frames/0000.png: could not be written"), "{output:?}");
+    // Nor is half a report, which has more than 4 kB.
+    assert_eq!(listing(&folder.path().join("out")), ["frames", "scene.toml"]);
     assert!(said(&output).contains("the run ends, as it would leave nothing"), "{output:?}");
     assert_eq!(listing(&folder.path().join("out/frames")), [""; 0]);
 }
@@ -94,7 +96,7 @@ fn a_checkpoint_that_does_not_fit_leaves_the_one_before() {
     assert_eq!(output.status.code(), Some(1), "{output:?}");
     assert!(said(&output).contains("out/checkpoint.windswept"), "{output:?}");
     assert!(fs::read(&path).expect("a checkpoint") == before, "the checkpoint before is gone");
-    // The report was that of the run before.
+    // The report was that of the run before, and one of this run does not fit either.
     assert_eq!(listing(&folder.path().join("out")), ["checkpoint.windswept", "scene.toml"]);
 }
 

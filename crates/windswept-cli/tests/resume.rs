@@ -263,13 +263,17 @@ fn a_blow_up_is_put_back_to_rest_if_asked() {
 
     let ended = resume(folder.path(), "out", &["--steps", "20"]);
     assert_eq!(ended.status.code(), Some(1), "{ended:?}");
+    let report = || {
+        let text = fs::read_to_string(folder.path().join("out/report.json")).expect("a report");
+        serde_json::from_str::<serde_json::Value>(&text).expect("JSON")
+    };
+    assert_eq!((&report()["failure"]["step"], &report()["steps"]), (&12.into(), &12.into()), "{}", report());
     let on = resume(folder.path(), "out", &["--steps", "20", "--on-blowup", "reset"]);
     let said = String::from_utf8_lossy(&on.stderr).into_owned();
     assert_eq!(on.status.code(), Some(0), "{said}");
     let words = "step 12 (t = 0.016560 s): not finite, and put back to rest: strands 0, 1, 2, 3";
     assert!(said.contains(words), "{said}");
-    let report = fs::read_to_string(folder.path().join("out/report.json")).expect("a report");
-    let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
+    let report = report();
     let reset = &report["resets"][0];
     assert_eq!(
         (&reset["step"], &reset["strands"], &reset["recovered"]),
@@ -277,4 +281,5 @@ fn a_blow_up_is_put_back_to_rest_if_asked() {
         "{report}"
     );
     assert_eq!((&report["steps"], &report["warnings"]["strand_reset"]), (&20.into(), &4.into()), "{report}");
+    assert!(report.get("failure").is_none(), "{report}");
 }

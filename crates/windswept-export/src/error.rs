@@ -24,6 +24,14 @@ pub enum ExportError {
         /// The misfit, with both numbers.
         problem: String,
     },
+    /// The folder is somebody else's now, or something in it is in the way.
+    #[error("{}: {problem}", path.display())]
+    Folder {
+        /// The folder, or what is in the way.
+        path: PathBuf,
+        /// Why nothing is written there.
+        problem: String,
+    },
     /// A picture cannot be made of this frame or with this camera.
     #[error("{problem}")]
     Picture {

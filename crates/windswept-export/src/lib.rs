@@ -9,6 +9,7 @@
 
 mod arrays;
 mod error;
+mod folder;
 mod followers;
 mod picture;
 mod pictures;
@@ -24,6 +25,7 @@ mod vtkhdf;
 
 pub use arrays::write_npz;
 pub use error::ExportError;
+pub use folder::{Folder, LOCK, Lock, real_path};
 pub use followers::Followers;
 pub use image;
 pub use picture::{contact_sheet, write_png};

@@ -91,12 +91,22 @@ impl Pace {
     /// # Errors
     /// [`RunError`] as [`Simulation::step`].
     pub fn advance(&mut self, simulation: &mut Simulation, goal: u64) -> Result<(), RunError> {
+        self.advance_until(simulation, goal, || false)
+    }
+
+    /// Takes a part of the steps that are left until `goal`, which `stop` may end between two substeps.
+    fn advance_until(
+        &mut self,
+        simulation: &mut Simulation,
+        goal: u64,
+        stop: impl FnMut() -> bool,
+    ) -> Result<(), RunError> {
         let n = goal.saturating_sub(simulation.steps()).min(self.batch);
         if n == 0 {
             return Ok(());
         }
         let started = Instant::now();
-        simulation.step(n)?;
+        simulation.step_until(n, stop)?;
         let per_step = started.elapsed().as_secs_f64() / n as f64;
         self.batch = ((self.length.as_secs_f64() / per_step) as u64).clamp(1, 2 * self.batch);
         Ok(())
@@ -145,6 +155,14 @@ impl Run {
     /// # Errors
     /// [`RunError`] as [`Simulation::step`]. The state is that of the last good step.
     pub fn advance(&mut self, simulation: &mut Simulation) -> Result<Stop, RunError> {
+        self.advance_until(simulation, || false)
+    }
+
+    /// As [`Self::advance`], and returns as soon as `stop` says so, as [`Simulation::step_until`] does.
+    ///
+    /// # Errors
+    /// As [`Self::advance`].
+    pub fn advance_until(&mut self, simulation: &mut Simulation, stop: impl FnMut() -> bool) -> Result<Stop, RunError> {
         if let Some(stop) = self.due(simulation.steps()) {
             return Ok(stop);
         }
@@ -152,7 +170,7 @@ impl Run {
         if let Some((every, _)) = self.checkpoints {
             goal = goal.min((simulation.steps() / every + 1).saturating_mul(every.get()));
         }
-        self.pace.advance(simulation, goal)?;
+        self.pace.advance_until(simulation, goal, stop)?;
         Ok(Stop::Between)
     }
 

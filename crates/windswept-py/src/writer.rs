@@ -9,7 +9,7 @@ use pyo3::{
     prelude::*,
     types::{PyDict, PyTuple},
 };
-use windswept_export::{DEFAULT_FORMATS, FORMATS, Format, Kind, Provenance, Recording, Schedule};
+use windswept_export::{DEFAULT_FORMATS, FORMATS, Folder, Format, Kind, Lock, Provenance, Recording, Schedule};
 
 use crate::{
     errors::{ExportError, of_export, of_run, of_value},
@@ -58,6 +58,8 @@ pub(crate) fn formats(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
 ///
 /// Every frame that `append` returned from is in the files, whatever becomes of the process.
 ///
+/// One writer or run at a time writes into a folder; `close` lets the next one in.
+///
 /// Args:
 ///     folder: made if it is not there; files of a writer's names are replaced, others stay.
 ///     sim: whose frames are written.
@@ -65,13 +67,15 @@ pub(crate) fn formats(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
 ///     frames: the most it has room for; None: as many as the scene's duration has, at least 256.
 ///
 /// Raises:
-///     ExportError: a format cannot be written, or the simulation has nothing for it.
+///     ExportError: a format cannot be written, or the simulation has nothing for it; somebody writes into the folder
+///         already, or what is in it is in the way, as a link called frames.
 ///     ValueError: there is no such format.
 #[pyclass(frozen, module = "windswept")]
 pub(crate) struct Writer {
     folder: PathBuf,
     formats: Vec<&'static Format>,
-    recording: Open<Recording>,
+    /// The lock is let go behind the last file.
+    recording: Open<(Recording, Lock)>,
 }
 
 #[pymethods]
@@ -98,7 +102,11 @@ impl Writer {
             let made = std::fs::create_dir_all(&folder);
             made.map_err(|e| ExportError::new_err(format!("{}: could not be made: {e}", folder.display())))?;
             let room = room(sim, frames)?;
-            Recording::new(&formats, sim, &folder, room).map_err(|error| of_export(&error))
+            let lock = Folder(&folder).lock().map_err(|error| of_export(&error))?;
+            let files: Vec<_> = formats.iter().flat_map(|format| format.files).copied().collect();
+            Folder(&folder).check(&files).map_err(|error| of_export(&error))?;
+            let recording = Recording::new(&formats, sim, &folder, room).map_err(|error| of_export(&error))?;
+            Ok::<_, PyErr>((recording, lock))
         })??;
         Ok(Self { folder, formats, recording: Mutex::new(Some(recording)) })
     }
@@ -111,7 +119,7 @@ impl Writer {
     ///     ValueError: the writer is closed.
     fn append(&self, py: Python<'_>, sim: &Simulation) -> PyResult<()> {
         let lost = sim.engine(py, |sim| match &mut *lock(&self.recording) {
-            Some(recording) => recording.append(sim).map_err(|error| of_export(&error)),
+            Some((recording, _)) => recording.append(sim).map_err(|error| of_export(&error)),
             None => Err(closed()),
         })??;
         lost.first().map_or(Ok(()), |loss| Err(of_export(&loss.error)))
@@ -121,7 +129,7 @@ impl Writer {
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         let lost = outside(py, || {
             let recording = lock(&self.recording).take();
-            recording.map_or(Ok(Vec::new()), |recording| recording.finish().map_err(|error| of_export(&error)))
+            recording.map_or(Ok(Vec::new()), |(recording, _lock)| recording.finish().map_err(|error| of_export(&error)))
         })??;
         lost.first().map_or(Ok(()), |loss| Err(of_export(&loss.error)))
     }

@@ -11,6 +11,7 @@ use crate::{
     },
     reader::Reader,
     scene::{Air, Model, Scene},
+    wind::check_speed,
 };
 
 words! {
@@ -89,6 +90,10 @@ impl Force {
                 return Err(reader.fault("strength", "expected none beside course, which stands in its place"));
             }
             _ => {}
+        }
+        check_speed(reader, "strength", self.strength.unwrap_or_default())?;
+        for (i, key) in self.course.iter().enumerate() {
+            check_speed(reader, &format!("course.{i}.strength"), key.strength)?;
         }
         if let Some(i) = self.course.windows(2).position(|pair| pair[1].time <= pair[0].time) {
             let (before, after) = (self.course[i].time, self.course[i + 1].time);

@@ -25,9 +25,9 @@ pub const MOST_HAIR_POINTS: u32 = 1 << 24;
 /// Most points of all curves of a groom file once they are divided anew, those that are not simulated too: as many as the largest
 /// file holds, 2 GB.
 pub const MOST_CURVE_POINTS: u64 = LARGEST_DATA_FILE / 12;
-/// Most numbers of a compressed array in a groom file, unless the array has a byte for each: the coordinates of [`MOST_HAIR_POINTS`]. A
-/// few bytes can stand for any number of zeros.
-pub const MOST_PACKED_NUMBERS: u64 = 3 * MOST_HAIR_POINTS as u64;
+/// Most numbers of a compressed array in a groom file, unless the array has a byte for each: a few bytes can stand for
+/// any number of zeros, and a file that has so many in each array takes 0.25 GB.
+pub const MOST_PACKED_NUMBERS: u64 = 1 << 24;
 /// Most points of one strand: one invocation walks along it, and Mesa's software adapter ends the loops of an invocation after
 /// 65 535 rounds in all, without a word.
 pub const MOST_POINTS_OF_A_STRAND: u32 = 16_384;
@@ -58,6 +58,10 @@ pub const LEAST_BOX_SIDE: f64 = 3.0;
 pub const MOST_BOX_CELLS: f64 = 8e6;
 /// Most cells that are sorted into, those of air and those of hair: the four passes that walk over cells stay short.
 pub const MOST_BUCKETS: u32 = 256 * 32_760;
+
+/// Fastest wind, gust or force field \[m/s\]: thirty times as fast as sound in air, and ten times the fastest that is
+/// tested.
+pub const FASTEST_WIND: f64 = 1e4;
 
 /// Most bands of the turbulence: each is filtered by passes of its own in every step.
 pub const MOST_BANDS: usize = 1024;

@@ -283,8 +283,9 @@ impl Content {
         let spacing = file.resolution.unwrap_or_else(|| surface.bounds().map_or(1.0, DistanceGrid::spacing_for));
         let grid = cache::bake(&surface, spacing, MARGIN * spacing);
         let size = surface.size();
-        let grid = grid.map_err(|error| match (size > *LIKELY.end(), file.resolution) {
-            (true, None) => error.at("scale", None).with_help(format!(
+        let grid = grid.map_err(|error| match (error.key(), file.resolution) {
+            (Some("surface"), _) => error.at("file", None),
+            (Some("spacing"), None) if size > *LIKELY.end() => error.at("scale", None).with_help(format!(
                 "the mesh is {}. For one that is so large, give a larger resolution",
                 with_scale(size, scale, &LIKELY)
             )),

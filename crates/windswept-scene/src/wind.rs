@@ -6,7 +6,12 @@ use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::scene::{Air, Inflow};
+use crate::{
+    error::SceneError,
+    limits::FASTEST_WIND,
+    reader::Reader,
+    scene::{Air, Inflow},
+};
 
 /// Number of waves that inflow turbulence is made of.
 const WAVES: usize = 64;
@@ -58,6 +63,14 @@ fn direction(rng: &mut Pcg64) -> DVec3 {
     let (z, turn) = (rng.random_range(-1.0_f64..1.0), rng.random_range(0.0..TAU));
     let ring = (1.0 - z * z).sqrt();
     DVec3::new(ring * turn.cos(), ring * turn.sin(), z)
+}
+
+/// Refuses the key of a wind that no air has, of this speed \[m/s\].
+pub(crate) fn check_speed(reader: &Reader<'_>, key: &str, speed: f64) -> Result<(), SceneError> {
+    if speed.abs() <= FASTEST_WIND {
+        return Ok(());
+    }
+    Err(reader.fault(key, format!("expected at most {FASTEST_WIND:e} m/s, found {:?} m/s", speed.abs())))
 }
 
 impl Air {

@@ -9,7 +9,7 @@ use common::{Folder, box_of, obj};
 use glam::{DQuat, DVec3, Vec3Swizzles};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept_scene::{DistanceGrid, Shape, Triangles, Up};
+use windswept_scene::{DistanceGrid, MeshFile, Shape, Solid, Triangles, Up};
 
 /// Most that a node is off which is more than eight spacings from the surface \[spacings\].
 const FAR_OFF: f64 = 0.25;
@@ -196,17 +196,29 @@ fn doubles_cost_nothing_and_change_nothing() {
     }
 }
 
-/// Triangles that lie across one another all through a box are refused: every one of them is near every node.
+/// Triangles that lie across one another all through a box are refused: every one of them is near every node. The fault
+/// is the file's, however large the box is and whatever the grid.
 #[test]
 fn triangles_across_one_another_are_refused() {
     let mut rng = Pcg64::seed_from_u64(5);
-    let mut place = || 0.1 * DVec3::from_array(std::array::from_fn(|_| rng.random()));
-    let count = 20_000;
-    let points = (0..3 * count).map(|_| place()).collect();
-    let corners = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    let soup = Triangles { points, corners, ..Triangles::default() };
-    let said = DistanceGrid::bake(&soup.closed().0, 1e-3, 0.0).unwrap_err().to_string();
+    let mut soup = |size: DVec3, count: u32| {
+        let mut place = || size * DVec3::from_array(std::array::from_fn(|_| rng.random()));
+        let points = (0..3 * count).map(|_| place()).collect();
+        let corners = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        Triangles { points, corners, ..Triangles::default() }
+    };
+    let small = soup(DVec3::splat(0.1), 20_000).closed().0;
+    let said = DistanceGrid::bake(&small, 1e-3, 0.0).unwrap_err().to_string();
     assert!(said.contains("lie close to one another") && said.contains("leave out"), "{said}");
+    let folder = Folder::new();
+    let file = folder.write("soup.ply", &ply(&soup(DVec3::new(2.1, 0.05, 0.05), 60_000), true));
+    for resolution in [None, Some(2e-3)] {
+        let file = file.to_string_lossy().into_owned();
+        let error = Solid::load(MeshFile { file, scale: Some(1.0), up: Up::Y, resolution }).unwrap_err();
+        assert_eq!(error.key(), Some("file"), "{error}");
+        assert!(error.message().contains("lie close to one another"), "{error}");
+        assert_eq!(error.help(), Some("leave out what is inside, or lies upon others"));
+    }
 }
 
 /// What cannot be baked is an error that says why.

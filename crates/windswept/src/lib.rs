@@ -68,7 +68,7 @@ pub use error::{CheckpointError, Error, GpuError, RunError};
 pub use frame::{AirFrame, Frame, HairFrame};
 pub use gpu::{AdapterChoice, AdapterInfo, Gpu, adapters};
 pub use plan::{BufferRow, MemoryBytes, PlanRow, Uses, buffers, memory_bytes, table as plan};
-pub use report::{BandEnergy, Counts, PassReport, Report, Reset, SkippedReport};
+pub use report::{BandEnergy, Counts, PassReport, Report, Reset, RunFailure, SkippedReport};
 pub use simulation::{Accelerations, Buffers, Checkpoint, Simulation};
 
 /// Parts that tests and `windswept validate` look at. They are no part of the interface and change without notice.

@@ -28,6 +28,10 @@ pub struct Report {
     pub steps: u64,
     /// Time reached \[s\].
     pub time_s: f64,
+    /// Why the run ended before its time. Left out where nothing went wrong, and of [`crate::Simulation::report`],
+    /// which does not know when a run is over.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub failure: Option<RunFailure>,
     /// Median wall time of a step, stepping alone, first step excluded \[ms\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ms_per_step: Option<f64>,
@@ -74,6 +78,17 @@ pub struct Report {
     pub resets: Vec<Reset>,
     /// Warnings: how often each cause acted.
     pub warnings: BTreeMap<String, u64>,
+}
+
+/// The end of a run that could not go on; all else in its report is of the state before that.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunFailure {
+    /// Step of Δt, from 0, that could not be taken or whose frame could not be kept.
+    pub step: u64,
+    /// Time at the start of that step \[s\].
+    pub time_s: f64,
+    /// The error, in words.
+    pub why: String,
 }
 
 /// What was put back to rest because it was not finite, and when.

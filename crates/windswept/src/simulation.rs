@@ -153,7 +153,17 @@ impl Simulation {
     /// # Errors
     /// [`RunError`] names what ended the run; the state is that of the last good step.
     pub fn step(&mut self, n: u64) -> Result<(), RunError> {
-        self.advance(n, |submits| submits % TIMED_SUBMITS == 1)
+        self.step_until(n, || false)
+    }
+
+    /// Runs `n` steps of Δt, or fewer: it returns as soon as `stop`, which is asked ten times a second, says so. That
+    /// may be between two substeps: the state is that of the last substep, and the next call takes those that the step
+    /// still lacks first.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn step_until(&mut self, n: u64, stop: impl FnMut() -> bool) -> Result<(), RunError> {
+        self.advance(n, |submits| submits % TIMED_SUBMITS == 1, stop)
     }
 
     /// Runs `n` steps of Δt, each of them timed pass by pass for [`Self::pass_times`], which is slower.
@@ -161,21 +171,27 @@ impl Simulation {
     /// # Errors
     /// As [`Self::step`].
     pub fn step_timed(&mut self, n: u64) -> Result<(), RunError> {
-        self.advance(n, |_| true)
+        self.advance(n, |_| true, || false)
     }
 
-    fn advance(&mut self, n: u64, is_timed: impl Fn(u64) -> bool) -> Result<(), RunError> {
+    fn advance(
+        &mut self,
+        n: u64,
+        is_timed: impl Fn(u64) -> bool,
+        mut stop: impl FnMut() -> bool,
+    ) -> Result<(), RunError> {
         let goal = self.steps.saturating_add(n).saturating_mul(self.substeps());
         let mut asked = None;
-        while u64::from(self.last.step) < goal {
+        while u64::from(self.last.step) < goal && !stop() {
             let mut left = goal - u64::from(self.last.step);
             if self.callback.is_some() {
+                let substep = u64::from(self.last.step) % self.substeps();
                 // Once per step of Δt, also where the step is taken again.
-                if asked != Some(self.steps) {
+                if substep == 0 && asked != Some(self.steps) {
                     self.ask_for_force()?;
                     asked = Some(self.steps);
                 }
-                left = self.substeps() - u64::from(self.last.step) % self.substeps();
+                left = self.substeps() - substep;
             }
             let started = Instant::now();
             let before = self.last.step;
@@ -429,10 +445,19 @@ impl Simulation {
         Ok(self.engine.view_vec4(vorticity, air)?)
     }
 
-    /// Runs the passes of a quantity over the committed state.
+    /// Runs the passes of a quantity over the committed state. A step that ended the run stays frozen: only for these
+    /// passes it thaws.
     fn measure(&mut self, quantity: Quantity) -> Result<(), RunError> {
         if !self.plan.neighbours.runs {
             return Ok(());
+        }
+        if self.last.causes != 0 {
+            let frozen = self.last;
+            self.last = self.engine.thaw(&frozen)?;
+            let measured = self.measure(quantity);
+            self.engine.set_status(&frozen)?;
+            self.last = frozen;
+            return measured;
         }
         let plan = &self.plan;
         if self.engine.evaluate(|r| step::record_quantity(r, plan, quantity))? {

@@ -10,6 +10,10 @@ use hdf5::{Attribute, Dataset, Extents, File, FileBuilder, Group, H5Type, Result
 use super::Kind;
 use crate::Provenance;
 
+/// The most times of frames that are filled at once, half a megabyte: a chunk passes through memory, and takes its room
+/// on the disk.
+const CHUNK: usize = 1 << 16;
+
 /// The datasets that a frame is written to.
 #[derive(Debug)]
 pub(super) struct Layout {
@@ -78,12 +82,13 @@ impl Layout {
         let finished = steps_group.new_attr::<i64>().create("NSteps")?;
         // VTK reads all of Values into an array of NSteps numbers; one row more and it crashes. So Values is the only
         // dataset that grows, within a chunk that is there from the start, filled, so that a full disk cannot come between
-        // the two. (It has a first row, never read, before there is a frame, because without a row the chunk would be
-        // given up; and no cache, which would write the whole chunk for every row.) Made right after NSteps and before
-        // all else, its header lies right behind that number in the file, and HDF5 writes both at once: nor can a kill.
+        // the two before there are as many frames as a chunk has room for. (It has a first row, never read, before
+        // there is a frame, because without a row the chunk would be given up; and no cache, which would write the
+        // whole chunk for every row.) Made right after NSteps and before all else, its header lies right behind that
+        // number in the file, and HDF5 writes both at once: nor can a kill.
         let times = steps_group
             .new_dataset::<f64>()
-            .chunk(frames.max(1))
+            .chunk(frames.clamp(1, CHUNK))
             .alloc_time(Some(AllocTime::Early))
             .fill_time(FillTime::Alloc)
             .shape(1..)
@@ -291,4 +296,36 @@ fn empty<T: H5Type>(group: &Group, name: &str, shape: impl Into<Extents>) -> Res
 /// Writes the k-th run of rows of this length.
 fn write_rows<T: H5Type, const N: usize>(dataset: &Dataset, k: usize, rows: &[[T; N]]) -> Result<()> {
     dataset.write_slice::<_, T, _, _>(rows, (k * rows.len()..(k + 1) * rows.len(), ..))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)] // a test may panic
+mod tests {
+    use super::*;
+
+    /// Room for 48 days of film takes little of the disk, and so of memory, before there are frames; and times go on
+    /// behind the first chunk of them.
+    #[test]
+    fn room_for_many_frames_is_made_as_they_come() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("air.vtkhdf");
+        let contents = Contents { points: 1, root_frames: 0, scalars: &[], still: &[] };
+        let provenance = Provenance { scene: "", version: "", adapter: "", seed: 1 };
+        let layout = Layout::create(&path, Kind::Air, &[0, 1], &contents, 250_000_000, &provenance).unwrap();
+        #[cfg(unix)]
+        {
+            let taken = std::os::unix::fs::MetadataExt::blocks(&path.metadata().unwrap()) * 512;
+            assert!(taken < 1 << 20, "{taken} bytes");
+        }
+        for k in [CHUNK - 1, CHUNK] {
+            layout.show(k, k as f64).unwrap();
+            let times = layout.times.read_raw::<f64>().unwrap();
+            let finished = layout.finished.read_scalar::<i64>().unwrap();
+            assert_eq!((times.len(), times[k], finished), (k + 1, k as f64, k as i64 + 1));
+        }
+        drop(layout);
+        let file = File::open(&path).unwrap();
+        let times = file.dataset("VTKHDF/Steps/Values").unwrap().read_raw::<f64>().unwrap();
+        assert_eq!(times[CHUNK - 1..], [(CHUNK - 1) as f64, CHUNK as f64]);
+    }
 }

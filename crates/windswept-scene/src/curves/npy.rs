@@ -10,6 +10,8 @@
 //!
 //! Source: `numpy.lib.format`. Arrays of Python's objects are pickles, which run code: they are refused.
 
+use std::io::{self, Read};
+
 use super::{
     Curves,
     bytes::{Bytes, fault_at},
@@ -23,12 +25,8 @@ const MAGIC: &[u8; 6] = b"\x93NUMPY";
 const MOST_SIDES: usize = 3;
 /// What the header's length is a multiple of.
 const ALIGNMENT: usize = 64;
-
-/// An array, in C order.
-pub(super) struct Array {
-    pub(super) shape: Vec<usize>,
-    pub(super) values: Vec<f64>,
-}
+/// Numbers that are decoded at a time: whole rows of 1, 2 and 3.
+const PIECE: usize = 6 << 10;
 
 /// What stands before the numbers of a file.
 pub(super) struct Head {
@@ -42,7 +40,7 @@ pub(super) struct Head {
     /// Number of the numbers.
     pub(super) count: u64,
     /// Bytes of the file before the numbers.
-    start: usize,
+    pub(super) start: usize,
 }
 
 /// A kind of numbers.
@@ -51,20 +49,20 @@ struct Kind {
     name: &'static str,
     /// Length of a number \[bytes\].
     size: usize,
-    /// The numbers of some bytes; whether their highest bytes come first.
-    decode: fn(&[u8], bool) -> Result<Vec<f64>, SceneError>,
+    /// Puts the numbers of some bytes behind others; whether their highest bytes come first.
+    decode: fn(&[u8], bool, &mut Vec<f64>),
 }
 
 /// Every kind of numbers that is read.
 const KINDS: [Kind; 8] = [
-    Kind { name: "f4", size: 4, decode: |bytes, big| decoded(bytes, big, |x| f32::from_le_bytes(x).into()) },
-    Kind { name: "f8", size: 8, decode: |bytes, big| decoded(bytes, big, f64::from_le_bytes) },
-    Kind { name: "b1", size: 1, decode: |bytes, big| decoded(bytes, big, |x| u8::from_le_bytes(x).into()) },
-    Kind { name: "u1", size: 1, decode: |bytes, big| decoded(bytes, big, |x| u8::from_le_bytes(x).into()) },
-    Kind { name: "i4", size: 4, decode: |bytes, big| decoded(bytes, big, |x| i32::from_le_bytes(x).into()) },
-    Kind { name: "u4", size: 4, decode: |bytes, big| decoded(bytes, big, |x| u32::from_le_bytes(x).into()) },
-    Kind { name: "i8", size: 8, decode: |bytes, big| decoded(bytes, big, |x| i64::from_le_bytes(x) as f64) },
-    Kind { name: "u8", size: 8, decode: |bytes, big| decoded(bytes, big, |x| u64::from_le_bytes(x) as f64) },
+    Kind { name: "f4", size: 4, decode: |bytes, big, to| decode(bytes, big, to, |x| f32::from_le_bytes(x).into()) },
+    Kind { name: "f8", size: 8, decode: |bytes, big, to| decode(bytes, big, to, f64::from_le_bytes) },
+    Kind { name: "b1", size: 1, decode: |bytes, big, to| decode(bytes, big, to, |x| u8::from_le_bytes(x).into()) },
+    Kind { name: "u1", size: 1, decode: |bytes, big, to| decode(bytes, big, to, |x| u8::from_le_bytes(x).into()) },
+    Kind { name: "i4", size: 4, decode: |bytes, big, to| decode(bytes, big, to, |x| i32::from_le_bytes(x).into()) },
+    Kind { name: "u4", size: 4, decode: |bytes, big, to| decode(bytes, big, to, |x| u32::from_le_bytes(x).into()) },
+    Kind { name: "i8", size: 8, decode: |bytes, big, to| decode(bytes, big, to, |x| i64::from_le_bytes(x) as f64) },
+    Kind { name: "u8", size: 8, decode: |bytes, big, to| decode(bytes, big, to, |x| u64::from_le_bytes(x) as f64) },
 ];
 
 impl Head {
@@ -115,39 +113,65 @@ impl Head {
     pub(super) fn file_size(&self) -> u128 {
         self.start as u128 + u128::from(self.count) * self.kind.size as u128
     }
+
+    /// Rows of `N` numbers of the array in C order, each as `of` makes it, from what follows the head. Neither the
+    /// bytes nor, unless the first index runs fastest, the numbers are all in memory at once.
+    pub(super) fn rows<const N: usize, T>(
+        &self,
+        from: impl Read,
+        mut of: impl FnMut([f64; N]) -> T,
+        unread: impl Fn(io::Error) -> SceneError,
+    ) -> Result<Vec<T>, SceneError> {
+        let count = self.count as usize;
+        let mut rows = room(count / N)?;
+        if self.fortran && self.shape.len() > 1 {
+            let mut values = room(count)?;
+            self.pieces(from, |piece| values.extend_from_slice(piece)).map_err(unread)?;
+            let mut values = in_c_order(&values, &self.shape);
+            rows.extend((0..count / N).map(|_| of([(); N].map(|()| values.next().unwrap_or_default()))));
+        } else {
+            let each = |piece: &[f64]| rows.extend(piece.as_chunks::<N>().0.iter().map(|row| of(*row)));
+            self.pieces(from, each).map_err(unread)?;
+        }
+        Ok(rows)
+    }
+
+    /// Shows the numbers in the order of the file, so many at a time.
+    fn pieces(&self, mut from: impl Read, mut show: impl FnMut(&[f64])) -> io::Result<()> {
+        let (mut bytes, mut numbers) = (vec![0; PIECE * self.kind.size], Vec::with_capacity(PIECE));
+        let mut left = self.count as usize;
+        while left > 0 {
+            let count = left.min(PIECE);
+            let piece = &mut bytes[..count * self.kind.size];
+            from.read_exact(piece)?;
+            numbers.clear();
+            (self.kind.decode)(piece, self.big, &mut numbers);
+            show(&numbers);
+            left -= count;
+        }
+        Ok(())
+    }
 }
 
-impl Array {
-    pub(super) fn read(bytes: &[u8]) -> Result<Self, SceneError> {
-        let Head { shape, kind, big, fortran, count, start } = Head::read(bytes)?;
-        let mut bytes = Bytes::new(bytes);
-        bytes.take(start as u64, 1, "the header")?;
-        let numbers = bytes.take(count, kind.size, "the numbers")?;
-        bytes.end()?;
-        let values = (kind.decode)(numbers, big)?;
-        let values = if fortran && shape.len() > 1 { in_c_order(&values, &shape) } else { values };
-        Ok(Self { shape, values })
+/// Checks that an array of this shape holds points.
+pub(super) fn of_points(shape: &[usize]) -> Result<(), String> {
+    match shape {
+        [_, 3] | [0, _, 3] => Ok(()),
+        [_, n, 3] if *n > 0 => Ok(()),
+        _ => Err(format!("expected shape (strands, n, 3) or (points, 3), found {shape:?}")),
     }
+}
 
-    /// The rows of an array of shape (…, 3).
-    pub(super) fn points(&self) -> Result<Vec<[f64; 3]>, SceneError> {
-        let rows = self.values.as_chunks::<3>().0;
-        let mut points = room(rows.len())?;
-        points.extend_from_slice(rows);
-        Ok(points)
-    }
-
-    /// The curves of an array of shape (strands, n, 3) or (points, 3).
-    pub(super) fn curves(&self, points_per_strand: Option<u32>) -> Result<Curves, SceneError> {
-        match self.shape[..] {
-            [0, _, 3] => Ok(Curves::of(Vec::new(), std::iter::empty())),
-            [_, n, 3] if n > 0 => Curves::even(self.points()?, Some(count32(n)?)),
-            [_, 3] => Curves::even(self.points()?, points_per_strand),
-            _ => {
-                let found = &self.shape;
-                Err(SceneError::new(format!("expected shape (strands, n, 3) or (points, 3), found {found:?}")))
-            }
-        }
+/// The curves of points from an array of such a shape.
+pub(super) fn curves(
+    shape: &[usize],
+    points: Vec<[f64; 3]>,
+    points_per_strand: Option<u32>,
+) -> Result<Curves, SceneError> {
+    match *shape {
+        [0, ..] if shape.len() == MOST_SIDES => Ok(Curves::of(Vec::new(), std::iter::empty())),
+        [_, n, _] => Curves::even(points, Some(count32(n)?)),
+        _ => Curves::even(points, points_per_strand),
     }
 }
 
@@ -169,22 +193,18 @@ fn shape(text: &str) -> Option<Vec<usize>> {
     numbers.map(|number| number.parse().ok()).collect()
 }
 
-fn decoded<const N: usize>(bytes: &[u8], big: bool, number: impl Fn([u8; N]) -> f64) -> Result<Vec<f64>, SceneError> {
-    let little = |bytes: &[u8; N]| {
+fn decode<const N: usize>(bytes: &[u8], big: bool, to: &mut Vec<f64>, number: impl Fn([u8; N]) -> f64) {
+    to.extend(bytes.as_chunks::<N>().0.iter().map(|bytes| {
         let mut bytes = *bytes;
         if big {
             bytes.reverse();
         }
         number(bytes)
-    };
-    let bytes = bytes.as_chunks::<N>().0;
-    let mut numbers = room(bytes.len())?;
-    numbers.extend(bytes.iter().map(little));
-    Ok(numbers)
+    }));
 }
 
 /// An empty list with room for so many things.
-pub(super) fn room<T>(count: usize) -> Result<Vec<T>, SceneError> {
+fn room<T>(count: usize) -> Result<Vec<T>, SceneError> {
     let mut list = Vec::new();
     let made = list.try_reserve_exact(count);
     let bytes = count as u128 * size_of::<T>() as u128;
@@ -192,9 +212,9 @@ pub(super) fn room<T>(count: usize) -> Result<Vec<T>, SceneError> {
 }
 
 /// The numbers of an array whose first index runs fastest, so that its last one does.
-fn in_c_order(values: &[f64], shape: &[usize]) -> Vec<f64> {
+fn in_c_order(values: &[f64], shape: &[usize]) -> impl Iterator<Item = f64> {
     let mut index = vec![0; shape.len()];
-    let next = |_: usize| {
+    let next = move |_: usize| {
         let place = index.iter().zip(shape).rev().fold(0, |place, (i, n)| place * n + i);
         for (i, n) in index.iter_mut().zip(shape).rev() {
             *i += 1;
@@ -205,11 +225,18 @@ fn in_c_order(values: &[f64], shape: &[usize]) -> Vec<f64> {
         }
         values[place]
     };
-    (0..values.len()).map(next).collect()
+    (0..values.len()).map(next)
 }
 
 pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curves, SceneError> {
-    Array::read(bytes)?.curves(points_per_strand)
+    let head = Head::read(bytes)?;
+    of_points(&head.shape).map_err(SceneError::new)?;
+    let mut bytes = Bytes::new(bytes);
+    bytes.take(head.start as u64, 1, "the header")?;
+    let numbers = bytes.take(head.count, head.kind.size, "the numbers")?;
+    bytes.end()?;
+    let points = head.rows(numbers, |point| point, |error| SceneError::new(error.to_string()))?;
+    curves(&head.shape, points, points_per_strand)
 }
 
 pub(super) fn write(curves: &Curves) -> Result<Vec<u8>, SceneError> {

@@ -20,12 +20,9 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter, result::ZipError, write::Sim
 use super::{
     Curves,
     bytes::fault_at,
-    npy::{Array, Head, of_floats, of_whole, room},
+    npy::{self, Head, of_floats, of_points, of_whole},
 };
-use crate::{
-    error::SceneError,
-    limits::{MOST_HAIR_POINTS, MOST_PACKED_NUMBERS},
-};
+use crate::{error::SceneError, limits::MOST_PACKED_NUMBERS};
 
 /// What the last record of a zip archive begins with, and its length without the archive's comment \[bytes\].
 const END_RECORD: (&[u8], usize) = (b"PK\x05\x06", 22);
@@ -37,15 +34,19 @@ struct Arrays<'a> {
     archive: ZipArchive<Cursor<&'a [u8]>>,
 }
 
+/// An array: its shape, and what became of its rows.
+type Shaped<T> = (Vec<usize>, Vec<T>);
+
 impl Arrays<'_> {
-    /// An array of at most this many numbers, if it is compressed to less than a byte for each; `fits` may refuse its shape. All that its
-    /// head says is checked before its numbers are unpacked.
-    fn get(
+    /// Rows of `N` numbers of an array, each as `of` makes it, and the array's shape, which `fits` may refuse. All that
+    /// its head says is checked before its numbers are unpacked.
+    fn rows<const N: usize, T>(
         &mut self,
         name: &str,
-        most: u64,
         fits: impl Fn(&[usize]) -> Result<(), String>,
-    ) -> Result<Option<Array>, SceneError> {
+        of: impl FnMut([f64; N]) -> T,
+    ) -> Result<Option<Shaped<T>>, SceneError> {
+        let most = MOST_PACKED_NUMBERS;
         let mut member = match self.archive.by_name(&format!("{name}.npy")) {
             Ok(member) => member,
             Err(ZipError::FileNotFound) => return Ok(None),
@@ -70,35 +71,56 @@ impl Arrays<'_> {
             let words = format!("expected {expected} bytes for shape {:?}, found {size}", head.shape);
             return Err(fault(words));
         }
-        let mut all = room(size as usize).map_err(|error| of_array(name, &error.message()))?;
-        all.append(&mut bytes);
-        // One more than there should be, to see whether there are more.
-        let rest = (size + 1).saturating_sub(all.len() as u64);
-        member.by_ref().take(rest).read_to_end(&mut all).map_err(unread)?;
-        Array::read(&all).map(Some).map_err(|error| of_array(name, &error.message()))
+        let start = bytes.get(head.start..).unwrap_or_default();
+        let rows = head.rows(start.chain(&mut member), of, unread)?;
+        // The checksum is compared where the member ends.
+        match member.read(&mut [0]).map_err(unread)? {
+            0 => Ok(Some((head.shape, rows))),
+            _ => Err(fault(format!("expected {size} bytes, found more"))),
+        }
     }
 
-    /// The numbers of an array of this shape, or of one that is not there.
-    fn each(&mut self, name: &str, expected: &[usize]) -> Result<Vec<f64>, SceneError> {
-        let fits = |shape: &[usize]| match shape == expected {
-            true => Ok(()),
-            false => Err(format!("expected shape {expected:?}, found {shape:?}")),
+    /// The rows of an array of this shape, or of one that is not there.
+    fn each<const N: usize, T>(
+        &mut self,
+        name: &str,
+        expected: &[usize],
+        of: impl FnMut([f64; N]) -> T,
+    ) -> Result<Vec<T>, SceneError> {
+        Ok(self.rows(name, of_shape(expected), of)?.map(|(_, rows)| rows).unwrap_or_default())
+    }
+
+    /// Whole numbers that 32 bits hold, of an array whose shape fits.
+    fn whole(
+        &mut self,
+        name: &str,
+        fits: impl Fn(&[usize]) -> Result<(), String>,
+    ) -> Result<Option<Vec<u32>>, SceneError> {
+        let mut misfit = None;
+        let number = |[x]: [f64; 1]| {
+            if x.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&x) {
+                misfit.get_or_insert(x);
+            }
+            x as u32
         };
-        Ok(self.get(name, MOST_PACKED_NUMBERS, fits)?.map(|array| array.values).unwrap_or_default())
+        let rows = self.rows(name, fits, number)?;
+        match misfit {
+            Some(x) => Err(of_array(name, &format!("expected whole numbers from 0 to {}, found {x}", u32::MAX))),
+            None => Ok(rows.map(|(_, rows)| rows)),
+        }
+    }
+}
+
+/// Checks that an array has this shape.
+fn of_shape(expected: &[usize]) -> impl Fn(&[usize]) -> Result<(), String> {
+    move |shape| match shape == expected {
+        true => Ok(()),
+        false => Err(format!("expected shape {expected:?}, found {shape:?}")),
     }
 }
 
 fn of_array(name: &str, error: &dyn std::fmt::Display) -> SceneError {
     SceneError::new(format!("{name}: {error}"))
-}
-
-/// Whole numbers that 32 bits hold.
-fn whole(name: &str, values: &[f64]) -> Result<Vec<u32>, SceneError> {
-    let fits = |x: &f64| x.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(x);
-    match values.iter().find(|x| !fits(x)) {
-        Some(x) => Err(of_array(name, &format!("expected whole numbers from 0 to {}, found {x}", u32::MAX))),
-        None => Ok(values.iter().map(|x| *x as u32).collect()),
-    }
 }
 
 pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curves, SceneError> {
@@ -113,43 +135,44 @@ pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curve
     let mut found = None;
     for name in POINTS {
         if found.is_none() {
-            found = arrays.get(name, MOST_PACKED_NUMBERS, |_| Ok(()))?.map(|array| (name, array));
+            found = arrays.rows(name, of_points, |point| point)?.map(|(shape, points)| (name, shape, points));
         }
     }
-    let Some((name, array)) = found else {
+    let Some((name, shape, points)) = found else {
         let names: Vec<_> = arrays.archive.file_names().map(|name| name.trim_end_matches(".npy")).take(8).collect();
         return Err(SceneError::new(format!("expected an array {}, found {names:?}", POINTS.join(" or "))));
     };
-    let mut curves = match (arrays.get("offsets", MOST_HAIR_POINTS.into(), |_| Ok(()))?, &array.shape[..]) {
+    let mut curves = match (arrays.whole("offsets", |_| Ok(()))?, &shape[..]) {
         (Some(_), [_, _, 3]) => {
-            return Err(of_array(name, &format!("expected shape (points, 3) with offsets, found {:?}", array.shape)));
+            return Err(of_array(name, &format!("expected shape (points, 3) with offsets, found {shape:?}")));
         }
-        (Some(offsets), [total, 3]) => {
-            let offsets = whole("offsets", &offsets.values)?;
+        (Some(offsets), [total, ..]) => {
             let rising = offsets.windows(2).all(|pair| pair[0] <= pair[1]);
             let ends = (offsets.first().map(|&first| first as usize), offsets.last().map(|&last| last as usize));
             if !rising || ends != (Some(0), Some(*total)) {
                 return Err(of_array("offsets", &format!("expected rising numbers from 0 to {total}, the points")));
             }
-            Curves::of(array.points()?, offsets.windows(2).map(|pair| pair[1] - pair[0]))
+            Curves::of(points, offsets.windows(2).map(|pair| pair[1] - pair[0]))
         }
-        _ => array.curves(points_per_strand).map_err(|error| {
+        _ => npy::curves(&shape, points, points_per_strand).map_err(|error| {
             let fault = of_array(name, &error.message());
             error.key().into_iter().fold(fault, |fault, key| fault.at(key, None))
         })?,
     };
     let strands = curves.len();
-    let ids = arrays.each("ids", &[strands])?;
-    if !ids.is_empty() {
-        curves.ids = whole("ids", &ids)?;
+    if let Some(ids) = arrays.whole("ids", of_shape(&[strands]))? {
+        curves.ids = ids;
     }
-    curves.radius = arrays.each("radius", &[curves.points.len()])?;
-    curves.groups = whole("groups", &arrays.each("groups", &[strands])?)?;
-    let places = arrays.each("root_uv", &[strands, 2])?;
-    curves.root_uvs = places.as_chunks::<2>().0.iter().map(|place| place.map(|x| x as f32)).collect();
-    curves.guides = arrays.each("guides", &[strands])?.iter().map(|mark| *mark != 0.0).collect();
-    if let Some(unit) = arrays.get("meters_per_unit", 1, |_| Ok(()))? {
-        curves.unit = Some(match unit.values[..] {
+    curves.radius = arrays.each("radius", &[curves.points.len()], |[radius]| radius)?;
+    curves.groups = arrays.whole("groups", of_shape(&[strands]))?.unwrap_or_default();
+    curves.root_uvs = arrays.each("root_uv", &[strands, 2], |place: [f64; 2]| place.map(|x| x as f32))?;
+    curves.guides = arrays.each("guides", &[strands], |[mark]| mark != 0.0)?;
+    let one = |shape: &[usize]| match shape.iter().product() {
+        1usize => Ok(()),
+        _ => Err(format!("expected one number, found shape {shape:?}")),
+    };
+    if let Some((_, unit)) = arrays.rows("meters_per_unit", one, |[unit]| unit)? {
+        curves.unit = Some(match unit[..] {
             [unit] if unit > 0.0 && unit.is_finite() => unit,
             _ => return Err(of_array("meters_per_unit", &"expected a number greater than 0")),
         });

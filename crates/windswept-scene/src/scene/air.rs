@@ -1,5 +1,7 @@
 //! `[air]`: the wind, its gusts, and the box of air particles.
 
+use glam::DVec3;
+
 use crate::{
     declare::table,
     error::SceneError,
@@ -10,6 +12,7 @@ use crate::{
     limits::{LEAST_AIR_PARTICLES, LEAST_BOX_SIDE, LEAST_KERNEL_RADIUS, MOST_AIR_PARTICLES, MOST_BOX_CELLS},
     reader::Reader,
     scene::{Fluid, FluidSolver, Interaction, Model, SEED},
+    wind::check_speed,
 };
 
 /// Part of a side of the box that rounding may take: the difference of two corners is rounded, and a side of exactly three
@@ -122,6 +125,10 @@ impl Air {
             let (before, after) = (self.gust[i].time, self.gust[i + 1].time);
             let words = format!("expected a time after that of the keyframe before, {before} s; found {after}");
             return Err(reader.fault(&format!("gust.{}.time", i + 1), words));
+        }
+        check_speed(reader, "wind", self.wind().length())?;
+        for (i, gust) in self.gust.iter().enumerate() {
+            check_speed(reader, &format!("gust.{i}.velocity"), DVec3::from_array(gust.velocity).length())?;
         }
         // Only particles fill the box.
         let model = model(reader)?;

@@ -59,7 +59,7 @@ impl Patience {
         }
         let words =
             "so many triangles lie close to one another that their distances would take very long: expected a surface";
-        Err(SceneError::new(words).with_help("leave out what is inside, or lies upon others"))
+        Err(SceneError::new(words).with_help("leave out what is inside, or lies upon others").at("surface", None))
     }
 }
 
@@ -96,7 +96,7 @@ impl DistanceGrid {
     /// # Errors
     /// [`SceneError`] where the spacing is not above 0, the grid would have too many nodes, or no node is inside; and where so many
     /// triangles lie close to one another, or across, that their distances would take very long. Triangles with the same corners cost no
-    /// more than one.
+    /// more than one. Its key is the argument that is at fault, where it is one alone.
     pub fn bake(surface: &Triangles, spacing: f64, margin: f64) -> Result<Self, SceneError> {
         if spacing.is_nan() || spacing <= 0.0 {
             return Err(SceneError::new(format!("expected a spacing above 0, found {spacing} m")));
@@ -116,7 +116,7 @@ impl DistanceGrid {
                 size.z,
                 4.0 * nodes,
             );
-            return Err(SceneError::new(words).with_help("a larger resolution has fewer nodes"));
+            return Err(SceneError::new(words).with_help("a larger resolution has fewer nodes").at("spacing", None));
         }
         let counts = (cells + 1.0).to_array().map(|count| count as u32);
         let origin = 0.5 * (low + high - spacing * cells);

@@ -2,13 +2,14 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use std::{
-    fmt::Write,
+    fmt::Write as _,
     fs,
+    io::{Cursor, Read, Write as _},
     path::{Path, PathBuf},
 };
 
 use glam::DVec3;
-use windswept_scene::{InitialState, Scene, Strands, Triangles};
+use windswept_scene::{InitialState, Scene, Strands, Triangles, npy_head};
 
 /// The scene that a newcomer runs first.
 pub(crate) const QUICK: &str = include_str!("../../../../examples/scenes/quick.toml");
@@ -50,6 +51,24 @@ pub(crate) fn fibres(sets: &[&str]) -> Strands {
 /// Relative to the expected; round-off is below 1e-14, the margin 100.
 pub(crate) fn assert_close(found: f64, expected: f64, what: &str) {
     assert!((found / expected - 1.0).abs() < 1e-12, "{what}: {found:e}, expected {expected:e}");
+}
+
+/// A `.npz` file of deflated arrays: the name of each, its numbers' kind, its shape, and the bytes of its numbers.
+pub(crate) fn deflated<'a, R: Read>(arrays: impl IntoIterator<Item = (&'a str, &'a str, &'a [usize], R)>) -> Vec<u8> {
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    let options = zip::write::SimpleFileOptions::default();
+    let options = options.compression_method(zip::CompressionMethod::Deflated).large_file(true);
+    for (name, kind, shape, mut numbers) in arrays {
+        archive.start_file(format!("{name}.npy"), options).unwrap();
+        archive.write_all(&npy_head(kind, shape)).unwrap();
+        std::io::copy(&mut numbers, &mut archive).unwrap();
+    }
+    archive.finish().unwrap().into_inner()
+}
+
+/// So many bytes that are 0.
+pub(crate) fn zeros_of(bytes: u64) -> impl Read {
+    std::io::repeat(0).take(bytes)
 }
 
 /// A folder that goes with its test.

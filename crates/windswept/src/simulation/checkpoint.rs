@@ -9,9 +9,14 @@ use std::{
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use windswept_scene::{InitialState, Scene};
+use windswept_shaders::common::rod::Root;
 
-use super::Simulation;
+use super::{
+    Simulation,
+    drive::{held, is_rotation, is_wind},
+};
 use crate::{
+    array::AnyArray,
     error::{CheckpointError, Error},
     gpu::{AdapterChoice, AdapterInfo, Gpu, adapters},
     report::Reset,
@@ -200,6 +205,12 @@ impl Checkpoint {
             let words = format!("section {DRIVEN} has {} root frames for {strands} strands", driven.root_frames.len());
             return Err(misfit(&file, words));
         }
+        if let Some(s) = driven.root_frames.iter().position(|frame| !is_rotation(frame)) {
+            return Err(misfit(&file, format!("section {DRIVEN}: the root frame of strand {s} is not a rotation")));
+        }
+        if let Some(wind) = driven.wind.filter(|wind| !is_wind(wind)) {
+            return Err(misfit(&file, format!("section {DRIVEN} has a wind of {wind} m/s")));
+        }
         simulation.plan_force(driven.pushes).map_err(|error| failed(Error::Gpu(error)))?;
         let engine = &simulation.engine;
         for (array, bytes) in engine.state().lasting().iter().zip(&buffers) {
@@ -207,6 +218,10 @@ impl Checkpoint {
             if found != expected {
                 let words = format!("section {} has {found} bytes, the scene needs {expected}", array.name());
                 return Err(misfit(&file, words));
+            }
+            if let Some(i) = unusable(engine.state(), array, bytes) {
+                let words = "is not finite, or beyond 1e18, or not a rotation";
+                return Err(misfit(&file, format!("section {}: row {i} {words}", array.name())));
             }
             engine.write_bytes(array, bytes)?;
         }
@@ -307,6 +322,23 @@ impl Simulation {
             section(array.name(), &self.engine.read_bytes(&array)?)?;
         }
         writing.end().map_err(io)
+    }
+}
+
+/// The first row that is no number, or no rotation, of what a step takes as the host gave it. What a step computes it
+/// looks at itself.
+fn unusable(state: &State, array: &AnyArray, bytes: &[u8]) -> Option<usize> {
+    let is = |names: [&str; 2]| names.contains(&array.name());
+    let vector = |x: [f32; 3]| held(&DVec3::from_array(x.map(f64::from)));
+    if is([state.clamps.name(), state.root_targets.name()]) {
+        let roots: Vec<Root> = bytemuck::pod_collect_to_vec(bytes);
+        let turned = |root: &Root| is_rotation(&DQuat::from_array(root.frame.map(f64::from)));
+        roots.iter().position(|root| !(vector(root.position) && turned(root)))
+    } else if is([state.wind_table.name(), state.pushed.name()]) {
+        let rows: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(bytes);
+        rows.iter().position(|[x, y, z, w]| !(vector([*x, *y, *z]) && w.is_finite()))
+    } else {
+        None
     }
 }
 

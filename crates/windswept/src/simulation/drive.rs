@@ -1,7 +1,7 @@
 //! What a caller drives from step to step: roots, the mean wind, and the state itself.
 
 use glam::{DQuat, DVec3};
-use windswept_scene::limits::{LARGEST, SMALLEST};
+use windswept_scene::limits::{FASTEST_WIND, LARGEST, SMALLEST};
 
 use super::Simulation;
 use crate::{
@@ -32,7 +32,7 @@ impl Simulation {
             if frames.len() != strands {
                 return input(format!("frames: expected {strands} rows, one per strand, found {}", frames.len()));
             }
-            if let Some(s) = frames.iter().position(|q| !(q.is_finite() && q.length() > 1e-6)) {
+            if let Some(s) = frames.iter().position(|q| !is_rotation(q)) {
                 return input(format!("frames: that of strand {s} is not a rotation"));
             }
             self.root_frames = frames.iter().map(|q| q.normalize()).collect();
@@ -48,10 +48,11 @@ impl Simulation {
     /// faster than the air's pressure keeps up with, [`Self::warnings`] says so.
     ///
     /// # Errors
-    /// [`RunError::Input`] when it is beyond 1e18, or the scene has no `[air]`; [`RunError::Gpu`].
+    /// [`RunError::Input`] when it is faster than [`FASTEST_WIND`], or the scene has no `[air]`; [`RunError::Gpu`].
     pub fn set_wind(&mut self, wind: DVec3) -> Result<(), RunError> {
-        if !held(&wind) {
-            return Err(RunError::Input(beyond("wind", &wind)));
+        if !is_wind(&wind) {
+            let words = format!("wind: expected at most {FASTEST_WIND:e} m/s, found {:?}", wind.to_array());
+            return Err(RunError::Input(words));
         }
         // A wind that passes through zero need not be zero at the end of any step.
         let wind = DVec3::select(wind.abs().cmplt(DVec3::splat(SMALLEST)), DVec3::ZERO, wind);
@@ -122,7 +123,7 @@ impl Simulation {
                 let words = format!("orientations: expected {segments} rows, one per segment, found {}", given.len());
                 return Err(RunError::Input(words));
             }
-            if let Some(k) = given.iter().position(|q| !(q.is_finite() && q.length() > 1e-6)) {
+            if let Some(k) = given.iter().position(|q| !is_rotation(q)) {
                 return Err(RunError::Input(format!("orientations: that of segment {k} is not a rotation")));
             }
             hair.orientations = given.iter().map(|q| q.normalize()).collect();
@@ -167,7 +168,18 @@ pub(super) fn checked(name: &str, rows: Option<&[DVec3]>, expected: usize) -> Re
     }
 }
 
-fn held(x: &DVec3) -> bool {
+/// Whether frames can turn by this.
+pub(super) fn is_rotation(q: &DQuat) -> bool {
+    q.is_finite() && q.length() > 1e-6
+}
+
+/// Whether air can be so fast \[m/s\].
+pub(super) fn is_wind(wind: &DVec3) -> bool {
+    wind.length() <= FASTEST_WIND
+}
+
+/// Whether a vector is one of finite numbers whose squares are finite in `f32`.
+pub(super) fn held(x: &DVec3) -> bool {
     x.to_array().iter().all(|x| x.abs() <= LARGEST)
 }
 

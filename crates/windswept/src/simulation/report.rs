@@ -13,7 +13,7 @@ use crate::{
 const FEW: u64 = 100;
 
 impl Simulation {
-    /// The report of the run so far.
+    /// The report of the run so far; of one that an error ended, up to the last good step.
     ///
     /// # Errors
     /// [`RunError`] as [`Self::density`].
@@ -41,6 +41,7 @@ impl Simulation {
             },
             steps: self.steps,
             time_s: self.time(),
+            failure: None,
             ms_per_step: self.ms_per_step(),
             ms_first_step: self.first_step_ms,
             passes: self.pass_times(),

@@ -1,0 +1,157 @@
+//! A folder that films and pictures are written into: whose it is, and which files in it are a writer's own.
+
+use std::fs::{self, File, OpenOptions};
+use std::path::{Path, PathBuf};
+
+use fs4::{FileExt, TryLockError};
+
+use crate::ExportError;
+
+/// The file that is locked while somebody writes beside it. The one that a killed run leaves is not locked any more.
+pub const LOCK: &str = ".windswept.lock";
+
+/// A folder with files of such names as [`crate::Format::files`] has: a stem of zeros stands for a file per frame.
+#[derive(Debug, Clone, Copy)]
+pub struct Folder<'a>(pub &'a Path);
+
+impl Folder<'_> {
+    /// Keeps others out of the folder, which is there, until what is returned is dropped: runs of the command, and
+    /// Python's writers. On a file system without locks nobody is kept out.
+    ///
+    /// # Errors
+    /// [`ExportError::Folder`] if another one has it, or the file cannot be made.
+    pub fn lock(&self) -> Result<Lock, ExportError> {
+        let path = self.0.join(LOCK);
+        loop {
+            let file = open(&path)?;
+            if let Err(TryLockError::WouldBlock) = FileExt::try_lock(&file) {
+                return refuse(self.0, "another run is writing here");
+            }
+            // A run that ended meanwhile has removed the file that was opened, and the next one locks another.
+            if is_at(&file, &path) {
+                return Ok(Lock { file, path });
+            }
+        }
+    }
+
+    /// Refuses folders in the place of these files, and links in the place of their folders: what they lead to is not
+    /// the writer's.
+    ///
+    /// # Errors
+    /// [`ExportError::Folder`] with the path.
+    pub fn check(&self, names: &[&str]) -> Result<(), ExportError> {
+        for path in self.folders(names) {
+            if path.symlink_metadata().is_ok_and(|found| found.is_symlink()) {
+                return refuse(&path, "is a link; expected a folder or nothing");
+            }
+        }
+        // A link is removed itself, wherever it leads.
+        let is_folder = |path: &PathBuf| path.symlink_metadata().is_ok_and(|found| found.is_dir());
+        match self.found(names).into_iter().find(is_folder) {
+            Some(path) => refuse(&path, "is a folder; expected a file or nothing"),
+            None => Ok(()),
+        }
+    }
+
+    /// The paths that names stand for: of a file per frame, those that are there.
+    #[must_use]
+    pub fn found(&self, names: &[&str]) -> Vec<PathBuf> {
+        let of = |name: &&str| match series(name) {
+            None => vec![self.0.join(name)],
+            Some((folder, ending)) => {
+                let entries = fs::read_dir(self.0.join(folder)).into_iter().flatten();
+                let paths = entries.filter_map(|entry| entry.ok().map(|entry| entry.path()));
+                paths.filter(|path| is_of_series(path, ending)).collect()
+            }
+        };
+        names.iter().flat_map(of).collect()
+    }
+
+    /// The folders of the files per frame.
+    pub fn folders(&self, names: &[&str]) -> impl Iterator<Item = PathBuf> {
+        names.iter().filter_map(|name| Some(self.0.join(series(name)?.0)))
+    }
+
+    /// Whether one of these names stands for a path, whether it is there yet or not.
+    #[must_use]
+    pub fn names(&self, names: &[&str], path: &Path) -> bool {
+        let path = real_path(path);
+        names.iter().any(|name| match series(name) {
+            None => real_path(&self.0.join(name)) == path,
+            Some((folder, ending)) => {
+                is_of_series(&path, ending) && path.parent() == Some(&real_path(&self.0.join(folder)))
+            }
+        })
+    }
+}
+
+/// Keeps others out of a folder until it is dropped.
+#[derive(Debug)]
+pub struct Lock {
+    /// Locked as long as it is open.
+    file: File,
+    path: PathBuf,
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // The folder may have been replaced by another run's. A file that stays is no harm.
+        if cfg!(unix) && is_at(&self.file, &self.path) {
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}
+
+fn open(path: &Path) -> Result<File, ExportError> {
+    if path.symlink_metadata().is_ok_and(|found| !found.is_file()) {
+        return refuse(path, "expected a file or nothing");
+    }
+    let opened = OpenOptions::new().create(true).truncate(false).write(true).open(path);
+    opened.or_else(|error| refuse(path, &format!("cannot be made: {error}")))
+}
+
+fn refuse<T>(path: &Path, problem: &str) -> Result<T, ExportError> {
+    Err(ExportError::Folder { path: path.into(), problem: problem.to_owned() })
+}
+
+/// Whether an open file is the one of this path still.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+
+    let id = |found: fs::Metadata| (found.dev(), found.ino());
+    match (file.metadata(), path.symlink_metadata()) {
+        (Ok(open), Ok(there)) => id(open) == id(there),
+        _ => false,
+    }
+}
+
+/// Elsewhere nobody removes the file.
+#[cfg(not(unix))]
+fn is_at(_: &File, _: &Path) -> bool {
+    true
+}
+
+/// Folder and ending of a name that stands for a file per frame.
+fn series(name: &str) -> Option<(&str, &str)> {
+    let (folder, file) = name.rsplit_once('/')?;
+    let (stem, ending) = file.split_once('.')?;
+    stem.bytes().all(|b| b == b'0').then_some((folder, ending))
+}
+
+/// Whether a path is named like a frame's file.
+fn is_of_series(path: &Path, ending: &str) -> bool {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let stem = name.strip_suffix(ending).and_then(|stem| stem.strip_suffix('.'));
+    stem.is_some_and(|n| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit()))
+}
+
+/// The file that a path names, links followed, whether it is there yet or not.
+#[must_use]
+pub fn real_path(path: &Path) -> PathBuf {
+    let beside = |path: &Path| {
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Some(fs::canonicalize(folder).ok()?.join(path.file_name()?))
+    };
+    fs::canonicalize(path).ok().or_else(|| beside(path)).unwrap_or_else(|| path.into())
+}
