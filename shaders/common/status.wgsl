@@ -1,6 +1,6 @@
 // The status word and the counters that travel with the state. A cause that freezes keeps the last pass from
 // committing; the host reads the causes after each submit, mends what it can and replays from the same state.
-import package::common::{params::params, list::PAGES};
+import package::common::params::params;
 
 const NEIGHBOUR_OVERFLOW: u32 = 1u;   // the list is too short: grow and replay
 const NON_FINITE_AIR: u32 = 2u;       // the run ends
@@ -43,7 +43,6 @@ struct Status {
     wind_before: array<f32, 3>,       // m/s, at its start
     fastest_wind: f32,                // m/s, largest speed of the mean wind in its table
     way: array<f32, 3>,               // m, that the wind has blown in committed steps, wrapped into the box
-    page_ends: array<atomic<u32>, PAGES>,   // elements that each page of the list needs in this step
     counted: array<u32, COUNTERS>,          // by cause, committed steps
     counting: array<atomic<u32>, COUNTERS>, // by cause, this step
 }

@@ -5,6 +5,7 @@ import package::common::{
 
 @group(0) @binding(2) var<storage, read_write> cell_count: array<u32>;
 @group(0) @binding(3) var<storage, read_write> members:    array<vec2u>;   // of each cluster: its first entry, and their end
+@group(0) @binding(4) var<storage, read_write> page_ends:  array<atomic<u32>>;
 
 const CELLS: u32 = 8u;   // that an invocation empties
 
@@ -20,7 +21,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     if at < params.clusters { members[at] = vec2u(0u); }
     if params.clusters == 0u { return; }
-    if at < PAGES { atomicStore(&status.page_ends[at], params.page_clusters); }
+    if at < PAGES { atomicStore(&page_ends[at], params.page_clusters); }
     if at == 0u {
         atomicStore(&status.neighbours, params.page_clusters);
         atomicStore(&status.neighbour_carries, 0u);

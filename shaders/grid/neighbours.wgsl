@@ -19,6 +19,7 @@ import package::common::{
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
 @group(0) @binding(5) var<storage, read>       members:         array<vec2u>;   // of each cluster: its first entry, and their end
 @group(0) @binding(6) var<storage, read_write> neighbour_list:  array<vec4u>;
+@group(0) @binding(7) var<storage, read_write> page_ends:       array<atomic<u32>>;
 
 const CLUSTERS: u32 = 8u; // of a workgroup
 const ROWS: u32 = 9u;                      // of cells around a cluster
@@ -224,7 +225,7 @@ fn copy(groups: u32, own_kind: u32, home: vec3i, air: bool, used: bool) {
 
 // Where so many elements of the list begin; 0 where they do not fit.
 fn room_for(length: u32) -> u32 {
-    let begin = atomicAdd(&status.page_ends[params.page], length);
+    let begin = atomicAdd(&page_ends[params.page], length);
     atomicMax(&status.neighbours, begin + length);
     if begin + length < length {
         // The sum has passed 32 bits. What a later cluster overwrites does not matter: the step is frozen.

@@ -388,6 +388,8 @@ state! {
     sorted_position: Vec4, |s| s.particles;
     /// A row of cells along x: the entries and the clusters of all rows before it; behind the last row those of all.
     cell_rows: Row, |s| s.rows.saturating_add(1);
+    /// Elements that a page of the neighbour list takes in this step.
+    page_ends: u32, |_| PAGES;
     /// Entries of a cluster: the first, and the end of them.
     members: [u32; 2], |s| s.clusters;
 }
