@@ -48,5 +48,6 @@ stresses! {
     dials_may_be_turned_too_far: "dials",
     sizes_may_be_absurd: "sizes",
     long_runs_stay_as_they_are: "long run",
+    other_long_runs_stay_as_they_are: "long runs of the other models",
     bits_are_the_same: "bits",
 }

@@ -119,6 +119,37 @@ pub(crate) fn exchanged(simulation: &mut Simulation, steps: u64) -> Result<(DVec
     Ok((change, exchanged))
 }
 
+/// The same for the model `particles`, whose impulses cannot be read: in place of them there is what the momentum of each point of
+/// hair changes by in each step. Says how many steps it ran. What is exchanged in the step in which hair leaves the box, outside of
+/// which the mean wind drags it, does not count, and ends it.
+pub(crate) fn received(simulation: &mut Simulation, steps: u64) -> Result<(DVec3, f64, u64), Error> {
+    let initial = simulation.initial().clone();
+    let air = initial.air.mass;
+    let mass: Vec<f64> = initial.hair.inverse_mass.iter().map(|w| 1.0 / w).collect();
+    let inside = |x: &DVec3| {
+        let from_corner = *x - initial.air.min;
+        from_corner.cmpge(DVec3::ZERO).all() && from_corner.cmple(initial.air.size).all()
+    };
+    let look = |simulation: &Simulation| -> Result<_, Error> {
+        let hair = simulation.frame()?.hair;
+        let momenta: Vec<_> = vectors(&hair.velocities).iter().zip(&mass).map(|(v, m)| *m * *v).collect();
+        let whole = air * lasting(simulation)?.iter().sum::<DVec3>() + momenta.iter().sum::<DVec3>();
+        Ok((vectors(&hair.positions).iter().all(inside), momenta, whole))
+    };
+    let (_, mut before, start) = look(simulation)?;
+    let (mut change, mut received) = (DVec3::ZERO, 0.0);
+    for step in 1..=steps {
+        simulation.step(1)?;
+        let (within, momenta, whole) = look(simulation)?;
+        if !within {
+            return Ok((change, received, step));
+        }
+        received += before.iter().zip(&momenta).map(|(before, now)| before.distance(*now)).sum::<f64>();
+        (before, change) = (momenta, whole - start);
+    }
+    Ok((change, received, steps))
+}
+
 fn hair_in_air(gpu: &Gpu) -> Result<Row, Error> {
     let scene = windless("", [0.06; 3], LOOSE)?;
     let mut initial = InitialState::new(&scene)?;

@@ -78,6 +78,7 @@ pub const STRESSES: &[Stress] = &[
     Stress { name: "dials", swept: dials::SWEPT, run: dials::sweeps },
     Stress { name: "sizes", swept: sizes::SWEPT, run: sizes::sweeps },
     Stress { name: "long run", swept: long::SWEPT, run: long::sweeps },
+    Stress { name: "long runs of the other models", swept: long::OTHERS, run: long::others },
     Stress { name: "bits", swept: bits::SWEPT, run: bits::sweeps },
 ];
 
@@ -192,6 +193,11 @@ const COUPLINGS: [(&str, &[&str]); 6] = [
     ("particles, divergence", &["interaction.model=particles", "fluid.solver=divergence"]),
     ("particles, pbf", &["interaction.model=particles", "fluid.solver=pbf"]),
 ];
+/// Whether a coupling has particles of air.
+fn has_air(coupling: &str) -> bool {
+    coupling.contains(", ")
+}
+
 /// The coupling of a cut.
 const USUAL: [(&str, &[&str]); 1] = [COUPLINGS[2]];
 

@@ -2,7 +2,7 @@
 
 use windswept::{Checkpoint, CheckpointError, Gpu, Simulation};
 
-use super::{COUPLINGS, Extent, Sweep, TUFT, scene};
+use super::{COUPLINGS, Extent, Sweep, TUFT, has_air, scene};
 use crate::Error;
 
 pub(super) const SWEPT: &str = "the same run twice; saved and loaded in the middle; step by step instead of in batches, and in submits \
@@ -21,7 +21,7 @@ fn missing(error: CheckpointError) -> Error {
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut differing = Sweep::new("bytes of the state that differ", 0.0, "");
     for (coupling, keys) in extent.of(&COUPLINGS[..], &COUPLINGS[2..3]) {
-        let turbulent = if coupling.contains(", ") { BAND } else { &[] };
+        let turbulent = if has_air(coupling) { BAND } else { &[] };
         let scene = scene(TUFT, &[keys, turbulent])?;
         let state = |run: &Way<'_>| -> Result<Vec<u8>, Error> {
             run(Simulation::new(gpu, &scene)?)?.to_bytes().map_err(missing)

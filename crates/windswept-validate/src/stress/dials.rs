@@ -2,14 +2,14 @@
 
 use windswept::{Gpu, Simulation};
 
-use super::{COUPLINGS, Extent, Sweep, TUFT, scene, watch};
+use super::{COUPLINGS, Extent, Sweep, TUFT, has_air, scene, watch};
 use crate::{
     Error,
     air::{farthest, mean, vectors},
 };
 
-pub(super) const SWEPT: &str = "viscosity.hair 0 to 100; strength of a band 0 to 1000; 1 to 8 bands; 16 bodies; both fluid solvers, \
-    models two-way and particles, wind of 3 m/s";
+pub(super) const SWEPT: &str = "viscosity.hair 0 to 100; strength of a band 0 to 1000; 1 to 8 bands; 16 bodies; each model and \
+    fluid solver, those without particles of air with bodies only; wind of 3 m/s";
 
 /// Kinetic energy of the air, over that of its wind, which is beyond all bounds.
 const WILD: f64 = 2.0;
@@ -19,9 +19,15 @@ const WIND: f64 = 3.0;
 
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut energy = Sweep::new("largest kinetic energy of the air, over the wind's", WILD, "");
+    let mut stretched = Sweep::new("largest stretch", 0.02, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
-    for (coupling, keys) in extent.of(&COUPLINGS[2..], &COUPLINGS[2..3]) {
-        for (name, dial) in extent.of(dials(), vec![("a band of strength 1000".to_owned(), bands(1, 1000.0))]) {
+    for &(coupling, keys) in extent.of(&COUPLINGS[..], &[COUPLINGS[1], COUPLINGS[2], COUPLINGS[5]]) {
+        let asked = extent.of(dials(), vec![("a band of strength 1000".to_owned(), bands(1, 1000.0)), bodies()]);
+        for (name, dial) in asked {
+            // Viscosity and bands are those of particles of air.
+            if !has_air(coupling) && name != bodies().0 {
+                continue;
+            }
             let mut simulation = Simulation::new(gpu, &scene(TUFT, &[keys, &[&dial]])?)?;
             let mut energies = Vec::new();
             let felt = watch(&mut simulation, LOOKS, STRIDE, |simulation, _| {
@@ -29,11 +35,14 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 energies.push(mean(v.iter().map(|v| v.length_squared())) / WIND.powi(2));
                 Ok(())
             });
-            energy.add(*coupling, felt.at(&name), f64::NAN, farthest(energies, 0.0));
-            resets.add(*coupling, felt.at(&name), f64::NAN, felt.resets);
+            if has_air(coupling) {
+                energy.add(coupling, felt.at(&name), f64::NAN, farthest(energies, 0.0));
+            }
+            stretched.add(coupling, felt.at(&name), f64::NAN, felt.stretch);
+            resets.add(coupling, felt.at(&name), f64::NAN, felt.resets);
         }
     }
-    Ok(vec![energy, resets])
+    Ok(vec![energy, stretched, resets])
 }
 
 /// Dials by name, and the keys that turn them.
@@ -42,12 +51,16 @@ fn dials() -> Vec<(String, String)> {
     let strengths =
         [0.0, 3.0, 100.0, 1000.0].map(|strength| (format!("a band of strength {strength}"), bands(1, strength)));
     let many = [2, 4, 8].map(|n| (format!("{n} bands of strength 30"), bands(n, 30.0)));
+    viscosities.into_iter().chain(strengths).chain(many).chain([bodies()]).collect()
+}
+
+/// Sixteen balls that stand in the hair.
+fn bodies() -> (String, String) {
     let ball = |k: usize| {
         let (x, y) = (0.005 + 0.01 * (k % 4) as f64, 0.01 + 0.012 * (k / 4) as f64);
         format!("{{ name = \"{k}\", center = [{x}, {y}, 0.014], radius = 0.003 }}")
     };
-    let balls = format!("body=[{}]", (0..16).map(ball).collect::<Vec<_>>().join(", "));
-    viscosities.into_iter().chain(strengths).chain(many).chain([("16 bodies".to_owned(), balls)]).collect()
+    ("16 bodies".to_owned(), format!("body=[{}]", (0..16).map(ball).collect::<Vec<_>>().join(", ")))
 }
 
 fn bands(n: usize, strength: f64) -> String {

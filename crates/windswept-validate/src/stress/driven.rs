@@ -11,8 +11,8 @@ use crate::{Error, air::farthest};
 
 pub(super) const ROOTS: &str = "roots that jump by 10 m, turn by half a turn in a step, shake at 20 Hz by 50 mm, spin at 100 rad/s; \
     each model and fluid solver, wind of 3 m/s";
-pub(super) const BODIES: &str = "a ball of 20 mm that comes through the groom at 1, 2, 3 and 10 m/s, segments of 6 and 2 mm; models \
-    none and two-way";
+pub(super) const BODIES: &str = "a ball of 20 mm that comes through the groom at 1, 2, 3 and 10 m/s, segments of 6 and 2 mm; each \
+    model and fluid solver, air that is still at first";
 
 /// Steps in which strands come to rest, and steps that are watched.
 const BEFORE: u64 = 60;
@@ -68,6 +68,8 @@ pub(super) fn roots(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
 
 /// Speeds of a body \[m/s\].
 const SPEEDS: [f64; 4] = [1.0, 2.0, 3.0, 10.0];
+/// Segments \[mm\], and the points of a strand that has them.
+const SEGMENTS: [(u32, &str); 2] = [(6, "hair.points=9"), (2, "hair.points=26")];
 /// Radius of the ball \[m\].
 const RADIUS: f64 = 0.01;
 
@@ -78,9 +80,8 @@ pub(super) fn bodies(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut between = Sweep::new("deepest place of a segment in the ball", 1e-4, "m");
     let mut slips = Sweep::new("points that slip through the ball, more than 1 mm deep", f64::INFINITY, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
-    let models = [("none", COUPLINGS[0].1), ("two-way, divergence", COUPLINGS[2].1)];
-    for (coupling, keys) in extent.of(&models[..], &models[..1]) {
-        for (segment, points_of_strand) in [(6, "hair.points=9"), (2, "hair.points=26")] {
+    for (coupling, keys) in COUPLINGS {
+        for &(segment, points_of_strand) in extent.of(&SEGMENTS[..], &SEGMENTS[..1]) {
             for &speed in extent.of(&SPEEDS[..], &[1.0]) {
                 let (from, far) = (-0.04, 0.12);
                 let ball = format!(

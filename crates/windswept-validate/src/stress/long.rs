@@ -1,14 +1,17 @@
 //! A run of 100 000 steps: nothing grows.
 
+use glam::DVec3;
 use windswept::{Gpu, Simulation};
 
-use super::{COUPLINGS, Extent, Sweep, TUFT, scene};
+use super::{COUPLINGS, Extent, Sweep, TUFT, has_air, points, scene};
 use crate::{
     Error,
-    air::{mean, vectors},
+    air::{farthest, mean, vectors},
 };
 
 pub(super) const SWEPT: &str = "100 000 steps of two-way hair and air with a band of eddies, both fluid solvers";
+pub(super) const OTHERS: &str =
+    "100 000 steps of the models none and drag, and 20 000 of particles with a band of eddies, both fluid solvers";
 
 /// Looks in a run.
 const LOOKS: usize = 50;
@@ -20,35 +23,70 @@ const SMALL: &[&str] = &[
     "hair.roots.center=[0.014,0.026,0.014]",
     "air.box.max=[0.028,0.028,0.028]",
     "air.fringe=0.006",
-    "turbulence.bands=[{ scale = 0.006, strength = 3.0, intensity = 0.3 }]",
 ];
+const BAND: &[&str] = &["turbulence.bands=[{ scale = 0.006, strength = 3.0, intensity = 0.3 }]"];
+/// Without particles of air hair would soon sleep: it starts level, and is kept awake.
+const AWAKE: &[&str] = &["hair.roots.direction=[1,0,0]", "rods.sleep=false", "rods.damping=20"];
+/// Length of the strands \[m\].
+const LENGTH: f64 = 0.02;
 
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
+    runs(gpu, extent, extent.of(&COUPLINGS[2..4], &COUPLINGS[2..3]))
+}
+
+pub(super) fn others(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
+    runs(
+        gpu,
+        extent,
+        extent.of(&[COUPLINGS[0], COUPLINGS[1], COUPLINGS[4], COUPLINGS[5]][..], &[COUPLINGS[1], COUPLINGS[4]]),
+    )
+}
+
+fn runs(gpu: &Gpu, extent: Extent, couplings: &[(&str, &[&str])]) -> Result<Vec<Sweep>, Error> {
     let mut energy = Sweep::new("kinetic energy of the air, last quarter over second, off 1", 0.05, "");
     let mut density = Sweep::new("rms of the density error, last quarter over second, off 1", 0.1, "");
     let mut stretched = Sweep::new("largest stretch", 0.01, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
-    let steps = extent.of(100_000, 1000);
-    for (coupling, keys) in extent.of(&COUPLINGS[2..4], &COUPLINGS[2..3]) {
-        let mut simulation = Simulation::new(gpu, &scene(TUFT, &[SMALL, keys])?)?;
-        let (mut energies, mut errors) = (Vec::new(), Vec::new());
+    let mut places = Sweep::new("hair without particles of air, last quarter off second", 1e-3, "L");
+    for (coupling, keys) in couplings {
+        // Two runs of 100 000 steps are half of the time of all stresses: those of the model particles are shorter.
+        let steps = extent.of(if coupling.starts_with("particles") { 20_000 } else { 100_000 }, 1000);
+        let mut simulation = small(gpu, coupling, keys)?;
+        let (mut energies, mut errors, mut shapes) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..LOOKS {
             simulation.step(steps / LOOKS as u64)?;
+            if !has_air(coupling) {
+                shapes.push(points(&simulation)?);
+                continue;
+            }
             let v = vectors(&simulation.frame()?.air.velocities);
             energies.push(mean(v.iter().map(|v| 0.5 * v.length_squared())));
             let report = simulation.report()?;
             errors.push(report.density_error_rms.unwrap_or(f64::NAN));
         }
-        let quarter = |values: &[f64], k: usize| mean(values[k * LOOKS / 4..(k + 1) * LOOKS / 4].iter().copied());
-        let drift = |values: &[f64]| (quarter(values, 3) / quarter(values, 1) - 1.0).abs();
+        let quarter = |k: usize| k * LOOKS / 4..(k + 1) * LOOKS / 4;
+        let drift = |values: &[f64]| {
+            let of = |k: usize| mean(values[quarter(k)].iter().copied());
+            (of(3) / of(1) - 1.0).abs()
+        };
         let setting = format!("{steps} steps");
-        energy.add(*coupling, &setting, f64::NAN, drift(&energies));
-        density.add(*coupling, &setting, f64::NAN, drift(&errors));
+        if has_air(coupling) {
+            energy.add(*coupling, &setting, f64::NAN, drift(&energies));
+            density.add(*coupling, &setting, f64::NAN, drift(&errors));
+        } else {
+            let apart = |a: &[DVec3], b: &[DVec3]| farthest(a.iter().zip(b).map(|(a, b)| a.distance(*b)), 0.0);
+            let pairs = quarter(1).zip(quarter(3)).map(|(a, b)| apart(&shapes[a], &shapes[b]) / LENGTH);
+            places.add(*coupling, &setting, f64::NAN, farthest(pairs, 0.0));
+        }
         let report = simulation.report()?;
         stretched.add(*coupling, &setting, f64::NAN, report.max_stretch.unwrap_or(f64::NAN));
         resets.add(*coupling, &setting, f64::NAN, super::resets(&simulation));
     }
-    Ok(vec![energy, density, stretched, resets])
+    Ok([energy, density, places, stretched, resets].into_iter().filter(|sweep| !sweep.samples.is_empty()).collect())
+}
+
+fn small(gpu: &Gpu, coupling: &str, keys: &[&str]) -> Result<Simulation, Error> {
+    Ok(Simulation::new(gpu, &scene(TUFT, &[SMALL, if has_air(coupling) { BAND } else { AWAKE }, keys])?)?)
 }
 
 /// Growth of this process's memory in ten thousand steps, after as many as a third of them; nothing else may run in it. Without a
@@ -59,7 +97,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
 pub fn memory(gpu: &Gpu) -> Result<Sweep, Error> {
     let mut grown = Sweep::new("growth of the process's memory in 10 000 steps", 4.0, "MiB");
     let (coupling, keys) = COUPLINGS[2];
-    let mut simulation = Simulation::new(gpu, &scene(TUFT, &[SMALL, keys])?)?;
+    let mut simulation = small(gpu, coupling, keys)?;
     simulation.step(3000)?;
     let before = resident_mib();
     simulation.step(10_000)?;

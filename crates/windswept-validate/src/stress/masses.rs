@@ -4,15 +4,17 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use windswept::{Gpu, Simulation};
-use windswept_scene::InitialState;
+use windswept_scene::{InitialState, Model};
 
-use super::{Extent, Felt, Sweep, TUFT, scene, undriven, watch};
-use crate::{Error, momentum::exchanged};
+use super::{COUPLINGS, Extent, Felt, Sweep, TUFT, scene, undriven, watch};
+use crate::{
+    Error,
+    momentum::{exchanged, received},
+};
 
 pub(super) const SWEPT: &str = "neighbouring points of masses 1 : 1e4; hair of 1e-4 to 1e3 times its mass; 1 to 1000 fibres; \
-    loose strands in swirling air without wind, and clamped ones in 10 m/s";
+    each model and fluid solver: loose strands in swirling air without wind, clamped ones in 10 m/s, and without air level ones that fall";
 
-const SOLVERS: [(&str, &[&str]); 2] = [("divergence", &["fluid.solver=divergence"]), ("pbf", &["fluid.solver=pbf"])];
 /// Loose strands in a closed box.
 const CLOSED: &[&str] = &[
     "gravity=[0,0,0]",
@@ -22,6 +24,7 @@ const CLOSED: &[&str] = &[
     "rods.sleep=false",
 ];
 const BLOWN: &[&str] = &["air.wind=[10,0,0]"];
+const FALLING: &[&str] = &["hair.roots.direction=[1,0,0]"];
 /// Density of a hair \[kg/m³\].
 const DENSITY: f64 = 1320.0;
 /// Hair's mass over its own, mass of a point over that of its neighbours, fibres of a strand; the last setting is two at once.
@@ -50,14 +53,19 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
         Sweep::new("strands reset", 0.0, ""),
         Sweep::new("change of momentum in a closed box, of the impulses exchanged", 1e-4, ""),
     ];
-    for (solver, keys) in extent.of(&SOLVERS[..], &SOLVERS[..1]) {
+    for (coupling, keys) in COUPLINGS {
+        let drives: &[(&str, &[&str])] = match coupling {
+            "none" => &[("falling", FALLING)],
+            "drag" => &[("10 m/s", BLOWN)],
+            _ => &[("closed box", CLOSED), ("10 m/s", BLOWN)],
+        };
         for &(heavier, alternating, fibres) in extent.of(MASSES, &MASSES[3..4]) {
             let asked = [format!("hair.density={}", DENSITY * heavier), format!("hair.fibres_per_strand={fibres}")];
             let asked = asked.each_ref().map(String::as_str);
             let setting = format!("mass × {heavier:e}, neighbours 1 : {alternating:e}, {fibres} fibres");
-            for drive in [CLOSED, BLOWN] {
+            for (name, drive) in drives {
                 let (felt, drift) = run(gpu, &[keys, drive, &asked], alternating)?;
-                let series = format!("{solver}, {}", if drift.is_some() { "closed box" } else { "10 m/s" });
+                let series = format!("{coupling}, {name}");
                 all[0].add(&series, felt.at(&setting), f64::NAN, felt.stretch);
                 all[1].add(&series, felt.at(&setting), f64::NAN, felt.resets);
                 if let Some(drift) = drift {
@@ -87,11 +95,16 @@ fn run(gpu: &Gpu, keys: &[&[&str]], lighter: f64) -> Result<(Felt, Option<f64>),
     scene.time.step /= f64::from(substeps);
     let steps = STEPS * u64::from(substeps);
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
-    let drift = if closed {
-        exchanged(&mut simulation, steps).map_or(f64::NAN, |(change, exchanged)| change.length() / exchanged)
-    } else {
-        f64::NAN
-    };
-    let felt = watch(&mut simulation, 1, if closed { 1 } else { steps }, undriven);
+    let mut left = steps;
+    let mut drift = f64::NAN;
+    if closed && scene.interaction.model == Model::Particles {
+        if let Ok((change, received, taken)) = received(&mut simulation, steps) {
+            (drift, left) = (change.length() / received, steps - taken);
+        }
+    } else if closed {
+        drift = exchanged(&mut simulation, steps).map_or(f64::NAN, |(change, exchanged)| change.length() / exchanged);
+        left = 0;
+    }
+    let felt = watch(&mut simulation, 1, left.max(1), undriven);
     Ok((felt, closed.then_some(drift)))
 }

@@ -4,14 +4,14 @@ use glam::DVec3;
 use windswept::{Gpu, Simulation};
 use windswept_scene::InitialState;
 
-use super::{Extent, Sweep, points, scene, stiffness::chain_tip, undriven, watch};
+use super::{COUPLINGS, Extent, Sweep, points, scene, stiffness::chain_tip, undriven, watch};
 use crate::{
     Error,
     rods::{GRAVITY, Rod},
 };
 
-pub(super) const SWEPT: &str =
-    "2 to 1024 points; radius 1 to 500 µm; length 1 mm to 10 m; as they are, and 1 km from the origin";
+pub(super) const SWEPT: &str = "2 to 1024 points; radius 1 to 500 µm; length 1 mm to 10 m; as they are, and 1 km from the origin; hair alone, and fewer of them in \
+    still air, each other model and fluid solver";
 
 const DENSITY: f64 = 1320.0;
 const MODULUS: f64 = 4e9;
@@ -21,8 +21,11 @@ const USUAL: (usize, f64, f64) = (35, 4e-5, 0.05);
 const LONG: f64 = 0.35;
 /// Periods of a beam's first swing in which it is damped to rest.
 const PERIODS: f64 = 5.0;
-/// Steps of a run, at most.
-const STEPS: u64 = 1000;
+/// Steps of a run, at most, without particles of air and among them.
+const STEPS: (u64, u64) = (1000, 250);
+/// Length of strands in air \[m\], and the sizes of one that is looked at 1 km away, too.
+const SHORT: f64 = 0.03;
+const USUAL_IN_AIR: (usize, f64, f64) = (35, 4e-5, SHORT);
 
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut off = Sweep::new("tip at rest, off a chain of links", 1e-3, "L");
@@ -39,7 +42,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     for (setting, size) in counts.chain(radii).chain(lengths) {
         let mut tips = Vec::new();
         for (place, center) in [("at the origin", 0.0), ("1 km away", 1000.0)] {
-            let (tip, felt) = hang(gpu, size, center)?;
+            let (tip, felt) = hang(gpu, COUPLINGS[0].1, size, center)?;
             let setting = felt.at(&setting);
             stretched.add(place, &setting, f64::NAN, felt.stretch);
             resets.add(place, &setting, f64::NAN, felt.resets);
@@ -47,6 +50,32 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
             tips.push(tip);
         }
         moved.add("1 km away", setting, f64::NAN, tips[0].distance(tips[1]));
+    }
+    let sizes = [
+        ("2 points", (2, radius, SHORT)),
+        ("35 points", USUAL_IN_AIR),
+        ("radius 1 µm, length 1 mm", (9, 1e-6, 1e-3)),
+        ("radius 500 µm", (9, 5e-4, SHORT)),
+    ];
+    let sizes = extent.of(&sizes[..], &sizes[..1]);
+    for (coupling, keys) in extent.of(&COUPLINGS[1..], &COUPLINGS[1..3]) {
+        for &(setting, size) in sizes {
+            let mut tips = Vec::new();
+            for (place, center) in [("at the origin", 0.0), ("1 km away", 1000.0)] {
+                if center > 0.0 && size != USUAL_IN_AIR {
+                    continue;
+                }
+                let (tip, felt) = hang(gpu, keys, size, center)?;
+                let (series, setting) = (format!("{coupling}, still air, {place}"), felt.at(setting));
+                stretched.add(&series, &setting, f64::NAN, felt.stretch);
+                resets.add(&series, &setting, f64::NAN, felt.resets);
+                off.add(&series, &setting, f64::NAN, tip.distance(chain_tip(gamma(size), size.0 - 1)));
+                tips.push(tip);
+            }
+            if let [here, away] = tips[..] {
+                moved.add(format!("{coupling}, still air, 1 km away"), setting, f64::NAN, here.distance(away));
+            }
+        }
     }
     Ok(vec![off, moved, stretched, resets])
 }
@@ -57,21 +86,26 @@ fn gamma((_, radius, length): (usize, f64, f64)) -> f64 {
 }
 
 /// Where the tip of a level strand comes to rest, from its root \[L\].
-fn hang(gpu: &Gpu, size: (usize, f64, f64), center: f64) -> Result<(DVec3, super::Felt), Error> {
+fn hang(gpu: &Gpu, keys: &[&str], size: (usize, f64, f64), center: f64) -> Result<(DVec3, super::Felt), Error> {
     let (n, radius, length) = size;
     // The slower of the two: a beam's first swing, or a chain's.
     let beam = std::f64::consts::TAU * length.powi(2) / 3.516 * (4.0 * DENSITY / (MODULUS * radius.powi(2))).sqrt();
     let period = beam.min(5.2 * (length / GRAVITY).sqrt());
-    let step = (PERIODS * period / STEPS as f64).min(1.38e-3);
+    let steps = if keys.len() > 1 { STEPS.1 } else { STEPS.0 };
+    let step = (PERIODS * period / steps as f64).min(1.38e-3);
+    let corner = |shift: [f64; 3]| shift.map(|x| center + x);
     let text = format!(
-        "interaction = {{ model = \"none\" }}\ngravity = [0, {}, 0]\ntime = {{ step = {step}, duration = 1e3 }}\n\
-         rods = {{ damping = {} }}\n\
+        "gravity = [0, {}, 0]\ntime = {{ step = {step}, duration = 1e3 }}\n\
+         rods = {{ damping = {} }}\nviscosity = {{ kinematic_hair = 4e-3, kinematic_air = 4e-5 }}\n\
+         air = {{ box = {{ min = {:?}, max = {:?} }}, wind = [0, 0, 0] }}\n\
          [hair]\nstrands = 1\npoints = {n}\nlength = {length}\nradius = {radius}\ndensity = {DENSITY}\nyoungs_modulus = {MODULUS}\n\
          roots = {{ center = [{center}, {center}, {center}], radius = 1e-9, direction = [1, 0, 0] }}\n",
         -GRAVITY,
         8.0 / period,
+        corner([-0.01, -0.04, -0.014]),
+        corner([0.04, 0.01, 0.014]),
     );
-    let scene = scene(&text, &[])?;
+    let scene = scene(&text, &[keys])?;
     let mut initial = InitialState::new(&scene)?;
     initial.hair.turn_clamp(0, Rod::level(1.0, n - 1).root_frame);
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;

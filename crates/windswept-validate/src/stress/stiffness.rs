@@ -4,16 +4,17 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
 use windswept::{Gpu, Simulation};
+use windswept_scene::InitialState;
 
-use super::{Extent, Sweep, points, stretch_of};
+use super::{COUPLINGS, Extent, Felt, Sweep, USUAL, points, scene, stretch_of, undriven, watch};
 use crate::{
     Error,
     air::farthest,
-    rods::{self, GRAVITY, LENGTH, LINE_DENSITY, Rod, STRETCH},
+    rods::{self, BEND_OVER_TWIST, GRAVITY, LENGTH, LINE_DENSITY, Rod, STRETCH},
 };
 
-pub(super) const SWEPT: &str =
-    "bend stiffness times 1e-6 to 1e6 (γ = 1e7 to 1e-5), stretch stiffness times 1e-2 to 1e4";
+pub(super) const SWEPT: &str = "bend stiffness times 1e-6 to 1e6 (γ = 1e7 to 1e-5), stretch stiffness times 1e-2 to 1e4; hair alone, and fewer of \
+    them in still air, each other model and fluid solver";
 
 const SEGMENTS: usize = 34;
 /// Weight over stiffness γ = ρAgL³/EI of a strand whose stiffness is multiplied by 1.
@@ -56,7 +57,61 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
         }
         resets.add(&series, "all", f64::NAN, super::resets(&simulation));
     }
+    let bends = extent.of(&[1e-6, 1e-2, 1.0, 1e2, 1e6][..], &[1e-2]);
+    for (coupling, keys) in extent.of(&COUPLINGS[1..], &USUAL[..]) {
+        let series = format!("{coupling}, still air");
+        let felt = in_still_air(gpu, keys, bends)?;
+        for (&bend, (apart, beyond)) in bends.iter().zip(felt.1) {
+            let setting = felt.0.at(format!("bend stiffness × {bend:e}"));
+            stretched.add(&series, &setting, bend, beyond);
+            off.add(&series, &setting, bend, apart);
+        }
+        resets.add(&series, "all", f64::NAN, felt.0.resets);
+    }
     Ok(vec![off, stretched, resets])
+}
+
+/// Length of a strand in air \[m\], its segments, and steps in which it comes to rest.
+const SHORT: f64 = 0.05;
+const FEW: usize = 8;
+const SOON: u64 = 1500;
+
+/// Strands in still air, farther than a kernel radius from one another: how far from a chain of links' the tip of each comes to
+/// rest \[L\], and its stretch then beyond that of its weight.
+fn in_still_air(gpu: &Gpu, keys: &[&str], bends: &[f64]) -> Result<(Felt, Vec<(f64, f64)>), Error> {
+    let depth = 0.012 * bends.len().max(3) as f64;
+    let group = |(i, bend): (usize, &f64)| {
+        let stiffness = LINE_DENSITY * GRAVITY * SHORT.powi(3) / GAMMA * bend;
+        format!(
+            "[[hair]]\nname = \"{i}\"\nstrands = 1\npoints = {}\nlength = {SHORT}\nradius = 4e-5\ndensity = 1320\n\
+             stretch_stiffness = {STRETCH}\nbend_stiffness = {stiffness}\ntwist_stiffness = {}\n\
+             roots = {{ center = [0.005, 0.055, {}], radius = 1e-9, direction = [1, 0, 0] }}\n",
+            FEW + 1,
+            stiffness / BEND_OVER_TWIST,
+            0.012 * (i as f64 + 0.5),
+        )
+    };
+    let text = format!(
+        "time = {{ step = {STEP}, duration = 1e3 }}\ngravity = [0, {}, 0]\nrods = {{ damping = 21 }}\n\
+         viscosity = {{ kinematic_hair = 4e-3, kinematic_air = 4e-5 }}\n\
+         [air]\nbox = {{ min = [0, 0, 0], max = [0.06, 0.06, {depth}] }}\nwind = [0, 0, 0]\n{}",
+        -GRAVITY,
+        bends.iter().enumerate().map(group).collect::<String>(),
+    );
+    let scene = scene(&text, &[keys])?;
+    let mut initial = InitialState::new(&scene)?;
+    (0..bends.len()).for_each(|s| initial.hair.turn_clamp(s, Rod::level(1.0, FEW).root_frame));
+    let hair = initial.hair.clone();
+    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
+    let felt = watch(&mut simulation, 1, SOON, undriven);
+    let x = points(&simulation)?;
+    let tension = LINE_DENSITY * GRAVITY * SHORT / STRETCH;
+    let strands = bends.iter().enumerate().map(|(s, bend)| {
+        let own = hair.points(s);
+        let tip = (x[own.end - 1] - x[own.start]) / SHORT;
+        (tip.distance(chain_tip(GAMMA / bend, FEW)), stretch_of(&hair, s, &x) - tension)
+    });
+    Ok((felt, strands.collect()))
 }
 
 /// Where the tip of a level chain of `n` links of equal length hangs, from its root \[L\].
