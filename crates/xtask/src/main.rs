@@ -31,7 +31,7 @@ Commands:
            SPlisHSPlasH; each takes --turns N and --profile NAME.
            --gpu [--bandwidth GB/S] [--operations TFLOP/S] checks and times the adapter and
            writes into benches/results
-  stress   run settings far beyond those of any scene, some minutes, and write what held into
+  stress   run settings far beyond those of any scene, some 20 minutes, and write what held into
            benches/results/stress.md; with names of stresses only those
   fuzz     read mutants of the files in fuzz/corpus, a minute per kind of file; `fuzz SECONDS`
            for another time
