@@ -294,6 +294,7 @@ fn many_non_finite_strands_end_the_run() {
     let error = simulation.step(1).unwrap_err().to_string();
     println!("{error}");
     assert!(error.contains("4 strands") && error.contains("strand 6") && error.contains("step 3"), "{error}");
+    assert!(error.contains("point 6"), "{error}");
 }
 
 /// A run that ended goes on once its caller says so: what was not finite is put back to rest, named and counted, and only that.

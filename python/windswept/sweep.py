@@ -170,8 +170,8 @@ def _report(case: Case) -> dict[str, Any] | None:
     try:
         if (case.folder / "scene.toml").read_bytes() != case._text.encode():
             return None
-        report: dict[str, Any] = json.loads((case.folder / "report.json").read_text(encoding="utf-8"))
-        return None if "failure" in report else report
+        report = json.loads((case.folder / "report.json").read_text(encoding="utf-8"))
+        return report if isinstance(report, dict) and "failure" not in report else None
     except (OSError, ValueError):
         return None
 

@@ -132,12 +132,40 @@ impl Counter<'_> {
             };
             let Expression::Load { pointer } = self.function.expressions[left] else { return None };
             let Expression::LocalVariable(counter) = self.function.expressions[pointer] else { return None };
-            self.starts_at_zero(counter).then(|| self.number(right)).flatten()
+            self.counts_up(counter).then(|| self.number(right)).flatten()
         })
     }
 
-    fn starts_at_zero(&self, variable: Handle<LocalVariable>) -> bool {
-        self.function.local_variables[variable].init.is_none_or(|init| self.number(init) == Some(0))
+    /// Whether a variable begins at 0 and nothing but 1 is ever added to it.
+    fn counts_up(&self, variable: Handle<LocalVariable>) -> bool {
+        let zero = |value| self.number(value) == Some(0);
+        let one_more = |value| match self.function.expressions[value] {
+            Expression::Binary { op: BinaryOperator::Add, left, right } => {
+                matches!(self.function.expressions[left], Expression::Load { .. }) && self.number(right) == Some(1)
+            }
+            _ => false,
+        };
+        let begins = self.function.local_variables[variable].init.is_none_or(zero);
+        begins && self.stored(&self.function.body, variable).into_iter().all(|value| zero(value) || one_more(value))
+    }
+
+    /// What is stored in a variable.
+    fn stored(&self, block: &Block, variable: Handle<LocalVariable>) -> Vec<Handle<Expression>> {
+        let inside =
+            |blocks: &[&Block]| blocks.iter().flat_map(|block| self.stored(block, variable)).collect::<Vec<_>>();
+        let stored = block.iter().flat_map(|statement| match statement {
+            Statement::Store { pointer, value } => {
+                let own =
+                    matches!(self.function.expressions[*pointer], Expression::LocalVariable(own) if own == variable);
+                if own { vec![*value] } else { Vec::new() }
+            }
+            Statement::Block(block) => inside(&[block]),
+            Statement::If { accept, reject, .. } => inside(&[accept, reject]),
+            Statement::Loop { body, continuing, .. } => inside(&[body, continuing]),
+            Statement::Switch { cases, .. } => inside(&cases.iter().map(|case| &case.body).collect::<Vec<_>>()),
+            _ => Vec::new(),
+        });
+        stored.collect()
     }
 
     fn number(&self, handle: Handle<Expression>) -> Option<u64> {

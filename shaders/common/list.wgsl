@@ -1,6 +1,6 @@
 // How the neighbour list is laid out, in elements of four words.
 //
-// It has pages, as many as it takes for a pass to bind one at a time: most devices bind a list of any length, WebGPU by default 128 MiB.
+// It has pages, as many as it takes for a pass to bind one at a time: most GPUs bind 2 GiB and more, WebGPU by default 128 MiB.
 // Workgroups of clusters take turns among the pages, so that all are about as full. Passes over clusters run once for each page.
 //
 // A page begins with an element per cluster: where its own elements begin, how many batches it has of its own kind and of the other kind, and its

@@ -23,6 +23,7 @@ struct Params {
     page_clusters: u32,           // clusters that a page has room for
     neighbour_capacity: u32,      // elements of a page
     newton_steps: u32,            // of one dispatch of the rods' direct solver, at most
+    few_newton_steps: u32,        // a step takes fewer of them than it may, until strands are mended
     rod_sweeps: u32,              // of one dispatch of Gauss-Seidel
     air_inverse_mass: f32,        // 1/kg
     constrained: u32,             // particles that the density constraint moves, from the first on: hair, or all

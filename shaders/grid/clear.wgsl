@@ -20,9 +20,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         if at < stride && cell < buckets() { cell_count[cell] = 0u; }
     }
     if at < params.clusters { members[at] = vec2u(0u); }
-    if params.clusters == 0u { return; }
-    if at < PAGES { atomicStore(&page_ends[at], params.page_clusters); }
-    if at == 0u {
+    let listed = params.clusters > 0u;
+    if (at < PAGES) & listed { atomicStore(&page_ends[at], params.page_clusters); }
+    if (at == 0u) & listed {
         atomicStore(&status.neighbours, params.page_clusters);
         atomicStore(&status.neighbour_carries, 0u);
     }

@@ -1,7 +1,7 @@
 // Lists, for every cluster, the particles that are nearer than the kernel radius to any of its own (`common/list.wgsl`), in the order
 // of cells.
 //
-// Air meets air through the periodic faces; air and hair, hair and hair meet directly. The status sums the number of
+// Air meets air through the periodic faces; air and hair, hair and hair meet directly. The status has the number of
 // elements that the step needs, even beyond the end of a list that is too short: the step is then frozen, and the host
 // grows the list to that number.
 import package::common::{

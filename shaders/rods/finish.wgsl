@@ -1,11 +1,11 @@
 // Health of each strand after its solve: a non-finite one is held where it was for this step (so that it spoils no
 // neighbour) and reset in the next; stretch is recorded; over-strain and rest are counted, steps on end. Where the direct solver
-// has not solved a strand, and `rods/rescue` did not run, the step freezes, and is taken again with all Newton steps and that pass.
+// has not solved a strand, which more Newton steps or `rods/rescue` would do, the step freezes, and is taken again with these.
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::PUT,
     rest::{STILL_STEPS, STILL_TURN},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, LEFT, SLEEPS, STRAINED_STEPS, strained_steps,
-        ROOT_HELD, MISFIT, BAD, SPOILT},
+        ROOT_HELD, MISFIT, BAD, SPOILT, unsolved},
     status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNMENDED_STRAND, BY_FINISH,
         NO_POINT},
 };
@@ -75,7 +75,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let s = invocation(id, groups);
     if s >= params.strands || frozen() { return; }
     let rod = rod_strands[s];
-    if (rod.state == FREE) & (params.direct_rods != 0u) {
+    let more_would_solve = (rod.state == FREE) & ((params.direct_rods & params.few_newton_steps) != 0u);
+    if more_would_solve | unsolved(rod) {
         freeze(UNMENDED_STRAND);
         return;
     }

@@ -4,10 +4,10 @@
 // Steps do not commit such values: whoever writes into the state between steps may, and a defect may. Spins and what segments
 // remember are read by their own strand alone, whose health `rods/finish` finds after the solve.
 //
-// A step that froze is taken again: a strand that is spoilt by then is counted anew, and not looked at.
+// A step that froze is taken again: a strand that was found spoilt is counted anew.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP},
-    rod::{Strand, Health, PointHistory, Root, SPOILT}, sound::{within, root_of, in_reach},
+    rod::{Strand, Health, PointHistory, Root, BAD, SPOILT}, sound::{within, root_of, in_reach},
     status::{frozen, count_bad_strand, finite, finite3, BY_INSPECT, NO_POINT},
 };
 
@@ -43,11 +43,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let s = invocation(id, groups);
     if s >= params.strands || frozen() { return; }
     let bad = health[s].committed.bad;
-    var point = strands[s].first_point;
+    if bad == BAD { return; }
+    let point = spoilt(s, strands[s]);
     if bad == 0u {
-        point = spoilt(s, strands[s]);
         if point == NO_POINT { return; }
         health[s].committed.bad = SPOILT;
     }
-    if bad == 0u || bad == SPOILT { count_bad_strand(point, BY_INSPECT); }
+    // One that was spoilt may be in its rest shape by now.
+    count_bad_strand(select(point, strands[s].first_point, point == NO_POINT), BY_INSPECT);
 }

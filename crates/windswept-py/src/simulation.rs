@@ -301,7 +301,7 @@ impl Simulation {
     ///     wind: `(3,)` [m/s].
     ///
     /// Raises:
-    ///     ValueError: it is not three finite numbers, or the scene has no [air].
+    ///     ValueError: it is not three finite numbers, it is above 1e4 m/s, or the scene has no [air].
     fn set_wind(&self, py: Python<'_>, wind: &Bound<'_, PyAny>) -> PyResult<()> {
         let wind = DVec3::from_array(triple("wind", wind)?);
         self.run_engine(py, |sim| sim.set_wind(wind))

@@ -78,6 +78,10 @@ impl Engine {
         let state = State::new(&sizes);
         let memory = Memory::new(gpu, &state, share(&state))?;
         let mut engine = Self { gpu: gpu.clone(), params: setup.uniforms(), sizes, state, memory };
+        let [dispatches, steps] = rods::first_newton(setup.newton());
+        let taken = dispatches * if gpu.has_software_texts() { steps } else { setup.params.newton_steps };
+        let few_newton_steps = u32::from(taken < setup.scene.rods.newton);
+        engine.params.iter_mut().for_each(|params| params.few_newton_steps = few_newton_steps);
         engine.write_pages()?;
         engine.write_setup(setup)?;
         Ok(engine)

@@ -147,12 +147,12 @@ pub enum RunError {
     },
     /// The neighbour list cannot grow as far as the step needs.
     #[error(
-        "step {step} needs a neighbour list of {needed} entries, the adapter allows {limit}: particles are crowded or too many"
+        "step {step} needs a neighbour list of up to {needed} elements, the adapter allows {limit}: particles are crowded or too many"
     )]
     TooManyNeighbours {
-        /// Number of entries that the step needs.
+        /// Number of elements, of four words, that the step needs at most: of as many pages as there were, all as long as the longest.
         needed: u64,
-        /// Number of entries that fit: four times what the adapter binds at once.
+        /// Number of elements that fit: four times what the adapter binds at once.
         limit: u64,
         /// The step that needs them.
         step: u64,

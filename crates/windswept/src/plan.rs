@@ -205,7 +205,7 @@ impl Plan {
             fluid_iterations: scene.fluid.iterations,
             pull_dispatches: if scene.bodies.iter().any(|body| body.shape.solid().is_some()) { PARTS } else { 1 },
             rod_dispatches: scene.rods.iterations / rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
-            newton: [scene.rods.newton / setup.params.newton_steps, setup.params.newton_steps],
+            newton: setup.newton(),
             sweeps: if direct.runs { rescue.clone() } else { hair.clone() },
             direct,
             reset: hair.and(Decision::when(false, "not until a strand is not finite")),
@@ -258,12 +258,11 @@ impl Plan {
         changed
     }
 
-    /// Dispatches of the direct solver, and the Newton steps of each, which software adapters dispatch one by one: as many as solve
-    /// nearly all strands, and all of the scene once strands are rescued that these leave.
+    /// Dispatches of the direct solver, and the Newton steps of each, which software adapters dispatch one by one: as many as solve nearly
+    /// all strands, and all of the scene once strands are rescued that these leave.
     #[must_use]
     pub fn newton(&self) -> [u32; 2] {
-        let [dispatches, steps] = self.newton;
-        if self.rescue.runs { [dispatches, steps] } else { [1, steps.min(NEWTON_STEPS)] }
+        if self.rescue.runs { self.newton } else { rods::first_newton(self.newton) }
     }
 
     /// Lets the passes run from now on that mend strands: those that are not finite, and those that the direct solver leaves unsolved.
@@ -308,8 +307,6 @@ impl Plan {
     }
 }
 
-/// Newton steps that solve nearly all strands.
-const NEWTON_STEPS: u32 = 3;
 const NO_BANDS: &str = "the scene names no turbulence.bands";
 
 /// Whether a wind blows at all, and whether it blows over air particles.

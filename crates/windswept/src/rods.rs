@@ -165,6 +165,16 @@ pub(crate) fn newton_steps_per_dispatch(newton: u32, hair: &Strands) -> u32 {
     per_dispatch(newton, 2 * longest(hair) + 3)
 }
 
+/// Newton steps that solve nearly all strands.
+const NEWTON_STEPS: u32 = 3;
+
+/// Of so many dispatches of so many Newton steps each those that solve nearly all strands. A software adapter takes as many of the steps of
+/// a dispatch, any other takes all of these.
+#[must_use]
+pub(crate) fn first_newton([dispatches, steps]: [u32; 2]) -> [u32; 2] {
+    [NEWTON_STEPS.div_ceil(steps).min(dispatches), steps.min(NEWTON_STEPS)]
+}
+
 /// Points of the longest strand.
 fn longest(hair: &Strands) -> u32 {
     (0..hair.len()).map(|s| hair.points(s).len()).max().unwrap_or_default() as u32
@@ -222,5 +232,9 @@ mod tests {
         assert_eq!(newton_steps_per_dispatch(8, &strand(35)), 8);
         assert_eq!(newton_steps_per_dispatch(20, &strand(1024)), 10);
         assert_eq!(newton_steps_per_dispatch(8, &strand(16_384)), 1);
+        assert_eq!(
+            [[1, 8], [1, 2], [4, 2], [8, 1], [1, 1]].map(first_newton),
+            [[1, 3], [1, 2], [2, 2], [3, 1], [1, 1]]
+        );
     }
 }

@@ -237,6 +237,10 @@ impl Simulation {
             self.last = thawed;
             self.record_again()?;
         } else if status.causes & UNMENDED_STRAND != 0 {
+            if self.plan.reset.runs {
+                let reason = "a strand is bad or not solved, though all passes ran that mend strands".to_owned();
+                return Err(GpuError::Driver { doing: format!("step {step}"), reason }.into());
+            }
             tracing::debug!(step, "strands are mended from now on");
             self.plan.mend_strands();
             self.last = self.engine.thaw(&status)?;

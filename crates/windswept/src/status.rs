@@ -47,7 +47,7 @@ pub fn thawed(status: &Status) -> Status {
     }
 }
 
-/// Entries that the neighbour list needs in this step.
+/// Elements that the longest page of the neighbour list needs in this step.
 #[must_use]
 pub fn neighbours_needed(status: &Status) -> u64 {
     u64::from(status.neighbour_carries) << 32 | u64::from(status.neighbours)

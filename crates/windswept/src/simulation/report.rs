@@ -18,7 +18,11 @@ impl Simulation {
     /// # Errors
     /// [`RunError`] as [`Self::density`].
     pub fn report(&mut self) -> Result<Report, RunError> {
-        let density = self.density()?;
+        // Of a run that ended for want of room for its neighbours there is no density.
+        let density = match self.density() {
+            Err(RunError::TooManyNeighbours { .. }) => Vec::new(),
+            density => density?,
+        };
         let s = self.engine.state();
         let [positions, velocities] = self.engine.read_vec4([&s.position, &s.velocity])?;
         let sizes = self.engine.sizes();
