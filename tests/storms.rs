@@ -103,6 +103,35 @@ fn storms_lose_nothing() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
+/// Positions, velocities and orientations.
+fn bits(engine: &Engine) -> [Vec<[f32; 4]>; 3] {
+    let s = engine.state();
+    [&s.position, &s.velocity, &s.orientation].map(|array| engine.read(array).unwrap())
+}
+
+/// The bits after so many steps in which all passes run that mend strands; `before` is called before each step.
+fn bits_of_all_passes(
+    scene: &Scene,
+    initial: &InitialState,
+    steps: u32,
+    before: impl Fn(&Engine, u32),
+) -> [Vec<[f32; 4]>; 3] {
+    let mut scene = scene.clone();
+    scene.time.substeps = initial.hair.substeps(&scene);
+    let setup = Setup::new(&scene, initial);
+    let (engine, mut plan) = (Engine::new(&support::gpu(), &setup).unwrap(), Plan::new(&setup));
+    plan.mend_strands();
+    let recording = Recorder::record(engine.state(), |r| step::record(r, &plan));
+    for step in 0..steps {
+        before(&engine, step);
+        for _ in 0..scene.time.substeps {
+            engine.replay(&recording).unwrap();
+        }
+    }
+    assert_eq!(engine.status().unwrap().causes, 0);
+    bits(&engine)
+}
+
 /// The passes that rescue strands run from the first step on in which the direct solver leaves one unsolved: a step of the simulation's
 /// own loop, of the caller's submits, or of a run of all passes has the same bits.
 #[test]
@@ -110,10 +139,6 @@ fn strands_are_rescued_from_the_first_that_needs_it() {
     const RESCUERS: [&str; 2] = ["what the direct solver did not solve is rescued", "Cosserat rods by Gauss-Seidel"];
     let scene = Storm { wind: 100.0, step: 1.38e-3, fibres: 1.0, mass: 1.0 }.scene();
     let initial = InitialState::new(&scene).unwrap();
-    let bits = |engine: &Engine| {
-        let s = engine.state();
-        [&s.position, &s.velocity, &s.orientation].map(|array| engine.read(array).unwrap())
-    };
     let skipped = |simulation: &mut Simulation| {
         let report = simulation.report().unwrap();
         let rescued = report.strand_steps.unwrap()["rescued_steps"];
@@ -139,17 +164,8 @@ fn strands_are_rescued_from_the_first_that_needs_it() {
     assert!(submits > STEPS.div_ceil(5), "no step froze");
     assert!(bits(given.engine()) == bits(simulation.engine()), "submits of the caller's have other bits");
 
-    let mut scene = scene;
-    scene.time.substeps = initial.hair.substeps(&scene);
-    let setup = Setup::new(&scene, &initial);
-    let (engine, mut plan) = (Engine::new(&support::gpu(), &setup).unwrap(), Plan::new(&setup));
-    plan.mend_strands();
-    let recording = Recorder::record(engine.state(), |r| step::record(r, &plan));
-    for _ in 0..STEPS * scene.time.substeps {
-        engine.replay(&recording).unwrap();
-    }
-    assert_eq!(engine.status().unwrap().causes, 0);
-    assert!(bits(&engine) == bits(simulation.engine()), "all passes from the start have other bits");
+    let all = bits_of_all_passes(&scene, &initial, STEPS, |_, _| {});
+    assert!(all == bits(simulation.engine()), "all passes from the start have other bits");
 }
 
 /// The pass that resets strands runs from the first step on that begins with a bad one, with the bits of a run in which it always ran.
@@ -161,10 +177,6 @@ fn strands_are_reset_from_the_first_that_is_bad() {
         let mut velocity = engine.read(&engine.state().velocity).unwrap();
         velocity[initial.hair.points(5).start + 3][1] = f32::NAN;
         engine.write(&engine.state().velocity, &velocity).unwrap();
-    };
-    let bits = |engine: &Engine| {
-        let s = engine.state();
-        [&s.position, &s.velocity, &s.orientation].map(|array| engine.read(array).unwrap())
     };
     let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
     let resets = |simulation: &mut Simulation| {
@@ -178,20 +190,12 @@ fn strands_are_reset_from_the_first_that_is_bad() {
     simulation.step(3).unwrap();
     assert_eq!(resets(&mut simulation), (Some(1), false));
 
-    let mut scene = scene;
-    scene.time.substeps = initial.hair.substeps(&scene);
-    let setup = Setup::new(&scene, &initial);
-    let (engine, mut plan) = (Engine::new(&support::gpu(), &setup).unwrap(), Plan::new(&setup));
-    plan.mend_strands();
-    let recording = Recorder::record(engine.state(), |r| step::record(r, &plan));
-    for step in 0..6 * scene.time.substeps {
-        if step == 3 * scene.time.substeps {
-            spoil(&engine);
+    let all = bits_of_all_passes(&scene, &initial, 6, |engine, step| {
+        if step == 3 {
+            spoil(engine);
         }
-        engine.replay(&recording).unwrap();
-    }
-    assert_eq!(engine.status().unwrap().causes, 0);
-    assert!(bits(&engine) == bits(simulation.engine()), "all passes from the start have other bits");
+    });
+    assert!(all == bits(simulation.engine()), "all passes from the start have other bits");
 }
 
 #[test]
