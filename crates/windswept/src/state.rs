@@ -277,11 +277,11 @@ state! {
     // Passes over neighbours run on in a frozen step, and would follow whatever another array left here.
     /// Who is near the particles of each cluster (`shaders/common/list.wgsl`).
     neighbour_list: [u32; 4], |s| s.neighbours;
-    /// Its second page, if it has as many.
+    /// Second page of the neighbour list, on a device that binds less than the list takes.
     neighbour_list_2: [u32; 4], |s| if s.pages > 1 { s.neighbours } else { 0 };
-    /// Its third page.
+    /// Third page of the neighbour list.
     neighbour_list_3: [u32; 4], |s| if s.pages > 2 { s.neighbours } else { 0 };
-    /// Its fourth page.
+    /// Fourth page of the neighbour list.
     neighbour_list_4: [u32; 4], |s| if s.pages > 3 { s.neighbours } else { 0 };
 
     [Left] // What is measured between steps.

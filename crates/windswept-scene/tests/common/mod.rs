@@ -66,7 +66,7 @@ pub(crate) fn deflated<'a, R: Read>(arrays: impl IntoIterator<Item = (&'a str, &
     archive.finish().unwrap().into_inner()
 }
 
-/// So many bytes that are 0.
+/// A reader of so many zero bytes.
 pub(crate) fn zeros_of(bytes: u64) -> impl Read {
     std::io::repeat(0).take(bytes)
 }
