@@ -181,10 +181,16 @@ impl Output {
 
     /// Writes report.json, and the copy that was asked for.
     pub(crate) fn write_report(&self, report: &str) -> Result<(), Failure> {
-        let own = self.dir.join(REPORT);
-        // Half a report is none.
-        write(&own, report).inspect_err(|_| drop(fs::remove_file(&own)))?;
-        self.report.as_deref().map_or(Ok(()), |path| write(path, report))
+        // Half a report is none. What is no file, such as a pipe, stays.
+        let whole = |path: &Path| {
+            write(path, report).inspect_err(|_| {
+                if path.is_file() {
+                    let _ = fs::remove_file(path);
+                }
+            })
+        };
+        whole(&self.dir.join(REPORT))?;
+        self.report.as_deref().map_or(Ok(()), whole)
     }
 
     /// Writes the trace that was asked for.
