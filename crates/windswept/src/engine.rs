@@ -200,12 +200,6 @@ impl Engine {
         self.memory.sharing().bytes(&self.state.arrays()) + self.memory.texture_bytes()
     }
 
-    /// Length of the longest page of the neighbour list that the adapter allows \[elements of four words\].
-    #[must_use]
-    pub fn largest_page(&self) -> u64 {
-        largest_page(self.gpu.largest_binding())
-    }
-
     /// The clusters of the neighbour list, and who is near them, as the last search has found.
     ///
     /// # Errors
@@ -322,7 +316,7 @@ impl Engine {
     /// # Errors
     /// As [`Self::evaluate`].
     pub(crate) fn grow_if_short(&mut self, status: &Status, step: u64) -> Result<Option<Status>, RunError> {
-        let (needed, limit) = (status::neighbours_needed(status), self.largest_page());
+        let (needed, limit) = (status::neighbours_needed(status), largest_page(self.gpu.largest_binding()));
         if needed <= u64::from(self.sizes.neighbours) {
             return Ok(None);
         }
@@ -438,8 +432,8 @@ impl Engine {
 }
 
 /// The limits that a device of the caller's own must have for this scene: WebGPU's defaults, and room for the largest
-/// buffer. The neighbour list is cut into pages that fit, and may still have to grow; more room lets it. On a software adapter passes run three to four times as fast if
-/// the device has the adapter's `max_storage_textures_per_shader_stage` too.
+/// buffer. The neighbour list is cut into pages that fit, and may still have to grow; more room lets it. On a software
+/// adapter passes run three to four times as fast if the device has the adapter's `max_storage_textures_per_shader_stage` too.
 ///
 /// # Errors
 /// [`SceneError`] when the initial state cannot be made.
