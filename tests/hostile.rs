@@ -19,7 +19,8 @@ use std::{
 
 use rand::{Rng, SeedableRng, seq::IndexedRandom};
 use rand_pcg::Pcg64;
-use windswept_scene::{Curves, Scene, Triangles};
+use windswept::Checkpoint;
+use windswept_scene::{Curves, GroomFormat, Scene, Triangles};
 
 /// Longest time that a reader may take, and most memory that the process may have used by then \[bytes\].
 const LONGEST: Duration = Duration::from_secs(1);
@@ -335,11 +336,20 @@ fn odd_paths_are_errors() {
 
 /// Files that mutants are made of are read: mutants of a file that is refused at its first byte would show nothing.
 #[test]
-fn corpora_of_meshes_are_read() {
+fn corpora_are_read() {
     for (name, extension) in [("obj", "obj"), ("polygons", "ply"), ("glb", "glb")] {
         for path in corpus(name) {
             let read = Triangles::read(extension, &fs::read(&path).unwrap());
             assert!(read.is_ok_and(|mesh| mesh.corners.len() > 1), "{}", path.display());
         }
+    }
+    for format in GroomFormat::ALL {
+        let reads = |path: &PathBuf| format.read(&fs::read(path).unwrap(), None).is_ok_and(|curves| curves.len() > 1);
+        assert!(corpus(format.extension).iter().any(reads), "no file of {}", format.extension);
+    }
+    assert!(corpus("scene").iter().any(|path| Scene::load(path).is_ok()), "no scene");
+    for path in corpus("checkpoint") {
+        let read = Checkpoint::open(&path);
+        assert!(read.is_ok(), "{}; Simulation::save makes a file of the format of today", read.err().unwrap());
     }
 }

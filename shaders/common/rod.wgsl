@@ -42,6 +42,11 @@ const TIP_JOINT: u32 = 2u;
 const ROOT_HELD: u32 = 4u;    // its point is
 const TIP_HELD: u32 = 8u;
 
+struct Point {
+    largest_move: f32,   // m, in a step
+    weight: f32,         // over that of the mass that it moves with: below 1 where it carries air along
+}
+
 struct Segment {
     rest_rotation: vec4f,        // of the joint before it
     stretch_compliance: vec3f,   // shear d1, shear d2, stretch d3 [1/(N m)]
@@ -84,6 +89,7 @@ struct RodPoint {
     force: vec3f,          // N, from outside, on the point at rest
     resistance: f32,       // kg/s, from outside, to its velocity at the step's end
     outside: vec3f,        // m/s, all that acts from outside in this step
+    weight: f32,           // over that of the mass that it moves with
     push: vec3f,           // m/s, what of it did not act while the strand came to rest
     stir: vec3f,           // m/s, the push with the velocity that a sleeper has got since
     free: vec3f,           // m, the move without the rod's forces

@@ -1,11 +1,11 @@
 // What a hair point starts this step from. The density constraint moved the drifting point by dx: it takes dv = dx/dt, the
 // impulse that the air lost. Forces on it start at 0; the passes that follow add to them.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{RodPoint, PointHistory}, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{Point, RodPoint, PointHistory}, status::frozen,
 };
 
 @group(0) @binding(3) var<storage, read>       velocity:      array<vec4f>;
-@group(0) @binding(4) var<storage, read>       largest_move:  array<f32>;     // m, in a step
+@group(0) @binding(4) var<storage, read>       points:        array<Point>;
 @group(0) @binding(5) var<storage, read>       correction:    array<vec4f>;   // m
 @group(0) @binding(6) var<storage, read>       point_history: array<PointHistory>;
 @group(0) @binding(7) var<storage, read_write> rod_points:    array<RodPoint>;
@@ -24,7 +24,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     point.carried = history.travel;
     point.outside = change;
     point.inverse_mass = w;
-    point.largest = largest_move[p];
+    point.largest = points[p].largest_move;
+    point.weight = points[p].weight;
     point.strayed = history.strayed;
     rod_points[p] = point;
     hair_force[p] = vec4f(0.0);

@@ -1,12 +1,12 @@
-// Hair points drift as if nothing held them, damped: x + dt (v + g dt)/(1 + c dt). Where hair meets air: what density
+// Hair points drift as if nothing held them, damped: x + dt (v + w g dt)/(1 + c dt), w the point's weight. Where hair meets air: what density
 // moves hair by from here is an impulse on it (`rods/begin_points`).
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::Point, status::frozen,
 };
 
 @group(0) @binding(3) var<storage, read>       position:     array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(4) var<storage, read>       velocity:     array<vec4f>;
-@group(0) @binding(5) var<storage, read>       largest_move: array<f32>;     // m, in a step
+@group(0) @binding(5) var<storage, read>       points:       array<Point>;
 @group(0) @binding(6) var<storage, read_write> predicted:    array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> correction:   array<vec4f>;
 
@@ -16,9 +16,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if p >= params.hair_points || frozen() { return; }
     var shift = params.step * velocity[p].xyz;
     if inverse_mass[p] > 0.0 {
-        let v = velocity[p].xyz + params.step * params.gravity;
+        let point = points[p];
+        let v = velocity[p].xyz + params.step * point.weight * params.gravity;
         shift = params.step * v / (1.0 + params.damping * params.step);
-        shift *= min(1.0, largest_move[p] / max(length(shift), largest_move[p]));
+        shift *= min(1.0, point.largest_move / max(length(shift), point.largest_move));
     }
     predicted[p] = position[p] + vec4f(shift, 0.0);
     correction[p] = vec4f(0.0);

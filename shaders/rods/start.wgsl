@@ -98,10 +98,11 @@ fn free_point(point: RodPoint, rod: RodStrand, k: u32) -> Free {
         return Free(held, held);
     }
     let damping = damping_of(point);
-    let loaded = params.gravity + point.inverse_mass * point.force;
+    let weight = point.weight * params.gravity;
+    let loaded = weight + point.inverse_mass * point.force;
     return Free(
         free_move(point.velocity, point.before, point.carried, loaded, damping, rod.scheme),
-        free_move(point.velocity, point.before, point.carried, params.gravity, damping, rod.scheme),
+        free_move(point.velocity, point.before, point.carried, weight, damping, rod.scheme),
     );
 }
 

@@ -17,7 +17,7 @@ use windswept_shaders::{
 use crate::{
     hair::{any, ends, motion, scene_of, set_roots, strands},
     stage::{Stage, each, quaternion, relative, stirred, xyz},
-    steps::{DIVERGENCE, FIELDS, Fault, PARTICLES, PRESSED_HAIR, PUSHED},
+    steps::{DIVERGENCE, FIELDS, Fault, LIGHT_HAIR, PARTICLES, PRESSED_HAIR, PUSHED},
     support,
     walk::{Walk, apart, differing, largest, numbers_apart},
 };
@@ -112,7 +112,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::rods::INSPECT, "if point == NO_POINT {", "if point != NO_POINT {", PARTICLES),
     (&shaders::rods::RESET, "committed.bad == 0u", "committed.bad != 0u", PARTICLES),
     (&shaders::rods::ROOTS, "left = 1u", "left = 2u", PARTICLES),
-    (&shaders::rods::DRIFT, "params.step * params.gravity", "0.9 * params.step * params.gravity", PARTICLES),
+    (&shaders::rods::DRIFT, "point.weight * params.gravity", "params.gravity", LIGHT_HAIR),
     (&shaders::wind::MISS, "- v - change", "- 0.9 * v - change", PARTICLES),
     (&shaders::wind::HOLD, "along * wind", "0.9 * along * wind", PARTICLES),
     (&shaders::wind::FRINGE, "sin(PI * depth", "sin(0.9 * PI * depth", PARTICLES),

@@ -13,7 +13,7 @@ use windswept_shaders::{self as shaders, common::integration::BDF2};
 use crate::{
     drive::fields,
     stage::{Stage, quaternion, relative, stirred, xyz},
-    steps::{DRAG, FIELDS_ON_HAIR, Fault, PARTICLES, PUSHED, SWEEPS, TWO_WAY},
+    steps::{DRAG, FIELDS_ON_HAIR, Fault, LIGHT_HAIR, PARTICLES, PUSHED, SWEEPS, TWO_WAY},
     support,
     walk::{Same, Walk, apart, differing, largest},
 };
@@ -203,6 +203,7 @@ pub const FAULTS: &[Fault] = &[
         "return 0.9 * params.step * point.velocity",
         PARTICLES,
     ),
+    (&shaders::rods::START, "point.weight * params.gravity", "params.gravity", LIGHT_HAIR),
     (&shaders::rods::DIRECT, "own.force += stretch;", "own.force += 0.9 * stretch;", PARTICLES),
     (&shaders::rods::RESCUE, "<= select(LOST, MISFIT, rod.far != 0u)", "<= -1.0", PARTICLES),
     (&shaders::rods::GAUSS_SEIDEL, "0.5 * rotate(before", "0.4 * rotate(before", SWEEPS),

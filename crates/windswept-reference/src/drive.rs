@@ -26,7 +26,7 @@ pub fn run(s: &State, p: &Parameters) -> Scratch {
     let mut new_velocity = s.velocity.clone();
     let largest = rods::largest_moves(&s.hair);
     for i in 0..p.hair_points {
-        predicted[i] = drift(p, s.inverse_mass[i], s.position[i], s.velocity[i], largest[i]);
+        predicted[i] = drift(p, s, i, largest[i]);
     }
     let air = p.hair_points..s.position.len();
     let missed = miss(p, s.steps, &s.position[air.clone()], &s.velocity[air.clone()]);
@@ -87,15 +87,16 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
     }
 }
 
-/// Place of a hair point of inverse mass `w` \[1/kg\] that no rod holds: x + Δt (v + g Δt)/(1 + c Δt), the move capped at
-/// `largest` \[m\]. A point of infinite mass goes on with its velocity.
+/// Place of hair point `i` if no rod holds it: x + Δt (v + w g Δt)/(1 + c Δt), w the point's weight, the move capped at `largest` \[m\].
+/// A point of infinite mass goes on with its velocity.
 #[must_use]
-pub fn drift(p: &Parameters, w: f64, position: DVec3, velocity: DVec3, largest: f64) -> DVec3 {
-    if w == 0.0 {
-        return position + p.step * velocity;
+pub fn drift(p: &Parameters, s: &State, i: usize, largest: f64) -> DVec3 {
+    if s.inverse_mass[i] == 0.0 {
+        return s.position[i] + p.step * s.velocity[i];
     }
-    let shift = p.step * (velocity + p.step * p.gravity) / (1.0 + p.damping * p.step);
-    position + shift.clamp_length_max(largest)
+    let falls = s.velocity[i] + p.step * s.hair.weight(i) * p.gravity;
+    let shift = p.step * falls / (1.0 + p.damping * p.step);
+    s.position[i] + shift.clamp_length_max(largest)
 }
 
 /// Velocity v* by which hair point `i` counts where pressure acts on it, that of the step's end if all went on as before \[m/s\]:

@@ -207,6 +207,7 @@ pub fn begin_points(p: &Parameters, s: &state::State, i: usize, correction: DVec
         carried: s.travel[i],
         change,
         inverse_mass,
+        weight: s.hair.weight(i),
         largest,
         strayed: s.strayed[i],
         ..Point::default()

@@ -57,8 +57,11 @@ pub struct Strands {
     pub positions: Vec<DVec3>,
     /// Per point: velocity \[m/s\].
     pub velocities: Vec<DVec3>,
-    /// Per point: inverse mass \[1/kg\]; 0 where it is held.
+    /// Per point: inverse of the mass that it moves with \[1/kg\]; 0 where it is held.
     pub inverse_mass: Vec<f64>,
+    /// Per point: its weight over that of the mass that it moves with, less than 1 where it carries air along
+    /// ([`Self::carry_air`]); empty for 1 everywhere.
+    pub weight: Vec<f64>,
     /// Per point: volume of the parcel of hair and air around it \[m³\].
     pub volume: Vec<f64>,
     /// Per segment: rotation from material frame to world; the third director is the tangent.
@@ -226,6 +229,12 @@ impl Strands {
         self.friction.get(s).copied().unwrap_or(FRICTION)
     }
 
+    /// Weight of point `i` over that of the mass that it moves with.
+    #[must_use]
+    pub fn weight(&self, i: usize) -> f64 {
+        self.weight.get(i).copied().unwrap_or(1.0)
+    }
+
     /// What messages call the group that strand `s` is of: as [`Scene::called`], or `groom` where the scene has no hair.
     pub(crate) fn origin(&self, s: usize, scene: &Scene) -> String {
         self.group_index(s, scene).map_or_else(|| "groom".to_owned(), |group| scene.called(group))
@@ -279,6 +288,12 @@ impl Strands {
             if found != 0 && found != strands {
                 return fault(format!("{name}: expected {strands} rows or none, found {found}"));
             }
+        }
+        if self.weight.len() != 0 && self.weight.len() != points {
+            return fault(format!("weight: expected {points} rows or none, found {}", self.weight.len()));
+        }
+        if let Some(i) = (0..points).find(|&i| !(0.0..=1.0).contains(&self.weight(i))) {
+            return fault(format!("weight: expected numbers from 0 to 1, found {} of point {i}", self.weight(i)));
         }
         if let Some(s) = (0..strands).find(|&s| !(self.friction(s) >= 0.0 && self.friction(s).is_finite())) {
             return fault(format!(
@@ -415,11 +430,13 @@ impl InitialState {
         }
         hair.consistent()?;
         hair.representable(scene)?;
+        hair.carry_air(scene);
         let bodies: Vec<Shape> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
         rooted_outside(scene, &hair, &bodies)?;
         let substeps = hair.substeps(scene);
         warnings.extend(warnings::of_idle(scene));
         warnings.extend(warnings::of_rods(scene, &hair));
+        warnings.extend(warnings::of_light_hair(scene, &hair));
         warnings.extend(warnings::of_friction(scene, &hair));
         warnings.extend(warnings::of_bodies(&hair, &bodies));
         warnings.extend(warnings::of_meshes(scene));

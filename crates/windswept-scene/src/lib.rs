@@ -5,6 +5,7 @@
 mod air;
 mod assign;
 mod body;
+mod carry;
 mod curves;
 mod declare;
 mod document;

@@ -59,7 +59,8 @@ impl Strands {
         };
         let stiffness = segments.skip(1).map(bend).fold(f64::INFINITY, f64::min);
         let clamped = self.ends(s).root == End::Clamped && stiffness.is_finite() && mass > 0.0;
-        let gravity = scene.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
+        let lightest = self.points(s).map(|i| self.weight(i)).fold(1.0, f64::min);
+        let gravity = lightest * scene.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
         let of_weight = 1.446 * gravity / length;
         let square = if clamped { of_weight.max(12.36 * stiffness / (mass * length.powi(3))) } else { of_weight };
         let rate = square / (square.sqrt() + scene.rods.damping + BRAKE);

@@ -136,6 +136,35 @@ fn masses_and_compliances_are_those_of_a_fibre() {
     assert_close(state.hair.inverse_inertia[0], 2.0 / (1.46e-7 * l * l), "inertia with point_mass");
 }
 
+/// In one fluid with air, hair moves with at least a tenth of the mass of the air whose room it takes, and weighs what it weighed.
+#[test]
+fn light_hair_carries_air_along() {
+    let light = "hair.density=2";
+    let (_, alone) = brush(&[light, "interaction.model=two-way"]);
+    let (scene, with_air) = brush(&[light, "interaction.model=particles"]);
+    let (own, carries) = (&alone.hair, &with_air.hair);
+    assert!(own.weight.is_empty() && alone.warnings.is_empty(), "{:?}", alone.warnings);
+    let note = "hair is lighter than a tenth of the air whose room it takes";
+    assert!(with_air.warnings.iter().any(|warning| warning.contains(note)), "{:?}", with_air.warnings);
+    for i in 0..own.positions.len() {
+        if own.inverse_mass[i] == 0.0 {
+            assert_eq!((carries.inverse_mass[i], carries.weight(i)), (0.0, 1.0), "a held point");
+            continue;
+        }
+        assert_close(1.0 / carries.inverse_mass[i], 0.1 * 1.29 * own.volume[i], "the mass that a point moves with");
+        assert_close(carries.weight(i) / carries.inverse_mass[i], 1.0 / own.inverse_mass[i], "mass by its weight");
+    }
+    let l = own.rest_length[0];
+    assert_close(2.0 / (carries.inverse_inertia[0] * l * l), 0.1 * 1.29 * own.volume[1], "mass by a segment's inertia");
+
+    // What carries air already carries no more, and what is heavy enough none.
+    let mut again = carries.clone();
+    again.carry_air(&scene);
+    assert_eq!(again, *carries);
+    let (_, heavy) = brush(&["interaction.model=particles"]);
+    assert!(heavy.hair.weight.is_empty() && heavy.warnings.iter().all(|warning| !warning.contains(note)));
+}
+
 #[test]
 fn a_taper_thins_every_segment_by_its_middle() {
     let hair = fibres(&["hair.taper=0.6"]);

@@ -91,7 +91,6 @@ impl Engine {
         let (s, scene, initial) = (&self.state, setup.scene, setup.initial);
         let (hair, air) = (&initial.hair, &initial.air);
         let inverse_mass: Vec<f32> = hair.inverse_mass.iter().map(|&w| w as f32).collect();
-        let moves: Vec<f32> = rods::largest_moves(hair).iter().map(|far| *far as f32).collect();
         let local: Vec<_> = air.positions.iter().map(|x| *x - initial.origin).collect();
         let [u, v, w, _] = setup.wind_table[0];
         self.write(&s.band, &setup.bands.tasks)?;
@@ -104,12 +103,12 @@ impl Engine {
         self.write(&s.fields, &setup.fields.fields)?;
         self.write(&s.field_course, &setup.fields.course)?;
         self.write(&s.inverse_mass, &inverse_mass)?;
+        self.write(&s.points, &rods::points(hair))?;
         self.write(&s.keyframes, &setup.motions.keyframes)?;
         self.write(&s.bodies, &bodies::bodies(scene, initial, &setup.motions))?;
         self.write(&s.distances, &bodies::distances(scene))?;
         self.write(&s.strands, &rods::strands(scene, initial, &setup.motions))?;
         self.write(&s.segments, &rods::segments(hair))?;
-        self.write(&s.largest_move, &moves)?;
         self.write(&s.clamps, &rods::clamps(initial))?;
         self.write(&s.root_targets, &rods::root_targets(scene, initial))?;
         self.write_hair(hair, initial.origin)?;

@@ -3,7 +3,8 @@
 use glam::{DQuat, DVec3};
 use windswept_scene::{End, Hair, InitialState, Scene, Strands};
 use windswept_shaders::common::rod::{
-    Condition, Health, PointHistory, ROOT_HELD, ROOT_JOINT, Root, Segment, SegmentHistory, Strand, TIP_HELD, TIP_JOINT,
+    Condition, Health, Point, PointHistory, ROOT_HELD, ROOT_JOINT, Root, Segment, SegmentHistory, Strand, TIP_HELD,
+    TIP_JOINT,
 };
 
 use crate::motion::Motions;
@@ -74,6 +75,20 @@ pub(crate) fn strands(scene: &Scene, initial: &InitialState, motions: &Motions) 
         }
     };
     (0..hair.len()).map(strand).collect()
+}
+
+/// Per point: its largest move in a step, max(l, 0.03 L), l the segment before it, and its weight.
+#[must_use]
+pub(crate) fn points(hair: &Strands) -> Vec<Point> {
+    let of_strand = |s: usize| {
+        let lengths = &hair.rest_length[hair.segments(s)];
+        let least = LARGEST_MOVE * lengths.iter().sum::<f64>();
+        let before = std::iter::once(0.0).chain(lengths.iter().copied());
+        before
+            .zip(hair.points(s))
+            .map(move |(length, i)| Point { largest_move: length.max(least) as f32, weight: hair.weight(i) as f32 })
+    };
+    (0..hair.len()).flat_map(of_strand).collect()
 }
 
 /// Per segment.
@@ -184,18 +199,6 @@ fn longest(hair: &Strands) -> u32 {
 fn per_dispatch(all: u32, rounds: u32) -> u32 {
     let most = (ROUNDS / rounds.max(1)).clamp(1, all.max(1));
     (1..=most).rev().find(|&repeats| all.is_multiple_of(repeats)).unwrap_or(1)
-}
-
-/// Largest move of each point in a step, max(l, 0.03 L) \[m\].
-#[must_use]
-pub(crate) fn largest_moves(hair: &Strands) -> Vec<f64> {
-    let mut moves = Vec::with_capacity(hair.positions.len());
-    for s in 0..hair.len() {
-        let lengths = &hair.rest_length[hair.segments(s)];
-        let whole: f64 = lengths.iter().sum();
-        moves.extend(std::iter::once(0.0).chain(lengths.iter().copied()).map(|l| l.max(LARGEST_MOVE * whole)));
-    }
-    moves
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ use windswept_shaders::{
         params::Params,
         pressure::{Gradients, Pressed, Stress},
         reduce::TERMS,
-        rod::{Health, PointHistory, RodPoint, RodSegment, RodStrand, Root, Segment, SegmentHistory, Strand},
+        rod::{Health, Point, PointHistory, RodPoint, RodSegment, RodStrand, Root, Segment, SegmentHistory, Strand},
         row::Row,
         rub::Rub,
         status::Status,
@@ -234,8 +234,8 @@ state! {
     strands: Strand, |s| s.strands;
     /// A segment's rest shape, compliances, fibre radius and fibres.
     segments: Segment, |s| s.segments;
-    /// Largest move of a hair point in a step \[m\].
-    largest_move: f32, |s| s.hair_points;
+    /// Largest move of a hair point in a step \[m\], and its weight over that of the mass that it moves with.
+    points: Point, |s| s.hair_points;
     /// Keyframes of all that moves, motion by motion.
     keyframes: Keyframe, |s| s.keyframes;
     /// A body before it moves: axis, radius, friction, keyframes, grid.

@@ -118,7 +118,7 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
             if point.inverse_mass == 0.0 {
                 return held(points.start, i, drive);
             }
-            let acceleration = p.gravity + part * point.inverse_mass * point.load.force;
+            let acceleration = point.weight * p.gravity + part * point.inverse_mass * point.load.force;
             free_move(p, point.velocity, point.before, point.carried, acceleration, damping(p, point), h)
         };
         points.clone().map(of).collect()

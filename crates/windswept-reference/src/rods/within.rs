@@ -98,6 +98,8 @@ pub struct Point {
     pub push: DVec3,
     /// Inverse mass \[1/kg\].
     pub inverse_mass: f64,
+    /// Weight over that of the mass that it moves with.
+    pub weight: f64,
     /// Largest move in a step \[m\].
     pub largest: f64,
     /// Step h \[s\]; infinite for a point that was put somewhere.

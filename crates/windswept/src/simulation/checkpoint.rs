@@ -26,7 +26,7 @@ use crate::{
 };
 
 /// Format of the files. It rises when a section gets another content, or a buffer that lasts another layout or meaning.
-const FORMAT: u32 = 4;
+const FORMAT: u32 = 5;
 
 const ABOUT: &str = "about";
 const SCENE: &str = "scene";

@@ -1,0 +1,38 @@
+//! Air that light hair carries along.
+
+use crate::{
+    initial::Strands,
+    scene::{Model, Scene},
+};
+
+/// Least mass that a point or a segment moves with where hair is in one fluid with air, of that of the air whose room it takes.
+/// A strand's step is solved after the air's pressure, which takes a point for one that goes where it is pushed. A rod holds it,
+/// and hair that is lighter than the air by orders is then pushed the more from step to step (the added-mass instability of Causin,
+/// Gerbeau and Nobile 2005). Every run of the stress `masses` holds from 0.03 on.
+const LIGHTEST: f64 = 0.1;
+
+impl Strands {
+    /// Lets hair that the model `particles` puts into one fluid with air move with at least a tenth of the mass of the air whose room it
+    /// takes. What it carries of that air has no weight. Does nothing with any other model, nor to hair that carries it already.
+    ///
+    /// [`InitialState::new`](crate::InitialState::new) has done so; it is for who changes masses afterwards.
+    pub fn carry_air(&mut self, scene: &Scene) {
+        let air = scene.air.as_ref().filter(|_| scene.interaction.model == Model::Particles);
+        let Some(density) = air.map(|air| LIGHTEST * air.rest_density) else { return };
+        let segments: Vec<_> = (0..self.len()).flat_map(|s| self.segments(s).zip(self.points(s))).collect();
+        for (k, i) in segments {
+            let volume = 0.5 * (self.volume[i] + self.volume[i + 1]);
+            let most = 1.0 / (0.5 * density * volume * self.rest_length[k].powi(2));
+            self.inverse_inertia[k] = self.inverse_inertia[k].min(most);
+        }
+        for i in 0..self.inverse_mass.len() {
+            let own = self.inverse_mass[i];
+            let with_air = own.min(1.0 / (density * self.volume[i]));
+            if with_air < own {
+                self.weight.resize(self.inverse_mass.len(), 1.0);
+                self.weight[i] *= with_air / own;
+                self.inverse_mass[i] = with_air;
+            }
+        }
+    }
+}
