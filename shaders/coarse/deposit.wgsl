@@ -1,7 +1,11 @@
-// Carries the divergence of air to the nodes of the coarse grid, r, from the cells of the neighbour search.
+// Carries the divergence of air to the nodes of the coarse grid, r, from the cells of the neighbour search. Sixteen lanes share a block of
+// nodes: there are few blocks, and thousands of particles reach each.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::node_index, deposit::{mesh, block_of, deposit},
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::node_index,
+    deposit::{mesh, block_of, deposit, BLOCK},
 };
+
+const LANES: u32 = 16u;   // that share a block, and nodes of one
 
 @group(0) @binding(4) var<storage, read>       brought: array<vec4f>;   // xyz: place in spacings; w: s [1/s], from `source`
 @group(0) @binding(5) var<storage, read_write> coarse:  array<f32>;     // r [1/s]
@@ -12,6 +16,7 @@ var<private> sum_10: vec4f;
 var<private> sum_01: vec4f;
 var<private> sum_11: vec4f;
 var<private> source: f32;
+var<workgroup> sums: array<f32, LANES * WORKGROUP>;   // by lane, then by node, x first
 
 fn bring(e: u32) -> vec3f {
     let one = brought[e];
@@ -28,26 +33,35 @@ fn add(along: vec4f, across: vec4f) {
     sum_11 += across.y * across.w * part;
 }
 
-fn write(node: vec3i, nodes: vec3i, sum: vec4f) {
-    if node.y >= nodes.y || node.z >= nodes.z { return; }
-    write_node(node, nodes, sum.x);
-    write_node(node + vec3i(1, 0, 0), nodes, sum.y);
-    write_node(node + vec3i(2, 0, 0), nodes, sum.z);
-    write_node(node + vec3i(3, 0, 0), nodes, sum.w);
-}
-
-fn write_node(node: vec3i, nodes: vec3i, value: f32) {
-    if node.x < nodes.x { coarse[node_index(node, nodes)] = value; }
+fn keep(lane: u32, row: u32, sum: vec4f) {
+    let at = LANES * lane + 4u * row;
+    sums[at] = sum.x;
+    sums[at + 1u] = sum.y;
+    sums[at + 2u] = sum.z;
+    sums[at + 3u] = sum.w;
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+fn main(
+    @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
     let nodes = mesh.nodes;
-    let block = block_of(invocation(id, groups));
-    if block.z >= nodes.z || frozen() { return; }
-    deposit(block, params.cells);
-    write(block, nodes, sum_00);
-    write(block + vec3i(0, 1, 0), nodes, sum_10);
-    write(block + vec3i(0, 0, 1), nodes, sum_01);
-    write(block + vec3i(0, 1, 1), nodes, sum_11);
+    let block = block_of(invocation(id, groups) / LANES);
+    let part = lane % LANES;
+    if block.z < nodes.z && !frozen() { deposit(block, params.cells, part, LANES); }
+    keep(lane, 0u, sum_00);
+    keep(lane, 1u, sum_10);
+    keep(lane, 2u, sum_01);
+    keep(lane, 3u, sum_11);
+    workgroupBarrier();
+    // Each lane adds up one node of its block.
+    let along = i32(part) % BLOCK.x;
+    let row = i32(part) / BLOCK.x;
+    let node = block + vec3i(along, row % BLOCK.y, row / BLOCK.y);
+    if any(node >= nodes) || frozen() { return; }
+    let first = lane - part;
+    var sum = 0.0;
+    for (var other = first; other < first + LANES; other++) { sum += sums[LANES * other + part]; }
+    coarse[node_index(node, nodes)] = sum;
 }

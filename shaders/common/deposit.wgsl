@@ -2,28 +2,29 @@
 //
 //   D_n = sum_j f_j B(x_j/h_g - n),  B the product of a window along each axis
 //
-// A gather in a fixed order: an invocation makes a block of nodes from the rows of cells that reach it. Particles may be sorted
+// A gather in a fixed order: a block of nodes is made from the rows of cells that reach it, by one lane or by some that share each row. Particles may be sorted
 // into any cells that fill the box; a grid finer than those would read many particles in vain. A pass reads a particle in `bring`,
 // which returns its place in spacings, and adds what it has read to its sums in `add`.
 import package::common::mesh::{Mesh, weights, window_of, node_index};
 import package::pass::{bring, add};
 
-// Nodes that an invocation makes along each axis: four along x have their weights in one vec4f.
+// Nodes of a block along each axis: four along x have their weights in one vec4f.
 const BLOCK: vec3i = vec3i(4, 2, 2);
 
 @group(0) @binding(2) var<uniform>       mesh:       Mesh;
 @group(0) @binding(3) var<storage, read> cell_start: array<u32>;
 
-// The first node of the block that an invocation makes. Beyond the last block its z is not among the nodes.
-fn block_of(invocation: u32) -> vec3i {
+// The first node of the block of this number. Beyond the last block its z is not among the nodes.
+fn block_of(number: u32) -> vec3i {
     let blocks = (mesh.nodes + BLOCK - 1) / BLOCK;
-    let row = i32(invocation) / blocks.x;
+    let row = i32(number) / blocks.x;
     let layer = row / blocks.y;
-    return BLOCK * vec3i(i32(invocation) - row * blocks.x, row - layer * blocks.y, layer);
+    return BLOCK * vec3i(i32(number) - row * blocks.x, row - layer * blocks.y, layer);
 }
 
-// Adds all particles that reach a block; so many cells fill the box.
-fn deposit(block: vec3i, cells: vec3i) {
+// Adds what reaches a block: of the particles of each row every one that is a lane's, where so many lanes share the row. So many cells
+// fill the box.
+fn deposit(block: vec3i, cells: vec3i, lane: u32, lanes: u32) {
     let nodes = mesh.nodes;
     let window = window_of(mesh.order);
     let scale = vec3f(cells) / vec3f(nodes);   // cells from node to node
@@ -42,12 +43,12 @@ fn deposit(block: vec3i, cells: vec3i) {
     var e = 0u;
     var end = 0u;
     loop {
-        if e == end {
+        if e >= end {
             if place.z == last.z { break; }
             // A row is read in runs of cells that end where the box repeats.
             let run = min(last.x - place.x, cells.x - cell.x);
             let begin = node_index(cell, cells);
-            e = cell_start[begin];
+            e = cell_start[begin] + lane;
             end = cell_start[begin + u32(run)];
             seen = vec3f(corner);
             place.x += run;
@@ -75,7 +76,7 @@ fn deposit(block: vec3i, cells: vec3i) {
         if e < end {
             let t = bring(e) - seen;
             add(weights(window, vec4f(t.x, t.x - 1.0, t.x - 2.0, t.x - 3.0)), weights(window, vec4f(t.y, t.y - 1.0, t.z, t.z - 1.0)));
-            e++;
+            e += lanes;
         }
     }
 }

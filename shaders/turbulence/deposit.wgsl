@@ -49,7 +49,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let block = block_of(invocation(id, groups));
     if block.z >= nodes.z || frozen() { return; }
     per_spacing = 1.0 / mesh.spacing;
-    deposit(block, nodes);
+    deposit(block, nodes, 0u, 1u);
     write(block, nodes, sum_00);
     write(block + vec3i(0, 1, 0), nodes, sum_10);
     write(block + vec3i(0, 0, 1), nodes, sum_01);

@@ -81,7 +81,7 @@ pub struct Plan {
     /// Elements of `mesh` with the coarse grid, one per axis.
     pub coarse_axes: [Index<Mesh>; 3],
     /// Invocations of the deposit on the coarse grid.
-    pub coarse_blocks: u32,
+    pub coarse_depositors: u32,
     /// Whether density is needed although the constraint is not solved.
     pub density_alone: Decision,
     /// Whether air or the mean wind drags segments.
@@ -230,7 +230,7 @@ impl Plan {
             coarse,
             coarse_axes: [0, 1, 2]
                 .map(|axis| Index::new(setup.coarse.as_ref().map_or(0, |coarse| coarse.first) + axis)),
-            coarse_blocks: setup.coarse.as_ref().map_or(0, Coarse::blocks),
+            coarse_depositors: setup.coarse.as_ref().map_or(0, Coarse::depositors),
             density_alone,
             friction,
             exchange: hair_meets_air.and(Decision::when(two_way, "only interaction.model two-way exchanges drag")),
