@@ -4,7 +4,7 @@
 // than the kernel radius to any of them. Its eight invocations, one per particle, read a batch of eight entries at once, one
 // each; then each of them meets all eight. A pass says what it needs of a neighbour, in `see`, and what a pair adds to its sums, in `meet`.
 // A pair that was not nearer than the kernel radius when the list was made does not meet, wherever it is by now.
-import package::common::{params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}};
+import package::common::{params::{params, TWO_WAY}, cells::is_air, dispatch::{invocation, WORKGROUP}};
 import package::common::lanes::{Near, LANES, lane_of, show, shown_by, largest_of_all};
 import package::common::list::{PARTICLES, BATCHES, GROUP, NOBODY, INDEX, IMAGE_BITS, FRAME_BITS, FAR, groups_of};
 import package::common::page::{of_page, in_page, workgroups_of_page};
@@ -54,6 +54,11 @@ fn word_of(first: u32, lane: u32) -> u32 {
 
 fn has_none() -> bool {
     return nobody;
+}
+
+// The same in a pass over hair alone: where its workgroups fold into rows, the last ones are beyond hair and have air.
+fn has_no_hair(particle: u32) -> bool {
+    return nobody || is_air(particle);
 }
 
 // The place of an invocation in the order of clusters, in a pass over all of them or over those of air, of a page. Clusters of hair come

@@ -10,7 +10,7 @@
 // by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen, lanes::Near, pairs::Pair, rub::{Rub, pressed},
-    clusters::{take_particle, has_none, of_all, meet_own_kind}, owner::{Points, points_with, holds},
+    clusters::{take_particle, has_no_hair, of_all, meet_own_kind}, owner::{Points, points_with, holds},
 };
 
 @group(0) @binding(2) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -71,7 +71,7 @@ fn main(
     own = rubbing[i];
     own_squeezed = squeezed[i];
     meet_own_kind(x.xyz);
-    if has_none() { return; }
+    if has_no_hair(i) { return; }
     shift[i] = vec4f(params.step * own.inverse_mass * change, 0.0);
     let kept = grip[i].xyz + own.inverse_mass * slid;
     grip[i] = vec4f(held / max(most, LEAST) * kept, 0.0);

@@ -1,6 +1,6 @@
 // How hard the density constraint squeezes a hair point between the points of other strands: P_i = w_i sum_j p_ij [m/s].
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, pairs::Pair, rub::{Rub, pressed}, clusters::{take_particle, has_none, of_all, meet_own_kind},
+    params::params, dispatch::WORKGROUP, lanes::Near, pairs::Pair, rub::{Rub, pressed}, clusters::{take_particle, has_no_hair, of_all, meet_own_kind},
     owner::{Points, points_with, holds},
 };
 
@@ -34,6 +34,6 @@ fn main(
     let own = rubbing[i];
     own_multiplier = own.multiplier;
     meet_own_kind(x.xyz);
-    if has_none() { return; }
+    if has_no_hair(i) { return; }
     squeezed[i] = own.inverse_mass * sum;
 }

@@ -8,7 +8,7 @@ use crate::{
 /// Least mass that a point or a segment moves with where hair is in one fluid with air, of that of the air whose room it takes.
 /// A strand's step is solved after the air's pressure, which takes a point for one that goes where it is pushed. A rod holds it,
 /// and hair that is lighter than the air by orders is then pushed the more from step to step (the added-mass instability of Causin,
-/// Gerbeau and Nobile 2005). Every run of the stress `masses` holds from 0.03 on.
+/// Gerbeau and Nobile 2005). Every run of the stress `masses` holds from 0.01 on.
 const LIGHTEST: f64 = 0.1;
 
 impl Strands {
