@@ -289,7 +289,7 @@ impl Strands {
                 return fault(format!("{name}: expected {strands} rows or none, found {found}"));
             }
         }
-        if self.weight.len() != 0 && self.weight.len() != points {
+        if !self.weight.is_empty() && self.weight.len() != points {
             return fault(format!("weight: expected {points} rows or none, found {}", self.weight.len()));
         }
         if let Some(i) = (0..points).find(|&i| !(0.0..=1.0).contains(&self.weight(i))) {
