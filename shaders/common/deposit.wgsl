@@ -22,8 +22,8 @@ fn block_of(number: u32) -> vec3i {
     return BLOCK * vec3i(i32(number) - row * blocks.x, row - layer * blocks.y, layer);
 }
 
-// Adds what reaches a block: of the particles of each row every one that is a lane's, where so many lanes share the row. So many cells
-// fill the box.
+// Adds the particles that reach a block. Where `lanes` lanes share it, lane k takes the particles k, k + lanes, k + 2 lanes, ... of each row
+// of cells. There are `cells` in the box along each axis.
 fn deposit(block: vec3i, cells: vec3i, lane: u32, lanes: u32) {
     let nodes = mesh.nodes;
     let window = window_of(mesh.order);

@@ -19,5 +19,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let all = length(hair_force[p].xyz);
     if w == 0.0 || all == 0.0 { return; }
     let felt = min(length(rod_points[p].force) / all, 1.0);
-    drag_impulse[p] -= vec4f(params.step * felt / w * pushed[p].xyz, 0.0);
+    drag_impulse[p] -= vec4f(params.step * felt * rod_points[p].weight / w * pushed[p].xyz, 0.0);
 }

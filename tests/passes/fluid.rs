@@ -161,7 +161,8 @@ impl Walk<'_> {
         }
         for omega in fluid::relaxations(p.pressure_iterations) {
             let rate = fluid::divergence(&p, &w.predicted, &w.new_velocity, volume, &w.near, &w.moments);
-            let each = |i: usize| fluid::relax(omega, rate[i], &w.moments[i], w.pressed[i].pressure);
+            let each =
+                |i: usize| fluid::relax(omega, p.part(s.volume[i]), rate[i], &w.moments[i], w.pressed[i].pressure);
             let mu: Vec<f64> = (0..rate.len()).map(each).collect();
             w.pressed.iter_mut().zip(&mu).for_each(|(pressed, mu)| pressed.pressure += mu);
             assert!(passes.through("fluid/divergence"));

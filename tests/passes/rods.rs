@@ -194,7 +194,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::wind::SAMPLE, "hair / params.air_density", "0.9 * hair / params.air_density", TWO_WAY),
     (&shaders::wind::DRAG, "params.lift", "0.9 * params.lift", DRAG),
     (&shaders::force::FEEL, "gale_at(air.position).wind", "0.9 * gale_at(air.position).wind", FIELDS_ON_HAIR),
-    (&shaders::force::PUSH_HAIR, "pushed[p].xyz / w", "0.9 * pushed[p].xyz / w", PUSHED),
+    (&shaders::force::PUSH_HAIR, "/ w * pushed[p].xyz", "/ w * 0.9 * pushed[p].xyz", PUSHED),
     (&shaders::force::KEEP, "params.step * felt", "0.9 * params.step * felt", PUSHED),
     (&shaders::rods::LOAD, "params.step * point.inverse_mass", "0.9 * params.step * point.inverse_mass", TWO_WAY),
     (

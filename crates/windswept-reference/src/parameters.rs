@@ -188,6 +188,12 @@ impl Parameters {
         }
     }
 
+    /// Part of a parcel of air that a particle of this volume \[m³\] is.
+    #[must_use]
+    pub fn part(&self, volume: f64) -> f64 {
+        volume / self.air_volume
+    }
+
     /// Whether particle `i` is air.
     #[must_use]
     pub fn is_air(&self, i: usize) -> bool {

@@ -116,9 +116,9 @@ pub fn feel(s: &state::State, w: &Scratch, p: &Parameters) -> Vec<Local> {
 
 /// Adds the force m a of the acceleration that was set to the load of each hair point that nothing holds.
 pub fn push_hair(s: &mut state::State, w: &mut Scratch, _: &Parameters) {
-    for ((load, a), inverse_mass) in w.hair_force.iter_mut().zip(&s.pushed).zip(&s.inverse_mass) {
-        if *inverse_mass > 0.0 {
-            load.force += *a / *inverse_mass;
+    for (i, (load, a)) in w.hair_force.iter_mut().zip(&s.pushed).enumerate() {
+        if s.inverse_mass[i] > 0.0 {
+            load.force += s.hair.weight(i) / s.inverse_mass[i] * *a;
         }
     }
 }
@@ -131,7 +131,7 @@ pub fn keep(s: &state::State, w: &Scratch, p: &Parameters) -> Vec<DVec3> {
     for (i, a) in s.pushed.iter().enumerate().take(p.hair_points) {
         let (all, felt) = (w.hair_force[i].force.length(), w.moving.points[i].load.force.length());
         if s.inverse_mass[i] > 0.0 && all > 0.0 {
-            impulses[i] -= p.step * (felt / all).min(1.0) / s.inverse_mass[i] * *a;
+            impulses[i] -= p.step * (felt / all).min(1.0) / s.inverse_mass[i] * s.hair.weight(i) * *a;
         }
     }
     impulses

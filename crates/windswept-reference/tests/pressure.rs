@@ -94,7 +94,7 @@ fn gradients_of_disordered_sums_are_corrected() {
 fn a_surface_is_pushed_and_not_pulled() {
     let thin = Moments { density: 0.5, correction: DMat3::IDENTITY, diagonal: 2.0 };
     let whole = Moments { density: 0.7, ..thin };
-    let relax = |rate: f64, moments: &Moments, lambda: f64| fluid::relax(0.5, rate, moments, lambda);
+    let relax = |rate: f64, moments: &Moments, lambda: f64| fluid::relax(0.5, 1.0, rate, moments, lambda);
     // Compressed, parted without and with pressure; inside pressure pulls as well.
     assert_eq!([relax(4.0, &thin, 0.0), relax(-4.0, &thin, 0.0), relax(-4.0, &thin, -0.3)], [-1.0, 0.0, 0.3]);
     assert_eq!(relax(-4.0, &whole, 0.0), 1.0);

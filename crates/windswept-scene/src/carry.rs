@@ -1,5 +1,7 @@
 //! Air that light hair carries along.
 
+use std::collections::BTreeMap;
+
 use crate::{
     initial::Strands,
     scene::{Model, Scene},
@@ -13,26 +15,40 @@ const LIGHTEST: f64 = 0.1;
 
 impl Strands {
     /// Lets hair that the model `particles` puts into one fluid with air move with at least a tenth of the mass of the air whose room it
-    /// takes. What it carries of that air has no weight. Does nothing with any other model, nor to hair that carries it already.
+    /// takes. What it carries of that air has no weight, and no part in a force that a caller sets. Does nothing with any other model, nor
+    /// to hair that carries it already. Returns a warning for each group of strands that carries more than before.
     ///
-    /// [`InitialState::new`](crate::InitialState::new) has done so; it is for who changes masses afterwards.
-    pub fn carry_air(&mut self, scene: &Scene) {
+    /// [`InitialState::new`](crate::InitialState::new) and the engine, where it starts from a caller's arrays, do so.
+    pub fn carry_air(&mut self, scene: &Scene) -> Vec<String> {
         let air = scene.air.as_ref().filter(|_| scene.interaction.model == Model::Particles);
-        let Some(density) = air.map(|air| LIGHTEST * air.rest_density) else { return };
+        let Some(density) = air.map(|air| LIGHTEST * air.rest_density) else { return Vec::new() };
         let segments: Vec<_> = (0..self.len()).flat_map(|s| self.segments(s).zip(self.points(s))).collect();
         for (k, i) in segments {
             let volume = 0.5 * (self.volume[i] + self.volume[i + 1]);
             let most = 1.0 / (0.5 * density * volume * self.rest_length[k].powi(2));
             self.inverse_inertia[k] = self.inverse_inertia[k].min(most);
         }
-        for i in 0..self.inverse_mass.len() {
-            let own = self.inverse_mass[i];
-            let with_air = own.min(1.0 / (density * self.volume[i]));
-            if with_air < own {
-                self.weight.resize(self.inverse_mass.len(), 1.0);
-                self.weight[i] *= with_air / own;
-                self.inverse_mass[i] = with_air;
+        let mut light: BTreeMap<String, [usize; 2]> = BTreeMap::new();
+        for s in 0..self.len() {
+            let counted = light.entry(self.origin(s, scene)).or_default();
+            for i in self.points(s) {
+                let own = self.inverse_mass[i];
+                let with_air = own.min(1.0 / (density * self.volume[i]));
+                if with_air < own {
+                    self.weight.resize(self.inverse_mass.len(), 1.0);
+                    self.weight[i] *= with_air / own;
+                    self.inverse_mass[i] = with_air;
+                    counted[0] += 1;
+                }
+                counted[1] += 1;
             }
         }
+        let warning = |(origin, [few, all]): (String, [usize; 2])| {
+            format!(
+                "{few} of the {all} points of {origin} are lighter than a tenth of the air whose room they take, and move with that \
+                 mass: interaction.model = \"two-way\" takes hair of any mass as it is"
+            )
+        };
+        light.into_iter().filter(|(_, [few, _])| *few > 0).map(warning).collect()
     }
 }

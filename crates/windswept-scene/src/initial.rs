@@ -430,13 +430,12 @@ impl InitialState {
         }
         hair.consistent()?;
         hair.representable(scene)?;
-        hair.carry_air(scene);
+        warnings.extend(hair.carry_air(scene));
         let bodies: Vec<Shape> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
         rooted_outside(scene, &hair, &bodies)?;
         let substeps = hair.substeps(scene);
         warnings.extend(warnings::of_idle(scene));
         warnings.extend(warnings::of_rods(scene, &hair));
-        warnings.extend(warnings::of_light_hair(scene, &hair));
         warnings.extend(warnings::of_friction(scene, &hair));
         warnings.extend(warnings::of_bodies(&hair, &bodies));
         warnings.extend(warnings::of_meshes(scene));

@@ -151,16 +151,6 @@ pub(crate) fn of_rods(scene: &Scene, hair: &Strands) -> Vec<String> {
     )]
 }
 
-/// A warning for each group of strands of which points carry air along, as they are too light for air that they are in one fluid with.
-pub(crate) fn of_light_hair(scene: &Scene, hair: &Strands) -> Vec<String> {
-    let light = (0..hair.len()).filter(|&s| hair.points(s).any(|i| hair.weight(i) < 1.0));
-    let mut origins: Vec<String> = light.map(|s| hair.origin(s, scene)).collect();
-    origins.dedup();
-    let words = "is lighter than a tenth of the air whose room it takes, and moves with that mass: interaction.model = \"two-way\" takes \
-                 hair of any mass as it is";
-    origins.iter().map(|origin| format!("{origin} {words}")).collect()
-}
-
 /// A warning for each group of strands whose friction was chosen where nothing presses hair on hair.
 pub(crate) fn of_friction(scene: &Scene, hair: &Strands) -> Vec<String> {
     let Some(why) = scene.why_no_friction() else { return Vec::new() };

@@ -110,13 +110,13 @@ impl Simulation {
     }
 
     /// A simulation that starts from the caller's own arrays; the scene's `[hair]` and lattice are not looked at. Hair that is too light for
-    /// the model `particles` carries air along: [`Strands::carry_air`](windswept_scene::Strands::carry_air).
+    /// the model `particles` carries air along, with a warning: [`Strands::carry_air`](windswept_scene::Strands::carry_air).
     ///
     /// # Errors
     /// [`Error::Scene`] when the arrays do not belong together, [`Error::Gpu`] when they do not fit the adapter.
     pub fn with_state(gpu: &Gpu, scene: &Scene, mut initial: InitialState) -> Result<Self, Error> {
         initial.check()?;
-        initial.hair.carry_air(scene);
+        initial.warnings.extend(initial.hair.carry_air(scene));
         let (given, mut scene) = (scene.clone(), scene.clone());
         scene.time.substeps = initial.hair.substeps(&scene);
         let setup = Setup::new(&scene, &initial);

@@ -92,8 +92,9 @@ pub(super) fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     }
     for omega in relaxations(p.pressure_iterations) {
         let rate = divergence(p, &w.predicted, &w.new_velocity, volume, &w.near, &w.moments);
-        let mu: Vec<f64> =
-            (0..rate.len()).map(|i| relax(omega, rate[i], &w.moments[i], w.pressed[i].pressure)).collect();
+        let mu: Vec<f64> = (0..rate.len())
+            .map(|i| relax(omega, p.part(volume[i]), rate[i], &w.moments[i], w.pressed[i].pressure))
+            .collect();
         w.pressed.iter_mut().zip(&mu).for_each(|(pressed, mu)| pressed.pressure += mu);
         give(w, push(p, &w.predicted, mass, volume, &w.near, &w.moments, &mu));
     }
@@ -259,10 +260,11 @@ pub fn divergence(
     (0..x.len()).map(|i| others(p, near, i).map(|j| pair(i, j)).sum()).collect()
 }
 
-/// Increment μ = −ω s/a of a multiplier λ \[m²/s\]; at a surface λ + μ is no more than 0.
+/// Increment μ = −ω (V/V_air) s/a of a multiplier λ \[m²/s\] of a particle that is this part V/V_air of a parcel of air; at a surface
+/// λ + μ is no more than 0.
 #[must_use]
-pub fn relax(omega: f64, rate: f64, moments: &Moments, lambda: f64) -> f64 {
-    let increment = -omega * rate / (moments.diagonal * (CROWD * moments.density).max(1.0));
+pub fn relax(omega: f64, part: f64, rate: f64, moments: &Moments, lambda: f64) -> f64 {
+    let increment = -omega * part * rate / (moments.diagonal * (CROWD * moments.density).max(1.0));
     if moments.density < THIN { increment.min(-lambda) } else { increment }
 }
 

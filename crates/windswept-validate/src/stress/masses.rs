@@ -12,7 +12,8 @@ use crate::{
     momentum::{exchanged, received},
 };
 
-pub(super) const SWEPT: &str = "neighbouring points of masses 1 : 1e4; hair of 1e-4 to 1e3 times its mass; 1 to 1000 fibres; \
+pub(super) const SWEPT: &str = "neighbouring points of masses 1 : 1e4; hair of 1e-4 to 1e3 times its mass, of which with particles none \
+    moves with less than a tenth of that of its air; 1 to 1000 fibres; \
     each model and fluid solver: loose strands in swirling air without wind, clamped ones in 10 m/s, and without air level ones that fall";
 
 /// Loose strands in a closed box.

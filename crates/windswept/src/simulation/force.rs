@@ -35,8 +35,9 @@ impl Simulation {
     /// Sets a force, which pushes hair points and air particles with these accelerations from the next step on, until another one is
     /// set; without any accelerations nothing is pushed any more. It takes the place of a callback ([`Self::set_force_by`]).
     ///
-    /// A hair point has the force m a, which its rod takes implicitly; a held point ignores it. A strand that sleeps wakes when its
-    /// force changes. Air has a Δt added to its velocity in each step; pressure then takes out what would compress the air, and what
+    /// A hair point has the force m a, which its rod takes implicitly; m is its own mass, without that of air which it carries
+    /// ([`Strands::carry_air`](windswept_scene::Strands::carry_air)). A held point ignores it. A strand that sleeps wakes when its force
+    /// changes. Air has a Δt added to its velocity in each step; pressure then takes out what would compress the air, and what
     /// blows through the fringe is still held at the mean wind. The air does not lose what hair gets from this force.
     ///
     /// # Errors
