@@ -54,6 +54,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let sizes = [
         ("2 points", (2, radius, SHORT)),
         ("35 points", USUAL_IN_AIR),
+        ("128 points", (128, radius, SHORT)),
         ("radius 1 µm, length 1 mm", (9, 1e-6, 1e-3)),
         ("radius 500 µm", (9, 5e-4, SHORT)),
     ];
