@@ -8,7 +8,7 @@ use windswept_shaders as shaders;
 
 use crate::{
     stage::{Passes, Stage, each, stirred, xyz},
-    steps::{BOUNDS, CROWDED, DIVERGENCE, Fault, PARTICLES, PRESSED_HAIR},
+    steps::{BOUNDS, CROWDED, DIVERGENCE, Fault, LIGHT_HAIR, PARTICLES, PRESSED_HAIR},
     support,
     walk::{Bounds, Same, Walk, apart, largest, numbers_apart, walk},
 };
@@ -303,6 +303,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::MOMENTS, "FLOOR: f32 = 0.02", "FLOOR: f32 = 0.03", DIVERGENCE),
     (&shaders::fluid::PUSH, "own.w * (of_own", "0.9 * own.w * (of_own", DIVERGENCE),
     (&shaders::fluid::DIVERGENCE, "- relaxation * sum", "- 0.9 * relaxation * sum", DIVERGENCE),
+    (&shaders::fluid::DIVERGENCE, "(own.w / params.air_volume)", "1.0", LIGHT_HAIR),
     (&shaders::fluid::IMPULSE, "LASTING: f32 = 1.5", "LASTING: f32 = 1.4", PRESSED_HAIR),
     (&shaders::coarse::SOURCE, "max(1.0, density[i])", "max(1.1, density[i])", DIVERGENCE),
     (&shaders::coarse::SOURCE, "sorted_position[e].xyz /", "0.9 * sorted_position[e].xyz /", DIVERGENCE),
