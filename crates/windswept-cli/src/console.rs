@@ -3,6 +3,8 @@
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
 
+use windswept_scene::spelled;
+
 use crate::failure::Failure;
 
 pub(crate) struct Console<'a> {
@@ -48,7 +50,7 @@ impl<'a> Console<'a> {
     }
 
     pub(crate) fn warn(&mut self, what: impl Display) {
-        self.note(format_args!("warning: {what}"));
+        self.note(format_args!("warning: {}", spelled(&what.to_string())));
     }
 
     pub(crate) fn failure(&mut self, failure: &Failure) {

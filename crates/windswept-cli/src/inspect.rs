@@ -4,7 +4,7 @@ use std::path::Path;
 
 use windswept::{AdapterChoice, Gpu};
 use windswept_export::{Followers, Schedule};
-use windswept_scene::{Force, InitialState, Scene};
+use windswept_scene::{Force, InitialState, Scene, spelled};
 
 use crate::arguments::{Changes, SceneOptions};
 use crate::console::Console;
@@ -32,7 +32,7 @@ pub(crate) fn check(
         console.print("");
     }
     for (what, value) in summary(&scene, &initial)? {
-        console.print(format_args!("{what:<9} {value}"));
+        console.print(format_args!("{what:<9} {}", spelled(&value)));
     }
     for warning in initial.warnings.iter().cloned().chain(Schedule::warning(&scene.time)) {
         console.warn(warning);

@@ -291,6 +291,30 @@ fn a_closed_pipe_is_no_defect() {
     }
 }
 
+/// What a scene calls itself cannot move the cursor of who looks at it.
+#[test]
+fn control_characters_are_spelled() {
+    let folder = folder();
+    let named = [
+        "--set",
+        "title=\"a\\u001b[2Jb\"",
+        "--set",
+        "hair.friction=0.7",
+        "--set",
+        "hair.name=\"c\\u0007d\"",
+        "--set",
+        "interaction.model=none",
+    ];
+    let checked = windswept(folder.path(), &[&["check", "scene.toml"][..], &named].concat())
+        .output()
+        .expect("the program starts");
+    assert_eq!(checked.status.code(), Some(0), "{checked:?}");
+    let [said, warned] = [&checked.stdout, &checked.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
+    assert!(said.contains("a\\u{1b}[2Jb"), "{said}");
+    assert!(warned.contains("c\\u{7}d"), "{warned}");
+    assert!(!said.contains('\u{1b}') && !warned.contains('\u{7}'), "{said}{warned}");
+}
+
 /// `check` says how much there is, `plan` what runs and why the rest does not.
 #[test]
 fn looking_needs_no_folder() {

@@ -22,8 +22,10 @@ struct Fault {
     argument: bool,
 }
 
-/// The text with its control characters spelled, `\u{1b}`; all others stay. What is spelled stays so if it is spelled again.
-fn spelled(text: &str) -> Cow<'_, str> {
+/// The text with its control characters spelled, `\u{1b}`, as a terminal may show it; all others stay. What is spelled stays so if it is
+/// spelled again.
+#[must_use]
+pub fn spelled(text: &str) -> Cow<'_, str> {
     if !text.contains(char::is_control) {
         return text.into();
     }

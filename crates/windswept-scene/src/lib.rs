@@ -36,7 +36,7 @@ mod write;
 
 pub use body::{Body, Round, Shape};
 pub use curves::{Curves, Dropped, GroomFormat, npy_head};
-pub use error::SceneError;
+pub use error::{SceneError, spelled};
 pub use force::{Force, ForceField, Strength};
 pub use groom::{Groom, PerStrand, RestCurvature, RestShape};
 pub use initial::{AirParticles, End, Ends, InitialState, Strands};

@@ -103,8 +103,12 @@ fn remedy(array: &str, fits: u64) -> String {
         "orientation" | "segments" | "segment_history" | "rod_segments" | "factors" => {
             format!("about {fits} segments would fit: expected fewer hair.points or hair.strands")
         }
+        "point_history" | "rod_points" | "points" | "inverse_mass" | "hair_force" | "drag_impulse" | "grip"
+        | "rubbing" => {
+            format!("about {fits} hair points would fit: expected fewer hair.strands or hair.points")
+        }
         _ => format!(
-            "about {fits} particles would fit: expected a larger air.particle_mass, a smaller air.box or fewer hair.points"
+            "about {fits} particles would fit: expected a larger air.particle_mass, a smaller air.box or fewer hair.strands"
         ),
     }
 }

@@ -37,9 +37,7 @@ impl Memory {
     /// Allocates everything, zeroed, after checking each size.
     pub(crate) fn new(gpu: &Gpu, state: &State, sharing: Sharing) -> Result<Self, GpuError> {
         let arrays = state.arrays();
-        for array in &arrays {
-            check_size(gpu, state, array)?;
-        }
+        check_sizes(gpu, &arrays)?;
         let buffers = sharing.largest(&arrays).iter().map(|array| allocate(gpu, array)).collect::<Result<_, _>>()?;
         let mut rows = vec![0; arrays.len()];
         for array in &arrays {
@@ -216,15 +214,13 @@ pub(super) fn format(texel: u32) -> wgpu::TextureFormat {
     }
 }
 
-fn check_size(gpu: &Gpu, state: &State, array: &AnyArray) -> Result<(), GpuError> {
+/// Names the largest of the arrays that are too large: it says how much would fit of what they hold.
+fn check_sizes(gpu: &Gpu, arrays: &[AnyArray]) -> Result<(), GpuError> {
     let limit = gpu.largest_binding();
-    if array.bytes() <= limit {
-        return Ok(());
-    }
-    // What there are as many of may have an array of larger elements.
-    let same = state.arrays().into_iter().filter(|other| other.len() == array.len());
-    let each = same.map(|other| other.stride()).max().unwrap_or(array.stride());
-    Err(GpuError::TooLarge { array: array.name(), bytes: array.bytes(), limit, fits: limit / each })
+    let largest = arrays.iter().filter(|array| array.bytes() > limit).max_by_key(|array| array.bytes());
+    largest.map_or(Ok(()), |array| {
+        Err(GpuError::TooLarge { array: array.name(), bytes: array.bytes(), limit, fits: limit / array.stride() })
+    })
 }
 
 fn allocate(gpu: &Gpu, array: &AnyArray) -> Result<wgpu::Buffer, GpuError> {
