@@ -160,6 +160,8 @@ fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<
     let run = Run::new(schedule, next, LENGTH);
     let run = every.into_iter().fold(run, |run, every| run.with_checkpoints(every, Some(now)));
     let filmed = Filmed { simulation, recording, lost: None, notes, checkpoint: path };
+    // A kill before the next checkpoint leaves a run that goes on as this one was asked to.
+    filmed.save()?;
     Ok(Begun { filmed, run, output, steps, _lock })
 }
 

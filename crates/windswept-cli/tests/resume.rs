@@ -267,6 +267,26 @@ fn a_refused_run_keeps_its_frames() {
     assert!(!out.join("frames/0002.png").exists());
 }
 
+/// What a run that goes on was asked for holds after a kill, however far its next checkpoint was.
+#[test]
+fn a_kill_does_not_undo_what_was_asked_for() {
+    let folder = folder();
+    let begun = run(folder.path(), &["--steps", "13", "--checkpoint-every", "1000"]);
+    assert_eq!(begun.status.code(), Some(0), "{begun:?}");
+    let more = ["--steps", "100000", "--checkpoint-every", "2000", "--formats", "png"];
+    let mut command = windswept(folder.path(), &[&["run", "--resume", "out"], &more[..]].concat());
+    let mut child = command.stderr(Stdio::null()).stdout(Stdio::null()).spawn().expect("the program starts");
+    while !folder.path().join("out/frames/0002.png").exists() {
+        assert!(child.try_wait().expect("a child").is_none(), "ended by itself");
+        sleep(Duration::from_millis(5));
+    }
+    child.kill().expect("it is ours");
+    child.wait().expect("an end");
+    let kept = Checkpoint::open(folder.path().join("out/checkpoint.windswept")).expect("a checkpoint");
+    let (steps, formats, every, _): Notes = kept.notes().expect("the notes of a run");
+    assert_eq!((steps, formats, every), (Some(100_000), vec!["png".to_owned()], Some(2000)));
+}
+
 /// The first checkpoint is written at the start, behind the first frame.
 #[test]
 fn a_checkpoint_is_there_from_the_start() {
