@@ -144,6 +144,34 @@ fn half_a_checkpoint_is_replaced() {
     refused(&run(folder.path(), &["--steps", "1", "--overwrite"]), "checkpoint.windswept.part: is a folder");
 }
 
+/// What a link in a run's folder leads to is somebody else's: a run that goes on replaces a link in the place of what it writes anew,
+/// and is refused where a film would grow at the end of one.
+#[test]
+fn a_run_that_goes_on_writes_through_no_link() {
+    let folder = folder();
+    begun(folder.path(), "png,usd,vtkhdf");
+    let (out, other) = (folder.path().join("out"), folder.path().join("other"));
+    for name in ["hair.usda", "hair.vtkhdf"] {
+        fs::rename(out.join(name), &other).expect("a film");
+        symlink("../other", out.join(name)).expect("a link");
+        let before = fs::read(&other).expect("a film");
+        refused(&resume(folder.path(), &["--steps", "26"]), &format!("{name}: is a link; expected the file itself"));
+        assert!(fs::read(&other).expect("a film") == before, "{name} was touched");
+        fs::rename(&other, out.join(name)).expect("a film");
+    }
+    fs::write(&other, "precious").expect("a file");
+    fs::remove_file(out.join("preview.gif")).expect("a preview");
+    for name in ["checkpoint.windswept.part", "preview.gif"] {
+        symlink("../other", out.join(name)).expect("a link");
+    }
+    // Long enough for a preview.
+    let on = resume(folder.path(), &["--steps", "72"]);
+    assert_eq!(on.status.code(), Some(0), "{on:?}");
+    assert_eq!(fs::read_to_string(&other).expect("a file"), "precious");
+    assert!(!listing(&out).contains(&"checkpoint.windswept.part".to_owned()));
+    assert!(["checkpoint.windswept", "preview.gif"].iter().all(|name| !out.join(name).is_symlink()));
+}
+
 /// A checkpoint that cannot be begun says which file is in its way.
 #[test]
 fn the_file_beside_a_checkpoint_is_named() {
