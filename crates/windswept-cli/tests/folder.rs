@@ -172,6 +172,29 @@ fn a_run_that_goes_on_writes_through_no_link() {
     assert!(["checkpoint.windswept", "preview.gif"].iter().all(|name| !out.join(name).is_symlink()));
 }
 
+/// Whoever wants to read a run that is under way hears that it is.
+#[test]
+fn a_run_under_way_is_not_read() {
+    let folder = folder();
+    let begin = ["run", "scene.toml", "--out", "out", "--adapter", "software", "--steps", "100000"];
+    let first = long_run(folder.path(), &mut windswept(folder.path(), &begin));
+    let (out, started) = (folder.path().join("out"), Instant::now());
+    while !out.join("frames/0001.png").exists() && started.elapsed() < Duration::from_secs(60) {
+        sleep(Duration::from_millis(5));
+    }
+    for command in [
+        &["render", "out", "--overwrite"][..],
+        &["render", "out", "--contact-sheet", "0"],
+        &["export", "out", "--format", "npz"],
+        &["spectrum", "out"],
+    ] {
+        let output = windswept(folder.path(), command).output().expect("the program starts");
+        refused(&output, "another run is writing here");
+    }
+    assert!(out.join("frames/0001.png").exists());
+    kill(first);
+}
+
 /// A checkpoint that cannot be begun says which file is in its way.
 #[test]
 fn the_file_beside_a_checkpoint_is_named() {
