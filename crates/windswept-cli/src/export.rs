@@ -109,7 +109,11 @@ impl Converter {
         let program = "import sys; from pxr import Sdf; Sdf.Layer.FindOrOpen(sys.argv[1]).Export(sys.argv[2])";
         let part = to.with_extension("part.usdc");
         let ran = Command::new(&self.0).args(["-c", program]).args([from, &part]).output();
-        let failed = |why: String| Failure::Run(format!("{}: {why}", to.display()));
+        let failed = |why: String| {
+            // Half a film is none, and why it is only half is what counts.
+            let _ = fs::remove_file(&part);
+            Failure::Run(format!("{}: {why}", to.display()))
+        };
         let ran = ran.map_err(|e| failed(e.to_string()))?;
         if !ran.status.success() {
             let words = String::from_utf8_lossy(&ran.stderr);

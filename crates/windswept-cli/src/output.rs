@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use windswept::Simulation;
 use windswept_export::{FORMATS, Folder, Kind, LOCK, Lock, Pictures, real_path};
+use windswept_scene::AtomicFile;
 
 use crate::arguments::RunOptions;
 use crate::failure::Failure;
@@ -20,8 +21,15 @@ const SHEET: &str = "contact-sheet.png";
 pub(crate) const FILMS: [&str; 3] = ["film.usda", "film.usdc", "film.npz"];
 
 /// What a kill may leave of a file that has its own name once it is whole.
-const PARTS: [&str; 5] =
-    ["checkpoint.windswept.part", "hair.vtkhdf.part", "air.vtkhdf.part", "film.usda.part", "film.npz.part"];
+const PARTS: [&str; 7] = [
+    "checkpoint.windswept.part",
+    "hair.vtkhdf.part",
+    "air.vtkhdf.part",
+    "film.usda.part",
+    "film.npz.part",
+    "report.json.part",
+    "scene.toml.part",
+];
 
 /// Every name that a run writes: its formats' files, the report, the scene and the checkpoint. As in [`windswept_export::Format::files`], a
 /// stem of zeros stands for a file per frame.
@@ -181,16 +189,8 @@ impl Output {
 
     /// Writes report.json, and the copy that was asked for.
     pub(crate) fn write_report(&self, report: &str) -> Result<(), Failure> {
-        // Half a report is none. What is no file, such as a pipe, stays.
-        let whole = |path: &Path| {
-            write(path, report).inspect_err(|_| {
-                if path.is_file() {
-                    let _ = fs::remove_file(path);
-                }
-            })
-        };
-        whole(&self.dir.join(REPORT))?;
-        self.report.as_deref().map_or(Ok(()), whole)
+        write(&self.dir.join(REPORT), report)?;
+        self.report.as_deref().map_or(Ok(()), |path| write(path, report))
     }
 
     /// Writes the trace that was asked for.
@@ -227,7 +227,7 @@ fn remove(path: &Path) -> Result<(), Failure> {
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    fs::write(path, text).map_err(|e| cannot("written", path, &e))
+    AtomicFile::write(path, text.as_bytes()).map_err(|e| cannot("written", path, &e))
 }
 
 fn cannot(be: &str, path: &Path, error: &std::io::Error) -> Failure {

@@ -119,6 +119,16 @@ fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<
     let checkpoint = Checkpoint::open(&path).map_err(refused)?;
     let mut notes: Notes = checkpoint.notes().map_err(refused)?;
     let formats = options.formats(&notes.formats)?;
+    if let Some(format) = formats.iter().find(|format| !notes.formats.iter().any(|name| name == format.name)) {
+        let has = if notes.formats.is_empty() {
+            "none at all".to_owned()
+        } else {
+            format!("only {}", notes.formats.join(", "))
+        };
+        let words =
+            format!("the run in {} has no frames in it ({has}), and --resume cannot add a format", dir.display());
+        return Err(Failure::Input(format!("--formats {}: {words}", format.name)));
+    }
     let steps = options.steps.or(notes.steps);
     let every = options.checkpoint_every.or(notes.every);
     let schedule = schedule(&checkpoint.scene().time, steps)?;
@@ -138,17 +148,20 @@ fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<
     // The checkpoint came behind the frame of its step.
     let next = schedule.frame_after(now);
     let written: Vec<f64> = (0..next).map(|frame| schedule.step(frame) as f64 * simulation.dt()).collect();
-    let recording = Recording::behind(&formats, &mut simulation, dir, room(&schedule), &written)
+    let mut recording = Recording::behind(&formats, &mut simulation, dir, room(&schedule), &written)
         .map_err(|error| Failure::Input(error.to_string()))?;
     if let Some(changed) = output.reopen(&scene)? {
         console.warn(changed);
     }
+    recording.cut()?;
     left_out(&notes.formats, &formats).for_each(|words| console.warn(words));
     notes = Notes { frames: notes.frames, ..Notes::new(steps, &formats, every) };
     let steps = schedule.steps();
     let run = Run::new(schedule, next, LENGTH);
     let run = every.into_iter().fold(run, |run, every| run.with_checkpoints(every, Some(now)));
     let filmed = Filmed { simulation, recording, lost: None, notes, checkpoint: path };
+    // A kill before the next checkpoint leaves a run that goes on as this one was asked to.
+    filmed.save()?;
     Ok(Begun { filmed, run, output, steps, _lock })
 }
 

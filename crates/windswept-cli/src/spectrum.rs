@@ -1,14 +1,15 @@
 //! `windswept spectrum`: the energy of the air's eddies by their size, before and after, as numbers and as a picture.
 
 use std::f64::consts::{PI, SQRT_2};
-use std::path::Path;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
 
 use plotters::prelude::*;
 use serde_json::json;
 use windswept::ops::{Filter, Particles};
 use windswept::{AdapterChoice, Frame, Gpu};
 use windswept_export::{Kind, VtkHdfReader};
-use windswept_scene::{Air, InitialState, Scene};
+use windswept_scene::{Air, AtomicFile, InitialState, Scene};
 
 use crate::arguments::SpectrumOptions;
 use crate::console::Console;
@@ -31,6 +32,7 @@ struct Row {
 
 pub(crate) fn spectrum(options: &SpectrumOptions, console: &mut Console<'_>) -> Result<(), Failure> {
     let run = FinishedRun::open(&options.dir)?;
+    let picture = place(options)?;
     let scales = run.scales(options.scales.as_deref());
     let gpu = Gpu::new(&AdapterChoice::from_flag(options.adapter.as_deref()))?;
     console.note(format_args!("running on {}", gpu.info()));
@@ -53,11 +55,25 @@ pub(crate) fn spectrum(options: &SpectrumOptions, console: &mut Console<'_>) -> 
         }
         console.print("mean over the air of |u|^2/2 of the band, about the mean wind [m^2/s^2]");
     }
-    let picture = options.picture.clone().unwrap_or_else(|| options.dir.join("spectrum.svg"));
-    draw(&picture, &rows, [first.time, last.time])
-        .map_err(|error| Failure::Run(format!("{}: {error}", picture.display())))?;
+    let failed = |error: &dyn Display| Failure::Run(format!("{}: {error}", picture.display()));
+    let drawn = draw(&rows, [first.time, last.time]).map_err(|error| failed(&error))?;
+    AtomicFile::write(&picture, drawn.as_bytes()).map_err(|error| failed(&error))?;
     console.note(picture.display());
     Ok(())
+}
+
+/// The file of the picture.
+fn place(options: &SpectrumOptions) -> Result<PathBuf, Failure> {
+    let path = options.picture.clone().unwrap_or_else(|| options.dir.join("spectrum.svg"));
+    let refuse = |why: &str| Err(Failure::Input(format!("{}: {why}", path.display())));
+    if Output::of_run(&options.dir).owns(&path) {
+        return refuse("belongs to the run; --picture takes another file");
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if folder.is_some_and(|folder| !folder.is_dir()) || path.is_dir() {
+        return refuse("expected a file in a folder that is there");
+    }
+    Ok(path)
 }
 
 fn time(frame: &Frame) -> String {
@@ -135,8 +151,8 @@ impl FinishedRun {
     }
 }
 
-/// Draws both spectra on log axes; a band without energy is not drawn.
-fn draw(path: &Path, rows: &[Row], times: [f64; 2]) -> Result<(), Box<dyn std::error::Error>> {
+/// Both spectra on log axes, as SVG; a band without energy is not drawn.
+fn draw(rows: &[Row], times: [f64; 2]) -> Result<String, Box<dyn std::error::Error>> {
     let seen = |energy: fn(&Row) -> f64| -> Vec<(f64, f64)> {
         rows.iter().map(|row| (1e3 * row.scale, energy(row))).filter(|(_, energy)| *energy > 0.0).collect()
     };
@@ -146,7 +162,8 @@ fn draw(path: &Path, rows: &[Row], times: [f64; 2]) -> Result<(), Box<dyn std::e
         let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
         if low <= high { (low / 1.5).max(high * 1e-9)..high * 1.5 } else { least..10.0 * least }
     };
-    let root = SVGBackend::new(path, (640, 420)).into_drawing_area();
+    let mut picture = String::new();
+    let root = SVGBackend::with_string(&mut picture, (640, 420)).into_drawing_area();
     root.fill(&WHITE)?;
     let mut chart = ChartBuilder::on(&root)
         .margin(12)
@@ -170,7 +187,8 @@ fn draw(path: &Path, rows: &[Row], times: [f64; 2]) -> Result<(), Box<dyn std::e
     }
     chart.configure_series_labels().background_style(WHITE.mix(0.8)).border_style(BLACK.mix(0.2)).draw()?;
     root.present()?;
-    Ok(())
+    drop((chart, root));
+    Ok(picture)
 }
 
 #[cfg(test)]

@@ -15,13 +15,15 @@ use support::{SCENE, folder, listing, run, windswept};
 
 /// Runs the scene where no file may be longer than so many bytes, which a full disk is to the program.
 fn run_with_room(folder: &Path, out: &str, bytes: u64, more: &[&str]) -> Output {
+    let run = ["run", "scene.toml", "--out", out, "--adapter", "software"];
+    with_room(folder, bytes, &[&run[..], more].concat())
+}
+
+/// The program where no file may be longer than so many bytes.
+fn with_room(folder: &Path, bytes: u64, arguments: &[&str]) -> Output {
     let program = env!("CARGO_BIN_EXE_windswept");
-    let run = format!(
-        "trap '' XFSZ; ulimit -f {}; exec {program} run scene.toml --out {out} --adapter software {}",
-        bytes / 512,
-        more.join(" ")
-    );
-    Command::new("sh").current_dir(folder).args(["-c", &run]).stdin(Stdio::null()).output().expect("a shell")
+    let command = format!("trap '' XFSZ; ulimit -f {}; exec {program} {}", bytes / 512, arguments.join(" "));
+    Command::new("sh").current_dir(folder).args(["-c", &command]).stdin(Stdio::null()).output().expect("a shell")
 }
 
 fn said(output: &Output) -> String {
@@ -139,4 +141,25 @@ fn a_place_without_folders_is_refused() {
         .expect("the program starts");
     assert_eq!(output.status.code(), Some(2), "{output:?}");
     assert!(said(&output).contains("file/out"), "{output:?}");
+}
+
+/// Neither half a scene nor half a film for other programs is left, and one that was there stays as it was.
+#[test]
+fn half_a_scene_and_half_a_film_are_not_left() {
+    let folder = folder();
+    let out = folder.path().join("out");
+    let output = run_with_room(folder.path(), "out", 512, &["--formats", "vtkhdf"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    assert!(said(&output).contains("out/scene.toml cannot be written: File too large"), "{output:?}");
+    assert_eq!(listing(&out), [""; 0]);
+    let whole = run(folder.path(), &["--steps", "13", "--formats", "vtkhdf"]);
+    assert_eq!(whole.status.code(), Some(0), "{whole:?}");
+    let there = listing(&out);
+    for format in ["usda", "npz"] {
+        let output = with_room(folder.path(), 512, &["export", "out", "--format", format]);
+        assert_eq!(output.status.code(), Some(1), "{output:?}");
+        let words = format!("error: out/film.{format}: could not be written: ");
+        assert!(said(&output).starts_with(&words) && said(&output).lines().count() == 1, "{output:?}");
+        assert_eq!(listing(&out), there);
+    }
 }

@@ -144,6 +144,57 @@ fn half_a_checkpoint_is_replaced() {
     refused(&run(folder.path(), &["--steps", "1", "--overwrite"]), "checkpoint.windswept.part: is a folder");
 }
 
+/// What a link in a run's folder leads to is somebody else's: a run that goes on replaces a link in the place of what it writes anew,
+/// and is refused where a film would grow at the end of one.
+#[test]
+fn a_run_that_goes_on_writes_through_no_link() {
+    let folder = folder();
+    begun(folder.path(), "png,usd,vtkhdf");
+    let (out, other) = (folder.path().join("out"), folder.path().join("other"));
+    for name in ["hair.usda", "hair.vtkhdf"] {
+        fs::rename(out.join(name), &other).expect("a film");
+        symlink("../other", out.join(name)).expect("a link");
+        let before = fs::read(&other).expect("a film");
+        refused(&resume(folder.path(), &["--steps", "26"]), &format!("{name}: is a link; expected the file itself"));
+        assert!(fs::read(&other).expect("a film") == before, "{name} was touched");
+        fs::rename(&other, out.join(name)).expect("a film");
+    }
+    fs::write(&other, "precious").expect("a file");
+    fs::remove_file(out.join("preview.gif")).expect("a preview");
+    for name in ["checkpoint.windswept.part", "preview.gif"] {
+        symlink("../other", out.join(name)).expect("a link");
+    }
+    // Long enough for a preview.
+    let on = resume(folder.path(), &["--steps", "72"]);
+    assert_eq!(on.status.code(), Some(0), "{on:?}");
+    assert_eq!(fs::read_to_string(&other).expect("a file"), "precious");
+    assert!(!listing(&out).contains(&"checkpoint.windswept.part".to_owned()));
+    assert!(["checkpoint.windswept", "preview.gif"].iter().all(|name| !out.join(name).is_symlink()));
+}
+
+/// Whoever wants to read a run that is under way hears that it is.
+#[test]
+fn a_run_under_way_is_not_read() {
+    let folder = folder();
+    let begin = ["run", "scene.toml", "--out", "out", "--adapter", "software", "--steps", "100000"];
+    let first = long_run(folder.path(), &mut windswept(folder.path(), &begin));
+    let (out, started) = (folder.path().join("out"), Instant::now());
+    while !out.join("frames/0001.png").exists() && started.elapsed() < Duration::from_secs(60) {
+        sleep(Duration::from_millis(5));
+    }
+    for command in [
+        &["render", "out", "--overwrite"][..],
+        &["render", "out", "--contact-sheet", "0"],
+        &["export", "out", "--format", "npz"],
+        &["spectrum", "out"],
+    ] {
+        let output = windswept(folder.path(), command).output().expect("the program starts");
+        refused(&output, "another run is writing here");
+    }
+    assert!(out.join("frames/0001.png").exists());
+    kill(first);
+}
+
 /// A checkpoint that cannot be begun says which file is in its way.
 #[test]
 fn the_file_beside_a_checkpoint_is_named() {

@@ -166,3 +166,31 @@ fn a_groom_file_runs() {
     assert_eq!(status, Some(0), "{err}");
     assert!(folder.path().join("out/frames/0000.png").exists());
 }
+
+/// A file that the disk cannot hold is not there, and the one that it would replace is as it was.
+#[cfg(unix)]
+#[test]
+fn a_groom_file_is_whole_or_not_there() {
+    let folder = folder();
+    let strand = |s: u32| (0..10).map(move |k| [0.01 * f64::from(s), -0.01 * f64::from(k), 0.0]);
+    let curves = Curves {
+        points: (0..200).flat_map(strand).collect(),
+        offsets: (0..=200).map(|s| 10 * s).collect(),
+        ids: (0..200).collect(),
+        unit: Some(1.0),
+        ..Curves::default()
+    };
+    curves.save(folder.path().join("many.npz")).expect("a groom file");
+    let whole = fs::read(folder.path().join("many.npz")).expect("a groom file");
+    for to in ["new.npz", "new.npy", "new.hair", "new.data", "new.ply", "many.npz"] {
+        let program = env!("CARGO_BIN_EXE_windswept");
+        let full =
+            format!("trap '' XFSZ; ulimit -f 1; exec {program} groom convert many.npz {to} --points 9 --overwrite");
+        let shell = std::process::Command::new("sh").current_dir(folder.path()).args(["-c", &full]).output();
+        let output = shell.expect("a shell");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(1) && said.contains(&format!("{to}: cannot be written")), "{said}");
+        assert_eq!(listing(folder.path()), ["many.npz", "three.ply"]);
+    }
+    assert!(fs::read(folder.path().join("many.npz")).expect("a groom file") == whole, "the groom was touched");
+}

@@ -39,6 +39,9 @@ const BANDS: [&str; 6] = [
     "png,usd,vtkhdf",
 ];
 
+/// What the command keeps in a checkpoint beside the simulation.
+type Notes = (Option<u64>, Vec<String>, Option<u64>, Vec<(f64, [f64; 3])>);
+
 fn resume(folder: &Path, out: &str, more: &[&str]) -> Output {
     let mut command = windswept(folder, &["run", "--resume", out]);
     command.args(more).output().expect("the program starts")
@@ -224,6 +227,66 @@ fn what_cannot_go_on_is_refused() {
     refused(&[], "air.vtkhdf: could not be read");
 }
 
+/// A run that is refused keeps all frames that are behind its checkpoint, whichever of its files is at fault.
+#[test]
+fn a_refused_run_keeps_its_frames() {
+    let folder = folder();
+    let out = folder.path().join("out");
+    let begun = run(folder.path(), &["--steps", "13", "--checkpoint-every", "13"]);
+    assert_eq!(begun.status.code(), Some(0), "{begun:?}");
+    let checkpoint = fs::read(out.join("checkpoint.windswept")).expect("a checkpoint");
+    let longer = resume(folder.path(), "out", &["--steps", "30"]);
+    assert_eq!(longer.status.code(), Some(0), "{longer:?}");
+    // As if it had been killed: frame 2 is behind the checkpoint.
+    fs::write(out.join("checkpoint.windswept"), checkpoint).expect("a file");
+    let preview = fs::read(out.join("preview.gif")).expect("a preview");
+    let refused = |more: &[&str], words: &str| {
+        let said = resume(folder.path(), "out", more);
+        let words_said = String::from_utf8_lossy(&said.stderr).into_owned();
+        assert!(said.status.code() == Some(2) && words_said.contains(words), "{words}: {said:?}");
+        assert_eq!(finished(&out), 3, "{words}");
+        assert!(out.join("frames/0002.png").exists(), "{words}");
+        assert!(fs::read(out.join("preview.gif")).expect("a preview") == preview, "{words}");
+    };
+    refused(&["--formats", "vtkhdf,png,usd"], "--formats usd: the run in out has no frames in it (only png, vtkhdf)");
+    // Frame 1 is not in the preview.
+    for name in ["air.vtkhdf", "frames/0000.png", "frames/0001.png"] {
+        let path = out.join(name);
+        fs::rename(&path, folder.path().join("away")).expect("a file");
+        // More steps take films with more room.
+        refused(&["--steps", "90"], &format!("{name}: could not be read: No such file"));
+        fs::rename(folder.path().join("away"), &path).expect("a file");
+    }
+    let picture = fs::read(out.join("frames/0000.png")).expect("a picture");
+    fs::write(out.join("frames/0000.png"), &picture[..99]).expect("a file");
+    refused(&[], "0000.png: could not be read");
+    fs::write(out.join("frames/0000.png"), picture).expect("a file");
+    assert!(!listing(&out).iter().any(|name| name.ends_with(".part")), "{:?}", listing(&out));
+    let on = resume(folder.path(), "out", &["--steps", "13"]);
+    assert_eq!((on.status.code(), finished(&out)), (Some(0), 2), "{on:?}");
+    assert!(!out.join("frames/0002.png").exists());
+}
+
+/// What a run that goes on was asked for holds after a kill, however far its next checkpoint was.
+#[test]
+fn a_kill_does_not_undo_what_was_asked_for() {
+    let folder = folder();
+    let begun = run(folder.path(), &["--steps", "13", "--checkpoint-every", "1000"]);
+    assert_eq!(begun.status.code(), Some(0), "{begun:?}");
+    let more = ["--steps", "100000", "--checkpoint-every", "2000", "--formats", "png"];
+    let mut command = windswept(folder.path(), &[&["run", "--resume", "out"], &more[..]].concat());
+    let mut child = command.stderr(Stdio::null()).stdout(Stdio::null()).spawn().expect("the program starts");
+    while !folder.path().join("out/frames/0002.png").exists() {
+        assert!(child.try_wait().expect("a child").is_none(), "ended by itself");
+        sleep(Duration::from_millis(5));
+    }
+    child.kill().expect("it is ours");
+    child.wait().expect("an end");
+    let kept = Checkpoint::open(folder.path().join("out/checkpoint.windswept")).expect("a checkpoint");
+    let (steps, formats, every, _): Notes = kept.notes().expect("the notes of a run");
+    assert_eq!((steps, formats, every), (Some(100_000), vec!["png".to_owned()], Some(2000)));
+}
+
 /// The first checkpoint is written at the start, behind the first frame.
 #[test]
 fn a_checkpoint_is_there_from_the_start() {
@@ -251,8 +314,6 @@ fn a_blow_up_is_put_back_to_rest_if_asked() {
     let path = folder.path().join("out/checkpoint.windswept");
     let gpu = Gpu::new(&AdapterChoice::Software).expect("the software adapter");
     let checkpoint = Checkpoint::open(&path).expect("a checkpoint");
-    // What the command keeps beside the simulation.
-    type Notes = (Option<u64>, Vec<String>, Option<u64>, Vec<(f64, [f64; 3])>);
     let notes: Notes = checkpoint.notes().expect("the notes of a run");
     let simulation = checkpoint.start(&gpu).expect("a simulation");
     let velocity = &simulation.engine().state().velocity;

@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use support::{folder, run, windswept};
+use support::{folder, listing, run, windswept};
 
 /// What the program prints and its status.
 fn spectrum(folder: &Path, more: &[&str]) -> (Option<i32>, String, String) {
@@ -70,4 +70,29 @@ fn a_spectrum_says_what_it_lacks() {
     assert!(status == Some(2) && said.contains("above 0"), "{said}");
     let (status, _, said) = spectrum(folder, &["--scales", "1e-7"]);
     assert!(status == Some(2) && said.contains("would fit"), "{said}");
+}
+
+/// A picture takes no file of the run's, and is there whole or not at all.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_picture_costs_nothing_else() {
+    let folder = folder();
+    let folder = folder.path();
+    assert_eq!(run(folder, &["--steps", "2", "--formats", "vtkhdf"]).status.code(), Some(0));
+    for name in ["out/hair.vtkhdf", "out/scene.toml", "out/checkpoint.windswept"] {
+        let before = fs::read(folder.join(name)).ok();
+        let (status, _, said) = spectrum(folder, &["--picture", name]);
+        assert!(status == Some(2) && said.contains(&format!("{name}: belongs to the run")), "{said}");
+        assert!(fs::read(folder.join(name)).ok() == before, "{name} was touched");
+    }
+    let (status, _, said) = spectrum(folder, &["--picture", "/dev/full"]);
+    assert!(status == Some(1) && said.contains("error: /dev/full: No space left on device"), "{said}");
+    fs::write(folder.join("old.svg"), "old").expect("a file");
+    let program = env!("CARGO_BIN_EXE_windswept");
+    let full = format!("trap '' XFSZ; ulimit -f 2; exec {program} spectrum out --adapter software --picture old.svg");
+    let full = std::process::Command::new("sh").current_dir(folder).args(["-c", &full]).output().expect("a shell");
+    let said = String::from_utf8_lossy(&full.stderr);
+    assert!(full.status.code() == Some(1) && said.contains("error: old.svg: File too large"), "{said}");
+    assert_eq!(fs::read_to_string(folder.join("old.svg")).expect("a file"), "old");
+    assert_eq!(listing(folder), ["old.svg", "out", "scene.toml"]);
 }

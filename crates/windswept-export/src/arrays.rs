@@ -13,12 +13,12 @@
 //! | `meters_per_unit` | () f64 | 1 |
 //! | `scene`, `version`, `adapter` | () bytes | where the film comes from, in UTF-8 |
 
-use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::fs::File;
+use std::io::{self, BufWriter, ErrorKind, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use windswept::{Frame, HairFrame};
-use windswept_scene::npy_head;
+use windswept_scene::{AtomicFile, npy_head};
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
 use crate::{ExportError, Provenance};
@@ -41,9 +41,9 @@ pub fn write_npz(
     }
     let first = frame(0)?.hair;
     let (points, strands) = (first.positions.len(), first.offsets.len().saturating_sub(1));
-    let mut part = path.as_os_str().to_owned();
-    part.push(".part");
-    let mut archive = Archive::create(path, part.as_ref())?;
+    let whole = AtomicFile::new(path).map_err(|e| archive_error(path, &e))?;
+    let mut archive =
+        Archive { path, zip: ZipWriter::new(Archived::new(whole.create().map_err(|e| archive_error(path, &e))?)) };
     let mut times = Vec::with_capacity(frames);
     type Rows = fn(&HairFrame) -> &[[f32; 3]];
     let arrays: [(&str, Rows); 2] = [("positions", |hair| &hair.positions), ("velocities", |hair| &hair.velocities)];
@@ -88,21 +88,16 @@ pub fn write_npz(
         archive.put([if text.is_empty() { &b"\0"[..] } else { text.as_bytes() }].into_iter())?;
     }
     archive.end()?;
-    fs::rename(&part, path).map_err(|e| archive_error(path, &e))
+    whole.finish().map_err(|e| archive_error(path, &e))
 }
 
 /// An archive under way.
 struct Archive<'a> {
     path: &'a Path,
-    zip: ZipWriter<BufWriter<File>>,
+    zip: ZipWriter<Archived>,
 }
 
-impl<'a> Archive<'a> {
-    fn create(path: &'a Path, part: &Path) -> Result<Self, ExportError> {
-        let file = File::create(part).map_err(|e| archive_error(path, &e))?;
-        Ok(Self { path, zip: ZipWriter::new(BufWriter::new(file)) })
-    }
-
+impl Archive<'_> {
     /// Begins an array of this kind and shape, whose numbers have so many bytes each.
     fn begin(&mut self, name: &str, kind: &str, shape: &[usize], bytes: usize) -> Result<(), ExportError> {
         let size = shape.iter().fold(bytes as u64, |size, &n| size.saturating_mul(n as u64));
@@ -125,6 +120,58 @@ impl<'a> Archive<'a> {
         let path = self.path;
         let mut file = self.zip.finish().map_err(|e| archive_error(path, &e))?;
         file.flush().map_err(|e| archive_error(path, &e))
+    }
+}
+
+/// The file of an archive. Once the system has refused something, it takes everything and keeps nothing: [`ZipWriter`] ends an archive
+/// when it is dropped, and would print that it cannot, which is known already.
+struct Archived {
+    file: BufWriter<File>,
+    refused: bool,
+    /// Place of the next byte, and the end.
+    at: u64,
+    end: u64,
+}
+
+impl Archived {
+    fn new(file: File) -> Self {
+        Self { file: BufWriter::new(file), refused: false, at: 0, end: 0 }
+    }
+
+    /// What the file says, unless it has refused something already.
+    fn ask<T>(&mut self, ask: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>, otherwise: T) -> io::Result<T> {
+        if self.refused {
+            return Ok(otherwise);
+        }
+        let answer = ask(&mut self.file);
+        // What is interrupted is asked again.
+        self.refused = answer.as_ref().is_err_and(|error| error.kind() != ErrorKind::Interrupted);
+        answer
+    }
+}
+
+impl Write for Archived {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.ask(|file| file.write(bytes), bytes.len())?;
+        self.at += written as u64;
+        self.end = self.end.max(self.at);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.ask(BufWriter::flush, ())
+    }
+}
+
+impl Seek for Archived {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let otherwise = match to {
+            SeekFrom::Start(place) => place,
+            SeekFrom::Current(by) => self.at.saturating_add_signed(by),
+            SeekFrom::End(by) => self.end.saturating_add_signed(by),
+        };
+        self.at = self.ask(|file| file.seek(to), otherwise)?;
+        Ok(self.at)
     }
 }
 

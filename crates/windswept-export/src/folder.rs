@@ -1,6 +1,7 @@
 //! A folder that films and pictures are written into: whose it is, and which files in it are a writer's own.
 
 use std::fs::{self, File, OpenOptions};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use fs4::{FileExt, TryLockError};
@@ -100,6 +101,22 @@ impl Drop for Lock {
             let _ = fs::remove_file(&self.path);
         }
     }
+}
+
+/// Removes a file or a link, if it is there.
+pub(crate) fn remove(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a link in the place of a file that is to grow: what it leads to is not the writer's.
+pub(crate) fn refuse_link(path: &Path) -> Result<(), ExportError> {
+    if path.symlink_metadata().is_ok_and(|found| found.is_symlink()) {
+        return refuse(path, "is a link; expected the file itself");
+    }
+    Ok(())
 }
 
 fn open(path: &Path) -> Result<File, ExportError> {

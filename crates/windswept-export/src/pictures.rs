@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use windswept::{Frame, Gpu};
 use windswept_scene::{Curves, Scene};
 
+use crate::folder::remove;
 use crate::picture::read_png;
-use crate::{ExportError, FrameSink, Preview, Renderer, write_png};
+use crate::{ExportError, Folder, FrameSink, Preview, Renderer, write_png};
 
 /// Draws frames and saves them into a folder.
 pub struct Pictures {
@@ -15,6 +16,8 @@ pub struct Pictures {
     preview: Preview,
     folder: PathBuf,
     made: u64,
+    /// Times of the pictures that were there already \[s\].
+    written: Vec<f64>,
 }
 
 impl Pictures {
@@ -35,29 +38,24 @@ impl Pictures {
         let renderer = Renderer::with_groom(gpu, scene, &first.hair, groom)?;
         renderer.check(first)?;
         let [_, preview] = Self::FILES;
-        Ok(Self { renderer, preview: Preview::new(folder.join(preview)), folder: folder.join("frames"), made: 0 })
+        let preview = Preview::new(folder.join(preview));
+        Ok(Self { renderer, preview, folder: folder.join("frames"), made: 0, written: Vec::new() })
     }
 
-    /// Goes on with a film whose first frames, at these times \[s\], were drawn; pictures behind them are removed.
+    /// Goes on with a film whose first frames, at these times \[s\], were drawn; [`FrameSink::cut`] removes the pictures behind them.
     ///
     /// # Errors
-    /// [`ExportError::File`] if a picture that the preview shows cannot be read, or another one not removed.
+    /// [`ExportError::File`] if a picture is missing, or cannot be read where the preview shows it.
     pub fn go_on(&mut self, written: &[f64]) -> Result<(), ExportError> {
-        if written.is_empty() {
-            return Ok(());
+        for (k, _) in (0..).zip(written) {
+            let path = self.path(k);
+            fs::metadata(&path).map_err(|e| file_error(&path, "could not be read", &e))?;
+        }
+        for k in Preview::taken(written) {
+            read_png(self.path(k as u64))?;
         }
         self.made = written.len() as u64;
-        for path in fs::read_dir(&self.folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path())) {
-            let number = path.file_stem().and_then(|stem| stem.to_str()?.parse::<u64>().ok());
-            if path.extension().is_some_and(|ending| ending == "png") && number.is_some_and(|k| k >= self.made) {
-                fs::remove_file(&path).map_err(|e| file_error(&path, "could not be removed", &e))?;
-            }
-        }
-        for (k, &time) in (0..).zip(written) {
-            if self.preview.takes(time) {
-                self.preview.add(&read_png(self.path(k))?, time)?;
-            }
-        }
+        self.written = written.to_vec();
         Ok(())
     }
 
@@ -94,6 +92,21 @@ fn file_error(path: &Path, doing: &'static str, error: &std::io::Error) -> Expor
 }
 
 impl FrameSink for Pictures {
+    fn cut(&mut self, _first: &Frame) -> Result<(), ExportError> {
+        let dir = self.folder.parent().unwrap_or(&self.folder);
+        // The preview is made anew, and not at the end of a link.
+        for path in Folder(dir).found(&Self::FILES) {
+            let number = path.file_stem().and_then(|stem| stem.to_str()?.parse::<u64>().ok());
+            if number.is_none_or(|k| k >= self.made) {
+                remove(&path).map_err(|e| file_error(&path, "could not be removed", &e))?;
+            }
+        }
+        for k in Preview::taken(&self.written) {
+            self.preview.add(&read_png(self.path(k as u64))?, self.written[k])?;
+        }
+        Ok(())
+    }
+
     fn append(&mut self, frame: &Frame) -> Result<(), ExportError> {
         self.add(self.made, frame)
     }

@@ -61,19 +61,31 @@ impl Preview {
         self.taken == 0 || !(soon || passed > LENGTH - PERIOD)
     }
 
+    /// Which of the pictures at these times \[s\] a film takes.
+    pub(crate) fn taken(times: &[f64]) -> Vec<usize> {
+        let mut film = Self::new("");
+        (0..times.len()).filter(|&k| film.counts(times[k])).collect()
+    }
+
+    /// Counts a picture at this time \[s\], if the film takes it; says whether it does.
+    fn counts(&mut self, time: f64) -> bool {
+        let takes = self.takes(time);
+        if takes && self.taken == 0 {
+            self.start = time;
+        }
+        self.taken += u32::from(takes);
+        takes
+    }
+
     /// Takes a picture at this time \[s\], unless it comes too soon after the last or after the end. All have one size.
     ///
     /// # Errors
     /// [`ExportError::File`] if the file cannot be written.
     pub fn add(&mut self, picture: &RgbaImage, time: f64) -> Result<(), ExportError> {
-        if !self.takes(time) {
+        if !self.counts(time) {
             return Ok(());
         }
-        if self.taken == 0 {
-            self.start = time;
-        }
         let passed = time - self.start;
-        self.taken += 1;
         let when = (100.0 * passed).round() as u16;
         if let Some((waiting, since)) = self.waiting.take() {
             self.delay = when.saturating_sub(since).max(2);

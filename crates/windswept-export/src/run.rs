@@ -215,6 +215,8 @@ pub fn frame(simulation: &mut Simulation) -> Result<Frame, RunError> {
 /// Writes the frames of a run into a folder, in any number of formats.
 pub struct Recording {
     sinks: Vec<(&'static Format, Box<dyn FrameSink>)>,
+    /// The first frame of a run that goes on, until what is behind its last is dropped.
+    uncut: Option<Frame>,
 }
 
 /// A format that could not be written, and that the recording goes on without, as it can be made again.
@@ -240,7 +242,8 @@ impl Recording {
         Self::behind(formats, simulation, folder, frames, &[])
     }
 
-    /// Goes on with the files of a run that was ended, behind the frames of these times \[s\]: what is behind them is dropped at once.
+    /// Goes on with the files of a run that was ended, behind the frames of these times \[s\]. Changes nothing: [`Self::cut`] drops what
+    /// is behind them, once all formats were found to have them.
     ///
     /// # Errors
     /// [`ExportError`] if a format has not these frames, or cannot take the state of `simulation`.
@@ -252,7 +255,7 @@ impl Recording {
         written: &[f64],
     ) -> Result<Self, ExportError> {
         if formats.is_empty() {
-            return Ok(Self { sinks: Vec::new() });
+            return Ok(Self { sinks: Vec::new(), uncut: None });
         }
         let mut first = frame(simulation)?;
         if !written.is_empty() {
@@ -263,7 +266,16 @@ impl Recording {
         let start = Start { folder, gpu, scene, groom, first: &first, written, frames };
         let wanted = crate::FORMATS.iter().filter(|format| formats.iter().any(|wanted| wanted.name == format.name));
         let sinks = wanted.map(|format| Ok((format, (format.create)(&start)?))).collect::<Result<_, ExportError>>()?;
-        Ok(Self { sinks })
+        Ok(Self { sinks, uncut: (!written.is_empty()).then_some(first) })
+    }
+
+    /// Drops the frames behind those that the recording goes on from. The next frame does so too.
+    ///
+    /// # Errors
+    /// [`ExportError::File`] if a file cannot be changed.
+    pub fn cut(&mut self) -> Result<(), ExportError> {
+        let Some(first) = self.uncut.take() else { return Ok(()) };
+        self.sinks.iter_mut().try_for_each(|(_, sink)| sink.cut(&first))
     }
 
     /// Writes the state as the next frame; the folder is there by now. Returns what the recording has to go on without.
@@ -275,6 +287,7 @@ impl Recording {
         if self.sinks.is_empty() {
             return Ok(losses);
         }
+        self.cut()?;
         let frame = frame(simulation)?;
         let mut k = 0;
         while let Some((format, sink)) = self.sinks.get_mut(k) {

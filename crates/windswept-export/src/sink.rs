@@ -18,6 +18,15 @@ pub trait FrameSink: Send {
     /// [`ExportError`] if the frame does not belong here or cannot be written.
     fn append(&mut self, frame: &Frame) -> Result<(), ExportError>;
 
+    /// Drops the frames behind those of [`Start::written`]; comes before the first frame is appended, once every format of the run was
+    /// found to go on. `first` is that of [`Start`].
+    ///
+    /// # Errors
+    /// [`ExportError::File`] if the files cannot be changed.
+    fn cut(&mut self, _first: &Frame) -> Result<(), ExportError> {
+        Ok(())
+    }
+
     /// Makes what was appended outlast the machine too, before a checkpoint behind it is written. What can be made again need not.
     ///
     /// # Errors
@@ -45,8 +54,8 @@ pub struct Format {
     /// `windswept render` can make these files from the others. A run goes on without them when one cannot be written, since
     /// what was simulated is worth more.
     pub made_again: bool,
-    /// Makes its sink, and writes nothing before the first frame is appended, if no frames are there already. If there are, it drops
-    /// those behind them.
+    /// Makes its sink, and changes nothing: files are made when the first frame is appended. Where frames are there already, the sink
+    /// can go on behind them, and [`FrameSink::cut`] drops what is there beyond.
     pub create: fn(&Start<'_>) -> Result<Box<dyn FrameSink>, ExportError>,
 }
 

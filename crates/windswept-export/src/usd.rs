@@ -25,11 +25,11 @@ mod layer;
 mod text;
 
 use std::fmt::Write as _;
-use std::fs::{self, File};
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use windswept::{Frame, HairFrame};
+use windswept_scene::AtomicFile;
 
 use self::layer::Layer;
 use self::text::{ROOM, SAMPLED, meta, prim, sample, stage, still};
@@ -84,16 +84,27 @@ impl UsdWriter {
     /// # Errors
     /// As [`Self::create`], and [`ExportError::Frame`] if the files have other strands or not these frames.
     pub fn go_on(folder: &Path, hair: &HairFrame, rate: f64, written: &[f64]) -> Result<Self, ExportError> {
+        let mut film = Self::open(folder, hair, rate, written)?;
+        film.cut()?;
+        Ok(film)
+    }
+
+    /// As [`Self::go_on`]; the files are as they were until [`Self::cut`].
+    fn open(folder: &Path, hair: &HairFrame, rate: f64, written: &[f64]) -> Result<Self, ExportError> {
         let path = folder.join(Self::FILES[0]);
         check(hair).map_err(|problem| ExportError::Frame { path: path.clone(), problem })?;
         let codes: Vec<f64> = written.iter().map(|time| code(*time, rate)).collect();
         let layers = Self::FILES.iter().zip(&SAMPLED);
-        let layers = layers.map(|(name, sampled)| Layer::go_on(folder.join(name), &prim(sampled, hair), &codes));
+        let layers = layers.map(|(name, sampled)| Layer::open(folder.join(name), &prim(sampled, hair), &codes));
         let layers = layers.collect::<Result<Vec<_>, _>>()?;
         let last = codes.last().copied().unwrap_or(f64::NEG_INFINITY);
-        let mut film = Self { path, layers, offsets: hair.offsets.clone(), rate, last, text: String::new() };
-        film.say_last()?;
-        Ok(film)
+        Ok(Self { path, layers, offsets: hair.offsets.clone(), rate, last, text: String::new() })
+    }
+
+    /// Drops the frames behind those that the film goes on from.
+    fn cut(&mut self) -> Result<(), ExportError> {
+        self.layers.iter_mut().try_for_each(Layer::cut)?;
+        self.say_last()
     }
 
     /// Writes the next frame. Once this returns, readers of the files find it.
@@ -160,10 +171,9 @@ pub fn write_usda(
     }
     let first = frame(0)?.hair;
     check(&first).map_err(misfit)?;
-    let mut part = path.as_os_str().to_owned();
-    part.push(".part");
     let unwritten = |e: std::io::Error| failed(path, "could not be written", &e);
-    let mut file = BufWriter::new(File::create(&part).map_err(unwritten)?);
+    let whole = AtomicFile::new(path).map_err(unwritten)?;
+    let mut file = BufWriter::new(whole.create().map_err(unwritten)?);
     let mut text = stage(rate, provenance, &format!("{}", code(frame(frames - 1)?.time, rate)), "") + &still(&first);
     for sampled in &SAMPLED {
         let _ = writeln!(text, "    {}.timeSamples = {{", sampled.name);
@@ -183,7 +193,7 @@ pub fn write_usda(
     text += "}\n";
     file.write_all(text.as_bytes()).and_then(|()| file.flush()).map_err(unwritten)?;
     drop(file);
-    fs::rename(&part, path).map_err(unwritten)
+    whole.finish().map_err(unwritten)
 }
 
 /// Time code of a time \[s\]: not rounded to a whole one, as a frame is where its step is.
@@ -215,17 +225,21 @@ impl UsdFilm {
         let path = start.folder.join(UsdWriter::FILES[0]);
         check(&start.first.hair).map_err(|problem| ExportError::Frame { path, problem })?;
         let rate = start.scene.time.frame_rate;
-        let go_on = || UsdWriter::go_on(start.folder, &start.first.hair, rate, start.written);
+        let open = || UsdWriter::open(start.folder, &start.first.hair, rate, start.written);
         Ok(Self {
             folder: start.folder.into(),
             scene: start.scene.clone(),
             adapter: start.gpu.info().to_string(),
-            film: if start.written.is_empty() { None } else { Some(go_on()?) },
+            film: if start.written.is_empty() { None } else { Some(open()?) },
         })
     }
 }
 
 impl FrameSink for UsdFilm {
+    fn cut(&mut self, _first: &Frame) -> Result<(), ExportError> {
+        self.film.iter_mut().try_for_each(UsdWriter::cut)
+    }
+
     fn append(&mut self, frame: &Frame) -> Result<(), ExportError> {
         let film = match &mut self.film {
             Some(film) => film,

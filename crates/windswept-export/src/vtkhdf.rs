@@ -39,11 +39,12 @@ mod films;
 mod layout;
 mod reader;
 
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use windswept::{Frame, HairFrame};
+use windswept_scene::AtomicFile;
 
+use crate::folder::{refuse_link, remove};
 use crate::strands::check_strands;
 use crate::{ExportError, FrameSink, Provenance};
 pub(crate) use films::Films;
@@ -120,12 +121,7 @@ impl VtkHdfWriter {
             Kind::Air => (0..).take(points + 1).collect(),
         };
         // HDF5 would empty the file under the hands of whoever has it open.
-        match std::fs::remove_file(&path) {
-            Err(e) if e.kind() != ErrorKind::NotFound => {
-                return Err(ExportError::File { path, doing: "could not be replaced", reason: e.to_string() });
-            }
-            _ => {}
-        }
+        remove(&path).map_err(|e| unreplaced(&path, &e))?;
         let scalars: Vec<_> = scalars(kind, frame).into_iter().map(|(name, _)| name).collect();
         let still = still(kind, frame);
         let contents = contents(kind, frame, points, &scalars, &still);
@@ -160,41 +156,7 @@ impl VtkHdfWriter {
         frames: usize,
         provenance: &Provenance<'_>,
     ) -> Result<Self, ExportError> {
-        let path = path.as_ref().to_path_buf();
-        let misfit = |problem: String| ExportError::Frame { path: path.clone(), problem };
-        let (points, strands) = checked(kind, frame, frames).map_err(misfit)?;
-        let reader = VtkHdfReader::open(&path)?;
-        if reader.times().len() < written {
-            return Err(misfit(format!("has {} frames, expected the first {written}", reader.times().len())));
-        }
-        let last_time = written.checked_sub(1).map_or(f64::NEG_INFINITY, |last| reader.times()[last]);
-        if !reader.is_of(kind, points, &strands) {
-            return Err(misfit("has other strands or particles than the run that is to go on".to_owned()));
-        }
-        if reader.room() < frames {
-            let mut part = path.clone().into_os_string();
-            part.push(".part");
-            let mut copy = Self::create(&part, kind, frame, frames, provenance)?;
-            (0..written).try_for_each(|k| copy.append(&reader.frame(k)?))?;
-            copy.finish()?;
-            drop(reader);
-            let renamed = std::fs::rename(&part, &path).map_err(|e| e.to_string());
-            renamed.map_err(|reason| ExportError::File {
-                path: path.clone(),
-                doing: "could not be replaced",
-                reason,
-            })?;
-        } else {
-            drop(reader);
-        }
-        let scalars: Vec<_> = scalars(kind, frame).into_iter().map(|(name, _)| name).collect();
-        let still = still(kind, frame);
-        let contents = contents(kind, frame, points, &scalars, &still);
-        let (layout, frames) = Layout::go_on(&path, kind, &contents, written)
-            .map_err(|e| failed(&path, "could not be opened to go on", &e))?;
-        let root_frames = contents.root_frames;
-        let orientations = Vec::new();
-        Ok(Self { path, kind, layout, points, strands, scalars, root_frames, frames, written, last_time, orientations })
+        Continuation::new(path.as_ref().to_path_buf(), kind, frame, written, frames, provenance)?.cut(frame)
     }
 
     /// Hands what was appended to the disk, so that it outlasts the machine too. It outlasts the process in any case.
@@ -310,6 +272,90 @@ impl VtkHdfWriter {
     }
 }
 
+/// A film that can go on: it is as it was until [`Continuation::cut`].
+#[derive(Debug)]
+struct Continuation {
+    path: PathBuf,
+    kind: Kind,
+    points: usize,
+    strands: Vec<u32>,
+    written: usize,
+    last_time: f64,
+    /// The film with room for all frames, where it has not.
+    larger: Option<AtomicFile>,
+}
+
+impl Continuation {
+    /// The film behind its first `written` frames, with room for `frames` in all.
+    fn new(
+        path: PathBuf,
+        kind: Kind,
+        frame: &Frame,
+        written: usize,
+        frames: usize,
+        provenance: &Provenance<'_>,
+    ) -> Result<Self, ExportError> {
+        let misfit = |problem: String| ExportError::Frame { path: path.clone(), problem };
+        let (points, strands) = checked(kind, frame, frames).map_err(misfit)?;
+        refuse_link(&path)?;
+        let reader = VtkHdfReader::open(&path)?;
+        if reader.times().len() < written {
+            return Err(misfit(format!("has {} frames, expected the first {written}", reader.times().len())));
+        }
+        let last_time = written.checked_sub(1).map_or(f64::NEG_INFINITY, |last| reader.times()[last]);
+        if !reader.is_of(kind, points, &strands) {
+            return Err(misfit("has other strands or particles than the run that is to go on".to_owned()));
+        }
+        let mut larger = None;
+        if reader.room() < frames {
+            let file = AtomicFile::new(&path).map_err(|e| unreplaced(&path, &e))?;
+            let file = larger.insert(file);
+            let mut copy = VtkHdfWriter::create(file.part(), kind, frame, frames, provenance)?;
+            (0..written).try_for_each(|k| copy.append(&reader.frame(k)?))?;
+            copy.finish()?;
+        }
+        drop(reader);
+        let film = Self { path, kind, points, strands, written, last_time, larger };
+        // What cannot be opened to write is found here.
+        film.open(film.larger.as_ref().map_or(&film.path, AtomicFile::part), frame)?;
+        Ok(film)
+    }
+
+    /// Drops the frames behind those that the film goes on from.
+    fn cut(mut self, frame: &Frame) -> Result<VtkHdfWriter, ExportError> {
+        if let Some(larger) = self.larger.take() {
+            larger.finish().map_err(|e| unreplaced(&self.path, &e))?;
+        }
+        let (layout, frames) = self.open(&self.path, frame)?;
+        layout.cut(self.written).map_err(|e| failed(&self.path, "could not be cut", &e))?;
+        let scalars = scalars(self.kind, frame).into_iter().map(|(name, _)| name).collect();
+        let root_frames = root_frames(self.kind, frame);
+        let Self { path, kind, points, strands, written, last_time, .. } = self;
+        let orientations = Vec::new();
+        Ok(VtkHdfWriter {
+            path,
+            kind,
+            layout,
+            points,
+            strands,
+            scalars,
+            root_frames,
+            frames,
+            written,
+            last_time,
+            orientations,
+        })
+    }
+
+    /// Opens the file of such frames at `path`, and says how many it has room for.
+    fn open(&self, path: &Path, frame: &Frame) -> Result<(Layout, usize), ExportError> {
+        let scalars: Vec<_> = scalars(self.kind, frame).into_iter().map(|(name, _)| name).collect();
+        let still = still(self.kind, frame);
+        let contents = contents(self.kind, frame, self.points, &scalars, &still);
+        Layout::open(path, self.kind, &contents).map_err(|e| failed(&self.path, "could not be opened to go on", &e))
+    }
+}
+
 impl FrameSink for VtkHdfWriter {
     fn append(&mut self, frame: &Frame) -> Result<(), ExportError> {
         self.append(frame)
@@ -390,8 +436,12 @@ fn contents<'a>(
     scalars: &'a [&'static str],
     still: &'a [Still<'a>],
 ) -> Contents<'a> {
-    let root_frames = if kind == Kind::Hair { frame.hair.root_frames.len() } else { 0 };
-    Contents { points, root_frames, scalars, still }
+    Contents { points, root_frames: root_frames(kind, frame), scalars, still }
+}
+
+/// Root frames that such a frame has.
+fn root_frames(kind: Kind, frame: &Frame) -> usize {
+    if kind == Kind::Hair { frame.hair.root_frames.len() } else { 0 }
 }
 
 /// Makes orientations per point of those per segment: that of the segment that starts there, and at the tip that
@@ -403,6 +453,10 @@ fn per_point(hair: &HairFrame, strands: &[u32], orientations: &mut Vec<[f32; 4]>
         orientations.extend_from_slice(&hair.orientations[root..tip]);
         orientations.push(hair.orientations[tip - 1]);
     }
+}
+
+fn unreplaced(path: &Path, error: &std::io::Error) -> ExportError {
+    ExportError::File { path: path.into(), doing: "could not be replaced", reason: error.to_string() }
 }
 
 fn failed(path: &Path, doing: &'static str, reason: &hdf5::Error) -> ExportError {

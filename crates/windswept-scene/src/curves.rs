@@ -19,6 +19,7 @@ pub use npy::npy_head;
 pub(crate) use ply::polygons as ply_polygons;
 
 use crate::{
+    atomic::AtomicFile,
     error::SceneError,
     limits::{LARGEST, LARGEST_DATA_FILE},
 };
@@ -168,7 +169,7 @@ impl Curves {
         read().map_err(|error: SceneError| error.of(&path.display().to_string(), ""))
     }
 
-    /// Writes a groom file of the format that its name ends in; a file of this name is replaced. What is returned says what the curves
+    /// Writes a groom file of the format that its name ends in; a file of this name is replaced once all is written. What is returned says what the curves
     /// have and such a file does not.
     ///
     /// # Errors
@@ -181,7 +182,8 @@ impl Curves {
                 return Err(SceneError::new(format!(".{} files are read, not written", format.extension)));
             };
             self.check()?;
-            fs::write(path, write(self)?).map_err(|error| SceneError::new(format!("cannot be written: {error}")))?;
+            AtomicFile::write(path, &write(self)?)
+                .map_err(|error| SceneError::new(format!("cannot be written: {error}")))?;
             Ok(format)
         };
         let format = write().map_err(|error: SceneError| error.of(&path.display().to_string(), ""))?;

@@ -4,6 +4,7 @@
 
 mod air;
 mod assign;
+mod atomic;
 mod body;
 mod carry;
 mod curves;
@@ -34,6 +35,7 @@ mod warnings;
 mod wind;
 mod write;
 
+pub use atomic::AtomicFile;
 pub use body::{Body, Round, Shape};
 pub use curves::{Curves, Dropped, GroomFormat, npy_head};
 pub use error::{SceneError, spelled};

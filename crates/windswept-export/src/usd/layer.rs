@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use super::failed;
 use super::text::LAST;
 use crate::ExportError;
+use crate::folder::{refuse_link, remove};
 
 /// The end of a layer: of the samples, of the attribute, of the prim; and what is behind it does not count.
 const END: &str = "};}#";
@@ -30,14 +31,16 @@ impl Layer {
         let last = last_code(&text);
         close(&mut text, 0);
         let end = (text.len() - END.len()) as u64;
-        fs::write(&path, text).map_err(|e| failed(&path, "could not be created", &e))?;
+        let written = remove(&path).and_then(|()| fs::write(&path, text));
+        written.map_err(|e| failed(&path, "could not be created", &e))?;
         let file = opened(&path)?;
         Ok(Self { path, file, end, last })
     }
 
-    /// The layer of this prim, behind its samples of these time codes.
-    pub(super) fn go_on(path: PathBuf, prim: &str, codes: &[f64]) -> Result<Self, ExportError> {
+    /// The layer of this prim, to go on behind its samples of these time codes. It is as it was until [`Self::cut`].
+    pub(super) fn open(path: PathBuf, prim: &str, codes: &[f64]) -> Result<Self, ExportError> {
         let misfit = |problem: String| ExportError::Frame { path: path.clone(), problem };
+        refuse_link(&path)?;
         let file = opened(&path)?;
         let mut lines = Lines { reader: BufReader::new(&file), at: 0, line: Vec::new() };
         let unread = |e: std::io::Error| failed(&path, "could not be read", &e);
@@ -67,10 +70,14 @@ impl Layer {
                 _ => return Err(misfit(format!("expected a frame at time code {code} as number {k}"))),
             }
         }
-        let mut layer = Self { path: path.clone(), file, end, last };
-        layer.write_at(end, END.as_bytes())?;
-        layer.file.set_len(end + END.len() as u64).map_err(|e| failed(&path, "could not be cut", &e))?;
-        Ok(layer)
+        Ok(Self { path, file, end, last })
+    }
+
+    /// Drops what is behind the last of its samples.
+    pub(super) fn cut(&mut self) -> Result<(), ExportError> {
+        self.write_at(self.end, END.as_bytes())?;
+        let length = self.end + END.len() as u64;
+        self.file.set_len(length).map_err(|e| failed(&self.path, "could not be cut", &e))
     }
 
     /// Appends a sample.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use windswept::Frame;
 use windswept_scene::Scene;
 
-use super::{Kind, VtkHdfWriter, arrays};
+use super::{Continuation, Kind, VtkHdfWriter, arrays};
 use crate::{ExportError, FrameSink, Provenance, Start};
 
 /// Writes strands and air particles, each into a file of its own where there are any.
@@ -14,6 +14,8 @@ pub(crate) struct Films {
     scene: Scene,
     adapter: String,
     frames: usize,
+    /// Those that go on, until they are cut.
+    there: Vec<Continuation>,
     /// Laid out with the first frame, or opened where there are frames already.
     files: Option<Vec<VtkHdfWriter>>,
 }
@@ -30,23 +32,24 @@ impl Films {
             scene: start.scene.clone(),
             adapter: start.gpu.info().to_string(),
             frames: start.frames,
+            there: Vec::new(),
             files: None,
         };
         let written = start.written.len();
         if written > 0 {
-            films.files = Some(films.each(start.first, |path, kind, provenance| {
-                VtkHdfWriter::go_on(path, kind, start.first, written, start.frames, provenance)
-            })?);
+            films.there = films.each(start.first, |path, kind, provenance| {
+                Continuation::new(path, kind, start.first, written, start.frames, provenance)
+            })?;
         }
         Ok(films)
     }
 
-    /// The writer of each kind that the frame has.
-    fn each(
+    /// What `writer` makes of each kind that the frame has.
+    fn each<T>(
         &self,
         frame: &Frame,
-        writer: impl Fn(PathBuf, Kind, &Provenance<'_>) -> Result<VtkHdfWriter, ExportError>,
-    ) -> Result<Vec<VtkHdfWriter>, ExportError> {
+        writer: impl Fn(PathBuf, Kind, &Provenance<'_>) -> Result<T, ExportError>,
+    ) -> Result<Vec<T>, ExportError> {
         let kinds = [Kind::Hair, Kind::Air].into_iter().filter(|kind| !arrays(*kind, frame).0.is_empty());
         let provenance = Provenance::of(&self.scene, &self.adapter);
         kinds.map(|kind| writer(self.folder.join(kind.file_name()), kind, &provenance)).collect()
@@ -54,6 +57,12 @@ impl Films {
 }
 
 impl FrameSink for Films {
+    fn cut(&mut self, first: &Frame) -> Result<(), ExportError> {
+        let films = self.there.drain(..).map(|film| film.cut(first));
+        self.files = Some(films.collect::<Result<_, _>>()?);
+        Ok(())
+    }
+
     fn append(&mut self, frame: &Frame) -> Result<(), ExportError> {
         let files = match &mut self.files {
             Some(files) => files,

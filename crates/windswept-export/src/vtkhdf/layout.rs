@@ -120,19 +120,22 @@ impl Layout {
         Ok(layout)
     }
 
-    /// Opens a file that [`Layout::create`] made of the same contents, and shows its first `written` frames only. Also returns how
-    /// many frames it has room for.
-    pub(super) fn go_on(path: &Path, kind: Kind, contents: &Contents<'_>, written: usize) -> Result<(Self, usize)> {
+    /// Opens a file that [`Layout::create`] made of the same contents. Also returns how many frames it has room for.
+    pub(super) fn open(path: &Path, kind: Kind, contents: &Contents<'_>) -> Result<(Self, usize)> {
         let file = options().open_rw(path)?;
         let root = file.group("VTKHDF")?;
         let steps = root.group("Steps")?;
         let (finished, times) = (steps.attr("NSteps")?, steps.dataset("Values")?);
         let frames = root.dataset("Steps/PartOffsets")?.size();
         let layout = Self::of_frames(Place::There(&root), file, finished, times, kind, contents, frames)?;
-        layout.times.resize(written.max(1))?;
-        layout.finished.write_scalar(&(written as i64))?;
-        layout.flush()?;
         Ok((layout, frames))
+    }
+
+    /// Drops the frames behind the first so many.
+    pub(super) fn cut(&self, written: usize) -> Result<()> {
+        self.times.resize(written.max(1))?;
+        self.finished.write_scalar(&(written as i64))?;
+        self.flush()
     }
 
     /// The layout of a file with the datasets that a frame is written to.

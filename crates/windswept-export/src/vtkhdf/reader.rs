@@ -31,7 +31,10 @@ impl VtkHdfReader {
         let refused = |reason: String| ExportError::File { path: path.into(), doing: "could not be read", reason };
         // HDF5's words for a missing file are a page.
         std::fs::metadata(path).map_err(|e| refused(e.to_string()))?;
-        let reader = Self::read_layout(path).map_err(|e| failed(path, "could not be read", &e))?;
+        let reader = Self::read_layout(path).map_err(|e| match is_locked(&e) {
+            true => refused("another run is writing here".to_owned()),
+            false => failed(path, "could not be read", &e),
+        })?;
         match reader.fault() {
             Some(fault) => Err(refused(format!("{fault}: windswept did not write this"))),
             None => Ok(reader),
@@ -195,4 +198,12 @@ impl VtkHdfReader {
         let row = |row: &[f32]| std::array::from_fn(|i| row.get(i).copied().unwrap_or_default());
         Ok(rows.outer_iter().map(|r| row(&r.to_vec())).collect())
     }
+}
+
+/// Whether HDF5 could not open a file because somebody writes it, and has locked it.
+fn is_locked(error: &hdf5::Error) -> bool {
+    let words = error.to_string();
+    let number = words.split_once("unable to lock file, errno = ").and_then(|(_, rest)| rest.split(',').next());
+    let number = number.and_then(|number| number.parse().ok());
+    number.is_some_and(|number| std::io::Error::from_raw_os_error(number).kind() == std::io::ErrorKind::WouldBlock)
 }

@@ -1,14 +1,14 @@
 //! A simulation in a file, from which it goes on with the same bits.
 
 use std::{
-    fs::{self, File},
+    fs::File,
     io::{self, BufReader, BufWriter, Read, Write},
     path::Path,
 };
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{AtomicFile, InitialState, Scene};
 use windswept_shaders::common::rod::Root;
 
 use super::{
@@ -262,22 +262,16 @@ impl Simulation {
     /// As [`Self::save`].
     pub fn save_with(&self, path: impl AsRef<Path>, notes: &impl Serialize) -> Result<(), CheckpointError> {
         let path = path.as_ref();
-        let mut part = path.as_os_str().to_owned();
-        part.push(".part");
         let name = path.display().to_string();
         let io = |reason| CheckpointError::File { file: name.clone(), be: "written", reason };
-        let unmade = |reason| CheckpointError::File { file: part.display().to_string(), be: "written", reason };
-        let written = File::create(&part).map_err(unmade).and_then(|file| {
-            let out = self.write(BufWriter::new(file), &name, notes)?;
-            let file = out.into_inner().map_err(|error| io(error.into_error()))?;
-            file.sync_all().map_err(io)?;
-            fs::rename(&part, path).map_err(io)
-        });
-        if written.is_err() {
-            // Why there is no checkpoint is known already.
-            let _ = fs::remove_file(&part);
-        }
-        written?;
+        let unmade = |reason| CheckpointError::File { file: format!("{name}.part"), be: "written", reason };
+        let whole = AtomicFile::new(path).map_err(unmade)?;
+        let file = whole.create().map_err(unmade)?;
+        let out = self.write(BufWriter::new(file), &name, notes)?;
+        let file = out.into_inner().map_err(|error| io(error.into_error()))?;
+        file.sync_all().map_err(io)?;
+        drop(file);
+        whole.finish().map_err(io)?;
         sync_folder(path).map_err(io)
     }
 
