@@ -1,10 +1,10 @@
 // One iteration of the pressure: the divergence of the velocity at each particle, and the pressure that takes a part of it out.
 //
 //   s_i = sum_j V_j (v_i - v_j) . B_i grad_i W                the rate at which the density rises, over the density
-//   mu_i = -omega V_i/V_air s_i/(a_i max(1, 0.8 theta_i)),  lambda_i += mu_i        `fluid/push` does the rest
+//   mu_i = -omega p_i s_i/(a_i max(1, 0.8 theta_i)),  lambda_i += mu_i              `fluid/push` does the rest
 //
 // Particles that crowd see the same divergence, and would all take it out: theta is their density over that at rest. So would points of
-// hair that are many to a parcel of air, of which each has a part V_i/V_air of the room.
+// hair that are nearer to one another than particles of air, l < d: each takes a part p_i = min(1, l/d), where V_i = V_air l/h.
 // Where air is missing lambda_i is at most 0: what flies apart there is not pulled together.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pair, gradient_to},
@@ -55,7 +55,8 @@ fn main(
     let at = gradients[i];
     let sum = dot(at.diagonal, diagonal) + dot(at.off_diagonal, off_diagonal);
     let before = allowed(pressed[i].pressure, density[i]);
-    let relaxation = iteration.relaxation * (own.w / params.air_volume) / max(1.0, CROWD * density[i]);
+    let part = min(1.0, own.w / params.air_volume * params.kernel_radius / params.spacing);
+    let relaxation = iteration.relaxation * part / max(1.0, CROWD * density[i]);
     let after = allowed(before - relaxation * sum / at.response, density[i]);
     pressed[i].pressure = after;
     let push = (after - before) / own.w;

@@ -303,7 +303,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::MOMENTS, "FLOOR: f32 = 0.02", "FLOOR: f32 = 0.03", DIVERGENCE),
     (&shaders::fluid::PUSH, "own.w * (of_own", "0.9 * own.w * (of_own", DIVERGENCE),
     (&shaders::fluid::DIVERGENCE, "- relaxation * sum", "- 0.9 * relaxation * sum", DIVERGENCE),
-    (&shaders::fluid::DIVERGENCE, "(own.w / params.air_volume)", "1.0", LIGHT_HAIR),
+    (&shaders::fluid::DIVERGENCE, "min(1.0, own.w", "min(1.0, 2.0 * own.w", LIGHT_HAIR),
     (&shaders::fluid::IMPULSE, "LASTING: f32 = 1.5", "LASTING: f32 = 1.4", PRESSED_HAIR),
     (&shaders::coarse::SOURCE, "max(1.0, density[i])", "max(1.1, density[i])", DIVERGENCE),
     (&shaders::coarse::SOURCE, "sorted_position[e].xyz /", "0.9 * sorted_position[e].xyz /", DIVERGENCE),

@@ -71,10 +71,10 @@ pub const PRESSED_HAIR: &[&str] = &[
     "viscosity.smagorinsky=1.0",
     "hair.motion=[{time=0,rotation=[0,1,0]},{time=0.008,translation=[0,0.003,0],rotation=[0.1,1.2,0]}]",
 ];
-/// Settings with hair that is lighter than a tenth of the air whose room it takes, and carries air along; its points are less than a
-/// kernel radius apart.
+/// Settings with hair that is lighter than a tenth of the air whose room it takes, and carries air along; its points are nearer to one
+/// another than particles of air.
 pub const LIGHT_HAIR: &[&str] =
-    &["fluid.solver=divergence", "turbulence.bands=[]", "hair.point_mass=1e-9", "hair.points=13"];
+    &["fluid.solver=divergence", "turbulence.bands=[]", "hair.point_mass=1e-9", "hair.points=25"];
 /// Settings with hair alone, solved by Gauss-Seidel.
 pub const SWEEPS: &[&str] = &["rods.solver=gauss-seidel", "interaction.model=none"];
 /// Force fields of each shape that overlap one another and the hair, one of them by keyframes.

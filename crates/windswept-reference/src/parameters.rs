@@ -188,10 +188,11 @@ impl Parameters {
         }
     }
 
-    /// Part of a parcel of air that a particle of this volume \[m³\] is.
+    /// Part min(1, l/d) that a particle of this volume \[m³\] takes of a divergence, l the length of segments that gives a point of hair its
+    /// volume V = V_air l/h, d the spacing of air; 1 for air.
     #[must_use]
     pub fn part(&self, volume: f64) -> f64 {
-        volume / self.air_volume
+        (volume / self.air_volume * self.kernel_radius / self.spacing()).min(1.0)
     }
 
     /// Whether particle `i` is air.

@@ -260,8 +260,8 @@ pub fn divergence(
     (0..x.len()).map(|i| others(p, near, i).map(|j| pair(i, j)).sum()).collect()
 }
 
-/// Increment μ = −ω (V/V_air) s/a of a multiplier λ \[m²/s\] of a particle that is this part V/V_air of a parcel of air; at a surface
-/// λ + μ is no more than 0.
+/// Increment μ = −ω p s/a of a multiplier λ \[m²/s\] of a particle that takes this part p of a divergence; at a surface λ + μ is no more
+/// than 0.
 #[must_use]
 pub fn relax(omega: f64, part: f64, rate: f64, moments: &Moments, lambda: f64) -> f64 {
     let increment = -omega * part * rate / (moments.diagonal * (CROWD * moments.density).max(1.0));
