@@ -93,7 +93,7 @@ fn wrong_constants_turn_rows_red() {
         (&force::DRAW, "smoothstep(0.5", "smoothstep(0.4", "force-fields"),
         (&force::FEEL, "gale_at(air.position).wind", "1.01 * gale_at(air.position).wind", "force-fields"),
         (&force::PUSH_AIR, "params.step * pushed", "1.01 * params.step * pushed", "set-force"),
-        (&force::PUSH_HAIR, "pushed[p].xyz / w", "1.01 * pushed[p].xyz / w", "set-force"),
+        (&force::PUSH_HAIR, "/ w * pushed[p].xyz", "/ w * 1.01 * pushed[p].xyz", "set-force"),
         (&force::KEEP, "params.step * felt", "0.99 * params.step * felt", "set-force"),
         (&fluid::FRICTION, "min(own.friction, other.more.y)", "0.5 * own.friction", "friction"),
         (&rods::ROOTS, "part * key.travel", "1.001 * part * key.travel", "wind"),
