@@ -4,13 +4,14 @@ use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, ImageReader, Rgba, RgbaImage};
+use windswept_scene::AtomicFile;
 
 use crate::ExportError;
 
 /// Space between the pictures of a contact sheet \[px\].
 const GAP: u32 = 4;
 
-/// Writes a picture as PNG, RGB without its alpha: all of it or, where the disk refuses, no file.
+/// Writes a picture as PNG, RGB without its alpha: all of it or, where the disk refuses, the file that was there before.
 ///
 /// # Errors
 /// [`ExportError::File`] if it cannot be written.
@@ -22,11 +23,7 @@ pub fn write_png(path: impl AsRef<Path>, picture: &RgbaImage) -> Result<(), Expo
     PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive)
         .write_image(&rgb, picture.width(), picture.height(), ExtendedColorType::Rgb8)
         .map_err(|e| failed(e.to_string()))?;
-    std::fs::write(path, bytes).map_err(|e| {
-        // Half a picture is none, and why it is only half is what counts.
-        let _ = std::fs::remove_file(path);
-        failed(e.to_string())
-    })
+    AtomicFile::write(path, &bytes).map_err(|e| failed(e.to_string()))
 }
 
 /// Reads a picture that [`write_png`] wrote.
