@@ -2,9 +2,9 @@
 //
 //   D_n = sum_j f_j B(x_j/h_g - n),  B the product of a window along each axis
 //
-// A gather in a fixed order: a block of nodes is made from the rows of cells that reach it, by one lane or by some that share each row. Particles may be sorted
-// into any cells that fill the box; a grid finer than those would read many particles in vain. A pass reads a particle in `bring`,
-// which returns its place in spacings, and adds what it has read to its sums in `add`.
+// A gather in a fixed order: a block of nodes is made from the rows of cells that reach it, by one lane or by some that share each row.
+// Particles may be sorted into any cells that fill the box; a grid finer than those would read many particles in vain. A pass reads a
+// particle in `bring`, which returns its place in spacings, and adds what it has read to its sums in `add`.
 import package::common::mesh::{Mesh, weights, window_of, node_index};
 import package::pass::{bring, add};
 

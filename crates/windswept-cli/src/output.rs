@@ -220,10 +220,7 @@ fn replaced() -> Vec<&'static str> {
 }
 
 fn remove(path: &Path) -> Result<(), Failure> {
-    match fs::remove_file(path) {
-        Err(e) if e.kind() != ErrorKind::NotFound => Err(cannot("removed", path, &e)),
-        _ => Ok(()),
-    }
+    windswept_scene::remove(path).map_err(|e| cannot("removed", path, &e))
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Failure> {

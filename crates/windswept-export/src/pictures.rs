@@ -4,9 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use windswept::{Frame, Gpu};
-use windswept_scene::{Curves, Scene};
+use windswept_scene::{Curves, Scene, remove};
 
-use crate::folder::remove;
 use crate::picture::read_png;
 use crate::{ExportError, Folder, FrameSink, Preview, Renderer, write_png};
 

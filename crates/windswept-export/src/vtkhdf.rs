@@ -42,9 +42,9 @@ mod reader;
 use std::path::{Path, PathBuf};
 
 use windswept::{Frame, HairFrame};
-use windswept_scene::AtomicFile;
+use windswept_scene::{AtomicFile, remove};
 
-use crate::folder::{refuse_link, remove};
+use crate::folder::refuse_link;
 use crate::strands::check_strands;
 use crate::{ExportError, FrameSink, Provenance};
 pub(crate) use films::Films;

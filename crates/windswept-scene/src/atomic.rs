@@ -26,10 +26,8 @@ impl AtomicFile {
         let mut part = place.clone().into_os_string();
         part.push(".part");
         let part = PathBuf::from(part);
-        match fs::remove_file(&part) {
-            Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
-            _ => Ok(Self { place, part }),
-        }
+        remove(&part)?;
+        Ok(Self { place, part })
     }
 
     /// Where it is written until it is whole.
@@ -70,6 +68,17 @@ impl AtomicFile {
         file.sync_all()?;
         drop(file);
         whole.finish()
+    }
+}
+
+/// Removes a file or a link, if it is there.
+///
+/// # Errors
+/// What the system says.
+pub fn remove(path: impl AsRef<Path>) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
     }
 }
 

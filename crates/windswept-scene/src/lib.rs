@@ -35,7 +35,7 @@ mod warnings;
 mod wind;
 mod write;
 
-pub use atomic::AtomicFile;
+pub use atomic::{AtomicFile, remove};
 pub use body::{Body, Round, Shape};
 pub use curves::{Curves, Dropped, GroomFormat, npy_head};
 pub use error::{SceneError, spelled};

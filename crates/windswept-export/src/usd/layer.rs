@@ -4,10 +4,12 @@ use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
+use windswept_scene::remove;
+
 use super::failed;
 use super::text::LAST;
 use crate::ExportError;
-use crate::folder::{refuse_link, remove};
+use crate::folder::refuse_link;
 
 /// The end of a layer: of the samples, of the attribute, of the prim; and what is behind it does not count.
 const END: &str = "};}#";
