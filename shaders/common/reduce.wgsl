@@ -1,14 +1,15 @@
 // Sums in a fixed order: over the terms of an invocation, over a workgroup (`common/terms.wgsl`), and over workgroups, in a second pass.
+// Up to eight sums are made at once.
 import package::common::dispatch::WORKGROUP;
 
 const TERMS: u32 = 16u;   // terms of an invocation, in a sum over particles
 
-@group(0) @binding(21) var<storage, read_write> partial_sum: array<vec4f>;   // one of each workgroup of the first pass
+@group(0) @binding(21) var<storage, read_write> partial_sum: array<mat2x4f>;   // one of each workgroup of the first pass
 
-var<workgroup> sums: array<vec4f, WORKGROUP>;
+var<workgroup> sums: array<mat2x4f, WORKGROUP>;
 
 // Sum of what every lane brings; only lane 0 may use it.
-fn total(lane: u32, own: vec4f) -> vec4f {
+fn total(lane: u32, own: mat2x4f) -> mat2x4f {
     sums[lane] = own;
     workgroupBarrier();
     for (var reach = WORKGROUP / 2u; reach > 0u; reach /= 2u) {
@@ -19,8 +20,8 @@ fn total(lane: u32, own: vec4f) -> vec4f {
 }
 
 // Sum of all partial sums, in a dispatch of one workgroup; only lane 0 may use it.
-fn total_of_partial_sums(lane: u32) -> vec4f {
-    var own = vec4f(0.0);
+fn total_of_partial_sums(lane: u32) -> mat2x4f {
+    var own = mat2x4f();
     for (var g = lane; g < arrayLength(&partial_sum); g += WORKGROUP) { own += partial_sum[g]; }
     return total(lane, own);
 }

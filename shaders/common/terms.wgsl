@@ -5,7 +5,7 @@ import package::pass::term;
 fn sum_terms(id: vec3u, groups: vec3u, lane: u32, group: vec3u) {
     let all_of_them = groups.x * groups.y * WORKGROUP;
     var i = params.hair_points + invocation(id, groups);
-    var own = vec4f(0.0);
+    var own = mat2x4f();
     for (var k = 0u; k < TERMS && i < params.particles; k++) {
         own += term(i);
         i += all_of_them;

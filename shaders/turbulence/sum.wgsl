@@ -1,10 +1,15 @@
-// Sums the changes of velocity of each workgroup's particles, in a fixed order.
+// Sums changes of velocity, of confinement or of the coarse pressure, and what they do to the air's energy: over each workgroup's
+// particles, in a fixed order.
 import package::common::{dispatch::WORKGROUP, terms::sum_terms};
 
-@group(0) @binding(2) var<storage, read> confinement: array<vec4f>;   // m/s
+@group(0) @binding(2) var<storage, read> confinement:  array<vec4f>;   // q [m/s]
+@group(0) @binding(3) var<storage, read> new_velocity: array<vec4f>;   // v
 
-fn term(i: u32) -> vec4f {
-    return vec4f(confinement[i].xyz, 0.0);
+// q [m/s], q . v [m^2/s^2]; v [m/s], q . q [m^2/s^2].
+fn term(i: u32) -> mat2x4f {
+    let change = confinement[i].xyz;
+    let v = new_velocity[i].xyz;
+    return mat2x4f(vec4f(change, dot(change, v)), vec4f(v, dot(change, change)));
 }
 
 @compute @workgroup_size(WORKGROUP)

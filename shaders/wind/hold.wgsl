@@ -7,7 +7,7 @@ import package::common::{dispatch::WORKGROUP, reduce::total_of_partial_sums, win
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(local_invocation_id) lane: vec3u) {
-    let all = total_of_partial_sums(lane.x);
+    let all = total_of_partial_sums(lane.x)[0];
     if lane.x > 0u { return; }
     let wind = mean_wind();
     // Without a rate there is no wind, or nobody in the fringe.

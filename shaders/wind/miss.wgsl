@@ -9,14 +9,14 @@ import package::common::{
 @group(0) @binding(3) var<storage, read> velocity: array<vec4f>;
 
 // xyz [m/s^2], w: [1/s].
-fn term(i: u32) -> vec4f {
+fn term(i: u32) -> mat2x4f {
     let place = position[i].xyz;
     let rate = rate_at(place);
     let v = velocity[i].xyz;
     // Air that is not finite ends the run, and is not to take all other air with it.
-    if rate <= 0.0 || !finite3(v) { return vec4f(0.0); }
+    if rate <= 0.0 || !finite3(v) { return mat2x4f(); }
     let change = mean_wind() - wind_before();
-    return rate * vec4f(brought(place) - v - change, 1.0);
+    return mat2x4f(rate * vec4f(brought(place) - v - change, 1.0), vec4f(0.0));
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use windswept::internals::step;
-use windswept_reference::{State as Twin, fluid, step::Scratch, turbulence};
+use windswept_reference::{State as Twin, fluid, step::Scratch};
 use windswept_scene::{FluidSolver, Model};
 use windswept_shaders as shaders;
 
@@ -262,16 +262,28 @@ impl Walk<'_> {
         passes.through("coarse/wave");
         self.same("coarse/wave", numbers_apart(&nodes(&state.coarse), &pressure) / most, bounds.nodes)?;
 
-        let mut change = fluid::coarse_push(&p, before, &pressure);
+        let change = fluid::coarse_gather(&p, before, &pressure);
         passes.through("coarse/gather");
         let gap = apart(&self.vectors(&state.coarse_change, hair), &change[hair..]);
         self.same("coarse/gather", gap, bounds.speed)?;
         passes.through("turbulence/sum");
-        let mean = turbulence::mean(&p, &change);
+        let (parts, most) = (stage.engine.read(&state.partial_sum).unwrap(), self.p().largest_wind.max(1.0));
+        let sum = |k: usize| parts.iter().map(|part| f64::from(part[k])).sum::<f64>();
+        let air = || change.iter().zip(&w.new_velocity).skip(hair);
+        let vectors = [(0, air().map(|(q, _)| *q).sum::<DVec3>()), (4, air().map(|(_, v)| *v).sum())];
+        for (k, wanted) in vectors {
+            let got = DVec3::new(sum(k), sum(k + 1), sum(k + 2));
+            self.same("turbulence/sum", (got - wanted).length() / air().len() as f64, bounds.speed)?;
+        }
+        for (k, wanted) in [(3, air().map(|(q, v)| q.dot(*v)).sum::<f64>()), (7, air().map(|(q, _)| q.dot(*q)).sum())] {
+            self.same("turbulence/sum", (sum(k) - wanted).abs() / air().len() as f64, most * bounds.speed)?;
+        }
+        let (mean, part) = fluid::coarse_mean(&p, &w.new_velocity, &change);
         passes.through("coarse/mean");
-        self.same("coarse/mean", (stage.vectors(&state.coarse_mean)[0] - mean).length(), 0.1 * bounds.wind)?;
-        change[hair..].iter_mut().for_each(|change| *change -= mean);
-        give(w, &change);
+        let got = stage.engine.read(&state.coarse_mean).unwrap()[0];
+        self.same("coarse/mean", (xyz(&got[..3]) - mean).length(), 0.1 * bounds.wind)?;
+        self.same("coarse/mean", (f64::from(got[3]) - part).abs(), bounds.nodes)?;
+        give(w, &fluid::coarse_push(&p, &change, mean, part));
         passes.through("coarse/push");
         self.pushed("coarse/push", w, hair)
     }
@@ -311,8 +323,10 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::coarse::WAVE, "cos(t) + sin(t)", "cos(t)", DIVERGENCE),
     (&shaders::coarse::SOLVE, "52.0 * cos(t)", "50.0 * cos(t)", DIVERGENCE),
     (&shaders::coarse::GATHER, "-sigma * sum", "-0.9 * sigma * sum", DIVERGENCE),
-    (&shaders::coarse::MEAN, "all / f32(", "0.5 * all / f32(", DIVERGENCE),
-    (&shaders::coarse::PUSH, "coarse_change[i].xyz - coarse_mean[0].xyz", "5.0 * coarse_change[i].xyz", DIVERGENCE),
+    (&shaders::turbulence::SUM, "vec4f(v, dot", "vec4f(v, 0.5 * dot", DIVERGENCE),
+    (&shaders::coarse::MEAN, "all[0].xyz / air", "0.5 * all[0].xyz / air", DIVERGENCE),
+    (&shaders::coarse::MEAN, "2.0 * taken", "0.2 * taken", DIVERGENCE),
+    (&shaders::coarse::PUSH, "coarse_change[i].xyz - mean.xyz", "5.0 * coarse_change[i].xyz", DIVERGENCE),
     (&shaders::fluid::SLIP, "velocity[p].xyz + history.own", "velocity[p].xyz", CROWDED),
     (&shaders::fluid::SQUEEZE, "own.inverse_mass * sum", "0.9 * own.inverse_mass * sum", CROWDED),
     (&shaders::fluid::FRICTION, "min(own.friction, other.more.y)", "0.9 * own.friction", CROWDED),

@@ -9,7 +9,7 @@ use glam::DVec3;
 use windswept_scene::{FluidSolver, Model};
 
 pub use self::{
-    coarse::{coarse_deposit, coarse_push, coarse_solve, coarse_waves, source},
+    coarse::{coarse_deposit, coarse_gather, coarse_mean, coarse_push, coarse_solve, coarse_waves, source},
     friction::{Rub, STIFFNESS, friction, slip, squeeze},
     pressure::{LASTING, Moments, Pressed, THIN, divergence, eddies, moments, push, relax, relaxations, spread, start},
 };

@@ -293,7 +293,7 @@ fn the_coarse_solve_reaches_far() {
         let moments = fluid::moments(&p, x, &crowd.inverse_mass, &volume, &near);
         let rate = fluid::divergence(&p, x, &initial.air.velocities, &volume, &near, &moments);
         let pressure = fluid::coarse_solve(&p, &fluid::coarse_deposit(&p, x, &rate, &moments));
-        let change = fluid::coarse_push(&p, x, &pressure);
+        let change = fluid::coarse_gather(&p, x, &pressure);
         let along = |v: &[DVec3]| x.iter().zip(v).map(|(x, v)| wave(x) * v.x).sum::<f64>();
         1.0 + along(&change) / along(&initial.air.velocities)
     };
@@ -309,6 +309,31 @@ fn the_coarse_solve_reaches_far() {
     let momentum: DVec3 = state.velocity.iter().sum::<DVec3>() - initial.air.velocities.iter().sum::<DVec3>();
     println!("{rest:.4} of the energy after a step, momentum {:.1e} off", momentum.length());
     assert!(rest < 0.01 && momentum.length() < 1e-10, "{rest}");
+}
+
+/// A push of the coarse grid leaves the air no more energy than it had, and no other momentum: a push that takes energy is made, one
+/// that gives energy is not, and one that would overshoot is made in part.
+#[test]
+fn a_coarse_push_gives_no_energy() {
+    let initial = melted([8; 3], 75);
+    let p = parameters(&initial, 1, "");
+    let v = &initial.air.positions.iter().map(|x| DVec3::X * (TAU * x.x / p.box_size.x).sin()).collect::<Vec<_>>();
+    let wind = DVec3::new(3.0, -1.0, 0.5);
+    let part = |scale: f64| {
+        let change: Vec<_> =
+            v.iter().zip(stirred(512, 76)).map(|(v, noise)| scale * (*v + 0.1 * noise) + wind).collect();
+        let carried: Vec<_> = v.iter().map(|v| *v + wind).collect();
+        let (mean, part) = fluid::coarse_mean(&p, &carried, &change);
+        let given = fluid::coarse_push(&p, &change, mean, part);
+        let after: Vec<_> = v.iter().zip(&given).map(|(v, given)| *v + *given).collect();
+        let energy = |v: &[DVec3]| v.iter().map(|v| v.length_squared()).sum::<f64>();
+        let gained = energy(&after) / energy(v) - 1.0;
+        println!("scale {scale}: part {part:.3}, energy changes by {gained:.1e}");
+        assert!(given.iter().sum::<DVec3>().length() < 1e-10 && gained <= 1e-12, "{gained}");
+        part
+    };
+    let [taken, given, too_much] = [-0.1, 0.1, -3.0].map(part);
+    assert!(taken == 1.0 && given == 0.0 && too_much > 0.05 && too_much < 0.5, "{taken}, {given}, {too_much}");
 }
 
 /// In the model `two-way` pressure sees air alone, and hair is constrained as with solver `pbf`, to the bit.

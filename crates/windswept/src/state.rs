@@ -331,7 +331,7 @@ state! {
     coarse_waves: f32, |s| s.coarse_nodes;
     /// What the coarse pressure changes the velocity of a particle by \[m/s\].
     coarse_change: Vec4, |s| if s.coarse_nodes > 0 { s.particles } else { 0 };
-    /// Mean of that over the air \[m/s\].
+    /// Mean of that over the air \[m/s\]; w: the part of the push that leaves the air no more energy than it had.
     coarse_mean: Vec4, |_| 1;
     /// Lagrange multiplier of a particle's density constraint, and the part of it that becomes velocity \[kg m²\].
     multiplier: [f32; 2], |s| s.particles;
@@ -367,9 +367,9 @@ state! {
     band_velocity: Vec4, |s| s.turbulent();
     /// What confinement adds to a particle in this step, all bands \[m/s\].
     confinement: Vec4, |s| s.turbulent();
-    /// Sums over the particles of a workgroup each: of what air in the fringe misses of the wind \[m/s²\], of the confinement, or
-    /// of what the coarse pressure does \[m/s\].
-    partial_sum: Vec4, |s| s.air().div_ceil(WORKGROUP * TERMS);
+    /// Up to eight sums over the particles of a workgroup each: of what air in the fringe misses of the wind \[m/s²\], of the
+    /// confinement, or of what the coarse pressure does.
+    partial_sum: [f32; 8], |s| s.air().div_ceil(WORKGROUP * TERMS);
     /// Mean of the confinement over the air, to be taken out \[m/s\], and the impulse that this leaves the air with \[kg m/s\].
     mean_confinement: Vec4, |_| 2;
 

@@ -3,11 +3,12 @@
 //! ```text
 //!   r_n  = Σ_i φ_n(x_i) s_i/max(1, θ_i)                       φ_n: product of a quadratic B-spline along each axis
 //!   ĉ(k) = r̂(k)/S(k), ĉ(0) = 0                               S: Σ_i ∇φ_m · ∇φ_n for particles spread evenly
-//!   q_i  = −σ Σ_n c_n ∇φ_n(x_i),  v_i += q_i − mean of q      σ = min(1, d/(U Δt))
+//!   q_i  = −σ Σ_n c_n ∇φ_n(x_i),  v_i += p (q_i − mean of q)  σ = min(1, d/(U Δt))
 //! ```
 //! The pressure around an obstacle stands still while λ travels with the particles: without the coarse solve it lags. Air is
 //! pushed by the gradient of c itself and not by the transpose of the divergence, since among disordered particles that of a
-//! constant is not zero: forces of a pair are not opposite here, and the mean is taken out instead. c is not kept.
+//! constant is not zero: forces of a pair are not opposite here, and the mean is taken out instead. Nor does such a push always
+//! take energy from the air, so that only the part p of it is made that does. c is not kept.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +17,7 @@ use glam::DVec3;
 use super::{Moments, THIN};
 use crate::{
     Parameters,
-    turbulence::{b_spline, places, spline_nodes, transformed},
+    turbulence::{self, b_spline, places, spline_nodes, transformed},
 };
 
 /// Degree of the B-splines.
@@ -80,10 +81,28 @@ pub fn coarse_solve(p: &Parameters, deposited: &[f64]) -> Vec<f64> {
 
 /// Change q_i of each air particle's velocity by the coarse pressure \[m/s\], before its mean is taken out; 0 for hair.
 #[must_use]
-pub fn coarse_push(p: &Parameters, x: &[DVec3], pressure: &[f64]) -> Vec<DVec3> {
+pub fn coarse_gather(p: &Parameters, x: &[DVec3], pressure: &[f64]) -> Vec<DVec3> {
     let part = (p.spacing() / (p.largest_wind * p.step)).min(1.0);
     let slope = |x: DVec3| stencil(p, x).into_iter().map(|(node, _, slope)| pressure[node] * slope).sum::<DVec3>();
     (0..x.len()).map(|i| if p.is_air(i) { -part * slope(x[i]) } else { DVec3::ZERO }).collect()
+}
+
+/// Mean of the changes q of the air's velocity \[m/s\], and the part p of what is left of them that leaves air of velocities `v` no more
+/// energy than it had: p = 2 a/b, from 0 to 1, with a = −Σ (q − mean of q) · v and b = Σ |q − mean of q|², since a change of p q
+/// changes the energy by m (−p a + p² b/2).
+#[must_use]
+pub fn coarse_mean(p: &Parameters, v: &[DVec3], change: &[DVec3]) -> (DVec3, f64) {
+    let mean = turbulence::mean(p, change);
+    let left = || change.iter().zip(v).skip(p.hair_points).map(|(q, v)| (*q - mean, *v));
+    let taken: f64 = -left().map(|(q, v)| q.dot(v)).sum::<f64>();
+    let square: f64 = left().map(|(q, _)| q.length_squared()).sum();
+    (mean, (2.0 * taken / square.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0))
+}
+
+/// Change p (q_i − mean of q) of each air particle's velocity that is made \[m/s\]; 0 for hair.
+#[must_use]
+pub fn coarse_push(p: &Parameters, change: &[DVec3], mean: DVec3, part: f64) -> Vec<DVec3> {
+    (0..change.len()).map(|i| if p.is_air(i) { part * (change[i] - mean) } else { DVec3::ZERO }).collect()
 }
 
 /// Distance between nodes \[m\].

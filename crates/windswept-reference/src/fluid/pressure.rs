@@ -11,13 +11,12 @@
 use glam::{DMat3, DVec3};
 use windswept_scene::Model;
 
-use super::{coarse_deposit, coarse_push, coarse_solve};
+use super::{coarse_deposit, coarse_gather, coarse_mean, coarse_push, coarse_solve};
 use crate::{
     Parameters, State,
     neighbours::Neighbours,
     sph_kernels::{self, poly6, spiky_gradient},
     step::Scratch,
-    turbulence,
 };
 
 /// Share of the way U Δt/d by which particles are spread: less leaves clumps, more moves them across the shear behind hair.
@@ -85,10 +84,9 @@ pub(super) fn run(s: &State, w: &mut Scratch, p: &Parameters) {
         let rate = divergence(p, &w.predicted, &w.new_velocity, volume, &w.near, &w.moments);
         let deposited = coarse_deposit(p, &before, &rate, &w.moments);
         let pressure = coarse_solve(p, &deposited);
-        let mut change = coarse_push(p, &before, &pressure);
-        let mean = turbulence::mean(p, &change);
-        change[p.hair_points..].iter_mut().for_each(|change| *change -= mean);
-        give(w, change);
+        let change = coarse_gather(p, &before, &pressure);
+        let (mean, part) = coarse_mean(p, &w.new_velocity, &change);
+        give(w, coarse_push(p, &change, mean, part));
     }
     for omega in relaxations(p.pressure_iterations) {
         let rate = divergence(p, &w.predicted, &w.new_velocity, volume, &w.near, &w.moments);

@@ -91,8 +91,8 @@ fn on_coarse_grid(r: &mut Recorder<'_>, plan: &Plan) {
         wave(r, plan, "back along an axis", axis, *pair);
     }
     r.run(&coarse::GATHER, "what the coarse pressure changes", n.air()).bind("mesh", &mesh).bind("nodes", &s.coarse);
-    r.run(&turbulence::SUM, "sum of what it changes", n.air().div_ceil(TERMS)).bind("confinement", &s.coarse_change);
-    r.run(&coarse::MEAN, "mean of what it changes", ONE_WORKGROUP);
+    r.run(&turbulence::SUM, "sums of what it changes", n.air().div_ceil(TERMS)).bind("confinement", &s.coarse_change);
+    r.run(&coarse::MEAN, "their mean, and the part that takes energy", ONE_WORKGROUP);
     r.run(&coarse::PUSH, "the coarse pressure pushes", n.air());
 }
 
