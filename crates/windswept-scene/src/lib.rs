@@ -7,6 +7,7 @@ mod assign;
 mod atomic;
 mod body;
 mod carry;
+mod counts;
 mod curves;
 mod declare;
 mod document;
@@ -37,6 +38,7 @@ mod write;
 
 pub use atomic::{AtomicFile, remove};
 pub use body::{Body, Round, Shape};
+pub use counts::Counts;
 pub use curves::{Curves, Dropped, GroomFormat, npy_head};
 pub use error::{SceneError, spelled};
 pub use force::{Force, ForceField, Strength};
