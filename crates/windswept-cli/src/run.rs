@@ -109,6 +109,7 @@ fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<
         return Err(Failure::Input(format!("{}: {words}", path.display())));
     }
     let _lock = Folder(dir).lock()?;
+    output.remove_parts()?;
     // What cannot be read is bad input: nothing was written.
     let refused = |error: CheckpointError| match error {
         CheckpointError::Start { error, .. } => error.into(),
