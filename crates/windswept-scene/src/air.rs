@@ -6,8 +6,9 @@ use rand_pcg::Pcg64;
 
 use crate::{
     body::{Shape, inside},
-    initial::{AirParticles, Strands},
+    initial::AirParticles,
     scene::{Air, Bounds, Scene},
+    strands::Strands,
 };
 
 /// Distance to a hair point below which air is left out \[particle spacings\]: that of a sphere of one particle's volume.

@@ -8,10 +8,10 @@ use crate::{
     declare::{Keys, words},
     error::SceneError,
     hang::Hung,
-    initial::{End, Strands},
     limits::{LARGEST, MAGNITUDES, MOST_CURVE_POINTS, MOST_HAIR_POINTS, MOST_POINTS_OF_A_STRAND},
     scene::{CLAMPED_TIP, FRICTION, Fibre, Scene, Solver},
     strand::{Parcel, Shape, frame, turn, turned_onto},
+    strands::{End, Strands},
 };
 
 /// Points nearer to each other than this part of their strand's length are one.
