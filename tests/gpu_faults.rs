@@ -5,7 +5,7 @@
 mod support;
 
 use windswept::{Error, Gpu, GpuError, Simulation, gpu::wgpu};
-use windswept_scene::Scene;
+use windswept_scene::{Groom, InitialState, Scene};
 
 const SCENE: &str = "
 time = { step = 1e-3, duration = 1.0 }
@@ -143,6 +143,37 @@ fn small_bindings_are_named() {
     assert!(error.to_string().contains("expected a larger air.particle_mass"), "{error}");
     let mut enough = with_binding(256 << 10).unwrap();
     enough.step(2).unwrap();
+}
+
+/// What is too large by the numbers that the scene or the groom says is refused before the initial state is made, which here cannot be, in
+/// the words that are said of a state that was made.
+#[test]
+fn what_cannot_fit_is_refused_before_it_is_made() {
+    let limits = wgpu::Limits { max_storage_buffer_binding_size: 16 << 10, ..wgpu::Limits::default() };
+    let gpu = with_limits(limits).1.unwrap();
+    let scene = |more: &[&str]| {
+        let sets: Vec<String> = more.iter().map(|set| (*set).to_owned()).collect();
+        Scene::parse_with("quick", include_str!("../examples/scenes/quick.toml"), &sets).unwrap()
+    };
+    let (no_air, no_bands) = ("interaction.model=drag", "turbulence.bands=[]");
+    // All strands would be rooted deep inside a body.
+    let body = "body=[{name='a', center=[0.056, 0.065, 0.035], radius=0.05}]";
+    for (sets, deep) in [(&[no_air][..], Some(body)), (&[no_bands, "fluid.solver=pbf"], None), (&[no_bands], None)] {
+        let said = |scene: &Scene| Simulation::new(&gpu, scene).err().unwrap().to_string();
+        let whole = scene(sets);
+        let made = InitialState::new(&whole).unwrap();
+        let of_state = Simulation::with_state(&gpu, &whole, made).err().unwrap().to_string();
+        assert_eq!(said(&whole), of_state);
+        if let Some(body) = deep {
+            let unmade = scene(&[sets, &[body]].concat());
+            assert!(InitialState::new(&unmade).unwrap_err().to_string().contains("is rooted"));
+            assert_eq!(said(&unmade), of_state);
+        }
+    }
+    // Strands that are twice in one place cannot be made.
+    let groom = Groom::new(vec![[0.0; 3]; 2000], (0..=200).map(|s| 10 * s).collect());
+    let error = Simulation::with_groom(&gpu, &scene(&[no_air]), &groom).err().unwrap();
+    assert!(matches!(error, Error::Gpu(GpuError::TooLarge { limit: 16_384, .. })), "{error}");
 }
 
 /// A device that has no memory left: the allocation that fails is named, with its bytes, and the device can be used on.

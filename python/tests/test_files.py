@@ -173,6 +173,11 @@ def test_a_folder_has_one_writer(sim, tmp_path):
     assert not (out / ".windswept.lock").exists()
     with ws.Writer(out, sim, formats=["usd"]):
         pass
+    # Half a picture that a killed writer left goes.
+    half = out / "frames/0007.png.part"
+    half.write_text("half")
+    with ws.Writer(out, sim):
+        assert not half.exists()
     # Pictures behind a link are somebody else's.
     (out / "frames").rename(tmp_path / "other")
     before = {path.name: path.read_bytes() for path in (tmp_path / "other").iterdir()}

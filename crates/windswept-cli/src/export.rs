@@ -10,7 +10,7 @@ use windswept_scene::{Outline, Scene};
 use crate::arguments::{ExportOptions, FilmFormat};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::output::{FILMS, Output};
+use crate::output::{BETWEEN, FILMS, Output};
 use crate::render::{OF_HAIR, OF_SCENE, check_folder, open, there};
 
 pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Result<(), Failure> {
@@ -45,9 +45,9 @@ pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Resu
         (FilmFormat::Npz, _) => write_npz(&path, frames, frame, &provenance).map_err(failed)?,
         (_, None) => write_usda(&path, frames, frame, rate, &provenance).map_err(failed)?,
         (_, Some(converter)) => {
-            let text = path.with_extension("text.usda");
+            let [text, part] = BETWEEN.map(|name| path.with_extension(name.trim_start_matches("film.")));
             write_usda(&text, frames, frame, rate, &provenance).map_err(failed)?;
-            let converted = converter.convert(&text, &path);
+            let converted = converter.convert(&text, &part, &path);
             // Whatever became of it: what counts is said already.
             let _ = fs::remove_file(&text);
             converted?;
@@ -104,14 +104,13 @@ impl Converter {
         Err(Failure::Input(format!("{}: {words}", python.display())))
     }
 
-    /// Makes one file of another.
-    fn convert(&self, from: &Path, to: &Path) -> Result<(), Failure> {
+    /// Makes one file of another, at `part` until it is whole.
+    fn convert(&self, from: &Path, part: &Path, to: &Path) -> Result<(), Failure> {
         let program = "import sys; from pxr import Sdf; Sdf.Layer.FindOrOpen(sys.argv[1]).Export(sys.argv[2])";
-        let part = to.with_extension("part.usdc");
-        let ran = Command::new(&self.0).args(["-c", program]).args([from, &part]).output();
+        let ran = Command::new(&self.0).args(["-c", program]).args([from, part]).output();
         let failed = |why: String| {
             // Half a film is none, and why it is only half is what counts.
-            let _ = fs::remove_file(&part);
+            let _ = fs::remove_file(part);
             Failure::Run(format!("{}: {why}", to.display()))
         };
         let ran = ran.map_err(|e| failed(e.to_string()))?;
@@ -119,6 +118,6 @@ impl Converter {
             let words = String::from_utf8_lossy(&ran.stderr);
             return Err(failed(words.lines().last().unwrap_or("could not be written").to_owned()));
         }
-        fs::rename(&part, to).map_err(|e| failed(e.to_string()))
+        fs::rename(part, to).map_err(|e| failed(e.to_string()))
     }
 }

@@ -20,16 +20,8 @@ const SHEET: &str = "contact-sheet.png";
 /// Written by `windswept export` only.
 pub(crate) const FILMS: [&str; 3] = ["film.usda", "film.usdc", "film.npz"];
 
-/// What a kill may leave of a file that has its own name once it is whole.
-const PARTS: [&str; 7] = [
-    "checkpoint.windswept.part",
-    "hair.vtkhdf.part",
-    "air.vtkhdf.part",
-    "film.usda.part",
-    "film.npz.part",
-    "report.json.part",
-    "scene.toml.part",
-];
+/// What `windswept export` makes film.usdc of and by; gone once it is there, unless it was killed.
+pub(crate) const BETWEEN: [&str; 2] = ["film.text.usda", "film.part.usdc"];
 
 /// Every name that a run writes: its formats' files, the report, the scene and the checkpoint. As in [`windswept_export::Format::files`], a
 /// stem of zeros stands for a file per frame.
@@ -113,6 +105,12 @@ impl Output {
         Ok(lock)
     }
 
+    /// Removes the halves of files that a killed run or export left; the folder is locked.
+    pub(crate) fn remove_parts(&self) -> Result<(), Failure> {
+        self.folder().found(&BETWEEN).iter().try_for_each(|path| remove(path))?;
+        Ok(self.folder().remove_parts(&replaced())?)
+    }
+
     /// Makes the folder that of a run which goes on: without the report of what was until now, and with the scene as it runs. Returns what
     /// was wrong with the scene's file, if anything was.
     pub(crate) fn reopen(&self, scene: &str) -> Result<Option<String>, Failure> {
@@ -145,6 +143,7 @@ impl Output {
     }
 
     fn remove_files(&self, names: &[&str]) -> Result<(), Failure> {
+        self.folder().remove_parts(names)?;
         self.folder().found(names).iter().try_for_each(|path| remove(path))?;
         for folder in self.folder().folders(names) {
             // A folder stays if it holds something of the user's.
@@ -214,9 +213,9 @@ fn check_folder(dir: &Path, overwrite: bool) -> Result<(), Failure> {
     }
 }
 
-/// Everything that `--overwrite` removes.
+/// Everything that `--overwrite` removes, with what it is until it is whole.
 fn replaced() -> Vec<&'static str> {
-    files().into_iter().chain([SHEET]).chain(FILMS).chain(PARTS).collect()
+    files().into_iter().chain([SHEET]).chain(FILMS).chain(BETWEEN).collect()
 }
 
 fn remove(path: &Path) -> Result<(), Failure> {

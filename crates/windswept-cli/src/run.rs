@@ -10,7 +10,7 @@ use windswept::{AdapterChoice, Checkpoint, CheckpointError, Gpu, Report, RunErro
 use windswept_export::{
     DEFAULT_FORMATS, ExportError, FORMATS, Folder, Format, Lock, Loss, Recording, Run, Schedule, Stop,
 };
-use windswept_scene::{InitialState, Time};
+use windswept_scene::Time;
 
 use crate::arguments::{Asked, OnBlowup, RunOptions};
 use crate::console::Console;
@@ -81,15 +81,14 @@ struct Begun {
 fn start(options: &RunOptions, path: &Path, out: &Path, console: &mut Console<'_>) -> Result<Begun, Failure> {
     let formats = options.formats(&DEFAULT_FORMATS)?;
     let scene = options.load(path)?;
-    let initial = InitialState::new(&scene)?;
     let schedule = schedule(&scene.time, options.steps)?;
     let output = Output::check(options, path, out)?;
-    for warning in initial.warnings.iter().cloned().chain(Schedule::warning(&scene.time)) {
-        console.warn(warning);
-    }
     let gpu = Gpu::new(&AdapterChoice::from_flag(options.adapter.as_deref()))?;
     console.note(format_args!("running on {}", gpu.info()));
-    let mut simulation = Simulation::with_state(&gpu, &scene, initial)?;
+    let mut simulation = Simulation::new(&gpu, &scene)?;
+    for warning in simulation.initial().warnings.iter().cloned().chain(Schedule::warning(&scene.time)) {
+        console.warn(warning);
+    }
     let recording = Recording::new(&formats, &mut simulation, out, room(&schedule)).map_err(refused_at_start)?;
     let _lock = output.create(scene.text())?;
     let notes = Notes::new(options.steps, &formats, options.checkpoint_every);
@@ -110,6 +109,7 @@ fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<
         return Err(Failure::Input(format!("{}: {words}", path.display())));
     }
     let _lock = Folder(dir).lock()?;
+    output.remove_parts()?;
     // What cannot be read is bad input: nothing was written.
     let refused = |error: CheckpointError| match error {
         CheckpointError::Start { error, .. } => error.into(),

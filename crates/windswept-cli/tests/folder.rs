@@ -144,6 +144,43 @@ fn half_a_checkpoint_is_replaced() {
     refused(&run(folder.path(), &["--steps", "1", "--overwrite"]), "checkpoint.windswept.part: is a folder");
 }
 
+/// Files between a kill and their names: of pictures, of films, of the report.
+const HALVES: [&str; 7] = [
+    "frames/0001.png.part",
+    "frames/0007.png.part",
+    "hair.vtkhdf.part",
+    "report.json.part",
+    "film.text.usda",
+    "film.text.usda.part",
+    "film.part.usdc",
+];
+
+/// Halves of files that a kill left are no pictures and no films: the next run or `render` in the folder removes them, and nothing else.
+#[test]
+fn halves_that_a_kill_left_are_removed() {
+    let folder = folder();
+    let out = folder.path().join("out");
+    let left = || {
+        fs::create_dir_all(out.join("frames")).expect("a folder");
+        HALVES.iter().for_each(|name| fs::write(out.join(name), "half").expect("a file"));
+        fs::write(out.join("frames/notes.part"), "precious").expect("a file");
+    };
+    let halves = || HALVES.iter().filter(|name| out.join(name).exists()).collect::<Vec<_>>();
+    let done = |output: &Output| assert_eq!(output.status.code(), Some(0), "{output:?}");
+    begun(folder.path(), "vtkhdf");
+    left();
+    // They are not pictures that --overwrite would have to be asked for.
+    done(&windswept(folder.path(), &["render", "out", "--adapter", "software"]).output().expect("the program starts"));
+    assert_eq!(listing(&out.join("frames")), ["0000.png", "0001.png", "notes.part"]);
+    left();
+    done(&resume(folder.path(), &[]));
+    assert_eq!(halves(), [&""; 0]);
+    left();
+    done(&run(folder.path(), &["--steps", "1", "--formats", "none", "--overwrite"]));
+    assert_eq!(halves(), [&""; 0]);
+    assert_eq!((listing(&out.join("frames")), listing(&out).len()), (vec!["notes.part".to_owned()], 3));
+}
+
 /// What a link in a run's folder leads to is somebody else's: a run that goes on replaces a link in the place of what it writes anew,
 /// and is refused where a film would grow at the end of one.
 #[test]

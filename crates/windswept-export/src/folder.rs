@@ -4,6 +4,7 @@ use std::fs::{self, File, OpenOptions};
 use std::path::{Path, PathBuf};
 
 use fs4::{FileExt, TryLockError};
+use windswept_scene::{AtomicFile, remove};
 
 use crate::ExportError;
 
@@ -47,7 +48,7 @@ impl Folder<'_> {
         }
         // A link is removed itself, wherever it leads.
         let is_folder = |path: &PathBuf| path.symlink_metadata().is_ok_and(|found| found.is_dir());
-        match self.found(names).into_iter().find(is_folder) {
+        match self.found(names).into_iter().chain(self.parts(names)).find(is_folder) {
             Some(path) => refuse(&path, "is a folder; expected a file or nothing"),
             None => Ok(()),
         }
@@ -67,15 +68,37 @@ impl Folder<'_> {
         names.iter().flat_map(of).collect()
     }
 
+    /// Removes the halves of such files that a writer left as it was killed. Whoever has the lock may do so.
+    ///
+    /// # Errors
+    /// [`ExportError::File`] with what the system says.
+    pub fn remove_parts(&self, names: &[&str]) -> Result<(), ExportError> {
+        self.parts(names).into_iter().try_for_each(|path| {
+            remove(&path).map_err(|error| ExportError::File {
+                path,
+                doing: "could not be removed",
+                reason: error.to_string(),
+            })
+        })
+    }
+
+    /// The paths of such files until they are whole; of a file per frame, those that are there.
+    fn parts(&self, names: &[&str]) -> Vec<PathBuf> {
+        let parts: Vec<_> = names.iter().map(|name| format!("{name}{}", AtomicFile::PART)).collect();
+        self.found(&parts.iter().map(String::as_str).collect::<Vec<_>>())
+    }
+
     /// The folders of the files per frame.
     pub fn folders(&self, names: &[&str]) -> impl Iterator<Item = PathBuf> {
         names.iter().filter_map(|name| Some(self.0.join(series(name)?.0)))
     }
 
-    /// Whether one of these names stands for a path, whether it is there yet or not.
+    /// Whether one of these names stands for a path, or for what the file of that path is until it is whole; whether it is there yet or not.
     #[must_use]
     pub fn names(&self, names: &[&str], path: &Path) -> bool {
         let path = real_path(path);
+        let whole = path.to_str().and_then(|path| path.strip_suffix(AtomicFile::PART)).map(PathBuf::from);
+        let path = whole.unwrap_or(path);
         names.iter().any(|name| match series(name) {
             None => real_path(&self.0.join(name)) == path,
             Some((folder, ending)) => {

@@ -114,33 +114,36 @@ impl VtkHdfWriter {
         provenance: &Provenance<'_>,
     ) -> Result<Self, ExportError> {
         let path = path.as_ref().to_path_buf();
-        let (points, strands) =
-            checked(kind, frame, frames).map_err(|problem| ExportError::Frame { path: path.clone(), problem })?;
+        check_kind(kind, frame, frames).map_err(|problem| ExportError::Frame { path: path.clone(), problem })?;
         let cells: Vec<i64> = match kind {
-            Kind::Hair => strands.iter().map(|&first| first.into()).collect(),
-            Kind::Air => (0..).take(points + 1).collect(),
+            Kind::Hair => frame.hair.offsets.iter().map(|&first| first.into()).collect(),
+            Kind::Air => (0..).take(points(kind, frame) + 1).collect(),
         };
         // HDF5 would empty the file under the hands of whoever has it open.
         remove(&path).map_err(|e| unreplaced(&path, &e))?;
-        let scalars: Vec<_> = scalars(kind, frame).into_iter().map(|(name, _)| name).collect();
+        let scalars = names_of_scalars(kind, frame);
         let still = still(kind, frame);
-        let contents = contents(kind, frame, points, &scalars, &still);
+        let contents = contents(kind, frame, &scalars, &still);
         let layout = Layout::create(&path, kind, &cells, &contents, frames, provenance)
             .map_err(|e| failed(&path, "could not be created", &e))?;
-        let root_frames = contents.root_frames;
-        Ok(Self {
+        Ok(Self::new(path, kind, layout, frame, frames))
+    }
+
+    /// The writer of frames like this one into a file that has room for `frames` of them, and none yet.
+    fn new(path: PathBuf, kind: Kind, layout: Layout, frame: &Frame, frames: usize) -> Self {
+        Self {
             path,
             kind,
             layout,
-            points,
-            strands,
-            scalars,
-            root_frames,
+            points: points(kind, frame),
+            strands: strands(kind, frame).to_vec(),
+            scalars: names_of_scalars(kind, frame),
+            root_frames: root_frames(kind, frame),
             frames,
             written: 0,
             last_time: f64::NEG_INFINITY,
             orientations: Vec::new(),
-        })
+        }
     }
 
     /// Goes on with a file of such frames, which may be that of a killed run, behind its first `written` frames; those behind them are
@@ -277,8 +280,6 @@ impl VtkHdfWriter {
 struct Continuation {
     path: PathBuf,
     kind: Kind,
-    points: usize,
-    strands: Vec<u32>,
     written: usize,
     last_time: f64,
     /// The film with room for all frames, where it has not.
@@ -296,14 +297,14 @@ impl Continuation {
         provenance: &Provenance<'_>,
     ) -> Result<Self, ExportError> {
         let misfit = |problem: String| ExportError::Frame { path: path.clone(), problem };
-        let (points, strands) = checked(kind, frame, frames).map_err(misfit)?;
+        check_kind(kind, frame, frames).map_err(misfit)?;
         refuse_link(&path)?;
         let reader = VtkHdfReader::open(&path)?;
         if reader.times().len() < written {
             return Err(misfit(format!("has {} frames, expected the first {written}", reader.times().len())));
         }
         let last_time = written.checked_sub(1).map_or(f64::NEG_INFINITY, |last| reader.times()[last]);
-        if !reader.is_of(kind, points, &strands) {
+        if !reader.is_of(kind, points(kind, frame), strands(kind, frame)) {
             return Err(misfit("has other strands or particles than the run that is to go on".to_owned()));
         }
         let mut larger = None;
@@ -315,7 +316,7 @@ impl Continuation {
             copy.finish()?;
         }
         drop(reader);
-        let film = Self { path, kind, points, strands, written, last_time, larger };
+        let film = Self { path, kind, written, last_time, larger };
         // What cannot be opened to write is found here.
         film.open(film.larger.as_ref().map_or(&film.path, AtomicFile::part), frame)?;
         Ok(film)
@@ -328,30 +329,15 @@ impl Continuation {
         }
         let (layout, frames) = self.open(&self.path, frame)?;
         layout.cut(self.written).map_err(|e| failed(&self.path, "could not be cut", &e))?;
-        let scalars = scalars(self.kind, frame).into_iter().map(|(name, _)| name).collect();
-        let root_frames = root_frames(self.kind, frame);
-        let Self { path, kind, points, strands, written, last_time, .. } = self;
-        let orientations = Vec::new();
-        Ok(VtkHdfWriter {
-            path,
-            kind,
-            layout,
-            points,
-            strands,
-            scalars,
-            root_frames,
-            frames,
-            written,
-            last_time,
-            orientations,
-        })
+        let Self { path, kind, written, last_time, .. } = self;
+        Ok(VtkHdfWriter { written, last_time, ..VtkHdfWriter::new(path, kind, layout, frame, frames) })
     }
 
     /// Opens the file of such frames at `path`, and says how many it has room for.
     fn open(&self, path: &Path, frame: &Frame) -> Result<(Layout, usize), ExportError> {
-        let scalars: Vec<_> = scalars(self.kind, frame).into_iter().map(|(name, _)| name).collect();
+        let scalars = names_of_scalars(self.kind, frame);
         let still = still(self.kind, frame);
-        let contents = contents(self.kind, frame, self.points, &scalars, &still);
+        let contents = contents(self.kind, frame, &scalars, &still);
         Layout::open(path, self.kind, &contents).map_err(|e| failed(&self.path, "could not be opened to go on", &e))
     }
 }
@@ -370,10 +356,9 @@ impl FrameSink for VtkHdfWriter {
     }
 }
 
-/// Number of points of a frame of this kind, and the strands' offsets, if a file of `frames` such frames can be.
-fn checked(kind: Kind, frame: &Frame, frames: usize) -> Result<(usize, Vec<u32>), String> {
-    let points = arrays(kind, frame).0.len();
-    if points == 0 {
+/// Checks that a file of `frames` frames of this kind can be.
+fn check_kind(kind: Kind, frame: &Frame, frames: usize) -> Result<(), String> {
+    if points(kind, frame) == 0 {
         let what = match kind {
             Kind::Hair => "strands",
             Kind::Air => "air particles",
@@ -384,8 +369,21 @@ fn checked(kind: Kind, frame: &Frame, frames: usize) -> Result<(usize, Vec<u32>)
         return Err(format!("{frames} frames fit into no file"));
     }
     match kind {
-        Kind::Hair => check_strands(&frame.hair).map(|()| (points, frame.hair.offsets.clone())),
-        Kind::Air => Ok((points, Vec::new())),
+        Kind::Hair => check_strands(&frame.hair),
+        Kind::Air => Ok(()),
+    }
+}
+
+/// Number of points of a frame.
+fn points(kind: Kind, frame: &Frame) -> usize {
+    arrays(kind, frame).0.len()
+}
+
+/// First point of each strand, and the number of points; nothing for air.
+fn strands(kind: Kind, frame: &Frame) -> &[u32] {
+    match kind {
+        Kind::Hair => &frame.hair.offsets,
+        Kind::Air => &[],
     }
 }
 
@@ -401,6 +399,11 @@ fn arrays(kind: Kind, frame: &Frame) -> (&[[f32; 3]], &[[f32; 3]]) {
 fn scalars(kind: Kind, frame: &Frame) -> Vec<(&'static str, &[f32])> {
     let all = [(VORTICITY, &frame.air.vorticity[..]), (BAND_ENERGY, &frame.air.band_energy[..])];
     all.into_iter().filter(|(_, values)| kind == Kind::Air && !values.is_empty()).collect()
+}
+
+/// Names of those scalars.
+fn names_of_scalars(kind: Kind, frame: &Frame) -> Vec<&'static str> {
+    scalars(kind, frame).into_iter().map(|(name, _)| name).collect()
 }
 
 /// What of such a frame stays through a film.
@@ -429,14 +432,8 @@ fn still(kind: Kind, frame: &Frame) -> Vec<Still<'_>> {
 }
 
 /// What a file of such frames holds.
-fn contents<'a>(
-    kind: Kind,
-    frame: &Frame,
-    points: usize,
-    scalars: &'a [&'static str],
-    still: &'a [Still<'a>],
-) -> Contents<'a> {
-    Contents { points, root_frames: root_frames(kind, frame), scalars, still }
+fn contents<'a>(kind: Kind, frame: &Frame, scalars: &'a [&'static str], still: &'a [Still<'a>]) -> Contents<'a> {
+    Contents { points: points(kind, frame), root_frames: root_frames(kind, frame), scalars, still }
 }
 
 /// Root frames that such a frame has.

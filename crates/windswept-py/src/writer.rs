@@ -105,6 +105,7 @@ impl Writer {
             let lock = Folder(&folder).lock().map_err(|error| of_export(&error))?;
             let files: Vec<_> = formats.iter().flat_map(|format| format.files).copied().collect();
             Folder(&folder).check(&files).map_err(|error| of_export(&error))?;
+            Folder(&folder).remove_parts(&files).map_err(|error| of_export(&error))?;
             let recording = Recording::new(&formats, sim, &folder, room).map_err(|error| of_export(&error))?;
             Ok::<_, PyErr>((recording, lock))
         })??;

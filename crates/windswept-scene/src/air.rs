@@ -6,8 +6,9 @@ use rand_pcg::Pcg64;
 
 use crate::{
     body::{Shape, inside},
-    initial::{AirParticles, Strands},
+    initial::AirParticles,
     scene::{Air, Bounds, Scene},
+    strands::Strands,
 };
 
 /// Distance to a hair point below which air is left out \[particle spacings\]: that of a sphere of one particle's volume.
@@ -24,6 +25,12 @@ impl Air {
     #[must_use]
     pub fn parcel(&self) -> f64 {
         self.particle_mass / self.rest_density
+    }
+
+    /// Sites of the lattice that fills a box, along each axis.
+    pub(crate) fn lattice(&self, bounds: &Bounds) -> DVec3 {
+        let size = DVec3::from_array(bounds.max) - DVec3::from_array(bounds.min);
+        (size / self.parcel().cbrt()).round().max(DVec3::splat(3.0))
     }
 }
 
@@ -45,7 +52,7 @@ pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands, bodies: &[Sh
     let min = DVec3::from_array(bounds.min);
     let size = DVec3::from_array(bounds.max) - min;
     let spacing = air.parcel().cbrt();
-    let counts = (size / spacing).round().max(DVec3::splat(3.0));
+    let counts = air.lattice(bounds);
     let pitch = size / counts;
     let [nx, ny, nz] = counts.to_array().map(|n| n as usize);
 

@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// A file that is written beside its place, with `.part` behind its name, and takes the place once it is whole. Dropped before that, it
+/// A file that is written beside its place, with [`Self::PART`] behind its name, and takes the place once it is whole. Dropped before that, it
 /// leaves the place as it was and nothing beside it.
 ///
 /// A link in either place is replaced itself: what it leads to is not touched.
@@ -17,6 +17,9 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
+    /// What is behind the name of a file until it is whole.
+    pub const PART: &str = ".part";
+
     /// A file for this place. The part that an earlier one left, as it was killed, is removed.
     ///
     /// # Errors
@@ -24,7 +27,7 @@ impl AtomicFile {
     pub fn new(place: impl AsRef<Path>) -> io::Result<Self> {
         let place = place.as_ref().to_path_buf();
         let mut part = place.clone().into_os_string();
-        part.push(".part");
+        part.push(Self::PART);
         let part = PathBuf::from(part);
         remove(&part)?;
         Ok(Self { place, part })

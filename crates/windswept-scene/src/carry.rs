@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::{
-    initial::Strands,
     scene::{Model, Scene},
+    strands::Strands,
 };
 
 /// Least mass that a point or a segment moves with where hair is in one fluid with air, of that of the air whose room it takes.

@@ -2,6 +2,7 @@
 
 mod bytes;
 mod cyhair;
+mod farthest;
 mod fit;
 mod npy;
 mod npz;

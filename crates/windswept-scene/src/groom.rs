@@ -8,10 +8,10 @@ use crate::{
     declare::{Keys, words},
     error::SceneError,
     hang::Hung,
-    initial::{End, Strands},
     limits::{LARGEST, MAGNITUDES, MOST_CURVE_POINTS, MOST_HAIR_POINTS, MOST_POINTS_OF_A_STRAND},
     scene::{CLAMPED_TIP, FRICTION, Fibre, Scene, Solver},
     strand::{Parcel, Shape, frame, turn, turned_onto},
+    strands::{End, Strands},
 };
 
 /// Points nearer to each other than this part of their strand's length are one.
@@ -225,13 +225,14 @@ impl Groom {
     }
 
     /// Indices of the strands that are simulated.
-    fn simulated(&self) -> impl Iterator<Item = usize> + '_ {
+    pub(crate) fn simulated(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.len()).filter(|&s| self.is_guide(s))
     }
 
-    /// Number of the points of the strands that are simulated.
+    /// Number of the points of the strands that are simulated; of offsets that do not fit the points no more than those.
     pub(crate) fn simulated_points(&self) -> usize {
-        self.simulated().map(|s| self.points_of(s).len()).sum()
+        let points = |s: usize| self.offsets[s + 1].saturating_sub(self.offsets[s]) as usize;
+        self.simulated().map(points).sum::<usize>().min(self.points.len())
     }
 
     /// Whether the values can be computed with, and are as many as they must be.

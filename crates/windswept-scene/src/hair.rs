@@ -10,12 +10,12 @@ use crate::{
     curves::Curves,
     error::SceneError,
     groom::{Groom, PerStrand},
-    initial::{End, Strands},
     keys::Key,
     limits::MOST_HAIR_POINTS,
     scatter::{Seat, scatter},
     scene::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, Patch, RootShape, Roots, Scene},
     strand::{Parcel, Shape, frame, turn},
+    strands::{End, Strands},
 };
 
 /// Turns between successive points of a sunflower.

@@ -16,9 +16,9 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::{
-    initial::End,
     scene::Fibre,
     strand::{Shape, turned_onto},
+    strands::End,
 };
 
 /// Largest sine of half a turn at rest: near 1 a joint forgets which way it turned.

@@ -4,10 +4,10 @@ use glam::DVec3;
 
 use crate::{
     error::SceneError,
-    initial::{End, Strands},
     limits::LEAST_BOX_SIDE,
     motion::Motion,
     scene::{Air, Bounds, Scene},
+    strands::{End, Strands},
 };
 
 /// Poses of a moving root that are looked at between two of its keyframes.

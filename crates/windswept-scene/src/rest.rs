@@ -1,9 +1,9 @@
 //! Consequences of the strands' stiffness for a run: when a strand is at rest, and how short its steps have to be.
 
 use crate::{
-    initial::{End, Strands},
     limits::MOST_REPEATS,
     scene::{Model, Scene, Solver},
+    strands::{End, Strands},
 };
 
 /// Error that a strand may have while it is left alone, from each cause \[lengths of the strand\].

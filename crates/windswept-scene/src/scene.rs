@@ -22,7 +22,6 @@ use crate::{
     declare::{Field, Row, table, words},
     error::SceneError,
     force::Force,
-    initial::End,
     keys::{
         Fallback::{self, Absent, Needed, Value},
         Key,
@@ -33,6 +32,7 @@ use crate::{
     reader::Reader,
     scatter::area,
     solid::Solid,
+    strands::End,
     warnings,
     write::Writer,
 };

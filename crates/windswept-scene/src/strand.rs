@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::{
-    initial::{End, Ends, Strands},
     scene::{Fibre, Stiffness},
+    strands::{End, Ends, Strands},
 };
 
 impl Fibre {

@@ -5,11 +5,12 @@ use glam::DVec3;
 use crate::{
     body::{Shape, blocked},
     force::ForceField,
-    initial::{AirParticles, Strands},
+    initial::AirParticles,
     limits::MOST_REPEATS,
     reach,
     scene::{Air, Bounds, FRICTION, FluidSolver, Model, Scene},
     solid,
+    strands::Strands,
     units::with_scale,
 };
 

@@ -4,7 +4,7 @@
 use bytemuck::Pod;
 use glam::DVec3;
 use windswept_scene::{
-    InitialState, Scene, SceneError, Strands,
+    Groom, InitialState, Scene, SceneError, Strands,
     limits::{MOST_BUCKETS, MOST_SORTED_NODES},
 };
 use windswept_shaders::common::{list::PAGES, params::Params, pressure::Pressed, status::Status};
@@ -14,11 +14,11 @@ use crate::{
     bodies,
     clusters::{self, Cluster},
     error::{GpuError, RunError},
-    gpu::{Gpu, Memory, Profile, Program, Span, wgpu},
+    gpu::{Gpu, Memory, Profile, Program, Span, check_sizes, wgpu},
     meshes::Meshes,
     recorder::{Recorder, Recording},
     rods::{self, quat, vec4},
-    setup::Setup,
+    setup::{Setup, least_sizes},
     sharing::Sharing,
     slots::Slots,
     state::{Sizes, State},
@@ -447,6 +447,11 @@ pub fn required_limits(scene: &Scene) -> Result<wgpu::Limits, SceneError> {
         max_buffer_size: defaults.max_buffer_size.max(largest),
         ..defaults
     })
+}
+
+/// Refuses a scene of which a part is known to be too large for the adapter before its initial state is made, which may take gigabytes.
+pub(crate) fn check_room(gpu: &Gpu, scene: &Scene, groom: Option<&Groom>) -> Result<(), GpuError> {
+    check_sizes(gpu, &State::new(&least_sizes(scene, groom)).arrays())
 }
 
 /// Whether the adapter binds the finest grid of the band filter.

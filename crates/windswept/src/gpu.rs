@@ -10,7 +10,7 @@ use std::{
 };
 
 pub use adapter::{AdapterChoice, AdapterInfo, adapters};
-pub(crate) use memory::Memory;
+pub(crate) use memory::{Memory, check_sizes};
 pub(crate) use program::{Profile, Program, Span, write_trace};
 pub use wgpu;
 use windswept_shaders::{

@@ -1,6 +1,6 @@
 //! What the engine makes of a scene and its initial state, once: uniforms, tables, and how many of everything.
 
-use windswept_scene::{Filter, FluidSolver, InitialState, Scene};
+use windswept_scene::{Counts, Filter, FluidSolver, Groom, InitialState, Scene};
 use windswept_shaders::{
     common::{inflow::Wave, list::PAGES, mesh::Mesh, params::Params},
     fluid::divergence::Iteration,
@@ -42,7 +42,7 @@ impl<'a> Setup<'a> {
         let params = params::uniform(scene, initial);
         let bands = Bands::new(scene, initial, &params);
         let meshes = Meshes::new(scene, initial);
-        let divergence = scene.fluid.solver == FluidSolver::Divergence && params.box_cells > 0;
+        let divergence = has_pressure(scene, params.particles - params.hair_points);
         let iterations = if divergence { pressure::iterations(scene.pressure_iterations()) } else { Vec::new() };
         let on_coarse_grid = divergence && scene.why_no_coarse().is_none();
         let coarse = on_coarse_grid.then(|| Coarse::new(initial, meshes.uniforms.len()));
@@ -112,5 +112,26 @@ impl<'a> Setup<'a> {
     pub(crate) fn uniforms(&self) -> Vec<Params> {
         let grids = self.meshes.grids.iter().map(|grid| params::with_cells(&self.params, *grid));
         (0..PAGES).map(|page| Params { page, ..self.params }).chain(grids).collect()
+    }
+}
+
+/// Whether the velocity of so many air particles is freed of divergence by a pressure.
+fn has_pressure(scene: &Scene, air: u32) -> bool {
+    scene.fluid.solver == FluidSolver::Divergence && scene.air.is_some() && air > 0
+}
+
+/// Sizes of what a scene starts with at least, before its arrays are made: none is larger than that of its setup.
+pub(crate) fn least_sizes(scene: &Scene, groom: Option<&Groom>) -> Sizes {
+    let Counts { strands, hair_points, air } = scene.counts(groom);
+    // Saturates: a scene made in code is not checked, and memory for so many is refused.
+    let size = |count: u64| count.min(u32::MAX.into()) as u32;
+    let particles = size(hair_points.saturating_add(air));
+    Sizes {
+        particles,
+        hair_points: size(hair_points),
+        segments: size(hair_points.saturating_sub(strands)),
+        strands: size(strands),
+        pressed: if has_pressure(scene, size(air)) { particles } else { 0 },
+        ..Sizes::default()
     }
 }

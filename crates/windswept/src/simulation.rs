@@ -18,7 +18,7 @@ pub use checkpoint::Checkpoint;
 pub use force::Accelerations;
 
 use crate::{
-    engine::Engine,
+    engine::{Engine, check_room},
     error::{Error, GpuError, RunError},
     frame::{AirFrame, Frame, HairFrame},
     gpu::{Gpu, Profile, Program, Span, wgpu},
@@ -94,8 +94,10 @@ impl Simulation {
     /// A simulation at t = 0.
     ///
     /// # Errors
-    /// [`Error::Scene`] when the scene's initial state cannot be made, [`Error::Gpu`] when it does not fit the adapter.
+    /// [`Error::Scene`] when the scene's initial state cannot be made, [`Error::Gpu`] when it does not fit the adapter: before it is
+    /// made, where the scene's numbers of strands, points and particles say so.
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, Error> {
+        check_room(gpu, scene, None)?;
         let initial = InitialState::new(scene)?;
         Self::with_state(gpu, scene, initial)
     }
@@ -105,6 +107,7 @@ impl Simulation {
     /// # Errors
     /// [`Error::Scene`] names what the groom got wrong, [`Error::Gpu`] when it does not fit the adapter.
     pub fn with_groom(gpu: &Gpu, scene: &Scene, groom: &Groom) -> Result<Self, Error> {
+        check_room(gpu, scene, Some(groom))?;
         let initial = InitialState::with_groom(scene, groom)?;
         Self::with_state(gpu, &Scene { hair: Vec::new(), ..scene.clone() }, initial)
     }

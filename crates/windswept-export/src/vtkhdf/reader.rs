@@ -44,9 +44,14 @@ impl VtkHdfReader {
     fn read_layout(path: &Path) -> Result<Self> {
         let root = File::open(path)?.group("VTKHDF")?;
         let steps = root.group("Steps")?;
-        let finished = steps.attr("NSteps")?.read_scalar::<i64>()?.max(0);
-        let mut times = steps.dataset("Values")?.read_raw::<f64>()?;
-        times.truncate(finished as usize);
+        let finished = steps.attr("NSteps")?.read_scalar::<i64>()?.max(0) as usize;
+        let values = steps.dataset("Values")?;
+        // Values comes in chunks, so that HDF5 believes any length of it that a damaged file says; that of the others must be in the file.
+        let (frames, room) = (finished.min(values.size()), steps.dataset("PartOffsets")?.size());
+        if frames > room {
+            return Err(format!("it says that it has {frames} frames, and has room for {room}").into());
+        }
+        let times = if frames > 0 { values.read_slice_1d::<f64, _>(..frames)?.to_vec() } else { Vec::new() };
         let number = |name: &str| root.dataset(name)?.read_raw::<i64>();
         let points = number("NumberOfPoints")?.first().copied().unwrap_or(0).max(0) as usize;
         // The group with cells is the one that the file is about.
@@ -206,4 +211,40 @@ fn is_locked(error: &hdf5::Error) -> bool {
     let number = words.split_once("unable to lock file, errno = ").and_then(|(_, rest)| rest.split(',').next());
     let number = number.and_then(|number| number.parse().ok());
     number.is_some_and(|number| std::io::Error::from_raw_os_error(number).kind() == std::io::ErrorKind::WouldBlock)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)] // a test may panic
+mod tests {
+    use super::*;
+    use crate::{Provenance, VtkHdfWriter};
+
+    /// A file that says that it has times for terabytes is read by the frames that it has, or refused.
+    #[test]
+    fn times_beyond_the_file_are_not_made_room_for() {
+        const MANY: u64 = 1 << 43;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("air.vtkhdf");
+        let air = AirFrame { positions: vec![[1.0; 3]], velocities: vec![[2.0; 3]], ..AirFrame::default() };
+        let frame = Frame { time: 0.5, air, ..Frame::default() };
+        let provenance = Provenance { scene: "", version: "", adapter: "", seed: 1 };
+        let mut writer = VtkHdfWriter::create(&path, Kind::Air, &frame, 3, &provenance).unwrap();
+        writer.append(&frame).unwrap();
+        writer.finish().unwrap();
+        // Its lengths, as they are and at most: HDF5 itself would make room for another one on the disk.
+        let lengths = |now: u64| [now, u64::MAX].map(u64::to_le_bytes).concat();
+        let mut bytes = std::fs::read(&path).unwrap();
+        let found: Vec<_> = (0..bytes.len()).filter(|&at| bytes[at..].starts_with(&lengths(1))).collect();
+        assert_eq!(found.len(), 1, "{found:?}");
+        bytes[found[0]..][..16].copy_from_slice(&lengths(MANY));
+        std::fs::write(&path, bytes).unwrap();
+        let read = VtkHdfReader::open(&path).unwrap();
+        assert_eq!((read.times(), read.frame(0).unwrap().air), (&[0.5][..], frame.air));
+        drop(read);
+        let file = File::open_rw(&path).unwrap();
+        file.group("VTKHDF/Steps").unwrap().attr("NSteps").unwrap().write_scalar(&(MANY as i64)).unwrap();
+        drop(file);
+        let said = VtkHdfReader::open(&path).unwrap_err().to_string();
+        assert!(said.contains("air.vtkhdf: could not be read: it says that it has 8796093022208 frames"), "{said}");
+    }
 }

@@ -7,7 +7,7 @@ use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::{Curves, is_finite};
+use super::{Curves, farthest::farthest, is_finite};
 use crate::{
     declare::Keys,
     error::SceneError,
@@ -227,26 +227,6 @@ impl Curves {
         let mean = |radii: &[f64]| radii.iter().sum::<f64>() / radii.len() as f64;
         (0..self.len()).map(|s| mean(&self.radius[self.range(s)])).collect()
     }
-}
-
-/// Indices of `count` points, each the farthest from those before it, from `first` on; of several the first.
-fn farthest(points: &[DVec3], count: usize, first: usize) -> Vec<usize> {
-    let mut taken = vec![first];
-    let mut distance = vec![f64::INFINITY; points.len()];
-    while taken.len() < count {
-        let last = taken[taken.len() - 1];
-        // Never again, wherever the others are.
-        distance[last] = -1.0;
-        let mut next = (0, -1.0);
-        for (i, (point, distance)) in points.iter().zip(&mut distance).enumerate() {
-            *distance = distance.min(point.distance_squared(points[last]));
-            if *distance > next.1 {
-                next = (i, *distance);
-            }
-        }
-        taken.push(next.0);
-    }
-    taken
 }
 
 /// The count of `dropped` that a strand belongs to; `None` for one that can be simulated, or can be `anew`, once its points

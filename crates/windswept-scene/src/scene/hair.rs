@@ -9,7 +9,6 @@ use crate::{
     document::Document,
     error::SceneError,
     groom::RestShape,
-    initial::End,
     keys::{
         Fallback::{self, Absent, Needed, Value},
         Key,
@@ -18,6 +17,7 @@ use crate::{
     limits::MOST_POINTS_OF_A_STRAND,
     motion::Motion,
     reader::Reader,
+    strands::End,
     write::Writer,
 };
 

@@ -215,7 +215,7 @@ pub(super) fn format(texel: u32) -> wgpu::TextureFormat {
 }
 
 /// Names the largest of the arrays that are too large: it says how much would fit of what they hold.
-fn check_sizes(gpu: &Gpu, arrays: &[AnyArray]) -> Result<(), GpuError> {
+pub(crate) fn check_sizes(gpu: &Gpu, arrays: &[AnyArray]) -> Result<(), GpuError> {
     let limit = gpu.largest_binding();
     let largest = arrays.iter().filter(|array| array.bytes() > limit).max_by_key(|array| array.bytes());
     largest.map_or(Ok(()), |array| {
