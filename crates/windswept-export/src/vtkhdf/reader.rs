@@ -231,7 +231,7 @@ mod tests {
         let mut writer = VtkHdfWriter::create(&path, Kind::Air, &frame, 3, &provenance).unwrap();
         writer.append(&frame).unwrap();
         writer.finish().unwrap();
-        // Its lengths, as they are and at most: HDF5 itself would make room for another one on the disk.
+        // The bytes of the length of Values, now and at most, are changed in the file: HDF5 itself would make room on the disk for a longer one.
         let lengths = |now: u64| [now, u64::MAX].map(u64::to_le_bytes).concat();
         let mut bytes = std::fs::read(&path).unwrap();
         let found: Vec<_> = (0..bytes.len()).filter(|&at| bytes[at..].starts_with(&lengths(1))).collect();
