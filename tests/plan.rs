@@ -40,6 +40,8 @@ const HAIR_ON_HAIR: &[&str] = &[
     "fluid/friction",
     "fluid/move",
 ];
+/// Air without wind is spread by how the flow deforms it, too.
+const DEFORM: &[&str] = &["fluid/deform"];
 const SPREAD: &[&str] = &["fluid/spread", "fluid/place", "fluid/moments", "fluid/push"];
 /// A solve on the coarse grid, and what its divergence takes.
 const COARSE: &[&str] = &[
@@ -127,7 +129,11 @@ fn cases() -> [Case; 11] {
                 &["force/draw", "fluid/advance"],
                 SORT,
                 LIST,
-                fluid,
+                HAIR_ON_HAIR,
+                DEFORM,
+                SPREAD,
+                COARSE,
+                PUSH,
                 BEGIN,
                 &["wind/sample", "force/feel", "wind/drag"],
                 SOLVE,
@@ -298,6 +304,32 @@ fn a_force_runs_while_it_is_set() {
         let others: Vec<_> = pushed.into_iter().filter(|pass| !added.contains(pass)).collect();
         assert_eq!(others, after, "{sets:?}");
         assert!(after.iter().all(|pass| before.contains(pass) || pass.starts_with("wind/")), "{sets:?}: {after:?}");
+    }
+}
+
+/// How the flow deforms air is found where no wind blows, by the scene or since the caller said so, and where eddies ask for it.
+#[test]
+fn what_no_wind_blows_about_is_spread_by_its_deformation() {
+    const STILL: &str = "air.wind=[0,0,0]";
+    for (sets, [first, still, windy]) in [
+        (&[][..], [false, true, false]),
+        (&[STILL][..], [true, true, false]),
+        (&["viscosity.smagorinsky=0.1"][..], [true, true, true]),
+        (&["fluid.solver=pbf", STILL][..], [false, false, false]),
+    ] {
+        let scene = scene(sets, None);
+        let initial = InitialState::new(&scene).unwrap();
+        let setup = Setup::new(&scene, &initial);
+        let (state, mut plan) = (State::new(&setup.sizes()), Plan::new(&setup));
+        let deforms = |plan: &Plan| {
+            let recording = Recorder::record(&state, |r| step::record(r, plan));
+            recording.running().any(|command| command.pass.name == "fluid/deform")
+        };
+        assert_eq!(deforms(&plan), first, "{sets:?}");
+        for (is_zero, runs) in [(true, still), (false, windy), (true, still)] {
+            plan.set_wind(is_zero);
+            assert_eq!(deforms(&plan), runs, "{sets:?}, then {is_zero}");
+        }
     }
 }
 

@@ -33,11 +33,12 @@ const SPEED: f64 = 0.3;
 /// Steps of the moving air, in which the lattice melts.
 const STEPS: u64 = 40;
 /// Passes that the time is of, or how their names start.
-const PASSES: [&str; 11] = [
+const PASSES: [&str; 12] = [
     "fluid/density",
     "fluid/correct",
     "fluid/move",
     "fluid/advance",
+    "fluid/deform",
     "fluid/spread",
     "fluid/place",
     "fluid/moments",

@@ -3,10 +3,8 @@
 //   delta_i = -h^2 min(0.1, 0.05 U dt/d) sum_j V_j grad_i W,  at most d/4
 //
 // d is the spacing, U the largest mean wind of the table of winds, or the particle's own speed where that is more. While that
-// table has no wind, the deformation in a step takes the place of the second term where it is more, up to 0.05: air that whirls
-// would clump.
-//
-//   min(0.05, |G_i| dt),  G_i = sum_j V_j (v_j - v_i) (x) grad_i W,  |G| Frobenius's norm
+// table has no wind, the deformation in a step (`deform`) takes the place of the second term where it is more, up to 0.05: air that
+// whirls would clump.
 //
 // Where air is still as well, the second term is at least the unevenness itself,
 //
@@ -15,13 +13,10 @@
 // since crowded air would stay crowded. With the model PARTICLES and with bodies this is left out: there hair or bodies take the place of air, and the
 // sum over air alone is uneven about them.
 //
-// The exchange by eddies smaller than the spacing is kept for `viscosity`. It is nu = (C d)^2 |G_i| (Smagorinsky 1963), which is
-// c = 22 (C d/h)^2 |G_i| dt.
-//
 // After Xu, Stansby & Laurence (2009) and Lind et al. (2012); it goes with the step, so that its diffusion vanishes with it.
 import package::common::{
     params::params, dispatch::WORKGROUP, status::status, lanes::Near, sph_kernels::spiky_factor, pairs::{Pair, gradient_to, apart},
-    clusters::{take_particle, has_none, of_air, meet_own_kind}, matter::{Exchange, MOST_EDDIES},
+    clusters::{take_particle, has_none, of_air, meet_own_kind},
 };
 
 const CARRIED: f32 = 0.05;    // of the way in a step: less leaves clumps, more moves air across the shear behind hair
@@ -32,25 +27,20 @@ const FARTHEST: f32 = 0.25;   // d, of the shift
 
 @group(0) @binding(3) var<storage, read>       predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(4) var<storage, read>       new_velocity: array<vec4f>;   // m/s
-@group(0) @binding(5) var<storage, read_write> shift:        array<vec4f>;   // m
-@group(0) @binding(6) var<storage, read_write> exchange:     array<Exchange>;
+@group(0) @binding(5) var<storage, read>       deformation:  array<f32>;     // |G| dt; anything where wind blows
+@group(0) @binding(6) var<storage, read_write> shift:        array<vec4f>;   // m
 
-var<private> velocity: vec3f;
 var<private> uneven: vec3f;
-var<private> deformed: mat3x3f;   // G [1/s]
-var<private> met: u32;            // one more than the largest index of a neighbour that lies on the particle
+var<private> met: u32;   // one more than the largest index of a neighbour that lies on the particle
 
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, other.xyz, other.w, new_velocity[j], vec4f());
+    return Near(j, other.xyz, other.w, vec4f(), vec4f());
 }
 
 fn meet(other: Pair) {
-    let gradient = gradient_to(other);
-    uneven += gradient;
+    uneven += gradient_to(other);
     met = max(met, select(0u, other.index + 1u, other.coincide));
-    let faster = other.value.xyz - velocity;
-    deformed += mat3x3f(gradient.x * faster, gradient.y * faster, gradient.z * faster);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -59,18 +49,18 @@ fn main(
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = take_particle(of_air(id, groups), local);
-    velocity = new_velocity[i].xyz;
     meet_own_kind(predicted[i].xyz);
     if has_none() { return; }
     if met > 0u { uneven -= predicted[met - 1u].w * spiky_factor() * apart(i, met - 1u); }
-    var part = CARRIED * params.step * max(status.fastest_wind, length(velocity)) / params.spacing;
-    let deformation = params.step * length(vec3f(length(deformed[0]), length(deformed[1]), length(deformed[2])));
-    let motion = max(deformation, params.step * length(velocity) / params.spacing);
-    let settles = clamp(2.0 * params.settling - motion / STILL, 0.0, params.settling);
-    let still = max(min(DEFORMED, deformation), settles * params.kernel_radius * length(uneven));
-    part = max(part, select(0.0, still, status.fastest_wind == 0.0));
+    let speed = length(new_velocity[i].xyz);
+    var part = CARRIED * params.step * max(status.fastest_wind, speed) / params.spacing;
+    if status.fastest_wind == 0.0 {
+        let deformed = deformation[i];
+        let motion = max(deformed, params.step * speed / params.spacing);
+        let settles = clamp(2.0 * params.settling - motion / STILL, 0.0, params.settling);
+        part = max(part, max(min(DEFORMED, deformed), settles * params.kernel_radius * length(uneven)));
+    }
     let delta = -params.kernel_radius * params.kernel_radius * min(LARGEST, part) * uneven;
     let farthest = FARTHEST * params.spacing;
     shift[i] = vec4f(delta * (farthest / max(length(delta), farthest)), 0.0);
-    exchange[i].eddies = min(MOST_EDDIES, params.viscosity_eddies * deformation);
 }

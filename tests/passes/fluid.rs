@@ -121,12 +121,16 @@ impl Walk<'_> {
         let (state, hair) = (stage.engine.state(), p.hair_points);
         let first = if p.model == Model::Particles { 0 } else { hair };
         let (mass, volume) = (&s.inverse_mass, &s.volume);
-        let shift = fluid::spread(&p, &w.predicted, &w.new_velocity, volume, &w.near);
-
+        let deformation = fluid::deform(&p, &w.predicted, &w.new_velocity, volume, &w.near);
+        if passes.through("fluid/deform") {
+            w.eddies = deformation.iter().map(|deformation| fluid::eddies(&p, *deformation)).collect();
+            let gap = numbers_apart(&stage.numbers(&state.deformation)[hair..], &deformation[hair..]);
+            self.same("fluid/deform", gap, bounds.density)?;
+            self.same("fluid/deform", numbers_apart(&stage.exchange(|all| all.eddies), &w.eddies), bounds.density)?;
+        }
+        let shift = fluid::spread(&p, &w.predicted, &w.new_velocity, volume, &w.near, &deformation);
         assert!(passes.through("fluid/spread"));
         self.same("fluid/spread", apart(&self.vectors(&state.shift, hair), &shift[hair..]), bounds.length)?;
-        w.eddies = fluid::eddies(&p, &w.predicted, &w.new_velocity, volume, &w.near);
-        self.same("fluid/spread", numbers_apart(&stage.exchange(|all| all.eddies), &w.eddies), bounds.density)?;
         let before = w.predicted.clone();
         w.predicted.iter_mut().zip(shift).for_each(|(x, shift)| *x += shift);
         passes.through("fluid/place");
@@ -310,6 +314,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::CORRECT, "params.relaxation * inverse_mass_of(i)", "0.49 * inverse_mass_of(i)", PARTICLES),
     (&shaders::fluid::CORRECT, "felt += pair.y", "felt += 0.9 * pair.y", PARTICLES),
     (&shaders::fluid::MOVE, "correction[i] += felt_shift[i]", "correction[i] = felt_shift[i]", PARTICLES),
+    (&shaders::fluid::DEFORM, "gradient.z * faster", "0.9 * gradient.z * faster", DIVERGENCE),
     (&shaders::fluid::SPREAD, "CARRIED: f32 = 0.05", "CARRIED: f32 = 0.04", DIVERGENCE),
     (&shaders::fluid::PLACE, "vec4f(shift[i].xyz", "vec4f(0.5 * shift[i].xyz", DIVERGENCE),
     (&shaders::fluid::MOMENTS, "FLOOR: f32 = 0.02", "FLOOR: f32 = 0.03", DIVERGENCE),

@@ -11,7 +11,9 @@ use windswept_scene::{FluidSolver, Model};
 pub use self::{
     coarse::{coarse_deposit, coarse_gather, coarse_mean, coarse_push, coarse_solve, coarse_waves, source},
     friction::{Rub, STIFFNESS, friction, slip, squeeze},
-    pressure::{LASTING, Moments, Pressed, THIN, divergence, eddies, moments, push, relax, relaxations, spread, start},
+    pressure::{
+        LASTING, Moments, Pressed, THIN, deform, divergence, eddies, moments, push, relax, relaxations, spread, start,
+    },
 };
 use crate::{
     Parameters, State,

@@ -72,6 +72,10 @@ pub struct Plan {
     pub pbf: Decision,
     /// Whether velocities are freed of divergence.
     pub divergence: Decision,
+    /// Whether a pass asks how the flow deforms air.
+    pub deformation: Decision,
+    /// Whether eddies smaller than the spacing exchange velocity.
+    eddies: bool,
     /// Whether pressure acts on hair as on air.
     pub pressed_hair: Decision,
     /// Elements of `iteration`, one per iteration of the pressure.
@@ -149,6 +153,7 @@ impl Plan {
             Model::None => Decision::when(false, "interaction.model is none: hair alone"),
         };
         let viscous = scene.viscosity.acts();
+        let eddies = setup.params.viscosity_eddies > 0.0;
         let solved = scene.fluid.iterations > 0;
         let bands = bands(setup);
         let on_grid = scene.turbulence.filter == Filter::Grid;
@@ -160,8 +165,8 @@ impl Plan {
         });
         let no_fields = scene.why_no_fields();
         let fields = Decision::when(no_fields.is_none(), no_fields.unwrap_or_default());
-        let is_still = scene.air.as_ref().is_none_or(Air::is_still) && !fields.runs;
-        let (blows, wind) = wind(&Decision::when(!is_still, "air.wind is zero"), &air, &drag);
+        let is_still = scene.air.as_ref().is_none_or(Air::is_still);
+        let (blows, wind) = wind(&Decision::when(!is_still || fields.runs, "air.wind is zero"), &air, &drag);
         let two_way = scene.interaction.model == Model::TwoWay;
         let is_pbf = scene.fluid.solver == FluidSolver::Pbf;
         let neighbours = air.and(Decision::when(
@@ -226,6 +231,8 @@ impl Plan {
             pressed_hair: divergence
                 .and(hair_meets_air.clone())
                 .and(Decision::when(!two_way, "interaction.model is two-way: hair and air exchange drag")),
+            deformation: divergence.and(deformation(eddies, is_still)),
+            eddies,
             divergence,
             coarse,
             coarse_axes: [0, 1, 2]
@@ -249,13 +256,18 @@ impl Plan {
         }
     }
 
-    /// Lets the wind's passes run from now on, as the caller sets it: what was blowing is taken from the air by them too. Says
-    /// whether other passes run now.
-    pub(crate) fn set_wind(&mut self) -> bool {
-        let (blows, wind) = wind(&Decision::when(true, ""), &self.air, &self.drag);
-        let changed = blows != self.blows;
-        (self.blows, self.wind) = (blows, wind);
-        changed
+    /// Lets the wind's passes run from now on, as the caller sets it, to no wind or another: what was blowing is taken from the air by them
+    /// too. Says whether other passes run now.
+    pub fn set_wind(&mut self, is_zero: bool) -> bool {
+        let before = (self.blows.clone(), self.deformation.clone());
+        self.blow();
+        self.deformation = self.divergence.and(deformation(self.eddies, is_zero));
+        before != (self.blows.clone(), self.deformation.clone())
+    }
+
+    /// Lets the wind's passes run from now on.
+    fn blow(&mut self) {
+        (self.blows, self.wind) = wind(&Decision::when(true, ""), &self.air, &self.drag);
     }
 
     /// Dispatches of the direct solver, and the Newton steps of each, which software adapters dispatch one by one: as many as solve nearly
@@ -277,7 +289,7 @@ impl Plan {
     pub fn set_force(&mut self, pushes: bool) {
         self.pushes = Decision::when(pushes, "no force was set");
         if pushes {
-            self.set_wind();
+            self.blow();
         }
     }
 
@@ -312,6 +324,12 @@ const NO_BANDS: &str = "the scene names no turbulence.bands";
 /// Whether a wind blows at all, and whether it blows over air particles.
 fn wind(blows: &Decision, air: &Decision, drag: &Decision) -> (Decision, Decision) {
     (if air.runs || drag.runs { blows.clone() } else { air.and(drag.clone()) }, air.and(blows.clone()))
+}
+
+/// Whether a pass asks how the flow deforms air: `fluid/spread` where no wind blows, and XSPH where eddies smaller than the spacing
+/// exchange velocity.
+fn deformation(eddies: bool, is_still: bool) -> Decision {
+    Decision::when(eddies || is_still, "wind blows and viscosity.smagorinsky is 0")
 }
 
 /// Bands in the order in which they run: those that share a grid follow one another. There is at least one, so that the plan always names

@@ -313,6 +313,8 @@ state! {
     /// What becomes velocity of what the density constraint, and friction of hair on hair, moved a particle by in this step \[m\];
     /// w: sum of the multipliers times the relaxation \[kg m²\].
     correction: Vec4, |s| s.particles;
+    /// Deformation |∇v| Δt of the flow at a particle, Frobenius's norm.
+    deformation: f32, |s| s.pressed;
     /// What one iteration of the density constraint, or friction, moves a particle by \[m\].
     shift: Vec4, |s| s.particles;
     /// What of that shift becomes velocity \[m\]; w: the multiplier times the relaxation \[kg m²\].

@@ -42,12 +42,13 @@ pub enum Quantity {
     Vorticity,
 }
 
-/// All that a simulation of this plan runs: its step, also as it is once a wind or a force is set, each with and without the passes
-/// that mend strands, and the passes of each quantity.
+/// All that a simulation of this plan runs: its step, also as it is once a wind, which may be zero, or a force is set, each with and without
+/// the passes that mend strands, and the passes of each quantity.
 #[must_use]
 pub fn recordings(state: &State, plan: &Plan) -> Vec<Recording> {
-    let (mut windy, mut pushed) = (plan.clone(), plan.clone());
-    let changes = windy.set_wind();
+    let mut windy = plan.clone();
+    let changes = windy.set_wind(true);
+    let mut pushed = windy.clone();
     pushed.set_force(true);
     let plans = [Some(plan.clone()), changes.then_some(windy), Some(pushed)].into_iter().flatten();
     let steps = plans.flat_map(|mut plan| {

@@ -70,8 +70,9 @@ pub struct Moments {
 /// the impulse that pressure has over time.
 pub(super) fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     let (mass, volume) = (&s.inverse_mass, &s.volume);
-    let shift = spread(p, &w.predicted, &w.new_velocity, volume, &w.near);
-    w.eddies = eddies(p, &w.predicted, &w.new_velocity, volume, &w.near);
+    let deformation = deform(p, &w.predicted, &w.new_velocity, volume, &w.near);
+    w.eddies = deformation.iter().map(|deformation| eddies(p, *deformation)).collect();
+    let shift = spread(p, &w.predicted, &w.new_velocity, volume, &w.near, &deformation);
     // The coarse grid sees particles where they were: what they are spread by is little to its nodes.
     let before = w.predicted.clone();
     w.predicted.iter_mut().zip(shift).for_each(|(x, shift)| *x += shift);
@@ -124,13 +125,20 @@ fn gradient(p: &Parameters, i: usize, j: usize, x: &[DVec3]) -> DVec3 {
 /// Moves δ of air that keep particles apart, and that velocity never sees \[m\]; 0 for hair.
 ///
 /// δ_i = −h² min(0.1, 0.05 U Δt/d) Σ_j V_j g_ij, |δ_i| ≤ d/4, with the scene's largest wind U, or the particle's own speed where
-/// that is more. Without wind min(0.05, |G_i| Δt) takes the place of 0.05 U Δt/d where it is more, G_i = Σ_j V_j (v_j − v_i) ⊗ g_ij,
+/// that is more. Without wind min(0.05, |G_i| Δt) takes the place of 0.05 U Δt/d where it is more, by the `deformation` of [`deform`],
 /// and where air is still so does the unevenness h |Σ_j V_j g_ij| min(1, 725 Δt/s), but with the model `particles` and with bodies, which take the place of air:
 /// air that is still and crowded would stay so.
 /// It goes with Δt, so that its diffusion |δ|²/2Δt vanishes with the step. A particle that lies on others leaves the last of them
 /// in a direction of chance.
 #[must_use]
-pub fn spread(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> Vec<DVec3> {
+pub fn spread(
+    p: &Parameters,
+    x: &[DVec3],
+    v: &[DVec3],
+    volume: &[f64],
+    near: &Neighbours,
+    deformation: &[f64],
+) -> Vec<DVec3> {
     let spacing = p.spacing();
     let each = |i: usize| {
         if !p.is_air(i) {
@@ -144,7 +152,7 @@ pub fn spread(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &N
         let uneven: DVec3 = away + pairs().map(|(_, gradient)| gradient).sum::<DVec3>();
         let mut part = BY_WIND * p.largest_wind.max(v[i].length()) * p.step / spacing;
         if p.largest_wind == 0.0 {
-            let deformed = deformation(p, i, x, v, volume, near);
+            let deformed = deformation[i];
             let motion = deformed.max(p.step * v[i].length() / spacing);
             let settles = (2.0 * p.settling - motion / STILL).clamp(0.0, p.settling);
             part = part.max(deformed.min(BY_DEFORMATION)).max(settles * p.kernel_radius * uneven.length());
@@ -155,23 +163,21 @@ pub fn spread(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &N
     (0..x.len()).map(each).collect()
 }
 
-/// XSPH coefficients c = 22 (C d/h)² |G_i| Δt of eddies smaller than the spacing d, ν = (C d)² |G_i| (Smagorinsky 1963), at most
-/// 0.25; 0 for hair.
+/// Deformation |G_i| Δt of the flow in a step, G_i = Σ_j V_j (v_j − v_i) ⊗ g_ij, Frobenius's norm; 0 for hair.
 #[must_use]
-pub fn eddies(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> Vec<f64> {
+pub fn deform(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> Vec<f64> {
     let each = |i: usize| {
-        if !p.is_air(i) {
-            return 0.0;
-        }
-        (p.viscosity_eddies * deformation(p, i, x, v, volume, near)).min(MOST_EDDIES)
+        let gradients = others(p, near, i).map(|j| outer(v[j] - v[i], volume[j] * gradient(p, i, j, x)));
+        p.step * gradients.sum::<DMat3>().to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt()
     };
-    (0..x.len()).map(each).collect()
+    (0..x.len()).map(|i| if p.is_air(i) { each(i) } else { 0.0 }).collect()
 }
 
-/// Deformation |G_i| Δt of the flow in a step, G_i = Σ_j V_j (v_j − v_i) ⊗ g_ij, Frobenius's norm.
-fn deformation(p: &Parameters, i: usize, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> f64 {
-    let gradients = others(p, near, i).map(|j| outer(v[j] - v[i], volume[j] * gradient(p, i, j, x)));
-    p.step * gradients.sum::<DMat3>().to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt()
+/// XSPH coefficient c = 22 (C d/h)² |G_i| Δt of eddies smaller than the spacing d, ν = (C d)² |G_i| (Smagorinsky 1963), at most 0.25,
+/// from a deformation |G_i| Δt.
+#[must_use]
+pub fn eddies(p: &Parameters, deformation: f64) -> f64 {
+    (p.viscosity_eddies * deformation).min(MOST_EDDIES)
 }
 
 /// Matrix a bᵀ.

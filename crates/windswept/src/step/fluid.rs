@@ -55,6 +55,9 @@ fn density(r: &mut Recorder<'_>, clusters: Range<u32>) {
 /// Air is spread, then its velocity is freed of divergence: by the pressures of the step before, on a coarse grid, by iterations.
 fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
     let n = &plan.sizes;
+    r.when(&plan.deformation, |r| {
+        r.meet(&fluid::DEFORM, "how the flow deforms air", n.clusters_of_air());
+    });
     r.meet(&fluid::SPREAD, "how air spreads evenly", n.clusters_of_air());
     r.run(&fluid::PLACE, "air spreads", n.air());
     r.meet(&fluid::MOMENTS, "density, and gradients corrected", plan.flowing_clusters());
