@@ -100,7 +100,7 @@ fn wrong_constants_turn_rows_red() {
         (&fluid::DENSITY, "315.0", "314.0", "lattices"),
         (&fluid::CORRECT, "45.0", "30.0", "density"),
         (&fluid::VISCOSITY, "4.0 * mass", "4.2 * mass", "shear-wave"),
-        (&fluid::DEFORM, "params.viscosity_eddies *", "0.8 * params.viscosity_eddies *", "shear-wave"),
+        (&fluid::VISCOSITY, "params.viscosity_eddies *", "0.8 * params.viscosity_eddies *", "shear-wave"),
         (&fluid::PREDICT, "params.step *", "1.001 * params.step *", "twin-step"),
         (&rods::DIRECT, "joint_before.gap + joint", "joint_before.gap + 1.01 * joint", "twin-rods"),
         (&rods::START, "(free - bare_capped) / reply", "point.force", "momentum"),

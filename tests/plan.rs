@@ -40,8 +40,6 @@ const HAIR_ON_HAIR: &[&str] = &[
     "fluid/friction",
     "fluid/move",
 ];
-/// Air without wind is spread by how the flow deforms it, too.
-const DEFORM: &[&str] = &["fluid/deform"];
 const SPREAD: &[&str] = &["fluid/spread", "fluid/place", "fluid/moments", "fluid/push"];
 /// A solve on the coarse grid, and what its divergence takes.
 const COARSE: &[&str] = &[
@@ -129,11 +127,7 @@ fn cases() -> [Case; 11] {
                 &["force/draw", "fluid/advance"],
                 SORT,
                 LIST,
-                HAIR_ON_HAIR,
-                DEFORM,
-                SPREAD,
-                COARSE,
-                PUSH,
+                fluid,
                 BEGIN,
                 &["wind/sample", "force/feel", "wind/drag"],
                 SOLVE,
@@ -326,9 +320,9 @@ fn what_no_wind_blows_about_is_spread_by_its_deformation() {
             recording.running().any(|command| command.pass.name == "fluid/deform")
         };
         assert_eq!(deforms(&plan), first, "{sets:?}");
-        for (is_zero, runs) in [(true, still), (false, windy), (true, still)] {
-            plan.set_wind(is_zero);
-            assert_eq!(deforms(&plan), runs, "{sets:?}, then {is_zero}");
+        for (blows, runs) in [(false, still), (true, windy), (false, still)] {
+            plan.set_wind(blows);
+            assert_eq!(deforms(&plan), runs, "{sets:?}, then a wind that blows: {blows}");
         }
     }
 }
@@ -403,6 +397,7 @@ fn what_is_left_out_changes_nothing() {
     let crowded = ["hair.friction=0", "hair.roots.radius=0.002", "hair.points=13"];
     same_bits(&crowded, |plan| plan.friction = runs());
     same_bits(&[], |plan| plan.bodies = runs());
+    same_bits(&[], |plan| plan.deformation = runs());
     same_bits(&[], Plan::mend_strands);
 }
 
@@ -435,6 +430,14 @@ fn arrays_in_the_same_memory_are_not_needed_at_a_time() {
         let sharing = Sharing::of(&arrays, &recordings);
         let overwritten = |sharing: &Sharing| recordings.iter().find_map(|recording| sharing.overwritten(recording));
         assert_eq!(overwritten(&sharing), None, "{name}");
+        // Whatever the caller sets, one after another.
+        let mut plan = Plan::new(&setup);
+        for (blows, pushes) in [(true, false), (false, true), (false, false), (true, true)] {
+            plan.set_wind(blows);
+            plan.set_force(pushes);
+            let recording = Recorder::record(&state, |r| step::record(r, &plan));
+            assert_eq!(sharing.overwritten(&recording), None, "{name}, a wind that blows: {blows}, a force: {pushes}");
+        }
         let (apart, shared) = (Sharing::none(&arrays).bytes(&arrays), sharing.bytes(&arrays));
         println!("{name}: {shared} bytes of {apart}");
         assert!(shared < apart, "{name}: nothing is shared");

@@ -50,5 +50,6 @@ fn buckets() -> u32 {
 
 fn wrap(position: vec3f) -> vec3f {
     let inside = position - params.box_size * floor(position / params.box_size);
-    return select(inside, vec3f(0.0), inside >= params.box_size);
+    // A quotient that is rounded up to a whole number leaves less than 0; what is rounded up to the box is its lower face.
+    return select(inside, vec3f(0.0), (inside >= params.box_size) | (inside < vec3f(0.0)));
 }

@@ -42,7 +42,8 @@ fn main(
     volume = own.w;
     lambda = multiplier[i];
     meet_own_kind(own.xyz);
-    if has_none() { return; }
+    // Where workgroups of a pass over hair fold into rows, the last ones are beyond it.
+    if has_none() || i >= params.constrained { return; }
     let give = params.relaxation * inverse_mass_of(i);
     shift[i] = vec4f(give * sum, 0.0);
     felt_shift[i] = vec4f(give * felt, params.relaxation * lambda.x);

@@ -1,16 +1,15 @@
-// How the flow deforms air in a step, by which `spread` moves particles where no wind blows, and the exchange by eddies smaller than the
-// spacing, which is kept for `viscosity`. It is nu = (C d)^2 |G_i| (Smagorinsky 1963), which is c = 22 (C d/h)^2 |G_i| dt.
+// How the flow deforms air in a step, by which `spread` moves particles where no wind blows, and by which eddies smaller than the
+// spacing exchange velocity (`viscosity`).
 //
 //   |G_i| dt,  G_i = sum_j V_j (v_j - v_i) (x) grad_i W,  |G| Frobenius's norm
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pair, gradient_to},
-    clusters::{take_particle, has_none, of_air, meet_own_kind}, matter::{Exchange, MOST_EDDIES},
+    clusters::{take_particle, has_none, of_air, meet_own_kind}, matter::Exchange,
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(4) var<storage, read>       new_velocity: array<vec4f>;   // m/s
-@group(0) @binding(5) var<storage, read_write> deformation:  array<f32>;     // |G| dt
-@group(0) @binding(6) var<storage, read_write> exchange:     array<Exchange>;
+@group(0) @binding(5) var<storage, read_write> exchange:     array<Exchange>;
 
 var<private> velocity: vec3f;
 var<private> deformed: mat3x3f;   // G [1/s]
@@ -35,7 +34,5 @@ fn main(
     velocity = new_velocity[i].xyz;
     meet_own_kind(predicted[i].xyz);
     if has_none() { return; }
-    let all = params.step * length(vec3f(length(deformed[0]), length(deformed[1]), length(deformed[2])));
-    deformation[i] = all;
-    exchange[i].eddies = min(MOST_EDDIES, params.viscosity_eddies * all);
+    exchange[i].deformation = params.step * length(vec3f(length(deformed[0]), length(deformed[1]), length(deformed[2])));
 }

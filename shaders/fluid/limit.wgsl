@@ -18,7 +18,7 @@ var<private> sum: f32;
 // In place of the volume its root.
 fn see(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, other.xyz, sqrt(other.w), vec4f(density[j], viscosity_of(j) + exchange[j].eddies, 0.0, 0.0), vec4f());
+    return Near(j, other.xyz, sqrt(other.w), vec4f(density[j], viscosity_of(j, exchange[j].deformation), 0.0, 0.0), vec4f());
 }
 
 fn meet(other: Pair) {
@@ -34,7 +34,7 @@ fn main(
     let i = take_particle(of_all(id, groups), local);
     let own = predicted[i];
     own_strand = points_with(i);
-    coefficient = viscosity_of(i) + exchange[i].eddies;
+    coefficient = viscosity_of(i, exchange[i].deformation);
     root = sqrt(own.w);
     thickness = density[i];
     meet_own_kind(own.xyz);

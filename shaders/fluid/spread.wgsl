@@ -16,7 +16,7 @@
 // After Xu, Stansby & Laurence (2009) and Lind et al. (2012); it goes with the step, so that its diffusion vanishes with it.
 import package::common::{
     params::params, dispatch::WORKGROUP, status::status, lanes::Near, sph_kernels::spiky_factor, pairs::{Pair, gradient_to, apart},
-    clusters::{take_particle, has_none, of_air, meet_own_kind},
+    clusters::{take_particle, has_none, of_air, meet_own_kind}, matter::Exchange,
 };
 
 const CARRIED: f32 = 0.05;    // of the way in a step: less leaves clumps, more moves air across the shear behind hair
@@ -27,7 +27,7 @@ const FARTHEST: f32 = 0.25;   // d, of the shift
 
 @group(0) @binding(3) var<storage, read>       predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(4) var<storage, read>       new_velocity: array<vec4f>;   // m/s
-@group(0) @binding(5) var<storage, read>       deformation:  array<f32>;     // |G| dt; anything where wind blows
+@group(0) @binding(5) var<storage, read>       exchange:     array<Exchange>;   // the deformation is anything where wind blows
 @group(0) @binding(6) var<storage, read_write> shift:        array<vec4f>;   // m
 
 var<private> uneven: vec3f;
@@ -55,7 +55,7 @@ fn main(
     let speed = length(new_velocity[i].xyz);
     var part = CARRIED * params.step * max(status.fastest_wind, speed) / params.spacing;
     if status.fastest_wind == 0.0 {
-        let deformed = deformation[i];
+        let deformed = exchange[i].deformation;
         let motion = max(deformed, params.step * speed / params.spacing);
         let settles = clamp(2.0 * params.settling - motion / STILL, 0.0, params.settling);
         part = max(part, max(min(DEFORMED, deformed), settles * params.kernel_radius * length(uneven)));

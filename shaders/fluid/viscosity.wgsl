@@ -31,7 +31,7 @@ fn see(j: u32) -> Near {
     let other = predicted[j];
     let value = vec4f(new_velocity[j].xyz, density[j]);
     let exchanges = exchange[j];
-    let more = vec4f(exchanges.share, inverse_mass_of(j), viscosity_of(j) + exchanges.eddies, 0.0);
+    let more = vec4f(exchanges.share, inverse_mass_of(j), viscosity_of(j, exchanges.deformation), 0.0);
     return Near(j, other.xyz, sqrt(other.w), value, more);
 }
 
@@ -51,7 +51,7 @@ fn main(
     let i = take_particle(of_all(id, groups), local);
     let own = predicted[i];
     own_strand = points_with(i);
-    coefficient = viscosity_of(i) + exchange[i].eddies;
+    coefficient = viscosity_of(i, exchange[i].deformation);
     velocity = new_velocity[i].xyz;
     root = sqrt(own.w);
     mass = inverse_mass_of(i);

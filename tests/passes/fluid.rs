@@ -124,9 +124,8 @@ impl Walk<'_> {
         let deformation = fluid::deform(&p, &w.predicted, &w.new_velocity, volume, &w.near);
         if passes.through("fluid/deform") {
             w.eddies = deformation.iter().map(|deformation| fluid::eddies(&p, *deformation)).collect();
-            let gap = numbers_apart(&stage.numbers(&state.deformation)[hair..], &deformation[hair..]);
+            let gap = numbers_apart(&stage.exchange(|all| all.deformation), &deformation);
             self.same("fluid/deform", gap, bounds.density)?;
-            self.same("fluid/deform", numbers_apart(&stage.exchange(|all| all.eddies), &w.eddies), bounds.density)?;
         }
         let shift = fluid::spread(&p, &w.predicted, &w.new_velocity, volume, &w.near, &deformation);
         assert!(passes.through("fluid/spread"));

@@ -39,8 +39,8 @@ impl Walk<'_> {
 pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::LIMIT, "2.0 * root", "1.9 * root", PARTICLES),
     (&shaders::fluid::LIMIT, "i < points.end", "i + 1u < points.end", CROWDED),
-    (&shaders::fluid::LIMIT, "+ exchange[i].eddies", "", PRESSED_HAIR),
-    (&shaders::fluid::VISCOSITY, "+ exchange[i].eddies", "", DIVERGENCE),
+    (&shaders::fluid::LIMIT, "(i, exchange[i].deformation)", "(i, 0.0)", PRESSED_HAIR),
+    (&shaders::fluid::VISCOSITY, "(i, exchange[i].deformation)", "(i, 0.0)", DIVERGENCE),
     (&shaders::fluid::VISCOSITY, "4.0 * mass", "3.9 * mass", PARTICLES),
     (&shaders::fluid::VISCOSITY, "0.0 || holds", "0.0 && holds", CROWDED),
 ];

@@ -165,8 +165,8 @@ impl Plan {
         });
         let no_fields = scene.why_no_fields();
         let fields = Decision::when(no_fields.is_none(), no_fields.unwrap_or_default());
-        let is_still = scene.air.as_ref().is_none_or(Air::is_still);
-        let (blows, wind) = wind(&Decision::when(!is_still || fields.runs, "air.wind is zero"), &air, &drag);
+        let is_still = scene.air.as_ref().is_none_or(Air::is_still) && !fields.runs;
+        let (blows, wind) = wind(&Decision::when(!is_still, "air.wind is zero"), &air, &drag);
         let two_way = scene.interaction.model == Model::TwoWay;
         let is_pbf = scene.fluid.solver == FluidSolver::Pbf;
         let neighbours = air.and(Decision::when(
@@ -256,12 +256,12 @@ impl Plan {
         }
     }
 
-    /// Lets the wind's passes run from now on, as the caller sets it, to no wind or another: what was blowing is taken from the air by them
-    /// too. Says whether other passes run now.
-    pub fn set_wind(&mut self, is_zero: bool) -> bool {
+    /// Lets the wind's passes run from now on, as the caller sets it, whether it blows or is zero: what was blowing is taken from the air
+    /// by them too. Says whether other passes run now.
+    pub fn set_wind(&mut self, blows: bool) -> bool {
         let before = (self.blows.clone(), self.deformation.clone());
         self.blow();
-        self.deformation = self.divergence.and(deformation(self.eddies, is_zero));
+        self.deformation = self.divergence.and(deformation(self.eddies, !blows && !self.fields.runs));
         before != (self.blows.clone(), self.deformation.clone())
     }
 

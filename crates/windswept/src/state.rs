@@ -271,7 +271,8 @@ state! {
     grip: Vec4, |s| s.hair_points;
 
     // Written by a pass in part: the rest is zero for good.
-    /// What XSPH is to exchange at a particle: S of the limiter, and the viscosity of unresolved eddies.
+    /// What XSPH is to exchange at a particle: S of the limiter, and how the flow deforms air, from which unresolved eddies have their
+    /// viscosity.
     exchange: Exchange, |s| s.particles;
 
     // Passes over neighbours run on in a frozen step, and would follow whatever another array left here.
@@ -313,8 +314,6 @@ state! {
     /// What becomes velocity of what the density constraint, and friction of hair on hair, moved a particle by in this step \[m\];
     /// w: sum of the multipliers times the relaxation \[kg m²\].
     correction: Vec4, |s| s.particles;
-    /// Deformation |∇v| Δt of the flow at a particle, Frobenius's norm.
-    deformation: f32, |s| s.pressed;
     /// What one iteration of the density constraint, or friction, moves a particle by \[m\].
     shift: Vec4, |s| s.particles;
     /// What of that shift becomes velocity \[m\]; w: the multiplier times the relaxation \[kg m²\].

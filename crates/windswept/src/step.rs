@@ -42,15 +42,20 @@ pub enum Quantity {
     Vorticity,
 }
 
-/// All that a simulation of this plan runs: its step, also as it is once a wind, which may be zero, or a force is set, each with and without
-/// the passes that mend strands, and the passes of each quantity.
+/// All that a simulation of this plan runs: its step, also as it is once a wind is set, which may be zero, or a force, each with and
+/// without the passes that mend strands, and the passes of each quantity.
 #[must_use]
 pub fn recordings(state: &State, plan: &Plan) -> Vec<Recording> {
-    let mut windy = plan.clone();
-    let changes = windy.set_wind(true);
-    let mut pushed = windy.clone();
-    pushed.set_force(true);
-    let plans = [Some(plan.clone()), changes.then_some(windy), Some(pushed)].into_iter().flatten();
+    let set = |wind: Option<bool>, force: bool| {
+        let mut plan = plan.clone();
+        if let Some(blows) = wind {
+            plan.set_wind(blows);
+        }
+        plan.set_force(force);
+        plan
+    };
+    let winds = [None, Some(false), Some(true)];
+    let plans = winds.into_iter().flat_map(|wind| [set(wind, false), set(wind, true)]);
     let steps = plans.flat_map(|mut plan| {
         let step = Recorder::record(state, |r| record(r, &plan));
         plan.mend_strands();

@@ -79,7 +79,7 @@ impl Simulation {
             (air.wind, air.ramp, air.gust) = (wind.to_array(), 0.0, Vec::new());
         }
         self.wind_set = Some(wind);
-        if self.plan.set_wind(wind == DVec3::ZERO) { self.record_again() } else { Ok(()) }
+        if self.plan.set_wind(wind != DVec3::ZERO) { self.record_again() } else { Ok(()) }
     }
 
     /// Puts hair somewhere else: positions \[m\] and velocities \[m/s\] of points, orientations of segments. An array
