@@ -308,6 +308,8 @@ fn what_no_wind_blows_about_is_spread_by_its_deformation() {
     for (sets, [first, still, windy]) in [
         (&[][..], [false, true, false]),
         (&[STILL][..], [true, true, false]),
+        // Gusts that take all of the wind away.
+        (&["air.wind=[3,0,0]", "air.ramp=0", "air.gust=[{time=0,velocity=[-3,0,0]}]"][..], [true, true, false]),
         (&["viscosity.smagorinsky=0.1"][..], [true, true, true]),
         (&["fluid.solver=pbf", STILL][..], [false, false, false]),
     ] {

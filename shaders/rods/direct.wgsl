@@ -14,7 +14,7 @@
 // so that root to tip  D_k -= O_(k-1)^T U_(k-1), U = D^-1 O, y = D^-1 r  and tip to root  dmu_k = y_k - D_k^-1 O_k dmu_(k+1).
 // One invocation per strand, done when its segments fit.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::{frozen, count, QUIET_STEP},
+    params::params, dispatch::{invocation, WORKGROUP}, status::{frozen, count, finite, QUIET_STEP},
     quaternion::{product, conjugate, rotate, rotation, tangent, matrix}, integration::response, load::damping_of, pressure::times,
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT},
 };
@@ -51,6 +51,7 @@ struct Carried {
 @group(0) @binding(7) var<storage, read_write> factors:      array<Factor>;
 
 const FITS: f32 = 1e-5;      // |C + alpha mu| of stretch-shear at which a strand is done
+const HOPELESS: f32 = 1e30;  // that of one whose numbers are none any more
 const QUIET: f32 = 1e-6;     // residual below which a strand need not be solved; see `quiet_below`
 // Added to the diagonal of J W J^T, in parts of it: keeps the system within what f32 resolves where segments are stiff and
 // short. Steps come out shorter by that much where they are the least certain; where a strand comes to rest stays the same.
@@ -347,7 +348,8 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
                 let segment = segments[j + 1u];
                 let compliance = in_world(frame_after, segment.stretch_compliance);
                 let now = chord_after + end_after - travel;
-                worst = max(worst, length(stretch_gap(now, segment.rest_length, frame_after, compliance, after.force)));
+                let gap = length(stretch_gap(now, segment.rest_length, frame_after, compliance, after.force));
+                worst = max(worst, select(HOPELESS, gap, finite(gap)));
             }
             end_after = travel;
         }

@@ -12,9 +12,11 @@ import package::common::{
 
 var<private> given: vec3f;
 
+// Where an entry is none the cluster's own particle is asked for, which is air: what is read then counts for nothing, but must be a number.
 fn see(i: u32) -> Near {
-    let point = sampled[i];
-    return Near(i, point.position, 0.0, drag_impulse[i] / max(point.filled, THIN), vec4f());
+    let p = min(i, params.hair_points - 1u);
+    let point = sampled[p];
+    return Near(p, point.position, 0.0, drag_impulse[p] / max(point.filled, THIN), vec4f());
 }
 
 fn meet(other: Pair) {

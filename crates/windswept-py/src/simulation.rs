@@ -114,8 +114,8 @@ impl Simulation {
     ///     RunError: names what ended the run; the state is that of the last good step.
     #[pyo3(signature = (n=1))]
     fn step(&self, py: Python<'_>, n: i64) -> PyResult<()> {
-        let goal = self.goal(py, n)?;
-        self.step_to(py, goal)
+        self.goal(py, n)?;
+        self.step_by(py, n as u64)
     }
 
     /// Runs for a time, in whole steps.
@@ -139,13 +139,13 @@ impl Simulation {
             return Err(of_value("every", format!("expected at least 1 step, found {every}")));
         }
         let goal = this.goal(py, steps as i64)?;
-        let Some(callback) = callback else { return this.step_to(py, goal) };
+        let Some(callback) = callback else { return this.step_by(py, steps as u64) };
         loop {
             let now = this.steps(py)?;
             if now >= goal {
                 return Ok(());
             }
-            this.step_to(py, goal.min(now + every as u64))?;
+            this.step_by(py, (goal - now).min(every as u64))?;
             if is_false(&callback.call1((slf,))?)? {
                 return Ok(());
             }

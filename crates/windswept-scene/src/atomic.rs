@@ -23,9 +23,10 @@ impl AtomicFile {
     /// A file for this place. The part that an earlier one left, as it was killed, is removed.
     ///
     /// # Errors
-    /// What the system says if that part cannot be removed.
+    /// What the system says if that part cannot be removed; where there is something else than a file or a link, as a device, that it is none.
     pub fn new(place: impl AsRef<Path>) -> io::Result<Self> {
         let place = place.as_ref().to_path_buf();
+        check_replaceable(&place)?;
         let mut part = place.clone().into_os_string();
         part.push(Self::PART);
         let part = PathBuf::from(part);
@@ -74,11 +75,22 @@ impl AtomicFile {
     }
 }
 
+/// Whether a file may take a place: a device or a pipe is there for others too.
+fn check_replaceable(place: &Path) -> io::Result<()> {
+    match fs::symlink_metadata(place) {
+        Ok(found) if !(found.is_file() || found.is_symlink() || found.is_dir()) => {
+            Err(io::Error::new(ErrorKind::AlreadyExists, "something else than a file is there"))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Removes a file or a link, if it is there.
 ///
 /// # Errors
-/// What the system says.
+/// What the system says; where there is something else, as a device, that it is no file.
 pub fn remove(path: impl AsRef<Path>) -> io::Result<()> {
+    check_replaceable(path.as_ref())?;
     match fs::remove_file(path) {
         Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
         _ => Ok(()),
@@ -96,7 +108,7 @@ impl Drop for AtomicFile {
 mod tests {
     #![allow(clippy::unwrap_used)] // a test may panic
 
-    use std::os::unix::fs::symlink;
+    use std::os::unix::{fs::symlink, net::UnixListener};
 
     use super::*;
 
@@ -126,5 +138,17 @@ mod tests {
         AtomicFile::write("/dev/null", b"gone").unwrap();
         assert!(!Path::new("/dev/null").is_file());
         assert!(AtomicFile::write(folder.path(), b"no file").is_err());
+    }
+
+    /// What is no file, as a socket or a device, is neither replaced nor removed.
+    #[test]
+    fn what_is_no_file_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let socket = folder.path().join("socket");
+        let _listener = UnixListener::bind(&socket).unwrap();
+        for refused in [AtomicFile::new(&socket).map(drop), remove(&socket)] {
+            assert_eq!(refused.unwrap_err().to_string(), "something else than a file is there");
+        }
+        assert!(fs::symlink_metadata(&socket).is_ok());
     }
 }

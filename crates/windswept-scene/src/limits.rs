@@ -15,8 +15,8 @@ pub const MAGNITUDES: RangeInclusive<f64> = SMALLEST..=LARGEST;
 /// 1e8 to spare.
 pub const STRAND_MAGNITUDES: RangeInclusive<f64> = 1e-30..=1e30;
 
-/// Largest scene file \[bytes\]: a thousand times the longest of ours, and soon read.
-pub const LARGEST_SCENE_FILE: u64 = 1 << 24;
+/// Largest scene file \[bytes\]: three hundred times the longest of ours. Whatever it says is read in less than a second.
+pub const LARGEST_SCENE_FILE: u64 = 1 << 20;
 /// Largest groom or mesh file \[bytes\]: [`MOST_HAIR_POINTS`] of 60 bytes each.
 pub const LARGEST_DATA_FILE: u64 = 1_000_000_000;
 

@@ -127,7 +127,7 @@ impl Air {
     /// Whether no wind blows at any time.
     #[must_use]
     pub fn is_still(&self) -> bool {
-        self.wind == [0.0; 3] && self.gust.iter().all(|gust| gust.velocity == [0.0; 3])
+        self.wind_table().iter().all(|(_, wind)| *wind == [0.0; 3])
     }
 
     /// Mean wind U once it has risen \[m/s\], without gusts.

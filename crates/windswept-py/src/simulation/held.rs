@@ -66,15 +66,17 @@ impl Simulation {
         self.epoch.fetch_add(1, Ordering::AcqRel);
     }
 
-    /// Steps until `goal`, in parts between which Python may stop.
-    pub(crate) fn step_to(&self, py: Python<'_>, goal: u64) -> PyResult<()> {
-        if self.steps(py)? >= goal {
+    /// Runs n steps, in parts between which Python may stop, and other threads may step too.
+    pub(crate) fn step_by(&self, py: Python<'_>, n: u64) -> PyResult<()> {
+        if n == 0 {
             return Ok(());
         }
-        let mut pace = Pace::of(self.length());
+        let (mut pace, mut left) = (Pace::of(self.length()), n);
         self.stepping(py, |sim| {
-            pace.advance(sim, goal)?;
-            Ok((sim.steps() >= goal).then_some(()))
+            let before = sim.steps();
+            pace.advance(sim, before + left)?;
+            left = left.saturating_sub(sim.steps() - before);
+            Ok((left == 0).then_some(()))
         })
     }
 

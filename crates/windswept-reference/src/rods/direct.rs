@@ -243,7 +243,8 @@ impl Rod<'_> {
     /// Largest gap |C + α μ| of stretch-shear.
     fn stretch_gap(&self) -> f64 {
         let gaps = self.constraints().into_iter().filter(|c| matches!(c.holds, Holds::Segment(_)));
-        gaps.map(|c| (c.gap + c.compliance * c.multiplier).length()).fold(0.0, f64::max)
+        let lengths = gaps.map(|c| (c.gap + c.compliance * c.multiplier).length());
+        lengths.map(|gap| if gap.is_finite() { gap } else { f64::INFINITY }).fold(0.0, f64::max)
     }
 }
 

@@ -44,8 +44,9 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 let asked = [format!("time.step={}", change.step), format!("air.wind=[{wind},0,0]")];
                 let asked = asked.each_ref().map(String::as_str);
                 let mut simulation = Simulation::new(gpu, &scene(TUFT, &[keys, &asked])?)?;
-                let felt = watch(&mut simulation, FRAMES * FRAME / change.every, change.every, |simulation, n| {
-                    simulation.set_wind(DVec3::X * wind * (change.part)(n))
+                let felt = watch(&mut simulation, FRAMES * FRAME, 1, |simulation, step| {
+                    let part = (change.part)(step / change.every);
+                    if step % change.every == 0 { simulation.set_wind(DVec3::X * wind * part) } else { Ok(()) }
                 });
                 let series = format!("{coupling}, {}", change.name);
                 let setting = felt.at(format!("{wind} m/s"));
