@@ -357,6 +357,14 @@ def test_two_simulations_run_on_two_threads(scene):
         thread.join()
     for sim in sims:
         assert np.array_equal(sim.air.positions, alone.air.positions)
+    # One simulation, many writers: each takes its steps.
+    before = alone.steps
+    threads = [threading.Thread(target=alone.step, args=(5,)) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert alone.steps == before + 20
     # One simulation, many readers.
     seen = []
     readers = [threading.Thread(target=lambda: seen.append(sims[0].hair.positions.sum())) for _ in range(4)]
