@@ -42,6 +42,9 @@ pub fn status(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     set_hook(Box::new(|defect| {
         let _ = writeln!(stderr(), "error: windswept has a defect, please report this: {defect}");
     }));
+    // A file that would grow beyond the limit of the shell cannot be written, as on a full disk; else the system would end the process.
+    #[cfg(unix)]
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
     let terminal = stderr().is_terminal();
     catch_unwind(AssertUnwindSafe(|| run_on(arguments, &mut stdout(), &mut stderr(), terminal))).unwrap_or(1)
 }

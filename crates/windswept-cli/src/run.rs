@@ -105,7 +105,11 @@ fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<
     let path = output.checkpoint();
     // What is no file, as a pipe, may never end.
     if !path.is_file() {
-        let words = "no checkpoint: expected that of a run with --checkpoint-every";
+        let words = if path.exists() {
+            "is no file: expected the checkpoint of a run with --checkpoint-every"
+        } else {
+            "no checkpoint: expected that of a run with --checkpoint-every"
+        };
         return Err(Failure::Input(format!("{}: {words}", path.display())));
     }
     let _lock = Folder(dir).lock()?;
@@ -117,7 +121,9 @@ fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<
         error => Failure::Input(error.to_string()),
     };
     let checkpoint = Checkpoint::open(&path).map_err(refused)?;
-    let mut notes: Notes = checkpoint.notes().map_err(refused)?;
+    let mut notes: Notes = checkpoint.notes().map_err(|error| {
+        Failure::Input(format!("{error}; one that a program saved is loaded by a program, as by `ws.Simulation.load`"))
+    })?;
     let formats = options.formats(&notes.formats)?;
     if let Some(format) = formats.iter().find(|format| !notes.formats.iter().any(|name| name == format.name)) {
         let has = if notes.formats.is_empty() {
