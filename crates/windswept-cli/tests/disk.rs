@@ -92,8 +92,7 @@ fn a_checkpoint_that_does_not_fit_leaves_the_one_before() {
     let path = folder.path().join("out/checkpoint.windswept");
     let before = fs::read(&path).expect("a checkpoint");
     assert_eq!(listing(&folder.path().join("out")), ["checkpoint.windswept", "report.json", "scene.toml"]);
-    let resume =
-        format!("ulimit -f 16; exec {} run --resume out --steps 30", env!("CARGO_BIN_EXE_windswept"));
+    let resume = format!("ulimit -f 16; exec {} run --resume out --steps 30", env!("CARGO_BIN_EXE_windswept"));
     let output = Command::new("sh").current_dir(folder.path()).args(["-c", &resume]).output().expect("a shell");
     assert_eq!(output.status.code(), Some(1), "{output:?}");
     assert!(said(&output).contains("out/checkpoint.windswept"), "{output:?}");

@@ -184,8 +184,7 @@ fn a_groom_file_is_whole_or_not_there() {
     let whole = fs::read(folder.path().join("many.npz")).expect("a groom file");
     for to in ["new.npz", "new.npy", "new.hair", "new.data", "new.ply", "many.npz"] {
         let program = env!("CARGO_BIN_EXE_windswept");
-        let full =
-            format!("ulimit -f 1; exec {program} groom convert many.npz {to} --points 9 --overwrite");
+        let full = format!("ulimit -f 1; exec {program} groom convert many.npz {to} --points 9 --overwrite");
         let shell = std::process::Command::new("sh").current_dir(folder.path()).args(["-c", &full]).output();
         let output = shell.expect("a shell");
         let said = String::from_utf8_lossy(&output.stderr);
