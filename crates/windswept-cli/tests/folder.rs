@@ -299,7 +299,7 @@ fn a_pipe_is_no_checkpoint() {
     fs::create_dir(folder.path().join("out")).expect("a folder");
     let path = folder.path().join("out/checkpoint.windswept");
     assert!(Command::new("mkfifo").arg(&path).status().expect("mkfifo runs").success());
-    refused(&ended(windswept(folder.path(), &["run", "--resume", "out"])), "checkpoint.windswept: no checkpoint");
+    refused(&ended(windswept(folder.path(), &["run", "--resume", "out"])), "checkpoint.windswept: is no file");
 }
 
 /// A format that a run goes on without is over, and the console says so once.
