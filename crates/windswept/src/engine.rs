@@ -235,7 +235,10 @@ impl Engine {
     }
 
     /// Reads an array as its bytes.
-    pub(crate) fn read_bytes(&self, array: &AnyArray) -> Result<Vec<u8>, GpuError> {
+    ///
+    /// # Errors
+    /// Those of [`Self::read`].
+    pub fn read_bytes(&self, array: &AnyArray) -> Result<Vec<u8>, GpuError> {
         self.memory.view(&self.gpu, &[*array], |views| views.concat())
     }
 

@@ -1,6 +1,7 @@
 //! A value in the buffers that is not finite, or absurd: its strand alone is reset.
 
 use windswept::{Gpu, Simulation};
+use windswept_shaders::common::rod::SPOILT;
 
 use super::{COUPLINGS, Extent, Sweep, TUFT, USUAL, points, reason, scene, stretch};
 use crate::Error;
@@ -27,8 +28,7 @@ const ARRAYS: [(&str, Spoilt); 3] = [("x", Spoilt::Position), ("v", Spoilt::Velo
 
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut resets = Sweep::new("resets, off one that names the strand", 0.0, "");
-    let mut others =
-        Sweep::new("strands and air particles with other bits than where the strand is reset by hand", 0.0, "");
+    let mut others = Sweep::new("bytes of the state that differ from where the strand is reset by hand", 0.0, "");
     let mut whole = Sweep::new("stretch 20 steps later", 0.01, "");
     for (coupling, keys) in extent.of(&COUPLINGS[..], &USUAL[..]) {
         for (name, array) in &ARRAYS {
@@ -46,7 +46,8 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 let named = spoilt.resets().iter().filter(|reset| reset.strands == 1 && reset.named == [STRAND as u32]);
                 let (named, all) = (named.count() as f64, super::resets(&spoilt));
                 resets.add(*coupling, &setting, f64::NAN, (named - 1.0).abs().max((all - 1.0).abs()));
-                others.add(*coupling, &setting, f64::NAN, differing(&spoilt, &by_hand)? as f64);
+                let (arrays, bytes) = differing(&spoilt, &by_hand)?;
+                others.add(*coupling, format!("{setting}{arrays}"), f64::NAN, bytes as f64);
                 let stretch = stretch(&spoilt.initial().hair, &points(&spoilt)?);
                 whole.add(*coupling, &setting, f64::NAN, stretch);
             }
@@ -68,24 +69,28 @@ fn spoil(simulation: &Simulation, array: Spoilt, value: f32) -> Result<(), Error
     Ok(engine.write(array, &rows)?)
 }
 
-/// Says that the strand was not finite: the next step puts it into its rest shape.
+/// Says that the strand is spoilt: the next step puts it into its rest shape, and counts it.
 fn reset(simulation: &Simulation) -> Result<(), Error> {
     let engine = simulation.engine();
     let mut health = engine.read(&engine.state().health)?;
-    health[STRAND].committed.bad = 1;
+    health[STRAND].committed.bad = SPOILT;
     Ok(engine.write(&engine.state().health, &health)?)
 }
 
-/// Number of strands, but for the spoilt one, and of air particles whose positions or velocities have other bits.
-fn differing(one: &Simulation, other: &Simulation) -> Result<usize, Error> {
-    let (a, b) = (one.frame()?, other.frame()?);
-    let hair = &one.initial().hair;
-    let strands = (0..hair.len()).filter(|s| *s != STRAND).filter(|s| {
-        let own = hair.points(*s);
-        a.hair.positions[own.clone()] != b.hair.positions[own.clone()]
-            || a.hair.velocities[own.clone()] != b.hair.velocities[own]
-    });
-    let air = (0..a.air.positions.len())
-        .filter(|i| a.air.positions[*i] != b.air.positions[*i] || a.air.velocities[*i] != b.air.velocities[*i]);
-    Ok(strands.count() + air.count())
+/// Names of the arrays of the state whose bytes differ, and the number of these bytes. Only the point that was found spoilt is left out.
+fn differing(one: &Simulation, other: &Simulation) -> Result<(String, usize), Error> {
+    let (a, b) = (one.engine(), other.engine());
+    let (mut names, mut bytes) = (String::new(), 0);
+    let mut found = b.status()?;
+    found.reset_first = a.status()?.reset_first;
+    b.set_status(&found)?;
+    for array in a.state().lasting() {
+        let (own, hers) = (a.read_bytes(&array)?, b.read_bytes(&array)?);
+        let differing = own.iter().zip(&hers).filter(|(a, b)| a != b).count() + own.len().abs_diff(hers.len());
+        if differing > 0 {
+            names += &format!(", {}", array.name());
+        }
+        bytes += differing;
+    }
+    Ok((names, bytes))
 }
