@@ -37,7 +37,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut still = Sweep::new("rest in still air, off that at 1.38 ms", 1e-3, "L").over("step [ms]");
     let mut blown = Sweep::new("mean rest in wind, off that at 1.38 ms", 1e-3, "L").over("step [ms]");
     let steps = extent.of(&STEPS[..], &[USUAL_STEP, 8.3e-3]);
-    for (coupling, keys) in extent.of(&COUPLINGS[..], &COUPLINGS[..1]) {
+    for (coupling, keys) in extent.of(&COUPLINGS[..], &[COUPLINGS[0], COUPLINGS[2]]) {
         for (wind, apart) in [("0", &mut still), ("3", &mut blown)] {
             if wind != "0" && *coupling == "none" {
                 continue;

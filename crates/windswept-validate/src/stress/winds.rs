@@ -3,7 +3,7 @@
 use glam::DVec3;
 use windswept::{Gpu, Simulation};
 
-use super::{COUPLINGS, Extent, Sweep, TUFT, USUAL, scene, watch};
+use super::{COUPLINGS, Extent, Sweep, TUFT, scene, watch};
 use crate::Error;
 
 pub(super) const SWEPT: &str = "winds of 0 to 1000 m/s: steady, on and off every frame, reversed every frame, gusting at 1 kHz; \
@@ -35,8 +35,8 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut stretched = Sweep::new("largest stretch", 0.02, "").over("wind [m/s]");
     let mut resets = Sweep::new("strands reset", 0.0, "");
     let mut hair = Sweep::new("fastest hair over the largest wind", 1.3, "").over("wind [m/s]");
-    for (coupling, keys) in extent.of(&COUPLINGS[1..], &USUAL[..]) {
-        for change in extent.of(CHANGES, &CHANGES[2..3]) {
+    for (coupling, keys) in extent.of(&COUPLINGS[1..], &COUPLINGS[2..4]) {
+        for change in extent.of(CHANGES, &CHANGES[2..]) {
             for &wind in extent.of(&WINDS[..], &[30.0]) {
                 if wind == 0.0 && change.name != "steady" {
                     continue;
