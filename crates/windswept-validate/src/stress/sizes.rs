@@ -23,6 +23,8 @@ const LONG: f64 = 0.35;
 const PERIODS: f64 = 5.0;
 /// Steps of a run, at most, without particles of air and among them.
 const STEPS: (u64, u64) = (1000, 250);
+/// Longest step \[s\], without particles of air and among them.
+const LONGEST: (f64, f64) = (1.38e-3, 8.3e-3);
 /// Length of strands in air \[m\], and the sizes of one that is looked at 1 km away, too.
 const SHORT: f64 = 0.03;
 const USUAL_IN_AIR: (usize, f64, f64) = (35, 4e-5, SHORT);
@@ -55,8 +57,11 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
         ("2 points", (2, radius, SHORT)),
         ("35 points", USUAL_IN_AIR),
         ("128 points", (128, radius, SHORT)),
+        ("1024 points", (1024, radius, LONG)),
         ("radius 1 µm, length 1 mm", (9, 1e-6, 1e-3)),
         ("radius 500 µm", (9, 5e-4, SHORT)),
+        // Hair of 40 µm falls through still air at half a metre per second, and would swing out for minutes.
+        ("radius 500 µm, length 10 m", (n, 5e-4, 10.0)),
     ];
     let sizes = extent.of(&sizes[..], &sizes[..1]);
     for (coupling, keys) in extent.of(&COUPLINGS[1..], &COUPLINGS[1..3]) {
@@ -92,8 +97,8 @@ fn hang(gpu: &Gpu, keys: &[&str], size: (usize, f64, f64), center: f64) -> Resul
     // The slower of the two: a beam's first swing, or a chain's.
     let beam = std::f64::consts::TAU * length.powi(2) / 3.516 * (4.0 * DENSITY / (MODULUS * radius.powi(2))).sqrt();
     let period = beam.min(5.2 * (length / GRAVITY).sqrt());
-    let steps = if keys.len() > 1 { STEPS.1 } else { STEPS.0 };
-    let step = (PERIODS * period / steps as f64).min(1.38e-3);
+    let (steps, longest) = if keys.len() > 1 { (STEPS.1, LONGEST.1) } else { (STEPS.0, LONGEST.0) };
+    let step = (PERIODS * period / steps as f64).min(longest);
     let corner = |shift: [f64; 3]| shift.map(|x| center + x);
     let text = format!(
         "gravity = [0, {}, 0]\ntime = {{ step = {step}, duration = 1e3 }}\n\
