@@ -11,7 +11,7 @@ use crate::{
 
 pub(super) const SWEPT: &str = "100 000 steps of two-way hair and air with a band of eddies, both fluid solvers";
 pub(super) const OTHERS: &str =
-    "100 000 steps of the models none and drag, and 20 000 of particles with a band of eddies, both fluid solvers";
+    "100 000 steps of the models none and drag, and of particles with a band of eddies and both fluid solvers";
 
 /// Looks in a run.
 const LOOKS: usize = 50;
@@ -48,9 +48,8 @@ fn runs(gpu: &Gpu, extent: Extent, couplings: &[(&str, &[&str])]) -> Result<Vec<
     let mut stretched = Sweep::new("largest stretch", 0.01, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
     let mut places = Sweep::new("hair without particles of air, last quarter off second", 1e-3, "L");
+    let steps = extent.of(100_000, 1000);
     for (coupling, keys) in couplings {
-        // Two runs of 100 000 steps are half of the time of all stresses: those of the model particles are shorter.
-        let steps = extent.of(if coupling.starts_with("particles") { 20_000 } else { 100_000 }, 1000);
         let mut simulation = small(gpu, coupling, keys)?;
         let (mut energies, mut errors, mut shapes) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..LOOKS {
