@@ -1,8 +1,8 @@
 //! Whole steps against those of the twin, pass by pass: where they part, the pass is named.
 
 use windswept::{
-    Gpu, Simulation,
-    internals::{has_software_texts, with_sources, without_software_texts, without_subgroups},
+    Gpu, PassTexts, Simulation,
+    internals::{with_sources, without_software_texts, without_subgroups},
     plan,
 };
 use windswept_reference::step::step as twin_step;
@@ -240,7 +240,8 @@ fn steps_without_subgroups_are_those_of_the_twin() {
 fn software_texts_change_no_bit() {
     let gpu = support::gpu();
     let storage = without_software_texts(&gpu);
-    assert!(has_software_texts(&gpu) || gpu.info().kind != "software", "{:?} runs the texts of a GPU", gpu.info());
+    assert_eq!(gpu.texts(), PassTexts::Software, "{:?}", gpu.info());
+    assert_eq!(storage.texts(), PassTexts::Subgroups);
     let all = [PUBLISHED, PARTICLES, DRAG, CROWDED, DIVERGENCE, PRESSED_HAIR, BODIES, FIELDS, NEWTON];
     let run: Vec<_> = all.iter().flat_map(|sets| plan(&small(sets)).unwrap()).filter(|row| row.runs > 0).collect();
     for pass in PASSES {
@@ -253,7 +254,7 @@ fn software_texts_change_no_bit() {
             sim.step(5).unwrap();
             (sim.engine().memory_bytes(), sim.frame().unwrap())
         });
-        assert!(a.0 > b.0 || !has_software_texts(&gpu), "{sets:?}: {} and {} bytes: there are no textures", a.0, b.0);
+        assert!(a.0 > b.0, "{sets:?}: {} and {} bytes: there are no textures", a.0, b.0);
         assert!(a.1 == b.1, "{sets:?}: not the same bits");
     }
 }

@@ -9,6 +9,7 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
+use serde::Serialize;
 pub use adapter::{AdapterChoice, AdapterInfo, adapters};
 pub(crate) use memory::{Memory, check_sizes};
 pub(crate) use program::{Profile, Program, Span, write_trace};
@@ -19,16 +20,25 @@ use windswept_shaders::{
 
 use crate::error::GpuError;
 
+/// Which of its texts each pass runs on a device. All give the same results but for rounding; with the same subgroups also the same bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PassTexts {
+    /// Eight invocations exchange what they read of eight neighbours by subgroup operations.
+    Subgroups,
+    /// They exchange it through the workgroup's memory, since the device has no subgroups that are all of at least eight invocations.
+    Workgroup,
+    /// As `Subgroups`, and much of what passes read lies in textures and uniforms, which software adapters read faster.
+    Software,
+}
+
 /// A device with its queue and the pipelines made so far. Cheap to clone; simulations may share it.
 #[derive(Clone, Debug)]
 pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     info: AdapterInfo,
-    /// Whether passes may use subgroup operations.
-    subgroups: bool,
-    /// Whether passes run in their texts for software adapters.
-    software_texts: bool,
+    texts: PassTexts,
     pipelines: Pipelines,
     /// Sources that stand in for those of passes.
     sources: Arc<HashMap<&'static str, String>>,
@@ -108,21 +118,23 @@ impl Gpu {
         let subgroups =
             device.features().contains(wgpu::Features::SUBGROUP) && adapter.get_info().subgroup_min_size >= LANES;
         let software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
-        let software_texts = subgroups && software && binds_textures(&has);
+        let texts = match subgroups {
+            false => PassTexts::Workgroup,
+            true if software && binds_textures(&has) => PassTexts::Software,
+            true => PassTexts::Subgroups,
+        };
         tracing::debug!(
             adapter = info.name,
             backend = info.backend,
             driver = info.driver,
-            subgroups,
-            software_texts,
+            ?texts,
             "device"
         );
         Ok(Self {
             device,
             queue,
             info,
-            subgroups,
-            software_texts,
+            texts,
             pipelines: Arc::default(),
             sources: Arc::default(),
             replaced: Arc::default(),
@@ -136,22 +148,29 @@ impl Gpu {
 
     /// The device with the passes that do without subgroup operations, as on an adapter that has none.
     pub(crate) fn without_subgroups(&self) -> Self {
-        Self { subgroups: false, ..self.without_software_texts() }
+        Self { texts: PassTexts::Workgroup, ..self.without_software_texts() }
     }
 
     /// The device with the passes as on an adapter that is not software.
     pub(crate) fn without_software_texts(&self) -> Self {
-        Self { software_texts: false, pipelines: Arc::default(), replaced: Arc::default(), ..self.clone() }
+        let texts = if self.texts == PassTexts::Workgroup { self.texts } else { PassTexts::Subgroups };
+        Self { texts, pipelines: Arc::default(), replaced: Arc::default(), ..self.clone() }
+    }
+
+    /// Which of its texts each pass runs.
+    #[must_use]
+    pub fn texts(&self) -> PassTexts {
+        self.texts
     }
 
     /// Whether passes run in their texts for software adapters.
     pub(crate) fn has_software_texts(&self) -> bool {
-        self.software_texts
+        self.texts == PassTexts::Software
     }
 
     /// Whether a pass runs in its text for software adapters.
     pub(crate) fn runs_software_text(&self, pass: &Pass) -> bool {
-        self.software_texts && !self.sources.contains_key(pass.name)
+        self.has_software_texts() && !self.sources.contains_key(pass.name)
     }
 
     /// What the text of a pass that runs binds for a binding: a buffer, with its kind, and a texture.
@@ -243,10 +262,10 @@ impl Gpu {
         }
         let switch = [(MESHES, f64::from(u8::from(meshes)))];
         let constants = if pass.asks_for_meshes { &switch[..] } else { &[] };
-        let other = match (self.subgroups, self.software_texts) {
-            (false, _) => pass.source_without_subgroups,
-            (true, true) => pass.source_for_software,
-            (true, false) => None,
+        let other = match self.texts {
+            PassTexts::Subgroups => None,
+            PassTexts::Workgroup => pass.source_without_subgroups,
+            PassTexts::Software => pass.source_for_software,
         };
         let source = own.map_or(other.unwrap_or(pass.source), String::as_str);
         let pipeline = self.checked(

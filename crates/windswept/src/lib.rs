@@ -66,7 +66,7 @@ pub use glam;
 pub use engine::required_limits;
 pub use error::{CheckpointError, Error, GpuError, RunError};
 pub use frame::{AirFrame, Frame, HairFrame};
-pub use gpu::{AdapterChoice, AdapterInfo, Gpu, adapters};
+pub use gpu::{AdapterChoice, AdapterInfo, Gpu, PassTexts, adapters};
 pub use plan::{BufferRow, MemoryBytes, PlanRow, Uses, buffers, memory_bytes, table as plan};
 pub use report::{BandEnergy, Counts, PassReport, Report, Reset, RunFailure, SkippedReport};
 pub use simulation::{Accelerations, Buffers, Checkpoint, Simulation};
@@ -95,11 +95,6 @@ pub mod internals {
     #[must_use]
     pub fn without_subgroups(gpu: &Gpu) -> Gpu {
         gpu.without_subgroups()
-    }
-    /// Whether passes run in their texts for software adapters.
-    #[must_use]
-    pub fn has_software_texts(gpu: &Gpu) -> bool {
-        gpu.has_software_texts()
     }
     /// The device with the passes as on an adapter that is not software.
     #[must_use]

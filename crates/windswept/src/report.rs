@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::gpu::AdapterInfo;
+use crate::gpu::{AdapterInfo, PassTexts};
 
 /// The report of a run so far. What was not measured is left out, never null.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -22,6 +22,8 @@ pub struct Report {
     pub method: String,
     /// The adapter that ran.
     pub adapter: AdapterInfo,
+    /// Which of its texts each pass ran there.
+    pub texts: PassTexts,
     /// Numbers of particles.
     pub particles: Counts,
     /// Steps since t = 0.

@@ -38,6 +38,7 @@ impl Simulation {
             scene: self.scene.title.clone(),
             method: format!("{:?}", self.scene.method).to_lowercase(),
             adapter: self.engine.gpu().info().clone(),
+            texts: self.engine.gpu().texts(),
             particles: Counts {
                 hair: sizes.hair_points.into(),
                 air: sizes.air().into(),
