@@ -96,7 +96,7 @@ impl Output {
 
     /// Makes the folder, locks it, clears away an earlier run's files, and writes the scene as it runs.
     pub(crate) fn create(&self, scene: &str) -> Result<Lock, Failure> {
-        fs::create_dir_all(&self.dir).map_err(|e| Failure::Input(format!("{}: {e}", self.dir.display())))?;
+        fs::create_dir_all(&self.dir).map_err(|e| no_folder(&self.dir, &e))?;
         let lock = self.folder().lock()?;
         // Another run may have come and gone since it was checked.
         check_folder(&self.dir, self.overwrite)?;
@@ -209,7 +209,16 @@ fn check_folder(dir: &Path, overwrite: bool) -> Result<(), Failure> {
         Ok(true) if !overwrite => refuse(dir, "not empty; --overwrite replaces what an earlier run left there"),
         Ok(_) => Ok(()),
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
-        Err(error) => refuse(dir, &error.to_string()),
+        Err(error) => Err(no_folder(dir, &error)),
+    }
+}
+
+/// Why a folder cannot be had. Where a file is in its way the path is wrong; else the disk refuses.
+fn no_folder(dir: &Path, error: &std::io::Error) -> Failure {
+    let words = format!("{}: {error}", dir.display());
+    match error.kind() {
+        ErrorKind::NotADirectory | ErrorKind::AlreadyExists => Failure::Input(words),
+        _ => Failure::Run(words),
     }
 }
 
