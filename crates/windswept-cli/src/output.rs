@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use windswept::Simulation;
 use windswept_export::{FORMATS, Folder, Kind, LOCK, Lock, Pictures, real_path};
-use windswept_scene::AtomicFile;
+use windswept_scene::{AtomicFile, Scene};
 
 use crate::arguments::RunOptions;
 use crate::failure::Failure;
@@ -95,13 +95,13 @@ impl Output {
     }
 
     /// Makes the folder, locks it, clears away an earlier run's files, and writes the scene as it runs.
-    pub(crate) fn create(&self, scene: &str) -> Result<Lock, Failure> {
+    pub(crate) fn create(&self, scene: &Scene) -> Result<Lock, Failure> {
         fs::create_dir_all(&self.dir).map_err(|e| no_folder(&self.dir, &e))?;
         let lock = self.folder().lock()?;
         // Another run may have come and gone since it was checked.
         check_folder(&self.dir, self.overwrite)?;
         self.remove_files(&replaced())?;
-        write(&self.scene(), scene)?;
+        write(&self.scene(), &scene.text_in(&self.dir))?;
         Ok(lock)
     }
 
@@ -113,9 +113,9 @@ impl Output {
 
     /// Makes the folder that of a run which goes on: without the report of what was until now, and with the scene as it runs. Returns what
     /// was wrong with the scene's file, if anything was.
-    pub(crate) fn reopen(&self, scene: &str) -> Result<Option<String>, Failure> {
+    pub(crate) fn reopen(&self, scene: &Scene) -> Result<Option<String>, Failure> {
         remove(&self.dir.join(REPORT))?;
-        let path = self.scene();
+        let (path, scene) = (self.scene(), scene.text_in(&self.dir));
         // A link is another file than the run's, and what is no file may never end.
         let is_file = path.symlink_metadata().is_ok_and(|found| found.is_file());
         if is_file && fs::read(&path).is_ok_and(|found| found == scene.as_bytes()) {
@@ -123,7 +123,7 @@ impl Output {
         }
         let was = if is_file { "is not the scene that the run began with" } else { "is missing" };
         remove(&path)?;
-        write(&path, scene)?;
+        write(&path, &scene)?;
         Ok(Some(format!("{} {was}, and is written again: the run goes on with its own", path.display())))
     }
 
