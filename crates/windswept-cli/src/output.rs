@@ -132,7 +132,7 @@ impl Output {
         Ok(self.folder().check(&Pictures::FILES)?)
     }
 
-    /// Removes the film's pictures, their folder if nothing else is in it, and the preview.
+    /// Removes the pictures that windswept made, their folder if nothing else is in it, and the preview.
     pub(crate) fn remove_pictures(&self) -> Result<(), Failure> {
         self.remove_files(&Pictures::FILES)
     }
@@ -144,7 +144,7 @@ impl Output {
 
     fn remove_files(&self, names: &[&str]) -> Result<(), Failure> {
         self.folder().remove_parts(names)?;
-        self.folder().found(names).iter().try_for_each(|path| remove(path))?;
+        self.folder().own(names).iter().try_for_each(|path| remove(path))?;
         for folder in self.folder().folders(names) {
             // A folder stays if it holds something of the user's.
             let _ = fs::remove_dir(folder);

@@ -116,7 +116,7 @@ fn a_folder_in_use_is_left_alone() {
     let replaced = run(folder.path(), &["--steps", "1", "--overwrite", "--formats", "none"]);
     assert_eq!(replaced.status.code(), Some(0), "{replaced:?}");
     assert_eq!(listing(&out), ["frames", "notes.txt", "report.json", "scene.toml"]);
-    assert_eq!(listing(&out.join("frames")), ["mine.png"]);
+    assert_eq!(listing(&out.join("frames")), ["0007.png", "mine.png"]);
     assert_eq!(fs::read_to_string(out.join("notes.txt")).expect("my notes"), "mine");
 }
 

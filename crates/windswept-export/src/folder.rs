@@ -7,6 +7,7 @@ use fs4::{FileExt, TryLockError};
 use windswept_scene::{AtomicFile, remove};
 
 use crate::ExportError;
+use crate::picture::is_own_picture;
 
 /// The file that is locked while somebody writes beside it. The one that a killed run leaves is not locked any more.
 pub const LOCK: &str = ".windswept.lock";
@@ -67,6 +68,14 @@ impl Folder<'_> {
             }
         };
         names.iter().flat_map(of).collect()
+    }
+
+    /// The files of these names that a writer may remove: of a file per frame, those that windswept made.
+    #[must_use]
+    pub fn own(&self, names: &[&str]) -> Vec<PathBuf> {
+        let (series, single): (Vec<&str>, Vec<&str>) = names.iter().partition(|name| series(name).is_some());
+        let made = self.found(&series).into_iter().filter(|path| is_own_picture(path));
+        made.chain(self.found(&single)).collect()
     }
 
     /// Removes the halves of such files that a writer left as it was killed. Whoever has the lock may do so.
