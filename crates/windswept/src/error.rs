@@ -9,7 +9,7 @@ use crate::ops::OpsError;
 #[non_exhaustive]
 pub enum GpuError {
     /// No adapter matched.
-    #[error("no adapter found: looked for {wanted} among {found}\n{help}")]
+    #[error("no adapter found: looked for {wanted} among {found}. {help}")]
     NoAdapter {
         /// Choice that was asked for.
         wanted: String,
