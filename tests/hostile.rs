@@ -312,6 +312,8 @@ fn odd_paths_are_errors() {
         soon(file, || windswept(&["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()]))
     };
     fs::create_dir(place("folder.hair")).unwrap();
+    let (status, said) = scene("/etc/passwd");
+    assert!(status == 2 && said.contains("scene.toml:5: hair.file: expected a path relative"), "{said}");
     let odd = ["scene.toml", "", ".", "..", "/", "folder.hair", "none.hair", "/none/none.npz", "a\0b.hair", "~/x.ply"];
     for file in odd {
         let (status, said) = scene(file);

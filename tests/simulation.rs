@@ -360,7 +360,21 @@ fn what_comes_back_ends_the_run() {
             Err(error) => break error.to_string(),
         }
     };
-    assert!(tries == 3 && ended.contains("no finite number"), "{tries}: {ended}");
+    assert!(
+        tries == 3 && ended.starts_with("step 0 (t = 0 s): ") && ended.contains("no finite number"),
+        "{tries}: {ended}"
+    );
+    // The first air particle is where it started, and strand 0 is what it is nearest to.
+    let (frame, hair) = (simulation.frame().unwrap(), &simulation.initial().hair);
+    let here = frame.air.positions[0];
+    let distance = |p: &[f32; 3]| (0..3).map(|k| (p[k] - here[k]).powi(2)).sum::<f32>().sqrt();
+    let (point, nearest) =
+        frame.hair.positions.iter().map(distance).enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+    let strand = hair.point_offsets.iter().filter(|first| **first as usize <= point).count() - 1;
+    let [x, y, z] = here;
+    let words =
+        format!("before it the particle was at [{x:.4}, {y:.4}, {z:.4}] m, {nearest:.4} m from strand {strand}: ");
+    assert!(ended.contains(&words), "{ended}: {words}");
 }
 
 /// A point faster than a rod could follow is capped and counted, and the strand recovers.

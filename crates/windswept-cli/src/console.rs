@@ -21,9 +21,15 @@ impl<'a> Console<'a> {
         Self { out, err, terminal, failed: None }
     }
 
-    /// A line of the result. Nothing more is written behind one that could not be; [`Self::end`] says why.
+    /// A line of the result, with its control characters spelled: it may name what is the user's. Nothing more is written behind one that
+    /// could not be; [`Self::end`] says why.
     pub(crate) fn print(&mut self, line: impl Display) {
-        self.put(format_args!("{line}\n"));
+        self.put(format_args!("{}\n", spelled(&line.to_string())));
+    }
+
+    /// Lines of the result that the program made itself.
+    pub(crate) fn print_lines(&mut self, lines: impl Display) {
+        self.put(format_args!("{lines}\n"));
     }
 
     /// Hands out what is left in memory.
@@ -44,18 +50,17 @@ impl<'a> Console<'a> {
         }
     }
 
-    /// A line about the run; there is nobody left to tell if it cannot be written.
+    /// A line about the run, with its control characters spelled; there is nobody left to tell if it cannot be written.
     pub(crate) fn note(&mut self, line: impl Display) {
-        let _ = writeln!(self.err, "{line}");
+        let _ = writeln!(self.err, "{}", spelled(&line.to_string()));
     }
 
     pub(crate) fn warn(&mut self, what: impl Display) {
-        self.note(format_args!("warning: {}", spelled(&what.to_string())));
+        self.note(format_args!("warning: {what}"));
     }
 
     pub(crate) fn failure(&mut self, failure: &Failure) {
-        let text = failure.render(self.terminal);
-        self.note(text.trim_end());
+        let _ = writeln!(self.err, "{}", failure.render(self.terminal).trim_end());
     }
 
     /// Help, version or a mistyped command, as clap words them; returns the exit status.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use windswept::ops::OpsError;
 use windswept::{GpuError, RunError};
 use windswept_export::ExportError;
-use windswept_scene::SceneError;
+use windswept_scene::{SceneError, spelled};
 
 use crate::interrupt;
 
@@ -31,11 +31,12 @@ impl Failure {
         }
     }
 
+    /// What is told: a line, or on a terminal several; no control character of what is the user's is in it.
     pub(crate) fn render(&self, terminal: bool) -> String {
         match self {
             Self::Scene(error) if terminal => drawn(error),
-            Self::Interrupted(what) => what.clone(),
-            failure => format!("error: {}", failure.why()),
+            Self::Interrupted(what) => spelled(what).into_owned(),
+            failure => format!("error: {}", spelled(&failure.why())),
         }
     }
 

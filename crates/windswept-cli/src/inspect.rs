@@ -4,7 +4,7 @@ use std::path::Path;
 
 use windswept::{AdapterChoice, Gpu};
 use windswept_export::{Followers, Schedule};
-use windswept_scene::{Force, InitialState, Scene, spelled};
+use windswept_scene::{Force, InitialState, Scene};
 
 use crate::arguments::{Changes, SceneOptions};
 use crate::console::Console;
@@ -25,14 +25,14 @@ pub(crate) fn check(
     };
     let read = path.map(read).transpose()?;
     if explain {
-        console.print(Scene::explain().trim_end());
+        console.print_lines(Scene::explain().trim_end());
     }
     let Some((scene, initial)) = read else { return Ok(()) };
     if explain {
         console.print("");
     }
     for (what, value) in summary(&scene, &initial)? {
-        console.print(format_args!("{what:<9} {}", spelled(&value)));
+        console.print(format_args!("{what:<9} {value}"));
     }
     for warning in initial.warnings.iter().cloned().chain(Schedule::warning(&scene.time)) {
         console.warn(warning);

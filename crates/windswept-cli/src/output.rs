@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use windswept::Simulation;
 use windswept_export::{FORMATS, Folder, Kind, LOCK, Lock, Pictures, real_path};
-use windswept_scene::AtomicFile;
+use windswept_scene::{AtomicFile, Scene};
 
 use crate::arguments::RunOptions;
 use crate::failure::Failure;
@@ -95,13 +95,13 @@ impl Output {
     }
 
     /// Makes the folder, locks it, clears away an earlier run's files, and writes the scene as it runs.
-    pub(crate) fn create(&self, scene: &str) -> Result<Lock, Failure> {
-        fs::create_dir_all(&self.dir).map_err(|e| Failure::Input(format!("{}: {e}", self.dir.display())))?;
+    pub(crate) fn create(&self, scene: &Scene) -> Result<Lock, Failure> {
+        fs::create_dir_all(&self.dir).map_err(|e| no_folder(&self.dir, &e))?;
         let lock = self.folder().lock()?;
         // Another run may have come and gone since it was checked.
         check_folder(&self.dir, self.overwrite)?;
         self.remove_files(&replaced())?;
-        write(&self.scene(), scene)?;
+        write(&self.scene(), &scene.text_in(&self.dir))?;
         Ok(lock)
     }
 
@@ -113,9 +113,9 @@ impl Output {
 
     /// Makes the folder that of a run which goes on: without the report of what was until now, and with the scene as it runs. Returns what
     /// was wrong with the scene's file, if anything was.
-    pub(crate) fn reopen(&self, scene: &str) -> Result<Option<String>, Failure> {
+    pub(crate) fn reopen(&self, scene: &Scene) -> Result<Option<String>, Failure> {
         remove(&self.dir.join(REPORT))?;
-        let path = self.scene();
+        let (path, scene) = (self.scene(), scene.text_in(&self.dir));
         // A link is another file than the run's, and what is no file may never end.
         let is_file = path.symlink_metadata().is_ok_and(|found| found.is_file());
         if is_file && fs::read(&path).is_ok_and(|found| found == scene.as_bytes()) {
@@ -123,7 +123,7 @@ impl Output {
         }
         let was = if is_file { "is not the scene that the run began with" } else { "is missing" };
         remove(&path)?;
-        write(&path, scene)?;
+        write(&path, &scene)?;
         Ok(Some(format!("{} {was}, and is written again: the run goes on with its own", path.display())))
     }
 
@@ -132,7 +132,7 @@ impl Output {
         Ok(self.folder().check(&Pictures::FILES)?)
     }
 
-    /// Removes the film's pictures, their folder if nothing else is in it, and the preview.
+    /// Removes the pictures that windswept made, their folder if nothing else is in it, and the preview.
     pub(crate) fn remove_pictures(&self) -> Result<(), Failure> {
         self.remove_files(&Pictures::FILES)
     }
@@ -144,7 +144,7 @@ impl Output {
 
     fn remove_files(&self, names: &[&str]) -> Result<(), Failure> {
         self.folder().remove_parts(names)?;
-        self.folder().found(names).iter().try_for_each(|path| remove(path))?;
+        self.folder().own(names).iter().try_for_each(|path| remove(path))?;
         for folder in self.folder().folders(names) {
             // A folder stays if it holds something of the user's.
             let _ = fs::remove_dir(folder);
@@ -209,7 +209,16 @@ fn check_folder(dir: &Path, overwrite: bool) -> Result<(), Failure> {
         Ok(true) if !overwrite => refuse(dir, "not empty; --overwrite replaces what an earlier run left there"),
         Ok(_) => Ok(()),
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
-        Err(error) => refuse(dir, &error.to_string()),
+        Err(error) => Err(no_folder(dir, &error)),
+    }
+}
+
+/// Why a folder cannot be had. Where a file is in its way the path is wrong; else the disk refuses.
+fn no_folder(dir: &Path, error: &std::io::Error) -> Failure {
+    let words = format!("{}: {error}", dir.display());
+    match error.kind() {
+        ErrorKind::NotADirectory | ErrorKind::AlreadyExists => Failure::Input(words),
+        _ => Failure::Run(words),
     }
 }
 

@@ -90,7 +90,7 @@ fn start(options: &RunOptions, path: &Path, out: &Path, console: &mut Console<'_
         console.warn(warning);
     }
     let recording = Recording::new(&formats, &mut simulation, out, room(&schedule)).map_err(refused_at_start)?;
-    let _lock = output.create(scene.text())?;
+    let _lock = output.create(&scene)?;
     let notes = Notes::new(options.steps, &formats, options.checkpoint_every);
     let checkpoint = output.checkpoint();
     let steps = schedule.steps();
@@ -140,7 +140,7 @@ fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<
     let schedule = schedule(&checkpoint.scene().time, steps)?;
     let gpu = Gpu::new(&checkpoint.choice(options.adapter.as_deref()))?;
     console.note(format_args!("running on {}", gpu.info()));
-    let scene = checkpoint.scene().text().to_owned();
+    let scene = checkpoint.scene().clone();
     let mut simulation = checkpoint.start(&gpu).map_err(refused)?;
     for warning in &simulation.initial().warnings {
         console.warn(warning);
@@ -178,7 +178,7 @@ fn left_out<'a>(had: &'a [String], kept: &'a [&'static Format]) -> impl Iterator
     left.map(|format| format!("no more {}: --formats leaves out {}, for good", format.writes, format.name))
 }
 
-/// Why a recording cannot begin. A file that cannot be is bad input, as nothing is written yet.
+/// Why a recording cannot begin. A path that no file can have is bad input, as nothing is written yet.
 fn refused_at_start(error: ExportError) -> Failure {
     match error {
         ExportError::File { .. } => Failure::Input(error.to_string()),

@@ -80,7 +80,7 @@ fn document(adapter: &AdapterInfo, rows: &[Row], console: &mut Console<'_>) -> R
         "passed": passing(rows) == rows.len(),
     });
     let text = serde_json::to_string_pretty(&all);
-    console.print(text.map_err(|e| Failure::Run(format!("the rows cannot be written: {e}")))?);
+    console.print_lines(text.map_err(|e| Failure::Run(format!("the rows cannot be written: {e}")))?);
     Ok(())
 }
 

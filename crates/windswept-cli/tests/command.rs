@@ -117,8 +117,30 @@ fn a_folder_in_use_is_left_alone() {
     let replaced = run(folder.path(), &["--steps", "1", "--overwrite", "--formats", "none"]);
     assert_eq!(replaced.status.code(), Some(0), "{replaced:?}");
     assert_eq!(listing(&out), ["frames", "notes.txt", "report.json", "scene.toml"]);
-    assert_eq!(listing(&out.join("frames")), ["mine.png"]);
+    assert_eq!(listing(&out.join("frames")), ["0007.png", "mine.png"]);
     assert_eq!(fs::read_to_string(out.join("notes.txt")).expect("my notes"), "mine");
+}
+
+/// Control characters of a path are spelled wherever a line names it.
+#[cfg(unix)]
+#[test]
+fn control_characters_of_paths_are_spelled() {
+    let folder = folder();
+    let out = "o\u{1b}[2Ju\nerror: t";
+    let run = ["run", "scene.toml", "--adapter", "software", "--steps", "1", "--formats", "vtkhdf", "--out", out];
+    for (arguments, status) in [
+        (&run[..], 0),
+        (&run[..], 2),
+        (&["render", out, "--adapter", "software"], 0),
+        (&["export", out, "--format", "usda"], 0),
+        (&["export", out, "--format", "usda"], 2),
+    ] {
+        let output = windswept(folder.path(), arguments).output().expect("the program starts");
+        assert_eq!(output.status.code(), Some(status), "{output:?}");
+        let said = String::from_utf8([output.stdout, output.stderr].concat()).expect("text");
+        assert!(said.contains("o\\u{1b}[2Ju\\nerror: t"), "{said:?}");
+        assert!(!said.contains(|c: char| c.is_control() && c != '\n') && !said.contains("\nerror: t"), "{said:?}");
+    }
 }
 
 /// What is asked for and cannot be had ends with status 2 and a word why, before anything is written.

@@ -130,7 +130,20 @@ fn a_folder_that_goes_away_ends_the_run() {
     assert!(said(&output).contains("out/"), "{output:?}");
 }
 
-/// A place where no folder can be made is refused before the first step, with the path.
+/// A disk that takes no file, as a read-only one, is no fault of the arguments. A process cannot make one of its own; the system's own
+/// table of processes is one, for whoever asks.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_refuses_is_a_failure() {
+    let folder = folder();
+    let run = ["run", "scene.toml", "--adapter", "software", "--steps", "1", "--out"];
+    let output =
+        windswept(folder.path(), &[&run[..], &["/proc/windswept"]].concat()).output().expect("the program starts");
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    assert!(said(&output).contains("/proc/windswept: "), "{output:?}");
+}
+
+/// A path that leads through a file is wrong whatever the disk: it is refused before the first step, with the path.
 #[test]
 fn a_place_without_folders_is_refused() {
     let folder = folder();

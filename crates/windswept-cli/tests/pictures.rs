@@ -57,6 +57,44 @@ fn render_makes_the_runs_pictures() {
     assert_eq!(pictures(folder)[0].1[16..24], [480_u32.to_be_bytes(), 540_u32.to_be_bytes()].concat());
 }
 
+/// Pictures of others stay, however they are called, unless a frame takes their name; what a link leads to stays in any case.
+#[test]
+fn pictures_of_others_stay() {
+    let folder = folder();
+    let folder = folder.path();
+    assert_eq!(run(folder, &["--steps", "12", "--checkpoint-every", "12"]).status.code(), Some(0));
+    let first = pictures(folder);
+    let frames = folder.join("out/frames");
+    // One without the text by which it would be windswept's, as a picture program saves it.
+    let mine = image::load_from_memory(&first[0].1).expect("a picture");
+    for name in ["0001.png", "2024.png"] {
+        mine.save(frames.join(name)).expect("a picture");
+    }
+    let kept = fs::read(frames.join("2024.png")).expect("a picture");
+    fs::write(folder.join("photo.png"), "precious").expect("a file");
+    #[cfg(unix)]
+    {
+        fs::remove_file(frames.join("0000.png")).expect("a picture");
+        for name in ["0000.png", "0005.png"] {
+            std::os::unix::fs::symlink("../../photo.png", frames.join(name)).expect("a link");
+        }
+    }
+    let (status, said) = render(folder, &["--overwrite", "--frames", "0..1"]);
+    assert_eq!(status, Some(0), "{said}");
+    let there: Vec<_> = listing(&frames).into_iter().filter(|name| name != "0005.png").collect();
+    assert_eq!(there, ["0000.png", "0001.png", "2024.png"]);
+    let (status, said) = render(folder, &["--overwrite"]);
+    assert_eq!(status, Some(0), "{said}");
+    assert!(pictures(folder)[..2] == first[..], "not the run's pictures");
+    let on = windswept(folder, &["run", "--resume", "out", "--steps", "24"]).output().expect("the program starts");
+    assert_eq!(on.status.code(), Some(0), "{on:?}");
+    assert_eq!(run(folder, &["--steps", "1", "--overwrite", "--formats", "none"]).status.code(), Some(0));
+    let there: Vec<_> = listing(&frames).into_iter().filter(|name| name != "0005.png").collect();
+    assert_eq!(there, ["2024.png"]);
+    assert!(fs::read(frames.join("2024.png")).expect("a picture") == kept);
+    assert_eq!(fs::read_to_string(folder.join("photo.png")).expect("a file"), "precious");
+}
+
 /// Frames side by side, in DIR or where asked, without touching the other pictures.
 #[test]
 fn a_contact_sheet_is_one_picture() {

@@ -7,6 +7,7 @@ use fs4::{FileExt, TryLockError};
 use windswept_scene::{AtomicFile, remove};
 
 use crate::ExportError;
+use crate::picture::is_own_picture;
 
 /// The file that is locked while somebody writes beside it. The one that a killed run leaves is not locked any more.
 pub const LOCK: &str = ".windswept.lock";
@@ -20,7 +21,8 @@ impl Folder<'_> {
     /// Python's writers. On a file system without locks nobody is kept out.
     ///
     /// # Errors
-    /// [`ExportError::Folder`] if another one has it, or the file cannot be made.
+    /// [`ExportError::Folder`] if another one has it, or something else is in the file's place; [`ExportError::File`] if the file cannot be
+    /// made.
     pub fn lock(&self) -> Result<Lock, ExportError> {
         let path = self.0.join(LOCK);
         loop {
@@ -66,6 +68,14 @@ impl Folder<'_> {
             }
         };
         names.iter().flat_map(of).collect()
+    }
+
+    /// The files of these names that a writer may remove: of a file per frame, those that windswept made.
+    #[must_use]
+    pub fn own(&self, names: &[&str]) -> Vec<PathBuf> {
+        let (series, single): (Vec<&str>, Vec<&str>) = names.iter().partition(|name| series(name).is_some());
+        let made = self.found(&series).into_iter().filter(|path| is_own_picture(path));
+        made.chain(self.found(&single)).collect()
     }
 
     /// Removes the halves of such files that a writer left as it was killed. Whoever has the lock may do so.
@@ -138,7 +148,7 @@ fn open(path: &Path) -> Result<File, ExportError> {
         return refuse(path, "expected a file or nothing");
     }
     let opened = OpenOptions::new().create(true).truncate(false).write(true).open(path);
-    opened.or_else(|error| refuse(path, &format!("cannot be made: {error}")))
+    opened.map_err(|e| ExportError::File { path: path.into(), doing: "could not be made", reason: e.to_string() })
 }
 
 fn refuse<T>(path: &Path, problem: &str) -> Result<T, ExportError> {
@@ -185,4 +195,16 @@ pub fn real_path(path: &Path) -> PathBuf {
         Some(fs::canonicalize(folder).ok()?.join(path.file_name()?))
     };
     fs::canonicalize(path).ok().or_else(|| beside(path)).unwrap_or_else(|| path.into())
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    /// Where the disk takes no lock nobody else has the folder: the disk has failed.
+    #[test]
+    fn a_disk_without_room_for_the_lock_has_failed() {
+        let refused = Folder(Path::new("/proc")).lock().err();
+        assert!(matches!(&refused, Some(ExportError::File { path, .. }) if path.ends_with(LOCK)), "{refused:?}");
+    }
 }

@@ -1,29 +1,56 @@
 //! Pictures to files.
 
+use std::fs::File;
+use std::io::BufReader;
 use std::path::Path;
 
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder, ImageReader, Rgba, RgbaImage};
+use image::{ImageReader, Rgba, RgbaImage};
 use windswept_scene::AtomicFile;
 
 use crate::ExportError;
 
 /// Space between the pictures of a contact sheet \[px\].
 const GAP: u32 = 4;
+/// Keyword of the text in a PNG that names the program which made it, and this program.
+const MAKER: [&str; 2] = ["Software", "windswept"];
 
-/// Writes a picture as PNG, RGB without its alpha: all of it or, where the disk refuses, the file that was there before.
+/// Writes a picture as PNG, RGB without its alpha, which says that windswept made it: all of it or, where the disk refuses, the file that was there before.
 ///
 /// # Errors
 /// [`ExportError::File`] if it cannot be written.
 pub fn write_png(path: impl AsRef<Path>, picture: &RgbaImage) -> Result<(), ExportError> {
     let path = path.as_ref();
     let failed = |reason: String| ExportError::File { path: path.into(), doing: "could not be written", reason };
+    let bytes = encoded(picture).map_err(|e| failed(e.to_string()))?;
+    AtomicFile::write(path, &bytes).map_err(|e| failed(e.to_string()))
+}
+
+fn encoded(picture: &RgbaImage) -> Result<Vec<u8>, png::EncodingError> {
     let mut bytes = Vec::new();
     let rgb: Vec<u8> = picture.pixels().flat_map(|p| [p[0], p[1], p[2]]).collect();
-    PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive)
-        .write_image(&rgb, picture.width(), picture.height(), ExtendedColorType::Rgb8)
-        .map_err(|e| failed(e.to_string()))?;
-    AtomicFile::write(path, &bytes).map_err(|e| failed(e.to_string()))
+    let mut encoder = png::Encoder::new(&mut bytes, picture.width(), picture.height());
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Adaptive);
+    let [keyword, program] = MAKER;
+    encoder.add_text_chunk(keyword.to_owned(), format!("{program} {}", env!("CARGO_PKG_VERSION")))?;
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&rgb)?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+/// Whether a file is a picture that [`write_png`] wrote.
+pub(crate) fn is_own_picture(path: &Path) -> bool {
+    let [keyword, program] = MAKER;
+    // What is no file may never end.
+    let is_file = path.symlink_metadata().is_ok_and(|found| found.is_file());
+    let read = || png::Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok();
+    let reader = if is_file { read() } else { None };
+    reader.is_some_and(|reader| {
+        let texts = &reader.info().uncompressed_latin1_text;
+        texts.iter().any(|text| text.keyword == keyword && text.text.split(' ').next() == Some(program))
+    })
 }
 
 /// Reads a picture that [`write_png`] wrote.

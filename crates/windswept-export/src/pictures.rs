@@ -73,7 +73,12 @@ impl Pictures {
         if self.made == 0 {
             fs::create_dir_all(&self.folder).map_err(|e| file_error(&self.folder, "could not be made", &e))?;
         }
-        write_png(self.path(k), &picture)?;
+        let path = self.path(k);
+        // What a link leads to is not the film's, and a device is no picture.
+        if path.symlink_metadata().is_ok_and(|found| !found.is_file()) {
+            remove(&path).map_err(|e| file_error(&path, "could not be removed", &e))?;
+        }
+        write_png(path, &picture)?;
         self.preview.add(&picture, frame.time)?;
         self.made += 1;
         Ok(())
@@ -94,7 +99,7 @@ impl FrameSink for Pictures {
     fn cut(&mut self, _first: &Frame) -> Result<(), ExportError> {
         let dir = self.folder.parent().unwrap_or(&self.folder);
         // The preview is made anew, and not at the end of a link.
-        for path in Folder(dir).found(&Self::FILES) {
+        for path in Folder(dir).own(&Self::FILES) {
             let number = path.file_stem().and_then(|stem| stem.to_str()?.parse::<u64>().ok());
             if number.is_none_or(|k| k >= self.made) {
                 remove(&path).map_err(|e| file_error(&path, "could not be removed", &e))?;

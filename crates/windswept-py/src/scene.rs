@@ -28,7 +28,7 @@ impl Scene {
 
 #[pymethods]
 impl Scene {
-    /// Reads a scene file (TOML).
+    /// Reads a scene file (TOML). Paths in it start from its folder; absolute ones are refused.
     ///
     /// Raises:
     ///     SceneError: names file, line and key, says what was expected and suggests the nearest key.
@@ -38,7 +38,7 @@ impl Scene {
         Self::of(py, made)
     }
 
-    /// Reads a scene from text (TOML).
+    /// Reads a scene from text (TOML). Paths in it start from the current directory, or are absolute.
     ///
     /// Raises:
     ///     SceneError: as `load`.
@@ -74,6 +74,11 @@ impl Scene {
     #[getter]
     fn text(&self) -> &str {
         self.inner.text()
+    }
+
+    /// The text for a scene file in this folder, which is there: `text` with paths of files that start from the folder.
+    fn text_in(&self, folder: PathBuf) -> String {
+        self.inner.text_in(&folder)
     }
 
     /// Title of the scene.

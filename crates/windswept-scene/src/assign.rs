@@ -1,10 +1,14 @@
 //! `--set key=value`: assignments written into a scene's text, comments kept.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use toml_edit::{DocumentMut, InlineTable, Item, TableLike, Value};
 
-use crate::{document, error::SceneError, keys::Key};
+use crate::{
+    document,
+    error::SceneError,
+    keys::{KEYS, Key, Kind},
+};
 
 /// Most names of a dotted key; the deepest key of a scene, `turbulence.bands.0.scale`, has four. Walking and printing recurse, and
 /// stacks end.
@@ -33,12 +37,12 @@ pub(crate) fn set(text: &str, assignment: &str) -> Result<String, SceneError> {
     Ok(document.to_string())
 }
 
-/// The text with the files of its hair and its bodies, where their paths are relative, looked for in `folder`; `None` where there
-/// are none.
-pub(crate) fn files_beside(text: &str, folder: &Path) -> Option<String> {
+/// The text with other paths in place of those of its files; `None` where there are none, or one has no other.
+pub(crate) fn with_files(text: &str, change: impl Fn(&Path) -> Option<PathBuf>) -> Option<String> {
     let mut document: DocumentMut = text.parse().ok()?;
     let mut found = false;
-    for name in ["hair", "body"] {
+    for key in KEYS.iter().filter(|key| key.kind == Kind::Path) {
+        let (name, last) = key.path.split_once('.')?;
         let tables: Vec<&mut dyn TableLike> = match document.get_mut(name) {
             Some(Item::ArrayOfTables(array)) => array.iter_mut().map(|table| table as _).collect(),
             Some(Item::Value(Value::Array(array))) => {
@@ -47,10 +51,9 @@ pub(crate) fn files_beside(text: &str, folder: &Path) -> Option<String> {
             item => item.into_iter().filter_map(Item::as_table_like_mut).collect(),
         };
         for table in tables {
-            let file = table.get("file").and_then(Item::as_str).map(Path::new);
-            if let Some(file) = file.filter(|file| file.is_relative()) {
-                let beside = std::path::absolute(folder.join(file)).ok()?;
-                assign(table, &["file"], beside.to_string_lossy().as_ref().into())?;
+            if let Some(file) = table.get(last).and_then(Item::as_str) {
+                let other = change(Path::new(file))?;
+                assign(table, &[last], other.to_string_lossy().as_ref().into())?;
                 found = true;
             }
         }

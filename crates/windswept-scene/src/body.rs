@@ -13,7 +13,7 @@ use crate::{
     keys::{
         Fallback::{Absent, Value},
         Key,
-        Kind::{Choice, Length, NonNegative, Positive, Table, Tables, Text, Vector},
+        Kind::{Choice, Length, NonNegative, Path, Positive, Table, Tables, Text, Vector},
     },
     limits::{MOST_BLOCKED, MOST_GRID_VALUES},
     motion::Motion,
@@ -94,8 +94,8 @@ table! {
         end: Option<[f64; 3]> = Vector, "m", Absent("needed with shape capsule");
         /// Radius of the sphere, or about the capsule's axis.
         radius: Option<f64> = Length, "m", Absent("needed with shape sphere or capsule");
-        /// Mesh file whose triangles enclose the body (.obj, .ply, .glb); relative to the scene's own file.
-        file: Option<String> = Text, "", Absent("needed with shape mesh");
+        /// Mesh file whose triangles enclose the body (.obj, .ply, .glb).
+        file: Option<String> = Path, "", Absent("needed with shape mesh");
         /// Metres per unit of the file: 0.01 for centimetres.
         scale: Option<f64> = Positive, "m", Absent("needed with shape mesh, unless the file says its unit");
         /// Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror.

@@ -3,7 +3,7 @@
 use std::{
     collections::{BTreeMap, HashSet},
     ops::Range,
-    path::{Path, PathBuf},
+    path::{Component, Path, PathBuf},
 };
 
 use glam::DVec3;
@@ -42,8 +42,9 @@ pub(crate) struct Document {
     called: BTreeMap<String, String>,
     /// The names that count.
     taken: HashSet<String>,
-    /// Where files with relative paths are.
-    pub(crate) folder: PathBuf,
+    /// Folder of the scene's file, which paths start from; `None` for text from elsewhere, whose paths start from the current
+    /// directory or are absolute.
+    pub(crate) folder: Option<PathBuf>,
 }
 
 /// A table and its place.
@@ -51,10 +52,10 @@ type Place<'a> = (&'a dyn TableLike, Option<Range<usize>>);
 
 impl Document {
     /// # Errors
-    /// [`SceneError`] for wrong syntax, unknown keys, wrong types and values out of range.
-    pub(crate) fn parse(text: &str, folder: &Path) -> Result<Self, SceneError> {
+    /// [`SceneError`] for wrong syntax, unknown keys, wrong types, values out of range, and absolute paths in a scene's file.
+    pub(crate) fn parse(text: &str, folder: Option<&Path>) -> Result<Self, SceneError> {
         let toml = Toml::parse(text).map_err(|error| syntax(&error))?;
-        let mut document = Self { folder: folder.to_owned(), ..Self::default() };
+        let mut document = Self { folder: folder.map(Path::to_owned), ..Self::default() };
         document.table(toml.as_table(), "", "").map_err(|error| document.shown(error))?;
         Ok(document)
     }
@@ -96,6 +97,11 @@ impl Document {
                 return Err(wrong(describe(item)));
             };
             let datum = datum(key.kind, value).ok_or_else(|| wrong(describe_for(key.kind, item)))?;
+            if let (Kind::Path, Datum::Text(file), Some(_)) = (key.kind, &datum, &self.folder)
+                && is_rooted(file)
+            {
+                return Err(wrong(describe(item)));
+            }
             built(key, real, span.clone())?;
             self.entries.insert(real.to_owned(), Entry { datum, span });
             return Ok(());
@@ -154,6 +160,11 @@ fn most_of(path: &str) -> Option<(usize, &'static str)> {
     }
 }
 
+/// Whether a path starts elsewhere than in the folder that it is looked for in.
+fn is_rooted(file: &str) -> bool {
+    matches!(Path::new(file).components().next(), Some(Component::Prefix(_) | Component::RootDir))
+}
+
 /// Refuses a key that this version has not built.
 fn built(key: &Key, real: &str, span: Option<Range<usize>>) -> Result<(), SceneError> {
     if key.default != Fallback::NotBuilt {
@@ -169,7 +180,7 @@ fn datum(kind: Kind, value: &Value) -> Option<Datum> {
         <[f64; 3]>::try_from(values).ok()
     };
     match kind {
-        Kind::Text => value.as_str().map(|text| Datum::Text(text.to_owned())),
+        Kind::Text | Kind::Path => value.as_str().map(|text| Datum::Text(text.to_owned())),
         Kind::Bool => value.as_bool().map(Datum::Bool),
         Kind::Count(least, most) => {
             let count = value.as_integer().and_then(|n| u32::try_from(n).ok());

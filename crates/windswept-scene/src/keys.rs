@@ -11,6 +11,8 @@ use crate::{declare::Keys, scene::Scene};
 pub enum Kind {
     /// A string.
     Text,
+    /// Path of a file, relative to the folder of the scene's file.
+    Path,
     /// `true` or `false`.
     Bool,
     /// A whole number of at least the first, at most the second.
@@ -139,6 +141,7 @@ impl Kind {
     pub fn expected(self) -> String {
         match self {
             Self::Text => "a string".to_owned(),
+            Self::Path => "a path relative to the scene's folder".to_owned(),
             Self::Bool => "true or false".to_owned(),
             Self::Count(least, most) => format!("a whole number of at least {least}, at most {most}"),
             Self::Length => "a length in metres greater than 0".to_owned(),

@@ -18,7 +18,7 @@ use crate::{
 };
 
 impl Scene {
-    /// Reads a scene from text. Files that it names are beside the program, unless their paths are absolute.
+    /// Reads a scene from text. Paths of files in it start from the current directory, unless they are absolute.
     ///
     /// # Errors
     /// [`SceneError`] names the line and the key, says what was expected and suggests the nearest key.
@@ -34,7 +34,8 @@ impl Scene {
         Self::parse_with(name, text, &[])
     }
 
-    /// Reads a scene file. Files that it names are beside it, unless their paths are absolute; its text has them absolute.
+    /// Reads a scene file. Paths of files in it start from its folder, and absolute ones are refused. [`Self::text`] has them absolute;
+    /// [`Self::text_in`] is text for another scene file.
     ///
     /// # Errors
     /// As [`Self::parse`], and when the file cannot be read.
@@ -52,9 +53,10 @@ impl Scene {
         let name = path.display().to_string();
         let text = read_text(path).map_err(|error| error.of(&name, ""))?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let scene = Self::parse_in(folder, &name, &text, sets)?;
+        let scene = Self::parse_in(Some(folder), &name, &text, sets)?;
         // From here on the scene goes by itself: to a run's folder, to another process.
-        match assign::files_beside(scene.text(), folder) {
+        let absolute = |file: &Path| std::path::absolute(folder.join(file)).ok();
+        match assign::with_files(scene.text(), absolute) {
             Some(text) => {
                 let given = scene.text.given;
                 let scene = Self::parse_named(&name, &text)?;
@@ -69,11 +71,11 @@ impl Scene {
     /// # Errors
     /// As [`Self::load_with`].
     pub fn parse_with(name: &str, text: &str, sets: &[String]) -> Result<Self, SceneError> {
-        Self::parse_in(Path::new(""), name, text, sets)
+        Self::parse_in(None, name, text, sets)
     }
 
-    /// Reads a scene whose files are in `folder` where their paths are relative.
-    fn parse_in(folder: &Path, name: &str, text: &str, sets: &[String]) -> Result<Self, SceneError> {
+    /// Reads a scene whose paths start from `folder`, if it is from a file there.
+    fn parse_in(folder: Option<&Path>, name: &str, text: &str, sets: &[String]) -> Result<Self, SceneError> {
         let mut changed = text.to_owned();
         for assignment in sets {
             let set = assign::set(&changed, assignment);
@@ -95,6 +97,19 @@ impl Scene {
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text.text
+    }
+
+    /// The text for a scene file in `folder`, which is there: [`Self::text`] with paths of files that start from the folder. Only on
+    /// another drive of Windows a path stays absolute.
+    #[must_use]
+    pub fn text_in(&self, folder: &Path) -> String {
+        let relative = |file: &Path| {
+            // The system follows links before it goes up from them.
+            let beside =
+                fs::canonicalize(file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")));
+            pathdiff::diff_paths(beside.ok()?.join(file.file_name()?), fs::canonicalize(folder).ok()?)
+        };
+        assign::with_files(self.text(), relative).unwrap_or_else(|| self.text().to_owned())
     }
 
     /// What messages call the group of strands of this index: `hair` where it is the only one and no name was given to it, else
@@ -119,7 +134,7 @@ impl Scene {
         };
         // Lines are those of the file, without the assignments.
         let (given, _) = &self.text.given;
-        match Document::parse(given, Path::new("")) {
+        match Document::parse(given, None) {
             Ok(document) if !given.is_empty() => {
                 let span = Reader::new(&document).fault(&key, "").span();
                 let error = named(document.shown(error.with_span(span)));
@@ -160,7 +175,7 @@ impl Outline {
         let name = path.display().to_string();
         let text = read_text(path).map_err(|error| error.of(&name, ""))?;
         let read = || -> Result<_, SceneError> {
-            let document = Document::parse(&text, Path::new(""))?;
+            let document = Document::parse(&text, None)?;
             let reader = Reader::new(&document);
             let time = reader.read("time").map_err(|error| document.shown(error))?;
             Ok((time, reader.said("seed").unwrap_or(SEED)))
@@ -177,7 +192,7 @@ impl Source {
         let (given, sets) = &self.given;
         let file = key.rsplit_once('.').map(|(table, _)| format!("{table}.file"));
         let spelled = |text: &str| {
-            let entries = Document::parse(text, Path::new("")).unwrap_or_default().entries;
+            let entries = Document::parse(text, None).unwrap_or_default().entries;
             let of = |key: &str| entries.get(key).map(|entry| entry.datum.clone());
             of(key).or_else(|| of(file.as_deref()?))
         };
@@ -220,13 +235,13 @@ fn read_text(path: &Path) -> Result<String, SceneError> {
     }
 }
 
-fn read(text: &str, folder: &Path) -> Result<Scene, SceneError> {
+fn read(text: &str, folder: Option<&Path>) -> Result<Scene, SceneError> {
     let document = Document::parse(text, folder)?;
     Keys::read(&Reader::new(&document)).map_err(|error| document.shown(error))
 }
 
 /// Assignment with which the fault appears; `None` if the file has the fault already.
-fn guilty<'a>(error: &SceneError, text: &str, folder: &Path, sets: &'a [String]) -> Option<&'a String> {
+fn guilty<'a>(error: &SceneError, text: &str, folder: Option<&Path>, sets: &'a [String]) -> Option<&'a String> {
     let faulty = |text: &str| {
         read(text, folder).is_err_and(|other| (other.key(), other.message()) == (error.key(), error.message()))
     };

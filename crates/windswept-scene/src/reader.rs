@@ -29,7 +29,7 @@ impl<'a> Reader<'a> {
 
     /// Where files with relative paths are.
     pub(crate) fn folder(&self) -> &Path {
-        &self.document.folder
+        self.document.folder.as_deref().unwrap_or(Path::new(""))
     }
 
     /// The table of this name in this one; this one where the name is empty.

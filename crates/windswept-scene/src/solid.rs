@@ -106,8 +106,8 @@ impl PartialEq for Solid {
 }
 
 impl Solid {
-    /// Reads a mesh file, and makes the grid of its distances. One that takes longer than 0.3 s to make is kept in the user's cache
-    /// folder (`WINDSWEPT_CACHE` says another, or, empty, none) and read from there the next time.
+    /// Reads a mesh file, and makes the grid of its distances. One that takes longer than 0.3 s to make is kept in the folder
+    /// that the environment variable `WINDSWEPT_CACHE` names, if it names one, and read from there the next time.
     ///
     /// # Errors
     /// [`SceneError`] where the file cannot be read, does not say its unit, or encloses nothing, and where the grid would be too large.

@@ -477,6 +477,44 @@ fn a_scene_takes_its_strands_from_a_file() {
     assert!((root - glam::DVec3::new(0.0, 1.01, 0.0)).length() < 1e-12, "{root}");
 }
 
+/// A path that starts elsewhere than in the scene's folder is refused with its line and key, also in an assignment; one that leads out of
+/// the folder is not. A scene's text for another folder has paths that start there.
+#[test]
+fn paths_start_from_the_scenes_folder() {
+    let folder = Folder::new();
+    let file = folder.write("two.hair", &hair_file(&strands(5), None)).to_string_lossy().into_owned();
+    let keys = |file: &str| format!("file = {file:?}\nscale = 0.01");
+    let expected = format!("hair.file: expected a path relative to the scene's folder, found {file:?}");
+    let error = scene_of(&folder, &keys(&file)).unwrap_err();
+    assert_eq!((error.key(), error.line()), (Some("hair.file"), Some(4)), "{error}");
+    assert!(error.to_string().ends_with(&format!("scene.toml:4: {expected}")), "{error}");
+    let scene = scene_of(&folder, &keys("two.hair")).unwrap();
+    let path = folder.path().join("scene.toml");
+    let set = format!("hair.file={file:?}");
+    let error = Scene::load_with(&path, &[set.clone()]).unwrap_err();
+    assert_eq!(error.to_string(), format!("--set {set}: {expected}"));
+    let body =
+        "[hair]\nfile = \"two.hair\"\nscale = 0.01\n[[body]]\nshape = \"mesh\"\nscale = 1\nfile = \"/none.obj\"\n";
+    let head = "time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"\n";
+    let error = Scene::load(folder.write("body.toml", (head.to_owned() + body).as_bytes())).unwrap_err();
+    assert_eq!((error.key(), error.line()), (Some("body.file"), Some(9)), "{error}");
+    // From a folder beside it, which a link leads to.
+    for name in ["real", "real/deep", "runs"] {
+        std::fs::create_dir(folder.path().join(name)).unwrap();
+    }
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("../real/deep", folder.path().join("runs/link")).unwrap();
+    #[cfg(not(unix))]
+    std::fs::create_dir(folder.path().join("runs/link")).unwrap();
+    let beside = folder.path().join("runs/link");
+    let text = scene.text_in(&beside);
+    assert!(text.contains("two.hair") && !text.contains(&file), "{text}");
+    std::fs::write(beside.join("scene.toml"), &text).unwrap();
+    let again = Scene::load(beside.join("scene.toml")).unwrap();
+    assert_eq!(InitialState::new(&again).unwrap().hair, InitialState::new(&scene).unwrap().hair);
+    assert_eq!(again.text_in(&beside), text);
+}
+
 /// Faults of the keys, and of the file behind them.
 #[test]
 fn faults_of_files_name_the_key() {

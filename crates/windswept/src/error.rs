@@ -2,14 +2,14 @@
 
 use windswept_scene::SceneError;
 
-use crate::ops::OpsError;
+use crate::{ops::OpsError, report::six_digits};
 
 /// No adapter, no device, or a device that refuses.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuError {
     /// No adapter matched.
-    #[error("no adapter found: looked for {wanted} among {found}\n{help}")]
+    #[error("no adapter found: looked for {wanted} among {found}. {help}")]
     NoAdapter {
         /// Choice that was asked for.
         wanted: String,
@@ -119,11 +119,16 @@ fn remedy(array: &str, fits: u64) -> String {
 pub enum RunError {
     /// An air particle became non-finite.
     #[error(
-        "step {step} (t = {time:.6} s): position or velocity of air particle {particle} is no finite number at the end of the step (guard/check): the run ends; a smaller time.step may help"
+        "step {step} (t = {} s): position or velocity of air particle {particle} is no finite number at the end of the step (guard/check){}: the run ends; a smaller time.step may help",
+        six_digits(*time), before(*position, *nearest)
     )]
     NonFiniteAir {
         /// Stable id of the first such particle.
         particle: u32,
+        /// Where it was before the step \[m\].
+        position: [f32; 3],
+        /// The strand that was nearest then, by its nearest point, and how far that was \[m\]; `None` without hair.
+        nearest: Option<(usize, f32)>,
         /// The step that failed; the state is that before it.
         step: u64,
         /// Time of that step \[s\].
@@ -131,7 +136,8 @@ pub enum RunError {
     },
     /// More strands than max(3, 1 %) became non-finite in one step.
     #[error(
-        "step {step} (t = {time:.6} s): {count} strands have numbers that are not finite, and at most {limit} are put back to rest in a step; the first is point {point} of strand {strand}, found by {pass}: the run ends; a smaller time.step or fewer hair.points may help"
+        "step {step} (t = {} s): {count} strands have numbers that are not finite, and at most {limit} are put back to rest in a step; the first is point {point} of strand {strand}, found by {pass}: the run ends; a smaller time.step or fewer hair.points may help",
+        six_digits(*time)
     )]
     TooManyBadStrands {
         /// Number of such strands.
@@ -173,6 +179,13 @@ pub enum RunError {
     /// The GPU.
     #[error(transparent)]
     Gpu(#[from] GpuError),
+}
+
+/// Where an air particle was, and how far from hair.
+fn before(position: [f32; 3], nearest: Option<(usize, f32)>) -> String {
+    let [x, y, z] = position;
+    let hair = nearest.map(|(strand, distance)| format!(", {distance:.4} m from strand {strand}"));
+    format!("; before it the particle was at [{x:.4}, {y:.4}, {z:.4}] m{}", hair.unwrap_or_default())
 }
 
 impl From<OpsError> for RunError {

@@ -123,10 +123,16 @@ impl std::fmt::Display for Reset {
         let and = if self.strands > 0 && self.air { ", and " } else { "" };
         write!(
             f,
-            "step {} (t = {:.6} s): not finite, and put back to rest: {strands}{and}{air}",
-            self.step, self.time_s
+            "step {} (t = {} s): not finite, and put back to rest: {strands}{and}{air}",
+            self.step,
+            six_digits(self.time_s)
         )
     }
+}
+
+/// A number to six digits, however small it is.
+pub(crate) fn six_digits(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
 }
 
 /// Numbers of particles.
@@ -181,4 +187,17 @@ pub struct SkippedReport {
     pub name: String,
     /// The reason.
     pub why: String,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::six_digits;
+
+    /// Times of steps that last a nanosecond are told apart, and none has the digits of its rounding.
+    #[test]
+    fn times_have_six_digits() {
+        for (time, shown) in [(3e-9, "0.000000003"), (7.0 * 1.38e-3, "0.00966"), (1234.56789, "1234.57"), (0.0, "0")] {
+            assert_eq!(six_digits(time).to_string(), shown);
+        }
+    }
 }

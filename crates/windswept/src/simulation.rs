@@ -251,7 +251,7 @@ impl Simulation {
             self.last = self.engine.thaw(&status)?;
             self.record_again()?;
         } else if status.causes & NON_FINITE_AIR != 0 {
-            return Err(RunError::NonFiniteAir { particle: status.first_bad_air, step, time: self.time() });
+            return Err(self.lost_air(status.first_bad_air, step)?);
         } else if status.causes & TOO_MANY_BAD_STRANDS != 0 {
             let (point, pass) = status::bad_point(status.first_bad);
             let (strand, point) = self.strand_of(point);

@@ -131,8 +131,9 @@ struct Tried {
     /// What does not compile is no mutant.
     not_built: usize,
     survivors: Vec<String>,
-    /// How many there were to try.
+    /// How many there were to try in the shard, and how many the part has.
     to_try: usize,
+    of_part: usize,
 }
 
 impl Part {
@@ -141,10 +142,28 @@ impl Part {
         self.tested.iter().flat_map(move |package| [option, package])
     }
 
+    /// Arguments that choose the code.
+    fn mutable(&self) -> impl Iterator<Item = &'static str> {
+        ["--package", self.package].into_iter().chain(self.files.iter().flat_map(|file| ["--file", file]))
+    }
+
+    /// How many mutants the part has, in all shards.
+    fn count(&self) -> Result<usize> {
+        let mut list = Command::new(tool()?);
+        list.current_dir(root()).args(["mutants", "--list", "--colors", "never"]).args(self.mutable());
+        let output =
+            list.stderr(Stdio::inherit()).output().map_err(|e| format!("{} did not start: {e}", line(&list)))?;
+        if !output.status.success() {
+            return Err(format!("{} ended with {}", line(&list), output.status));
+        }
+        Ok(String::from_utf8_lossy(&output.stdout).lines().count())
+    }
+
     /// Runs the tests of the part, then cargo-mutants on a shard of it; returns the part's section of the page.
     fn mutated(&self, mut tests: Command, mut command: Command, shard: &str) -> Result<String> {
         // Without a fault the tests pass. cargo-mutants itself would run those of the mutated package only.
         run(tests.arg("test").args(self.chosen("--package")).args(self.tests))?;
+        let of_part = self.count()?;
         let all = root().join("target/mutants");
         let out = all.join(self.name);
         std::fs::create_dir_all(&out).map_err(|e| format!("{}: {e}", out.display()))?;
@@ -152,11 +171,9 @@ impl Part {
         command.args(["mutants", "--no-shuffle", "--colors", "never", "--baseline", "skip", "--timeout", LONGEST]);
         // Every file has its part in a shard: by slices a shard would be a file or two.
         command.args(["--sharding", "round-robin", "--shard", shard]).arg("--output").arg(&out);
-        command.args(["--package", self.package]);
-        command.args(self.chosen("--test-package"));
-        command.args(self.files.iter().flat_map(|file| ["--file", file])).arg("--").args(self.tests);
+        command.args(self.mutable()).args(self.chosen("--test-package")).arg("--").args(self.tests);
         let status = command.status().map_err(|e| format!("{} did not start: {e}", line(&command)))?;
-        let tried = Tried::read(&out.join("mutants.out"))?;
+        let tried = Tried { of_part, ..Tried::read(&out.join("mutants.out"))? };
         // 2: some survive; 3: some do not end. A run that is stopped ends otherwise, and has tried some.
         if !matches!(status.code(), Some(0 | 2 | 3)) && tried.all() == 0 {
             return Err(format!("{} ended with {status}", line(&command)));
@@ -179,6 +196,7 @@ impl Tried {
             not_built: lines("unviable.txt")?.len(),
             survivors: lines("missed.txt")?,
             to_try: lines("mutants.json")?.iter().filter(|row| row.trim_start().starts_with("\"genre\":")).count(),
+            of_part: 0,
         })
     }
 
@@ -218,9 +236,10 @@ fn reasons_in(text: &str) -> Result<BTreeMap<String, String>> {
 /// The section of a part: counts, and the survivors with their reasons.
 fn section(shard: &str, tried: &Tried, reasons: &BTreeMap<String, String>) -> String {
     let mut text = format!(
-        "Shard {shard}, commit {}: {} of its {} mutants were tried. Tests notice {}, {} do not end, {} do not compile and {} survive.\n",
+        "Commit {}: {} of the part's {} mutants were tried, of {} in shard {shard}. Tests notice {}, {} do not end, {} do not compile and {} survive.\n",
         commit(),
         tried.all(),
+        tried.of_part,
         tried.to_try,
         tried.noticed,
         tried.endless,
@@ -312,10 +331,14 @@ mod check {
         let text = "# why\n\ncrates/a/src/b.rs: replace < with <= in Box::<T>::holds\n    The two are never equal.\n";
         let reasons = reasons_in(text).expect("reasons");
         let survivors = vec![mutant.to_owned(), "crates/a/src/b.rs:9:1: replace c with ()".to_owned()];
-        let text = section("0/2", &Tried { noticed: 7, endless: 1, not_built: 2, survivors, to_try: 20 }, &reasons);
+        let text = section(
+            "0/2",
+            &Tried { noticed: 7, endless: 1, not_built: 2, survivors, to_try: 20, of_part: 39 },
+            &reasons,
+        );
         assert!(
             text.contains(
-                "12 of its 20 mutants were tried. Tests notice 7, 1 do not end, 2 do not compile and 2 survive."
+                "12 of the part's 39 mutants were tried, of 20 in shard 0/2. Tests notice 7, 1 do not end, 2 do not compile and 2 survive."
             ),
             "{text}"
         );

@@ -12,7 +12,7 @@ use crate::{
     keys::{
         Fallback::{self, Absent, Needed, Value},
         Key,
-        Kind::{Bool, Choice, Count, Fraction, Length, NonNegative, Positive, Share, Table, Tables, Text},
+        Kind::{Bool, Choice, Count, Fraction, Length, NonNegative, Path, Positive, Share, Table, Tables, Text},
     },
     limits::MOST_POINTS_OF_A_STRAND,
     motion::Motion,
@@ -79,8 +79,8 @@ table! {
     /// A groom file, and how its curves become strands.
     #[derive(Debug, Clone, PartialEq)]
     pub struct GroomFile {
-        /// Groom file that the strands come from (.hair, .data, .bin, .npz, .npy, .ply); relative to the scene's own file.
-        file: String = Text, "", Needed;
+        /// Groom file that the strands come from (.hair, .data, .bin, .npz, .npy, .ply).
+        file: String = Path, "", Needed;
         /// Metres per unit of the file: 0.01 for centimetres.
         scale: Option<f64> = Positive, "m", Absent("needed, unless the file says its unit");
         /// Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror.

@@ -1,7 +1,7 @@
-//! Grids of distances that were made before, kept in the user's cache folder.
+//! Grids of distances that were made before, kept in the folder that `WINDSWEPT_CACHE` names; where it names none, none is kept.
 //!
 //! ```text
-//! CACHE/windswept/grids/KEY.grid      KEY: SHA-256 of all that a grid is made of: triangles, spacing, margin, VERSION
+//! WINDSWEPT_CACHE/windswept/grids/KEY.grid      KEY: SHA-256 of all that a grid is made of: triangles, spacing, margin, VERSION
 //!   8 bytes  "WSGRID", VERSION
 //!   f64      origin x, y, z, spacing \[m\]
 //!   u32      nodes along x, y, z
@@ -10,8 +10,7 @@
 //! ```
 //!
 //! Numbers are little-endian. A file that is not as it should be counts as none, and is replaced; what cannot be written is left out.
-//! A file is written beside its place and renamed, so that runs side by side see all of it or nothing. CACHE is the system's folder
-//! for such files, or what `WINDSWEPT_CACHE` says; empty, it keeps nothing.
+//! A file is written beside its place and renamed, so that runs side by side see all of it or nothing.
 
 use std::{
     ffi::OsString,
@@ -44,12 +43,7 @@ pub(crate) fn bake(surface: &Triangles, spacing: f64, margin: f64) -> Result<Dis
 
 /// Where grids are kept; none where they are not.
 fn folder(said: Option<OsString>) -> Option<PathBuf> {
-    let cache = match said {
-        Some(said) if said.is_empty() => None,
-        Some(said) => Some(PathBuf::from(said)),
-        None => dirs::cache_dir(),
-    };
-    cache.map(|cache| cache.join("windswept").join("grids"))
+    said.filter(|said| !said.is_empty()).map(|said| Path::new(&said).join("windswept").join("grids"))
 }
 
 fn bake_in(
@@ -221,11 +215,13 @@ mod tests {
         fs::write(&file, b"").unwrap_or_else(|error| panic!("{error}"));
         let grid = bake_in(Some(&file), Duration::ZERO, &ball(0.04), 4e-3, 3.0 * 4e-3);
         assert_eq!(grid.as_ref(), Ok(&first));
-        assert_eq!(folder_of(""), None);
-        assert_eq!(folder_of("/cache"), Some(PathBuf::from("/cache/windswept/grids")));
     }
 
-    fn folder_of(said: &str) -> Option<PathBuf> {
-        super::folder(Some(said.into()))
+    /// Nothing is kept where nobody has asked for it.
+    #[test]
+    fn only_a_named_folder_keeps_grids() {
+        assert_eq!(folder(None), None);
+        assert_eq!(folder(Some("".into())), None);
+        assert_eq!(folder(Some("/cache".into())), Some(PathBuf::from("/cache/windswept/grids")));
     }
 }

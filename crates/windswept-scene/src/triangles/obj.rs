@@ -10,19 +10,21 @@ use crate::error::SceneError;
 /// Most groups that a face is in: names of each part are kept, so that more would take memory without end.
 const MOST_GROUPS: usize = 64;
 
-/// The line, from 1, with which the lines up to it begin to be faulty.
-fn line_of(bytes: &[u8], is_faulty: impl Fn(&[u8]) -> bool) -> usize {
-    let lines: Vec<&[u8]> = bytes.split_inclusive(|byte| *byte == b'\n').collect();
+/// The line, from 1, with which the lines up to it begin to be faulty, of those that were read until the fault was seen.
+fn line_of(read: &[u8], is_faulty: impl Fn(&[u8]) -> bool) -> usize {
+    let lines: Vec<&[u8]> = read.split_inclusive(|byte| *byte == b'\n').collect();
     let (mut sound, mut faulty) = (0, lines.len());
     let mut end = 0;
+    // The last line is the one, unless the fault is seen where a part of the mesh ends.
+    let mut middle = faulty.saturating_sub(1);
     while faulty - sound > 1 {
-        let middle = (sound + faulty) / 2;
         let to = end + lines[sound..middle].iter().map(|line| line.len()).sum::<usize>();
-        if is_faulty(&bytes[..to]) {
+        if is_faulty(&read[..to]) {
             faulty = middle;
         } else {
             (sound, end) = (middle, to);
         }
+        middle = usize::midpoint(sound, faulty);
     }
     faulty
 }
@@ -150,14 +152,17 @@ fn numbered(given: &str) -> Result<(String, Vec<Names<'_>>), SceneError> {
 pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
     let options =
         tobj::LoadOptions { triangulate: true, ignore_lines: true, ignore_points: true, ..Default::default() };
-    let load = |mut bytes: &[u8]| tobj::load_obj_buf(&mut bytes, &options, |_| Err(tobj::LoadError::OpenFileFailed));
+    // What is left of the bytes is behind the last line that was read.
+    let load = |left: &mut &[u8]| tobj::load_obj_buf(left, &options, |_| Err(tobj::LoadError::OpenFileFailed));
     // Comments and names may be of any encoding: numbers are text of all.
     let given = String::from_utf8_lossy(bytes);
     let (text, names) = numbered(&given)?;
     check_indices(&text)?;
-    let bytes = text.as_bytes();
-    let (models, _) = load(bytes).map_err(|error| {
-        let line = line_of(bytes, |part| load(part).is_err_and(|other| other == error));
+    let mut left = text.as_bytes();
+    let loaded = load(&mut left);
+    let (models, _) = loaded.map_err(|error| {
+        let read = &text.as_bytes()[..text.len() - left.len()];
+        let line = line_of(read, |mut part| load(&mut part).is_err_and(|other| other == error));
         SceneError::new(format!("line {line}: expected a Wavefront file: {error}"))
     })?;
     check_whole(&given)?;
@@ -183,4 +188,25 @@ pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
         all.append(names.each(), triangles.iter().map(|corners| corners.map(|index| first + index)), normals, uvs);
     }
     Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::line_of;
+
+    /// A line that is wrong by itself is the last that was read: all before it is looked at once, however much it is.
+    #[test]
+    fn the_last_line_is_looked_at_first() {
+        for (faulty, most) in [(1000, 1), (640, 12), (1, 12)] {
+            let text: Vec<u8> = (1..=1000).flat_map(|line| if line == faulty { *b"x\n" } else { *b".\n" }).collect();
+            let looks = Cell::new(0);
+            let line = line_of(&text, |part| {
+                looks.set(looks.get() + 1);
+                part.contains(&b'x')
+            });
+            assert!(line == faulty && looks.get() <= most, "line {line} after {} looks", looks.get());
+        }
+    }
 }

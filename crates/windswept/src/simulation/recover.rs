@@ -1,6 +1,6 @@
 //! What was not finite is put back to rest: strands by the step itself, and all that ended a run if its caller wants it to go on.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use windswept_shaders::common::{
     rod::{BAD, SPOILT},
     status::{NON_FINITE_AIR, STRAND_RESET, Status, TOO_MANY_BAD_STRANDS},
@@ -86,6 +86,17 @@ impl Simulation {
                 recovered: false,
             });
         }
+    }
+
+    /// The error of an air particle that is not finite at the end of a step; the state is that before it.
+    pub(super) fn lost_air(&self, particle: u32, step: u64) -> Result<RunError, RunError> {
+        let frame = self.frame()?;
+        let position = frame.air.positions.get(particle as usize).copied().unwrap_or([f32::NAN; 3]);
+        let here = Vec3::from_array(position);
+        let distances = frame.hair.positions.iter().map(|x| here.distance(Vec3::from_array(*x)));
+        let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+        let nearest = nearest.map(|(point, distance)| (self.strand_of(point).0, distance));
+        Ok(RunError::NonFiniteAir { particle, position, nearest, step, time: self.time() })
     }
 
     /// The strand of a hair point, and the point's place in it, from the root on.
