@@ -9,10 +9,10 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
-use serde::Serialize;
 pub use adapter::{AdapterChoice, AdapterInfo, adapters};
 pub(crate) use memory::{Memory, check_sizes};
 pub(crate) use program::{Profile, Program, Span, write_trace};
+use serde::Serialize;
 pub use wgpu;
 use windswept_shaders::{
     Binding, BufferKind, InSoftware, MESHES, PASSES, Pass, TEXTURE_ROW, Texture, common::lanes::LANES,
@@ -123,13 +123,7 @@ impl Gpu {
             true if software && binds_textures(&has) => PassTexts::Software,
             true => PassTexts::Subgroups,
         };
-        tracing::debug!(
-            adapter = info.name,
-            backend = info.backend,
-            driver = info.driver,
-            ?texts,
-            "device"
-        );
+        tracing::debug!(adapter = info.name, backend = info.backend, driver = info.driver, ?texts, "device");
         Ok(Self {
             device,
             queue,
