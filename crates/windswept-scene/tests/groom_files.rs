@@ -491,7 +491,7 @@ fn paths_start_from_the_scenes_folder() {
     let scene = scene_of(&folder, &keys("two.hair")).unwrap();
     let path = folder.path().join("scene.toml");
     let set = format!("hair.file={file:?}");
-    let error = Scene::load_with(&path, &[set.clone()]).unwrap_err();
+    let error = Scene::load_with(&path, std::slice::from_ref(&set)).unwrap_err();
     assert_eq!(error.to_string(), format!("--set {set}: {expected}"));
     let body =
         "[hair]\nfile = \"two.hair\"\nscale = 0.01\n[[body]]\nshape = \"mesh\"\nscale = 1\nfile = \"/none.obj\"\n";
