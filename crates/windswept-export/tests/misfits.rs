@@ -99,7 +99,7 @@ fn a_film_of_something_else_does_not_go_on() {
 #[test]
 fn unwritable_paths_are_named() {
     let folder = tempfile::tempdir().unwrap();
-    for (path, reason) in [("missing/film.vtkhdf", "No such file"), ("", "Is a directory")] {
+    for (path, reason) in [("missing/film.vtkhdf", "No such file"), ("", "is a directory")] {
         let path = folder.path().join(path);
         let refused = VtkHdfWriter::create(&path, Kind::Hair, &frame(0), 2, &PROVENANCE);
         assert!(matches!(refused, Err(ExportError::File { .. })));
