@@ -38,6 +38,7 @@
 mod films;
 mod layout;
 mod reader;
+mod structure;
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
