@@ -38,6 +38,7 @@ fn pages() -> Vec<String> {
         "CHANGELOG.md",
         "benches/README.md",
         "crates/README.md",
+        "fuzz/README.md",
         "python/README.md",
     ]
     .map(str::to_owned)

@@ -13,6 +13,7 @@ use std::{
     fs,
     panic::{AssertUnwindSafe, catch_unwind},
     path::{Path, PathBuf},
+    sync::mpsc,
     thread,
     time::{Duration, Instant},
 };
@@ -20,11 +21,14 @@ use std::{
 use rand::{Rng, SeedableRng, seq::IndexedRandom};
 use rand_pcg::Pcg64;
 use windswept::Checkpoint;
+use windswept_export::VtkHdfReader;
 use windswept_scene::{Curves, GroomFormat, Scene, Triangles};
 
 /// Longest time that a reader may take, and most memory that the process may have used by then \[bytes\].
 const LONGEST: Duration = Duration::from_secs(1);
 const LARGEST: u64 = 1 << 30;
+/// Twice this time, after which a reader is taken for one that never returns.
+const PATIENCE: Duration = Duration::from_secs(30);
 /// Size of all corpora \[bytes\].
 const CORPORA: u64 = 1 << 20;
 /// Mutated files per target, unless a time is given.
@@ -68,6 +72,9 @@ const WORDS: &[&[u8]] = &[
     b"\"count\":4294967295",
     b"glTF",
     b"JSON",
+    b"\xff\xff\xff\xff\xff\xff\xff\xff",
+    b"\x01\x00\x00\x00\x00\x00\x00\x00",
+    b"\x00\x00\x00\x00\x00\x00\x00\x40",
 ];
 
 fn corpus(name: &str) -> Vec<PathBuf> {
@@ -79,14 +86,23 @@ fn corpus(name: &str) -> Vec<PathBuf> {
 }
 
 /// Reads bytes; what the reader did that it must not do. One that takes long is tried again, later each time: others may have had the
-/// processor.
+/// processor. One that does not return, as a C library may not, cannot be stopped: it ends the program, and the bytes are kept.
 fn fault(target: &targets::Target, bytes: &[u8]) -> Option<String> {
     let mut least = Duration::MAX;
     for pause in 0..8 {
         thread::sleep(Duration::from_millis(500) * pause);
         let started = Instant::now();
-        if catch_unwind(AssertUnwindSafe(|| (target.read)(bytes))).is_err() {
-            return Some("panics".to_owned());
+        let (read, copy) = (target.read, bytes.to_vec());
+        let (returned, done) = mpsc::channel();
+        thread::spawn(move || returned.send(catch_unwind(AssertUnwindSafe(|| read(&copy))).is_ok()));
+        // Twice, as the program may have been stopped meanwhile.
+        match done.recv_timeout(PATIENCE).or_else(|_| done.recv_timeout(PATIENCE)) {
+            Ok(true) => (),
+            Ok(false) => return Some("panics".to_owned()),
+            Err(_) => {
+                eprintln!("{} does not return: {}", target.name, keep(target.name, bytes).display());
+                std::process::abort();
+            }
         }
         least = least.min(started.elapsed());
         if least < LONGEST {
@@ -94,6 +110,13 @@ fn fault(target: &targets::Target, bytes: &[u8]) -> Option<String> {
         }
     }
     Some(format!("takes {least:?}"))
+}
+
+/// Keeps bytes that a reader fails on beside the tests' other outputs.
+fn keep(name: &str, bytes: &[u8]) -> PathBuf {
+    let kept = std::env::temp_dir().join(format!("windswept-{name}-{:08x}", crc32fast::hash(bytes)));
+    fs::write(&kept, bytes).unwrap();
+    kept
 }
 
 /// Most memory that this process has used, where the system tells it as Linux does \[bytes\].
@@ -109,7 +132,7 @@ fn mutated(files: &[Vec<u8>], rng: &mut Pcg64) -> Vec<u8> {
     for _ in 0..rng.random_range(1..=6) {
         let at = rng.random_range(0..=bytes.len());
         let end = (at + [1, 4, 16, 256][rng.random_range(0..4)]).min(bytes.len());
-        match rng.random_range(0..7) {
+        match rng.random_range(0..8) {
             0 if at < bytes.len() => bytes[at] ^= 1 << rng.random_range(0..8),
             1 => bytes[at..end].iter_mut().for_each(|byte| *byte = rng.random()),
             2 => bytes.truncate(at),
@@ -122,6 +145,11 @@ fn mutated(files: &[Vec<u8>], rng: &mut Pcg64) -> Vec<u8> {
             5 => {
                 let piece = bytes[at..end].to_vec();
                 bytes.splice(at..at, piece.repeat(rng.random_range(1..20)));
+            }
+            6 if bytes.len() >= 16 => {
+                // A word of the file in the place of another: an address, a length.
+                let [from, to] = [0; 2].map(|_| rng.random_range(0..bytes.len() / 8) * 8);
+                bytes.copy_within(from..from + 8, to);
             }
             _ => {
                 let other = files.choose(rng).unwrap();
@@ -150,9 +178,7 @@ fn attack(name: &str) {
         count += 1;
         let bytes = mutated(&files, &mut rng);
         if let Some(fault) = fault(target, &bytes) {
-            let kept = std::env::temp_dir().join(format!("windswept-{name}-{seed}-{count}"));
-            fs::write(&kept, &bytes).unwrap();
-            panic!("{name} {fault}: {}", kept.display());
+            panic!("{name} {fault}: {}", keep(name, &bytes).display());
         }
     }
     let most = peak();
@@ -181,6 +207,7 @@ macro_rules! targets {
 targets! {
     any_scene_is_read: "scene",
     any_checkpoint_is_read: "checkpoint",
+    any_film_is_read: "film",
     any_hair_is_read: "hair",
     any_data_is_read: "data",
     any_bin_is_read: "bin",
@@ -350,6 +377,10 @@ fn corpora_are_read() {
         assert!(corpus(format.extension).iter().any(reads), "no file of {}", format.extension);
     }
     assert!(corpus("scene").iter().any(|path| Scene::load(path).is_ok()), "no scene");
+    for path in corpus("film") {
+        let read = VtkHdfReader::open(&path).map(|film| film.times().len());
+        assert!(matches!(read, Ok(3)), "{}: {read:?}", path.display());
+    }
     for path in corpus("checkpoint") {
         let read = Checkpoint::open(&path);
         assert!(read.is_ok(), "{}; Simulation::save makes a file of the format of today", read.err().unwrap());

@@ -2,7 +2,8 @@
 //!
 //! `cargo fuzz` calls them through `fuzz_targets/`, and `tests/hostile.rs` on stable, with the same corpora.
 
-use windswept::Checkpoint;
+use windswept::{Checkpoint, Frame};
+use windswept_export::{Provenance, VtkHdfReader, VtkHdfWriter};
 use windswept_scene::{
     Curves, DistanceGrid, Groom, GroomFile, GroomFormat, HairSource, InitialState, RestShape, Scene, Triangles, Up,
 };
@@ -15,11 +16,11 @@ pub struct Target {
     pub read: fn(&[u8]),
 }
 
-/// Every target: one per kind of file. Films (`.vtkhdf`) are left out: libhdf5 1.14.6 reads them, and loops for ever on a broken heap of
-/// names or of texts, which mutants of a film have within a minute.
+/// Every target: one per kind of file.
 pub const TARGETS: &[Target] = &[
     Target { name: "scene", read: scene },
     Target { name: "checkpoint", read: checkpoint },
+    Target { name: "film", read: film },
     Target { name: "hair", read: |bytes| groom("hair", bytes) },
     Target { name: "data", read: |bytes| groom("data", bytes) },
     Target { name: "bin", read: |bytes| groom("bin", bytes) },
@@ -102,6 +103,29 @@ fn with_checksums(bytes: &[u8]) -> Vec<u8> {
     }
     write(&mut bytes, 0, 12);
     bytes
+}
+
+/// A film is refused, or read, and what is read goes on behind its first frame. libhdf5 does both, in a file.
+pub fn film(bytes: &[u8]) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("film.vtkhdf");
+    std::fs::write(&path, bytes).expect("a file");
+    let Ok(reader) = VtkHdfReader::open(&path) else { return };
+    let _ = reader.origin();
+    let (kind, times) = (reader.kind(), reader.times().len());
+    let frames: Vec<_> = (0..times.min(4)).map_while(|k| reader.frame(k).ok()).collect();
+    drop(reader);
+    let Some(first) = frames.into_iter().next() else { return };
+    let provenance = Provenance { scene: "", version: "", adapter: "", seed: 1 };
+    // With the room that it has, and with more.
+    for room in [times, times + 9] {
+        let Ok(mut writer) = VtkHdfWriter::go_on(&path, kind, &first, 1, room, &provenance) else { return };
+        let next = Frame { time: f64::MAX, ..first.clone() };
+        if writer.append(&next).is_ok() && writer.finish().is_ok() {
+            let again = VtkHdfReader::open(&path).expect("a film that went on is read");
+            assert_eq!(again.times().len(), 2, "a film that went on");
+        }
+    }
 }
 
 /// A groom file is refused, or holds curves that belong together, which become strands or an error.

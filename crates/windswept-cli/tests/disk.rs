@@ -11,6 +11,8 @@ use std::process::{Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use windswept_export::VtkHdfReader;
+
 use support::{SCENE, folder, listing, run, windswept};
 
 /// Runs the scene where no file may be longer than so many bytes, which a full disk is to the program.
@@ -30,7 +32,8 @@ fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// A film takes its room when it is made: one that the disk cannot hold is refused before the first step.
+/// A film takes its room when it is made: one that the disk cannot hold is refused before the first step, and nothing is left that is
+/// no film.
 #[test]
 fn a_film_that_does_not_fit_is_refused_at_once() {
     let folder = folder();
@@ -42,6 +45,12 @@ fn a_film_that_does_not_fit_is_refused_at_once() {
         let output = run_with_room(folder.path(), "full", room, &["--formats", "vtkhdf", "--overwrite"]);
         assert_eq!(output.status.code(), Some(1), "{output:?}");
         assert!(said(&output).contains(".vtkhdf: could not be created: File too large"), "{output:?}");
+        let full = folder.path().join("full");
+        let films: Vec<_> = listing(&full).into_iter().filter(|name| name.contains(".vtkhdf")).collect();
+        assert!(films.len() < 2, "{films:?}");
+        for film in films {
+            VtkHdfReader::open(full.join(film)).expect("a film");
+        }
     }
 }
 

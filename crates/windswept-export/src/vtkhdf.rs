@@ -38,11 +38,13 @@
 mod films;
 mod layout;
 mod reader;
+mod structure;
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use windswept::{Frame, HairFrame};
-use windswept_scene::{AtomicFile, remove};
+use windswept_scene::AtomicFile;
 
 use crate::folder::refuse_link;
 use crate::strands::check_strands;
@@ -100,8 +102,9 @@ impl VtkHdfWriter {
     /// Lays out a file for up to `frames` frames with the strands or the number of air particles of `frame`, which is
     /// not yet appended. Fewer frames are a correct file too.
     ///
-    /// Replaces a file at `path`; a program that has the old one open keeps it. The new one has its final size,
-    /// [`VtkHdfWriter::bytes`], at once; on a file system with sparse files it fills its room as frames come in.
+    /// Replaces a file at `path`, once the new one is laid out beside it, with `.part` behind its name; a program that has the old one open
+    /// keeps it. The new one has its final size, [`VtkHdfWriter::bytes`], at once; on a file system with sparse files it fills its room as
+    /// frames come in.
     ///
     /// # Errors
     /// [`ExportError::Frame`] if `frame` has nothing of this kind or its strands make no sense, or if so many frames fit
@@ -119,13 +122,19 @@ impl VtkHdfWriter {
             Kind::Hair => frame.hair.offsets.iter().map(|&first| first.into()).collect(),
             Kind::Air => (0..).take(points(kind, frame) + 1).collect(),
         };
-        // HDF5 would empty the file under the hands of whoever has it open.
-        remove(&path).map_err(|e| unreplaced(&path, &e))?;
         let scalars = names_of_scalars(kind, frame);
         let still = still(kind, frame);
         let contents = contents(kind, frame, &scalars, &still);
-        let layout = Layout::create(&path, kind, &cells, &contents, frames, provenance)
+        if path.is_dir() {
+            return Err(unreplaced(&path, &ErrorKind::IsADirectory.into()));
+        }
+        // Where the disk is too small, no film is left that nobody can read.
+        let whole = AtomicFile::new(&path).map_err(|e| unreplaced(&path, &e))?;
+        Layout::create(whole.part(), kind, &cells, &contents, frames, provenance)
             .map_err(|e| failed(&path, "could not be created", &e))?;
+        whole.finish().map_err(|e| unreplaced(&path, &e))?;
+        let (layout, _) =
+            Layout::open(&path, kind, &contents).map_err(|e| failed(&path, "could not be created", &e))?;
         Ok(Self::new(path, kind, layout, frame, frames))
     }
 

@@ -99,7 +99,7 @@ fn a_film_of_something_else_does_not_go_on() {
 #[test]
 fn unwritable_paths_are_named() {
     let folder = tempfile::tempdir().unwrap();
-    for (path, reason) in [("missing/film.vtkhdf", "No such file"), ("", "Is a directory")] {
+    for (path, reason) in [("missing/film.vtkhdf", "No such file"), ("", "is a directory")] {
         let path = folder.path().join(path);
         let refused = VtkHdfWriter::create(&path, Kind::Hair, &frame(0), 2, &PROVENANCE);
         assert!(matches!(refused, Err(ExportError::File { .. })));
@@ -133,6 +133,46 @@ fn foreign_files_are_refused() {
     write(&path, Kind::Hair, &film(2), 9);
     let reader = VtkHdfReader::open(&path).unwrap();
     expect(reader.frame(2).map(drop), &["film.vtkhdf", "frame 2 was asked for, the file has 2"]);
+}
+
+/// A film whose structures lead in a circle, onto one another or beyond is refused, with where they do: libhdf5 would follow them for ever, or
+/// make room for what is not there.
+#[test]
+fn films_that_lead_in_circles_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("film.vtkhdf");
+    write(&path, Kind::Hair, &film(2), 2);
+    let whole = std::fs::read(&path).unwrap();
+    let find = |words: &[u8]| whole.windows(words.len()).position(|bytes| bytes == words).unwrap();
+    let number = |at: usize| u64::from_le_bytes(whole[at..at + 8].try_into().unwrap());
+    // The free space of the first local heap, the space left in the first global heap behind its texts, and the first symbol.
+    let (heap, texts, symbols) = (find(b"HEAP"), find(b"GCOL"), find(b"SNOD"));
+    let free = number(heap + 24) + number(heap + 16);
+    let mut left = texts + 16;
+    while whole[left..left + 2] != [0; 2] {
+        left += 16 + number(left + 8).next_multiple_of(8) as usize;
+    }
+    // Where the attribute of the adapter says how long its text is, and that it is the second of that heap.
+    let text = PROVENANCE.adapter.len() as u64;
+    let adapter = find(&[&(text as u32).to_le_bytes()[..], &(texts as u64).to_le_bytes()].concat());
+    let longer = number(adapter) | 1 << 31;
+    for (at, value, words) in [
+        (adapter, longer, format!("a text of {} bytes that is not in its global heap", text | 1 << 31)),
+        (free as usize, number(heap + 16), format!("the local heap at byte {heap} leads in a circle")),
+        (left + 8, 0, format!("a text in the global heap at byte {texts} has no length")),
+        (symbols + 16, 96, "its object at byte 96: the object header at byte 96 lies on something else".to_owned()),
+        (symbols + 16, 1 << 62, format!("the object header at byte {} does not lie within the file", 1_u64 << 62)),
+    ] {
+        let mut bytes = whole.clone();
+        bytes[at..at + 8].copy_from_slice(&value.to_le_bytes());
+        std::fs::write(&path, bytes).unwrap();
+        expect(
+            VtkHdfReader::open(&path).map(drop),
+            &["film.vtkhdf: could not be read", &words, "windswept did not write"],
+        );
+        let gone_on = VtkHdfWriter::go_on(&path, Kind::Hair, &frame(0), 1, 2, &PROVENANCE);
+        expect(gone_on.map(drop), &["film.vtkhdf: could not be read", &words]);
+    }
 }
 
 /// Asserts that it failed with a message that holds these words.

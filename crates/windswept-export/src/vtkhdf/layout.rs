@@ -12,7 +12,7 @@ use crate::Provenance;
 
 /// The most times of frames that are filled at once, half a megabyte: a chunk passes through memory, and takes its room
 /// on the disk.
-const CHUNK: usize = 1 << 16;
+pub(super) const CHUNK: usize = 1 << 16;
 
 /// The datasets that a frame is written to.
 #[derive(Debug)]
@@ -304,6 +304,7 @@ fn write_rows<T: H5Type, const N: usize>(dataset: &Dataset, k: usize, rows: &[[T
 #[cfg(test)]
 #[allow(clippy::unwrap_used)] // a test may panic
 mod tests {
+    use super::super::structure;
     use super::*;
 
     /// Room for 48 days of film takes little of the disk, and so of memory, before there are frames; and times go on
@@ -326,7 +327,16 @@ mod tests {
             let finished = layout.finished.read_scalar::<i64>().unwrap();
             assert_eq!((times.len(), times[k], finished), (k + 1, k as f64, k as i64 + 1));
         }
+        structure::check(&path).unwrap();
+        // So many chunks that a node of their B-tree does not hold them.
+        layout.times.resize(70 * CHUNK).unwrap();
+        layout.cut(CHUNK + 1).unwrap();
+        layout.times.resize(70 * CHUNK).unwrap();
+        layout.flush().unwrap();
+        structure::check(&path).unwrap();
+        layout.cut(CHUNK + 1).unwrap();
         drop(layout);
+        structure::check(&path).unwrap();
         let file = File::open(&path).unwrap();
         let times = file.dataset("VTKHDF/Steps/Values").unwrap().read_raw::<f64>().unwrap();
         assert_eq!(times[CHUNK - 1..], [(CHUNK - 1) as f64, CHUNK as f64]);
