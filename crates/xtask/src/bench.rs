@@ -79,6 +79,9 @@ pub(crate) fn compare(file: &str, rest: &[&str]) -> Result {
             slower.push(row);
         }
     }
+    for (row, which) in lone_rows(&turns) {
+        println!("{row:<32} not compared: only the {which} program prints it in every turn");
+    }
     if options.turns < TURNS {
         println!("\nFewer than {TURNS} turns: too few to call anything slower.");
     } else if slower.is_empty() {
@@ -243,6 +246,18 @@ fn rows(turns: &[(Times, Times)]) -> Vec<String> {
     all.into_iter().filter(|row| in_all(row) && !row.ends_with(PARTICLES)).collect()
 }
 
+/// Other rows that one of the two has in every turn, and which that is: of a pass or a scene that is new, or gone.
+fn lone_rows(turns: &[(Times, Times)]) -> Vec<(String, &'static str)> {
+    let common = rows(turns);
+    let lone = |times: fn(&(Times, Times)) -> &Times, which| {
+        let first = turns.first().map(|turn| times(turn).keys().cloned().collect::<Vec<_>>()).unwrap_or_default();
+        let in_all = |row: &String| turns.iter().all(|turn| times(turn).contains_key(row));
+        let is_lone = |row: &String| in_all(row) && !common.contains(row) && !row.ends_with(PARTICLES);
+        first.into_iter().filter(is_lone).map(|row| (row, which)).collect::<Vec<_>>()
+    };
+    [lone(|turn| &turn.0, "old"), lone(|turn| &turn.1, "new")].concat()
+}
+
 /// Ratios of two programs' times, turn by turn.
 struct Ratios {
     median: f64,
@@ -279,7 +294,19 @@ fn median(values: &[f64]) -> f64 {
 mod check {
     use std::path::PathBuf;
 
-    use super::{Ratios, executable, median, read};
+    use super::{Ratios, executable, lone_rows, median, read, rows};
+
+    /// A row that only one of the programs prints is named, with which it is.
+    #[test]
+    fn rows_of_one_program_are_named() {
+        let times = |rows: &[&str]| rows.iter().map(|row| ((*row).to_owned(), 1.0)).collect();
+        let turns = [
+            (times(&["wall", "old pass", "quick, particles"]), times(&["wall", "new pass"])),
+            (times(&["wall", "old pass"]), times(&["wall", "new pass", "once"])),
+        ];
+        assert_eq!(rows(&turns), ["wall"]);
+        assert_eq!(lone_rows(&turns), [("old pass".to_owned(), "old"), ("new pass".to_owned(), "new")]);
+    }
 
     /// A row that takes 5 % longer in every turn is slower, whatever the machine does to both; one that is now faster, now
     /// slower is not.
