@@ -343,6 +343,21 @@ fn what_ended_a_run_is_put_back_to_rest() {
     }
 }
 
+/// Air that is finite, but faster than anything can be, ends the run as air that is not: nobody has to find it in the results.
+#[test]
+fn air_faster_than_anything_ends_the_run() {
+    let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(4)).unwrap();
+    let engine = simulation.engine();
+    let [hair, all] = [engine.sizes().hair_points, engine.sizes().particles].map(|n| n as usize);
+    let velocity = |air: f32| [vec![[0.0; 4]; hair], vec![[air, 0.0, 0.0, 0.0]; all - hair]].concat();
+    engine.write(&engine.state().velocity, &velocity(1e20)).unwrap();
+    let error = simulation.step(1).unwrap_err();
+    assert!(
+        matches!(error, RunError::NonFiniteAir { .. }) && error.to_string().contains("faster than 1e6 m/s"),
+        "{error}"
+    );
+}
+
 /// What comes back each time is not put back for ever, and a run that nothing ended has nothing to be put back.
 #[test]
 fn what_comes_back_ends_the_run() {

@@ -1,8 +1,9 @@
-// What a strand can be as a step begins.
+// What a strand can be as a step begins, and how fast anything can be.
 import package::common::{rod::{Strand, Root, ROOT_HELD}, status::finite};
 
 const FAR: f32 = 1e3;     // lengths of the strand: no point of it is farther from its root
 const WORLD: f32 = 1e9;   // m from the origin: no root is farther
+const FAST: f32 = 1e6;    // m/s: nothing is faster
 
 // Whether a vector is finite and not longer than that. The square of one that is too long for f32 is not finite either.
 fn within(v: vec3f, longest: f32) -> bool {

@@ -1,7 +1,8 @@
-// Freezes the state when the neighbour list was too short, air is non-finite or too many strands were reset; counts the
-// hair points outside the box of air.
+// Freezes the state when the neighbour list was too short, air is not finite or faster than anything can be, or too many strands were
+// reset; counts the hair points outside the box of air.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, cell_of, in_box},
+    sound::{FAST, within},
     status::{
         status, list_too_short, freeze, finite3, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, TOO_MANY_BAD_STRANDS,
         UNMENDED_STRAND,
@@ -16,7 +17,7 @@ import package::common::{
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = invocation(id, groups);
     if i >= params.particles { return; }
-    let bad = is_air(i) && !(finite3(predicted[i].xyz) && finite3(final_velocity[i].xyz));
+    let bad = is_air(i) && !(finite3(predicted[i].xyz) && within(final_velocity[i].xyz, FAST));
     let outside = !is_air(i) && params.box_cells > 0u && !in_box(cell_of(predicted[i].xyz));
     // The first particle speaks for all. Few others have something to say, and only those ask for the status.
     if !(i == 0u || bad || outside) { return; }

@@ -7,7 +7,7 @@
 // A step that froze is taken again: a strand that was found spoilt is counted anew.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP},
-    rod::{Strand, Health, PointHistory, Root, BAD, SPOILT}, sound::{within, root_of, in_reach},
+    rod::{Strand, Health, PointHistory, Root, BAD, SPOILT}, sound::{FAST, within, root_of, in_reach},
     status::{frozen, count_bad_strand, finite, finite3, BY_INSPECT, NO_POINT},
 };
 
@@ -19,8 +19,7 @@ import package::common::{
 @group(0) @binding(7) var<storage, read>       point_history: array<PointHistory>;
 @group(0) @binding(8) var<storage, read_write> health:        array<Health>;
 
-const FAST: f32 = 1e6;    // m/s: no point is faster
-const UNLIKE: f32 = 0.1;  // what the square of a frame's length is not off 1 by
+const UNLIKE: f32 = 0.1;   // what the square of a frame's length is not off 1 by
 
 // The first point of a strand that is spoilt, or whose segment is.
 fn spoilt(s: u32, strand: Strand) -> u32 {

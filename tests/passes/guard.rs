@@ -178,16 +178,18 @@ fn check_is_that_of_the_twin() {
         let initial = support::particles(n, n / 3, support::Layout::Random, 10);
         let (strands, air) = (initial.hair.len(), initial.air.positions.len());
         let limit = guard::bad_strand_limit(strands);
-        // Particle of air whose position or velocity is lost, strands that are, and whether the list is too short.
+        // Particle of air whose position is lost, one with a velocity that it cannot or just can have, strands that are, and whether the list is too short.
         let cases = [
             (None, None, 0, false),
             (Some(air / 2), None, 0, false),
-            (None, Some(air - 1), 0, false),
-            (Some(air - 1), Some(0), limit, false),
+            (None, Some((air - 1, f64::NEG_INFINITY)), 0, false),
+            (None, Some((air / 2, -1.1e6)), 0, false),
+            (None, Some((air / 2, 0.9e6)), 0, false),
+            (Some(air - 1), Some((0, f64::NAN)), limit, false),
             (None, None, limit, false),
             (None, None, limit + 1, false),
-            (None, Some(air / 3), limit + 1, false),
-            (None, Some(air / 3), 0, true),
+            (None, Some((air / 3, f64::NAN)), limit + 1, false),
+            (None, Some((air / 3, f64::NAN)), 0, true),
         ];
         for (place, speed, bad, short) in cases.into_iter().filter(|case| case.2 <= strands) {
             let stage = Stage::new(&support::scene(), &initial);
@@ -197,8 +199,8 @@ fn check_is_that_of_the_twin() {
             if let Some(i) = place {
                 x[p.hair_points + i].y = f64::NAN;
             }
-            if let Some(i) = speed {
-                v[p.hair_points + i].z = f64::NEG_INFINITY;
+            if let Some((i, speed)) = speed {
+                v[p.hair_points + i].z = speed;
             }
             // Some were found bad by their rods, the others have lost their velocities.
             let mut twin = stage.twin.clone();
@@ -238,7 +240,10 @@ fn check_is_that_of_the_twin() {
                 // The scratch arrays mean nothing.
                 assert_eq!(status.causes, NEIGHBOUR_OVERFLOW, "{what}");
             } else {
-                let lost = place.into_iter().chain(speed).min();
+                let lost = place
+                    .into_iter()
+                    .chain(speed.filter(|(_, speed)| speed.is_nan() || speed.abs() > 1e6).map(|(i, _)| i))
+                    .min();
                 let air = lost.map_or(0, |_| NON_FINITE_AIR);
                 let hair = if bad > limit { TOO_MANY_BAD_STRANDS } else { 0 };
                 assert_eq!(status.causes, air | hair, "{what}");

@@ -23,6 +23,9 @@ pub fn run(s: &mut State, mut w: Scratch, p: &Parameters) -> Result<(), Frozen> 
     Ok(())
 }
 
+/// Nothing is faster \[m/s\].
+pub(crate) const FAST: f64 = 1e6;
+
 /// Number of strands that may become non-finite in one step: 3, or 1 % of them if that is more.
 #[must_use]
 pub fn bad_strand_limit(strands: usize) -> usize {
@@ -51,13 +54,13 @@ pub fn hold(hair: &Strands, strand: usize, velocities: &mut [DVec3]) -> bool {
 /// Checks whether what a step arrived at, in which `bad` strands were not finite, may become the state.
 ///
 /// # Errors
-/// [`Frozen`] when an air particle or more than [`bad_strand_limit`] strands are not finite.
+/// [`Frozen`] when an air particle is not finite or faster than [`FAST`], or when more than [`bad_strand_limit`] strands are not finite.
 pub fn check(p: &Parameters, bad: usize, positions: &[DVec3], velocities: &[DVec3]) -> Result<(), Frozen> {
     if bad > bad_strand_limit(p.rest.len()) {
         return Err(Frozen::BadStrands(bad));
     }
-    let finite = |i: &usize| positions[*i].is_finite() && velocities[*i].is_finite();
-    match (p.hair_points..positions.len()).find(|i| !finite(i)) {
+    let sound = |i: &usize| positions[*i].is_finite() && velocities[*i].length() <= FAST;
+    match (p.hair_points..positions.len()).find(|i| !sound(i)) {
         Some(i) => Err(Frozen::NonFiniteAir(i - p.hair_points)),
         None => Ok(()),
     }

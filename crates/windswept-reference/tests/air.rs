@@ -169,7 +169,7 @@ fn air_and_hair_keep_their_momentum_together() {
     }
 }
 
-/// A position or a velocity that is not finite is enough to stop a step; hair is judged by its strands.
+/// A position or a velocity that is not finite is enough to stop a step, and so is air faster than 1000 km/s; hair is judged by its strands.
 #[test]
 fn check_sees_positions_and_velocities() {
     let mut p = still_box(DVec3::X);
@@ -184,6 +184,9 @@ fn check_sees_positions_and_velocities() {
     assert_eq!(guard::check(&p, 0, &spoilt(2), &fine), Err(Frozen::NonFiniteAir(1)));
     assert_eq!(guard::check(&p, 0, &fine, &spoilt(1)), Err(Frozen::NonFiniteAir(0)));
     assert_eq!(guard::check(&p, 0, &spoilt(0), &fine), Ok(()));
+    let fast = |speed: f64| [DVec3::ONE, DVec3::ONE, DVec3::new(0.0, -speed, 0.0)];
+    assert_eq!(guard::check(&p, 0, &fine, &fast(0.999e6)), Ok(()));
+    assert_eq!(guard::check(&p, 0, &fine, &fast(1.001e6)), Err(Frozen::NonFiniteAir(1)));
 }
 
 /// Non-finite air freezes the state as it was, and names the particle.

@@ -117,9 +117,9 @@ fn remedy(array: &str, fits: u64) -> String {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
-    /// An air particle became non-finite.
+    /// An air particle became non-finite, or faster than 1e6 m/s.
     #[error(
-        "step {step} (t = {} s): position or velocity of air particle {particle} is no finite number at the end of the step (guard/check){}: the run ends; a smaller time.step may help",
+        "step {step} (t = {} s): position or velocity of air particle {particle} is no finite number, or it is faster than 1e6 m/s, at the end of the step (guard/check){}: the run ends; a smaller time.step may help",
         six_digits(*time), before(*position, *nearest)
     )]
     NonFiniteAir {

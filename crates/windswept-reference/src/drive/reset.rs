@@ -2,14 +2,12 @@
 
 use glam::DVec3;
 
-use crate::State;
+use crate::{State, guard::FAST};
 
 /// Distance from its root that no point of a strand has \[lengths of the strand\].
 const FAR: f64 = 1e3;
 /// Distance from the origin that no root has \[m\].
 const WORLD: f64 = 1e9;
-/// Speed that no hair point has \[m/s\].
-const FAST: f64 = 1e6;
 /// What the square of a frame's length is not off 1 by.
 const UNLIKE: f64 = 0.1;
 
