@@ -1,9 +1,10 @@
-//! Ctrl-C: the first ends the run between two steps, or between two substeps of a long one; a second ends the process
-//! at once.
+//! Ctrl-C: the first ends the run between two steps, or between two substeps of a long one; a second, half a second
+//! later or more, ends the process at once.
 
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{sleep, spawn};
 use std::time::{Duration, Instant};
 
 use signal_hook::SigId;
@@ -12,6 +13,13 @@ use signal_hook::flag;
 
 /// Exit status of a run that was interrupted: 128 + SIGINT, as shells have it.
 pub(crate) const STATUS: u8 = 130;
+
+/// Time after the first signal in which others count as the same: `timeout` sends one to the program and one to its
+/// group.
+const SAME: Duration = Duration::from_millis(500);
+
+/// Time between two looks for the first signal.
+const LOOK: Duration = Duration::from_millis(50);
 
 /// Time that a step which goes on as Ctrl-C comes has to end by itself.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -25,12 +33,25 @@ pub(crate) struct Interrupt {
 impl Interrupt {
     pub(crate) fn listen() -> io::Result<Self> {
         let mut interrupt = Self { asked: Arc::default(), handlers: Vec::new() };
+        let insisting = Arc::default();
         for signal in [SIGINT, SIGTERM] {
-            // In this order: the first signal finds the flag unset, goes past the exit and sets it.
-            let exit = flag::register_conditional_shutdown(signal, STATUS.into(), interrupt.asked.clone())?;
+            let exit = flag::register_conditional_shutdown(signal, STATUS.into(), Arc::clone(&insisting))?;
             interrupt.handlers.push(exit);
             interrupt.handlers.push(flag::register(signal, interrupt.asked.clone())?);
         }
+        // A handler may not look at the clock, so a thread does.
+        let asked = Arc::downgrade(&interrupt.asked);
+        spawn(move || {
+            while let Some(asked) = asked.upgrade() {
+                if asked.load(Ordering::Relaxed) {
+                    sleep(SAME);
+                    insisting.store(true, Ordering::Relaxed);
+                    return;
+                }
+                drop(asked);
+                sleep(LOOK);
+            }
+        });
         Ok(interrupt)
     }
 

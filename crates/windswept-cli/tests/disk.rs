@@ -91,6 +91,32 @@ fn half_a_picture_is_not_left() {
     assert_eq!(listing(&folder.path().join("out/frames")), [""; 0]);
 }
 
+/// A preview that the disk cannot hold: the pictures that were made stay, and neither half a preview nor an empty one lies beside them.
+#[test]
+fn half_a_preview_is_not_left() {
+    let folder = folder();
+    // Many small pictures, so that the preview is longer than each.
+    let sets = "interaction.model=none time.duration=1.0 time.frame_rate=15 camera.width=64 camera.height=48";
+    let png: Vec<_> = ["--formats", "png"].into_iter().chain(sets.split(' ').flat_map(|set| ["--set", set])).collect();
+    let whole = run(folder.path(), &png);
+    assert_eq!(whole.status.code(), Some(0), "{whole:?}");
+    let out = folder.path().join("out");
+    let length = |name: &str| fs::metadata(out.join(name)).expect("a file").len();
+    let preview = length("preview.gif");
+    let pictures = listing(&out.join("frames"));
+    let largest = pictures.iter().map(|name| length(&format!("frames/{name}"))).max().expect("pictures");
+    assert!(largest + 1024 < preview, "pictures of {largest} bytes, a preview of {preview}");
+    for room in [largest + 512, preview - 1] {
+        let output = run_with_room(folder.path(), "full", room, &[&png[..], &["--overwrite"]].concat());
+        assert_eq!(output.status.code(), Some(1), "{output:?}");
+        assert!(said(&output).contains("full/preview.gif: could not be written: File too large"), "{output:?}");
+        let full = folder.path().join("full");
+        assert!(listing(&full).iter().all(|name| !name.starts_with("preview.gif")), "{:?}", listing(&full));
+        let made = listing(&full.join("frames"));
+        assert!(!made.is_empty() && pictures.starts_with(&made), "{made:?}");
+    }
+}
+
 /// A checkpoint that the disk cannot hold: the one before it stays, and nothing else lies beside it.
 #[test]
 fn a_checkpoint_that_does_not_fit_leaves_the_one_before() {

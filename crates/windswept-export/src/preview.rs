@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use gif::{DisposalMethod, Encoder, Repeat};
 use image::RgbaImage;
 use image::imageops::{FilterType, resize};
+use windswept_scene::AtomicFile;
 
 use crate::ExportError;
 
@@ -25,7 +26,8 @@ const SPEED: i32 = 4;
 /// 512 pixels wide and high, over and over.
 pub struct Preview {
     path: PathBuf,
-    encoder: Option<Encoder<BufWriter<File>>>,
+    /// The film as it grows, and what becomes its file.
+    written: Option<(Encoder<BufWriter<File>>, AtomicFile)>,
     /// The picture that a viewer shows now.
     shown: Option<RgbaImage>,
     /// Time of the first picture \[s\].
@@ -38,12 +40,12 @@ pub struct Preview {
 }
 
 impl Preview {
-    /// A film into this file, which is made with the first picture.
+    /// A film into this file, which is there once the film is finished.
     #[must_use]
     pub fn new(path: impl AsRef<Path>) -> Self {
         Self {
             path: path.as_ref().into(),
-            encoder: None,
+            written: None,
             shown: None,
             start: 0.0,
             waiting: None,
@@ -103,16 +105,25 @@ impl Preview {
     /// # Errors
     /// [`ExportError::File`] if the file cannot be written.
     pub fn finish(mut self) -> Result<(), ExportError> {
-        match self.waiting.take() {
-            Some((last, _)) => self.write(last),
-            None => Ok(()),
+        if let Some((last, _)) = self.waiting.take() {
+            self.write(last)?;
         }
+        let Some((encoder, whole)) = self.written.take() else { return Ok(()) };
+        let finished = || -> Result<(), gif::EncodingError> {
+            let file = encoder.into_inner()?.into_inner().map_err(|e| e.into_error())?;
+            file.sync_all()?;
+            drop(file);
+            Ok(whole.finish()?)
+        };
+        finished().map_err(|e| self.failed(&e))
+    }
+
+    fn failed(&self, error: &dyn std::error::Error) -> ExportError {
+        ExportError::File { path: self.path.clone(), doing: "could not be written", reason: error.to_string() }
     }
 
     /// Writes what has changed since the picture before.
     fn write(&mut self, mut picture: RgbaImage) -> Result<(), ExportError> {
-        let path = self.path.clone();
-        let failed = |reason: String| ExportError::File { path, doing: "could not be written", reason };
         let (width, height) = (picture.width() as u16, picture.height() as u16);
         if let Some(shown) = &self.shown {
             for (new, old) in picture.pixels_mut().zip(shown.pixels()) {
@@ -126,15 +137,15 @@ impl Preview {
         frame.delay = self.delay;
         frame.dispose = DisposalMethod::Keep;
         let mut written = || -> Result<(), gif::EncodingError> {
-            if self.encoder.is_none() {
-                let file = BufWriter::new(File::create(&self.path)?);
-                let mut encoder = Encoder::new(file, width, height, &[])?;
+            if self.written.is_none() {
+                let whole = AtomicFile::new(&self.path)?;
+                let mut encoder = Encoder::new(BufWriter::new(whole.create()?), width, height, &[])?;
                 encoder.set_repeat(Repeat::Infinite)?;
-                self.encoder = Some(encoder);
+                self.written = Some((encoder, whole));
             }
-            self.encoder.as_mut().map_or(Ok(()), |encoder| encoder.write_frame(&frame))
+            self.written.as_mut().map_or(Ok(()), |(encoder, _)| encoder.write_frame(&frame))
         };
-        written().map_err(|e| failed(e.to_string()))?;
+        written().map_err(|e| self.failed(&e))?;
         let shown = self.shown.get_or_insert_with(|| RgbaImage::new(width.into(), height.into()));
         let palette = frame.palette.as_deref().unwrap_or_default();
         for (pixel, &index) in shown.pixels_mut().zip(frame.buffer.iter()) {

@@ -9,7 +9,7 @@ mod npz;
 mod ply;
 mod usc;
 
-use std::{collections::HashSet, fs, path::Path};
+use std::{collections::HashSet, fs, io::Read as _, path::Path};
 
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +22,7 @@ pub(crate) use ply::polygons as ply_polygons;
 use crate::{
     atomic::AtomicFile,
     error::SceneError,
-    limits::{LARGEST, LARGEST_DATA_FILE},
+    limits::{LARGEST, LARGEST_DATA_FILE, LARGEST_OBJ_FILE, LONGEST_PLY_HEADER},
 };
 
 /// Curves of a groom file, in the units and axes of the file.
@@ -339,10 +339,20 @@ pub(crate) fn file_bytes(path: &Path) -> Result<Vec<u8>, SceneError> {
         return Err(SceneError::new("expected a file"));
     }
     let length = metadata.len();
-    if length > LARGEST_DATA_FILE {
-        return Err(SceneError::new(format!("expected a file of at most {LARGEST_DATA_FILE} bytes, found {length}")));
+    let ends_in = |ending: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
+    let most = if ends_in("obj") { LARGEST_OBJ_FILE } else { LARGEST_DATA_FILE };
+    if length > most {
+        return Err(SceneError::new(format!("expected a file of at most {most} bytes, found {length}")));
     }
-    fs::read(path).map_err(unread)
+    let mut file = fs::File::open(path).map_err(unread)?;
+    let mut bytes = Vec::new();
+    if ends_in("ply") {
+        // The rest of a file that is no polygon file is left alone.
+        file.by_ref().take(LONGEST_PLY_HEADER).read_to_end(&mut bytes).map_err(unread)?;
+        ply::check_header(&bytes)?;
+    }
+    file.read_to_end(&mut bytes).map_err(unread)?;
+    Ok(bytes)
 }
 
 /// Whether a point can be computed with.

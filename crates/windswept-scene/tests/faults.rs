@@ -47,6 +47,8 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("wind = [3.0, 0.0, 0.0]", "wind = [0, 0, 9000000000000000000]", 13, "air.wind", &["found in z 9e18, a magnitude outside"]),
     ("wind = [3.0, 0.0, 0.0]", "wind = [0, 6000, -8001]", 13, "air.wind", &["expected at most 1e4 m/s, found 10000.8"]),
     ("wind = [3.0, 0.0, 0.0]", "wind = [0, 0, 0]\ngust = [{ time = 0, velocity = [0, 2e4, 0] }]", 14, "air.gust.0.velocity", &["expected at most 1e4 m/s, found 20000.0 m/s"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0, 0]\ninflow = { intensity = 1e18, scale = 0.05 }", 14, "air.inflow.intensity", &["expected at most 1e4 m/s, found 3e18 m/s"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0, 0]\ngust = [{ time = 1, velocity = [998, 0, 0] }]\ninflow = { intensity = 10, scale = 0.05 }", 15, "air.inflow.intensity", &["expected at most 1e4 m/s, found 10010.0 m/s"]),
     ("[air]", "[[force]]\nfield = \"point\"\norigin = [0, 0, 0]\nreach = 0.1\nstrength = -1e18\n[air]", 15, "force.strength", &["at most 1e4 m/s, found 1e18 m/s"]),
     ("[air]", "[[force]]\nfield = \"point\"\norigin = [0, 0, 0]\nreach = 0.1\ncourse = [{ time = 1, strength = 10001 }]\n[air]", 15, "force.course.0.strength", &["at most 1e4 m/s, found 10001.0 m/s"]),
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0]", 13, "air.wind", &["three numbers", "[3.0, 0.0]"]),

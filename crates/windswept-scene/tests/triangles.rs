@@ -547,3 +547,24 @@ fn altered_files_do_not_panic() {
         assert!(error.contains("line 5: ") && error.contains(named), "{error}");
     }
 }
+
+/// A file that is too long for its kind is refused by its length, and a polygon file by its first megabyte: neither is read to its end.
+#[test]
+fn a_file_that_is_too_long_is_not_read() {
+    let folder = Folder::new();
+    let refused = |name: &str, start: &str, length: u64| {
+        let path = folder.write(name, start.as_bytes());
+        std::fs::File::options().write(true).open(&path).unwrap().set_len(length).unwrap();
+        let said = Triangles::load(&path).unwrap_err().to_string();
+        assert!(said.contains(&*path.to_string_lossy()), "{said}");
+        said
+    };
+    for name in ["long.obj", "long.OBJ"] {
+        let said = refused(name, "v 0 0 0\n", 100_000_001);
+        assert!(said.contains("expected a file of at most 100000000 bytes, found 100000001"), "{said}");
+    }
+    let said = refused("long.ply", "ply\nformat ascii 1.0\n", 900_000_000);
+    assert!(said.contains("expected a line of a header that ends in end_header, within 1000000 bytes"), "{said}");
+    let said = refused("long.glb", "", 1_000_000_001);
+    assert!(said.contains("expected a file of at most 1000000000 bytes, found 1000000001"), "{said}");
+}

@@ -9,7 +9,7 @@ use super::{
     Curves,
     bytes::{Bytes, fault_at, put_floats},
 };
-use crate::error::SceneError;
+use crate::{error::SceneError, limits::LONGEST_PLY_HEADER};
 
 /// Encoding of the numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,8 +89,16 @@ impl Element {
 /// A line of the header, without the end. Comments may be of any encoding; words that matter are of ASCII.
 fn line<'a>(bytes: &mut Bytes<'a>) -> Result<Cow<'a, str>, SceneError> {
     let at = bytes.at();
-    let line = bytes.until(b'\n').ok_or_else(|| fault_at(at, "expected a line of a header that ends in end_header"))?;
+    let line = bytes.until(b'\n').filter(|_| bytes.at() as u64 <= LONGEST_PLY_HEADER).ok_or_else(|| {
+        let words = "expected a line of a header that ends in end_header";
+        fault_at(at, format!("{words}, within {LONGEST_PLY_HEADER} bytes"))
+    })?;
     Ok(String::from_utf8_lossy(line.trim_ascii()))
+}
+
+/// Checks the header of a file that begins with these bytes, which are [`LONGEST_PLY_HEADER`] or all.
+pub(super) fn check_header(start: &[u8]) -> Result<(), SceneError> {
+    header(&mut Bytes::new(start)).map(drop)
 }
 
 fn header(bytes: &mut Bytes<'_>) -> Result<(Encoding, Vec<Element>), SceneError> {

@@ -130,6 +130,9 @@ impl Air {
         for (i, gust) in self.gust.iter().enumerate() {
             check_speed(reader, &format!("gust.{i}.velocity"), DVec3::from_array(gust.velocity).length())?;
         }
+        if let Some(inflow) = &self.inflow {
+            check_speed(reader, "inflow.intensity", inflow.intensity * self.largest_wind())?;
+        }
         // Only particles fill the box.
         let model = model(reader)?;
         if !model.has_air() {
