@@ -25,7 +25,7 @@ use std::{
 
 use clap::Parser;
 use windswept::{AdapterChoice, Gpu};
-use windswept_validate::stress::{Extent, STRESSES, Stress, Sweep, fingerprint, memory};
+use windswept_validate::stress::{Extent, STRESSES, Stress, Sweep, couplings, fingerprint, memory};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -42,9 +42,9 @@ struct Arguments {
     /// Folder for stress.md and the pictures
     #[arg(long, default_value = "benches/results")]
     out: PathBuf,
-    /// Print the state that a run ends with, and nothing else
+    /// Print the state that a run with this coupling ends with, and nothing else
     #[arg(long, hide = true)]
-    fingerprint: bool,
+    fingerprint: Option<String>,
     /// `cargo bench` passes it; without it the run is a cut that writes nothing
     #[arg(long, hide = true)]
     bench: bool,
@@ -64,8 +64,8 @@ fn main() -> ExitCode {
 fn run() -> Result<()> {
     let arguments = Arguments::parse();
     let gpu = Gpu::new(&AdapterChoice::from_flag(None))?;
-    if arguments.fingerprint {
-        return Ok(std::io::stdout().write_all(&fingerprint(&gpu)?)?);
+    if let Some(coupling) = arguments.fingerprint {
+        return Ok(std::io::stdout().write_all(&fingerprint(&gpu, &coupling)?)?);
     }
     if let Some(unknown) = arguments.stresses.iter().find(|name| STRESSES.iter().all(|stress| stress.name != **name)) {
         let known: Vec<_> = STRESSES.iter().map(|stress| stress.name).collect();
@@ -126,20 +126,23 @@ fn side_by_side(stresses: Vec<&'static Stress>, extent: Extent) -> Result<Vec<St
 
 /// The state after the same run with other numbers of the software adapter's threads, which it reads when its process begins.
 fn thread_counts() -> Result<Sweep> {
-    let state = |threads: &str| -> Result<Vec<u8>> {
+    let state = |coupling: &str, threads: &str| -> Result<Vec<u8>> {
         let mut own = Command::new(std::env::current_exe()?);
-        let output = own.arg("--fingerprint").env("LP_NUM_THREADS", threads).output()?;
+        let output = own.args(["--fingerprint", coupling]).env("LP_NUM_THREADS", threads).output()?;
         if output.status.success() {
             Ok(output.stdout)
         } else {
             Err(String::from_utf8_lossy(&output.stderr).into_owned().into())
         }
     };
-    let states = THREADS.iter().map(|threads| Ok((*threads, state(threads)?))).collect::<Result<Vec<_>>>()?;
-    let bytes = |other: &[u8]| {
-        let (own, len) = (&states[0].1, other.len());
-        own.iter().zip(other).filter(|(a, b)| a != b).count() + own.len().abs_diff(len)
-    };
-    let differing = states[1..].iter().map(|(threads, other)| (format!("LP_NUM_THREADS = {threads}"), bytes(other)));
+    let mut differing = Vec::new();
+    for coupling in couplings() {
+        let own = state(coupling, THREADS[0])?;
+        for threads in &THREADS[1..] {
+            let other = state(coupling, threads)?;
+            let bytes = own.iter().zip(&other).filter(|(a, b)| a != b).count() + own.len().abs_diff(other.len());
+            differing.push((format!("{coupling}, LP_NUM_THREADS = {threads}"), bytes));
+        }
+    }
     Ok(Sweep::of_counts("bytes of the state that differ from those of LP_NUM_THREADS = 0", differing))
 }

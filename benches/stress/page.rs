@@ -110,7 +110,7 @@ pub(crate) fn lines(stressed: &Stressed) -> String {
 fn worst(sweep: &Sweep) -> String {
     sweep.worst().map_or_else(
         || "nothing | | ".to_owned(),
-        |worst| format!("{} | {} | {}", value(sweep, worst.measured), place(worst), value(sweep, worst.bound)),
+        |worst| format!("{} | {} | {}", measured(sweep, worst), place(worst), in_unit(sweep, bound(worst.bound))),
     )
 }
 
@@ -124,11 +124,8 @@ fn holds(sweep: &Sweep) -> String {
 
 fn failures(sweep: &Sweep) -> String {
     let failing = sweep.samples.iter().filter(|sample| !sample.holds());
-    let named: Vec<_> = failing
-        .clone()
-        .take(NAMED)
-        .map(|sample| format!("{} {}", place(sample), value(sweep, sample.measured)))
-        .collect();
+    let named: Vec<_> =
+        failing.clone().take(NAMED).map(|sample| format!("{} {}", place(sample), measured(sweep, sample))).collect();
     let more = failing.count() - named.len();
     let more = if more > 0 { format!("; and {more} more") } else { String::new() };
     format!("{}{more}", named.join("; "))
@@ -145,12 +142,36 @@ fn place(sample: &Sample) -> String {
         .replace('\n', " ")
 }
 
-fn value(sweep: &Sweep, value: f64) -> String {
-    let number = match value {
-        value if value == f64::INFINITY => return "none".to_owned(),
-        value if value == value.round() && value.abs() < 1e6 => format!("{value}"),
-        value if (1e-3..1e4).contains(&value.abs()) => format!("{value:.3}"),
-        value => format!("{value:.2e}"),
-    };
-    if sweep.unit.is_empty() { number } else { format!("{number} {}", sweep.unit) }
+/// Significant digits of a value.
+const DIGITS: usize = 3;
+
+/// The value of a sample, with as many digits as show on which side of its bound it is.
+fn measured(sweep: &Sweep, sample: &Sample) -> String {
+    let as_bound = |text: &String| text.parse() == Ok(sample.bound) && sample.measured != sample.bound;
+    let number = (DIGITS..17).map(|digits| number(sample.measured, digits)).find(|text| !as_bound(text));
+    in_unit(sweep, number.unwrap_or_else(|| sample.measured.to_string()))
+}
+
+fn number(x: f64, digits: usize) -> String {
+    match x {
+        x if x == x.round() && x.abs() < 1e6 => format!("{x}"),
+        x if (1e-3..1e4).contains(&x.abs()) => {
+            let whole = x.abs().log10().floor() as i32 + 1;
+            format!("{x:.*}", usize::try_from(digits as i32 - whole).unwrap_or(0))
+        }
+        x => format!("{x:.*e}", digits - 1),
+    }
+}
+
+/// A bound as it is.
+fn bound(x: f64) -> String {
+    match x {
+        f64::INFINITY => "none".to_owned(),
+        x if x == 0.0 || x >= 1e-3 => format!("{x}"),
+        x => format!("{x:e}"),
+    }
+}
+
+fn in_unit(sweep: &Sweep, number: String) -> String {
+    if sweep.unit.is_empty() || number == bound(f64::INFINITY) { number } else { format!("{number} {}", sweep.unit) }
 }

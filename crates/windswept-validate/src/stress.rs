@@ -20,7 +20,10 @@ use glam::DVec3;
 use windswept::{Gpu, RunError, Simulation};
 use windswept_scene::{Scene, Strands};
 
-pub use self::{bits::fingerprint, long::memory};
+pub use self::{
+    bits::{couplings, fingerprint},
+    long::memory,
+};
 use crate::{
     Error, Row,
     air::{farthest, vectors},

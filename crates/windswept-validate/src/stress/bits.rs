@@ -1,6 +1,7 @@
 //! The same bits: twice, from a checkpoint, and whatever the size of a submit.
 
 use windswept::{Checkpoint, CheckpointError, Gpu, Simulation};
+use windswept_scene::Scene;
 
 use super::{COUPLINGS, Extent, Sweep, TUFT, has_air, scene};
 use crate::Error;
@@ -21,8 +22,7 @@ fn missing(error: CheckpointError) -> Error {
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut differing = Sweep::new("bytes of the state that differ", 0.0, "");
     for (coupling, keys) in extent.of(&COUPLINGS[..], &COUPLINGS[2..3]) {
-        let turbulent = if has_air(coupling) { BAND } else { &[] };
-        let scene = scene(TUFT, &[keys, turbulent])?;
+        let scene = turbulent(coupling, keys)?;
         let state = |run: &Way<'_>| -> Result<Vec<u8>, Error> {
             run(Simulation::new(gpu, &scene)?)?.to_bytes().map_err(missing)
         };
@@ -66,12 +66,25 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     Ok(vec![differing])
 }
 
+/// A tuft, in eddies where there is air.
+fn turbulent(coupling: &str, keys: &[&str]) -> Result<Scene, Error> {
+    scene(TUFT, &[keys, if has_air(coupling) { BAND } else { &[] }])
+}
+
+/// Couplings whose [`fingerprint`] can be taken, by name.
+pub fn couplings() -> impl Iterator<Item = &'static str> {
+    COUPLINGS.iter().map(|(name, _)| *name)
+}
+
 /// State of a run with everything in it, for comparison with that of another process.
 ///
 /// # Errors
-/// [`Error`] if the run cannot be.
-pub fn fingerprint(gpu: &Gpu) -> Result<Vec<u8>, Error> {
-    let mut simulation = Simulation::new(gpu, &scene(TUFT, &[BAND])?)?;
+/// [`Error`] if there is no such coupling, or the run cannot be.
+pub fn fingerprint(gpu: &Gpu, coupling: &str) -> Result<Vec<u8>, Error> {
+    let (name, keys) = COUPLINGS.iter().find(|(name, _)| *name == coupling).ok_or_else(|| {
+        Error::Missing(format!("no coupling {coupling:?}; there are {:?}", Vec::from_iter(couplings())))
+    })?;
+    let mut simulation = Simulation::new(gpu, &turbulent(name, keys)?)?;
     simulation.step(STEPS)?;
     simulation.to_bytes().map_err(missing)
 }

@@ -8,7 +8,7 @@ use crate::{
     air::{farthest, mean, vectors},
 };
 
-pub(super) const SWEPT: &str = "viscosity.hair 0 to 100; strength of a band 0 to 1000; 1 to 8 bands; 16 bodies; each model and \
+pub(super) const SWEPT: &str = "viscosity.hair 0 to 100; strength of a band 0 to 1000, of intensity 0.3 and 10; 1 to 8 bands; 16 bodies; each model and \
     fluid solver, those without particles of air with bodies only; wind of 3 m/s";
 
 /// Kinetic energy of the air, over that of its wind, which is beyond all bounds.
@@ -16,13 +16,17 @@ const WILD: f64 = 2.0;
 const LOOKS: u64 = 30;
 const STRIDE: u64 = 5;
 const WIND: f64 = 3.0;
+/// Intensity of a band, which limits the speed of its eddies: at the usual one the strength soon changes nothing more, at the other
+/// the limit is ten times the wind.
+const USUAL: f64 = 0.3;
+const INTENSE: f64 = 10.0;
 
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut energy = Sweep::new("largest kinetic energy of the air, over the wind's", WILD, "");
     let mut stretched = Sweep::new("largest stretch", 0.02, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
     for &(coupling, keys) in extent.of(&COUPLINGS[..], &[COUPLINGS[1], COUPLINGS[2], COUPLINGS[5]]) {
-        let asked = extent.of(dials(), vec![("a band of strength 1000".to_owned(), bands(1, 1000.0)), bodies()]);
+        let asked = extent.of(dials(), vec![("a band of strength 1000".to_owned(), bands(1, 1000.0, USUAL)), bodies()]);
         for (name, dial) in asked {
             // Viscosity and bands are those of particles of air.
             if !has_air(coupling) && name != bodies().0 {
@@ -49,9 +53,12 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
 fn dials() -> Vec<(String, String)> {
     let viscosities = [0.0, 1.4, 30.0, 100.0].map(|c| (format!("viscosity.hair {c}"), format!("viscosity.hair={c}")));
     let strengths =
-        [0.0, 3.0, 100.0, 1000.0].map(|strength| (format!("a band of strength {strength}"), bands(1, strength)));
-    let many = [2, 4, 8].map(|n| (format!("{n} bands of strength 30"), bands(n, 30.0)));
-    viscosities.into_iter().chain(strengths).chain(many).chain([bodies()]).collect()
+        [0.0, 3.0, 100.0, 1000.0].map(|strength| (format!("a band of strength {strength}"), bands(1, strength, USUAL)));
+    let intense = [3.0, 30.0, 100.0, 1000.0].map(|strength| {
+        (format!("a band of strength {strength} and intensity {INTENSE}"), bands(1, strength, INTENSE))
+    });
+    let many = [2, 4, 8].map(|n| (format!("{n} bands of strength 30"), bands(n, 30.0, USUAL)));
+    viscosities.into_iter().chain(strengths).chain(intense).chain(many).chain([bodies()]).collect()
 }
 
 /// Sixteen balls that stand in the hair.
@@ -63,7 +70,8 @@ fn bodies() -> (String, String) {
     ("16 bodies".to_owned(), format!("body=[{}]", (0..16).map(ball).collect::<Vec<_>>().join(", ")))
 }
 
-fn bands(n: usize, strength: f64) -> String {
-    let band = |k| format!("{{ scale = {}, strength = {strength}, intensity = 0.3 }}", 0.005 + 0.001 * k as f64);
+fn bands(n: usize, strength: f64, intensity: f64) -> String {
+    let band =
+        |k| format!("{{ scale = {}, strength = {strength}, intensity = {intensity} }}", 0.005 + 0.001 * k as f64);
     format!("turbulence.bands=[{}]", (0..n).map(band).collect::<Vec<_>>().join(", "))
 }

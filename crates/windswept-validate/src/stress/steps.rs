@@ -11,8 +11,6 @@ pub(super) const SWEPT: &str =
 
 /// Steps \[s\].
 const STEPS: [f64; 7] = [0.1e-3, 0.35e-3, 1.38e-3, 4e-3, 8.3e-3, 16.6e-3, 33e-3];
-/// The step whose rest the others are compared with \[s\].
-const USUAL_STEP: f64 = 1.38e-3;
 /// A longer step may stretch hair more \[s\].
 const LONG: f64 = 30e-3;
 /// Time in which hair comes to rest, and in which its shape is averaged after that: wind trembles \[s\].
@@ -34,9 +32,9 @@ const REST: &[&str] = &[
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut stretched = Sweep::new("largest stretch", 0.01, "").over("step [ms]");
     let mut resets = Sweep::new("strands reset", 0.0, "");
-    let mut still = Sweep::new("rest in still air, off that at 1.38 ms", 1e-3, "L").over("step [ms]");
-    let mut blown = Sweep::new("mean rest in wind, off that at 1.38 ms", 1e-3, "L").over("step [ms]");
-    let steps = extent.of(&STEPS[..], &[USUAL_STEP, 8.3e-3]);
+    let mut still = Sweep::new("rest in still air, off that at the farthest other step", 1e-3, "L").over("step [ms]");
+    let mut blown = Sweep::new("mean rest in wind, off that at the farthest other step", 1e-3, "L").over("step [ms]");
+    let steps = extent.of(&STEPS[..], &[1.38e-3, 8.3e-3]);
     for (coupling, keys) in extent.of(&COUPLINGS[..], &[COUPLINGS[0], COUPLINGS[2]]) {
         for (wind, apart) in [("0", &mut still), ("3", &mut blown)] {
             if wind != "0" && *coupling == "none" {
@@ -59,19 +57,26 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                     felt.stretch,
                 );
                 resets.add(&series, &setting, 1e3 * step, felt.resets);
-                let shape =
-                    if felt.ended.is_empty() { mean_shape(&mut simulation, count(WATCHED)) } else { Ok(Vec::new()) };
-                shapes.push((step, setting, shape.unwrap_or_default()));
+                let shape = felt.ended.is_empty().then(|| mean_shape(&mut simulation, count(WATCHED)).ok()).flatten();
+                shapes.push((1e3 * step, setting, shape));
             }
-            let usual = shapes.iter().find(|(step, ..)| *step == USUAL_STEP).map_or(&[][..], |(_, _, shape)| shape);
             for (step, setting, shape) in &shapes {
-                let off = shape.iter().zip(usual).map(|(a, b)| a.distance(*b) / LENGTH);
-                apart.add(*coupling, setting, 1e3 * step, farthest(off, 0.0));
+                let others = shapes.iter().filter(|(other, ..)| other != step);
+                // A shape that could not be had is as far as can be.
+                let off =
+                    others.map(|(other, _, of)| (shape.as_ref().zip(of.as_ref()).map_or(f64::NAN, apart_by), other));
+                let (off, other) = off.reduce(|a, b| if b.0 <= a.0 { a } else { b }).unwrap_or((f64::NAN, step));
+                apart.add(*coupling, format!("{setting}, off {other} ms"), *step, off);
             }
         }
     }
     let blown = (!blown.samples.is_empty()).then_some(blown);
     Ok([stretched, resets, still].into_iter().chain(blown).collect())
+}
+
+/// Largest distance of a point in one shape from the same point in another \[L\].
+fn apart_by((a, b): (&Vec<DVec3>, &Vec<DVec3>)) -> f64 {
+    farthest(a.iter().zip(b).map(|(a, b)| a.distance(*b) / LENGTH), 0.0)
 }
 
 /// Mean of the points over so many steps \[m\].

@@ -6,7 +6,7 @@ use glam::DVec3;
 use windswept::{Gpu, Simulation};
 use windswept_scene::InitialState;
 
-use super::{COUPLINGS, Extent, Felt, Sweep, USUAL, points, scene, stretch_of, undriven, watch};
+use super::{COUPLINGS, Extent, Felt, Sweep, USUAL, points, scene, stretch_of, watch};
 use crate::{
     Error,
     air::farthest,
@@ -77,7 +77,7 @@ const FEW: usize = 8;
 const SOON: u64 = 1500;
 
 /// Strands in still air, farther than a kernel radius from one another: how far from a chain of links' the tip of each comes to
-/// rest \[L\], and its stretch then beyond that of its weight.
+/// rest \[L\], and its largest stretch on the way beyond that of its weight.
 fn in_still_air(gpu: &Gpu, keys: &[&str], bends: &[f64]) -> Result<(Felt, Vec<(f64, f64)>), Error> {
     let depth = 0.012 * bends.len().max(3) as f64;
     let group = |(i, bend): (usize, &f64)| {
@@ -103,13 +103,21 @@ fn in_still_air(gpu: &Gpu, keys: &[&str], bends: &[f64]) -> Result<(Felt, Vec<(f
     (0..bends.len()).for_each(|s| initial.hair.turn_clamp(s, Rod::level(1.0, FEW).root_frame));
     let hair = initial.hair.clone();
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
-    let felt = watch(&mut simulation, 1, SOON, undriven);
-    let x = points(&simulation)?;
+    let mut most = vec![0.0; bends.len()];
+    let mut look = |simulation: &Simulation| {
+        let x = points(simulation)?;
+        for (s, most) in most.iter_mut().enumerate() {
+            *most = farthest([*most, stretch_of(&hair, s, &x)], 0.0);
+        }
+        Ok(x)
+    };
+    let felt = watch(&mut simulation, LOOKS, SOON / LOOKS, |simulation, _| look(simulation).map(drop));
+    let x = look(&simulation)?;
     let tension = LINE_DENSITY * GRAVITY * SHORT / STRETCH;
     let strands = bends.iter().enumerate().map(|(s, bend)| {
         let own = hair.points(s);
         let tip = (x[own.end - 1] - x[own.start]) / SHORT;
-        (tip.distance(chain_tip(GAMMA / bend, FEW)), stretch_of(&hair, s, &x) - tension)
+        (tip.distance(chain_tip(GAMMA / bend, FEW)), most[s] - tension)
     });
     Ok((felt, strands.collect()))
 }
