@@ -24,7 +24,7 @@ pub fn run(s: &mut State, mut w: Scratch, p: &Parameters) -> Result<(), Frozen> 
 }
 
 /// Nothing is faster \[m/s\].
-pub(crate) const FAST: f64 = 1e6;
+pub const FAST: f64 = 1e6;
 
 /// Number of strands that may become non-finite in one step: 3, or 1 % of them if that is more.
 #[must_use]
