@@ -49,7 +49,8 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     // The scene's own warnings were given at the start.
     let given = &simulation.initial().warnings;
     for (cause, count) in report.warnings.iter().filter(|(cause, _)| !given.contains(cause)) {
-        console.warn(format_args!("{cause}: {count}"));
+        let meaning = windswept::warning_meaning(cause).map(|meaning| format!(" ({meaning})")).unwrap_or_default();
+        console.warn(format_args!("{cause}: {count}{meaning}"));
     }
     let done = format!(
         "{}: {} frames, {} of {steps} steps in {:.1} s{}",

@@ -15,6 +15,19 @@ const WARNINGS: [(u32, &str); 5] = [
     (HAIR_OUTSIDE, "hair_outside_box"),
     (EXCHANGE_LIMITED, "exchange_limited"),
 ];
+
+/// What is counted under a key of the report's `warnings`, for people; `None` of another key.
+#[must_use]
+pub fn warning_meaning(key: &str) -> Option<&'static str> {
+    let (counter, _) = WARNINGS.iter().find(|(_, name)| *name == key)?;
+    Some(match *counter {
+        STRAND_RESET => "times that a strand was not finite and was put into its rest shape",
+        MOVE_CAPPED => "times that a hair point would have moved too far in a step and was held back",
+        OVER_STRAINED => "strands of which a segment was 5 % too long or too short for 50 steps on end",
+        HAIR_OUTSIDE => "steps in which more than 5 % of the hair had been outside the box of air for 0.1 s",
+        _ => "times that the drag between a hair point and its air was limited, which it is where it would overshoot",
+    })
+}
 /// Counters of how strands were stepped; keys of the report's `strand_steps`.
 const STRAND_STEPS: [(u32, &str); 5] = [
     (EULER_STEP, "euler_steps"),
