@@ -25,7 +25,7 @@ use std::{
 
 use clap::Parser;
 use windswept::{AdapterChoice, Gpu};
-use windswept_validate::stress::{Extent, STRESSES, Stress, Sweep, couplings, fingerprint, memory};
+use windswept_validate::stress::{Extent, STRESSES, Stress, Sweep, couplings, differing_bytes, fingerprint, memory};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -140,8 +140,7 @@ fn thread_counts() -> Result<Sweep> {
         let own = state(coupling, THREADS[0])?;
         for threads in &THREADS[1..] {
             let other = state(coupling, threads)?;
-            let bytes = own.iter().zip(&other).filter(|(a, b)| a != b).count() + own.len().abs_diff(other.len());
-            differing.push((format!("{coupling}, LP_NUM_THREADS = {threads}"), bytes));
+            differing.push((format!("{coupling}, LP_NUM_THREADS = {threads}"), differing_bytes(&own, &other)));
         }
     }
     Ok(Sweep::of_counts("bytes of the state that differ from those of LP_NUM_THREADS = 0", differing))

@@ -178,7 +178,8 @@ fn check_is_that_of_the_twin() {
         let initial = support::particles(n, n / 3, support::Layout::Random, 10);
         let (strands, air) = (initial.hair.len(), initial.air.positions.len());
         let limit = guard::bad_strand_limit(strands);
-        // Particle of air whose position is lost, one with a velocity that it cannot or just can have, strands that are, and whether the list is too short.
+        // Particle of air whose position is lost; one with a velocity that no particle can have, or that it just can have; number of
+        // strands that are lost; whether the list is too short.
         let cases = [
             (None, None, 0, false),
             (Some(air / 2), None, 0, false),
@@ -240,10 +241,8 @@ fn check_is_that_of_the_twin() {
                 // The scratch arrays mean nothing.
                 assert_eq!(status.causes, NEIGHBOUR_OVERFLOW, "{what}");
             } else {
-                let lost = place
-                    .into_iter()
-                    .chain(speed.filter(|(_, speed)| speed.is_nan() || speed.abs() > 1e6).map(|(i, _)| i))
-                    .min();
+                let too_fast = speed.filter(|(_, speed)| speed.is_nan() || speed.abs() > guard::FAST);
+                let lost = place.into_iter().chain(too_fast.map(|(i, _)| i)).min();
                 let air = lost.map_or(0, |_| NON_FINITE_AIR);
                 let hair = if bad > limit { TOO_MANY_BAD_STRANDS } else { 0 };
                 assert_eq!(status.causes, air | hair, "{what}");

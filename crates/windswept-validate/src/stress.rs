@@ -21,7 +21,7 @@ use windswept::{Gpu, RunError, Simulation};
 use windswept_scene::{Scene, Strands};
 
 pub use self::{
-    bits::{couplings, fingerprint},
+    bits::{couplings, differing_bytes, fingerprint},
     long::memory,
 };
 use crate::{

@@ -7,27 +7,22 @@ use windswept_shaders::common::status::{
     OVER_STRAINED, QUIET_STEP, RESCUED_STEP, STRAND_RESET, Status, TELEPORT,
 };
 
-/// Counters of what a user should know; keys of the report's `warnings`.
-const WARNINGS: [(u32, &str); 5] = [
-    (STRAND_RESET, "strand_reset"),
-    (MOVE_CAPPED, "move_capped"),
-    (OVER_STRAINED, "over_strained"),
-    (HAIR_OUTSIDE, "hair_outside_box"),
-    (EXCHANGE_LIMITED, "exchange_limited"),
+/// Counters of what a user should know: keys of the report's `warnings`, and what each counts.
+const WARNINGS: [(u32, &str, &str); 5] = [
+    (STRAND_RESET, "strand_reset", "times that a strand was not finite and was put into its rest shape"),
+    (MOVE_CAPPED, "move_capped", "times that a hair point would have moved too far in a step and was held back"),
+    (OVER_STRAINED, "over_strained", "strands of which a segment was 5 % too long or too short for 50 steps on end"),
+    (
+        HAIR_OUTSIDE,
+        "hair_outside_box",
+        "steps in which more than 5 % of the hair had been outside the box of air for 0.1 s",
+    ),
+    (
+        EXCHANGE_LIMITED,
+        "exchange_limited",
+        "times that the drag between a hair point and its air was limited, so as not to overshoot",
+    ),
 ];
-
-/// What is counted under a key of the report's `warnings`, for people; `None` of another key.
-#[must_use]
-pub fn warning_meaning(key: &str) -> Option<&'static str> {
-    let (counter, _) = WARNINGS.iter().find(|(_, name)| *name == key)?;
-    Some(match *counter {
-        STRAND_RESET => "times that a strand was not finite and was put into its rest shape",
-        MOVE_CAPPED => "times that a hair point would have moved too far in a step and was held back",
-        OVER_STRAINED => "strands of which a segment was 5 % too long or too short for 50 steps on end",
-        HAIR_OUTSIDE => "steps in which more than 5 % of the hair had been outside the box of air for 0.1 s",
-        _ => "times that the drag between a hair point and its air was limited, which it is where it would overshoot",
-    })
-}
 /// Counters of how strands were stepped; keys of the report's `strand_steps`.
 const STRAND_STEPS: [(u32, &str); 5] = [
     (EULER_STEP, "euler_steps"),
@@ -86,13 +81,13 @@ pub fn max_stretch(status: &Status) -> f32 {
 /// How often each cause for a warning acted; causes that never acted are left out.
 #[must_use]
 pub fn warnings(status: &Status) -> BTreeMap<String, u64> {
-    named(status, &WARNINGS).filter(|(_, count)| *count > 0).collect()
+    named(status, WARNINGS.iter().map(|(counter, key, _)| (*counter, *key))).filter(|(_, count)| *count > 0).collect()
 }
 
 /// How many steps of strands went otherwise than by a solve of the integrator asked for, by how; 2³² − 1 at most.
 #[must_use]
 pub fn strand_steps(status: &Status) -> BTreeMap<String, u64> {
-    named(status, &STRAND_STEPS).collect()
+    named(status, STRAND_STEPS).collect()
 }
 
 /// Steps in which the limit of the confinement acted on some particle; 2³² − 1 at most.
@@ -101,6 +96,15 @@ pub fn confinement_limited_steps(status: &Status) -> u64 {
     status.counted[CONFINEMENT_LIMITED as usize].into()
 }
 
-fn named(status: &Status, counters: &[(u32, &str)]) -> impl Iterator<Item = (String, u64)> {
-    counters.iter().map(|(counter, name)| ((*name).to_owned(), status.counted[*counter as usize].into()))
+/// What is counted under a key of the report's `warnings`, for people; `None` of another key.
+#[must_use]
+pub fn warning_meaning(key: &str) -> Option<&'static str> {
+    WARNINGS.iter().find(|(_, name, _)| *name == key).map(|(_, _, meaning)| *meaning)
+}
+
+fn named(
+    status: &Status,
+    counters: impl IntoIterator<Item = (u32, &'static str)>,
+) -> impl Iterator<Item = (String, u64)> {
+    counters.into_iter().map(|(counter, key)| (key.to_owned(), status.counted[counter as usize].into()))
 }

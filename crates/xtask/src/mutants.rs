@@ -173,7 +173,7 @@ impl Part {
         command.args(["--sharding", "round-robin", "--shard", shard]).arg("--output").arg(&out);
         command.args(self.mutable()).args(self.chosen("--test-package")).arg("--").args(self.tests);
         let status = command.status().map_err(|e| format!("{} did not start: {e}", line(&command)))?;
-        let tried = Tried { of_part, ..Tried::read(&out.join("mutants.out"))? };
+        let tried = Tried::read(&out.join("mutants.out"), of_part)?;
         // 2: some survive; 3: some do not end. A run that is stopped ends otherwise, and has tried some.
         if !matches!(status.code(), Some(0 | 2 | 3)) && tried.all() == 0 {
             return Err(format!("{} ended with {status}", line(&command)));
@@ -184,7 +184,7 @@ impl Part {
 
 impl Tried {
     /// What cargo-mutants left in its folder.
-    fn read(folder: &Path) -> Result<Self> {
+    fn read(folder: &Path, of_part: usize) -> Result<Self> {
         let lines = |name: &str| -> Result<Vec<String>> {
             let path = folder.join(name);
             let text = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
@@ -196,7 +196,7 @@ impl Tried {
             not_built: lines("unviable.txt")?.len(),
             survivors: lines("missed.txt")?,
             to_try: lines("mutants.json")?.iter().filter(|row| row.trim_start().starts_with("\"genre\":")).count(),
-            of_part: 0,
+            of_part,
         })
     }
 

@@ -328,7 +328,7 @@ mod tests {
             assert_eq!((times.len(), times[k], finished), (k + 1, k as f64, k as i64 + 1));
         }
         structure::check(&path).unwrap();
-        // So many chunks that a node of their B-tree does not hold them.
+        // 70 chunks: a node of their B-tree holds 64.
         layout.times.resize(70 * CHUNK).unwrap();
         layout.cut(CHUNK + 1).unwrap();
         layout.times.resize(70 * CHUNK).unwrap();

@@ -30,19 +30,20 @@ impl VtkHdfReader {
     pub fn open(path: impl AsRef<Path>) -> std::result::Result<Self, ExportError> {
         let path = path.as_ref();
         let refused = |reason: String| ExportError::File { path: path.into(), doing: "could not be read", reason };
+        let foreign = |fault: String| refused(format!("expected a film as windswept writes it: {fault}"));
         // HDF5's words for a missing file are a page.
         let found = std::fs::metadata(path).map_err(|e| refused(e.to_string()))?;
         // A pipe may never end.
         if !found.is_file() {
             return Err(refused("it is no file".to_owned()));
         }
-        structure::check(path).map_err(|fault| refused(format!("{fault}: windswept did not write this")))?;
+        structure::check(path).map_err(foreign)?;
         let reader = Self::read_layout(path).map_err(|e| match is_locked(&e) {
             true => refused("another run is writing here".to_owned()),
             false => failed(path, "could not be read", &e),
         })?;
         match reader.fault() {
-            Some(fault) => Err(refused(format!("{fault}: windswept did not write this"))),
+            Some(fault) => Err(foreign(fault)),
             None => Ok(reader),
         }
     }

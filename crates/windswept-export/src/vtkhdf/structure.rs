@@ -58,7 +58,7 @@ pub(super) fn check(path: &Path) -> Result {
 /// A film, as far as it has been followed.
 struct Film {
     file: File,
-    /// Its length \[bytes\].
+    /// Length of the file \[bytes\].
     end: u64,
     /// Where all that was found begins, and where it ends.
     taken: BTreeMap<u64, u64>,
@@ -352,7 +352,7 @@ fn number<const BYTES: u64>(bytes: &[u8], at: u64) -> Result<u64> {
     Ok(piece(bytes, at, BYTES)?.0.iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte)))
 }
 
-/// So many bytes at a place, and those behind them.
+/// `length` bytes from `at` on, and the bytes behind them.
 fn piece(bytes: &[u8], at: u64, length: u64) -> Result<(&[u8], &[u8])> {
     let place = usize::try_from(at).ok().zip(usize::try_from(length).ok());
     let parts = place.and_then(|(at, length)| bytes.get(at..)?.split_at_checked(length));

@@ -59,11 +59,17 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
         ];
         for (way, run) in ways {
             let other = state(run)?;
-            let bytes = once.iter().zip(&other).filter(|(a, b)| a != b).count() + once.len().abs_diff(other.len());
+            let bytes = differing_bytes(&once, &other);
             differing.add(*coupling, way, f64::NAN, bytes as f64);
         }
     }
     Ok(vec![differing])
+}
+
+/// How many bytes of two states differ; one that is longer differs by what it has more.
+#[must_use]
+pub fn differing_bytes(one: &[u8], other: &[u8]) -> usize {
+    one.iter().zip(other).filter(|(a, b)| a != b).count() + one.len().abs_diff(other.len())
 }
 
 /// A tuft, in eddies where there is air.

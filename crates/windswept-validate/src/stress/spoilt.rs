@@ -3,7 +3,7 @@
 use windswept::{Gpu, Simulation};
 use windswept_shaders::common::rod::SPOILT;
 
-use super::{COUPLINGS, Extent, Sweep, TUFT, USUAL, points, reason, scene, stretch};
+use super::{COUPLINGS, Extent, Sweep, TUFT, USUAL, differing_bytes, points, reason, scene, stretch};
 use crate::Error;
 
 pub(super) const SWEPT: &str =
@@ -85,8 +85,7 @@ fn differing(one: &Simulation, other: &Simulation) -> Result<(String, usize), Er
     found.reset_first = a.status()?.reset_first;
     b.set_status(&found)?;
     for array in a.state().lasting() {
-        let (own, hers) = (a.read_bytes(&array)?, b.read_bytes(&array)?);
-        let differing = own.iter().zip(&hers).filter(|(a, b)| a != b).count() + own.len().abs_diff(hers.len());
+        let differing = differing_bytes(&a.read_bytes(&array)?, &b.read_bytes(&array)?);
         if differing > 0 {
             names += &format!(", {}", array.name());
         }
