@@ -23,6 +23,7 @@ use naga::{
 };
 
 use layout::Structs;
+use software::Textures;
 use source::Source;
 use table::Table;
 
@@ -84,19 +85,21 @@ fn build() -> Result<()> {
             fs::write(out.join(&target), &plain)?;
             other = Some(target);
         }
-        let mut software = None;
-        let linked = link(&root, &name, &["subgroups", "software"])?;
-        let (module_in_software, info_in_software) = validate(&name, &linked)?;
-        if let Some((text, places)) =
-            software::text_for_software(&name, &linked, &module_in_software, &info_in_software, &mut elsewhere)
-                .map_err(|error| format!("shaders/{name}.wgsl: for software adapters: {error}"))?
-        {
-            validate(&name, &text)?;
-            let target = format!("{}_software.wgsl", name.replace('/', "_"));
-            fs::write(out.join(&target), &text)?;
-            software = Some((target, places));
+        let mut software = Textures::BOTH.map(|_| None);
+        for (textures, software) in Textures::BOTH.into_iter().zip(&mut software) {
+            let linked = link(&root, &name, textures.features())?;
+            let (module, info) = validate(&name, &linked)?;
+            if let Some((text, places)) =
+                software::text_for_software(textures, &name, &linked, &module, &info, &mut elsewhere)
+                    .map_err(|error| format!("shaders/{name}.wgsl: for software adapters: {error}"))?
+            {
+                validate(&name, &text)?;
+                let target = format!("{}_{}.wgsl", name.replace('/', "_"), textures.suffix());
+                fs::write(out.join(&target), &text)?;
+                *software = Some((target, places));
+            }
         }
-        table.pass(source, &target, other.as_deref(), software, &module, &info)?;
+        table.pass(source, &target, other.as_deref(), &software, &module, &info)?;
     }
     software::all_found(&elsewhere)?;
     fs::write(out.join("shaders.rs"), table.write(&sources, &structs)?)?;
@@ -129,9 +132,9 @@ impl wesl::Resolver for Files<'_> {
     }
 }
 
-/// Features of the shaders: `subgroups`, their operations; `software`, lanes of a subgroup that need no barrier (`common/lanes.wgsl`), and
-/// arrays that are read as they were before the dispatch (`software.rs`).
-const FEATURES: [&str; 2] = ["subgroups", "software"];
+/// Features of the shaders: `subgroups`, their operations; `software`, lanes of a subgroup that need no barrier (`common/lanes.wgsl`);
+/// `copies`, arrays that are read as they were before the dispatch (`software.rs`).
+const FEATURES: [&str; 3] = ["subgroups", "software", "copies"];
 
 /// The shader with everything that it imports, and nothing else, under the names as they are written; with these features.
 fn link(root: &Path, name: &str, features: &[&str]) -> Result<String> {

@@ -3,10 +3,14 @@
 //! Mesa's software driver reads a storage buffer lane by lane. It reads a read-only storage texture eight lanes at once, some ten times
 //! as fast, and a constant place of a uniform once for all. A texture has the words of an array in texels of one, two or four, row by row;
 //! an element of more words takes several texels. Texels and the uniforms' words hold bits, and a load turns them into what the shader
-//! reads, so that both texts of a pass give the same bits.
+//! reads, so that all texts of a pass give the same bits.
 //!
-//! Some passes read an array that they also write, and no element of it after they have written it. They read a texture beside the
-//! buffer that they write. A pass that does so only within a part of its work is dispatched for each part (`Recorder::repeat_in_software`).
+//! A texture is a copy of the array's buffer. Where the processor reads storage buffers quickly, only arrays from which passes gather
+//! are worth it, and each pass has a text for such processors ([`Textures::Gathered`]).
+//!
+//! In the other text ([`Textures::All`]) some passes read an array that they also write, and no element of it after they have written
+//! it. They read a texture beside the buffer that they write. A pass that does so only within a part of its work is dispatched for each
+//! part (`Recorder::repeat_on_copies`).
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,75 +24,80 @@ use crate::Result;
 /// Bytes of a row of texels in every texture.
 pub(crate) const ROW: u32 = 32768;
 
-/// Names, as shaders bind them, of the arrays that passes read as textures: those of which a step reads most.
-const ARRAYS: [&str; 61] = [
-    "air_id",
-    "angular_velocity",
+/// Names, as shaders bind them, of the arrays that passes gather from: their elements are read several times. They are textures on
+/// every software adapter.
+const GATHERED: [&str; 34] = [
     "band_velocity",
-    "brought",
     "cell_count",
-    "cell_place",
     "cell_rows",
     "cell_start",
-    "clamps",
-    "coarse_change",
-    "confinement",
-    "correction",
     "curvature",
     "density",
     "deposited",
     "distances",
-    "drag_impulse",
     "exchange",
-    "felt_shift",
     "field",
     "final_velocity",
     "flow",
     "flow_position",
     "gradients",
-    "grip",
-    "hair_force",
     "inverse_mass",
     "members",
     "multiplier",
     "neighbour_list",
     "new_velocity",
-    "next_air_id",
     "nodes",
-    "orientation",
-    "point_history",
-    "points",
     "position",
     "predicted",
-    "pressed",
-    "pressed_before",
-    "rod_points",
-    "rod_segments",
-    "rod_strands",
     "rubbing",
     "sampled",
-    "scattered",
-    "segment_history",
-    "segments",
-    "shift",
     "smoothed",
     "smoother",
     "smoother_curvature",
     "sorted",
     "sorted_position",
     "squeezed",
-    "strands",
     "stress",
     "taps",
     "velocity",
     "vorticity",
+];
+
+/// Names of the arrays of which passes read each element about once. They are textures where storage buffers are read slowly.
+const STREAMED: [&str; 27] = [
+    "air_id",
+    "angular_velocity",
+    "brought",
+    "cell_place",
+    "clamps",
+    "coarse_change",
+    "confinement",
+    "correction",
+    "drag_impulse",
+    "felt_shift",
+    "grip",
+    "hair_force",
+    "next_air_id",
+    "orientation",
+    "point_history",
+    "points",
+    "pressed",
+    "pressed_before",
+    "rod_points",
+    "rod_segments",
+    "rod_strands",
+    "scattered",
+    "segment_history",
+    "segments",
+    "shift",
+    "strands",
     "wind_change",
 ];
 
 /// Names of the arrays that have so few elements that they are uniforms, and how many elements those are.
 const FEW: [(&str, u32); 3] = [("lack", 1), ("coarse_mean", 1), ("mean_confinement", 2)];
 
-/// Passes that read no element of an array after they have written it.
+/// Passes that read no element of an array after they have written it. They read a texture of it where storage buffers are read slowly.
 const READ_FIRST: [&str; 19] = [
     "coarse/push",
     "contact/air",
@@ -127,9 +136,42 @@ pub(crate) enum Place {
     Beside(u32, u32),
 }
 
+/// Which arrays a text reads from textures, as the table has them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Textures {
+    All,
+    Gathered,
+}
+
+impl Textures {
+    /// In the order of the table.
+    pub(crate) const BOTH: [Self; 2] = [Self::All, Self::Gathered];
+
+    /// What the files of such texts are called, after the pass.
+    pub(crate) fn suffix(self) -> &'static str {
+        match self {
+            Self::All => "software",
+            Self::Gathered => "software_gathers",
+        }
+    }
+
+    /// Features of the shaders in such texts.
+    pub(crate) fn features(self) -> &'static [&'static str] {
+        match self {
+            Self::All => &["subgroups", "software", "copies"],
+            Self::Gathered => &["subgroups", "software"],
+        }
+    }
+
+    fn has(self, array: &str) -> bool {
+        GATHERED.contains(&array) || (self == Self::All && STREAMED.contains(&array))
+    }
+}
+
 /// The text of a pass for software adapters, and what is in another place there, by the numbers of the bindings; `None` where
 /// nothing is. Names of what is are added to `found`, and so is that of a pass of [`READ_FIRST`].
 pub(crate) fn text_for_software(
+    textures: Textures,
     pass: &str,
     text: &str,
     module: &Module,
@@ -142,7 +184,7 @@ pub(crate) fn text_for_software(
         let AddressSpace::Storage { access } = variable.space else { continue };
         let uses = info.get_entry_point(0)[handle];
         let written = uses.contains(GlobalUse::WRITE);
-        let reads_first = uses.contains(GlobalUse::READ) && READ_FIRST.contains(&pass);
+        let reads_first = textures == Textures::All && uses.contains(GlobalUse::READ) && READ_FIRST.contains(&pass);
         if uses.contains(GlobalUse::ATOMIC) || (written && !reads_first) {
             continue;
         }
@@ -161,7 +203,7 @@ pub(crate) fn text_for_software(
                 let kind = type_name(module, *base)?;
                 (format!("{before}var<uniform> {name}: array<{kind}, {count}>;{after}"), Place::Few(count))
             }
-            (TypeInner::Array { base, size: ArraySize::Dynamic, stride }, None) if ARRAYS.contains(&name) => {
+            (TypeInner::Array { base, size: ArraySize::Dynamic, stride }, None) if textures.has(name) => {
                 let (before, after, texel) = (loaded(before, name)?, loaded(after, name)?, texel(*stride));
                 let load = load(name, module, *base, *stride)?;
                 let texture = format!("var {name}_texels: texture_storage_2d<{}, read>;\n\n{load}", format_of(texel));
@@ -184,9 +226,9 @@ pub(crate) fn text_for_software(
     Ok((!places.is_empty()).then_some((text, places)))
 }
 
-/// An error if a name of [`ARRAYS`], [`FEW`] or [`READ_FIRST`] was of no use: it may have been renamed.
+/// An error if a name of [`GATHERED`], [`STREAMED`], [`FEW`] or [`READ_FIRST`] was of no use: it may have been renamed.
 pub(crate) fn all_found(found: &BTreeSet<String>) -> Result<()> {
-    let mut names = ARRAYS.into_iter().chain(FEW.map(|(name, _)| name)).chain(READ_FIRST);
+    let mut names = GATHERED.into_iter().chain(STREAMED).chain(FEW.map(|(name, _)| name)).chain(READ_FIRST);
     match names.find(|name| !found.contains(*name)) {
         Some(name) => Err(format!("shaders/build/software.rs: no array or pass {name} is read elsewhere").into()),
         None => Ok(()),

@@ -28,20 +28,22 @@ pub(crate) struct Table {
 
 impl Table {
     /// Adds a pass of the step: its text in `target`, in `plain` without subgroup operations, in `software` for software
-    /// adapters, with these bindings in other places.
+    /// adapters with all textures and with those that are gathered from, with these bindings in other places.
     pub(crate) fn pass(
         &mut self,
         source: &Source,
         target: &str,
         plain: Option<&str>,
-        software: Option<(String, BTreeMap<u32, Place>)>,
+        software: &[Option<(String, BTreeMap<u32, Place>)>; 2],
         module: &Module,
         info: &ModuleInfo,
     ) -> Result<()> {
         let file = |target: &str| format!("include_str!(concat!(env!(\"OUT_DIR\"), \"/{target}\"))");
-        let plain = plain.map_or_else(|| "None".to_owned(), |plain| format!("Some({})", file(plain)));
-        let (software, places) = software.unwrap_or_default();
-        let software = if software.is_empty() { "None".to_owned() } else { format!("Some({})", file(&software)) };
+        let text =
+            |target: Option<&str>| target.map_or_else(|| "None".to_owned(), |target| format!("Some({})", file(target)));
+        let plain = text(plain);
+        let [all, gathered] =
+            software.each_ref().map(|software| text(software.as_ref().map(|(target, _)| target.as_str())));
         let name = source.name();
         let fault = |what: &str| format!("shaders/{name}.wgsl: {what}");
         let [entry] = module.entry_points.as_slice() else {
@@ -73,18 +75,22 @@ impl Table {
             let buffer = |kind: &str| format!("buffer: Some(BufferKind::{kind})");
             let texture =
                 |number: &u32, texel: &u32| format!("texture: Some(Texture {{ binding: {number}, texel: {texel} }})");
-            let in_software = match places.get(&binding.binding) {
-                None => format!("{}, texture: None", buffer(kind)),
-                Some(Place::Uniform | Place::Few(_)) => format!("{}, texture: None", buffer("Uniform")),
-                Some(Place::Texture(texel)) => format!("buffer: None, {}", texture(&binding.binding, texel)),
-                Some(Place::Beside(number, texel)) => format!("{}, {}", buffer(kind), texture(number, texel)),
-            };
-            let few = match places.get(&binding.binding) {
+            let places = software.each_ref().map(|software| software.as_ref()?.1.get(&binding.binding));
+            let [in_all, in_gathered] = places.map(|place| {
+                let (buffer, texture) = match place {
+                    None => (buffer(kind), "texture: None".to_owned()),
+                    Some(Place::Uniform | Place::Few(_)) => (buffer("Uniform"), "texture: None".to_owned()),
+                    Some(Place::Texture(texel)) => ("buffer: None".to_owned(), texture(&binding.binding, texel)),
+                    Some(Place::Beside(number, texel)) => (buffer(kind), texture(number, texel)),
+                };
+                format!("InSoftware {{ {buffer}, {texture} }}")
+            });
+            let few = match places[0] {
                 Some(Place::Few(count)) => Some(count),
                 _ => None,
             };
             let row = format!(
-                "Binding {{ binding: {}, name: {:?}, kind: BufferKind::{kind}, reads: {read}, writes: {written}, stride: {stride}, in_software: InSoftware {{ {in_software} }}, few: {few:?} }}",
+                "Binding {{ binding: {}, name: {:?}, kind: BufferKind::{kind}, reads: {read}, writes: {written}, stride: {stride}, in_software: [{in_all}, {in_gathered}], few: {few:?} }}",
                 binding.binding,
                 variable.name.clone().unwrap_or_default(),
             );
@@ -102,7 +108,7 @@ impl Table {
         writeln!(text, "{}pub static {constant}: Pass = Pass {{", doc(&source.title))?;
         writeln!(
             text,
-            "name: {name:?}, workgroup: {workgroup}, asks_for_meshes: {meshes}, source: {}, source_without_subgroups: {plain}, source_for_software: {software},",
+            "name: {name:?}, workgroup: {workgroup}, asks_for_meshes: {meshes}, source: {}, source_without_subgroups: {plain}, sources_for_software: [{all}, {gathered}],",
             file(target)
         )?;
         let Operations { invocation, own_batch, other_batch, more } = operations(module, info);

@@ -58,12 +58,12 @@ const QUIET: f32 = 1e-6;     // residual below which a strand need not be solved
 const GIVE: f32 = 2e-7;
 const ONE = mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
 
-// Newton steps of one dispatch. The text for software adapters reads copies of what it writes, and so takes one.
-@if(software)
+// Newton steps of one dispatch. A text that reads copies of what it writes takes one.
+@if(copies)
 fn newton_steps() -> u32 {
     return 1u;
 }
-@if(!software)
+@if(!copies)
 fn newton_steps() -> u32 {
     return params.newton_steps;
 }

@@ -17,9 +17,9 @@ pub struct Pass {
     pub source: &'static str,
     /// The text for devices without subgroups of at least eight lanes, where `source` has subgroup operations.
     pub source_without_subgroups: Option<&'static str>,
-    /// The text for software adapters, with subgroup operations: some of what the pass only reads lies in uniforms and read-only
-    /// storage textures there. `None` where nothing does.
-    pub source_for_software: Option<&'static str>,
+    /// The texts for software adapters, one for each of [`Textures`], with subgroup operations: some of what the pass only reads lies in
+    /// uniforms and read-only storage textures there. `None` where nothing does.
+    pub sources_for_software: [Option<&'static str>; 2],
     /// Whether the text has the switch [`MESHES`].
     pub asks_for_meshes: bool,
     /// Invocations per workgroup.
@@ -44,6 +44,15 @@ pub struct Operations {
     pub more: bool,
 }
 
+/// Which arrays the texts for software adapters read from textures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Textures {
+    /// All of which a step reads much: for processors that read storage buffers slowly.
+    All,
+    /// Those from which passes gather: for processors that read storage buffers quickly.
+    Gathered,
+}
+
 /// A buffer that a pass binds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Binding {
@@ -59,9 +68,9 @@ pub struct Binding {
     pub writes: bool,
     /// Size of an element, or of the struct \[bytes\].
     pub stride: u32,
-    /// Where `source_for_software` has it.
-    pub in_software: InSoftware,
-    /// How many elements `source_for_software` declares, where it has a uniform array in place of one of any length.
+    /// Where each of `sources_for_software` has it.
+    pub in_software: [InSoftware; 2],
+    /// How many elements `sources_for_software` declare, where they have a uniform array in place of one of any length.
     pub few: Option<u64>,
 }
 

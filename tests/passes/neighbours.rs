@@ -3,11 +3,11 @@
 
 use glam::{DVec3, IVec3, Vec3};
 use windswept::{
-    Gpu, RunError,
+    Gpu, PassTexts, RunError,
     internals::{
         Engine, Plan, Setup,
         clusters::{self, Cluster, Seen},
-        step, with_sources, without_subgroups,
+        step, with_sources, with_texts,
     },
 };
 use windswept_reference::{Parameters, neighbours, step::Scratch};
@@ -297,7 +297,7 @@ fn neighbours_are_those_of_the_pair_test() {
 /// A device without subgroup operations has other texts of the passes.
 #[test]
 fn neighbours_are_the_same_without_subgroups() {
-    pairs_on(&without_subgroups(&support::gpu()), &SIZES[..2]);
+    pairs_on(&with_texts(&support::gpu(), PassTexts::Workgroup), &SIZES[..2]);
 }
 
 fn pairs_on(gpu: &Gpu, sizes: &[usize]) {

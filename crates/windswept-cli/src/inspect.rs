@@ -110,7 +110,7 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
     }
     let bytes = windswept::memory_bytes(scene, initial)?;
     let memory = format!(
-        "{:.1} MB on the GPU, on a software adapter {:.1} MB more for textures{}",
+        "{:.1} MB on the GPU, on a software adapter at most {:.1} MB more for textures{}",
         megabytes(bytes.buffers),
         megabytes(bytes.textures),
         if bytes.grows { "; the neighbour list may grow" } else { "" }
@@ -142,9 +142,9 @@ pub(crate) fn plan(options: &SceneOptions, buffers: bool, console: &mut Console<
         let does = match &row.skipped {
             Some(why) => format!("skipped: {why}"),
             None => {
-                let in_software = in_software(row.runs, row.runs_in_software);
+                let on_copies = on_copies(row.runs, row.runs_on_copies);
                 let (runs, invocations, moved) = (row.runs, row.invocations, megabytes(row.bytes));
-                format!("runs {runs} x{in_software}: {invocations} invocations, {moved:.2} MB")
+                format!("runs {runs} x{on_copies}: {invocations} invocations, {moved:.2} MB")
             }
         };
         let band = row.band.map_or(String::new(), |band| format!(" (turbulence.bands.{band})"));
@@ -171,7 +171,7 @@ fn print_totals(rows: &[windswept::PlanRow], mut buffers: Vec<windswept::BufferR
     let (runs, traffic) = (sum(|row| row.runs), rows.iter().map(|row| row.bytes).sum());
     console.print(format_args!(
         "a step: {runs} dispatches{} move {:.1} MB, if each reads and writes each of its buffers once as a whole",
-        in_software(runs, sum(|row| row.runs_in_software)),
+        on_copies(runs, sum(|row| row.runs_on_copies)),
         megabytes(traffic)
     ));
     let all = buffers.len();
@@ -186,12 +186,17 @@ fn print_totals(rows: &[windswept::PlanRow], mut buffers: Vec<windswept::BufferR
         megabytes(total),
         largest.collect::<Vec<_>>().join(", ")
     ));
-    console.print(format_args!("on a software adapter textures besides: {:.1} MB", megabytes(textures)));
+    console
+        .print(format_args!("on a software adapter without AVX-512 textures besides: {:.1} MB", megabytes(textures)));
 }
 
-/// How often something runs on a software adapter, where that is more often than elsewhere.
-fn in_software(runs: u32, runs_in_software: u32) -> String {
-    if runs_in_software > runs { format!(" ({runs_in_software} x on a software adapter)") } else { String::new() }
+/// How often something runs on a software adapter without AVX-512, where that is more often than elsewhere.
+fn on_copies(runs: u32, runs_on_copies: u32) -> String {
+    if runs_on_copies > runs {
+        format!(" ({runs_on_copies} x on a software adapter without AVX-512)")
+    } else {
+        String::new()
+    }
 }
 
 fn megabytes(bytes: u64) -> f64 {

@@ -7,7 +7,10 @@ use windswept_scene::{
     Groom, InitialState, Scene, SceneError, Strands,
     limits::{MOST_BUCKETS, MOST_SORTED_NODES},
 };
-use windswept_shaders::common::{list::PAGES, params::Params, pressure::Pressed, status::Status};
+use windswept_shaders::{
+    Textures,
+    common::{list::PAGES, params::Params, pressure::Pressed, status::Status},
+};
 
 use crate::{
     array::{AnyArray, Array},
@@ -79,7 +82,8 @@ impl Engine {
         let memory = Memory::new(gpu, &state, share(&state))?;
         let mut engine = Self { gpu: gpu.clone(), params: setup.uniforms(), sizes, state, memory };
         let [dispatches, steps] = rods::first_newton(setup.newton());
-        let taken = dispatches * if gpu.has_software_texts() { steps } else { setup.params.newton_steps };
+        let taken =
+            dispatches * if gpu.software_textures() == Some(Textures::All) { steps } else { setup.params.newton_steps };
         let few_newton_steps = u32::from(taken < setup.scene.rods.newton);
         engine.params.iter_mut().for_each(|params| params.few_newton_steps = few_newton_steps);
         engine.write_pages()?;

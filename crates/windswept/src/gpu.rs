@@ -15,14 +15,14 @@ pub(crate) use program::{Profile, Program, Span, write_trace};
 use serde::Serialize;
 pub use wgpu;
 use windswept_shaders::{
-    Binding, BufferKind, InSoftware, MESHES, PASSES, Pass, TEXTURE_ROW, Texture, common::lanes::LANES,
+    Binding, BufferKind, InSoftware, MESHES, PASSES, Pass, TEXTURE_ROW, Texture, Textures, common::lanes::LANES,
 };
 
 use crate::error::GpuError;
 
 /// Which of its texts each pass runs on a device. All give the same results but for rounding; with the same subgroups also the same bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum PassTexts {
     /// Eight invocations exchange what they read of eight neighbours by subgroup operations.
     Subgroups,
@@ -30,6 +30,9 @@ pub enum PassTexts {
     Workgroup,
     /// As `Subgroups`, and much of what passes read lies in textures and uniforms, which software adapters read faster.
     Software,
+    /// As `Software`, but only what passes gather lies in textures. The processor has AVX-512, with which Mesa reads storage buffers
+    /// faster than it copies them to textures.
+    SoftwareAvx512,
 }
 
 /// A device with its queue and the pipelines made so far. Cheap to clone; simulations may share it.
@@ -120,6 +123,7 @@ impl Gpu {
         let software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         let texts = match subgroups {
             false => PassTexts::Workgroup,
+            true if software && binds_textures(&has) && has_avx512() => PassTexts::SoftwareAvx512,
             true if software && binds_textures(&has) => PassTexts::Software,
             true => PassTexts::Subgroups,
         };
@@ -140,14 +144,8 @@ impl Gpu {
         Self { sources: Arc::new(sources.into_iter().collect()), replaced: Arc::default(), ..self.clone() }
     }
 
-    /// The device with the passes that do without subgroup operations, as on an adapter that has none.
-    pub(crate) fn without_subgroups(&self) -> Self {
-        Self { texts: PassTexts::Workgroup, ..self.without_software_texts() }
-    }
-
-    /// The device with the passes as on an adapter that is not software.
-    pub(crate) fn without_software_texts(&self) -> Self {
-        let texts = if self.texts == PassTexts::Workgroup { self.texts } else { PassTexts::Subgroups };
+    /// The device with other texts of the passes, which it must be able to run.
+    pub(crate) fn with_texts(&self, texts: PassTexts) -> Self {
         Self { texts, pipelines: Arc::default(), replaced: Arc::default(), ..self.clone() }
     }
 
@@ -157,20 +155,26 @@ impl Gpu {
         self.texts
     }
 
-    /// Whether passes run in their texts for software adapters.
-    pub(crate) fn has_software_texts(&self) -> bool {
-        self.texts == PassTexts::Software
+    /// What passes read from textures, where they run in their texts for software adapters.
+    pub(crate) fn software_textures(&self) -> Option<Textures> {
+        match self.texts {
+            PassTexts::Subgroups | PassTexts::Workgroup => None,
+            PassTexts::Software => Some(Textures::All),
+            PassTexts::SoftwareAvx512 => Some(Textures::Gathered),
+        }
     }
 
-    /// Whether a pass runs in its text for software adapters.
-    pub(crate) fn runs_software_text(&self, pass: &Pass) -> bool {
-        self.has_software_texts() && !self.sources.contains_key(pass.name)
+    /// What a pass reads from textures, if it runs in a text for software adapters.
+    pub(crate) fn textures_of(&self, pass: &Pass) -> Option<Textures> {
+        self.software_textures().filter(|_| !self.sources.contains_key(pass.name))
     }
 
     /// What the text of a pass that runs binds for a binding: a buffer, with its kind, and a texture.
     pub(crate) fn bound(&self, pass: &Pass, binding: &Binding) -> (Option<BufferKind>, Option<Texture>) {
-        let InSoftware { buffer, texture } = binding.in_software;
-        if self.runs_software_text(pass) { (buffer, texture) } else { (Some(binding.kind), None) }
+        self.textures_of(pass).map_or((Some(binding.kind), None), |textures| {
+            let InSoftware { buffer, texture } = binding.in_software[textures as usize];
+            (buffer, texture)
+        })
     }
 
     /// The device, for drawing beside the engine.
@@ -256,10 +260,10 @@ impl Gpu {
         }
         let switch = [(MESHES, f64::from(u8::from(meshes)))];
         let constants = if pass.asks_for_meshes { &switch[..] } else { &[] };
-        let other = match self.texts {
-            PassTexts::Subgroups => None,
-            PassTexts::Workgroup => pass.source_without_subgroups,
-            PassTexts::Software => pass.source_for_software,
+        let other = match self.software_textures() {
+            Some(textures) => pass.sources_for_software[textures as usize],
+            None if self.texts == PassTexts::Workgroup => pass.source_without_subgroups,
+            None => None,
         };
         let source = own.map_or(other.unwrap_or(pass.source), String::as_str);
         let pipeline = self.checked(
@@ -306,11 +310,20 @@ impl Gpu {
 
 /// Whether a device of these limits binds as many textures as any pass reads, each as large as a buffer that it binds.
 fn binds_textures(limits: &wgpu::Limits) -> bool {
-    let textures = |pass: &&Pass| pass.bindings.iter().filter(|binding| binding.in_software.texture.is_some()).count();
+    let read = |binding: &&Binding| binding.in_software[Textures::All as usize].texture.is_some();
+    let textures = |pass: &&Pass| pass.bindings.iter().filter(read).count();
     let most = PASSES.iter().map(textures).max().unwrap_or(0) as u64;
     let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     let (side, row) = (u64::from(limits.max_texture_dimension_2d), u64::from(TEXTURE_ROW));
     u64::from(limits.max_storage_textures_per_shader_stage) >= most && side >= row / 4 && side * row >= binding
+}
+
+/// Whether the processor, which a software adapter runs on, has AVX-512 for vectors of 256 bits.
+fn has_avx512() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return std::arch::is_x86_feature_detected!("avx512vl");
+    #[cfg(not(target_arch = "x86_64"))]
+    return false;
 }
 
 fn buffer_type(kind: BufferKind) -> wgpu::BindingType {

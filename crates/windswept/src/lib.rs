@@ -75,7 +75,7 @@ pub use status::warning_meaning;
 /// Parts that tests and `windswept validate` look at. They are no part of the interface and change without notice.
 #[doc(hidden)]
 pub mod internals {
-    use crate::Gpu;
+    use crate::{Gpu, PassTexts};
     pub use crate::{
         array::{AnyArray, Array, Index, Life},
         engine::Engine,
@@ -92,15 +92,10 @@ pub mod internals {
     pub fn with_sources(gpu: &Gpu, sources: impl IntoIterator<Item = (&'static str, String)>) -> Gpu {
         gpu.with_sources(sources)
     }
-    /// The device with the passes that do without subgroup operations, as on an adapter that has none.
+    /// The device with other texts of the passes, which it must be able to run: a software adapter runs all of them.
     #[must_use]
-    pub fn without_subgroups(gpu: &Gpu) -> Gpu {
-        gpu.without_subgroups()
-    }
-    /// The device with the passes as on an adapter that is not software.
-    #[must_use]
-    pub fn without_software_texts(gpu: &Gpu) -> Gpu {
-        gpu.without_software_texts()
+    pub fn with_texts(gpu: &Gpu, texts: PassTexts) -> Gpu {
+        gpu.with_texts(texts)
     }
     /// The status word and the counters.
     pub mod status {

@@ -35,8 +35,8 @@ pub struct Plan {
     pub rod_dispatches: u32,
     /// Number of dispatches in which touched strands come along.
     pub pull_dispatches: u32,
-    /// Dispatches that the direct solver's Newton steps are cut into, and the Newton steps of each, which software adapters dispatch
-    /// one by one.
+    /// Dispatches that the direct solver's Newton steps are cut into, and the Newton steps of each, which texts that read copies of what
+    /// they write are dispatched for one by one.
     newton: [u32; 2],
     /// Whether rods are solved by the direct solver.
     pub direct: Decision,
@@ -270,8 +270,8 @@ impl Plan {
         (self.blows, self.wind) = wind(&Decision::when(true, ""), &self.air, &self.drag);
     }
 
-    /// Dispatches of the direct solver, and the Newton steps of each, which software adapters dispatch one by one: as many as solve nearly
-    /// all strands, and all of the scene once strands are rescued that these leave.
+    /// Dispatches of the direct solver, and the Newton steps of each, which texts that read copies of what they write are dispatched for
+    /// one by one: as many as solve nearly all strands, and all of the scene once strands are rescued that these leave.
     #[must_use]
     pub fn newton(&self) -> [u32; 2] {
         if self.rescue.runs { self.newton } else { rods::first_newton(self.newton) }

@@ -54,8 +54,8 @@ pub struct Command {
     pub band: Option<usize>,
     /// Reason why the pass is left out; `None` if it runs.
     pub skipped: Option<String>,
-    /// Whether it runs again only because its text for software adapters does in one run a part of what another text does.
-    pub software_only: bool,
+    /// Whether it runs again only because a text that reads copies of what it writes does in one run a part of what another text does.
+    pub on_copies_only: bool,
 }
 
 /// A recorded step, in execution order, skipped passes included.
@@ -81,7 +81,7 @@ pub struct Recorder<'a> {
     heading: &'static str,
     band: Option<usize>,
     skipping: Option<String>,
-    software_only: bool,
+    on_copies_only: bool,
 }
 
 impl<'a> Recorder<'a> {
@@ -99,7 +99,7 @@ impl<'a> Recorder<'a> {
             heading: "",
             band: None,
             skipping: None,
-            software_only: false,
+            on_copies_only: false,
         };
         record(&mut recorder);
         recorder.recording.commands.iter().for_each(check);
@@ -133,7 +133,7 @@ impl<'a> Recorder<'a> {
             arrays: pass.bindings.iter().map(named).collect(),
             band: self.band,
             skipped: self.skipping.clone(),
-            software_only: self.software_only,
+            on_copies_only: self.on_copies_only,
         };
         let commands = &mut self.recording.commands;
         commands.push(command);
@@ -189,12 +189,12 @@ impl<'a> Recorder<'a> {
         self.again(times, record);
     }
 
-    /// Adds passes that run once, but in their texts for software adapters `times` times.
-    pub fn repeat_in_software(&mut self, times: u32, record: impl Fn(&mut Self)) {
+    /// Adds passes that run once, but `times` times in texts that read copies of what they write ([`Textures::All`]).
+    pub fn repeat_on_copies(&mut self, times: u32, record: impl Fn(&mut Self)) {
         record(self);
-        self.software_only = true;
+        self.on_copies_only = true;
         self.again(times, record);
-        self.software_only = false;
+        self.on_copies_only = false;
     }
 
     /// Adds passes that were recorded once, so that they run `times` times in all.

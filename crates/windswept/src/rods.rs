@@ -183,8 +183,8 @@ pub(crate) fn newton_steps_per_dispatch(newton: u32, hair: &Strands) -> u32 {
 /// Newton steps that solve nearly all strands.
 const NEWTON_STEPS: u32 = 3;
 
-/// Of so many dispatches of so many Newton steps each those that solve nearly all strands. A software adapter takes as many of the steps of
-/// a dispatch, any other takes all of these.
+/// Of so many dispatches of so many Newton steps each those that solve nearly all strands. Texts that read copies of what they
+/// write take as many of the steps of a dispatch, all others take all of these.
 #[must_use]
 pub(crate) fn first_newton([dispatches, steps]: [u32; 2]) -> [u32; 2] {
     [NEWTON_STEPS.div_ceil(steps).min(dispatches), steps.min(NEWTON_STEPS)]

@@ -7,7 +7,7 @@ use std::{
 
 pub(crate) use wgpu_profiler::chrometrace::write_chrometrace as write_trace;
 use wgpu_profiler::{GpuProfiler, GpuProfilerSettings, GpuTimerQueryResult};
-use windswept_shaders::{TEXTURE_ROW, Texture};
+use windswept_shaders::{TEXTURE_ROW, Texture, Textures};
 
 use crate::{
     error::GpuError,
@@ -70,12 +70,13 @@ pub(crate) type Profile = BTreeMap<(&'static str, &'static str, Option<usize>), 
 
 impl Program {
     pub(crate) fn new(gpu: &Gpu, memory: &Memory, recording: &Recording, meshes: bool) -> Result<Self, GpuError> {
-        let readings = textures::readings(recording);
+        let read = gpu.software_textures().map(|textures| textures::readings(recording, textures)).unwrap_or_default();
+        let on_copies = |command: &Command| gpu.textures_of(command.pass) == Some(Textures::All);
         let running = recording.running().enumerate();
-        let dispatched = running.filter(|(_, command)| !command.software_only || gpu.runs_software_text(command.pass));
+        let dispatched = running.filter(|(_, command)| !command.on_copies_only || on_copies(command));
         let dispatches = dispatched.map(|(place, command)| {
-            let copied = readings.iter().filter(|reading| reading.times.iter().any(|time| time.start == place));
-            Dispatch::new(gpu, memory, command, copied.filter(|_| gpu.has_software_texts()), meshes)
+            let copied = read.iter().filter(|reading| reading.times.iter().any(|time| time.start == place));
+            Dispatch::new(gpu, memory, command, copied, meshes)
         });
         Ok(Self { dispatches: dispatches.collect::<Result<_, _>>()? })
     }

@@ -29,8 +29,9 @@ pub struct PlanRow {
     pub band: Option<usize>,
     /// How often it runs in a step.
     pub runs: u32,
-    /// How often it runs in a step on a software adapter, where some passes do a part of their work in a run.
-    pub runs_in_software: u32,
+    /// How often it runs in a step on a software adapter that reads storage buffers slowly, where some passes do a part of their work in
+    /// a run ([`PassTexts::Software`](crate::PassTexts::Software)).
+    pub runs_on_copies: u32,
     /// Number of invocations of all its [`Self::runs`] together.
     pub invocations: u64,
     /// Operations of each of these invocations.
@@ -69,7 +70,8 @@ pub struct BufferRow {
     pub stride: u64,
     /// The largest buffer of those in the same memory, no two of which are needed at a time; its own name where it is the largest.
     pub memory: &'static str,
-    /// Size of the texture that a software adapter has besides for this buffer, and perhaps for smaller ones; 0 if for none \[bytes\].
+    /// Size of the texture that a software adapter that reads storage buffers slowly has besides for this buffer, and perhaps for smaller
+    /// ones; 0 if for none \[bytes\].
     pub texture_bytes: u64,
     /// What it holds, with its unit.
     pub doc: &'static str,
@@ -103,7 +105,7 @@ fn first_memory(setup: &Setup<'_>) -> (Vec<AnyArray>, Sharing, Vec<AnyArray>) {
 pub struct MemoryBytes {
     /// Size of all buffers together \[bytes\].
     pub buffers: u64,
-    /// Size of the textures that there are besides on a software adapter \[bytes\].
+    /// Size of the textures that there are besides on a software adapter that reads storage buffers slowly \[bytes\].
     pub textures: u64,
     /// Whether there is a neighbour list, which may grow in the run.
     pub grows: bool,
@@ -146,7 +148,7 @@ pub fn table(scene: &Scene) -> Result<Vec<PlanRow>, SceneError> {
                 label: command.label,
                 band: command.band,
                 runs: 0,
-                runs_in_software: 0,
+                runs_on_copies: 0,
                 invocations: 0,
                 operations: command.pass.operations,
                 clusters: command.clusters.clone(),
@@ -159,8 +161,8 @@ pub fn table(scene: &Scene) -> Result<Vec<PlanRow>, SceneError> {
         if command.skipped.is_some() {
             continue;
         }
-        rows[at].runs_in_software += 1;
-        if !command.software_only {
+        rows[at].runs_on_copies += 1;
+        if !command.on_copies_only {
             rows[at].runs += 1;
             rows[at].invocations += u64::from(command.invocations);
             rows[at].bytes += traffic(command);

@@ -29,7 +29,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.when(&plan.direct, |r| {
             let [dispatches, steps] = plan.newton();
             r.repeat(dispatches, |r| {
-                r.repeat_in_software(steps, |r| {
+                r.repeat_on_copies(steps, |r| {
                     r.run(&rods::DIRECT, "Cosserat rods, solved directly", n.strands);
                 });
             });
