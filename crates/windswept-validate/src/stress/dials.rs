@@ -22,17 +22,18 @@ const USUAL: f64 = 0.3;
 const INTENSE: f64 = 10.0;
 
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
-    let mut energy = Sweep::new("largest kinetic energy of the air, over the wind's", WILD, "");
+    let mut energy =
+        Sweep::new("largest kinetic energy of the air, over the wind's", WILD, "").over("strength of a single band");
     let mut stretched = Sweep::new("largest stretch", 0.02, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
     for &(coupling, keys) in extent.of(&COUPLINGS[..], &[COUPLINGS[1], COUPLINGS[2], COUPLINGS[5]]) {
-        let asked = extent.of(dials(), vec![("a band of strength 1000".to_owned(), bands(1, 1000.0, USUAL)), bodies()]);
-        for (name, dial) in asked {
+        let asked = extent.of(dials(), vec![band(1000.0, USUAL), bodies()]);
+        for Dial { name, key, strength } in asked {
             // Viscosity and bands are those of particles of air.
-            if !has_air(coupling) && name != bodies().0 {
+            if !has_air(coupling) && name != bodies().name {
                 continue;
             }
-            let mut simulation = Simulation::new(gpu, &scene(TUFT, &[keys, &[&dial]])?)?;
+            let mut simulation = Simulation::new(gpu, &scene(TUFT, &[keys, &[&key]])?)?;
             let mut energies = Vec::new();
             let felt = watch(&mut simulation, LOOKS, STRIDE, |simulation, _| {
                 let v = vectors(&simulation.frame()?.air.velocities);
@@ -40,7 +41,9 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 Ok(())
             });
             if has_air(coupling) {
-                energy.add(coupling, felt.at(&name), f64::NAN, farthest(energies, 0.0));
+                let (intensity, strength) = strength.unwrap_or((USUAL, f64::NAN));
+                let series = format!("{coupling}, intensity {intensity}");
+                energy.add(series, felt.at(&name), strength, farthest(energies, 0.0));
             }
             stretched.add(coupling, felt.at(&name), f64::NAN, felt.stretch);
             resets.add(coupling, felt.at(&name), f64::NAN, felt.resets);
@@ -49,25 +52,48 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     Ok(vec![energy, stretched, resets])
 }
 
-/// Dials by name, and the keys that turn them.
-fn dials() -> Vec<(String, String)> {
-    let viscosities = [0.0, 1.4, 30.0, 100.0].map(|c| (format!("viscosity.hair {c}"), format!("viscosity.hair={c}")));
-    let strengths =
-        [0.0, 3.0, 100.0, 1000.0].map(|strength| (format!("a band of strength {strength}"), bands(1, strength, USUAL)));
-    let intense = [3.0, 30.0, 100.0, 1000.0].map(|strength| {
-        (format!("a band of strength {strength} and intensity {INTENSE}"), bands(1, strength, INTENSE))
+/// A dial that is turned.
+struct Dial {
+    name: String,
+    /// The key of the scene that turns it.
+    key: String,
+    /// Intensity and strength of a single band.
+    strength: Option<(f64, f64)>,
+}
+
+fn dials() -> Vec<Dial> {
+    let viscosities = [0.0, 1.4, 30.0, 100.0].map(|c| Dial {
+        name: format!("viscosity.hair {c}"),
+        key: format!("viscosity.hair={c}"),
+        strength: None,
     });
-    let many = [2, 4, 8].map(|n| (format!("{n} bands of strength 30"), bands(n, 30.0, USUAL)));
+    let strengths = [0.0, 3.0, 100.0, 1000.0].map(|strength| band(strength, USUAL));
+    let intense = [3.0, 30.0, 100.0, 1000.0].map(|strength| band(strength, INTENSE));
+    let many = [2, 4, 8].map(|n| Dial {
+        name: format!("{n} bands of strength 30"),
+        key: bands(n, 30.0, USUAL),
+        strength: None,
+    });
     viscosities.into_iter().chain(strengths).chain(intense).chain(many).chain([bodies()]).collect()
 }
 
+/// A single band.
+fn band(strength: f64, intensity: f64) -> Dial {
+    Dial {
+        name: format!("a band of strength {strength} and intensity {intensity}"),
+        key: bands(1, strength, intensity),
+        strength: Some((intensity, strength)),
+    }
+}
+
 /// Sixteen balls that stand in the hair.
-fn bodies() -> (String, String) {
+fn bodies() -> Dial {
     let ball = |k: usize| {
         let (x, y) = (0.005 + 0.01 * (k % 4) as f64, 0.01 + 0.012 * (k / 4) as f64);
         format!("{{ name = \"{k}\", center = [{x}, {y}, 0.014], radius = 0.003 }}")
     };
-    ("16 bodies".to_owned(), format!("body=[{}]", (0..16).map(ball).collect::<Vec<_>>().join(", ")))
+    let key = format!("body=[{}]", (0..16).map(ball).collect::<Vec<_>>().join(", "));
+    Dial { name: "16 bodies".to_owned(), key, strength: None }
 }
 
 fn bands(n: usize, strength: f64, intensity: f64) -> String {

@@ -29,43 +29,69 @@ const LONGEST: (f64, f64) = (1.38e-3, 8.3e-3);
 const SHORT: f64 = 0.03;
 const USUAL_IN_AIR: (usize, f64, f64) = (35, 4e-5, SHORT);
 
+/// Which size of a strand is swept, by its place in [`Swept::ALL`].
+#[derive(Clone, Copy)]
+enum Swept {
+    Points,
+    Radius,
+    Length,
+}
+
+impl Swept {
+    /// All, in words and as the axis of a picture.
+    const ALL: [(&str, &str); 3] =
+        [("numbers of points", "points of the strand"), ("radii", "radius [µm]"), ("lengths", "length [m]")];
+
+    /// Where a strand is on the axis.
+    fn of(self, (n, radius, length): (usize, f64, f64)) -> f64 {
+        match self {
+            Self::Points => n as f64,
+            Self::Radius => 1e6 * radius,
+            Self::Length => length,
+        }
+    }
+}
+
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
-    let mut off = Sweep::new("tip at rest, off a chain of links", 1e-3, "L");
+    let mut off = Swept::ALL.map(|(sizes, axis)| {
+        Sweep::new(format!("tip at rest, off a chain of links, over {sizes}"), 1e-3, "L").over(axis)
+    });
     let mut moved = Sweep::new("tip at rest 1 km away, off that at the origin", 1e-3, "L");
     let mut stretched = Sweep::new("largest stretch", 0.01, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
     let (n, radius, length) = USUAL;
     let counts = extent.of(&[2, 3, 5, 9, 35, 128, 1024][..], &[2, 9]);
-    let counts = counts.iter().map(|&n| (format!("{n} points"), (n, radius, LONG)));
+    let counts = counts.iter().map(|&n| (format!("{n} points"), Swept::Points, (n, radius, LONG)));
     let radii = extent.of(&[1e-6, 1e-5, 5e-4][..], &[]);
-    let radii = radii.iter().map(|&radius| (format!("radius {} µm", 1e6 * radius), (n, radius, length)));
+    let radii = radii.iter().map(|&radius| (format!("radius {} µm", 1e6 * radius), Swept::Radius, (n, radius, length)));
     let lengths = extent.of(&[1e-3, 0.1, 1.0, 10.0][..], &[]);
-    let lengths = lengths.iter().map(|&length| (format!("length {length} m"), (n, radius, length)));
-    for (setting, size) in counts.chain(radii).chain(lengths) {
+    let lengths = lengths.iter().map(|&length| (format!("length {length} m"), Swept::Length, (n, radius, length)));
+    for (setting, swept, size) in counts.chain(radii).chain(lengths) {
         let mut tips = Vec::new();
         for (place, center) in [("at the origin", 0.0), ("1 km away", 1000.0)] {
             let (tip, felt) = hang(gpu, COUPLINGS[0].1, size, center)?;
             let setting = felt.at(&setting);
             stretched.add(place, &setting, f64::NAN, felt.stretch);
             resets.add(place, &setting, f64::NAN, felt.resets);
-            off.add(place, &setting, f64::NAN, tip.distance(chain_tip(gamma(size), size.0 - 1)));
+            let far = tip.distance(chain_tip(gamma(size), size.0 - 1));
+            off[swept as usize].add(place, &setting, swept.of(size), far);
             tips.push(tip);
         }
         moved.add("1 km away", setting, f64::NAN, tips[0].distance(tips[1]));
     }
     let sizes = [
-        ("2 points", (2, radius, SHORT)),
-        ("35 points", USUAL_IN_AIR),
-        ("128 points", (128, radius, SHORT)),
-        ("1024 points", (1024, radius, LONG)),
-        ("radius 1 µm, length 1 mm", (9, 1e-6, 1e-3)),
-        ("radius 500 µm", (9, 5e-4, SHORT)),
+        ("2 points", Swept::Points, (2, radius, SHORT)),
+        ("35 points", Swept::Points, USUAL_IN_AIR),
+        ("128 points", Swept::Points, (128, radius, SHORT)),
+        ("1024 points", Swept::Points, (1024, radius, LONG)),
+        ("radius 1 µm, length 1 mm", Swept::Radius, (9, 1e-6, 1e-3)),
+        ("radius 500 µm", Swept::Radius, (9, 5e-4, SHORT)),
         // Hair of 40 µm falls through still air at half a metre per second, and would swing out for minutes.
-        ("radius 500 µm, length 10 m", (n, 5e-4, 10.0)),
+        ("radius 500 µm, length 10 m", Swept::Length, (n, 5e-4, 10.0)),
     ];
     let sizes = extent.of(&sizes[..], &sizes[..1]);
     for (coupling, keys) in extent.of(&COUPLINGS[1..], &COUPLINGS[1..3]) {
-        for &(setting, size) in sizes {
+        for &(setting, swept, size) in sizes {
             let mut tips = Vec::new();
             for (place, center) in [("at the origin", 0.0), ("1 km away", 1000.0)] {
                 if center > 0.0 && size != USUAL_IN_AIR {
@@ -75,7 +101,8 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 let (series, setting) = (format!("{coupling}, still air, {place}"), felt.at(setting));
                 stretched.add(&series, &setting, f64::NAN, felt.stretch);
                 resets.add(&series, &setting, f64::NAN, felt.resets);
-                off.add(&series, &setting, f64::NAN, tip.distance(chain_tip(gamma(size), size.0 - 1)));
+                let far = tip.distance(chain_tip(gamma(size), size.0 - 1));
+                off[swept as usize].add(&series, &setting, swept.of(size), far);
                 tips.push(tip);
             }
             if let [here, away] = tips[..] {
@@ -83,7 +110,8 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
             }
         }
     }
-    Ok(vec![off, moved, stretched, resets])
+    let off = off.into_iter().filter(|sweep| !sweep.samples.is_empty());
+    Ok(off.chain([moved, stretched, resets]).collect())
 }
 
 /// Weight over stiffness γ = ρAgL³/EI.
