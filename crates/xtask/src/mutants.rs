@@ -1,7 +1,7 @@
 //! `cargo xtask mutants [PART [SHARD]]`: the code with one small fault at a time, and whether a test notices it.
 //!
 //! cargo-mutants makes the faults in Rust and runs the tests of the part in a copy of the tree. Those of the shaders are the project's
-//! own (`FAULTS` in tests/passes). What was measured is written into benches/results/mutants.md, where other parts stay as they are.
+//! own (`FAULTS` in tests/passes). What was measured is written into benches/results/mutants.md, where other parts and shards stay as they are.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -97,14 +97,14 @@ pub(crate) fn test(words: &[&str]) -> Result {
         let (mut tests, mut mutants) = (cargo(), Command::new(tool()?));
         on_software(&mut tests)?;
         on_software(&mut mutants)?;
-        page.set(part.name, &part.mutated(tests, mutants, shard)?);
+        page.set(part.name, &format!("shard {shard}"), &part.mutated(tests, mutants, shard)?);
         page.write()?;
     }
     if asked.is_none_or(|name| name == SHADERS) {
         say("Faults planted in the shaders");
         let mut command = cargo();
         on_software(&mut command)?;
-        page.set(SHADERS, &planted(command)?);
+        page.set(SHADERS, "all", &planted(command)?);
         page.write()?;
     }
     println!("{PAGE}");
@@ -159,7 +159,7 @@ impl Part {
         Ok(String::from_utf8_lossy(&output.stdout).lines().count())
     }
 
-    /// Runs the tests of the part, then cargo-mutants on a shard of it; returns the part's section of the page.
+    /// Runs the tests of the part, then cargo-mutants on a shard of it; returns the shard's section of the page.
     fn mutated(&self, mut tests: Command, mut command: Command, shard: &str) -> Result<String> {
         // Without a fault the tests pass. cargo-mutants itself would run those of the mutated package only.
         run(tests.arg("test").args(self.chosen("--package")).args(self.tests))?;
@@ -178,7 +178,7 @@ impl Part {
         if !matches!(status.code(), Some(0 | 2 | 3)) && tried.all() == 0 {
             return Err(format!("{} ended with {status}", line(&command)));
         }
-        Ok(section(shard, &tried, &reasons()?))
+        Ok(section(&tried, &reasons()?))
     }
 }
 
@@ -233,10 +233,10 @@ fn reasons_in(text: &str) -> Result<BTreeMap<String, String>> {
     Ok(all)
 }
 
-/// The section of a part: counts, and the survivors with their reasons.
-fn section(shard: &str, tried: &Tried, reasons: &BTreeMap<String, String>) -> String {
+/// The section of a shard: counts, and the survivors with their reasons.
+fn section(tried: &Tried, reasons: &BTreeMap<String, String>) -> String {
     let mut text = format!(
-        "Commit {}: {} of the part's {} mutants were tried, of {} in shard {shard}. Tests notice {}, {} do not end, {} do not compile and {} survive.\n",
+        "Commit {}: {} of the part's {} mutants were tried, of {} in this shard. Tests notice {}, {} do not end, {} do not compile and {} survive.\n",
         commit(),
         tried.all(),
         tried.of_part,
@@ -288,8 +288,8 @@ fn commit() -> String {
     }
 }
 
-/// Sections of the page, by part.
-struct Page(BTreeMap<String, String>);
+/// Sections of the page, by part and shard.
+struct Page(BTreeMap<String, BTreeMap<String, String>>);
 
 impl Page {
     /// The page as it is; empty where there is none.
@@ -298,20 +298,32 @@ impl Page {
     }
 
     fn of(text: &str) -> Self {
-        let sections = text.split("\n## ").skip(1).filter_map(|section| section.split_once("\n\n"));
-        Self(sections.map(|(name, text)| (name.to_owned(), format!("{}\n", text.trim_end()))).collect())
+        let mut page = Self(BTreeMap::new());
+        for part in text.split("\n## ").skip(1) {
+            let mut shards = part.split("\n### ");
+            let name = shards.next().unwrap_or_default().trim();
+            for (shard, text) in shards.filter_map(|shard| shard.split_once("\n\n")) {
+                page.set(name, shard, &format!("{}\n", text.trim_end()));
+            }
+        }
+        page
     }
 
-    fn set(&mut self, part: &str, section: &str) {
-        self.0.insert(part.to_owned(), section.to_owned());
+    fn set(&mut self, part: &str, shard: &str, text: &str) {
+        self.0.entry(part.to_owned()).or_default().insert(shard.to_owned(), text.to_owned());
     }
 
     fn text(&self) -> String {
-        let untried = || "Not tried yet.\n".to_owned();
-        let section = |part| format!("\n## {part}\n\n{}", self.0.get(part).cloned().unwrap_or_else(untried));
-        let sections = PARTS.iter().map(|part| part.name).chain([SHADERS]).map(section);
         let head = "# Mutants\n\nMade by `cargo xtask mutants`; [README](../README.md#mutants) says how to read it.\n";
-        std::iter::once(head.to_owned()).chain(sections).collect()
+        let part = |name: &str| match self.0.get(name) {
+            None => format!("\n## {name}\n\nNot tried yet.\n"),
+            Some(shards) => {
+                let shards = shards.iter().map(|(shard, text)| format!("\n### {shard}\n\n{text}"));
+                std::iter::once(format!("\n## {name}\n")).chain(shards).collect()
+            }
+        };
+        let parts = PARTS.iter().map(|part| part.name).chain([SHADERS]).map(part);
+        std::iter::once(head.to_owned()).chain(parts).collect()
     }
 
     fn write(&self) -> Result {
@@ -331,14 +343,11 @@ mod check {
         let text = "# why\n\ncrates/a/src/b.rs: replace < with <= in Box::<T>::holds\n    The two are never equal.\n";
         let reasons = reasons_in(text).expect("reasons");
         let survivors = vec![mutant.to_owned(), "crates/a/src/b.rs:9:1: replace c with ()".to_owned()];
-        let text = section(
-            "0/2",
-            &Tried { noticed: 7, endless: 1, not_built: 2, survivors, to_try: 20, of_part: 39 },
-            &reasons,
-        );
+        let tried = Tried { noticed: 7, endless: 1, not_built: 2, survivors, to_try: 20, of_part: 39 };
+        let text = section(&tried, &reasons);
         assert!(
             text.contains(
-                "12 of the part's 39 mutants were tried, of 20 in shard 0/2. Tests notice 7, 1 do not end, 2 do not compile and 2 survive."
+                "12 of the part's 39 mutants were tried, of 20 in this shard. Tests notice 7, 1 do not end, 2 do not compile and 2 survive."
             ),
             "{text}"
         );
@@ -347,16 +356,22 @@ mod check {
         assert!(reasons_in("    a reason of nothing").is_err());
     }
 
-    /// A part that runs alone leaves the others on the page as they are.
+    /// A shard that runs alone leaves the others on the page as they are, and so do parts.
     #[test]
-    fn other_parts_stay() {
+    fn others_stay() {
         let mut page = Page::of("");
-        page.set("scene", "Shard 0/2.\n\n| a |\n");
-        page.set("export", "Shard 1/2.\n");
+        page.set("scene", "shard 0/2", "Tried.\n\n| a |\n");
+        page.set("scene", "shard 1/2", "Tried first.\n");
+        page.set("export", "shard 1/2", "Tried.\n");
         let mut again = Page::of(&page.text());
         assert_eq!(again.text(), page.text());
-        again.set("export", "Shard 0/2.\n");
-        assert!(again.text().contains("## scene\n\nShard 0/2.\n\n| a |\n") && !again.text().contains("1/2"));
-        assert!(again.text().contains("## engine\n\nNot tried yet.\n"), "{}", again.text());
+        again.set("scene", "shard 1/2", "Tried again.\n");
+        let text = again.text();
+        assert!(
+            text.contains("## scene\n\n### shard 0/2\n\nTried.\n\n| a |\n\n### shard 1/2\n\nTried again.\n"),
+            "{text}"
+        );
+        assert!(text.contains("## export\n\n### shard 1/2\n\nTried.\n") && !text.contains("first"), "{text}");
+        assert!(text.contains("## engine\n\nNot tried yet.\n"), "{text}");
     }
 }
