@@ -163,11 +163,11 @@ fn number(x: f64, digits: usize) -> String {
     }
 }
 
-/// A bound as it is.
+/// A bound as it is, but for what rounding added to one that was computed.
 fn bound(x: f64) -> String {
     match x {
         f64::INFINITY => "none".to_owned(),
-        x if x == 0.0 || x >= 1e-3 => format!("{x}"),
+        x if x == 0.0 || x >= 1e-3 => format!("{}", (1e9 * x).round() / 1e9),
         x => format!("{x:e}"),
     }
 }

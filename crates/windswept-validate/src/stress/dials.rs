@@ -8,10 +8,11 @@ use crate::{
     air::{farthest, mean, vectors},
 };
 
-pub(super) const SWEPT: &str = "viscosity.hair 0 to 100; strength of a band 0 to 1000, of intensity 0.3 and 10; 1 to 8 bands; 16 bodies; each model and \
-    fluid solver, those without particles of air with bodies only; wind of 3 m/s";
+pub(super) const SWEPT: &str = "viscosity.hair 0 to 100; strength of a band of three particle spacings 0 to 1000, of intensity 0.3 and 10; 1 to 8 bands; \
+    16 bodies; each model and fluid solver, those without particles of air with bodies only; wind of 3 m/s, bands without a fringe";
 
-/// Kinetic energy of the air, over that of its wind, which is beyond all bounds.
+/// Kinetic energy of the air, over that of its wind, which is beyond all bounds without bands. A band of intensity I may add I²: its
+/// largest speed is I times the wind's.
 const WILD: f64 = 2.0;
 const LOOKS: u64 = 30;
 const STRIDE: u64 = 5;
@@ -20,6 +21,9 @@ const WIND: f64 = 3.0;
 /// the limit is ten times the wind.
 const USUAL: f64 = 0.3;
 const INTENSE: f64 = 10.0;
+/// Scale of a single band, three particle spacings, and of the first of several \[m\].
+const SCALE: f64 = 0.015;
+const SMALLEST: f64 = 0.005;
 
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut energy =
@@ -28,12 +32,13 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut resets = Sweep::new("strands reset", 0.0, "");
     for &(coupling, keys) in extent.of(&COUPLINGS[..], &[COUPLINGS[1], COUPLINGS[2], COUPLINGS[5]]) {
         let asked = extent.of(dials(), vec![band(1000.0, USUAL), bodies()]);
-        for Dial { name, key, strength } in asked {
+        for Dial { name, keys: turned, bands, strength } in asked {
             // Viscosity and bands are those of particles of air.
             if !has_air(coupling) && name != bodies().name {
                 continue;
             }
-            let mut simulation = Simulation::new(gpu, &scene(TUFT, &[keys, &[&key]])?)?;
+            let turned: Vec<&str> = turned.iter().map(String::as_str).collect();
+            let mut simulation = Simulation::new(gpu, &scene(TUFT, &[keys, &turned])?)?;
             let mut energies = Vec::new();
             let felt = watch(&mut simulation, LOOKS, STRIDE, |simulation, _| {
                 let v = vectors(&simulation.frame()?.air.velocities);
@@ -41,9 +46,10 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 Ok(())
             });
             if has_air(coupling) {
-                let (intensity, strength) = strength.unwrap_or((USUAL, f64::NAN));
+                let (count, intensity) = bands;
+                let bound = WILD + f64::from(count) * intensity.powi(2);
                 let series = format!("{coupling}, intensity {intensity}");
-                energy.add(series, felt.at(&name), strength, farthest(energies, 0.0));
+                energy.add_within(bound, series, felt.at(&name), strength, farthest(energies, 0.0));
             }
             stretched.add(coupling, felt.at(&name), f64::NAN, felt.stretch);
             resets.add(coupling, felt.at(&name), f64::NAN, felt.resets);
@@ -55,35 +61,43 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
 /// A dial that is turned.
 struct Dial {
     name: String,
-    /// The key of the scene that turns it.
-    key: String,
-    /// Intensity and strength of a single band.
-    strength: Option<(f64, f64)>,
+    /// The keys of the scene that turn it.
+    keys: Vec<String>,
+    /// Number of bands, and their intensity.
+    bands: (u32, f64),
+    /// Strength of a single band; else NaN.
+    strength: f64,
+}
+
+impl Dial {
+    /// One that is not about bands.
+    fn new(name: impl Into<String>, key: String) -> Self {
+        Self { name: name.into(), keys: vec![key], bands: (0, USUAL), strength: f64::NAN }
+    }
 }
 
 fn dials() -> Vec<Dial> {
-    let viscosities = [0.0, 1.4, 30.0, 100.0].map(|c| Dial {
-        name: format!("viscosity.hair {c}"),
-        key: format!("viscosity.hair={c}"),
-        strength: None,
-    });
+    let viscosities =
+        [0.0, 1.4, 30.0, 100.0].map(|c| Dial::new(format!("viscosity.hair {c}"), format!("viscosity.hair={c}")));
     let strengths = [0.0, 3.0, 100.0, 1000.0].map(|strength| band(strength, USUAL));
     let intense = [3.0, 30.0, 100.0, 1000.0].map(|strength| band(strength, INTENSE));
-    let many = [2, 4, 8].map(|n| Dial {
-        name: format!("{n} bands of strength 30"),
-        key: bands(n, 30.0, USUAL),
-        strength: None,
-    });
+    let many = [2, 4, 8].map(|n| Dial { name: format!("{n} bands of strength 30"), ..bands(n, SMALLEST, 30.0, USUAL) });
     viscosities.into_iter().chain(strengths).chain(intense).chain(many).chain([bodies()]).collect()
 }
 
 /// A single band.
 fn band(strength: f64, intensity: f64) -> Dial {
-    Dial {
-        name: format!("a band of strength {strength} and intensity {intensity}"),
-        key: bands(1, strength, intensity),
-        strength: Some((intensity, strength)),
-    }
+    let name = format!("a band of strength {strength} and intensity {intensity}");
+    Dial { name, strength, ..bands(1, SCALE, strength, intensity) }
+}
+
+/// Bands whose eddies live on: a fringe would still them where the wind enters.
+fn bands(count: u32, scale: f64, strength: f64, intensity: f64) -> Dial {
+    let band = |k: u32| {
+        format!("{{ scale = {}, strength = {strength}, intensity = {intensity} }}", scale + 0.001 * f64::from(k))
+    };
+    let key = format!("turbulence.bands=[{}]", (0..count).map(band).collect::<Vec<_>>().join(", "));
+    Dial { keys: vec![key, "air.fringe=0".to_owned()], bands: (count, intensity), ..Dial::new("", String::new()) }
 }
 
 /// Sixteen balls that stand in the hair.
@@ -93,11 +107,5 @@ fn bodies() -> Dial {
         format!("{{ name = \"{k}\", center = [{x}, {y}, 0.014], radius = 0.003 }}")
     };
     let key = format!("body=[{}]", (0..16).map(ball).collect::<Vec<_>>().join(", "));
-    Dial { name: "16 bodies".to_owned(), key, strength: None }
-}
-
-fn bands(n: usize, strength: f64, intensity: f64) -> String {
-    let band =
-        |k| format!("{{ scale = {}, strength = {strength}, intensity = {intensity} }}", 0.005 + 0.001 * k as f64);
-    format!("turbulence.bands=[{}]", (0..n).map(band).collect::<Vec<_>>().join(", "))
+    Dial::new("16 bodies", key)
 }
