@@ -332,7 +332,7 @@ fn a_blow_up_is_put_back_to_rest_if_asked() {
     let on = resume(folder.path(), "out", &["--steps", "20", "--on-blowup", "reset"]);
     let said = String::from_utf8_lossy(&on.stderr).into_owned();
     assert_eq!(on.status.code(), Some(0), "{said}");
-    let words = "step 12 (t = 0.01656 s): not finite, and put back to rest: strands 0, 1, 2, 3";
+    let words = "step 12 (t = 0.01656 s): not finite or too fast, and put back to rest: strands 0, 1, 2, 3";
     assert!(said.contains(words), "{said}");
     let report = report();
     let reset = &report["resets"][0];

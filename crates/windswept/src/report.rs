@@ -93,7 +93,7 @@ pub struct RunFailure {
     pub why: String,
 }
 
-/// What was put back to rest because it was not finite, and when.
+/// What was put back to rest because it was not finite, or faster than anything can be, and when.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Reset {
     /// Step of Δt, from 0, in which it was found: the last one, if strands were reset in several steps that were submitted together.
@@ -123,7 +123,7 @@ impl std::fmt::Display for Reset {
         let and = if self.strands > 0 && self.air { ", and " } else { "" };
         write!(
             f,
-            "step {} (t = {} s): not finite, and put back to rest: {strands}{and}{air}",
+            "step {} (t = {} s): not finite or too fast, and put back to rest: {strands}{and}{air}",
             self.step,
             six_digits(self.time_s)
         )
