@@ -140,7 +140,7 @@ struct Condition {
     strained: u32,   // steps of over-strain on end
     calm: u32,       // steps on end that BDF2 could take
     still: u32,      // steps on end at rest; SLEEPS
-    reach: f32,      // m, the farthest free move of the last step awake
+    reach: f32,      // m, the farthest free move of the last step awake; below 0: it was put, and minus this is the most that it takes next
 }
 
 struct Health {
@@ -154,6 +154,7 @@ const MENDED: u32 = 3u;            // a bad strand that its step has reset
 const CALM_STEPS: u32 = 3u;        // on end, before a strand takes BDF2
 const SLEEPS: u32 = 0xffffffffu;
 const STRAINED_STEPS: u32 = 50u;   // on end, before it is counted
+const GROWTH: f32 = 2.0;           // times the farthest free move of the step before: what a strand bears where air drags hair, or once it was put
 const STRAINED: f32 = 0.05;        // |l/l0 - 1|
 const MISFIT: f32 = 1e-2;          // |C + alpha mu| of stretch-shear that the direct solver may leave in a calm strand
 const LOST: f32 = 1.0;             // that from which it has lost a strand

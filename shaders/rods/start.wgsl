@@ -9,7 +9,7 @@ import package::common::{
     integration::{EULER, PUT, STAY, free_move, response}, rest::STILL_STEPS, load::damping_of,
     led::{held_move, led_move, led_turn}, body::{PUSHED, MOVED},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, CALM_STEPS,
-        ROOT_HELD, TIP_HELD},
+        ROOT_HELD, TIP_HELD, GROWTH},
     status::{frozen, count, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT},
 };
 
@@ -23,7 +23,6 @@ import package::common::{
 
 const AT_TIP: f32 = 0.25;  // force on the tip that bends a strand as far as a force on all of it: 3/8 of a beam, 1/ln n of a chain
 const LOADED: f32 = 0.4;   // lengths of the strand: what forces may move a free point by, where the strand is whole
-const GROWTH: f32 = 2.0;   // times the farthest free move of the step before: what a strand bears where air drags hair
 
 fn put_point(p: u32, travel: vec3f, scheme: u32) {
     rod_points[p].travel = travel;
@@ -123,12 +122,14 @@ fn capped(shift: vec3f, origin: vec3f, largest: f32) -> vec3f {
     return origin + (largest / max(length(way), largest)) * way;
 }
 
-// Returns the farthest free move. What caps take from a strand that nothing holds, beside forces, it keeps as a whole: a first look at
+// Returns the farthest free move, or what `Condition.reach` is below 0. A strand that had to be put is held back: its free move is capped
+// at half of what it could not follow, and the cap grows from step to step until it cuts nothing. What caps take from a strand that nothing holds, beside forces, it keeps as a whole: a first look at
 // its points finds how much that is, so that nothing is read which this pass has written.
 fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
     let origin = base(strand, rod);
     let drags = params.model == TWO_WAY || params.model == MEAN_WIND;
     let grown = select(0.0, GROWTH * reach, params.direct_rods != 0u && drags);
+    let held_back = reach < 0.0;
     let loose = (strand.joints & (ROOT_HELD | TIP_HELD)) == 0u;
     var lost = vec3f(0.0);   // N, to the caps, beside what is cut of forces
     var heaviness = 0.0;     // N/m
@@ -148,7 +149,8 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
                 let reply = response(damping_of(point), rod.scheme) * point.inverse_mass;
                 let loaded = reply * length(point.force);
                 let bears = select(0.0, min(loaded, LOADED * strand.length), rod.whole != 0u);
-                let largest = max(point.largest + bears, grown);
+                let bearable = max(point.largest + bears, grown);
+                let largest = select(bearable, min(bearable, -reach), held_back);
                 heaviness += 1.0 / reply;
                 if far > largest {
                     free = capped(free, origin.whole, largest);
@@ -169,7 +171,7 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
             var travel = free;
             if led && !held { travel = led_move(point, rod, k); }
             farthest = max(farthest, far);
-            carried_far = carried_far || far > point.largest;
+            carried_far = carried_far || held_back || far > point.largest;
             rod_points[p].free = free;
             rod_points[p].travel = travel;
             rod_points[p].scheme = rod.scheme;
@@ -193,7 +195,7 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
         rod_segments[j].moment = select(vec3f(0.0), segment.moment, led);
     }
     rod_strands[s].far = u32(carried_far);
-    return farthest;
+    return select(farthest, GROWTH * reach, held_back && farthest >= -reach);
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -176,6 +176,10 @@ pub fn leave(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
         // A misfit that is not a number counts as well.
         if w.drives[strand].misfit.partial_cmp(&MISFIT).is_none_or(|order| order.is_gt()) {
             (s.calm[strand], s.still[strand]) = (0, 0);
+            // It was put: the next step asks half as much of it.
+            if w.drives[strand].far && w.drives[strand].state == State::Solved {
+                s.reach[strand] *= if s.reach[strand] < 0.0 { 0.5 / GROWTH } else { -0.5 };
+            }
         }
         if p.sleep {
             let still = still(p, &s.hair, strand, &w.moving);

@@ -49,7 +49,7 @@ pub struct State {
     pub root_targets: Vec<(DVec3, DQuat)>,
     /// Number of steps on end in which each strand was calm, [`crate::rods::CALM_STEPS`] at most.
     pub calm: Vec<u32>,
-    /// Farthest free move of each strand in the step before \[m\].
+    /// Farthest free move of each strand in the step before \[m\]; of one that had to be put, minus the most that it takes in the next.
     pub reach: Vec<f64>,
     /// Number of steps on end in which each strand was at rest.
     pub still: Vec<u32>,

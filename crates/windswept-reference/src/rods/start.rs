@@ -125,7 +125,11 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
     };
     let (mut free, bare) = (moves(1.0, m), moves(0.0, m));
     let length: f64 = s.hair.rest_length[segments.clone()].iter().sum();
-    let grown = if p.direct && drags(p) { GROWTH * s.reach[strand] } else { 0.0 };
+    let reach = s.reach[strand];
+    let grown = if p.direct && drags(p) { GROWTH * reach } else { 0.0 };
+    // A strand that had to be put is held back.
+    let most = if reach < 0.0 { -reach } else { f64::INFINITY };
+    drive.far |= most.is_finite();
     let root_held = m.points[points.start].inverse_mass == 0.0;
     let (origin, bare_origin) = (origin(root_held, drive, &free), origin(root_held, drive, &bare));
     let mut farthest = 0.0_f64;
@@ -136,7 +140,7 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
         let far = (free[k] - origin).length();
         let reply = response(damping(p, point), h) * point.inverse_mass;
         let loaded = reply * point.load.force.length();
-        let largest = grown.max(point.largest + if drive.whole { loaded.min(LOADED * length) } else { 0.0 });
+        let largest = grown.max(point.largest + if drive.whole { loaded.min(LOADED * length) } else { 0.0 }).min(most);
         if point.inverse_mass > 0.0 {
             heaviness += 1.0 / reply;
             if far > largest {
@@ -153,7 +157,7 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
             drive.far |= far.min(largest) > point.largest;
         }
     }
-    s.reach[strand] = farthest;
+    s.reach[strand] = if farthest >= most { -GROWTH * most } else { farthest };
     // A strand that nothing holds keeps it as a whole.
     let held = points.clone().any(|i| m.points[i].inverse_mass == 0.0);
     let whole = if held { DVec3::ZERO } else { lost / heaviness };
