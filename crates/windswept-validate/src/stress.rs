@@ -17,7 +17,7 @@ mod stiffness;
 mod winds;
 
 use glam::DVec3;
-use windswept::{Gpu, RunError, Simulation};
+use windswept::{Gpu, Report, RunError, Simulation};
 use windswept_scene::{Scene, Strands};
 
 pub use self::{
@@ -235,6 +235,8 @@ struct Felt {
     stretch: f64,
     /// Number of times that a strand was reset.
     resets: f64,
+    /// Part of all steps of strands that the direct solver left unsolved.
+    rescued: f64,
     /// Largest speed of a hair point that was looked at \[m/s\].
     hair: f64,
     /// What ended the run; empty: nothing.
@@ -268,11 +270,19 @@ fn watch(
         Ok(Felt {
             stretch: report.max_stretch.unwrap_or(f64::NAN),
             resets: resets(simulation),
+            rescued: rescued(simulation, &report),
             hair: farthest(hair, 0.0),
             ended: String::new(),
         })
     };
-    run().unwrap_or_else(|error| Felt { stretch: f64::NAN, resets: f64::NAN, hair: f64::NAN, ended: error.to_string() })
+    let nothing = f64::NAN;
+    run().unwrap_or_else(|error| Felt {
+        stretch: nothing,
+        resets: nothing,
+        rescued: nothing,
+        hair: nothing,
+        ended: error.to_string(),
+    })
 }
 
 /// What ended a run, without when and without advice.
@@ -307,4 +317,16 @@ fn stretch_of(hair: &Strands, s: usize, points: &[DVec3]) -> f64 {
 /// Number of times that a strand was reset.
 fn resets(simulation: &Simulation) -> f64 {
     simulation.warnings().get("strand_reset").copied().unwrap_or(0) as f64
+}
+
+/// Part of all steps of strands so far that the direct solver left unsolved: many mean that hair stands still.
+fn rescued(simulation: &Simulation, report: &Report) -> f64 {
+    let steps = report.steps * u64::from(simulation.scene().time.substeps) * simulation.initial().hair.len() as u64;
+    let rescued = report.strand_steps.as_ref().and_then(|steps| steps.get("rescued_steps")).copied();
+    rescued.map_or(f64::NAN, |rescued| rescued as f64 / steps as f64)
+}
+
+/// A sweep of [`rescued`]: hair that is left unsolved in more than half of its steps hardly moves.
+fn sweep_of_rescued() -> Sweep {
+    Sweep::new("strands that the solver leaves unsolved, of all in all steps", 0.5, "")
 }

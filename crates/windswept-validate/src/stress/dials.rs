@@ -8,7 +8,7 @@ use crate::{
     air::{farthest, mean, vectors},
 };
 
-pub(super) const SWEPT: &str = "viscosity.hair 0 to 100; strength of a band of three particle spacings 0 to 1000, of intensity 0.3 and 10; 1 to 8 bands; \
+pub(super) const SWEPT: &str = "viscosity.hair 0 to 100; strength of a band of three particle spacings 0 to 1000, and 1 to 8 bands, of intensity 0.3 and 10; \
     16 bodies; each model and fluid solver, those without particles of air with bodies only; wind of 3 m/s, bands without a fringe";
 
 /// Kinetic energy of the air, over that of its wind, which is beyond all bounds without bands. A band of intensity I may add I²: its
@@ -81,7 +81,13 @@ fn dials() -> Vec<Dial> {
         [0.0, 1.4, 30.0, 100.0].map(|c| Dial::new(format!("viscosity.hair {c}"), format!("viscosity.hair={c}")));
     let strengths = [0.0, 3.0, 100.0, 1000.0].map(|strength| band(strength, USUAL));
     let intense = [3.0, 30.0, 100.0, 1000.0].map(|strength| band(strength, INTENSE));
-    let many = [2, 4, 8].map(|n| Dial { name: format!("{n} bands of strength 30"), ..bands(n, SMALLEST, 30.0, USUAL) });
+    let many = [USUAL, INTENSE].map(|intensity| {
+        [2, 4, 8].map(|n| Dial {
+            name: format!("{n} bands of strength 30 and intensity {intensity}"),
+            ..bands(n, SMALLEST, 30.0, intensity)
+        })
+    });
+    let many = many.into_iter().flatten();
     viscosities.into_iter().chain(strengths).chain(intense).chain(many).chain([bodies()]).collect()
 }
 

@@ -6,7 +6,7 @@ use glam::DVec3;
 use windswept::{Gpu, Simulation};
 use windswept_scene::{InitialState, Model};
 
-use super::{COUPLINGS, Extent, Felt, Sweep, TUFT, scene, undriven, watch};
+use super::{COUPLINGS, Extent, Felt, Sweep, TUFT, scene, sweep_of_rescued, undriven, watch};
 use crate::{
     Error,
     momentum::{exchanged, received},
@@ -53,6 +53,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
         Sweep::new("largest stretch", 0.01, ""),
         Sweep::new("strands reset", 0.0, ""),
         Sweep::new("change of momentum in a closed box, of the impulses exchanged", 1e-4, ""),
+        sweep_of_rescued(),
     ];
     for (coupling, keys) in COUPLINGS {
         let drives: &[(&str, &[&str])] = match coupling {
@@ -69,6 +70,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 let series = format!("{coupling}, {name}");
                 all[0].add(&series, felt.at(&setting), f64::NAN, felt.stretch);
                 all[1].add(&series, felt.at(&setting), f64::NAN, felt.resets);
+                all[3].add(&series, felt.at(&setting), f64::NAN, felt.rescued);
                 if let Some(drift) = drift {
                     all[2].add(&series, felt.at(&setting), f64::NAN, drift);
                 }
