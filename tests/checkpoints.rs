@@ -495,3 +495,33 @@ fn notes_come_back() {
     assert_eq!(checkpoint.notes::<(Vec<String>, f64, Option<u64>)>().unwrap(), notes);
     assert!(checkpoint.notes::<()>().is_err());
 }
+
+/// A block whose edges are so long \[m\], as a `.obj`.
+fn block(edge: f64) -> String {
+    let corner = |i: u32| {
+        let at = |bit: u32| edge * (f64::from(i >> bit & 1) - 0.5);
+        format!("v {} {} {}\n", 0.03 + at(0), at(1), 0.02 + at(2))
+    };
+    let faces = "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    (0..8).map(corner).collect::<String>() + faces
+}
+
+/// A checkpoint has no meshes, only where their files are: with another mesh it would go on to something else, and is refused.
+#[test]
+fn a_mesh_that_has_changed_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("block.obj"), block(0.01)).unwrap();
+    let body = "[[body]]\nname = 'block'\nshape = 'mesh'\nfile = 'block.obj'\nscale = 1.0\n";
+    fs::write(at("scene.toml"), format!("{SMALL}{body}")).unwrap();
+    let scene = Scene::load(at("scene.toml")).unwrap();
+    let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
+    simulation.step(2).unwrap();
+    simulation.save(at("now.windswept")).unwrap();
+    Checkpoint::open(at("now.windswept")).unwrap();
+    fs::write(at("block.obj"), block(0.011)).unwrap();
+    let said = Checkpoint::open(at("now.windswept")).unwrap_err().to_string();
+    assert!(said.contains("body \"block\" has another mesh now: its file has changed since"), "{said}");
+    fs::write(at("block.obj"), block(0.01)).unwrap();
+    Checkpoint::open(at("now.windswept")).unwrap();
+}

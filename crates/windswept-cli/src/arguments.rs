@@ -246,8 +246,8 @@ pub(crate) struct RunOptions {
     pub(crate) overwrite: bool,
     #[arg(long, value_name = "K", help = checkpoint_help())]
     pub(crate) checkpoint_every: Option<NonZeroU64>,
-    /// What to do when values stop being finite: end the run with a checkpoint of the state before, or put what they are of back to
-    /// rest and go on
+    /// What to do when a run blows up, which it does where air is not finite, or too many strands at once: end it with a checkpoint of the state
+    /// before, or put what is not finite back to rest and go on. A few strands are put back in either case, and counted
     #[arg(long, value_name = "WHAT", default_value = "stop")]
     pub(crate) on_blowup: OnBlowup,
     /// Go on with the run in DIR from its checkpoint, with its scene, formats, --steps and --checkpoint-every, unless others are given

@@ -364,6 +364,16 @@ fn a_wavefront_file_that_is_cut_off_is_refused() {
     assert!(said.ends_with("ragged.obj: line 4: a face of 2 corners: expected at least 3"), "{said}");
 }
 
+/// Faces that are more triangles than a mesh may have are refused before any of them is made.
+#[test]
+fn too_many_faces_are_refused_at_their_line() {
+    let folder = Folder::new();
+    let most = windswept_scene::limits::MOST_TRIANGLES;
+    let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf{}\n", " 1".repeat(most + 2));
+    let said = Triangles::load(folder.write("many.obj", text.as_bytes())).unwrap_err().to_string();
+    assert!(said.ends_with("many.obj: line 5: expected at most 4194304 triangles in the file"), "{said}");
+}
+
 /// Comments of any encoding are no fault, and neither are names, which come with a mark for what is no UTF-8; numbers must be.
 #[test]
 fn text_need_not_be_of_utf8() {

@@ -51,7 +51,7 @@ const PARTS: &[Part] = &[
     },
     Part {
         name: "engine",
-        files: &["crates/windswept/src/*.rs"],
+        files: &["crates/windswept/src/**/*.rs"],
         package: "windswept",
         tested: &["windswept", "windswept-workspace"],
         tests: &[

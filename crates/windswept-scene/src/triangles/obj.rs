@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use glam::DVec3;
 
 use super::Triangles;
-use crate::error::SceneError;
+use crate::{error::SceneError, limits::MOST_TRIANGLES};
 
 /// Most groups that a face is in: names of each part are kept, so that more would take memory without end.
 const MOST_GROUPS: usize = 64;
@@ -32,8 +32,9 @@ fn line_of(read: &[u8], is_faulty: impl Fn(&[u8]) -> bool) -> usize {
 /// First words of the lines that indices count, and what the lines hold.
 const INDEXED: [(&str, &str); 3] = [("v", "points"), ("vt", "places in the texture"), ("vn", "normals")];
 
-/// Refuses an index that leads to nothing: the crate multiplies indices before it looks at them. One below 0 counts back from its line.
-fn check_indices(text: &str) -> Result<(), SceneError> {
+/// Refuses more faces than a mesh may have, and an index that leads to nothing: the crate multiplies indices before it looks at them. One below 0
+/// counts back from its line.
+fn check_faces(text: &str) -> Result<(), SceneError> {
     let lines = || {
         let lines = text.split('\n').map(str::split_whitespace);
         lines.map(|mut words| (words.next().unwrap_or_default(), words))
@@ -41,10 +42,16 @@ fn check_indices(text: &str) -> Result<(), SceneError> {
     let kind = |word: &str| INDEXED.iter().position(|(name, _)| *name == word);
     let mut all = [0_u64; 3];
     lines().filter_map(|(word, _)| kind(word)).for_each(|kind| all[kind] += 1);
-    let mut before = [0_u64; 3];
+    let (mut before, mut triangles) = ([0_u64; 3], 0);
     for (number, (word, corners)) in (1..).zip(lines()) {
         if let Some(kind) = kind(word) {
             before[kind] += 1;
+        }
+        if word == "f" {
+            triangles += corners.clone().count().saturating_sub(2);
+            if triangles > MOST_TRIANGLES {
+                return Err(SceneError::new(format!("line {number}: expected at most {MOST_TRIANGLES} triangles in the file")));
+            }
         }
         for corner in corners.filter(|_| ["f", "l", "p"].contains(&word)) {
             for (kind, index) in corner.split('/').enumerate().take(INDEXED.len()) {
@@ -157,7 +164,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
     // Comments and names may be of any encoding: numbers are text of all.
     let given = String::from_utf8_lossy(bytes);
     let (text, names) = numbered(&given)?;
-    check_indices(&text)?;
+    check_faces(&text)?;
     let mut left = text.as_bytes();
     let loaded = load(&mut left);
     let (models, _) = loaded.map_err(|error| {

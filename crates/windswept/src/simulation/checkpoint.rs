@@ -8,7 +8,7 @@ use std::{
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use windswept_scene::{AtomicFile, InitialState, Scene};
+use windswept_scene::{AtomicFile, Body, InitialState, Scene, Solid, Triangles};
 use windswept_shaders::common::rod::Root;
 
 use super::{
@@ -26,10 +26,11 @@ use crate::{
 };
 
 /// Format of the files. It rises when a section gets another content, or a buffer that lasts another layout or meaning.
-const FORMAT: u32 = 5;
+const FORMAT: u32 = 6;
 
 const ABOUT: &str = "about";
 const SCENE: &str = "scene";
+const MESHES: &str = "meshes";
 const START: &str = "start";
 const DRIVEN: &str = "driven";
 const NOTES: &str = "notes";
@@ -66,6 +67,21 @@ impl About {
         differ("adapter", self.adapter.to_string(), now.adapter.to_string())
             .or_else(|| differ("version", version(self), version(now)))
     }
+}
+
+/// Names of bodies that are meshes, each with a checksum of its triangles: a scene's text says only where their file is.
+type Meshes = Vec<(String, u32)>;
+
+fn meshes(scene: &Scene) -> Meshes {
+    let checksum = |solid: &Solid| {
+        let mut hasher = crc32fast::Hasher::new();
+        let Triangles { points, corners, .. } = solid.triangles();
+        points.iter().flat_map(|x| x.to_array()).for_each(|x| hasher.update(&x.to_le_bytes()));
+        corners.iter().flatten().for_each(|corner| hasher.update(&corner.to_le_bytes()));
+        hasher.finalize()
+    };
+    let mesh = |body: &Body| Some((body.name.clone(), checksum(body.shape.solid()?)));
+    scene.bodies.iter().filter_map(mesh).collect()
 }
 
 /// What the host keeps of how the simulation was driven.
@@ -135,6 +151,7 @@ impl Checkpoint {
         let mut section = |name: &str| reading.section(name).map_err(refused);
         let about = decoded(&file, ABOUT, &section(ABOUT)?)?;
         let text = section(SCENE)?;
+        let saved: Meshes = decoded(&file, MESHES, &section(MESHES)?)?;
         let initial = decoded(&file, START, &section(START)?)?;
         let driven = decoded(&file, DRIVEN, &section(DRIVEN)?)?;
         let notes = section(NOTES)?;
@@ -144,6 +161,10 @@ impl Checkpoint {
         let text = std::str::from_utf8(&text).map_err(|error| misfit(&file, format!("section {SCENE}: {error}")))?;
         let scene = Scene::parse_named(&format!("{file}, section {SCENE}"), text);
         let scene = scene.map_err(|error| misfit(&file, error.to_string()))?;
+        if let Some((name, _)) = meshes(&scene).into_iter().find(|mesh| !saved.contains(mesh)) {
+            let words = format!("body {name:?} has another mesh now: its file has changed since the simulation was saved");
+            return Err(misfit(&file, words));
+        }
         Ok(Self { file, about, scene, initial, driven, notes, buffers })
     }
 
@@ -309,6 +330,7 @@ impl Simulation {
         let mut section = |name: &str, content: &[u8]| writing.section(name, content).map_err(io);
         section(ABOUT, &encoded(file, &About::of(self.gpu()))?)?;
         section(SCENE, text.as_bytes())?;
+        section(MESHES, &encoded(file, &meshes(&self.given))?)?;
         section(START, &encoded(file, &self.initial)?)?;
         section(DRIVEN, &encoded(file, &driven)?)?;
         section(NOTES, &encoded(file, notes)?)?;
