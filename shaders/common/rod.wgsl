@@ -155,6 +155,7 @@ const CALM_STEPS: u32 = 3u;        // on end, before a strand takes BDF2
 const SLEEPS: u32 = 0xffffffffu;
 const STRAINED_STEPS: u32 = 50u;   // on end, before it is counted
 const GROWTH: f32 = 2.0;           // times the farthest free move of the step before: what a strand bears where air drags hair, or once it was put
+const EASED: f32 = 0.25;           // of what a strand could not follow: what the next step asks of it
 const STRAINED: f32 = 0.05;        // |l/l0 - 1|
 const MISFIT: f32 = 1e-2;          // |C + alpha mu| of stretch-shear that the direct solver may leave in a calm strand
 const LOST: f32 = 1.0;             // that from which it has lost a strand

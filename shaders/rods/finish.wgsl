@@ -5,7 +5,7 @@ import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::PUT,
     rest::{STILL_STEPS, STILL_TURN},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, LEFT, SLEEPS, STRAINED_STEPS, strained_steps,
-        ROOT_HELD, MISFIT, GROWTH, BAD, SPOILT, unsolved},
+        ROOT_HELD, MISFIT, GROWTH, EASED, BAD, SPOILT, unsolved},
     status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNMENDED_STRAND, BY_FINISH,
         NO_POINT},
 };
@@ -109,8 +109,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if !(rod.misfit <= MISFIT) {
         found.calm = 0u;
         found.still = 0u;
-        // It was put: the next step asks half as much of it.
-        if rod.far != 0u && rod.state == SOLVED { found.reach *= select(-0.5, 0.5 / GROWTH, found.reach < 0.0); }
+        // It was put: the next step asks a quarter as much of it.
+        if rod.far != 0u && rod.state == SOLVED { found.reach *= select(-EASED, EASED / GROWTH, found.reach < 0.0); }
     }
     if rod.state == select(FREE, LEFT, params.direct_rods != 0u) { forget(strand); }
     if params.sleep != 0u && found.still != SLEEPS {

@@ -40,8 +40,10 @@ pub const CALM_STEPS: u32 = 3;
 pub const STORMY: f64 = 1.0 / 3.0;
 /// Move of a free point by its load that any whole strand bears in a step, over the length of the strand.
 pub const LOADED: f64 = 0.4;
-/// Growth of the farthest free move from step to step that a strand bears where air drags it.
+/// Growth of the farthest free move from step to step that a strand bears where air drags it, or once it had to be put.
 pub const GROWTH: f64 = 2.0;
+/// Part of a free move that a strand could not follow, which the next step asks of it.
+pub const EASED: f64 = 0.25;
 /// Force on the tip of a strand that bends it as far as a force on all of it, over that: 3/8 for a clamped beam, 1/ln n for a chain
 /// of n points.
 const AT_TIP: f64 = 0.25;
@@ -176,9 +178,9 @@ pub fn leave(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
         // A misfit that is not a number counts as well.
         if w.drives[strand].misfit.partial_cmp(&MISFIT).is_none_or(|order| order.is_gt()) {
             (s.calm[strand], s.still[strand]) = (0, 0);
-            // It was put: the next step asks half as much of it.
+            // It was put: the next step asks a quarter as much of it.
             if w.drives[strand].far && w.drives[strand].state == State::Solved {
-                s.reach[strand] *= if s.reach[strand] < 0.0 { 0.5 / GROWTH } else { -0.5 };
+                s.reach[strand] *= if s.reach[strand] < 0.0 { EASED / GROWTH } else { -EASED };
             }
         }
         if p.sleep {

@@ -50,7 +50,9 @@ fn check_faces(text: &str) -> Result<(), SceneError> {
         if word == "f" {
             triangles += corners.clone().count().saturating_sub(2);
             if triangles > MOST_TRIANGLES {
-                return Err(SceneError::new(format!("line {number}: expected at most {MOST_TRIANGLES} triangles in the file")));
+                return Err(SceneError::new(format!(
+                    "line {number}: expected at most {MOST_TRIANGLES} triangles in the file"
+                )));
             }
         }
         for corner in corners.filter(|_| ["f", "l", "p"].contains(&word)) {

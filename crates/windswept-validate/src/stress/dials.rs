@@ -11,8 +11,8 @@ use crate::{
 pub(super) const SWEPT: &str = "viscosity.hair 0 to 100; strength of a band of three particle spacings 0 to 1000, and 1 to 8 bands, of intensity 0.3 and 10; \
     16 bodies; each model and fluid solver, those without particles of air with bodies only; wind of 3 m/s, bands without a fringe";
 
-/// Kinetic energy of the air, over that of its wind, which is beyond all bounds without bands. A band of intensity I may add I²: its
-/// largest speed is I times the wind's.
+/// Kinetic energy of the air, over that of its wind, which is beyond all bounds without bands. Bands of intensity I may add (n I)²: the
+/// largest speed of each is I times the wind's, and these are of neighbouring scales, so that their speeds add up.
 const WILD: f64 = 2.0;
 const LOOKS: u64 = 30;
 const STRIDE: u64 = 5;
@@ -47,7 +47,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
             });
             if has_air(coupling) {
                 let (count, intensity) = bands;
-                let bound = WILD + f64::from(count) * intensity.powi(2);
+                let bound = WILD + (f64::from(count) * intensity).powi(2);
                 let series = format!("{coupling}, intensity {intensity}");
                 energy.add_within(bound, series, felt.at(&name), strength, farthest(energies, 0.0));
             }

@@ -162,7 +162,8 @@ impl Checkpoint {
         let scene = Scene::parse_named(&format!("{file}, section {SCENE}"), text);
         let scene = scene.map_err(|error| misfit(&file, error.to_string()))?;
         if let Some((name, _)) = meshes(&scene).into_iter().find(|mesh| !saved.contains(mesh)) {
-            let words = format!("body {name:?} has another mesh now: its file has changed since the simulation was saved");
+            let words =
+                format!("body {name:?} has another mesh now: its file has changed since the simulation was saved");
             return Err(misfit(&file, words));
         }
         Ok(Self { file, about, scene, initial, driven, notes, buffers })
