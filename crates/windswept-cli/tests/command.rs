@@ -49,7 +49,8 @@ fn a_run_writes_what_it_says() {
     assert_eq!(report["steps"], 72);
     assert_eq!(report["particles"]["hair"], 30);
     assert_eq!(report["adapter"]["kind"], "software");
-    assert_eq!(report["texts"], "software");
+    // The processor says which.
+    assert!(["software", "software-avx512"].iter().any(|texts| report["texts"] == *texts), "{}", report["texts"]);
     assert_eq!(report, self::report(&folder.path().join("copy.json")));
 }
 
