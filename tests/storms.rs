@@ -7,7 +7,7 @@ use windswept::{
     Gpu, Simulation,
     internals::{Engine, Plan, Recorder, Setup, step},
 };
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{InitialState, Model, Scene};
 
 /// Radius \[m\], density \[kg/m³\] and Young's modulus \[Pa\] of a real hair.
 const RADIUS: f64 = 40e-6;
@@ -131,6 +131,25 @@ fn bits_of_all_passes(
     }
     assert_eq!(engine.status().unwrap().causes, 0);
     bits(&engine)
+}
+
+/// A strand that could not follow its load is asked less of, until it moves again: otherwise hair stands still in a gale.
+#[test]
+fn hair_streams_in_any_wind() {
+    for wind in [100.0, 300.0, 1000.0] {
+        let mut scene = Storm { wind, step: 1.38e-3, fibres: 4.0, mass: 1.0 }.scene();
+        scene.interaction.model = Model::Drag;
+        let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
+        simulation.step(150).unwrap();
+        let steps = 150.0 * simulation.initial().hair.len() as f64;
+        let rescued = simulation.report().unwrap().strand_steps.unwrap()["rescued_steps"] as f64 / steps;
+        let points = simulation.frame().unwrap().hair.positions;
+        let downwind = points.chunks(9).map(|strand| f64::from(strand[8][0] - strand[0][0]) / 0.05);
+        let least = downwind.fold(f64::INFINITY, f64::min);
+        println!("{wind} m/s: {rescued} of all steps unsolved, tips {least} L downwind");
+        // Measured at most 0.29, and at least 0.956 L. Where strands are not held back, all steps at 1000 m/s are unsolved.
+        assert!(rescued < 0.5 && least > 0.8, "{wind} m/s: {rescued} of all steps unsolved, tips {least} L downwind");
+    }
 }
 
 /// The passes that rescue strands run from the first step on in which the direct solver leaves one unsolved: a step of the simulation's

@@ -122,9 +122,10 @@ fn capped(shift: vec3f, origin: vec3f, largest: f32) -> vec3f {
     return origin + (largest / max(length(way), largest)) * way;
 }
 
-// Returns the farthest free move, or what `Condition.reach` is below 0. A strand that had to be put is held back: its free move is capped
-// at a part of what it could not follow, and the cap grows from step to step until it cuts nothing. What caps take from a strand that nothing holds, beside forces, it keeps as a whole: a first look at
-// its points finds how much that is, so that nothing is read which this pass has written.
+// Returns the farthest free move, or what `Condition.reach` is below 0. A strand that had to be put is held back: its free move
+// is capped at a part of what it could not follow, and the cap grows from step to step until it cuts nothing. What caps take
+// from a strand that nothing holds, beside forces, it keeps as a whole: a first look at its points finds how much that is, so
+// that nothing is read which this pass has written.
 fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
     let origin = base(strand, rod);
     let drags = params.model == TWO_WAY || params.model == MEAN_WIND;
