@@ -109,7 +109,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if !(rod.misfit <= MISFIT) {
         found.calm = 0u;
         found.still = 0u;
-        // It was put: the next step asks a quarter as much of it.
+        // It was put: the next step asks less of it.
         if rod.far != 0u && rod.state == SOLVED { found.reach *= select(-EASED, EASED / GROWTH, found.reach < 0.0); }
     }
     if rod.state == select(FREE, LEFT, params.direct_rods != 0u) { forget(strand); }

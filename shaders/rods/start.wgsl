@@ -136,7 +136,7 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
     var heaviness = 0.0;     // N/m
     var kept = vec3f(0.0);   // m, of what is lost
     var farthest = 0.0;
-    var carried_far = false;
+    var carried_far = held_back;
     for (var look = select(1u, 0u, loose); look < 2u; look++) {
         for (var k = 0u; k < strand.points; k++) {
             let p = strand.first_point + k;
@@ -172,7 +172,7 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
             var travel = free;
             if led && !held { travel = led_move(point, rod, k); }
             farthest = max(farthest, far);
-            carried_far = carried_far || held_back || far > point.largest;
+            carried_far = carried_far || far > point.largest;
             rod_points[p].free = free;
             rod_points[p].travel = travel;
             rod_points[p].scheme = rod.scheme;

@@ -7,7 +7,7 @@ use windswept::{
 };
 use windswept_reference::step::step as twin_step;
 use windswept_scene::{InitialState, Scene, Strands};
-use windswept_shaders::{PASSES, Pass};
+use windswept_shaders::{PASSES, Pass, Textures};
 
 use crate::{
     contact, drive, fluid, guard, neighbours, rods,
@@ -246,7 +246,10 @@ fn software_texts_change_no_bit() {
     let all = [PUBLISHED, PARTICLES, DRAG, CROWDED, DIVERGENCE, PRESSED_HAIR, BODIES, FIELDS, NEWTON];
     let run: Vec<_> = all.iter().flat_map(|sets| plan(&small(sets)).unwrap()).filter(|row| row.runs > 0).collect();
     for pass in PASSES {
-        let beside = pass.bindings.iter().any(|bound| bound.writes && bound.in_software[0].texture.is_some());
+        let beside = pass
+            .bindings
+            .iter()
+            .any(|bound| bound.writes && bound.in_software[Textures::All as usize].texture.is_some());
         assert!(!beside || run.iter().any(|row| row.pass == pass.name), "no scene runs {}", pass.name);
     }
     for sets in all {

@@ -178,7 +178,7 @@ pub fn leave(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
         // A misfit that is not a number counts as well.
         if w.drives[strand].misfit.partial_cmp(&MISFIT).is_none_or(|order| order.is_gt()) {
             (s.calm[strand], s.still[strand]) = (0, 0);
-            // It was put: the next step asks a quarter as much of it.
+            // It was put: the next step asks less of it.
             if w.drives[strand].far && w.drives[strand].state == State::Solved {
                 s.reach[strand] *= if s.reach[strand] < 0.0 { EASED / GROWTH } else { -EASED };
             }

@@ -81,29 +81,29 @@ fn dials() -> Vec<Dial> {
         [0.0, 1.4, 30.0, 100.0].map(|c| Dial::new(format!("viscosity.hair {c}"), format!("viscosity.hair={c}")));
     let strengths = [0.0, 3.0, 100.0, 1000.0].map(|strength| band(strength, USUAL));
     let intense = [3.0, 30.0, 100.0, 1000.0].map(|strength| band(strength, INTENSE));
-    let many = [USUAL, INTENSE].map(|intensity| {
-        [2, 4, 8].map(|n| Dial {
-            name: format!("{n} bands of strength 30 and intensity {intensity}"),
-            ..bands(n, SMALLEST, 30.0, intensity)
-        })
-    });
+    let many =
+        [USUAL, INTENSE].map(|intensity| [2, 4, 8].map(|n| bands(&format!("{n} bands"), n, SMALLEST, 30.0, intensity)));
     let many = many.into_iter().flatten();
     viscosities.into_iter().chain(strengths).chain(intense).chain(many).chain([bodies()]).collect()
 }
 
 /// A single band.
 fn band(strength: f64, intensity: f64) -> Dial {
-    let name = format!("a band of strength {strength} and intensity {intensity}");
-    Dial { name, strength, ..bands(1, SCALE, strength, intensity) }
+    Dial { strength, ..bands("a band", 1, SCALE, strength, intensity) }
 }
 
 /// Bands whose eddies live on: a fringe would still them where the wind enters.
-fn bands(count: u32, scale: f64, strength: f64, intensity: f64) -> Dial {
+fn bands(what: &str, count: u32, scale: f64, strength: f64, intensity: f64) -> Dial {
     let band = |k: u32| {
         format!("{{ scale = {}, strength = {strength}, intensity = {intensity} }}", scale + 0.001 * f64::from(k))
     };
     let key = format!("turbulence.bands=[{}]", (0..count).map(band).collect::<Vec<_>>().join(", "));
-    Dial { keys: vec![key, "air.fringe=0".to_owned()], bands: (count, intensity), ..Dial::new("", String::new()) }
+    Dial {
+        name: format!("{what} of strength {strength} and intensity {intensity}"),
+        keys: vec![key, "air.fringe=0".to_owned()],
+        bands: (count, intensity),
+        strength: f64::NAN,
+    }
 }
 
 /// Sixteen balls that stand in the hair.
