@@ -397,8 +397,8 @@ fn no_content_is_a_panic() {
     assert!(refused > 0 && taken > 0);
 }
 
-/// What a step takes as the host gave it is refused where it is no number, by the file and the section: a step would
-/// not look at it.
+/// What a step takes as it finds it is refused where it is no number, no rotation or no particle, by the file and the section: a step
+/// would not look at it.
 #[test]
 fn what_a_step_does_not_look_at_is_refused() {
     let free = "hair.fringe.root=free";
@@ -408,6 +408,7 @@ fn what_a_step_does_not_look_at_is_refused() {
     let whole = simulation.to_bytes().unwrap();
     assert!(Checkpoint::from_bytes(&whole, "whole").unwrap().start(simulation.gpu()).is_ok());
     let number = |x: f32| x.to_le_bytes();
+    let own = |name: &str| sections(&whole).into_iter().find(|section| section.0 == name).unwrap().1;
     // A root has a place, a number that means nothing, and a rotation.
     let cases = [
         ("clamps", 32 + 4, number(f32::NAN).to_vec(), "row 1 is not finite"),
@@ -415,11 +416,12 @@ fn what_a_step_does_not_look_at_is_refused() {
         ("root_targets", 0, number(f32::INFINITY).to_vec(), "row 0 is not"),
         ("root_targets", 11 * 32 + 28, number(f32::NAN).to_vec(), "row 11 is not"),
         ("wind_table", 0, number(1e20).to_vec(), "row 0 is not"),
+        ("air_id", 8, u32::MAX.to_le_bytes().to_vec(), "row 2 is no particle of air"),
+        ("air_id", 4, own("air_id")[..4].to_vec(), "row 1 is no particle of air, or one that an earlier"),
         ("pushed", 16 + 8, number(f32::NEG_INFINITY).to_vec(), "row 1 is not"),
     ];
     for (name, at, bytes, words) in cases {
-        let own = sections(&whole).into_iter().find(|section| section.0 == name).unwrap().1;
-        let content = [&own[..at], &bytes, &own[at + bytes.len()..]].concat();
+        let content = [&own(name)[..at], &bytes, &own(name)[at + bytes.len()..]].concat();
         let spoilt = Checkpoint::from_bytes(&with_section(&whole, name, &content), "a/spoilt file").unwrap();
         let said = spoilt.start(simulation.gpu()).err().map(|error| error.to_string()).unwrap_or_default();
         assert!(said.starts_with(&format!("a/spoilt file: section {name}: {words}")), "{name}: {said}");

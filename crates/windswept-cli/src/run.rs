@@ -338,16 +338,25 @@ fn report(simulation: &mut Simulation, failure: Option<&Failure>) -> Result<Repo
     Ok(Report { failure, ..simulation.report()? })
 }
 
-/// report.json. JSON has no NaN and would say null: a run that reports one has failed.
+/// The text of report.json.
 fn json(report: &Report, frames: &[Row]) -> Result<String, Failure> {
     let defect = |e: serde_json::Error| Failure::Run(format!("the report cannot be written: {e}"));
     let mut value = serde_json::to_value(report).map_err(defect)?;
     if !frames.is_empty() {
         value["frames"] = serde_json::to_value(frames).map_err(defect)?;
     }
-    match not_finite(&value) {
+    serde_json::to_string_pretty(&finite(value)?).map(|text| text + "\n").map_err(defect)
+}
+
+/// A report of finite numbers. JSON has no other, and serde writes null for them: a run that reports one has failed, and the report of
+/// a run that failed already leaves out the rows that have one.
+fn finite(mut report: Value) -> Result<Value, Failure> {
+    if report.get("failure").is_some() {
+        report.as_object_mut().into_iter().for_each(|rows| rows.retain(|_, row| not_finite(row).is_none()));
+    }
+    match not_finite(&report) {
         Some(key) => Err(Failure::Run(format!("the run ended with a {key} that is not finite"))),
-        None => serde_json::to_string_pretty(&value).map(|text| text + "\n").map_err(defect),
+        None => Ok(report),
     }
 }
 
@@ -369,7 +378,7 @@ fn not_finite(value: &Value) -> Option<String> {
 mod tests {
     use serde_json::json;
 
-    use super::not_finite;
+    use super::{finite, not_finite};
 
     /// What serde writes for a NaN is found and named, however deep.
     #[test]
@@ -378,5 +387,14 @@ mod tests {
         assert_eq!(not_finite(&report).as_deref(), Some("momentum.1"));
         assert_eq!(not_finite(&json!({ "passes": [{ "ms": f64::INFINITY }] })).as_deref(), Some("passes.0.ms"));
         assert_eq!(not_finite(&json!({ "steps": 3, "warnings": {} })), None);
+    }
+
+    /// A run that failed has a report, without what is not finite; a run that does not know of it fails.
+    #[test]
+    fn a_run_that_failed_reports_what_is_finite() {
+        let mut report = json!({ "steps": 3, "momentum": [0.0, f64::NAN, 0.0] });
+        assert!(finite(report.clone()).is_err_and(|failure| failure.why().contains("momentum.1")));
+        report["failure"] = json!({ "step": 3 });
+        assert_eq!(finite(report).expect("a report"), json!({ "steps": 3, "failure": { "step": 3 } }));
     }
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::gpu::{AdapterInfo, PassTexts};
 
-/// The report of a run so far. What was not measured is left out, never null.
+/// The report of a run so far. What was not measured is left out, never null; in report.json of a run that failed so is what is not finite.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
     /// Version of this schema.

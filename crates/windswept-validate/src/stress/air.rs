@@ -1,7 +1,7 @@
 //! Air that starts crowded or with a void: it spreads, and nothing is shot away.
 
 use glam::DVec3;
-use windswept::{Gpu, Simulation};
+use windswept::{Gpu, RunError, Simulation};
 use windswept_scene::FluidSolver;
 
 use super::{Extent, Sweep, watch};
@@ -25,6 +25,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut apart = Sweep::new("pairs nearer than a fifth of a spacing after 100 steps", 0.0, "");
     let mut dense = Sweep::new("largest density after 100 steps, of the rest density", 1.05, "");
     let mut fast = Sweep::new("fastest particle in any step, off the wind", 0.5, "h/Δt");
+    let mut spreading = Sweep::new("largest density at any time, of the rest density", f64::INFINITY, "").over("steps");
     for &solver in extent.of(&[FluidSolver::Divergence, FluidSolver::Pbf][..], &[FluidSolver::Divergence]) {
         for (wind, (name, crowd)) in WINDS.into_iter().flat_map(|wind| CROWDS.iter().map(move |crowd| (wind, crowd))) {
             let mut scene = air::scene(&format!("fluid.solver = \"{}\"", solver.word()))?;
@@ -37,21 +38,32 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
             // Air fills the box at its rest density.
             initial.air.volume = cloud.size.element_product() / cloud.positions.len() as f64;
             let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
+            let series = format!("{}, {wind} m/s", solver.word());
             let mut fastest = 0.0;
-            let felt = watch(&mut simulation, STEPS, 1, |simulation, _| {
+            let felt = watch(&mut simulation, STEPS, 1, |simulation, step| {
                 let v = vectors(&simulation.frame()?.air.velocities);
                 fastest = farthest(v.iter().map(|v| v.distance(DVec3::X * wind)).chain([fastest]), 0.0);
+                if step.is_power_of_two() {
+                    let densest = densest(simulation)?;
+                    spreading.add(format!("{series}, {name}"), format!("step {step}"), step as f64, densest);
+                }
                 Ok(())
             });
-            let density = simulation.density()?;
+            let densest = densest(&mut simulation)?;
             let after = cloud.of_frame(&simulation.frame()?.air);
-            let (series, setting) = (format!("{}, {wind} m/s", solver.word()), felt.at(*name));
+            let setting = felt.at(*name);
+            spreading.add(format!("{series}, {name}"), format!("step {STEPS}"), STEPS as f64, densest);
             apart.add(&series, &setting, f64::NAN, pairs_in_one_place(&after) as f64);
-            dense.add(&series, &setting, f64::NAN, farthest(density.iter().map(|rho| f64::from(*rho)), 0.0));
+            dense.add(&series, &setting, f64::NAN, densest);
             fast.add(&series, &setting, f64::NAN, fastest * STEP / RADIUS);
         }
     }
-    Ok(vec![apart, dense, fast])
+    Ok(vec![apart, dense, fast, spreading])
+}
+
+/// Largest density, of the rest density.
+fn densest(simulation: &mut Simulation) -> Result<f64, RunError> {
+    Ok(farthest(simulation.density()?.iter().map(|rho| f64::from(*rho)), 0.0))
 }
 
 /// A way to put air where it cannot stay.

@@ -15,6 +15,8 @@ pub(super) const OTHERS: &str =
 
 /// Looks in a run: eddies come and go, so that a mean needs many.
 const LOOKS: usize = 1000;
+/// Looks whose mean is a point of a curve.
+const POINT: usize = 50;
 /// Strands of hair in a box as small as can be.
 const SMALL: &[&str] = &[
     "hair.strands=2",
@@ -46,6 +48,11 @@ fn runs(gpu: &Gpu, extent: Extent, couplings: &[(&str, &[&str])]) -> Result<Vec<
     let mut energy =
         Sweep::new("kinetic energy of the air about its mean velocity, last quarter over second, off 1", 0.05, "");
     let mut density = Sweep::new("rms of the density error, last quarter over second, off 1", 0.1, "");
+    let mut energy_curve =
+        Sweep::new("kinetic energy of the air about its mean velocity, means of 5000 steps", f64::INFINITY, "J/kg")
+            .over("steps");
+    let mut density_curve =
+        Sweep::new("rms of the density error, means of 5000 steps", f64::INFINITY, "").over("steps");
     let mut stretched = Sweep::new("largest stretch", 0.01, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
     let mut places = Sweep::new("hair without particles of air, last quarter off second", 1e-3, "L");
@@ -54,7 +61,7 @@ fn runs(gpu: &Gpu, extent: Extent, couplings: &[(&str, &[&str])]) -> Result<Vec<
         let mut simulation = small(gpu, coupling, keys)?;
         let (mut energies, mut errors, mut shapes) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..LOOKS {
-            simulation.step(steps / LOOKS as u64)?;
+            simulation.step((steps / LOOKS) as u64)?;
             if !has_air(coupling) {
                 shapes.push(points(&simulation)?);
                 continue;
@@ -74,6 +81,12 @@ fn runs(gpu: &Gpu, extent: Extent, couplings: &[(&str, &[&str])]) -> Result<Vec<
         if has_air(coupling) {
             energy.add(*coupling, &setting, f64::NAN, drift(&energies));
             density.add(*coupling, &setting, f64::NAN, drift(&errors));
+            for (curve, values) in [(&mut energy_curve, &energies), (&mut density_curve, &errors)] {
+                for (k, point) in values.chunks(POINT).enumerate() {
+                    let step = (k + 1) * POINT * steps / LOOKS;
+                    curve.add(*coupling, format!("step {step}"), step as f64, mean(point.iter().copied()));
+                }
+            }
         } else {
             let apart = |a: &[DVec3], b: &[DVec3]| farthest(a.iter().zip(b).map(|(a, b)| a.distance(*b)), 0.0);
             let pairs = quarter(1).zip(quarter(3)).map(|(a, b)| apart(&shapes[a], &shapes[b]) / LENGTH);
@@ -83,7 +96,8 @@ fn runs(gpu: &Gpu, extent: Extent, couplings: &[(&str, &[&str])]) -> Result<Vec<
         stretched.add(*coupling, &setting, f64::NAN, report.max_stretch.unwrap_or(f64::NAN));
         resets.add(*coupling, &setting, f64::NAN, super::resets(&simulation));
     }
-    Ok([energy, density, places, stretched, resets].into_iter().filter(|sweep| !sweep.samples.is_empty()).collect())
+    let all = [energy, density, energy_curve, density_curve, places, stretched, resets];
+    Ok(all.into_iter().filter(|sweep| !sweep.samples.is_empty()).collect())
 }
 
 fn small(gpu: &Gpu, coupling: &str, keys: &[&str]) -> Result<Simulation, Error> {

@@ -49,11 +49,12 @@ const STEPS: u64 = 100;
 const SWIRL: f64 = 0.3;
 
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
+    let axis = "mass of hair of one fibre a strand, over its own";
     let mut all = [
-        Sweep::new("largest stretch", 0.01, ""),
+        Sweep::new("largest stretch", 0.01, "").over(axis),
         Sweep::new("strands reset", 0.0, ""),
-        Sweep::new("change of momentum in a closed box, of the impulses exchanged", 1e-4, ""),
-        sweep_of_rescued(),
+        Sweep::new("change of momentum in a closed box, of the impulses exchanged", 1e-4, "").over(axis),
+        sweep_of_rescued().over(axis),
     ];
     for (coupling, keys) in COUPLINGS {
         let drives: &[(&str, &[&str])] = match coupling {
@@ -65,14 +66,15 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
             let asked = [format!("hair.density={}", DENSITY * heavier), format!("hair.fibres_per_strand={fibres}")];
             let asked = asked.each_ref().map(String::as_str);
             let setting = format!("mass × {heavier:e}, neighbours 1 : {alternating:e}, {fibres} fibres");
+            let at = if (alternating, fibres) == (1.0, 1.0) { heavier } else { f64::NAN };
             for (name, drive) in drives {
                 let (felt, drift) = run(gpu, &[keys, drive, &asked], alternating)?;
                 let series = format!("{coupling}, {name}");
-                all[0].add(&series, felt.at(&setting), f64::NAN, felt.stretch);
+                all[0].add(&series, felt.at(&setting), at, felt.stretch);
                 all[1].add(&series, felt.at(&setting), f64::NAN, felt.resets);
-                all[3].add(&series, felt.at(&setting), f64::NAN, felt.rescued);
+                all[3].add(&series, felt.at(&setting), at, felt.rescued);
                 if let Some(drift) = drift {
-                    all[2].add(&series, felt.at(&setting), f64::NAN, drift);
+                    all[2].add(&series, felt.at(&setting), at, drift);
                 }
             }
         }

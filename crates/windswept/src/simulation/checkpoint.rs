@@ -3,6 +3,7 @@
 use std::{
     fs::File,
     io::{self, BufReader, BufWriter, Read, Write},
+    mem,
     path::Path,
 };
 
@@ -241,9 +242,8 @@ impl Checkpoint {
                 let words = format!("section {} has {found} bytes, the scene needs {expected}", array.name());
                 return Err(misfit(&file, words));
             }
-            if let Some(i) = unusable(engine.state(), array, bytes) {
-                let words = "is not finite, or beyond 1e18, or not a rotation";
-                return Err(misfit(&file, format!("section {}: row {i} {words}", array.name())));
+            if let Some((row, words)) = unusable(engine.state(), array, bytes) {
+                return Err(misfit(&file, format!("section {}: row {row} {words}", array.name())));
             }
             engine.write_bytes(array, bytes)?;
         }
@@ -342,18 +342,27 @@ impl Simulation {
     }
 }
 
-/// The first row that is no number, or no rotation, of what a step takes as the host gave it. What a step computes it
+/// The first row of what a step takes as it finds it that is no number, no rotation or no particle, and why. What a step computes it
 /// looks at itself.
-fn unusable(state: &State, array: &AnyArray, bytes: &[u8]) -> Option<usize> {
+fn unusable(state: &State, array: &AnyArray, bytes: &[u8]) -> Option<(usize, &'static str)> {
     let is = |names: [&str; 2]| names.contains(&array.name());
     let vector = |x: [f32; 3]| held(&DVec3::from_array(x.map(f64::from)));
     if is([state.clamps.name(), state.root_targets.name()]) {
         let roots: Vec<Root> = bytemuck::pod_collect_to_vec(bytes);
         let turned = |root: &Root| is_rotation(&DQuat::from_array(root.frame.map(f64::from)));
-        roots.iter().position(|root| !(vector(root.position) && turned(root)))
+        let row = roots.iter().position(|root| !(vector(root.position) && turned(root)))?;
+        Some((row, "is not finite, or beyond 1e18, or not a rotation"))
     } else if is([state.wind_table.name(), state.pushed.name()]) {
         let rows: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(bytes);
-        rows.iter().position(|[x, y, z, w]| !(vector([*x, *y, *z]) && w.is_finite()))
+        let row = rows.iter().position(|[x, y, z, w]| !(vector([*x, *y, *z]) && w.is_finite()))?;
+        Some((row, "is not finite, or beyond 1e18"))
+    } else if array.name() == state.air_id.name() {
+        let ids: Vec<u32> = bytemuck::pod_collect_to_vec(bytes);
+        let mut seen = vec![false; ids.len()];
+        // Whether this id is in no slot before.
+        let mut first = |id: &u32| seen.get_mut(*id as usize).is_some_and(|seen| !mem::replace(seen, true));
+        let row = ids.iter().position(|id| !first(id))?;
+        Some((row, "is no particle of air, or one that an earlier row has"))
     } else {
         None
     }
