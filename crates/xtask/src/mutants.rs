@@ -168,6 +168,8 @@ impl Part {
         let out = all.join(self.name);
         std::fs::create_dir_all(&out).map_err(|e| format!("{}: {e}", out.display()))?;
         command.current_dir(root()).env("CARGO_TARGET_DIR", all.join("build"));
+        // Each mutant links all its test programs anew, which takes longest with what debuggers need.
+        command.env("CARGO_PROFILE_DEV_DEBUG", "0");
         command.args(["mutants", "--no-shuffle", "--colors", "never", "--baseline", "skip", "--timeout", LONGEST]);
         // Every file has its part in a shard: by slices a shard would be a file or two.
         command.args(["--sharding", "round-robin", "--shard", shard]).arg("--output").arg(&out);
