@@ -128,7 +128,7 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nstrength = nan\n[air]", 16, "force.strength", &["expected a number [m/s], found nan"]),
     ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\n[air]", 11, "force.strength", &["is missing", "course"]),
     ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nstrength = 1\ncourse = [{ time = 0, strength = 1 }]\n[air]", 16, "force.strength", &["beside course"]),
-    ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\ncourse = [{ time = 1, strength = 1 }, { time = 1, strength = 2 }]\n[air]", 16, "force.course.1.time", &["after that of the keyframe before, 1 s; found 1"]),
+    ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\ncourse = [{ time = 2, strength = 1 }, { time = 1, strength = 2 }]\n[air]", 16, "force.course.1.time", &["after that of the keyframe before, 2 s; found 1"]),
     ("[air]", "[[force]]\nfield = \"vortex\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nradius = 0.06\nstrength = 1\n[air]", 16, "force.radius", &["at most half of reach, 0.05 m, with field \"vortex\"; found 0.06"]),
     ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nstrength = 1\n[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nstrength = 1\n[air]", 17, "force.1.name", &["a name of its own for each [[force]]"]),
     // Eddies and drag.

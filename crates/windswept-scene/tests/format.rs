@@ -146,7 +146,10 @@ fn what_a_file_leaves_out_has_its_default() {
     assert_eq!((scene.turbulence.bands.len(), scene.turbulence.speed), (0, 5.0));
     let blown = |field: &str, axis: &str| {
         let force = format!("force={{field='{field}',{axis}origin=[0,0,0],reach=1,strength=-3}}");
-        Scene::parse_with("scene", LEAST, &[force]).unwrap().turbulence.speed
+        let scene = Scene::parse_with("scene", LEAST, &[force]).unwrap();
+        // Hair feels them all.
+        assert_eq!(scene.largest_wind(), 8.0);
+        scene.turbulence.speed
     };
     // Air follows a jet and a vortex, but would be compressed by a point's wind.
     let axis = "axis=[1,0,0],";
