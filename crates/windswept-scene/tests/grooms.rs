@@ -194,6 +194,18 @@ fn strands_have_the_friction_of_their_groom() {
     assert_eq!(of(vec![0.1, 0.7].into()), [0.1, 0.7]);
 }
 
+/// Points coincide within a millionth of their strand's length, 0.16 µm here.
+#[test]
+fn near_points_are_no_doubled_ones() {
+    let apart = |gap: f64| {
+        let mut groom = two();
+        groom.points[4] = groom.points[3].map(|x| x + gap);
+        InitialState::with_groom(&bare(), &groom)
+    };
+    assert!(apart(1e-6).is_ok());
+    assert!(apart(5e-8).is_err_and(|error| error.to_string().contains("points 3 and 4 of strand 0 coincide")));
+}
+
 /// The key is the argument.
 #[test]
 fn faults_name_the_argument() {

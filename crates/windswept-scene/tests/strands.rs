@@ -80,6 +80,14 @@ fn curls_wind_about_the_direction() {
     let angle = |joint: usize| 2.0 * hair.rest_rotation[joint].xyz().length().asin() / hair.rest_length[0];
     assert_close(angle(0), 0.5 / a.hypot(b), "turn of the clamp");
     assert_close(angle(1), 1.0 / a.hypot(b), "turn of a joint");
+    // Frames turn about the Darboux vector (0, a, b)/(a² + b²) all along; a clamped tip has the last of them.
+    let held = fibres(&["hair.curl={radius=0.004,pitch=0.02}", "hair.tip=clamped"]);
+    for s in 0..held.len() {
+        let length: f64 = held.rest_length[held.segments(s)].iter().sum();
+        let darboux = DVec3::new(0.0, a, b) / (a * a + b * b);
+        let tip = held.root_frame[s] * DQuat::from_scaled_axis(length * darboux);
+        assert!(held.ends[s].tip_frame.dot(tip).abs() > 1.0 - 1e-12, "strand {s}: {}", held.ends[s].tip_frame);
+    }
 }
 
 /// d3 along the direction, d1 by the smallest rotation from +x, from +z where that is parallel.
