@@ -302,3 +302,32 @@ fn roots_stay_on_their_disc() {
         assert!(nearest > 0.46, "{n} roots: two are {nearest} spacings apart");
     }
 }
+
+/// A strand is left alone while what pushes it would bend it by less than 5e-5 of its length: a hanging chain of 0.3 m is held by its
+/// weight (ω² = 1.446 g/L), a beam of 20 mm by its stiffness (12.36 EI/(m L³)), and a uniform push has 1.57 of the first mode.
+#[test]
+fn what_may_push_a_strand_at_rest_follows_from_its_slowest_swing() {
+    let rest = |sets: &[&str]| {
+        let (scene, state) = brush(sets);
+        (state.hair.rest(0, &scene), state)
+    };
+    let (alone, long, short) = ("interaction.model=none", "hair.length=0.3", "hair.length=0.02");
+    let hanging = 5e-5 * 1.446 * 9.81 / 1.57;
+    let chain = rest(&[alone, long]).0;
+    assert_close(chain.acceleration, hanging, "push on a chain");
+    // A point that holds for so long has gone no farther than the strand still has to go.
+    assert!(chain.time >= 0.07 && chain.way > 0.0 && chain.way <= 0.3 * 5e-5, "{chain:?}");
+    let (ei, mass) = (4e9 * 0.25 * PI * 4e-5_f64.powi(4), 1320.0 * PI * 4e-5_f64.powi(2) * 0.02);
+    let beam = rest(&[alone, short]).0.acceleration / (0.02 * 5e-5 * 12.36 * ei / (mass * 0.02_f64.powi(3)) / 1.57);
+    // The root's point is held, with the mass of half a segment of ten.
+    println!("push on a beam: {beam:.4} of that with all of its mass");
+    assert!((beam * 0.95 - 1.0).abs() < 1e-3, "{beam}");
+    // Without a clamp, stiffness brings nothing back.
+    assert_close(rest(&[alone, short, "hair.root=free"]).0.acceleration, hanging, "push on a loose strand");
+    // Loose strands that move with the mass of air weigh less than what moves.
+    let (light, state) = rest(&["hair.density=1.32", "hair.root=free"]);
+    let weight = state.hair.points(0).map(|i| state.hair.weight(i)).fold(1.0, f64::min);
+    println!("weight of a light strand: {weight:.3} of what moves");
+    assert!(weight < 0.5);
+    assert_close(light.acceleration, hanging * weight, "push on a light strand");
+}
