@@ -13,7 +13,7 @@ use windswept::{
     Accelerations, Checkpoint, CheckpointError, Simulation,
     internals::{Plan, Recorder, Setup, State, step},
 };
-use windswept_scene::{Groom, InitialState, Scene};
+use windswept_scene::{Curves, Groom, InitialState, Scene};
 
 /// A dozen strands in about 800 particles of air.
 const SMALL: &str = "
@@ -508,22 +508,49 @@ fn block(edge: f64) -> String {
     (0..8).map(corner).collect::<String>() + faces
 }
 
-/// A checkpoint has no meshes, only where their files are: with another mesh it would go on to something else, and is refused.
+/// A checkpoint has no meshes and no groom files, only where they are: with others it would go on to something else, and is refused.
 #[test]
-fn a_mesh_that_has_changed_is_named() {
+fn a_file_that_has_changed_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    fs::write(at("block.obj"), block(0.01)).unwrap();
-    let body = "[[body]]\nname = 'block'\nshape = 'mesh'\nfile = 'block.obj'\nscale = 1.0\n";
-    fs::write(at("scene.toml"), format!("{SMALL}{body}")).unwrap();
+    let groom = |x: f64| {
+        let points = (0..9).map(|k| [x + 0.001 * f64::from(k), 0.0, -0.001 * f64::from(k)]).collect();
+        Curves { points, offsets: vec![0, 3, 6, 9], ids: vec![0, 1, 2], ..Curves::default() }
+    };
+    let write = |block_at: f64, groom_at: f64| {
+        fs::write(at("block.obj"), block(block_at)).unwrap();
+        groom(groom_at).save(at("groom.npz")).unwrap();
+    };
+    write(0.01, 0.0);
+    let scene = format!(
+        "time = {{ step = 1.38e-3, duration = 0.1 }}\ninteraction.model = 'none'\n[hair]\nfile = 'groom.npz'\nscale = 1.0\n\
+         [[body]]\nname = 'block'\nshape = 'mesh'\nfile = 'block.obj'\nscale = 1.0\n"
+    );
+    fs::write(at("scene.toml"), scene).unwrap();
     let scene = Scene::load(at("scene.toml")).unwrap();
     let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
     simulation.step(2).unwrap();
-    simulation.save(at("now.windswept")).unwrap();
-    Checkpoint::open(at("now.windswept")).unwrap();
-    fs::write(at("block.obj"), block(0.011)).unwrap();
-    let said = Checkpoint::open(at("now.windswept")).unwrap_err().to_string();
-    assert!(said.contains("body \"block\" has another mesh now: its file has changed since"), "{said}");
-    fs::write(at("block.obj"), block(0.01)).unwrap();
-    Checkpoint::open(at("now.windswept")).unwrap();
+    let now = at("now.windswept");
+    simulation.save(&now).unwrap();
+    let mut loaded = Checkpoint::open(&now).unwrap().start(simulation.gpu()).unwrap();
+    let refused = |what: &str, file: &str| {
+        let said = Checkpoint::open(&now).unwrap_err().to_string();
+        let file = at(file);
+        assert!(
+            said.contains(&format!("{what}, {}, has changed since the simulation was saved", file.display())),
+            "{said}"
+        );
+    };
+    write(0.011, 0.0);
+    refused("body \"block\"", "block.obj");
+    write(0.01, 0.001);
+    refused("hair", "groom.npz");
+    // One that goes on remembers what it began with.
+    loaded.step(1).unwrap();
+    loaded.save(&now).unwrap();
+    refused("hair", "groom.npz");
+    fs::remove_file(at("groom.npz")).unwrap();
+    refused("hair", "groom.npz");
+    write(0.01, 0.0);
+    Checkpoint::open(&now).unwrap();
 }

@@ -195,7 +195,8 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
         rod_segments[j].force = select(vec3f(0.0), rotate(frame, segment.force), led);
         rod_segments[j].moment = select(vec3f(0.0), segment.moment, led);
     }
-    rod_strands[s].far = u32(carried_far);
+    // One that is torn where it is is mended, not put: put, it would stay torn.
+    rod_strands[s].far = u32(carried_far && rod.whole != 0u);
     return select(farthest, GROWTH * reach, held_back && farthest >= -reach);
 }
 

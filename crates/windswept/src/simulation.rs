@@ -8,7 +8,7 @@ mod recover;
 mod report;
 mod trace;
 
-use std::time::Instant;
+use std::{sync::OnceLock, time::Instant};
 
 use glam::{DQuat, DVec3};
 use windswept_scene::{Groom, InitialState, Scene};
@@ -66,6 +66,8 @@ pub struct Simulation {
     timed_steps: u64,
     /// What was put back to rest so far.
     resets: Vec<Reset>,
+    /// Files that the scene names, as they were when it was saved first.
+    files: OnceLock<checkpoint::Files>,
     /// When each pass of the timed steps ran; `None` unless somebody asked for it.
     trace: Option<Vec<Span>>,
 }
@@ -146,6 +148,7 @@ impl Simulation {
             profile: Profile::default(),
             timed_steps: 0,
             resets: Vec::new(),
+            files: OnceLock::new(),
             trace: None,
             given,
             scene,

@@ -8,10 +8,16 @@ use windswept_shaders::common::status::{
 };
 
 /// Counters of what a user should know: keys of the report's `warnings`, and what each counts.
-const WARNINGS: [(u32, &str, &str); 5] = [
+const WARNINGS: [(u32, &str, &str); 6] = [
     (STRAND_RESET, "strand_reset", "times that a strand was not finite and was put into its rest shape"),
     (MOVE_CAPPED, "move_capped", "times that a hair point would have moved too far in a step and was held back"),
     (OVER_STRAINED, "over_strained", "strands of which a segment was 5 % too long or too short for 50 steps on end"),
+    (
+        TELEPORT,
+        "teleported",
+        "times that the root of a strand went farther in a step than the strand is long: the strand went with it as it was, without \
+         wind or weight; a shorter time.step follows the root",
+    ),
     (
         HAIR_OUTSIDE,
         "hair_outside_box",

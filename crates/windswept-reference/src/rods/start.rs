@@ -157,6 +157,8 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
             drive.far |= far.min(largest) > point.largest;
         }
     }
+    // One that is torn where it is is mended, not put: put, it would stay torn.
+    drive.far &= drive.whole;
     s.reach[strand] = if farthest >= most { -GROWTH * most } else { farthest };
     // A strand that nothing holds keeps it as a whole.
     let held = points.clone().any(|i| m.points[i].inverse_mass == 0.0);

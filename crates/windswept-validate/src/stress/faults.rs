@@ -65,13 +65,29 @@ type Place = fn(DVec3, usize, &mut Pcg64) -> DVec3;
 
 /// Starts that tear strands.
 const STARTS: &[(&str, Place)] = &[
-    ("a random tangle", |root, _, rng| root + 0.4 * LENGTH * (2.0 * DVec3::from_array(rng.random()) - 1.0)),
+    ("a random tangle of 0.4 L", |root, _, rng| tangled(root, 0.4, rng)),
+    ("a random tangle of 1 L", |root, _, rng| tangled(root, 1.0, rng)),
+    ("a random tangle of 2 L", |root, _, rng| tangled(root, 2.0, rng)),
+    ("one point 1 L away", |root, k, _| away(root, k, 1.0)),
+    ("one point 10 L away", |root, k, _| away(root, k, 10.0)),
+    ("one point 30 L away", |root, k, _| away(root, k, 30.0)),
     ("an upside-down zigzag", |root, k, _| {
         root + LENGTH / 8.0 * DVec3::new(0.3 * f64::from(u8::from(k % 2 == 1)), 0.9 * k as f64, 0.0)
     }),
     ("folded back and forth", |root, k, _| root - DVec3::Y * LENGTH / 8.0 * f64::from(u8::from(k % 2 == 1))),
     ("all points pulled into one", |root, _, _| root),
 ];
+
+/// A place in a box about the root, within so many lengths of the strand along each axis.
+fn tangled(root: DVec3, lengths: f64, rng: &mut Pcg64) -> DVec3 {
+    root + lengths * LENGTH * (2.0 * DVec3::from_array(rng.random()) - 1.0)
+}
+
+/// Point `k` of a strand that hangs, whose middle point is so many lengths of the strand off.
+fn away(root: DVec3, k: usize, lengths: f64) -> DVec3 {
+    let off = if k == POINTS / 2 { lengths * LENGTH } else { 0.0 };
+    root + DVec3::new(off, -LENGTH / 8.0 * k as f64, 0.0)
+}
 
 /// Stretch of the strands 20 steps after their points were put somewhere.
 fn torn(simulation: &mut Simulation, place: Option<&Place>) -> Result<f64, Error> {

@@ -2,14 +2,15 @@
 
 use std::{
     fs::File,
-    io::{self, BufReader, BufWriter, Read, Write},
+    io::{self, BufRead as _, BufReader, BufWriter, Read, Write},
     mem,
     path::Path,
+    sync::OnceLock,
 };
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use windswept_scene::{AtomicFile, Body, InitialState, Scene, Solid, Triangles};
+use windswept_scene::{AtomicFile, InitialState, Scene};
 use windswept_shaders::common::rod::Root;
 
 use super::{
@@ -27,11 +28,11 @@ use crate::{
 };
 
 /// Format of the files. It rises when a section gets another content, or a buffer that lasts another layout or meaning.
-const FORMAT: u32 = 6;
+const FORMAT: u32 = 7;
 
 const ABOUT: &str = "about";
 const SCENE: &str = "scene";
-const MESHES: &str = "meshes";
+const FILES: &str = "files";
 const START: &str = "start";
 const DRIVEN: &str = "driven";
 const NOTES: &str = "notes";
@@ -70,19 +71,30 @@ impl About {
     }
 }
 
-/// Names of bodies that are meshes, each with a checksum of its triangles: a scene's text says only where their file is.
-type Meshes = Vec<(String, u32)>;
+/// Files that a scene's text only names, by what they are to it, each with the checksum of its bytes; without one where it cannot be read.
+pub(super) type Files = Vec<(String, Option<u32>)>;
 
-fn meshes(scene: &Scene) -> Meshes {
-    let checksum = |solid: &Solid| {
-        let mut hasher = crc32fast::Hasher::new();
-        let Triangles { points, corners, .. } = solid.triangles();
-        points.iter().flat_map(|x| x.to_array()).for_each(|x| hasher.update(&x.to_le_bytes()));
-        corners.iter().flatten().for_each(|corner| hasher.update(&corner.to_le_bytes()));
-        hasher.finalize()
-    };
-    let mesh = |body: &Body| Some((body.name.clone(), checksum(body.shape.solid()?)));
-    scene.bodies.iter().filter_map(mesh).collect()
+/// The groom files and meshes of a scene, as they are now.
+pub(super) fn files(scene: &Scene) -> Files {
+    let grooms = scene.hair.iter().enumerate().filter_map(|(k, hair)| Some((scene.called(k), &hair.file()?.file)));
+    let meshes = scene
+        .bodies
+        .iter()
+        .filter_map(|body| Some((format!("body {:?}", body.name), &body.shape.solid()?.file().file)));
+    grooms.chain(meshes).map(|(what, file)| (format!("{what}, {file},"), checksum(Path::new(file)).ok())).collect()
+}
+
+fn checksum(path: &Path) -> io::Result<u32> {
+    let (mut file, mut hasher) = (BufReader::new(File::open(path)?), crc32fast::Hasher::new());
+    loop {
+        let bytes = file.fill_buf()?;
+        if bytes.is_empty() {
+            return Ok(hasher.finalize());
+        }
+        hasher.update(bytes);
+        let read = bytes.len();
+        file.consume(read);
+    }
 }
 
 /// What the host keeps of how the simulation was driven.
@@ -114,6 +126,7 @@ pub struct Checkpoint {
     file: String,
     about: About,
     scene: Scene,
+    files: Files,
     initial: InitialState,
     driven: Driven,
     notes: Vec<u8>,
@@ -152,7 +165,7 @@ impl Checkpoint {
         let mut section = |name: &str| reading.section(name).map_err(refused);
         let about = decoded(&file, ABOUT, &section(ABOUT)?)?;
         let text = section(SCENE)?;
-        let saved: Meshes = decoded(&file, MESHES, &section(MESHES)?)?;
+        let files: Files = decoded(&file, FILES, &section(FILES)?)?;
         let initial = decoded(&file, START, &section(START)?)?;
         let driven = decoded(&file, DRIVEN, &section(DRIVEN)?)?;
         let notes = section(NOTES)?;
@@ -162,12 +175,13 @@ impl Checkpoint {
         let text = std::str::from_utf8(&text).map_err(|error| misfit(&file, format!("section {SCENE}: {error}")))?;
         let scene = Scene::parse_named(&format!("{file}, section {SCENE}"), text);
         let scene = scene.map_err(|error| misfit(&file, error.to_string()))?;
-        if let Some((name, _)) = meshes(&scene).into_iter().find(|mesh| !saved.contains(mesh)) {
-            let words =
-                format!("body {name:?} has another mesh now: its file has changed since the simulation was saved");
+        let now = self::files(&scene);
+        if let Some((what, _)) = files.iter().find(|(what, sum)| sum.is_some() && !now.contains(&(what.clone(), *sum)))
+        {
+            let words = format!("{what} has changed since the simulation was saved, or cannot be read any more");
             return Err(misfit(&file, words));
         }
-        Ok(Self { file, about, scene, initial, driven, notes, buffers })
+        Ok(Self { file, about, scene, files, initial, driven, notes, buffers })
     }
 
     /// The scene as it was given, without a wind that was set.
@@ -219,7 +233,7 @@ impl Checkpoint {
     /// belong together.
     pub fn start(self, gpu: &Gpu) -> Result<Simulation, CheckpointError> {
         let differs = self.differs(gpu);
-        let Self { file, scene, mut initial, driven, buffers, .. } = self;
+        let Self { file, scene, files, mut initial, driven, buffers, .. } = self;
         initial.warnings.extend(differs);
         let failed = |error| CheckpointError::Start { file: file.clone(), error };
         let mut simulation = Simulation::with_state(gpu, &scene, initial).map_err(failed)?;
@@ -257,6 +271,7 @@ impl Checkpoint {
         simulation.steps = u64::from(simulation.begun) / simulation.substeps();
         simulation.root_frames = driven.root_frames;
         simulation.resets = driven.resets;
+        simulation.files = OnceLock::from(files);
         if let Some(wind) = driven.wind {
             simulation.plan_wind(wind)?;
         }
@@ -331,7 +346,7 @@ impl Simulation {
         let mut section = |name: &str, content: &[u8]| writing.section(name, content).map_err(io);
         section(ABOUT, &encoded(file, &About::of(self.gpu()))?)?;
         section(SCENE, text.as_bytes())?;
-        section(MESHES, &encoded(file, &meshes(&self.given))?)?;
+        section(FILES, &encoded(file, self.files.get_or_init(|| files(&self.given)))?)?;
         section(START, &encoded(file, &self.initial)?)?;
         section(DRIVEN, &encoded(file, &driven)?)?;
         section(NOTES, &encoded(file, notes)?)?;
