@@ -522,10 +522,8 @@ fn a_file_that_has_changed_is_named() {
         groom(groom_at).save(at("groom.npz")).unwrap();
     };
     write(0.01, 0.0);
-    let scene = format!(
-        "time = {{ step = 1.38e-3, duration = 0.1 }}\ninteraction.model = 'none'\n[hair]\nfile = 'groom.npz'\nscale = 1.0\n\
-         [[body]]\nname = 'block'\nshape = 'mesh'\nfile = 'block.obj'\nscale = 1.0\n"
-    );
+    let scene = "time = { step = 1.38e-3, duration = 0.1 }\ninteraction.model = 'none'\n[hair]\nfile = 'groom.npz'\nscale = 1.0\n\
+                 [[body]]\nname = 'block'\nshape = 'mesh'\nfile = 'block.obj'\nscale = 1.0\n";
     fs::write(at("scene.toml"), scene).unwrap();
     let scene = Scene::load(at("scene.toml")).unwrap();
     let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();

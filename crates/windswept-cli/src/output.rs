@@ -26,7 +26,8 @@ pub(crate) const BETWEEN: [&str; 2] = ["film.text.usda", "film.part.usdc"];
 /// Every name that a run writes: its formats' files, the report, the scene and the checkpoint. As in [`windswept_export::Format::files`], a
 /// stem of zeros stands for a file per frame.
 pub(crate) fn files() -> Vec<&'static str> {
-    FORMATS.iter().flat_map(|format| format.files).copied().chain([REPORT, SCENE, CHECKPOINT]).collect()
+    // Those that say that a run is whole come first: they are the first to be removed.
+    [REPORT, CHECKPOINT, SCENE].into_iter().chain(FORMATS.iter().flat_map(|format| format.files).copied()).collect()
 }
 
 /// A folder that may be written to; nothing is touched before [`Output::create`].

@@ -310,6 +310,10 @@ impl Filmed {
 
     /// Writes the state as the next frame.
     fn record(&mut self, console: &mut Console<'_>) -> Result<(), Failure> {
+        // What is written into a folder that was removed is lost, and no write says so.
+        if let Some(dir) = self.checkpoint.parent().filter(|dir| !dir.is_dir()) {
+            return Err(Failure::Run(format!("{}: the folder was removed, and the run ends", dir.display())));
+        }
         // What was refused at the start was bad input; now it is a failure.
         let losses = self.recording.append(&mut self.simulation).map_err(|e| Failure::Run(e.to_string()))?;
         for loss in losses {

@@ -85,7 +85,7 @@ impl Renderer {
         let most = limits.max_texture_dimension_2d;
         if view.width.max(view.height) > most {
             return Err(refused(format!(
-                "the camera asks for {} x {} pixels, the adapter draws at most {most} x {most}",
+                "camera.width and camera.height ask for {} x {} pixels, the adapter draws at most {most} x {most}",
                 view.width, view.height
             )));
         }

@@ -137,6 +137,7 @@ impl InitialState {
         let substeps = hair.substeps(scene);
         warnings.extend(warnings::of_idle(scene));
         warnings.extend(warnings::of_rods(scene, &hair));
+        warnings.extend(warnings::of_place(&hair));
         warnings.extend(warnings::of_friction(scene, &hair));
         warnings.extend(warnings::of_bodies(&hair, &bodies));
         warnings.extend(warnings::of_meshes(scene));

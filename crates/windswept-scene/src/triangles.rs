@@ -168,6 +168,17 @@ impl Triangles {
     }
 
     /// Places of the corners of each triangle.
+    /// How far the points reach across the plane of the largest triangle \[units of the file\]; 0 for a flat surface.
+    pub(crate) fn thickness(&self) -> f64 {
+        let normals = self.places().map(|[a, b, c]| (b - a).cross(c - a));
+        let across = normals.reduce(|a, b| if b.length() > a.length() { b } else { a });
+        let across = across.unwrap_or_default().normalize_or_zero();
+        let [low, high] = self.places().flatten().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+            [low.min(x.dot(across)), high.max(x.dot(across))]
+        });
+        high - low
+    }
+
     fn places(&self) -> impl Iterator<Item = [DVec3; 3]> + '_ {
         self.corners.iter().map(|corners| corners.map(|i| self.points[i as usize]))
     }

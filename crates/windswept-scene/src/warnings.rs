@@ -32,6 +32,9 @@ const MUCH_COVERED: f64 = 0.1;
 /// head with ears (h²/(4 R): 0.22 mm where the radius of curvature R is 5 mm) and at edges.
 const COARSE: f64 = 5e-4;
 
+/// Part of its shortest segment by which a strand's places may be rounded without a warning.
+const MUCH_ROUNDED: f64 = 0.02;
+
 /// Part of the box's cross-section that bodies may block without a warning.
 const MUCH_BLOCKED: f64 = 0.3;
 
@@ -150,6 +153,20 @@ pub(crate) fn of_rods(scene: &Scene, hair: &Strands) -> Vec<String> {
         "hair has segments so short and stiff, for this step and this wind, that 32 bits do not hold them: each step runs as \
          {substeps} substeps; fewer hair.points, or a shorter time.step, need fewer"
     )]
+}
+
+/// A warning where places in the world, which films, pictures and arrays have in f32, are too coarse for the segments.
+pub(crate) fn of_place(hair: &Strands) -> Option<String> {
+    let far = hair.positions.iter().map(|x| x.abs().max_element()).fold(0.0, f64::max);
+    // Half of what the last bit of a place means.
+    let rounding = 0.5 * f64::from(f32::EPSILON) * far;
+    let shortest = hair.rest_length.iter().copied().fold(f64::INFINITY, f64::min);
+    (rounding > MUCH_ROUNDED * shortest).then(|| {
+        format!(
+            "hair begins {far:.3e} m from the origin, where films, pictures and arrays round places to {rounding:.1e} m, and the shortest \
+             segment has {shortest:.1e} m: put the scene nearer to the origin"
+        )
+    })
 }
 
 /// A warning for each group of strands whose friction was chosen where nothing presses hair on hair.

@@ -129,6 +129,10 @@ fn a_user_is_warned() {
             "air moves 1.24 particle spacings in a step, where its pressure keeps up with at most 1: take time.substeps = 2",
         ),
         (&["hair.roots.direction=[-1,0,0]"], "hair points start outside the box"),
+        (
+            &["hair.roots.center=[0,0,-1e4]", "interaction.model=none"],
+            "hair begins 1.000e4 m from the origin, where films, pictures and arrays round places to 6.0e-4 m",
+        ),
         (&["hair.roots.radius=0.025"], "of the box in z: the air beside the hair is sped up"),
         (&["air.fringe=0.09"], "air.fringe of 0.09 m takes more than half of the box in x"),
         (&["air.kernel_radius=6e-3"], "air.kernel_radius is 1.24 particle spacings"),

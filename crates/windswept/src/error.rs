@@ -136,7 +136,7 @@ pub enum RunError {
     },
     /// More strands than max(3, 1 %) became non-finite in one step.
     #[error(
-        "step {step} (t = {} s): {count} strands have numbers that are not finite, and at most {limit} are put back to rest in a step; the first is point {point} of strand {strand}, found by {pass}: the run ends; a smaller time.step or fewer hair.points may help",
+        "step {step} (t = {} s): {count} strands have numbers that are not finite or that no strand can have, and at most {limit} are put back to rest in a step; the first is point {point} of strand {strand}, found by {pass}: the run ends; a smaller time.step or fewer hair.points may help",
         six_digits(*time)
     )]
     TooManyBadStrands {

@@ -383,7 +383,7 @@ impl GroomFile {
     pub fn fitted(&self, curves: Curves, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
         curves.check()?;
         let mut notes = self.notes_of(&curves, self.strands.is_some());
-        let (curves, more) = self.fit(curves, false, seed)?;
+        let (curves, more) = self.fit(curves, false, seed).map_err(|error| error.of(&self.file, ""))?;
         notes.extend(more);
         Ok((curves, notes))
     }

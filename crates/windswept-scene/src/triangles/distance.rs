@@ -101,7 +101,7 @@ impl DistanceGrid {
         if spacing.is_nan() || spacing <= 0.0 {
             return Err(SceneError::new(format!("expected a spacing above 0, found {spacing} m")));
         }
-        let [low, high] = surface.bounds().ok_or_else(|| SceneError::new("expected a triangle"))?;
+        let [low, high] = surface.bounds().ok_or_else(|| SceneError::new("expected a triangle").at("surface", None))?;
         let margin = margin.max(MARGIN * spacing);
         let cells = ((high - low + 2.0 * margin) / spacing).ceil();
         let nodes = (cells + 1.0).element_product();
@@ -118,18 +118,25 @@ impl DistanceGrid {
             );
             return Err(SceneError::new(words).with_help("a larger resolution has fewer nodes").at("spacing", None));
         }
-        let counts = (cells + 1.0).to_array().map(|count| count as u32);
-        let origin = 0.5 * (low + high - spacing * cells);
-        let mut grid = Self { origin, spacing, counts, values: vec![0.0; nodes as usize] };
-        grid.fill(&Tree::new(surface))?;
-        if grid.inradius() <= ROUNDING * spacing {
+        let hollow = || {
             let words =
                 format!("the triangles enclose no node of a grid of {} m: expected a closed surface", spacing as f32);
             let help = format!(
                 "a body has an inside: give a flat mesh a thickness of {} m or more, or a thin one a smaller resolution",
                 2.0 * spacing as f32
             );
-            return Err(SceneError::new(words).with_help(help));
+            SceneError::new(words).with_help(help)
+        };
+        // A flat one needs no grid to tell, which takes seconds.
+        if surface.thickness() <= ROUNDING * spacing {
+            return Err(hollow());
+        }
+        let counts = (cells + 1.0).to_array().map(|count| count as u32);
+        let origin = 0.5 * (low + high - spacing * cells);
+        let mut grid = Self { origin, spacing, counts, values: vec![0.0; nodes as usize] };
+        grid.fill(&Tree::new(surface))?;
+        if grid.inradius() <= ROUNDING * spacing {
+            return Err(hollow());
         }
         Ok(grid)
     }
