@@ -10,8 +10,9 @@ use crate::{
     axes::{self, Area, Axis, COLOURS, LEGEND_LINE, PANEL, TITLE, number, power, range},
 };
 
-/// Entries in a line of the legend, per panel.
+/// Entries in a line of the legend, per panel; one where a name has more letters than fit half a panel.
 const COLUMNS: usize = 2;
+const LETTERS: usize = 30;
 /// Values of a curve are drawn no lower than this part of its bound: zeros stand there.
 const LOWEST: f64 = 1e-6;
 
@@ -34,7 +35,8 @@ pub(crate) fn draw(folder: &Path, stressed: &Stressed) -> Result<()> {
             series.push(&sample.series);
         }
     }
-    let columns = COLUMNS * sweeps.len();
+    let wide = series.iter().any(|name| name.len() > LETTERS);
+    let columns = if wide { sweeps.len() } else { COLUMNS * sweeps.len() };
     let legend = LEGEND_LINE * ((series.len() + 1).div_ceil(columns) as u32 + 1);
     let size = (PANEL.0 * sweeps.len() as u32, TITLE + PANEL.1 + legend);
     let path = folder.join(file);
@@ -55,8 +57,10 @@ pub(crate) fn draw(folder: &Path, stressed: &Stressed) -> Result<()> {
         keys.draw(&mark(i, (x + 12, y)))?;
         keys.draw(&Text::new((*name).to_owned(), (x + 32, y - 6), ("sans-serif", 12)))?;
     }
-    let (x, y) = place(series.len());
-    keys.draw(&Text::new("dotted: the bound".to_owned(), (x, y - 6), ("sans-serif", 12)))?;
+    if sweeps.iter().flat_map(|sweep| &sweep.samples).any(|sample| sample.bound.is_finite()) {
+        let (x, y) = place(series.len());
+        keys.draw(&Text::new("dotted: the bound".to_owned(), (x, y - 6), ("sans-serif", 12)))?;
+    }
     root.present()?;
     Ok(())
 }

@@ -9,8 +9,9 @@ use windswept_scene::{Groom, InitialState};
 use super::{COUPLINGS, Extent, Sweep, TUFT, USUAL, points, scene, stretch};
 use crate::Error;
 
-pub(super) const SWEPT: &str = "a zero-length edge, doubled points, a strand of 2 points, all points in one; a random tangle, \
-    strands that fold back upward, all points pulled into one; each model and fluid solver";
+pub(super) const SWEPT: &str = "a zero-length edge, doubled points, a strand of 2 points, all points in one; a random tangle of 0.4 to 2 \
+    lengths of the strand, one point 1 to 30 lengths away, strands that fold back upward, all points pulled into one; each model and fluid \
+    solver";
 
 const STEPS: u64 = 20;
 /// Points of a strand, and its length \[m\].
