@@ -61,7 +61,7 @@ def test_a_case_that_fails_stops_no_other(short, tmp_path):
     # A picture that no adapter draws fails when it is drawn; a length that is none, at once.
     cases = sweep.run(short, {"camera.width": [96, 100_000_000]}, tmp_path / "drawn", retries=1)
     assert [(case.status, case.attempts) for case in cases] == [("finished", 1), ("failed", 2)]
-    assert cases[1].error.startswith("the process ended with status 1: windswept.ExportError: the camera asks for 100000000")
+    assert cases[1].error.startswith("the process ended with status 1: windswept.ExportError: camera.width and camera.height ask")
     said = (cases[1].folder / "error.txt").read_text()
     assert cases[1].error in said and "Traceback" in said
     assert table(tmp_path / "drawn")[1]["status"] == "failed"
