@@ -168,7 +168,7 @@ impl Part {
         let out = all.join(self.name);
         std::fs::create_dir_all(&out).map_err(|e| format!("{}: {e}", out.display()))?;
         command.current_dir(root()).env("CARGO_TARGET_DIR", all.join("build"));
-        // Each mutant links all its test programs anew, which takes longest with what debuggers need.
+        // Each mutant links all its test programs anew, and no debugger looks at them.
         command.env("CARGO_PROFILE_DEV_DEBUG", "0");
         command.args(["mutants", "--no-shuffle", "--colors", "never", "--baseline", "skip", "--timeout", LONGEST]);
         // Every file has its part in a shard: by slices a shard would be a file or two.

@@ -85,6 +85,10 @@ pub(super) fn files(scene: &Scene) -> Files {
 }
 
 fn checksum(path: &Path) -> io::Result<u32> {
+    // What is no file, a pipe or a device, may never end.
+    if !path.metadata()?.is_file() {
+        return Err(io::ErrorKind::InvalidInput.into());
+    }
     let (mut file, mut hasher) = (BufReader::new(File::open(path)?), crc32fast::Hasher::new());
     loop {
         let bytes = file.fill_buf()?;
