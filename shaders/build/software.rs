@@ -179,6 +179,7 @@ pub(crate) fn text_for_software(
     found: &mut BTreeSet<String>,
 ) -> Result<Option<(String, BTreeMap<u32, Place>)>> {
     let (mut text, mut places) = (text.to_owned(), BTreeMap::new());
+    let mut words = BTreeMap::new();
     for (handle, variable) in module.global_variables.iter() {
         let (Some(name), Some(binding)) = (variable.name.as_deref(), &variable.binding) else { continue };
         let AddressSpace::Storage { access } = variable.space else { continue };
@@ -195,9 +196,10 @@ pub(crate) fn text_for_software(
         let few = FEW.iter().find(|(few, _)| *few == name).map(|(_, count)| *count);
         let (made, place) = match (&module.types[variable.ty].inner, few) {
             (TypeInner::Struct { members, span }, _) if !written => {
-                let words = format!("var<uniform> {name}: array<vec4<u32>, {}>;", span.div_ceil(16));
-                let with_words = |text| with_words(text, name, module, members);
-                (format!("{}{words}{}", with_words(before)?, with_words(after)?), Place::Uniform)
+                let declaration = format!("var<uniform> {name}: array<vec4<u32>, {}>;", span.div_ceil(16));
+                let read = words.entry(name.to_owned()).or_default();
+                let mut with_words = |text| with_words(text, name, module, members, read);
+                (format!("{}{declaration}{}", with_words(before)?, with_words(after)?), Place::Uniform)
             }
             (TypeInner::Array { base, size: ArraySize::Dynamic, .. }, Some(count)) if !written => {
                 let kind = type_name(module, *base)?;
@@ -223,7 +225,47 @@ pub(crate) fn text_for_software(
         places.insert(binding.binding, place);
         found.insert(name.to_owned());
     }
-    Ok((!places.is_empty()).then_some((text, places)))
+    Ok((!places.is_empty()).then_some((with_copies_of_uniforms(&text, &words)?, places)))
+}
+
+/// The text with a private copy of each uniform, which the entry point makes before all else; of a uniform of words, a copy of each
+/// word that is read in a constant place.
+///
+/// The driver reads a constant place of a uniform once for all lanes if no branch comes before, and else lane by lane.
+fn with_copies_of_uniforms(text: &str, words: &BTreeMap<String, BTreeSet<u32>>) -> Result<String> {
+    const UNIFORM: &str = "var<uniform> ";
+    let (mut made, mut copies, mut rest) = (String::new(), String::new(), text);
+    while let Some((before, after)) = rest.split_once(UNIFORM) {
+        let (declaration, after) = after.split_once(';').ok_or("the declaration of a uniform does not end")?;
+        let (name, kind) = declaration.split_once(": ").ok_or("a uniform has no type")?;
+        let taken: Vec<_> = match words.get(name) {
+            Some(words) => {
+                made += &format!("{before}{UNIFORM}{declaration};");
+                let from = |word: &u32| format!("{name}[{}u][{}u]", word / 4, word % 4);
+                words.iter().map(|word| (copy_of_word(name, *word), "u32", from(word))).collect()
+            }
+            None => {
+                let uniform = format!("{name}_uniform");
+                made += &format!("{before}{UNIFORM}{uniform}: {kind};");
+                vec![(name.to_owned(), kind, uniform)]
+            }
+        };
+        for (copy, kind, from) in taken {
+            made += &format!("\n\nvar<private> {copy}: {kind};");
+            copies += &format!("    {copy} = {from};\n");
+        }
+        rest = after;
+    }
+    made += rest;
+    let entry = made.find("fn main(").ok_or("no entry point `main`")?;
+    let body = made[entry..].find("{\n").ok_or("the entry point has no body")? + entry + 2;
+    made.insert_str(body, &copies);
+    Ok(made)
+}
+
+/// What the copy of a uniform's word is called.
+fn copy_of_word(name: &str, word: u32) -> String {
+    format!("{name}_word_{word}")
 }
 
 /// An error if a name of [`GATHERED`], [`STREAMED`], [`FEW`] or [`READ_FIRST`] was of no use: it may have been renamed.
@@ -264,10 +306,23 @@ fn load(name: &str, module: &Module, base: Handle<Type>, stride: u32) -> Result<
     Ok(format!("fn load_{name}(e: u32) -> {kind} {{\n{loads}    return {element};\n}}\n"))
 }
 
-/// The text with words of the uniform `name` in place of each `name.member`, atomic or not.
-fn with_words(text: &str, name: &str, module: &Module, members: &[StructMember]) -> Result<String> {
-    let word = |scalar: Scalar, index: &str| {
-        let bits = format!("{name}[({index}) / 4u][({index}) % 4u]");
+/// The text with words of the uniform `name` in place of each `name.member`, atomic or not. Words in constant places are those of the
+/// copies, and are added to `read`.
+fn with_words(
+    text: &str,
+    name: &str,
+    module: &Module,
+    members: &[StructMember],
+    read: &mut BTreeSet<u32>,
+) -> Result<String> {
+    let mut word = |scalar: Scalar, first: u32, index: &str| {
+        let bits = match index.trim_end_matches('u').parse::<u32>() {
+            Ok(index) => {
+                read.insert(first + index);
+                copy_of_word(name, first + index)
+            }
+            Err(_) => format!("{name}[({first}u + u32({index})) / 4u][({first}u + u32({index})) % 4u]"),
+        };
         if scalar.kind == ScalarKind::Uint { bits } else { format!("bitcast<{}>({bits})", scalar_name(scalar)) }
     };
     let mut made = String::new();
@@ -294,9 +349,9 @@ fn with_words(text: &str, name: &str, module: &Module, members: &[StructMember])
         let (before, value, after) = match (&module.types[member.ty].inner, after.strip_prefix('[')) {
             (TypeInner::Array { base, .. }, Some(inside)) => {
                 let (index, after) = closed(inside)?;
-                (before, word(scalar(*base)?, &format!("{first}u + u32({index})")), after)
+                (before, word(scalar(*base)?, first, index), after)
             }
-            _ => (before, word(scalar(member.ty)?, &format!("{first}u")), after),
+            _ => (before, word(scalar(member.ty)?, first, "0"), after),
         };
         let (before, after) = match (before.strip_suffix("atomicLoad(&"), after.strip_prefix(')')) {
             (Some(before), Some(after)) => (before, after),

@@ -59,7 +59,7 @@ fn main(
     let along = i32(part) % BLOCK.x;
     let row = i32(part) / BLOCK.x;
     let node = block + vec3i(along, row % BLOCK.y, row / BLOCK.y);
-    if any(node >= nodes) || frozen() { return; }
+    if any(node >= nodes) | frozen() { return; }
     let first = lane - part;
     var sum = 0.0;
     for (var other = first; other < first + LANES; other++) { sum += sums[LANES * other + part]; }

@@ -28,7 +28,7 @@ fn slope(t: vec4f) -> vec4f {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let e = invocation(id, groups);
-    if e >= params.particles - params.hair_points || frozen() { return; }
+    if (e >= params.particles - params.hair_points) | frozen() { return; }
     let at = sorted_position[e].xyz / mesh.spacing;
     let first = vec3i(floor(at - 0.5));   // of the three nodes that reach the particle, per axis
     let t = at - vec3f(first);

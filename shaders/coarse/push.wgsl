@@ -9,7 +9,7 @@ import package::common::{params::params, dispatch::{invocation, WORKGROUP}, stat
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = params.hair_points + invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
+    if (i >= params.particles) | frozen() { return; }
     let mean = coarse_mean[0];
     let change = mean.w * (coarse_change[i].xyz - mean.xyz);
     new_velocity[i] += vec4f(change, 0.0);

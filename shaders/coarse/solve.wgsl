@@ -16,7 +16,7 @@ import package::common::{
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = i32(invocation(id, groups));
     let counts = mesh.nodes;
-    if index >= counts.x * counts.y * counts.z || frozen() { return; }
+    if (index >= counts.x * counts.y * counts.z) | frozen() { return; }
     let node = vec3i(index % counts.x, index / counts.x % counts.y, index / (counts.x * counts.y));
     let t = 2.0 * PI * vec3f(node) / vec3f(counts);
     // Of long waves little is left of K: written so that nothing cancels.

@@ -14,7 +14,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let e = invocation(id, groups);
-    if e >= params.particles - params.hair_points || frozen() { return; }
+    if (e >= params.particles - params.hair_points) | frozen() { return; }
     let i = sorted[e];
     var source = stress[i].divergence / max(1.0, density[i]);
     if density[i] < THIN { source = max(source, 0.0); }

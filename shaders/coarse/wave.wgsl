@@ -14,7 +14,7 @@ import package::common::{
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = i32(invocation(id, groups));
     let counts = mesh.nodes;
-    if index >= counts.x * counts.y * counts.z || frozen() { return; }
+    if (index >= counts.x * counts.y * counts.z) | frozen() { return; }
     var node = vec3i(index % counts.x, index / counts.x % counts.y, index / (counts.x * counts.y));
     let k = node[mesh.axis];
     let all = counts[mesh.axis];

@@ -16,7 +16,7 @@ const CLEARANCE: f32 = 0.5;   // least distance of a particle from a surface, it
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = params.hair_points + invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
+    if (i >= params.particles) | frozen() { return; }
     var x = predicted[i].xyz;
     let corrected = select(vec3f(0.0), correction[i].xyz / params.step, i < params.constrained);
     var v = new_velocity[i].xyz + corrected;

@@ -18,7 +18,7 @@ const RISE: f32 = 0.5;   // way to the surface [lengths of the strand]: the sine
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() { return; }
+    if (s >= params.strands) | frozen() { return; }
     let strand = strands[s];
     if (strand.joints & ROOT_HELD) == 0u { return; }
     var depth = 0.0;

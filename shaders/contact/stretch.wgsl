@@ -13,7 +13,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() || (touched[s] & PUSHED) == 0u { return; }
+    if ((s >= params.strands) | frozen()) || (touched[s] & PUSHED) == 0u { return; }
     let strand = strands[s];
     var stretch = 0.0;
     for (var k = 0u; k < strand.points - 1u; k++) {

@@ -19,7 +19,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = params.hair_points + invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
+    if (i >= params.particles) | frozen() { return; }
     let v = velocity[i].xyz + wind_change[i].xyz;
     let before = pressed_before[i];
     new_velocity[i] = vec4f(v + before.change / 3.0, 0.0);

@@ -11,6 +11,6 @@ const LASTING: f32 = 1.5;
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let p = invocation(id, groups);
-    if p >= params.hair_points || frozen() { return; }
+    if (p >= params.hair_points) | frozen() { return; }
     correction[p] = vec4f(LASTING * params.step * pressed[p].change, 0.0);
 }

@@ -10,7 +10,7 @@ import package::common::{params::params, dispatch::{invocation, WORKGROUP}, stat
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = invocation(id, groups);
-    if i >= params.constrained || frozen() { return; }
+    if (i >= params.constrained) | frozen() { return; }
     predicted[i] += vec4f(shift[i].xyz, 0.0);
     correction[i] += felt_shift[i];
 }

@@ -7,6 +7,6 @@ import package::common::{params::params, dispatch::{invocation, WORKGROUP}, stat
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = params.hair_points + invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
+    if (i >= params.particles) | frozen() { return; }
     predicted[i] += vec4f(shift[i].xyz, 0.0);
 }

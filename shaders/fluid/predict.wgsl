@@ -11,7 +11,7 @@ import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cell
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = params.hair_points + invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
+    if (i >= params.particles) | frozen() { return; }
     let v = velocity[i].xyz + wind_change[i].xyz;
     new_velocity[i] = vec4f(v, 0.0);
     predicted[i] = vec4f(wrap(position[i].xyz + params.step * v), position[i].w);

@@ -17,7 +17,7 @@ const STIFFNESS: f32 = 0.25;
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let p = invocation(id, groups);
-    if p >= params.hair_points || frozen() { return; }
+    if (p >= params.hair_points) | frozen() { return; }
     let history = point_history[p];
     let given = correction[p];
     grip[p] = vec4f(history.grip, 0.0);

@@ -7,7 +7,7 @@ import package::common::{params::params, dispatch::{invocation, WORKGROUP}, stat
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = params.hair_points + invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
+    if (i >= params.particles) | frozen() { return; }
     new_velocity[i] += vec4f(correction[i].xyz / params.step, 0.0);
     correction[i] = vec4f(0.0);
 }

@@ -12,7 +12,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = params.hair_points + invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
+    if (i >= params.particles) | frozen() { return; }
     let gale = gale_at(position[i].xyz);
     let change = wind_change[i].xyz;
     let lacks = mean_wind() + gale.wind - velocity[i].xyz - change;

@@ -14,7 +14,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let p = invocation(id, groups);
-    if p >= params.hair_points || frozen() { return; }
+    if (p >= params.hair_points) | frozen() { return; }
     var air = sampled[p];
     if params.model != TWO_WAY {
         air = Sampled(position[p].xyz + params.step * velocity[p].xyz, 0.0, mean_wind(), 0.0);

@@ -14,7 +14,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let p = invocation(id, groups);
-    if p >= params.hair_points || frozen() { return; }
+    if (p >= params.hair_points) | frozen() { return; }
     let w = inverse_mass[p];
     let all = length(hair_force[p].xyz);
     if w == 0.0 || all == 0.0 { return; }

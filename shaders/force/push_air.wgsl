@@ -9,6 +9,6 @@ import package::common::{params::params, dispatch::{invocation, WORKGROUP}, stat
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let slot = invocation(id, groups);
     let i = params.hair_points + slot;
-    if i >= params.particles || frozen() { return; }
+    if (i >= params.particles) | frozen() { return; }
     wind_change[i] += vec4f(params.step * pushed[params.hair_points + air_id[slot]].xyz, 0.0);
 }

@@ -11,7 +11,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let p = invocation(id, groups);
-    if p >= params.hair_points || frozen() { return; }
+    if (p >= params.hair_points) | frozen() { return; }
     let w = inverse_mass[p];
     if w > 0.0 { hair_force[p] += vec4f(rod_points[p].weight / w * pushed[p].xyz, 0.0); }
 }

@@ -8,6 +8,6 @@ import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cell
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = params.first_sorted + invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
+    if (i >= params.particles) | frozen() { return; }
     cell_place[i] = atomicAdd(&cell_count[bucket_of(i, predicted[i].xyz)], 1u);
 }

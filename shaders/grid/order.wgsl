@@ -11,7 +11,7 @@ import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cell
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let entry = invocation(id, groups);
-    if entry >= params.particles - params.first_sorted || frozen() { return; }
+    if (entry >= params.particles - params.first_sorted) | frozen() { return; }
     let i = scattered[entry];
     let position = predicted[i].xyz;
     let bucket = bucket_of(i, position);

@@ -12,7 +12,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let row = invocation(id, groups);
-    if row >= rows() || frozen() { return; }
+    if (row >= rows()) | frozen() { return; }
     let cells = u32(params.cells.x);
     let before = cell_rows[row];
     let end = cell_rows[row + 1u].entries;

@@ -9,7 +9,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let row = invocation(id, groups);
-    if row >= rows() || frozen() { return; }
+    if (row >= rows()) | frozen() { return; }
     let cells = u32(params.cells.x);
     var entries = 0u;
     for (var cell = cells * row; cell < cells * (row + 1u); cell++) {

@@ -12,7 +12,7 @@ import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cell
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let slot = invocation(id, groups);
-    if slot >= params.particles - params.hair_points || frozen() { return; }
+    if (slot >= params.particles - params.hair_points) | frozen() { return; }
     let i = sorted[slot];
     let x = predicted[i];
     position[params.hair_points + slot] = vec4f(wrap(x.xyz), x.w);

@@ -17,7 +17,7 @@ const ROUNDING: f32 = 1e-6;   // rad, of the turn between two frames
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let k = invocation(id, groups);
-    if k >= params.segments || frozen() { return; }
+    if (k >= params.segments) | frozen() { return; }
     let segment = rod_segments[k];
     let anew = segment.scheme >= PUT;
     // The turn between two frames is off by their rounding, which as a spin would kick the strand in every step. The turn that the rod

@@ -17,7 +17,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let p = invocation(id, groups);
-    if p >= params.hair_points || frozen() { return; }
+    if (p >= params.hair_points) | frozen() { return; }
     let point = rod_points[p];
     let before = point_history[p].remainder;
     let x = position[p].xyz;

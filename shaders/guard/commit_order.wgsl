@@ -9,6 +9,6 @@ import package::common::{params::params, dispatch::{invocation, WORKGROUP}, stat
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let slot = invocation(id, groups);
-    if slot >= params.particles - params.hair_points || frozen() { return; }
+    if (slot >= params.particles - params.hair_points) | frozen() { return; }
     next_air_id[slot] = air_id[sorted[slot] - params.hair_points];
 }

@@ -13,7 +13,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let slot = invocation(id, groups);
-    if slot >= params.particles || frozen() { return; }
+    if (slot >= params.particles) | frozen() { return; }
     if !flows(slot) { return; }
     if is_air(slot) {
         pressed_before[slot] = pressed[sorted[slot - params.hair_points]];

@@ -20,7 +20,7 @@ fn lost(strand: Strand) -> u32 {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() { return; }
+    if (s >= params.strands) | frozen() { return; }
     let strand = strands[s];
     let point = lost(strand);
     if point == NO_POINT { return; }

@@ -15,7 +15,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let k = invocation(id, groups);
-    if k >= params.segments || frozen() { return; }
+    if (k >= params.segments) | frozen() { return; }
     let a = segments[k].point;
     let b = a + 1u;
     let history = segment_history[k];

@@ -13,7 +13,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let p = invocation(id, groups);
-    if p >= params.hair_points || frozen() { return; }
+    if (p >= params.hair_points) | frozen() { return; }
     var shift = params.step * velocity[p].xyz;
     if inverse_mass[p] > 0.0 {
         let point = points[p];

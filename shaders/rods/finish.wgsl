@@ -73,7 +73,7 @@ fn settle(strand: Strand) {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() { return; }
+    if (s >= params.strands) | frozen() { return; }
     let rod = rod_strands[s];
     let more_would_solve = (rod.state == FREE) & ((params.direct_rods & params.few_newton_steps) != 0u);
     if more_would_solve | unsolved(rod) {

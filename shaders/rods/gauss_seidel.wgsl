@@ -80,7 +80,7 @@ fn stretch_shear(k: u32, point: u32) {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() { return; }
+    if (s >= params.strands) | frozen() { return; }
     // Of strands that the direct solver has had, those that it lost.
     if rod_strands[s].state != select(FREE, LEFT, params.direct_rods != 0u) { return; }
     let strand = strands[s];

@@ -40,7 +40,7 @@ fn spoilt(s: u32, strand: Strand) -> u32 {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() { return; }
+    if (s >= params.strands) | frozen() { return; }
     let bad = health[s].committed.bad;
     if bad == BAD { return; }
     let point = spoilt(s, strands[s]);

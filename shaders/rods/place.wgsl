@@ -13,7 +13,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let p = invocation(id, groups);
-    if p >= params.hair_points || frozen() { return; }
+    if (p >= params.hair_points) | frozen() { return; }
     let x = position[p];
     let point = rod_points[p];
     predicted[p] = vec4f(placed(x.xyz, point_history[p].remainder, point.travel), x.w);

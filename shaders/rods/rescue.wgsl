@@ -57,7 +57,7 @@ fn release(strand: Strand) {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() { return; }
+    if (s >= params.strands) | frozen() { return; }
     let rod = rod_strands[s];
     if rod.state != FREE { return; }
     if !unsolved(rod) {

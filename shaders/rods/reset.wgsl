@@ -27,7 +27,7 @@ fn put(p: u32, root: vec3f, offset: vec3f) {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() || health[s].committed.bad == 0u { return; }
+    if ((s >= params.strands) | frozen()) || health[s].committed.bad == 0u { return; }
     health[s].found.bad = MENDED;
     let strand = strands[s];
     var frame = clamps[s].frame;

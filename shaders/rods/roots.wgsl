@@ -20,7 +20,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() { return; }
+    if (s >= params.strands) | frozen() { return; }
     if health[s].committed.bad != 0u && health[s].found.bad != MENDED {
         freeze(UNMENDED_STRAND);
         return;

@@ -14,7 +14,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let p = invocation(id, groups);
-    if p >= params.hair_points || frozen() { return; }
+    if (p >= params.hair_points) | frozen() { return; }
     let point = rod_points[p];
     let shift = predicted[p].xyz - placed(position[p].xyz, point_history[p].remainder, point.travel);
     let contact = shift / params.step;

@@ -108,7 +108,7 @@ fn main(
 ) {
     let workgroup = group.y * groups.x + group.x;
     let block = band.first_block + workgroup / SHARES;
-    if block >= band.end_block || frozen() { return; }
+    if (block >= band.end_block) | frozen() { return; }
     let line = i32(block / band.blocks_in_row);
     let home = vec3i(i32(block % band.blocks_in_row) * band.cells_in_block, line % params.cells.y, line / params.cells.y);
     let width = min(band.cells_in_block, params.cells.x - home.x);

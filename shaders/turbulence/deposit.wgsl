@@ -47,7 +47,7 @@ fn write_node(node: vec3i, nodes: vec3i, value: vec4f) {
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let nodes = mesh.nodes;
     let block = block_of(invocation(id, groups));
-    if block.z >= nodes.z || frozen() { return; }
+    if (block.z >= nodes.z) | frozen() { return; }
     per_spacing = 1.0 / mesh.spacing;
     deposit(block, nodes, 0u, 1u);
     write(block, nodes, sum_00);

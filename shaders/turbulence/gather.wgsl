@@ -21,7 +21,7 @@ fn four_from(first: i32, nodes: i32) -> vec4i {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let e = invocation(id, groups);
-    if e >= params.particles - params.first_sorted || frozen() { return; }
+    if (e >= params.particles - params.first_sorted) | frozen() { return; }
     let at = sorted_position[e].xyz / mesh.spacing;
     let window = window_of(mesh.order);
     let first = vec3i(ceil(at - window.half));

@@ -8,7 +8,7 @@ import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cell
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let e = invocation(id, groups);
-    if e >= params.particles || frozen() { return; }
+    if (e >= params.particles) | frozen() { return; }
     let i = sorted[e];
     flow_position[e] = vec4f(predicted[i].xyz, f32(is_air(i)));
 }

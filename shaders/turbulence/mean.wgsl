@@ -7,7 +7,7 @@ import package::common::{params::params, dispatch::WORKGROUP, reduce::total_of_p
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(local_invocation_id) lane: vec3u) {
     let all = total_of_partial_sums(lane.x)[0].xyz;
-    if lane.x > 0u || frozen() { return; }
+    if (lane.x > 0u) | frozen() { return; }
     let air = f32(params.particles - params.hair_points);
     var mean = vec3f(0.0);
     if params.conserve_momentum != 0u { mean = all / air; }

@@ -32,7 +32,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let rows = (nodes.x + ROW - 1) / ROW;
     let row = i32(invocation(id, groups));
     let line = row / rows;
-    if line >= nodes.y * nodes.z || frozen() { return; }
+    if (line >= nodes.y * nodes.z) | frozen() { return; }
     let place = ROW * (row - line * rows);
     let begin = line * nodes.x;
     let end = begin + nodes.x;

@@ -33,7 +33,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let row = i32(invocation(id, groups));
     let line = row / nodes.x;   // of rows of nodes
     let z = line / rows;
-    if z >= nodes.z || frozen() { return; }
+    if (z >= nodes.z) | frozen() { return; }
     let place = ROW * (line - z * rows);
     let begin = row - line * nodes.x + stride * nodes.y * z;
     let end = begin + stride * nodes.y;

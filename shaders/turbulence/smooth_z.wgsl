@@ -31,7 +31,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let row = i32(invocation(id, groups));
     let layer = row / stride;   // of rows of nodes
     let place = ROW * layer;
-    if place >= nodes.z || frozen() { return; }
+    if (place >= nodes.z) | frozen() { return; }
     let begin = row - layer * stride;
     let end = begin + stride * nodes.z;
 

@@ -10,7 +10,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let e = invocation(id, groups);
-    if e >= params.particles - params.first_sorted || frozen() { return; }
+    if (e >= params.particles - params.first_sorted) | frozen() { return; }
     let i = sorted[e];
     let air = is_air(i);
     let v = new_velocity[i].xyz;

@@ -129,7 +129,7 @@ fn drag(strand: Strand, scheme: u32, write: bool) -> f32 {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() { return; }
+    if (s >= params.strands) | frozen() { return; }
     let strand = strands[s];
     var scheme = rod_strands[s].scheme;
     // Once, or with BDF2 twice: first it looks, then it writes. The call stands here once, as drivers inline it.

@@ -16,7 +16,7 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = params.hair_points + invocation(id, groups);
-    if i >= params.particles || frozen() { return; }
+    if (i >= params.particles) | frozen() { return; }
     let place = position[i].xyz;
     let change = mean_wind() - wind_before() + lack[0].xyz;
     let rate = rate_at(place);
