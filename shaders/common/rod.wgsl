@@ -93,6 +93,7 @@ struct RodPoint {
     push: vec3f,           // m/s, what of it did not act while the strand came to rest
     stir: vec3f,           // m/s, the push with the velocity that a sleeper has got since
     free: vec3f,           // m, the move without the rod's forces
+    reply: f32,            // m/N, W: the move that a force of the rod makes; 0 where the point is held
     travel: vec3f,         // m, the move
     strayed: vec3f,        // m, from where it was when the strand became still
 }

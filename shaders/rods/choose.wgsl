@@ -15,18 +15,15 @@ import package::common::{
 
 const TORN: f32 = 0.1;   // |C| of stretch-shear
 
-// |C| of stretch-shear of a segment after its chord changed by `shift` and its frame turned by `turn`.
-fn misfit(j: u32, shift: vec3f, turn: vec3f) -> f32 {
-    let segment = rod_segments[j];
-    let frame = product(rotation(turn), segment.start);
-    let chord = segment.chord + shift;
-    return length(chord / segments[j].rest_length - tangent(frame));
+// |C| of stretch-shear of a segment.
+fn misfit(chord: vec3f, rest_length: f32, frame: vec4f) -> f32 {
+    return length(chord / rest_length - tangent(frame));
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() { return; }
+    if (s >= params.strands) | frozen() { return; }
     let strand = strands[s];
     let rod = rod_strands[s];
     var led = 0.0;
@@ -35,8 +32,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     for (var k = 0u; k < strand.points - 1u; k++) {
         let j = strand.first_segment + k;
         let after = led_move(rod_points[strand.first_point + k + 1u], rod, k + 1u);
-        led = max(led, misfit(j, after - before, led_turn(rod_segments[j])));
-        now = max(now, misfit(j, vec3f(0.0), vec3f(0.0)));
+        let segment = rod_segments[j];
+        let rest_length = segments[j].rest_length;
+        let turned = product(rotation(led_turn(segment)), segment.start);
+        led = max(led, misfit(segment.chord + after - before, rest_length, turned));
+        now = max(now, misfit(segment.chord, rest_length, segment.start));
         before = after;
     }
     let torn = !(led < TORN);

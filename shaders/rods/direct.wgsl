@@ -15,7 +15,7 @@
 // One invocation per strand, done when its segments fit.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::{frozen, count, finite, QUIET_STEP},
-    quaternion::{product, conjugate, rotate, rotation, tangent, matrix}, integration::response, load::damping_of, pressure::times,
+    quaternion::{product, conjugate, rotate, rotation, tangent, matrix}, integration::response, pressure::times,
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT},
 };
 
@@ -110,21 +110,15 @@ fn no_joint() -> Joint {
     return Joint(vec3f(0.0), mat3x3f(), vec3f(1.0), vec3f(0.0));
 }
 
-// Joint k of a strand; k = points - 1 is that of the tip.
-fn joint(strand: Strand, rod: RodStrand, k: u32) -> Joint {
-    let last = strand.points - 1u;
-    if (k == 0u && (strand.joints & ROOT_JOINT) == 0u) || (k == last && (strand.joints & TIP_JOINT) == 0u) {
-        return no_joint();
-    }
-    let j = strand.first_segment + k;
-    var before = rod.root_frame;
-    if k > 0u { before = rod_segments[j - 1u].frame; }
-    if k == last {
-        return joint_between(before, strand.tip_frame, strand.tip_rest_rotation, strand.tip_compliance, rod.tip_moment);
-    }
-    let segment = segments[j];
+// Joint k of a strand, behind a frame; k = points - 1 is that of the tip, which no segment follows. `segment` and `now` are of the
+// segment after it, or of the last one.
+fn joint(strand: Strand, rod: RodStrand, k: u32, before: vec4f, segment: Segment, now: RodSegment) -> Joint {
+    let tip = k == strand.points - 1u;
+    let joins = select(select(0u, ROOT_JOINT, k == 0u), TIP_JOINT, tip);
+    if (strand.joints & joins) != joins { return no_joint(); }
     return joint_between(
-        before, rod_segments[j].frame, segment.rest_rotation, segment.bend_compliance, rod_segments[j].moment
+        before, select(now.frame, strand.tip_frame, tip), select(segment.rest_rotation, strand.tip_rest_rotation, tip),
+        select(segment.bend_compliance, strand.tip_compliance, tip), select(now.moment, rod.tip_moment, tip),
     );
 }
 
@@ -151,16 +145,12 @@ struct Link {
     turn: vec3f,
 }
 
-// Link k of a strand, whose first point has moved by `travel`.
-fn link(strand: Strand, k: u32, travel: vec3f) -> Link {
-    let j = strand.first_segment + k;
-    let segment = segments[j];
-    let now = rod_segments[j];
-    let chord = now.chord + rod_points[strand.first_point + k + 1u].travel - travel;
+// The link of a segment, between points that have moved by `start` and `end`.
+fn link(segment: Segment, now: RodSegment, scheme: u32, start: vec3f, end: vec3f) -> Link {
     let frame = matrix(now.frame);
     let compliance = in_world(frame, segment.stretch_compliance);
-    let gap = stretch_gap(chord, segment.rest_length, frame, compliance, now.force);
-    let weight = response(params.damping, now.scheme) * segment.inverse_inertia;
+    let gap = stretch_gap(now.chord + end - start, segment.rest_length, frame, compliance, now.force);
+    let weight = response(params.damping, scheme) * segment.inverse_inertia;
     let yielding = 1.0 / (1.0 + weight * max(0.0, -dot(frame[2], now.force)));
     return Link(
         frame[2], 1.0 / segment.rest_length, gap, weight, yielding, compliance, now.force, now.free, now.turn
@@ -181,7 +171,7 @@ struct Node {
 
 fn node(p: u32) -> Node {
     let point = rod_points[p];
-    return Node(point.travel, point.free, response(damping_of(point), point.scheme) * point.inverse_mass);
+    return Node(point.travel, point.free, point.reply);
 }
 
 // What the forces on a point, of the link before it and of that after it, still have to move it by.
@@ -233,13 +223,22 @@ fn eliminate(strand: Strand, rod: RodStrand) -> Eliminated {
     var start_weight = 0.0;
     var joint_before = no_joint();
     var own = no_link();
+    var end = node(strand.first_point);
+    var frame = rod.root_frame;
     var unrest = 0.0;
+    let last = strand.points - 1u;
     for (var next = 0u; next <= strand.points; next++) {
         var joint_after = no_joint();
         var after = no_link();
-        let end = node(strand.first_point + min(next, strand.points - 1u));
-        if next < strand.points { joint_after = joint(strand, rod, next); }
-        if next + 1u < strand.points { after = link(strand, next, end.travel); }
+        let ahead = node(strand.first_point + min(next + 1u, last));
+        if next < strand.points {
+            let j = strand.first_segment + min(next, last - 1u);
+            let segment = segments[j];
+            let now = rod_segments[j];
+            joint_after = joint(strand, rod, next, frame, segment, now);
+            if next < last { after = link(segment, now, rod.scheme, end.travel, ahead.travel); }
+            frame = now.frame;
+        }
         let end_excess = point_excess(end, own, after);
         if next > 0u {
             // Residuals, with the unknown moves as far as the multipliers have them.
@@ -283,6 +282,7 @@ fn eliminate(strand: Strand, rod: RodStrand) -> Eliminated {
         }
         start_excess = end_excess;
         start_weight = end.weight;
+        end = ahead;
         joint_before = joint_after;
         own = after;
     }
@@ -298,24 +298,37 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
     var stretch = vec3f(0.0);
     var joint_after = no_joint();
     var after = no_link();
-    // Where the link after, and the point at its end, are now.
+    // The segment after, as it is now, and the point at its end.
     var chord_after = vec3f(0.0);
     var frame_after = ONE;
+    var compliance_after = vec3f(0.0);
+    var length_after = 0.0;
     var end_after = vec3f(0.0);
+    // Of the segment, before it is turned, and of the point at its end.
+    var own_frame = vec4f();
+    var end: Node;
     for (var done = 0u; done <= strand.points; done++) {
         let k = last - done;   // wraps at the root's point
-        let j = strand.first_segment + k;
+        let j = strand.first_segment + min(k, last - 1u);
         let p = strand.first_point + k + 1u;
         var joint_before = no_joint();
         var own = no_link();
         var chord = vec3f(0.0);
         var frame = ONE;
-        var end: Node;
-        if done > 0u { end = node(p); }
+        var compliance = vec3f(0.0);
+        var rest_length = 0.0;
+        let start = node(strand.first_point + min(k, last));
+        var frame_before = rod.root_frame;
+        if done < last { frame_before = rod_segments[strand.first_segment + k - 1u].frame; }
         if done <= last {
-            joint_before = joint(strand, rod, k);
+            let segment = segments[j];
+            var now = rod_segments[j];
+            now.frame = own_frame;
+            compliance = segment.stretch_compliance;
+            rest_length = segment.rest_length;
+            joint_before = joint(strand, rod, k, frame_before, segment, now);
             if done > 0u {
-                own = link(strand, k, rod_points[p - 1u].travel);
+                own = link(segment, now, rod.scheme, start.travel, end.travel);
                 // O dmu of the block after, and D^-1 of that.
                 let turn = transpose(joint_after.gradient) * bend;
                 let bend_after = -(joint_before.gradient * (turn_weight(own) * turn));
@@ -345,10 +358,9 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
                 chord = rod_segments[j].chord;
             }
             if done > 1u {
-                let segment = segments[j + 1u];
-                let compliance = in_world(frame_after, segment.stretch_compliance);
                 let now = chord_after + end_after - travel;
-                let gap = length(stretch_gap(now, segment.rest_length, frame_after, compliance, after.force));
+                let compliance_now = in_world(frame_after, compliance_after);
+                let gap = length(stretch_gap(now, length_after, frame_after, compliance_now, after.force));
                 worst = max(worst, select(HOPELESS, gap, finite(gap)));
             }
             end_after = travel;
@@ -357,6 +369,10 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
         after = own;
         chord_after = chord;
         frame_after = frame;
+        compliance_after = compliance;
+        length_after = rest_length;
+        own_frame = frame_before;
+        end = start;
     }
     return worst;
 }
@@ -364,7 +380,7 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() { return; }
+    if (s >= params.strands) | frozen() { return; }
     let strand = strands[s];
     for (var step = 0u; step < newton_steps(); step++) {
         let rod = rod_strands[s];

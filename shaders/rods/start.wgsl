@@ -105,49 +105,47 @@ fn free_point(point: RodPoint, rod: RodStrand, k: u32) -> Free {
     );
 }
 
-// What free moves are measured from: the root, or the strand's mean where that is free.
-fn base(strand: Strand, rod: RodStrand) -> Free {
-    if rod_points[strand.first_point].inverse_mass == 0.0 { return Free(rod.root_travel, rod.root_travel); }
-    var sum = Free();
-    for (var k = 0u; k < strand.points; k++) {
-        let free = free_point(rod_points[strand.first_point + k], rod, k);
-        sum.whole += free.whole;
-        sum.bare += free.bare;
-    }
-    return Free(sum.whole / f32(strand.points), sum.bare / f32(strand.points));
-}
-
 fn capped(shift: vec3f, origin: vec3f, largest: f32) -> vec3f {
     let way = shift - origin;
     return origin + (largest / max(length(way), largest)) * way;
 }
 
+// Looks at all points of a strand, one after another; only the last writes, so that nothing is read which this pass has written.
+const MEAN: u32 = 0u;    // of a strand whose root is free: its mean free moves
+const LOSES: u32 = 1u;   // of a strand that nothing holds: what caps take from it, beside forces, which it keeps as a whole
+const MOVES: u32 = 2u;
+
 // Returns the farthest free move, or what `Condition.reach` is below 0. A strand that had to be put is held back: its free move
-// is capped at a part of what it could not follow, and the cap grows from step to step until it cuts nothing. What caps take
-// from a strand that nothing holds, beside forces, it keeps as a whole: a first look at its points finds how much that is, so
-// that nothing is read which this pass has written.
+// is capped at a part of what it could not follow, and the cap grows from step to step until it cuts nothing.
 fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
-    let origin = base(strand, rod);
     let drags = params.model == TWO_WAY || params.model == MEAN_WIND;
     let grown = select(0.0, GROWTH * reach, params.direct_rods != 0u && drags);
     let held_back = reach < 0.0;
-    let loose = (strand.joints & (ROOT_HELD | TIP_HELD)) == 0u;
+    let root_held = (strand.joints & ROOT_HELD) != 0u;
+    let loose = !root_held && (strand.joints & TIP_HELD) == 0u;
+    var origin = Free(rod.root_travel, rod.root_travel);   // what free moves are measured from
+    var mean = Free();
     var lost = vec3f(0.0);   // N, to the caps, beside what is cut of forces
     var heaviness = 0.0;     // N/m
     var kept = vec3f(0.0);   // m, of what is lost
     var farthest = 0.0;
     var carried_far = held_back;
-    for (var look = select(1u, 0u, loose); look < 2u; look++) {
+    for (var look = select(MEAN, MOVES, root_held); look <= MOVES; look++) {
         for (var k = 0u; k < strand.points; k++) {
             let p = strand.first_point + k;
             let point = rod_points[p];
             let moves = free_point(point, rod, k);
             let held = point.inverse_mass == 0.0;
+            if look == MEAN {
+                mean = Free(mean.whole + moves.whole, mean.bare + moves.bare);
+                continue;
+            }
             var free = moves.whole;
             var far = 0.0;
+            var reply = 0.0;
             if !held {
                 far = length(free - origin.whole);
-                let reply = response(damping_of(point), rod.scheme) * point.inverse_mass;
+                reply = response(damping_of(point), rod.scheme) * point.inverse_mass;
                 let loaded = reply * length(point.force);
                 let bears = select(0.0, min(loaded, LOADED * strand.length), rod.whole != 0u);
                 let bearable = max(point.largest + bears, grown);
@@ -160,24 +158,26 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
                     let felt = (free - bare_capped) / reply;
                     lost += (moves.bare - bare_capped) / reply;
                     far = largest;
-                    if look == 1u {
+                    if look == MOVES {
                         rod_points[p].outside = point.outside + params.step * point.inverse_mass * (felt - point.force);
                         rod_points[p].force = felt;
                         count(MOVE_CAPPED);
                     }
                 }
             }
-            if look == 0u { continue; }
+            if look == LOSES { continue; }
             free += kept;
             var travel = free;
             if led && !held { travel = led_move(point, rod, k); }
             farthest = max(farthest, far);
             carried_far = carried_far || far > point.largest;
             rod_points[p].free = free;
+            rod_points[p].reply = reply;
             rod_points[p].travel = travel;
             rod_points[p].scheme = rod.scheme;
         }
-        if look == 0u { kept = lost / heaviness; }
+        if look == MEAN { origin = Free(mean.whole / f32(strand.points), mean.bare / f32(strand.points)); }
+        if look == LOSES { kept = select(vec3f(0.0), lost / heaviness, loose); }
     }
     for (var k = 0u; k < strand.points - 1u; k++) {
         let j = strand.first_segment + k;
@@ -203,7 +203,7 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if s >= params.strands || frozen() { return; }
+    if (s >= params.strands) | frozen() { return; }
     let strand = strands[s];
     let rod = rod_strands[s];
     var found = health[s].committed;
