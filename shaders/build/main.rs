@@ -85,19 +85,16 @@ fn build() -> Result<()> {
             fs::write(out.join(&target), &plain)?;
             other = Some(target);
         }
-        let mut software = Textures::BOTH.map(|_| None);
-        for (textures, software) in Textures::BOTH.into_iter().zip(&mut software) {
+        let mut software = Vec::new();
+        for textures in Textures::BOTH {
             let linked = link(&root, &name, textures.features())?;
             let (module, info) = validate(&name, &linked)?;
-            if let Some((text, places)) =
-                software::text_for_software(textures, &name, &linked, &module, &info, &mut elsewhere)
-                    .map_err(|error| format!("shaders/{name}.wgsl: for software adapters: {error}"))?
-            {
-                validate(&name, &text)?;
-                let target = format!("{}_{}.wgsl", name.replace('/', "_"), textures.suffix());
-                fs::write(out.join(&target), &text)?;
-                *software = Some((target, places));
-            }
+            let (text, places) = software::text_for_software(textures, &name, &linked, &module, &info, &mut elsewhere)
+                .map_err(|error| format!("shaders/{name}.wgsl: for software adapters: {error}"))?;
+            validate(&name, &text)?;
+            let target = format!("{}_{}.wgsl", name.replace('/', "_"), textures.suffix());
+            fs::write(out.join(&target), &text)?;
+            software.push((target, places));
         }
         table.pass(source, &target, other.as_deref(), &software, &module, &info)?;
     }

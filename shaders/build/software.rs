@@ -168,8 +168,8 @@ impl Textures {
     }
 }
 
-/// The text of a pass for software adapters, and what is in another place there, by the numbers of the bindings; `None` where
-/// nothing is. Names of what is are added to `found`, and so is that of a pass of [`READ_FIRST`].
+/// The text of a pass for software adapters, and what is in another place there, by the numbers of the bindings. Names of
+/// what is are added to `found`, and so is that of a pass of [`READ_FIRST`].
 pub(crate) fn text_for_software(
     textures: Textures,
     pass: &str,
@@ -177,7 +177,7 @@ pub(crate) fn text_for_software(
     module: &Module,
     info: &ModuleInfo,
     found: &mut BTreeSet<String>,
-) -> Result<Option<(String, BTreeMap<u32, Place>)>> {
+) -> Result<(String, BTreeMap<u32, Place>)> {
     let (mut text, mut places) = (text.to_owned(), BTreeMap::new());
     let mut words = BTreeMap::new();
     for (handle, variable) in module.global_variables.iter() {
@@ -225,7 +225,7 @@ pub(crate) fn text_for_software(
         places.insert(binding.binding, place);
         found.insert(name.to_owned());
     }
-    Ok((!places.is_empty()).then_some((with_copies_of_uniforms(&text, &words)?, places)))
+    Ok((with_copies_of_uniforms(&text, &words)?, places))
 }
 
 /// The text with a private copy of each uniform, which the entry point makes before all else; of a uniform of words, a copy of each

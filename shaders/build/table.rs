@@ -34,16 +34,13 @@ impl Table {
         source: &Source,
         target: &str,
         plain: Option<&str>,
-        software: &[Option<(String, BTreeMap<u32, Place>)>; 2],
+        software: &[(String, BTreeMap<u32, Place>)],
         module: &Module,
         info: &ModuleInfo,
     ) -> Result<()> {
         let file = |target: &str| format!("include_str!(concat!(env!(\"OUT_DIR\"), \"/{target}\"))");
-        let text =
-            |target: Option<&str>| target.map_or_else(|| "None".to_owned(), |target| format!("Some({})", file(target)));
-        let plain = text(plain);
-        let [all, gathered] =
-            software.each_ref().map(|software| text(software.as_ref().map(|(target, _)| target.as_str())));
+        let plain = plain.map_or_else(|| "None".to_owned(), |target| format!("Some({})", file(target)));
+        let for_software: Vec<_> = software.iter().map(|(target, _)| file(target)).collect();
         let name = source.name();
         let fault = |what: &str| format!("shaders/{name}.wgsl: {what}");
         let [entry] = module.entry_points.as_slice() else {
@@ -75,8 +72,12 @@ impl Table {
             let buffer = |kind: &str| format!("buffer: Some(BufferKind::{kind})");
             let texture =
                 |number: &u32, texel: &u32| format!("texture: Some(Texture {{ binding: {number}, texel: {texel} }})");
-            let places = software.each_ref().map(|software| software.as_ref()?.1.get(&binding.binding));
-            let [in_all, in_gathered] = places.map(|place| {
+            let places = software.iter().map(|(_, places)| places.get(&binding.binding));
+            let few = places.clone().flatten().find_map(|place| match place {
+                Place::Few(count) => Some(count),
+                _ => None,
+            });
+            let in_software = places.map(|place| {
                 let (buffer, texture) = match place {
                     None => (buffer(kind), "texture: None".to_owned()),
                     Some(Place::Uniform | Place::Few(_)) => (buffer("Uniform"), "texture: None".to_owned()),
@@ -85,14 +86,11 @@ impl Table {
                 };
                 format!("InSoftware {{ {buffer}, {texture} }}")
             });
-            let few = match places[0] {
-                Some(Place::Few(count)) => Some(count),
-                _ => None,
-            };
             let row = format!(
-                "Binding {{ binding: {}, name: {:?}, kind: BufferKind::{kind}, reads: {read}, writes: {written}, stride: {stride}, in_software: [{in_all}, {in_gathered}], few: {few:?} }}",
+                "Binding {{ binding: {}, name: {:?}, kind: BufferKind::{kind}, reads: {read}, writes: {written}, stride: {stride}, in_software: [{}], few: {few:?} }}",
                 binding.binding,
                 variable.name.clone().unwrap_or_default(),
+                in_software.collect::<Vec<_>>().join(", "),
             );
             bindings.insert(binding.binding, (row, kind));
         }
@@ -108,8 +106,9 @@ impl Table {
         writeln!(text, "{}pub static {constant}: Pass = Pass {{", doc(&source.title))?;
         writeln!(
             text,
-            "name: {name:?}, workgroup: {workgroup}, asks_for_meshes: {meshes}, source: {}, source_without_subgroups: {plain}, sources_for_software: [{all}, {gathered}],",
-            file(target)
+            "name: {name:?}, workgroup: {workgroup}, asks_for_meshes: {meshes}, source: {}, source_without_subgroups: {plain}, sources_for_software: [{}],",
+            file(target),
+            for_software.join(", "),
         )?;
         let Operations { invocation, own_batch, other_batch, more } = operations(module, info);
         writeln!(

@@ -177,7 +177,7 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
             rod_points[p].scheme = rod.scheme;
         }
         if look == MEAN { origin = Free(mean.whole / f32(strand.points), mean.bare / f32(strand.points)); }
-        if look == LOSES { kept = select(vec3f(0.0), lost / heaviness, loose); }
+        if look == LOSES && loose { kept = lost / heaviness; }
     }
     for (var k = 0u; k < strand.points - 1u; k++) {
         let j = strand.first_segment + k;

@@ -18,8 +18,8 @@ pub struct Pass {
     /// The text for devices without subgroups of at least eight lanes, where `source` has subgroup operations.
     pub source_without_subgroups: Option<&'static str>,
     /// The texts for software adapters, one for each of [`Textures`], with subgroup operations: some of what the pass only reads lies in
-    /// uniforms and read-only storage textures there. `None` where nothing does.
-    pub sources_for_software: [Option<&'static str>; 2],
+    /// uniforms and read-only storage textures there, and uniforms are read before all else.
+    pub sources_for_software: [&'static str; 2],
     /// Whether the text has the switch [`MESHES`].
     pub asks_for_meshes: bool,
     /// Invocations per workgroup.

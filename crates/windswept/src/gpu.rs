@@ -261,7 +261,7 @@ impl Gpu {
         let switch = [(MESHES, f64::from(u8::from(meshes)))];
         let constants = if pass.asks_for_meshes { &switch[..] } else { &[] };
         let other = match self.software_textures() {
-            Some(textures) => pass.sources_for_software[textures as usize],
+            Some(textures) => Some(pass.sources_for_software[textures as usize]),
             None if self.texts == PassTexts::Workgroup => pass.source_without_subgroups,
             None => None,
         };
