@@ -18,15 +18,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let history = point_history[p];
     let w = inverse_mass[p];
     let change = select(vec3f(0.0), correction[p].xyz / params.step, w > 0.0);
-    var point: RodPoint;
-    point.velocity = velocity[p].xyz + change;
-    point.before = history.velocity + change;
-    point.carried = history.travel;
-    point.outside = change;
-    point.inverse_mass = w;
-    point.largest = points[p].largest_move;
-    point.weight = points[p].weight;
-    point.strayed = history.strayed;
-    rod_points[p] = point;
+    rod_points[p].velocity = velocity[p].xyz + change;
+    rod_points[p].before = history.velocity + change;
+    rod_points[p].carried = history.travel;
+    rod_points[p].outside = change;
+    rod_points[p].inverse_mass = w;
+    rod_points[p].largest = points[p].largest_move;
+    rod_points[p].weight = points[p].weight;
+    rod_points[p].strayed = history.strayed;
     hair_force[p] = vec4f(0.0);
 }

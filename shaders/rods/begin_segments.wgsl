@@ -19,15 +19,14 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let a = segments[k].point;
     let b = a + 1u;
     let history = segment_history[k];
-    var segment: RodSegment;
-    segment.start = orientation[k];
-    segment.angular_velocity = angular_velocity[k].xyz;
-    segment.before = history.angular_velocity;
-    segment.carried = history.turn;
+    rod_segments[k].start = orientation[k];
+    rod_segments[k].angular_velocity = angular_velocity[k].xyz;
+    rod_segments[k].before = history.angular_velocity;
+    rod_segments[k].carried = history.turn;
+    rod_segments[k].turn = vec3f(0.0);   // of one that is put
     // Positions are rounded at 3e-8 m; the remainders give the chord the digits that rounding took.
-    segment.chord = (position[b].xyz - position[a].xyz) + (point_history[b].remainder - point_history[a].remainder);
-    segment.force = history.force;
-    segment.moment = history.moment;
-    segment.strayed = history.strayed;
-    rod_segments[k] = segment;
+    rod_segments[k].chord = (position[b].xyz - position[a].xyz) + (point_history[b].remainder - point_history[a].remainder);
+    rod_segments[k].force = history.force;
+    rod_segments[k].moment = history.moment;
+    rod_segments[k].strayed = history.strayed;
 }

@@ -41,11 +41,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let jumps = (strand.joints & TIP_HELD) == 0u && length(way) > strand.length;
     let part = select(1.0 / f32(left), 1.0, jumps);
     let still = all(way == vec3f(0.0)) && all(held.frame == goal.frame);
-    var rod: RodStrand;
-    rod.root_travel = part * way;
-    rod.root_turn = select(rotation(part * turn), vec4f(0.0, 0.0, 0.0, 1.0), still);
+    let root_turn = select(rotation(part * turn), vec4f(0.0, 0.0, 0.0, 1.0), still);
+    rod_strands[s].root_travel = part * way;
+    rod_strands[s].root_turn = root_turn;
     // A clamp that arrives takes the goal's frame to the bit: if it were off by rounding, it would never rest.
-    rod.root_frame = select(normalize(product(rod.root_turn, held.frame)), goal.frame, still || part == 1.0);
-    rod.state = select(select(FREE, ASLEEP, still && params.sleep != 0u), TELEPORTED, jumps);
-    rod_strands[s] = rod;
+    rod_strands[s].root_frame = select(normalize(product(root_turn, held.frame)), goal.frame, still || part == 1.0);
+    rod_strands[s].state = select(select(FREE, ASLEEP, still && params.sleep != 0u), TELEPORTED, jumps);
 }

@@ -184,12 +184,7 @@ pub const FAULTS: &[Fault] = &[
         "0.9 * correction[p].xyz / params.step",
         PARTICLES,
     ),
-    (
-        &shaders::rods::BEGIN_SEGMENTS,
-        "segment.before = history.angular_velocity",
-        "segment.before = vec3f(0.0)",
-        PARTICLES,
-    ),
+    (&shaders::rods::BEGIN_SEGMENTS, "before = history.angular_velocity", "before = vec3f(0.0)", PARTICLES),
     (&shaders::rods::CHOOSE, "led < TORN", "led > TORN", PARTICLES),
     (&shaders::wind::SAMPLE, "hair / params.air_density", "0.9 * hair / params.air_density", TWO_WAY),
     (&shaders::wind::DRAG, "params.lift", "0.9 * params.lift", DRAG),
