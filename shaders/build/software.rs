@@ -228,8 +228,8 @@ pub(crate) fn text_for_software(
     Ok((with_copies_of_uniforms(&text, &words)?, places))
 }
 
-/// The text with a private copy of each uniform, which the entry point makes before all else; of a uniform of words, a copy of each
-/// word that is read in a constant place.
+/// The text with a private copy of each uniform, which the entry point makes before all else; of a uniform of words, a copy of
+/// each word whose place is a number in the text.
 ///
 /// The driver reads a constant place of a uniform once for all lanes if no branch comes before, and else lane by lane.
 fn with_copies_of_uniforms(text: &str, words: &BTreeMap<String, BTreeSet<u32>>) -> Result<String> {
@@ -306,8 +306,8 @@ fn load(name: &str, module: &Module, base: Handle<Type>, stride: u32) -> Result<
     Ok(format!("fn load_{name}(e: u32) -> {kind} {{\n{loads}    return {element};\n}}\n"))
 }
 
-/// The text with words of the uniform `name` in place of each `name.member`, atomic or not. Words in constant places are those of the
-/// copies, and are added to `read`.
+/// The text with words of the uniform `name` in place of each `name.member`, atomic or not. Words whose place is a number are
+/// those of the copies, and are added to `read`.
 fn with_words(
     text: &str,
     name: &str,

@@ -49,7 +49,7 @@ fn main(
     let nodes = mesh.nodes;
     let block = block_of(invocation(id, groups) / LANES);
     let part = lane % LANES;
-    if block.z < nodes.z && !frozen() { deposit(block, params.cells, part, LANES); }
+    if (block.z < nodes.z) & !frozen() { deposit(block, params.cells, part, LANES); }
     keep(lane, 0u, sum_00);
     keep(lane, 1u, sum_10);
     keep(lane, 2u, sum_01);

@@ -69,7 +69,7 @@ struct RodStrand {
     scheme: u32,          // of `integration`, if it is integrated: EULER, BDF2
     torn: u32,            // 1: velocities lead to where it is torn
     whole: u32,           // 1: its segments fit where it is
-    far: u32,             // 1: forces from outside move a free point farther than anything else may
+    far: u32,             // 1: forces from outside move a free point farther than anything else may; set if it is integrated
 }
 
 const FREE: u32 = 0u;         // still to be solved
@@ -78,7 +78,8 @@ const TELEPORTED: u32 = 2u;   // moved as a whole
 const ASLEEP: u32 = 3u;       // stays where it is
 const LEFT: u32 = 4u;         // rescued, and left to Gauss-Seidel
 
-// A point within a step. One that is put somewhere felt no force on its way: force, resistance and outside are 0.
+// A point within a step. One that is put somewhere felt no force on its way: force, resistance and outside are 0, and nothing sets
+// its free move and its reply.
 struct RodPoint {
     velocity: vec3f,       // m/s, v_n with what acts from outside in this step
     inverse_mass: f32,     // 1/kg
@@ -98,7 +99,7 @@ struct RodPoint {
     strayed: vec3f,        // m, from where it was when the strand became still
 }
 
-// A segment within a step.
+// A segment within a step. Nothing sets the free turn of one that is put.
 struct RodSegment {
     start: vec4f,              // frame at the step's start
     frame: vec4f,

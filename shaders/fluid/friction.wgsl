@@ -64,7 +64,7 @@ fn main(
 ) {
     let entry = of_all(id, groups);
     // `move` runs next over hair in as many workgroups: what air is in the last of them has been moved already.
-    if entry >= params.hair_points && entry < params.particles && !frozen() { shift[entry] = vec4f(0.0); }
+    if (entry >= params.hair_points) & (entry < params.particles) & !frozen() { shift[entry] = vec4f(0.0); }
     let i = take_particle(entry, local);
     own_strand = points_with(i);
     x = predicted[i];

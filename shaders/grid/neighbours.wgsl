@@ -249,7 +249,7 @@ fn main(
     let place = invocation(id, groups);
     let c = of_page(place) / LANES;
     var entries = vec2u(0u);
-    if c < params.clusters && !frozen_before() { entries = members[c]; }
+    if (c < params.clusters) & !frozen_before() { entries = members[c]; }
     members_of = entries;
     let e = entries.x + lane;
     let there = e < entries.y;

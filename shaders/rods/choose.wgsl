@@ -35,7 +35,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let segment = rod_segments[j];
         let rest_length = segments[j].rest_length;
         let turned = product(rotation(led_turn(segment)), segment.start);
-        led = max(led, misfit(segment.chord + after - before, rest_length, turned));
+        led = max(led, misfit(segment.chord + (after - before), rest_length, turned));
         now = max(now, misfit(segment.chord, rest_length, segment.start));
         before = after;
     }

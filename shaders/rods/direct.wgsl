@@ -15,7 +15,7 @@
 // One invocation per strand, done when its segments fit.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::{frozen, count, finite, QUIET_STEP},
-    quaternion::{product, conjugate, rotate, rotation, tangent, matrix}, integration::response, pressure::times,
+    quaternion::{product, conjugate, rotation, tangent, matrix}, integration::response, pressure::times,
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT},
 };
 
@@ -110,8 +110,8 @@ fn no_joint() -> Joint {
     return Joint(vec3f(0.0), mat3x3f(), vec3f(1.0), vec3f(0.0));
 }
 
-// Joint k of a strand, behind a frame; k = points - 1 is that of the tip, which no segment follows. `segment` and `now` are of the
-// segment after it, or of the last one.
+// Joint k of a strand, behind a frame; k = points - 1 is that of the tip, which no segment follows. `segment` and `now` are of
+// the segment after it, or of the last one.
 fn joint(strand: Strand, rod: RodStrand, k: u32, before: vec4f, segment: Segment, now: RodSegment) -> Joint {
     let tip = k == strand.points - 1u;
     let joins = select(select(0u, ROOT_JOINT, k == 0u), TIP_JOINT, tip);
@@ -304,7 +304,7 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
     var compliance_after = vec3f(0.0);
     var length_after = 0.0;
     var end_after = vec3f(0.0);
-    // Of the segment, before it is turned, and of the point at its end.
+    // The segment's frame before it is turned, and the point at its end.
     var own_frame = vec4f();
     var end: Node;
     for (var done = 0u; done <= strand.points; done++) {
@@ -323,7 +323,7 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
         if done <= last {
             let segment = segments[j];
             var now = rod_segments[j];
-            now.frame = own_frame;
+            now.frame = own_frame;   // the iteration before has read it
             compliance = segment.stretch_compliance;
             rest_length = segment.rest_length;
             joint_before = joint(strand, rod, k, frame_before, segment, now);
@@ -358,9 +358,9 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
                 chord = rod_segments[j].chord;
             }
             if done > 1u {
-                let now = chord_after + end_after - travel;
+                let chord_now = chord_after + end_after - travel;
                 let compliance_now = in_world(frame_after, compliance_after);
-                let gap = length(stretch_gap(now, length_after, frame_after, compliance_now, after.force));
+                let gap = length(stretch_gap(chord_now, length_after, frame_after, compliance_now, after.force));
                 worst = max(worst, select(HOPELESS, gap, finite(gap)));
             }
             end_after = travel;

@@ -110,10 +110,10 @@ fn capped(shift: vec3f, origin: vec3f, largest: f32) -> vec3f {
     return origin + (largest / max(length(way), largest)) * way;
 }
 
-// Looks at all points of a strand, one after another; only the last writes, so that nothing is read which this pass has written.
-const MEAN: u32 = 0u;    // of a strand whose root is free: its mean free moves
-const LOSES: u32 = 1u;   // of a strand that nothing holds: what caps take from it, beside forces, which it keeps as a whole
-const MOVES: u32 = 2u;
+// What a walk along the points of a strand is for. Only the last one writes, so that nothing is read which this pass has written.
+const MEAN: u32 = 0u;    // to find the mean free move of a strand whose root is free
+const LOSES: u32 = 1u;   // to find what caps take from a strand that nothing holds, beside forces, which it keeps as a whole
+const MOVES: u32 = 2u;   // to move the points
 
 // Returns the farthest free move, or what `Condition.reach` is below 0. A strand that had to be put is held back: its free move
 // is capped at a part of what it could not follow, and the cap grows from step to step until it cuts nothing.
@@ -130,13 +130,14 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
     var kept = vec3f(0.0);   // m, of what is lost
     var farthest = 0.0;
     var carried_far = held_back;
-    for (var look = select(MEAN, MOVES, root_held); look <= MOVES; look++) {
+    for (var walk = select(MEAN, MOVES, root_held); walk <= MOVES; walk++) {
+        if walk == LOSES && !loose { continue; }
         for (var k = 0u; k < strand.points; k++) {
             let p = strand.first_point + k;
             let point = rod_points[p];
             let moves = free_point(point, rod, k);
             let held = point.inverse_mass == 0.0;
-            if look == MEAN {
+            if walk == MEAN {
                 mean = Free(mean.whole + moves.whole, mean.bare + moves.bare);
                 continue;
             }
@@ -158,14 +159,14 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
                     let felt = (free - bare_capped) / reply;
                     lost += (moves.bare - bare_capped) / reply;
                     far = largest;
-                    if look == MOVES {
+                    if walk == MOVES {
                         rod_points[p].outside = point.outside + params.step * point.inverse_mass * (felt - point.force);
                         rod_points[p].force = felt;
                         count(MOVE_CAPPED);
                     }
                 }
             }
-            if look == LOSES { continue; }
+            if walk == LOSES { continue; }
             free += kept;
             var travel = free;
             if led && !held { travel = led_move(point, rod, k); }
@@ -176,8 +177,8 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
             rod_points[p].travel = travel;
             rod_points[p].scheme = rod.scheme;
         }
-        if look == MEAN { origin = Free(mean.whole / f32(strand.points), mean.bare / f32(strand.points)); }
-        if look == LOSES && loose { kept = lost / heaviness; }
+        if walk == MEAN { origin = Free(mean.whole / f32(strand.points), mean.bare / f32(strand.points)); }
+        if walk == LOSES { kept = lost / heaviness; }
     }
     for (var k = 0u; k < strand.points - 1u; k++) {
         let j = strand.first_segment + k;
