@@ -5,6 +5,8 @@
 //! an element of more words takes several texels. Texels and the uniforms' words hold bits, and a load turns them into what the shader
 //! reads, so that all texts of a pass give the same bits.
 //!
+//! A constant place of a uniform is read once only if no branch comes before, so that a text first copies what it reads of uniforms.
+//!
 //! A texture is a copy of the array's buffer. Where the processor reads storage buffers quickly, only arrays from which passes gather
 //! are worth it, and each pass has a text for such processors ([`Textures::Gathered`]).
 //!
