@@ -267,6 +267,29 @@ fn software_texts_change_no_bit() {
     }
 }
 
+/// Texts for software adapters read uniforms in the first lines of the entry point only, before any branch, and no pass asks behind
+/// one whether the step is frozen.
+#[test]
+fn uniforms_are_read_before_all_branches() {
+    for pass in PASSES {
+        for text in pass.sources_for_software {
+            let (before, main) = text.split_once("fn main(").unwrap();
+            let (head, body) = main.split_once("{\n").unwrap();
+            let copies = body.lines().take_while(|line| line.contains("_uniform;") || line.contains("_word_")).count();
+            let rest: Vec<_> = before.lines().chain(head.lines()).chain(body.lines().skip(copies)).collect();
+            for name in text.split("var<uniform> ").skip(1).filter_map(|from| from.split(':').next()) {
+                let words =
+                    |line: &str| line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == name);
+                let reads = rest.iter().filter(|line| !line.starts_with("var<uniform> ") && words(line));
+                assert_eq!(reads.count(), 0, "{} reads {name} elsewhere", pass.name);
+            }
+            for branch in ["|| frozen", "&& frozen", "|| !frozen", "&& !frozen"] {
+                assert!(!text.contains(branch), "{} has `{branch}`", pass.name);
+            }
+        }
+    }
+}
+
 /// Where a shader is wrong, its pass is named: nothing before it, nothing that follows from it.
 #[test]
 fn a_difference_is_named() {
