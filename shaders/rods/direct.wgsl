@@ -324,6 +324,7 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
             let segment = segments[j];
             var now = rod_segments[j];
             now.frame = own_frame;   // the iteration before has read it
+            chord = now.chord;
             compliance = segment.stretch_compliance;
             rest_length = segment.rest_length;
             joint_before = joint(strand, rod, k, frame_before, segment, now);
@@ -355,7 +356,6 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
                 rod_segments[j].force = own.force;
                 rod_segments[j].moment = joint_before.moment;
                 frame = matrix(turned);
-                chord = rod_segments[j].chord;
             }
             if done > 1u {
                 let chord_now = chord_after + end_after - travel;
