@@ -155,6 +155,11 @@ impl Gpu {
         self.texts
     }
 
+    /// Whether the driver compiles a pipeline where it runs first, and not where it is made: software adapters do.
+    pub(crate) fn compiles_late(&self) -> bool {
+        self.info.kind == "software"
+    }
+
     /// What passes read from textures, where they run in their texts for software adapters.
     pub(crate) fn software_textures(&self) -> Option<Textures> {
         match self.texts {

@@ -37,7 +37,9 @@ pub struct Report {
     /// Median wall time of a step, stepping alone, first step excluded \[ms\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ms_per_step: Option<f64>,
-    /// Wall time of the first step, pipelines' compilation included \[ms\].
+    /// Wall time of making the simulation: its buffers, and its pipelines, which software adapters compile meanwhile \[ms\].
+    pub ms_setup: f64,
+    /// Wall time of the first step, in which other drivers may still compile pipelines \[ms\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ms_first_step: Option<f64>,
     /// GPU time per pass and step, of the timed steps.

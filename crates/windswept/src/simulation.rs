@@ -60,6 +60,8 @@ pub struct Simulation {
     steps: u64,
     last: Status,
     submits: u64,
+    /// Wall time of making this.
+    setup_ms: f64,
     first_step_ms: Option<f64>,
     step_ms: Vec<f64>,
     profile: Profile,
@@ -120,6 +122,7 @@ impl Simulation {
     /// # Errors
     /// [`Error::Scene`] when the arrays do not belong together, [`Error::Gpu`] when they do not fit the adapter.
     pub fn with_state(gpu: &Gpu, scene: &Scene, mut initial: InitialState) -> Result<Self, Error> {
+        let began = Instant::now();
         initial.check()?;
         initial.warnings.extend(initial.hair.carry_air(scene));
         let (given, mut scene) = (scene.clone(), scene.clone());
@@ -143,6 +146,7 @@ impl Simulation {
             steps: 0,
             last,
             submits: 0,
+            setup_ms: began.elapsed().as_secs_f64() * 1e3,
             first_step_ms: None,
             step_ms: Vec::new(),
             profile: Profile::default(),

@@ -1,7 +1,7 @@
 //! A recording made ready for the device: pipelines and bind groups, replayed as often as wanted.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     time::{Duration, Instant},
 };
 
@@ -74,9 +74,14 @@ impl Program {
         let on_copies = |command: &Command| gpu.textures_of(command.pass) == Some(Textures::All);
         let running = recording.running().enumerate();
         let dispatched = running.filter(|(_, command)| !command.on_copies_only || on_copies(command));
+        let mut begun = BTreeSet::new();
         let dispatches = dispatched.map(|(place, command)| {
             let copied = read.iter().filter(|reading| reading.times.iter().any(|time| time.start == place));
-            Dispatch::new(gpu, memory, command, copied, meshes)
+            let dispatch = Dispatch::new(gpu, memory, command, copied, meshes)?;
+            if gpu.compiles_late() && begun.insert(command.pass.name) {
+                dispatch.begin_to_compile(gpu)?;
+            }
+            Ok(dispatch)
         });
         Ok(Self { dispatches: dispatches.collect::<Result<_, _>>()? })
     }
@@ -164,6 +169,9 @@ impl Program {
 const STEP: wgpu::ComputePassDescriptor<'static> =
     wgpu::ComputePassDescriptor { label: Some("step"), timestamp_writes: None };
 
+const COMPILING: wgpu::ComputePassDescriptor<'static> =
+    wgpu::ComputePassDescriptor { label: Some("compiling"), timestamp_writes: None };
+
 impl Copy {
     /// Copies the whole rows of texels, then what is left of a row.
     fn encode(&self, encoder: &mut wgpu::CommandEncoder) {
@@ -250,8 +258,25 @@ impl Dispatch {
     }
 
     fn encode(&self, pass: &mut wgpu::ComputePass<'_>) {
+        self.encode_workgroups(pass, self.workgroups);
+    }
+
+    fn encode_workgroups(&self, pass: &mut wgpu::ComputePass<'_>, [across, down]: [u32; 2]) {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.group, &[]);
-        pass.dispatch_workgroups(self.workgroups[0], self.workgroups[1], 1);
+        pass.dispatch_workgroups(across, down, 1);
+    }
+
+    /// Submits a run of no workgroups. A driver that compiles a pipeline where it runs first does so from now on, in its own thread,
+    /// while the next pipeline is made.
+    fn begin_to_compile(&self, gpu: &Gpu) -> Result<(), GpuError> {
+        gpu.checked(
+            || format!("compiling {}", self.pass),
+            || {
+                let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                self.encode_workgroups(&mut encoder.begin_compute_pass(&COMPILING), [0, 0]);
+                gpu.queue.submit([encoder.finish()]);
+            },
+        )
     }
 }

@@ -48,6 +48,7 @@ impl Simulation {
             time_s: self.time(),
             failure: None,
             ms_per_step: self.ms_per_step(),
+            ms_setup: self.setup_ms,
             ms_first_step: self.first_step_ms,
             passes: self.pass_times(),
             skipped: self.skipped(),
