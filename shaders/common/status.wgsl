@@ -1,6 +1,5 @@
 // The status word and the counters that travel with the state. A cause that freezes keeps the last pass from
 // committing; the host reads the causes after each submit, mends what it can and replays from the same state.
-import package::common::params::params;
 
 const NEIGHBOUR_OVERFLOW: u32 = 1u;   // the list is too short: grow and replay
 const NON_FINITE_AIR: u32 = 2u;       // the run ends
@@ -49,17 +48,8 @@ struct Status {
 
 @group(0) @binding(1) var<storage, read_write> status: Status;
 
-// A list that is too short freezes the step as soon as it is known; the guard makes it a cause.
-fn list_too_short() -> bool {
-    return (atomicLoad(&status.neighbour_carries) != 0u) | (atomicLoad(&status.neighbours) > params.neighbour_capacity);
-}
-
-fn frozen_before() -> bool {
-    return atomicLoad(&status.causes) != 0u;
-}
-
 fn frozen() -> bool {
-    return frozen_before() | list_too_short();
+    return atomicLoad(&status.causes) != 0u;
 }
 
 fn freeze(cause: u32) {

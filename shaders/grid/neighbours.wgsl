@@ -11,7 +11,7 @@ import package::common::{
         Near, LANES, lane_of, show, shown_by, keep, kept, first_of_eight, settle, joined, votes, turned, bits_of_all, largest_of_all,
         largest_in_workgroup,
     },
-    status::{status, frozen_before},
+    status::{status, freeze, NEIGHBOUR_OVERFLOW},
 };
 
 @group(0) @binding(2) var<storage, read>       cell_start:      array<u32>;
@@ -232,7 +232,13 @@ fn room_for(length: u32) -> u32 {
         atomicAdd(&status.neighbour_carries, 1u);
     }
     let fits = length <= params.neighbour_capacity && begin <= params.neighbour_capacity - length;
+    if !fits { freeze(NEIGHBOUR_OVERFLOW); }
     return select(0u, begin, fits);
+}
+
+// Whether the step froze before its list was made. While a list that is too short is made, the other clusters still say what they need.
+fn frozen_before_list() -> bool {
+    return (status.ended != 0u) | ((atomicLoad(&status.causes) & ~NEIGHBOUR_OVERFLOW) != 0u);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -249,7 +255,7 @@ fn main(
     let place = invocation(id, groups);
     let c = of_page(place) / LANES;
     var entries = vec2u(0u);
-    if (c < params.clusters) & !frozen_before() { entries = members[c]; }
+    if (c < params.clusters) & !frozen_before_list() { entries = members[c]; }
     members_of = entries;
     let e = entries.x + lane;
     let there = e < entries.y;
@@ -283,7 +289,10 @@ fn main(
     let batches = vec2u(own_kind, found - own_kind) / LANES;
     var first = 0u;
     if lane == 0u {
-        if crowded { atomicAdd(&status.neighbour_carries, 1u); }
+        if crowded {
+            atomicAdd(&status.neighbour_carries, 1u);
+            freeze(NEIGHBOUR_OVERFLOW);
+        }
         if used { first = room_for(PARTICLES + GROUP * (groups_of(batches.x) + groups_of(batches.y))); }
     }
     first = joined(local, first);

@@ -1,11 +1,10 @@
-// Freezes the state when the neighbour list was too short, air is not finite or faster than anything can be, or too many strands were
-// reset; counts the hair points outside the box of air.
+// Freezes the state when air is not finite or faster than anything can be, or too many strands were reset; counts the hair points
+// outside the box of air.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, cell_of, in_box},
     sound::{FAST, within},
     status::{
-        status, list_too_short, freeze, finite3, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, TOO_MANY_BAD_STRANDS,
-        UNMENDED_STRAND,
+        status, freeze, finite3, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, TOO_MANY_BAD_STRANDS, UNMENDED_STRAND,
     },
 };
 
@@ -23,11 +22,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if !(i == 0u || bad || outside) { return; }
     if status.ended != 0u { return; }
     // Where the step froze before, the scratch arrays mean nothing.
-    if list_too_short() {
-        freeze(NEIGHBOUR_OVERFLOW);
-        return;
-    }
-    if (atomicLoad(&status.causes) & UNMENDED_STRAND) != 0u { return; }
+    if (atomicLoad(&status.causes) & (NEIGHBOUR_OVERFLOW | UNMENDED_STRAND)) != 0u { return; }
     if i == 0u && atomicLoad(&status.bad_strands) > params.bad_strand_limit {
         freeze(TOO_MANY_BAD_STRANDS);
     }

@@ -5,7 +5,7 @@
 // g and g'' are taps of the periodic Gaussian and of its second derivative, with the blur of deposit and gather along the
 // axis taken out. After y and z, C is the Laplacian of the smoothed deposit.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, end_of_taps, moved, spread, spread3},
+    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, end_of_taps, moved, spread, spread3},
 };
 
 @group(0) @binding(2) var<uniform>             mesh:      Mesh;

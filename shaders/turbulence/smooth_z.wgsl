@@ -2,7 +2,7 @@
 //
 //   C <- g * C + g'' * G,  S = g * (volume of G)       taps as in `smooth_x`
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, end_of_taps, moved, spread3},
+    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, end_of_taps, moved, spread3},
 };
 
 @group(0) @binding(2) var<uniform>             mesh:               Mesh;

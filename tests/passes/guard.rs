@@ -222,7 +222,7 @@ fn check_is_that_of_the_twin() {
             };
             let mut status = stage.engine.status().unwrap();
             (status.bad_strands, status.first_bad) = (by_rods, first);
-            status.neighbours = if short { stage.engine.sizes().neighbours + 1 } else { 0 };
+            status.causes = if short { NEIGHBOUR_OVERFLOW } else { 0 };
             stage.engine.set_status(&status).unwrap();
             stage.engine.write(&s.health, &health).unwrap();
             stage.write_vectors(&s.predicted, &x);

@@ -80,9 +80,7 @@ fn grid(r: &mut Recorder<'_>, plan: &Plan, band: &BandPlan) {
         r.run(&turbulence::WEIGH, "what the filter sums", plan.sizes.air())
             .bind("params", &params)
             .bind("sorted", &s.flow_sorted);
-        r.run(&turbulence::DEPOSIT, "air onto the filter's grid", band.blocks)
-            .bind("params", &params)
-            .bind("mesh", &mesh);
+        r.run(&turbulence::DEPOSIT, "air onto the filter's grid", band.blocks).bind("mesh", &mesh);
     });
     let smooth = [
         (&turbulence::SMOOTH_X, "smooth along x"),
