@@ -41,8 +41,9 @@ fn put(strand: Strand, rod: RodStrand, at_rest: bool, scheme: u32) {
     var offset = vec3f(0.0);   // from the root, as it is
     var rest = vec3f(0.0);     // and at rest
     var travel = rod.root_travel;
-    put_point(strand.first_point, travel, scheme);
-    for (var k = 0u; k < strand.points - 1u; k++) {
+    for (var k = 0u; k < strand.points; k++) {
+        put_point(strand.first_point + k, travel, scheme);
+        if k + 1u == strand.points { break; }
         let j = strand.first_segment + k;
         let segment = rod_segments[j];
         offset += segment.chord;
@@ -55,9 +56,9 @@ fn put(strand: Strand, rod: RodStrand, at_rest: bool, scheme: u32) {
         rod_segments[j].force = vec3f(0.0);
         rod_segments[j].moment = vec3f(0.0);
         rest += segments[j].rest_length * tangent(frame);
-        travel = rod.root_travel + select(rotate(rod.root_turn, offset), rest, at_rest) - offset;
         let stays = at_rest && k + 2u == strand.points && (strand.joints & TIP_HELD) != 0u;
-        put_point(strand.first_point + k + 1u, select(travel, vec3f(0.0), stays), scheme);
+        travel = rod.root_travel + select(rotate(rod.root_turn, offset), rest, at_rest) - offset;
+        travel = select(travel, vec3f(0.0), stays);
     }
 }
 
