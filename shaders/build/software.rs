@@ -8,7 +8,8 @@
 //! A constant place of a uniform is read once only if no branch comes before, so that a text first copies what it reads of uniforms.
 //!
 //! A texture is a copy of the array's buffer. Where the processor reads storage buffers quickly, only arrays from which passes gather
-//! are worth it, and each pass has a text for such processors ([`Textures::Gathered`]).
+//! are worth it, and those that no pass writes, which are copied once in a step and compile faster as textures. Each pass has a text for
+//! such processors ([`Textures::Gathered`]).
 //!
 //! In the other text ([`Textures::All`]) some passes read an array that they also write, and no element of it after they have written
 //! it. They read a texture beside the buffer that they write. A pass that does so only within a part of its work is dispatched for each
@@ -26,9 +27,9 @@ use crate::Result;
 /// Bytes of a row of texels in every texture.
 pub(crate) const ROW: u32 = 32768;
 
-/// Names, as shaders bind them, of the arrays that passes gather from: their elements are read several times. They are textures on
-/// every software adapter.
-const GATHERED: [&str; 34] = [
+/// Names, as shaders bind them, of the arrays that passes gather from, whose elements are read several times, and of `points`, `segments`
+/// and `strands`, which no pass writes. They are textures on every software adapter.
+const GATHERED: [&str; 37] = [
     "band_velocity",
     "cell_count",
     "cell_rows",
@@ -49,24 +50,27 @@ const GATHERED: [&str; 34] = [
     "neighbour_list",
     "new_velocity",
     "nodes",
+    "points",
     "position",
     "predicted",
     "rubbing",
     "sampled",
+    "segments",
     "smoothed",
     "smoother",
     "smoother_curvature",
     "sorted",
     "sorted_position",
     "squeezed",
+    "strands",
     "stress",
     "taps",
     "velocity",
     "vorticity",
 ];
 
-/// Names of the arrays of which passes read each element about once. They are textures where storage buffers are read slowly.
-const STREAMED: [&str; 27] = [
+/// Names of the arrays of which passes read each element about once in a step, and write it. They are textures where storage buffers are read slowly.
+const STREAMED: [&str; 24] = [
     "air_id",
     "angular_velocity",
     "brought",
@@ -82,7 +86,6 @@ const STREAMED: [&str; 27] = [
     "next_air_id",
     "orientation",
     "point_history",
-    "points",
     "pressed",
     "pressed_before",
     "rod_points",
@@ -90,9 +93,7 @@ const STREAMED: [&str; 27] = [
     "rod_strands",
     "scattered",
     "segment_history",
-    "segments",
     "shift",
-    "strands",
     "wind_change",
 ];
 
