@@ -50,8 +50,8 @@ const COARSE: &[&str] = &[
     "coarse/solve",
     "coarse/wave 3",
     "coarse/gather",
-    "turbulence/sum",
-    "coarse/mean",
+    "sums/changes",
+    "sums/total",
     "coarse/push",
 ];
 const PUSH: &[&str] = &["fluid/push 2"];
@@ -68,7 +68,7 @@ const FILTER: &[&str] = &[
     "turbulence/smooth_z",
     "turbulence/gather",
 ];
-const STRENGTHEN: &[&str] = &["turbulence/sum", "turbulence/mean", "turbulence/strengthen"];
+const STRENGTHEN: &[&str] = &["sums/changes", "sums/total", "turbulence/strengthen"];
 const VISCOSITY: &[&str] = &["fluid/limit", "fluid/viscosity"];
 const COMMIT_HAIR: &[&str] = &["guard/hold", "guard/check", "guard/commit_frames", "guard/commit_hair"];
 const COMMIT: &[&str] = &["guard/commit"];
@@ -86,7 +86,7 @@ const JET: &str = "force={field='jet',origin=[0.01,0.06,0.03],axis=[1,0,0],reach
 
 fn cases() -> [Case; 11] {
     let blow = &["wind/blow"][..];
-    let moves = &[HAIR_ALONE, &["rods/drift", "wind/miss", "wind/hold", "wind/fringe", "fluid/advance"]].concat()[..];
+    let moves = &[HAIR_ALONE, &["rods/drift", "wind/miss", "sums/total", "wind/fringe", "fluid/advance"]].concat()[..];
     let fluid = &[HAIR_ON_HAIR, SPREAD, COARSE, PUSH].concat()[..];
     let exchange = &[BEGIN, &["wind/sample", "wind/drag"], SOLVE, &["wind/react"]].concat()[..];
     let velocity = &["rods/velocity"][..];
@@ -162,7 +162,7 @@ fn cases() -> [Case; 11] {
             Some("hair"),
             [
                 blow,
-                &["wind/miss", "wind/hold", "wind/fringe", "fluid/advance"],
+                &["wind/miss", "sums/total", "wind/fringe", "fluid/advance"],
                 SORT,
                 LIST,
                 SPREAD,
@@ -231,7 +231,7 @@ fn cases() -> [Case; 11] {
             [
                 blow,
                 HAIR_ALONE,
-                &["rods/drift", "wind/miss", "wind/hold", "wind/fringe", "fluid/predict"],
+                &["rods/drift", "wind/miss", "sums/total", "wind/fringe", "fluid/predict"],
                 SORT,
                 LIST,
                 &["fluid/density 2", "fluid/correct 2", "fluid/move 2"],
@@ -513,8 +513,9 @@ fn operations_are_those_of_a_count_by_hand() {
         let Operations { invocation, own_batch, other_batch, more } = pass.operations;
         (invocation, own_batch, other_batch, more)
     };
-    // A sum and a difference of four components; three quotients and a sum of four; a difference of three and a product of four.
-    assert_eq!(of(&shaders::turbulence::STRENGTHEN), (8, 0, 0, false));
+    // A sum and a difference of four components and three quotients; three quotients and a sum of four; a difference of three and a
+    // product of four.
+    assert_eq!(of(&shaders::turbulence::STRENGTHEN), (11, 0, 0, false));
     assert_eq!(of(&shaders::fluid::VELOCITY), (7, 0, 0, false));
     assert_eq!(of(&shaders::turbulence::WEIGH), (7, 0, 0, false));
     // What four pairs take: gaps 12, their squares over h^2 24, roots 8, how much of h is left 12, slopes 12, and of h^2 8, kernels 12, do

@@ -45,7 +45,7 @@ const PASSES: [&str; 12] = [
     "fluid/push",
     "fluid/divergence",
     "coarse/",
-    "turbulence/sum",
+    "sums/",
 ];
 /// Numbers of substeps to try, and that of the fine run.
 const SUBSTEPS: [u32; 4] = [1, 2, 4, 8];

@@ -27,9 +27,22 @@ use software::Textures;
 use source::Source;
 use table::Table;
 
-/// Folders of WGSL: `common` holds what passes import, `pictures` what draws frames, each other one the passes of a heading.
-const FOLDERS: [&str; 11] =
-    ["common", "grid", "fluid", "coarse", "turbulence", "rods", "wind", "force", "contact", "guard", "pictures"];
+/// Folders of WGSL: `common` holds what passes import, `pictures` what draws frames, `sums` the passes of sums over air, each other one the
+/// passes of a heading.
+const FOLDERS: [&str; 12] = [
+    "common",
+    "grid",
+    "fluid",
+    "coarse",
+    "turbulence",
+    "rods",
+    "wind",
+    "force",
+    "contact",
+    "sums",
+    "guard",
+    "pictures",
+];
 
 /// Result of the build, whose error is shown.
 pub(crate) type Result<T> = std::result::Result<T, Box<dyn error::Error>>;

@@ -98,7 +98,7 @@ const STREAMED: [&str; 24] = [
 ];
 
 /// Names of the arrays that have so few elements that they are uniforms, and how many elements those are.
-const FEW: [(&str, u32); 3] = [("lack", 1), ("coarse_mean", 1), ("mean_confinement", 2)];
+const FEW: [(&str, u32); 3] = [("missed", 2), ("coarse_total", 2), ("confinement_total", 2)];
 
 /// Passes that read no element of an array after they have written it. They read a texture of it where storage buffers are read slowly.
 const READ_FIRST: [&str; 19] = [

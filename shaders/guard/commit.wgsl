@@ -1,7 +1,7 @@
 // Commits the step of hair, and what is one for all: positions, velocities, the strands' health, the counters and the step's
 // number. A frozen step leaves all as it was.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, rod::Health,
+    params::params, dispatch::{invocation, WORKGROUP}, rod::Health, mean::{air_particles, taken_out},
     status::{status, frozen, COUNTERS, HAIR_OUTSIDE, NO_POINT},
 };
 
@@ -13,7 +13,7 @@ const LONG: f32 = 0.1;          // s
 @group(0) @binding(4) var<storage, read_write> position:       array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> velocity:       array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> health:         array<Health>;
-@group(0) @binding(7) var<storage, read>       mean_confinement:    array<vec4f>;   // the mean, the impulse of the step
+@group(0) @binding(7) var<storage, read>       confinement_total:   array<vec4f>;   // sum of what confinement changed velocities by [m/s]
 @group(0) @binding(8) var<storage, read_write> confinement_impulse: array<vec4f>;   // one, of the run [kg m/s]
 
 @compute @workgroup_size(WORKGROUP)
@@ -30,7 +30,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if i < params.strands { health[i].committed = health[i].found; }
     if i == 0u {
         status.step += 1u;
-        confinement_impulse[0] += mean_confinement[1];
+        let sum = confinement_total[0].xyz;
+        let kept = (sum - air_particles() * taken_out(sum)) / params.air_inverse_mass;
+        confinement_impulse[0] += vec4f(select(vec3f(0.0), kept, params.air_inverse_mass > 0.0), 0.0);
         let bad = atomicExchange(&status.bad_strands, 0u) != 0u;
         let first = atomicExchange(&status.first_bad, NO_POINT);
         status.reset_first = select(status.reset_first, first, bad);

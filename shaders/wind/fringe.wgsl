@@ -2,6 +2,7 @@
 // alike; and near these faces the air is drawn toward what the wind brings, so that what left downstream comes in again conditioned.
 //
 //   dv = U(t + dt) - U(t) + L;  then  v += (1 - exp(-sigma dt)) (U + u' - v)
+//   L = n (n . sum_i sigma_i (U + u' - v_i - dU))/sum_i sigma_i,  n = U/|U|,  dU = U(t + dt) - U(t)       over all air (`miss`)
 //   sigma = sum over faces of cos * 10 max(|U|, 0.3 m/s)/l sin^2(pi x/l)  within the thickness l
 //   u' = |U| sum_m a_m sin(k_m . (x - way) + phi_m), carried along with the wind: frozen turbulence (Taylor 1938), solenoidal
 import package::common::{
@@ -10,15 +11,23 @@ import package::common::{
 
 @group(0) @binding(2) var<storage, read>       position:    array<vec4f>;
 @group(0) @binding(3) var<storage, read>       velocity:    array<vec4f>;
-@group(0) @binding(5) var<storage, read>       lack:        array<vec4f>;   // L [m/s]
+@group(0) @binding(5) var<storage, read>       missed:      array<vec4f>;   // those sums [m/s^2]; w: sum_i sigma_i [1/s]
 @group(0) @binding(6) var<storage, read_write> wind_change: array<vec4f>;   // m/s, of this step
+
+// L: what the air in the fringe lacks of the wind, along the wind. It holds what blows through the box.
+fn lack() -> vec3f {
+    let wind = mean_wind();
+    // Without a rate there is no wind, or nobody in the fringe.
+    let along = dot(missed[0].xyz, wind) / max(dot(wind, wind) * missed[0].w, 1e-30);
+    return select(vec3f(0.0), along * wind, missed[0].w > 0.0);
+}
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = params.hair_points + invocation(id, groups);
     if (i >= params.particles) | frozen() { return; }
     let place = position[i].xyz;
-    let change = mean_wind() - wind_before() + lack[0].xyz;
+    let change = mean_wind() - wind_before() + lack();
     let rate = rate_at(place);
     var drawn = vec3f(0.0);
     if rate > 0.0 { drawn = (1.0 - exp(-rate * params.step)) * (brought(place) - velocity[i].xyz - change); }

@@ -78,8 +78,10 @@ impl Walk<'_> {
             let missed = DVec3::from_array([0, 1, 2].map(sum)) / sum(3).max(f64::MIN_POSITIVE);
             self.same("wind/miss", (missed - w.missed).length(), bounds.wind)?;
         }
-        if passes.through("wind/hold") {
-            self.same("wind/hold", (stage.vectors(&state.lack)[0] - w.lack).length(), bounds.wind)?;
+        if passes.through("sums/total") {
+            let total = stage.engine.read(&state.missed).unwrap()[0];
+            let missed = xyz(&total[..3]) / f64::from(total[3]).max(f64::MIN_POSITIVE);
+            self.same("sums/total", (missed - w.missed).length(), bounds.wind)?;
         }
         if passes.through("wind/fringe") {
             self.same("wind/fringe", apart(&self.vectors(&state.wind_change, hair), &by_wind), bounds.wind)?;
@@ -114,7 +116,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::rods::ROOTS, "left = 1u", "left = 2u", PARTICLES),
     (&shaders::rods::DRIFT, "point.weight * params.gravity", "params.gravity", LIGHT_HAIR),
     (&shaders::wind::MISS, "- v - change", "- 0.9 * v - change", PARTICLES),
-    (&shaders::wind::HOLD, "along * wind", "0.9 * along * wind", PARTICLES),
+    (&shaders::sums::TOTAL, "totals[0] = all[0]", "totals[0] = vec4f(0.9 * all[0].xyz, all[0].w)", PARTICLES),
     (&shaders::wind::FRINGE, "sin(PI * depth", "sin(0.9 * PI * depth", PARTICLES),
     (&shaders::force::COURSE, "f32(status.step + 1u)", "f32(status.step)", FIELDS),
     (&shaders::force::DRAW, "1.0 - exp(", "1.1 - exp(", FIELDS),

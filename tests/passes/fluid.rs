@@ -10,7 +10,7 @@ use crate::{
     stage::{Passes, Stage, each, stirred, xyz},
     steps::{BOUNDS, CROWDED, DIVERGENCE, Fault, LIGHT_HAIR, PARTICLES, PRESSED_HAIR},
     support,
-    walk::{Bounds, Same, Walk, apart, largest, numbers_apart, walk},
+    walk::{Bounds, Same, Walk, apart, largest, mean_change, numbers_apart, walk},
 };
 
 impl Walk<'_> {
@@ -269,25 +269,30 @@ impl Walk<'_> {
         passes.through("coarse/gather");
         let gap = apart(&self.vectors(&state.coarse_change, hair), &change[hair..]);
         self.same("coarse/gather", gap, bounds.speed)?;
-        passes.through("turbulence/sum");
+        passes.through("sums/changes");
         let (parts, most) = (stage.engine.read(&state.partial_sum).unwrap(), self.p().largest_wind.max(1.0));
         let sum = |k: usize| parts.iter().map(|part| f64::from(part[k])).sum::<f64>();
         let air = || change.iter().zip(&w.new_velocity).skip(hair);
         let vectors = [(0, air().map(|(q, _)| *q).sum::<DVec3>()), (4, air().map(|(_, v)| *v).sum())];
         for (k, wanted) in vectors {
             let got = DVec3::new(sum(k), sum(k + 1), sum(k + 2));
-            self.same("turbulence/sum", (got - wanted).length() / air().len() as f64, bounds.speed)?;
+            self.same("sums/changes", (got - wanted).length() / air().len() as f64, bounds.speed)?;
         }
         for (k, wanted) in [(3, air().map(|(q, v)| q.dot(*v)).sum::<f64>()), (7, air().map(|(q, _)| q.dot(*q)).sum())] {
-            self.same("turbulence/sum", (sum(k) - wanted).abs() / air().len() as f64, most * bounds.speed)?;
+            self.same("sums/changes", (sum(k) - wanted).abs() / air().len() as f64, most * bounds.speed)?;
+        }
+        passes.through("sums/total");
+        let totals = stage.engine.read(&state.coarse_total).unwrap();
+        for k in 0..8 {
+            let gap = (f64::from(totals[k / 4][k % 4]) - sum(k)).abs() / air().len() as f64;
+            self.same("sums/total", gap, most * bounds.speed)?;
         }
         let (mean, part) = fluid::coarse_mean(&p, &w.new_velocity, &change);
-        passes.through("coarse/mean");
-        let got = stage.engine.read(&state.coarse_mean).unwrap()[0];
-        self.same("coarse/mean", (xyz(&got[..3]) - mean).length(), 0.1 * bounds.wind)?;
-        self.same("coarse/mean", (f64::from(got[3]) - part).abs(), bounds.nodes)?;
         give(w, &fluid::coarse_push(&p, &change, mean, part));
+        let unpushed = self.vectors(&state.new_velocity, hair);
         passes.through("coarse/push");
+        let driven = mean_change(&unpushed, &self.vectors(&state.new_velocity, hair));
+        self.same("coarse/push", driven.length(), 0.1 * bounds.wind)?;
         self.pushed("coarse/push", w, hair)
     }
 
@@ -327,10 +332,11 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::coarse::WAVE, "cos(t) + sin(t)", "cos(t)", DIVERGENCE),
     (&shaders::coarse::SOLVE, "52.0 * cos(t)", "50.0 * cos(t)", DIVERGENCE),
     (&shaders::coarse::GATHER, "-sigma * sum", "-0.9 * sigma * sum", DIVERGENCE),
-    (&shaders::turbulence::SUM, "vec4f(v, dot", "vec4f(v, 0.5 * dot", DIVERGENCE),
-    (&shaders::coarse::MEAN, "all[0].xyz / air", "0.5 * all[0].xyz / air", DIVERGENCE),
-    (&shaders::coarse::MEAN, "2.0 * taken", "0.2 * taken", DIVERGENCE),
-    (&shaders::coarse::PUSH, "coarse_change[i].xyz - mean.xyz", "5.0 * coarse_change[i].xyz", DIVERGENCE),
+    (&shaders::sums::CHANGES, "vec4f(v, dot", "vec4f(v, 0.5 * dot", DIVERGENCE),
+    (&shaders::sums::TOTAL, "totals[1] = all[1]", "totals[1] = 0.5 * all[1]", DIVERGENCE),
+    (&shaders::coarse::PUSH, "sum.xyz / air", "0.5 * sum.xyz / air", DIVERGENCE),
+    (&shaders::coarse::PUSH, "2.0 * taken", "0.2 * taken", DIVERGENCE),
+    (&shaders::coarse::PUSH, "(coarse_change[i].xyz - mean)", "5.0 * coarse_change[i].xyz", DIVERGENCE),
     (&shaders::fluid::SLIP, "velocity[p].xyz + history.own", "velocity[p].xyz", CROWDED),
     (&shaders::fluid::SQUEEZE, "own.inverse_mass * sum", "0.9 * own.inverse_mass * sum", CROWDED),
     (&shaders::fluid::FRICTION, "min(own.friction, other.more.y)", "0.9 * own.friction", CROWDED),

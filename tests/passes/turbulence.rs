@@ -15,7 +15,7 @@ use crate::{
     stage::{Passes, Stage, crowds, relative, xyz},
     steps::{Fault, PARTICLES, PUBLISHED},
     support,
-    walk::{Same, Walk, apart, differing, largest},
+    walk::{Same, Walk, apart, differing, largest, mean_change},
 };
 
 impl Walk<'_> {
@@ -71,7 +71,7 @@ impl Walk<'_> {
             let gap = apart(&self.vectors(&state.confinement, p.hair_points), &w.confinement[p.hair_points..]);
             self.same("turbulence/confine", gap, bounds.speed)?;
         }
-        if passes.through("turbulence/sum") {
+        if passes.through("sums/changes") {
             let change = self.vectors(&state.confinement, p.hair_points);
             let groups = change.len().div_ceil((TERMS * WORKGROUP) as usize);
             let mut wanted = vec![DVec3::ZERO; groups];
@@ -80,17 +80,21 @@ impl Walk<'_> {
             }
             let parts = stage.engine.read(&state.partial_sum).unwrap();
             let got: Vec<DVec3> = parts[..groups].iter().map(|part| xyz(&part[..3])).collect();
-            self.same("turbulence/sum", apart(&got, &wanted), bounds.wind)?;
+            self.same("sums/changes", apart(&got, &wanted), bounds.wind)?;
         }
         let mean = if p.turbulence.conserve_momentum { turbulence::mean(&p, &w.confinement) } else { DVec3::ZERO };
-        if passes.through("turbulence/mean") {
-            let got = stage.vectors(&state.mean_confinement)[0];
-            self.same("turbulence/mean", (got - mean).length(), bounds.speed)?;
+        if passes.through("sums/total") {
+            let got = stage.vectors(&state.confinement_total)[0] / (w.confinement.len() - p.hair_points) as f64;
+            self.same("sums/total", (got - turbulence::mean(&p, &w.confinement)).length(), bounds.speed)?;
         }
         let stronger = turbulence::strengthen(&p, &w.new_velocity, &w.confinement, mean);
         s.confinement_impulse += turbulence::impulse(&p, &s.inverse_mass, &w.new_velocity, &stronger);
         w.new_velocity = stronger;
+        let weak = self.vectors(&state.new_velocity, p.hair_points);
         assert!(passes.through("turbulence/strengthen"));
+        let driven = mean_change(&weak, &self.vectors(&state.new_velocity, p.hair_points));
+        let wanted = turbulence::mean(&p, &w.confinement) - mean;
+        self.same("turbulence/strengthen", (driven - wanted).length(), bounds.wind)?;
         self.same(
             "turbulence/strengthen",
             apart(&self.vectors(&state.new_velocity, 0), &w.new_velocity),
@@ -192,8 +196,8 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::turbulence::GATHER, "mesh.gain", "0.9 * mesh.gain", PARTICLES),
     (&shaders::turbulence::VORTICITY, "omega -= cross", "omega -= 0.9 * cross", PARTICLES),
     (&shaders::turbulence::CONFINE, "before + change(i,", "before + 0.9 * change(i,", PARTICLES),
-    (&shaders::turbulence::SUM, "reach = WORKGROUP / 2u", "reach = WORKGROUP / 4u", PARTICLES),
-    (&shaders::turbulence::MEAN, "mean = all / air", "mean = sums[0][0].xyz", PARTICLES),
+    (&shaders::sums::CHANGES, "reach = WORKGROUP / 2u", "reach = WORKGROUP / 4u", PARTICLES),
+    (&shaders::turbulence::STRENGTHEN, "sum / air", "0.5 * sum / air", PARTICLES),
     (&shaders::turbulence::STRENGTHEN, "+= confinement[i]", "-= confinement[i]", PARTICLES),
 ];
 
@@ -275,12 +279,12 @@ fn compare(law: Law, filter: Filter, bounds: [f64; 4]) {
         let largest = change.iter().map(|dv| dv.length()).fold(0.0, f64::max);
         println!("{law:?}, {what}: largest change {largest:.1e} m/s, worst so far {worst:?}");
         assert!(worst.iter().zip(bounds).all(|(error, bound)| *error < bound), "{law:?}, {what}: {worst:?}");
-        let impulse = stage.vectors(&s.mean_confinement)[1];
-        let wanted = turbulence::impulse(p, &twin.inverse_mass, &v, &stronger);
-        let scale: f64 = (p.hair_points..x.len()).map(|i| change[i].length() / twin.inverse_mass[i]).sum();
+        let total = stage.vectors(&s.confinement_total)[0];
+        let wanted: DVec3 = change[p.hair_points..].iter().sum();
+        let scale: f64 = change[p.hair_points..].iter().map(|change| change.length()).sum();
         assert!(
-            (impulse - wanted).length() <= 1e-5 * scale + 1e-20,
-            "{what}: impulse {impulse}, expected {wanted} of {scale:e}"
+            (total - wanted).length() <= 1e-5 * scale + 1e-20,
+            "{what}: total {total}, expected {wanted} of {scale:e}"
         );
     }
 }

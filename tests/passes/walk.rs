@@ -51,6 +51,12 @@ pub fn apart(got: &[DVec3], wanted: &[DVec3]) -> f64 {
     largest(got.iter().zip(wanted).map(|(a, b)| (*a - *b).length()))
 }
 
+/// Mean of what vectors changed by.
+pub fn mean_change(before: &[DVec3], after: &[DVec3]) -> DVec3 {
+    assert_eq!(before.len(), after.len());
+    before.iter().zip(after).map(|(a, b)| *b - *a).sum::<DVec3>() / before.len() as f64
+}
+
 /// Largest difference of numbers.
 pub fn numbers_apart(got: &[f64], wanted: &[f64]) -> f64 {
     assert_eq!(got.len(), wanted.len());

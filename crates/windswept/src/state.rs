@@ -300,8 +300,8 @@ state! {
     new_velocity: Vec4, |s| s.particles;
     /// Velocity of a particle after XSPH \[m/s\].
     viscous_velocity: Vec4, |s| s.particles;
-    /// What the air behind the face of entry lacks of the wind \[m/s\].
-    lack: Vec4, |_| 1;
+    /// Sums over the air in the fringe: of what it misses of the wind \[m/s²\], and of its rates \[1/s\].
+    missed: Vec4, |_| 2;
     /// Strength of a force field at the end of the step \[m/s\].
     field_strength: f32, |s| s.fields;
     /// What wind, force fields and an acceleration that was set add to a particle of air in this step \[m/s\].
@@ -332,8 +332,8 @@ state! {
     coarse_waves: f32, |s| s.coarse_nodes;
     /// What the coarse pressure changes the velocity of a particle by \[m/s\].
     coarse_change: Vec4, |s| if s.coarse_nodes > 0 { s.particles } else { 0 };
-    /// Mean of that over the air \[m/s\]; w: the part of the push that leaves the air no more energy than it had.
-    coarse_mean: Vec4, |_| 1;
+    /// Sums over the air of that \[m/s\] and of what it does to the air's energy \[m²/s²\].
+    coarse_total: Vec4, |_| 2;
     /// Lagrange multiplier of a particle's density constraint, and the part of it that becomes velocity \[kg m²\].
     multiplier: [f32; 2], |s| s.particles;
     /// What a strand's clamp does in this step, and whether the strand is solved.
@@ -371,8 +371,8 @@ state! {
     /// Up to eight sums over the particles of a workgroup each: of what air in the fringe misses of the wind \[m/s²\], of the
     /// confinement, or of what the coarse pressure does.
     partial_sum: [f32; 8], |s| s.air().div_ceil(WORKGROUP * TERMS);
-    /// Mean of the confinement over the air, to be taken out \[m/s\], and the impulse that this leaves the air with \[kg m/s\].
-    mean_confinement: Vec4, |_| 2;
+    /// Sums over the air of the confinement \[m/s\] and of what it does to the air's energy \[m²/s²\].
+    confinement_total: Vec4, |_| 2;
 
     // Cells and neighbours. The band filter sorts again, into the cells of its own grid and an order of its own.
     /// Particles in a cell.

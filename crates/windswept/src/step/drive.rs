@@ -1,13 +1,13 @@
 //! 1. Strands that are not finite are reset; clamps move; wind enters; air moves, and hair drifts among it.
 
-use windswept_shaders::{common::reduce::TERMS, fluid, force, rods, wind};
+use windswept_shaders::{common::reduce::TERMS, fluid, force, rods, sums, wind};
 
 use crate::{plan::Plan, recorder::Recorder, step::ONE_WORKGROUP};
 
 /// Records the passes of this heading.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("1. drive");
-    let n = &plan.sizes;
+    let (n, missed) = (&plan.sizes, r.state().missed);
     r.when(&plan.blows, |r| {
         r.run(&wind::BLOW, "mean wind of the step", 1);
     });
@@ -32,7 +32,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.wind, |r| {
         r.when(&plan.fringe, |r| {
             r.run(&wind::MISS, "what the fringe misses of the wind", n.air().div_ceil(TERMS));
-            r.run(&wind::HOLD, "what the air lacks of the wind", ONE_WORKGROUP);
+            r.run(&sums::TOTAL, "what all of it misses", ONE_WORKGROUP).bind("totals", &missed);
         });
         r.run(&wind::FRINGE, "wind enters", n.air());
     });

@@ -7,7 +7,7 @@ use windswept_shaders::{
     common::{mesh::Mesh, reduce::TERMS},
     fluid,
     fluid::divergence::Iteration,
-    turbulence,
+    sums,
 };
 
 use crate::{
@@ -94,8 +94,8 @@ fn on_coarse_grid(r: &mut Recorder<'_>, plan: &Plan) {
         wave(r, plan, "back along an axis", axis, *pair);
     }
     r.run(&coarse::GATHER, "what the coarse pressure changes", n.air()).bind("mesh", &mesh).bind("nodes", &s.coarse);
-    r.run(&turbulence::SUM, "sums of what it changes", n.air().div_ceil(TERMS)).bind("confinement", &s.coarse_change);
-    r.run(&coarse::MEAN, "their mean, and the part that takes energy", ONE_WORKGROUP);
+    r.run(&sums::CHANGES, "sums of what it changes", n.air().div_ceil(TERMS)).bind("changes", &s.coarse_change);
+    r.run(&sums::TOTAL, "totals of what it changes", ONE_WORKGROUP).bind("totals", &s.coarse_total);
     r.run(&coarse::PUSH, "the coarse pressure pushes", n.air());
 }
 

@@ -1,6 +1,6 @@
 //! 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
 
-use windswept_shaders::{common::reduce::TERMS, turbulence};
+use windswept_shaders::{common::reduce::TERMS, sums, turbulence};
 
 use crate::{
     array::AnyArray,
@@ -31,8 +31,8 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
                 });
             });
         }
-        r.run(&turbulence::SUM, "sum of the changes", n.air().div_ceil(TERMS));
-        r.run(&turbulence::MEAN, "mean change of the air", ONE_WORKGROUP);
+        r.run(&sums::CHANGES, "sums of the changes", n.air().div_ceil(TERMS)).bind("changes", &s.confinement);
+        r.run(&sums::TOTAL, "totals of the changes", ONE_WORKGROUP).bind("totals", &s.confinement_total);
         r.run(&turbulence::STRENGTHEN, "eddies are strengthened", n.air());
     });
 }

@@ -2,12 +2,12 @@
 // particles, in a fixed order. Of the confinement nobody asks for the energy: one pass less to compile is worth more than what that costs.
 import package::common::{dispatch::WORKGROUP, terms::sum_terms};
 
-@group(0) @binding(2) var<storage, read> confinement:  array<vec4f>;   // q [m/s]
+@group(0) @binding(2) var<storage, read> changes:      array<vec4f>;   // q [m/s]
 @group(0) @binding(3) var<storage, read> new_velocity: array<vec4f>;   // v
 
 // q [m/s], q . v [m^2/s^2]; v [m/s], q . q [m^2/s^2].
 fn term(i: u32) -> mat2x4f {
-    let change = confinement[i].xyz;
+    let change = changes[i].xyz;
     let v = new_velocity[i].xyz;
     return mat2x4f(vec4f(change, dot(change, v)), vec4f(v, dot(change, change)));
 }
