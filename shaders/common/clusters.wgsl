@@ -4,10 +4,9 @@
 // than the kernel radius to any of them. Its eight invocations, one per particle, read a batch of eight entries at once, one
 // each; then each of them meets all eight. A pass says what it needs of a neighbour, in `see`, and what a pair adds to its sums, in `meet`.
 // A pair that was not nearer than the kernel radius when the list was made does not meet, wherever it is by now.
-import package::common::{params::{params, TWO_WAY}, cells::is_air, dispatch::{invocation, WORKGROUP}};
+import package::common::{params::{params, TWO_WAY}, cells::is_air, dispatch::invocation};
 import package::common::lanes::{Near, LANES, lane_of, show, shown_by, largest_of_all};
 import package::common::list::{PARTICLES, BATCHES, GROUP, NOBODY, INDEX, IMAGE_BITS, FRAME_BITS, FAR, groups_of};
-import package::common::page::{of_page, in_page, workgroups_of_page};
 import package::common::pairs::{here, slope_now, slopes_over};
 import package::common::pairs::{Pair, stand, meet_four};
 import package::pass::{see, meet};
@@ -28,13 +27,13 @@ var<private> meets: u32;    // bit by bit, which entries of the batch that is sh
 var<private> nobody: bool;  // the invocation reads for the others, and has no particle
 var<private> member: u32;   // a particle of the cluster, which is read where an entry is none: what it has is of the cluster's kind
 
-// The particle of an invocation, whose cluster `meet_own_kind` and `meet_other_kind` go through from now on. Where `has_none` says that the
-// invocation has none, it is another one of the cluster.
-fn take_particle(entry: u32, local: u32) -> u32 {
+// The particle of an invocation that has this place in its page, whose cluster `meet_own_kind` and `meet_other_kind` go through from now on.
+// Where `has_none` says that the invocation has none, it is another one of the cluster.
+fn take_particle(place_in_page: u32, local: u32) -> u32 {
     place = local;
     box = params.box_size;
     cluster = Cluster();
-    let c = in_page(entry) / LANES;
+    let c = place_in_page / LANES;
     if c < params.page_clusters {
         let header = neighbour_list[c];
         let moved = vec3u(header.y >> FRAME_BITS, header.y >> (FRAME_BITS + 1u), header.y >> (FRAME_BITS + 2u)) & vec3u(1u);
@@ -61,15 +60,14 @@ fn has_no_hair(particle: u32) -> bool {
     return nobody || is_air(particle);
 }
 
-// The place of an invocation in the order of clusters, in a pass over all of them or over those of air, of a page. Clusters of hair come
+// The place of an invocation in its page of the list, in a pass over all clusters of the page or over those of air. Clusters of hair come
 // first.
 fn of_all(id: vec3u, groups: vec3u) -> u32 {
-    return of_page(invocation(id, groups));
+    return invocation(id, groups);
 }
 
 fn of_air(id: vec3u, groups: vec3u) -> u32 {
-    let of_hair = workgroups_of_page(params.hair_clusters * LANES / WORKGROUP);
-    return of_page(of_hair * WORKGROUP + invocation(id, groups));
+    return params.page_of_hair + invocation(id, groups);
 }
 
 // In a pass over those that pressure acts on: with the model TWO_WAY air alone.

@@ -21,6 +21,7 @@ struct Params {
     pages: u32,                   // of the neighbour list (`list.wgsl`)
     page: u32,                    // the one that a pass over clusters is for
     page_clusters: u32,           // clusters that a page has room for
+    page_of_hair: u32,            // invocations of the page that are hair's, which come first
     neighbour_capacity: u32,      // elements of a page
     newton_steps: u32,            // of one dispatch of the rods' direct solver, at most
     few_newton_steps: u32,        // a step takes fewer of them than it may, until strands are mended

@@ -10,7 +10,7 @@
 // by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen, lanes::Near, pairs::Pair, rub::{Rub, pressed},
-    clusters::{take_particle, has_no_hair, of_all, meet_own_kind}, owner::{Points, points_with, holds},
+    clusters::{take_particle, has_no_hair, of_all, meet_own_kind}, owner::{Points, points_with, holds}, page::of_page,
 };
 
 @group(0) @binding(2) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -62,10 +62,11 @@ fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let entry = of_all(id, groups);
+    let place = of_all(id, groups);
+    let entry = of_page(place);
     // `move` runs next over hair in as many workgroups: what air is in the last of them has been moved already.
     if (entry >= params.hair_points) & (entry < params.particles) & !frozen() { shift[entry] = vec4f(0.0); }
-    let i = take_particle(entry, local);
+    let i = take_particle(place, local);
     own_strand = points_with(i);
     x = predicted[i];
     own = rubbing[i];

@@ -283,32 +283,30 @@ fn main(
     let home = home_of(sorted_position[entries.x].xyz);
     look_ahead(home, lane, 0u, air);
     look_ahead(home, LANES, LAST, air);
-    settle();
-    let own_kind = search_all(home, air);
-    settle();
-    let batches = vec2u(own_kind, found - own_kind) / LANES;
     var first = 0u;
-    if lane == 0u {
-        if crowded {
-            atomicAdd(&status.neighbour_carries, 1u);
-            freeze(NEIGHBOUR_OVERFLOW);
-        }
-        if used { first = room_for(PARTICLES + GROUP * (groups_of(batches.x) + groups_of(batches.y))); }
-    }
-    first = joined(local, first);
-    if first > 0u { neighbour_list[first + (lane >> 2u)][lane & 3u] = select(NOBODY, sorted[select(0u, e, there)], there); }
-    if lane == 0u && place / LANES < params.page_clusters {
-        let moved = vec3u(frame) << vec3u(FRAME_BITS, FRAME_BITS + 1u, FRAME_BITS + 2u);
-        let filled = select(vec2u(0u), batches | vec2u(moved.x | moved.y | moved.z, 0u), first > 0u);
-        neighbour_list[place / LANES] = vec4u(first, filled, select(0u, sorted[entries.x], first > 0u));
-    }
-    let searches = (largest_in_workgroup(local, found) + HELD - 1u) / HELD;
+    var searches = 1u;
     for (var k = 0u; k < searches; k++) {
-        if k > 0u {
-            settle();
-            window = HELD * k;
-            let again = search_all(home, air);
-            settle();
+        settle();
+        window = HELD * k;
+        let own_kind = search_all(home, air);
+        settle();
+        if k == 0u {
+            searches = (largest_in_workgroup(local, found) + HELD - 1u) / HELD;
+            let batches = vec2u(own_kind, found - own_kind) / LANES;
+            if lane == 0u {
+                if crowded {
+                    atomicAdd(&status.neighbour_carries, 1u);
+                    freeze(NEIGHBOUR_OVERFLOW);
+                }
+                if used { first = room_for(PARTICLES + GROUP * (groups_of(batches.x) + groups_of(batches.y))); }
+            }
+            first = joined(local, first);
+            if first > 0u { neighbour_list[first + (lane >> 2u)][lane & 3u] = select(NOBODY, sorted[select(0u, e, there)], there); }
+            if lane == 0u && place / LANES < params.page_clusters {
+                let moved = vec3u(frame) << vec3u(FRAME_BITS, FRAME_BITS + 1u, FRAME_BITS + 2u);
+                let filled = select(vec2u(0u), batches | vec2u(moved.x | moved.y | moved.z, 0u), first > 0u);
+                neighbour_list[place / LANES] = vec4u(first, filled, select(0u, sorted[entries.x], first > 0u));
+            }
         }
         copy(first + PARTICLES, own_kind, home, air, first > 0u);
     }

@@ -28,6 +28,11 @@ pub struct Cluster {
     pub other_kind: Vec<Seen>,
 }
 
+/// Of so many first workgroups of clusters those that are in a page of the list, which has so many pages: they take turns.
+pub(crate) fn workgroups_of_page(workgroups: u32, page: u32, pages: u32) -> u32 {
+    workgroups.saturating_sub(page).div_ceil(pages.max(1))
+}
+
 /// The clusters that have particles, from a page of the list that has room for so many clusters.
 #[must_use]
 pub fn read(list: &[[u32; 4]], clusters: u32) -> Vec<Cluster> {

@@ -9,7 +9,7 @@ use windswept_scene::{
 };
 use windswept_shaders::{
     Textures,
-    common::{list::PAGES, params::Params, pressure::Pressed, status::Status},
+    common::{dispatch::WORKGROUP, lanes::LANES, list::PAGES, params::Params, pressure::Pressed, status::Status},
 };
 
 use crate::{
@@ -430,8 +430,10 @@ impl Engine {
     fn write_pages(&mut self) -> Result<(), GpuError> {
         let Sizes { pages, neighbours: neighbour_capacity, .. } = self.sizes;
         let page_clusters = self.sizes.page_clusters();
+        let workgroups_of_hair = self.sizes.hair_clusters * LANES / WORKGROUP;
         for params in &mut self.params {
-            *params = Params { pages, page_clusters, neighbour_capacity, ..*params };
+            let page_of_hair = WORKGROUP * clusters::workgroups_of_page(workgroups_of_hair, params.page, pages);
+            *params = Params { pages, page_clusters, page_of_hair, neighbour_capacity, ..*params };
         }
         self.write(&self.state.params, &self.params)
     }

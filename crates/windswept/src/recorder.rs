@@ -9,6 +9,7 @@ use windswept_shaders::{
 
 use crate::{
     array::{AnyArray, Index},
+    clusters,
     state::State,
 };
 
@@ -149,8 +150,7 @@ impl<'a> Recorder<'a> {
         let count = pages.len() as u32;
         let [first, end] = [clusters.start, clusters.end].map(|cluster| (cluster * LANES).div_ceil(WORKGROUP));
         for (page, list) in (0..count).zip(&pages) {
-            // Every so many workgroups one is the page's.
-            let before = |workgroups: u32| (workgroups + count - 1 - page) / count;
+            let before = |workgroups| clusters::workgroups_of_page(workgroups, page, count);
             let workgroups = before(end) - before(first);
             // A pass over nobody, and one that is skipped, is recorded once.
             let once = clusters.is_empty() || self.skipping.is_some();
