@@ -25,3 +25,12 @@ fn spread(value: vec4f, taps: vec4f) -> mat4x4f {
 fn spread3(value: vec3f, taps: vec4f) -> mat4x3f {
     return mat4x3f(value * taps.x, value * taps.y, value * taps.z, value * taps.w);
 }
+
+// The sums of the nodes behind the first one. A loop that writes the first each time is compiled faster than four writes.
+fn next4(sums: mat4x4f) -> mat4x4f {
+    return mat4x4f(sums[1], sums[2], sums[3], sums[3]);
+}
+
+fn next3(sums: mat4x3f) -> mat4x3f {
+    return mat4x3f(sums[1], sums[2], sums[3], sums[3]);
+}

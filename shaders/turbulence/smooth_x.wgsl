@@ -5,7 +5,7 @@
 // g and g'' are taps of the periodic Gaussian and of its second derivative, with the blur of deposit and gather along the
 // axis taken out. After y and z, C is the Laplacian of the smoothed deposit.
 import package::common::{
-    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, end_of_taps, moved, spread, spread3},
+    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, end_of_taps, moved, spread, spread3, next4, next3},
 };
 
 @group(0) @binding(2) var<uniform>             mesh:      Mesh;
@@ -47,14 +47,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         take(pair.zw, deposited[at]);
         at = select(at + 1, begin, at + 1 == end);
     }
-    write(begin, place, sum[0], bent[0]);
-    write(begin, place + 1, sum[1], bent[1]);
-    write(begin, place + 2, sum[2], bent[2]);
-    write(begin, place + 3, sum[3], bent[3]);
-}
-
-fn write(line: i32, place: i32, value: vec4f, curved: vec3f) {
-    if place >= mesh.nodes.x { return; }
-    smoothed[line + place] = value;
-    curvature[line + place] = vec4f(curved, 0.0);
+    for (var x = place; x < min(place + ROW, nodes.x); x++) {
+        smoothed[begin + x] = sum[0];
+        curvature[begin + x] = vec4f(bent[0], 0.0);
+        sum = next4(sum);
+        bent = next3(bent);
+    }
 }

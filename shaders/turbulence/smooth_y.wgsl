@@ -2,7 +2,7 @@
 //
 //   G <- g * G,  C <- g * C + g'' * G       taps as in `smooth_x`
 import package::common::{
-    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, end_of_taps, moved, spread, spread3},
+    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, end_of_taps, moved, spread, spread3, next4, next3},
 };
 
 @group(0) @binding(2) var<uniform>             mesh:               Mesh;
@@ -48,15 +48,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         take(pair.zw, at);
         at = select(at + stride, begin, at + stride == end);
     }
-    write(begin, place, sum[0], bent[0]);
-    write(begin, place + 1, sum[1], bent[1]);
-    write(begin, place + 2, sum[2], bent[2]);
-    write(begin, place + 3, sum[3], bent[3]);
-}
-
-fn write(line: i32, place: i32, value: vec4f, curved: vec3f) {
-    if place >= mesh.nodes.y { return; }
-    let node = line + mesh.nodes.x * place;
-    smoother[node] = value;
-    smoother_curvature[node] = vec4f(curved, 0.0);
+    for (var y = place; y < min(place + ROW, nodes.y); y++) {
+        smoother[begin + stride * y] = sum[0];
+        smoother_curvature[begin + stride * y] = vec4f(bent[0], 0.0);
+        sum = next4(sum);
+        bent = next3(bent);
+    }
 }

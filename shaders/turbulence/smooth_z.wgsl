@@ -2,7 +2,7 @@
 //
 //   C <- g * C + g'' * G,  S = g * (volume of G)       taps as in `smooth_x`
 import package::common::{
-    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, end_of_taps, moved, spread3},
+    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, end_of_taps, moved, spread3, next3},
 };
 
 @group(0) @binding(2) var<uniform>             mesh:               Mesh;
@@ -45,13 +45,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         take(pair.zw, at);
         at = select(at + stride, begin, at + stride == end);
     }
-    write(begin, place, bent[0], volume.x);
-    write(begin, place + 1, bent[1], volume.y);
-    write(begin, place + 2, bent[2], volume.z);
-    write(begin, place + 3, bent[3], volume.w);
-}
-
-fn write(line: i32, place: i32, curved: vec3f, smoothed: f32) {
-    if place >= mesh.nodes.z { return; }
-    curvature[line + mesh.nodes.x * mesh.nodes.y * place] = vec4f(curved, smoothed);
+    for (var z = place; z < min(place + ROW, nodes.z); z++) {
+        curvature[begin + stride * z] = vec4f(bent[0], volume.x);
+        volume = volume.yzww;
+        bent = next3(bent);
+    }
 }

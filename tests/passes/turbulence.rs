@@ -190,7 +190,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::turbulence::WEIGH, "params.air_volume *", "0.99 * params.air_volume *", PARTICLES),
     (&shaders::turbulence::BAND, "3.0 - q", "2.9 - q", PUBLISHED),
     (&shaders::turbulence::DEPOSIT, "sum_10)", "sum_00)", PARTICLES),
-    (&shaders::turbulence::SMOOTH_X, "sum[1]", "sum[0]", PARTICLES),
+    (&shaders::turbulence::SMOOTH_X, "sum = next4(sum)", "sum = sum", PARTICLES),
     (&shaders::turbulence::SMOOTH_Y, "value.xyz, curve", "value.xyz, 1.01 * curve", PARTICLES),
     (&shaders::turbulence::SMOOTH_Z, "value.w * gauss", "0.99 * value.w * gauss", PARTICLES),
     (&shaders::turbulence::GATHER, "mesh.gain", "0.9 * mesh.gain", PARTICLES),
