@@ -16,7 +16,7 @@ var<private> sum_10: vec4f;
 var<private> sum_01: vec4f;
 var<private> sum_11: vec4f;
 var<private> source: f32;
-var<workgroup> sums: array<f32, LANES * WORKGROUP>;   // by lane, then by node, x first
+var<workgroup> sums: array<vec4f, 4 * WORKGROUP>;   // by lane, then by row of nodes
 
 fn bring(e: u32) -> vec3f {
     let one = brought[e];
@@ -33,14 +33,6 @@ fn add(along: vec4f, across: vec4f) {
     sum_11 += across.y * across.w * part;
 }
 
-fn keep(lane: u32, row: u32, sum: vec4f) {
-    let at = LANES * lane + 4u * row;
-    sums[at] = sum.x;
-    sums[at + 1u] = sum.y;
-    sums[at + 2u] = sum.z;
-    sums[at + 3u] = sum.w;
-}
-
 @compute @workgroup_size(WORKGROUP)
 fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
@@ -50,10 +42,10 @@ fn main(
     let block = block_of(invocation(id, groups) / LANES);
     let part = lane % LANES;
     if (block.z < nodes.z) & !frozen() { deposit(block, params.cells, part, LANES); }
-    keep(lane, 0u, sum_00);
-    keep(lane, 1u, sum_10);
-    keep(lane, 2u, sum_01);
-    keep(lane, 3u, sum_11);
+    sums[4u * lane] = sum_00;
+    sums[4u * lane + 1u] = sum_10;
+    sums[4u * lane + 2u] = sum_01;
+    sums[4u * lane + 3u] = sum_11;
     workgroupBarrier();
     // Each lane adds up one node of its block.
     let along = i32(part) % BLOCK.x;
@@ -62,6 +54,6 @@ fn main(
     if any(node >= nodes) | frozen() { return; }
     let first = lane - part;
     var sum = 0.0;
-    for (var other = first; other < first + LANES; other++) { sum += sums[LANES * other + part]; }
+    for (var other = first; other < first + LANES; other++) { sum += sums[4u * other + part / 4u][part % 4u]; }
     coarse[node_index(node, nodes)] = sum;
 }

@@ -1,7 +1,8 @@
 // Carries what the filter sums to the nodes of its grid, D, and the volume with it. Particles are sorted into the cells between the
 // nodes.
 import package::common::{
-    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::node_index, deposit::{mesh, block_of, deposit},
+    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::node_index, deposit::{mesh, block_of, deposit, BLOCK},
+    smoothing::next4,
 };
 
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
@@ -30,17 +31,21 @@ fn add(along: vec4f, across: vec4f) {
     sum_11 += across.y * across.w * part;
 }
 
-fn write(node: vec3i, nodes: vec3i, sum: mat4x4f) {
-    if node.y >= nodes.y || node.z >= nodes.z { return; }
-    let rows = transpose(sum);
-    write_node(node, nodes, rows[0]);
-    write_node(node + vec3i(1, 0, 0), nodes, rows[1]);
-    write_node(node + vec3i(2, 0, 0), nodes, rows[2]);
-    write_node(node + vec3i(3, 0, 0), nodes, rows[3]);
-}
-
-fn write_node(node: vec3i, nodes: vec3i, value: vec4f) {
-    if node.x < nodes.x { deposited[node_index(node, nodes)] = value; }
+// Writes the four rows, each time the first of those that are left, and of each its nodes.
+fn write(block: vec3i, nodes: vec3i) {
+    for (var row = 0; row < 4; row++) {
+        let y = block.y + (row & 1);
+        let z = block.z + (row >> 1u);
+        let end = select(block.x, min(block.x + BLOCK.x, nodes.x), y < nodes.y && z < nodes.z);
+        var values = transpose(sum_00);
+        for (var x = block.x; x < end; x++) {
+            deposited[node_index(vec3i(x, y, z), nodes)] = values[0];
+            values = next4(values);
+        }
+        sum_00 = sum_10;
+        sum_10 = sum_01;
+        sum_01 = sum_11;
+    }
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -50,8 +55,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if (block.z >= nodes.z) | frozen() { return; }
     per_spacing = 1.0 / mesh.spacing;
     deposit(block, nodes, 0u, 1u);
-    write(block, nodes, sum_00);
-    write(block + vec3i(0, 1, 0), nodes, sum_10);
-    write(block + vec3i(0, 0, 1), nodes, sum_01);
-    write(block + vec3i(0, 1, 1), nodes, sum_11);
+    write(block, nodes);
 }
