@@ -97,16 +97,15 @@ impl Table {
         if bindings.values().filter(|(_, kind)| *kind != "Uniform").count() > STORAGE_BUFFERS {
             return Err(fault(&format!("more than {STORAGE_BUFFERS} storage buffers")).into());
         }
-        let meshes = !module.overrides.is_empty();
-        if let Some((_, other)) = module.overrides.iter().find(|(_, switch)| switch.name.as_deref() != Some("MESHES")) {
-            return Err(fault(&format!("the engine does not set the switch {:?}", other.name)).into());
-        }
+        let switches = module.overrides.iter().filter_map(|(_, switch)| switch.name.as_deref());
+        let switches: Vec<_> = switches.map(|name| format!("crate::Switch::{}", in_title_case(name))).collect();
         let text = self.statics.entry(source.folder).or_default();
         let constant = source.stem.to_uppercase();
         writeln!(text, "{}pub static {constant}: Pass = Pass {{", doc(&source.title))?;
         writeln!(
             text,
-            "name: {name:?}, workgroup: {workgroup}, asks_for_meshes: {meshes}, source: {}, source_without_subgroups: {plain}, sources_for_software: [{}],",
+            "name: {name:?}, workgroup: {workgroup}, switches: &[{}], source: {}, source_without_subgroups: {plain}, sources_for_software: [{}],",
+            switches.join(", "),
             file(target),
             for_software.join(", "),
         )?;
@@ -208,6 +207,12 @@ impl Table {
         )?;
         Ok(text)
     }
+}
+
+/// A word in capitals as Rust spells an enum's variant.
+fn in_title_case(word: &str) -> String {
+    let (first, rest) = word.split_at(word.len().min(1));
+    first.to_owned() + &rest.to_lowercase()
 }
 
 fn references(paths: &[String]) -> String {

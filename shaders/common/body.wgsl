@@ -29,8 +29,7 @@ struct Grid {
 // its own.
 @group(0) @binding(9) var<storage, read> distances: array<f32>;
 
-// Whether a body of the scene is a mesh. It is set when a pipeline is made, so that a scene without any has passes without a trace of them:
-// some adapters run both sides of every branch.
+// Whether a body of the scene is a mesh: a switch (`shaders/src/lib.rs`).
 override MESHES: bool = true;
 
 // Rounds that a pass goes over all bodies: a second one for what lies between two bodies.

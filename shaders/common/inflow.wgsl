@@ -11,8 +11,12 @@ struct Wave {
 
 @group(0) @binding(4) var<storage, read> inflow: array<Wave>;   // one of no amplitude without inflow turbulence
 
+// Whether turbulence enters with the wind: a switch (`shaders/src/lib.rs`).
+override INFLOW: bool = true;
+
 // Velocity that the wind brings in at a place [m/s].
 fn brought(place: vec3f) -> vec3f {
+    if !INFLOW { return mean_wind(); }
     let carried = place - way_of_wind();
     var eddies = vec3f(0.0);
     for (var m = 0u; m < arrayLength(&inflow); m++) {

@@ -22,9 +22,17 @@ struct Pose {
 // Keyframes of all motions. The binding's number is above those that a pass has of its own.
 @group(0) @binding(10) var<storage, read> keyframes: array<Keyframe>;
 
+// Whether anything in the scene has keyframes: a switch (`shaders/src/lib.rs`).
+override KEYFRAMES: bool = true;
+
+// Whether a motion of so many keyframes is one; without any it rests.
+fn moves(count: u32) -> bool {
+    return KEYFRAMES && count > 0u;
+}
+
 // Pose after `steps` steps of the motion that has `count` keyframes from `first` on; a motion without any rests.
 fn pose_after(steps: u32, first: u32, count: u32) -> Pose {
-    if count == 0u { return Pose(vec3f(0.0), vec4f(0.0, 0.0, 0.0, 1.0)); }
+    if !moves(count) { return Pose(vec3f(0.0), vec4f(0.0, 0.0, 0.0, 1.0)); }
     // The last keyframe that has begun, else the first.
     var low = first;
     var high = first + count;

@@ -6,7 +6,7 @@
 // The first pass behind `rods/reset`: where that did not run although a strand is bad, the step freezes, and is taken again with it.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotate, rotation, rotation_vector},
-    motion::pose_after,
+    motion::{moves, pose_after},
     rod::{Strand, RodStrand, Root, Health, FREE, TELEPORTED, ASLEEP, ROOT_HELD, TIP_HELD, MENDED},
     status::{status, frozen, freeze, UNMENDED_STRAND},
 };
@@ -29,7 +29,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let strand = strands[s];
     var goal = root_targets[s];
     var left = params.substeps - status.step % params.substeps;   // substeps of this time step
-    if strand.keyframes > 0u {
+    if moves(strand.keyframes) {
         let pose = pose_after(status.step + 1u, strand.first_keyframe, strand.keyframes);
         goal.position = strand.center + pose.translation + rotate(pose.rotation, goal.position - strand.center);
         goal.frame = normalize(product(pose.rotation, goal.frame));

@@ -4,9 +4,29 @@
 //! `shaders/rods/choose.wgsl`, and a static, [`rods::CHOOSE`]; the structs and constants of `shaders/common/rod.wgsl`
 //! are in [`common::rod`]. The linked texts are kept, readable, in the build's output folder.
 
-/// Name of the switch, a pipeline-overridable constant, that says whether a body of the scene is a mesh
-/// (`shaders/common/body.wgsl`).
-pub const MESHES: &str = "MESHES";
+/// A pipeline-overridable constant that says whether a scene has something. It is set when a pipeline is made, so that a scene without it
+/// has passes without a trace of it: some adapters run both sides of every branch, and compile both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Switch {
+    /// Turbulence that enters with the wind (`shaders/common/inflow.wgsl`).
+    Inflow,
+    /// Keyframes of roots or bodies (`shaders/common/motion.wgsl`).
+    Keyframes,
+    /// A body that is a mesh (`shaders/common/body.wgsl`).
+    Meshes,
+}
+
+impl Switch {
+    /// Name of the constant.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Inflow => "INFLOW",
+            Self::Keyframes => "KEYFRAMES",
+            Self::Meshes => "MESHES",
+        }
+    }
+}
 
 /// A compute pass: its text and what naga knows of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,8 +40,8 @@ pub struct Pass {
     /// The texts for software adapters, one for each of [`Textures`], with subgroup operations: some of what the pass only reads lies in
     /// uniforms and read-only storage textures there, and uniforms are read before all else.
     pub sources_for_software: [&'static str; 2],
-    /// Whether the text has the switch [`MESHES`].
-    pub asks_for_meshes: bool,
+    /// Switches that the text has.
+    pub switches: &'static [Switch],
     /// Invocations per workgroup.
     pub workgroup: u32,
     /// Operations of an invocation of `source`.

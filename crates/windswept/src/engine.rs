@@ -348,7 +348,7 @@ impl Engine {
     pub(crate) fn program(&self, recording: &Recording) -> Result<Program, GpuError> {
         debug_assert_eq!(self.memory.sharing().overwritten(recording), None, "a pass whose array is gone");
         debug_assert_eq!(self.memory.sharing().mixed(recording), None, "two arrays in one texture");
-        Program::new(&self.gpu, &self.memory, recording, self.sizes.distances > 0)
+        Program::new(&self.gpu, &self.memory, recording, &|switch| self.sizes.has(switch))
     }
 
     /// Submits `n` replays, without waiting.

@@ -15,7 +15,7 @@ pub(crate) use program::{Profile, Program, Span, write_trace};
 use serde::Serialize;
 pub use wgpu;
 use windswept_shaders::{
-    Binding, BufferKind, InSoftware, MESHES, PASSES, Pass, TEXTURE_ROW, Texture, Textures, common::lanes::LANES,
+    Binding, BufferKind, InSoftware, PASSES, Pass, Switch, TEXTURE_ROW, Texture, Textures, common::lanes::LANES,
 };
 
 use crate::error::GpuError;
@@ -49,8 +49,8 @@ pub struct Gpu {
     replaced: Pipelines,
 }
 
-/// Pipelines by the names of their passes, and whether they know meshes.
-type Pipelines = Arc<Mutex<HashMap<(&'static str, bool), wgpu::ComputePipeline>>>;
+/// Pipelines by the names of their passes, and how the switches of each are set.
+type Pipelines = Arc<Mutex<HashMap<(&'static str, Vec<bool>), wgpu::ComputePipeline>>>;
 
 impl Gpu {
     /// Opens a device on the chosen adapter.
@@ -254,17 +254,17 @@ impl Gpu {
         Ok(())
     }
 
-    /// The pipeline of a pass, made at its first use, for a scene with or without meshes.
-    fn pipeline(&self, pass: &'static Pass, meshes: bool) -> Result<wgpu::ComputePipeline, GpuError> {
-        let key = (pass.name, meshes && pass.asks_for_meshes);
+    /// The pipeline of a pass, made at its first use, for a scene that says which switches are on.
+    fn pipeline(&self, pass: &'static Pass, on: &dyn Fn(Switch) -> bool) -> Result<wgpu::ComputePipeline, GpuError> {
+        let key = (pass.name, pass.switches.iter().map(|switch| on(*switch)).collect());
         let own = self.sources.get(pass.name);
         let pipelines = if own.is_some() { &self.replaced } else { &self.pipelines };
         let mut pipelines = pipelines.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(pipeline) = pipelines.get(&key) {
             return Ok(pipeline.clone());
         }
-        let switch = [(MESHES, f64::from(u8::from(meshes)))];
-        let constants = if pass.asks_for_meshes { &switch[..] } else { &[] };
+        let constant = |switch: &Switch| (switch.name(), f64::from(u8::from(on(*switch))));
+        let constants: Vec<_> = pass.switches.iter().map(constant).collect();
         let other = match self.software_textures() {
             Some(textures) => Some(pass.sources_for_software[textures as usize]),
             None if self.texts == PassTexts::Workgroup => pass.source_without_subgroups,
@@ -293,7 +293,10 @@ impl Gpu {
                     layout: Some(&layout),
                     module: &module,
                     entry_point: Some("main"),
-                    compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+                    compilation_options: wgpu::PipelineCompilationOptions {
+                        constants: &constants,
+                        ..Default::default()
+                    },
                     cache: None,
                 })
             },

@@ -8,6 +8,7 @@
 use std::ops::Range;
 
 use windswept_shaders::{
+    Switch,
     common::{
         air::Sampled,
         band::Band,
@@ -124,6 +125,16 @@ impl Sizes {
     #[must_use]
     pub fn clusters_of_air(&self) -> Range<u32> {
         self.hair_clusters..self.clusters
+    }
+
+    /// Whether the scene has what a switch of the shaders asks for.
+    #[must_use]
+    pub fn has(&self, switch: Switch) -> bool {
+        match switch {
+            Switch::Inflow => self.waves > 0,
+            Switch::Keyframes => self.keyframes > 0,
+            Switch::Meshes => self.distances > 0,
+        }
     }
 
     /// Clusters that a page of the neighbour list has room for: whole workgroups of them, as hair's are.

@@ -7,7 +7,7 @@ use std::{
 
 pub(crate) use wgpu_profiler::chrometrace::write_chrometrace as write_trace;
 use wgpu_profiler::{GpuProfiler, GpuProfilerSettings, GpuTimerQueryResult};
-use windswept_shaders::{TEXTURE_ROW, Texture, Textures};
+use windswept_shaders::{Switch, TEXTURE_ROW, Texture, Textures};
 
 use crate::{
     error::GpuError,
@@ -69,7 +69,12 @@ pub(crate) type Span = GpuTimerQueryResult;
 pub(crate) type Profile = BTreeMap<(&'static str, &'static str, Option<usize>), PassTime>;
 
 impl Program {
-    pub(crate) fn new(gpu: &Gpu, memory: &Memory, recording: &Recording, meshes: bool) -> Result<Self, GpuError> {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        memory: &Memory,
+        recording: &Recording,
+        on: &dyn Fn(Switch) -> bool,
+    ) -> Result<Self, GpuError> {
         let read = gpu.software_textures().map(|textures| textures::readings(recording, textures)).unwrap_or_default();
         let on_copies = |command: &Command| gpu.textures_of(command.pass) == Some(Textures::All);
         let running = recording.running().enumerate();
@@ -77,7 +82,7 @@ impl Program {
         let mut begun = BTreeSet::new();
         let dispatches = dispatched.map(|(place, command)| {
             let copied = read.iter().filter(|reading| reading.times.iter().any(|time| time.start == place));
-            let dispatch = Dispatch::new(gpu, memory, command, copied, meshes)?;
+            let dispatch = Dispatch::new(gpu, memory, command, copied, on)?;
             if gpu.compiles_late() && begun.insert(command.pass.name) {
                 dispatch.begin_to_compile(gpu)?;
             }
@@ -210,14 +215,14 @@ impl Dispatch {
         memory: &Memory,
         command: &Command,
         copied: impl Iterator<Item = &'a Reading>,
-        meshes: bool,
+        on: &dyn Fn(Switch) -> bool,
     ) -> Result<Self, GpuError> {
         let copies = copied.map(|Reading { array, texel, .. }| {
             let texture = memory.texture(gpu, array, *texel)?;
             Ok(Copy { buffer: memory.buffer(array).clone(), bytes: array.bytes(), texture })
         });
         let copies = copies.collect::<Result<_, GpuError>>()?;
-        let pipeline = gpu.pipeline(command.pass, meshes)?;
+        let pipeline = gpu.pipeline(command.pass, on)?;
         let bound = || {
             let all = command.pass.bindings.iter().zip(&command.arrays);
             all.map(|(binding, array)| (binding.binding, gpu.bound(command.pass, binding), array))
