@@ -29,14 +29,16 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     if i < params.strands { health[i].committed = health[i].found; }
     if i == 0u {
-        status.step += 1u;
+        let step = status.step + 1u;
+        status.step = step;
         let sum = confinement_total[0].xyz;
         let kept = (sum - air_particles() * taken_out(sum)) / params.air_inverse_mass;
         confinement_impulse[0] += vec4f(select(vec3f(0.0), kept, params.air_inverse_mass > 0.0), 0.0);
-        let bad = atomicExchange(&status.bad_strands, 0u) != 0u;
         let first = atomicExchange(&status.first_bad, NO_POINT);
-        status.reset_first = select(status.reset_first, first, bad);
-        status.reset_step = select(status.reset_step, status.step, bad);
+        if atomicExchange(&status.bad_strands, 0u) != 0u {
+            status.reset_first = first;
+            status.reset_step = step;
+        }
     }
     // An invocation per axis and per cause: drivers write out loops over so few.
     if i < 3u {
@@ -46,14 +48,15 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         status.way[i] = way;
     }
     if i < COUNTERS {
-        // Ten thousand sleepers fill 32 bits in ten minutes: full is full.
-        status.counted[i] += min(atomicExchange(&status.counting[i], 0u), 0xffffffffu - status.counted[i]);
-    }
-    if i == HAIR_OUTSIDE {
-        let many = atomicExchange(&status.hair_outside, 0u) * MANY > params.hair_points;
-        status.outside_steps = select(0u, status.outside_steps + 1u, many);
-        if f32(status.outside_steps) * params.step > LONG {
-            status.counted[HAIR_OUTSIDE] += 1u;
+        var times = atomicExchange(&status.counting[i], 0u);
+        if i == HAIR_OUTSIDE {
+            let many = atomicExchange(&status.hair_outside, 0u) * MANY > params.hair_points;
+            let steps = select(0u, status.outside_steps + 1u, many);
+            status.outside_steps = steps;
+            times = u32(f32(steps) * params.step > LONG);
         }
+        // Ten thousand sleepers fill 32 bits in ten minutes: full is full.
+        let before = status.counted[i];
+        status.counted[i] = before + min(times, 0xffffffffu - before);
     }
 }
