@@ -62,7 +62,8 @@ impl Run {
             self.simulation.step(1)?;
         }
         for row in self.simulation.pass_times() {
-            let key = format!("{} {} {}", row.pass, row.name, row.band.map_or_else(String::new, |b| b.to_string()));
+            let band = row.band.map_or_else(String::new, |b| b.to_string());
+            let key = format!("{} {} {} {band}", row.heading, row.pass, row.name);
             let ms = row.ms * self.simulation.timed_steps() as f64;
             let before = self.total.insert(key.clone(), ms).unwrap_or(0.0);
             let least = self.least.entry(key).or_insert(f64::INFINITY);
@@ -83,7 +84,7 @@ impl Run {
 
     /// Time that turbulence adds \[ms\]: its passes, and the sort into the grid's cells.
     fn turbulence_ms(&self) -> f64 {
-        self.ms(|key, of_band| of_band || key.starts_with("turbulence/"))
+        self.ms(|key, of_band| of_band || key.starts_with("7. turbulence "))
     }
 }
 

@@ -11,8 +11,8 @@ use std::{
 /// Folders of the repository that a page may name a file of.
 const FOLDERS: [&str; 8] = ["crates/", "shaders/", "tests/", "examples/", "benches/", "python/", "docs/", ".github/"];
 /// Folders of `shaders/` whose files are passes.
-const PASSES: [&str; 9] =
-    ["grid/", "fluid/", "coarse/", "turbulence/", "rods/", "wind/", "force/", "contact/", "guard/"];
+const PASSES: [&str; 10] =
+    ["grid/", "fluid/", "coarse/", "turbulence/", "rods/", "wind/", "force/", "contact/", "sums/", "guard/"];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

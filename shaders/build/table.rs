@@ -97,15 +97,16 @@ impl Table {
         if bindings.values().filter(|(_, kind)| *kind != "Uniform").count() > STORAGE_BUFFERS {
             return Err(fault(&format!("more than {STORAGE_BUFFERS} storage buffers")).into());
         }
-        let switches = module.overrides.iter().filter_map(|(_, switch)| switch.name.as_deref());
-        let switches: Vec<_> = switches.map(|name| format!("crate::Switch::{}", in_title_case(name))).collect();
+        // A switch that the engine does not set is no variant of `Switch`, which does not compile.
+        let names = module.overrides.iter().filter_map(|(_, switch)| switch.name.as_deref());
+        let switches: Vec<_> = names.map(|name| format!("crate::Switch::{}", in_title_case(name))).collect();
+        let switches = switches.join(", ");
         let text = self.statics.entry(source.folder).or_default();
         let constant = source.stem.to_uppercase();
         writeln!(text, "{}pub static {constant}: Pass = Pass {{", doc(&source.title))?;
         writeln!(
             text,
-            "name: {name:?}, workgroup: {workgroup}, switches: &[{}], source: {}, source_without_subgroups: {plain}, sources_for_software: [{}],",
-            switches.join(", "),
+            "name: {name:?}, workgroup: {workgroup}, switches: &[{switches}], source: {}, source_without_subgroups: {plain}, sources_for_software: [{}],",
             file(target),
             for_software.join(", "),
         )?;

@@ -7,7 +7,7 @@ import package::common::{
 };
 
 @group(0) @binding(2) var<storage, read>       coarse_change: array<vec4f>;
-@group(0) @binding(3) var<storage, read>       coarse_total:  array<vec4f>;   // sums of q; of q . v; and of v; of q . q (`sums/changes`)
+@group(0) @binding(3) var<storage, read>       coarse_total:  array<vec4f>;   // sums over air: q, w: q . v; then v, w: q . q (`sums/changes`)
 @group(0) @binding(4) var<storage, read_write> new_velocity:  array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> pressed:       array<Pressed>;
 

@@ -22,7 +22,7 @@ struct Pose {
 // Keyframes of all motions. The binding's number is above those that a pass has of its own.
 @group(0) @binding(10) var<storage, read> keyframes: array<Keyframe>;
 
-// Whether anything in the scene has keyframes: a switch (`shaders/src/lib.rs`).
+// Whether roots or bodies have keyframes: a switch (`shaders/src/lib.rs`).
 override KEYFRAMES: bool = true;
 
 // Whether a motion of so many keyframes is one; without any it rests.

@@ -11,10 +11,10 @@ import package::common::{
 
 @group(0) @binding(2) var<storage, read>       position:    array<vec4f>;
 @group(0) @binding(3) var<storage, read>       velocity:    array<vec4f>;
-@group(0) @binding(5) var<storage, read>       missed:      array<vec4f>;   // those sums [m/s^2]; w: sum_i sigma_i [1/s]
+@group(0) @binding(5) var<storage, read>       missed:      array<vec4f>;   // sums over air of `miss` [m/s^2]; w: of sigma [1/s]
 @group(0) @binding(6) var<storage, read_write> wind_change: array<vec4f>;   // m/s, of this step
 
-// L: what the air in the fringe lacks of the wind, along the wind. It holds what blows through the box.
+// L: what the air in the fringe lacks of the wind, along the wind. Given to all air, it holds the flow through the box.
 fn lack() -> vec3f {
     let wind = mean_wind();
     // Without a rate there is no wind, or nobody in the fringe.

@@ -117,6 +117,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::rods::DRIFT, "point.weight * params.gravity", "params.gravity", LIGHT_HAIR),
     (&shaders::wind::MISS, "- v - change", "- 0.9 * v - change", PARTICLES),
     (&shaders::sums::TOTAL, "totals[0] = all[0]", "totals[0] = vec4f(0.9 * all[0].xyz, all[0].w)", PARTICLES),
+    (&shaders::wind::FRINGE, "along * wind", "0.9 * along * wind", PARTICLES),
     (&shaders::wind::FRINGE, "sin(PI * depth", "sin(0.9 * PI * depth", PARTICLES),
     (&shaders::force::COURSE, "f32(status.step + 1u)", "f32(status.step)", FIELDS),
     (&shaders::force::DRAW, "1.0 - exp(", "1.1 - exp(", FIELDS),

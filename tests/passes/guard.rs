@@ -18,7 +18,7 @@ use windswept_shaders::{
 
 use crate::{
     stage::{Stage, xyz},
-    steps::{DIVERGENCE, Fault, PARTICLES, PRESSED_HAIR},
+    steps::{DIVERGENCE, Fault, PARTICLES, PRESSED_HAIR, PUBLISHED},
     support,
     walk::{Same, Walk, apart, differing, largest},
 };
@@ -99,6 +99,12 @@ impl Walk<'_> {
         let (x, v) = (hair(&state.position), hair(&state.velocity));
         self.same("guard/commit", self.places(&x, &s.position[..p.hair_points], 0), bounds.length)?;
         self.same("guard/commit", apart(&v, &s.velocity[..p.hair_points]), bounds.speed)?;
+        if p.hair_points < s.inverse_mass.len() {
+            let air: f64 = s.inverse_mass[p.hair_points..].iter().map(|inverse| 1.0 / inverse).sum();
+            let impulse = stage.vectors(&state.confinement_impulse)[0];
+            // Confinement drives hardly any wind, 6e-6 m/s at most here: measured 7e-11 m/s off.
+            self.same("guard/commit", (impulse - s.confinement_impulse).length() / air, 1e-4 * bounds.wind)?;
+        }
         let status = stage.engine.status().unwrap();
         self.same("guard/commit", (f64::from(status.step) - s.steps as f64).abs(), 0.0)?;
         let counters = [STRAND_RESET, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT, RESCUED_STEP];
@@ -120,6 +126,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::guard::COMMIT_AIR, "air_id[slot] = next_air_id[slot];", "", PARTICLES),
     (&shaders::guard::COMMIT_PRESSURE, "pressed[sorted[slot - params.hair_points]]", "pressed[slot]", DIVERGENCE),
     (&shaders::guard::COMMIT_PRESSURE, "= pressed[slot];", "= Pressed(0.9 * pressed[slot].change, 0.0);", PRESSED_HAIR),
+    (&shaders::guard::COMMIT, "select(vec3f(0.0), kept,", "select(vec3f(0.0), 0.5 * kept,", PUBLISHED),
     (&shaders::guard::COMMIT, "velocity[i] = final_velocity[i]", "velocity[i] = 0.9 * final_velocity[i]", PARTICLES),
 ];
 

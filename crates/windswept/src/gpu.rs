@@ -155,9 +155,9 @@ impl Gpu {
         self.texts
     }
 
-    /// Whether the driver compiles a pipeline where it runs first, and not where it is made: software adapters do.
+    /// Whether the driver compiles a pipeline where it runs first, and not where it is made: Mesa's software driver does.
     pub(crate) fn compiles_late(&self) -> bool {
-        self.info.kind == "software"
+        self.software_textures().is_some()
     }
 
     /// What passes read from textures, where they run in their texts for software adapters.
@@ -254,14 +254,18 @@ impl Gpu {
         Ok(())
     }
 
-    /// The pipeline of a pass, made at its first use, for a scene that says which switches are on.
-    fn pipeline(&self, pass: &'static Pass, on: &dyn Fn(Switch) -> bool) -> Result<wgpu::ComputePipeline, GpuError> {
+    /// The pipeline of a pass, for a scene that says which switches are on, and whether this is its first use: it is made then.
+    fn pipeline(
+        &self,
+        pass: &'static Pass,
+        on: &dyn Fn(Switch) -> bool,
+    ) -> Result<(wgpu::ComputePipeline, bool), GpuError> {
         let key = (pass.name, pass.switches.iter().map(|switch| on(*switch)).collect());
         let own = self.sources.get(pass.name);
         let pipelines = if own.is_some() { &self.replaced } else { &self.pipelines };
         let mut pipelines = pipelines.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(pipeline) = pipelines.get(&key) {
-            return Ok(pipeline.clone());
+            return Ok((pipeline.clone(), false));
         }
         let constant = |switch: &Switch| (switch.name(), f64::from(u8::from(on(*switch))));
         let constants: Vec<_> = pass.switches.iter().map(constant).collect();
@@ -302,7 +306,7 @@ impl Gpu {
             },
         )?;
         pipelines.insert(key, pipeline.clone());
-        Ok(pipeline)
+        Ok((pipeline, true))
     }
 
     /// What a binding adds to the layout of its pass.

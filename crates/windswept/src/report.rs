@@ -37,7 +37,8 @@ pub struct Report {
     /// Median wall time of a step, stepping alone, first step excluded \[ms\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ms_per_step: Option<f64>,
-    /// Wall time of making the simulation: its buffers, and its pipelines, which software adapters compile meanwhile \[ms\].
+    /// Wall time of making the simulation from its initial state: its buffers, and its pipelines, which Mesa's software driver compiles
+    /// meanwhile \[ms\].
     pub ms_setup: f64,
     /// Wall time of the first step, in which other drivers may still compile pipelines \[ms\].
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -343,7 +343,7 @@ state! {
     coarse_waves: f32, |s| s.coarse_nodes;
     /// What the coarse pressure changes the velocity of a particle by \[m/s\].
     coarse_change: Vec4, |s| if s.coarse_nodes > 0 { s.particles } else { 0 };
-    /// Sums over the air of that \[m/s\] and of what it does to the air's energy \[m²/s²\].
+    /// Sums over the air: that change q \[m/s\], q·v \[m²/s²\], v \[m/s\], q·q \[m²/s²\].
     coarse_total: Vec4, |_| 2;
     /// Lagrange multiplier of a particle's density constraint, and the part of it that becomes velocity \[kg m²\].
     multiplier: [f32; 2], |s| s.particles;
@@ -382,7 +382,7 @@ state! {
     /// Up to eight sums over the particles of a workgroup each: of what air in the fringe misses of the wind \[m/s²\], of the
     /// confinement, or of what the coarse pressure does.
     partial_sum: [f32; 8], |s| s.air().div_ceil(WORKGROUP * TERMS);
-    /// Sums over the air of the confinement \[m/s\] and of what it does to the air's energy \[m²/s²\].
+    /// Sums over the air, as of the coarse pressure's change: the first is that of the confinement \[m/s\].
     confinement_total: Vec4, |_| 2;
 
     // Cells and neighbours. The band filter sorts again, into the cells of its own grid and an order of its own.

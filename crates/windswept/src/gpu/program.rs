@@ -1,7 +1,7 @@
 //! A recording made ready for the device: pipelines and bind groups, replayed as often as wanted.
 
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeMap,
     time::{Duration, Instant},
 };
 
@@ -79,14 +79,9 @@ impl Program {
         let on_copies = |command: &Command| gpu.textures_of(command.pass) == Some(Textures::All);
         let running = recording.running().enumerate();
         let dispatched = running.filter(|(_, command)| !command.on_copies_only || on_copies(command));
-        let mut begun = BTreeSet::new();
         let dispatches = dispatched.map(|(place, command)| {
             let copied = read.iter().filter(|reading| reading.times.iter().any(|time| time.start == place));
-            let dispatch = Dispatch::new(gpu, memory, command, copied, on)?;
-            if gpu.compiles_late() && begun.insert(command.pass.name) {
-                dispatch.begin_to_compile(gpu)?;
-            }
-            Ok(dispatch)
+            Dispatch::new(gpu, memory, command, copied, on)
         });
         Ok(Self { dispatches: dispatches.collect::<Result<_, _>>()? })
     }
@@ -222,7 +217,7 @@ impl Dispatch {
             Ok(Copy { buffer: memory.buffer(array).clone(), bytes: array.bytes(), texture })
         });
         let copies = copies.collect::<Result<_, GpuError>>()?;
-        let pipeline = gpu.pipeline(command.pass, on)?;
+        let (pipeline, is_new) = gpu.pipeline(command.pass, on)?;
         let bound = || {
             let all = command.pass.bindings.iter().zip(&command.arrays);
             all.map(|(binding, array)| (binding.binding, gpu.bound(command.pass, binding), array))
@@ -251,7 +246,7 @@ impl Dispatch {
         let workgroups = command.invocations.div_ceil(command.pass.workgroup);
         // More workgroups than a dimension holds fold into rows (`shaders/common/dispatch.wgsl`).
         let rows = workgroups.div_ceil(row).max(1);
-        Ok(Self {
+        let dispatch = Self {
             copies,
             label: command.label,
             pass: command.pass.name,
@@ -259,7 +254,11 @@ impl Dispatch {
             pipeline,
             group,
             workgroups: [workgroups.div_ceil(rows), rows],
-        })
+        };
+        if is_new && gpu.compiles_late() {
+            dispatch.begin_to_compile(gpu)?;
+        }
+        Ok(dispatch)
     }
 
     fn encode(&self, pass: &mut wgpu::ComputePass<'_>) {
