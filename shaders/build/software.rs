@@ -69,7 +69,8 @@ const GATHERED: [&str; 37] = [
     "vorticity",
 ];
 
-/// Names of the arrays of which passes read each element about once in a step, and write it. They are textures where storage buffers are read slowly.
+/// Names of the arrays of which passes read each element about once in a step, and write it. They are textures where storage buffers are
+/// read slowly.
 const STREAMED: [&str; 24] = [
     "air_id",
     "angular_velocity",

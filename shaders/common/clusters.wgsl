@@ -27,7 +27,7 @@ var<private> meets: u32;    // bit by bit, which entries of the batch that is sh
 var<private> nobody: bool;  // the invocation reads for the others, and has no particle
 var<private> member: u32;   // a particle of the cluster, which is read where an entry is none: what it has is of the cluster's kind
 
-// The particle of an invocation that has this place in its page, whose cluster `meet_own_kind` and `meet_other_kind` go through from now on.
+// The particle of an invocation that has this place in its page. `meet_own_kind` and `meet_other_kind` go through its cluster from now on.
 // Where `has_none` says that the invocation has none, it is another one of the cluster.
 fn take_particle(place_in_page: u32, local: u32) -> u32 {
     place = local;
