@@ -104,8 +104,8 @@ impl Table {
         let text = self.statics.entry(source.folder).or_default();
         let constant = source.stem.to_uppercase();
         writeln!(text, "{}pub static {constant}: Pass = Pass {{", doc(&source.title))?;
-        writeln!(text, "name: {name:?}, workgroup: {workgroup}, switches: &[{switches}], source: {},", file(target),)?;
-        writeln!(text, "source_without_subgroups: {plain}, sources_for_software: [{}],", for_software.join(", "),)?;
+        writeln!(text, "name: {name:?}, workgroup: {workgroup}, switches: &[{switches}], source: {},", file(target))?;
+        writeln!(text, "source_without_subgroups: {plain}, sources_for_software: [{}],", for_software.join(", "))?;
         let Operations { invocation, own_batch, other_batch, more } = operations(module, info);
         writeln!(
             text,

@@ -1,5 +1,5 @@
-// Sums in a fixed order: over the terms of an invocation, over a workgroup (`common/terms.wgsl`), and over workgroups, in a second pass.
-// Up to eight sums are made at once.
+// Sums in a fixed order: over the terms of an invocation, over a workgroup (`common/terms.wgsl`), and over workgroups, in a second
+// pass (`sums/total`). Up to eight sums are made at once.
 import package::common::dispatch::WORKGROUP;
 
 const TERMS: u32 = 16u;   // terms of an invocation, in a sum over particles
@@ -17,11 +17,4 @@ fn total(lane: u32, own: mat2x4f) -> mat2x4f {
         workgroupBarrier();
     }
     return sums[0];
-}
-
-// Sum of all partial sums, in a dispatch of one workgroup; only lane 0 may use it.
-fn total_of_partial_sums(lane: u32) -> mat2x4f {
-    var own = mat2x4f();
-    for (var g = lane; g < arrayLength(&partial_sum); g += WORKGROUP) { own += partial_sum[g]; }
-    return total(lane, own);
 }
