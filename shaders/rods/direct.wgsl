@@ -33,12 +33,11 @@ struct Symmetric {
     off_diagonal: vec3f,   // yz, zx, xy
 }
 
-// U and y of a block.
-struct Carried {
-    bend_bend: mat3x3f,
+// O^T U and O^T y of a block: what its elimination takes from the next one.
+struct Taken {
+    bend_bend: Symmetric,
     bend_stretch: mat3x3f,
-    stretch_bend: mat3x3f,
-    stretch_stretch: mat3x3f,
+    stretch_stretch: Symmetric,
     bend: vec3f,
     stretch: vec3f,
 }
@@ -72,94 +71,121 @@ fn skew(v: vec3f) -> mat3x3f {
     return mat3x3f(vec3f(0.0, v.z, -v.y), vec3f(-v.z, 0.0, v.x), vec3f(v.y, -v.x, 0.0));
 }
 
-fn diagonal(v: vec3f) -> mat3x3f {
-    return mat3x3f(vec3f(v.x, 0.0, 0.0), vec3f(0.0, v.y, 0.0), vec3f(0.0, 0.0, v.z));
+// The columns of a matrix, crossed with a vector.
+fn crossed(m: mat3x3f, v: vec3f) -> mat3x3f {
+    return mat3x3f(cross(m[0], v), cross(m[1], v), cross(m[2], v));
 }
 
-fn symmetric(m: mat3x3f) -> Symmetric {
-    return Symmetric(vec3f(m[0].x, m[1].y, m[2].z), vec3f(m[1].z, m[2].x, m[0].y));
+// k v v^T.
+fn square(k: f32, v: vec3f) -> Symmetric {
+    return Symmetric(k * v * v, k * v.yzx * v.zxy);
+}
+
+// k (v . v - v v^T), which is k [v]x [v]x^T.
+fn square_across(k: f32, v: vec3f) -> Symmetric {
+    return Symmetric(k * (v.yzx * v.yzx + v.zxy * v.zxy), -k * v.yzx * v.zxy);
+}
+
+// m^T n, where that is symmetric.
+fn symmetric_product(m: mat3x3f, n: mat3x3f) -> Symmetric {
+    return Symmetric(
+        vec3f(dot(m[0], n[0]), dot(m[1], n[1]), dot(m[2], n[2])), vec3f(dot(m[1], n[2]), dot(m[2], n[0]), dot(m[0], n[1])),
+    );
+}
+
+fn sum(a: Symmetric, b: Symmetric) -> Symmetric {
+    return Symmetric(a.diagonal + b.diagonal, a.off_diagonal + b.off_diagonal);
+}
+
+fn difference(a: Symmetric, b: Symmetric) -> Symmetric {
+    return Symmetric(a.diagonal - b.diagonal, a.off_diagonal - b.off_diagonal);
+}
+
+fn applied(a: Symmetric, v: vec3f) -> vec3f {
+    return times(a.diagonal, a.off_diagonal, v);
+}
+
+fn applied_to_columns(a: Symmetric, m: mat3x3f) -> mat3x3f {
+    return mat3x3f(applied(a, m[0]), applied(a, m[1]), applied(a, m[2]));
 }
 
 // Inverse of a symmetric positive definite matrix, by the adjugate; scaled, so that the determinant stays in the range of f32.
-fn inverse(m: mat3x3f) -> mat3x3f {
-    let scale = 1.0 / (m[0].x + m[1].y + m[2].z);
-    let a = scale * m;
-    let c0 = cross(a[1], a[2]);
-    let c1 = cross(a[2], a[0]);
-    let c2 = cross(a[0], a[1]);
-    return (scale / dot(a[0], c0)) * transpose(mat3x3f(c0, c1, c2));
+fn inverse(m: Symmetric) -> Symmetric {
+    let scale = 1.0 / (m.diagonal.x + m.diagonal.y + m.diagonal.z);
+    let d = scale * m.diagonal;
+    let o = scale * m.off_diagonal;
+    let diagonal = d.yzx * d.zxy - o * o;
+    let off_diagonal = o.yzx * o.zxy - d * o;
+    let over = scale / (d.x * diagonal.x + o.y * off_diagonal.y + o.z * off_diagonal.z);
+    return Symmetric(over * diagonal, over * off_diagonal);
 }
 
 // A joint between two frames.
 struct Joint {
-    gap: vec3f,            // C
-    gradient: mat3x3f,     // A, 0 where nothing joins
+    gap: vec3f,          // C
+    gradient: mat3x3f,   // A^T, 0 where nothing joins
     compliance: vec3f,
     moment: vec3f,
 }
 
-fn joint_between(before: vec4f, after: vec4f, rest: vec4f, compliance: vec3f, moment: vec3f) -> Joint {
-    let p = product(conjugate(before), after);
-    let gap = p.xyz - select(-rest.xyz, rest.xyz, dot(p, rest) >= 0.0);
-    let gradient = 0.5 * (p.w * ONE - skew(p.xyz)) * transpose(matrix(before));
-    return Joint(gap, gradient, compliance, moment);
-}
-
-// A joint where nothing joins: its rows of the system are 1 dmu = 0.
-fn no_joint() -> Joint {
-    return Joint(vec3f(0.0), mat3x3f(), vec3f(1.0), vec3f(0.0));
-}
-
 // Joint k of a strand, behind a frame; k = points - 1 is that of the tip, which no segment follows. `segment` and `now` are of
-// the segment after it, or of the last one.
+// the segment after it, or of any where there is none. Where nothing joins, its rows of the system are 1 dmu = 0.
 fn joint(strand: Strand, rod: RodStrand, k: u32, before: vec4f, segment: Segment, now: RodSegment) -> Joint {
     let tip = k == strand.points - 1u;
     let joins = select(select(0u, ROOT_JOINT, k == 0u), TIP_JOINT, tip);
-    if (strand.joints & joins) != joins { return no_joint(); }
-    return joint_between(
-        before, select(now.frame, strand.tip_frame, tip), select(segment.rest_rotation, strand.tip_rest_rotation, tip),
-        select(segment.bend_compliance, strand.tip_compliance, tip), select(now.moment, rod.tip_moment, tip),
+    let holds = (k < strand.points) & ((strand.joints & joins) == joins);
+    let rest = select(segment.rest_rotation, strand.tip_rest_rotation, tip);
+    let p = product(conjugate(before), select(now.frame, strand.tip_frame, tip));
+    let gap = p.xyz - select(-rest.xyz, rest.xyz, dot(p, rest) >= 0.0);
+    return Joint(
+        select(vec3f(0.0), gap, holds),
+        select(0.0, 0.5, holds) * matrix(before) * (p.w * ONE + skew(p.xyz)),
+        select(vec3f(1.0), select(segment.bend_compliance, strand.tip_compliance, tip), holds),
+        select(vec3f(0.0), select(now.moment, rod.tip_moment, tip), holds),
     );
-}
-
-// C + alpha mu of a segment: from its chord, the matrix of its frame and the force on it.
-fn stretch_gap(chord: vec3f, rest_length: f32, frame: mat3x3f, compliance: mat3x3f, force: vec3f) -> vec3f {
-    return chord / rest_length - frame[2] + compliance * force;
-}
-
-// The compliance of a segment in the world.
-fn in_world(frame: mat3x3f, compliance: vec3f) -> mat3x3f {
-    return frame * diagonal(compliance) * transpose(frame);
 }
 
 // A segment, where it stands and what it weighs.
 struct Link {
     tangent: vec3f,
-    over_length: f32,      // 1/l
-    gap: vec3f,            // C + alpha mu
-    weight: f32,           // of its frame, w h^2/(1 + c h)
-    yielding: f32,         // 1/(1 + weight T): to turns off the pull
-    compliance: mat3x3f,   // world
-    force: vec3f,          // world
-    free: vec3f,           // turn
+    over_length: f32,        // 1/l
+    gap: vec3f,              // C + alpha mu
+    weight: f32,             // of its frame, w h^2/(1 + c h)
+    yielding: f32,           // 1/(1 + weight T): to turns off the pull
+    compliance: Symmetric,   // world
+    force: vec3f,            // world
+    free: vec3f,             // turn
     turn: vec3f,
 }
 
-// The link of a segment, between points that have moved by `start` and `end`.
-fn link(segment: Segment, now: RodSegment, scheme: u32, start: vec3f, end: vec3f) -> Link {
-    let frame = matrix(now.frame);
-    let compliance = in_world(frame, segment.stretch_compliance);
-    let gap = stretch_gap(now.chord + end - start, segment.rest_length, frame, compliance, now.force);
-    let weight = response(params.damping, scheme) * segment.inverse_inertia;
-    let yielding = 1.0 / (1.0 + weight * max(0.0, -dot(frame[2], now.force)));
-    return Link(
-        frame[2], 1.0 / segment.rest_length, gap, weight, yielding, compliance, now.force, now.free, now.turn
-    );
+// C + alpha mu of a segment but for its chord over its length: from the matrix of its frame and the force on it.
+fn strain(frame: mat3x3f, compliance: vec3f, force: vec3f) -> vec3f {
+    return frame * (compliance * (force * frame)) - frame[2];
 }
 
-// A link beyond either end of a strand: weighs nothing, holds nothing. Its rows of the system are 1 dmu = 0.
-fn no_link() -> Link {
-    return Link(vec3f(0.0), 0.0, vec3f(0.0), 0.0, 1.0, ONE, vec3f(0.0), vec3f(0.0), vec3f(0.0));
+// The link of a segment, between points that have moved by `start` and `end`. One beyond either end of a strand weighs nothing and
+// holds nothing: its rows of the system are 1 dmu = 0.
+fn link(segment: Segment, now: RodSegment, scheme: u32, start: vec3f, end: vec3f, there: bool) -> Link {
+    let frame = matrix(now.frame);
+    let c = segment.stretch_compliance;
+    let compliance = sum(sum(square(c.x, frame[0]), square(c.y, frame[1])), square(c.z, frame[2]));
+    let over_length = select(0.0, 1.0 / segment.rest_length, there);
+    let gap = over_length * (now.chord + end - start) + strain(frame, c, now.force);
+    let weight = select(0.0, response(params.damping, scheme) * segment.inverse_inertia, there);
+    let yielding = 1.0 / (1.0 + weight * max(0.0, -dot(frame[2], now.force)));
+    return Link(
+        frame[2],
+        over_length,
+        select(vec3f(0.0), gap, there),
+        weight,
+        yielding,
+        Symmetric(
+            select(vec3f(1.0), compliance.diagonal, there), select(vec3f(0.0), compliance.off_diagonal, there),
+        ),
+        now.force,
+        select(vec3f(0.0), now.free, there),
+        select(vec3f(0.0), now.turn, there),
+    );
 }
 
 // A point of a strand.
@@ -181,15 +207,14 @@ fn point_excess(point: Node, before: Link, after: Link) -> vec3f {
 }
 
 // W of a frame.
-fn turn_weight(own: Link) -> mat3x3f {
-    let t = own.tangent;
-    let along = mat3x3f(t.x * t, t.y * t, t.z * t);
-    return own.weight * (own.yielding * ONE + (1.0 - own.yielding) * along);
+fn turn_weight(own: Link) -> Symmetric {
+    let all = vec3f(own.weight * own.yielding);
+    return sum(Symmetric(all, vec3f(0.0)), square(own.weight * (1.0 - own.yielding), own.tangent));
 }
 
 // What the moments on a link still have to turn it by.
 fn turn_excess(own: Link, before: Joint, after: Joint) -> vec3f {
-    let moment = transpose(before.gradient) * before.moment - transpose(after.gradient) * after.moment;
+    let moment = before.gradient * before.moment - after.gradient * after.moment;
     let excess = own.free + own.weight * (moment - cross(own.tangent, own.force)) - own.turn;
     return own.yielding * excess + (1.0 - own.yielding) * dot(own.tangent, excess) * own.tangent;
 }
@@ -207,86 +232,89 @@ struct Eliminated {
                          // a strand that falls as it is has no residual
 }
 
-// Root to tip: U and y of every block. Block k, of joint and segment k, is due when joint and link k + 1 are known; that of the
-// tip's joint, which no segment follows, is the last. Everything stands here once: drivers take long to compile what is
-// written out twice, as they inline all functions.
+// Root to tip: D^-1 and y of every block. Block k, of joint and segment k, is due when joint and link k + 1 are known; that of the
+// tip's joint, which no segment follows, is the last, and the first is one of nothing. Everything stands here once: drivers take
+// long to compile what is written out twice, as they inline all functions. They also take long over branches, and over what the loop
+// carries: of the block before that is no more than what it takes from this one.
 fn eliminate(strand: Strand, rod: RodStrand) -> Eliminated {
-    // Of the block before: O = [P 0; Q -s I], U and y.
-    var p = mat3x3f();
-    var q = mat3x3f();
-    var shared_point = 0.0;
-    var u: Carried;
+    var taken: Taken;
     // Of block k, the frame before its joint, and the point that its segment begins at.
-    var weight_before = mat3x3f();
+    var weight_before: Symmetric;
     var turn_before = vec3f(0.0);
     var start_excess = vec3f(0.0);
     var start_weight = 0.0;
-    var joint_before = no_joint();
-    var own = no_link();
+    var joint_before = Joint(vec3f(0.0), mat3x3f(), vec3f(1.0), vec3f(0.0));
+    var own = Link();
+    own.yielding = 1.0;
+    own.compliance.diagonal = vec3f(1.0);
     var end = node(strand.first_point);
     var frame = rod.root_frame;
+    var tip_change = vec3f(0.0);
     var unrest = 0.0;
     let last = strand.points - 1u;
     for (var next = 0u; next <= strand.points; next++) {
-        var joint_after = no_joint();
-        var after = no_link();
         let ahead = node(strand.first_point + min(next + 1u, last));
-        if next < strand.points {
-            let j = strand.first_segment + min(next, last - 1u);
-            let segment = segments[j];
-            let now = rod_segments[j];
-            joint_after = joint(strand, rod, next, frame, segment, now);
-            if next < last { after = link(segment, now, rod.scheme, end.travel, ahead.travel); }
-            frame = now.frame;
-        }
+        let j = strand.first_segment + min(next, last - 1u);
+        let segment = segments[j];
+        let now = rod_segments[j];
+        let joint_after = joint(strand, rod, next, frame, segment, now);
+        let after = link(segment, now, rod.scheme, end.travel, ahead.travel, next < last);
+        frame = now.frame;
+
+        // Residuals, with the unknown moves as far as the multipliers have them.
+        let a = joint_before.gradient;
         let end_excess = point_excess(end, own, after);
-        if next > 0u {
-            // Residuals, with the unknown moves as far as the multipliers have them.
-            let a = joint_before.gradient;
-            let turn = turn_excess(own, joint_before, joint_after);
-            let bend_residual = joint_before.gap + joint_before.compliance * joint_before.moment + a * (turn - turn_before);
-            let stretch_residual = own.gap + own.over_length * (end_excess - start_excess) + cross(own.tangent, turn);
-            if next < strand.points {
-                unrest = max(unrest, max(length(bend_residual), length(stretch_residual)));
-                unrest = max(unrest, max(length(end_excess) * own.over_length, length(turn)));
-            }
+        let turn = turn_excess(own, joint_before, joint_after);
+        let bend_residual = joint_before.gap + joint_before.compliance * joint_before.moment + (turn - turn_before) * a;
+        let stretch_residual = own.gap + own.over_length * (end_excess - start_excess) + cross(own.tangent, turn);
+        let residual = max(length(bend_residual), length(stretch_residual));
+        let excess = max(length(end_excess) * own.over_length, length(turn));
+        unrest = select(unrest, max(unrest, max(residual, excess)), next < strand.points);
 
-            let weight = turn_weight(own);
-            let turns = own.weight * own.yielding * skew(own.tangent);   // W [d3]x
-            let f = (1.0 + GIVE) * a * (weight_before + weight) * transpose(a) + diagonal(joint_before.compliance)
-                - (transpose(p) * u.bend_bend + transpose(q) * u.stretch_bend);
-            let g = a * transpose(turns) - (transpose(p) * u.bend_stretch + transpose(q) * u.stretch_stretch);
-            let along = (start_weight + end.weight) * own.over_length * own.over_length;
-            let h = (1.0 + GIVE) * (along * ONE + turns * transpose(skew(own.tangent))) + own.compliance
-                + shared_point * u.stretch_stretch;
-            let bend = -bend_residual - (transpose(p) * u.bend + transpose(q) * u.stretch);
-            let stretch = -stretch_residual + shared_point * u.stretch;
-
-            p = -1.0 * a * weight * transpose(joint_after.gradient);
-            q = transpose(joint_after.gradient * turns);
-            shared_point = end.weight * own.over_length * after.over_length;
-            let f_inverse = inverse(f);
-            let t = f_inverse * g;
-            let s_inverse = inverse(h - transpose(g) * t);
-            u.stretch = s_inverse * (stretch - transpose(t) * bend);
-            u.bend = f_inverse * bend - t * u.stretch;
-            u.stretch_bend = s_inverse * (q - transpose(t) * p);
-            u.bend_bend = f_inverse * p - t * u.stretch_bend;
-            u.stretch_stretch = -shared_point * s_inverse;
-            u.bend_stretch = shared_point * t * s_inverse;
-            if next < strand.points {
-                factors[strand.first_segment + next - 1u] = Factor(symmetric(f_inverse), symmetric(s_inverse), t, u.bend, u.stretch);
-            }
-            weight_before = weight;
-            turn_before = turn;
+        let weight = turn_weight(own);
+        let across = own.weight * own.yielding;   // W [d3]x is this times [d3]x
+        let before = applied_to_columns(sum(weight_before, weight), a);
+        let along = (start_weight + end.weight) * own.over_length * own.over_length;
+        let stiff = sum(Symmetric(vec3f(along), vec3f(0.0)), square_across(across, own.tangent));
+        let f = difference(
+            sum(symmetric_product(a, (1.0 + GIVE) * before), Symmetric(joint_before.compliance, vec3f(0.0))), taken.bend_bend,
+        );
+        let g = -across * transpose(crossed(a, own.tangent)) - taken.bend_stretch;
+        let h = difference(
+            sum(Symmetric((1.0 + GIVE) * stiff.diagonal, (1.0 + GIVE) * stiff.off_diagonal), own.compliance), taken.stretch_stretch,
+        );
+        let f_inverse = inverse(f);
+        let t = applied_to_columns(f_inverse, g);
+        let s_inverse = inverse(difference(h, symmetric_product(g, t)));
+        let bend_left = -bend_residual - taken.bend;
+        let stretch = applied(s_inverse, -stretch_residual - taken.stretch - bend_left * t);
+        let bend = applied(f_inverse, bend_left) - t * stretch;
+        if (next > 0u) & (next < strand.points) {
+            factors[strand.first_segment + next - 1u] = Factor(f_inverse, s_inverse, t, bend, stretch);
         }
+
+        let p = -1.0 * transpose(a) * applied_to_columns(weight, joint_after.gradient);
+        let q = across * crossed(joint_after.gradient, own.tangent);
+        let shared_point = end.weight * own.over_length * after.over_length;
+        let r = q - transpose(t) * p;
+        let u = applied_to_columns(s_inverse, r);
+        taken = Taken(
+            sum(symmetric_product(p, applied_to_columns(f_inverse, p)), symmetric_product(r, u)),
+            -shared_point * transpose(u),
+            Symmetric(shared_point * shared_point * s_inverse.diagonal, shared_point * shared_point * s_inverse.off_diagonal),
+            bend * p + stretch * q,
+            -shared_point * stretch,
+        );
+        tip_change = bend;
+        weight_before = weight;
+        turn_before = turn;
         start_excess = end_excess;
         start_weight = end.weight;
         end = ahead;
         joint_before = joint_after;
         own = after;
     }
-    return Eliminated(u.bend, unrest);
+    return Eliminated(tip_change, unrest);
 }
 
 // Tip to root: multipliers, and the moves that follow from them. Returns max |C + alpha mu| of stretch-shear afterwards. Joint
@@ -296,81 +324,61 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
     var worst = 0.0;
     var bend = tip_change;
     var stretch = vec3f(0.0);
-    var joint_after = no_joint();
-    var after = no_link();
-    // The segment after, as it is now, and the point at its end.
-    var chord_after = vec3f(0.0);
-    var frame_after = ONE;
-    var compliance_after = vec3f(0.0);
-    var length_after = 0.0;
-    var end_after = vec3f(0.0);
+    var joint_after: Joint;
+    var after: Link;
+    // Of the segment after, as it is now: where it ends, from where its first point was, and its strain.
+    var reach_after = vec3f(0.0);
+    var strain_after = vec3f(0.0);
     // The segment's frame before it is turned, and the point at its end.
     var own_frame = vec4f();
     var end: Node;
     for (var done = 0u; done <= strand.points; done++) {
+        let there = (done > 0u) & (done <= last);
         let k = last - done;   // wraps at the root's point
         let j = strand.first_segment + min(k, last - 1u);
-        let p = strand.first_point + k + 1u;
-        var joint_before = no_joint();
-        var own = no_link();
-        var chord = vec3f(0.0);
-        var frame = ONE;
-        var compliance = vec3f(0.0);
-        var rest_length = 0.0;
         let start = node(strand.first_point + min(k, last));
         var frame_before = rod.root_frame;
         if done < last { frame_before = rod_segments[strand.first_segment + k - 1u].frame; }
-        if done <= last {
-            let segment = segments[j];
-            var now = rod_segments[j];
-            now.frame = own_frame;   // the iteration before has read it
-            chord = now.chord;
-            compliance = segment.stretch_compliance;
-            rest_length = segment.rest_length;
-            joint_before = joint(strand, rod, k, frame_before, segment, now);
-            if done > 0u {
-                own = link(segment, now, rod.scheme, start.travel, end.travel);
-                // O dmu of the block after, and D^-1 of that.
-                let turn = transpose(joint_after.gradient) * bend;
-                let bend_after = -(joint_before.gradient * (turn_weight(own) * turn));
-                let stretch_after = -own.weight * own.yielding * cross(own.tangent, turn)
-                    - end.weight * own.over_length * after.over_length * stretch;
-                let factor = factors[j];
-                let stretch_less = times(factor.s.diagonal, factor.s.off_diagonal, stretch_after - transpose(factor.t) * bend_after);
-                stretch = factor.stretch - stretch_less;
-                bend = factor.bend - times(factor.f.diagonal, factor.f.off_diagonal, bend_after) + factor.t * stretch_less;
-                own.force += stretch;
-            }
-            joint_before.moment += bend;
+        let segment = segments[j];
+        var now = rod_segments[j];
+        now.frame = own_frame;   // the iteration before has read it
+        var joint_before = joint(strand, rod, k, frame_before, segment, now);
+        var own = link(segment, now, rod.scheme, start.travel, end.travel, there);
+        if there {
+            // O dmu of the block after, and D^-1 of that.
+            let turn = joint_after.gradient * bend;
+            let bend_after = -1.0 * (applied(turn_weight(own), turn) * joint_before.gradient);
+            let stretch_after = -own.weight * own.yielding * cross(own.tangent, turn)
+                - end.weight * own.over_length * after.over_length * stretch;
+            let factor = factors[j];
+            let stretch_less = applied(factor.s, stretch_after - bend_after * factor.t);
+            stretch = factor.stretch - stretch_less;
+            bend = factor.bend - applied(factor.f, bend_after) + factor.t * stretch_less;
+            own.force += stretch;
         }
+        joint_before.moment += bend;
         if done == 0u {
             rod_strands[s].tip_moment = joint_before.moment;
         } else {
             let travel = end.travel + point_excess(end, own, after);
-            rod_points[p].travel = travel;
-            if done <= last {
-                let turn = own.turn + turn_excess(own, joint_before, joint_after);
-                let turned = normalize(product(rotation(turn), rod_segments[j].start));
-                rod_segments[j].turn = turn;
-                rod_segments[j].frame = turned;
-                rod_segments[j].force = own.force;
-                rod_segments[j].moment = joint_before.moment;
-                frame = matrix(turned);
-            }
+            rod_points[strand.first_point + k + 1u].travel = travel;
             if done > 1u {
-                let chord_now = chord_after + end_after - travel;
-                let compliance_now = in_world(frame_after, compliance_after);
-                let gap = length(stretch_gap(chord_now, length_after, frame_after, compliance_now, after.force));
+                let gap = length(after.over_length * (reach_after - travel) + strain_after);
                 worst = max(worst, select(HOPELESS, gap, finite(gap)));
             }
-            end_after = travel;
+            reach_after = now.chord + travel;
+        }
+        if there {
+            let turn = own.turn + turn_excess(own, joint_before, joint_after);
+            let turned = normalize(product(rotation(turn), now.start));
+            rod_segments[j].turn = turn;
+            rod_segments[j].frame = turned;
+            rod_segments[j].force = own.force;
+            rod_segments[j].moment = joint_before.moment;
+            strain_after = strain(matrix(turned), segment.stretch_compliance, own.force);
         }
         joint_after = joint_before;
         after = own;
-        chord_after = chord;
-        frame_after = frame;
-        compliance_after = compliance;
-        length_after = rest_length;
         own_frame = frame_before;
         end = start;
     }
