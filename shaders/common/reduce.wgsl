@@ -1,20 +1,43 @@
-// Sums in a fixed order: over the terms of an invocation, over a workgroup (`common/terms.wgsl`), and over workgroups, in a second
-// pass (`sums/total`). Up to eight sums are made at once.
-import package::common::dispatch::WORKGROUP;
+// Sums in a fixed order: over the terms of a lane, over a workgroup, and over workgroups, in a second pass (`sums/total`). Up to eight sums
+// are made at once.
+//
+// Each of the workgroup's first eight lanes adds up what itself and every eighth lane after it have, in turn; then the eight are added up
+// in pairs. On a software adapter (`software`) those eight make the terms of all lanes themselves: it runs eight lanes at once in any case,
+// and takes long to compile a pass with a barrier.
+import package::common::{dispatch::WORKGROUP, lanes::LANES};
 
-const TERMS: u32 = 16u;   // terms of an invocation, in a sum over particles
+const TERMS: u32 = 16u;   // terms of a lane, in a sum over particles
+
+// Invocations that make terms: an invocation makes those of the lane of its own number, and of every lane that is a multiple of this behind.
+@if(software) const WORKERS: u32 = LANES;
+@if(!software) const WORKERS: u32 = WORKGROUP;
 
 @group(0) @binding(21) var<storage, read_write> partial_sum: array<mat2x4f>;   // one of each workgroup of the first pass
 
-var<workgroup> sums: array<mat2x4f, WORKGROUP>;
+@if(!software) var<workgroup> sums: array<mat2x4f, WORKGROUP>;
 
-// Sum of what every lane brings; only lane 0 may use it.
-fn total(lane: u32, own: mat2x4f) -> mat2x4f {
-    sums[lane] = own;
+// Sum of what every invocation has from its lanes; only invocation 0 may use it.
+@if(!software)
+fn total(local: u32, own: mat2x4f) -> mat2x4f {
+    sums[local] = own;
     workgroupBarrier();
-    for (var reach = WORKGROUP / 2u; reach > 0u; reach /= 2u) {
-        if lane < reach { sums[lane] += sums[lane + reach]; }
+    for (var lane = local + LANES; (lane < WORKGROUP) & (local < LANES); lane += LANES) { sums[local] += sums[lane]; }
+    workgroupBarrier();
+    for (var reach = LANES / 2u; reach > 0u; reach /= 2u) {
+        if local < reach { sums[local] += sums[local + reach]; }
         workgroupBarrier();
     }
     return sums[0];
+}
+@if(software)
+fn total(local: u32, own: mat2x4f) -> mat2x4f {
+    var all = own;
+    all += shown_by_lane(all, 4u);
+    all += shown_by_lane(all, 2u);
+    return all + shown_by_lane(all, 1u);
+}
+
+@if(software)
+fn shown_by_lane(sums: mat2x4f, other: u32) -> mat2x4f {
+    return mat2x4f(subgroupShuffleXor(sums[0], other), subgroupShuffleXor(sums[1], other));
 }
