@@ -6,7 +6,7 @@
 // A pair that was not nearer than the kernel radius when the list was made does not meet, wherever it is by now.
 import package::common::{params::{params, TWO_WAY}, cells::is_air, dispatch::invocation};
 import package::common::lanes::{Near, LANES, lane_of, show, shown_by, largest_of_all};
-import package::common::list::{PARTICLES, BATCHES, GROUP, NOBODY, INDEX, IMAGE_BITS, FRAME_BITS, FAR, groups_of};
+import package::common::list::{BATCHES, NOBODY, INDEX, NONE, IMAGE_BITS, FRAME_BITS, FAR, elements_of};
 import package::common::pairs::{here, slope_now, slopes_over};
 import package::common::pairs::{Pair, stand, meet_four};
 import package::pass::{see, meet};
@@ -14,7 +14,7 @@ import package::pass::{see, meet};
 @group(0) @binding(20) var<storage, read> neighbour_list: array<vec4u>;
 
 struct Cluster {
-    first: u32,    // word of its first particle
+    first: u32,    // element at which its groups begin
     own: u32,      // batches of its own kind
     others: u32,   // batches of the other kind
 }
@@ -32,23 +32,14 @@ var<private> member: u32;   // a particle of the cluster, which is read where an
 fn take_particle(place_in_page: u32, local: u32) -> u32 {
     place = local;
     box = params.box_size;
-    cluster = Cluster();
-    let c = place_in_page / LANES;
-    if c < params.page_clusters {
-        let header = neighbour_list[c];
-        let moved = vec3u(header.y >> FRAME_BITS, header.y >> (FRAME_BITS + 1u), header.y >> (FRAME_BITS + 2u)) & vec3u(1u);
-        frame = box * vec3f(moved);
-        cluster = Cluster(header.x, header.y & ((1u << FRAME_BITS) - 1u), header.z);
-        member = header.w;
-    }
-    let own = word_of(cluster.first, lane_of(local));
-    nobody = cluster.first == 0u || own == NOBODY;
-    return select(own, member, nobody);
-}
-
-// A word of two elements of the list, the invocation's own of eight.
-fn word_of(first: u32, lane: u32) -> u32 {
-    return neighbour_list[first + (lane >> 2u)][lane & 3u];
+    let inside = place_in_page < LANES * params.page_clusters;
+    let head = select(vec4u(0u), neighbour_list[select(0u, place_in_page, inside)], inside);
+    let moved = vec3u(head.z >> FRAME_BITS, head.z >> (FRAME_BITS + 1u), head.z >> (FRAME_BITS + 2u)) & vec3u(1u);
+    frame = box * vec3f(moved);
+    cluster = Cluster(head.y, head.z & ((1u << FRAME_BITS) - 1u), head.w);
+    member = head.x & INDEX;
+    nobody = (head.y == 0u) | ((head.x & NONE) != 0u);
+    return member;
 }
 
 fn has_none() -> bool {
@@ -78,13 +69,13 @@ fn of_flow(id: vec3u, groups: vec3u) -> u32 {
 // Meets those of the own kind, or all unless the model is TWO_WAY, from where the particle is.
 fn meet_own_kind(at: vec3f) {
     stand(at - frame);
-    meet_batches(cluster.first + PARTICLES, cluster.own);
+    meet_batches(cluster.first, cluster.own);
 }
 
 // Meets those of the other kind, if the model is TWO_WAY, from where the particle is.
 fn meet_other_kind(at: vec3f) {
     stand(at - frame);
-    meet_batches(cluster.first + PARTICLES + GROUP * groups_of(cluster.own), cluster.others);
+    meet_batches(cluster.first + elements_of(cluster.own), cluster.others);
 }
 
 fn meet_batches(first: u32, count: u32) {
@@ -92,14 +83,12 @@ fn meet_batches(first: u32, count: u32) {
     let batches = largest_of_all(place, count);
     var at = first;
     for (var b = 0u; b < batches; b += BATCHES) {
-        let group = select(0u, at, b < count);
-        var entries = neighbour_list[group + lane];
-        meets = word_of(group + LANES, lane);
+        var element = neighbour_list[select(0u, at, b < count) + lane];
         let end = min(b + BATCHES, batches);
         for (var k = b; k < end; k++) {
             let there = k < count;
-            meets = select(0u, meets, there);
-            show(place, seen(entries.x, there));
+            meets = select(0u, element.w, there);
+            show(place, seen(element.x, there));
             let first = meet_four(shown_to(0u), shown_to(1u), shown_to(2u), shown_to(3u));
             let second = meet_four(shown_to(4u), shown_to(5u), shown_to(6u), shown_to(7u));
             meet(first.a);
@@ -110,10 +99,9 @@ fn meet_batches(first: u32, count: u32) {
             meet(second.b);
             meet(second.c);
             meet(second.d);
-            entries = entries.yzww;
-            meets >>= 8u;
+            element = vec4u(element.yzz, element.w >> 8u);
         }
-        at += GROUP;
+        at += LANES;
     }
 }
 

@@ -6,7 +6,7 @@
 // grows the list to that number.
 import package::common::{
     params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, cells::{wrap, home_of, box_bucket},
-    page::of_page, list::{PARTICLES, BATCHES, GROUP, NOBODY, IMAGE_BITS, FRAME_BITS, FAR, groups_of},
+    page::of_page, list::{BATCHES, NOBODY, NONE, IMAGE_BITS, FRAME_BITS, FAR, elements_of},
     lanes::{
         Near, LANES, lane_of, show, shown_by, keep, kept, first_of_eight, settle, joined, votes, turned, bits_of_all, largest_of_all,
         largest_in_workgroup,
@@ -53,7 +53,9 @@ var<private> frame: vec3i;         // boxes by which the cluster is moved to mee
 var<private> found: u32;           // entries so far
 var<private> middle: u32;          // entry from which on they are of the other kind
 var<private> window: u32;          // entry from which on they are kept
-var<private> meets: u32;           // whom the invocation's particle meets in the group that is copied, a byte for each batch
+var<private> element: u32;         // of the list, which the invocation fills
+var<private> filled: u32;          // batches of the element that are full
+var<private> meets: u32;           // whom the invocation's particle meets in them, a byte for each
 var<private> crowded: bool;        // a stretch is too long for what is kept of an entry
 
 fn cluster_in_workgroup() -> u32 {
@@ -196,6 +198,11 @@ fn copy(groups: u32, own_kind: u32, home: vec3i, air: bool, used: bool) {
     let from_here = cluster_in_workgroup() * KEEPS;
     let end = largest_of_all(local, min(HELD, max(found, window) - window));
     let own_batches = own_kind / LANES;
+    let batches = found / LANES;
+    if window == 0u {
+        element = groups + lane - LANES;
+        filled = BATCHES;
+    }
     for (var n = 0u; n < end; n += LANES) {
         let entry = window + n + lane;
         let there = used && entry < found;
@@ -208,18 +215,17 @@ fn copy(groups: u32, own_kind: u32, home: vec3i, air: bool, used: bool) {
         let seen = vec3u(turns_of(home, which, air && !others) + vec3i(1) - frame);
         let mark = (seen.x | (seen.y << 2u) | (seen.z << 4u)) << IMAGE_BITS;
         let bits = turned(local, word & 255u);
-        // The batch's number within its part.
-        let whole = (window + n) / LANES;
-        let second = whole >= own_batches;
-        let batch = whole - select(0u, own_batches, second);
-        let last = select(own_batches, found / LANES - own_batches, second) - 1u;
-        let in_group = batch % BATCHES;
-        meets = select(meets, 0u, in_group == 0u) | (bits << (8u * in_group));
+        // The groups of both parts follow one another.
+        let batch = (window + n) / LANES;
+        let begins = (filled == BATCHES) | (batch == own_batches);
+        element += select(0u, LANES, begins);
+        filled = select(filled, 0u, begins);
+        meets = select(meets, 0u, begins) | (bits << (8u * filled));
         if there {
-            let group = groups + GROUP * (batch / BATCHES + select(0u, groups_of(own_batches), second));
-            neighbour_list[group + lane][in_group] = select(sorted[select(at, 0u, nobody)] | mark, NOBODY, nobody);
-            if in_group == BATCHES - 1u || batch == last { neighbour_list[group + LANES + (lane >> 2u)][lane & 3u] = meets; }
+            neighbour_list[element][filled] = select(sorted[select(at, 0u, nobody)] | mark, NOBODY, nobody);
+            if (filled == BATCHES - 1u) | (batch + 1u == own_batches) | (batch + 1u == batches) { neighbour_list[element].w = meets; }
         }
+        filled++;
     }
 }
 
@@ -298,16 +304,16 @@ fn main(
                     atomicAdd(&status.neighbour_carries, 1u);
                     freeze(NEIGHBOUR_OVERFLOW);
                 }
-                if used { first = room_for(PARTICLES + GROUP * (groups_of(batches.x) + groups_of(batches.y))); }
+                if used { first = room_for(elements_of(batches.x) + elements_of(batches.y)); }
             }
             first = joined(local, first);
-            if first > 0u { neighbour_list[first + (lane >> 2u)][lane & 3u] = select(NOBODY, sorted[select(0u, e, there)], there); }
-            if lane == 0u && place / LANES < params.page_clusters {
+            if place < LANES * params.page_clusters {
                 let moved = vec3u(frame) << vec3u(FRAME_BITS, FRAME_BITS + 1u, FRAME_BITS + 2u);
-                let filled = select(vec2u(0u), batches | vec2u(moved.x | moved.y | moved.z, 0u), first > 0u);
-                neighbour_list[place / LANES] = vec4u(first, filled, select(0u, sorted[entries.x], first > 0u));
+                let particle = sorted[select(entries.x, e, there)] | select(NONE, 0u, there);
+                let head = vec4u(particle, first, batches | vec2u(moved.x | moved.y | moved.z, 0u));
+                neighbour_list[place] = select(vec4u(0u), head, first > 0u);
             }
         }
-        copy(first + PARTICLES, own_kind, home, air, first > 0u);
+        copy(first, own_kind, home, air, first > 0u);
     }
 }

@@ -3,7 +3,7 @@
 use glam::IVec3;
 use windswept_shaders::common::{
     lanes::LANES,
-    list::{BATCHES, FRAME_BITS, GROUP, IMAGE_BITS, INDEX, NOBODY, PARTICLES},
+    list::{BATCHES, FRAME_BITS, IMAGE_BITS, INDEX, NOBODY, NONE},
 };
 
 /// A particle that is near a cluster.
@@ -36,31 +36,28 @@ pub(crate) fn workgroups_of_page(workgroups: u32, page: u32, pages: u32) -> u32 
 /// The clusters that have particles, from a page of the list that has room for so many clusters.
 #[must_use]
 pub fn read(list: &[[u32; 4]], clusters: u32) -> Vec<Cluster> {
-    let headers = list.iter().take(clusters as usize).filter(|header| header[0] > 0);
-    let cluster = |header: &[u32; 4]| {
-        let groups = header[0] + PARTICLES;
-        let moved = |bit: u32| (header[1] >> (FRAME_BITS + bit) & 1).cast_signed();
+    let heads = list.chunks_exact(LANES as usize).take(clusters as usize).filter(|heads| heads[0][1] > 0);
+    let cluster = |heads: &[[u32; 4]]| {
+        let [_, groups, own, others] = heads[0];
+        let moved = |bit: u32| (own >> (FRAME_BITS + bit) & 1).cast_signed();
         let frame = IVec3::new(moved(0), moved(1), moved(2));
-        let own = header[1] & ((1 << FRAME_BITS) - 1);
+        let own = own & ((1 << FRAME_BITS) - 1);
         let part = |first: u32, batches: u32| -> Vec<Seen> {
-            let group = |k: u32| &list[(first + GROUP * (k / BATCHES)) as usize..][..GROUP as usize];
+            let group = |k: u32| &list[(first + LANES * (k / BATCHES)) as usize..][..LANES as usize];
             (0..batches).flat_map(|k| batch(group(k), (k % BATCHES) as usize, frame)).collect()
         };
-        let particles = list[header[0] as usize..groups as usize].as_flattened();
         Cluster {
-            particles: particles.iter().copied().filter(|word| *word != NOBODY).collect(),
+            particles: heads.iter().map(|head| head[0]).filter(|particle| particle & NONE == 0).collect(),
             own_kind: part(groups, own),
-            other_kind: part(groups + GROUP * own.div_ceil(BATCHES), header[2]),
+            other_kind: part(groups + LANES * own.div_ceil(BATCHES), others),
         }
     };
-    headers.map(cluster).collect()
+    heads.map(cluster).collect()
 }
 
 /// A batch of a group, by its place among the group's.
 fn batch(group: &[[u32; 4]], place: usize, frame: IVec3) -> Vec<Seen> {
-    let (entries, meets) = group.split_at(LANES as usize);
-    let bytes = meets.as_flattened();
-    let meets = |particle: usize, k: usize| bytes[particle] >> (8 * place + (particle ^ k)) & 1;
+    let meets = |particle: usize, k: usize| group[particle][BATCHES as usize] >> (8 * place + (particle ^ k)) & 1;
     let seen = |(k, words): (usize, &[u32; 4])| {
         let word = words[place];
         let turns = |bit: u32| (word >> (IMAGE_BITS + bit) & 3).cast_signed() - 1;
@@ -68,7 +65,7 @@ fn batch(group: &[[u32; 4]], place: usize, frame: IVec3) -> Vec<Seen> {
         let image = IVec3::new(turns(0), turns(2), turns(4)) + frame;
         (word != NOBODY).then_some(Seen { index: word & INDEX, image, met_by })
     };
-    entries.iter().enumerate().filter_map(seen).collect()
+    group.iter().enumerate().filter_map(seen).collect()
 }
 
 /// Neighbours of each of so many particles, in rising order.

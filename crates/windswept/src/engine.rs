@@ -28,9 +28,9 @@ use crate::{
     status,
 };
 
-/// Elements of the neighbour list per cluster at the start: on the lattice some 75 particles are near its eight (h/d = 1.92), which
-/// take three groups, and air that is near hair a fourth. After ten steps fig2b needs 36.
-const LIST_PER_CLUSTER: u64 = 40;
+/// Elements of the neighbour list per cluster at the start: eight heads, and on the lattice some 75 particles near its eight (h/d = 1.92),
+/// which take four groups of eight elements, and air that is near hair a fifth. In its first 60 steps fig2b needs up to 44.
+const LIST_PER_CLUSTER: u64 = 48;
 
 /// Length of a neighbour list that has grown, over what the step needed: room for a few steps' changes.
 const GROWTH: f64 = 1.25;
