@@ -15,9 +15,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if frozen() { return; }
     // Cells of invocations side by side are side by side.
     let stride = (buckets() + CELLS - 1u) / CELLS;
-    for (var k = 0u; k < CELLS; k++) {
-        let cell = at + k * stride;
-        if at < stride && cell < buckets() { cell_count[cell] = 0u; }
+    if at < stride {
+        for (var cell = at; cell < buckets(); cell += stride) { cell_count[cell] = 0u; }
     }
     if at < params.clusters { members[at] = vec2u(0u); }
     let listed = params.clusters > 0u;

@@ -38,12 +38,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let rows = nodes.x * four_from(home.y, nodes.y);
     let layers = nodes.x * nodes.y * four_from(home.z, nodes.z);
     var sum = vec4f(0.0);
-    for (var c = 0u; c < 4u; c++) {
-        for (var b = 0u; b < 4u; b++) {
-            let n = columns + rows[b] + layers[c];
-            let along = x.x * curvature[n.x] + x.y * curvature[n.y] + x.z * curvature[n.z] + x.w * curvature[n.w];
-            sum += y[b] * z[c] * along;
-        }
+    for (var row = 0u; row < 16u; row++) {
+        let b = row & 3u;
+        let c = row >> 2u;
+        let n = columns + rows[b] + layers[c];
+        let along = x.x * curvature[n.x] + x.y * curvature[n.y] + x.z * curvature[n.z] + x.w * curvature[n.w];
+        sum += y[b] * z[c] * along;
     }
     let gain = mesh.gain * select(1.0, mesh.cell / sum.w, mesh.normalise != 0u);
     band_velocity[sorted[e]] = vec4f(gain * sum.xyz, 0.0);

@@ -48,9 +48,11 @@ pub(crate) fn readings(recording: &Recording, textures: Textures) -> Vec<Reading
     all
 }
 
-/// Rows of the texture that holds an array.
+/// Rows of the texture that holds an array: no power of two. Mesa's software driver compiles a pass for textures whose height is one, and
+/// again for those whose height is none, so that the passes of another simulation would be compiled anew.
 pub(crate) fn rows(array: &AnyArray) -> u64 {
-    array.bytes().div_ceil(TEXTURE_ROW.into())
+    let rows = array.bytes().div_ceil(TEXTURE_ROW.into());
+    if rows.is_power_of_two() { (rows | 1).max(3) } else { rows }
 }
 
 /// Size of the texture that holds an array \[bytes\].
