@@ -24,44 +24,6 @@ import package::common::{
 const AT_TIP: f32 = 0.25;  // force on the tip that bends a strand as far as a force on all of it: 3/8 of a beam, 1/ln n of a chain
 const LOADED: f32 = 0.4;   // lengths of the strand: what forces may move a free point by, where the strand is whole
 
-fn put_point(p: u32, travel: vec3f, scheme: u32) {
-    rod_points[p].travel = travel;
-    rod_points[p].scheme = scheme;
-    // A sleeper remembers what pushed it when it fell asleep.
-    if scheme == STAY { return; }
-    rod_points[p].force = vec3f(0.0);
-    rod_points[p].resistance = 0.0;
-    rod_points[p].outside = vec3f(0.0);
-}
-
-// A strand that is placed: as it is, turned with its root and moved with it; or in its rest shape, unrolled from the clamp, where
-// a tip that is held stays. Frames that nothing may be known of are taken as they are put.
-fn put(strand: Strand, rod: RodStrand, at_rest: bool, scheme: u32) {
-    var frame = rod.root_frame;
-    var offset = vec3f(0.0);   // from the root, as it is
-    var rest = vec3f(0.0);     // and at rest
-    var travel = rod.root_travel;
-    for (var k = 0u; k < strand.points; k++) {
-        put_point(strand.first_point + k, travel, scheme);
-        if k + 1u == strand.points { break; }
-        let j = strand.first_segment + k;
-        let segment = rod_segments[j];
-        offset += segment.chord;
-        frame = normalize(product(
-            select(rod.root_turn, frame, at_rest), select(segment.start, segments[j].rest_rotation, at_rest),
-        ));
-        rod_segments[j].frame = frame;
-        rod_segments[j].start = select(segment.start, frame, at_rest);
-        rod_segments[j].scheme = PUT;
-        rod_segments[j].force = vec3f(0.0);
-        rod_segments[j].moment = vec3f(0.0);
-        rest += segments[j].rest_length * tangent(frame);
-        let stays = at_rest && k + 2u == strand.points && (strand.joints & TIP_HELD) != 0u;
-        travel = rod.root_travel + select(rotate(rod.root_turn, offset), rest, at_rest) - offset;
-        travel = select(travel, vec3f(0.0), stays);
-    }
-}
-
 fn rested(strand: Strand, steps: u32) -> bool {
     return steps >= STILL_STEPS && f32(steps) * params.step >= strand.still_time;
 }
@@ -111,19 +73,31 @@ fn capped(shift: vec3f, origin: vec3f, largest: f32) -> vec3f {
     return origin + (largest / max(length(way), largest)) * way;
 }
 
+// How a strand goes through the step: placed or integrated.
+struct Way {
+    placed: bool,
+    at_rest: bool,   // placed in its rest shape, unrolled from the clamp, where a tip that is held stays; else as it is, turned with
+                     // its root and moved with it
+    sleeps: bool,    // placed, and remembers what pushed it when it fell asleep
+    led: bool,       // integrated, from where its velocities lead
+    scheme: u32,     // of its points
+}
+
 // What a walk along the points of a strand is for. Only the last one writes, so that nothing is read which this pass has written.
 const MEAN: u32 = 0u;    // to find the mean free move of a strand whose root is free
 const LOSES: u32 = 1u;   // to find what caps take from a strand that nothing holds, beside forces, which it keeps as a whole
-const MOVES: u32 = 2u;   // to move the points
+const MOVES: u32 = 2u;   // to move the points, and the segments behind them
 
 // Returns the farthest free move, or what `Condition.reach` is below 0. A strand that had to be put is held back: its free move
-// is capped at a part of what it could not follow, and the cap grows from step to step until it cuts nothing.
-fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
+// is capped at a part of what it could not follow, and the cap grows from step to step until it cuts nothing. Of a strand that is placed
+// nobody reads the free moves. Both ways have one text: what is written twice takes drivers twice as long to compile.
+fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, way: Way) -> f32 {
     let drags = params.model == TWO_WAY || params.model == MEAN_WIND;
     let grown = select(0.0, GROWTH * reach, params.direct_rods != 0u && drags);
     let held_back = reach < 0.0;
     let root_held = (strand.joints & ROOT_HELD) != 0u;
-    let loose = !root_held && (strand.joints & TIP_HELD) == 0u;
+    let tip_held = (strand.joints & TIP_HELD) != 0u;
+    let loose = !root_held && !tip_held;
     var origin = Free(rod.root_travel, rod.root_travel);   // what free moves are measured from
     var mean = Free();
     var lost = vec3f(0.0);   // N, to the caps, beside what is cut of forces
@@ -131,7 +105,12 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
     var kept = vec3f(0.0);   // m, of what is lost
     var farthest = 0.0;
     var carried_far = held_back;
-    for (var walk = select(MEAN, MOVES, root_held); walk <= MOVES; walk++) {
+    // Of a strand that is placed: the frame before a segment, and where a point is placed.
+    var frame = rod.root_frame;
+    var offset = vec3f(0.0);   // from the root, as it is
+    var rest = vec3f(0.0);     // and at rest
+    var placed_travel = rod.root_travel;
+    for (var walk = select(MEAN, MOVES, root_held | way.placed); walk <= MOVES; walk++) {
         if walk == LOSES && !loose { continue; }
         for (var k = 0u; k < strand.points; k++) {
             let p = strand.first_point + k;
@@ -145,6 +124,9 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
             var free = moves.whole;
             var far = 0.0;
             var reply = 0.0;
+            var force = vec3f(0.0);
+            var outside = vec3f(0.0);
+            var cut = false;
             if !held {
                 far = length(free - origin.whole);
                 reply = response(damping_of(point), rod.scheme) * point.inverse_mass;
@@ -153,52 +135,64 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, led: bool) -> f32 {
                 let bearable = max(point.largest + bears, grown);
                 let largest = select(bearable, min(bearable, -reach), held_back);
                 heaviness += 1.0 / reply;
-                if far > largest {
+                cut = (far > largest) & !way.placed;
+                if cut {
                     free = capped(free, origin.whole, largest);
                     // What the force still moves the point by is all of it that the point feels, and that the air gives.
                     let bare_capped = capped(moves.bare, origin.bare, largest);
-                    let felt = (free - bare_capped) / reply;
+                    force = (free - bare_capped) / reply;
+                    outside = point.outside + params.step * point.inverse_mass * (force - point.force);
                     lost += (moves.bare - bare_capped) / reply;
                     far = largest;
-                    if walk == MOVES {
-                        rod_points[p].outside = point.outside + params.step * point.inverse_mass * (felt - point.force);
-                        rod_points[p].force = felt;
-                        count(MOVE_CAPPED);
-                    }
                 }
             }
             if walk == LOSES { continue; }
             free += kept;
-            var travel = free;
-            if led && !held { travel = led_move(point, rod, k); }
             farthest = max(farthest, far);
             carried_far = carried_far || far > point.largest;
+            let integrated = select(free, led_move(point, rod, k), way.led & !held);
             rod_points[p].free = free;
             rod_points[p].reply = reply;
-            rod_points[p].travel = travel;
-            rod_points[p].scheme = rod.scheme;
+            rod_points[p].travel = select(integrated, placed_travel, way.placed);
+            rod_points[p].scheme = way.scheme;
+            if cut { count(MOVE_CAPPED); }
+            let forgets = way.placed & !way.sleeps;
+            if cut | forgets {
+                rod_points[p].force = force;
+                rod_points[p].outside = outside;
+            }
+            if forgets { rod_points[p].resistance = 0.0; }
+
+            if k + 1u == strand.points { continue; }
+            let j = strand.first_segment + k;
+            let segment = rod_segments[j];
+            let free_turn = free_move(
+                segment.angular_velocity, segment.before, segment.carried, vec3f(0.0), params.damping, rod.scheme,
+            );
+            let turn = select(select(free_turn, led_turn(segment), way.led), vec3f(0.0), way.placed);
+            frame = normalize(product(
+                select(select(rotation(turn), rod.root_turn, way.placed), frame, way.at_rest),
+                select(segment.start, segments[j].rest_rotation, way.at_rest),
+            ));
+            rod_segments[j].free = free_turn;
+            rod_segments[j].turn = turn;
+            rod_segments[j].frame = frame;
+            rod_segments[j].scheme = select(rod.scheme, PUT, way.placed);
+            rod_segments[j].force = select(vec3f(0.0), rotate(frame, segment.force), way.led);
+            rod_segments[j].moment = select(vec3f(0.0), segment.moment, way.led);
+            // Frames that nothing may be known of are taken as they are put.
+            if way.at_rest { rod_segments[j].start = frame; }
+            offset += segment.chord;
+            rest += segments[j].rest_length * tangent(frame);
+            let place = select(rotate(rod.root_turn, offset), rest, way.at_rest);
+            let stays = way.at_rest & tip_held & (k + 2u == strand.points);
+            placed_travel = select(rod.root_travel + place - offset, vec3f(0.0), stays);
         }
         if walk == MEAN { origin = Free(mean.whole / f32(strand.points), mean.bare / f32(strand.points)); }
         if walk == LOSES { kept = lost / heaviness; }
     }
-    for (var k = 0u; k < strand.points - 1u; k++) {
-        let j = strand.first_segment + k;
-        let segment = rod_segments[j];
-        let free = free_move(
-            segment.angular_velocity, segment.before, segment.carried, vec3f(0.0), params.damping, rod.scheme,
-        );
-        var turn = free;
-        if led { turn = led_turn(segment); }
-        let frame = normalize(product(rotation(turn), segment.start));
-        rod_segments[j].free = free;
-        rod_segments[j].turn = turn;
-        rod_segments[j].frame = frame;
-        rod_segments[j].scheme = rod.scheme;
-        rod_segments[j].force = select(vec3f(0.0), rotate(frame, segment.force), led);
-        rod_segments[j].moment = select(vec3f(0.0), segment.moment, led);
-    }
     // One that is torn where it is is mended, not put: put, it would stay torn.
-    rod_strands[s].far = u32(carried_far && rod.whole != 0u);
+    if !way.placed { rod_strands[s].far = u32(carried_far && rod.whole != 0u); }
     return select(farthest, GROWTH * reach, held_back && farthest >= -reach);
 }
 
@@ -216,22 +210,21 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let jumps = bad || rod.state == TELEPORTED;
     let sleeps = !jumps && rod.state == ASLEEP && rested(strand, found.still) && !pushed(strand, found.still == SLEEPS)
         && !(found.still == SLEEPS && (touched[s] & (PUSHED | MOVED)) != 0u);
-    if jumps || sleeps {
-        put(strand, rod, bad, select(PUT, STAY, sleeps));
-        if sleeps {
-            found.still = SLEEPS;
-            count(ASLEEP_STEP);
-        } else {
-            found.calm = 0u;
-            found.still = 0u;
-            if bad { rod_strands[s].state = SOLVED; } else { count(TELEPORT); }
-        }
+    let placed = jumps | sleeps;
+    found.calm = select(select(min(found.calm + 1u, CALM_STEPS), 0u, (rod.torn != 0u) | jumps), found.calm, sleeps);
+    let led = !placed & (found.calm == CALM_STEPS) & (params.direct_rods != 0u);
+    let scheme = select(rod.scheme, select(PUT, STAY, sleeps), placed);
+    let reach = start(s, strand, rod, found.reach, Way(placed, bad, sleeps, led, scheme));
+    if sleeps {
+        found.still = SLEEPS;
+        count(ASLEEP_STEP);
+    } else if jumps {
+        found.still = 0u;
+        if bad { rod_strands[s].state = SOLVED; } else { count(TELEPORT); }
     } else {
-        found.calm = select(min(found.calm + 1u, CALM_STEPS), 0u, rod.torn != 0u);
-        let calm = found.calm == CALM_STEPS;
-        if rod.scheme == EULER && params.bdf2 != 0u { count(EULER_STEP); }
-        found.reach = start(s, strand, rod, found.reach, calm && params.direct_rods != 0u);
+        found.reach = reach;
         if found.still == SLEEPS { found.still = 0u; }
+        if rod.scheme == EULER && params.bdf2 != 0u { count(EULER_STEP); }
         rod_strands[s].state = FREE;
     }
     health[s].found = found;
