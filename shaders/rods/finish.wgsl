@@ -17,29 +17,6 @@ import package::common::{
 @group(0) @binding(6) var<storage, read_write> rod_segments: array<RodSegment>;
 @group(0) @binding(7) var<storage, read_write> health:       array<Health>;
 
-fn hold(strand: Strand) {
-    for (var k = 0u; k < strand.points; k++) {
-        let p = strand.first_point + k;
-        rod_points[p].force = vec3f(0.0);
-        rod_points[p].resistance = 0.0;
-        rod_points[p].outside = vec3f(0.0);
-        rod_points[p].travel = vec3f(0.0);
-        rod_points[p].scheme = PUT;
-    }
-    for (var k = 0u; k < strand.points - 1u; k++) {
-        rod_segments[strand.first_segment + k].frame = rod_segments[strand.first_segment + k].start;
-        rod_segments[strand.first_segment + k].scheme = PUT;
-    }
-}
-
-// Multipliers of Gauss-Seidel are none that the direct solver could start from.
-fn forget(strand: Strand) {
-    for (var k = 0u; k < strand.points - 1u; k++) {
-        rod_segments[strand.first_segment + k].force = vec3f(0.0);
-        rod_segments[strand.first_segment + k].moment = vec3f(0.0);
-    }
-}
-
 // Where it became still when the step began: by then contacts and viscosity have had their say. With the model PARTICLES, whose
 // pushes nothing remembers, it must not be pushed either. A strand that nothing holds may drift as slowly as it will.
 fn still(strand: Strand) -> bool {
@@ -48,26 +25,47 @@ fn still(strand: Strand) -> bool {
         let point = rod_points[strand.first_point + k];
         let pushed = params.model == PARTICLES && length(point.push) > strand.still_acceleration * params.step;
         if pushed || !(length(point.strayed) <= strand.still_way) { return false; }
-    }
-    for (var k = 0u; k < strand.points - 1u; k++) {
+        if k + 1u == strand.points { continue; }
         if !(length(rod_segments[strand.first_segment + k].strayed) <= STILL_TURN) { return false; }
     }
     return true;
 }
 
-// What acts from outside on a strand at rest is taken as a mean over the last steps in which it was still, about STILL_STEPS:
-// the strand trembles, and so does its drag.
-fn remember(strand: Strand, steps: u32) {
-    for (var k = 0u; k < strand.points; k++) {
-        let p = strand.first_point + k;
-        rod_points[p].outside -= (1.0 - 1.0 / f32(min(steps, STILL_STEPS))) * rod_points[p].push;
-    }
+// What a strand is left with.
+struct Left {
+    holds: bool,        // it stands where it was, and felt nothing
+    forgets: bool,      // multipliers of Gauss-Seidel are none that the direct solver could start from
+    still_steps: u32,   // what acts from outside on a strand at rest is taken as a mean over the last steps in which it was still, about
+                        // STILL_STEPS: the strand trembles, and so does its drag. 0: it was not still in this step
+    settles: bool,      // from here on it may become still
 }
 
-// From here on the strand may become still.
-fn settle(strand: Strand) {
-    for (var k = 0u; k < strand.points; k++) { rod_points[strand.first_point + k].strayed = vec3f(0.0); }
-    for (var k = 0u; k < strand.points - 1u; k++) { rod_segments[strand.first_segment + k].strayed = vec3f(0.0); }
+fn leave(strand: Strand, left: Left) {
+    let part = 1.0 - 1.0 / f32(clamp(left.still_steps, 1u, STILL_STEPS));
+    for (var k = 0u; k < strand.points; k++) {
+        let p = strand.first_point + k;
+        if left.holds {
+            rod_points[p].force = vec3f(0.0);
+            rod_points[p].resistance = 0.0;
+            rod_points[p].travel = vec3f(0.0);
+            rod_points[p].scheme = PUT;
+        }
+        if left.holds | (left.still_steps > 0u) {
+            rod_points[p].outside = select(rod_points[p].outside - part * rod_points[p].push, vec3f(0.0), left.holds);
+        }
+        if left.settles { rod_points[p].strayed = vec3f(0.0); }
+        if k + 1u == strand.points { continue; }
+        let j = strand.first_segment + k;
+        if left.holds {
+            rod_segments[j].frame = rod_segments[j].start;
+            rod_segments[j].scheme = PUT;
+        }
+        if left.forgets {
+            rod_segments[j].force = vec3f(0.0);
+            rod_segments[j].moment = vec3f(0.0);
+        }
+        if left.settles { rod_segments[j].strayed = vec3f(0.0); }
+    }
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -82,40 +80,46 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     let strand = strands[s];
     var stretch = 0.0;
-    var before = rod_points[strand.first_point].travel;
-    var lost = select(strand.first_point, NO_POINT, finite3(before));   // the first point that is not finite
-    for (var k = 0u; k < strand.points - 1u; k++) {
-        let segment = rod_segments[strand.first_segment + k];
-        let after = rod_points[strand.first_point + k + 1u].travel;
-        let l = length(segment.chord + after - before);
-        if lost == NO_POINT && !(finite3(after) && finite4(segment.frame)) { lost = strand.first_point + k + 1u; }
+    var before = vec3f(0.0);
+    var lost = NO_POINT;   // the first point that is not finite
+    for (var k = 0u; k < strand.points; k++) {
+        let after = rod_points[strand.first_point + k].travel;
+        var whole = finite3(after);
+        if k > 0u {
+            let segment = rod_segments[strand.first_segment + k - 1u];
+            let l = length(segment.chord + after - before);
+            whole = whole & finite4(segment.frame);
+            stretch = max(stretch, abs(l / segments[strand.first_segment + k - 1u].rest_length - 1.0));
+        }
+        if lost == NO_POINT && !whole { lost = strand.first_point + k; }
         before = after;
-        stretch = max(stretch, abs(l / segments[strand.first_segment + k].rest_length - 1.0));
     }
-    if lost != NO_POINT || !finite(stretch) {
-        hold(strand);
-        health[s].found.bad = BAD;
-        health[s].found.reach = 0.0;
+    let holds = lost != NO_POINT || !finite(stretch);
+    var found = health[s].found;
+    var left = Left(holds, false, 0u, false);
+    if holds {
+        found.bad = BAD;
+        found.reach = 0.0;
         // One that was spoilt when the step began is counted.
         if health[s].committed.bad != SPOILT { count_bad_strand(min(lost, strand.first_point + strand.points - 1u), BY_FINISH); }
-        return;
+    } else {
+        atomicMax(&status.max_stretch, bitcast<u32>(stretch));
+        found.strained = strained_steps(found.strained, stretch);
+        if found.strained == STRAINED_STEPS { count(OVER_STRAINED); }
+        // The direct solver got nowhere near: Euler does, from its free move.
+        if !(rod.misfit <= MISFIT) {
+            found.calm = 0u;
+            found.still = 0u;
+            // It was put: the next step asks less of it.
+            if rod.far != 0u && rod.state == SOLVED { found.reach *= select(-EASED, EASED / GROWTH, found.reach < 0.0); }
+        }
+        left.forgets = rod.state == select(FREE, LEFT, params.direct_rods != 0u);
+        if params.sleep != 0u && found.still != SLEEPS {
+            found.still = select(0u, min(found.still, SLEEPS - 2u) + 1u, still(strand));
+            left.still_steps = found.still;
+            left.settles = found.still == 0u;
+        }
     }
-    atomicMax(&status.max_stretch, bitcast<u32>(stretch));
-
-    var found = health[s].found;
-    found.strained = strained_steps(found.strained, stretch);
-    if found.strained == STRAINED_STEPS { count(OVER_STRAINED); }
-    // The direct solver got nowhere near: Euler does, from its free move.
-    if !(rod.misfit <= MISFIT) {
-        found.calm = 0u;
-        found.still = 0u;
-        // It was put: the next step asks less of it.
-        if rod.far != 0u && rod.state == SOLVED { found.reach *= select(-EASED, EASED / GROWTH, found.reach < 0.0); }
-    }
-    if rod.state == select(FREE, LEFT, params.direct_rods != 0u) { forget(strand); }
-    if params.sleep != 0u && found.still != SLEEPS {
-        found.still = select(0u, min(found.still, SLEEPS - 2u) + 1u, still(strand));
-        if found.still == 0u { settle(strand); } else { remember(strand, found.still); }
-    }
+    leave(strand, left);
     health[s].found = found;
 }
