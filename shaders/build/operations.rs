@@ -16,6 +16,7 @@ use naga::{
 const BATCHES: &str = "meet_batches";
 const OWN_KIND: &str = "meet_own_kind";
 const OTHER_KIND: &str = "meet_other_kind";
+const BOTH_KINDS: &str = "meet_both_kinds";
 
 /// Operations of an invocation of a pass.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -101,6 +102,11 @@ impl Counter<'_> {
         match function.name.as_deref() {
             Some(OWN_KIND) => Count { batch: 0, own: count.own + count.batch, ..count },
             Some(OTHER_KIND) => Count { batch: 0, other: count.other + count.batch, ..count },
+            // Its loop has a turn for each kind.
+            Some(BOTH_KINDS) => {
+                let half = count.batch / 2;
+                Count { batch: 0, own: count.own + half, other: count.other + half, ..count }
+            }
             _ => count,
         }
     }

@@ -78,6 +78,15 @@ fn meet_other_kind(at: vec3f) {
     meet_batches(cluster.first + elements_of(cluster.own), cluster.others);
 }
 
+// Meets those of its own kind, then those of the other kind, from where the particle is.
+fn meet_both_kinds(at: vec3f) {
+    stand(at - frame);
+    for (var part = 0u; part < 2u; part++) {
+        let second = part == 1u;
+        meet_batches(cluster.first + select(0u, elements_of(cluster.own), second), select(cluster.own, cluster.others, second));
+    }
+}
+
 fn meet_batches(first: u32, count: u32) {
     let lane = lane_of(place);
     let batches = largest_of_all(place, count);

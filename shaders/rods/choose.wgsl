@@ -28,15 +28,17 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let rod = rod_strands[s];
     var led = 0.0;
     var now = 0.0;
-    var before = led_move(rod_points[strand.first_point], rod, 0u);
-    for (var k = 0u; k < strand.points - 1u; k++) {
-        let j = strand.first_segment + k;
-        let after = led_move(rod_points[strand.first_point + k + 1u], rod, k + 1u);
-        let segment = rod_segments[j];
-        let rest_length = segments[j].rest_length;
-        let turned = product(rotation(led_turn(segment)), segment.start);
-        led = max(led, misfit(segment.chord + (after - before), rest_length, turned));
-        now = max(now, misfit(segment.chord, rest_length, segment.start));
+    var before = vec3f(0.0);
+    for (var k = 0u; k < strand.points; k++) {
+        let after = led_move(rod_points[strand.first_point + k], rod, k);
+        if k > 0u {
+            let j = strand.first_segment + k - 1u;
+            let segment = rod_segments[j];
+            let rest_length = segments[j].rest_length;
+            let turned = product(rotation(led_turn(segment)), segment.start);
+            led = max(led, misfit(segment.chord + (after - before), rest_length, turned));
+            now = max(now, misfit(segment.chord, rest_length, segment.start));
+        }
         before = after;
     }
     let torn = !(led < TORN);

@@ -36,10 +36,12 @@ const WAKE: f32 = 1.3;        // kernel radii: b, fitted to fixed strands of 10 
 const OWN_WAKE: f32 = 1.1;    // most that a fibre is taken to have slowed the air at it: below 1 cm/s there is no wake
 const STORMY: f32 = 1.0 / 3.0;   // dt w D_n
 
+// What a segment feels, and each of its points half of: D = across (1 - t t^T) + along t t^T.
 struct Load {
-    matrix: mat3x3f,   // kg/s, D
+    tangent: vec3f,    // t
+    across: f32,       // kg/s
+    along: f32,        // kg/s
     force: vec3f,      // N, F
-    largest: f32,      // kg/s, D_n
 }
 
 // A point where the drag is taken.
@@ -49,7 +51,17 @@ struct Ahead {
 }
 
 fn nothing() -> Load {
-    return Load(mat3x3f(), vec3f(0.0), 0.0);
+    return Load(vec3f(0.0), 0.0, 0.0, vec3f(0.0));
+}
+
+// D_n.
+fn largest_of(load: Load) -> f32 {
+    return max(load.across, load.along);
+}
+
+// D v.
+fn drag_on(load: Load, v: vec3f) -> vec3f {
+    return load.across * v + (load.along - load.across) * dot(load.tangent, v) * load.tangent;
 }
 
 fn ahead(p: u32, scheme: u32) -> Ahead {
@@ -82,13 +94,7 @@ fn load(segment: Segment, a: Ahead, b: Ahead, air_a: Sampled, air_b: Sampled) ->
     let free = slowed * speed;
     let normal = pressure * slowed * (free + form * pow(free, 1.0 / 3.0));
     let tangential = pressure * FRICTION * sqrt(viscosity * speed / width);
-    let along = mat3x3f(t.x * t, t.y * t, t.z * t);
-    let one = mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
-    return Load(
-        0.5 * (normal * one + (tangential - normal) * along),
-        0.5 * pressure * params.lift * speed * cross(t, u),
-        0.5 * max(normal, tangential),
-    );
+    return Load(t, 0.5 * normal, 0.5 * tangential, 0.5 * pressure * params.lift * speed * cross(t, u));
 }
 
 // The loads of a strand, added to the forces on its points where `write`; returns the largest dt w R.
@@ -96,27 +102,29 @@ fn drag(strand: Strand, scheme: u32, write: bool) -> f32 {
     var worst = 0.0;
     var limited = 0u;
     var before = nothing();
-    var here = ahead(strand.first_point, scheme);
-    var air = air_at(strand.first_point);
-    for (var k = 0u; k < strand.points; k++) {
-        let p = strand.first_point + k;
+    var here: Ahead;
+    var air: Sampled;
+    // A point is due when the segment behind it is known, which needs the next point.
+    for (var next = 0u; next <= strand.points; next++) {
+        let p = strand.first_point + min(next, strand.points - 1u);
+        let there = ahead(p, scheme);
+        let air_there = air_at(p);
         var after = nothing();
-        var there = here;
-        var air_there = air;
-        if k + 1u < strand.points {
-            there = ahead(p + 1u, scheme);
-            air_there = air_at(p + 1u);
-            after = load(segments[strand.first_segment + k], here, there, air, air_there);
+        if (next > 0u) & (next < strand.points) {
+            after = load(segments[strand.first_segment + next - 1u], here, there, air, air_there);
         }
-        let largest = before.largest + after.largest;
-        let part = params.step * air.give * largest;
-        let left = 1.0 / max(part, 1.0);
-        worst = max(worst, params.step * rod_points[p].inverse_mass * left * largest);
-        if write {
-            limited += u32(part > 1.0);
-            let drag = (before.matrix + after.matrix) * (air.wind - here.velocity);
-            let force = drag + largest * here.velocity + before.force + after.force;
-            hair_force[p] += left * vec4f(force, largest);
+        if next > 0u {
+            let own = strand.first_point + next - 1u;
+            let largest = largest_of(before) + largest_of(after);
+            let part = params.step * air.give * largest;
+            let left = 1.0 / max(part, 1.0);
+            worst = max(worst, params.step * rod_points[own].inverse_mass * left * largest);
+            if write {
+                limited += u32(part > 1.0);
+                let wind = air.wind - here.velocity;
+                let force = drag_on(before, wind) + drag_on(after, wind) + largest * here.velocity + before.force + after.force;
+                hair_force[own] += left * vec4f(force, largest);
+            }
         }
         before = after;
         here = there;

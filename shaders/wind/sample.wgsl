@@ -4,7 +4,7 @@
 //   G_i = (W(0) + sum_k W(y_i - y_k))/rho_0                            over hair
 import package::common::{
     params::params, dispatch::WORKGROUP, cells::is_air, wind::mean_wind, lanes::Near, sph_kernels::poly6_factor, pairs::Pair,
-    clusters::{take_particle, has_no_hair, of_all, meet_own_kind, meet_other_kind}, air::{Sampled, THIN},
+    clusters::{take_particle, has_no_hair, of_all, meet_both_kinds}, air::{Sampled, THIN},
 };
 
 @group(0) @binding(2) var<storage, read>       predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -40,8 +40,7 @@ fn main(
     let own = predicted[p].xyz;
     wind = mean_wind();
     hair = poly6_factor();
-    meet_own_kind(own);
-    meet_other_kind(own);
+    meet_both_kinds(own);
     if has_no_hair(p) { return; }
     let u = wind + relative / max(filled, THIN);
     sampled[p] = Sampled(own, filled, u, hair / params.air_density);
