@@ -100,9 +100,9 @@ fn note(turn: u32, row: u32, first: u32, along: vec3i, bucket: u32, air: bool) {
 fn stretch(kind: u32, which: u32) -> vec2u {
     let turn = turn_of(which);
     let row = which - ROWS * turn;
-    let others = kept_in(turn, TURNS * kind, row % LANES);
-    let last = kept_in(turn, LAST + TURNS * kind, lane);
-    return select(others, last, row == LANES);
+    let near = select(kept_in(turn, TURNS * OWN, row % LANES), kept_in(turn, TURNS * OTHER, row % LANES), kind == OTHER);
+    let last = select(kept_in(turn, LAST + TURNS * OWN, lane), kept_in(turn, LAST + TURNS * OTHER, lane), kind == OTHER);
+    return select(near, last, row == LANES);
 }
 
 fn kept_in(turn: u32, first: u32, by: u32) -> vec2u {
@@ -159,7 +159,7 @@ fn fill(ends: bool) {
 
 // Looks for particles of a kind.
 fn search(home: vec3i, kind: u32, periodic: bool) {
-    var left = bits_of_all(local, full[kind]);
+    var left = bits_of_all(local, select(full.x, full.y, kind == OTHER));
     while left > 0u {
         let which = firstTrailingBit(left);
         left &= left - 1u;
@@ -185,11 +185,11 @@ fn search(home: vec3i, kind: u32, periodic: bool) {
 // Looks for both kinds; returns the number of entries of the first part.
 fn search_all(home: vec3i, air: bool) -> u32 {
     found = 0u;
-    search(home, OWN, air);
-    fill(params.model == TWO_WAY);
-    middle = found;
-    search(home, OTHER, false);
-    fill(true);
+    for (var kind = OWN; kind <= OTHER; kind++) {
+        search(home, kind, air && kind == OWN);
+        fill(kind == OTHER || params.model == TWO_WAY);
+        if kind == OWN { middle = found; }
+    }
     return select(found, middle, params.model == TWO_WAY);
 }
 
@@ -210,8 +210,7 @@ fn copy(groups: u32, own_kind: u32, home: vec3i, air: bool, used: bool) {
         let nobody = (word & 255u) == 0u;
         let which = word >> STRETCH_BITS;
         let others = entry >= middle;
-        let begin = select(stretch(OWN, which).x, stretch(OTHER, which).x, others);
-        let at = begin + ((word >> PLACE_BITS) & (PLACES - 1u));
+        let at = stretch(select(OWN, OTHER, others), which).x + ((word >> PLACE_BITS) & (PLACES - 1u));
         let seen = vec3u(turns_of(home, which, air && !others) + vec3i(1) - frame);
         let mark = (seen.x | (seen.y << 2u) | (seen.z << 4u)) << IMAGE_BITS;
         let bits = turned(local, word & 255u);
