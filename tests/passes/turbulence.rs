@@ -196,7 +196,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::turbulence::GATHER, "mesh.gain", "0.9 * mesh.gain", PARTICLES),
     (&shaders::turbulence::VORTICITY, "omega -= cross", "omega -= 0.9 * cross", PARTICLES),
     (&shaders::turbulence::CONFINE, "before + change(i,", "before + 0.9 * change(i,", PARTICLES),
-    (&shaders::sums::CHANGES, "reach = WORKGROUP / 2u", "reach = WORKGROUP / 4u", PARTICLES),
+    (&shaders::sums::CHANGES, "sums[local] += sums[lane]", "sums[local] = sums[lane]", PARTICLES),
     (&shaders::turbulence::STRENGTHEN, "sum / air", "0.5 * sum / air", PARTICLES),
     (&shaders::turbulence::STRENGTHEN, "+= confinement[i]", "-= confinement[i]", PARTICLES),
 ];
