@@ -1,5 +1,5 @@
-// Whose a hair point is.
-import package::common::{params::{params, TWO_WAY}, cells::is_air, rod::Strand};
+// Whose a hair point is, where bodies push it: found among the strands, which such passes read in any case.
+import package::common::{params::params, rod::Strand};
 
 @group(0) @binding(4) var<storage, read> strands: array<Strand>;
 
@@ -12,18 +12,4 @@ fn strand_of(point: u32) -> u32 {
         if strands[middle].first_point <= point { low = middle; } else { high = middle; }
     }
     return low;
-}
-
-// Points of a strand.
-struct Points { first: u32, end: u32 }
-
-// The points that a particle exchanges no velocity with: with the model TWO_WAY those of its own strand.
-fn points_with(i: u32) -> Points {
-    if (params.model != TWO_WAY) | is_air(i) { return Points(0u, 0u); }
-    let strand = strands[strand_of(i)];
-    return Points(strand.first_point, strand.first_point + strand.points);
-}
-
-fn holds(points: Points, i: u32) -> bool {
-    return i >= points.first && i < points.end;
 }

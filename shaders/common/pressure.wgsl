@@ -37,8 +37,3 @@ fn flows(i: u32) -> bool {
 fn share_of(i: u32) -> f32 {
     return inverse_mass_of(i) / params.air_inverse_mass;
 }
-
-// A symmetric matrix times a vector.
-fn times(diagonal: vec3f, off_diagonal: vec3f, v: vec3f) -> vec3f {
-    return diagonal * v + off_diagonal.zzy * v.yxx + off_diagonal.yxx * v.zzy;
-}

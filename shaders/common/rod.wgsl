@@ -34,7 +34,6 @@ struct Strand {
     still_way: f32,            // m, that a point of it may go while it is at rest
     still_time: f32,           // s, for which it must have been still before it sleeps
     still_acceleration: f32,   // m/s^2, of what pushes it, below which it stays at rest
-    friction: f32,             // Coulomb's coefficient, on other strands
 }
 
 const ROOT_JOINT: u32 = 1u;   // its frame is held
@@ -45,6 +44,9 @@ const TIP_HELD: u32 = 8u;
 struct Point {
     largest_move: f32,   // m, in a step
     weight: f32,         // over that of the mass that it moves with: below 1 where it carries air along
+    friction: f32,       // Coulomb's coefficient, on other strands
+    first: u32,          // point of its strand
+    end: u32,            // of the points of its strand
 }
 
 struct Segment {
@@ -78,8 +80,8 @@ const TELEPORTED: u32 = 2u;   // moved as a whole
 const ASLEEP: u32 = 3u;       // stays where it is
 const LEFT: u32 = 4u;         // rescued, and left to Gauss-Seidel
 
-// A point within a step. One that is put somewhere felt no force on its way: force, resistance and outside are 0, and nothing sets
-// its free move and its reply.
+// A point within a step. One that is put somewhere felt no force on its way: force, resistance and outside are 0, and its free move and
+// its reply mean nothing.
 struct RodPoint {
     velocity: vec3f,       // m/s, v_n with what acts from outside in this step
     inverse_mass: f32,     // 1/kg
@@ -99,7 +101,7 @@ struct RodPoint {
     strayed: vec3f,        // m, from where it was when the strand became still
 }
 
-// A segment within a step. Nothing sets the free turn of one that is put.
+// A segment within a step. The free turn of one that is put means nothing.
 struct RodSegment {
     start: vec4f,              // frame at the step's start
     frame: vec4f,

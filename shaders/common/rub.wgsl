@@ -6,7 +6,7 @@ struct Rub {
     multiplier: f32,     // kg m^2, sum of lambda times the relaxation over the iterations of this step
     moved: vec3f,        // m/s, how it went through the last step
     inverse_mass: f32,   // 1/kg
-    friction: f32,       // Coulomb's coefficient of its strand
+    friction: f32,       // Coulomb's coefficient
 }
 
 // p_ij = |(L_i V_j + L_j V_i) grad W|/dt, the impulse by which the density constraint squeezes a pair [N s], from each one's

@@ -10,7 +10,7 @@
 // by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen, lanes::Near, pairs::Pair, rub::{Rub, pressed},
-    clusters::{take_particle, has_no_hair, of_all, meet_own_kind}, owner::{Points, points_with, holds}, page::of_page,
+    clusters::{take_particle, has_no_hair, of_all, meet_own_kind}, own_strand::{Points, points_with, holds}, page::of_page,
 };
 
 @group(0) @binding(2) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]

@@ -2,7 +2,7 @@
 // update would overshoot; `viscosity` divides by it, for both partners alike. The sum is over the pairs of `viscosity`.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, matter::{Exchange, viscosity_of}, pairs::Pair,
-    clusters::{take_particle, has_none, of_all, meet_own_kind}, owner::{Points, points_with, holds},
+    clusters::{take_particle, has_none, of_all, meet_own_kind}, own_strand::{Points, points_with, holds},
 };
 
 @group(0) @binding(2) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]

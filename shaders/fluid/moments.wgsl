@@ -9,6 +9,7 @@
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, sph_kernels::poly6_factor, pairs::Pair,
     clusters::{take_particle, has_none, of_flow, meet_own_kind}, pressure::{Pressed, Gradients, Stress, allowed, share_of},
+    symmetric::{Symmetric, adjugate_of, applied, applied_to_columns, determinant, scaled},
 };
 
 const FLOOR: f32 = 0.02;      // added to the matrix before it is inverted
@@ -48,20 +49,15 @@ fn meet(other: Pair) {
     square_off += weighed * off_diagonal;
 }
 
-// The symmetric matrix of a diagonal and what is off it.
-fn matrix(diagonal: vec3f, off: vec3f) -> mat3x3f {
-    return mat3x3f(diagonal.x, off.z, off.y, off.z, diagonal.y, off.x, off.y, off.x, diagonal.z);
-}
-
-// The inverse of a symmetric matrix, or 1.
-fn corrected(m: mat3x3f) -> mat3x3f {
-    let one = mat3x3f(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
-    let across = mat3x3f(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1]));
-    let size = dot(m[0], across[0]);
-    if size < LEAST { return one; }
-    let inverse = (1.0 / size) * across;
-    if inverse[0][0] + inverse[1][1] + inverse[2][2] > LARGEST { return one; }
-    return inverse;
+// The inverse of a matrix, or 1.
+fn corrected(m: Symmetric) -> Symmetric {
+    let adjugate = adjugate_of(m);
+    let size = determinant(m, adjugate);
+    let inverse = scaled(1.0 / size, adjugate);
+    let is_matrix = (size >= LEAST) & (inverse.diagonal.x + inverse.diagonal.y + inverse.diagonal.z <= LARGEST);
+    return Symmetric(
+        select(vec3f(1.0), inverse.diagonal, is_matrix), select(vec3f(0.0), inverse.off_diagonal, is_matrix),
+    );
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -75,15 +71,18 @@ fn main(
     theta = own.w * poly6_factor();
     meet_own_kind(own.xyz);
     if has_none() { return; }
-    let b = corrected(matrix(moment, moment_off));
-    let turned = b * sum;
-    let answer = b * matrix(square, square_off) * b;
-    let others = answer[0][0] + answer[1][1] + answer[2][2];
+    let b = corrected(Symmetric(moment, moment_off));
+    let turned = applied(b, sum);
+    // The trace of B times the matrix of squares times B.
+    let squares = Symmetric(square, square_off);
+    let columns = mat3x3f(
+        vec3f(b.diagonal.x, b.off_diagonal.zy), vec3f(b.off_diagonal.z, b.diagonal.y, b.off_diagonal.x), vec3f(b.off_diagonal.yx, b.diagonal.z),
+    );
+    let answers = applied_to_columns(squares, columns);
+    let others = dot(columns[0], answers[0]) + dot(columns[1], answers[1]) + dot(columns[2], answers[2]);
     let response = share_of(i) * dot(turned, turned) + others + params.density_softening / params.air_inverse_mass;
-    let diagonal = vec3f(b[0][0], b[1][1], b[2][2]);
-    let off_diagonal = vec3f(b[1][2], b[2][0], b[0][1]);
     density[i] = theta;
-    gradients[i] = Gradients(diagonal, response, off_diagonal);
+    gradients[i] = Gradients(b.diagonal, response, b.off_diagonal);
     let pressure = allowed(pressed[i].pressure, theta) / own.w;
-    stress[i] = Stress(pressure * diagonal, 0.0, pressure * off_diagonal);
+    stress[i] = Stress(pressure * b.diagonal, 0.0, pressure * b.off_diagonal);
 }

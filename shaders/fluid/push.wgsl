@@ -5,7 +5,7 @@
 // With the pressures that the step before left, and with each that an iteration adds.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pair, gradient_to},
-    clusters::{take_particle, has_none, of_flow, meet_own_kind}, pressure::{Pressed, Stress, share_of, times},
+    clusters::{take_particle, has_none, of_flow, meet_own_kind}, pressure::{Pressed, Stress, share_of}, symmetric::{Symmetric, applied},
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -24,7 +24,7 @@ fn see(j: u32) -> Near {
 fn meet(other: Pair) {
     let gradient = gradient_to(other);
     gradients += gradient;
-    pushes += times(other.value.xyz, other.more.xyz, gradient);
+    pushes += applied(Symmetric(other.value.xyz, other.more.xyz), gradient);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -36,7 +36,7 @@ fn main(
     let own = predicted[i];
     meet_own_kind(own.xyz);
     if has_none() { return; }
-    let of_own = times(stress[i].diagonal, stress[i].off_diagonal, gradients);
+    let of_own = applied(Symmetric(stress[i].diagonal, stress[i].off_diagonal), gradients);
     let change = share_of(i) * own.w * (of_own + pushes);
     new_velocity[i] += vec4f(change, 0.0);
     pressed[i].change += change;

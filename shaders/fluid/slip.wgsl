@@ -2,11 +2,12 @@
 // its last step awake. The grip pulls with a quarter of the stiffness that one step bears: with it a point that sticks comes to
 // rest without swinging.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, owner::{strands, strand_of}, rod::PointHistory,
+    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{Point, PointHistory},
     rub::Rub, status::frozen,
 };
 
 @group(0) @binding(3) var<storage, read>       velocity:      array<vec4f>;
+@group(0) @binding(4) var<storage, read>       points:        array<Point>;
 @group(0) @binding(5) var<storage, read>       correction:    array<vec4f>;   // xyz [m], w: sum of the multipliers [kg m^2]
 @group(0) @binding(6) var<storage, read>       point_history: array<PointHistory>;
 @group(0) @binding(7) var<storage, read_write> rubbing:       array<Rub>;
@@ -27,6 +28,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         given.w,
         history.travel / params.step,
         inverse_mass[p],
-        strands[strand_of(p)].friction,
+        points[p].friction,
     );
 }

@@ -1,7 +1,7 @@
 // How hard the density constraint squeezes a hair point between the points of other strands: P_i = w_i sum_j p_ij [m/s].
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, pairs::Pair, rub::{Rub, pressed}, clusters::{take_particle, has_no_hair, of_all, meet_own_kind},
-    owner::{Points, points_with, holds},
+    own_strand::{Points, points_with, holds},
 };
 
 @group(0) @binding(2) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]

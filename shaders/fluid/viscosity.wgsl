@@ -8,7 +8,7 @@
 // resist its bending.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, matter::{Exchange, inverse_mass_of, viscosity_of}, pairs::Pair,
-    clusters::{take_particle, has_none, of_all, meet_own_kind}, owner::{Points, points_with, holds},
+    clusters::{take_particle, has_none, of_all, meet_own_kind}, own_strand::{Points, points_with, holds},
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:        array<vec4f>;   // xyz [m], w: volume [m^3]

@@ -15,7 +15,8 @@
 // One invocation per strand, done when its segments fit.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::{frozen, count, finite, QUIET_STEP},
-    quaternion::{product, conjugate, rotation, tangent, matrix}, integration::response, pressure::times,
+    quaternion::{product, conjugate, rotation, tangent, matrix}, integration::response,
+    symmetric::{Symmetric, applied, applied_to_columns, difference, inverse, scaled, square, square_across, sum, symmetric_product},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT},
 };
 
@@ -28,16 +29,11 @@ struct Factor {
     stretch: vec3f,
 }
 
-struct Symmetric {
-    diagonal: vec3f,
-    off_diagonal: vec3f,   // yz, zx, xy
-}
-
-// O^T U and O^T y of a block: what its elimination takes from the next one.
+// O^T U and O^T y of a block: what its elimination takes from the next one. With R = Q - T^T P:
 struct Taken {
-    bend_bend: Symmetric,
-    bend_stretch: mat3x3f,
-    stretch_stretch: Symmetric,
+    bend_bend: Symmetric,         // P^T F^-1 P + R^T S^-1 R
+    bend_stretch: mat3x3f,        // -s (S^-1 R)^T
+    stretch_stretch: Symmetric,   // s^2 S^-1
     bend: vec3f,
     stretch: vec3f,
 }
@@ -74,50 +70,6 @@ fn skew(v: vec3f) -> mat3x3f {
 // The columns of a matrix, crossed with a vector.
 fn crossed(m: mat3x3f, v: vec3f) -> mat3x3f {
     return mat3x3f(cross(m[0], v), cross(m[1], v), cross(m[2], v));
-}
-
-// k v v^T.
-fn square(k: f32, v: vec3f) -> Symmetric {
-    return Symmetric(k * v * v, k * v.yzx * v.zxy);
-}
-
-// k (v . v - v v^T), which is k [v]x [v]x^T.
-fn square_across(k: f32, v: vec3f) -> Symmetric {
-    return Symmetric(k * (v.yzx * v.yzx + v.zxy * v.zxy), -k * v.yzx * v.zxy);
-}
-
-// m^T n, where that is symmetric.
-fn symmetric_product(m: mat3x3f, n: mat3x3f) -> Symmetric {
-    return Symmetric(
-        vec3f(dot(m[0], n[0]), dot(m[1], n[1]), dot(m[2], n[2])), vec3f(dot(m[1], n[2]), dot(m[2], n[0]), dot(m[0], n[1])),
-    );
-}
-
-fn sum(a: Symmetric, b: Symmetric) -> Symmetric {
-    return Symmetric(a.diagonal + b.diagonal, a.off_diagonal + b.off_diagonal);
-}
-
-fn difference(a: Symmetric, b: Symmetric) -> Symmetric {
-    return Symmetric(a.diagonal - b.diagonal, a.off_diagonal - b.off_diagonal);
-}
-
-fn applied(a: Symmetric, v: vec3f) -> vec3f {
-    return times(a.diagonal, a.off_diagonal, v);
-}
-
-fn applied_to_columns(a: Symmetric, m: mat3x3f) -> mat3x3f {
-    return mat3x3f(applied(a, m[0]), applied(a, m[1]), applied(a, m[2]));
-}
-
-// Inverse of a symmetric positive definite matrix, by the adjugate; scaled, so that the determinant stays in the range of f32.
-fn inverse(m: Symmetric) -> Symmetric {
-    let scale = 1.0 / (m.diagonal.x + m.diagonal.y + m.diagonal.z);
-    let d = scale * m.diagonal;
-    let o = scale * m.off_diagonal;
-    let diagonal = d.yzx * d.zxy - o * o;
-    let off_diagonal = o.yzx * o.zxy - d * o;
-    let over = scale / (d.x * diagonal.x + o.y * off_diagonal.y + o.z * off_diagonal.z);
-    return Symmetric(over * diagonal, over * off_diagonal);
 }
 
 // A joint between two frames.
@@ -170,7 +122,7 @@ fn link(segment: Segment, now: RodSegment, scheme: u32, start: vec3f, end: vec3f
     let c = segment.stretch_compliance;
     let compliance = sum(sum(square(c.x, frame[0]), square(c.y, frame[1])), square(c.z, frame[2]));
     let over_length = select(0.0, 1.0 / segment.rest_length, there);
-    let gap = over_length * (now.chord + end - start) + strain(frame, c, now.force);
+    let gap = (now.chord + end - start) / segment.rest_length - frame[2] + applied(compliance, now.force);
     let weight = select(0.0, response(params.damping, scheme) * segment.inverse_inertia, there);
     let yielding = 1.0 / (1.0 + weight * max(0.0, -dot(frame[2], now.force)));
     return Link(
@@ -281,7 +233,7 @@ fn eliminate(strand: Strand, rod: RodStrand) -> Eliminated {
         );
         let g = -across * transpose(crossed(a, own.tangent)) - taken.bend_stretch;
         let h = difference(
-            sum(Symmetric((1.0 + GIVE) * stiff.diagonal, (1.0 + GIVE) * stiff.off_diagonal), own.compliance), taken.stretch_stretch,
+            sum(scaled(1.0 + GIVE, stiff), own.compliance), taken.stretch_stretch,
         );
         let f_inverse = inverse(f);
         let t = applied_to_columns(f_inverse, g);
@@ -301,7 +253,7 @@ fn eliminate(strand: Strand, rod: RodStrand) -> Eliminated {
         taken = Taken(
             sum(symmetric_product(p, applied_to_columns(f_inverse, p)), symmetric_product(r, u)),
             -shared_point * transpose(u),
-            Symmetric(shared_point * shared_point * s_inverse.diagonal, shared_point * shared_point * s_inverse.off_diagonal),
+            scaled(shared_point * shared_point, s_inverse),
             bend * p + stretch * q,
             -shared_point * stretch,
         );

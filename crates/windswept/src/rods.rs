@@ -70,23 +70,28 @@ pub(crate) fn strands(scene: &Scene, initial: &InitialState, motions: &Motions) 
             still_way: rest.way as f32,
             still_time: rest.time as f32,
             still_acceleration: rest.acceleration as f32,
-            friction: hair.friction(s) as f32,
             ..Strand::default()
         }
     };
     (0..hair.len()).map(strand).collect()
 }
 
-/// Per point: its largest move in a step, max(l, 0.03 L), l the segment before it, and its weight.
+/// Per point: its largest move in a step, max(l, 0.03 L), l the segment before it, its weight, its friction, and its strand's points.
 #[must_use]
 pub(crate) fn points(hair: &Strands) -> Vec<Point> {
     let of_strand = |s: usize| {
         let lengths = &hair.rest_length[hair.segments(s)];
         let least = LARGEST_MOVE * lengths.iter().sum::<f64>();
         let before = std::iter::once(0.0).chain(lengths.iter().copied());
-        before
-            .zip(hair.points(s))
-            .map(move |(length, i)| Point { largest_move: length.max(least) as f32, weight: hair.weight(i) as f32 })
+        let points = hair.points(s);
+        let point = move |(length, i): (f64, usize)| Point {
+            largest_move: length.max(least) as f32,
+            weight: hair.weight(i) as f32,
+            friction: hair.friction(s) as f32,
+            first: points.start as u32,
+            end: points.end as u32,
+        };
+        before.zip(hair.points(s)).map(point)
     };
     (0..hair.len()).flat_map(of_strand).collect()
 }

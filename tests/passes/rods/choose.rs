@@ -217,12 +217,19 @@ fn rods_apart(stage: &Stage, w: &Scratch) -> [f64; 3] {
     let (mut moves, mut frames, mut forces, mut strongest) = (0.0_f64, 0.0_f64, 0.0_f64, f64::MIN_POSITIVE);
     for (a, b) in points.iter().zip(&w.moving.points) {
         assert!(same_step(a.scheme, b.step), "scheme {} instead of h {}", a.scheme, b.step);
-        moves = moves.max((xyz(&a.travel) - b.travel).length()).max((xyz(&a.free) - b.free).length());
+        moves = moves.max((xyz(&a.travel) - b.travel).length());
+        // The free move of a point that is put means nothing.
+        if b.step.is_finite() {
+            moves = moves.max((xyz(&a.free) - b.free).length());
+        }
     }
     for (a, b) in segments.iter().zip(&w.moving.segments) {
         assert!(same_step(a.scheme, b.step), "scheme {} instead of h {}", a.scheme, b.step);
         frames = frames.max((quaternion(a.frame) - b.frame).length());
-        frames = frames.max((xyz(&a.free) - b.free).length()).max((xyz(&a.turn) - b.turn).length());
+        frames = frames.max((xyz(&a.turn) - b.turn).length());
+        if b.step.is_finite() {
+            frames = frames.max((xyz(&a.free) - b.free).length());
+        }
         forces = forces.max((xyz(&a.force) - b.force).length()).max((xyz(&a.moment) - b.moment).length());
         strongest = strongest.max(b.force.length());
     }
