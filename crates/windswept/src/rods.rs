@@ -70,7 +70,6 @@ pub(crate) fn strands(scene: &Scene, initial: &InitialState, motions: &Motions) 
             still_way: rest.way as f32,
             still_time: rest.time as f32,
             still_acceleration: rest.acceleration as f32,
-            ..Strand::default()
         }
     };
     (0..hair.len()).map(strand).collect()
