@@ -7,7 +7,6 @@
 import package::common::{params::{params, TWO_WAY}, cells::is_air, dispatch::invocation};
 import package::common::lanes::{Near, LANES, lane_of, show, shown_by, largest_of_all};
 import package::common::list::{BATCHES, NOBODY, INDEX, NONE, IMAGE_BITS, FRAME_BITS, FAR, elements_of};
-import package::common::pairs::{here, slope_now, slopes_over};
 import package::common::pairs::{Pair, stand, meet_four};
 import package::pass::{see, meet};
 
@@ -27,7 +26,7 @@ var<private> meets: u32;    // bit by bit, which entries of the batch that is sh
 var<private> nobody: bool;  // the invocation reads for the others, and has no particle
 var<private> member: u32;   // a particle of the cluster, which is read where an entry is none: what it has is of the cluster's kind
 
-// The particle of an invocation that has this place in its page. `meet_own_kind` and `meet_other_kind` go through its cluster from now on.
+// The particle of an invocation that has this place in its page. The functions that meet go through its cluster from now on.
 // Where `has_none` says that the invocation has none, it is another one of the cluster.
 fn take_particle(place_in_page: u32, local: u32) -> u32 {
     place = local;

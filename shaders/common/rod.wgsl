@@ -45,8 +45,8 @@ struct Point {
     largest_move: f32,   // m, in a step
     weight: f32,         // over that of the mass that it moves with: below 1 where it carries air along
     friction: f32,       // Coulomb's coefficient, on other strands
-    first: u32,          // point of its strand
-    end: u32,            // of the points of its strand
+    first: u32,          // first point of its strand
+    end: u32,            // one past the last point of its strand
 }
 
 struct Segment {

@@ -6,12 +6,12 @@ struct Symmetric {
 }
 
 // k v v^T.
-fn square(k: f32, v: vec3f) -> Symmetric {
+fn dyad(k: f32, v: vec3f) -> Symmetric {
     return Symmetric(k * v * v, k * v.yzx * v.zxy);
 }
 
 // k (v . v - v v^T), which is k [v]x [v]x^T.
-fn square_across(k: f32, v: vec3f) -> Symmetric {
+fn cross_dyad(k: f32, v: vec3f) -> Symmetric {
     return Symmetric(k * (v.yzx * v.yzx + v.zxy * v.zxy), -k * v.yzx * v.zxy);
 }
 
@@ -26,11 +26,11 @@ fn scaled(k: f32, a: Symmetric) -> Symmetric {
     return Symmetric(k * a.diagonal, k * a.off_diagonal);
 }
 
-fn sum(a: Symmetric, b: Symmetric) -> Symmetric {
+fn plus(a: Symmetric, b: Symmetric) -> Symmetric {
     return Symmetric(a.diagonal + b.diagonal, a.off_diagonal + b.off_diagonal);
 }
 
-fn difference(a: Symmetric, b: Symmetric) -> Symmetric {
+fn minus(a: Symmetric, b: Symmetric) -> Symmetric {
     return Symmetric(a.diagonal - b.diagonal, a.off_diagonal - b.off_diagonal);
 }
 
@@ -57,7 +57,7 @@ fn determinant(a: Symmetric, adjugate: Symmetric) -> f32 {
 }
 
 // Inverse of a positive definite matrix, by the adjugate; scaled, so that the determinant stays in the range of f32.
-fn inverse(m: Symmetric) -> Symmetric {
+fn inverse_of(m: Symmetric) -> Symmetric {
     let scale = 1.0 / (m.diagonal.x + m.diagonal.y + m.diagonal.z);
     let a = scaled(scale, m);
     let adjugate = adjugate_of(a);

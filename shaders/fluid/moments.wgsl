@@ -54,9 +54,10 @@ fn corrected(m: Symmetric) -> Symmetric {
     let adjugate = adjugate_of(m);
     let size = determinant(m, adjugate);
     let inverse = scaled(1.0 / size, adjugate);
-    let is_matrix = (size >= LEAST) & (inverse.diagonal.x + inverse.diagonal.y + inverse.diagonal.z <= LARGEST);
+    // What is not a number stays none.
+    let is_none = (size < LEAST) | (inverse.diagonal.x + inverse.diagonal.y + inverse.diagonal.z > LARGEST);
     return Symmetric(
-        select(vec3f(1.0), inverse.diagonal, is_matrix), select(vec3f(0.0), inverse.off_diagonal, is_matrix),
+        select(inverse.diagonal, vec3f(1.0), is_none), select(inverse.off_diagonal, vec3f(0.0), is_none),
     );
 }
 
@@ -76,7 +77,8 @@ fn main(
     // The trace of B times the matrix of squares times B.
     let squares = Symmetric(square, square_off);
     let columns = mat3x3f(
-        vec3f(b.diagonal.x, b.off_diagonal.zy), vec3f(b.off_diagonal.z, b.diagonal.y, b.off_diagonal.x), vec3f(b.off_diagonal.yx, b.diagonal.z),
+        vec3f(b.diagonal.x, b.off_diagonal.zy), vec3f(b.off_diagonal.z, b.diagonal.y, b.off_diagonal.x),
+        vec3f(b.off_diagonal.yx, b.diagonal.z),
     );
     let answers = applied_to_columns(squares, columns);
     let others = dot(columns[0], answers[0]) + dot(columns[1], answers[1]) + dot(columns[2], answers[2]);

@@ -1,11 +1,9 @@
 // Finds what is before each row of cells, the exclusive sums of its entries and its clusters, in one workgroup.
 //
-// Each invocation sums a stretch of rows, the workgroup scans the sums, and each invocation writes its stretch.
-import package::common::{cells::rows, row::Row, lanes::settle};
+// Each invocation sums a stretch of rows, the workgroup scans the 256 sums, and each invocation writes its stretch.
+import package::common::{cells::rows, row::Row};
 
-// Invocations of the one workgroup: the most that WebGPU's default allows, or those that a software adapter runs at once.
-@if(!software) const LANES: u32 = 256u;
-@if(software) const LANES: u32 = 8u;
+const LANES: u32 = 256u;   // invocations of the one workgroup: the most that WebGPU's default allows
 
 @group(0) @binding(2) var<storage, read_write> cell_rows: array<Row>;   // one more than there are: the last has all before it
 
@@ -23,15 +21,15 @@ fn main(@builtin(local_invocation_id) id: vec3u) {
         own += vec2u(cell_rows[r].entries, cell_rows[r].clusters);
     }
     sums[lane] = own;
-    settle();
+    workgroupBarrier();
     for (var reach = 1u; reach < LANES; reach *= 2u) {
         var before = vec2u(0u);
         if lane >= reach {
             before = sums[lane - reach];
         }
-        settle();
+        workgroupBarrier();
         sums[lane] += before;
-        settle();
+        workgroupBarrier();
     }
 
     var running = sums[lane] - own;

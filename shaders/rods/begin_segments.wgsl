@@ -23,8 +23,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     rod_segments[k].angular_velocity = angular_velocity[k].xyz;
     rod_segments[k].before = history.angular_velocity;
     rod_segments[k].carried = history.turn;
-    // A segment that is put keeps this: nobody solves for its turn.
-    rod_segments[k].turn = vec3f(0.0);
     // Positions are rounded at 3e-8 m; the remainders give the chord the digits that rounding took.
     rod_segments[k].chord = (position[b].xyz - position[a].xyz) + (point_history[b].remainder - point_history[a].remainder);
     rod_segments[k].force = history.force;

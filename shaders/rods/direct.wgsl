@@ -16,7 +16,7 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::{frozen, count, finite, QUIET_STEP},
     quaternion::{product, conjugate, rotation, tangent, matrix}, integration::response,
-    symmetric::{Symmetric, applied, applied_to_columns, difference, inverse, scaled, square, square_across, sum, symmetric_product},
+    symmetric::{Symmetric, applied, applied_to_columns, cross_dyad, dyad, inverse_of, minus, plus, scaled, symmetric_product},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT},
 };
 
@@ -120,9 +120,9 @@ fn strain(frame: mat3x3f, compliance: vec3f, force: vec3f) -> vec3f {
 fn link(segment: Segment, now: RodSegment, scheme: u32, start: vec3f, end: vec3f, there: bool) -> Link {
     let frame = matrix(now.frame);
     let c = segment.stretch_compliance;
-    let compliance = sum(sum(square(c.x, frame[0]), square(c.y, frame[1])), square(c.z, frame[2]));
+    let compliance = plus(plus(dyad(c.x, frame[0]), dyad(c.y, frame[1])), dyad(c.z, frame[2]));
     let over_length = select(0.0, 1.0 / segment.rest_length, there);
-    let gap = (now.chord + end - start) / segment.rest_length - frame[2] + applied(compliance, now.force);
+    let gap = (now.chord + end - start) / segment.rest_length + strain(frame, c, now.force);
     let weight = select(0.0, response(params.damping, scheme) * segment.inverse_inertia, there);
     let yielding = 1.0 / (1.0 + weight * max(0.0, -dot(frame[2], now.force)));
     return Link(
@@ -161,7 +161,7 @@ fn point_excess(point: Node, before: Link, after: Link) -> vec3f {
 // W of a frame.
 fn turn_weight(own: Link) -> Symmetric {
     let all = vec3f(own.weight * own.yielding);
-    return sum(Symmetric(all, vec3f(0.0)), square(own.weight * (1.0 - own.yielding), own.tangent));
+    return plus(Symmetric(all, vec3f(0.0)), dyad(own.weight * (1.0 - own.yielding), own.tangent));
 }
 
 // What the moments on a link still have to turn it by.
@@ -225,19 +225,19 @@ fn eliminate(strand: Strand, rod: RodStrand) -> Eliminated {
 
         let weight = turn_weight(own);
         let across = own.weight * own.yielding;   // W [d3]x is this times [d3]x
-        let before = applied_to_columns(sum(weight_before, weight), a);
+        let before = applied_to_columns(plus(weight_before, weight), a);
         let along = (start_weight + end.weight) * own.over_length * own.over_length;
-        let stiff = sum(Symmetric(vec3f(along), vec3f(0.0)), square_across(across, own.tangent));
-        let f = difference(
-            sum(symmetric_product(a, (1.0 + GIVE) * before), Symmetric(joint_before.compliance, vec3f(0.0))), taken.bend_bend,
+        let stiff = plus(Symmetric(vec3f(along), vec3f(0.0)), cross_dyad(across, own.tangent));
+        let f = minus(
+            plus(symmetric_product(a, (1.0 + GIVE) * before), Symmetric(joint_before.compliance, vec3f(0.0))), taken.bend_bend,
         );
         let g = -across * transpose(crossed(a, own.tangent)) - taken.bend_stretch;
-        let h = difference(
-            sum(scaled(1.0 + GIVE, stiff), own.compliance), taken.stretch_stretch,
+        let h = minus(
+            plus(scaled(1.0 + GIVE, stiff), own.compliance), taken.stretch_stretch,
         );
-        let f_inverse = inverse(f);
+        let f_inverse = inverse_of(f);
         let t = applied_to_columns(f_inverse, g);
-        let s_inverse = inverse(difference(h, symmetric_product(g, t)));
+        let s_inverse = inverse_of(minus(h, symmetric_product(g, t)));
         let bend_left = -bend_residual - taken.bend;
         let stretch = applied(s_inverse, -stretch_residual - taken.stretch - bend_left * t);
         let bend = applied(f_inverse, bend_left) - t * stretch;
@@ -251,7 +251,7 @@ fn eliminate(strand: Strand, rod: RodStrand) -> Eliminated {
         let r = q - transpose(t) * p;
         let u = applied_to_columns(s_inverse, r);
         taken = Taken(
-            sum(symmetric_product(p, applied_to_columns(f_inverse, p)), symmetric_product(r, u)),
+            plus(symmetric_product(p, applied_to_columns(f_inverse, p)), symmetric_product(r, u)),
             -shared_point * transpose(u),
             scaled(shared_point * shared_point, s_inverse),
             bend * p + stretch * q,
@@ -278,7 +278,7 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
     var stretch = vec3f(0.0);
     var joint_after: Joint;
     var after: Link;
-    // Of the segment after, as it is now: where it ends, from where its first point was, and its strain.
+    // Of the segment after, as it is now: its chord if its first point had not moved, and its strain.
     var reach_after = vec3f(0.0);
     var strain_after = vec3f(0.0);
     // The segment's frame before it is turned, and the point at its end.

@@ -31,40 +31,40 @@ fn still(strand: Strand) -> bool {
     return true;
 }
 
-// What a strand is left with.
-struct Left {
+// How a strand ends the step.
+struct Outcome {
     holds: bool,        // it stands where it was, and felt nothing
-    forgets: bool,      // multipliers of Gauss-Seidel are none that the direct solver could start from
-    still_steps: u32,   // what acts from outside on a strand at rest is taken as a mean over the last steps in which it was still, about
-                        // STILL_STEPS: the strand trembles, and so does its drag. 0: it was not still in this step
+    forgets: bool,      // its multipliers are set to 0: the direct solver cannot start from those of Gauss-Seidel
+    still_steps: u32,   // steps on end in which it was still, or 0. What acts from outside on a strand at rest is taken as a mean over them,
+                        // or over the last STILL_STEPS: the strand trembles, and so does its drag
     settles: bool,      // from here on it may become still
 }
 
-fn leave(strand: Strand, left: Left) {
-    let part = 1.0 - 1.0 / f32(clamp(left.still_steps, 1u, STILL_STEPS));
+fn end_step(strand: Strand, outcome: Outcome) {
+    let part = 1.0 - 1.0 / f32(clamp(outcome.still_steps, 1u, STILL_STEPS));
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
-        if left.holds {
+        if outcome.holds {
             rod_points[p].force = vec3f(0.0);
             rod_points[p].resistance = 0.0;
             rod_points[p].travel = vec3f(0.0);
             rod_points[p].scheme = PUT;
         }
-        if left.holds | (left.still_steps > 0u) {
-            rod_points[p].outside = select(rod_points[p].outside - part * rod_points[p].push, vec3f(0.0), left.holds);
+        if outcome.holds | (outcome.still_steps > 0u) {
+            rod_points[p].outside = select(rod_points[p].outside - part * rod_points[p].push, vec3f(0.0), outcome.holds);
         }
-        if left.settles { rod_points[p].strayed = vec3f(0.0); }
+        if outcome.settles { rod_points[p].strayed = vec3f(0.0); }
         if k + 1u == strand.points { continue; }
         let j = strand.first_segment + k;
-        if left.holds {
+        if outcome.holds {
             rod_segments[j].frame = rod_segments[j].start;
             rod_segments[j].scheme = PUT;
         }
-        if left.forgets {
+        if outcome.forgets {
             rod_segments[j].force = vec3f(0.0);
             rod_segments[j].moment = vec3f(0.0);
         }
-        if left.settles { rod_segments[j].strayed = vec3f(0.0); }
+        if outcome.settles { rod_segments[j].strayed = vec3f(0.0); }
     }
 }
 
@@ -96,7 +96,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     let holds = lost != NO_POINT || !finite(stretch);
     var found = health[s].found;
-    var left = Left(holds, false, 0u, false);
+    var outcome = Outcome(holds, false, 0u, false);
     if holds {
         found.bad = BAD;
         found.reach = 0.0;
@@ -113,13 +113,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             // It was put: the next step asks less of it.
             if rod.far != 0u && rod.state == SOLVED { found.reach *= select(-EASED, EASED / GROWTH, found.reach < 0.0); }
         }
-        left.forgets = rod.state == select(FREE, LEFT, params.direct_rods != 0u);
+        outcome.forgets = rod.state == select(FREE, LEFT, params.direct_rods != 0u);
         if params.sleep != 0u && found.still != SLEEPS {
             found.still = select(0u, min(found.still, SLEEPS - 2u) + 1u, still(strand));
-            left.still_steps = found.still;
-            left.settles = found.still == 0u;
+            outcome.still_steps = found.still;
+            outcome.settles = found.still == 0u;
         }
     }
-    leave(strand, left);
+    end_step(strand, outcome);
     health[s].found = found;
 }

@@ -107,9 +107,10 @@ impl Walk<'_> {
             let integrated = || points.iter().zip(&w.moving.points).filter(|(_, b)| b.step.is_finite());
             let outside = integrated().map(|(a, b)| (xyz(&a.outside) - b.outside).length());
             self.same("rods/start", largest(outside), bounds.speed)?;
-            let free = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.free) - b.free).length());
+            let free = integrated().map(|(a, b)| (xyz(&a.free) - b.free).length());
             self.same("rods/start", largest(free), bounds.hair)?;
-            let free = segments.iter().zip(&w.moving.segments).map(|(a, b)| (xyz(&a.free) - b.free).length());
+            let turning = segments.iter().zip(&w.moving.segments).filter(|(_, b)| b.step.is_finite());
+            let free = turning.map(|(a, b)| (xyz(&a.free) - b.free).length());
             self.same("rods/start", largest(free), bounds.spin * p.step)?;
             self.moves("rods/start", w)?;
         }

@@ -20,7 +20,7 @@ pub struct Bounds {
     pub frame: f64,
     /// Spins \[1/s\].
     pub spin: f64,
-    /// Densities ρ/ρ0, in parts of the largest if that is more than 1; stretches; S of the limiter.
+    /// Densities ρ/ρ0, in parts of the largest if that is more than 1; stretches; S of the limiter, in parts of itself where it is more than 1.
     pub density: f64,
     /// Multipliers and shifts of the density constraint, in parts of the largest.
     pub multiplier: f64,

@@ -478,7 +478,8 @@ fn check_nodes(gpu: &Gpu, meshes: &Meshes) -> Result<(), GpuError> {
 /// few pages as the device allows.
 pub(crate) fn first_sizes(largest_binding: u64, setup: &Setup<'_>) -> Sizes {
     let (sizes, limit) = (setup.sizes(), largest_page(largest_binding).max(1));
-    let wanted = u64::from(sizes.clusters) * LIST_PER_CLUSTER;
+    // A page has heads for whole workgroups of clusters.
+    let wanted = u64::from(sizes.clusters).next_multiple_of(u64::from(WORKGROUP / LANES)) * LIST_PER_CLUSTER;
     let pages = wanted.div_ceil(limit).clamp(1, PAGES.into());
     Sizes { pages: pages as u32, neighbours: wanted.div_ceil(pages).min(limit) as u32, ..sizes }
 }

@@ -320,14 +320,15 @@ impl Gpu {
     }
 }
 
-/// Whether a device of these limits binds as many textures as any pass reads, each as large as a buffer that it binds.
+/// Whether a device of these limits binds as many textures as any pass reads, each as large as a buffer that it binds and with a row more
+/// (`textures::rows`).
 fn binds_textures(limits: &wgpu::Limits) -> bool {
     let read = |binding: &&Binding| binding.in_software[Textures::All as usize].texture.is_some();
     let textures = |pass: &&Pass| pass.bindings.iter().filter(read).count();
     let most = PASSES.iter().map(textures).max().unwrap_or(0) as u64;
     let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     let (side, row) = (u64::from(limits.max_texture_dimension_2d), u64::from(TEXTURE_ROW));
-    u64::from(limits.max_storage_textures_per_shader_stage) >= most && side >= row / 4 && side * row >= binding
+    u64::from(limits.max_storage_textures_per_shader_stage) >= most && side >= row / 4 && (side - 1) * row >= binding
 }
 
 /// Whether the processor, which a software adapter runs on, has AVX-512 for vectors of 256 bits.
