@@ -1,9 +1,9 @@
 // Sums in a fixed order: over the terms of a lane, over a workgroup, and over workgroups, in a second pass (`sums/total`). Up to eight sums
 // are made at once.
 //
-// Each of the workgroup's first eight lanes adds its own sum and those of every eighth lane after it, in this order; then the eight sums are
-// added in pairs. On a software adapter (`software`) the first eight invocations make the terms of all lanes: it runs eight at once in any
-// case, and takes long to compile a pass with a barrier.
+// Each of the workgroup's first eight lanes adds its own sum and those of every eighth lane after it, in this order; then the eight
+// sums are added in pairs. On a software adapter (`software`) the first eight invocations make the terms of all lanes: it runs eight at
+// once in any case, and takes long to compile a pass with a barrier.
 import package::common::{dispatch::WORKGROUP, lanes::LANES};
 
 const TERMS: u32 = 16u;   // terms of a lane, in a sum over particles

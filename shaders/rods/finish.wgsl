@@ -35,8 +35,8 @@ fn still(strand: Strand) -> bool {
 struct Outcome {
     holds: bool,        // it stands where it was, and felt nothing
     forgets: bool,      // its multipliers are set to 0: the direct solver cannot start from those of Gauss-Seidel
-    still_steps: u32,   // steps on end in which it was still, or 0. What acts from outside on a strand at rest is taken as a mean over them,
-                        // or over the last STILL_STEPS: the strand trembles, and so does its drag
+    still_steps: u32,   // steps on end in which it was still, or 0. What acts from outside on a strand at rest is taken as a mean over
+                        // them, or over the last STILL_STEPS: the strand trembles, and so does its drag
     settles: bool,      // from here on it may become still
 }
 
