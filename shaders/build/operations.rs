@@ -102,7 +102,7 @@ impl Counter<'_> {
         match function.name.as_deref() {
             Some(OWN_KIND) => Count { batch: 0, own: count.own + count.batch, ..count },
             Some(OTHER_KIND) => Count { batch: 0, other: count.other + count.batch, ..count },
-            // Its loop has a turn for each kind.
+            // The loop of this function has a turn for each kind.
             Some(BOTH_KINDS) => {
                 let half = count.batch / 2;
                 Count { batch: 0, own: count.own + half, other: count.other + half, ..count }

@@ -6,7 +6,7 @@
 // A pair that was not nearer than the kernel radius when the list was made does not meet, wherever it is by now.
 import package::common::{params::{params, TWO_WAY}, cells::is_air, dispatch::invocation};
 import package::common::lanes::{Near, LANES, lane_of, show, shown_by, largest_of_all};
-import package::common::list::{BATCHES, NOBODY, INDEX, NONE, IMAGE_BITS, FRAME_BITS, FAR, elements_of};
+import package::common::list::{BATCHES, NOBODY, INDEX, NONE, IMAGE_BITS, FRAME_BITS, FAR, elements_of, heads};
 import package::common::pairs::{Pair, stand, meet_four};
 import package::pass::{see, meet};
 
@@ -31,7 +31,7 @@ var<private> member: u32;   // a particle of the cluster, which is read where an
 fn take_particle(place_in_page: u32, local: u32) -> u32 {
     place = local;
     box = params.box_size;
-    let inside = place_in_page < LANES * params.page_clusters;
+    let inside = place_in_page < heads();
     let head = select(vec4u(0u), neighbour_list[select(0u, place_in_page, inside)], inside);
     let moved = vec3u(head.z >> FRAME_BITS, head.z >> (FRAME_BITS + 1u), head.z >> (FRAME_BITS + 2u)) & vec3u(1u);
     frame = box * vec3f(moved);

@@ -14,7 +14,7 @@
 // elements, one for each invocation; the last group of a part may be full in part. An element is what its invocation reads in the three
 // batches, and a word that says whom its particle meets, a byte per batch. Bit k stands for the entry whose place differs from the
 // particle's in the bits of k, which is the one that `lanes::shown_by(k)` shows. What is left over in a part's last batch is NOBODY.
-import package::common::lanes::LANES;
+import package::common::{lanes::LANES, params::params};
 
 const PAGES: u32 = 4u;            // at most
 const BATCHES: u32 = 3u;          // of a group
@@ -24,6 +24,11 @@ const NONE: u32 = 0x80000000u;    // bit of a head that says that the invocation
 const IMAGE_BITS: u32 = 26u;      // bit from which on an entry says which image its particle is in, as seen from the frame: 1 and -1, 0 or 1 per axis
 const FRAME_BITS: u32 = 29u;      // bit from which on the number of the own kind's batches has the frame
 const FAR: f32 = 1e9;             // m, where nobody is
+
+// Elements of a page that are heads: its first.
+fn heads() -> u32 {
+    return LANES * params.page_clusters;
+}
 
 // Elements of the groups of so many batches.
 fn elements_of(batches: u32) -> u32 {

@@ -1,6 +1,6 @@
 // Empties the cells of the neighbour search, the table of clusters and the counters of their list.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::buckets, lanes::LANES, list::PAGES, status::{status, frozen},
+    params::params, dispatch::{invocation, WORKGROUP}, cells::buckets, list::{PAGES, heads}, status::{status, frozen},
 };
 
 @group(0) @binding(2) var<storage, read_write> cell_count: array<u32>;
@@ -20,9 +20,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     if at < params.clusters { members[at] = vec2u(0u); }
     let listed = params.clusters > 0u;
-    if (at < PAGES) & listed { atomicStore(&page_ends[at], LANES * params.page_clusters); }
+    if (at < PAGES) & listed { atomicStore(&page_ends[at], heads()); }
     if (at == 0u) & listed {
-        atomicStore(&status.neighbours, LANES * params.page_clusters);
+        atomicStore(&status.neighbours, heads());
         atomicStore(&status.neighbour_carries, 0u);
     }
 }

@@ -6,7 +6,7 @@
 // grows the list to that number.
 import package::common::{
     params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, cells::{wrap, home_of, box_bucket},
-    page::of_page, list::{BATCHES, NOBODY, NONE, IMAGE_BITS, FRAME_BITS, FAR, elements_of},
+    page::of_page, list::{BATCHES, NOBODY, NONE, IMAGE_BITS, FRAME_BITS, FAR, elements_of, heads},
     lanes::{
         Near, LANES, lane_of, show, shown_by, keep, kept, first_of_eight, settle, joined, votes, turned, bits_of_all, largest_of_all,
         largest_in_workgroup,
@@ -306,7 +306,7 @@ fn main(
                 if used { first = room_for(elements_of(batches.x) + elements_of(batches.y)); }
             }
             first = joined(local, first);
-            if place < LANES * params.page_clusters {
+            if place < heads() {
                 let moved = vec3u(frame) << vec3u(FRAME_BITS, FRAME_BITS + 1u, FRAME_BITS + 2u);
                 let particle = sorted[select(entries.x, e, there)] | select(NONE, 0u, there);
                 let head = vec4u(particle, first, batches | vec2u(moved.x | moved.y | moved.z, 0u));

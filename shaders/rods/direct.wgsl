@@ -232,9 +232,7 @@ fn eliminate(strand: Strand, rod: RodStrand) -> Eliminated {
             plus(symmetric_product(a, (1.0 + GIVE) * before), Symmetric(joint_before.compliance, vec3f(0.0))), taken.bend_bend,
         );
         let g = -across * transpose(crossed(a, own.tangent)) - taken.bend_stretch;
-        let h = minus(
-            plus(scaled(1.0 + GIVE, stiff), own.compliance), taken.stretch_stretch,
-        );
+        let h = minus(plus(scaled(1.0 + GIVE, stiff), own.compliance), taken.stretch_stretch);
         let f_inverse = inverse_of(f);
         let t = applied_to_columns(f_inverse, g);
         let s_inverse = inverse_of(minus(h, symmetric_product(g, t)));
@@ -278,7 +276,7 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
     var stretch = vec3f(0.0);
     var joint_after: Joint;
     var after: Link;
-    // Of the segment after, as it is now: its chord if its first point had not moved, and its strain.
+    // What the segment after has now: its chord but for the move of its first point, and its strain.
     var reach_after = vec3f(0.0);
     var strain_after = vec3f(0.0);
     // The segment's frame before it is turned, and the point at its end.
