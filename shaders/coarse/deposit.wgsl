@@ -1,11 +1,12 @@
-// Carries the divergence of air to the nodes of the coarse grid, r, from the cells of the neighbour search. Sixteen lanes share a block of
+// Carries the divergence of air to the nodes of the coarse grid, r, from the cells of the neighbour search. A workgroup makes a block of
 // nodes: there are few blocks, and thousands of particles reach each.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::node_index,
-    deposit::{mesh, block_of, deposit, BLOCK},
+    deposit::{mesh, block_of, deposit, Part, BLOCK},
 };
 
-const LANES: u32 = 16u;   // that share a block, and nodes of one
+const ALONG: u32 = 8u;    // lanes that share a run of cells
+const NODES: u32 = 16u;   // of a block
 
 @group(0) @binding(4) var<storage, read>       brought: array<vec4f>;   // xyz: place in spacings; w: s [1/s], from `source`
 @group(0) @binding(5) var<storage, read_write> coarse:  array<f32>;     // r [1/s]
@@ -39,21 +40,19 @@ fn main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let nodes = mesh.nodes;
-    let block = block_of(invocation(id, groups) / LANES);
-    let part = lane % LANES;
-    if (block.z < nodes.z) & !frozen() { deposit(block, params.cells, part, LANES); }
+    let block = block_of(invocation(id, groups) / WORKGROUP);
+    if (block.z < nodes.z) & !frozen() { deposit(block, params.cells, Part(lane / ALONG, WORKGROUP / ALONG, lane % ALONG, ALONG)); }
     sums[4u * lane] = sum_00;
     sums[4u * lane + 1u] = sum_10;
     sums[4u * lane + 2u] = sum_01;
     sums[4u * lane + 3u] = sum_11;
     workgroupBarrier();
-    // Each lane adds up one node of its block.
-    let along = i32(part) % BLOCK.x;
-    let row = i32(part) / BLOCK.x;
+    // The first lanes add up a node each.
+    let along = i32(lane) % BLOCK.x;
+    let row = i32(lane) / BLOCK.x;
     let node = block + vec3i(along, row % BLOCK.y, row / BLOCK.y);
-    if any(node >= nodes) | frozen() { return; }
-    let first = lane - part;
+    if (lane >= NODES) | any(node >= nodes) | frozen() { return; }
     var sum = 0.0;
-    for (var other = first; other < first + LANES; other++) { sum += sums[4u * other + part / 4u][part % 4u]; }
+    for (var other = 0u; other < WORKGROUP; other++) { sum += sums[4u * other + lane / 4u][lane % 4u]; }
     coarse[node_index(node, nodes)] = sum;
 }

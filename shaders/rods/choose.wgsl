@@ -3,7 +3,8 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotation, tangent},
     integration::{EULER, BDF2}, led::{led_move, led_turn},
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, CALM_STEPS}, status::frozen,
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, CALM_STEPS}, share::{owner_of, worker_of, stretch_of, largest_shared},
+    status::frozen,
 };
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
@@ -22,16 +23,18 @@ fn misfit(chord: vec3f, rest_length: f32, frame: vec4f) -> f32 {
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let s = invocation(id, groups);
+    let at = invocation(id, groups);
+    let s = owner_of(at);
     if (s >= params.strands) | frozen() { return; }
     let strand = strands[s];
     let rod = rod_strands[s];
+    let own = stretch_of(strand.points, worker_of(at));
     var led = 0.0;
     var now = 0.0;
     var before = vec3f(0.0);
-    for (var k = 0u; k < strand.points; k++) {
+    for (var k = own.before; k < own.end; k++) {
         let after = led_move(rod_points[strand.first_point + k], rod, k);
-        if k > 0u {
+        if k > own.before {
             let j = strand.first_segment + k - 1u;
             let segment = rod_segments[j];
             let rest_length = segments[j].rest_length;
@@ -41,6 +44,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
         before = after;
     }
+    led = largest_shared(led);
+    now = largest_shared(now);
+    if worker_of(at) > 0u { return; }
     let torn = !(led < TORN);
     let calm = !torn && health[s].committed.calm + 1u >= CALM_STEPS;
     rod_strands[s].torn = u32(torn);

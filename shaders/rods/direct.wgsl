@@ -12,11 +12,11 @@
 //   D_k = [F G; G^T H],   above the diagonal O_k = [P 0; Q -s I]   (segment k and joint k + 1 share a frame, or a point)
 //
 // so that root to tip  D_k -= O_(k-1)^T U_(k-1), U = D^-1 O, y = D^-1 r  and tip to root  dmu_k = y_k - D_k^-1 O_k dmu_(k+1).
-// One invocation per strand, done when its segments fit.
+// One invocation per strand, done when its segments fit; on a GPU the seven beside it rest, so that those of a warp read few strands at once.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::{frozen, count, finite, QUIET_STEP},
     quaternion::{product, conjugate, rotation, tangent, matrix}, integration::response,
-    symmetric::{Symmetric, applied, applied_to_columns, cross_dyad, dyad, inverse_of, minus, plus, scaled, symmetric_product},
+    share::{owner_of, worker_of}, symmetric::{Symmetric, applied, applied_to_columns, cross_dyad, dyad, inverse_of, minus, plus, scaled, symmetric_product},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT},
 };
 
@@ -337,8 +337,9 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let s = invocation(id, groups);
-    if (s >= params.strands) | frozen() { return; }
+    let at = invocation(id, groups);
+    let s = owner_of(at);
+    if (s >= params.strands) | (worker_of(at) > 0u) | frozen() { return; }
     let strand = strands[s];
     for (var step = 0u; step < newton_steps(); step++) {
         let rod = rod_strands[s];

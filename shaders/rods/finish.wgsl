@@ -6,6 +6,7 @@ import package::common::{
     rest::{STILL_STEPS, STILL_TURN},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, LEFT, SLEEPS, STRAINED_STEPS, strained_steps,
         ROOT_HELD, MISFIT, GROWTH, EASED, BAD, SPOILT, unsolved},
+    share::{Stretch, owner_of, worker_of, stretch_of, largest_shared, least_shared, any_shared},
     status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNMENDED_STRAND, BY_FINISH,
         NO_POINT},
 };
@@ -19,9 +20,9 @@ import package::common::{
 
 // Where it became still when the step began: by then contacts and viscosity have had their say. With the model PARTICLES, whose
 // pushes nothing remembers, it must not be pushed either. A strand that nothing holds may drift as slowly as it will.
-fn still(strand: Strand) -> bool {
+fn still(strand: Strand, own: Stretch) -> bool {
     if (strand.joints & ROOT_HELD) == 0u { return false; }
-    for (var k = 0u; k < strand.points; k++) {
+    for (var k = own.begin; k < own.end; k++) {
         let point = rod_points[strand.first_point + k];
         let pushed = params.model == PARTICLES && length(point.push) > strand.still_acceleration * params.step;
         if pushed || !(length(point.strayed) <= strand.still_way) { return false; }
@@ -40,9 +41,9 @@ struct Outcome {
     settles: bool,      // from here on it may become still
 }
 
-fn end_step(strand: Strand, outcome: Outcome) {
+fn end_step(strand: Strand, own: Stretch, outcome: Outcome) {
     let part = 1.0 - 1.0 / f32(clamp(outcome.still_steps, 1u, STILL_STEPS));
-    for (var k = 0u; k < strand.points; k++) {
+    for (var k = own.begin; k < own.end; k++) {
         let p = strand.first_point + k;
         if outcome.holds {
             rod_points[p].force = vec3f(0.0);
@@ -70,7 +71,9 @@ fn end_step(strand: Strand, outcome: Outcome) {
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let s = invocation(id, groups);
+    let at = invocation(id, groups);
+    let s = owner_of(at);
+    let speaks = worker_of(at) == 0u;   // for the strand
     if (s >= params.strands) | frozen() { return; }
     let rod = rod_strands[s];
     let more_would_solve = (rod.state == FREE) & ((params.direct_rods & params.few_newton_steps) != 0u);
@@ -79,13 +82,14 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         return;
     }
     let strand = strands[s];
+    let own = stretch_of(strand.points, worker_of(at));
     var stretch = 0.0;
     var before = vec3f(0.0);
     var lost = NO_POINT;   // the first point that is not finite
-    for (var k = 0u; k < strand.points; k++) {
+    for (var k = own.before; k < own.end; k++) {
         let after = rod_points[strand.first_point + k].travel;
         var whole = finite3(after);
-        if k > 0u {
+        if k > own.before {
             let segment = rod_segments[strand.first_segment + k - 1u];
             let l = length(segment.chord + after - before);
             whole = whole & finite4(segment.frame);
@@ -94,18 +98,20 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         if lost == NO_POINT && !whole { lost = strand.first_point + k; }
         before = after;
     }
-    let holds = lost != NO_POINT || !finite(stretch);
     var found = health[s].found;
+    stretch = largest_shared(stretch);
+    lost = least_shared(lost);
+    let holds = lost != NO_POINT || !finite(stretch);
     var outcome = Outcome(holds, false, 0u, false);
     if holds {
         found.bad = BAD;
         found.reach = 0.0;
         // One that was spoilt when the step began is counted.
-        if health[s].committed.bad != SPOILT { count_bad_strand(min(lost, strand.first_point + strand.points - 1u), BY_FINISH); }
+        if speaks & (health[s].committed.bad != SPOILT) { count_bad_strand(min(lost, strand.first_point + strand.points - 1u), BY_FINISH); }
     } else {
-        atomicMax(&status.max_stretch, bitcast<u32>(stretch));
+        if speaks { atomicMax(&status.max_stretch, bitcast<u32>(stretch)); }
         found.strained = strained_steps(found.strained, stretch);
-        if found.strained == STRAINED_STEPS { count(OVER_STRAINED); }
+        if speaks & (found.strained == STRAINED_STEPS) { count(OVER_STRAINED); }
         // The direct solver got nowhere near: Euler does, from its free move.
         if !(rod.misfit <= MISFIT) {
             found.calm = 0u;
@@ -115,11 +121,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
         outcome.forgets = rod.state == select(FREE, LEFT, params.direct_rods != 0u);
         if params.sleep != 0u && found.still != SLEEPS {
-            found.still = select(0u, min(found.still, SLEEPS - 2u) + 1u, still(strand));
+            found.still = select(0u, min(found.still, SLEEPS - 2u) + 1u, !any_shared(!still(strand, own)));
             outcome.still_steps = found.still;
             outcome.settles = found.still == 0u;
         }
     }
-    end_step(strand, outcome);
-    health[s].found = found;
+    end_step(strand, own, outcome);
+    if speaks { health[s].found = found; }
 }

@@ -7,7 +7,7 @@
 // A step that froze is taken again: a strand that was found spoilt is counted anew.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP},
-    rod::{Strand, Health, PointHistory, Root, BAD, SPOILT}, sound::{FAST, within, root_of, in_reach},
+    rod::{Strand, Health, PointHistory, Root, BAD, SPOILT}, share::{Stretch, owner_of, worker_of, stretch_of, least_shared}, sound::{FAST, within, root_of, in_reach},
     status::{frozen, count_bad_strand, finite, finite3, BY_INSPECT, NO_POINT},
 };
 
@@ -21,10 +21,10 @@ import package::common::{
 
 const UNLIKE: f32 = 0.1;   // what the square of a frame's length is not off 1 by
 
-// The first point of a strand that is spoilt, or whose segment is.
-fn spoilt(s: u32, strand: Strand) -> u32 {
+// The first point of a stretch that is spoilt, or whose segment is.
+fn spoilt(s: u32, strand: Strand, own: Stretch) -> u32 {
     let root = root_of(strand, clamps[s], position[strand.first_point].xyz);
-    for (var k = 0u; k < strand.points; k++) {
+    for (var k = own.begin; k < own.end; k++) {
         let p = strand.first_point + k;
         let history = point_history[p];
         if !in_reach(strand, root, position[p].xyz) { return p; }
@@ -39,15 +39,18 @@ fn spoilt(s: u32, strand: Strand) -> u32 {
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let s = invocation(id, groups);
+    let at = invocation(id, groups);
+    let s = owner_of(at);
     if (s >= params.strands) | frozen() { return; }
     let bad = health[s].committed.bad;
     if bad == BAD { return; }
-    let point = spoilt(s, strands[s]);
+    let strand = strands[s];
+    let point = least_shared(spoilt(s, strand, stretch_of(strand.points, worker_of(at))));
+    if worker_of(at) > 0u { return; }
     if bad == 0u {
         if point == NO_POINT { return; }
         health[s].committed.bad = SPOILT;
     }
     // One that was spoilt may be in its rest shape by now.
-    count_bad_strand(select(point, strands[s].first_point, point == NO_POINT), BY_INSPECT);
+    count_bad_strand(select(point, strand.first_point, point == NO_POINT), BY_INSPECT);
 }

@@ -10,6 +10,7 @@ import package::common::{
     led::{held_move, led_move, led_turn}, body::{PUSHED, MOVED},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, CALM_STEPS,
         ROOT_HELD, TIP_HELD, GROWTH},
+    share::{Stretch, owner_of, worker_of, stretch_of, sum_shared, largest_shared, any_shared},
     status::{frozen, count, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT},
 };
 
@@ -30,12 +31,12 @@ fn rested(strand: Strand, steps: u32) -> bool {
 
 // Whether something pushes the strand that did not while it came to rest: all of it on average, or one point by as much as bends
 // the strand as far. A sleeper has no velocity but what viscosity gave it since. One that trembles feels the drag tremble, and is not pushed by that.
-fn pushed(strand: Strand, asleep: bool) -> bool {
+fn pushed(strand: Strand, own: Stretch, asleep: bool) -> bool {
     if !asleep && params.model != PARTICLES { return false; }
     var count = 0.0;   // of points that nothing holds
     var sum = vec3f(0.0);
     var largest = 0.0;
-    for (var k = 0u; k < strand.points; k++) {
+    for (var k = own.begin; k < own.end; k++) {
         let point = rod_points[strand.first_point + k];
         if point.inverse_mass == 0.0 { continue; }
         let push = select(point.push, point.stir, asleep);
@@ -43,7 +44,9 @@ fn pushed(strand: Strand, asleep: bool) -> bool {
         sum += push;
         largest = max(largest, length(push));
     }
-    let felt = max(length(sum) / max(count, 1.0), largest / max(AT_TIP * count, 1.0));
+    let all = sum_shared(vec4f(sum, count));
+    largest = largest_shared(largest);
+    let felt = max(length(all.xyz) / max(all.w, 1.0), largest / max(AT_TIP * all.w, 1.0));
     return felt > strand.still_acceleration * params.step;
 }
 
@@ -91,7 +94,11 @@ const MOVES: u32 = 2u;   // to move the points, and the segments behind them
 // Returns the farthest free move, or what `Condition.reach` is below 0. A strand that had to be put is held back: its free move
 // is capped at a part of what it could not follow, and the cap grows from step to step until it cuts nothing. Of a strand that is placed
 // nobody reads the free moves. Both ways have one text: what is written twice takes drivers twice as long to compile.
-fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, way: Way) -> f32 {
+fn start(s: u32, strand: Strand, worker: u32, rod: RodStrand, reach: f32, way: Way) -> f32 {
+    // Each segment of a strand that is placed stands on the one before.
+    let alone = Stretch(0u, 0u, select(0u, strand.points, worker == 0u));
+    var own = stretch_of(strand.points, worker);
+    if way.placed { own = alone; }
     let drags = params.model == TWO_WAY || params.model == MEAN_WIND;
     let grown = select(0.0, GROWTH * reach, params.direct_rods != 0u && drags);
     let held_back = reach < 0.0;
@@ -112,7 +119,7 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, way: Way) -> f32 {
     var placed_travel = rod.root_travel;
     for (var walk = select(MEAN, MOVES, root_held | way.placed); walk <= MOVES; walk++) {
         if walk == LOSES && !loose { continue; }
-        for (var k = 0u; k < strand.points; k++) {
+        for (var k = own.begin; k < own.end; k++) {
             let p = strand.first_point + k;
             let point = rod_points[p];
             let moves = free_point(point, rod, k);
@@ -188,33 +195,45 @@ fn start(s: u32, strand: Strand, rod: RodStrand, reach: f32, way: Way) -> f32 {
             let stays = way.at_rest & tip_held & (k + 2u == strand.points);
             placed_travel = select(rod.root_travel + place - offset, vec3f(0.0), stays);
         }
-        if walk == MEAN { origin = Free(mean.whole / f32(strand.points), mean.bare / f32(strand.points)); }
-        if walk == LOSES { kept = lost / heaviness; }
+        if walk == MEAN {
+            let whole = sum_shared(vec4f(mean.whole, 0.0)).xyz;
+            let bare = sum_shared(vec4f(mean.bare, 0.0)).xyz;
+            origin = Free(whole / f32(strand.points), bare / f32(strand.points));
+        }
+        if walk == LOSES {
+            let all = sum_shared(vec4f(lost, heaviness));
+            kept = all.xyz / all.w;
+        }
     }
+    farthest = largest_shared(farthest);
+    carried_far = any_shared(carried_far);
     // One that is torn where it is is mended, not put: put, it would stay torn.
-    if !way.placed { rod_strands[s].far = u32(carried_far && rod.whole != 0u); }
+    if (worker == 0u) & !way.placed { rod_strands[s].far = u32(carried_far && rod.whole != 0u); }
     return select(farthest, GROWTH * reach, held_back && farthest >= -reach);
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let s = invocation(id, groups);
+    let at = invocation(id, groups);
+    let s = owner_of(at);
+    let worker = worker_of(at);
     if (s >= params.strands) | frozen() { return; }
     let strand = strands[s];
     let rod = rod_strands[s];
     var found = health[s].committed;
     let bad = found.bad != 0u;
     found.bad = 0u;
-    rod_strands[s].tip_moment = vec3f(0.0);
-    rod_strands[s].misfit = 0.0;
     let jumps = bad || rod.state == TELEPORTED;
-    let sleeps = !jumps && rod.state == ASLEEP && rested(strand, found.still) && !pushed(strand, found.still == SLEEPS)
+    let sleeps = !jumps && rod.state == ASLEEP && rested(strand, found.still) && !pushed(strand, stretch_of(strand.points, worker), found.still == SLEEPS)
         && !(found.still == SLEEPS && (touched[s] & (PUSHED | MOVED)) != 0u);
     let placed = jumps | sleeps;
     found.calm = select(select(min(found.calm + 1u, CALM_STEPS), 0u, (rod.torn != 0u) | jumps), found.calm, sleeps);
     let led = !placed & (found.calm == CALM_STEPS) & (params.direct_rods != 0u);
     let scheme = select(rod.scheme, select(PUT, STAY, sleeps), placed);
-    let reach = start(s, strand, rod, found.reach, Way(placed, bad, sleeps, led, scheme));
+    let reach = start(s, strand, worker, rod, found.reach, Way(placed, bad, sleeps, led, scheme));
+    if worker > 0u { return; }
+    rod_strands[s].tip_moment = vec3f(0.0);
+    rod_strands[s].misfit = 0.0;
     if sleeps {
         found.still = SLEEPS;
         count(ASLEEP_STEP);

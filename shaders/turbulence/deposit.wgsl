@@ -1,8 +1,8 @@
 // Carries what the filter sums to the nodes of its grid, D, and the volume with it. Particles are sorted into the cells between the
 // nodes.
 import package::common::{
-    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::node_index, deposit::{mesh, block_of, deposit, BLOCK},
-    smoothing::next4,
+    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::node_index, deposit::{mesh, block_of, deposit, Part, BLOCK},
+    share::{SHARE, owner_of, worker_of}, smoothing::next4,
 };
 
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
@@ -31,8 +31,44 @@ fn add(along: vec4f, across: vec4f) {
     sum_11 += across.y * across.w * part;
 }
 
+// Eight that share a block add up what they have. Each gives away half of its sums three times, and keeps those of two nodes, which the
+// bits of its number name: the half of a row, y, z.
+@if(subgroups && !software)
+fn write(block: vec3i, nodes: vec3i, worker: u32) {
+    let own = vec3<bool>((vec3u(worker) & vec3u(1u, 2u, 4u)) != vec3u(0u));
+    var kept = array(sum_00, sum_10);
+    var given = array(sum_01, sum_11);
+    if own.z {
+        kept = array(sum_01, sum_11);
+        given = array(sum_00, sum_10);
+    }
+    kept[0] += shown_by(given[0], 4u);
+    kept[1] += shown_by(given[1], 4u);
+    var row = kept[0];
+    var other_row = kept[1];
+    if own.y {
+        row = kept[1];
+        other_row = kept[0];
+    }
+    let values = transpose(row + shown_by(other_row, 2u));
+    let first = select(values[0], values[2], own.x) + subgroupShuffleXor(select(values[2], values[0], own.x), 1u);
+    let second = select(values[1], values[3], own.x) + subgroupShuffleXor(select(values[3], values[1], own.x), 1u);
+    let node = block + select(vec3i(0), vec3i(2, 1, 1), own);
+    if all(node < nodes) { deposited[node_index(node, nodes)] = first; }
+    if all(node + vec3i(1, 0, 0) < nodes) { deposited[node_index(node, nodes) + 1u] = second; }
+}
+
+@if(subgroups && !software)
+fn shown_by(sums: mat4x4f, other: u32) -> mat4x4f {
+    return mat4x4f(
+        subgroupShuffleXor(sums[0], other), subgroupShuffleXor(sums[1], other),
+        subgroupShuffleXor(sums[2], other), subgroupShuffleXor(sums[3], other),
+    );
+}
+
 // Writes the four rows, each time the first of those that are left, and of each its nodes.
-fn write(block: vec3i, nodes: vec3i) {
+@if(!subgroups || software)
+fn write(block: vec3i, nodes: vec3i, worker: u32) {
     for (var row = 0; row < 4; row++) {
         let y = block.y + (row & 1);
         let z = block.z + (row >> 1u);
@@ -51,9 +87,10 @@ fn write(block: vec3i, nodes: vec3i) {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let nodes = mesh.nodes;
-    let block = block_of(invocation(id, groups));
+    let at = invocation(id, groups);
+    let block = block_of(owner_of(at));
     if (block.z >= nodes.z) | frozen() { return; }
     per_spacing = 1.0 / mesh.spacing;
-    deposit(block, nodes, 0u, 1u);
-    write(block, nodes);
+    deposit(block, nodes, Part(worker_of(at), SHARE, 0u, 1u));
+    write(block, nodes, worker_of(at));
 }

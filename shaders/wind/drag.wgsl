@@ -17,7 +17,7 @@
 // s = 1 + k_n/(2 rho b l n |u_n|). So k_n is s k_n(s |u_n|) there.
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, rod::{Strand, Segment, RodStrand, RodPoint},
-    integration::{EULER, BDF2}, cells::{cell_of, in_box}, air::{Sampled, THIN}, wind::mean_wind,
+    integration::{EULER, BDF2}, share::{Stretch, owner_of, worker_of, stretch_of, largest_shared}, cells::{cell_of, in_box}, air::{Sampled, THIN}, wind::mean_wind,
     status::{frozen, count_many, EXCHANGE_LIMITED},
 };
 
@@ -97,33 +97,33 @@ fn load(segment: Segment, a: Ahead, b: Ahead, air_a: Sampled, air_b: Sampled) ->
     return Load(t, 0.5 * normal, 0.5 * tangential, 0.5 * pressure * params.lift * speed * cross(t, u));
 }
 
-// The loads of a strand, added to the forces on its points where `write`; returns the largest dt w R.
-fn drag(strand: Strand, scheme: u32, write: bool) -> f32 {
+// The loads of a stretch, added to the forces on its points where `write`; returns the largest dt w R.
+fn drag(strand: Strand, own: Stretch, scheme: u32, write: bool) -> f32 {
     var worst = 0.0;
     var limited = 0u;
     var before = nothing();
     var here: Ahead;
     var air: Sampled;
     // A point is due when the segment behind it is known, which needs the next point.
-    for (var next = 0u; next <= strand.points; next++) {
-        let p = strand.first_point + min(next, strand.points - 1u);
-        let there = ahead(p, scheme);
-        let air_there = air_at(p);
+    for (var next = own.before; next <= own.end; next++) {
+        let ahead_of = strand.first_point + min(next, strand.points - 1u);
+        let there = ahead(ahead_of, scheme);
+        let air_there = air_at(ahead_of);
         var after = nothing();
-        if (next > 0u) & (next < strand.points) {
+        if (next > own.before) & (next < strand.points) {
             after = load(segments[strand.first_segment + next - 1u], here, there, air, air_there);
         }
-        if next > 0u {
-            let own = strand.first_point + next - 1u;
+        if next > own.begin {
+            let p = strand.first_point + next - 1u;
             let largest = largest_of(before) + largest_of(after);
             let part = params.step * air.give * largest;
             let left = 1.0 / max(part, 1.0);
-            worst = max(worst, params.step * rod_points[own].inverse_mass * left * largest);
+            worst = max(worst, params.step * rod_points[p].inverse_mass * left * largest);
             if write {
                 limited += u32(part > 1.0);
                 let wind = air.wind - here.velocity;
                 let force = drag_on(before, wind) + drag_on(after, wind) + largest * here.velocity + before.force + after.force;
-                hair_force[own] += left * vec4f(force, largest);
+                hair_force[p] += left * vec4f(force, largest);
             }
         }
         before = after;
@@ -136,19 +136,21 @@ fn drag(strand: Strand, scheme: u32, write: bool) -> f32 {
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let s = invocation(id, groups);
+    let at = invocation(id, groups);
+    let s = owner_of(at);
     if (s >= params.strands) | frozen() { return; }
     let strand = strands[s];
+    let own = stretch_of(strand.points, worker_of(at));
     var scheme = rod_strands[s].scheme;
     // Once, or with BDF2 twice: first it looks, then it writes. The call stands here once, as drivers inline it.
     var looks = scheme == BDF2;
     loop {
-        let worst = drag(strand, scheme, !looks);
+        let worst = largest_shared(drag(strand, own, scheme, !looks));
         if !looks { break; }
         looks = false;
         if worst > STORMY {
             scheme = EULER;
-            rod_strands[s].scheme = EULER;
+            if worker_of(at) == 0u { rod_strands[s].scheme = EULER; }
         }
     }
 }

@@ -237,7 +237,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::grid::COUNT, "predicted[i].xyz)], 1u", "predicted[i].xyz)], 2u", PARTICLES),
     (&shaders::grid::TOTAL, "Row(entries,", "Row(entries + u32(row == 3u),", PARTICLES),
     (&shaders::grid::SCAN, "sums[lane] += before", "sums[lane] += before + vec2u(u32(lane == 9u))", PARTICLES),
-    (&shaders::grid::START, "running += cell_count[cell]", "running += cell_count[cell] + u32(cell == 9u)", PARTICLES),
+    (&shaders::grid::START, "running += counts.all", "running += counts.all + u32(x == 0u)", PARTICLES),
     (&shaders::grid::START, "min(first + LANES, end)", "min(first + LANES - 1u, end)", PARTICLES),
     (&shaders::grid::SCATTER, "[i]] = i", "[i]] = max(i, 1u)", PARTICLES),
     (&shaders::grid::ORDER, "scattered[e] < i", "scattered[e] > i", PARTICLES),

@@ -189,7 +189,12 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::turbulence::LOCATE, "f32(is_air(i))", "1.0", PUBLISHED),
     (&shaders::turbulence::WEIGH, "params.air_volume *", "0.99 * params.air_volume *", PARTICLES),
     (&shaders::turbulence::BAND, "3.0 - q", "2.9 - q", PUBLISHED),
-    (&shaders::turbulence::DEPOSIT, "sum_00 = sum_10", "sum_00 = sum_00", PARTICLES),
+    (
+        &shaders::turbulence::DEPOSIT,
+        "kept[1] += shown_by(given[1], 4u)",
+        "kept[1] += shown_by(given[0], 4u)",
+        PARTICLES,
+    ),
     (&shaders::turbulence::SMOOTH_X, "sum = next4(sum)", "sum = sum", PARTICLES),
     (&shaders::turbulence::SMOOTH_Y, "value.xyz, curve", "value.xyz, 1.01 * curve", PARTICLES),
     (&shaders::turbulence::SMOOTH_Z, "value.w * gauss", "0.99 * value.w * gauss", PARTICLES),

@@ -6,7 +6,13 @@ mod program;
 
 use std::{
     collections::HashMap,
-    sync::{Arc, Mutex, PoisonError},
+    num::NonZero,
+    panic::resume_unwind,
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicUsize, Ordering},
+    },
+    thread,
 };
 
 pub use adapter::{AdapterChoice, AdapterInfo, adapters};
@@ -51,6 +57,9 @@ pub struct Gpu {
 
 /// Pipelines by the names of their passes, and how the switches of each are set.
 type Pipelines = Arc<Mutex<HashMap<(&'static str, Vec<bool>), wgpu::ComputePipeline>>>;
+
+/// Which switches are on in a scene.
+type Switches<'a> = dyn Fn(Switch) -> bool + Sync + 'a;
 
 impl Gpu {
     /// Opens a device on the chosen adapter.
@@ -255,16 +264,11 @@ impl Gpu {
     }
 
     /// The pipeline of a pass, for a scene that says which switches are on, and whether this is its first use: it is made then.
-    fn pipeline(
-        &self,
-        pass: &'static Pass,
-        on: &dyn Fn(Switch) -> bool,
-    ) -> Result<(wgpu::ComputePipeline, bool), GpuError> {
+    fn pipeline(&self, pass: &'static Pass, on: &Switches<'_>) -> Result<(wgpu::ComputePipeline, bool), GpuError> {
         let key = (pass.name, pass.switches.iter().map(|switch| on(*switch)).collect());
         let own = self.sources.get(pass.name);
         let pipelines = if own.is_some() { &self.replaced } else { &self.pipelines };
-        let mut pipelines = pipelines.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(pipeline) = pipelines.get(&key) {
+        if let Some(pipeline) = pipelines.lock().unwrap_or_else(PoisonError::into_inner).get(&key) {
             return Ok((pipeline.clone(), false));
         }
         let constant = |switch: &Switch| (switch.name(), f64::from(u8::from(on(*switch))));
@@ -305,8 +309,24 @@ impl Gpu {
                 })
             },
         )?;
-        pipelines.insert(key, pipeline.clone());
+        pipelines.lock().unwrap_or_else(PoisonError::into_inner).insert(key, pipeline.clone());
         Ok((pipeline, true))
+    }
+
+    /// Makes the pipelines of some passes, several at once: the driver of a GPU may take a tenth of a second for each.
+    fn make_pipelines(&self, passes: &[&'static Pass], on: &Switches<'_>) -> Result<(), GpuError> {
+        let next = AtomicUsize::new(0);
+        let work = || {
+            while let Some(pass) = passes.get(next.fetch_add(1, Ordering::Relaxed)) {
+                self.pipeline(pass, on)?;
+            }
+            Ok(())
+        };
+        let threads = thread::available_parallelism().map_or(1, NonZero::get).min(passes.len());
+        thread::scope(|scope| {
+            let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+            workers.into_iter().try_for_each(|worker| worker.join().unwrap_or_else(|panic| resume_unwind(panic)))
+        })
     }
 
     /// What a binding adds to the layout of its pass.

@@ -7,11 +7,11 @@ use std::{
 
 pub(crate) use wgpu_profiler::chrometrace::write_chrometrace as write_trace;
 use wgpu_profiler::{GpuProfiler, GpuProfilerSettings, GpuTimerQueryResult};
-use windswept_shaders::{Switch, TEXTURE_ROW, Texture, Textures};
+use windswept_shaders::{TEXTURE_ROW, Texture, Textures};
 
 use crate::{
     error::GpuError,
-    gpu::{Gpu, Memory},
+    gpu::{Gpu, Memory, Switches},
     recorder::{Command, Recording},
     textures::{self, Reading},
 };
@@ -69,12 +69,13 @@ pub(crate) type Span = GpuTimerQueryResult;
 pub(crate) type Profile = BTreeMap<(&'static str, &'static str, Option<usize>), PassTime>;
 
 impl Program {
-    pub(crate) fn new(
-        gpu: &Gpu,
-        memory: &Memory,
-        recording: &Recording,
-        on: &dyn Fn(Switch) -> bool,
-    ) -> Result<Self, GpuError> {
+    pub(crate) fn new(gpu: &Gpu, memory: &Memory, recording: &Recording, on: &Switches<'_>) -> Result<Self, GpuError> {
+        if !gpu.compiles_late() {
+            let mut passes: Vec<_> = recording.running().map(|command| command.pass).collect();
+            passes.sort_unstable_by_key(|pass| pass.name);
+            passes.dedup_by_key(|pass| pass.name);
+            gpu.make_pipelines(&passes, on)?;
+        }
         let read = gpu.software_textures().map(|textures| textures::readings(recording, textures)).unwrap_or_default();
         let on_copies = |command: &Command| gpu.textures_of(command.pass) == Some(Textures::All);
         let running = recording.running().enumerate();
@@ -210,7 +211,7 @@ impl Dispatch {
         memory: &Memory,
         command: &Command,
         copied: impl Iterator<Item = &'a Reading>,
-        on: &dyn Fn(Switch) -> bool,
+        on: &Switches<'_>,
     ) -> Result<Self, GpuError> {
         let copies = copied.map(|Reading { array, texel, .. }| {
             let texture = memory.texture(gpu, array, *texel)?;

@@ -1,0 +1,99 @@
+// Who works for a strand, or for a row of cells.
+//
+// One invocation that walks along a strand waits for memory at each point, and a GPU has thousands more than there are strands: eight side
+// by side share the work, each with a stretch of the points. On a software adapter, which gains nothing by that, and where invocations
+// cannot ask one another, the first of the eight has it all.
+//
+// What one of them writes for all, it writes after it has asked the others for something: by then they have read what they need.
+import package::common::lanes::LANES;
+
+// Invocations that share the work, of the eight that there are.
+@if(subgroups && !software) const SHARE: u32 = LANES;
+@if(!subgroups || software) const SHARE: u32 = 1u;
+
+// Whose work an invocation shares.
+fn owner_of(invocation: u32) -> u32 {
+    return invocation / SHARE;
+}
+
+// Place of an invocation among those that share.
+fn worker_of(invocation: u32) -> u32 {
+    return invocation % SHARE;
+}
+
+// A worker's stretch of so many points.
+struct Stretch {
+    before: u32,   // the point before it, or the first point: where a walk begins that looks at segments
+    begin: u32,
+    end: u32,
+}
+
+fn stretch_of(points: u32, worker: u32) -> Stretch {
+    let length = (points + SHARE - 1u) / SHARE;
+    let begin = min(worker * length, points);
+    return Stretch(max(begin, 1u) - 1u, begin, min(begin + length, points));
+}
+
+// The sum, the largest, the least of what those that share have; whether any of them says yes.
+@if(subgroups && !software)
+fn sum_shared(own: vec4f) -> vec4f {
+    var sum = own;
+    sum += subgroupShuffleXor(sum, 1u);
+    sum += subgroupShuffleXor(sum, 2u);
+    return sum + subgroupShuffleXor(sum, 4u);
+}
+@if(!subgroups || software)
+fn sum_shared(own: vec4f) -> vec4f {
+    return own;
+}
+
+@if(subgroups && !software)
+fn largest_shared(own: f32) -> f32 {
+    var largest = own;
+    largest = max(largest, subgroupShuffleXor(largest, 1u));
+    largest = max(largest, subgroupShuffleXor(largest, 2u));
+    return max(largest, subgroupShuffleXor(largest, 4u));
+}
+@if(!subgroups || software)
+fn largest_shared(own: f32) -> f32 {
+    return own;
+}
+
+@if(subgroups && !software)
+fn least_shared(own: u32) -> u32 {
+    var least = own;
+    least = min(least, subgroupShuffleXor(least, 1u));
+    least = min(least, subgroupShuffleXor(least, 2u));
+    return min(least, subgroupShuffleXor(least, 4u));
+}
+@if(!subgroups || software)
+fn least_shared(own: u32) -> u32 {
+    return own;
+}
+
+@if(subgroups && !software)
+fn any_shared(own: bool) -> bool {
+    return least_shared(u32(!own)) == 0u;
+}
+@if(!subgroups || software)
+fn any_shared(own: bool) -> bool {
+    return own;
+}
+
+// Counts of those that share, added up: of the workers before this one, and of all.
+struct Added { before: u32, all: u32 }
+
+@if(subgroups && !software)
+fn added(own: u32, worker: u32) -> Added {
+    var sums = Added(0u, own);
+    for (var reach = 1u; reach < SHARE; reach *= 2u) {
+        let beside = subgroupShuffleXor(sums.all, reach);
+        sums.before += select(0u, beside, (worker & reach) != 0u);
+        sums.all += beside;
+    }
+    return sums;
+}
+@if(!subgroups || software)
+fn added(own: u32, worker: u32) -> Added {
+    return Added(0u, own);
+}
