@@ -8,7 +8,7 @@ import package::common::{
     params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, cells::{wrap, home_of, box_bucket},
     page::of_page, list::{BATCHES, NOBODY, NONE, IMAGE_BITS, FRAME_BITS, FAR, elements_of, heads},
     lanes::{
-        Near, LANES, lane_of, show, shown_by, keep, kept, first_of_eight, settle, joined, votes, turned, bits_of_all, largest_of_all,
+        Near, LANES, lane_of, show, shown_by, keep, kept, first_of_eight, first_in_subgroup, settle, joined, votes, turned, bits_of_all, largest_of_all,
         largest_in_workgroup,
     },
     status::{status, freeze, NEIGHBOUR_OVERFLOW},
@@ -97,6 +97,14 @@ fn note(turn: u32, row: u32, first: u32, along: vec3i, bucket: u32, air: bool) {
 }
 
 // The stretch of a number.
+@if(!software)
+fn stretch(kind: u32, which: u32) -> vec2u {
+    let turn = turn_of(which);
+    let row = which - ROWS * turn;
+    let last = row == LANES;
+    return kept(TURNS * kind + turn + select(0u, LAST, last), select(row, lane, last));
+}
+@if(software)
 fn stretch(kind: u32, which: u32) -> vec2u {
     let turn = turn_of(which);
     let row = which - ROWS * turn;
@@ -105,6 +113,7 @@ fn stretch(kind: u32, which: u32) -> vec2u {
     return select(near, last, row == LANES);
 }
 
+@if(software)
 fn kept_in(turn: u32, first: u32, by: u32) -> vec2u {
     let near = select(kept(first, by), kept(first + 1u, by), turn == 1u);
     return select(near, kept(first + 2u, by), turn == 2u);
@@ -254,8 +263,8 @@ fn main(
 ) {
     local = index;
     lane = lane_of(local);
-    @if(subgroups) first_of_eight = in_subgroup - lane;
-    @if(!subgroups) first_of_eight = local - lane;
+    first_of_eight = local - lane;
+    @if(subgroups) first_in_subgroup = in_subgroup - lane;
     reach = params.kernel_radius * params.kernel_radius;
     let place = invocation(id, groups);
     let c = of_page(place) / LANES;
