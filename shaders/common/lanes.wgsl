@@ -61,31 +61,29 @@ fn shown_by(other: u32) -> Near {
 // What each of the eight keeps for the others, by number.
 const KEPT: u32 = 12u;
 
-// Numbers of the first of the eight, in the workgroup and in the subgroup. A pass sets them before it asks for what is kept, or for votes.
-var<private> first_of_eight: u32;
-var<private> first_in_subgroup: u32;   // 0 where there are none
+var<private> first_of_eight: u32;   // its number in the subgroup, or in the workgroup; a pass sets it before it asks for what is kept
 
-@if(software) var<private> keeps: array<vec2u, KEPT>;
-@if(!software) var<workgroup> all_keeps: array<array<vec2u, WORKGROUP>, KEPT>;
+@if(subgroups) var<private> keeps: array<vec2u, KEPT>;
+@if(!subgroups) var<workgroup> all_keeps: array<array<vec2u, KEPT>, WORKGROUP>;
 
-// Keeps a value, by a number: on software adapters a constant. All eight keep theirs before any asks for one, and `settle` in between.
-@if(software)
+// Keeps a value, by a number that is a constant. All eight keep theirs before any asks for one, and `settle` in between.
+@if(subgroups)
 fn keep(local: u32, number: u32, value: vec2u) {
     keeps[number] = value;
 }
-@if(!software)
+@if(!subgroups)
 fn keep(local: u32, number: u32, value: vec2u) {
-    all_keeps[number][local] = value;
+    all_keeps[local][number] = value;
 }
 
 // What one of the eight keeps. Every invocation of the workgroup asks, from the same place.
-@if(software)
+@if(subgroups)
 fn kept(number: u32, lane: u32) -> vec2u {
-    return subgroupShuffle(keeps[number], first_in_subgroup + lane);
+    return subgroupShuffle(keeps[number], first_of_eight + lane);
 }
-@if(!software)
+@if(!subgroups)
 fn kept(number: u32, lane: u32) -> vec2u {
-    return all_keeps[number][first_of_eight + lane];
+    return all_keeps[first_of_eight + lane][number];
 }
 
 // What any of the eight has written to the workgroup's memory is there for the other seven afterwards. Every invocation of the workgroup
@@ -117,11 +115,6 @@ fn joined(local: u32, own: u32) -> u32 {
 }
 
 // A bit for each of the eight: whether it says yes.
-@if(subgroups && !software)
-fn votes(local: u32, yes: bool) -> u32 {
-    return (subgroupBallot(yes)[first_in_subgroup / 32u] >> (first_in_subgroup % 32u)) & 255u;
-}
-@if(!subgroups || software)
 fn votes(local: u32, yes: bool) -> u32 {
     return joined(local, u32(yes) << lane_of(local));
 }

@@ -8,7 +8,7 @@ import package::common::{
     params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, cells::{wrap, home_of, box_bucket},
     page::of_page, list::{BATCHES, NOBODY, NONE, IMAGE_BITS, FRAME_BITS, FAR, elements_of, heads},
     lanes::{
-        Near, LANES, lane_of, show, shown_by, keep, kept, first_of_eight, first_in_subgroup, settle, joined, votes, turned, bits_of_all, largest_of_all,
+        Near, LANES, lane_of, show, shown_by, keep, kept, first_of_eight, settle, joined, votes, turned, bits_of_all, largest_of_all,
         largest_in_workgroup,
     },
     status::{status, freeze, NEIGHBOUR_OVERFLOW},
@@ -97,14 +97,6 @@ fn note(turn: u32, row: u32, first: u32, along: vec3i, bucket: u32, air: bool) {
 }
 
 // The stretch of a number.
-@if(!software)
-fn stretch(kind: u32, which: u32) -> vec2u {
-    let turn = turn_of(which);
-    let row = which - ROWS * turn;
-    let last = row == LANES;
-    return kept(TURNS * kind + turn + select(0u, LAST, last), select(row, lane, last));
-}
-@if(software)
 fn stretch(kind: u32, which: u32) -> vec2u {
     let turn = turn_of(which);
     let row = which - ROWS * turn;
@@ -113,7 +105,6 @@ fn stretch(kind: u32, which: u32) -> vec2u {
     return select(near, last, row == LANES);
 }
 
-@if(software)
 fn kept_in(turn: u32, first: u32, by: u32) -> vec2u {
     let near = select(kept(first, by), kept(first + 1u, by), turn == 1u);
     return select(near, kept(first + 2u, by), turn == 2u);
@@ -166,6 +157,11 @@ fn fill(ends: bool) {
     take(0u, ends && over > 0u && lane >= over);
 }
 
+// Where the particle of an entry is, or of any one from the end of its stretch on.
+fn position_of(entry: u32, end: u32) -> vec3f {
+    return sorted_position[select(0u, entry, entry < end)].xyz;
+}
+
 // Looks for particles of a kind.
 fn search(home: vec3i, kind: u32, periodic: bool) {
     var left = bits_of_all(local, select(full.x, full.y, kind == OTHER));
@@ -180,9 +176,13 @@ fn search(home: vec3i, kind: u32, periodic: bool) {
         // Nobody is its own neighbour; an image of it may be.
         let itself = select(members_of, vec2u(0u), any(turns != vec3i(0)));
         var e = near.x + lane;
+        // A GPU reads the next batch while it looks at this one.
+        @if(!software) var coming = position_of(e, near.y);
         for (var b = 0u; b < batches; b++) {
             let there = e < near.y;
-            let at = sorted_position[select(0u, e, there)].xyz + image;
+            @if(software) let at = position_of(e, near.y) + image;
+            @if(!software) let at = coming + image;
+            @if(!software) coming = position_of(e + LANES, near.y);
             var mask = select(0u, met_by(at), there);
             mask &= select(0xffffffffu, ~(1u << (e - itself.x)), e >= itself.x && e < itself.y);
             take(mask | ((e - near.x) << PLACE_BITS) | (which << STRETCH_BITS), mask != 0u);
@@ -263,8 +263,8 @@ fn main(
 ) {
     local = index;
     lane = lane_of(local);
-    first_of_eight = local - lane;
-    @if(subgroups) first_in_subgroup = in_subgroup - lane;
+    @if(subgroups) first_of_eight = in_subgroup - lane;
+    @if(!subgroups) first_of_eight = local - lane;
     reach = params.kernel_radius * params.kernel_radius;
     let place = invocation(id, groups);
     let c = of_page(place) / LANES;

@@ -184,6 +184,20 @@ struct Eliminated {
                          // a strand that falls as it is has no residual
 }
 
+// What elimination reads for a block: the segment, and the point at its end.
+struct Due {
+    ahead: Node,
+    segment: Segment,
+    now: RodSegment,
+}
+
+// For block k; for one beyond the last that of the last.
+fn due_of(strand: Strand, k: u32) -> Due {
+    let last = strand.points - 1u;
+    let j = strand.first_segment + min(k, last - 1u);
+    return Due(node(strand.first_point + min(k + 1u, last)), segments[j], rod_segments[j]);
+}
+
 // Root to tip: D^-1 and y of every block. Block k, of joint and segment k, is due when joint and link k + 1 are known; that of the
 // tip's joint, which no segment follows, is the last, and the first is one of nothing. Everything stands here once: drivers take
 // long to compile what is written out twice, as they inline all functions. They also take long over branches, and over what the loop
@@ -204,11 +218,15 @@ fn eliminate(strand: Strand, rod: RodStrand) -> Eliminated {
     var tip_change = vec3f(0.0);
     var unrest = 0.0;
     let last = strand.points - 1u;
+    // A GPU reads the next block while it eliminates this one.
+    @if(!software) var coming = due_of(strand, 0u);
     for (var next = 0u; next <= strand.points; next++) {
-        let ahead = node(strand.first_point + min(next + 1u, last));
-        let j = strand.first_segment + min(next, last - 1u);
-        let segment = segments[j];
-        let now = rod_segments[j];
+        @if(software) let due = due_of(strand, next);
+        @if(!software) let due = coming;
+        @if(!software) coming = due_of(strand, next + 1u);
+        let ahead = due.ahead;
+        let segment = due.segment;
+        let now = due.now;
         let joint_after = joint(strand, rod, next, frame, segment, now);
         let after = link(segment, now, rod.scheme, end.travel, ahead.travel, next < last);
         frame = now.frame;

@@ -29,30 +29,13 @@ var<private> far_own: Four;     // positions of the lane's other four particles 
 var<private> near_sum: Four;
 var<private> far_sum: Four;
 
-// The exponential function, of numbers from -80 to 0: within two units in the last place, where a driver's own may be off by twenty. The
-// band is a small difference of large sums.
-fn exponential(x: vec4f) -> vec4f {
-    let twos = round(x * 1.442695041);
-    // ln 2 in two parts, of which the first has few digits.
-    let r = fma(twos, vec4f(-1.428606765e-6), fma(twos, vec4f(-0.693145751953125), x));
-    var sum = vec4f(1.0 / 5040.0);
-    sum = fma(sum, r, vec4f(1.0 / 720.0));
-    sum = fma(sum, r, vec4f(1.0 / 120.0));
-    sum = fma(sum, r, vec4f(1.0 / 24.0));
-    sum = fma(sum, r, vec4f(1.0 / 6.0));
-    sum = fma(sum, r, vec4f(0.5));
-    sum = fma(sum, r, vec4f(1.0));
-    sum = fma(sum, r, vec4f(1.0));
-    return bitcast<vec4f>(bitcast<vec4i>(sum) + (vec4i(twos) << vec4u(23u)));
-}
-
 fn hat(own: Four, other: vec3f) -> vec4f {
     let x = own.x - other.x;
     let y = own.y - other.y;
     let z = own.z - other.z;
     let squared = x * x + y * y + z * z;
     let q = squared * (1.0 / (band.scale * band.scale));
-    return select(vec4f(0.0), (3.0 - q) * exponential(-0.5 * q), squared <= vec4f(band.reach * band.reach));
+    return select(vec4f(0.0), (3.0 - q) * exp(-0.5 * q), squared <= vec4f(band.reach * band.reach));
 }
 
 fn add(e: u32, image: vec3f) {
