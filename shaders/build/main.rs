@@ -18,7 +18,7 @@ use std::{
 };
 
 use naga::{
-    AddressSpace, Module,
+    AddressSpace, Expression, Literal, Module,
     valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
 };
 
@@ -92,8 +92,9 @@ fn build() -> Result<()> {
         }
         let plain = link(&root, &name, &[])?;
         let mut other = None;
+        let mut shares = Shares::of(&module);
         if plain != text {
-            validate(&name, &plain)?;
+            shares.without_subgroups = share(&validate(&name, &plain)?.0);
             let target = format!("{}_plain.wgsl", name.replace('/', "_"));
             fs::write(out.join(&target), &plain)?;
             other = Some(target);
@@ -102,6 +103,7 @@ fn build() -> Result<()> {
         for textures in Textures::BOTH {
             let linked = link(&root, &name, textures.features())?;
             let (module, info) = validate(&name, &linked)?;
+            shares.in_software = share(&module);
             let (text, places) = software::text_for_software(textures, &name, &linked, &module, &info, &mut elsewhere)
                 .map_err(|error| format!("shaders/{name}.wgsl: for software adapters: {error}"))?;
             validate(&name, &text)?;
@@ -109,11 +111,34 @@ fn build() -> Result<()> {
             fs::write(out.join(&target), &text)?;
             software.push((target, places));
         }
-        table.pass(source, &target, other.as_deref(), &software, &module, &info)?;
+        table.pass(source, &target, other.as_deref(), &software, shares, &module, &info)?;
     }
     software::all_found(&elsewhere)?;
     fs::write(out.join("shaders.rs"), table.write(&sources, &structs)?)?;
     Ok(())
+}
+
+/// How many invocations share the work of one in the texts of a pass: the constant `SHARE` of each.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shares {
+    pub(crate) with_subgroups: u32,
+    pub(crate) without_subgroups: u32,
+    pub(crate) in_software: u32,
+}
+
+impl Shares {
+    fn of(module: &Module) -> Self {
+        let share = share(module);
+        Self { with_subgroups: share, without_subgroups: share, in_software: share }
+    }
+}
+
+fn share(module: &Module) -> u32 {
+    let of_name = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some("SHARE"));
+    match of_name.map(|(_, constant)| &module.global_expressions[constant.init]) {
+        Some(Expression::Literal(Literal::U32(share))) => *share,
+        _ => 1,
+    }
 }
 
 /// The WGSL files of a folder, by name.

@@ -8,7 +8,7 @@ use naga::{
 };
 
 use crate::{
-    Result,
+    Result, Shares,
     layout::{Field, Kind, Structs},
     operations::{Operations, operations},
     software::Place,
@@ -35,6 +35,7 @@ impl Table {
         target: &str,
         plain: Option<&str>,
         software: &[(String, BTreeMap<u32, Place>)],
+        shares: Shares,
         module: &Module,
         info: &ModuleInfo,
     ) -> Result<()> {
@@ -106,6 +107,11 @@ impl Table {
         writeln!(text, "{}pub static {constant}: Pass = Pass {{", doc(&source.title))?;
         writeln!(text, "name: {name:?}, workgroup: {workgroup}, switches: &[{switches}], source: {},", file(target))?;
         writeln!(text, "source_without_subgroups: {plain}, sources_for_software: [{}],", for_software.join(", "))?;
+        let Shares { with_subgroups, without_subgroups, in_software } = shares;
+        writeln!(
+            text,
+            "shares: Shares {{ with_subgroups: {with_subgroups}, without_subgroups: {without_subgroups}, in_software: {in_software} }},"
+        )?;
         let Operations { invocation, own_batch, other_batch, more } = operations(module, info);
         writeln!(
             text,
@@ -159,7 +165,7 @@ impl Table {
                     if folder == "pictures" {
                         "Picture"
                     } else {
-                        "{Binding, BufferKind, InSoftware, Operations, Pass, Texture}"
+                        "{Binding, BufferKind, InSoftware, Operations, Pass, Shares, Texture}"
                     }
                 )?;
             }

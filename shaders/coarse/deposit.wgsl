@@ -1,12 +1,15 @@
-// Carries the divergence of air to the nodes of the coarse grid, r, from the cells of the neighbour search. A workgroup makes a block of
-// nodes: there are few blocks, and thousands of particles reach each.
+// Carries the divergence of air to the nodes of the coarse grid, r, from the cells of the neighbour search. Many lanes share a block of
+// nodes: there are few blocks, and thousands of particles reach each. A software adapter is busy with fewer.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::node_index,
     deposit::{mesh, block_of, deposit, Part, BLOCK},
 };
 
-const ALONG: u32 = 8u;    // lanes that share a run of cells
-const NODES: u32 = 16u;   // of a block
+@if(software) const SHARE: u32 = 16u;   // lanes that share a block,
+@if(!software) const SHARE: u32 = 64u;
+@if(software) const ALONG: u32 = 16u;   // and that share a row of cells
+@if(!software) const ALONG: u32 = 8u;
+const NODES: u32 = 16u;                 // of a block
 
 @group(0) @binding(4) var<storage, read>       brought: array<vec4f>;   // xyz: place in spacings; w: s [1/s], from `source`
 @group(0) @binding(5) var<storage, read_write> coarse:  array<f32>;     // r [1/s]
@@ -40,19 +43,21 @@ fn main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let nodes = mesh.nodes;
-    let block = block_of(invocation(id, groups) / WORKGROUP);
-    if (block.z < nodes.z) & !frozen() { deposit(block, params.cells, Part(lane / ALONG, WORKGROUP / ALONG, lane % ALONG, ALONG)); }
+    let block = block_of(invocation(id, groups) / SHARE);
+    let part = lane % SHARE;
+    if (block.z < nodes.z) & !frozen() { deposit(block, params.cells, Part(part / ALONG, SHARE / ALONG, part % ALONG, ALONG)); }
     sums[4u * lane] = sum_00;
     sums[4u * lane + 1u] = sum_10;
     sums[4u * lane + 2u] = sum_01;
     sums[4u * lane + 3u] = sum_11;
     workgroupBarrier();
     // The first lanes add up a node each.
-    let along = i32(lane) % BLOCK.x;
-    let row = i32(lane) / BLOCK.x;
+    let along = i32(part) % BLOCK.x;
+    let row = i32(part) / BLOCK.x;
     let node = block + vec3i(along, row % BLOCK.y, row / BLOCK.y);
-    if (lane >= NODES) | any(node >= nodes) | frozen() { return; }
+    if (part >= NODES) | any(node >= nodes) | frozen() { return; }
     var sum = 0.0;
-    for (var other = 0u; other < WORKGROUP; other++) { sum += sums[4u * other + lane / 4u][lane % 4u]; }
+    let first = lane - part;
+    for (var other = first; other < first + SHARE; other++) { sum += sums[4u * other + part / 4u][part % 4u]; }
     coarse[node_index(node, nodes)] = sum;
 }

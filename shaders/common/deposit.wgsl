@@ -22,21 +22,16 @@ fn block_of(number: u32) -> vec3i {
     return BLOCK * vec3i(i32(number) - row * blocks.x, row - layer * blocks.y, layer);
 }
 
-// What one of the lanes that share a block takes of it: of the runs of cells every `apart`th from its own on, and of their particles too.
+// What one of the lanes that share a block takes of it: every `rows_apart`th row of cells from its own on, and of a row's particles every
+// `particles_apart`th.
 struct Part {
-    run: u32,
-    runs_apart: u32,
+    row: u32,
+    rows_apart: u32,
     particle: u32,
     particles_apart: u32,
 }
 
-// How many boxes, or rows, or runs of so many cells there are before this one. In floats: drivers take long to divide integers.
-fn whole(cell: i32, per_cell: f32) -> i32 {
-    return i32(floor((f32(cell) + 0.5) * per_cell));
-}
-
-// Adds what reaches a block of a lane's part. There are `cells` in the box along each axis. A row of cells is read in runs that end where
-// the box repeats.
+// Adds a lane's part of the particles that reach a block. There are `cells` in the box along each axis.
 fn deposit(block: vec3i, cells: vec3i, part: Part) {
     let nodes = mesh.nodes;
     let window = window_of(mesh.order);
@@ -44,32 +39,51 @@ fn deposit(block: vec3i, cells: vec3i, part: Part) {
     let first = vec3i(floor((vec3f(block) - window.half) * scale));
     let last = vec3i(ceil((vec3f(block + BLOCK - 1) + window.half) * scale));   // the end: the cell before it still reaches a node
 
-    let per_box = 1.0 / vec3f(cells);
-    let first_image = whole(first.x, per_box.x);
-    let runs = whole(last.x - 1, per_box.x) + 1 - first_image;   // of a row
-    let rows = last.yz - first.yz;
-    let per_row = 1.0 / f32(runs);
-    let per_layer = 1.0 / f32(rows.x);
-    var run = i32(part.run);
-    // One loop over the particles of all runs: a run may have few, and with a loop each all lanes would wait for the fullest of theirs.
-    var seen = vec3f(0.0);   // the block's first node, from the image of the box that the run is in
+    // The next cell to read, in the box and counted from the first, and the block's first node as seen from its image of the box.
+    let image = vec3i(floor(vec3f(first) / vec3f(cells)));
+    let home = first - image * cells;
+    let start = block - image * nodes;
+    var cell = home;
+    var corner = start;
+    var place = first;
+    var rows_left = part.row;   // until the next one of the lane's
+    // One loop over the particles of all rows: a row may have few, and with a loop each all lanes would wait for the fullest of theirs.
+    var seen = vec3f(0.0);
     var e = 0u;
     var end = 0u;
     loop {
         if e >= end {
-            if run >= runs * rows.x * rows.y { break; }
-            let row = whole(run, per_row);
-            let layer = whole(row, per_layer);
-            let y = first.y + row - layer * rows.x;
-            let z = first.z + layer;
-            let image = vec3i(first_image + run - row * runs, whole(y, per_box.y), whole(z, per_box.z));
-            let home = vec3i(first.x, y, z) - image * cells;
-            let begin = node_index(vec3i(max(home.x, 0), home.yz), cells);
-            let length = min(last.x - image.x * cells.x, cells.x) - max(home.x, 0);
-            e = cell_start[begin] + part.particle;
-            end = cell_start[begin + u32(length)];
-            seen = vec3f(block - image * nodes);
-            run += i32(part.runs_apart);
+            if place.z == last.z { break; }
+            // A row is read in runs of cells that end where the box repeats.
+            let run = min(last.x - place.x, cells.x - cell.x);
+            let begin = node_index(cell, cells);
+            if rows_left == 0u {
+                e = cell_start[begin] + part.particle;
+                end = cell_start[begin + u32(run)];
+                seen = vec3f(corner);
+            }
+            place.x += run;
+            cell.x = 0;
+            corner.x -= nodes.x;
+            if place.x == last.x {
+                rows_left = select(rows_left, part.rows_apart, rows_left == 0u) - 1u;
+                place = vec3i(first.x, place.y + 1, place.z);
+                cell = vec3i(home.x, cell.y + 1, cell.z);
+                corner.x = start.x;
+                if cell.y == cells.y {
+                    cell.y = 0;
+                    corner.y -= nodes.y;
+                }
+            }
+            if place.y == last.y {
+                place = vec3i(first.x, first.y, place.z + 1);
+                cell = vec3i(home.xy, cell.z + 1);
+                corner = vec3i(start.xy, corner.z);
+                if cell.z == cells.z {
+                    cell.z = 0;
+                    corner.z -= nodes.z;
+                }
+            }
         }
         if e < end {
             let t = bring(e) - seen;

@@ -44,10 +44,24 @@ pub struct Pass {
     pub switches: &'static [Switch],
     /// Invocations per workgroup.
     pub workgroup: u32,
+    /// Invocations that share the work of one.
+    pub shares: Shares,
     /// Operations of an invocation of `source`.
     pub operations: Operations,
     /// Buffers that the pass binds, in the order of their numbers, all in group 0.
     pub bindings: &'static [Binding],
+}
+
+/// How many invocations share the work of one that a step asks for, in each text of a pass: that for a strand, a row of cells or a block of
+/// nodes (`shaders/common/share.wgsl`). 1 in most.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shares {
+    /// In [`Pass::source`].
+    pub with_subgroups: u32,
+    /// In [`Pass::source_without_subgroups`].
+    pub without_subgroups: u32,
+    /// In [`Pass::sources_for_software`].
+    pub in_software: u32,
 }
 
 /// Operations on floats of an invocation of a pass: additions, multiplications, divisions, comparisons, roots and other functions, per

@@ -247,10 +247,15 @@ fn software_texts_change_no_bit() {
     assert!(software.contains(&gpu.texts()), "{:?} runs {:?}", gpu.info(), gpu.texts());
     let [all_textures, gathered, shared] =
         [software[0], software[1], PassTexts::Subgroups].map(|texts| with_texts(&gpu, texts));
-    let shares =
-        |pass: &&'static Pass| pass.source.contains("const SHARE: u32") && pass.source_without_subgroups.is_some();
-    let alone = |pass: &'static Pass| Some((pass.name, pass.source_without_subgroups?.to_owned()));
-    let buffers = with_sources(&shared, PASSES.into_iter().filter(shares).filter_map(alone));
+    let shares = |pass: &&'static Pass| pass.shares.with_subgroups != pass.shares.in_software;
+    let as_in_software = |pass: &'static Pass| {
+        let text = pass.source_without_subgroups.unwrap_or(pass.source);
+        // As many lanes, and all of them along a row.
+        let lanes = format!(": u32 = {}u", pass.shares.in_software);
+        let text = text.replace("SHARE: u32 = 64u", &format!("SHARE{lanes}"));
+        (pass.name, text.replace("ALONG: u32 = 8u", &format!("ALONG{lanes}")))
+    };
+    let buffers = with_sources(&shared, PASSES.into_iter().filter(shares).map(as_in_software));
     let all = [PUBLISHED, PARTICLES, DRAG, CROWDED, DIVERGENCE, PRESSED_HAIR, BODIES, FIELDS, NEWTON];
     let run: Vec<_> = all.iter().flat_map(|sets| plan(&small(sets)).unwrap()).filter(|row| row.runs > 0).collect();
     for pass in PASSES {

@@ -1,7 +1,7 @@
 //! The coarse grid of the pressure as the shaders see it (`shaders/common/mesh.wgsl`).
 
 use windswept_scene::InitialState;
-use windswept_shaders::common::{deposit::BLOCK, dispatch::WORKGROUP, mesh::Mesh};
+use windswept_shaders::common::{deposit::BLOCK, mesh::Mesh};
 
 /// Distance of the nodes \[particle spacings\], rounded so that the box is a whole number of them: 2 to 4 do as well.
 const SPACING: f64 = 3.0;
@@ -37,11 +37,10 @@ impl Coarse {
         product(self.uniforms[0].nodes.map(|n| n as u32))
     }
 
-    /// Invocations of the deposit, a workgroup for each block of nodes.
-    pub(crate) fn depositors(&self) -> u32 {
+    /// Blocks of nodes of the deposit.
+    pub(crate) fn blocks(&self) -> u32 {
         let nodes = self.uniforms[0].nodes;
-        let blocks = product([0, 1, 2].map(|axis| (nodes[axis] as u32).div_ceil(BLOCK[axis] as u32)));
-        blocks.saturating_mul(WORKGROUP)
+        product([0, 1, 2].map(|axis| (nodes[axis] as u32).div_ceil(BLOCK[axis] as u32)))
     }
 }
 

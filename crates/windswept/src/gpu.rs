@@ -191,6 +191,16 @@ impl Gpu {
         })
     }
 
+    /// How many invocations share the work of one that a step asks for, in the text of a pass that runs.
+    pub(crate) fn share(&self, pass: &Pass) -> u32 {
+        match self.texts {
+            _ if self.sources.contains_key(pass.name) => pass.shares.with_subgroups,
+            PassTexts::Subgroups => pass.shares.with_subgroups,
+            PassTexts::Workgroup => pass.shares.without_subgroups,
+            PassTexts::Software | PassTexts::SoftwareAvx512 => pass.shares.in_software,
+        }
+    }
+
     /// The device, for drawing beside the engine.
     #[must_use]
     pub fn device(&self) -> &wgpu::Device {

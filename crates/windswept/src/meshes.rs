@@ -18,7 +18,7 @@ pub(crate) struct OnMesh {
     pub(crate) band: usize,
     /// Index of the band's grid.
     pub(crate) grid: usize,
-    /// Invocations of the deposit that comes before the band; `None` if the band before has filled the same grid.
+    /// Blocks of nodes of the deposit that comes before the band; `None` if the band before has filled the same grid.
     pub(crate) deposit: Option<u32>,
     /// Index of the first of the band's three elements, one per axis.
     pub(crate) first: usize,

@@ -84,8 +84,8 @@ pub struct Plan {
     pub coarse: Decision,
     /// Elements of `mesh` with the coarse grid, one per axis.
     pub coarse_axes: [Index<Mesh>; 3],
-    /// Invocations of the deposit on the coarse grid.
-    pub coarse_depositors: u32,
+    /// Blocks of nodes of the deposit on the coarse grid.
+    pub coarse_blocks: u32,
     /// Whether density is needed although the constraint is not solved.
     pub density_alone: Decision,
     /// Whether air or the mean wind drags segments.
@@ -133,7 +133,7 @@ pub struct BandPlan {
     pub cells: Index<Params>,
     /// Whether the band fills a grid of its own; close bands share one.
     pub deposit: Decision,
-    /// Invocations of the deposit.
+    /// Blocks of nodes of the deposit.
     pub blocks: u32,
     /// How air is sorted into the cells of its grid.
     pub sort: Sort,
@@ -237,7 +237,7 @@ impl Plan {
             coarse,
             coarse_axes: [0, 1, 2]
                 .map(|axis| Index::new(setup.coarse.as_ref().map_or(0, |coarse| coarse.first) + axis)),
-            coarse_depositors: setup.coarse.as_ref().map_or(0, Coarse::depositors),
+            coarse_blocks: setup.coarse.as_ref().map_or(0, Coarse::blocks),
             density_alone,
             friction,
             exchange: hair_meets_air.and(Decision::when(two_way, "only interaction.model two-way exchanges drag")),

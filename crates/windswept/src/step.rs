@@ -10,8 +10,6 @@ pub mod turbulence;
 pub mod velocity;
 pub mod viscosity;
 
-use windswept_shaders::common::lanes::LANES;
-
 use crate::{
     plan::Plan,
     recorder::{Recorder, Recording},
@@ -20,11 +18,6 @@ use crate::{
 
 /// Invocations of a pass that is one workgroup: any number up to its size.
 const ONE_WORKGROUP: u32 = 1;
-
-/// Invocations of a pass whose strands, or rows of cells, have eight each that may share the work (`shaders/common/share.wgsl`).
-fn shared(owners: u32) -> u32 {
-    owners * LANES
-}
 
 /// Records one step.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {

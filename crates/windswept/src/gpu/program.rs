@@ -244,7 +244,7 @@ impl Dispatch {
             },
         )?;
         let row = gpu.device.limits().max_compute_workgroups_per_dimension;
-        let workgroups = command.invocations.div_ceil(command.pass.workgroup);
+        let workgroups = command.invocations.saturating_mul(gpu.share(command.pass)).div_ceil(command.pass.workgroup);
         // More workgroups than a dimension holds fold into rows (`shaders/common/dispatch.wgsl`).
         let rows = workgroups.div_ceil(row).max(1);
         let dispatch = Self {

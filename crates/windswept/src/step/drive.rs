@@ -2,11 +2,7 @@
 
 use windswept_shaders::{common::reduce::TERMS, fluid, force, rods, sums, wind};
 
-use crate::{
-    plan::Plan,
-    recorder::Recorder,
-    step::{ONE_WORKGROUP, shared},
-};
+use crate::{plan::Plan, recorder::Recorder, step::ONE_WORKGROUP};
 
 /// Records the passes of this heading.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
@@ -21,7 +17,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         });
     });
     r.when(&plan.hair, |r| {
-        r.run(&rods::INSPECT, "is each strand sound", shared(n.strands));
+        r.run(&rods::INSPECT, "is each strand sound", n.strands);
         r.when(&plan.reset, |r| {
             r.run(&rods::RESET, "a strand that is not starts from rest", n.strands);
         });

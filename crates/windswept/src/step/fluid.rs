@@ -85,7 +85,7 @@ fn on_coarse_grid(r: &mut Recorder<'_>, plan: &Plan) {
     let pairs: [[&AnyArray; 2]; 2] = [[&s.coarse, &s.coarse_waves], [&s.coarse_waves, &s.coarse]];
     divergence(r, plan, Index::new(0));
     r.run(&coarse::SOURCE, "divergence that air brings", n.air()).bind("mesh", &mesh);
-    r.run(&coarse::DEPOSIT, "divergence onto the coarse grid", plan.coarse_depositors).bind("mesh", &mesh);
+    r.run(&coarse::DEPOSIT, "divergence onto the coarse grid", plan.coarse_blocks).bind("mesh", &mesh);
     for (axis, pair) in plan.coarse_axes.into_iter().zip(pairs.iter().cycle()) {
         wave(r, plan, "waves along an axis", axis, *pair);
     }

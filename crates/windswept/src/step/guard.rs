@@ -2,7 +2,7 @@
 
 use windswept_shaders::guard;
 
-use crate::{plan::Plan, recorder::Recorder, step::shared};
+use crate::{plan::Plan, recorder::Recorder};
 
 /// Records the passes of this heading.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
@@ -10,8 +10,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     let n = &plan.sizes;
     let velocity = plan.final_velocity(r.state());
     r.when(&plan.hair, |r| {
-        r.run(&guard::HOLD, "strands that are not finite stand still", shared(n.strands))
-            .bind("final_velocity", &velocity);
+        r.run(&guard::HOLD, "strands that are not finite stand still", n.strands).bind("final_velocity", &velocity);
     });
     r.run(&guard::CHECK, "is all finite", n.particles).bind("final_velocity", &velocity);
     r.when(&plan.hair, |r| {

@@ -9,7 +9,7 @@ use crate::{
     array::{AnyArray, Index},
     plan::Plan,
     recorder::Recorder,
-    step::{ONE_WORKGROUP, shared},
+    step::ONE_WORKGROUP,
 };
 
 /// A counting sort: of how many particles, into how many cells.
@@ -53,9 +53,9 @@ pub(crate) fn sort(r: &mut Recorder<'_>, cells: Index<Params>, sort: &Sort, sort
     let params = &r.state().params.at(cells);
     r.run(&grid::CLEAR, "empty the cells", sort.buckets.div_ceil(CELLS).max(sort.clusters)).bind("params", params);
     r.run(&grid::COUNT, "count particles per cell", sort.particles).bind("params", params);
-    r.run(&grid::TOTAL, "count particles per row of cells", shared(sort.rows)).bind("params", params);
+    r.run(&grid::TOTAL, "count particles per row of cells", sort.rows).bind("params", params);
     r.run(&grid::SCAN, "first entry of each row", ONE_WORKGROUP).bind("params", params);
-    r.run(&grid::START, "first entry of each cell", shared(sort.rows)).bind("params", params);
+    r.run(&grid::START, "first entry of each cell", sort.rows).bind("params", params);
     r.run(&grid::SCATTER, "particles into cells", sort.particles).bind("params", params);
     r.run(&grid::ORDER, "order within cells", sort.particles).bind("params", params).bind("sorted", sorted);
 }

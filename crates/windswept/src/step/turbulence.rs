@@ -6,7 +6,7 @@ use crate::{
     array::AnyArray,
     plan::{BandPlan, Plan},
     recorder::Recorder,
-    step::{ONE_WORKGROUP, neighbours, shared},
+    step::{ONE_WORKGROUP, neighbours},
 };
 
 /// Records the passes of this heading.
@@ -80,7 +80,7 @@ fn grid(r: &mut Recorder<'_>, plan: &Plan, band: &BandPlan) {
         r.run(&turbulence::WEIGH, "what the filter sums", plan.sizes.air())
             .bind("params", &params)
             .bind("sorted", &s.flow_sorted);
-        r.run(&turbulence::DEPOSIT, "air onto the filter's grid", shared(band.blocks)).bind("mesh", &mesh);
+        r.run(&turbulence::DEPOSIT, "air onto the filter's grid", band.blocks).bind("mesh", &mesh);
     });
     let smooth = [
         (&turbulence::SMOOTH_X, "smooth along x"),
