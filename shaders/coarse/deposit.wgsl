@@ -5,11 +5,11 @@ import package::common::{
     deposit::{mesh, block_of, deposit, Part, BLOCK},
 };
 
-@if(software) const SHARE: u32 = 16u;   // lanes that share a block,
-@if(!software) const SHARE: u32 = 64u;
-@if(software) const ALONG: u32 = 16u;   // and that share a row of cells
-@if(!software) const ALONG: u32 = 8u;
-const NODES: u32 = 16u;                 // of a block
+@if(subgroups && !software) const SHARE: u32 = 64u;   // lanes that share a block,
+@if(!subgroups || software) const SHARE: u32 = 16u;
+@if(subgroups && !software) const ALONG: u32 = 8u;    // and that share a row of cells
+@if(!subgroups || software) const ALONG: u32 = 16u;
+const NODES: u32 = 16u;                               // of a block
 
 @group(0) @binding(4) var<storage, read>       brought: array<vec4f>;   // xyz: place in spacings; w: s [1/s], from `source`
 @group(0) @binding(5) var<storage, read_write> coarse:  array<f32>;     // r [1/s]

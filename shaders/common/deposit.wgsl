@@ -5,7 +5,7 @@
 // A gather in a fixed order: a block of nodes is made from the rows of cells that reach it, by one lane or by some that share each row.
 // Particles may be sorted into any cells that fill the box; a grid finer than those would read many particles in vain. A pass reads a
 // particle in `bring`, which returns its place in spacings, and adds what it has read to its sums in `add`.
-import package::common::mesh::{Mesh, weights, window_of, node_index};
+import package::common::mesh::{Mesh, Window, weights, window_of, node_index};
 import package::pass::{bring, add};
 
 // Nodes of a block along each axis: four along x have their weights in one vec4f.
@@ -22,22 +22,81 @@ fn block_of(number: u32) -> vec3i {
     return BLOCK * vec3i(i32(number) - row * blocks.x, row - layer * blocks.y, layer);
 }
 
-// What one of the lanes that share a block takes of it: every `rows_apart`th row of cells from its own on, and of a row's particles every
-// `particles_apart`th.
+// The cells that reach a block are those from the first to the end, along each axis.
+fn first_cell(block: vec3i, cells: vec3i, window: Window) -> vec3i {
+    return vec3i(floor((vec3f(block) - window.half) * (vec3f(cells) / vec3f(mesh.nodes))));
+}
+
+fn end_cell(block: vec3i, cells: vec3i, window: Window) -> vec3i {
+    return vec3i(ceil((vec3f(block + BLOCK - 1) + window.half) * (vec3f(cells) / vec3f(mesh.nodes))));
+}
+
+// What one of the lanes that share a block takes of it: of the runs of cells every `runs_apart`th from its own on, and of their particles
+// every `particles_apart`th.
 struct Part {
-    row: u32,
-    rows_apart: u32,
+    run: u32,
+    runs_apart: u32,
     particle: u32,
     particles_apart: u32,
 }
 
-// Adds a lane's part of the particles that reach a block. There are `cells` in the box along each axis.
+// How many boxes, or rows, or runs of so many cells there are before this one.
+@if(subgroups && !software)
+fn whole(cell: i32, per_cell: f32) -> i32 {
+    return i32(floor((f32(cell) + 0.5) * per_cell));
+}
+
+// Adds a lane's part of what reaches a block. There are `cells` in the box along each axis. A row of cells is read in runs that end where
+// the box repeats; on a GPU a lane finds its own by their numbers.
+@if(subgroups && !software)
 fn deposit(block: vec3i, cells: vec3i, part: Part) {
     let nodes = mesh.nodes;
     let window = window_of(mesh.order);
-    let scale = vec3f(cells) / vec3f(nodes);   // cells from node to node
-    let first = vec3i(floor((vec3f(block) - window.half) * scale));
-    let last = vec3i(ceil((vec3f(block + BLOCK - 1) + window.half) * scale));   // the end: the cell before it still reaches a node
+    let first = first_cell(block, cells, window);
+    let last = end_cell(block, cells, window);
+
+    let per_box = 1.0 / vec3f(cells);
+    let first_image = whole(first.x, per_box.x);
+    let runs = whole(last.x - 1, per_box.x) + 1 - first_image;   // of a row
+    let rows = last.yz - first.yz;
+    let per_row = 1.0 / f32(runs);
+    let per_layer = 1.0 / f32(rows.x);
+    var run = i32(part.run);
+    // One loop over the particles of all runs: a run may have few, and with a loop each all lanes would wait for the fullest of theirs.
+    var seen = vec3f(0.0);   // the block's first node, from the image of the box that the run is in
+    var e = 0u;
+    var end = 0u;
+    loop {
+        if e >= end {
+            if run >= runs * rows.x * rows.y { break; }
+            let row = whole(run, per_row);
+            let layer = whole(row, per_layer);
+            let y = first.y + row - layer * rows.x;
+            let z = first.z + layer;
+            let image = vec3i(first_image + run - row * runs, whole(y, per_box.y), whole(z, per_box.z));
+            let home = vec3i(first.x, y, z) - image * cells;
+            let begin = node_index(vec3i(max(home.x, 0), home.yz), cells);
+            let length = min(last.x - image.x * cells.x, cells.x) - max(home.x, 0);
+            e = cell_start[begin] + part.particle;
+            end = cell_start[begin + u32(length)];
+            seen = vec3f(block - image * nodes);
+            run += i32(part.runs_apart);
+        }
+        if e < end {
+            let t = bring(e) - seen;
+            add(weights(window, vec4f(t.x, t.x - 1.0, t.x - 2.0, t.x - 3.0)), weights(window, vec4f(t.y, t.y - 1.0, t.z, t.z - 1.0)));
+            e += part.particles_apart;
+        }
+    }
+}
+
+// The same for a lane that takes all runs, which is cheaper for it: from each run it goes on to the next.
+@if(!subgroups || software)
+fn deposit(block: vec3i, cells: vec3i, part: Part) {
+    let nodes = mesh.nodes;
+    let window = window_of(mesh.order);
+    let first = first_cell(block, cells, window);
+    let last = end_cell(block, cells, window);
 
     // The next cell to read, in the box and counted from the first, and the block's first node as seen from its image of the box.
     let image = vec3i(floor(vec3f(first) / vec3f(cells)));
@@ -46,7 +105,6 @@ fn deposit(block: vec3i, cells: vec3i, part: Part) {
     var cell = home;
     var corner = start;
     var place = first;
-    var rows_left = part.row;   // until the next one of the lane's
     // One loop over the particles of all rows: a row may have few, and with a loop each all lanes would wait for the fullest of theirs.
     var seen = vec3f(0.0);
     var e = 0u;
@@ -57,16 +115,13 @@ fn deposit(block: vec3i, cells: vec3i, part: Part) {
             // A row is read in runs of cells that end where the box repeats.
             let run = min(last.x - place.x, cells.x - cell.x);
             let begin = node_index(cell, cells);
-            if rows_left == 0u {
-                e = cell_start[begin] + part.particle;
-                end = cell_start[begin + u32(run)];
-                seen = vec3f(corner);
-            }
+            e = cell_start[begin] + part.particle;
+            end = cell_start[begin + u32(run)];
+            seen = vec3f(corner);
             place.x += run;
             cell.x = 0;
             corner.x -= nodes.x;
             if place.x == last.x {
-                rows_left = select(rows_left, part.rows_apart, rows_left == 0u) - 1u;
                 place = vec3i(first.x, place.y + 1, place.z);
                 cell = vec3i(home.x, cell.y + 1, cell.z);
                 corner.x = start.x;
