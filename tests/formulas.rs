@@ -104,7 +104,7 @@ fn wrong_constants_turn_rows_red() {
         (&fluid::PREDICT, "params.step *", "1.001 * params.step *", "twin-step"),
         (&rods::DIRECT, "joint_before.gap + joint", "joint_before.gap + 1.01 * joint", "twin-rods"),
         (&rods::START, "(free - bare_capped) / reply", "point.force", "momentum"),
-        (&rods::START, "kept = lost / heaviness", "kept = 0.9 * lost / heaviness", "momentum"),
+        (&rods::START, "kept = all.xyz / all.w", "kept = 0.9 * all.xyz / all.w", "momentum"),
         (&rods::RESCUE, "momentum / mass", "0.9 * momentum / mass", "momentum"),
         (&rods::GAUSS_SEIDEL, "w = 0.25", "w = 0.252", "twin-rods"),
         (&rods::START, "params.step * (2.0 / 3.0)", "params.step * 0.667", "twin-rods"),

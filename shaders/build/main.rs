@@ -92,9 +92,10 @@ fn build() -> Result<()> {
         }
         let plain = link(&root, &name, &[])?;
         let mut other = None;
-        let mut shares = Shares::of(&module);
+        let of_all = share(&name, &module)?;
+        let mut shares = Shares { with_subgroups: of_all, without_subgroups: of_all, in_software: of_all };
         if plain != text {
-            shares.without_subgroups = share(&validate(&name, &plain)?.0);
+            shares.without_subgroups = share(&name, &validate(&name, &plain)?.0)?;
             let target = format!("{}_plain.wgsl", name.replace('/', "_"));
             fs::write(out.join(&target), &plain)?;
             other = Some(target);
@@ -103,7 +104,7 @@ fn build() -> Result<()> {
         for textures in Textures::BOTH {
             let linked = link(&root, &name, textures.features())?;
             let (module, info) = validate(&name, &linked)?;
-            shares.in_software = share(&module);
+            shares.in_software = share(&name, &module)?;
             let (text, places) = software::text_for_software(textures, &name, &linked, &module, &info, &mut elsewhere)
                 .map_err(|error| format!("shaders/{name}.wgsl: for software adapters: {error}"))?;
             validate(&name, &text)?;
@@ -126,18 +127,13 @@ pub(crate) struct Shares {
     pub(crate) in_software: u32,
 }
 
-impl Shares {
-    fn of(module: &Module) -> Self {
-        let share = share(module);
-        Self { with_subgroups: share, without_subgroups: share, in_software: share }
-    }
-}
-
-fn share(module: &Module) -> u32 {
+/// `SHARE` of one text; 1 where there is none.
+fn share(name: &str, module: &Module) -> Result<u32> {
     let of_name = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some("SHARE"));
     match of_name.map(|(_, constant)| &module.global_expressions[constant.init]) {
-        Some(Expression::Literal(Literal::U32(share))) => *share,
-        _ => 1,
+        None => Ok(1),
+        Some(Expression::Literal(Literal::U32(share))) => Ok(*share),
+        Some(other) => Err(format!("shaders/{name}.wgsl: SHARE is a u32, not {other:?}").into()),
     }
 }
 

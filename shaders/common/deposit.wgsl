@@ -2,7 +2,7 @@
 //
 //   D_n = sum_j f_j B(x_j/h_g - n),  B the product of a window along each axis
 //
-// A gather in a fixed order: a block of nodes is made from the rows of cells that reach it, by one lane or by some that share each row.
+// A gather in a fixed order: a block of nodes is made from the rows of cells that reach it, by one lane or by some that share it.
 // Particles may be sorted into any cells that fill the box; a grid finer than those would read many particles in vain. A pass reads a
 // particle in `bring`, which returns its place in spacings, and adds what it has read to its sums in `add`.
 import package::common::mesh::{Mesh, Window, weights, window_of, node_index};
@@ -40,10 +40,11 @@ struct Part {
     particles_apart: u32,
 }
 
-// How many boxes, or rows, or runs of so many cells there are before this one.
+// The quotient of two whole numbers, rounded down, from the inverse of the second. Half a unit more keeps the rounding of the inverse away
+// from whole quotients, for numbers up to a million.
 @if(subgroups && !software)
-fn whole(cell: i32, per_cell: f32) -> i32 {
-    return i32(floor((f32(cell) + 0.5) * per_cell));
+fn quotient(number: i32, inverse: f32) -> i32 {
+    return i32(floor((f32(number) + 0.5) * inverse));
 }
 
 // Adds a lane's part of what reaches a block. There are `cells` in the box along each axis. A row of cells is read in runs that end where
@@ -56,8 +57,8 @@ fn deposit(block: vec3i, cells: vec3i, part: Part) {
     let last = end_cell(block, cells, window);
 
     let per_box = 1.0 / vec3f(cells);
-    let first_image = whole(first.x, per_box.x);
-    let runs = whole(last.x - 1, per_box.x) + 1 - first_image;   // of a row
+    let first_image = quotient(first.x, per_box.x);
+    let runs = quotient(last.x - 1, per_box.x) + 1 - first_image;   // of a row
     let rows = last.yz - first.yz;
     let per_row = 1.0 / f32(runs);
     let per_layer = 1.0 / f32(rows.x);
@@ -69,11 +70,11 @@ fn deposit(block: vec3i, cells: vec3i, part: Part) {
     loop {
         if e >= end {
             if run >= runs * rows.x * rows.y { break; }
-            let row = whole(run, per_row);
-            let layer = whole(row, per_layer);
+            let row = quotient(run, per_row);
+            let layer = quotient(row, per_layer);
             let y = first.y + row - layer * rows.x;
             let z = first.z + layer;
-            let image = vec3i(first_image + run - row * runs, whole(y, per_box.y), whole(z, per_box.z));
+            let image = vec3i(first_image + run - row * runs, quotient(y, per_box.y), quotient(z, per_box.z));
             let home = vec3i(first.x, y, z) - image * cells;
             let begin = node_index(vec3i(max(home.x, 0), home.yz), cells);
             let length = min(last.x - image.x * cells.x, cells.x) - max(home.x, 0);
@@ -90,7 +91,7 @@ fn deposit(block: vec3i, cells: vec3i, part: Part) {
     }
 }
 
-// The same for a lane that takes all runs, which is cheaper for it: from each run it goes on to the next.
+// The same for a lane that takes all runs (`run` is 0 and `runs_apart` 1), which is cheaper for it: from each run it goes on to the next.
 @if(!subgroups || software)
 fn deposit(block: vec3i, cells: vec3i, part: Part) {
     let nodes = mesh.nodes;

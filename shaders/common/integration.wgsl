@@ -37,6 +37,7 @@ fn free_move(
 
 // The velocity, or spin, that a move, or turn, leaves. A GPU's quotient may be off by two units in the last place, by the same share for
 // all that is divided by one number: in thousands of steps strands would gain or lose momentum. What the quotient leaves is divided again.
+// Where fma is not fused that moves some quotients by a unit in the last place, as many up as down.
 fn rate(shift: vec3f, carried: vec3f, scheme: u32) -> vec3f {
     let way = shift - carry(scheme) * carried;
     let h = step_of(scheme);

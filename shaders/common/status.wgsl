@@ -1,5 +1,5 @@
 // The status word and the counters that travel with the state. A cause that freezes keeps the last pass from
-// committing; the host reads the causes after each submit, mends what it can and replays from the same state.
+// committing; the host reads the causes after each batch of steps, mends what it can and replays from the same state.
 
 const NEIGHBOUR_OVERFLOW: u32 = 1u;   // the list is too short: grow and replay
 const NON_FINITE_AIR: u32 = 2u;       // the run ends
@@ -27,7 +27,7 @@ const NO_POINT: u32 = 0xffffffffu;
 struct Status {
     causes: atomic<u32>,              // bits above
     step: u32,                        // committed engine steps
-    ended: u32,                       // 1 once a step that froze has ended: those submitted with it find nothing out
+    ended: u32,                       // 1 once a step that froze has ended: those behind it in the same batch find nothing out
     neighbours: atomic<u32>,          // elements that the longest page of the list needs in this step, the low half of 64 bits
     neighbour_carries: atomic<u32>,   // the high half
     bad_strands: atomic<u32>,         // non-finite in this step

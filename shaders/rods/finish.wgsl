@@ -74,7 +74,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let at = invocation(id, groups);
     let s = owner_of(at);
     let speaks = worker_of(at) == 0u;   // for the strand
-    if (s >= params.strands) | frozen() { return; }
+    // Strands that are not solved freeze the step from here on, and all of those that share a strand stay or leave.
+    if (s >= params.strands) | any_shared(frozen()) { return; }
     let rod = rod_strands[s];
     let more_would_solve = (rod.state == FREE) & ((params.direct_rods & params.few_newton_steps) != 0u);
     if more_would_solve | unsolved(rod) {

@@ -7,7 +7,7 @@ use windswept::{
 };
 use windswept_reference::step::step as twin_step;
 use windswept_scene::{InitialState, Scene, Strands};
-use windswept_shaders::{PASSES, Pass, Textures};
+use windswept_shaders::{self as shaders, PASSES, Pass, Textures};
 
 use crate::{
     contact, drive, fluid, guard, neighbours, rods,
@@ -45,6 +45,24 @@ pub const PARTICLES: &[&str] = &[
 ];
 /// Settings with strands whose directions change at once, so that some take several Newton steps.
 const NEWTON: &[&str] = &["rods.newton=6", "interaction.model=drag", "air.ramp=0.0", "air.wind=[0,30,0]"];
+/// Settings with strands that nothing holds, in a wind that moves them farther than a free move may be.
+const LOOSE: &[&str] = &["hair.root=free", "interaction.model=drag", "air.ramp=0.0", "air.wind=[0,60,0]"];
+/// Settings with roots that jump farther than their strands are long.
+const FLUNG: &[&str] =
+    &["interaction.model=drag", "hair.motion=[{time=0},{time=0.002,translation=[0,0.3,0],rotation=[0,1,0]}]"];
+/// Settings with a box of two nodes of the coarse grid to a side, and of few nodes of the band filter.
+const SMALL_BOX: &[&str] = &[
+    "fluid.solver=divergence",
+    "turbulence.bands=[{scale=0.012,strength=3,intensity=0.3}]",
+    EXCHANGE,
+    "hair.fibres_per_strand=100",
+    "air.ramp=0.0",
+    "air.box.max=[0.028,0.028,0.028]",
+    "hair.roots.center=[0.014,0.014,0.014]",
+    "hair.length=0.02",
+    "hair.roots.radius=0.005",
+    "air.fringe=0.007",
+];
 /// Settings with hair that the mean wind drags.
 pub const DRAG: &[&str] = &["interaction.model=drag", "interaction.lift=1.0", "air.ramp=0.0"];
 /// Setting with hair and air that exchange drag.
@@ -226,20 +244,31 @@ fn steps_are_those_of_the_twin() {
     }
 }
 
-/// GPUs run other texts of the passes: those with subgroup operations share strands and rows of cells among eight invocations.
+/// GPUs run other texts of the passes: those with subgroup operations share strands, rows of cells and blocks of nodes among eight
+/// invocations. Strands have fewer points than that, as many, and more; boxes are smaller than what reaches a node.
 #[test]
 fn steps_of_the_texts_for_gpus_are_those_of_the_twin() {
-    for texts in [PassTexts::Subgroups, PassTexts::Workgroup] {
-        let gpu = with_texts(&support::gpu(), texts);
-        for sets in [PUBLISHED, CROWDED, DIVERGENCE, NEWTON, BODIES] {
-            steps_of_both(&gpu, &[sets, &["hair.points=19"]].concat(), &bounds(sets), 2)
-                .unwrap_or_else(|said| panic!("{texts:?}, {sets:?}: {said}"));
+    let both = [PassTexts::Subgroups, PassTexts::Workgroup].map(|texts| with_texts(&support::gpu(), texts));
+    for gpu in &both {
+        for (sets, points) in [
+            (PUBLISHED, 8),
+            (CROWDED, 19),
+            (DIVERGENCE, 7),
+            (NEWTON, 19),
+            (BODIES, 9),
+            (LOOSE, 19),
+            (FLUNG, 12),
+            (SMALL_BOX, 2),
+        ] {
+            let points = format!("hair.points={points}");
+            steps_of_both(gpu, &[sets, &[&points]].concat(), &bounds(sets), 2)
+                .unwrap_or_else(|said| panic!("{:?}, {sets:?}, {points}: {said}", gpu.texts()));
         }
     }
 }
 
-/// A software adapter reads from uniforms and textures what others read from storage buffers, all or some of it: the same bits. Where
-/// invocations with subgroup operations share a sum they add in another order: those passes run their texts without.
+/// A software adapter reads from uniforms and textures what others read from storage buffers, all or some of it: the same bits. Three passes
+/// whose invocations share a sum on a GPU add in another order there: they run their texts without subgroup operations.
 #[test]
 fn software_texts_change_no_bit() {
     let gpu = support::gpu();
@@ -247,9 +276,8 @@ fn software_texts_change_no_bit() {
     assert!(software.contains(&gpu.texts()), "{:?} runs {:?}", gpu.info(), gpu.texts());
     let [all_textures, gathered, shared] =
         [software[0], software[1], PassTexts::Subgroups].map(|texts| with_texts(&gpu, texts));
-    let shares = |pass: &&'static Pass| pass.shares.with_subgroups != pass.shares.in_software;
-    let alone = |pass: &'static Pass| Some((pass.name, pass.source_without_subgroups?.to_owned()));
-    let buffers = with_sources(&shared, PASSES.into_iter().filter(shares).filter_map(alone));
+    let sum = [&shaders::rods::START, &shaders::turbulence::DEPOSIT, &shaders::coarse::DEPOSIT];
+    let buffers = with_sources(&shared, sum.map(|pass| (pass.name, pass.source_without_subgroups.unwrap().to_owned())));
     let all = [PUBLISHED, PARTICLES, DRAG, CROWDED, DIVERGENCE, PRESSED_HAIR, BODIES, FIELDS, NEWTON];
     let run: Vec<_> = all.iter().flat_map(|sets| plan(&small(sets)).unwrap()).filter(|row| row.runs > 0).collect();
     for pass in PASSES {

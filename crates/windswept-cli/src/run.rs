@@ -44,7 +44,7 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     output.write_trace(&simulation)?;
     if options.trace.is_some() && simulation.traced_passes() == 0 {
         console
-            .warn("--trace: no step was timed; the adapter has no timestamps, or the run was shorter than two submits");
+            .warn("--trace: no step was timed; the adapter has no timestamps, or the run was shorter than two batches of steps");
     }
     // The scene's own warnings were given at the start.
     let given = &simulation.initial().warnings;

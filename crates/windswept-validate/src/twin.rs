@@ -16,7 +16,7 @@ const RODS: &str = "f64 twin, 12 curled strands, thrown; what rods change veloci
     largest value; measured 2.1e-5, mostly what rounding an orientation stretches; margin 4";
 
 /// Reach of the direct filter, in scales: there nothing is left of the band's kernel. Of three million pairs about one is so near to the
-/// reach that rounding decides whether it counts, and at the usual 4.5 it would be seen.
+/// reach that rounding decides whether it counts, and at the usual 4.5 it would be seen. The check filter-leak has shorter ones.
 const CUTOFF: f64 = 6.5;
 
 /// Rows of single passes on 3375 particles: largest difference over the largest value.

@@ -12,7 +12,7 @@ use std::{
         Arc, Mutex, PoisonError,
         atomic::{AtomicUsize, Ordering},
     },
-    thread,
+    thread::{self, ScopedJoinHandle},
 };
 
 pub use adapter::{AdapterChoice, AdapterInfo, adapters};
@@ -26,15 +26,17 @@ use windswept_shaders::{
 
 use crate::error::GpuError;
 
-/// Which of its texts each pass runs on a device. All give the same results but for rounding; with the same subgroups also the same bits.
+/// Which of its texts each pass runs on a device. All give the same results but for rounding, and those for software adapters the same bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PassTexts {
-    /// Eight invocations exchange what they read of eight neighbours by subgroup operations.
+    /// Eight invocations exchange what they read of eight neighbours by subgroup operations, and share the work for a strand, a row of cells
+    /// or a block of nodes.
     Subgroups,
     /// They exchange it through the workgroup's memory, since the device has no subgroups that are all of at least eight invocations.
     Workgroup,
-    /// As `Subgroups`, and much of what passes read lies in textures and uniforms, which software adapters read faster.
+    /// Eight invocations exchange what they read as with `Subgroups`, but share nothing else. Much of what passes read lies in textures and
+    /// uniforms, which software adapters read faster.
     Software,
     /// As `Software`, but only what passes gather lies in textures. The processor has AVX-512, with which Mesa reads storage buffers
     /// faster than it copies them to textures.
@@ -55,8 +57,8 @@ pub struct Gpu {
     replaced: Pipelines,
 }
 
-/// Pipelines by the names of their passes, and how the switches of each are set.
-type Pipelines = Arc<Mutex<HashMap<(&'static str, Vec<bool>), wgpu::ComputePipeline>>>;
+/// Pipelines by the names of their passes, and how the switches of each are set. Who makes one locks it alone.
+type Pipelines = Arc<Mutex<HashMap<(&'static str, Vec<bool>), Arc<Mutex<Option<wgpu::ComputePipeline>>>>>>;
 
 /// Which switches are on in a scene.
 type Switches<'a> = dyn Fn(Switch) -> bool + Sync + 'a;
@@ -191,7 +193,8 @@ impl Gpu {
         })
     }
 
-    /// How many invocations share the work of one that a step asks for, in the text of a pass that runs.
+    /// How many invocations share the work of one that a step asks for, in the text of a pass that runs. One that stands in for it has
+    /// enough of them, if it is made of the pass's first text; the others of its invocations are beyond the last strand, row or block.
     pub(crate) fn share(&self, pass: &Pass) -> u32 {
         match self.texts {
             _ if self.sources.contains_key(pass.name) => pass.shares.with_subgroups,
@@ -278,7 +281,9 @@ impl Gpu {
         let key = (pass.name, pass.switches.iter().map(|switch| on(*switch)).collect());
         let own = self.sources.get(pass.name);
         let pipelines = if own.is_some() { &self.replaced } else { &self.pipelines };
-        if let Some(pipeline) = pipelines.lock().unwrap_or_else(PoisonError::into_inner).get(&key) {
+        let one = Arc::clone(pipelines.lock().unwrap_or_else(PoisonError::into_inner).entry(key).or_default());
+        let mut one = one.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(pipeline) = &*one {
             return Ok((pipeline.clone(), false));
         }
         let constant = |switch: &Switch| (switch.name(), f64::from(u8::from(on(*switch))));
@@ -319,7 +324,7 @@ impl Gpu {
                 })
             },
         )?;
-        pipelines.lock().unwrap_or_else(PoisonError::into_inner).insert(key, pipeline.clone());
+        *one = Some(pipeline.clone());
         Ok((pipeline, true))
     }
 
@@ -334,8 +339,12 @@ impl Gpu {
         };
         let threads = thread::available_parallelism().map_or(1, NonZero::get).min(passes.len());
         thread::scope(|scope| {
-            let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-            workers.into_iter().try_for_each(|worker| worker.join().unwrap_or_else(|panic| resume_unwind(panic)))
+            // Without another thread this one does all.
+            let others: Vec<_> =
+                (1..threads).map_while(|_| thread::Builder::new().spawn_scoped(scope, work).ok()).collect();
+            let own = work();
+            let join = |other: ScopedJoinHandle<'_, _>| other.join().unwrap_or_else(|panic| resume_unwind(panic));
+            others.into_iter().map(join).fold(own, Result::and)
         })
     }
 

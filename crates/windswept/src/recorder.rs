@@ -45,7 +45,7 @@ pub struct Command {
     pub pass: &'static Pass,
     /// Label, a short sentence: row in the profile, debug group, name in errors.
     pub label: &'static str,
-    /// Number of invocations that are wanted.
+    /// Number of invocations that are wanted, before any share their work ([`Pass::shares`]).
     pub invocations: u32,
     /// Clusters whose particles the pass goes through, in all pages of the neighbour list; none if it goes through no clusters.
     pub clusters: Range<u32>,

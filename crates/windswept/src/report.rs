@@ -99,7 +99,7 @@ pub struct RunFailure {
 /// What was put back to rest because it was not finite, or faster than anything can be, and when.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Reset {
-    /// Step of Δt, from 0, in which it was found: the last one, if strands were reset in several steps that were submitted together.
+    /// Step of Δt, from 0, in which it was found: the last one, if strands were reset in several steps between two readings of the status.
     pub step: u64,
     /// Time at the start of that step \[s\].
     pub time_s: f64,

@@ -31,12 +31,12 @@ use crate::{
     step::{self, Quantity},
 };
 
-/// Time that a submit should take \[s\]: short enough for progress bars, Ctrl-C and GPU watchdogs.
-const SUBMIT_S: f64 = 0.1;
-/// Most steps in a submit: after one that freezes the rest are wasted.
-const STEPS_PER_SUBMIT: u64 = 64;
-/// Submits from one that is timed pass by pass to the next. A timed submit is a single step with timers, and slower.
-const TIMED_SUBMITS: u64 = 8;
+/// Time that a batch of steps should take, after which the host reads the status \[s\]: short enough for progress bars and Ctrl-C.
+const BATCH_S: f64 = 0.1;
+/// Most steps in a batch: after one that freezes the rest are wasted.
+const STEPS_PER_BATCH: u64 = 64;
+/// Batches from one that is timed pass by pass to the next. A timed batch is a single step with timers, and slower.
+const TIMED_BATCHES: u64 = 8;
 
 /// Hair and air of one scene.
 #[derive(Debug)]
@@ -59,7 +59,7 @@ pub struct Simulation {
     begun: u32,
     steps: u64,
     last: Status,
-    submits: u64,
+    batches: u64,
     /// Wall time of making this.
     setup_ms: f64,
     first_step_ms: Option<f64>,
@@ -145,7 +145,7 @@ impl Simulation {
             begun: 0,
             steps: 0,
             last,
-            submits: 0,
+            batches: 0,
             setup_ms: began.elapsed().as_secs_f64() * 1e3,
             first_step_ms: None,
             step_ms: Vec::new(),
@@ -175,7 +175,7 @@ impl Simulation {
     /// # Errors
     /// As [`Self::step`].
     pub fn step_until(&mut self, n: u64, stop: impl FnMut() -> bool) -> Result<(), RunError> {
-        self.advance(n, |submits| submits % TIMED_SUBMITS == 1, stop)
+        self.advance(n, |batches| batches % TIMED_BATCHES == 1, stop)
     }
 
     /// Runs `n` steps of Δt, each of them timed pass by pass for [`Self::pass_times`], which is slower.
@@ -207,7 +207,7 @@ impl Simulation {
             }
             let started = Instant::now();
             let before = self.last.step;
-            let timed = if is_timed(self.submits) {
+            let timed = if is_timed(self.batches) {
                 Some(self.engine.run_profiled(&self.program)?)
             } else {
                 self.engine.run(&self.program, left.min(self.batch()))?;
@@ -219,7 +219,7 @@ impl Simulation {
             if let Some((profile, spans)) = timed.filter(|_| self.last.step > before) {
                 self.record_profile(profile, spans);
             }
-            self.submits += 1;
+            self.batches += 1;
             self.steps = u64::from(self.last.step) / self.substeps();
         }
         Ok(())
@@ -284,14 +284,14 @@ impl Simulation {
         u64::from(step) < u64::from(self.begun) + self.substeps()
     }
 
-    /// Number of substeps to submit together. The first step goes one by one: nobody knows yet how long they take.
+    /// Number of substeps in the next batch. The first step goes one by one: nobody knows yet how long they take.
     fn batch(&self) -> u64 {
         let Some(ms) = self.step_ms.last().or(self.first_step_ms.as_ref()) else { return 1 };
-        let most = if self.is_first_step(self.last.step) { 1 } else { STEPS_PER_SUBMIT };
-        ((SUBMIT_S * 1e3 / ms) as u64).clamp(1, most)
+        let most = if self.is_first_step(self.last.step) { 1 } else { STEPS_PER_BATCH };
+        ((BATCH_S * 1e3 / ms) as u64).clamp(1, most)
     }
 
-    /// Takes down what a submit took \[ms\] that began at substep `before`.
+    /// Takes down what a batch took \[ms\] that began at substep `before`.
     fn record_time(&mut self, ms: f64, before: u32, timed: bool) {
         let substeps = self.last.step - before;
         if self.is_first_step(before) {

@@ -104,14 +104,14 @@ fn small(gpu: &Gpu, coupling: &str, keys: &[&str]) -> Result<Simulation, Error> 
     Ok(Simulation::new(gpu, &scene(TUFT, &[SMALL, if has_air(coupling) { BAND } else { AWAKE }, keys])?)?)
 }
 
-/// Steps of a submit while memory is watched.
-const STEPS_PER_SUBMIT: u64 = 4;
+/// Steps of a batch while memory is watched.
+const STEPS_PER_BATCH: u64 = 4;
 
 /// Growth of this process's memory in ten thousand steps, after as many as a third of them; nothing else may run in it. Without a
 /// sample where the system does not tell.
 ///
-/// Every submit has as many steps. The driver keeps the memory of the largest submit so far (llvmpipe: 2.8 MiB for each of its steps),
-/// and left to itself a simulation submits as many steps as take 0.1 s, more once the machine has less other work.
+/// Every batch has as many steps: left to itself a simulation runs as many in one as take 0.1 s, more once the machine has less other
+/// work, and the driver may keep memory for each of them.
 ///
 /// # Errors
 /// [`Error`] if the run cannot be.
@@ -119,7 +119,7 @@ pub fn memory(gpu: &Gpu) -> Result<Sweep, Error> {
     let mut grown = Sweep::new("growth of the process's memory in 10 000 steps", 4.0, "MiB");
     let (coupling, keys) = COUPLINGS[2];
     let mut simulation = small(gpu, coupling, keys)?;
-    let mut run = |steps| (0..steps / STEPS_PER_SUBMIT).try_for_each(|_| simulation.step(STEPS_PER_SUBMIT));
+    let mut run = |steps| (0..steps / STEPS_PER_BATCH).try_for_each(|_| simulation.step(STEPS_PER_BATCH));
     run(3000)?;
     let before = anonymous_mib();
     run(10_000)?;

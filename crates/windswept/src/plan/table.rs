@@ -32,7 +32,8 @@ pub struct PlanRow {
     /// How often it runs in a step on a software adapter that reads storage buffers slowly, where some passes do a part of their work in
     /// a run ([`PassTexts::Software`](crate::PassTexts::Software)).
     pub runs_on_copies: u32,
-    /// Number of invocations of all its [`Self::runs`] together.
+    /// Number of invocations that a step asks for, of all its [`Self::runs`] together. A text whose invocations share the work runs more
+    /// ([`Pass::shares`](windswept_shaders::Pass::shares)).
     pub invocations: u64,
     /// Operations of each of these invocations.
     pub operations: Operations,

@@ -118,7 +118,7 @@ impl Simulation {
         Ok(sum.filter(|_| self.plan.turbulence.runs))
     }
 
-    /// Number of substeps that were timed pass by pass: one in every eighth submit, from the second on, and all of
+    /// Number of substeps that were timed pass by pass: one in every eighth batch, from the second on, and all of
     /// [`Self::step_timed`]. The times of
     /// [`Self::pass_times`] are means over them, so that a caller who asks again and again can tell what the newest one took.
     #[must_use]
