@@ -35,15 +35,22 @@ fn free_move(
     return carry(scheme) * carried + h * (weighted(now, before, scheme) + h * acceleration) / (1.0 + damping * h);
 }
 
-// The velocity, or spin, that a move, or turn, leaves. A GPU's quotient may be off by two units in the last place, by the same share for
-// all that is divided by one number: in thousands of steps strands would gain or lose momentum. What the quotient leaves is divided again.
-// Where fma is not fused that moves some quotients by a unit in the last place, as many up as down.
+// The velocity, or spin, that a move, or turn, leaves.
 fn rate(shift: vec3f, carried: vec3f, scheme: u32) -> vec3f {
-    let way = shift - carry(scheme) * carried;
-    let h = step_of(scheme);
+    return select(over(shift - carry(scheme) * carried, step_of(scheme)), vec3f(0.0), scheme >= PUT);
+}
+
+// A GPU's quotient may be off by two units in the last place, by the same share for all that is divided by one number: in thousands of
+// steps strands would gain or lose momentum. What the quotient leaves is divided again. Mesa's software driver divides exactly, and its fma
+// rounds twice.
+@if(!software)
+fn over(way: vec3f, h: f32) -> vec3f {
     let quotient = way / h;
-    let left = fma(-quotient, vec3f(h), way);
-    return select(quotient + left / h, vec3f(0.0), scheme >= PUT);
+    return quotient + fma(-quotient, vec3f(h), way) / h;
+}
+@if(software)
+fn over(way: vec3f, h: f32) -> vec3f {
+    return way / h;
 }
 
 fn response(damping: f32, scheme: u32) -> f32 {

@@ -268,7 +268,7 @@ fn steps_of_the_texts_for_gpus_are_those_of_the_twin() {
 }
 
 /// A software adapter reads from uniforms and textures what others read from storage buffers, all or some of it: the same bits. Three passes
-/// whose invocations share a sum on a GPU add in another order there: they run their texts without subgroup operations.
+/// whose invocations share a sum on a GPU add in another order there: they run their texts without subgroup operations. And quotients that a GPU divides twice are divided once.
 #[test]
 fn software_texts_change_no_bit() {
     let gpu = support::gpu();
@@ -277,7 +277,13 @@ fn software_texts_change_no_bit() {
     let [all_textures, gathered, shared] =
         [software[0], software[1], PassTexts::Subgroups].map(|texts| with_texts(&gpu, texts));
     let sum = [&shaders::rods::START, &shaders::turbulence::DEPOSIT, &shaders::coarse::DEPOSIT];
-    let buffers = with_sources(&shared, sum.map(|pass| (pass.name, pass.source_without_subgroups.unwrap().to_owned())));
+    // On this adapter the second quotient, which a GPU's inexact one needs, is of what fma rounds twice.
+    let once = |text: &str| text.replace("quotient + fma(-quotient, vec3f(h), way) / h", "quotient");
+    let stand_in = |pass: &'static Pass| {
+        let text = if sum.contains(&pass) { pass.source_without_subgroups.unwrap() } else { pass.source };
+        (text != once(text) || sum.contains(&pass)).then(|| (pass.name, once(text)))
+    };
+    let buffers = with_sources(&shared, PASSES.into_iter().filter_map(stand_in));
     let all = [PUBLISHED, PARTICLES, DRAG, CROWDED, DIVERGENCE, PRESSED_HAIR, BODIES, FIELDS, NEWTON];
     let run: Vec<_> = all.iter().flat_map(|sets| plan(&small(sets)).unwrap()).filter(|row| row.runs > 0).collect();
     for pass in PASSES {
