@@ -45,7 +45,8 @@ fn main(
     let nodes = mesh.nodes;
     let block = block_of(invocation(id, groups) / SHARE);
     let part = lane % SHARE;
-    if (block.z < nodes.z) & !frozen() { deposit(block, params.cells, Part(part / ALONG, SHARE / ALONG, part % ALONG, ALONG)); }
+    let own = Part(part / ALONG, SHARE / ALONG, part % ALONG, ALONG);
+    if (block.z < nodes.z) & !frozen() { deposit(block, params.cells, own); }
     sums[4u * lane] = sum_00;
     sums[4u * lane + 1u] = sum_10;
     sums[4u * lane + 2u] = sum_01;
@@ -56,8 +57,8 @@ fn main(
     let row = i32(part) / BLOCK.x;
     let node = block + vec3i(along, row % BLOCK.y, row / BLOCK.y);
     if (part >= NODES) | any(node >= nodes) | frozen() { return; }
-    var sum = 0.0;
     let first = lane - part;
+    var sum = 0.0;
     for (var other = first; other < first + SHARE; other++) { sum += sums[4u * other + part / 4u][part % 4u]; }
     coarse[node_index(node, nodes)] = sum;
 }

@@ -23,6 +23,7 @@ fn carry(scheme: u32) -> f32 {
     return select(0.0, 1.0 / 3.0, scheme == BDF2);
 }
 
+// Written as a change: of v itself an inexact third would take the same share in each step.
 fn weighted(now: vec3f, before: vec3f, scheme: u32) -> vec3f {
     return now + select(vec3f(0.0), (now - before) / 3.0, scheme == BDF2);
 }

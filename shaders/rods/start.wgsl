@@ -94,11 +94,10 @@ const MOVES: u32 = 2u;   // to move the points, and the segments behind them
 // Returns the farthest free move, or what `Condition.reach` is below 0. A strand that had to be put is held back: its free move
 // is capped at a part of what it could not follow, and the cap grows from step to step until it cuts nothing. Of a strand that is placed
 // nobody reads the free moves. Both ways have one text: what is written twice takes drivers twice as long to compile.
-fn start(s: u32, strand: Strand, worker: u32, rod: RodStrand, reach: f32, way: Way) -> f32 {
-    // Each segment of a strand that is placed stands on the one before.
-    let alone = Stretch(0u, 0u, select(0u, strand.points, worker == 0u));
-    var own = stretch_of(strand.points, worker);
-    if way.placed { own = alone; }
+fn start(s: u32, strand: Strand, stretch: Stretch, speaks: bool, rod: RodStrand, reach: f32, way: Way) -> f32 {
+    // Each segment of a strand that is placed stands on the one before: one invocation has them all.
+    var own = stretch;
+    if way.placed { own = Stretch(0u, 0u, select(0u, strand.points, speaks)); }
     let drags = params.model == TWO_WAY || params.model == MEAN_WIND;
     let grown = select(0.0, GROWTH * reach, params.direct_rods != 0u && drags);
     let held_back = reach < 0.0;
@@ -208,7 +207,7 @@ fn start(s: u32, strand: Strand, worker: u32, rod: RodStrand, reach: f32, way: W
     farthest = largest_shared(farthest);
     carried_far = any_shared(carried_far);
     // One that is torn where it is is mended, not put: put, it would stay torn.
-    if (worker == 0u) & !way.placed { rod_strands[s].far = u32(carried_far && rod.whole != 0u); }
+    if speaks & !way.placed { rod_strands[s].far = u32(carried_far && rod.whole != 0u); }
     return select(farthest, GROWTH * reach, held_back && farthest >= -reach);
 }
 
@@ -216,22 +215,24 @@ fn start(s: u32, strand: Strand, worker: u32, rod: RodStrand, reach: f32, way: W
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let at = invocation(id, groups);
     let s = owner_of(at);
-    let worker = worker_of(at);
+    let speaks = worker_of(at) == 0u;   // for the strand
     if (s >= params.strands) | frozen() { return; }
     let strand = strands[s];
     let rod = rod_strands[s];
+    let own = stretch_of(strand.points, worker_of(at));
     var found = health[s].committed;
     let bad = found.bad != 0u;
     found.bad = 0u;
     let jumps = bad || rod.state == TELEPORTED;
-    let sleeps = !jumps && rod.state == ASLEEP && rested(strand, found.still) && !pushed(strand, stretch_of(strand.points, worker), found.still == SLEEPS)
+    let sleeps = !jumps && rod.state == ASLEEP && rested(strand, found.still)
+        && !pushed(strand, own, found.still == SLEEPS)
         && !(found.still == SLEEPS && (touched[s] & (PUSHED | MOVED)) != 0u);
     let placed = jumps | sleeps;
     found.calm = select(select(min(found.calm + 1u, CALM_STEPS), 0u, (rod.torn != 0u) | jumps), found.calm, sleeps);
     let led = !placed & (found.calm == CALM_STEPS) & (params.direct_rods != 0u);
     let scheme = select(rod.scheme, select(PUT, STAY, sleeps), placed);
-    let reach = start(s, strand, worker, rod, found.reach, Way(placed, bad, sleeps, led, scheme));
-    if worker > 0u { return; }
+    let reach = start(s, strand, own, speaks, rod, found.reach, Way(placed, bad, sleeps, led, scheme));
+    if !speaks { return; }
     rod_strands[s].tip_moment = vec3f(0.0);
     rod_strands[s].misfit = 0.0;
     if sleeps {

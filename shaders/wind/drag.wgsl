@@ -17,8 +17,8 @@
 // s = 1 + k_n/(2 rho b l n |u_n|). So k_n is s k_n(s |u_n|) there.
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, rod::{Strand, Segment, RodStrand, RodPoint},
-    integration::{EULER, BDF2}, share::{Stretch, owner_of, worker_of, stretch_of, largest_shared}, cells::{cell_of, in_box}, air::{Sampled, THIN}, wind::mean_wind,
-    status::{frozen, count_many, EXCHANGE_LIMITED},
+    integration::{EULER, BDF2}, cells::{cell_of, in_box}, air::{Sampled, THIN}, wind::mean_wind,
+    share::{Stretch, owner_of, worker_of, stretch_of, largest_shared}, status::{frozen, count_many, EXCHANGE_LIMITED},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:     array<Strand>;

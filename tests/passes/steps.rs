@@ -268,7 +268,8 @@ fn steps_of_the_texts_for_gpus_are_those_of_the_twin() {
 }
 
 /// A software adapter reads from uniforms and textures what others read from storage buffers, all or some of it: the same bits. Three passes
-/// whose invocations share a sum on a GPU add in another order there: they run their texts without subgroup operations. And quotients that a GPU divides twice are divided once.
+/// whose invocations share a sum on a GPU add in another order there: they run their texts without subgroup operations.
+/// And quotients that a GPU divides twice are divided once.
 #[test]
 fn software_texts_change_no_bit() {
     let gpu = support::gpu();

@@ -43,8 +43,9 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     let report = written?;
     output.write_trace(&simulation)?;
     if options.trace.is_some() && simulation.traced_passes() == 0 {
-        console
-            .warn("--trace: no step was timed; the adapter has no timestamps, or the run was shorter than two batches of steps");
+        console.warn(
+            "--trace: no step was timed; the adapter has no timestamps, or the run was shorter than two batches of steps",
+        );
     }
     // The scene's own warnings were given at the start.
     let given = &simulation.initial().warnings;

@@ -58,7 +58,10 @@ pub struct Gpu {
 }
 
 /// Pipelines by the names of their passes, and how the switches of each are set. Who makes one locks it alone.
-type Pipelines = Arc<Mutex<HashMap<(&'static str, Vec<bool>), Arc<Mutex<Option<wgpu::ComputePipeline>>>>>>;
+type Pipelines = Arc<Mutex<HashMap<(&'static str, Vec<bool>), Kept>>>;
+
+/// A pipeline, once it is made.
+type Kept = Arc<Mutex<Option<wgpu::ComputePipeline>>>;
 
 /// Which switches are on in a scene.
 type Switches<'a> = dyn Fn(Switch) -> bool + Sync + 'a;
@@ -196,8 +199,10 @@ impl Gpu {
     /// How many invocations share the work of one that a step asks for, in the text of a pass that runs. One that stands in for it has
     /// enough of them, if it is made of the pass's first text; the others of its invocations are beyond the last strand, row or block.
     pub(crate) fn share(&self, pass: &Pass) -> u32 {
+        if self.sources.contains_key(pass.name) {
+            return pass.shares.with_subgroups;
+        }
         match self.texts {
-            _ if self.sources.contains_key(pass.name) => pass.shares.with_subgroups,
             PassTexts::Subgroups => pass.shares.with_subgroups,
             PassTexts::Workgroup => pass.shares.without_subgroups,
             PassTexts::Software | PassTexts::SoftwareAvx512 => pass.shares.in_software,
@@ -278,10 +283,8 @@ impl Gpu {
 
     /// The pipeline of a pass, for a scene that says which switches are on, and whether this is its first use: it is made then.
     fn pipeline(&self, pass: &'static Pass, on: &Switches<'_>) -> Result<(wgpu::ComputePipeline, bool), GpuError> {
-        let key = (pass.name, pass.switches.iter().map(|switch| on(*switch)).collect());
         let own = self.sources.get(pass.name);
-        let pipelines = if own.is_some() { &self.replaced } else { &self.pipelines };
-        let one = Arc::clone(pipelines.lock().unwrap_or_else(PoisonError::into_inner).entry(key).or_default());
+        let one = self.pipeline_if_made(pass, on);
         let mut one = one.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(pipeline) = &*one {
             return Ok((pipeline.clone(), false));
@@ -328,8 +331,17 @@ impl Gpu {
         Ok((pipeline, true))
     }
 
-    /// Makes the pipelines of some passes, several at once: the driver of a GPU may take a tenth of a second for each.
-    fn make_pipelines(&self, passes: &[&'static Pass], on: &Switches<'_>) -> Result<(), GpuError> {
+    /// Where the pipeline of a pass is kept, once it is made.
+    fn pipeline_if_made(&self, pass: &'static Pass, on: &Switches<'_>) -> Kept {
+        let key = (pass.name, pass.switches.iter().map(|switch| on(*switch)).collect());
+        let pipelines = if self.sources.contains_key(pass.name) { &self.replaced } else { &self.pipelines };
+        Arc::clone(pipelines.lock().unwrap_or_else(PoisonError::into_inner).entry(key).or_default())
+    }
+
+    /// Makes the pipelines of some passes, but for those that there are, several at once: the driver of a GPU may take a tenth of a second
+    /// for each.
+    fn make_pipelines(&self, mut passes: Vec<&'static Pass>, on: &Switches<'_>) -> Result<(), GpuError> {
+        passes.retain(|pass| self.pipeline_if_made(pass, on).lock().unwrap_or_else(PoisonError::into_inner).is_none());
         let next = AtomicUsize::new(0);
         let work = || {
             while let Some(pass) = passes.get(next.fetch_add(1, Ordering::Relaxed)) {

@@ -74,7 +74,7 @@ impl Program {
             let mut passes: Vec<_> = recording.running().map(|command| command.pass).collect();
             passes.sort_unstable_by_key(|pass| pass.name);
             passes.dedup_by_key(|pass| pass.name);
-            gpu.make_pipelines(&passes, on)?;
+            gpu.make_pipelines(passes, on)?;
         }
         let read = gpu.software_textures().map(|textures| textures::readings(recording, textures)).unwrap_or_default();
         let on_copies = |command: &Command| gpu.textures_of(command.pass) == Some(Textures::All);
