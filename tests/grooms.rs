@@ -82,8 +82,9 @@ fn ends_are_held_as_they_say() {
     }
     let sag = |s: usize, k: usize| (start(s, k) - strand(s)[k]).y;
     println!("clamped {:.3e}, at the tip {:.3e}", sag(0, 16), sag(1, 0));
-    // Measured 6e-4 of 0.16 mm. Rounding decides: 6e-4 to 1.1e-3 by the order in which the solver adds.
-    assert!((sag(1, 0) / sag(0, 16) - 1.0).abs() < 1e-3);
+    // Measured 6e-4 to 1.1e-3 of 0.16 mm, by the order in which the solver adds: each joint turns by 5e-4 rad, of which f32 frames round
+    // 1e-4 off. The margin is 3.
+    assert!((sag(1, 0) / sag(0, 16) - 1.0).abs() < 3e-3);
     for (s, held, hanging) in [(2, 0, 16), (3, 16, 0)] {
         let below = start(s, held) - DVec3::Y * length;
         // Measured 7e-8 m.

@@ -1,7 +1,8 @@
 //! Whole steps against those of the twin, pass by pass: where they part, the pass is named.
 
+use glam::DVec3;
 use windswept::{
-    Gpu, PassTexts, Simulation,
+    Accelerations, Frame, Gpu, PassTexts, Simulation,
     internals::{with_sources, with_texts},
     plan,
 };
@@ -267,6 +268,17 @@ fn steps_of_the_texts_for_gpus_are_those_of_the_twin() {
     }
 }
 
+/// A GPU with other texts: quotients that a GPU divides twice are divided once, since on this adapter the second quotient, which a GPU's
+/// inexact one needs, is of what fma rounds twice; and these passes run their texts without subgroup operations.
+fn divided_once(gpu: &Gpu, alone: &[&Pass]) -> Gpu {
+    let once = |text: &str| text.replace("quotient + fma(-quotient, vec3f(h), way) / h", "quotient");
+    let other = |pass: &'static Pass| {
+        let text = if alone.contains(&pass) { pass.source_without_subgroups.unwrap() } else { pass.source };
+        (once(text) != pass.source).then(|| (pass.name, once(text)))
+    };
+    with_sources(gpu, PASSES.into_iter().filter_map(other))
+}
+
 /// A software adapter reads from uniforms and textures what others read from storage buffers, all or some of it: the same bits. Three passes
 /// whose invocations share a sum on a GPU add in another order there: they run their texts without subgroup operations.
 /// And quotients that a GPU divides twice are divided once.
@@ -278,13 +290,7 @@ fn software_texts_change_no_bit() {
     let [all_textures, gathered, shared] =
         [software[0], software[1], PassTexts::Subgroups].map(|texts| with_texts(&gpu, texts));
     let sum = [&shaders::rods::START, &shaders::turbulence::DEPOSIT, &shaders::coarse::DEPOSIT];
-    // On this adapter the second quotient, which a GPU's inexact one needs, is of what fma rounds twice.
-    let once = |text: &str| text.replace("quotient + fma(-quotient, vec3f(h), way) / h", "quotient");
-    let stand_in = |pass: &'static Pass| {
-        let text = if sum.contains(&pass) { pass.source_without_subgroups.unwrap() } else { pass.source };
-        (text != once(text) || sum.contains(&pass)).then(|| (pass.name, once(text)))
-    };
-    let buffers = with_sources(&shared, PASSES.into_iter().filter_map(stand_in));
+    let buffers = divided_once(&shared, &sum);
     let all = [PUBLISHED, PARTICLES, DRAG, CROWDED, DIVERGENCE, PRESSED_HAIR, BODIES, FIELDS, NEWTON];
     let run: Vec<_> = all.iter().flat_map(|sets| plan(&small(sets)).unwrap()).filter(|row| row.runs > 0).collect();
     for pass in PASSES {
@@ -307,6 +313,74 @@ fn software_texts_change_no_bit() {
         );
         assert!(all.1 == none.1 && some.1 == none.1, "{sets:?}: not the same bits");
     }
+}
+
+/// Eight invocations that share a strand let it sleep, wake, jump and start anew as one does that has it alone: the same bits. Where roots are
+/// held, the sums that they share decide only whether something pushes a strand.
+#[test]
+fn shared_strands_sleep_wake_and_start_anew_alike() {
+    let gpu = support::gpu();
+    let shared = divided_once(&with_texts(&gpu, PassTexts::Subgroups), &[]);
+    let calm = ["interaction.model=drag", "gravity=[0,0,0]", "air.wind=[0,0,0]", "hair.length=0.02"];
+    for points in [3, 7, 19] {
+        let scene = small(&[&calm[..], &[&format!("hair.points={points}")]].concat());
+        let [alone, together] = [&gpu, &shared].map(|gpu| life_of_strands(gpu, &scene));
+        let counts: Vec<_> = alone.iter().map(|told| told.0).collect();
+        println!("{points} points: {counts:?}");
+        let [_, asleep, pushed, spoilt, jumps, blown] = counts[..] else { panic!("{counts:?}") };
+        assert_eq!([spoilt.resets - pushed.resets, jumps.teleports - spoilt.teleports], [1, 1], "{counts:?}");
+        // Ten of twelve sleep: one swings, another is pushed.
+        assert_eq!((pushed.asleep - asleep.asleep, blown.asleep - jumps.asleep), (10 * 5, 0), "{counts:?}");
+        assert!(alone == together, "{points} points: not the same bits");
+    }
+}
+
+/// Steps of all strands so far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Counts {
+    asleep: u64,
+    teleports: u64,
+    resets: u64,
+}
+
+/// What happens to strands that are straight and at rest: the tip of one is plucked and swings, the others fall asleep, the tip of another is pushed, a third is
+/// spoilt, the root of a fourth jumps and that of a fifth moves a little, and the wind rises.
+fn life_of_strands(gpu: &Gpu, scene: &Scene) -> Vec<(Counts, Frame)> {
+    let mut sim = Simulation::new(gpu, scene).unwrap();
+    let hair = sim.initial().hair.clone();
+    let mut told = Vec::new();
+    let mut run = |sim: &mut Simulation, steps: u64| {
+        sim.step(steps).unwrap();
+        let report = sim.report().unwrap();
+        let strand_steps = report.strand_steps.unwrap();
+        let resets = report.warnings.get("strand_reset").copied().unwrap_or_default();
+        let counts = Counts { asleep: strand_steps["asleep_steps"], teleports: strand_steps["teleports"], resets };
+        told.push((counts, sim.frame().unwrap()));
+    };
+    let on_tip = |s: usize, acceleration: f64| {
+        let mut force = Accelerations { hair: vec![DVec3::ZERO; hair.positions.len()], ..Accelerations::default() };
+        force.hair[hair.points(s).end - 1].y = acceleration;
+        force
+    };
+    sim.set_force(&on_tip(2, 20.0)).unwrap();
+    run(&mut sim, 3);
+    sim.set_force(&Accelerations::default()).unwrap();
+    run(&mut sim, 100);
+    // Too little on average, but enough on one point.
+    sim.set_force(&on_tip(6, 0.017 * (hair.points(6).len() - 1) as f64)).unwrap();
+    run(&mut sim, 5);
+    let mut velocity = sim.engine().read(&sim.engine().state().velocity).unwrap();
+    velocity[hair.points(5).end - 1][1] = f32::NAN;
+    sim.engine().write(&sim.engine().state().velocity, &velocity).unwrap();
+    run(&mut sim, 2);
+    let mut roots: Vec<_> = hair.roots().collect();
+    roots[3].y += 0.3;
+    roots[4].y += 0.002;
+    sim.set_roots(&roots, None).unwrap();
+    run(&mut sim, 2);
+    sim.set_wind(DVec3::new(3.0, 1.0, 0.0)).unwrap();
+    run(&mut sim, 20);
+    told
 }
 
 /// Texts for software adapters read uniforms in the first lines of the entry point only, before any branch, and no pass asks behind
