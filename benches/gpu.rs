@@ -79,6 +79,7 @@ fn run() -> Result<(), Box<dyn Error>> {
         .collect::<Result<_, _>>()?;
     let mut document = json!({
         "adapter": gpu.info(),
+        "machine": provenance::machine(&gpu),
         "commit": provenance::commit(),
         "date": provenance::date().to_string(),
         "command": std::env::args().skip(1).collect::<Vec<_>>().join(" "),

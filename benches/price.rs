@@ -116,7 +116,7 @@ fn run() -> Result<()> {
     writeln!(
         head,
         "# adapter: {}\n# commit: {}\n# date: {}\n# ms: of each pass the least of {} timed steps, by turns",
-        gpu.info(),
+        provenance::machine(&gpu),
         provenance::commit(),
         provenance::date(),
         runs[0].simulation.timed_steps()

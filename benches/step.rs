@@ -39,7 +39,7 @@ const PARTICLES: &[Size] = &[
         large: true,
     },
     // The paper's size, without a body.
-    Size { name: "550 x 35 in 207 000 air (fig2b)", file: "fig2b.toml", keys: &[], large: true },
+    Size { name: "550 x 35 in 203 000 air (fig2b)", file: "fig2b.toml", keys: &[], large: true },
 ];
 
 /// Hair alone, over strands and points: the rods' passes are one invocation per strand, as long as its points.

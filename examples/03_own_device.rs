@@ -5,7 +5,7 @@
 
 use windswept::gpu::wgpu;
 use windswept::ops::Particles;
-use windswept::{Gpu, Simulation, required_limits};
+use windswept::{Gpu, Simulation, required_limits, wanted_features};
 use windswept_scene::{Fibre, Groom, Scene};
 
 const SCENE: &str = r#"
@@ -18,10 +18,14 @@ duration = 1.0
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = Scene::parse(include_str!("scenes/quick.toml"))?;
 
-    // The application's own device, with the limits that the scene asks for.
+    // The application's own device, with the limits that the scene asks for and the features that make it fast.
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))?;
-    let descriptor = wgpu::DeviceDescriptor { required_limits: required_limits(&scene)?, ..Default::default() };
+    let descriptor = wgpu::DeviceDescriptor {
+        required_features: wanted_features(&adapter),
+        required_limits: required_limits(&scene)?,
+        ..Default::default()
+    };
     let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))?;
     let gpu = Gpu::from_device(&adapter, device.clone(), queue.clone())?;
     println!("running on {}", gpu.info());

@@ -25,7 +25,7 @@ pub(crate) fn page(gpu: &Gpu, all: &[Stressed], took: Duration, before: &str) ->
     let names: Vec<_> = all.iter().map(|stressed| stressed.stress.name).collect();
     let run = match provenance_in(before).filter(|_| parts.len() > all.len()) {
         Some(whole) => format!("{whole}  \nrun again: {}; commit {commit}, {date}, took {took:.0} s", names.join(", ")),
-        None => format!("adapter: {}  \ncommit: {commit}  \ndate: {date}, took {took:.0} s", gpu.info()),
+        None => format!("adapter: {}  \ncommit: {commit}  \ndate: {date}, took {took:.0} s", provenance::machine(gpu)),
     };
     format!(
         "# Stress\n\nMade by `cargo xtask stress`; [README](../README.md#stress) says how to read it. {holding} of {bounded} rows hold.\n\n\

@@ -1,6 +1,21 @@
-//! The tree that a figure was made from, and the day.
+//! The tree that a figure was made from, the machine, and the day.
 
-use std::process::Command;
+use std::{fs, process::Command, thread};
+
+use windswept::Gpu;
+
+/// The adapter, and the processor, which decides how fast a software adapter is and which texts it runs.
+pub(crate) fn machine(gpu: &Gpu) -> String {
+    format!("{}; texts {:?}; {}", gpu.info(), gpu.texts(), processor())
+}
+
+/// The cores that this process may use and, on Linux, the processor's own name.
+fn processor() -> String {
+    let cores = thread::available_parallelism().map_or("unknown".to_owned(), |cores| cores.to_string());
+    let about = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = about.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    format!("{cores} cores of {}", name.map_or("a processor without a name", |(_, name)| name.trim()))
+}
 
 /// The commit, and whether the tree has changes, other than what benches write.
 pub(crate) fn commit() -> String {

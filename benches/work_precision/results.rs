@@ -17,7 +17,7 @@ pub(crate) fn write_csv(dir: &Path, family: &Family, bench: &Bench, measured: &M
     fs::create_dir_all(dir)?;
     let mut head = vec![
         format!("{} (cargo bench --bench work_precision -- {})", family.title, family.name),
-        format!("adapter: {}", bench.gpu.info()),
+        format!("adapter: {}", provenance::machine(&bench.gpu)),
         format!("commit: {}", provenance::commit()),
         format!("date: {}, took {seconds:.0} s{}", provenance::date(), quickly(bench)),
     ];

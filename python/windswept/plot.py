@@ -1,4 +1,4 @@
-"""Plots of a simulation's air. Needs Matplotlib: `pip install windswept[plot]`."""
+"""Plots of a simulation's air. Needs Matplotlib: `pip install matplotlib`."""
 
 from __future__ import annotations
 
@@ -130,5 +130,5 @@ def _axes(ax: Axes | None) -> Axes:
     try:
         from matplotlib import pyplot
     except ImportError as error:
-        raise ImportError("windswept.plot needs Matplotlib: pip install windswept[plot]") from error
+        raise ImportError("windswept.plot needs Matplotlib: pip install matplotlib") from error
     return pyplot.subplots()[1]

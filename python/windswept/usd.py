@@ -1,4 +1,4 @@
-"""Grooms from USD files, by USD's own library: `pip install 'windswept[usd]'` (CPython 3.11 or later).
+"""Grooms from USD files, by USD's own library: `pip install usd-core` (CPython 3.11 or later).
 
     ws.usd.to_npz("groom.usdc", "groom.npz")
     groom = ws.Groom.load("groom.npz", strands=2000)

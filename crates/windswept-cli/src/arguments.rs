@@ -41,7 +41,8 @@ fn examples() -> String {
     }
     text + "
 
-Exit status: 0 done, 1 the run failed, 2 bad input (nothing was written), 130 stopped by Ctrl-C."
+Exit status: 0 done; 1 the run or a row of a validation failed, or the disk refused; 2 bad input or no such adapter (nothing was written);
+130 stopped by Ctrl-C (the files hold every frame finished until then)."
 }
 
 const EXAMPLES: &str = "\
@@ -399,7 +400,7 @@ impl TypedValueParser for FilmFormats {
 pub(crate) enum FilmFormat {
     /// USD as text, for Blender, Houdini, Maya, usdview
     Usda,
-    /// USD as numbers, a third as large; a Python with usd-core writes it (pip install 'windswept[usd]')
+    /// USD as numbers, a third as large; a Python with usd-core writes it (pip install usd-core)
     Usdc,
     /// NumPy's arrays
     Npz,

@@ -165,12 +165,12 @@ pub(crate) fn plan(options: &SceneOptions, buffers: bool, console: &mut Console<
 /// Number of buffers that are named as the largest.
 const LARGEST: usize = 5;
 
-/// What a step moves, by the model of [`windswept::PlanRow::bytes`], and what memory the scene takes.
+/// What a substep moves, by the model of [`windswept::PlanRow::bytes`], and what memory the scene takes.
 fn print_totals(rows: &[windswept::PlanRow], mut buffers: Vec<windswept::BufferRow>, console: &mut Console<'_>) {
     let sum = |of: fn(&windswept::PlanRow) -> u32| rows.iter().map(of).sum::<u32>();
     let (runs, traffic) = (sum(|row| row.runs), rows.iter().map(|row| row.bytes).sum());
     console.print(format_args!(
-        "a step: {runs} dispatches{} move {:.1} MB, if each reads and writes each of its buffers once as a whole",
+        "a substep: {runs} dispatches{} move {:.1} MB, if each reads and writes each of its buffers once as a whole",
         on_copies(runs, sum(|row| row.runs_on_copies)),
         megabytes(traffic)
     ));
@@ -186,8 +186,7 @@ fn print_totals(rows: &[windswept::PlanRow], mut buffers: Vec<windswept::BufferR
         megabytes(total),
         largest.collect::<Vec<_>>().join(", ")
     ));
-    console
-        .print(format_args!("on a software adapter without AVX-512 textures besides: {:.1} MB", megabytes(textures)));
+    console.print(format_args!("on a software adapter at most {:.1} MB of textures besides", megabytes(textures)));
 }
 
 /// How often something runs on a software adapter without AVX-512, where that is more often than elsewhere.

@@ -1,8 +1,7 @@
 //! The `windswept` command: `run`, `render`, `export`, `spectrum`, `check`, `plan`, `groom`, `validate`, `adapters`. `spectrum` and
 //! `validate` are features of the crate, both on by default.
 //!
-//! [`run`] is the whole command. Exit status 0: done; 1: the run failed; 2: bad input, and nothing was written;
-//! 130: stopped by Ctrl-C, and the files hold every frame finished until then.
+//! [`run`] is the whole command. Its help names the exit statuses.
 
 mod arguments;
 mod console;

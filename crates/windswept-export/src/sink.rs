@@ -47,7 +47,7 @@ pub trait FrameSink: Send {
 pub struct Format {
     /// Name as it is typed: `windswept run --formats NAME`, `ws.Writer(formats=[NAME])`.
     pub name: &'static str,
-    /// Words for its files that go on from "no more".
+    /// What the format writes, as the help of `--formats` names it and the warning `no more {writes}`.
     pub writes: &'static str,
     /// Names of its files within the run's folder. A stem of zeros, as in `frames/0000.png`, stands for a file per frame.
     pub files: &'static [&'static str],

@@ -413,7 +413,7 @@ impl Simulation {
 
     /// A picture of the hair now, as the command draws it: `(height, width, 4)` uint8, sRGB, opaque.
     ///
-    /// The scene's [camera] and [picture] say from where and what.
+    /// The scene's [camera] and [picture] say from where and what: `scene.replace(**{"camera.fov": 20})` before the simulation is made.
     ///
     /// Args:
     ///     width, height: [px]; None: the scene's.

@@ -93,7 +93,8 @@ impl Scene {
         }
     }
 
-    /// Text that the scene was read from, assignments included: what `scene.toml` in a run's folder holds.
+    /// Text that the scene was read from, assignments included; after [`Self::load`] its paths are absolute. `scene.toml` in a run's folder
+    /// holds [`Self::text_in`] instead.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text.text

@@ -32,7 +32,7 @@ table! {
     pub struct Keyframe {
         /// Time of the keyframe; each is later than the one before.
         time: f64 = NonNegative, "s", Needed;
-        /// Translation T from where the thing is written or drawn; tips of strands that are held stay.
+        /// Translation T from the position that the scene gives; tips of strands that are held stay.
         translation: [f64; 3] = Vector, "m", Value([0.0; 3]);
         /// Rotation vector of R, axis times angle, about the thing's centre.
         rotation: [f64; 3] = Vector, "rad", Value([0.0; 3]);

@@ -30,16 +30,17 @@ use crate::error::GpuError;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PassTexts {
-    /// Eight invocations exchange what they read of eight neighbours by subgroup operations, and share the work for a strand, a row of cells
-    /// or a block of nodes.
+    /// For GPUs whose subgroups all have at least eight invocations: eight invocations exchange what they read of eight neighbours by
+    /// subgroup operations, and share the work for a strand, a row of cells or a block of nodes.
     Subgroups,
-    /// They exchange it through the workgroup's memory, since the device has no subgroups that are all of at least eight invocations.
+    /// For devices without such subgroups, or without [`wgpu::Features::SUBGROUP`]: eight invocations exchange what they read of eight
+    /// neighbours through the workgroup's memory, which is slower.
     Workgroup,
-    /// Eight invocations exchange what they read as with `Subgroups`, but share nothing else. Much of what passes read lies in textures and
-    /// uniforms, which software adapters read faster.
+    /// For software adapters: eight invocations exchange what they read of eight neighbours by subgroup operations, but share nothing
+    /// else. Much of what passes read lies in textures and uniforms, which software adapters read faster.
     Software,
-    /// As `Software`, but only what passes gather lies in textures. The processor has AVX-512, with which Mesa reads storage buffers
-    /// faster than it copies them to textures.
+    /// For software adapters on a processor with AVX-512, on which Mesa reads storage buffers faster than it copies them to textures: as
+    /// `Software`, but only what passes gather lies in textures.
     SoftwareAvx512,
 }
 
@@ -66,18 +67,26 @@ type Kept = Arc<Mutex<Option<wgpu::ComputePipeline>>>;
 /// Which switches are on in a scene.
 type Switches<'a> = dyn Fn(Switch) -> bool + Sync + 'a;
 
+/// The features that a device of the caller's own should have, of those that the adapter has. None is needed. Without
+/// [`wgpu::Features::SUBGROUP`] passes run more slowly ([`PassTexts::Workgroup`]); without timestamps reports have no time of each pass.
+#[must_use]
+pub fn wanted_features(adapter: &wgpu::Adapter) -> wgpu::Features {
+    let wanted = wgpu::Features::TIMESTAMP_QUERY
+        | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES
+        | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
+        | wgpu::Features::SUBGROUP;
+    adapter.features() & wanted
+}
+
 impl Gpu {
     /// Opens a device on the chosen adapter.
     ///
     /// # Errors
-    /// [`GpuError::NoAdapter`] says what was looked for, what there is and what to install.
+    /// [`GpuError::NoAdapter`] says what was looked for, what there is and what to install. [`GpuError::NoDevice`] has the driver's words
+    /// when it gives no device, and [`GpuError::Limit`] names the limit that is below WebGPU's default.
     pub fn new(choice: &AdapterChoice) -> Result<Self, GpuError> {
         let adapter = adapter::choose(choice)?;
         let info = AdapterInfo::new(&adapter.get_info());
-        let wanted = wgpu::Features::TIMESTAMP_QUERY
-            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES
-            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
-            | wgpu::Features::SUBGROUP;
         let has = adapter.limits();
         let limits = wgpu::Limits {
             max_storage_buffer_binding_size: has.max_storage_buffer_binding_size,
@@ -88,7 +97,7 @@ impl Gpu {
         };
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("windswept"),
-            required_features: adapter.features() & wanted,
+            required_features: wanted_features(&adapter),
             required_limits: limits,
             ..Default::default()
         };
@@ -97,7 +106,8 @@ impl Gpu {
         Self::from_device(&adapter, device, queue)
     }
 
-    /// Takes the caller's device. Errors on it are caught in error scopes; the device's handlers are left alone.
+    /// Takes the caller's device, with the limits of [`required_limits`](crate::required_limits) and best with the features of
+    /// [`wanted_features`]. Errors on it are caught in error scopes; the device's handlers are left alone.
     ///
     /// # Errors
     /// [`GpuError::Limit`] when the device's limits are below WebGPU's defaults in what the passes need.

@@ -1,7 +1,8 @@
 //! Hair in turbulent wind on the GPU.
 //!
-//! Strands are Cosserat rods, air is particles of a position-based fluid, and each drags the other; in the method as
-//! published both are one fluid (Demura, Fujisawa & Mikawa 2019). The five things that a program does with this crate:
+//! Strands are Cosserat rods. Air is particles whose velocity a pressure keeps free of divergence (`fluid.solver = "divergence"`), or
+//! that a density constraint keeps apart (`"pbf"`, a position-based fluid). Each drags the other; in the method as published, which takes
+//! `"pbf"`, both are one fluid (Demura, Fujisawa & Mikawa 2019). The five things that a program does with this crate:
 //!
 //! * **Embed.** [`Gpu::new`] opens an adapter, [`Gpu::from_device`] takes a device that the program has already. A
 //!   [`windswept_scene::Scene`], read from a file or made in code, becomes a [`Simulation`], of the scene's own strands or of a
@@ -66,7 +67,7 @@ pub use glam;
 pub use engine::required_limits;
 pub use error::{CheckpointError, Error, GpuError, RunError};
 pub use frame::{AirFrame, Frame, HairFrame};
-pub use gpu::{AdapterChoice, AdapterInfo, Gpu, PassTexts, adapters};
+pub use gpu::{AdapterChoice, AdapterInfo, Gpu, PassTexts, adapters, wanted_features};
 pub use plan::{BufferRow, MemoryBytes, PlanRow, Uses, buffers, memory_bytes, table as plan};
 pub use report::{BandEnergy, Counts, PassReport, Report, Reset, RunFailure, SkippedReport};
 pub use simulation::{Accelerations, Buffers, Checkpoint, Simulation};

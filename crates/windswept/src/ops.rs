@@ -158,7 +158,8 @@ impl<'a> Particles<'a> {
     /// `radius`.
     ///
     /// # Errors
-    /// [`OpsError`].
+    /// [`OpsError::Argument`] names an argument that has a wrong length, is out of range or is not finite; [`OpsError::Run`] has what the
+    /// device refused; [`OpsError::Scene`] says why positions and settings make no box.
     pub fn density(&self, gpu: &Gpu) -> Result<Vec<f32>, OpsError> {
         let Some(mut stage) = self.stage(gpu, self.radius, |_| {})? else { return Ok(Vec::new()) };
         stage.evaluate(|r, plan| {
@@ -173,7 +174,8 @@ impl<'a> Particles<'a> {
     /// `velocities`, `mass`, `rest_density`, `radius`.
     ///
     /// # Errors
-    /// [`OpsError`].
+    /// [`OpsError::Argument`] names an argument that has a wrong length, is out of range or is not finite; [`OpsError::Run`] has what the
+    /// device refused; [`OpsError::Scene`] says why positions and settings make no box.
     pub fn vorticity(&self, gpu: &Gpu) -> Result<Vec<[f32; 3]>, OpsError> {
         self.check_velocities()?;
         let Some(mut stage) = self.stage(gpu, self.radius, |_| {})? else { return Ok(Vec::new()) };
@@ -189,7 +191,8 @@ impl<'a> Particles<'a> {
     /// search, and how far apart a grid's nodes are at most.
     ///
     /// # Errors
-    /// [`OpsError`].
+    /// [`OpsError::Argument`] names an argument that has a wrong length, is out of range or is not finite; [`OpsError::Run`] has what the
+    /// device refused; [`OpsError::Scene`] says why positions and settings make no box.
     pub fn band_velocity(&self, gpu: &Gpu, scale: f64, filter: Filter) -> Result<Vec<[f32; 3]>, OpsError> {
         self.check_velocities()?;
         positive("scale", scale)?;
@@ -224,7 +227,8 @@ impl<'a> Particles<'a> {
     /// [`Self::band_velocity`].
     ///
     /// # Errors
-    /// [`OpsError`].
+    /// [`OpsError::Argument`] names an argument that has a wrong length, is out of range or is not finite; [`OpsError::Run`] has what the
+    /// device refused; [`OpsError::Scene`] says why positions and settings make no box.
     pub fn band_energy(&self, gpu: &Gpu, scale: f64, filter: Filter) -> Result<f64, OpsError> {
         let eddies = self.band_velocity(gpu, scale, filter)?;
         let twice: f64 = eddies.iter().flatten().map(|u| f64::from(*u).powi(2)).sum();
@@ -235,7 +239,8 @@ impl<'a> Particles<'a> {
     /// `velocities`, `mass`, `rest_density` (as a scale only), `radius`.
     ///
     /// # Errors
-    /// [`OpsError`].
+    /// [`OpsError::Argument`] names an argument that has a wrong length, is out of range or is not finite; [`OpsError::Run`] has what the
+    /// device refused; [`OpsError::Scene`] says why positions and settings make no box.
     pub fn viscosity(&self, gpu: &Gpu, coefficient: f64) -> Result<Vec<[f32; 3]>, OpsError> {
         self.check_velocities()?;
         if coefficient != 0.0 {
@@ -258,7 +263,8 @@ impl<'a> Particles<'a> {
     /// \[m\]. Uses `mass`, `rest_density`, `radius`.
     ///
     /// # Errors
-    /// [`OpsError`].
+    /// [`OpsError::Argument`] names an argument that has a wrong length, is out of range or is not finite; [`OpsError::Run`] has what the
+    /// device refused; [`OpsError::Scene`] says why positions and settings make no box.
     pub fn solve_density(&self, gpu: &Gpu, fluid: Fluid) -> Result<Vec<[f32; 3]>, OpsError> {
         if fluid.iterations > MOST_REPEATS {
             let words = format!("expected a whole number from 0 to {MOST_REPEATS}, found {}", fluid.iterations);
@@ -293,7 +299,8 @@ impl<'a> Particles<'a> {
     /// Neighbours of each particle, those nearer than the kernel radius. Uses `radius`.
     ///
     /// # Errors
-    /// [`OpsError`].
+    /// [`OpsError::Argument`] names an argument that has a wrong length, is out of range or is not finite; [`OpsError::Run`] has what the
+    /// device refused; [`OpsError::Scene`] says why positions and settings make no box.
     pub fn neighbours(&self, gpu: &Gpu) -> Result<Neighbours, OpsError> {
         let Some(mut stage) = self.stage(gpu, self.radius, |_| {})? else {
             return Ok(Neighbours { offsets: vec![0], indices: Vec::new() });

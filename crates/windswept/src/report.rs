@@ -76,7 +76,7 @@ pub struct Report {
     /// Energy and cost of each of `turbulence.bands`. Left out without air particles or bands.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub band_energy: Vec<BandEnergy>,
-    /// Size of the engine's buffers \[bytes\].
+    /// Size of the engine's buffers and, on a software adapter, of their textures \[bytes\].
     pub memory_bytes: u64,
     /// What was put back to rest in the run, and when; the first thousand times. Left out where nothing was.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -177,9 +177,9 @@ pub struct PassReport {
     /// them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub band: Option<usize>,
-    /// Mean time of all runs in a step together \[ms\].
+    /// Mean time of all runs in a step, of all its substeps together \[ms\].
     pub ms: f64,
-    /// Number of runs in a step.
+    /// Number of runs in a step, of all its substeps together.
     pub runs: u64,
 }
 

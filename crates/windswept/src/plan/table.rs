@@ -27,12 +27,12 @@ pub struct PlanRow {
     pub label: &'static str,
     /// Which of `turbulence.bands` it is for.
     pub band: Option<usize>,
-    /// How often it runs in a step.
+    /// How often it runs in a substep.
     pub runs: u32,
-    /// How often it runs in a step on a software adapter that reads storage buffers slowly, where some passes do a part of their work in
+    /// How often it runs in a substep on a software adapter that reads storage buffers slowly, where some passes do a part of their work in
     /// a run ([`PassTexts::Software`](crate::PassTexts::Software)).
     pub runs_on_copies: u32,
-    /// Number of invocations that a step asks for, of all its [`Self::runs`] together. A text whose invocations share the work runs more
+    /// Number of invocations that a substep asks for, of all its [`Self::runs`] together. A text whose invocations share the work runs more
     /// ([`Pass::shares`](windswept_shaders::Pass::shares)).
     pub invocations: u64,
     /// Operations of each of these invocations.

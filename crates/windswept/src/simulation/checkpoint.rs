@@ -219,8 +219,8 @@ impl Checkpoint {
         }
     }
 
-    /// What is another one on this device, a sentence: the adapter or the version of windswept, so that other bits will follow. `None` where
-    /// nothing is.
+    /// A sentence that says whether the adapter or the version of windswept is another than that of the saved run, so that the run goes on
+    /// with other bits; `None` if both are the same.
     #[must_use]
     pub fn differs(&self, gpu: &Gpu) -> Option<String> {
         self.about.differs_from(&About::of(gpu))
