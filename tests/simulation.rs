@@ -368,6 +368,23 @@ fn air_faster_than_anything_ends_the_run() {
     );
 }
 
+/// Densities are measured between steps, also where the neighbour list has to grow for them: the rising wind goes on from where it was.
+#[test]
+fn a_measurement_leaves_the_wind_as_it_is() {
+    let mut scene = windy();
+    scene.air.as_mut().unwrap().ramp = 0.1;
+    let mut simulation = Simulation::with_state(&support::gpu(), &scene, brush(2)).unwrap();
+    simulation.step(10).unwrap();
+    let before = simulation.engine().status().unwrap();
+    let room = simulation.engine().sizes().neighbours;
+    let crowded = vec![DVec3::new(0.05, 0.03, 0.03); simulation.initial().air.positions.len()];
+    simulation.set_air(Some(&crowded), None).unwrap();
+    simulation.density().unwrap();
+    assert!(simulation.engine().sizes().neighbours > room, "the list did not grow");
+    assert!(before.wind[0] > 0.3 && before.wind != before.wind_before, "{:?}", before.wind);
+    assert_eq!(simulation.engine().status().unwrap().wind, before.wind);
+}
+
 /// What comes back each time is not put back for ever, and a run that nothing ended has nothing to be put back.
 #[test]
 fn what_comes_back_ends_the_run() {

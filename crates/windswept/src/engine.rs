@@ -310,9 +310,9 @@ impl Engine {
             self.copy_state_to_scratch()?;
             self.run(&program, 1)?;
             let status = self.status()?;
-            if self.grow_if_short(&status, status.step.into())?.is_none() {
-                return Ok(grown);
-            }
+            let Some(thawed) = self.grow_if_short(&status, status.step.into())? else { return Ok(grown) };
+            // No step was taken that would set the wind again.
+            self.set_status(&Status { wind: status.wind, ..thawed })?;
             grown = true;
         }
     }

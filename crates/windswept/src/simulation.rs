@@ -68,6 +68,8 @@ pub struct Simulation {
     timed_steps: u64,
     /// What was put back to rest so far.
     resets: Vec<Reset>,
+    /// The step that was recovered last, and how often.
+    recovered: (u64, u32),
     /// Files that the scene names, as they were when it was saved first.
     files: OnceLock<checkpoint::Files>,
     /// When each pass of the timed steps ran; `None` unless somebody asked for it.
@@ -152,6 +154,7 @@ impl Simulation {
             profile: Profile::default(),
             timed_steps: 0,
             resets: Vec::new(),
+            recovered: (0, 0),
             files: OnceLock::new(),
             trace: None,
             given,
@@ -284,11 +287,11 @@ impl Simulation {
         u64::from(step) < u64::from(self.begun) + self.substeps()
     }
 
-    /// Number of substeps in the next batch. The first step goes one by one: nobody knows yet how long they take.
+    /// Number of substeps in the next batch. The first step goes substep by substep: nobody knows yet how long they take.
     fn batch(&self) -> u64 {
-        let Some(ms) = self.step_ms.last().or(self.first_step_ms.as_ref()) else { return 1 };
+        let Some(step_ms) = self.step_ms.last().or(self.first_step_ms.as_ref()) else { return 1 };
         let most = if self.is_first_step(self.last.step) { 1 } else { STEPS_PER_BATCH };
-        ((BATCH_S * 1e3 / ms) as u64).clamp(1, most)
+        ((BATCH_S * 1e3 * self.substeps() as f64 / step_ms) as u64).clamp(1, most)
     }
 
     /// Takes down what a batch took \[ms\] that began at substep `before`.

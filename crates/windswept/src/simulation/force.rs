@@ -44,8 +44,9 @@ impl Simulation {
     /// [`RunError::Input`] when an array that is not empty has not a row for each point or particle, or something is beyond 1e18;
     /// [`RunError::Gpu`].
     pub fn set_force(&mut self, force: &Accelerations) -> Result<(), RunError> {
+        self.push(force)?;
         self.callback = None;
-        self.push(force)
+        Ok(())
     }
 
     /// Sets a force by a function that is called before each step of Δt with the state as it is then, and returns the accelerations of

@@ -14,7 +14,7 @@ const REMEMBERED: usize = 1000;
 /// Strands that are named of those that ended a run.
 const NAMED: usize = 10;
 /// Times that a step is tried again: what comes back each time will not go away.
-const TRIES: usize = 3;
+const TRIES: u32 = 3;
 
 impl Simulation {
     /// Puts back to rest what ended the run with `error`, so that it can go on: the next step is the one that failed. Strands that were
@@ -26,7 +26,8 @@ impl Simulation {
     /// [`RunError::Gpu`] if the device is lost.
     pub fn recover(&mut self, error: RunError) -> Result<Reset, RunError> {
         let causes = self.last.causes;
-        let tries = self.resets.iter().filter(|reset| reset.recovered && reset.step == self.steps).count();
+        let (step, times) = self.recovered;
+        let tries = if step == self.steps { times } else { 0 };
         if causes & (NON_FINITE_AIR | TOO_MANY_BAD_STRANDS) == 0 || tries == TRIES {
             return Err(error);
         }
@@ -53,6 +54,7 @@ impl Simulation {
         }
         self.engine.set_status(&thawed)?;
         self.last = thawed;
+        self.recovered = (self.steps, tries + 1);
         let reset = Reset {
             step: self.steps,
             time_s: self.time(),
