@@ -6,7 +6,7 @@ use windswept::{
     Gpu,
     ops::{Filter, OpsError, Particles},
 };
-use windswept_scene::{Fluid, Turbulence, limits::MOST_REPEATS};
+use windswept_scene::{Air, Fluid, Turbulence, limits::MOST_REPEATS};
 
 use crate::{
     arrays::{matrix, rows, triple},
@@ -14,8 +14,10 @@ use crate::{
     gpu, outside,
 };
 
-/// Kernel radius over particle spacing of the paper: what no argument says.
-const RADIUS: f64 = 1.9226;
+/// Kernel radius over particle spacing, where no argument says it: as in a scene of defaults.
+fn likely_ratio() -> f64 {
+    Air::KERNEL_RADIUS / (Air::PARTICLE_MASS / Air::REST_DENSITY).cbrt()
+}
 
 pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(ops_density, m)?)?;
@@ -37,12 +39,12 @@ fn sides(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<[f64; 3]>> {
 
 /// A rest density that sets the scale of an operation that knows none: spacing and radius as the paper's.
 fn likely_density(mass: f64, radius: f64) -> f64 {
-    mass / (radius / RADIUS).powi(3)
+    mass / (radius / likely_ratio()).powi(3)
 }
 
 /// A kernel radius where none is given.
 fn likely_radius(mass: f64, rest_density: f64) -> f64 {
-    RADIUS * (mass / rest_density).cbrt()
+    likely_ratio() * (mass / rest_density).cbrt()
 }
 
 #[pyfunction]

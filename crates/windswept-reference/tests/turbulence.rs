@@ -280,7 +280,7 @@ fn stirred_box(wind: f64, keys: &str) -> (State, Parameters) {
     let mut initial = air(size, positions);
     initial.air.velocities = stirred(1_000, 40).iter().map(|v| 0.2 * *v + wind * DVec3::X).collect();
     let scene: Scene = scene(&format!(
-        "[air]\nbox = {{ min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 1.0] }}\nwind = [{wind:?}, 0.0, 0.0]\nramp = 0.0\n\
+        "[air]\nbox = {{ min = [0.0, 0.0, 0.0], max = [0.75, 0.75, 0.75] }}\nwind = [{wind:?}, 0.0, 0.0]\nramp = 0.0\n\
          fringe = 0.01\n[turbulence]\n{keys}"
     ));
     let p = Parameters::new(&scene, &initial);

@@ -72,12 +72,14 @@ pub const MOST_BANDS: usize = 1024;
 /// Coarsest spacing of the band filter's nodes, in scales of a band: at 1 the grid still knows the band's centre, coarser
 /// grids do not.
 pub const COARSEST_SPACING: f64 = 1.0;
-/// Most nodes of the band filter's grid that a scene may ask for: 2 GiB a buffer at 16 B a node, which is what adapters bind.
-pub const MOST_NODES: f64 = 1.34e8;
-/// Most nodes of the band filter's grid that air can be sorted into: as many as there may be cells.
-pub const MOST_SORTED_NODES: u64 = MOST_BUCKETS as u64;
+/// Most nodes of the band filter's grid: air is sorted into them, as into cells.
+pub const MOST_NODES: u64 = MOST_BUCKETS as u64;
+/// Most products in the fit of the grid filter's taps along an axis: seconds.
+pub const MOST_PRODUCTS: f64 = 4e9;
 /// Most pairs of particles that the direct filter may sum in a step: minutes on a software adapter.
 pub const MOST_PAIRS: f64 = 1e11;
+/// Pairs in whose time the direct filter looks at a row of cells, empty or not.
+pub const PAIRS_PER_ROW: f64 = 1e3;
 
 /// Most groups of strands of a scene: each has a name, and is looked for by it.
 pub const MOST_HAIR_GROUPS: usize = 4096;

@@ -7,6 +7,7 @@ mod roots;
 mod turbulence;
 mod viscosity;
 
+pub(crate) use air::rounded;
 pub use air::{Air, Bounds, Gust, Inflow};
 pub(crate) use hair::FRICTION;
 pub use hair::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, Stiffness, Up};

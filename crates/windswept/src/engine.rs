@@ -5,7 +5,7 @@ use bytemuck::Pod;
 use glam::DVec3;
 use windswept_scene::{
     Groom, InitialState, Scene, SceneError, Strands,
-    limits::{MOST_BUCKETS, MOST_SORTED_NODES},
+    limits::{MOST_BUCKETS, MOST_NODES},
 };
 use windswept_shaders::{
     Textures,
@@ -465,7 +465,7 @@ pub(crate) fn check_room(gpu: &Gpu, scene: &Scene, groom: Option<&Groom>) -> Res
 
 /// Whether the adapter binds the finest grid of the band filter.
 fn check_nodes(gpu: &Gpu, meshes: &Meshes) -> Result<(), GpuError> {
-    let most = (gpu.largest_binding() / NODE_BYTES).min(MOST_SORTED_NODES);
+    let most = (gpu.largest_binding() / NODE_BYTES).min(MOST_NODES);
     if meshes.nodes <= most {
         return Ok(());
     }

@@ -376,6 +376,10 @@ impl<'a> Particles<'a> {
             Some(sides) => (DVec3::ZERO, DVec3::from_array(sides)),
             None => (low - reach, (high - low + 2.0 * reach).max(DVec3::splat(3.0 * self.radius))),
         };
+        let excess = |band: &Band| scene.turbulence.excess(band.scale, self.radius, positions.len() as f64, size);
+        if let Some(excess) = scene.turbulence.bands.iter().find_map(excess) {
+            return Err(argument("scale", excess.what));
+        }
         let still = vec![DVec3::ZERO; positions.len()];
         let velocities = if self.velocities.len() == positions.len() {
             self.velocities.iter().map(|v| DVec3::from_array(*v)).collect()
@@ -425,10 +429,10 @@ fn argument(name: &'static str, what: String) -> OpsError {
 /// argument's fault here, not a scene's.
 fn too_fine(scale: f64, error: OpsError) -> OpsError {
     match error {
-        OpsError::Run(RunError::Gpu(GpuError::BandTooFine { nodes, most, fits, .. })) => {
+        OpsError::Run(RunError::Gpu(GpuError::BandTooFine { nodes, most, .. })) => {
             let words =
                 format!("a grid for {scale} m would have {nodes} nodes, of which at most {most} fit this adapter");
-            argument("scale", format!("{words}; a scale of about {fits:.2e} m would fit"))
+            argument("scale", words)
         }
         error => error,
     }

@@ -220,6 +220,6 @@ impl Air {
 }
 
 /// The number to six digits, for people.
-pub(super) fn rounded(x: f64) -> f64 {
+pub(crate) fn rounded(x: f64) -> f64 {
     format!("{x:.5e}").parse().unwrap_or(x)
 }

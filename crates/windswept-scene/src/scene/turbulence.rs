@@ -1,10 +1,7 @@
 //! `[turbulence]`: vorticity confinement.
 
-use std::f64::consts::PI;
-
 use glam::DVec3;
 
-use super::air::rounded;
 use crate::{
     declare::{Keys, table, words},
     error::SceneError,
@@ -13,7 +10,7 @@ use crate::{
         Fallback::{Absent, Method, Needed, Value},
         Kind::{Bool, Choice, Length, NonNegative, Positive, Tables},
     },
-    limits::{COARSEST_SPACING, MOST_NODES, MOST_PAIRS},
+    limits::COARSEST_SPACING,
     reader::Reader,
     scene::{Air, Scene},
 };
@@ -129,38 +126,17 @@ impl Turbulence {
 }
 
 impl Scene {
-    /// Grids must fit adapters, and direct sums must end.
+    /// Filters must be made and run in a time that somebody can wait for.
     pub(super) fn check_bands(&self, reader: &Reader<'_>) -> Result<(), SceneError> {
         let Some((air, bounds)) = self.filled() else { return Ok(()) };
         let size = DVec3::from_array(bounds.max) - DVec3::from_array(bounds.min);
+        let particles = size.element_product() / air.parcel();
         for (i, band) in self.turbulence.bands.iter().enumerate() {
-            let fault = |words| Err(reader.fault(&format!("turbulence.bands.{i}.scale"), words));
-            match self.turbulence.filter {
-                Filter::Grid => {
-                    let nodes: f64 = self.turbulence.nodes(band.scale, air.kernel_radius, size).iter().product();
-                    if nodes > MOST_NODES {
-                        let fits = rounded(band.scale * (nodes / MOST_NODES).cbrt());
-                        return fault(format!(
-                            "the filter's grid would have {nodes:.1e} nodes, at most {MOST_NODES:.1e} fit any adapter; expected at least about {fits} m"
-                        ));
-                    }
-                }
-                Filter::Direct => {
-                    let pairs = pairs(air, size, self.turbulence.cutoff * band.scale);
-                    if pairs > MOST_PAIRS {
-                        let fits = band.scale * (MOST_PAIRS / pairs).cbrt();
-                        return fault(format!(
-                            "the direct filter would sum {pairs:.1e} pairs a step; expected at most {fits:.2e} m, or filter = \"grid\""
-                        ));
-                    }
-                }
+            if let Some(excess) = self.turbulence.excess(band.scale, air.kernel_radius, particles, size) {
+                let words = format!("{}; {}", excess.what, excess.expected);
+                return Err(reader.fault(&format!("turbulence.bands.{i}.scale"), words));
             }
         }
         Ok(())
     }
-}
-
-/// Pairs of air particles within `reach` \[m\] in a box of `size` \[m\], periodic images included.
-fn pairs(air: &Air, size: DVec3, reach: f64) -> f64 {
-    size.element_product() / air.parcel() * (4.0 / 3.0 * PI * reach.powi(3) / air.parcel())
 }
