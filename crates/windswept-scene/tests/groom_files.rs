@@ -12,7 +12,8 @@ use common::{Folder, deflated, zeros_of};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept_scene::{
-    Curves, End, Fibre, Groom, GroomFile, GroomFormat, HairSource, InitialState, RestShape, Scene, Stiffness, Up,
+    Curves, End, Fibre, Groom, GroomFile, GroomFormat, HairSource, InitialState, RestShape, Scene, Stiffness,
+    Triangles, Up,
 };
 
 fn f32s(numbers: &[f32]) -> Vec<u8> {
@@ -241,6 +242,25 @@ fn counts_beyond_the_file_are_errors() {
     assert!(error.message().contains("expected a"), "{error}");
     let error = Curves::load(folder.path().join("none.hair"), None).unwrap_err();
     assert!(error.message().contains("cannot be read"), "{error}");
+}
+
+/// A second element of vertices, strands or faces is refused where it is said, in a groom and in a mesh: points of the first one that have a
+/// thickness or a normal of their own would make lists of different lengths.
+#[test]
+fn elements_of_ply_files_are_there_once() {
+    let vertex = "element vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
+    let strand = "element strand 1\nproperty ushort nsegs\n";
+    let face = "element face 1\nproperty list uchar int vertex_indices\n";
+    let head = format!("ply\nformat ascii 1.0\n{vertex}{strand}{face}");
+    let format = GroomFormat::ALL.iter().find(|format| format.extension == "ply").unwrap();
+    for (name, again) in
+        [("vertex", &format!("{vertex}property float thickness\n")[..]), ("strand", strand), ("face", face)]
+    {
+        let text = format!("{head}{again}end_header\n0 0 0\n0\n3 0 0 0\n0 0 0 1\n");
+        let expected = format!("at byte {}: expected one element {name}, found a second", head.len());
+        assert_eq!(format.read(text.as_bytes(), None).unwrap_err().message(), expected);
+        assert_eq!(Triangles::read("ply", text.as_bytes()).unwrap_err().message(), expected);
+    }
 }
 
 /// Files without an end of strands: equally many points each, once it is said how many.

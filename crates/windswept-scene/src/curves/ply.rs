@@ -64,6 +64,9 @@ struct Property {
     many: Option<Scalar>,
 }
 
+/// Elements whose numbers are kept. A file has each of them once: the numbers of a second one would mingle with those of the first.
+const KEPT: [&str; 3] = ["vertex", "strand", "face"];
+
 struct Element {
     name: String,
     count: u64,
@@ -128,6 +131,9 @@ fn header(bytes: &mut Bytes<'_>) -> Result<(Encoding, Vec<Element>), SceneError>
             ["element", name, count] => {
                 let count =
                     count.parse().map_err(|_| fault_at(at, format!("expected a number of {name}, found {count:?}")))?;
+                if KEPT.contains(&name) && elements.iter().any(|element| element.name == name) {
+                    return Err(fault_at(at, format!("expected one element {name}, found a second")));
+                }
                 elements.push(Element { name: name.to_owned(), count, properties: Vec::new() });
                 continue;
             }
