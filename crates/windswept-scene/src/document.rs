@@ -64,9 +64,10 @@ impl Document {
     /// without a name.
     pub(crate) fn shown(&self, error: SceneError) -> SceneError {
         let lone = |key: &&str| matches!(self.entries.get(*key), Some(Entry { datum: Datum::Tables(1), .. }));
-        let error = self.called.iter().fold(error, |error, (real, called)| error.renamed(real, called));
+        // Once only: a name may be the index of another table.
+        let named = self.called.iter().find_map(|(real, called)| error.renamed(real, called)).unwrap_or(error);
         let lone = ["hair", "body", "force"].into_iter().filter(lone);
-        lone.fold(error, |error, table| error.renamed(&format!("{table}.0"), table))
+        lone.fold(named, |error, table| error.renamed(&format!("{table}.0"), table).unwrap_or(error))
     }
 
     /// Checks the keys of a table; `path` is without indices, `real` with them.

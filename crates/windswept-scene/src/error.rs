@@ -48,13 +48,11 @@ impl SceneError {
         self
     }
 
-    /// The error with its key as one spells it, if it is in the table at `real`: `hair.length`, not `hair.0.length`.
-    pub(crate) fn renamed(mut self, real: &str, called: &str) -> Self {
-        let rest = self.0.key.as_deref().and_then(|key| key.strip_prefix(real));
-        if let Some(rest) = rest.filter(|rest| rest.is_empty() || rest.starts_with('.')) {
-            self.0.key = Some(spelled(&format!("{called}{rest}")).into_owned());
-        }
-        self
+    /// The error with its key as one spells it: `hair.length`, not `hair.0.length`; `None` if the key is not in the table at `real`.
+    pub(crate) fn renamed(&self, real: &str, called: &str) -> Option<Self> {
+        let rest = self.0.key.as_deref()?.strip_prefix(real)?;
+        let inside = rest.is_empty() || rest.starts_with('.');
+        inside.then(|| self.clone().at(format!("{called}{rest}"), self.span()))
     }
 
     pub(crate) fn with_help(mut self, help: impl Into<String>) -> Self {

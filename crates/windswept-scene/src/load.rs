@@ -130,7 +130,7 @@ impl Scene {
         let Some(key) = error.key().filter(|key| is_of_scene(key)).map(str::to_owned) else { return error };
         let group = key.strip_prefix("hair.").and_then(|rest| rest.split('.').next()?.parse().ok());
         let named = |error: SceneError| match group {
-            Some(group) => error.renamed(&format!("hair.{group}"), &self.called(group)),
+            Some(group) => error.renamed(&format!("hair.{group}"), &self.called(group)).unwrap_or(error),
             None => error,
         };
         // Lines are those of the file, without the assignments.

@@ -217,6 +217,10 @@ fn groups_have_names_and_faults_of_their_own() {
         assert_eq!((error.key(), error.line()), (Some(key), Some(line)), "{error}");
         assert!(error.to_string().contains(word), "{error}");
     }
+    // A name that is the index of the other group leads to its own.
+    let text = two_groups("name = \"1\"", "name = \"fringe\"\nstrands = 1").unwrap().text().to_owned();
+    let error = Scene::parse(&text.replacen("length = 0.1\n", "", 1)).unwrap_err();
+    assert_eq!((error.key(), error.line()), (Some("hair.1.length"), Some(4)), "{error}");
     // A lone [[hair]] needs no index.
     let error = Scene::parse(&SMALL.replace("[hair]", "[[hair]]").replace("points = 4", "points = 1")).unwrap_err();
     assert_eq!(error.key(), Some("hair.points"));
