@@ -89,6 +89,9 @@ pub const MOST_BODIES: usize = 1024;
 pub const MOST_FORCES: usize = 256;
 /// Most triangles of a mesh file: with their tree they take 300 B each, 1.3 GB in all.
 pub const MOST_TRIANGLES: usize = 1 << 22;
+/// Most primitives in all nodes of a `.glb` file, those of a mesh counted for each node that has it: a short file can ask for any number of
+/// them. The names of so many take 7 MB.
+pub const MOST_PRIMITIVES: usize = 1 << 16;
 /// Most nodes of a grid of distances: 128 MiB at 4 B a node, which is the largest buffer that every adapter binds; 0.7 GB while the
 /// grid is made.
 pub const MOST_GRID_VALUES: usize = 1 << 25;

@@ -310,7 +310,7 @@ impl Scene {
         let name = scalp.group.as_deref();
         let triangles = solid.triangles().named(name).ok_or_else(|| {
             let mut known: Vec<&str> =
-                solid.triangles().parts.iter().flat_map(|part| &part.names).map(|x| x.as_str()).collect();
+                solid.triangles().parts.iter().flat_map(|part| &part.names).map(|name| &**name).collect();
             known.sort_unstable();
             known.dedup();
             fault("group", "a group, object or material of the mesh", name.unwrap_or_default(), known)

@@ -7,7 +7,7 @@ mod glb;
 mod obj;
 mod tree;
 
-use std::{ops::Range, path::Path};
+use std::{ops::Range, path::Path, sync::Arc};
 
 use glam::DVec3;
 
@@ -56,8 +56,8 @@ pub struct Triangles {
 /// Successive triangles that have names.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Part {
-    /// Names of the object and the groups that they belong to, and of their material.
-    pub names: Vec<String>,
+    /// Names of the object and the groups that they belong to, and of their material; parts may share them.
+    pub names: Vec<Arc<str>>,
     /// Indices of the triangles.
     pub triangles: Range<usize>,
 }
@@ -139,7 +139,7 @@ impl Triangles {
     /// Indices of the triangles of every part that has this name; all where none is said. `None` where no part has it.
     pub(crate) fn named(&self, name: Option<&str>) -> Option<Vec<usize>> {
         let Some(name) = name else { return Some((0..self.corners.len()).collect()) };
-        let parts = self.parts.iter().filter(|part| part.names.iter().any(|own| own == name));
+        let parts = self.parts.iter().filter(|part| part.names.iter().any(|own| **own == *name));
         let all: Vec<usize> = parts.flat_map(|part| part.triangles.clone()).collect();
         (!all.is_empty()).then_some(all)
     }
@@ -147,7 +147,7 @@ impl Triangles {
     /// Adds triangles that have these names; normals and places in the texture are as many, or none.
     fn append(
         &mut self,
-        names: Vec<String>,
+        names: Vec<Arc<str>>,
         corners: impl Iterator<Item = [u32; 3]>,
         normals: Vec<[DVec3; 3]>,
         uvs: Vec<[[f32; 2]; 3]>,

@@ -3,13 +3,13 @@
 
 mod common;
 
-use std::{f64::consts::PI, fmt::Write, path::Path};
+use std::{f64::consts::PI, fmt::Write, path::Path, sync::Arc};
 
 use common::{Folder, box_of, obj};
 use glam::{DQuat, DVec3, Vec3Swizzles};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept_scene::{DistanceGrid, MeshFile, Shape, Solid, Triangles, Up};
+use windswept_scene::{DistanceGrid, MeshFile, SceneError, Shape, Solid, Triangles, Up, limits::MOST_PRIMITIVES};
 
 /// Most that a node is off which is more than eight spacings from the surface \[spacings\].
 const FAR_OFF: f64 = 0.25;
@@ -268,7 +268,7 @@ fn glb(mesh: &Triangles, turn: DQuat, shift: DVec3) -> Vec<u8> {
     let indices: Vec<u8> = mesh.corners.as_flattened().iter().flat_map(|i| i.to_le_bytes()).collect();
     let (count, length, all) = (mesh.points.len(), points.len(), points.len() + indices.len());
     let (turn, shift) = (turn.to_array(), shift.to_array());
-    let mut json = format!(
+    let json = format!(
         r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],
         "nodes":[{{"children":[1],"translation":{shift:?}}},{{"name":"head","mesh":0,"rotation":{turn:?}}}],
         "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"NORMAL":0,"TEXCOORD_0":2}},"indices":1,"material":0}}]}}],
@@ -280,21 +280,39 @@ fn glb(mesh: &Triangles, turn: DQuat, shift: DVec3) -> Vec<u8> {
         {{"buffer":0,"byteOffset":{length},"byteLength":{}}}],"buffers":[{{"byteLength":{all}}}]}}"#,
         3 * mesh.corners.len(),
         indices.len(),
-    )
-    .into_bytes();
+    );
+    glb_of(&json, &[points, indices].concat())
+}
+
+/// A file that says this of its numbers.
+fn glb_of(json: &str, numbers: &[u8]) -> Vec<u8> {
+    let mut json = json.as_bytes().to_vec();
     json.resize(json.len().next_multiple_of(4), b' ');
     let mut bytes = b"glTF".to_vec();
     let put = |bytes: &mut Vec<u8>, number: usize| bytes.extend((number as u32).to_le_bytes());
     put(&mut bytes, 2);
-    put(&mut bytes, 28 + json.len() + all);
+    put(&mut bytes, 28 + json.len() + numbers.len());
     put(&mut bytes, json.len());
     bytes.extend(b"JSON");
     bytes.extend(json);
-    put(&mut bytes, all);
+    put(&mut bytes, numbers.len());
     bytes.extend(b"BIN\0");
-    bytes.extend(points);
-    bytes.extend(indices);
+    bytes.extend(numbers);
     bytes
+}
+
+/// So many nodes with one mesh of these primitives, which are of a triangle (accessor 0), of no points (1) or of a point (2).
+fn primitives(nodes: usize, primitives: &[&str]) -> Result<Triangles, SceneError> {
+    let view = r#""bufferView":0,"componentType":5126,"type":"VEC3","count""#;
+    let json = format!(
+        r#"{{"scenes":[{{"nodes":{:?}}}],"nodes":[{}],"meshes":[{{"name":"tuft","primitives":[{}]}}],
+        "accessors":[{{{view}:3}},{{{view}:0}},{{{view}:1}}],"bufferViews":[{{"buffer":0}}]}}"#,
+        Vec::from_iter(0..nodes),
+        vec![r#"{"mesh":0}"#; nodes].join(","),
+        primitives.join(","),
+    );
+    let numbers = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    Triangles::read("glb", &glb_of(&json, &numbers.map(f32::to_le_bytes).concat()))
 }
 
 /// Places of the corners, in the order of the file.
@@ -381,7 +399,7 @@ fn text_need_not_be_of_utf8() {
     let latin =
         b"# K\xf6rper\no K\xf6rper\nmtllib K\xf6rper.mtl\nusemtl skin\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n# \xe4\n";
     let found = Triangles::load(folder.write("latin.obj", latin)).unwrap();
-    assert_eq!(found.parts[0].names, ["K\u{fffd}rper", "skin"]);
+    assert_eq!(found.parts[0].names.join(","), "K\u{fffd}rper,skin");
     let said =
         Triangles::load(folder.write("bad.obj", b"v 0 0 0\nv 1 0 \xe4\nv 0 1 0\nf 1 2 3\n")).unwrap_err().to_string();
     assert!(said.contains("bad.obj: line 2: expected a Wavefront file"), "{said}");
@@ -468,6 +486,25 @@ fn bytes_behind_a_glb_file_are_refused() {
     bytes.extend([0; 3]);
     let error = Triangles::load(folder.write("a.glb", &bytes)).unwrap_err().to_string();
     assert!(error.contains(&format!("a.glb: at byte 8: expected a file of {all} bytes, found {}", all + 3)), "{error}");
+}
+
+/// Nodes share their mesh's name, primitives without triangles leave nothing behind, and more primitives than there may be are refused,
+/// whatever they have: a short file can have any number of each, and nodes times primitives of both.
+#[test]
+fn primitives_of_glb_files_are_bounded() {
+    let [whole, empty, point] = [0, 1, 2].map(|i| format!(r#"{{"attributes":{{"POSITION":{i}}}}}"#));
+    let found = primitives(2, &[&empty, &whole, &point]).unwrap();
+    assert_eq!((found.points.len(), found.corners), (6, vec![[0, 1, 2], [3, 4, 5]]));
+    let names: Vec<_> = found.parts.iter().map(|part| (part.names.join(","), part.triangles.clone())).collect();
+    assert_eq!(names, [("tuft".to_owned(), 0..1), ("tuft".to_owned(), 1..2)]);
+    assert!(Arc::ptr_eq(&found.parts[0].names[0], &found.parts[1].names[0]));
+    let each = 1 << 8;
+    for primitive in [&whole, &empty] {
+        let error = primitives(MOST_PRIMITIVES / each + 1, &vec![&primitive[..]; each]).unwrap_err();
+        assert_eq!(error.message(), "expected at most 65536 primitives in all nodes");
+    }
+    let most = primitives(MOST_PRIMITIVES / each, &vec![&whole[..]; each]).unwrap();
+    assert_eq!(most.parts.len(), MOST_PRIMITIVES);
 }
 
 /// A face has the names of its object, of each of its groups, and of its material, whatever blanks are between words.

@@ -4,7 +4,7 @@
 //!
 //! Source: Khronos Group, "glTF 2.0 Specification", sections 3 and 4.4.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, sync::Arc};
 
 use glam::{DMat4, DQuat, DVec3};
 use serde::Deserialize;
@@ -13,7 +13,7 @@ use super::{Triangles, of_corners};
 use crate::{
     curves::{Bytes, fault_at},
     error::SceneError,
-    limits::MOST_TRIANGLES,
+    limits::{MOST_PRIMITIVES, MOST_TRIANGLES},
 };
 
 /// A primitive's mode, or kind of numbers, as the format numbers them.
@@ -39,7 +39,7 @@ struct Document {
 
 #[derive(Deserialize)]
 struct Named {
-    name: Option<String>,
+    name: Option<Arc<str>>,
 }
 
 #[derive(Deserialize)]
@@ -51,7 +51,7 @@ struct Nodes {
 #[derive(Deserialize, Clone)]
 #[serde(default)]
 struct Node {
-    name: Option<String>,
+    name: Option<Arc<str>>,
     children: Vec<usize>,
     mesh: Option<usize>,
     matrix: Option<[f64; 16]>,
@@ -76,7 +76,7 @@ impl Default for Node {
 
 #[derive(Deserialize)]
 struct Mesh {
-    name: Option<String>,
+    name: Option<Arc<str>>,
     primitives: Vec<Primitive>,
 }
 
@@ -115,6 +115,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
         return Err(SceneError::new(format!("the file requires {extension}: expected plain glTF 2.0")));
     }
     let mut all = Triangles { unit: Some(1.0), ..Triangles::default() };
+    let mut primitives = 0;
     let mut seen = vec![false; document.nodes.len()];
     let mut waiting: Vec<_> =
         document.scenes.iter().flat_map(|scene| &scene.nodes).map(|&i| (i, DMat4::IDENTITY)).collect();
@@ -128,6 +129,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
         let place = parent * node.matrix.map_or(own, |matrix| DMat4::from_cols_array(&matrix));
         if let Some(mesh) = node.mesh {
             let mesh = item(&document.meshes, mesh, "mesh")?;
+            // Many nodes may have one mesh.
+            primitives += mesh.primitives.len();
+            if primitives > MOST_PRIMITIVES {
+                return Err(SceneError::new(format!("expected at most {MOST_PRIMITIVES} primitives in all nodes")));
+            }
             for primitive in &mesh.primitives {
                 let material = primitive.material.and_then(|i| document.materials.get(i)?.name.as_ref());
                 let names = [node.name.as_ref(), mesh.name.as_ref(), material].into_iter().flatten().cloned().collect();
@@ -170,13 +176,13 @@ fn item<'a, T>(list: &'a [T], i: usize, what: &str) -> Result<&'a T, SceneError>
 }
 
 impl Document {
-    /// Adds the triangles of a primitive, each point carried to its place.
+    /// Adds the triangles of a primitive, each point carried to its place; nothing if it has none.
     fn append(
         &self,
         primitive: &Primitive,
         numbers: &[u8],
         place: DMat4,
-        names: Vec<String>,
+        names: Vec<Arc<str>>,
         all: &mut Triangles,
     ) -> Result<(), SceneError> {
         let mode = primitive.mode.unwrap_or(TRIANGLES);
@@ -185,6 +191,9 @@ impl Document {
         }
         let points = primitive.attributes.get("POSITION");
         let points = *points.ok_or_else(|| SceneError::new("expected POSITION of every primitive"))?;
+        if item(&self.accessors, primitive.indices.unwrap_or(points), "accessor")?.count < 3 {
+            return Ok(());
+        }
         let points = self.numbers(points, numbers, "VEC3")?;
         let points = points.as_chunks::<3>().0;
         let indices = match primitive.indices {
@@ -222,7 +231,6 @@ impl Document {
         let triangles: Vec<_> = triangles.collect();
         let (normals, uvs) = (of_corners(&triangles, &normals), of_corners(&triangles, &uvs));
         all.append(names, triangles.iter().map(|corners| corners.map(|index| first + index)), normals, uvs);
-        // Many nodes may have one mesh.
         if all.corners.len().max(all.points.len() / 3) > MOST_TRIANGLES {
             return Err(SceneError::new(format!("expected at most {MOST_TRIANGLES} triangles in all nodes")));
         }

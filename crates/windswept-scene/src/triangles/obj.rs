@@ -1,6 +1,6 @@
 //! Wavefront files, `.obj`.
 
-use std::collections::HashSet;
+use std::{collections::HashSet, sync::Arc};
 
 use glam::DVec3;
 
@@ -114,10 +114,10 @@ struct Names<'a> {
 
 impl Names<'_> {
     /// Each name by itself. Some programs write groups with blanks in their names: all words of the groups are a name too.
-    fn each(self) -> Vec<String> {
+    fn each(self) -> Vec<Arc<str>> {
         let groups = self.groups.split_whitespace().filter(|group| *group != self.groups);
         let names = [self.object, self.groups].into_iter().chain(groups).chain([self.material]);
-        names.filter(|name| !name.is_empty()).map(str::to_owned).collect()
+        names.filter(|name| !name.is_empty()).map(Arc::from).collect()
     }
 }
 
