@@ -167,7 +167,6 @@ impl Triangles {
         }
     }
 
-    /// Places of the corners of each triangle.
     /// How far the points reach across the plane of the largest triangle \[units of the file\]; 0 for a flat surface.
     pub(crate) fn thickness(&self) -> f64 {
         let normals = self.places().map(|[a, b, c]| (b - a).cross(c - a));
@@ -179,6 +178,7 @@ impl Triangles {
         high - low
     }
 
+    /// Places of the corners of each triangle.
     fn places(&self) -> impl Iterator<Item = [DVec3; 3]> + '_ {
         self.corners.iter().map(|corners| corners.map(|i| self.points[i as usize]))
     }
