@@ -221,6 +221,26 @@ fn triangles_across_one_another_are_refused() {
     }
 }
 
+/// Where the system starts no more threads, the one that is there makes the same grid. This program starts again with stacks that no address
+/// space holds.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_grid_needs_no_other_thread() {
+    let (stack, endless) = ("RUST_MIN_STACK", (1_u64 << 60).to_string());
+    if std::env::var(stack).is_ok_and(|size| size == endless) {
+        assert!(std::thread::Builder::new().spawn(|| ()).is_err());
+        let half = DVec3::new(0.03, 0.02, 0.01);
+        let grid = DistanceGrid::bake(&box_of(half, 2, |_, _, _| false).closed().0, 1e-3, 5e-3).unwrap();
+        let off = nodes(&grid).map(|(x, distance)| (distance - box_distance(half, x)).abs());
+        assert!(off.fold(0.0, f64::max) < FAR_OFF * grid.spacing);
+        return;
+    }
+    let mut again = std::process::Command::new(std::env::current_exe().unwrap());
+    let output = again.args(["a_grid_needs_no_other_thread", "--exact"]).env(stack, endless).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && said.contains("1 passed"), "{said}");
+}
+
 /// What cannot be baked is an error that says why.
 #[test]
 fn a_surface_that_encloses_nothing_is_refused() {

@@ -1,8 +1,15 @@
 //! Signed distance from a closed surface at the nodes of a grid, and between them.
 
-use glam::{DVec3, Vec3};
+use std::{
+    num::NonZero,
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
+    thread,
+};
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use glam::{DVec3, Vec3};
 
 use super::{
     Triangles,
@@ -208,19 +215,20 @@ impl DistanceGrid {
 
     /// Runs over rows of nodes along x on all cores: with the place of a row's first node \[m\], and what is at its nodes.
     fn each_row<T: Send>(&self, nodes: &mut [T], run: impl Fn(DVec3, &mut [T]) + Sync) {
-        let [columns, rows, _] = self.counts;
-        let mut waiting: Vec<_> = nodes.chunks_exact_mut(columns as usize).enumerate().collect();
-        let workers = std::thread::available_parallelism().map_or(1, usize::from);
-        let each = waiting.len().div_ceil(workers);
-        std::thread::scope(|scope| {
-            for share in waiting.chunks_mut(each) {
-                scope.spawn(|| {
-                    for (row, nodes) in share {
-                        let [y, z] = [*row as u32 % rows, *row as u32 / rows];
-                        run(self.origin + self.spacing * DVec3::new(0.0, y.into(), z.into()), nodes);
-                    }
-                });
+        let [columns, rows, layers] = self.counts.map(|count| count as usize);
+        let waiting = Mutex::new(nodes.chunks_exact_mut(columns).enumerate());
+        let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).next();
+        let work = || {
+            while let Some((row, nodes)) = next() {
+                let [y, z] = [row % rows, row / rows].map(|k| k as f64);
+                run(self.origin + self.spacing * DVec3::new(0.0, y, z), nodes);
             }
+        };
+        let threads = thread::available_parallelism().map_or(1, NonZero::get).min(rows * layers);
+        thread::scope(|scope| {
+            // Without another thread this one does all.
+            (1..threads).map_while(|_| thread::Builder::new().spawn_scoped(scope, work).ok()).for_each(drop);
+            work();
         });
     }
 
