@@ -195,11 +195,14 @@ impl Triangles {
                 self.points[i]
             )));
         }
-        if !self.normals.iter().flatten().all(|normal| normal.is_finite()) {
-            return Err(SceneError::new("a normal is not finite: expected finite numbers"));
+        let odd = |triangle: usize, what: &str| {
+            SceneError::new(format!("triangle {triangle} has {what} that is not finite: expected finite numbers"))
+        };
+        if let Some(i) = self.normals.iter().position(|corners| !corners.iter().all(|normal| normal.is_finite())) {
+            return Err(odd(i, "a normal"));
         }
-        if !self.uvs.iter().flatten().flatten().all(|x| x.is_finite()) {
-            return Err(SceneError::new("a place in the texture is not finite: expected finite numbers"));
+        if let Some(i) = self.uvs.iter().position(|corners| !corners.iter().flatten().all(|x| x.is_finite())) {
+            return Err(odd(i, "a place in the texture"));
         }
         if !self.normals.is_empty() {
             self.normals.resize(triangles, [DVec3::ZERO; 3]);

@@ -321,18 +321,20 @@ fn glb_of(json: &str, numbers: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// So many nodes with one mesh of these primitives, which are of a triangle (accessor 0), of no points (1) or of a point (2).
+/// So many nodes with one mesh of these primitives, which are of a triangle (accessor 0), of no points (1) or of a point (2); accessor 3 has
+/// the indices of no point.
 fn primitives(nodes: usize, primitives: &[&str]) -> Result<Triangles, SceneError> {
     let view = r#""bufferView":0,"componentType":5126,"type":"VEC3","count""#;
     let json = format!(
         r#"{{"scenes":[{{"nodes":{:?}}}],"nodes":[{}],"meshes":[{{"name":"tuft","primitives":[{}]}}],
-        "accessors":[{{{view}:3}},{{{view}:0}},{{{view}:1}}],"bufferViews":[{{"buffer":0}}]}}"#,
+        "accessors":[{{{view}:3}},{{{view}:0}},{{{view}:1}},
+        {{"bufferView":0,"byteOffset":36,"componentType":5121,"type":"SCALAR","count":3}}],"bufferViews":[{{"buffer":0}}]}}"#,
         Vec::from_iter(0..nodes),
         vec![r#"{"mesh":0}"#; nodes].join(","),
         primitives.join(","),
     );
     let numbers = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-    Triangles::read("glb", &glb_of(&json, &numbers.map(f32::to_le_bytes).concat()))
+    Triangles::read("glb", &glb_of(&json, &[numbers.map(f32::to_le_bytes).as_flattened(), &[9; 3]].concat()))
 }
 
 /// Places of the corners, in the order of the file.
@@ -525,6 +527,27 @@ fn primitives_of_glb_files_are_bounded() {
     }
     let most = primitives(MOST_PRIMITIVES / each, &vec![&whole[..]; each]).unwrap();
     assert_eq!(most.parts.len(), MOST_PRIMITIVES);
+}
+
+/// What is wrong in a part of a file is an error that says in which.
+#[test]
+fn faults_name_their_part() {
+    for (attributes, said) in [
+        (r#""attributes":{},"mode":1"#, "found mode 1: expected 4, triangles"),
+        (r#""attributes":{}"#, "expected the attribute POSITION"),
+        (r#""attributes":{"POSITION":0},"indices":3"#, "found index 9: expected less than 3, the points"),
+        (r#""attributes":{"POSITION":0,"NORMAL":2}"#, "expected one NORMAL a point"),
+        (r#""attributes":{"POSITION":7}"#, "found accessor 7: expected less than 4"),
+    ] {
+        let whole = r#"{"attributes":{"POSITION":0}}"#;
+        let error = primitives(1, &[whole, &format!("{{{attributes}}}")]).unwrap_err();
+        assert_eq!(error.message(), format!("mesh 0, primitive 1: {said}"));
+    }
+    let text = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float s\n\
+        property float t\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n\
+        0 0 0 0 0\n1 0 0 0 0\n0 1 0 0 0\n0 0 1 0 nan\n3 0 1 2\n3 1 2 3\n";
+    let error = Triangles::read("ply", text.as_bytes()).unwrap_err();
+    assert_eq!(error.message(), "triangle 1 has a place in the texture that is not finite: expected finite numbers");
 }
 
 /// A face has the names of its object, of each of its groups, and of its material, whatever blanks are between words.

@@ -127,17 +127,18 @@ pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
         }
         let own = DMat4::from_scale_rotation_translation(node.scale, node.rotation, node.translation);
         let place = parent * node.matrix.map_or(own, |matrix| DMat4::from_cols_array(&matrix));
-        if let Some(mesh) = node.mesh {
-            let mesh = item(&document.meshes, mesh, "mesh")?;
+        if let Some(m) = node.mesh {
+            let mesh = item(&document.meshes, m, "mesh")?;
             // Many nodes may have one mesh.
             primitives += mesh.primitives.len();
             if primitives > MOST_PRIMITIVES {
                 return Err(SceneError::new(format!("expected at most {MOST_PRIMITIVES} primitives in all nodes")));
             }
-            for primitive in &mesh.primitives {
+            for (k, primitive) in mesh.primitives.iter().enumerate() {
                 let material = primitive.material.and_then(|i| document.materials.get(i)?.name.as_ref());
                 let names = [node.name.as_ref(), mesh.name.as_ref(), material].into_iter().flatten().cloned().collect();
-                document.append(primitive, numbers, place, names, &mut all)?;
+                let added = document.append(primitive, numbers, place, names, &mut all);
+                added.map_err(|error| SceneError::new(format!("mesh {m}, primitive {k}: {}", error.message())))?;
             }
         }
         waiting.extend(node.children.iter().map(|&child| (child, place)));
@@ -187,10 +188,10 @@ impl Document {
     ) -> Result<(), SceneError> {
         let mode = primitive.mode.unwrap_or(TRIANGLES);
         if mode != TRIANGLES {
-            return Err(SceneError::new(format!("found a primitive of mode {mode}: expected {TRIANGLES}, triangles")));
+            return Err(SceneError::new(format!("found mode {mode}: expected {TRIANGLES}, triangles")));
         }
         let points = primitive.attributes.get("POSITION");
-        let points = *points.ok_or_else(|| SceneError::new("expected POSITION of every primitive"))?;
+        let points = *points.ok_or_else(|| SceneError::new("expected the attribute POSITION"))?;
         if item(&self.accessors, primitive.indices.unwrap_or(points), "accessor")?.count < 3 {
             return Ok(());
         }
