@@ -204,4 +204,10 @@ fn a_file_that_has_changed_is_named() {
     }
     write(0.01, 0.0);
     Checkpoint::open(&now).unwrap();
+    // To save is to read the scene again, with its meshes.
+    fs::remove_file(at("block.obj")).unwrap();
+    let said = simulation.save(&now).unwrap_err().to_string();
+    let start = "the scene cannot be saved, as its text does not give it back: ";
+    let unread = format!("body.block.file: {}: cannot be read", at("block.obj").display());
+    assert!(said.starts_with(start) && said.contains(&unread), "{said}");
 }

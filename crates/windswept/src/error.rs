@@ -219,8 +219,8 @@ pub enum CheckpointError {
         /// What is wrong, and where.
         problem: String,
     },
-    /// The scene was made in code and cannot be written as the text of a scene.
-    #[error("the scene cannot be saved: its text is not a scene file's: {0}")]
+    /// The text of the scene does not give the scene: it was made in code and cannot be written, or a file that it names is gone.
+    #[error("the scene cannot be saved, as its text does not give it back: {0}")]
     Text(String),
     /// What was saved does not make a simulation, or does not fit the adapter.
     #[error("{file}: {error}")]

@@ -292,7 +292,7 @@ impl Simulation {
     ///
     /// # Errors
     /// [`CheckpointError::File`] if the file cannot be written, [`CheckpointError::Text`] for a scene that was made in code and is no scene
-    /// file's, [`CheckpointError::Gpu`] if the device is lost.
+    /// file's, or one whose mesh files cannot be read any more, [`CheckpointError::Gpu`] if the device is lost.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
         self.save_with(path, &())
     }
