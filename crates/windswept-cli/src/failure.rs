@@ -60,7 +60,10 @@ impl From<GpuError> for Failure {
         match error {
             // The scene asks for more than the adapter holds, or the caller for an adapter that is not there: that is the input's
             // fault, and nothing has been written.
-            GpuError::TooLarge { .. } | GpuError::NoAdapter { .. } => Self::Input(error.to_string()),
+            GpuError::TooLarge { .. }
+            | GpuError::TooManyCells { .. }
+            | GpuError::BandTooFine { .. }
+            | GpuError::NoAdapter { .. } => Self::Input(error.to_string()),
             _ => Self::Run(error.to_string()),
         }
     }
@@ -148,9 +151,22 @@ fn underlined<'a>(text: &'a str, span: &Range<usize>) -> Option<(&'a str, &'a st
 
 #[cfg(test)]
 mod tests {
+    use windswept::GpuError;
     use windswept_scene::Scene;
 
     use super::{Failure, underlined};
+
+    /// A scene that asks for more than the adapter holds is bad input, in whatever it asks too much; a device that is lost is none.
+    #[test]
+    fn what_no_adapter_holds_is_bad_input() {
+        let refused = [
+            GpuError::TooLarge { array: "points", bytes: 2, limit: 1, fits: 1 },
+            GpuError::TooManyCells { cells: 2, most: 1 },
+            GpuError::BandTooFine { scale: 1e-6, nodes: 2, most: 1, fits: 1e-3 },
+        ];
+        assert_eq!(refused.map(|error| Failure::from(error).status()), [2; 3]);
+        assert_eq!(Failure::from(GpuError::Lost("gone".to_owned())).status(), 1);
+    }
 
     /// The mark stands under the fault, on whatever line and after whatever characters it comes.
     #[test]
