@@ -4,13 +4,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use tempfile::TempDir;
 use windswept_export::{Followers, Kind, Provenance, write_npz, write_usda};
 use windswept_scene::{Outline, Scene};
 
 use crate::arguments::{ExportOptions, FilmFormat};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::output::{BETWEEN, FILMS, Output};
+use crate::output::{FILMS, Output, WORKSHOP};
 use crate::render::{OF_HAIR, OF_SCENE, check_folder, open, there};
 
 pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Result<(), Failure> {
@@ -45,12 +46,10 @@ pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Resu
         (FilmFormat::Npz, _) => write_npz(&path, frames, frame, &provenance).map_err(failed)?,
         (_, None) => write_usda(&path, frames, frame, rate, &provenance).map_err(failed)?,
         (_, Some(converter)) => {
-            let [text, part] = BETWEEN.map(|name| path.with_extension(name.trim_start_matches("film.")));
+            let workshop = workshop(&path)?;
+            let [text, binary] = ["film.usda", "film.usdc"].map(|name| workshop.path().join(name));
             write_usda(&text, frames, frame, rate, &provenance).map_err(failed)?;
-            let converted = converter.convert(&text, &part, &path);
-            // Whatever became of it: what counts is said already.
-            let _ = fs::remove_file(&text);
-            converted?;
+            converter.convert(&text, &binary, &path)?;
         }
     }
     let strands = first.offsets.len() - 1;
@@ -86,6 +85,13 @@ fn place(options: &ExportOptions, output: &Output) -> Result<PathBuf, Failure> {
     Ok(path)
 }
 
+/// A folder of its own beside a film, in which the film is made: nothing of the user's has a place in it. It is gone once it is dropped.
+fn workshop(path: &Path) -> Result<TempDir, Failure> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let made = tempfile::Builder::new().prefix(WORKSHOP).tempdir_in(folder);
+    made.map_err(|e| Failure::Run(format!("{}: no folder can be made beside it: {e}", path.display())))
+}
+
 /// A Python with USD's own library.
 struct Converter(PathBuf);
 
@@ -104,20 +110,16 @@ impl Converter {
         Err(Failure::Input(format!("{}: {words}", python.display())))
     }
 
-    /// Makes one file of another, at `part` until it is whole.
-    fn convert(&self, from: &Path, part: &Path, to: &Path) -> Result<(), Failure> {
+    /// Makes one file of another, at `whole` until it is so.
+    fn convert(&self, from: &Path, whole: &Path, to: &Path) -> Result<(), Failure> {
         let program = "import sys; from pxr import Sdf; Sdf.Layer.FindOrOpen(sys.argv[1]).Export(sys.argv[2])";
-        let ran = Command::new(&self.0).args(["-c", program]).args([from, part]).output();
-        let failed = |why: String| {
-            // Half a film is none, and why it is only half is what counts.
-            let _ = fs::remove_file(part);
-            Failure::Run(format!("{}: {why}", to.display()))
-        };
+        let ran = Command::new(&self.0).args(["-c", program]).args([from, whole]).output();
+        let failed = |why: String| Failure::Run(format!("{}: {why}", to.display()));
         let ran = ran.map_err(|e| failed(e.to_string()))?;
         if !ran.status.success() {
             let words = String::from_utf8_lossy(&ran.stderr);
             return Err(failed(words.lines().last().unwrap_or("could not be written").to_owned()));
         }
-        fs::rename(part, to).map_err(|e| failed(e.to_string()))
+        fs::rename(whole, to).map_err(|e| failed(e.to_string()))
     }
 }

@@ -1,6 +1,6 @@
 //! The folder that a run writes into.
 
-use std::fs;
+use std::fs::{self, DirEntry};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -20,8 +20,9 @@ const SHEET: &str = "contact-sheet.png";
 /// Written by `windswept export` only.
 pub(crate) const FILMS: [&str; 3] = ["film.usda", "film.usdc", "film.npz"];
 
-/// What `windswept export` makes film.usdc of and by; gone once it is there, unless it was killed.
-pub(crate) const BETWEEN: [&str; 2] = ["film.text.usda", "film.part.usdc"];
+/// What the name of the folder begins with in which `windswept export` makes a film.usdc; it is gone with the command, unless that was
+/// killed.
+pub(crate) const WORKSHOP: &str = ".windswept-usdc-";
 
 /// Every name that a run writes: its formats' files, the report, the scene and the checkpoint. As in [`windswept_export::Format::files`], a
 /// stem of zeros stands for a file per frame.
@@ -101,6 +102,7 @@ impl Output {
         let lock = self.folder().lock()?;
         // Another run may have come and gone since it was checked.
         check_folder(&self.dir, self.overwrite)?;
+        self.remove_workshops()?;
         self.remove_files(&replaced())?;
         write(&self.scene(), &scene.text_in(&self.dir))?;
         Ok(lock)
@@ -108,8 +110,20 @@ impl Output {
 
     /// Removes the halves of files that a killed run or export left; the folder is locked.
     pub(crate) fn remove_parts(&self) -> Result<(), Failure> {
-        self.folder().found(&BETWEEN).iter().try_for_each(|path| remove(path))?;
+        self.remove_workshops()?;
         Ok(self.folder().remove_parts(&replaced())?)
+    }
+
+    fn remove_workshops(&self) -> Result<(), Failure> {
+        let entries = fs::read_dir(&self.dir).map_err(|e| no_folder(&self.dir, &e))?.flatten();
+        let is_workshop = |entry: &DirEntry| {
+            let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+            is_folder && entry.file_name().to_string_lossy().starts_with(WORKSHOP)
+        };
+        entries
+            .filter(is_workshop)
+            .map(|entry| entry.path())
+            .try_for_each(|workshop| fs::remove_dir_all(&workshop).map_err(|e| cannot("removed", &workshop, &e)))
     }
 
     /// Makes the folder that of a run which goes on: without the report of what was until now, and with the scene as it runs. Returns what
@@ -223,9 +237,9 @@ fn no_folder(dir: &Path, error: &std::io::Error) -> Failure {
     }
 }
 
-/// Everything that `--overwrite` removes, with what it is until it is whole.
+/// The files that `--overwrite` removes, with what they are until they are whole.
 fn replaced() -> Vec<&'static str> {
-    files().into_iter().chain([SHEET]).chain(FILMS).chain(BETWEEN).collect()
+    files().into_iter().chain([SHEET]).chain(FILMS).collect()
 }
 
 fn remove(path: &Path) -> Result<(), Failure> {

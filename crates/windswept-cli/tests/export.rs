@@ -74,7 +74,7 @@ fn a_groom_comes_back_with_its_followers() {
             assert!(said.contains(&format!("{out}: {hairs}9 strands, 3 frames")), "{said}");
         }
     }
-    assert!(!listing(&folder.join("out")).iter().any(|name| name.contains("part") || name.contains("text")));
+    assert!(!listing(&folder.join("out")).iter().any(|name| name.contains("part") || name.starts_with('.')));
     let program = "
 import numpy as np
 given, film, few = np.load('groom.npz'), np.load('all.npz'), np.load('out/film.npz')
@@ -145,6 +145,38 @@ fn a_film_of_strands_needs_no_mesh() {
     let refused = export(folder, &["npz", "--followers"]);
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(refused.status.code() == Some(2) && said.contains("wedge.obj: cannot be read"), "{said}");
+}
+
+/// Beside a film in USD's binary form nothing changes, whether it is made or not: what films are made by has no names of the user's.
+#[cfg(unix)]
+#[test]
+fn a_film_costs_nothing_beside_it() {
+    let folder = folder();
+    let folder = folder.path();
+    assert_eq!(run(folder, &["--steps", "1", "--formats", "vtkhdf"]).status.code(), Some(0));
+    let mine = ["film.text.usda", "film.part.usdc", "film.usda", "film.usdc.part"];
+    mine.iter().for_each(|name| fs::write(folder.join(name), "mine").expect("a file"));
+    let listed = listing(folder);
+    let untouched = |name: &&str| fs::read_to_string(folder.join(name)).is_ok_and(|text| text == "mine");
+    // A Python that has USD's library, as it says, and then makes nothing.
+    let false_python = folder.join("out/python");
+    let text = "#!/bin/sh\ncase \"$2\" in *Export*) echo no room >&2; exit 1;; esac\n";
+    fs::write(&false_python, text).expect("a program");
+    fs::set_permissions(&false_python, std::os::unix::fs::PermissionsExt::from_mode(0o755)).expect("a program");
+    let mut failed = windswept(folder, &["export", "out", "--format", "usdc", "--out", "film.usdc"]);
+    let failed = failed.env("WINDSWEPT_PYTHON", &false_python).output().expect("the program starts");
+    let said = String::from_utf8_lossy(&failed.stderr).into_owned();
+    assert!(failed.status.code() == Some(1) && said.contains("film.usdc: no room"), "{said}");
+    assert_eq!(listing(folder), listed);
+    assert!(mine.iter().all(untouched));
+    if has_usd() {
+        let done = export(folder, &["usdc", "--out", "film.usdc"]);
+        assert_eq!(done.status.code(), Some(0), "{done:?}");
+        assert!(fs::read(folder.join("film.usdc")).expect("a film").starts_with(b"PXR-USDC"));
+        fs::remove_file(folder.join("film.usdc")).expect("a film");
+        assert_eq!(listing(folder), listed);
+        assert!(mine.iter().all(untouched));
+    }
 }
 
 /// What cannot be exported is refused, with the reason, and nothing is written.
