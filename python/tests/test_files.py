@@ -207,6 +207,17 @@ def test_a_writer_names_what_it_cannot_write(sim, tmp_path):
             writer.append(sim)
         sim.step()
         writer.append(sim)
+        with pytest.raises(ws.ExportError, match="b: a frame at .* cannot be behind the one at"):
+            writer.append(sim)
     assert len(contents(tmp_path / "b" / "hair.vtkhdf")["Times"]) == 2
+    # A film without room costs the other format no frame.
+    with ws.Writer(tmp_path / "c", sim, formats=["vtkhdf", "usd"], frames=1) as writer:
+        writer.append(sim)
+        sim.step()
+        with pytest.raises(ws.ExportError, match="is one more than the 1 announced"):
+            writer.append(sim)
+    assert len(contents(tmp_path / "c" / "hair.vtkhdf")["Times"]) == 1
+    layer = (tmp_path / "c" / "hair.usda").read_text()
+    assert float(layer.split("endTimeCode = ")[1].split()[0]) == pytest.approx(60 * sim.time)
     with pytest.raises(ValueError, match="closed"):
         writer.append(sim)

@@ -1,12 +1,14 @@
 //! A run, frame by frame: which steps are exported, how many are taken at a time, what a frame holds, where it goes.
 
+use std::mem;
 use std::num::NonZeroU64;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use windswept::{Frame, RunError, Simulation};
 use windswept_scene::{AirPicture, Time};
 
+use crate::sink::is_later;
 use crate::{ExportError, Format, FrameSink, Start};
 
 /// Steps and frames of a run, all counted from t = 0.
@@ -217,6 +219,11 @@ pub struct Recording {
     sinks: Vec<(&'static Format, Box<dyn FrameSink>)>,
     /// The first frame of a run that goes on, until what is behind its last is dropped.
     uncut: Option<Frame>,
+    folder: PathBuf,
+    /// Time of the last frame \[s\].
+    last: f64,
+    /// Formats that it goes on without, and that nobody was told of yet.
+    losses: Vec<Loss>,
 }
 
 /// A format that could not be written, and that the recording goes on without, as it can be made again.
@@ -254,8 +261,10 @@ impl Recording {
         frames: usize,
         written: &[f64],
     ) -> Result<Self, ExportError> {
+        let last = written.last().copied().unwrap_or(f64::NEG_INFINITY);
+        let none = Self { sinks: Vec::new(), uncut: None, folder: folder.into(), last, losses: Vec::new() };
         if formats.is_empty() {
-            return Ok(Self { sinks: Vec::new(), uncut: None });
+            return Ok(none);
         }
         let mut first = frame(simulation)?;
         if !written.is_empty() {
@@ -266,7 +275,7 @@ impl Recording {
         let start = Start { folder, gpu, scene, groom, first: &first, written, frames };
         let wanted = crate::FORMATS.iter().filter(|format| formats.iter().any(|wanted| wanted.name == format.name));
         let sinks = wanted.map(|format| Ok((format, (format.create)(&start)?))).collect::<Result<_, ExportError>>()?;
-        Ok(Self { sinks, uncut: (!written.is_empty()).then_some(first) })
+        Ok(Self { sinks, uncut: (!written.is_empty()).then_some(first), ..none })
     }
 
     /// Drops the frames behind those that the recording goes on from. The next frame does so too.
@@ -278,31 +287,41 @@ impl Recording {
         self.sinks.iter_mut().try_for_each(|(_, sink)| sink.cut(&first))
     }
 
-    /// Writes the state as the next frame; the folder is there by now. Returns what the recording has to go on without.
+    /// Writes the state as the next frame, which is later than the one before; the folder is there by now. Returns what the recording
+    /// has to go on without.
     ///
     /// # Errors
-    /// [`ExportError`] if the state cannot be read, or a format that cannot be made again cannot be written.
+    /// [`ExportError`] if the state cannot be read or is not later, and no format has the frame; or if a format that cannot be made again
+    /// cannot be written, and all others have it.
     pub fn append(&mut self, simulation: &mut Simulation) -> Result<Vec<Loss>, ExportError> {
-        let mut losses = Vec::new();
         if self.sinks.is_empty() {
-            return Ok(losses);
+            return Ok(Vec::new());
+        }
+        let frame = frame(simulation)?;
+        self.write(&frame)
+    }
+
+    fn write(&mut self, frame: &Frame) -> Result<Vec<Loss>, ExportError> {
+        if !is_later(frame.time, self.last) {
+            let problem = format!("a frame at {} s cannot be behind the one at {} s", frame.time, self.last);
+            return Err(ExportError::Frame { path: self.folder.clone(), problem });
         }
         self.cut()?;
-        let frame = frame(simulation)?;
-        let mut k = 0;
-        while let Some((format, sink)) = self.sinks.get_mut(k) {
-            match sink.append(&frame) {
-                Ok(()) => k += 1,
+        self.last = frame.time;
+        let mut failed = Ok(());
+        for (format, mut sink) in mem::take(&mut self.sinks) {
+            match sink.append(frame) {
                 Err(error) if format.made_again => {
-                    let (format, sink) = self.sinks.remove(k);
                     // What it has until now stays; why there is no more is known already.
                     let _ = sink.finish();
-                    losses.push(Loss { format, error });
+                    self.losses.push(Loss { format, error });
+                    continue;
                 }
-                Err(error) => return Err(error),
+                appended => failed = failed.and(appended),
             }
+            self.sinks.push((format, sink));
         }
-        Ok(losses)
+        failed.map(|()| mem::take(&mut self.losses))
     }
 
     /// Whether nothing is written any more, or ever was.
@@ -324,7 +343,7 @@ impl Recording {
     /// # Errors
     /// [`ExportError`] if a format that cannot be made again could not be ended.
     pub fn finish(self) -> Result<Vec<Loss>, ExportError> {
-        let (mut losses, mut failed) = (Vec::new(), Ok(()));
+        let (mut losses, mut failed) = (self.losses, Ok(()));
         for (format, sink) in self.sinks {
             match sink.finish() {
                 Ok(()) => {}
@@ -338,7 +357,68 @@ impl Recording {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicU32, Ordering};
+
     use super::*;
+
+    const FILMS: Format = Format {
+        name: "films",
+        writes: "films",
+        files: &[],
+        made_again: false,
+        create: |_| Err(ExportError::Picture { problem: String::new() }),
+    };
+    const PICTURES: Format = Format { name: "pictures", made_again: true, ..FILMS };
+
+    /// Counts its frames, or refuses each with these words.
+    struct Sink {
+        frames: Arc<AtomicU32>,
+        refuses: Option<&'static str>,
+    }
+
+    impl FrameSink for Sink {
+        fn append(&mut self, _frame: &Frame) -> Result<(), ExportError> {
+            if let Some(words) = self.refuses {
+                return Err(ExportError::Picture { problem: words.to_owned() });
+            }
+            self.frames.fetch_add(1, Ordering::Relaxed);
+            Ok(())
+        }
+
+        fn finish(self: Box<Self>) -> Result<(), ExportError> {
+            Ok(())
+        }
+    }
+
+    /// A frame that one format refuses is in all others, and so are those behind it; one that is not later is in none. A format that is
+    /// lost beside a failure is told of later.
+    #[test]
+    fn a_format_that_fails_costs_the_others_no_frame() {
+        let frames: [Arc<AtomicU32>; 4] = Default::default();
+        let counts = || frames.each_ref().map(|frames| frames.load(Ordering::Relaxed));
+        let formats = [(&FILMS, Some("full")), (&PICTURES, Some("gone")), (&FILMS, None), (&PICTURES, None)];
+        let sinks = formats.into_iter().zip(&frames).map(|((format, refuses), frames)| {
+            let sink: Box<dyn FrameSink> = Box::new(Sink { frames: frames.clone(), refuses });
+            (format, sink)
+        });
+        let mut recording = Recording {
+            sinks: sinks.collect(),
+            uncut: None,
+            folder: "out".into(),
+            last: f64::NEG_INFINITY,
+            losses: Vec::new(),
+        };
+        let mut refused = |time| recording.write(&Frame { time, ..Frame::default() }).unwrap_err().to_string();
+        assert_eq!([0.0, 0.1].map(&mut refused), ["full"; 2]);
+        assert_eq!(counts(), [0, 0, 2, 2]);
+        for time in [0.1, 0.05, f64::NAN] {
+            assert_eq!(refused(time), format!("out: a frame at {time} s cannot be behind the one at 0.1 s"));
+        }
+        assert_eq!(counts(), [0, 0, 2, 2]);
+        let losses = recording.finish().unwrap();
+        assert_eq!(losses.iter().map(|loss| loss.error.to_string()).collect::<Vec<_>>(), ["gone"]);
+    }
 
     fn time(step: f64, duration: f64, frame_rate: f64) -> Time {
         Time { step, substeps: 1, duration, frame_rate }

@@ -42,6 +42,11 @@ pub trait FrameSink: Send {
     fn finish(self: Box<Self>) -> Result<(), ExportError>;
 }
 
+/// Whether a frame of this time may come behind one of the time `last`: in every film each frame is later than the one before.
+pub(crate) fn is_later(time: f64, last: f64) -> bool {
+    time.is_finite() && time > last
+}
+
 /// A format that the frames of a run can be written in: a row of [`FORMATS`].
 #[derive(Debug)]
 pub struct Format {

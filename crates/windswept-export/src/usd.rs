@@ -33,6 +33,7 @@ use windswept_scene::AtomicFile;
 
 use self::layer::Layer;
 use self::text::{ROOM, SAMPLED, meta, prim, sample, stage, still};
+use crate::sink::is_later;
 use crate::strands::check_strands;
 use crate::{ExportError, FrameSink, Provenance, Start};
 
@@ -118,8 +119,8 @@ impl UsdWriter {
             if frame.hair.offsets != self.offsets {
                 return Some("the frame has strands of other lengths than the film".to_owned());
             }
-            let behind = at.is_finite() && at > self.last;
-            (!behind).then(|| format!("a frame at time code {at} cannot be behind the one at {}", self.last))
+            (!is_later(at, self.last))
+                .then(|| format!("a frame at time code {at} cannot be behind the one at {}", self.last))
         });
         if let Some(problem) = problem {
             return Err(ExportError::Frame { path: self.path.clone(), problem });

@@ -47,6 +47,7 @@ use windswept::{Frame, HairFrame};
 use windswept_scene::AtomicFile;
 
 use crate::folder::refuse_link;
+use crate::sink::is_later;
 use crate::strands::check_strands;
 use crate::{ExportError, FrameSink, Provenance};
 pub(crate) use films::Films;
@@ -190,7 +191,7 @@ impl VtkHdfWriter {
     ///
     /// # Errors
     /// [`ExportError::Frame`] if its strands or its number of particles differ from those of the file, its time is
-    /// before that of the last frame, or the file is full; [`ExportError::File`] if it cannot be written. The file keeps
+    /// not behind that of the last frame, or the file is full; [`ExportError::File`] if it cannot be written. The file keeps
     /// the frames it had.
     pub fn append(&mut self, frame: &Frame) -> Result<(), ExportError> {
         self.check(frame).map_err(|problem| ExportError::Frame {
@@ -276,9 +277,11 @@ impl VtkHdfWriter {
         if let Some((name, values)) = scalars.iter().find(|(_, values)| values.len() != self.points) {
             return Err(format!("has {} values of {name}, the file {} points", values.len(), self.points));
         }
-        // Equal times are fine: at a frame rate above 1/Δt a step is exported more than once.
-        if !(frame.time.is_finite() && frame.time >= self.last_time) {
-            return Err(format!("is at {} s, the one before at {} s", frame.time, self.last_time));
+        if !is_later(frame.time, self.last_time) {
+            return Err(format!(
+                "is at {} s, the one before at {} s; expected a later one",
+                frame.time, self.last_time
+            ));
         }
         Ok(())
     }

@@ -16,7 +16,7 @@ type Spoil = fn(&mut Frame);
 /// A frame that differs from the file in any count is refused, and the file keeps the frames it had.
 #[test]
 fn frames_of_another_size_are_refused() {
-    let faults: [(Kind, &str, Spoil); 12] = [
+    let faults: [(Kind, &str, Spoil); 13] = [
         (Kind::Hair, "9 positions", |f| f.hair.positions.truncate(9)),
         (Kind::Hair, "9 velocities", |f| f.hair.velocities.truncate(9)),
         (Kind::Hair, "6 orientations", |f| f.hair.orientations.truncate(6)),
@@ -28,6 +28,7 @@ fn frames_of_another_size_are_refused() {
         (Kind::Air, "6 values of Vorticity", |f| f.air.vorticity.truncate(6)),
         (Kind::Air, "the scalars [\"Vorticity\"], the file", |f| f.air.band_energy.clear()),
         (Kind::Air, "at NaN s", |f| f.time = f64::NAN),
+        (Kind::Hair, "the one before at 0.01656 s; expected a later one", |f| f.time = frame(1).time),
         (Kind::Air, "at 0.01 s, the one before at 0.01656 s", |f| f.time = 0.01),
     ];
     let folder = tempfile::tempdir().unwrap();

@@ -115,8 +115,8 @@ impl Writer {
     /// Writes the state of `sim` as the next frame.
     ///
     /// Raises:
-    ///     ExportError: it is before the last one, or of other strands or particles; a file has no room, or cannot be written.
-    ///         All other formats have the frame, and go on.
+    ///     ExportError: it is not later than the last one, and no format has it; or it is of other strands or particles, or a
+    ///         file has no room or cannot be written, and all other formats have it and go on.
     ///     ValueError: the writer is closed.
     fn append(&self, py: Python<'_>, sim: &Simulation) -> PyResult<()> {
         let lost = sim.engine(py, |sim| match &mut *lock(&self.recording) {
@@ -199,7 +199,7 @@ impl VtkHdfWriter {
     /// Writes the state of `sim` as the next frame.
     ///
     /// Raises:
-    ///     ExportError: it is before the last one, or of other strands or particles; the file has no room, or cannot be written.
+    ///     ExportError: it is not later than the last one, or of other strands or particles; the file has no room, or cannot be written.
     ///     ValueError: the writer is closed.
     fn append(&self, py: Python<'_>, sim: &Simulation) -> PyResult<()> {
         let frame = sim.run_engine(py, windswept_export::frame)?;
