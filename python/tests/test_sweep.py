@@ -57,6 +57,14 @@ def test_every_combination_gets_its_folder_and_its_line(short, tmp_path):
     assert (table(tmp_path)[0]["seed"], table(tmp_path)[0]["air.wind"]) == ("7", "[4.0, 0.0, 0.0]")
 
 
+def test_pictures_that_make_no_sheet_are_told_of(short, tmp_path):
+    (tmp_path / "sheet.png").write_bytes(b"of an earlier call")
+    with pytest.warns(UserWarning, match="sheet.png is not made: the pictures of a contact sheet differ in size"):
+        cases = sweep.run(short, {"camera.width": [96, 64]}, tmp_path)
+    assert [case.status for case in cases] == ["finished"] * 2
+    assert not (tmp_path / "sheet.png").exists() and all((case.folder / "picture.png").exists() for case in cases)
+
+
 def test_a_case_that_fails_stops_no_other(short, tmp_path):
     # A picture that no adapter draws fails when it is drawn; a length that is none, at once.
     cases = sweep.run(short, {"camera.width": [96, 100_000_000]}, tmp_path / "drawn", retries=1)

@@ -5,7 +5,7 @@
     cases = sweep.run(scene, vary={"turbulence.bands.0.scale": [0.006, 0.018], "viscosity.hair": [0.05, 1.4]}, out="sweep")
 
 `out` gets a folder per case (`scene.toml`, `report.json`, `picture.png`, or `error.txt`), `table.csv` of all, and `sheet.png`
-of their pictures. Called again it runs what is missing; with `checkpoint_every` a case goes on in its middle.
+of their pictures; where these make no sheet, as pictures of different sizes or too many, a warning says why. Called again it runs what is missing; with `checkpoint_every` a case goes on in its middle.
 
 A script that has no `if __name__ == "__main__":` may call it: cases are processes of their own, which never import the script.
 """
@@ -22,6 +22,7 @@ import sys
 import tempfile
 import time
 import uuid
+import warnings
 from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -126,13 +127,7 @@ def run(
     finally:
         work.close()
     _write_table(cases, vary, Path(out))
-    pictures = [case.folder / "picture.png" for case in cases if (case.folder / "picture.png").exists()]
-    if pictures:
-        try:
-            contact_sheet(pictures, Path(out) / "sheet.png")
-        except ExportError as error:
-            # Cameras may be what varies.
-            (Path(out) / "sheet.txt").write_text(f"{error}\n", encoding="utf-8")
+    _write_sheet(cases, Path(out) / "sheet.png")
     return cases
 
 
@@ -325,6 +320,18 @@ def _write_table(cases: list[Case], vary: Mapping[str, Sequence[Any]], out: Path
     with open(partial, "w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows(lines)
     os.replace(partial, out / "table.csv")
+
+
+def _write_sheet(cases: list[Case], path: Path) -> None:
+    """Puts the pictures of all cases side by side. The sheet of an earlier call does not stay where there is none now."""
+    path.unlink(missing_ok=True)
+    pictures = [case.folder / "picture.png" for case in cases if (case.folder / "picture.png").exists()]
+    try:
+        if pictures:
+            contact_sheet(pictures, path)
+    except ExportError as error:
+        # Cameras may be what varies.
+        warnings.warn(f"{path} is not made: {error}", stacklevel=3)
 
 
 def _plain(value: Any) -> Any:

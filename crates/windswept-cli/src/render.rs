@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use windswept::{AdapterChoice, Frame, Gpu};
-use windswept_export::{Folder, FrameSink, Kind, Pictures, Renderer, VtkHdfReader, contact_sheet, write_png};
+use windswept_export::{
+    Folder, FrameSink, Kind, Pictures, Renderer, VtkHdfReader, check_sheet, contact_sheet, write_png,
+};
 use windswept_scene::{AirPicture, Scene};
 
 use crate::arguments::RenderOptions;
@@ -64,9 +66,6 @@ fn film(run: &FinishedRun, output: &Output, options: &RenderOptions, console: &m
     Ok(())
 }
 
-/// Pixels of a contact sheet, at most: it and its pictures lie in memory, 1.5 GB with what is saved.
-const MOST_PIXELS: u64 = 128 << 20;
-
 /// Draws some frames side by side into one picture.
 fn sheet(
     run: &FinishedRun,
@@ -89,13 +88,9 @@ fn sheet(
     if folder.is_some_and(|folder| !folder.is_dir()) || path.is_dir() {
         return Err(Failure::Input(format!("{}: expected a file in a folder that is there", path.display())));
     }
-    let (camera, n) = (&run.scene.camera, chosen.len());
-    let fit = MOST_PIXELS / (u64::from(camera.width) * u64::from(camera.height));
-    if n as u64 > fit.max(1) {
-        let size = format!("{} x {}", camera.width, camera.height);
-        let words = format!("{n} pictures of {size} pixels are too many for one; expected at most {fit}");
-        return Err(Failure::Input(format!("--contact-sheet: {words}")));
-    }
+    let camera = &run.scene.camera;
+    check_sheet(&vec![(camera.width, camera.height); chosen.len()])
+        .map_err(|error| Failure::Input(format!("--contact-sheet: {error}")))?;
     let gpu = gpu(options, console)?;
     let renderer = Renderer::new(&gpu, &run.scene, &run.frame(0)?.hair)?;
     let draw = |&k: &usize| Ok(renderer.render(&run.frame(k)?)?);

@@ -159,7 +159,7 @@ fn bad_requests_touch_nothing() {
         (&["--contact-sheet", "0", "--out", "out/../out/frames/0099.png"], "belongs to the run"),
         (
             &["--contact-sheet", "0,0.017", "--set", "camera.width=12000", "--set", "camera.height=6000"],
-            "2 pictures of 12000 x 6000 pixels are too many for one; expected at most 1",
+            "2 pictures of 12000 x 6000 pixels are too many for a contact sheet of 134217728 pixels; expected at most 1",
         ),
         (&["--set", "camera.eye=[1,1,1]"], "camera.target: is missing"),
         (&["--out", "sheet.png"], "--contact-sheet"),

@@ -29,7 +29,7 @@ pub use error::ExportError;
 pub use folder::{Folder, LOCK, Lock, real_path};
 pub use followers::Followers;
 pub use image;
-pub use picture::{contact_sheet, write_png};
+pub use picture::{check_sheet, contact_sheet, write_png};
 pub use pictures::Pictures;
 pub use preview::Preview;
 pub use provenance::Provenance;

@@ -11,6 +11,8 @@ use crate::ExportError;
 
 /// Space between the pictures of a contact sheet \[px\].
 const GAP: u32 = 4;
+/// Pixels of a contact sheet, at most: it and its pictures lie in memory, 1.5 GB with what is saved.
+const MOST_PIXELS: u64 = 128 << 20;
 /// Keyword of the text in a PNG that names the program which made it, and this program.
 const MAKER: [&str; 2] = ["Software", "windswept"];
 
@@ -61,17 +63,35 @@ pub(crate) fn read_png(path: impl AsRef<Path>) -> Result<RgbaImage, ExportError>
     Ok(picture.map_err(|e| failed(e.to_string()))?.into_rgba8())
 }
 
+/// Checks that pictures of these widths and heights make a contact sheet, before there are any in memory. Returns the size that they have.
+///
+/// # Errors
+/// As [`contact_sheet`].
+pub fn check_sheet(sizes: &[(u32, u32)]) -> Result<(u32, u32), ExportError> {
+    let refuse = |problem: String| Err(ExportError::Picture { problem });
+    let Some(&(width, height)) = sizes.first() else {
+        return refuse("a contact sheet needs at least one picture".to_owned());
+    };
+    if sizes.iter().any(|size| *size != (width, height)) {
+        return refuse("the pictures of a contact sheet differ in size".to_owned());
+    }
+    let [across, down] = [width, height].map(|side| u64::from(side) + u64::from(GAP));
+    let (n, fit) = (sizes.len(), (MOST_PIXELS / across.saturating_mul(down)).max(1));
+    if n as u64 > fit {
+        return refuse(format!(
+            "{n} pictures of {width} x {height} pixels are too many for a contact sheet of {MOST_PIXELS} pixels; expected at most {fit}"
+        ));
+    }
+    Ok((width, height))
+}
+
 /// Pictures of one size side by side, in rows as wide as they are many, up to four.
 ///
 /// # Errors
-/// [`ExportError::Picture`] if there are none or their sizes differ.
+/// [`ExportError::Picture`] if there are none, their sizes differ, or they have more than 134 million pixels and are not one alone.
 pub fn contact_sheet(pictures: &[RgbaImage]) -> Result<RgbaImage, ExportError> {
-    let Some((width, height)) = pictures.first().map(RgbaImage::dimensions) else {
-        return Err(ExportError::Picture { problem: "a contact sheet needs at least one picture".into() });
-    };
-    if pictures.iter().any(|picture| picture.dimensions() != (width, height)) {
-        return Err(ExportError::Picture { problem: "the pictures of a contact sheet differ in size".into() });
-    }
+    let sizes: Vec<_> = pictures.iter().map(RgbaImage::dimensions).collect();
+    let (width, height) = check_sheet(&sizes)?;
     // 2 x 2 rather than 4 x 1: a row of wide pictures is too low to look at.
     let columns = match pictures.len() as u32 {
         n @ 1..=3 => n,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use windswept_export::image::{self, RgbaImage};
+use windswept_export::image::{self, ImageError, RgbaImage};
 
 use crate::{
     arrays::shown,
@@ -46,16 +46,17 @@ fn write_png(py: Python<'_>, path: PathBuf, picture: &Bound<'_, PyAny>) -> PyRes
 ///     path: of the sheet, a PNG.
 ///
 /// Raises:
-///     ExportError: one cannot be read, their sizes differ, the sheet cannot be written.
+///     ExportError: one cannot be read, their sizes differ, they have more than 134 million pixels in all, the sheet cannot be written.
 #[pyfunction]
 fn contact_sheet(py: Python<'_>, pictures: Vec<PathBuf>, path: PathBuf) -> PyResult<()> {
     outside(py, || {
-        let read = |file: &PathBuf| {
-            let picture = image::open(file);
-            picture
-                .map(|picture| picture.to_rgba8())
-                .map_err(|e| ExportError::new_err(format!("{}: could not be read: {e}", file.display())))
+        let unread = |file: &PathBuf, error: ImageError| {
+            ExportError::new_err(format!("{}: could not be read: {error}", file.display()))
         };
+        let size = |file: &PathBuf| image::image_dimensions(file).map_err(|e| unread(file, e));
+        let sizes = pictures.iter().map(size).collect::<PyResult<Vec<_>>>()?;
+        windswept_export::check_sheet(&sizes).map_err(|error| of_export(&error))?;
+        let read = |file: &PathBuf| Ok(image::open(file).map_err(|e| unread(file, e))?.to_rgba8());
         let pictures = pictures.iter().map(read).collect::<PyResult<Vec<_>>>()?;
         let sheet = windswept_export::contact_sheet(&pictures).map_err(|error| of_export(&error))?;
         windswept_export::write_png(&path, &sheet).map_err(|error| of_export(&error))
