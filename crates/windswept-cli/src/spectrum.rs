@@ -146,7 +146,8 @@ impl FinishedRun {
             radius: self.settings.kernel_radius,
             bounds: Some(air.size.to_array()),
         };
-        let energy = |scale: &f64| particles.band_energy(gpu, *scale, Filter::default());
+        let filter = Filter::of(&self.scene.turbulence);
+        let energy = |scale: &f64| particles.band_energy(gpu, *scale, filter);
         Ok(scales.iter().map(energy).collect::<Result<_, _>>()?)
     }
 }

@@ -55,6 +55,23 @@ fn a_spectrum_is_that_of_the_report() {
     assert_eq!((&frames[0]["time_s"], &frames[6]["time_s"]), (&Value::from(0.0), &report["time_s"]));
 }
 
+/// A spectrum is measured by the scene's own filter, as the report is: that on a grid finds other energies than the direct sum.
+#[test]
+fn a_spectrum_is_measured_by_the_scenes_filter() {
+    let folder = folder();
+    let folder = folder.path();
+    let bands = "turbulence.bands=[{ scale = 0.009, strength = 30 }]";
+    let sets = ["--set", bands, "--set", "turbulence.filter=direct", "--formats", "vtkhdf", "--steps", "24"];
+    assert_eq!(run(folder, &sets).status.code(), Some(0));
+    let read = fs::read_to_string(folder.join("out/report.json")).expect("a report");
+    let report: Value = serde_json::from_str(&read).expect("JSON");
+    let (status, printed, said) = spectrum(folder, &["--scales", "0.009", "--json"]);
+    assert_eq!(status, Some(0), "{said}");
+    let document: Value = serde_json::from_str(&printed).expect("JSON");
+    let [found, wanted] = [&document, &report].map(|of| of["band_energy"][0]["m2_per_s2"].as_f64().expect("a number"));
+    assert!((found - wanted).abs() < 1e-5 * wanted, "{found}, report {wanted}");
+}
+
 /// A table with the scene's scales and a ladder; what cannot be measured is bad input.
 #[test]
 fn a_spectrum_says_what_it_lacks() {
