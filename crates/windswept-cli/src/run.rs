@@ -30,7 +30,7 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
         filmed.simulation.keep_trace();
     }
     let started = Instant::now();
-    let mut progress = Progress::new("steps", steps, console.terminal);
+    let mut progress = Progress::new("steps", filmed.simulation.steps(), steps, console.terminal);
     let stepped = filmed.run(&mut run, options.on_blowup, &interrupt, &mut progress, console);
     progress.finish();
     // Whatever ended the run, the frames it finished stay readable.
