@@ -4,12 +4,14 @@
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::{sleep, spawn};
+use std::thread::{Builder, sleep};
 use std::time::{Duration, Instant};
 
 use signal_hook::SigId;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
+
+use crate::failure::Failure;
 
 /// Exit status of a run that was interrupted: 128 + SIGINT, as shells have it.
 pub(crate) const STATUS: u8 = 130;
@@ -31,7 +33,15 @@ pub(crate) struct Interrupt {
 }
 
 impl Interrupt {
-    pub(crate) fn listen() -> io::Result<Self> {
+    /// Begins to listen.
+    ///
+    /// # Errors
+    /// [`Failure::Run`] if the system takes no handler or gives no thread.
+    pub(crate) fn listen() -> Result<Self, Failure> {
+        Self::begin().map_err(|e| Failure::Run(format!("Ctrl-C cannot be listened to: {e}")))
+    }
+
+    fn begin() -> io::Result<Self> {
         let mut interrupt = Self { asked: Arc::default(), handlers: Vec::new() };
         let insisting = Arc::default();
         for signal in [SIGINT, SIGTERM] {
@@ -41,7 +51,7 @@ impl Interrupt {
         }
         // A handler may not look at the clock, so a thread does.
         let asked = Arc::downgrade(&interrupt.asked);
-        spawn(move || {
+        Builder::new().spawn(move || {
             while let Some(asked) = asked.upgrade() {
                 if asked.load(Ordering::Relaxed) {
                     sleep(SAME);
@@ -51,7 +61,7 @@ impl Interrupt {
                 drop(asked);
                 sleep(LOOK);
             }
-        });
+        })?;
         Ok(interrupt)
     }
 

@@ -36,7 +36,7 @@ fn film(run: &FinishedRun, output: &Output, options: &RenderOptions, console: &m
     let _lock = Folder(&run.dir).lock()?;
     let gpu = gpu(options, console)?;
     let mut pictures = Pictures::new(&run.dir, &gpu, &run.scene, &run.frame(0)?, None)?;
-    let interrupt = Interrupt::listen().map_err(|e| Failure::Run(format!("Ctrl-C cannot be listened to: {e}")))?;
+    let interrupt = Interrupt::listen()?;
     output.remove_pictures()?;
     let mut progress = Progress::new("pictures", 0, chosen.len() as u64, console.terminal);
     let mut drawn = || {

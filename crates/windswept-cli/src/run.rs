@@ -25,7 +25,7 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
         Asked::GoOn(dir) => go_on(options, dir, console)?,
     };
     let Begun { mut filmed, mut run, output, steps, _lock } = begun;
-    let interrupt = Interrupt::listen().map_err(|e| Failure::Run(format!("Ctrl-C cannot be listened to: {e}")))?;
+    let interrupt = Interrupt::listen()?;
     if options.trace.is_some() {
         filmed.simulation.keep_trace();
     }
