@@ -68,20 +68,11 @@ fn place(options: &ExportOptions, output: &Output) -> Result<PathBuf, Failure> {
     };
     let path = options.out.clone().unwrap_or_else(|| options.dir.join(name));
     let ending = Path::new(name).extension();
-    let refuse = |why: String| Err(Failure::Input(format!("{}: {why}", path.display())));
     if path.extension() != ending {
-        return refuse(format!("expected a name that ends in .{}", ending.unwrap_or_default().to_string_lossy()));
+        let ending = ending.unwrap_or_default().display();
+        return Err(Failure::Input(format!("{}: expected a name that ends in .{ending}", path.display())));
     }
-    if output.owns(&path) {
-        return refuse("belongs to the run; --out takes another file".to_owned());
-    }
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    if folder.is_some_and(|folder| !folder.is_dir()) || path.is_dir() {
-        return refuse("expected a file in a folder that is there".to_owned());
-    }
-    if path.exists() && !options.overwrite {
-        return refuse("is there already; --overwrite replaces it".to_owned());
-    }
+    output.check_place(&path, "--out", options.overwrite)?;
     Ok(path)
 }
 

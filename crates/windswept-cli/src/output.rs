@@ -168,8 +168,24 @@ impl Output {
     }
 
     /// Whether a path is one of the files that a run leaves here, or may leave.
-    pub(crate) fn owns(&self, path: &Path) -> bool {
+    fn owns(&self, path: &Path) -> bool {
         self.folder().names(&files(), path)
+    }
+
+    /// Refuses a place for what a command makes of the run, which `flag` names: a file of the run's, one in no folder, one that is there
+    /// already and is not to be replaced.
+    pub(crate) fn check_place(&self, path: &Path, flag: &str, overwrite: bool) -> Result<(), Failure> {
+        if self.owns(path) {
+            return refuse(path, &format!("belongs to the run; {flag} takes another file"));
+        }
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        if folder.is_some_and(|folder| !folder.is_dir()) || path.is_dir() {
+            return refuse(path, "expected a file in a folder that is there");
+        }
+        if path.exists() && !overwrite {
+            return refuse(path, "is there already; --overwrite replaces it");
+        }
+        Ok(())
     }
 
     /// Whether `--overwrite` would replace this file.

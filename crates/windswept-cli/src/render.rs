@@ -78,16 +78,7 @@ fn sheet(
     if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("png")) {
         return Err(Failure::Input(format!("{}: expected a name that ends in .png", path.display())));
     }
-    if Output::of_run(&run.dir).owns(path) {
-        return Err(Failure::Input(format!("{}: belongs to the run; --out takes another file", path.display())));
-    }
-    if path.exists() && !options.overwrite {
-        return Err(Failure::Input(format!("{}: is there already; --overwrite replaces it", path.display())));
-    }
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
-    if folder.is_some_and(|folder| !folder.is_dir()) || path.is_dir() {
-        return Err(Failure::Input(format!("{}: expected a file in a folder that is there", path.display())));
-    }
+    Output::of_run(&run.dir).check_place(path, "--out", options.overwrite)?;
     let camera = &run.scene.camera;
     check_sheet(&vec![(camera.width, camera.height); chosen.len()])
         .map_err(|error| Failure::Input(format!("--contact-sheet: {error}")))?;

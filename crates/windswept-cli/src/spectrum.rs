@@ -65,14 +65,7 @@ pub(crate) fn spectrum(options: &SpectrumOptions, console: &mut Console<'_>) -> 
 /// The file of the picture.
 fn place(options: &SpectrumOptions) -> Result<PathBuf, Failure> {
     let path = options.picture.clone().unwrap_or_else(|| options.dir.join("spectrum.svg"));
-    let refuse = |why: &str| Err(Failure::Input(format!("{}: {why}", path.display())));
-    if Output::of_run(&options.dir).owns(&path) {
-        return refuse("belongs to the run; --picture takes another file");
-    }
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    if folder.is_some_and(|folder| !folder.is_dir()) || path.is_dir() {
-        return refuse("expected a file in a folder that is there");
-    }
+    Output::of_run(&options.dir).check_place(&path, "--picture", true)?;
     Ok(path)
 }
 
