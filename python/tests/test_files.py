@@ -207,7 +207,7 @@ def test_a_writer_names_what_it_cannot_write(sim, tmp_path):
             writer.append(sim)
         sim.step()
         writer.append(sim)
-        with pytest.raises(ws.ExportError, match="b: a frame at .* cannot be behind the one at"):
+        with pytest.raises(ws.ExportError, match="b: a frame at .* cannot follow the one at"):
             writer.append(sim)
     assert len(contents(tmp_path / "b" / "hair.vtkhdf")["Times"]) == 2
     # A film without room costs the other format no frame.

@@ -303,7 +303,8 @@ impl Recording {
 
     fn write(&mut self, frame: &Frame) -> Result<Vec<Loss>, ExportError> {
         if !is_later(frame.time, self.last) {
-            let problem = format!("a frame at {} s cannot be behind the one at {} s", frame.time, self.last);
+            let problem =
+                format!("a frame at {} s cannot follow the one at {} s; expected a later one", frame.time, self.last);
             return Err(ExportError::Frame { path: self.folder.clone(), problem });
         }
         self.cut()?;
@@ -413,7 +414,10 @@ mod tests {
         assert_eq!([0.0, 0.1].map(&mut refused), ["full"; 2]);
         assert_eq!(counts(), [0, 0, 2, 2]);
         for time in [0.1, 0.05, f64::NAN] {
-            assert_eq!(refused(time), format!("out: a frame at {time} s cannot be behind the one at 0.1 s"));
+            assert_eq!(
+                refused(time),
+                format!("out: a frame at {time} s cannot follow the one at 0.1 s; expected a later one")
+            );
         }
         assert_eq!(counts(), [0, 0, 2, 2]);
         let losses = recording.finish().unwrap();

@@ -119,8 +119,9 @@ impl UsdWriter {
             if frame.hair.offsets != self.offsets {
                 return Some("the frame has strands of other lengths than the film".to_owned());
             }
-            (!is_later(at, self.last))
-                .then(|| format!("a frame at time code {at} cannot be behind the one at {}", self.last))
+            (!is_later(at, self.last)).then(|| {
+                format!("a frame at time code {at} cannot follow the one at {}; expected a later one", self.last)
+            })
         });
         if let Some(problem) = problem {
             return Err(ExportError::Frame { path: self.path.clone(), problem });

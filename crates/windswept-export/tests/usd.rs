@@ -98,8 +98,8 @@ fn misfits_are_refused() {
         ("not from 0 to the 10 points", |f| f.hair.offsets[3] = 9),
         ("other lengths", |f| f.hair.offsets[1] = 3),
         ("9 velocities, expected 10", |f| f.hair.velocities.truncate(9)),
-        ("cannot be behind", |f| f.time = frame(1).time),
-        ("cannot be behind", |f| f.time = f64::NAN),
+        ("cannot follow", |f| f.time = frame(1).time),
+        ("cannot follow", |f| f.time = f64::NAN),
     ];
     for (words, spoil) in spoils {
         let mut spoilt = frame(2);
