@@ -46,6 +46,7 @@ pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Resu
         (FilmFormat::Npz, _) => write_npz(&path, frames, frame, &provenance).map_err(failed)?,
         (_, None) => write_usda(&path, frames, frame, rate, &provenance).map_err(failed)?,
         (_, Some(converter)) => {
+            let _lock = options.out.is_none().then(|| output.lock_for_workshop()).transpose()?;
             let workshop = workshop(&path)?;
             let [text, binary] = ["film.usda", "film.usdc"].map(|name| workshop.path().join(name));
             write_usda(&text, frames, frame, rate, &provenance).map_err(failed)?;

@@ -114,6 +114,13 @@ impl Output {
         Ok(self.folder().remove_parts(&replaced())?)
     }
 
+    /// Locks the folder for an export that has its workshop there: a run would clear it away. Those of exports that were killed go.
+    pub(crate) fn lock_for_workshop(&self) -> Result<Lock, Failure> {
+        let lock = self.folder().lock()?;
+        self.remove_workshops()?;
+        Ok(lock)
+    }
+
     fn remove_workshops(&self) -> Result<(), Failure> {
         let entries = fs::read_dir(&self.dir).map_err(|e| no_folder(&self.dir, &e))?.flatten();
         let is_workshop = |entry: &DirEntry| {

@@ -155,7 +155,7 @@ fn bad_arguments_write_nothing() {
             &["--set", "picture.air=band_energy"],
             "picture.air: \"band_energy\" needs one of turbulence.bands strengthened",
         ),
-        (&["--set", "turbulence.bands=[{ scale = 2e-4, strength = 30 }]"], "fit this adapter"),
+        (&["--set", "turbulence.bands=[{ scale = 2e-4, strength = 30 }]"], "can be sorted into"),
         (&["--resume", "out"], "cannot be used with"),
         (&["--checkpoint-every", "0"], "0"),
         (&["--steps", "-1"], "-1"),

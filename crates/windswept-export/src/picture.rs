@@ -76,13 +76,28 @@ pub fn check_sheet(sizes: &[(u32, u32)]) -> Result<(u32, u32), ExportError> {
         return refuse("the pictures of a contact sheet differ in size".to_owned());
     }
     let [across, down] = [width, height].map(|side| u64::from(side) + u64::from(GAP));
-    let (n, fit) = (sizes.len(), (MOST_PIXELS / across.saturating_mul(down)).max(1));
-    if n as u64 > fit {
+    let pixels = |n: u64| {
+        let [columns, rows] = cells(n);
+        (columns * rows).saturating_mul(across).saturating_mul(down)
+    };
+    let n = sizes.len() as u64;
+    if n > 1 && pixels(n) > MOST_PIXELS {
+        let fit = (1..n).rev().find(|n| pixels(*n) <= MOST_PIXELS).unwrap_or(1);
         return refuse(format!(
             "{n} pictures of {width} x {height} pixels are too many for a contact sheet of {MOST_PIXELS} pixels; expected at most {fit}"
         ));
     }
     Ok((width, height))
+}
+
+/// Columns and rows of a sheet of so many pictures: 2 x 2 rather than 4 x 1, as a row of wide pictures is too low to look at.
+fn cells(pictures: u64) -> [u64; 2] {
+    let columns = match pictures {
+        0..=3 => pictures.max(1),
+        4 => 2,
+        n => n.isqrt().clamp(3, 4),
+    };
+    [columns, pictures.div_ceil(columns)]
 }
 
 /// Pictures of one size side by side, in rows as wide as they are many, up to four.
@@ -92,13 +107,7 @@ pub fn check_sheet(sizes: &[(u32, u32)]) -> Result<(u32, u32), ExportError> {
 pub fn contact_sheet(pictures: &[RgbaImage]) -> Result<RgbaImage, ExportError> {
     let sizes: Vec<_> = pictures.iter().map(RgbaImage::dimensions).collect();
     let (width, height) = check_sheet(&sizes)?;
-    // 2 x 2 rather than 4 x 1: a row of wide pictures is too low to look at.
-    let columns = match pictures.len() as u32 {
-        n @ 1..=3 => n,
-        4 => 2,
-        n => n.isqrt().clamp(3, 4),
-    };
-    let rows = (pictures.len() as u32).div_ceil(columns);
+    let [columns, rows] = cells(pictures.len() as u64).map(|n| n as u32);
     let side = |n: u32, length: u32| n * length + (n - 1) * GAP;
     let mut sheet = RgbaImage::from_pixel(side(columns, width), side(rows, height), Rgba([255; 4]));
     for (i, picture) in (0..).zip(pictures) {

@@ -64,14 +64,15 @@ fn excess_of_taps(scale: f64, nodes: [f64; 3], size: DVec3) -> Option<Excess> {
 fn excess_of_pairs(scale: f64, reach: f64, radius: f64, particles: f64, size: DVec3) -> Option<Excess> {
     let volume = size.element_product();
     let pairs = particles * particles / volume * 4.0 / 3.0 * PI * reach.powi(3);
-    let rows = volume / radius.powi(3) * (2.0 * reach / radius).powi(2);
-    let work = pairs + PAIRS_PER_ROW * rows;
-    (work > MOST_PAIRS).then(|| Excess {
+    // Particles of a row look together, those of eight kernel radii; nobody looks where nobody is.
+    let blocks = size.y * size.z / radius.powi(2) * (size.x / (8.0 * radius)).ceil();
+    let rows = blocks.min(particles) * (2.0 * reach / radius).powi(2);
+    let walking = PAIRS_PER_ROW * rows;
+    // Half of the time for each.
+    let fits = scale * (MOST_PAIRS / (2.0 * pairs)).cbrt().min((MOST_PAIRS / (2.0 * walking)).sqrt());
+    (pairs + walking > MOST_PAIRS).then(|| Excess {
         what: format!("the direct filter would sum {pairs:.1e} pairs a step and look at {rows:.1e} rows of cells"),
-        expected: format!(
-            "expected at most about {} m, or filter = \"grid\"",
-            rounded(scale * (MOST_PAIRS / work).cbrt())
-        ),
+        expected: format!("expected at most about {} m, or filter = \"grid\"", rounded(fits)),
     })
 }
 

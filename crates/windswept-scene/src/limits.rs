@@ -78,7 +78,7 @@ pub const MOST_NODES: u64 = MOST_BUCKETS as u64;
 pub const MOST_PRODUCTS: f64 = 4e9;
 /// Most pairs of particles that the direct filter may sum in a step: minutes on a software adapter.
 pub const MOST_PAIRS: f64 = 1e11;
-/// Pairs in whose time the direct filter looks at a row of cells, empty or not.
+/// Pairs in whose time the direct filter looks at a row of cells.
 pub const PAIRS_PER_ROW: f64 = 1e3;
 
 /// Most groups of strands of a scene: each has a name, and is looked for by it.
