@@ -147,7 +147,7 @@ pub fn waves(size: DVec3, rng: &mut Pcg64) -> impl Fn(DVec3) -> DVec3 + use<> {
 pub fn scene(keys: &str) -> Result<Scene, Error> {
     let text = format!(
         "time = {{ step = {STEP}, duration = 1.0 }}\n\
-         air = {{ box = {{ min = [0, 0, 0], max = [1, 1, 1] }}, wind = [0, 0, 0], ramp = 0.0, \
+         air = {{ box = {{ min = [0, 0, 0], max = [0.75, 0.75, 0.75] }}, wind = [0, 0, 0], ramp = 0.0, \
          rest_density = {REST_DENSITY}, particle_mass = {MASS}, kernel_radius = {RADIUS} }}\n{keys}"
     );
     Ok(Scene::parse(&text)?)
