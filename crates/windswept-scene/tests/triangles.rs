@@ -321,8 +321,8 @@ fn glb_of(json: &str, numbers: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// So many nodes with one mesh of these primitives, which are of a triangle (accessor 0), of no points (1) or of a point (2); accessor 3 has
-/// the indices of no point.
+/// What is read of a GLB file of `nodes` nodes that share one mesh of these `primitives`. Its accessors are three corners of a triangle (0),
+/// no points (1), one point (2), and indices of a point that is not there (3).
 fn primitives(nodes: usize, primitives: &[&str]) -> Result<Triangles, SceneError> {
     let view = r#""bufferView":0,"componentType":5126,"type":"VEC3","count""#;
     let json = format!(
