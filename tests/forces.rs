@@ -82,10 +82,14 @@ fn callbacks_are_asked_before_each_step() {
     assert_eq!(*asked.lock().unwrap(), [0, 1, 2, 3, 4, 5]);
     assert_eq!(by_callback.steps(), 5);
     assert!(by_callback.frame().unwrap() == by_arrays.frame().unwrap());
-    // Arrays take the place of a callback.
+    // Arrays that are refused leave the callback, others take its place.
+    let short = Accelerations { hair: vec![DVec3::ZERO], ..Accelerations::default() };
+    assert!(matches!(by_callback.set_force(&short), Err(RunError::Input(_))));
+    assert!(matches!(by_callback.step(1), Err(RunError::Callback(_))));
+    assert_eq!(asked.lock().unwrap().len(), 7);
     by_callback.set_force(&Accelerations::default()).unwrap();
     by_callback.step(1).unwrap();
-    assert_eq!(asked.lock().unwrap().len(), 6);
+    assert_eq!(asked.lock().unwrap().len(), 7);
 }
 
 /// A sleeping strand wakes when a force pushes it, sleeps again under it, and wakes when it is taken away.

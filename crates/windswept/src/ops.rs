@@ -124,7 +124,7 @@ pub struct Neighbours {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OpsError {
-    /// An argument is not what it should be.
+    /// An argument has a wrong length, is out of range, is not finite, or asks for too much.
     #[error("{name}: {what}")]
     Argument {
         /// The argument.
@@ -158,8 +158,7 @@ impl<'a> Particles<'a> {
     /// `radius`.
     ///
     /// # Errors
-    /// [`OpsError::Argument`] names an argument that has a wrong length, is out of range or is not finite; [`OpsError::Run`] has what the
-    /// device refused; [`OpsError::Scene`] says why positions and settings make no box.
+    /// [`OpsError`] names the argument that is wrong, or has what the device refused.
     pub fn density(&self, gpu: &Gpu) -> Result<Vec<f32>, OpsError> {
         let Some(mut stage) = self.stage(gpu, self.radius, |_| {})? else { return Ok(Vec::new()) };
         stage.evaluate(|r, plan| {
@@ -174,8 +173,7 @@ impl<'a> Particles<'a> {
     /// `velocities`, `mass`, `rest_density`, `radius`.
     ///
     /// # Errors
-    /// [`OpsError::Argument`] names an argument that has a wrong length, is out of range or is not finite; [`OpsError::Run`] has what the
-    /// device refused; [`OpsError::Scene`] says why positions and settings make no box.
+    /// [`OpsError`] names the argument that is wrong, or has what the device refused.
     pub fn vorticity(&self, gpu: &Gpu) -> Result<Vec<[f32; 3]>, OpsError> {
         self.check_velocities()?;
         let Some(mut stage) = self.stage(gpu, self.radius, |_| {})? else { return Ok(Vec::new()) };
@@ -191,8 +189,7 @@ impl<'a> Particles<'a> {
     /// search, and how far apart a grid's nodes are at most.
     ///
     /// # Errors
-    /// [`OpsError::Argument`] names an argument that has a wrong length, is out of range or is not finite; [`OpsError::Run`] has what the
-    /// device refused; [`OpsError::Scene`] says why positions and settings make no box.
+    /// [`OpsError`] names the argument that is wrong, or has what the device refused.
     pub fn band_velocity(&self, gpu: &Gpu, scale: f64, filter: Filter) -> Result<Vec<[f32; 3]>, OpsError> {
         self.check_velocities()?;
         positive("scale", scale)?;
@@ -227,8 +224,7 @@ impl<'a> Particles<'a> {
     /// [`Self::band_velocity`].
     ///
     /// # Errors
-    /// [`OpsError::Argument`] names an argument that has a wrong length, is out of range or is not finite; [`OpsError::Run`] has what the
-    /// device refused; [`OpsError::Scene`] says why positions and settings make no box.
+    /// [`OpsError`] names the argument that is wrong, or has what the device refused.
     pub fn band_energy(&self, gpu: &Gpu, scale: f64, filter: Filter) -> Result<f64, OpsError> {
         let eddies = self.band_velocity(gpu, scale, filter)?;
         let twice: f64 = eddies.iter().flatten().map(|u| f64::from(*u).powi(2)).sum();
@@ -239,8 +235,7 @@ impl<'a> Particles<'a> {
     /// `velocities`, `mass`, `rest_density` (as a scale only), `radius`.
     ///
     /// # Errors
-    /// [`OpsError::Argument`] names an argument that has a wrong length, is out of range or is not finite; [`OpsError::Run`] has what the
-    /// device refused; [`OpsError::Scene`] says why positions and settings make no box.
+    /// [`OpsError`] names the argument that is wrong, or has what the device refused.
     pub fn viscosity(&self, gpu: &Gpu, coefficient: f64) -> Result<Vec<[f32; 3]>, OpsError> {
         self.check_velocities()?;
         if coefficient != 0.0 {
@@ -263,8 +258,7 @@ impl<'a> Particles<'a> {
     /// \[m\]. Uses `mass`, `rest_density`, `radius`.
     ///
     /// # Errors
-    /// [`OpsError::Argument`] names an argument that has a wrong length, is out of range or is not finite; [`OpsError::Run`] has what the
-    /// device refused; [`OpsError::Scene`] says why positions and settings make no box.
+    /// [`OpsError`] names the argument that is wrong, or has what the device refused.
     pub fn solve_density(&self, gpu: &Gpu, fluid: Fluid) -> Result<Vec<[f32; 3]>, OpsError> {
         if fluid.iterations > MOST_REPEATS {
             let words = format!("expected a whole number from 0 to {MOST_REPEATS}, found {}", fluid.iterations);
@@ -299,8 +293,7 @@ impl<'a> Particles<'a> {
     /// Neighbours of each particle, those nearer than the kernel radius. Uses `radius`.
     ///
     /// # Errors
-    /// [`OpsError::Argument`] names an argument that has a wrong length, is out of range or is not finite; [`OpsError::Run`] has what the
-    /// device refused; [`OpsError::Scene`] says why positions and settings make no box.
+    /// [`OpsError`] names the argument that is wrong, or has what the device refused.
     pub fn neighbours(&self, gpu: &Gpu) -> Result<Neighbours, OpsError> {
         let Some(mut stage) = self.stage(gpu, self.radius, |_| {})? else {
             return Ok(Neighbours { offsets: vec![0], indices: Vec::new() });
