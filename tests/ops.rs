@@ -219,6 +219,12 @@ fn bad_arguments_are_named() {
     );
     refused(good.band_velocity(&gpu, 0.0, Filter::default()), "scale: expected");
     refused(good.band_velocity(&gpu, 0.01, Filter::Direct { cutoff: f64::NAN }), "cutoff: expected");
+    let in_box = Particles { bounds: Some([0.03; 3]), ..good };
+    let direct = Filter::Direct { cutoff: 4.5 };
+    refused(in_box.band_velocity(&gpu, 1e3, direct), "scale: the direct filter would sum");
+    refused(in_box.band_velocity(&gpu, 1e-5, Filter::default()), "scale: the filter's grid would have");
+    // Few in much empty space are no work.
+    assert_eq!(good.band_velocity(&gpu, 0.1, Filter::Direct { cutoff: 3.0 }).unwrap().len(), 2);
     refused(good.viscosity(&gpu, -0.1), "coefficient: expected");
     let fluid = Fluid::pbf(2, 0.5, 0.0);
     refused(
