@@ -117,9 +117,10 @@ fn wrong_constants_turn_rows_red() {
         (&turbulence::SMOOTH_Y, "spread(value, gauss)", "1.001 * spread(value, gauss)", "twin"),
         (&turbulence::SMOOTH_Z, "value.xyz, curve", "value.xyz, 1.001 * curve", "twin"),
         (&turbulence::GATHER, "0.11, 0.09", "0.11, 0.0901", "twin"),
-        (&turbulence::CONFINE, "1.0 - part * part", "1.0 - 1.01 * part * part", "confinement"),
-        (&turbulence::CONFINE, "LARGEST: f32 = 0.1", "LARGEST: f32 = 0.101", "confinement"),
-        (&turbulence::CONFINE, "speed, as_printed)", "1.02 * speed, as_printed)", "confinement"),
+        (&turbulence::CONFINE, "part * part", "1.01 * part * part", "confinement"),
+        (&turbulence::CONFINE, "2.0 * rate", "2.02 * rate", "confinement"),
+        (&turbulence::CONFINE, "LARGEST: f32 = 0.5", "LARGEST: f32 = 0.505", "confinement"),
+        (&turbulence::CONFINE, "rate * speed", "1.02 * rate * speed", "confinement"),
     ];
     for &(pass, right, wrong, check) in cases {
         assert!(pass.source.contains(right), "{} has no {right:?}:\n{}", pass.name, pass.source);

@@ -1,15 +1,18 @@
 // Vorticity confinement of one band (Fedkiw et al. 2001), on air only, and weaker in the fringe (`left_by_fringe`).
 //
 //   eta_i = sum_j V_j (|omega_j| - |omega_i|) grad_i W,  N = eta/(|eta| + 1e-3 |omega_i|/h)
-//   a_i = S |u_i| max(0, 1 - |u_i|^2/(I U)^2) (N x omega_i),  |dt a| <= 0.12 |u_i|
+//   a_i = S |u_i| max(0, 1 - |u_i|^2/(I U)^2) (N x omega_i)
 //   as printed (eqs. 2, 4): a_i = epsilon 1/2 m |u_i|^2 (N x omega_i) in mg, mm, s; omega of v, hair in the sum
+//
+// The band's speed grows by a over the step as the logistic law |u|' = S |N x omega| |u| (1 - |u|^2/(I U)^2) has it in closed form,
+// with N x omega kept: it comes near I U and not beyond, by at most half of |u|. What is printed is taken as it is.
 import package::common::{
     params::params, dispatch::WORKGROUP, cells::is_air, status::{count_step, CONFINEMENT_LIMITED}, lanes::Near,
     pairs::{Pair, gradient_to}, clusters::{take_particle, has_none, of_air, meet_own_kind}, wind::left_by_fringe, band::Band,
 };
 
 const SOFTENING: f32 = 1e-3;   // part of |omega|/h added to |eta|, so that N vanishes where vorticity is uniform
-const LARGEST: f32 = 0.12;     // largest part of its speed that a band may gain in a step, so that no strength is unstable
+const LARGEST: f32 = 0.5;      // most that a band may grow by in a step: more feeds what no band measures, if S is absurd
 
 @group(0) @binding(2) var<uniform>             band:          Band;
 @group(0) @binding(3) var<storage, read>       predicted:     array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -39,13 +42,23 @@ fn change(i: u32, left: f32) -> vec3f {
     let along = cross(eta / size, omega.xyz);
     let turning = length(along);
     if turning <= 0.0 { return vec3f(0.0); }
-    let as_printed = params.published_law != 0u;
     let speed = length(band_velocity[i].xyz);
-    let part = speed / band.largest_speed;
-    let gain = params.step * band.strength * speed * select(max(0.0, 1.0 - part * part), speed, as_printed);
-    let largest = select(LARGEST * speed / turning, gain, as_printed);
+    let rate = params.step * band.strength * turning;
+    let as_printed = params.published_law != 0u;
+    let gain = select(growth(speed / band.largest_speed, rate), rate * speed, as_printed);
+    let largest = select(LARGEST, gain, as_printed);
     if gain > largest { count_step(CONFINEMENT_LIMITED); }
-    return left * min(gain, largest) * along;
+    return left * min(gain, largest) * speed / turning * along;
+}
+
+// (u - u_0)/u_0 after u' = rate u (1 - u^2), in a time of 1 from u_0 = `part`; none from 1 on. With y = (1 - u_0^2) (1 - e^(-2 rate)) it is
+// (1 - y)^(-1/2) - 1, here without a difference of what is nearly alike.
+fn growth(part: f32, rate: f32) -> f32 {
+    let x = 2.0 * rate;
+    let spent = select(1.0 - exp(-x), x * (1.0 - x * (0.5 - x / 6.0)), x < 0.02);
+    let y = (1.0 - min(part * part, 1.0)) * spent;
+    let left = sqrt(max(1.0 - y, 1e-6));
+    return y / (left + left * left);
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -21,8 +21,8 @@ const PUBLISHED_GAIN: f64 = 0.008;
 pub const MM: f64 = 1e3;
 /// Milligrams in a kilogram.
 pub const MG: f64 = 1e6;
-/// Part of a band's own velocity that a step may change it by.
-const LARGEST_CHANGE: f64 = 0.12;
+/// Most that the speed of a band may grow by in a step, of itself.
+const LARGEST_GROWTH: f64 = 0.5;
 
 /// Runs the heading: the eddies of each band are strengthened.
 pub fn run(s: &mut State, w: &mut Scratch, p: &Parameters) {
@@ -161,7 +161,7 @@ pub fn vorticity(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near:
 ///
 /// N = η/(|η| + 1e-3 |ω|/h) points to where the vorticity is larger, η_i = Σ_j V_j (|ω_j| − |ω_i|) ∇_i W.
 ///
-/// * Band: a = S |û| max(0, 1 − |û|²/(I U)²) (N × ω), |Δt a| ≤ 0.12 |û|; ω that of û.
+/// * Band: a = S |û| max(0, 1 − |û|²/(I U)²) (N × ω), by the [`growth`] of |û| in the step, at most 0.5; ω that of û.
 /// * Published: a = 0.008 ê (N × ω) mm/s², ê = ½ m |v̂|² in mg, mm, s; ω that of v.
 ///
 /// `eddies` is what [`band`] returns, `omega` what [`vorticity`] returns; `volume` in m³, `inverse_mass` in 1/kg.
@@ -196,8 +196,9 @@ pub fn confine(
         let speed = eddies[i].length();
         let change = match p.law {
             Law::Band => {
-                let room = (1.0 - (speed / (band.intensity * p.turbulence_speed)).powi(2)).max(0.0);
-                (p.step * band.strength * speed * room * swirl).clamp_length_max(LARGEST_CHANGE * speed)
+                let rate = band.strength * swirl.length();
+                let growth = growth(speed / (band.intensity * p.turbulence_speed), rate, p.step);
+                speed * growth.min(LARGEST_GROWTH) * swirl.normalize_or_zero()
             }
             Law::Published => {
                 let energy = 0.5 * MG / inverse_mass[i] * speed * speed;
@@ -207,6 +208,15 @@ pub fn confine(
         left * change
     };
     (0..x.len()).map(change).collect()
+}
+
+/// Growth u/u_0 − 1 by the logistic law du/dt = `rate` u (1 − u²) in the time `step` \[s\], from u_0 = `part`; none from 1 on.
+#[must_use]
+pub fn growth(part: f64, rate: f64, step: f64) -> f64 {
+    let square = part.powi(2).min(1.0);
+    let spent = -(-2.0 * rate * step).exp_m1();
+    let left = (1.0 - spent * (1.0 - square)).max(square).max(f64::MIN_POSITIVE).sqrt();
+    (1.0 - square) * spent / (left + left * left)
 }
 
 /// Mean change of all air \[m/s\], which is taken out where momentum is conserved: confinement drives no wind.

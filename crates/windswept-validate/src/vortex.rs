@@ -12,7 +12,7 @@ use crate::{
 };
 
 const KEPT: &str = "ideal fluid (Kelvin); the viscosity of XSPH, c = 0.014, spreads the core; at most 2 % may be lost";
-const FED: &str = "no formula: measured, S = 60, I = 1, less the run without; holds from step 20 to 90; the tolerance \
+const FED: &str = "no formula: measured, S = 3, I = 1, less the run without; three seeds of the jitter agree to 0.01; the tolerance \
     keeps the sign";
 
 /// Particles along x and y, and across the slab.
@@ -34,15 +34,18 @@ const JITTER: f64 = 0.05;
 /// Steps after which circulation is taken: 62 ms.
 const TURNING: u64 = 45;
 /// Strength S of the band, a number.
-const STRENGTH: f64 = 60.0;
+const STRENGTH: f64 = 3.0;
 /// Steps after which the bands are compared, while eddies still grow: the largest energy of the band is 0.045 m²/s².
 ///
-/// Strength and steps are measured, not derived. With strengths of 20 to 60, three seeds of the jitter and 20, 30, 45, 60
-/// and 90 steps, the band gained 1.08 to 1.39 times the energy that the smaller one gained, and 1.18 to 9.9 times that of
-/// the larger one; at S = 60 and step 20, 1.32 to 1.35 and 1.24 to 1.34 times. From the exact lattice, a band of S = 10 or
-/// less fell behind the smaller one at some of these steps. As a ratio to the run without confinement the smaller band
-/// grows most, because it starts with next to nothing (8.7, 4.0 and 1.5 times for 1, 1.5 and 3 spacings at S = 30 and
-/// step 20, from the exact lattice).
+/// Strength and steps are measured, not derived. The table has the energy that the band gains, over that which the smaller and the
+/// larger one gain, with the least and the largest of three seeds of the jitter. The smaller band grows most in the end, as it does
+/// in any turbulence that is fed at a larger size.
+///
+/// | Steps | S = 1 | 2 | 3 | 4 |
+/// |---|---|---|---|---|
+/// | 10 | 2.00 to 2.02, 0.65 | 1.77, 0.75 | 1.57, 0.85 | 1.41, 0.96 |
+/// | 20 | 1.76, 0.74 | 1.40, 0.95 | **1.20 to 1.21, 1.17** | 1.08 to 1.10, 1.39 to 1.41 |
+/// | 30 | 1.57, 0.83 | 1.24 to 1.26, 1.10 | 1.02 to 1.04, 1.48 | 0.94 to 0.99, 1.79 to 1.89 |
 const STEPS: u64 = 20;
 /// Radius of the ring that circulation is taken on \[core radii\].
 const RING: f64 = 2.5;
@@ -64,9 +67,9 @@ pub(crate) fn lamb_oseen(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let kept = circulation_kept(gpu, &air::scene("")?)?;
     let mut rows = vec![
         Row::new("vortex: circulation kept, 2.5 core radii, 62 ms", 1.0, kept, 0.02, KEPT),
-        Row::new("vortex: energy that confinement gives its band", 6e-3, own, 2e-3, FED).in_unit("m²/s²"),
+        Row::new("vortex: energy that confinement gives its band", 1.16e-3, own, 4e-4, FED).in_unit("m²/s²"),
     ];
-    for ((name, scale), (expected, tolerance)) in OTHERS.into_iter().zip([(1.33, 0.3), (1.29, 0.27)]) {
+    for ((name, scale), (expected, tolerance)) in OTHERS.into_iter().zip([(1.2, 0.19), (1.17, 0.16)]) {
         rows.push(Row::new(format!("vortex: that over the band {name}"), expected, own / gain(scale)?, tolerance, FED));
     }
     Ok(rows)

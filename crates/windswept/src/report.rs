@@ -70,7 +70,7 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub confinement_impulse_kg_m_per_s: Option<[f64; 3]>,
     /// Steps in which the confinement's limiter acted on some particle: it keeps a strong band from gaining more than
-    /// 0.12 of its speed in a step. Left out without bands.
+    /// half of its speed in a step. Left out without bands.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub confinement_limited_steps: Option<u64>,
     /// Energy and cost of each of `turbulence.bands`. Left out without air particles or bands.
