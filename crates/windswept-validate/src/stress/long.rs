@@ -56,7 +56,7 @@ fn runs(gpu: &Gpu, extent: Extent, couplings: &[(&str, &[&str])]) -> Result<Vec<
     let mut stretched = Sweep::new("largest stretch", 0.01, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
     let mut places = Sweep::new("hair without particles of air, last quarter off second", 1e-3, "L");
-    let steps = extent.of(100_000, 1000);
+    let steps = extent.of(100_000, 3000);
     for (coupling, keys) in couplings {
         let mut simulation = small(gpu, coupling, keys)?;
         let (mut energies, mut errors, mut shapes) = (Vec::new(), Vec::new(), Vec::new());
