@@ -223,7 +223,7 @@ fn on_the_gpu(gpu: &Gpu, simulation: &mut Simulation, steps: u64) -> Result<(f64
             return Ok((ms_each(encoded, done), ms_each(started, encoded)));
         }
     }
-    Err("the neighbour list grows again and again: air clumps; take fewer --steps".into())
+    Err("the neighbour list grows again and again, as where air clumps; take fewer --steps".into())
 }
 
 /// Operations of a pass in a step: of its invocations, and of the batches of neighbours that these clusters have.

@@ -119,6 +119,7 @@ fn wrong_constants_turn_rows_red() {
         (&turbulence::GATHER, "0.11, 0.09", "0.11, 0.0901", "twin"),
         (&turbulence::CONFINE, "part * part", "1.01 * part * part", "confinement"),
         (&turbulence::CONFINE, "2.0 * rate", "2.02 * rate", "confinement"),
+        (&turbulence::CONFINE, "left * left", "1.01 * left * left", "confinement"),
         (&turbulence::CONFINE, "LARGEST: f32 = 0.5", "LARGEST: f32 = 0.505", "confinement"),
         (&turbulence::CONFINE, "rate * speed", "1.02 * rate * speed", "confinement"),
     ];

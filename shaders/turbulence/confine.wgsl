@@ -4,15 +4,16 @@
 //   a_i = S |u_i| max(0, 1 - |u_i|^2/(I U)^2) (N x omega_i)
 //   as printed (eqs. 2, 4): a_i = epsilon 1/2 m |u_i|^2 (N x omega_i) in mg, mm, s; omega of v, hair in the sum
 //
-// The band's speed grows by a over the step as the logistic law |u|' = S |N x omega| |u| (1 - |u|^2/(I U)^2) has it in closed form,
-// with N x omega kept: it comes near I U and not beyond, by at most half of |u|. What is printed is taken as it is.
+// The printed law adds dt a. A band adds, along N x omega, what |u| would gain if N x omega lay along u and stayed so: by
+// |u|' = S |N x omega| |u| (1 - |u|^2/(I U)^2) in closed form, at most |u|/2. So no step takes a particle past I U.
 import package::common::{
     params::params, dispatch::WORKGROUP, cells::is_air, status::{count_step, CONFINEMENT_LIMITED}, lanes::Near,
     pairs::{Pair, gradient_to}, clusters::{take_particle, has_none, of_air, meet_own_kind}, wind::left_by_fringe, band::Band,
 };
 
 const SOFTENING: f32 = 1e-3;   // part of |omega|/h added to |eta|, so that N vanishes where vorticity is uniform
-const LARGEST: f32 = 0.5;      // most that a band may grow by in a step: more feeds what no band measures, if S is absurd
+const LARGEST: f32 = 0.5;      // most that a band may grow by in a step: N x omega also feeds eddies too small for the band
+const SLOWEST: f32 = 1e-30;    // m/s, of I U: without it air at rest in a band without intensity is not a number
 
 @group(0) @binding(2) var<uniform>             band:          Band;
 @group(0) @binding(3) var<storage, read>       predicted:     array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -45,19 +46,19 @@ fn change(i: u32, left: f32) -> vec3f {
     let speed = length(band_velocity[i].xyz);
     let rate = params.step * band.strength * turning;
     let as_printed = params.published_law != 0u;
-    let gain = select(growth(speed / band.largest_speed, rate), rate * speed, as_printed);
+    let gain = select(growth(speed / max(band.largest_speed, SLOWEST), rate), rate * speed, as_printed);
     let largest = select(LARGEST, gain, as_printed);
-    if gain > largest { count_step(CONFINEMENT_LIMITED); }
+    if (gain > largest) & (speed > 0.0) { count_step(CONFINEMENT_LIMITED); }
     return left * min(gain, largest) * speed / turning * along;
 }
 
-// (u - u_0)/u_0 after u' = rate u (1 - u^2), in a time of 1 from u_0 = `part`; none from 1 on. With y = (1 - u_0^2) (1 - e^(-2 rate)) it is
-// (1 - y)^(-1/2) - 1, here without a difference of what is nearly alike.
+// Growth u/u_0 - 1 by u' = rate u (1 - u^2) in a time of 1, from u_0 = `part`; 0 where that is 1 or more. With
+// y = (1 - u_0^2) (1 - e^(-2 rate)) it is (1 - y)^(-1/2) - 1, written without a difference of two numbers that are nearly alike.
 fn growth(part: f32, rate: f32) -> f32 {
     let x = 2.0 * rate;
     let spent = select(1.0 - exp(-x), x * (1.0 - x * (0.5 - x / 6.0)), x < 0.02);
     let y = (1.0 - min(part * part, 1.0)) * spent;
-    let left = sqrt(max(1.0 - y, 1e-6));
+    let left = sqrt(max(1.0 - y, 1e-6));   // growth is LARGEST at 1 - y = 4/9 already
     return y / (left + left * left);
 }
 

@@ -156,13 +156,13 @@ pub fn vorticity(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near:
     (0..x.len()).map(at).collect()
 }
 
-/// Change of each air particle's velocity by a band in a step, Δt a \[m/s\] (eqs. 3, 4). In the fringe of the wind
+/// Change Δv of each air particle's velocity by a band in a step \[m/s\] (eqs. 3, 4). In the fringe of the wind
 /// `wind` it is smaller by the cosines of the faces.
 ///
 /// N = η/(|η| + 1e-3 |ω|/h) points to where the vorticity is larger, η_i = Σ_j V_j (|ω_j| − |ω_i|) ∇_i W.
 ///
-/// * Band: a = S |û| max(0, 1 − |û|²/(I U)²) (N × ω), by the [`growth`] of |û| in the step, at most 0.5; ω that of û.
-/// * Published: a = 0.008 ê (N × ω) mm/s², ê = ½ m |v̂|² in mg, mm, s; ω that of v.
+/// * Band: Δv = |û| min(½, [`growth`]) along N × ω, of the law a = S |û| max(0, 1 − |û|²/(I U)²) (N × ω); ω that of û.
+/// * Published: Δv = Δt a, a = 0.008 ê (N × ω) mm/s², ê = ½ m |v̂|² in mg, mm, s; ω that of v.
 ///
 /// `eddies` is what [`band`] returns, `omega` what [`vorticity`] returns; `volume` in m³, `inverse_mass` in 1/kg.
 #[must_use]
@@ -210,13 +210,12 @@ pub fn confine(
     (0..x.len()).map(change).collect()
 }
 
-/// Growth u/u_0 − 1 by the logistic law du/dt = `rate` u (1 − u²) in the time `step` \[s\], from u_0 = `part`; none from 1 on.
+/// Growth u/u_0 − 1 by du/dt = `rate` u (1 − u²) in the time `step` \[s\], from u_0 = `part`; 0 where that is 1 or more.
 #[must_use]
 pub fn growth(part: f64, rate: f64, step: f64) -> f64 {
-    let square = part.powi(2).min(1.0);
-    let spent = -(-2.0 * rate * step).exp_m1();
-    let left = (1.0 - spent * (1.0 - square)).max(square).max(f64::MIN_POSITIVE).sqrt();
-    (1.0 - square) * spent / (left + left * left)
+    let (square, x) = (part.powi(2).min(1.0), -2.0 * rate * step);
+    let left = (square + (1.0 - square) * x.exp()).max(f64::MIN_POSITIVE).sqrt();
+    (1.0 - square) * -x.exp_m1() / (left + left * left)
 }
 
 /// Mean change of all air \[m/s\], which is taken out where momentum is conserved: confinement drives no wind.

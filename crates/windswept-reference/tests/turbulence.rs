@@ -110,7 +110,17 @@ fn confinement_drives_a_vortex_on() {
     println!("{} particles, cosine at least {worst:.4}", ring.len());
     // Measured 1.0000.
     assert!(ring.len() > 30 && worst > 0.999, "{worst}");
-    // |Δt a| = Δt S |û| (1 − |û|²/(I U)²) |ω| |N|, and N is nearly a unit vector normal to ω.
+    // A step of a strong band is the growth by the rate that a feeble one shows.
+    let strong = Band { strength: 3.0, ..BAND };
+    let grown = confine(&crowd, &strong, &v, &v);
+    for &i in &ring {
+        let speed = v[i].length();
+        let part = speed / 0.9;
+        let rate = 3.0 * change[i].length() / (1.38e-3 * gentle.strength * speed * (1.0 - part * part));
+        let wanted = speed * turbulence::growth(part, rate, 1.38e-3).min(0.5);
+        assert!((grown[i].length() - wanted).abs() < 1e-6 * wanted, "{} instead of {wanted}", grown[i]);
+    }
+    // |Δv| = Δt S |û| (1 − |û|²/(I U)²) |ω| |N|, and N is nearly a unit vector normal to ω.
     let omega = vorticity(&crowd, &v);
     let share = |i: usize| {
         let speed = v[i].length();

@@ -12,8 +12,8 @@ use crate::{
 };
 
 const KEPT: &str = "ideal fluid (Kelvin); the viscosity of XSPH, c = 0.014, spreads the core; at most 2 % may be lost";
-const FED: &str = "no formula: measured, S = 3, I = 1, less the run without; three seeds of the jitter agree to 0.01; the tolerance \
-    keeps the sign";
+const FED: &str = "no formula: measured, S = 3, I = 1, less the run without; the ratios of three seeds of the jitter agree to 0.01; \
+    the tolerance keeps them above 1";
 
 /// Particles along x and y, and across the slab.
 const CELLS: [usize; 3] = [22, 22, 6];
@@ -38,8 +38,8 @@ const STRENGTH: f64 = 3.0;
 /// Steps after which the bands are compared, while eddies still grow: the largest energy of the band is 0.045 m²/s².
 ///
 /// Strength and steps are measured, not derived. The table has the energy that the band gains, over that which the smaller and the
-/// larger one gain, with the least and the largest of three seeds of the jitter. The smaller band grows most in the end, as it does
-/// in any turbulence that is fed at a larger size.
+/// larger one gain (in this order), with the least and the largest of three seeds of the jitter. At first the larger band gains most,
+/// since it holds most of the vortex; in the end the smaller one does, as in any turbulence that is fed at a larger size.
 ///
 /// | Steps | S = 1 | 2 | 3 | 4 |
 /// |---|---|---|---|---|
@@ -50,8 +50,8 @@ const STEPS: u64 = 20;
 /// Radius of the ring that circulation is taken on \[core radii\].
 const RING: f64 = 2.5;
 
-/// Rows of a Lamb-Oseen vortex, v = Γ/(2πr) (1 − e^(−r²/a²)): alone it keeps its circulation; confinement gives the band
-/// that it strengthens more energy than the smaller and the larger one.
+/// Rows of a Lamb-Oseen vortex, v = Γ/(2πr) (1 − e^(−r²/a²)): alone it keeps its circulation; confinement, at
+/// this strength and step, gives the band that it strengthens more energy than the smaller and the larger one.
 pub(crate) fn lamb_oseen(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let start = vortex();
     let scene = |strength: f64| -> Result<Scene, Error> {
