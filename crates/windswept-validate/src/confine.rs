@@ -29,7 +29,7 @@ const SPEED: f64 = 0.02;
 /// Strength S of the band, a number.
 const STRENGTH: f64 = 10.0;
 /// Strength S beside the twin, so large that some particles come to the bound of a step.
-const STRONG: f64 = 40.0;
+const STRONG: f64 = 200.0;
 /// U \[m/s\] and I of the band law.
 const LAW: (f64, f64) = (0.1, 0.5);
 
