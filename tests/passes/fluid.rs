@@ -335,7 +335,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::sums::CHANGES, "vec4f(v, dot", "vec4f(v, 0.5 * dot", DIVERGENCE),
     (&shaders::sums::TOTAL, "totals[1] = all[1]", "totals[1] = 0.5 * all[1]", DIVERGENCE),
     (&shaders::coarse::PUSH, "sum.xyz / air", "0.5 * sum.xyz / air", DIVERGENCE),
-    (&shaders::coarse::PUSH, "clamp(taken", "clamp(0.1 * taken", DIVERGENCE),
+    (&shaders::coarse::PUSH, "BEYOND * taken", "0.1 * taken", DIVERGENCE),
     (&shaders::coarse::PUSH, "(coarse_change[i].xyz - mean)", "5.0 * coarse_change[i].xyz", DIVERGENCE),
     (&shaders::fluid::SLIP, "velocity[p].xyz + history.own", "velocity[p].xyz", CROWDED),
     (&shaders::fluid::SQUEEZE, "own.inverse_mass * sum", "0.9 * own.inverse_mass * sum", CROWDED),

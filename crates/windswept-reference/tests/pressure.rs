@@ -312,7 +312,7 @@ fn the_coarse_solve_reaches_far() {
 }
 
 /// A push of the coarse grid leaves the air no more energy than it had, and no other momentum: a push that takes energy is made, one
-/// that gives energy is not, and of one that would overshoot the part is made that takes the most.
+/// that gives energy is not, and of one that would overshoot 1.15 times the part is made that takes the most.
 #[test]
 fn a_coarse_push_gives_no_energy() {
     let initial = melted([8; 3], 75);
@@ -330,15 +330,17 @@ fn a_coarse_push_gives_no_energy() {
             let energy = |v: DVec3| v.length_squared();
             v.iter().zip(&given).map(|(v, given)| energy(*v + *given) - energy(*v)).sum::<f64>()
         };
-        let changes = [0.0, part - 1e-3, part, part + 1e-3].map(gained);
+        let most = part / 1.15;
+        let changes = [0.0, part, most - 1e-3, most, most + 1e-3].map(gained);
         println!("scale {scale}: part {part:.3}, energy changes by {changes:.6?}");
-        assert!(changes[2] <= changes[0] && (part == 0.0 || changes[2] < changes[1]), "{changes:?}");
-        assert!(part == 1.0 || changes[2] < changes[3], "{changes:?}");
+        assert!(changes[1] <= changes[0], "{changes:?}");
+        let clipped = part == 0.0 || part == 1.0;
+        assert!(clipped || (changes[3] < changes[2] && changes[3] < changes[4]), "{changes:?}");
         part
     };
     let [taken, given, too_much] = [-0.1, 0.1, -3.0].map(part);
-    // Measured 0.287: without the noise, a third is made of three times what takes out all energy.
-    assert!(taken == 1.0 && given == 0.0 && (0.25..1.0 / 3.0).contains(&too_much), "{taken}, {given}, {too_much}");
+    // Measured 0.330: without the noise, 1.15 thirds are made of three times what takes out all energy.
+    assert!(taken == 1.0 && given == 0.0 && (0.3..1.15 / 3.0).contains(&too_much), "{taken}, {given}, {too_much}");
 }
 
 /// In the model `two-way` pressure sees air alone, and hair is constrained as with solver `pbf`, to the bit.

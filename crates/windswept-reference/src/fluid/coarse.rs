@@ -22,6 +22,8 @@ use crate::{
 
 /// Degree of the B-splines.
 const DEGREE: u32 = 2;
+/// Part of a push that is made at most, over the part that takes the most energy.
+const BEYOND: f64 = 1.15;
 
 /// Sum r_n of the divergences `rate` \[1/s\] of air at every node, x first. Where air is dense it counts once; at a surface,
 /// where pressure does not pull, only what is compressed counts.
@@ -87,16 +89,15 @@ pub fn coarse_gather(p: &Parameters, x: &[DVec3], pressure: &[f64]) -> Vec<DVec3
     (0..x.len()).map(|i| if p.is_air(i) { -part * slope(x[i]) } else { DVec3::ZERO }).collect()
 }
 
-/// Mean of the changes q of the air's velocity \[m/s\], and the part p of what is left of them that takes the most energy from air of
-/// velocities `v`: p = a/b, from 0 to 1, with a = −Σ (q − mean of q) · v and b = Σ |q − mean of q|², since a change of p q changes
-/// the energy by m (−p a + p² b/2).
+/// Mean of the changes q of the air's velocity \[m/s\], and the part p of what is left of them that air of velocities `v` gets: p = 1.15
+/// a/b, from 0 to 1, with a = −Σ (q − mean of q) · v and b = Σ |q − mean of q|². A change of p q changes the energy by m (−p a + p² b/2).
 #[must_use]
 pub fn coarse_mean(p: &Parameters, v: &[DVec3], change: &[DVec3]) -> (DVec3, f64) {
     let mean = turbulence::mean(p, change);
     let left = || change.iter().zip(v).skip(p.hair_points).map(|(q, v)| (*q - mean, *v));
     let taken: f64 = -left().map(|(q, v)| q.dot(v)).sum::<f64>();
     let square: f64 = left().map(|(q, _)| q.length_squared()).sum();
-    (mean, (taken / square.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0))
+    (mean, (BEYOND * taken / square.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0))
 }
 
 /// Change p (q_i − mean of q) of each air particle's velocity that is made \[m/s\]; 0 for hair.
