@@ -56,6 +56,7 @@ fn runs(gpu: &Gpu, extent: Extent, couplings: &[(&str, &[&str])]) -> Result<Vec<
     let mut stretched = Sweep::new("largest stretch", 0.01, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
     let mut places = Sweep::new("hair without particles of air, last quarter off second", 1e-3, "L");
+    // In 1000 steps the energy of `particles` with `divergence` scattered by 0.054, where 0.05 is allowed.
     let steps = extent.of(100_000, 3000);
     for (coupling, keys) in couplings {
         let mut simulation = small(gpu, coupling, keys)?;
