@@ -88,6 +88,8 @@ pub struct Parameters {
     pub viscosity_air: f64,
     /// Coefficient c of unresolved eddies over the deformation |G| Δt of the air.
     pub viscosity_eddies: f64,
+    /// Share f of the way of air in a step, over the spacing, by which air is spread.
+    pub spreading: f64,
     /// Part of its unevenness that still air takes out in a step.
     pub settling: f64,
     /// Whether viscosity has the symmetric limiter.
@@ -171,6 +173,7 @@ impl Parameters {
             viscosity_hair: scene.viscosity.hair / substeps,
             viscosity_air: scene.viscosity.air / substeps,
             viscosity_eddies: air.map_or(0.0, |air| scene.viscosity.eddies(initial.air.volume, air.kernel_radius)),
+            spreading: scene.spreading(),
             settling: scene.settling(),
             limited: scene.viscosity.form == ViscosityForm::Limited,
             rod_iterations: scene.rods.iterations,

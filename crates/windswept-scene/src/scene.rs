@@ -277,6 +277,13 @@ impl Scene {
         (RATE * self.time.step / f64::from(self.time.substeps)).min(1.0)
     }
 
+    /// Share of the distance that air of solver `divergence` moves in a substep, over the spacing, by which its particles are spread
+    /// (`docs/decisions/air.md`): less where hair is in air's own sums, or air goes round bodies, and no coarse grid helps.
+    #[must_use]
+    pub fn spreading(&self) -> f64 {
+        if self.why_no_coarse().is_none() { 0.1 } else { 0.05 }
+    }
+
     /// A warning where the mean wind and a force field carry air farther in a step of `time.substeps` substeps than its pressure keeps up with;
     /// `None` where it does not, or without air.
     #[must_use]

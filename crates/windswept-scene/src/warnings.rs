@@ -95,9 +95,10 @@ pub(crate) fn of_wind(scene: &Scene, air: &Air, substeps: u32) -> Option<String>
     ))
 }
 
-/// Way of the air in a step for which its pressure is right \[particle spacings\].
+/// Way of the air in a step for which its pressure is right \[particle spacings\]. With the solver `divergence` the coarse grid doubles it.
 fn farthest(scene: &Scene) -> f64 {
     match scene.fluid.solver {
+        FluidSolver::Divergence if scene.why_no_coarse().is_none() => 0.9,
         FluidSolver::Divergence => 0.45,
         FluidSolver::Pbf => 1.0,
     }

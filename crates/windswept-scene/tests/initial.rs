@@ -121,6 +121,14 @@ fn a_user_is_warned() {
             "air moves 1.24 particle spacings in a step, where its pressure keeps up with at most 0.45: take time.substeps = 3",
         ),
         (
+            &["time.step=2e-3", "interaction.model=two-way"],
+            "air moves 1.24 particle spacings in a step, where its pressure keeps up with at most 0.9: take time.substeps = 2",
+        ),
+        (
+            &["time.step=2e-3", "interaction.model=two-way", "fluid.coarse=false"],
+            "air moves 1.24 particle spacings in a step, where its pressure keeps up with at most 0.45: take time.substeps = 3",
+        ),
+        (
             &["time.step=1e-2", "time.substeps=4"],
             "air moves 1.55 particle spacings in a step, where its pressure keeps up with at most 0.45: take time.substeps = 14",
         ),
@@ -179,6 +187,7 @@ fn a_user_is_warned() {
     }
     for sets in [
         &["time.step=2e-3", "time.substeps=3"][..],
+        &["time.step=2e-3", "time.substeps=2", "interaction.model=two-way"],
         &["time.step=2e-3", "time.substeps=2", "fluid.solver=pbf"],
         &["hair.friction=0.5", "interaction.model=two-way"],
         &["hair.friction=0", "interaction.model=drag"],

@@ -47,6 +47,7 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
         viscosity_air: (scene.viscosity.air / substeps) as f32,
         damping: scene.rods.damping as f32,
         bad_strand_limit: BAD_STRANDS.max(strands / 100),
+        spreading: scene.spreading() as f32,
         settling: scene.settling() as f32,
         lift: scene.interaction.lift as f32,
         published_law: u32::from(scene.turbulence.law == Law::Published),
