@@ -4,7 +4,7 @@
 // than the kernel radius to any of them. Its eight invocations, one per particle, read a batch of eight entries at once, one
 // each; then each of them meets all eight. A pass says what it needs of a neighbour, in `see`, and what a pair adds to its sums, in `meet`.
 // A pair that was not nearer than the kernel radius when the list was made does not meet, wherever it is by now.
-import package::common::{params::{params, TWO_WAY}, cells::is_air, dispatch::invocation};
+import package::common::{params::{params, TWO_WAY}, cells::is_air, dispatch::{invocation, WORKGROUP}};
 import package::common::lanes::{Near, LANES, lane_of, show, shown_by, largest_of_all};
 import package::common::list::{BATCHES, NOBODY, INDEX, NONE, IMAGE_BITS, FRAME_BITS, FAR, elements_of, heads};
 import package::common::pairs::{Pair, stand, meet_four};
@@ -26,6 +26,16 @@ var<private> meets: u32;    // bit by bit, which entries of the batch that is sh
 var<private> nobody: bool;  // the invocation reads for the others, and has no particle
 var<private> member: u32;   // a particle of the cluster, which is read where an entry is none: what it has is of the cluster's kind
 
+// Clusters of hair are few and have long lists, through which a GPU waits for memory: there four times eight invocations share a
+// cluster in a pass that asks for it (`of_shared`), and each eight meet every fourth group of its list.
+@if(subgroups && !software) const SHARE: u32 = 4u;
+@if(!subgroups || software) const SHARE: u32 = 1u;
+
+var<private> part: u32;         // the first group of a list that the invocation meets
+var<private> parts: u32 = 1u;   // from each group that it meets to the next one
+
+@if(subgroups && !software) var<workgroup> all_sums: array<vec4f, WORKGROUP>;
+
 // The particle of an invocation that has this place in its page. The functions that meet go through its cluster from now on.
 // Where `has_none` says that the invocation has none, it is another one of the cluster.
 fn take_particle(place_in_page: u32, local: u32) -> u32 {
@@ -37,7 +47,7 @@ fn take_particle(place_in_page: u32, local: u32) -> u32 {
     frame = box * vec3f(moved);
     cluster = Cluster(head.y, head.z & ((1u << FRAME_BITS) - 1u), head.w);
     member = head.x & INDEX;
-    nobody = (head.y == 0u) | ((head.x & NONE) != 0u);
+    nobody = (head.y == 0u) | ((head.x & NONE) != 0u) | (part > 0u);
     return member;
 }
 
@@ -58,6 +68,34 @@ fn of_all(id: vec3u, groups: vec3u) -> u32 {
 
 fn of_air(id: vec3u, groups: vec3u) -> u32 {
     return params.page_of_hair + invocation(id, groups);
+}
+
+// In a pass over all or over hair, in which several invocations share a particle: the first of them has it.
+@if(subgroups && !software)
+fn of_shared(id: vec3u, groups: vec3u) -> u32 {
+    let n = invocation(id, groups);
+    part = n / LANES % SHARE;
+    parts = SHARE;
+    return n / (LANES * SHARE) * LANES + lane_of(n);
+}
+
+@if(!subgroups || software)
+fn of_shared(id: vec3u, groups: vec3u) -> u32 {
+    return of_all(id, groups);
+}
+
+// The sum of what those who share a particle have. Every invocation of the workgroup asks, from the same place.
+@if(subgroups && !software)
+fn added_up(own: vec4f) -> vec4f {
+    workgroupBarrier();
+    all_sums[place] = own;
+    workgroupBarrier();
+    let first = place - LANES * part;
+    return (all_sums[first] + all_sums[first + LANES]) + (all_sums[first + 2u * LANES] + all_sums[first + 3u * LANES]);
+}
+@if(!subgroups || software)
+fn added_up(own: vec4f) -> vec4f {
+    return own;
 }
 
 // In a pass over those that pressure acts on: with the model TWO_WAY air alone.
@@ -89,8 +127,8 @@ fn meet_both_kinds(at: vec3f) {
 fn meet_batches(first: u32, count: u32) {
     let lane = lane_of(place);
     let batches = largest_of_all(place, count);
-    var at = first;
-    for (var b = 0u; b < batches; b += BATCHES) {
+    var at = first + LANES * part;
+    for (var b = BATCHES * part; b < batches; b += BATCHES * parts) {
         var element = neighbour_list[select(0u, at, b < count) + lane];
         let end = min(b + BATCHES, batches);
         for (var k = b; k < end; k++) {
@@ -109,7 +147,7 @@ fn meet_batches(first: u32, count: u32) {
             meet(second.d);
             element = vec4u(element.yzz, element.w >> 8u);
         }
-        at += LANES;
+        at += LANES * parts;
     }
 }
 

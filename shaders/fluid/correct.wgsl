@@ -5,7 +5,7 @@
 // Jacobi: everyone's position is read, only `move` changes it. The part of lambda that becomes velocity is summed beside it.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, matter::inverse_mass_of, pairs::{Pair, gradient_apart},
-    clusters::{take_particle, has_none, of_all, meet_own_kind},
+    clusters::{take_particle, has_none, of_shared, added_up, meet_own_kind},
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:  array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -36,12 +36,14 @@ fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let i = take_particle(of_all(id, groups), local);
+    let i = take_particle(of_shared(id, groups), local);
     let own = predicted[i];
     own_index = i;
     volume = own.w;
     lambda = multiplier[i];
     meet_own_kind(own.xyz);
+    sum = added_up(vec4f(sum, 0.0)).xyz;
+    felt = added_up(vec4f(felt, 0.0)).xyz;
     // Where workgroups of a pass over hair fold into rows, the last ones are beyond it.
     if has_none() || i >= params.constrained { return; }
     let give = params.relaxation * inverse_mass_of(i);

@@ -7,7 +7,7 @@
 // comes apart, and is not shot apart. It is a part of lambda, so that what the two of a pair get stays opposite.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, cells::is_air, sph_kernels::poly6_factor, matter::inverse_mass_of,
-    pairs::{Pair, gradient_apart}, clusters::{take_particle, has_none, of_all, meet_own_kind},
+    pairs::{Pair, gradient_apart}, clusters::{take_particle, has_none, of_shared, added_up, meet_own_kind},
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:  array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -17,7 +17,7 @@ import package::common::{
 const ABRUPT: f32 = 0.2;   // C of air beyond which a move becomes no velocity
 
 var<private> own_index: u32;
-var<private> ratio: f32;
+var<private> ratio: f32;    // without the particle itself
 var<private> own_gradient: vec3f;
 var<private> others: f32;   // sum over k != i of w_k |grad_k C_i|^2
 
@@ -38,16 +38,18 @@ fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let i = take_particle(of_all(id, groups), local);
+    let i = take_particle(of_shared(id, groups), local);
     own_index = i;
     let own = predicted[i];
-    ratio = own.w * poly6_factor();
     meet_own_kind(own.xyz);
+    let sums = added_up(vec4f(own_gradient, ratio));
+    let of_others = added_up(vec4f(others)).x;
     if has_none() { return; }
-    let error = ratio - 1.0;
+    let all = own.w * poly6_factor() + sums.w;
+    let error = all - 1.0;
     let constraint = max(error, 0.0) + params.tension * min(error, 0.0);
-    let sum = inverse_mass_of(i) * dot(own_gradient, own_gradient) + others;
-    density[i] = ratio;
+    let sum = inverse_mass_of(i) * dot(sums.xyz, sums.xyz) + of_others;
+    density[i] = all;
     let felt = select(constraint, min(constraint, ABRUPT), is_air(i));
     multiplier[i] = -vec2f(constraint, felt) / (sum + params.density_softening);
 }

@@ -10,7 +10,8 @@
 // by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen, lanes::Near, pairs::Pair, rub::{Rub, pressed},
-    clusters::{take_particle, has_no_hair, of_all, meet_own_kind}, own_strand::{Points, points_with, holds}, page::of_page,
+    clusters::{take_particle, has_no_hair, of_shared, added_up, meet_own_kind}, own_strand::{Points, points_with, holds},
+    page::of_page,
 };
 
 @group(0) @binding(2) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -62,7 +63,7 @@ fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let place = of_all(id, groups);
+    let place = of_shared(id, groups);
     let entry = of_page(place);
     // `move` runs next over hair in as many workgroups: what air is in the last of them has been moved already.
     if (entry >= params.hair_points) & (entry < params.particles) & !frozen() { shift[entry] = vec4f(0.0); }
@@ -72,8 +73,10 @@ fn main(
     own = rubbing[i];
     own_squeezed = squeezed[i];
     meet_own_kind(x.xyz);
+    let changes = added_up(vec4f(change, held));
+    let slides = added_up(vec4f(slid, most));
     if has_no_hair(i) { return; }
-    shift[i] = vec4f(params.step * own.inverse_mass * change, 0.0);
-    let kept = grip[i].xyz + own.inverse_mass * slid;
-    grip[i] = vec4f(held / max(most, LEAST) * kept, 0.0);
+    shift[i] = vec4f(params.step * own.inverse_mass * changes.xyz, 0.0);
+    let kept = grip[i].xyz + own.inverse_mass * slides.xyz;
+    grip[i] = vec4f(changes.w / max(slides.w, LEAST) * kept, 0.0);
 }

@@ -2,7 +2,7 @@
 // update would overshoot; `viscosity` divides by it, for both partners alike. The sum is over the pairs of `viscosity`.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, matter::{Exchange, viscosity_of}, pairs::Pair,
-    clusters::{take_particle, has_none, of_all, meet_own_kind}, own_strand::{Points, points_with, holds},
+    clusters::{take_particle, has_none, of_shared, added_up, meet_own_kind}, own_strand::{Points, points_with, holds},
 };
 
 @group(0) @binding(2) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -31,13 +31,14 @@ fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let i = take_particle(of_all(id, groups), local);
+    let i = take_particle(of_shared(id, groups), local);
     let own = predicted[i];
     own_strand = points_with(i);
     coefficient = viscosity_of(i, exchange[i].deformation);
     root = sqrt(own.w);
     thickness = density[i];
     meet_own_kind(own.xyz);
+    sum = added_up(vec4f(sum)).x;
     if has_none() { return; }
     exchange[i].share = sum;
 }

@@ -1,7 +1,7 @@
 // How hard the density constraint squeezes a hair point between the points of other strands: P_i = w_i sum_j p_ij [m/s].
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, pairs::Pair, rub::{Rub, pressed}, clusters::{take_particle, has_no_hair, of_all, meet_own_kind},
-    own_strand::{Points, points_with, holds},
+    params::params, dispatch::WORKGROUP, lanes::Near, pairs::Pair, rub::{Rub, pressed},
+    clusters::{take_particle, has_no_hair, of_shared, added_up, meet_own_kind}, own_strand::{Points, points_with, holds},
 };
 
 @group(0) @binding(2) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -28,12 +28,13 @@ fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let i = take_particle(of_all(id, groups), local);
+    let i = take_particle(of_shared(id, groups), local);
     own_strand = points_with(i);
     x = predicted[i];
     let own = rubbing[i];
     own_multiplier = own.multiplier;
     meet_own_kind(x.xyz);
+    sum = added_up(vec4f(sum)).x;
     if has_no_hair(i) { return; }
     squeezed[i] = own.inverse_mass * sum;
 }

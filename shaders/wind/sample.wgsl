@@ -4,7 +4,7 @@
 //   G_i = (W(0) + sum_k W(y_i - y_k))/rho_0                            over hair
 import package::common::{
     params::params, dispatch::WORKGROUP, cells::is_air, wind::mean_wind, lanes::Near, sph_kernels::poly6_factor, pairs::Pair,
-    clusters::{take_particle, has_no_hair, of_all, meet_both_kinds}, air::{Sampled, THIN},
+    clusters::{take_particle, has_no_hair, of_shared, added_up, meet_both_kinds}, air::{Sampled, THIN},
 };
 
 @group(0) @binding(2) var<storage, read>       predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -36,12 +36,13 @@ fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let p = take_particle(of_all(id, groups), local);
+    let p = take_particle(of_shared(id, groups), local);
     let own = predicted[p].xyz;
     wind = mean_wind();
-    hair = poly6_factor();
     meet_both_kinds(own);
+    let sums = added_up(vec4f(relative, filled));
+    hair = added_up(vec4f(hair)).x + poly6_factor();
     if has_no_hair(p) { return; }
-    let u = wind + relative / max(filled, THIN);
-    sampled[p] = Sampled(own, filled, u, hair / params.air_density);
+    let u = wind + sums.xyz / max(sums.w, THIN);
+    sampled[p] = Sampled(own, sums.w, u, hair / params.air_density);
 }

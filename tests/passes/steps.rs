@@ -279,7 +279,7 @@ fn divided_once(gpu: &Gpu, alone: &[&Pass]) -> Gpu {
     with_sources(gpu, PASSES.into_iter().filter_map(other))
 }
 
-/// A software adapter reads from uniforms and textures what others read from storage buffers, all or some of it: the same bits. Three passes
+/// A software adapter reads from uniforms and textures what others read from storage buffers, all or some of it: the same bits. Passes
 /// whose invocations share a sum on a GPU add in another order there: they run their texts without subgroup operations.
 /// And quotients that a GPU divides twice are divided once.
 #[test]
@@ -289,7 +289,17 @@ fn software_texts_change_no_bit() {
     assert!(software.contains(&gpu.texts()), "{:?} runs {:?}", gpu.info(), gpu.texts());
     let [all_textures, gathered, shared] =
         [software[0], software[1], PassTexts::Subgroups].map(|texts| with_texts(&gpu, texts));
-    let sum = [&shaders::rods::START, &shaders::turbulence::DEPOSIT, &shaders::coarse::DEPOSIT];
+    let sum = [
+        &shaders::rods::START,
+        &shaders::turbulence::DEPOSIT,
+        &shaders::coarse::DEPOSIT,
+        &shaders::fluid::DENSITY,
+        &shaders::fluid::CORRECT,
+        &shaders::fluid::SQUEEZE,
+        &shaders::fluid::FRICTION,
+        &shaders::fluid::LIMIT,
+        &shaders::wind::SAMPLE,
+    ];
     let buffers = divided_once(&shared, &sum);
     let all = [PUBLISHED, PARTICLES, DRAG, CROWDED, DIVERGENCE, PRESSED_HAIR, BODIES, FIELDS, NEWTON];
     let run: Vec<_> = all.iter().flat_map(|sets| plan(&small(sets)).unwrap()).filter(|row| row.runs > 0).collect();

@@ -206,13 +206,15 @@ impl Gpu {
         })
     }
 
-    /// How many invocations share the work of one that a step asks for, in the text of a pass that runs. One that stands in for it has
-    /// enough of them, if it is made of the pass's first text; the others of its invocations are beyond the last strand, row or block.
+    /// How many invocations share the work of one that a step asks for, in the text of a pass that runs. A text that stands in for it is
+    /// taken to be made of one of the pass's texts for GPUs.
     pub(crate) fn share(&self, pass: &Pass) -> u32 {
-        if self.sources.contains_key(pass.name) {
-            return pass.shares.with_subgroups;
-        }
-        match self.texts {
+        let texts = match self.sources.get(pass.name) {
+            Some(own) if own.contains("subgroup") => PassTexts::Subgroups,
+            Some(_) => PassTexts::Workgroup,
+            None => self.texts,
+        };
+        match texts {
             PassTexts::Subgroups => pass.shares.with_subgroups,
             PassTexts::Workgroup => pass.shares.without_subgroups,
             PassTexts::Software | PassTexts::SoftwareAvx512 => pass.shares.in_software,
