@@ -32,7 +32,7 @@ const SCENES: [(&str, &str, &[&str]); 3] = [
     ("2 million particles", "fig2b.toml", &["time.substeps=1", "air.box.max=[1.0,0.4,0.575]"]),
 ];
 /// The scene of a smoke test.
-const SMALL: [(&str, &str, &[&str]); 1] = [("quick", "quick.toml", &["time.substeps=1"])];
+const SMALL: [(&str, &str, &[&str]); 1] = [("quick", "quick.toml", &[])];
 
 /// What a GPU makes of the step.
 #[derive(Parser)]

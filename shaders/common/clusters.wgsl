@@ -23,21 +23,23 @@ var<private> place: u32;    // of the invocation in its workgroup
 var<private> box: vec3f;    // m, sides of the box of air
 var<private> frame: vec3f;  // m, by which the cluster is moved towards 0 to meet others
 var<private> meets: u32;    // bit by bit, which entries of the batch that is shown the invocation meets
-var<private> nobody: bool;  // the invocation reads for the others, and has no particle
+var<private> nobody: bool;  // the invocation reads for the others, and has no particle, or another one has it
 var<private> member: u32;   // a particle of the cluster, which is read where an entry is none: what it has is of the cluster's kind
 
 // Clusters of hair are few and have long lists, through which a GPU waits for memory: there four times eight invocations share a
 // cluster in a pass that asks for it (`of_shared`), and each eight meet every fourth group of its list.
 @if(subgroups && !software) const SHARE: u32 = 4u;
-@if(!subgroups || software) const SHARE: u32 = 1u;
 
-var<private> part: u32;         // the first group of a list that the invocation meets
-var<private> parts: u32 = 1u;   // from each group that it meets to the next one
+// Of a list's groups an invocation meets this one, and then each that comes so many later.
+@if(subgroups && !software) var<private> first_group: u32;
+@if(subgroups && !software) var<private> group_stride: u32 = 1u;
+@if(!subgroups || software) const first_group: u32 = 0u;
+@if(!subgroups || software) const group_stride: u32 = 1u;
 
 @if(subgroups && !software) var<workgroup> all_sums: array<vec4f, WORKGROUP>;
 
 // The particle of an invocation that has this place in its page. The functions that meet go through its cluster from now on.
-// Where `has_none` says that the invocation has none, it is another one of the cluster.
+// Where `has_none` says that the invocation has none, it is another one of the cluster, or another invocation has it.
 fn take_particle(place_in_page: u32, local: u32) -> u32 {
     place = local;
     box = params.box_size;
@@ -47,7 +49,7 @@ fn take_particle(place_in_page: u32, local: u32) -> u32 {
     frame = box * vec3f(moved);
     cluster = Cluster(head.y, head.z & ((1u << FRAME_BITS) - 1u), head.w);
     member = head.x & INDEX;
-    nobody = (head.y == 0u) | ((head.x & NONE) != 0u) | (part > 0u);
+    nobody = (head.y == 0u) | ((head.x & NONE) != 0u) | (first_group > 0u);
     return member;
 }
 
@@ -70,12 +72,12 @@ fn of_air(id: vec3u, groups: vec3u) -> u32 {
     return params.page_of_hair + invocation(id, groups);
 }
 
-// In a pass over all or over hair, in which several invocations share a particle: the first of them has it.
+// In a pass over all or over hair, in which several invocations share a particle, which the first of them has.
 @if(subgroups && !software)
 fn of_shared(id: vec3u, groups: vec3u) -> u32 {
     let n = invocation(id, groups);
-    part = n / LANES % SHARE;
-    parts = SHARE;
+    first_group = n / LANES % SHARE;
+    group_stride = SHARE;
     return n / (LANES * SHARE) * LANES + lane_of(n);
 }
 
@@ -90,8 +92,10 @@ fn added_up(own: vec4f) -> vec4f {
     workgroupBarrier();
     all_sums[place] = own;
     workgroupBarrier();
-    let first = place - LANES * part;
-    return (all_sums[first] + all_sums[first + LANES]) + (all_sums[first + 2u * LANES] + all_sums[first + 3u * LANES]);
+    let first = place - LANES * first_group;
+    var sum = vec4f(0.0);
+    for (var k = 0u; k < SHARE; k++) { sum += all_sums[first + LANES * k]; }
+    return sum;
 }
 @if(!subgroups || software)
 fn added_up(own: vec4f) -> vec4f {
@@ -124,15 +128,17 @@ fn meet_both_kinds(at: vec3f) {
     }
 }
 
+// All that work in step take as many turns, whoever's list is longest.
 fn meet_batches(first: u32, count: u32) {
     let lane = lane_of(place);
     let batches = largest_of_all(place, count);
-    var at = first + LANES * part;
-    for (var b = BATCHES * part; b < batches; b += BATCHES * parts) {
+    var at = first + LANES * first_group;
+    for (var turn = 0u; turn < batches; turn += BATCHES * group_stride) {
+        let b = turn + BATCHES * first_group;
         var element = neighbour_list[select(0u, at, b < count) + lane];
-        let end = min(b + BATCHES, batches);
-        for (var k = b; k < end; k++) {
-            let there = k < count;
+        let end = min(BATCHES, batches - turn);
+        for (var k = 0u; k < end; k++) {
+            let there = b + k < count;
             meets = select(0u, element.w, there);
             show(place, seen(element.x, there));
             let first = meet_four(shown_to(0u), shown_to(1u), shown_to(2u), shown_to(3u));
@@ -147,7 +153,7 @@ fn meet_batches(first: u32, count: u32) {
             meet(second.d);
             element = vec4u(element.yzz, element.w >> 8u);
         }
-        at += LANES * parts;
+        at += LANES * group_stride;
     }
 }
 

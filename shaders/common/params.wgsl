@@ -34,7 +34,7 @@ struct Params {
     viscosity_hair: f32,          // c of eq. 7, for one engine step
     viscosity_air: f32,
     viscosity_eddies: f32,        // c over the deformation |G| dt
-    spreading: f32,               // share of the way of air in a step, over the spacing, by which air is spread
+    spreading: f32,               // f of `fluid/spread`
     settling: f32,                // part of its unevenness that still air takes out in a step
     damping: f32,                 // 1/s
     bad_strand_limit: u32,        // more than this in one step end the run

@@ -43,13 +43,13 @@ fn main(
     let own = predicted[i];
     meet_own_kind(own.xyz);
     let sums = added_up(vec4f(own_gradient, ratio));
-    let of_others = added_up(vec4f(others)).x;
+    let others_all = added_up(vec4f(others)).x;
     if has_none() { return; }
-    let all = own.w * poly6_factor() + sums.w;
-    let error = all - 1.0;
+    let theta = own.w * poly6_factor() + sums.w;
+    let error = theta - 1.0;
     let constraint = max(error, 0.0) + params.tension * min(error, 0.0);
-    let sum = inverse_mass_of(i) * dot(sums.xyz, sums.xyz) + of_others;
-    density[i] = all;
+    let sum = inverse_mass_of(i) * dot(sums.xyz, sums.xyz) + others_all;
+    density[i] = theta;
     let felt = select(constraint, min(constraint, ABRUPT), is_air(i));
     multiplier[i] = -vec2f(constraint, felt) / (sum + params.density_softening);
 }

@@ -65,7 +65,7 @@ fn main(
 ) {
     let place = of_shared(id, groups);
     let entry = of_page(place);
-    // `move` runs next over hair in as many workgroups: what air is in the last of them has been moved already.
+    // `move` runs next over hair in whole workgroups: what air is in the last of them has been moved already.
     if (entry >= params.hair_points) & (entry < params.particles) & !frozen() { shift[entry] = vec4f(0.0); }
     let i = take_particle(place, local);
     own_strand = points_with(i);

@@ -1,6 +1,6 @@
 // Keeps air particles apart by a small shift of positions, which velocity never sees.
 //
-//   delta_i = -h^2 min(0.1, f U dt/d) sum_j V_j grad_i W,  at most d/4
+//   delta_i = -h^2 min(0.065, f U dt/d) sum_j V_j grad_i W,  at most d/4
 //
 // f is the scene's share (`spreading`), d the spacing, U the largest mean wind of the table of winds, or the particle's own speed where
 // that is more. While that table has no wind, the deformation in a step (`deform`) takes the place of the second term where it is more,
@@ -19,6 +19,7 @@ import package::common::{
     clusters::{take_particle, has_none, of_air, meet_own_kind}, matter::Exchange,
 };
 
+const CARRIED: f32 = 0.065;   // at most, by the way in a step: with 0.1 strong eddies crowd air more and more
 const DEFORMED: f32 = 0.05;   // at most, of the deformation in a step
 const STILL: f32 = 1e-3;      // of the way or deformation in 1.38 ms: below that air is still, and from twice that on it is not
 const LARGEST: f32 = 0.1;
@@ -52,7 +53,7 @@ fn main(
     if has_none() { return; }
     if met > 0u { uneven -= predicted[met - 1u].w * spiky_factor() * apart(i, met - 1u); }
     let speed = length(new_velocity[i].xyz);
-    var part = params.spreading * params.step * max(status.fastest_wind, speed) / params.spacing;
+    var part = min(CARRIED, params.spreading * params.step * max(status.fastest_wind, speed) / params.spacing);
     if status.fastest_wind == 0.0 {
         let deformed = exchange[i].deformation;
         let motion = max(deformed, params.step * speed / params.spacing);

@@ -305,8 +305,10 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
         let k = last - done;   // wraps at the root's point
         let j = strand.first_segment + min(k, last - 1u);
         let start = node(strand.first_point + min(k, last));
-        var frame_before = rod.root_frame;
-        if done < last { frame_before = rod_segments[strand.first_segment + k - 1u].frame; }
+        // All is read before any branch, at once.
+        let before = select(0u, k - 1u, done < last);
+        let frame_before = select(rod.root_frame, rod_segments[strand.first_segment + before].frame, done < last);
+        let factor = factors[j];
         let segment = segments[j];
         var now = rod_segments[j];
         now.frame = own_frame;   // the iteration before has read it
@@ -318,7 +320,6 @@ fn substitute(strand: Strand, s: u32, rod: RodStrand, tip_change: vec3f) -> f32 
             let bend_after = -1.0 * (applied(turn_weight(own), turn) * joint_before.gradient);
             let stretch_after = -own.weight * own.yielding * cross(own.tangent, turn)
                 - end.weight * own.over_length * after.over_length * stretch;
-            let factor = factors[j];
             let stretch_less = applied(factor.s, stretch_after - bend_after * factor.t);
             stretch = factor.stretch - stretch_less;
             bend = factor.bend - applied(factor.f, bend_after) + factor.t * stretch_less;

@@ -53,7 +53,7 @@ pub struct Pass {
 }
 
 /// How many invocations share the work of one that a step asks for, in each text of a pass: that for a strand, a row of cells or a block of
-/// nodes (`shaders/common/share.wgsl`). 1 in most.
+/// nodes (`shaders/common/share.wgsl`), or for a point of hair among its neighbours (`shaders/common/clusters.wgsl`). 1 in most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shares {
     /// In [`Pass::source`].

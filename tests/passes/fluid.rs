@@ -319,7 +319,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::CORRECT, "felt += pair.y", "felt += 0.9 * pair.y", PARTICLES),
     (&shaders::fluid::MOVE, "correction[i] += felt_shift[i]", "correction[i] = felt_shift[i]", PARTICLES),
     (&shaders::fluid::DEFORM, "gradient.z * faster", "0.9 * gradient.z * faster", DIVERGENCE),
-    (&shaders::fluid::SPREAD, "params.spreading * params.step", "0.8 * params.spreading * params.step", DIVERGENCE),
+    (&shaders::fluid::SPREAD, "CARRIED: f32 = 0.065", "CARRIED: f32 = 0.06", DIVERGENCE),
     (&shaders::fluid::PLACE, "vec4f(shift[i].xyz", "vec4f(0.5 * shift[i].xyz", DIVERGENCE),
     (&shaders::fluid::MOMENTS, "FLOOR: f32 = 0.02", "FLOOR: f32 = 0.03", DIVERGENCE),
     (&shaders::fluid::PUSH, "own.w * (of_own", "0.9 * own.w * (of_own", DIVERGENCE),

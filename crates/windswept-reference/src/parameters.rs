@@ -88,7 +88,7 @@ pub struct Parameters {
     pub viscosity_air: f64,
     /// Coefficient c of unresolved eddies over the deformation |G| Δt of the air.
     pub viscosity_eddies: f64,
-    /// Share f of the way of air in a step, over the spacing, by which air is spread.
+    /// Share f of the way of air in a step by which it is spread.
     pub spreading: f64,
     /// Part of its unevenness that still air takes out in a step.
     pub settling: f64,

@@ -277,8 +277,8 @@ impl Scene {
         (RATE * self.time.step / f64::from(self.time.substeps)).min(1.0)
     }
 
-    /// Share of the distance that air of solver `divergence` moves in a substep, over the spacing, by which its particles are spread
-    /// (`docs/decisions/air.md`): less where hair is in air's own sums, or air goes round bodies, and no coarse grid helps.
+    /// Share f of the way of air of solver `divergence` in a substep by which its particles are spread (`docs/decisions/air.md`): 0.1
+    /// with the coarse grid, 0.05 without.
     #[must_use]
     pub fn spreading(&self) -> f64 {
         if self.why_no_coarse().is_none() { 0.1 } else { 0.05 }

@@ -8,7 +8,7 @@ use crate::{
     initial::AirParticles,
     limits::MOST_REPEATS,
     reach,
-    scene::{Air, Bounds, FRICTION, FluidSolver, Model, Scene},
+    scene::{Air, Bounds, FRICTION, FluidSolver, Law, Model, Scene},
     solid,
     strands::Strands,
     units::with_scale,
@@ -37,6 +37,9 @@ const MUCH_ROUNDED: f64 = 0.02;
 
 /// Part of the box's cross-section that bodies may block without a warning.
 const MUCH_BLOCKED: f64 = 0.3;
+
+/// Largest speed of eddies, over the wind's, at which steps of nearly a spacing were found right (`docs/decisions/air.md`).
+const WEAK: f64 = 0.3;
 
 /// Warnings about step, wind, particles and bands.
 pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles, substeps: u32) -> Vec<String> {
@@ -95,13 +98,21 @@ pub(crate) fn of_wind(scene: &Scene, air: &Air, substeps: u32) -> Option<String>
     ))
 }
 
-/// Way of the air in a step for which its pressure is right \[particle spacings\]. With the solver `divergence` the coarse grid doubles it.
+/// Way of the air in a step for which its pressure is right \[particle spacings\]. The coarse grid doubles it where eddies are weak.
 fn farthest(scene: &Scene) -> f64 {
     match scene.fluid.solver {
-        FluidSolver::Divergence if scene.why_no_coarse().is_none() => 0.9,
+        FluidSolver::Divergence if scene.why_no_coarse().is_none() && has_weak_eddies(scene) => 0.9,
         FluidSolver::Divergence => 0.45,
         FluidSolver::Pbf => 1.0,
     }
+}
+
+/// Whether nothing but hair stirs air by more than [`WEAK`] of the largest wind.
+fn has_weak_eddies(scene: &Scene) -> bool {
+    let turbulence = &scene.turbulence;
+    let bands: f64 = turbulence.bands.iter().map(|band| band.intensity * turbulence.speed).sum();
+    let stirred = !scene.forces.is_empty() || scene.air.as_ref().is_some_and(|air| air.inflow.is_some());
+    !stirred && turbulence.law == Law::Band && bands <= WEAK * scene.largest_wind()
 }
 
 /// Warnings about keys that say what the scene's solver, model or method leaves out.

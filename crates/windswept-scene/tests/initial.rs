@@ -125,6 +125,10 @@ fn a_user_is_warned() {
             "air moves 1.24 particle spacings in a step, where its pressure keeps up with at most 0.9: take time.substeps = 2",
         ),
         (
+            &["interaction.model=two-way", "time.step=1.38e-3", "turbulence.bands=[{scale=0.006,intensity=0.31}]"],
+            "air moves 0.86 particle spacings in a step, where its pressure keeps up with at most 0.45: take time.substeps = 2",
+        ),
+        (
             &["time.step=2e-3", "interaction.model=two-way", "fluid.coarse=false"],
             "air moves 1.24 particle spacings in a step, where its pressure keeps up with at most 0.45: take time.substeps = 3",
         ),
@@ -188,6 +192,7 @@ fn a_user_is_warned() {
     for sets in [
         &["time.step=2e-3", "time.substeps=3"][..],
         &["time.step=2e-3", "time.substeps=2", "interaction.model=two-way"],
+        &["time.step=1.38e-3", "interaction.model=two-way", "turbulence.bands=[{scale=0.006,intensity=0.3}]"],
         &["time.step=2e-3", "time.substeps=2", "fluid.solver=pbf"],
         &["hair.friction=0.5", "interaction.model=two-way"],
         &["hair.friction=0", "interaction.model=drag"],
@@ -271,4 +276,18 @@ fn a_margin_cuts_the_box_to_the_hairs_reach() {
     assert!(Scene::parse_with("scene", BRUSH, &[huge.to_owned()]).unwrap_err().to_string().contains("would hold"));
     let air = brush(&[huge, "air.margin=0.01", "hair.length=0.03"]).1.air;
     assert!(air.positions.len() < 40_000, "{}", air.positions.len());
+}
+
+/// Air is spread more where the coarse grid runs.
+#[test]
+fn the_coarse_grid_bears_more_spreading() {
+    for (sets, share) in [
+        (&["interaction.model=two-way"][..], 0.1),
+        (&["interaction.model=two-way", "fluid.coarse=false"], 0.05),
+        (&["interaction.model=two-way", "air.kernel_radius=6e-3"], 0.05),
+        (&["interaction.model=two-way", "body={shape='sphere',center=[0.1,0.06,0.035],radius=0.01}"], 0.05),
+        (&["interaction.model=particles"], 0.05),
+    ] {
+        assert_eq!(brush(sets).0.spreading(), share, "{sets:?}");
+    }
 }

@@ -31,7 +31,7 @@ use crate::error::GpuError;
 #[serde(rename_all = "kebab-case")]
 pub enum PassTexts {
     /// For GPUs whose subgroups all have at least eight invocations: eight invocations exchange what they read of eight neighbours by
-    /// subgroup operations, and share the work for a strand, a row of cells or a block of nodes.
+    /// subgroup operations, and several share the work for a strand, a row of cells, a block of nodes or a point of hair.
     Subgroups,
     /// For devices without such subgroups, or without [`wgpu::Features::SUBGROUP`]: eight invocations exchange what they read of eight
     /// neighbours through the workgroup's memory, which is slower.
@@ -207,10 +207,13 @@ impl Gpu {
     }
 
     /// How many invocations share the work of one that a step asks for, in the text of a pass that runs. A text that stands in for it is
-    /// taken to be made of one of the pass's texts for GPUs.
+    /// made of one of the pass's texts for GPUs, and has the number of that.
     pub(crate) fn share(&self, pass: &Pass) -> u32 {
+        fn number(text: &str) -> Option<&str> {
+            text.lines().find(|line| line.starts_with("const SHARE"))
+        }
         let texts = match self.sources.get(pass.name) {
-            Some(own) if own.contains("subgroup") => PassTexts::Subgroups,
+            Some(own) if number(own) == number(pass.source) => PassTexts::Subgroups,
             Some(_) => PassTexts::Workgroup,
             None => self.texts,
         };

@@ -19,6 +19,8 @@ use crate::{
     step::Scratch,
 };
 
+/// Most of the way U Δt/d in a step by which particles are spread: with 0.1 strong eddies crowd air more and more.
+const MOST_BY_WAY: f64 = 0.065;
 /// Most of the deformation |G| Δt of the flow in a step by which particles are spread in a scene without wind, where air that
 /// whirls would clump. Where wind blows it would move them across the shear behind hair.
 const BY_DEFORMATION: f64 = 0.05;
@@ -122,7 +124,7 @@ fn gradient(p: &Parameters, i: usize, j: usize, x: &[DVec3]) -> DVec3 {
 
 /// Moves δ of air that keep particles apart, and that velocity never sees \[m\]; 0 for hair.
 ///
-/// δ_i = −h² min(0.1, f U Δt/d) Σ_j V_j g_ij, |δ_i| ≤ d/4, with the scene's share f, its largest wind U, or the particle's own speed where
+/// δ_i = −h² min(0.065, f U Δt/d) Σ_j V_j g_ij, |δ_i| ≤ d/4, with the scene's share f, its largest wind U, or the particle's own speed where
 /// that is more. Without wind min(0.05, |G_i| Δt) takes the place of f U Δt/d where it is more, by the `deformation` of [`deform`],
 /// and where air is still so does the unevenness h |Σ_j V_j g_ij| min(1, 725 Δt/s), but with the model `particles` and with bodies, which take the place of air:
 /// air that is still and crowded would stay so.
@@ -148,7 +150,7 @@ pub fn spread(
             .max();
         let away = met.map_or(DVec3::ZERO, |j| volume[j] * spiky_gradient(i, j, DVec3::ZERO, p.kernel_radius));
         let uneven: DVec3 = away + pairs().map(|(_, gradient)| gradient).sum::<DVec3>();
-        let mut part = p.spreading * p.largest_wind.max(v[i].length()) * p.step / spacing;
+        let mut part = (p.spreading * p.largest_wind.max(v[i].length()) * p.step / spacing).min(MOST_BY_WAY);
         if p.largest_wind == 0.0 {
             let deformed = deformation[i];
             let motion = deformed.max(p.step * v[i].length() / spacing);
