@@ -22,7 +22,7 @@ fn finite(frame: &Frame) -> bool {
 }
 
 #[test]
-#[ignore = "long: more than 150 s of CPU time"]
+#[ignore = "long: 60 s of CPU time"]
 fn quick_runs_to_its_end_as_it_should() {
     let scene = Scene::parse_named("quick.toml", QUICK).unwrap();
     let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
