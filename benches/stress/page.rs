@@ -8,7 +8,7 @@ use windswept_validate::stress::{STRESSES, Sample, Stress, Sweep};
 use crate::{Stressed, chart, provenance};
 
 /// Settings of a sweep that does not hold which the page names.
-const NAMED: usize = 6;
+const NAMED: usize = 20;
 
 /// The page as Markdown. What `before`, the page that is there, says of stresses that were not run now stays.
 pub(crate) fn page(gpu: &Gpu, all: &[Stressed], took: Duration, before: &str) -> String {

@@ -70,8 +70,8 @@ struct RodStrand {
     misfit: f32,          // max |C + alpha mu| of stretch-shear that the direct solver left
     scheme: u32,          // of `integration`, if it is integrated: EULER, BDF2
     torn: u32,            // 1: velocities lead to where it is torn
-    whole: u32,           // 1: its segments fit where it is
-    far: u32,             // 1: forces from outside move a free point farther than anything else may; set if it is integrated
+    misfit_before: f32,   // max |C| of stretch-shear where it is
+    far: u32,             // 1: a free point moves farther than anything but forces from outside may; set if it is integrated
 }
 
 const FREE: u32 = 0u;         // still to be solved
@@ -161,12 +161,23 @@ const STRAINED_STEPS: u32 = 50u;   // on end, before it is counted
 const GROWTH: f32 = 2.0;           // times the farthest free move of the step before: what a strand bears where air drags hair, or once it was put
 const EASED: f32 = 0.25;           // of what a strand could not follow: what the next step asks of it
 const STRAINED: f32 = 0.05;        // |l/l0 - 1|
+const TORN: f32 = 0.1;             // |C| of stretch-shear
 const MISFIT: f32 = 1e-2;          // |C + alpha mu| of stretch-shear that the direct solver may leave in a calm strand
 const LOST: f32 = 1.0;             // that from which it has lost a strand
 
-// Whether the direct solver did not solve a strand, so that it is to be rescued. What is not a number is no solution either.
+// Whether the segments of a strand fit where it is.
+fn is_whole(rod: RodStrand) -> bool {
+    return rod.misfit_before < TORN;
+}
+
+// Whether the direct solver left more than it may. One that is carried far may be left as it was. What is not a number is no solution.
+fn misses(rod: RodStrand) -> bool {
+    return !(rod.misfit <= select(LOST, max(MISFIT, rod.misfit_before), rod.far != 0u));
+}
+
+// Whether the direct solver did not solve a strand, so that it is to be rescued.
 fn unsolved(rod: RodStrand) -> bool {
-    return (rod.state == FREE) & !(rod.misfit <= select(LOST, MISFIT, rod.far != 0u));
+    return (rod.state == FREE) & misses(rod);
 }
 
 // Steps of over-strain on end after a step that stretched by this much, when there were `before`.

@@ -3,7 +3,7 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotation, tangent},
     integration::{EULER, BDF2}, led::{led_move, led_turn},
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, CALM_STEPS}, share::{owner_of, worker_of, stretch_of, largest_shared},
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, CALM_STEPS, TORN}, share::{owner_of, worker_of, stretch_of, largest_shared},
     status::frozen,
 };
 
@@ -13,8 +13,6 @@ import package::common::{
 @group(0) @binding(5) var<storage, read>       rod_points:   array<RodPoint>;
 @group(0) @binding(6) var<storage, read>       rod_segments: array<RodSegment>;
 @group(0) @binding(7) var<storage, read>       health:       array<Health>;
-
-const TORN: f32 = 0.1;   // |C| of stretch-shear
 
 // |C| of stretch-shear of a segment.
 fn misfit(chord: vec3f, rest_length: f32, frame: vec4f) -> f32 {
@@ -50,6 +48,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let torn = !(led < TORN);
     let calm = !torn && health[s].committed.calm + 1u >= CALM_STEPS;
     rod_strands[s].torn = u32(torn);
-    rod_strands[s].whole = u32(now < TORN);
+    rod_strands[s].misfit_before = now;
     rod_strands[s].scheme = select(EULER, BDF2, calm && params.bdf2 != 0u);
 }

@@ -5,7 +5,7 @@ import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::PUT,
     rest::{STILL_STEPS, STILL_TURN},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, LEFT, SLEEPS, STRAINED_STEPS, strained_steps,
-        ROOT_HELD, MISFIT, GROWTH, EASED, BAD, SPOILT, unsolved},
+        ROOT_HELD, MISFIT, GROWTH, EASED, BAD, SPOILT, misses, unsolved},
     share::{Stretch, owner_of, worker_of, stretch_of, largest_shared, least_shared, any_shared},
     status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNMENDED_STRAND, BY_FINISH,
         NO_POINT},
@@ -118,7 +118,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             found.calm = 0u;
             found.still = 0u;
             // It was put: the next step asks less of it.
-            if rod.far != 0u && rod.state == SOLVED { found.reach *= select(-EASED, EASED / GROWTH, found.reach < 0.0); }
+            if rod.far != 0u && rod.state == SOLVED && misses(rod) { found.reach *= select(-EASED, EASED / GROWTH, found.reach < 0.0); }
         }
         outcome.forgets = rod.state == select(FREE, LEFT, params.direct_rods != 0u);
         if params.sleep != 0u && found.still != SLEEPS {

@@ -9,7 +9,7 @@ import package::common::{
     integration::{EULER, PUT, STAY, free_move, response}, rest::STILL_STEPS, load::damping_of,
     led::{held_move, led_move, led_turn}, body::{PUSHED, MOVED},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, CALM_STEPS,
-        ROOT_HELD, TIP_HELD, GROWTH},
+        ROOT_HELD, TIP_HELD, GROWTH, is_whole},
     share::{Stretch, owner_of, worker_of, stretch_of, sum_shared, largest_shared, any_shared},
     status::{frozen, count, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT},
 };
@@ -137,7 +137,7 @@ fn start(s: u32, strand: Strand, stretch: Stretch, speaks: bool, rod: RodStrand,
                 far = length(free - origin.whole);
                 reply = response(damping_of(point), rod.scheme) * point.inverse_mass;
                 let loaded = reply * length(point.force);
-                let bears = select(0.0, min(loaded, LOADED * strand.length), rod.whole != 0u);
+                let bears = select(0.0, min(loaded, LOADED * strand.length), is_whole(rod));
                 let bearable = max(point.largest + bears, grown);
                 let largest = select(bearable, min(bearable, -reach), held_back);
                 heaviness += 1.0 / reply;
@@ -155,7 +155,7 @@ fn start(s: u32, strand: Strand, stretch: Stretch, speaks: bool, rod: RodStrand,
             if walk == LOSES { continue; }
             free += kept;
             farthest = max(farthest, far);
-            carried_far = carried_far || far > point.largest;
+            carried_far = carried_far || cut || far > point.largest;
             let integrated = select(free, led_move(point, rod, k), way.led & !held);
             rod_points[p].free = free;
             rod_points[p].reply = reply;
@@ -207,7 +207,7 @@ fn start(s: u32, strand: Strand, stretch: Stretch, speaks: bool, rod: RodStrand,
     farthest = largest_shared(farthest);
     carried_far = any_shared(carried_far);
     // One that is torn where it is is mended, not put: put, it would stay torn.
-    if speaks & !way.placed { rod_strands[s].far = u32(carried_far && rod.whole != 0u); }
+    if speaks & !way.placed { rod_strands[s].far = u32(carried_far && is_whole(rod)); }
     return select(farthest, GROWTH * reach, held_back && farthest >= -reach);
 }
 

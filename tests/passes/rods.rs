@@ -45,9 +45,12 @@ impl Walk<'_> {
             self.same("rods/begin_segments", chord, bounds.length)?;
         }
         if passes.through("rods/choose") {
-            let got: Vec<_> = stage.rod_strands().iter().map(|rod| [rod.torn != 0, rod.whole != 0]).collect();
-            let wanted: Vec<_> = w.drives.iter().map(|drive| [drive.torn, drive.whole]).collect();
+            let rods = stage.rod_strands();
+            let got: Vec<_> = rods.iter().map(|rod| rod.torn != 0).collect();
+            let wanted: Vec<_> = w.drives.iter().map(|drive| drive.torn).collect();
             self.same("rods/choose", differing(&got, &wanted), 0.0)?;
+            let before = rods.iter().zip(&w.drives).map(|(a, b)| (f64::from(a.misfit_before) - b.misfit_before).abs());
+            self.same("rods/choose", largest(before), bounds.frame)?;
         }
         if passes.through("wind/sample") {
             let got = stage.engine.read(&stage.engine.state().sampled).unwrap();
@@ -201,7 +204,7 @@ pub const FAULTS: &[Fault] = &[
     ),
     (&shaders::rods::START, "point.weight * params.gravity", "params.gravity", LIGHT_HAIR),
     (&shaders::rods::DIRECT, "own.force += stretch;", "own.force += 0.9 * stretch;", PARTICLES),
-    (&shaders::rods::RESCUE, "<= select(LOST, MISFIT, rod.far != 0u)", "<= -1.0", PARTICLES),
+    (&shaders::rods::RESCUE, "<= select(LOST, max(MISFIT, rod.misfit_before), rod.far != 0u)", "<= -1.0", PARTICLES),
     (&shaders::rods::GAUSS_SEIDEL, "0.5 * rotate(before", "0.4 * rotate(before", SWEEPS),
     (&shaders::rods::FINISH, "rest_length - 1.0", "rest_length - 1.0001", PARTICLES),
     (&shaders::rods::PLACE, "remainder, point.travel", "remainder, 0.9 * point.travel", PARTICLES),

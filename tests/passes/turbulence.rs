@@ -220,7 +220,8 @@ fn scene(law: Law, filter: Filter) -> Scene {
     // The second shares the grid of the first.
     scene.turbulence.bands = vec![
         Band { scale: 0.0065, strength: 20.0, intensity: 0.3 },
-        Band { scale: 0.009, strength: 1.0, intensity: 2.0 },
+        // Its eddies would go farther than a kernel radius in a step.
+        Band { scale: 0.009, strength: 1.0, intensity: 4.0 },
     ];
     if let Some(air) = &mut scene.air {
         air.wind = [2.0, 0.0, -1.0];

@@ -179,7 +179,8 @@ pub fn leave(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
         if w.drives[strand].misfit.partial_cmp(&MISFIT).is_none_or(|order| order.is_gt()) {
             (s.calm[strand], s.still[strand]) = (0, 0);
             // It was put: the next step asks less of it.
-            if w.drives[strand].far && w.drives[strand].state == State::Solved {
+            let drive = &w.drives[strand];
+            if drive.far && drive.state == State::Solved && drive.misses() {
                 s.reach[strand] *= if s.reach[strand] < 0.0 { EASED / GROWTH } else { -EASED };
             }
         }

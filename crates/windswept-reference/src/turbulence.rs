@@ -197,7 +197,8 @@ pub fn confine(
         let change = match p.law {
             Law::Band => {
                 let rate = band.strength * swirl.length();
-                let growth = growth(speed / (band.intensity * p.turbulence_speed), rate, p.step);
+                let largest = (band.intensity * p.turbulence_speed).min(p.kernel_radius / p.step);
+                let growth = growth(speed / largest, rate, p.step);
                 speed * growth.min(LARGEST_GROWTH) * swirl.normalize_or_zero()
             }
             Law::Published => {

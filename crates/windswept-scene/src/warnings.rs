@@ -67,6 +67,14 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles, substep
                 band.scale
             ));
         }
+        let (wanted, most) = (band.intensity * scene.turbulence.speed, scene.largest_eddy_speed(band, substeps));
+        if scene.turbulence.law == Law::Band && band.strength > 0.0 && most < wanted {
+            warnings.push(format!(
+                "eddies of scale {} m stop growing at {most:.2} m/s, not at {wanted:.2} m/s: in a step they may go no farther than \
+                 air.kernel_radius, {} m; take a shorter time.step or more time.substeps",
+                band.scale, air.kernel_radius
+            ));
+        }
     }
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         if (air.blows(axis, 1.0) || air.blows(axis, -1.0)) && air.fringe > 0.5 * particles.size[axis] {

@@ -140,6 +140,11 @@ fn a_user_is_warned() {
             &["time.step=2e-3", "fluid.solver=pbf"],
             "air moves 1.24 particle spacings in a step, where its pressure keeps up with at most 1: take time.substeps = 2",
         ),
+        (
+            &["time.step=2e-3", "time.substeps=3", "turbulence.bands=[{scale=0.006,intensity=5}]"],
+            "eddies of scale 0.006 m stop growing at 13.95 m/s, not at 15.00 m/s: in a step they may go no farther than air.kernel_radius, 0.0093 m; \
+             take a shorter time.step or more time.substeps",
+        ),
         (&["hair.roots.direction=[-1,0,0]"], "hair points start outside the box"),
         (
             &["hair.roots.center=[0,0,-1e4]", "interaction.model=none"],

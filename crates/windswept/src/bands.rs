@@ -96,7 +96,7 @@ fn of(scene: &Scene, initial: &InitialState, band: &windswept_scene::Band) -> Ba
             // centre.
             gain: (E / (2.0 * (2.0 * PI).powf(1.5) * band.scale.powi(3))) as f32,
             strength: band.strength as f32,
-            largest_speed: (band.intensity * scene.turbulence.speed) as f32,
+            largest_speed: scene.largest_eddy_speed(band, scene.time.substeps) as f32,
             ..Band::default()
         },
         Law::Published => Band {

@@ -4,7 +4,7 @@ use glam::DVec3;
 use windswept_scene::{Model, Strands};
 
 use super::{
-    Drive, LOST, MISFIT, Moving, Point, STILL_STEPS, STILL_TURN, State, rate, rotation,
+    Drive, Moving, Point, STILL_STEPS, STILL_TURN, State, rate, rotation,
     start::{put, put_frame, unload},
 };
 use crate::Parameters;
@@ -16,7 +16,7 @@ pub fn rescue(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &m
     if drive.state != State::Free {
         return false;
     }
-    if drive.misfit <= if drive.far { MISFIT } else { LOST } {
+    if !drive.misses() {
         drive.state = State::Solved;
         return false;
     }

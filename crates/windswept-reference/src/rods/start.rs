@@ -22,7 +22,7 @@ pub fn choose(p: &Parameters, s: &state::State, strand: usize, drive: &mut Drive
     };
     let tear = (0..led_turn.len()).map(|k| misfit(k, led[k + 1] - led[k], led_turn[k]));
     drive.torn = tear.fold(0.0, f64::max) >= TORN;
-    drive.whole = (0..led_turn.len()).all(|k| misfit(k, DVec3::ZERO, DVec3::ZERO) < TORN);
+    drive.misfit_before = (0..led_turn.len()).map(|k| misfit(k, DVec3::ZERO, DVec3::ZERO)).fold(0.0, f64::max);
     let calm = !drive.torn && s.calm[strand] + 1 >= CALM_STEPS;
     drive.step = if calm && p.bdf2 { p.step * 2.0 / 3.0 } else { p.step };
 }
@@ -140,7 +140,8 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
         let far = (free[k] - origin).length();
         let reply = response(damping(p, point), h) * point.inverse_mass;
         let loaded = reply * point.load.force.length();
-        let largest = grown.max(point.largest + if drive.whole { loaded.min(LOADED * length) } else { 0.0 }).min(most);
+        let largest =
+            grown.max(point.largest + if drive.is_whole() { loaded.min(LOADED * length) } else { 0.0 }).min(most);
         if point.inverse_mass > 0.0 {
             heaviness += 1.0 / reply;
             if far > largest {
@@ -152,13 +153,14 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
                 point.outside += p.step * point.inverse_mass * (felt - point.load.force);
                 point.load.force = felt;
                 choice.capped += 1;
+                drive.far = true;
             }
             farthest = farthest.max(far.min(largest));
             drive.far |= far.min(largest) > point.largest;
         }
     }
     // One that is torn where it is is mended, not put: put, it would stay torn.
-    drive.far &= drive.whole;
+    drive.far &= drive.is_whole();
     s.reach[strand] = if farthest >= most { -GROWTH * most } else { farthest };
     // A strand that nothing holds keeps it as a whole.
     let held = points.clone().any(|i| m.points[i].inverse_mass == 0.0);

@@ -4,6 +4,7 @@ use std::ops::AddAssign;
 
 use glam::{DQuat, DVec3};
 
+use super::{LOST, MISFIT, TORN};
 use crate::Parameters;
 
 /// State of a strand within a step.
@@ -47,12 +48,28 @@ pub struct Drive {
     pub misfit: f64,
     /// Whether velocities lead to where the strand is torn.
     pub torn: bool,
-    /// Whether the segments of the strand fit where it is.
-    pub whole: bool,
-    /// Whether the load moves a free point farther than any other force may.
+    /// Largest |C| of stretch-shear where the strand is.
+    pub misfit_before: f64,
+    /// Whether a free point moves farther than anything but the load may move it.
     pub far: bool,
     /// Step h of the strand, if it is integrated \[s\].
     pub step: f64,
+}
+
+impl Drive {
+    /// Whether the segments of the strand fit where it is.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.misfit_before < TORN
+    }
+
+    /// Whether the direct solver left more than it may. A strand that is carried far may be left as it was. What is not a number is no
+    /// solution.
+    #[must_use]
+    pub fn misses(&self) -> bool {
+        let most = if self.far { MISFIT.max(self.misfit_before) } else { LOST };
+        self.misfit.partial_cmp(&most).is_none_or(|order| order.is_gt())
+    }
 }
 
 /// Load of a hair point from outside its rod: the force is `force` − `resistance` v, v the point's velocity at the step's end.

@@ -48,7 +48,8 @@ table! {
         scale: f64 = Length, "m", Needed;
         /// Strength S of the band law; the published law has a strength of its own. 0 leaves the band out.
         strength: f64 = NonNegative, "", Value(3.0);
-        /// Intensity I of the band law: the band's largest speed over turbulence.speed.
+        /// Intensity I of the band law: the band's largest speed over turbulence.speed. Eddies may go no farther than a kernel radius in a
+        /// substep, whatever it says.
         intensity: f64 = Positive, "", Value(0.3);
     }
 }
@@ -126,6 +127,15 @@ impl Turbulence {
 }
 
 impl Scene {
+    /// Speed beyond which the band law does not strengthen a band's eddies in a step of `substeps` substeps \[m/s\]: I U, and at most a
+    /// kernel radius in a substep, beyond which steps do not resolve them; 0 without air.
+    #[must_use]
+    pub fn largest_eddy_speed(&self, band: &Band, substeps: u32) -> f64 {
+        let radius = self.air.as_ref().map_or(0.0, |air| air.kernel_radius);
+        let resolved = radius * f64::from(substeps) / self.time.step;
+        (band.intensity * self.turbulence.speed).min(resolved)
+    }
+
     /// Filters must be made and run in a time that somebody can wait for.
     pub(super) fn check_bands(&self, reader: &Reader<'_>) -> Result<(), SceneError> {
         let Some((air, bounds)) = self.filled() else { return Ok(()) };

@@ -31,7 +31,8 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut stretched = Sweep::new("largest stretch", 0.02, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
     for &(coupling, keys) in extent.of(&COUPLINGS[..], &[COUPLINGS[1], COUPLINGS[2], COUPLINGS[5]]) {
-        let asked = extent.of(dials(), vec![band(1000.0, USUAL), bodies()]);
+        let asked =
+            extent.of(dials(), vec![band(1000.0, USUAL), bands("2 bands", 2, SMALLEST, 30.0, INTENSE), bodies()]);
         for Dial { name, keys: turned, bands, strength } in asked {
             // Viscosity and bands are those of particles of air.
             if !has_air(coupling) && name != bodies().name {
