@@ -323,17 +323,18 @@ fn hair_rooted_inside_comes_out_and_rests() {
         let body = simulation.scene().bodies[0].shape.clone();
         let (mut coming, mut fastest) = (0.0_f64, 0.0_f64);
         let mut speeds = vec![];
+        let mut x = points(&simulation.frame().unwrap().hair.positions);
         for _ in 0..900 {
-            let before = points(&simulation.frame().unwrap().hair.positions);
             simulation.step(1).unwrap();
-            let v = points(&simulation.frame().unwrap().hair.velocities);
+            let now = simulation.frame().unwrap().hair;
+            let before = std::mem::replace(&mut x, points(&now.positions));
+            let v = points(&now.velocities);
             speeds = v.chunks(POINTS).map(|v| v.iter().map(|v| v.length()).fold(0.0, f64::max)).collect();
             let inside = |x: &[DVec3]| x[1..].iter().any(|x| body.signed_distance(*x).0 < -3e-4);
             let out = before.chunks(POINTS).zip(&speeds).filter(|(x, _)| inside(x)).map(|(_, v)| *v);
             coming = out.fold(coming, f64::max);
             fastest = speeds.iter().copied().fold(fastest, f64::max);
         }
-        let x = points(&simulation.frame().unwrap().hair.positions);
         let depth = x.chunks(POINTS).flat_map(|x| &x[1..]).map(|x| -body.signed_distance(*x).0).fold(-1.0, f64::max);
         let last = speeds.iter().copied().fold(0.0, f64::max);
         println!("{name}: {coming:.3} m/s inside, {fastest:.3} m/s, in the end {last:.1e} m/s and {depth:.1e} m deep");

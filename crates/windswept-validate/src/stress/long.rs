@@ -13,8 +13,6 @@ pub(super) const SWEPT: &str = "100 000 steps of two-way hair and air with a ban
 pub(super) const OTHERS: &str =
     "100 000 steps of the models none and drag, and of particles with a band of eddies and both fluid solvers";
 
-/// Looks in a run: eddies come and go, so that a mean needs many.
-const LOOKS: usize = 1000;
 /// Looks whose mean is a point of a curve.
 const POINT: usize = 50;
 /// Strands of hair in a box as small as can be.
@@ -58,11 +56,13 @@ fn runs(gpu: &Gpu, extent: Extent, couplings: &[(&str, &[&str])]) -> Result<Vec<
     let mut places = Sweep::new("hair without particles of air, last quarter off second", 1e-3, "L");
     // In 1000 steps the energy of `particles` with `divergence` scattered by 0.054, where 0.05 is allowed.
     let steps = extent.of(100_000, 3000);
+    // Eddies come and go, so that a mean needs many looks.
+    let looks = extent.of(1000, 300);
     for (coupling, keys) in couplings {
         let mut simulation = small(gpu, coupling, keys)?;
         let (mut energies, mut errors, mut shapes) = (Vec::new(), Vec::new(), Vec::new());
-        for _ in 0..LOOKS {
-            simulation.step((steps / LOOKS) as u64)?;
+        for _ in 0..looks {
+            simulation.step((steps / looks) as u64)?;
             if !has_air(coupling) {
                 shapes.push(points(&simulation)?);
                 continue;
@@ -73,7 +73,7 @@ fn runs(gpu: &Gpu, extent: Extent, couplings: &[(&str, &[&str])]) -> Result<Vec<
             let report = simulation.report()?;
             errors.push(report.density_error_rms.unwrap_or(f64::NAN));
         }
-        let quarter = |k: usize| k * LOOKS / 4..(k + 1) * LOOKS / 4;
+        let quarter = |k: usize| k * looks / 4..(k + 1) * looks / 4;
         let drift = |values: &[f64]| {
             let of = |k: usize| mean(values[quarter(k)].iter().copied());
             (of(3) / of(1) - 1.0).abs()
@@ -84,7 +84,7 @@ fn runs(gpu: &Gpu, extent: Extent, couplings: &[(&str, &[&str])]) -> Result<Vec<
             density.add(*coupling, &setting, f64::NAN, drift(&errors));
             for (curve, values) in [(&mut energy_curve, &energies), (&mut density_curve, &errors)] {
                 for (k, point) in values.chunks(POINT).enumerate() {
-                    let step = (k + 1) * POINT * steps / LOOKS;
+                    let step = (k + 1) * POINT * steps / looks;
                     curve.add(*coupling, format!("step {step}"), step as f64, mean(point.iter().copied()));
                 }
             }
