@@ -5,7 +5,7 @@ struct Band {
     reach: f32,            // distance at which the filter is cut [m]
     gain: f32,             // factor of the filter's sum [1/m^3]; as published [mm^(-3/2) * mm/m]
     strength: f32,         // S, a number; as published 1/2 epsilon m, so that the acceleration is strength |u|^2 (N x omega)
-    largest_speed: f32,    // beyond which the band is not strengthened: I U, at most a kernel radius in a step [m/s]
+    largest_speed: f32,    // beyond which the band is not strengthened: I U, at most a kernel radius in a substep [m/s]
     first_block: u32,      // first block of cells that this dispatch covers
     end_block: u32,        // end of the blocks that this dispatch covers
     blocks_in_row: u32,    // number of blocks in a row of cells along x

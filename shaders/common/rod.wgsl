@@ -71,7 +71,7 @@ struct RodStrand {
     scheme: u32,          // of `integration`, if it is integrated: EULER, BDF2
     torn: u32,            // 1: velocities lead to where it is torn
     misfit_before: f32,   // max |C| of stretch-shear where it is
-    far: u32,             // 1: a free point moves farther than anything but forces from outside may; set if it is integrated
+    far: u32,             // 1: a free point would move farther than `largest`, capped or not; set if it is integrated
 }
 
 const FREE: u32 = 0u;         // still to be solved

@@ -1,6 +1,7 @@
-// A strand that the direct solver did not solve in its steps. One that forces from outside carry far goes with its root as it
-// is, and feels nothing in this step; if nothing holds it, it goes on as a whole with its momentum. Another that it tore (too stiff for its step and its segments: f32 does not resolve the
-// system) is left to Gauss-Seidel, which is inexact but tears nothing: back to its free move, nothing held. Others are done.
+// A strand that the direct solver did not solve in its steps. One that is carried far (`RodStrand.far`) goes with its root as it is, and
+// feels nothing in this step; if nothing holds it, it goes on as a whole with its momentum. Another that it tore (too stiff for its step
+// and its segments: f32 does not resolve the system) is left to Gauss-Seidel, which is inexact but tears nothing: back to its free move,
+// nothing held. Others are done.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotation}, integration::{EULER, PUT},
     rod::{Strand, RodStrand, RodPoint, RodSegment, FREE, SOLVED, LEFT, ROOT_HELD, TIP_HELD, unsolved},

@@ -212,6 +212,8 @@ const STEPS: u32 = 18;
 /// Scene of a law with two bands in a wind on two axes that has not fully risen, with a thin fringe.
 fn scene(law: Law, filter: Filter) -> Scene {
     let mut scene = support::scene();
+    scene.time.substeps = 2;
+    scene.time.step *= 2.0;
     scene.turbulence.law = law;
     scene.turbulence.filter = filter;
     scene.turbulence.cutoff = if law == Law::Published { 3.0 } else { 4.5 };
@@ -220,7 +222,7 @@ fn scene(law: Law, filter: Filter) -> Scene {
     // The second shares the grid of the first.
     scene.turbulence.bands = vec![
         Band { scale: 0.0065, strength: 20.0, intensity: 0.3 },
-        // Its eddies would go farther than a kernel radius in a step.
+        // At that speed its eddies would go farther than a kernel radius in a substep.
         Band { scale: 0.009, strength: 1.0, intensity: 4.0 },
     ];
     if let Some(air) = &mut scene.air {

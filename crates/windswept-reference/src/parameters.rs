@@ -155,7 +155,7 @@ impl Parameters {
             friction: (0..initial.hair.len()).map(|s| initial.hair.friction(s)).collect(),
             solver: scene.fluid.solver,
             pressure_iterations: scene.pressure_iterations(),
-            coarse: scene.why_no_coarse().is_none(),
+            coarse: scene.has_coarse_grid(),
             coarse_nodes: coarse_nodes(initial),
             fluid_iterations: scene.fluid.iterations,
             relaxation: scene.fluid.relaxation,

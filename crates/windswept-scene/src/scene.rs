@@ -259,6 +259,12 @@ impl Scene {
         }
     }
 
+    /// Whether the pressure is solved for on a coarse grid as well.
+    #[must_use]
+    pub fn has_coarse_grid(&self) -> bool {
+        self.why_no_coarse().is_none()
+    }
+
     /// Iterations of the pressure: two are few where hair is in air's own sums (`docs/decisions/air.md`).
     #[must_use]
     pub fn pressure_iterations(&self) -> u32 {
@@ -281,7 +287,7 @@ impl Scene {
     /// with the coarse grid, 0.05 without.
     #[must_use]
     pub fn spreading(&self) -> f64 {
-        if self.why_no_coarse().is_none() { 0.1 } else { 0.05 }
+        if self.has_coarse_grid() { 0.1 } else { 0.05 }
     }
 
     /// A warning where the mean wind and a force field carry air farther in a step of `time.substeps` substeps than its pressure keeps up with;

@@ -67,15 +67,8 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles, substep
                 band.scale
             ));
         }
-        let (wanted, most) = (band.intensity * scene.turbulence.speed, scene.largest_eddy_speed(band, substeps));
-        if scene.turbulence.law == Law::Band && band.strength > 0.0 && most < wanted {
-            warnings.push(format!(
-                "eddies of scale {} m stop growing at {most:.2} m/s, not at {wanted:.2} m/s: in a step they may go no farther than \
-                 air.kernel_radius, {} m; take a shorter time.step or more time.substeps",
-                band.scale, air.kernel_radius
-            ));
-        }
     }
+    warnings.extend(of_eddies(scene, air, substeps));
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         if (air.blows(axis, 1.0) || air.blows(axis, -1.0)) && air.fringe > 0.5 * particles.size[axis] {
             warnings.push(format!(
@@ -85,6 +78,30 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles, substep
         }
     }
     warnings
+}
+
+/// A warning where the fastest band would be strengthened to a speed that steps do not resolve.
+fn of_eddies(scene: &Scene, air: &Air, substeps: u32) -> Option<String> {
+    if scene.turbulence.law == Law::Published {
+        return None;
+    }
+    let strengthened = scene.turbulence.bands.iter().filter(|band| band.strength > 0.0);
+    let band = strengthened.max_by(|a, b| a.intensity.total_cmp(&b.intensity))?;
+    let (wanted, most) = (band.intensity * scene.turbulence.speed, scene.largest_eddy_speed(band, substeps));
+    if wanted <= most {
+        return None;
+    }
+    let needed = (wanted * scene.time.step / air.kernel_radius).ceil();
+    let what = if needed <= f64::from(MOST_REPEATS) {
+        format!("take time.substeps = {needed}, or a smaller intensity")
+    } else {
+        "take a smaller intensity".to_owned()
+    };
+    Some(format!(
+        "eddies of scale {} m are strengthened up to {most:.3} m/s, not to {wanted:.3} m/s, at which they would go farther than \
+         air.kernel_radius, {} m, in a substep: {what}",
+        band.scale, air.kernel_radius
+    ))
 }
 
 /// A warning where the mean wind and a force field carry air farther in a substep than its pressure keeps up with.
@@ -109,7 +126,7 @@ pub(crate) fn of_wind(scene: &Scene, air: &Air, substeps: u32) -> Option<String>
 /// Way of the air in a step for which its pressure is right \[particle spacings\]. The coarse grid doubles it where eddies are weak.
 fn farthest(scene: &Scene) -> f64 {
     match scene.fluid.solver {
-        FluidSolver::Divergence if scene.why_no_coarse().is_none() && has_weak_eddies(scene) => 0.9,
+        FluidSolver::Divergence if scene.has_coarse_grid() && has_weak_eddies(scene) => 0.9,
         FluidSolver::Divergence => 0.45,
         FluidSolver::Pbf => 1.0,
     }

@@ -142,8 +142,12 @@ fn a_user_is_warned() {
         ),
         (
             &["time.step=2e-3", "time.substeps=3", "turbulence.bands=[{scale=0.006,intensity=5}]"],
-            "eddies of scale 0.006 m stop growing at 13.95 m/s, not at 15.00 m/s: in a step they may go no farther than air.kernel_radius, 0.0093 m; \
-             take a shorter time.step or more time.substeps",
+            "eddies of scale 0.006 m are strengthened up to 13.950 m/s, not to 15.000 m/s, at which they would go farther than \
+             air.kernel_radius, 0.0093 m, in a substep: take time.substeps = 4, or a smaller intensity",
+        ),
+        (
+            &["time.step=2e-3", "time.substeps=3", "turbulence.bands=[{scale=0.006},{scale=0.009,intensity=1e6}]"],
+            "in a substep: take a smaller intensity",
         ),
         (&["hair.roots.direction=[-1,0,0]"], "hair points start outside the box"),
         (

@@ -44,7 +44,7 @@ impl<'a> Setup<'a> {
         let meshes = Meshes::new(scene, initial);
         let divergence = has_pressure(scene, params.particles - params.hair_points);
         let iterations = if divergence { pressure::iterations(scene.pressure_iterations()) } else { Vec::new() };
-        let on_coarse_grid = divergence && scene.why_no_coarse().is_none();
+        let on_coarse_grid = divergence && scene.has_coarse_grid();
         let coarse = on_coarse_grid.then(|| Coarse::new(initial, meshes.uniforms.len()));
         let motions = Motions::new(scene);
         let wind_table = winds::table(scene);

@@ -9,9 +9,9 @@ use super::{
 };
 use crate::Parameters;
 
-/// Rescues a strand that the direct solver did not solve. One that its load carries far goes with its root as it is, and feels
-/// nothing in this step; if nothing holds it, it goes on as a whole with its momentum. Any other that was torn is left to Gauss-Seidel, from its free move, with no multiplier kept. Says
-/// whether the strand was rescued.
+/// Rescues a strand that the direct solver did not solve. One that is carried far ([`Drive::far`]) goes with its root as it is, and feels
+/// nothing in this step; if nothing holds it, it goes on as a whole with its momentum. Any other that was torn is left to Gauss-Seidel,
+/// from its free move, with no multiplier kept. Says whether the strand was rescued.
 pub fn rescue(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
     if drive.state != State::Free {
         return false;

@@ -50,7 +50,7 @@ pub struct Drive {
     pub torn: bool,
     /// Largest |C| of stretch-shear where the strand is.
     pub misfit_before: f64,
-    /// Whether a free point moves farther than anything but the load may move it.
+    /// Whether a free point would move farther than its largest move, capped or not.
     pub far: bool,
     /// Step h of the strand, if it is integrated \[s\].
     pub step: f64,

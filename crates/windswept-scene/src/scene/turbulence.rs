@@ -48,8 +48,8 @@ table! {
         scale: f64 = Length, "m", Needed;
         /// Strength S of the band law; the published law has a strength of its own. 0 leaves the band out.
         strength: f64 = NonNegative, "", Value(3.0);
-        /// Intensity I of the band law: the band's largest speed over turbulence.speed. Eddies may go no farther than a kernel radius in a
-        /// substep, whatever it says.
+        /// Intensity I of the band law: the speed beyond which a band is not strengthened, over turbulence.speed. That speed is at most a kernel
+        /// radius in a substep, whatever the intensity.
         intensity: f64 = Positive, "", Value(0.3);
     }
 }

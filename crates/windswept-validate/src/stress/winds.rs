@@ -36,9 +36,9 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut resets = Sweep::new("strands reset", 0.0, "");
     let mut rescued = sweep_of_rescued().over("wind [m/s]");
     let mut hair = Sweep::new("fastest hair over the largest wind", 1.3, "").over("wind [m/s]");
-    for (coupling, keys) in extent.of(&COUPLINGS[1..], &COUPLINGS[2..4]) {
+    for (coupling, keys) in extent.of(&COUPLINGS[1..], &[COUPLINGS[2], COUPLINGS[5]]) {
         for change in extent.of(CHANGES, &CHANGES[2..]) {
-            for &wind in extent.of(&WINDS[..], &[30.0]) {
+            for &wind in extent.of(&WINDS[..], &[30.0, 300.0]) {
                 if wind == 0.0 && change.name != "steady" {
                     continue;
                 }
