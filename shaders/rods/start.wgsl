@@ -135,6 +135,7 @@ fn start(s: u32, strand: Strand, stretch: Stretch, speaks: bool, rod: RodStrand,
             var cut = false;
             if !held {
                 far = length(free - origin.whole);
+                carried_far = carried_far || far > point.largest;
                 reply = response(damping_of(point), rod.scheme) * point.inverse_mass;
                 let loaded = reply * length(point.force);
                 let bears = select(0.0, min(loaded, LOADED * strand.length), is_whole(rod));
@@ -155,7 +156,6 @@ fn start(s: u32, strand: Strand, stretch: Stretch, speaks: bool, rod: RodStrand,
             if walk == LOSES { continue; }
             free += kept;
             farthest = max(farthest, far);
-            carried_far = carried_far || cut || far > point.largest;
             let integrated = select(free, led_move(point, rod, k), way.led & !held);
             rod_points[p].free = free;
             rod_points[p].reply = reply;

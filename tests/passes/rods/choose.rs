@@ -273,17 +273,15 @@ fn choose_is_that_of_the_twin() {
             let apart = rods_apart(&stage, &w);
             println!("{n} strands, {keys:?}, {step} s: {apart:?}");
             assert_eq!(drives_apart(&stage, &w).2, 0, "{n}, {keys}: strands go another way");
-            let drives = || w.drives.iter().enumerate().filter(|(_, drive)| drive.state == rods::State::Free);
-            for (strand, rod) in stage.rod_strands().into_iter().enumerate() {
-                let case = &CASES[strand % CASES.len()];
-                let drive = drives().find(|(s, _)| *s == strand);
-                assert!(
-                    drive.is_none_or(|(_, drive)| (rod.far != 0) == drive.far),
-                    "{n}, {keys}: strand {strand}, {}: far",
-                    case.what
-                );
+            let mut far = [false; 2];
+            for (strand, (rod, drive)) in stage.rod_strands().iter().zip(&w.drives).enumerate() {
+                if drive.state == rods::State::Free {
+                    let case = &CASES[strand % CASES.len()];
+                    assert_eq!(rod.far != 0, drive.far, "{n}, {keys}: strand {strand}, {}: far", case.what);
+                    far[usize::from(drive.far)] = true;
+                }
             }
-            assert!(n < 63 || drives().any(|(_, drive)| drive.far) && drives().any(|(_, drive)| !drive.far));
+            assert!(n < 63 || far == [true; 2]);
             for (strand, Health { found, .. }) in stage.health().into_iter().enumerate() {
                 let case = &CASES[strand % CASES.len()];
                 assert_eq!(found, condition(&s, strand, &found), "{n}, {keys}: strand {strand}, {}", case.what);

@@ -153,10 +153,9 @@ pub fn start(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Dr
                 point.outside += p.step * point.inverse_mass * (felt - point.load.force);
                 point.load.force = felt;
                 choice.capped += 1;
-                drive.far = true;
             }
             farthest = farthest.max(far.min(largest));
-            drive.far |= far.min(largest) > point.largest;
+            drive.far |= far > point.largest;
         }
     }
     // One that is torn where it is is mended, not put: put, it would stay torn.
