@@ -2,6 +2,7 @@
 
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
+use std::thread;
 
 use crate::{Result, cargo, line, python, say, venv, vulkan};
 
@@ -30,6 +31,9 @@ pub(crate) fn run(length: Length) -> Result {
             // Tests run side by side, each on one core: lavapipe's own threads would take more time to start than they save.
             command.env("LP_NUM_THREADS", "0");
         }
+        // With RUST_BACKTRACE a build with debug assertions of wgpu walks the stack at every lock: 5 to 15 % of the time of a test program.
+        // Panics of the tests still show theirs.
+        command.env("RUST_LIB_BACKTRACE", "0");
         vulkan::give_runtime_folder(command);
     };
 
@@ -43,24 +47,29 @@ pub(crate) fn run(length: Length) -> Result {
     let mut documentation = run_cargo(&["doc", "--workspace", "--no-deps"])?;
     crate::run(documentation.env("RUSTDOCFLAGS", "--deny warnings"))?;
 
-    let mut total = Count { passed: 0, failed: 0, succeeded: true };
-    let mut count = |mut tests: Command| -> Result {
-        on_software(&mut tests);
-        total.add(&run_and_count(&mut tests)?);
-        Ok(())
-    };
-    say("Tests");
+    let package = python::install("dev")?;
+    say("Tests, and those of the Python package beside them");
     let ignored: &[&str] = if length == Length::Long { &["--", "--include-ignored"] } else { &[] };
-    count(run_cargo(&[&["test", "--workspace", "--no-fail-fast"], ignored].concat())?)?;
+    let mut of_rust = run_cargo(&[&["test", "--workspace", "--no-fail-fast"], ignored].concat())?;
+    let mut of_python = python::tests(&package, length)?;
+    on_software(&mut of_rust);
+    on_software(&mut of_python);
+    // A test program of Rust leaves a core idle while its last test runs: Python's tests use it. What they print waits for the end.
+    let (rust, python) = thread::scope(|scope| {
+        let python = scope.spawn(|| run_and_collect(&mut of_python));
+        (run_and_count(&mut of_rust, |row| println!("{row}")), python.join())
+    });
+    let (printed, python) = python.map_err(|_| "the thread that ran the tests of Python panicked")??;
+    say("Tests of the Python package");
+    println!("{printed}");
+    let total = rust?.and(&python);
+
     if length == Length::Long {
         say("Benches, briefly");
         let mut benches = run_cargo(&["test", "--benches"])?;
         on_software(&mut benches);
         crate::run(&mut benches)?;
     }
-
-    say("Tests of the Python package");
-    count(python::tests(&python::install("dev")?, length)?)?;
 
     println!("\n{} passed, {} failed", total.passed, total.failed);
     if length == Length::Usual {
@@ -94,15 +103,17 @@ struct Count {
 }
 
 impl Count {
-    fn add(&mut self, other: &Self) {
-        self.passed += other.passed;
-        self.failed += other.failed;
-        self.succeeded &= other.succeeded;
+    fn and(&self, other: &Self) -> Self {
+        Self {
+            passed: self.passed + other.passed,
+            failed: self.failed + other.failed,
+            succeeded: self.succeeded && other.succeeded,
+        }
     }
 }
 
-/// Runs `cargo test` or pytest, passes on what it prints, and adds up the closing lines of its test programs.
-fn run_and_count(tests: &mut Command) -> Result<Count> {
+/// Runs `cargo test` or pytest, passes on each line that it prints, and adds up the closing lines of its test programs.
+fn run_and_count(tests: &mut Command, mut print: impl FnMut(&str)) -> Result<Count> {
     let failed_to = |what: &str, e: std::io::Error| format!("{what}: {e}");
     let mut child = tests.stdout(Stdio::piped()).spawn().map_err(|e| failed_to(&line(tests), e))?;
     let mut count = Count { passed: 0, failed: 0, succeeded: true };
@@ -113,11 +124,21 @@ fn run_and_count(tests: &mut Command) -> Result<Count> {
                 count.passed += before(&row, " passed");
                 count.failed += before(&row, " failed");
             }
-            println!("{row}");
+            print(&row);
         }
     }
     count.succeeded = child.wait().map_err(|e| failed_to(&line(tests), e))?.success();
     Ok(count)
+}
+
+/// The same, with what it prints.
+fn run_and_collect(tests: &mut Command) -> Result<(String, Count)> {
+    let mut printed = String::new();
+    let count = run_and_count(tests, |row| {
+        printed.push_str(row);
+        printed.push('\n');
+    })?;
+    Ok((printed, count))
 }
 
 /// Whether a line is the last one of a program of libtest, or of pytest.
