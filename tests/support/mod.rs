@@ -1,8 +1,7 @@
 //! What the tests share: the software adapter, scenes made in code, particles in awkward numbers.
 #![allow(dead_code, unreachable_pub, clippy::unwrap_used, missing_docs)]
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{LazyLock, OnceLock};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::{DQuat, DVec3};
 use rand::{Rng, SeedableRng};
@@ -15,17 +14,28 @@ pub use windswept_validate::internals::{MASS, RADIUS, VOLUME};
 /// A device on the adapter that every test runs on: the one that WGPU_ADAPTER_NAME names, else a software one. A test fails
 /// where there is no such adapter.
 ///
-/// There are as many devices as cores, and tests take them in turn: a device does one thing at a time, so that tests which run
-/// side by side would wait for each other.
+/// A device does one thing at a time. Tests that run side by side have one each, and hand it on to those that come after them.
 pub fn gpu() -> Gpu {
-    static DEVICES: LazyLock<Vec<OnceLock<Gpu>>> =
-        LazyLock::new(|| vec![OnceLock::new(); std::thread::available_parallelism().map_or(1, usize::from)]);
-    static TESTS: AtomicUsize = AtomicUsize::new(0);
     thread_local! {
         // Each test has a thread of its own.
-        static TURN: usize = TESTS.fetch_add(1, Ordering::Relaxed);
+        static OWN: Lent = Lent(free().pop().unwrap_or_else(open));
     }
-    DEVICES[TURN.with(|turn| *turn) % DEVICES.len()].get_or_init(open).clone()
+    OWN.with(|own| own.0.clone())
+}
+
+/// The devices that no test has.
+fn free() -> MutexGuard<'static, Vec<Gpu>> {
+    static FREE: Mutex<Vec<Gpu>> = Mutex::new(Vec::new());
+    FREE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A device until the thread ends that has it.
+struct Lent(Gpu);
+
+impl Drop for Lent {
+    fn drop(&mut self) {
+        free().push(self.0.clone());
+    }
 }
 
 fn open() -> Gpu {
