@@ -171,23 +171,42 @@ def test_a_folder_has_one_writer(sim, tmp_path):
             ws.Writer(out, sim)
         assert ".windswept.lock" in there and sorted(path.name for path in out.iterdir()) == there
     assert not (out / ".windswept.lock").exists()
-    with ws.Writer(out, sim, formats=["usd"]):
+    # What is there is not lost unless that is asked for, and then nothing of it stays to be taken for the new run's.
+    there = {path.name: path.read_bytes() for path in out.iterdir() if path.is_file()}
+    with pytest.raises(ws.ExportError, match="is of an earlier run; overwrite=True replaces"):
+        ws.Writer(out, sim)
+    assert {path.name: path.read_bytes() for path in out.iterdir() if path.is_file()} == there
+    for name in ("report.json", "checkpoint.windswept", "film.npz", "mine.txt"):
+        (out / name).write_text("of before")
+    with ws.Writer(out, sim, formats=["usd"], overwrite=True):
         pass
+    assert sorted(path.name for path in out.iterdir() if path.is_file()) == ["mine.txt", "scene.toml"]
+    (out / "frames").mkdir()
     # Half a picture that a killed writer left goes.
     half = out / "frames/0007.png.part"
     half.write_text("half")
-    with ws.Writer(out, sim):
+    with ws.Writer(out, sim, overwrite=True) as writer:
         assert not half.exists()
+        writer.append(sim)
     # Pictures behind a link are somebody else's.
     (out / "frames").rename(tmp_path / "other")
     before = {path.name: path.read_bytes() for path in (tmp_path / "other").iterdir()}
     (out / "frames").symlink_to(tmp_path / "other")
     with pytest.raises(ws.ExportError, match="frames: is a link; expected a folder or nothing"):
-        ws.Writer(out, sim)
+        ws.Writer(out, sim, overwrite=True)
     assert {path.name: path.read_bytes() for path in (tmp_path / "other").iterdir()} == before
     assert not (out / ".windswept.lock").exists()
-    with ws.Writer(out, sim, formats=["usd"]) as writer:
+
+
+def test_the_command_reads_what_a_writer_wrote(sim, tmp_path):
+    with ws.Writer(tmp_path / "out", sim, formats=["vtkhdf"]) as writer:
         writer.append(sim)
+        sim.step(20)
+        writer.append(sim)
+    for words in (["render"], ["export", "--format", "npz"]):
+        done = subprocess.run([sys.executable, "-m", "windswept", *words, tmp_path / "out"], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+    assert len(list((tmp_path / "out/frames").iterdir())) == 2 and (tmp_path / "out/film.npz").exists()
 
 
 def test_a_writer_names_what_it_cannot_write(sim, tmp_path):

@@ -259,7 +259,13 @@ class Frames(Iterator[Frame]):
 @final
 class Writer:
     def __new__(
-        cls, folder: _Path, sim: Simulation, *, formats: Sequence[str] | None = None, frames: int | None = None
+        cls,
+        folder: _Path,
+        sim: Simulation,
+        *,
+        formats: Sequence[str] | None = None,
+        frames: int | None = None,
+        overwrite: bool = False,
     ) -> Self: ...
     def append(self, sim: Simulation) -> None: ...
     def close(self) -> None: ...

@@ -1,21 +1,22 @@
 //! The arguments that can be typed.
 
 use std::ffi::OsStr;
+use std::fmt::Display;
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 #[cfg(feature = "validate")]
 use clap::builder::PossibleValuesParser;
 use clap::builder::{EnumValueParser, PossibleValue, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Arg, Args, Parser, Subcommand, ValueEnum, value_parser};
-use windswept_export::{DEFAULT_FORMATS, FORMATS, Format};
+use windswept_export::{CHECKPOINT, DEFAULT_FORMATS, FORMATS, Format, files_of_run};
 use windswept_scene::{GroomFormat, Scene, Up, keys::Key, limits::MOST_POINTS_OF_A_STRAND};
 #[cfg(feature = "validate")]
 use windswept_validate::{CHECKS, LONG_CHECKS};
 
 use crate::failure::Failure;
-use crate::output;
 use crate::render::Range;
 
 /// Hair in turbulent wind, simulated on the GPU: a scene file in, frames out.
@@ -119,7 +120,7 @@ pub(crate) enum Groom {
         #[arg(value_name = "FILE")]
         file: PathBuf,
         /// Points of each strand, where the file does not say where one ends
-        #[arg(long, value_name = "N")]
+        #[arg(long, value_name = "N", value_parser = points, allow_negative_numbers = true)]
         points_per_strand: Option<u32>,
     },
     /// Write the strands of a groom file that can be simulated as another groom file, in their order
@@ -152,26 +153,51 @@ pub(crate) struct ConvertOptions {
     #[arg(value_name = "OUT")]
     pub(crate) output: PathBuf,
     /// Metres per unit of IN; OUT is in metres then [default: OUT has the units of IN]
-    #[arg(long, value_name = "M", value_parser = positive)]
+    #[arg(long, value_name = "M", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) scale: Option<f64>,
     /// Axis of IN that becomes +Y, or its axes that become x, y and z; xzy, yxz and zyx mirror [default: y]
     #[arg(long, value_name = "AXES", value_parser = up)]
     pub(crate) up: Option<Up>,
     /// Divide strands anew into so many points, evenly along their length
-    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(2..=i64::from(MOST_POINTS_OF_A_STRAND)))]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(2..=i64::from(MOST_POINTS_OF_A_STRAND)), allow_negative_numbers = true)]
     pub(crate) points: Option<u32>,
     /// Keep so many strands, those whose roots are far from one another
-    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = points, allow_negative_numbers = true)]
     pub(crate) strands: Option<u32>,
     /// Seed that draws the first strand that is kept
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole, allow_negative_numbers = true)]
     pub(crate) seed: u64,
     /// Points of each strand of IN, where the file does not say where one ends
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = points, allow_negative_numbers = true)]
     pub(crate) points_per_strand: Option<u32>,
     /// Replace OUT if it is there
     #[arg(long)]
     pub(crate) overwrite: bool,
+}
+
+/// A whole number of at least so many.
+fn at_least<T: FromStr + PartialOrd + Display>(least: T, word: &str) -> Result<T, String> {
+    let number = word.parse().ok().filter(|number| *number >= least);
+    number.ok_or_else(|| format!("expected a whole number of at least {least}"))
+}
+
+fn whole(word: &str) -> Result<u64, String> {
+    at_least(0, word)
+}
+
+fn points(word: &str) -> Result<u32, String> {
+    at_least(1, word)
+}
+
+fn every<T: TryFrom<NonZeroU64>>(word: &str) -> Result<T, String> {
+    let number = at_least(1, word)?;
+    let fits = NonZeroU64::new(number).and_then(|number| T::try_from(number).ok());
+    fits.ok_or_else(|| format!("{number} is too large"))
+}
+
+fn moment(word: &str) -> Result<f64, String> {
+    let number = word.parse().ok().filter(|time: &f64| time.is_finite());
+    number.ok_or_else(|| "expected times in seconds, e.g. 0,0.5,1".to_owned())
 }
 
 fn positive(word: &str) -> Result<f64, String> {
@@ -229,7 +255,7 @@ pub(crate) struct RunOptions {
     #[arg(long, value_name = "DIR", required_unless_present = "resume", help = out_help())]
     out: Option<PathBuf>,
     /// Stop after this many steps since t = 0, whatever time.duration says
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub(crate) steps: Option<u64>,
     /// Part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else the run's own with --resume, else the best]
     #[arg(long, value_name = "NAME")]
@@ -245,7 +271,7 @@ pub(crate) struct RunOptions {
     /// Replace what an earlier run left in DIR; other files there stay
     #[arg(long)]
     pub(crate) overwrite: bool,
-    #[arg(long, value_name = "K", help = checkpoint_help())]
+    #[arg(long, value_name = "K", value_parser = every::<NonZeroU64>, allow_negative_numbers = true, help = checkpoint_help())]
     pub(crate) checkpoint_every: Option<NonZeroU64>,
     /// What to do when a run blows up, which it does where air is not finite, or too many strands at once: end it with a checkpoint of the state
     /// before, or put what is not finite back to rest and go on. A few strands are put back in either case, and counted
@@ -291,12 +317,13 @@ fn formats_help() -> String {
 }
 
 fn out_help() -> String {
-    format!("Folder for {}; made if it is not there; frames are numbered from 0000 on", output::files().join(", "))
+    format!("Folder for {}; made if it is not there; frames are numbered from 0000 on", files_of_run().join(", "))
 }
 
 fn checkpoint_help() -> String {
-    let name = output::CHECKPOINT;
-    format!("Write {name} after every K steps, at the start and at the end, for --resume; a new one replaces the last")
+    format!(
+        "Write {CHECKPOINT} after every K steps, at the start and at the end, for --resume; a new one replaces the last"
+    )
 }
 
 impl RunOptions {
@@ -347,7 +374,7 @@ pub(crate) struct SpectrumOptions {
     #[arg(value_name = "DIR")]
     pub(crate) dir: PathBuf,
     /// Scales to measure, in metres [default: the scene's, and a ladder from what particles carry to the box]
-    #[arg(long, value_name = "S,S", value_delimiter = ',', value_parser = scale)]
+    #[arg(long, value_name = "S,S", value_delimiter = ',', value_parser = scale, allow_negative_numbers = true)]
     pub(crate) scales: Option<Vec<f64>>,
     /// The picture, SVG; it is replaced [default: DIR/spectrum.svg]
     #[arg(long, value_name = "FILE")]
@@ -437,13 +464,13 @@ pub(crate) struct RenderOptions {
     #[arg(long, value_name = "A..B")]
     pub(crate) frames: Option<Range>,
     /// Only every N-th of them
-    #[arg(long, value_name = "N", default_value = "1")]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = every::<NonZeroUsize>, allow_negative_numbers = true)]
     pub(crate) every: NonZeroUsize,
     /// Change a key of camera or picture, e.g. picture.hairs=50000; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(crate) sets: Vec<String>,
     /// One picture of the frames at these times [s] instead
-    #[arg(long, value_name = "T,T,...", value_delimiter = ',', conflicts_with_all = ["frames", "every"])]
+    #[arg(long, value_name = "T,T,...", value_delimiter = ',', value_parser = moment, allow_negative_numbers = true, conflicts_with_all = ["frames", "every"])]
     pub(crate) contact_sheet: Option<Vec<f64>>,
     /// File for the contact sheet [default: DIR/contact-sheet.png]
     #[arg(long, value_name = "FILE", requires = "contact_sheet")]

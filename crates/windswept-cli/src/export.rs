@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use tempfile::TempDir;
-use windswept_export::{Followers, Kind, Provenance, write_npz, write_usda};
+use windswept_export::{FILMS, Followers, Kind, Provenance, write_npz, write_usda};
 use windswept_scene::{Outline, Scene};
 
 use crate::arguments::{ExportOptions, FilmFormat};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::output::{FILMS, Output, WORKSHOP};
+use crate::output::{Output, WORKSHOP};
 use crate::render::{OF_HAIR, OF_SCENE, check_folder, open, there};
 
 pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Result<(), Failure> {

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeSet, path::Path};
 
-use windswept_scene::{Curves, GroomFile, Up};
+use windswept_scene::{Curves, GroomFile, GroomFormat, Up};
 
 use crate::arguments::{ConvertOptions, Groom};
 use crate::console::Console;
@@ -108,6 +108,7 @@ fn convert(options: &ConvertOptions, console: &mut Console<'_>) -> Result<(), Fa
         let words = format!("{} is there already: --overwrite replaces it", options.output.display());
         return Err(Failure::Input(words));
     }
+    GroomFormat::check_output(&options.output)?;
     let curves = load(&options.input, options.points_per_strand)?;
     let up = options.up.unwrap_or(Up::Y);
     let curves = match options.scale.or(curves.unit) {

@@ -5,31 +5,17 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use windswept::Simulation;
-use windswept_export::{FORMATS, Folder, Kind, LOCK, Lock, Pictures, real_path};
+use windswept_export::{
+    CHECKPOINT, Folder, Kind, LOCK, Lock, Pictures, REPORT, SCENE, files_of_run, files_with_made, real_path,
+};
 use windswept_scene::{AtomicFile, Scene};
 
 use crate::arguments::RunOptions;
 use crate::failure::Failure;
 
-const REPORT: &str = "report.json";
-const SCENE: &str = "scene.toml";
-/// What `--checkpoint-every` writes.
-pub(crate) const CHECKPOINT: &str = "checkpoint.windswept";
-/// Written by `windswept render` only.
-const SHEET: &str = "contact-sheet.png";
-/// Written by `windswept export` only.
-pub(crate) const FILMS: [&str; 3] = ["film.usda", "film.usdc", "film.npz"];
-
 /// What the name of the folder begins with in which `windswept export` makes a film.usdc; it is gone with the command, unless that was
 /// killed.
 pub(crate) const WORKSHOP: &str = ".windswept-usdc-";
-
-/// Every name that a run writes: its formats' files, the report, the scene and the checkpoint. As in [`windswept_export::Format::files`], a
-/// stem of zeros stands for a file per frame.
-pub(crate) fn files() -> Vec<&'static str> {
-    // Those that say that a run is whole come first: they are the first to be removed.
-    [REPORT, CHECKPOINT, SCENE].into_iter().chain(FORMATS.iter().flat_map(|format| format.files).copied()).collect()
-}
 
 /// A folder that may be written to; nothing is touched before [`Output::create`].
 pub(crate) struct Output {
@@ -51,14 +37,14 @@ impl Output {
         if output.replaces(scene) {
             return refuse(scene, "would be replaced by the run's own file of that name; --out takes another folder");
         }
-        output.folder().check(&replaced())?;
+        output.folder().check(&files_with_made())?;
         Ok(output)
     }
 
     /// The folder of a run that goes on. Refuses what cannot be written beside it, and what cannot be replaced in it.
     pub(crate) fn go_on(options: &RunOptions, dir: &Path) -> Result<Self, Failure> {
         let output = Self::beside(options, dir, None)?;
-        output.folder().check(&replaced())?;
+        output.folder().check(&files_with_made())?;
         Ok(output)
     }
 
@@ -103,7 +89,7 @@ impl Output {
         // Another run may have come and gone since it was checked.
         check_folder(&self.dir, self.overwrite)?;
         self.remove_workshops()?;
-        self.remove_files(&replaced())?;
+        self.folder().clear(&files_with_made())?;
         write(&self.scene(), &scene.text_in(&self.dir))?;
         Ok(lock)
     }
@@ -111,7 +97,7 @@ impl Output {
     /// Removes the halves of files that a killed run or export left; the folder is locked.
     pub(crate) fn remove_parts(&self) -> Result<(), Failure> {
         self.remove_workshops()?;
-        Ok(self.folder().remove_parts(&replaced())?)
+        Ok(self.folder().remove_parts(&files_with_made())?)
     }
 
     /// Locks the folder for an export that has its workshop there: a run would clear it away. Those of exports that were killed go.
@@ -156,7 +142,7 @@ impl Output {
 
     /// Removes the pictures that windswept made, their folder if nothing else is in it, and the preview.
     pub(crate) fn remove_pictures(&self) -> Result<(), Failure> {
-        self.remove_files(&Pictures::FILES)
+        Ok(self.folder().clear(&Pictures::FILES)?)
     }
 
     /// Whether there are pictures already.
@@ -164,19 +150,9 @@ impl Output {
         self.folder().found(&Pictures::FILES).iter().any(|path| path.exists())
     }
 
-    fn remove_files(&self, names: &[&str]) -> Result<(), Failure> {
-        self.folder().remove_parts(names)?;
-        self.folder().own(names).iter().try_for_each(|path| remove(path))?;
-        for folder in self.folder().folders(names) {
-            // A folder stays if it holds something of the user's.
-            let _ = fs::remove_dir(folder);
-        }
-        Ok(())
-    }
-
     /// Whether a path is one of the files that a run leaves here, or may leave.
     fn owns(&self, path: &Path) -> bool {
-        self.folder().names(&files(), path)
+        self.folder().names(&files_of_run(), path)
     }
 
     /// Refuses a place for what a command makes of the run, which `flag` names: a file of the run's, one in no folder, one that is there
@@ -197,7 +173,7 @@ impl Output {
 
     /// Whether `--overwrite` would replace this file.
     fn replaces(&self, path: &Path) -> bool {
-        self.folder().names(&[&replaced()[..], &[LOCK]].concat(), path)
+        self.folder().names(&[&files_with_made()[..], &[LOCK]].concat(), path)
     }
 
     fn folder(&self) -> Folder<'_> {
@@ -258,11 +234,6 @@ fn no_folder(dir: &Path, error: &std::io::Error) -> Failure {
         ErrorKind::NotADirectory | ErrorKind::AlreadyExists => Failure::Input(words),
         _ => Failure::Run(words),
     }
-}
-
-/// The files that `--overwrite` removes, with what they are until they are whole.
-fn replaced() -> Vec<&'static str> {
-    files().into_iter().chain([SHEET]).chain(FILMS).collect()
 }
 
 fn remove(path: &Path) -> Result<(), Failure> {

@@ -6,11 +6,36 @@ use std::path::{Path, PathBuf};
 use fs4::{FileExt, TryLockError};
 use windswept_scene::{AtomicFile, remove};
 
-use crate::ExportError;
 use crate::picture::is_own_picture;
+use crate::{ExportError, FORMATS};
 
 /// The file that is locked while somebody writes beside it. The one that a killed run leaves is not locked any more.
 pub const LOCK: &str = ".windswept.lock";
+
+/// What a run reports.
+pub const REPORT: &str = "report.json";
+/// The scene as it ran.
+pub const SCENE: &str = "scene.toml";
+/// What `--checkpoint-every` writes.
+pub const CHECKPOINT: &str = "checkpoint.windswept";
+/// Written by `windswept render` only.
+const SHEET: &str = "contact-sheet.png";
+/// Written by `windswept export` only.
+pub const FILMS: [&str; 3] = ["film.usda", "film.usdc", "film.npz"];
+
+/// Every name that a run writes: its formats' files, the report, the scene and the checkpoint. As in [`crate::Format::files`], a
+/// stem of zeros stands for a file per frame.
+#[must_use]
+pub fn files_of_run() -> Vec<&'static str> {
+    // Those that say that a run is whole come first: they are the first to be removed.
+    [REPORT, CHECKPOINT, SCENE].into_iter().chain(FORMATS.iter().flat_map(|format| format.files).copied()).collect()
+}
+
+/// Those names, and those of what is made of a run that is over.
+#[must_use]
+pub fn files_with_made() -> Vec<&'static str> {
+    files_of_run().into_iter().chain([SHEET]).chain(FILMS).collect()
+}
 
 /// A folder with files of such names as [`crate::Format::files`] has: a stem of zeros stands for a file per frame.
 #[derive(Debug, Clone, Copy)]
@@ -78,18 +103,27 @@ impl Folder<'_> {
         made.chain(self.found(&single)).collect()
     }
 
+    /// Removes the files of these names that a writer may remove, their halves, and the folders that this empties. Whoever has the lock
+    /// may do so.
+    ///
+    /// # Errors
+    /// [`ExportError::File`] with what the system says.
+    pub fn clear(&self, names: &[&str]) -> Result<(), ExportError> {
+        self.remove_parts(names)?;
+        self.own(names).into_iter().try_for_each(remove_file)?;
+        for folder in self.folders(names) {
+            // A folder stays if it holds something of the user's.
+            let _ = fs::remove_dir(folder);
+        }
+        Ok(())
+    }
+
     /// Removes the halves of such files that a writer left as it was killed. Whoever has the lock may do so.
     ///
     /// # Errors
     /// [`ExportError::File`] with what the system says.
     pub fn remove_parts(&self, names: &[&str]) -> Result<(), ExportError> {
-        self.parts(names).into_iter().try_for_each(|path| {
-            remove(&path).map_err(|error| ExportError::File {
-                path,
-                doing: "could not be removed",
-                reason: error.to_string(),
-            })
-        })
+        self.parts(names).into_iter().try_for_each(remove_file)
     }
 
     /// The paths of such files until they are whole; of a file per frame, those that are there.
@@ -133,6 +167,11 @@ impl Drop for Lock {
             let _ = fs::remove_file(&self.path);
         }
     }
+}
+
+fn remove_file(path: PathBuf) -> Result<(), ExportError> {
+    let doing = "could not be removed";
+    remove(&path).map_err(|error| ExportError::File { path, doing, reason: error.to_string() })
 }
 
 /// Refuses a link in the place of a file that is to grow: what it leads to is not the writer's.

@@ -9,7 +9,10 @@ use pyo3::{
     prelude::*,
     types::{PyDict, PyTuple},
 };
-use windswept_export::{DEFAULT_FORMATS, FORMATS, Folder, Format, Kind, Lock, Provenance, Recording, Schedule};
+use windswept_export::{
+    DEFAULT_FORMATS, FORMATS, Folder, Format, Kind, Lock, Provenance, Recording, SCENE, Schedule, files_with_made,
+};
+use windswept_scene::AtomicFile;
 
 use crate::{
     errors::{ExportError, of_export, of_run, of_value},
@@ -49,26 +52,28 @@ pub(crate) fn formats(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     Ok(formats)
 }
 
-/// Writes frames of a simulation into a folder, with the files of `windswept run`.
+/// Writes frames of a simulation into a folder, with the files of `windswept run` but for the report and the checkpoint.
 ///
 ///     with ws.Writer("out", sim) as writer:
 ///         writer.append(sim)
 ///         for frame in sim.frames(240):
 ///             writer.append(sim)
 ///
-/// Every frame that `append` returned from is in the files, whatever becomes of the process.
+/// Every frame that `append` returned from is in the files, whatever becomes of the process. scene.toml is the scene of `sim`, with which
+/// `windswept render`, `export` and `spectrum` read the films. `sim.report()` is what `windswept run` writes into report.json.
 ///
 /// One writer or run at a time writes into a folder; `close` lets the next one in.
 ///
 /// Args:
-///     folder: made if it is not there; files of a writer's names are replaced, others stay.
+///     folder: made if it is not there.
 ///     sim: whose frames are written.
 ///     formats: names of `windswept.formats()`; None: those that the command writes.
 ///     frames: the most it has room for; None: as many as the scene's duration has, at least 256.
+///     overwrite: removes what an earlier run or writer left in the folder, and what was made of it; other files stay.
 ///
 /// Raises:
-///     ExportError: a format cannot be written, or the simulation has nothing for it; somebody writes into the folder
-///         already, or what is in it is in the way, as a link called frames.
+///     ExportError: a format cannot be written, or the simulation has nothing for it; the folder has files of an earlier run, without
+///         `overwrite`; somebody writes into the folder already, or what is in it is in the way, as a link called frames.
 ///     ValueError: there is no such format.
 #[pyclass(frozen, module = "windswept")]
 pub(crate) struct Writer {
@@ -81,13 +86,14 @@ pub(crate) struct Writer {
 #[pymethods]
 impl Writer {
     #[new]
-    #[pyo3(signature = (folder, sim, *, formats=None, frames=None))]
+    #[pyo3(signature = (folder, sim, *, formats=None, frames=None, overwrite=false))]
     fn new(
         py: Python<'_>,
         folder: PathBuf,
         sim: &Simulation,
         formats: Option<Vec<String>>,
         frames: Option<i64>,
+        overwrite: bool,
     ) -> PyResult<Self> {
         let known = |name: &str| {
             let names = || FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
@@ -103,10 +109,17 @@ impl Writer {
             made.map_err(|e| ExportError::new_err(format!("{}: could not be made: {e}", folder.display())))?;
             let room = room(sim, frames)?;
             let lock = Folder(&folder).lock().map_err(|error| of_export(&error))?;
-            let files: Vec<_> = formats.iter().flat_map(|format| format.files).copied().collect();
+            let files = files_with_made();
             Folder(&folder).check(&files).map_err(|error| of_export(&error))?;
-            Folder(&folder).remove_parts(&files).map_err(|error| of_export(&error))?;
+            if let Some(earlier) = Folder(&folder).own(&files).into_iter().find(|path| path.exists() && !overwrite) {
+                let words = "is of an earlier run; overwrite=True replaces all that it left";
+                return Err(ExportError::new_err(format!("{}: {words}", earlier.display())));
+            }
             let recording = Recording::new(&formats, sim, &folder, room).map_err(|error| of_export(&error))?;
+            Folder(&folder).clear(&files).map_err(|error| of_export(&error))?;
+            let scene = folder.join(SCENE);
+            let written = AtomicFile::write(&scene, sim.scene().text_in(&folder).as_bytes());
+            written.map_err(|e| ExportError::new_err(format!("{}: could not be written: {e}", scene.display())))?;
             Ok::<_, PyErr>((recording, lock))
         })??;
         Ok(Self { folder, formats, recording: Mutex::new(Some(recording)) })

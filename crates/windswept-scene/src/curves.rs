@@ -123,12 +123,12 @@ impl GroomFormat {
         },
     ];
 
-    /// The format of a file by the ending of its name.
-    fn of(path: &Path) -> Result<&'static Self, SceneError> {
+    /// The format of a file by the ending of its name, among those that `fits` says are of use.
+    fn of(path: &Path, fits: impl Fn(&Self) -> bool) -> Result<&'static Self, SceneError> {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
         Self::ALL.iter().find(|format| format.extension == ending).ok_or_else(|| {
-            let known: Vec<_> = Self::ALL.iter().map(|format| format!(".{}", format.extension)).collect();
-            let fault = SceneError::new(format!("expected a groom file: {}", known.join(", ")));
+            let known = Self::ALL.iter().filter(|format| fits(format)).map(|format| format!(".{}", format.extension));
+            let fault = SceneError::new(format!("expected a groom file: {}", known.collect::<Vec<_>>().join(", ")));
             match ending.as_str() {
                 "usd" | "usda" | "usdc" | "usdz" => {
                     fault.with_help("windswept.usd.to_npz(FILE, \"groom.npz\") in Python makes one of a USD file")
@@ -139,6 +139,25 @@ impl GroomFormat {
                 _ => fault,
             }
         })
+    }
+
+    /// The format of a file to write, and how that is written.
+    fn to_write(path: &Path) -> Result<(&'static Self, Write), SceneError> {
+        let format = Self::of(path, Self::writes)?;
+        let write = format.write.ok_or_else(|| {
+            let words = format!(".{} files are read, not written", format.extension);
+            SceneError::new(words)
+        })?;
+        Ok((format, write))
+    }
+
+    /// Whether a file of this name can be a groom file that is written: by the ending of its name alone.
+    ///
+    /// # Errors
+    /// [`SceneError`] names the file and the endings that there are.
+    pub fn check_output(path: impl AsRef<Path>) -> Result<(), SceneError> {
+        let path = path.as_ref();
+        Self::to_write(path).map(drop).map_err(|error| error.of(&path.display().to_string(), ""))
     }
 
     /// Reads a file of the format from its bytes; `points_per_strand` is for files that do not say where a strand ends.
@@ -164,7 +183,7 @@ impl Curves {
     pub fn load(path: impl AsRef<Path>, points_per_strand: Option<u32>) -> Result<Self, SceneError> {
         let path = path.as_ref();
         let read = || {
-            let format = GroomFormat::of(path)?;
+            let format = GroomFormat::of(path, |_| true)?;
             format.read(&file_bytes(path)?, points_per_strand)
         };
         read().map_err(|error: SceneError| error.of(&path.display().to_string(), ""))
@@ -178,10 +197,7 @@ impl Curves {
     pub fn save(&self, path: impl AsRef<Path>) -> Result<Option<String>, SceneError> {
         let path = path.as_ref();
         let write = || {
-            let format = GroomFormat::of(path)?;
-            let Some(write) = format.write else {
-                return Err(SceneError::new(format!(".{} files are read, not written", format.extension)));
-            };
+            let (format, write) = GroomFormat::to_write(path)?;
             self.check()?;
             AtomicFile::write(path, &write(self)?)
                 .map_err(|error| SceneError::new(format!("cannot be written: {error}")))?;

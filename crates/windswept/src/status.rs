@@ -29,13 +29,19 @@ const WARNINGS: [(u32, &str, &str); 6] = [
         "times that the drag between a hair point and its air was limited, so as not to overshoot",
     ),
 ];
+/// Key of the strand steps that the direct solver did not solve, and what is said of many.
+pub(crate) const RESCUED: (&str, &str) = (
+    "rescued_steps",
+    "steps of strands that the direct solver did not solve, more than one in a hundred of all; time.step is too long for this wind or \
+     these roots",
+);
 /// Counters of how strands were stepped; keys of the report's `strand_steps`.
 const STRAND_STEPS: [(u32, &str); 5] = [
     (EULER_STEP, "euler_steps"),
     (QUIET_STEP, "quiet_steps"),
     (ASLEEP_STEP, "asleep_steps"),
     (TELEPORT, "teleports"),
-    (RESCUED_STEP, "rescued_steps"),
+    (RESCUED_STEP, RESCUED.0),
 ];
 
 /// The status of a run that has not begun.
@@ -105,7 +111,8 @@ pub fn confinement_limited_steps(status: &Status) -> u64 {
 /// What is counted under a key of the report's `warnings`, for people; `None` of another key.
 #[must_use]
 pub fn warning_meaning(key: &str) -> Option<&'static str> {
-    WARNINGS.iter().find(|(_, name, _)| *name == key).map(|(_, _, meaning)| *meaning)
+    let rows = WARNINGS.iter().map(|(_, name, meaning)| (*name, *meaning)).chain([RESCUED]);
+    rows.into_iter().find(|(name, _)| *name == key).map(|(_, meaning)| meaning)
 }
 
 fn named(

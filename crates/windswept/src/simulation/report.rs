@@ -6,7 +6,7 @@ use super::Simulation;
 use crate::{
     error::RunError,
     report::{Counts, PassReport, Report, SkippedReport},
-    status,
+    status::{self, RESCUED},
 };
 
 /// Strand steps of which one may go without a solve unmentioned: hair that is left unsolved feels nothing in that step.
@@ -76,10 +76,10 @@ impl Simulation {
     #[must_use]
     pub fn warnings(&self) -> std::collections::BTreeMap<String, u64> {
         let mut warnings = status::warnings(&self.last);
-        let rescued = status::strand_steps(&self.last)["rescued_steps"];
+        let rescued = status::strand_steps(&self.last)[RESCUED.0];
         let all = u64::from(self.engine.sizes().strands) * self.steps * self.substeps();
         if rescued * FEW > all {
-            warnings.insert("rescued_steps".to_owned(), rescued);
+            warnings.insert(RESCUED.0.to_owned(), rescued);
         }
         let of_wind = self.wind_set.and_then(|_| self.scene.why_too_fast());
         warnings.extend(self.initial.warnings.iter().cloned().chain(of_wind).map(|warning| (warning, 1)));
