@@ -532,3 +532,70 @@ fn steps_behind_a_frozen_one_do_nothing() {
     };
     assert_eq!(grown(5), grown(1));
 }
+
+/// Steps that are recorded into the caller's encoder end with a whole step of Δt, also behind a step that was done in part.
+#[test]
+fn a_recorded_step_takes_the_substeps_that_are_left() {
+    let mut scene = windy();
+    scene.time.substeps = 3;
+    let (device, gpu) = support::callers_device(&wgpu::DeviceDescriptor::default());
+    let gpu = gpu.unwrap();
+    let mut simulation = Simulation::with_state(&gpu, &scene, brush(3)).unwrap();
+    let mut asked = 0;
+    simulation
+        .step_until(1, || {
+            asked += 1;
+            asked > 1
+        })
+        .unwrap();
+    let substeps = |simulation: &Simulation| simulation.engine().status().unwrap().step;
+    assert_eq!((simulation.steps(), substeps(&simulation)), (0, 1));
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    simulation.record(&mut encoder, 2);
+    gpu.queue().submit([encoder.finish()]);
+    simulation.settle().unwrap();
+    assert_eq!((simulation.steps(), substeps(&simulation)), (2, 6));
+    let own = with_texts_of(&simulation, &scene, &brush(3), 2);
+    assert!(simulation.frame().unwrap() == own.frame().unwrap());
+}
+
+/// What is set is checked for what the next step would refuse; nothing is changed by what is not taken.
+#[test]
+fn what_no_step_could_begin_with_is_not_set() {
+    let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(2)).unwrap();
+    let before = simulation.frame().unwrap();
+    let (points, segments) = (before.hair.positions.len(), before.hair.orientations.len());
+    let mut fast = vec![DVec3::ZERO; before.air.positions.len()];
+    fast[7] = DVec3::new(0.0, 1.1e6, 0.0);
+    let no_rotation = vec![DQuat::from_xyzw(0.0, 0.0, 0.0, 1e200); segments];
+    for (refused, words) in [
+        (
+            simulation.set_air(None, Some(&fast)),
+            "velocities: expected at most 1e6 m/s, found [0.0, 1100000.0, 0.0] in row 7",
+        ),
+        (
+            simulation.set_hair(None, Some(&vec![DVec3::splat(1e6); points]), None),
+            "velocities: expected at most 1e6 m/s",
+        ),
+        (simulation.set_hair(None, None, Some(&no_rotation)), "orientations: that of segment 0 is not a rotation"),
+    ] {
+        let found = refused.unwrap_err().to_string();
+        assert!(found.contains(words), "{found}");
+    }
+    assert!(simulation.frame().unwrap() == before);
+    simulation.step(1).unwrap();
+}
+
+/// The hair that a run starts from is that which was set before its first step.
+#[test]
+fn hair_that_is_set_before_the_first_step_is_what_the_run_starts_from() {
+    let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(2)).unwrap();
+    let moved: Vec<DVec3> =
+        simulation.initial().hair.positions.iter().map(|x| *x + DVec3::new(1e-3, 0.0, 0.0)).collect();
+    simulation.set_hair(Some(&moved), None, None).unwrap();
+    let frame = simulation.frame().unwrap().hair;
+    simulation.step(2).unwrap();
+    assert_eq!(simulation.hair_at_start().positions, frame.positions);
+    simulation.set_hair(Some(&moved), None, None).unwrap();
+    assert_eq!(simulation.hair_at_start().positions, frame.positions);
+}

@@ -10,7 +10,7 @@ use std::fs;
 
 use glam::{DQuat, DVec3};
 use windswept::{
-    Accelerations, Checkpoint, Simulation,
+    Accelerations, Checkpoint, RunError, Simulation,
     internals::{Plan, Recorder, Setup, State, step},
 };
 use windswept_scene::{Groom, InitialState, Scene};
@@ -240,6 +240,30 @@ fn a_groom_is_saved() {
     let all = loaded.unwrap().initial().followers.clone().unwrap();
     assert_eq!((all.points, all.guides), (groom.points, groom.guides));
     goes_on(&mut simulation, "groom");
+}
+
+/// A simulation that goes on from where air ended it names the air that ends it the next time.
+#[test]
+fn the_next_failure_of_air_is_named() {
+    let spoil = |simulation: &mut Simulation, id: u32| {
+        let engine = simulation.engine();
+        let slot = engine.slots().unwrap().ids().iter().position(|slot| *slot == id).unwrap();
+        let mut velocity = engine.read(&engine.state().velocity).unwrap();
+        velocity[engine.sizes().hair_points as usize + slot][0] = 3e6;
+        engine.write(&engine.state().velocity, &velocity).unwrap();
+        match simulation.step(1).unwrap_err() {
+            RunError::NonFiniteAir { particle, .. } => particle,
+            error => panic!("{error}"),
+        }
+    };
+    let mut simulation = Simulation::new(&support::gpu(), &scene(&["fluid.solver=pbf"])).unwrap();
+    assert_eq!(spoil(&mut simulation, 5), 5);
+    let bytes = simulation.to_bytes().unwrap();
+    let mut again = Checkpoint::from_bytes(&bytes, "saved").unwrap().start(&support::gpu()).unwrap();
+    let calm = vec![DVec3::ZERO; again.initial().air.positions.len()];
+    again.set_air(None, Some(&calm)).unwrap();
+    again.step(1).unwrap();
+    assert_eq!(spoil(&mut again, 90), 90);
 }
 
 /// A simulation whose neighbour list has grown goes on although a new one has a shorter list, which freezes its first step.

@@ -6,7 +6,10 @@ use windswept::{
     Gpu,
     ops::{Filter, OpsError, Particles},
 };
-use windswept_scene::{Air, Fluid, Turbulence, limits::MOST_REPEATS};
+use windswept_scene::{
+    Air, Fluid, Turbulence,
+    limits::{MAGNITUDES, MOST_REPEATS},
+};
 
 use crate::{
     arrays::{matrix, rows, triple},
@@ -38,8 +41,15 @@ fn sides(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<[f64; 3]>> {
 }
 
 /// A rest density that sets the scale of an operation that knows none: spacing and radius as the paper's.
-fn likely_density(mass: f64, radius: f64) -> f64 {
-    mass / (radius / likely_ratio()).powi(3)
+fn likely_density(mass: f64, radius: f64) -> PyResult<f64> {
+    let density = mass / (radius / likely_ratio()).powi(3);
+    let (least, most) = (MAGNITUDES.start(), MAGNITUDES.end());
+    let words = || {
+        format!(
+            "expected one that over radius cubed is some {least:e} to {most:e} kg/m^3; found {mass} kg at {radius} m"
+        )
+    };
+    if MAGNITUDES.contains(&density) { Ok(density) } else { Err(of_value("mass", words())) }
 }
 
 /// A kernel radius where none is given.
@@ -59,7 +69,7 @@ fn ops_density<'py>(
     let (positions, bounds) = (rows("positions", positions)?, sides(r#box)?);
     positive("mass", mass)?;
     positive("radius", radius)?;
-    let rest_density = likely_density(mass, radius);
+    let rest_density = likely_density(mass, radius)?;
     let density =
         run(py, |gpu| Particles { mass, rest_density, radius, bounds, ..Particles::at(&positions) }.density(gpu))?;
     Ok(PyArray1::from_vec(py, density))
@@ -129,7 +139,7 @@ fn ops_viscosity<'py>(
         (rows("positions", positions)?, rows("velocities", velocities)?, sides(r#box)?);
     positive("mass", mass)?;
     positive("radius", radius)?;
-    let rest_density = likely_density(mass, radius);
+    let rest_density = likely_density(mass, radius)?;
     let after = run(py, |gpu| {
         Particles { positions: &positions, velocities: &velocities, mass, rest_density, radius, bounds }
             .viscosity(gpu, coefficient)

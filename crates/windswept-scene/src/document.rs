@@ -13,7 +13,9 @@ use crate::{
     declare::join,
     error::SceneError,
     keys::{Fallback, KEYS, Key, Kind},
-    limits::{LARGEST, MAGNITUDES, MOST_BANDS, MOST_BODIES, MOST_FORCES, MOST_HAIR_GROUPS, SMALLEST},
+    limits::{
+        LARGEST, MAGNITUDES, MOST_BANDS, MOST_BODIES, MOST_COURSE_KEYFRAMES, MOST_FORCES, MOST_HAIR_GROUPS, SMALLEST,
+    },
 };
 
 /// A checked value.
@@ -157,6 +159,7 @@ fn most_of(path: &str) -> Option<(usize, &'static str)> {
         "body" => Some((MOST_BODIES, "bodies")),
         "force" => Some((MOST_FORCES, "force fields")),
         "turbulence.bands" => Some((MOST_BANDS, "bands")),
+        "air.gust" => Some((MOST_COURSE_KEYFRAMES, "gusts")),
         _ => None,
     }
 }

@@ -10,7 +10,7 @@ use crate::{
     error::SceneError,
     groom::Groom,
     hair,
-    limits::DEEPEST_ROOT,
+    limits::{DEEPEST_ROOT, MOST_AIR_PARTICLES},
     reach,
     scene::{Air, Model, Scene},
     strand::Parcel,
@@ -71,6 +71,10 @@ impl AirParticles {
         if self.positions.is_empty() {
             return Ok(());
         }
+        if self.positions.len() > MOST_AIR_PARTICLES as usize {
+            let found = self.positions.len();
+            return fault(format!("positions: expected at most {MOST_AIR_PARTICLES} rows, found {found}"));
+        }
         let good = |x: f64| x.is_finite() && x > 0.0;
         if ![self.volume, self.mass, self.size.x, self.size.y, self.size.z].into_iter().all(good) {
             return fault("volume, mass and size: expected numbers greater than 0".into());
@@ -85,7 +89,8 @@ impl AirParticles {
 }
 
 impl InitialState {
-    /// Whether a state of the caller's own can be simulated: arrays of fitting lengths, finite numbers, air in its box.
+    /// Whether a state of the caller's own can be simulated: arrays of fitting lengths within the [`limits`](crate::limits) of a scene, finite
+    /// numbers, air in its box.
     ///
     /// # Errors
     /// [`SceneError`] names the array or the element.

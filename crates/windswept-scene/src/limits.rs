@@ -87,6 +87,9 @@ pub const MOST_HAIR_GROUPS: usize = 4096;
 pub const MOST_BODIES: usize = 1024;
 /// Most force fields of a scene: every air particle and every hair point looks at every field, once in a step.
 pub const MOST_FORCES: usize = 256;
+/// Most keyframes of the courses of all force fields together, and most gusts: one invocation goes through them all in every step, twice, and
+/// Mesa's software adapter ends the loops of an invocation after 65 535 rounds in all.
+pub const MOST_COURSE_KEYFRAMES: usize = 16_384;
 /// Most triangles of a mesh file: with their tree they take 300 B each, 1.3 GB in all.
 pub const MOST_TRIANGLES: usize = 1 << 22;
 /// Most primitives in all nodes of a `.glb` file, those of a mesh counted for each node that has it: a short file can ask for any number of

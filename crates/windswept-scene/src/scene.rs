@@ -28,7 +28,7 @@ use crate::{
         Key,
         Kind::{Bool, Choice, Count, NonNegative, Positive, Table, Tables, Text, Vector},
     },
-    limits::{LEAST_COARSE_RADIUS, MOST_HAIR_POINTS, MOST_PRESSURE_ITERATIONS, MOST_REPEATS},
+    limits::{LEAST_COARSE_RADIUS, MOST_COURSE_KEYFRAMES, MOST_HAIR_POINTS, MOST_PRESSURE_ITERATIONS, MOST_REPEATS},
     picture::{Camera, Picture},
     reader::Reader,
     scatter::area,
@@ -378,6 +378,15 @@ impl Scene {
         names("hair", self.hair.iter().map(|hair| &hair.name).collect())?;
         names("body", self.bodies.iter().map(|body| &body.name).collect())?;
         names("force", self.forces.iter().map(|force| &force.name).collect())?;
+        let mut keyframes = 0;
+        for (i, force) in self.forces.iter().enumerate() {
+            keyframes += force.keyframes().len();
+            if keyframes > MOST_COURSE_KEYFRAMES {
+                let words =
+                    format!("makes {keyframes} keyframes of force fields; expected at most {MOST_COURSE_KEYFRAMES}");
+                return Err(reader.fault(&format!("force.{i}.course"), words));
+            }
+        }
         let mut points = 0u64;
         for (i, hair) in self.hair.iter().enumerate() {
             points += hair.drawn().map_or(0, |drawn| u64::from(drawn.strands) * u64::from(drawn.points));

@@ -370,6 +370,31 @@ fn tables_are_counted_before_they_are_looked_at() {
     }
 }
 
+/// Keyframes that one invocation goes through are counted, those of all force fields together.
+#[test]
+fn keyframes_are_counted() {
+    let keyframes = |count: usize, what: &str| (0..count).map(|k| format!("{{time={k},{what}}},")).collect::<String>();
+    let field = |name, count| {
+        let course = keyframes(count, "strength=1.0");
+        format!(
+            "[[force]]\nname = \"{name}\"\nfield = \"point\"\norigin = [0, 0, 0]\nreach = 0.1\ncourse = [{course}]\n"
+        )
+    };
+    for (text, words) in [
+        (
+            field("a", 9000) + &field("b", 9000),
+            "force.b.course: makes 18000 keyframes of force fields; expected at most 16384",
+        ),
+        (
+            format!("gust = [{}]\n", keyframes(17_000, "velocity=[1,0,0]")),
+            "air.gust: expected at most 16384 gusts, found 17000",
+        ),
+    ] {
+        let shown = Scene::parse(&(SMALL.to_owned() + &text)).unwrap_err().to_string();
+        assert!(shown.contains(words), "{shown}");
+    }
+}
+
 /// Control characters of a file are spelled where an error quotes them; other characters stay.
 #[test]
 fn control_characters_are_spelled() {

@@ -310,9 +310,13 @@ impl Engine {
             self.copy_state_to_scratch()?;
             self.run(&program, 1)?;
             let status = self.status()?;
-            let Some(thawed) = self.grow_if_short(&status, status.step.into())? else { return Ok(grown) };
-            // No step was taken that would set the wind again.
-            self.set_status(&Status { wind: status.wind, ..thawed })?;
+            let longer = self.grow_if_short(&status, status.step.into());
+            if matches!(longer, Ok(None)) {
+                return Ok(grown);
+            }
+            // No step was taken that would set the wind again, and none is frozen, even where the adapter has no room for the list.
+            self.set_status(&Status { wind: status.wind, ..status::thawed(&status) })?;
+            longer?;
             grown = true;
         }
     }

@@ -228,10 +228,11 @@ impl Simulation {
         Ok(())
     }
 
-    /// Encodes `n` steps of Δt into the caller's encoder, beside the caller's own work. Call [`Self::settle`] after the
-    /// submit.
+    /// Encodes `n` steps of Δt into the caller's encoder, beside the caller's own work. Of a step that is done in part, as one of which a
+    /// substep froze, those substeps are encoded that it lacks. Call [`Self::settle`] after the submit, and before the next call.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, n: u64) {
-        for _ in 0..n.saturating_mul(self.substeps()) {
+        let goal = self.steps.saturating_add(n).saturating_mul(self.substeps());
+        for _ in self.last.step.into()..goal {
             self.program.encode(encoder);
         }
     }
@@ -246,7 +247,8 @@ impl Simulation {
         let status = self.engine.status()?;
         let step = u64::from(status.step) / self.substeps();
         self.note_resets(&status);
-        self.last = status;
+        // A step that froze was not made: the wind is that at its start.
+        self.last = Status { wind: if status.causes == 0 { status.wind } else { status.wind_before }, ..status };
         self.steps = step;
         if let Some(thawed) = self.engine.grow_if_short(&status, step)? {
             self.last = thawed;

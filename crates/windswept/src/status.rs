@@ -60,6 +60,7 @@ pub fn thawed(status: &Status) -> Status {
         neighbour_carries: 0,
         bad_strands: 0,
         first_bad: u32::MAX,
+        first_bad_air: u32::MAX,
         hair_outside: 0,
         wind: status.wind_before,
         counting: Status::default().counting,

@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use windswept_scene::limits::{FASTEST_WIND, LARGEST, SMALLEST};
+use windswept_shaders::common::sound::FAST;
 
 use super::Simulation;
 use crate::{
@@ -87,7 +88,8 @@ impl Simulation {
     /// places.
     ///
     /// # Errors
-    /// [`RunError::Input`] when an array has not a row for each, or something is beyond 1e18; [`RunError::Gpu`].
+    /// [`RunError::Input`] when an array has not a row for each, when a position is beyond 1e18 m or a velocity beyond [`FAST`] m/s, or an
+    /// orientation is no rotation; [`RunError::Gpu`].
     pub fn set_hair(
         &mut self,
         positions: Option<&[DVec3]>,
@@ -98,7 +100,7 @@ impl Simulation {
         let mut hair = self.initial.hair.clone();
         let points = hair.positions.len();
         checked("positions", positions, points)?;
-        checked("velocities", velocities, points)?;
+        checked_speeds(velocities, points)?;
         let [now, speeds, frames] = self.engine.read_vec4([&s.position, &s.velocity, &s.orientation])?;
         let spins = self.engine.read_vec4([&s.angular_velocity])?;
         let vector = |v: &[f32; 4]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
@@ -128,7 +130,12 @@ impl Simulation {
             }
             hair.orientations = given.iter().map(|q| q.normalize()).collect();
         }
-        Ok(self.engine.write_hair(&hair, origin)?)
+        self.engine.write_hair(&hair, origin)?;
+        if self.last.step == 0 {
+            // Before the first step this is the hair that the run starts from.
+            self.initial.hair = hair;
+        }
+        Ok(())
     }
 
     /// Puts air somewhere else: positions \[m\], which are wrapped into the box, and velocities \[m/s\], by stable id.
@@ -139,11 +146,11 @@ impl Simulation {
     pub fn set_air(&mut self, positions: Option<&[DVec3]>, velocities: Option<&[DVec3]>) -> Result<(), RunError> {
         let air = &self.initial.air;
         checked("positions", positions, air.positions.len())?;
-        checked("velocities", velocities, air.positions.len())?;
+        checked_speeds(velocities, air.positions.len())?;
         let into_box = |x: &DVec3| (*x - air.min).rem_euclid(air.size);
         let local: Option<Vec<DVec3>> = positions.map(|positions| positions.iter().map(into_box).collect());
         self.engine.write_air(local.as_deref(), velocities, air.volume)?;
-        if self.steps == 0 {
+        if self.last.step == 0 {
             // Before the first step this is the air that the run starts from.
             let (min, start) = (self.initial.air.min, &mut self.initial.air);
             if let Some(local) = local {
@@ -168,9 +175,21 @@ pub(super) fn checked(name: &str, rows: Option<&[DVec3]>, expected: usize) -> Re
     }
 }
 
+/// Velocities \[m/s\] that a step can begin with.
+fn checked_speeds(rows: Option<&[DVec3]>, expected: usize) -> Result<(), RunError> {
+    checked("velocities", rows, expected)?;
+    match rows.into_iter().flatten().enumerate().find(|(_, v)| v.length() > f64::from(FAST)) {
+        Some((row, v)) => {
+            let words = format!("velocities: expected at most {FAST:e} m/s, found {:?} in row {row}", v.to_array());
+            Err(RunError::Input(words))
+        }
+        None => Ok(()),
+    }
+}
+
 /// Whether frames can turn by this.
 pub(super) fn is_rotation(q: &DQuat) -> bool {
-    q.is_finite() && q.length() > 1e-6
+    (1e-6..=LARGEST).contains(&q.length())
 }
 
 /// Whether air can be so fast \[m/s\].

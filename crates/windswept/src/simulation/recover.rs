@@ -50,7 +50,6 @@ impl Simulation {
             let places: Vec<DVec3> = start.positions.iter().map(|x| (*x - start.min).rem_euclid(start.size)).collect();
             let wind = DVec3::from_array(thawed.wind.map(f64::from));
             self.engine.write_air(Some(&places), Some(&vec![wind; places.len()]), start.volume)?;
-            thawed.first_bad_air = status::start().first_bad_air;
         }
         self.engine.set_status(&thawed)?;
         self.last = thawed;
