@@ -5,16 +5,16 @@
 // (Müller et al. 2007, Position based dynamics), and leave the bodies that they are in between their points. After each turn all points
 // stay out of bodies.
 //
-// Where that does not end, the strand is led: from the root on each point goes as far as its segment reaches, in the direction in which it
+// Where that does not end, the strand is laid out: from the root on each point goes as far as its segment reaches, in the direction in which it
 // should be, and the segment turns out of bodies about the point before (Müller, Kim & Chentanez 2012, Fast simulation of inextensible
 // hair and fur). All segments have their lengths then, whatever the bodies do: a strand that cannot go around a body slips through it.
 //
-// A strand that is embedded is led only where it is far off its length: its clamp presses it on the body in every step, and to be led would
+// A strand that is embedded is laid out only where it is far off its length: its clamp presses it on the body in every step, and to be laid out would
 // throw its tip in every step.
 //
-// A strand that begins the step deep in a body moves so little that no point of it is faster than what comes out, and is led without bodies.
+// A strand that begins the step deep in a body moves so little that no point of it is faster than what comes out, and is laid out without bodies.
 //
-// In a scene with meshes the turns are shared out among several dispatches; the last of them leads.
+// In a scene with meshes the turns are shared out among several dispatches; the last of them lays out.
 //
 // It runs on in a frozen step, in which nothing that it writes is committed or read: whether a step is frozen stands in a ninth buffer, and
 // WebGPU's default allows eight.
@@ -33,10 +33,10 @@ const TURNS: u32 = 100u;
 const LOOPS: u32 = 60000u;   // of an invocation in all, at most: Mesa's software adapter ends them after 65535, without a word
 const GIVE: f32 = 1e-3;   // lengths of the segment: weight and wind stretch hair by less, and are the rods'
 const DONE: f32 = 1e-5;   // lengths of the segment: what is more than GIVE by less is done
-const LED: f32 = 2e-2;    // lengths of the segment: an embedded strand that is more than GIVE by less after all turns is not led
+const SLACK: f32 = 2e-2;    // lengths of the segment: an embedded strand that is more than GIVE by less after all turns is not laid out
 const CLOSE: f32 = 1e-3;  // lengths of the segment, by which it may be pushed in the last turn
 const UNHURRIED: f32 = 0.6;    // of RECOVERY: speed of a strand that comes out, before its lengths are mended
-const TRIES: u32 = 6u;    // times that a led segment turns out of each body
+const TRIES: u32 = 6u;    // times that a laid out segment turns out of each body
 
 // What segment j from point p to the next is too long [m]; negative where it is too short.
 fn excess(p: u32, j: u32) -> f32 {
@@ -129,9 +129,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let inside = (touched[s] & INSIDE) != 0u;
     let embedded = touched[s] >> EMBEDDED;
     let each = 3u + loops_of_point(bodies) + loops_of_segment(bodies);
-    let led = strand.points * (4u + (TRIES + 1u) * loops_to_turn(bodies));
+    let laying = strand.points * (4u + (TRIES + 1u) * loops_to_turn(bodies));
     let parts = select(1u, PARTS, MESHES);
-    let turns = min(TURNS / parts, (LOOPS - min(led, LOOPS)) / (strand.points * each));
+    let turns = min(TURNS / parts, (LOOPS - min(laying, LOOPS)) / (strand.points * each));
     let part = (touched[s] >> PART) % (1u << (EMBEDDED - PART));
     var done = (touched[s] & PULLED) != 0u;
     for (var turn = 0u; turn < turns && !done; turn++) {
@@ -155,7 +155,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if part + 1u < parts { return; }
     if inside { slow(strand); }
     // A strand whose tip is held has no end that could give. One that comes out of a body keeps its lengths before it keeps out.
-    if inverse_mass[strand.first_point + n] == 0.0 || fits(strand, select(DONE, LED, embedded > 0u && !inside)) { return; }
+    if inverse_mass[strand.first_point + n] == 0.0 || fits(strand, select(DONE, SLACK, embedded > 0u && !inside)) { return; }
     for (var k = 0u; k < n; k++) {
         let p = strand.first_point + k;
         let felt = select(bodies, 0u, inside || k + 1u < embedded);

@@ -230,7 +230,7 @@ fn hair_among(scene: &Scene, tolerance: f64) {
     }
 }
 
-/// Strands of two segments that are pushed by up to 8 mm, or not at all, come along. One in thirty may go another way: a led segment that
+/// Strands of two segments that are pushed by up to 8 mm, or not at all, come along. One in thirty may go another way: a segment that is laid out that
 /// meets the middle of a thin body turns to either side of it, and rounding decides.
 #[test]
 fn pull_is_that_of_the_twin() {

@@ -19,19 +19,19 @@ const LOOPS: usize = 60_000;
 const GIVE: f64 = 1e-3;
 /// Part of its length by which a segment may be off more than [`GIVE`] when the pulling ends.
 const DONE: f64 = 1e-5;
-/// Part of its length by which a segment of an embedded strand may be off more than [`GIVE`] after all turns without the strand being led:
-/// the rods bring back what is less. Its clamp presses it on the body in every step, and leading it would throw its tip in every step.
-const LED: f64 = 2e-2;
+/// Part of its length by which a segment of an embedded strand may be off more than [`GIVE`] after all turns without the strand being laid out:
+/// the rods bring back what is less. Its clamp presses it on the body in every step, and laying it out would throw its tip in every step.
+const SLACK: f64 = 2e-2;
 /// Part of its length by which a body may push a segment in the last turn.
 const CLOSE: f64 = 1e-3;
 /// Speed of a strand that comes out of a body, in parts of [`RECOVERY`], before its lengths are mended.
 const UNHURRIED: f64 = 0.6;
-/// Times that a led segment turns out of each body.
+/// Times that a laid out segment turns out of each body.
 const TRIES: usize = 6;
 
 /// Pulls the rest of each pushed strand along: segments that are off their length by more than `GIVE` of it are brought back to that,
 /// by moves of their points m₁ dx₁ = −m₂ dx₂, and leave bodies, from root to tip and from tip to root by turns, with all points out of
-/// bodies after each. Where that does not end, the strand is led. A strand that begins inside a body moves slowly, and is led without bodies.
+/// bodies after each. Where that does not end, the strand is laid out. A strand that begins inside a body moves slowly, and is laid out without bodies.
 pub fn pull(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed], touches: &[Touch]) {
     for strand in (0..s.hair.len()).filter(|&strand| touches[strand].pushed) {
         let (points, segments) = (s.hair.points(strand), s.hair.segments(strand));
@@ -69,7 +69,7 @@ pub fn pull(s: &State, w: &mut Scratch, p: &Parameters, placed: &[Placed], touch
             slow(p, before, mass, x);
         }
         let gives = mass.last().is_some_and(|mass| *mass > 0.0);
-        if gives && !fits(x, rest, if embedded > 0 && !inside { LED } else { DONE }) {
+        if gives && !fits(x, rest, if embedded > 0 && !inside { SLACK } else { DONE }) {
             lead(if inside { &[] } else { placed }, embedded, mass, rest, x);
         }
     }
@@ -127,9 +127,9 @@ fn turns(placed: &[Placed], points: usize) -> Turns {
     let meshes = placed.iter().any(|placed| placed.body.shape.solid().is_some());
     let (entry, nearest) = if meshes { (STEPS + HALVINGS, PLACES + 3 * FINER as usize) } else { (0, 0) };
     let each = 3 + placed.len() * (ROUNDS * (1 + entry) + 1 + nearest + entry);
-    let led = points * (4 + (TRIES + 1) * placed.len() * (1 + nearest));
+    let laying = points * (4 + (TRIES + 1) * placed.len() * (1 + nearest));
     let parts = if meshes { PARTS } else { 1 };
-    Turns { parts, each: (TURNS / parts).min(LOOPS.saturating_sub(led) / (points * each)) }
+    Turns { parts, each: (TURNS / parts).min(LOOPS.saturating_sub(laying) / (points * each)) }
 }
 
 /// Measures the stretch of pushed strands: the rods did so before the push.
