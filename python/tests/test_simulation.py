@@ -190,6 +190,10 @@ def test_a_force_pushes_hair_and_air(sim, bare):
             sim.set_force(callback=bad)
     with pytest.raises(ValueError, match="callback"):
         sim.set_force(hair, callback=lambda frame: None)
+    sim.set_force(callback=lambda frame: 3)
+    with pytest.raises(ValueError, match="callback: returned what is no acceleration: hair: expected shape"):
+        sim.step()
+    sim.set_force()
     # Loose hair falls up.
     loose = ws.Simulation(bare, groom=ws.Groom([[[0, 0, 0], [0.01, 0, 0]]], root="free"))
     loose.set_force(np.float32([[0, 19.62, 0]] * 2))

@@ -107,3 +107,5 @@ pub const DEEPEST_ROOT: f64 = 0.1;
 pub const MOST_HAIRS: u32 = 1_000_000;
 /// Fewest pixels along a side of a picture.
 pub const LEAST_PIXELS: u32 = 16;
+/// Most pixels along a side of a picture: most GPUs draw so many.
+pub const MOST_PIXELS: u32 = 16_384;

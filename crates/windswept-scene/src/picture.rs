@@ -9,7 +9,7 @@ use crate::{
         Fallback::{Absent, Value},
         Kind::{Choice, Count, Positive, Table, Vector},
     },
-    limits::{LEAST_PIXELS, MOST_HAIRS},
+    limits::{LEAST_PIXELS, MOST_HAIRS, MOST_PIXELS},
     reader::Reader,
     scene::{Law, Scene},
 };
@@ -23,9 +23,9 @@ table! {
         /// Vertical field of view, below 180.
         fov: f64 = Positive, "°", Value(26.0);
         /// Width of a picture.
-        width: u32 = Count(LEAST_PIXELS, u32::MAX), "px", Value(960);
+        width: u32 = Count(LEAST_PIXELS, MOST_PIXELS), "px", Value(960);
         /// Height of a picture.
-        height: u32 = Count(LEAST_PIXELS, u32::MAX), "px", Value(540);
+        height: u32 = Count(LEAST_PIXELS, MOST_PIXELS), "px", Value(540);
     }
 }
 
@@ -47,9 +47,9 @@ fn without(camera: &Reader<'_>, name: &str) -> Result<[f64; 3], SceneError> {
 table! {
     /// `[picture]`: what pictures show.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-    pub struct Picture, checked by Picture::checked {
+    pub struct Picture {
         /// Hairs drawn in all, the strands and others that follow them; where a groom file has others, those first.
-        hairs: u32 = Count(1, u32::MAX), "", Value(20_000);
+        hairs: u32 = Count(1, MOST_HAIRS), "", Value(20_000);
         /// Colour of the air particles, or none of them.
         air: AirPicture = Choice(AirPicture::WORDS), "", Value(AirPicture::None);
     }
@@ -80,15 +80,6 @@ impl Camera {
     fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
         if self.fov >= 180.0 {
             return Err(reader.fault("fov", format!("expected an angle below 180 degrees, found {}", self.fov)));
-        }
-        Ok(self)
-    }
-}
-
-impl Picture {
-    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
-        if self.hairs > MOST_HAIRS {
-            return Err(reader.fault("hairs", format!("expected at most {MOST_HAIRS}, found {}", self.hairs)));
         }
         Ok(self)
     }

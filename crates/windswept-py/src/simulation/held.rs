@@ -6,7 +6,7 @@ use std::{
 };
 
 use glam::DVec3;
-use pyo3::{prelude::*, types::PyTuple};
+use pyo3::{exceptions::PyValueError, prelude::*, types::PyTuple};
 use windswept::{Accelerations, RunError};
 use windswept_export::{Pace, Run, Schedule, Stop};
 
@@ -137,7 +137,11 @@ impl Simulation {
             Err(_) => (answer, None),
         };
         let given = |value: &Bound<'_, PyAny>| !value.is_none();
-        self.push(py, Some(&hair).filter(|hair| given(hair)), air.as_ref().filter(|air| given(air)))
+        let pushed = self.push(py, Some(&hair).filter(|hair| given(hair)), air.as_ref().filter(|air| given(air)));
+        pushed.map_err(|error| match error.is_instance_of::<PyValueError>(py) {
+            true => of_value("callback", format!("returned what is no acceleration: {}", error.value(py))),
+            false => error,
+        })
     }
 
     /// Sets accelerations of hair and air.

@@ -14,7 +14,7 @@ use crate::{
         Key,
         Kind::{Bool, Choice, Count, Fraction, Length, NonNegative, Path, Positive, Share, Table, Tables, Text},
     },
-    limits::MOST_POINTS_OF_A_STRAND,
+    limits::{MOST_HAIR_POINTS, MOST_POINTS_OF_A_STRAND},
     motion::Motion,
     reader::Reader,
     strands::End,
@@ -59,7 +59,7 @@ table! {
     #[derive(Debug, Clone, PartialEq)]
     pub struct Drawn {
         /// Number of strands.
-        strands: u32 = Count(1, u32::MAX), "", Needed;
+        strands: u32 = Count(1, MOST_HAIR_POINTS), "", Needed;
         /// Points per strand, root included.
         points: u32 = Count(2, MOST_POINTS_OF_A_STRAND), "", Needed;
         /// Length of a strand along its curl.
@@ -95,7 +95,7 @@ table! {
         /// Points of each strand of a file that does not say where one ends: a .ply without strands, an array (points, 3).
         points_per_strand: Option<u32> = Count(1, MOST_POINTS_OF_A_STRAND), "", Absent("the file must say");
         /// Number of strands; of a file's guides, or of all its strands, those whose roots are far from one another. The others follow.
-        strands: Option<u32> = Count(1, u32::MAX), "", Absent("all of the file's guides, or of its strands");
+        strands: Option<u32> = Count(1, MOST_HAIR_POINTS), "", Absent("all of the file's guides, or of its strands");
         /// Points per strand, root included; strands of a file are divided anew, evenly along their length.
         points: Option<u32> = Count(2, MOST_POINTS_OF_A_STRAND), "", Absent("the file's");
     }
@@ -284,7 +284,7 @@ impl Keys for HairSource {
     fn read(reader: &Reader<'_>) -> Result<Self, SceneError> {
         let [of_file, of_drawn] = Self::keys("");
         let (own, other, words) = if reader.has("file") {
-            (of_file, of_drawn, "goes with strands that are drawn: expected no such key with hair.file")
+            (of_file, of_drawn, "goes with strands that are drawn: leave it out, as hair.file gives the strands")
         } else {
             (of_drawn, of_file, "goes with hair.file: expected a file, or no such key")
         };
