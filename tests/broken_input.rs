@@ -71,7 +71,7 @@ const CASES: &[Case] = &[
     replaced("points = 6", "points = 1", "hair.fringe.points", &["2"]),
     // More particles than memory.
     replaced(BOX, "box = { min = [0.0, 0.0, 0.0], max = [60.0, 40.0, 40.0] }", "air", &["particles"]),
-    replaced(STRANDS, "strands = 4000000000", "hair.fringe.strands", &["points"]),
+    replaced(STRANDS, "strands = 16000000", "hair.fringe.strands", &["points"]),
     // A table or key that is needed and missing.
     missing("step = 1.38e-3", "[time]", "time.step"),
     missing("duration = 0.1", "[time]", "time.duration"),

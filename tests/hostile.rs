@@ -287,7 +287,7 @@ fn overflowing_sizes_are_errors() {
     // 1e12 particles of air, in a large box and of little mass, and 1e12 strands and points.
     assert!(scene(&["air.box.max=[48, 48, 48]", "air.particle_mass=1.4e-10"]).contains("particles"));
     assert!(scene(&["hair.strands=1000000000000"]).contains("hair.strands"));
-    assert!(scene(&["hair.strands=4294967295", "hair.points=16384"]).contains("points"));
+    assert!(scene(&["hair.strands=16777216", "hair.points=16384"]).contains("points"));
     assert!(scene(&["hair.points=18446744073709551616"]).contains("hair.points"));
     assert!(scene(&["time.duration=1e18", "time.step=1e-18"]).contains("steps"));
     assert!(scene(&["turbulence.bands=[{ scale = 1e-9 }]"]).contains("turbulence"));

@@ -66,15 +66,15 @@ def test_pictures_that_make_no_sheet_are_told_of(short, tmp_path):
 
 
 def test_a_case_that_fails_stops_no_other(short, tmp_path):
-    # A picture that no adapter draws fails when it is drawn; a length that is none, at once.
-    cases = sweep.run(short, {"camera.width": [96, 100_000_000]}, tmp_path / "drawn", retries=1)
+    # More hairs than the adapter draws fail when they are drawn; a length that is none, at once.
+    cases = sweep.run(short, {"picture.hairs": [100, 1_000_000]}, tmp_path / "drawn", retries=1)
     assert [(case.status, case.attempts) for case in cases] == [("finished", 1), ("failed", 2)]
-    assert cases[1].error.startswith("the process ended with status 1: windswept.ExportError: camera.width and camera.height ask")
+    assert cases[1].error.startswith("the process ended with status 1: windswept.ExportError: picture.hairs: 1000000 hairs")
     said = (cases[1].folder / "error.txt").read_text()
     assert cases[1].error in said and "Traceback" in said
     assert table(tmp_path / "drawn")[1]["status"] == "failed"
     # A folder that had a finished case has one no more.
-    (failed,) = sweep.run(short, {"camera.width": [100_000_000]}, tmp_path / "drawn", retries=0)
+    (failed,) = sweep.run(short, {"picture.hairs": [1_000_000]}, tmp_path / "drawn", retries=0)
     assert [path.name for path in failed.folder.iterdir()] == ["error.txt"]
     cases = sweep.run(short, {"hair.length": [-1.0, 0.02]}, tmp_path / "scenes")
     assert [case.status for case in cases] == ["failed", "finished"] and "hair.length" in cases[0].error

@@ -14,7 +14,7 @@ use windswept_reference::{Parameters, neighbours, step::Scratch};
 use windswept_scene::{InitialState, Model};
 use windswept_shaders::{
     self as shaders,
-    common::{lanes::LANES, params::Params, row::Row, status::NEIGHBOUR_OVERFLOW},
+    common::{lanes::LANES, params::Params, row::Row},
 };
 
 use crate::{
@@ -327,5 +327,6 @@ fn a_row_of_too_many_particles_is_an_error() {
     let mut engine = Engine::new(&gpu, &setup).unwrap();
     let ended = engine.evaluate(|r| step::neighbours::record(r, &Plan::new(&setup)));
     assert!(matches!(ended, Err(RunError::TooManyNeighbours { needed, .. }) if needed > 1 << 32), "{ended:?}");
-    assert_eq!(engine.status().unwrap().causes, NEIGHBOUR_OVERFLOW);
+    // Only a measurement asked for so many: the next step does not stand still.
+    assert_eq!(engine.status().unwrap().causes, 0);
 }

@@ -146,7 +146,7 @@ fn bad_requests_touch_nothing() {
         (&["--every", "0"], "0"),
         (&["--set", "air.wind=[9, 0, 0]"], "only keys of camera and picture"),
         (&["--set", "picture.hair=9"], "picture.hairs"),
-        (&["--set", "picture.hairs=2000000"], "expected at most 1000000"),
+        (&["--set", "picture.hairs=2000000"], "at least 1, at most 1000000"),
         (&["--set", "picture.air=vorticity"], "the frame's air has no vorticity"),
         (&["--set", "camera.eye=[1,1,1]", "--set", "camera.target=[1,1,1]"], "the same point"),
         (&["--contact-sheet", "5"], "the run has frames from 0 to 0.017 s"),

@@ -562,7 +562,11 @@ fn faults_of_files_name_the_key() {
         |keys: &str| format!("file = \"two.hair\"\nscale = 1\n{keys}\n[[body]]\ncenter = [0, 0.5, 0]\nradius = 50");
     let large = "m large, body \"body\" 100.000 x 100.000 x 100.000 m: hair.scale is";
     refused(&of_two(""), "hair.scale", &["is rooted", "expected at most a tenth of its radius", large]);
-    refused("file = \"two.hair\"\nscale = 1\nlength = 0.1", "hair.length", &["no such key with hair.file"]);
+    refused(
+        "file = \"two.hair\"\nscale = 1\nlength = 0.1",
+        "hair.length",
+        &["leave it out, as hair.file gives the strands"],
+    );
     refused("file = \"two.hair\"\nscale = 1\nroots = { center = [0, 0, 0], radius = 1 }", "hair.roots", &["hair.file"]);
     refused("file = \"two.hair\"\nscale = 0", "hair.scale", &["greater than 0"]);
     refused("file = \"two.hair\"\nscale = 1\nup = \"q\"", "hair.up", &["\"yzx\""]);
