@@ -131,7 +131,7 @@ fn run_and_count(tests: &mut Command, mut print: impl FnMut(&str)) -> Result<Cou
     Ok(count)
 }
 
-/// The same, with what it prints.
+/// Runs tests as [`run_and_count`] does, and returns what they print instead of passing it on.
 fn run_and_collect(tests: &mut Command) -> Result<(String, Count)> {
     let mut printed = String::new();
     let count = run_and_count(tests, |row| {
