@@ -54,6 +54,10 @@ pub(crate) fn run(length: Length) -> Result {
     let mut of_python = python::tests(&package, length)?;
     on_software(&mut of_rust);
     on_software(&mut of_python);
+    if let (None, Ok(cores)) = (std::env::var_os("RUST_TEST_THREADS"), thread::available_parallelism()) {
+        // Many tests wait for a process: half as many again as there are cores keep these busy.
+        of_rust.env("RUST_TEST_THREADS", cores.get().div_ceil(2).saturating_add(cores.get()).to_string());
+    }
     // A test program of Rust leaves a core idle while its last test runs: Python's tests use it. What they print waits for the end.
     let (rust, python) = thread::scope(|scope| {
         let python = scope.spawn(|| run_and_collect(&mut of_python));
