@@ -11,7 +11,7 @@ use clap::builder::PossibleValuesParser;
 use clap::builder::{EnumValueParser, PossibleValue, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Arg, Args, Parser, Subcommand, ValueEnum, value_parser};
-use windswept_export::{CHECKPOINT, DEFAULT_FORMATS, FORMATS, Format, files_of_run};
+use windswept_export::{CHECKPOINT, DEFAULT_FORMATS, FORMATS, Format, SHEET, files_of_run};
 use windswept_scene::{GroomFormat, Scene, Up, keys::Key, limits::MOST_POINTS_OF_A_STRAND};
 #[cfg(feature = "validate")]
 use windswept_validate::{CHECKS, LONG_CHECKS};
@@ -120,7 +120,7 @@ pub(crate) enum Groom {
         #[arg(value_name = "FILE")]
         file: PathBuf,
         /// Points of each strand, where the file does not say where one ends
-        #[arg(long, value_name = "N", value_parser = points, allow_negative_numbers = true)]
+        #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
         points_per_strand: Option<u32>,
     },
     /// Write the strands of a groom file that can be simulated as another groom file, in their order
@@ -162,13 +162,13 @@ pub(crate) struct ConvertOptions {
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(2..=i64::from(MOST_POINTS_OF_A_STRAND)), allow_negative_numbers = true)]
     pub(crate) points: Option<u32>,
     /// Keep so many strands, those whose roots are far from one another
-    #[arg(long, value_name = "N", value_parser = points, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub(crate) strands: Option<u32>,
     /// Seed that draws the first strand that is kept
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole, allow_negative_numbers = true)]
     pub(crate) seed: u64,
     /// Points of each strand of IN, where the file does not say where one ends
-    #[arg(long, value_name = "N", value_parser = points, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub(crate) points_per_strand: Option<u32>,
     /// Replace OUT if it is there
     #[arg(long)]
@@ -185,7 +185,7 @@ fn whole(word: &str) -> Result<u64, String> {
     at_least(0, word)
 }
 
-fn points(word: &str) -> Result<u32, String> {
+fn count(word: &str) -> Result<u32, String> {
     at_least(1, word)
 }
 
@@ -482,6 +482,6 @@ pub(crate) struct RenderOptions {
 
 impl RenderOptions {
     pub(crate) fn sheet_path(&self) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| self.dir.join("contact-sheet.png"))
+        self.out.clone().unwrap_or_else(|| self.dir.join(SHEET))
     }
 }

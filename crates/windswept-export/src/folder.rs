@@ -19,7 +19,7 @@ pub const SCENE: &str = "scene.toml";
 /// What `--checkpoint-every` writes.
 pub const CHECKPOINT: &str = "checkpoint.windswept";
 /// Written by `windswept render` only.
-const SHEET: &str = "contact-sheet.png";
+pub const SHEET: &str = "contact-sheet.png";
 /// Written by `windswept export` only.
 pub const FILMS: [&str; 3] = ["film.usda", "film.usdc", "film.npz"];
 

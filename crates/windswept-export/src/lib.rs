@@ -26,7 +26,9 @@ mod vtkhdf;
 
 pub use arrays::write_npz;
 pub use error::ExportError;
-pub use folder::{CHECKPOINT, FILMS, Folder, LOCK, Lock, REPORT, SCENE, files_of_run, files_with_made, real_path};
+pub use folder::{
+    CHECKPOINT, FILMS, Folder, LOCK, Lock, REPORT, SCENE, SHEET, files_of_run, files_with_made, real_path,
+};
 pub use followers::Followers;
 pub use image;
 pub use picture::{check_sheet, contact_sheet, write_png};

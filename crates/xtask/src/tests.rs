@@ -56,7 +56,7 @@ pub(crate) fn run(length: Length) -> Result {
     on_software(&mut of_python);
     if let (None, Ok(cores)) = (std::env::var_os("RUST_TEST_THREADS"), thread::available_parallelism()) {
         // Many tests wait for a process: half as many again as there are cores keep these busy.
-        of_rust.env("RUST_TEST_THREADS", cores.get().div_ceil(2).saturating_add(cores.get()).to_string());
+        of_rust.env("RUST_TEST_THREADS", (3 * cores.get()).div_ceil(2).to_string());
     }
     // A test program of Rust leaves a core idle while its last test runs: Python's tests use it. What they print waits for the end.
     let (rust, python) = thread::scope(|scope| {
