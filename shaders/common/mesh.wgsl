@@ -11,7 +11,8 @@ struct Mesh {
     axis: u32,               // axis that this dispatch transforms along: 0 is x, 1 is y, 2 is z
     nearest: i32,            // node that the first tap is for, counted from the first node that is made
     first_tap: u32,          // index of the first pair of taps in `taps`
-    end_tap: u32, // end of the pairs of taps in `taps`
+    end_tap: u32,            // end of the pairs of taps in `taps`
+    solves: u32,             // 1: this dispatch solves for the coarse pressure of the waves that it makes; 0: it does not
 }
 
 // The window that is no B-spline: the cubic of Mitchell & Netravali (1988) with B = 1.2 and C = -0.11, whose transform falls off

@@ -253,15 +253,12 @@ impl Walk<'_> {
         let pressure = fluid::coarse_solve(&p, &deposited);
         let most = largest(pressure.iter().map(|c| c.abs())).max(1e-9);
         passes.through("coarse/wave");
-        let waves = fluid::coarse_waves(&p, &deposited);
-        let largest_wave = largest(waves.iter().map(|wave| wave.abs())).max(1e-3);
-        self.same("coarse/wave", numbers_apart(&nodes(&state.coarse_waves), &waves) / largest_wave, bounds.nodes)?;
-        passes.through("coarse/solve");
+        passes.through("coarse/wave");
         // The way back leaves a factor of the number of nodes, which is taken out here.
         let count = pressure.len() as f64;
         let solved: Vec<f64> = fluid::coarse_waves(&p, &pressure).iter().map(|wave| wave / count).collect();
         let largest_wave = largest(solved.iter().map(|wave| wave.abs())).max(1e-9);
-        self.same("coarse/solve", numbers_apart(&nodes(&state.coarse_waves), &solved) / largest_wave, bounds.nodes)?;
+        self.same("coarse/wave", numbers_apart(&nodes(&state.coarse_waves), &solved) / largest_wave, bounds.nodes)?;
         passes.through("coarse/wave");
         self.same("coarse/wave", numbers_apart(&nodes(&state.coarse), &pressure) / most, bounds.nodes)?;
 
@@ -330,7 +327,6 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::coarse::SOURCE, "sorted_position[e].xyz /", "0.9 * sorted_position[e].xyz /", DIVERGENCE),
     (&shaders::coarse::DEPOSIT, "across.y * across.z", "across.x * across.z", DIVERGENCE),
     (&shaders::coarse::WAVE, "cos(t) + sin(t)", "cos(t)", DIVERGENCE),
-    (&shaders::coarse::SOLVE, "52.0 * cos(t)", "50.0 * cos(t)", DIVERGENCE),
     (&shaders::coarse::GATHER, "-sigma * sum", "-0.9 * sigma * sum", DIVERGENCE),
     (&shaders::sums::CHANGES, "vec4f(v, dot", "vec4f(v, 0.5 * dot", DIVERGENCE),
     (&shaders::sums::TOTAL, "totals[1] = all[1]", "totals[1] = 0.5 * all[1]", DIVERGENCE),

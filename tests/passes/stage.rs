@@ -199,11 +199,13 @@ pub struct Passes<'a> {
 }
 
 impl Passes<'_> {
-    /// Runs what is left of the fragment up to the next runs of `pass`, and these. Says whether there were any; if there are
+    /// Runs what is left of the fragment up to the next runs of `pass` for one purpose (`Command::label`), and these. Says whether there were any; if there are
     /// none, nothing runs.
     pub fn through(&mut self, pass: &str) -> bool {
         let Some(first) = self.commands.iter().position(|command| command.pass.name == pass) else { return false };
-        let runs = self.commands[first..].iter().take_while(|command| command.pass.name == pass).count();
+        let label = self.commands[first].label;
+        let same = |command: &&Command| command.pass.name == pass && command.label == label;
+        let runs = self.commands[first..].iter().take_while(same).count();
         self.replay(first + runs);
         true
     }

@@ -9,8 +9,8 @@ const SPACING: f64 = 3.0;
 /// The coarse grid.
 #[derive(Debug, Clone)]
 pub(crate) struct Coarse {
-    /// One uniform per axis.
-    pub(crate) uniforms: [Mesh; 3],
+    /// One uniform per axis, and that of the last axis where waves are solved for.
+    pub(crate) uniforms: [Mesh; 4],
     /// Index of the first of them in `mesh`.
     pub(crate) first: usize,
 }
@@ -29,7 +29,7 @@ impl Coarse {
             gain: (air.volume / air.size.element_product()) as f32,
             ..Mesh::default()
         };
-        Self { uniforms: [0, 1, 2].map(|axis| Mesh { axis, ..mesh }), first }
+        Self { uniforms: [(0, 0), (1, 0), (2, 0), (2, 1)].map(|(axis, solves)| Mesh { axis, solves, ..mesh }), first }
     }
 
     /// Number of nodes.

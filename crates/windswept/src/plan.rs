@@ -84,6 +84,8 @@ pub struct Plan {
     pub coarse: Decision,
     /// Elements of `mesh` with the coarse grid, one per axis.
     pub coarse_axes: [Index<Mesh>; 3],
+    /// Element of `mesh` with the coarse grid, for the waves along its last axis that are solved for.
+    pub coarse_solve: Index<Mesh>,
     /// Blocks of nodes of the deposit on the coarse grid.
     pub coarse_blocks: u32,
     /// Whether density is needed although the constraint is not solved.
@@ -177,6 +179,7 @@ impl Plan {
         let divergence = air.and(Decision::when(!is_pbf, "fluid.solver is pbf"));
         let coarse =
             divergence.and(scene.why_no_coarse().map_or(Decision::when(true, ""), |why| Decision::when(false, why)));
+        let first_coarse = setup.coarse.as_ref().map_or(0, |coarse| coarse.first);
         let fluid = air
             .and(Decision::when(solved, "fluid.iterations is 0"))
             .and(Decision::when(sizes.constrained > 0, "fluid.solver is divergence"));
@@ -235,8 +238,8 @@ impl Plan {
             eddies,
             divergence,
             coarse,
-            coarse_axes: [0, 1, 2]
-                .map(|axis| Index::new(setup.coarse.as_ref().map_or(0, |coarse| coarse.first) + axis)),
+            coarse_axes: [0, 1, 2].map(|axis| Index::new(first_coarse + axis)),
+            coarse_solve: Index::new(first_coarse + 3),
             coarse_blocks: setup.coarse.as_ref().map_or(0, Coarse::blocks),
             density_alone,
             friction,

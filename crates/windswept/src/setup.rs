@@ -102,7 +102,7 @@ impl<'a> Setup<'a> {
         [self.scene.rods.newton / self.params.newton_steps, self.params.newton_steps]
     }
 
-    /// The grids' uniforms: three per band, then three of the coarse grid.
+    /// The grids' uniforms: three per band, then four of the coarse grid.
     pub(crate) fn mesh_uniforms(&self) -> Vec<Mesh> {
         let coarse = self.coarse.iter().flat_map(|coarse| coarse.uniforms);
         self.meshes.uniforms.iter().copied().chain(coarse).collect()

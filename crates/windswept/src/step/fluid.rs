@@ -86,10 +86,11 @@ fn on_coarse_grid(r: &mut Recorder<'_>, plan: &Plan) {
     divergence(r, plan, Index::new(0));
     r.run(&coarse::SOURCE, "divergence that air brings", n.air()).bind("mesh", &mesh);
     r.run(&coarse::DEPOSIT, "divergence onto the coarse grid", plan.coarse_blocks).bind("mesh", &mesh);
-    for (axis, pair) in plan.coarse_axes.into_iter().zip(pairs.iter().cycle()) {
-        wave(r, plan, "waves along an axis", axis, *pair);
+    let [x, y, _] = plan.coarse_axes;
+    for (axis, pair) in [x, y].into_iter().zip(pairs) {
+        wave(r, plan, "waves along an axis", axis, pair);
     }
-    r.run(&coarse::SOLVE, "pressure of each wave", n.coarse_nodes).bind("mesh", &mesh).bind("waves", &s.coarse_waves);
+    wave(r, plan, "and along the last, solved for pressure", plan.coarse_solve, pairs[0]);
     for (axis, pair) in plan.coarse_axes.into_iter().zip(pairs.iter().rev().cycle()) {
         wave(r, plan, "back along an axis", axis, *pair);
     }
