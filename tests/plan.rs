@@ -89,32 +89,26 @@ fn cases() -> [Case; 11] {
     let moves = &[HAIR_ALONE, &["rods/drift", "wind/miss", "sums/total", "wind/fringe", "fluid/advance"]].concat()[..];
     let fluid = &[HAIR_ON_HAIR, SPREAD, COARSE, PUSH].concat()[..];
     let exchange = &[BEGIN, &["wind/sample", "wind/drag"], SOLVE, &["wind/react"]].concat()[..];
-    let velocity = &["rods/velocity"][..];
     let eddies = &[SORT, FILTER, CONFINE, STRENGTHEN].concat()[..];
     [
-        (
-            "rods only",
-            &["interaction.model=none"],
-            None,
-            [HAIR_ALONE, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
-        ),
+        ("rods only", &["interaction.model=none"], None, [HAIR_ALONE, BEGIN, SOLVE, COMMIT_HAIR, COMMIT].concat()),
         (
             "hair without air",
             &["interaction.model=two-way"],
             Some("air"),
-            [HAIR_ALONE, BEGIN, SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
+            [HAIR_ALONE, BEGIN, SOLVE, COMMIT_HAIR, COMMIT].concat(),
         ),
         (
             "drag",
             &["interaction.model=drag"],
             None,
-            [blow, HAIR_ALONE, BEGIN, &["wind/drag"], SOLVE, velocity, COMMIT_HAIR, COMMIT].concat(),
+            [blow, HAIR_ALONE, BEGIN, &["wind/drag"], SOLVE, COMMIT_HAIR, COMMIT].concat(),
         ),
         (
             "two-way",
             &[],
             None,
-            [blow, moves, SORT, LIST, fluid, exchange, velocity, eddies, VISCOSITY, COMMIT_HAIR, COMMIT_AIR].concat(),
+            [blow, moves, SORT, LIST, fluid, exchange, eddies, VISCOSITY, COMMIT_HAIR, COMMIT_AIR].concat(),
         ),
         (
             "force field",
@@ -132,7 +126,6 @@ fn cases() -> [Case; 11] {
                 &["wind/sample", "force/feel", "wind/drag"],
                 SOLVE,
                 &["wind/react"],
-                velocity,
                 VISCOSITY,
                 COMMIT_HAIR,
                 COMMIT_AIR,
@@ -143,18 +136,8 @@ fn cases() -> [Case; 11] {
             "force field on hair",
             &["interaction.model=drag", JET],
             None,
-            [
-                blow,
-                &["force/course"],
-                HAIR_ALONE,
-                BEGIN,
-                &["force/feel", "wind/drag"],
-                SOLVE,
-                velocity,
-                COMMIT_HAIR,
-                COMMIT,
-            ]
-            .concat(),
+            [blow, &["force/course"], HAIR_ALONE, BEGIN, &["force/feel", "wind/drag"], SOLVE, COMMIT_HAIR, COMMIT]
+                .concat(),
         ),
         (
             "air only",
@@ -179,13 +162,13 @@ fn cases() -> [Case; 11] {
             "no turbulence",
             &["turbulence.bands=[]"],
             None,
-            [blow, moves, SORT, LIST, fluid, exchange, velocity, VISCOSITY, COMMIT_HAIR, COMMIT_AIR].concat(),
+            [blow, moves, SORT, LIST, fluid, exchange, VISCOSITY, COMMIT_HAIR, COMMIT_AIR].concat(),
         ),
         (
             "no viscosity",
             &["viscosity.hair=0", "viscosity.air=0"],
             None,
-            [blow, moves, SORT, LIST, fluid, exchange, velocity, eddies, COMMIT_HAIR, COMMIT_AIR].concat(),
+            [blow, moves, SORT, LIST, fluid, exchange, eddies, COMMIT_HAIR, COMMIT_AIR].concat(),
         ),
         (
             "everything",
@@ -210,7 +193,7 @@ fn cases() -> [Case; 11] {
                     "contact/stretch",
                     "contact/air",
                 ],
-                velocity,
+                &["rods/velocity"],
                 SORT,
                 FILTER,
                 CONFINE,
@@ -238,7 +221,6 @@ fn cases() -> [Case; 11] {
                 BEGIN,
                 // The mean wind drags hair outside the box.
                 &["wind/drag", "rods/load", "rods/start", "rods/gauss_seidel", "rods/finish", "rods/place"],
-                velocity,
                 &["fluid/velocity", "turbulence/locate", "turbulence/weigh", "turbulence/vorticity", "turbulence/band"],
                 // Sum and mean are the report's.
                 &["turbulence/confine"],

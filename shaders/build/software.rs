@@ -102,7 +102,7 @@ const STREAMED: [&str; 24] = [
 const FEW: [(&str, u32); 3] = [("missed", 2), ("coarse_total", 2), ("confinement_total", 2)];
 
 /// Passes that read no element of an array after they have written it. They read a texture of it where storage buffers are read slowly.
-const READ_FIRST: [&str; 19] = [
+const READ_FIRST: [&str; 20] = [
     "coarse/push",
     "contact/air",
     "fluid/friction",
@@ -116,6 +116,7 @@ const READ_FIRST: [&str; 19] = [
     "rods/direct",
     "rods/finish",
     "rods/load",
+    "rods/place",
     "rods/start",
     "rods/velocity",
     "turbulence/confine",

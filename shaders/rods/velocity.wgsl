@@ -1,8 +1,6 @@
-// Velocities of hair from the moves of its rods. What a contact added to a move is an impulse on top, as all that acts from
-// outside.
+// What contact added to the moves of hair is an impulse on top of the velocities that the rods left, as all that acts from outside.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, integration::rate, rod::{RodPoint, PointHistory}, place::placed,
-    status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, rod::{RodPoint, PointHistory}, place::placed, status::frozen,
 };
 
 @group(0) @binding(2) var<storage, read>       position:      array<vec4f>;
@@ -15,9 +13,8 @@ import package::common::{
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let p = invocation(id, groups);
     if (p >= params.hair_points) | frozen() { return; }
-    let point = rod_points[p];
-    let shift = predicted[p].xyz - placed(position[p].xyz, point_history[p].remainder, point.travel);
+    let shift = predicted[p].xyz - placed(position[p].xyz, point_history[p].remainder, rod_points[p].travel);
     let contact = shift / params.step;
-    rod_points[p].before = point.velocity + contact;
-    new_velocity[p] = vec4f(rate(point.travel, point.carried, point.scheme) + contact, 0.0);
+    rod_points[p].before += contact;
+    new_velocity[p] += vec4f(contact, 0.0);
 }

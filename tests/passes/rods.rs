@@ -6,7 +6,7 @@ mod solve;
 
 use glam::DVec3;
 use windswept::internals::step;
-use windswept_reference::{State as Twin, drive, rods, step::Scratch};
+use windswept_reference::{State as Twin, drive, rods, step::Scratch, velocity};
 use windswept_scene::{Model, Scene};
 use windswept_shaders::{self as shaders, common::integration::BDF2};
 
@@ -155,6 +155,10 @@ impl Walk<'_> {
             let got = &stage.vectors(&stage.engine.state().predicted)[..p.hair_points];
             self.same("rods/place", apart(got, &w.predicted[..p.hair_points]), bounds.length)?;
             self.same("rods/place", given(w), bounds.speed)?;
+            let left = |point: &rods::Point| velocity::velocity(&p, point, DVec3::ZERO);
+            let wanted: Vec<_> = w.moving.points.iter().map(left).collect();
+            let got = stage.vectors(&stage.engine.state().new_velocity);
+            self.same("rods/place", apart(&got[..p.hair_points], &wanted), bounds.speed)?;
         }
         w.drag_impulse = rods::keep(s, w, &p);
         if passes.through("force/keep") {

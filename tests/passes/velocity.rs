@@ -7,7 +7,7 @@ use windswept_shaders as shaders;
 
 use crate::{
     stage::{each, relative, stirred},
-    steps::{Fault, PARTICLES},
+    steps::{BODIES, Fault, PARTICLES},
     support,
     walk::{Same, Walk, apart},
 };
@@ -33,7 +33,7 @@ impl Walk<'_> {
 
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
-    (&shaders::rods::VELOCITY, "rate(point.travel", "0.9 * rate(point.travel", PARTICLES),
+    (&shaders::rods::VELOCITY, "shift / params.step", "0.9 * shift / params.step", BODIES),
     (&shaders::fluid::VELOCITY, "correction[i].xyz / params.step", "0.99 * correction[i].xyz / params.step", PARTICLES),
 ];
 

@@ -1,4 +1,4 @@
-//! 6. Velocities from positions.
+//! 6. What contact adds to the moves of hair, and the density constraint to those of air, becomes velocity.
 
 use windswept_shaders::{fluid, rods};
 
@@ -8,8 +8,8 @@ use crate::{plan::Plan, recorder::Recorder};
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("6. velocity");
     let n = &plan.sizes;
-    r.when(&plan.hair, |r| {
-        r.run(&rods::VELOCITY, "velocities of hair", n.hair_points);
+    r.when(&plan.bodies.and(plan.hair.clone()), |r| {
+        r.run(&rods::VELOCITY, "what contact adds to velocities", n.hair_points);
     });
     r.when(&plan.air_last, |r| {
         r.run(&fluid::VELOCITY, "velocities of air", n.air());
