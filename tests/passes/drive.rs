@@ -110,7 +110,7 @@ impl Walk<'_> {
 
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
-    (&shaders::wind::BLOW, "status.wind[axis] = now[axis]", "status.wind[axis] = before[axis]", PARTICLES),
+    (&shaders::wind::BLOW, "status.wind[axis] = now", "status.wind[axis] = before", PARTICLES),
     (&shaders::rods::INSPECT, "if point == NO_POINT {", "if point != NO_POINT {", PARTICLES),
     (&shaders::rods::RESET, "committed.bad == 0u", "committed.bad != 0u", PARTICLES),
     (&shaders::rods::ROOTS, "left = 1u", "left = 2u", PARTICLES),

@@ -9,7 +9,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("1. drive");
     let (n, missed) = (&plan.sizes, r.state().missed);
     r.when(&plan.blows, |r| {
-        r.run(&wind::BLOW, "mean wind of the step", 1);
+        r.run(&wind::BLOW, "mean wind of the step", ONE_WORKGROUP);
     });
     r.when(&plan.fields, |r| {
         r.when(&plan.blows, |r| {
