@@ -53,10 +53,11 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
         let meaning = windswept::warning_meaning(cause).map(|meaning| format!(" ({meaning})")).unwrap_or_default();
         console.warn(format_args!("{cause}: {count}{meaning}"));
     }
+    let frames = run.next_frame();
     let done = format!(
-        "{}: {} frames, {} of {steps} steps in {:.1} s{}",
+        "{}: {frames} frame{}, {} of {steps} steps in {:.1} s{}",
         output.dir().display(),
-        run.next_frame(),
+        if frames == 1 { "" } else { "s" },
         report.steps,
         started.elapsed().as_secs_f64(),
         report.ms_per_step.map(|ms| format!(" ({ms:.1} ms a step)")).unwrap_or_default(),

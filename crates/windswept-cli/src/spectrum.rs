@@ -152,8 +152,13 @@ impl FinishedRun {
             radius: self.settings.kernel_radius,
             bounds: Some(air.size.to_array()),
         };
-        let energy = |scale: &f64| particles.band_energy(gpu, *scale, filter(*scale));
-        Ok(scales.iter().map(energy).collect::<Result<_, _>>()?)
+        let energy = |&scale: &f64| {
+            particles.band_energy(gpu, scale, filter(scale)).map_err(|error| match error.into() {
+                Failure::Input(what) => Failure::Input(format!("a scale of {scale:e} m: {what}")),
+                failure => failure,
+            })
+        };
+        scales.iter().map(energy).collect()
     }
 }
 

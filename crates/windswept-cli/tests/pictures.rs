@@ -143,7 +143,7 @@ fn bad_requests_touch_nothing() {
     for (more, word) in [
         (&["--frames", "9..12"][..], "has frames 0 to 1"),
         (&["--frames", "3..1"], "expected A..B"),
-        (&["--every", "0"], "0"),
+        (&["--every", "0"], "expected a whole number of at least 1"),
         (&["--set", "air.wind=[9, 0, 0]"], "only keys of camera and picture"),
         (&["--set", "picture.hair=9"], "picture.hairs"),
         (&["--set", "picture.hairs=2000000"], "at least 1, at most 1000000"),
@@ -151,7 +151,8 @@ fn bad_requests_touch_nothing() {
         (&["--set", "camera.eye=[1,1,1]", "--set", "camera.target=[1,1,1]"], "the same point"),
         (&["--contact-sheet", "5"], "the run has frames from 0 to 0.017 s"),
         (&["--contact-sheet", "0", "--out", "nowhere/sheet.png"], "expected a file in a folder that is there"),
-        (&["--contact-sheet", "NaN"], "NaN"),
+        (&["--contact-sheet", "NaN"], "expected times in seconds"),
+        (&["--contact-sheet", "-1"], "the run has frames from 0 to 0.017 s"),
         (&["--frames", "0..9"], "has frames 0 to 1"),
         (&["--contact-sheet", "0", "--out", "out/hair.vtkhdf"], "a name that ends in .png"),
         (&["--contact-sheet", "0", "--out", "out/scene.toml"], "a name that ends in .png"),

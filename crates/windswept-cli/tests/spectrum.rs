@@ -83,10 +83,12 @@ fn a_spectrum_says_what_it_lacks() {
     let (status, printed, said) = spectrum(folder, &["--picture", "air.svg"]);
     assert_eq!(status, Some(0), "{said}");
     assert!(printed.contains("scale [mm]") && printed.lines().count() >= 3 && folder.join("air.svg").is_file());
-    let (status, _, said) = spectrum(folder, &["--scales", "0"]);
-    assert!(status == Some(2) && said.contains("above 0"), "{said}");
-    let (status, _, said) = spectrum(folder, &["--scales", "1e-7"]);
-    assert!(status == Some(2) && said.contains("can be sorted into"), "{said}");
+    for scale in ["0", "-1", "many"] {
+        let (status, _, said) = spectrum(folder, &["--scales", scale]);
+        assert!(status == Some(2) && said.contains("above 0"), "{scale}: {said}");
+    }
+    let (status, _, said) = spectrum(folder, &["--scales", "0.009,1e-7"]);
+    assert!(status == Some(2) && said.contains("a scale of 1e-7 m") && said.contains("can be sorted into"), "{said}");
 }
 
 /// A picture takes no file of the run's, and is there whole or not at all.
