@@ -85,7 +85,7 @@ const LEFT: u32 = 4u;         // rescued, and left to Gauss-Seidel
 struct RodPoint {
     velocity: vec3f,       // m/s, v_n with what acts from outside in this step
     inverse_mass: f32,     // 1/kg
-    before: vec3f,         // m/s, v_(n-1) with the same
+    before: vec3f,         // m/s, v_(n-1) with the same; from `rods/place` on v_n, with what contact adds as well
     largest: f32,          // m, the largest move in a step
     carried: vec3f,        // m, the move of the step before
     scheme: u32,           // of `integration`: EULER, BDF2, PUT, STAY

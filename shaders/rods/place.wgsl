@@ -1,5 +1,5 @@
 // Hair points go where their rods took them, and have the velocity of that move; what the air's drag gave each of them on the way is an
-// impulse J = dt (F - R v).
+// impulse J = dt (F - R v). What a point started from is what the next step calls the velocity before (`guard/commit_hair`).
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, integration::rate, rod::{RodPoint, PointHistory}, place::placed,
     status::frozen,

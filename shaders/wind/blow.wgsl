@@ -18,7 +18,7 @@ fn main(@builtin(local_invocation_id) id: vec3u) {
     if frozen() { return; }
     let begin = f32(status.step) * params.step;
     let end = f32(status.step + 1u) * params.step;
-    var entry = vec4f();
+    var entry = vec4f();   // the one before: the first is taken as it is, whatever `later` finds for it
     var before = 0.0;
     var now = 0.0;
     var fastest = 0.0;

@@ -35,8 +35,10 @@ impl Walk<'_> {
         let with_fields: Vec<_> = air.zip(&by_wind).map(drawn).collect();
         let mut passes = stage.passes(step::drive::record);
         if passes.through("wind/blow") {
-            let wind = stage.engine.status().unwrap().wind.map(f64::from);
-            self.same("wind/blow", (DVec3::from_array(wind) - w.blowing).length(), bounds.wind)?;
+            let status = stage.engine.status().unwrap();
+            let gap = |got: [f32; 3], wanted: DVec3| (DVec3::from_array(got.map(f64::from)) - wanted).length();
+            self.same("wind/blow", gap(status.wind, w.blowing), bounds.wind)?;
+            self.same("wind/blow", gap(status.wind_before, drive::blow(self.p(), s.steps)), bounds.wind)?;
         }
         if passes.through("force/course") {
             let wanted: Vec<_> =

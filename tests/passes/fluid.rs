@@ -327,6 +327,8 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::coarse::SOURCE, "sorted_position[e].xyz /", "0.9 * sorted_position[e].xyz /", DIVERGENCE),
     (&shaders::coarse::DEPOSIT, "across.y * across.z", "across.x * across.z", DIVERGENCE),
     (&shaders::coarse::WAVE, "cos(t) + sin(t)", "cos(t)", DIVERGENCE),
+    (&shaders::coarse::WAVE, "1.0 - s + (2.0", "0.98 - s + (2.0", DIVERGENCE),
+    (&shaders::coarse::WAVE, "4.0 * s * (1.0", "3.9 * s * (1.0", DIVERGENCE),
     (&shaders::coarse::GATHER, "-sigma * sum", "-0.9 * sigma * sum", DIVERGENCE),
     (&shaders::sums::CHANGES, "vec4f(v, dot", "vec4f(v, 0.5 * dot", DIVERGENCE),
     (&shaders::sums::TOTAL, "totals[1] = all[1]", "totals[1] = 0.5 * all[1]", DIVERGENCE),

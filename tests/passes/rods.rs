@@ -159,6 +159,9 @@ impl Walk<'_> {
             let wanted: Vec<_> = w.moving.points.iter().map(left).collect();
             let got = stage.vectors(&stage.engine.state().new_velocity);
             self.same("rods/place", apart(&got[..p.hair_points], &wanted), bounds.speed)?;
+            let points = stage.rods().0;
+            let before = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.before) - b.velocity).length());
+            self.same("rods/place", largest(before), bounds.speed)?;
         }
         w.drag_impulse = rods::keep(s, w, &p);
         if passes.through("force/keep") {
@@ -212,6 +215,8 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::rods::GAUSS_SEIDEL, "0.5 * rotate(before", "0.4 * rotate(before", SWEEPS),
     (&shaders::rods::FINISH, "rest_length - 1.0", "rest_length - 1.0001", PARTICLES),
     (&shaders::rods::PLACE, "remainder, point.travel", "remainder, 0.9 * point.travel", PARTICLES),
+    (&shaders::rods::PLACE, "vec4f(velocity, 0.0)", "vec4f(0.9 * velocity, 0.0)", PARTICLES),
+    (&shaders::rods::PLACE, "before = point.velocity", "before = 0.9 * point.velocity", PARTICLES),
     (&shaders::wind::REACT, "params.air_inverse_mass * own.w", "0.9 * params.air_inverse_mass * own.w", TWO_WAY),
 ];
 

@@ -199,8 +199,8 @@ pub struct Passes<'a> {
 }
 
 impl Passes<'_> {
-    /// Runs what is left of the fragment up to the next runs of `pass` for one purpose (`Command::label`), and these. Says whether there were any; if there are
-    /// none, nothing runs.
+    /// Runs what is left of the fragment up to the next runs of `pass` that have one label, and these. Says whether there were any; if
+    /// there are none, nothing runs.
     pub fn through(&mut self, pass: &str) -> bool {
         let Some(first) = self.commands.iter().position(|command| command.pass.name == pass) else { return false };
         let label = self.commands[first].label;

@@ -1,4 +1,4 @@
-//! Heading 6: the passes that find velocities from positions.
+//! Heading 6: the passes that make velocity of what contact and the density constraint move.
 
 use glam::DVec3;
 use windswept::internals::step;
@@ -6,10 +6,10 @@ use windswept_reference::{State as Twin, fluid, step::Scratch, velocity};
 use windswept_shaders as shaders;
 
 use crate::{
-    stage::{each, relative, stirred},
+    stage::{each, relative, stirred, xyz},
     steps::{BODIES, Fault, PARTICLES},
     support,
-    walk::{Same, Walk, apart},
+    walk::{Same, Walk, apart, largest},
 };
 
 impl Walk<'_> {
@@ -21,6 +21,9 @@ impl Walk<'_> {
         if passes.through("rods/velocity") {
             let got = stage.vectors(&state.new_velocity);
             self.same("rods/velocity", apart(&got[..hair], &w.new_velocity[..hair]), bounds.speed)?;
+            let points = stage.rods().0;
+            let before = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.before) - b.before).length());
+            self.same("rods/velocity", largest(before), bounds.speed)?;
         }
         if passes.through("fluid/velocity") {
             let got = self.vectors(&state.new_velocity, hair);

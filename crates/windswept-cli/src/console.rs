@@ -74,3 +74,8 @@ impl<'a> Console<'a> {
         u8::try_from(usage.exit_code()).unwrap_or(2)
     }
 }
+
+/// So many frames, in words.
+pub(crate) fn counted_frames(count: u64) -> String {
+    format!("{count} frame{}", if count == 1 { "" } else { "s" })
+}

@@ -9,7 +9,7 @@ use windswept_export::{FILMS, Followers, Kind, Provenance, write_npz, write_usda
 use windswept_scene::{Outline, Scene};
 
 use crate::arguments::{ExportOptions, FilmFormat};
-use crate::console::Console;
+use crate::console::{Console, counted_frames};
 use crate::failure::Failure;
 use crate::output::{Output, WORKSHOP};
 use crate::render::{OF_HAIR, OF_SCENE, check_folder, open, there};
@@ -55,7 +55,7 @@ pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Resu
     }
     let strands = first.offsets.len() - 1;
     let hairs = followers.map(|followers| format!("{} hairs of ", followers.len())).unwrap_or_default();
-    console.print(format_args!("{}: {hairs}{strands} strands, {frames} frames", path.display()));
+    console.print(format_args!("{}: {hairs}{strands} strands, {}", path.display(), counted_frames(frames as u64)));
     Ok(())
 }
 

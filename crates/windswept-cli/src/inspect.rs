@@ -7,7 +7,7 @@ use windswept_export::{Followers, Schedule};
 use windswept_scene::{Force, InitialState, Scene};
 
 use crate::arguments::{Changes, SceneOptions};
-use crate::console::Console;
+use crate::console::{Console, counted_frames};
 use crate::failure::Failure;
 use crate::groom::shown_box;
 
@@ -47,12 +47,12 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
     rows.push((
         "time",
         format!(
-            "{} s: {} steps of {} ms{}, {} frames",
+            "{} s: {} steps of {} ms{}, {}",
             scene.time.duration,
             schedule.steps(),
             scene.time.step * 1e3,
             if scene.time.substeps > 1 { format!(" in {} substeps", scene.time.substeps) } else { String::new() },
-            schedule.frames(),
+            counted_frames(schedule.frames()),
         ),
     ));
     let fibres: f64 = (0..hair.len()).map(|s| hair.fibres[hair.segments(s).start]).sum();

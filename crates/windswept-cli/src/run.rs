@@ -13,7 +13,7 @@ use windswept_export::{
 use windswept_scene::Time;
 
 use crate::arguments::{Asked, OnBlowup, RunOptions};
-use crate::console::Console;
+use crate::console::{Console, counted_frames};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
@@ -53,11 +53,10 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
         let meaning = windswept::warning_meaning(cause).map(|meaning| format!(" ({meaning})")).unwrap_or_default();
         console.warn(format_args!("{cause}: {count}{meaning}"));
     }
-    let frames = run.next_frame();
     let done = format!(
-        "{}: {frames} frame{}, {} of {steps} steps in {:.1} s{}",
+        "{}: {}, {} of {steps} steps in {:.1} s{}",
         output.dir().display(),
-        if frames == 1 { "" } else { "s" },
+        counted_frames(run.next_frame()),
         report.steps,
         started.elapsed().as_secs_f64(),
         report.ms_per_step.map(|ms| format!(" ({ms:.1} ms a step)")).unwrap_or_default(),

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use plotters::prelude::*;
 use serde_json::json;
-use windswept::ops::{Filter, Particles};
+use windswept::ops::{Filter, OpsError, Particles};
 use windswept::{AdapterChoice, Frame, Gpu};
 use windswept_export::{Kind, VtkHdfReader};
 use windswept_scene::{Air, AtomicFile, InitialState, Scene};
@@ -153,9 +153,9 @@ impl FinishedRun {
             bounds: Some(air.size.to_array()),
         };
         let energy = |&scale: &f64| {
-            particles.band_energy(gpu, scale, filter(scale)).map_err(|error| match error.into() {
-                Failure::Input(what) => Failure::Input(format!("a scale of {scale:e} m: {what}")),
-                failure => failure,
+            particles.band_energy(gpu, scale, filter(scale)).map_err(|error| match error {
+                OpsError::Argument { name: "scale", what } => Failure::Input(format!("a scale of {scale:e} m: {what}")),
+                error => error.into(),
             })
         };
         scales.iter().map(energy).collect()

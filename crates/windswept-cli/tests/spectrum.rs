@@ -79,7 +79,9 @@ fn a_spectrum_says_what_it_lacks() {
     let folder = folder.path();
     let (status, _, said) = spectrum(folder, &[]);
     assert!(status == Some(2) && said.contains("is missing"), "{said}");
-    assert_eq!(run(folder, &["--steps", "2", "--formats", "vtkhdf"]).status.code(), Some(0));
+    let done = run(folder, &["--steps", "2", "--formats", "vtkhdf"]);
+    assert_eq!(done.status.code(), Some(0));
+    assert!(String::from_utf8_lossy(&done.stdout).contains(": 1 frame, 2 of 2 steps"), "{done:?}");
     let (status, printed, said) = spectrum(folder, &["--picture", "air.svg"]);
     assert_eq!(status, Some(0), "{said}");
     assert!(printed.contains("scale [mm]") && printed.lines().count() >= 3 && folder.join("air.svg").is_file());

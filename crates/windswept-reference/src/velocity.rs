@@ -1,4 +1,4 @@
-//! Heading 6: velocities follow from positions.
+//! Heading 6: what contact adds to the moves of hair, and the density constraint to those of air, becomes velocity.
 
 use glam::DVec3;
 
@@ -8,7 +8,8 @@ use crate::{
     step::Scratch,
 };
 
-/// Runs the heading: hair's velocity follows from its moves; air adds what the density constraint moved it by.
+/// Runs the heading: hair's velocity follows from its moves, by its rods, which the engine finds in heading 4, and by contact; air adds
+/// what the density constraint moved it by.
 pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     for (i, point) in w.moving.points.iter_mut().enumerate() {
         let shift = w.predicted[i] - (s.position[i] + point.travel);

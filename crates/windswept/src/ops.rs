@@ -435,7 +435,7 @@ fn positive(name: &'static str, x: f64) -> Result<(), OpsError> {
     if MAGNITUDES.contains(&x) {
         return Ok(());
     }
-    Err(argument(name, format!("expected a number from {SMALLEST:e} to {LARGEST:e}, found {x}")))
+    Err(argument(name, format!("expected a number from {SMALLEST:e} to {LARGEST:e}, found {x:?}")))
 }
 
 fn finite(name: &'static str, rows: &[[f64; 3]]) -> Result<(), OpsError> {

@@ -90,7 +90,7 @@ fn on_coarse_grid(r: &mut Recorder<'_>, plan: &Plan) {
     for (axis, pair) in [x, y].into_iter().zip(pairs) {
         wave(r, plan, "waves along an axis", axis, pair);
     }
-    wave(r, plan, "and along the last, solved for pressure", plan.coarse_solve, pairs[0]);
+    wave(r, plan, "waves along z, solved for pressure", plan.coarse_solve, pairs[0]);
     for (axis, pair) in plan.coarse_axes.into_iter().zip(pairs.iter().rev().cycle()) {
         wave(r, plan, "back along an axis", axis, *pair);
     }
