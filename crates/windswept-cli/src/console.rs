@@ -75,7 +75,7 @@ impl<'a> Console<'a> {
     }
 }
 
-/// So many frames, in words.
+/// A number of frames as a sentence has it: "1 frame", "2 frames".
 pub(crate) fn counted_frames(count: u64) -> String {
     format!("{count} frame{}", if count == 1 { "" } else { "s" })
 }
