@@ -10,9 +10,7 @@
 //   M = (66 + 52 cos t + 2 cos 2t)/120 = 1 - s + 2/15 s^2,  K = 1 - 2/3 cos t - 1/3 cos 2t = 4 s (1 - 2/3 s),  t = 2 pi k/n
 //
 // The mean has no gradient, and is left out.
-import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, pi::PI, status::frozen, mesh::{Mesh, node_index},
-};
+import package::common::{dispatch::{invocation, WORKGROUP}, pi::PI, status::frozen, mesh::Mesh};
 
 @group(0) @binding(2) var<uniform>             mesh:  Mesh;
 @group(0) @binding(3) var<storage, read>       nodes: array<f32>;

@@ -1,4 +1,4 @@
-//! Heading 6: the passes that make velocity of what contact and the density constraint move.
+//! Heading 6: the passes that make velocities of moves by contact and by the density constraint.
 
 use glam::DVec3;
 use windswept::internals::step;

@@ -1,4 +1,4 @@
-//! Heading 6: what contact adds to the moves of hair, and the density constraint to those of air, becomes velocity.
+//! Heading 6: moves of hair by contact, and of air by the density constraint, become velocities.
 
 use glam::DVec3;
 

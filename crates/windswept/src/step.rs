@@ -26,7 +26,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     fluid::record(r, plan); //      3. Nothing is compressed: by pressures, or a density constraint (eq. 1).
     rods::record(r, plan); //       4. Strands keep their length and shape.
     contact::record(r, plan); //    5. Nothing enters a body.
-    velocity::record(r, plan); //   6. What contact and the density constraint move becomes velocity.
+    velocity::record(r, plan); //   6. Moves by contact, and by the density constraint, become velocities.
     turbulence::record(r, plan); // 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
     viscosity::record(r, plan); //  8. Neighbours share velocity (eqs. 7, 8).
     guard::record(r, plan); //      9. Commit, or freeze and report.

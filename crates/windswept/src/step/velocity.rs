@@ -1,4 +1,4 @@
-//! 6. What contact adds to the moves of hair, and the density constraint to those of air, becomes velocity.
+//! 6. Moves of hair by contact, and of air by the density constraint, become velocities.
 
 use windswept_shaders::{fluid, rods};
 
