@@ -55,7 +55,7 @@ const COARSE: &[&str] = &[
     "coarse/push",
 ];
 const PUSH: &[&str] = &["fluid/push 2"];
-const HAIR_ALONE: &[&str] = &["rods/inspect", "rods/roots"];
+const HAIR_ALONE: &[&str] = &["rods/roots"];
 const BEGIN: &[&str] = &["rods/begin_points", "rods/begin_segments", "rods/choose"];
 const SOLVE: &[&str] = &["rods/load", "rods/start", "rods/direct", "rods/finish", "rods/place"];
 const CONFINE: &[&str] = &["turbulence/vorticity", "turbulence/confine"];
@@ -70,9 +70,9 @@ const FILTER: &[&str] = &[
 ];
 const STRENGTHEN: &[&str] = &["sums/changes", "sums/total", "turbulence/strengthen"];
 const VISCOSITY: &[&str] = &["fluid/limit", "fluid/viscosity"];
-const COMMIT_HAIR: &[&str] = &["guard/hold", "guard/check", "guard/commit_frames", "guard/commit_hair"];
+const COMMIT_HAIR: &[&str] = &["guard/check", "guard/commit_frames", "guard/commit_hair"];
 const COMMIT: &[&str] = &["guard/commit"];
-const COMMIT_AIR: &[&str] = &["guard/commit_order", "guard/commit_air", "guard/commit_pressure", "guard/commit"];
+const COMMIT_AIR: &[&str] = &["guard/commit_air", "guard/commit_pressure", "guard/commit"];
 
 /// A kind of scene: its keys, what it is without, and the passes that it has.
 type Case = (&'static str, &'static [&'static str], Option<&'static str>, Vec<&'static str>);
@@ -227,7 +227,7 @@ fn cases() -> [Case; 11] {
                 STRENGTHEN,
                 &["fluid/viscosity"],
                 COMMIT_HAIR,
-                &["guard/commit_order", "guard/commit_air"],
+                &["guard/commit_air"],
                 COMMIT,
             ]
             .concat(),
@@ -382,6 +382,7 @@ fn what_is_left_out_changes_nothing() {
     same_bits(&crowded, |plan| plan.friction = runs());
     same_bits(&[], |plan| plan.bodies = runs());
     same_bits(&[], |plan| plan.deformation = runs());
+    same_bits(&[], Plan::inspect_strands);
     same_bits(&[], Plan::mend_strands);
 }
 

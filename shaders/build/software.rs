@@ -73,6 +73,7 @@ const GATHERED: [&str; 37] = [
 /// read slowly.
 const STREAMED: [&str; 24] = [
     "air_id",
+    "air_id_before",
     "angular_velocity",
     "brought",
     "cell_place",
@@ -84,7 +85,6 @@ const STREAMED: [&str; 24] = [
     "felt_shift",
     "grip",
     "hair_force",
-    "next_air_id",
     "orientation",
     "point_history",
     "pressed",

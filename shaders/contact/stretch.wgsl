@@ -1,7 +1,8 @@
-// Measures stretch again, of the strands that a body pushed: `rods/finish` measured it before the push.
+// Notes what bodies did to each strand, for the next step, and measures the stretch of those that one pushed again: `rods/finish` measured
+// it before the push.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, Segment, Health, STRAINED_STEPS, strained_steps},
-    body::PUSHED, status::{status, frozen, count, finite, OVER_STRAINED},
+    body::{PUSHED, MOVED}, status::{status, frozen, count, finite, OVER_STRAINED},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:   array<Strand>;
@@ -13,7 +14,10 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if ((s >= params.strands) | frozen()) || (touched[s] & PUSHED) == 0u { return; }
+    if (s >= params.strands) | frozen() { return; }
+    let by_bodies = touched[s] & (PUSHED | MOVED);
+    health[s].found.touched = by_bodies;
+    if (by_bodies & PUSHED) == 0u { return; }
     let strand = strands[s];
     var stretch = 0.0;
     for (var k = 0u; k < strand.points - 1u; k++) {

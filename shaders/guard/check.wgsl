@@ -1,5 +1,6 @@
-// Freezes the state when air is not finite or faster than anything can be, or too many strands were reset; counts the hair points
-// outside the box of air.
+// Freezes the state when something is not finite or faster than anything can be, or too many strands were reset; counts the hair points
+// outside the box of air. A strand of which that is so is held by `guard/hold`: the step is taken again with it, and where air is lost, hair
+// that was not looked at may be the cause. Also keeps who is in each slot of air, for `guard/commit_air` to permute.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, cell_of, in_box},
     sound::{FAST, within},
@@ -8,16 +9,20 @@ import package::common::{
     },
 };
 
-@group(0) @binding(2) var<storage, read> predicted:      array<vec4f>;
-@group(0) @binding(3) var<storage, read> final_velocity: array<vec4f>;
-@group(0) @binding(4) var<storage, read> air_id:         array<u32>;
+@group(0) @binding(2) var<storage, read>       predicted:      array<vec4f>;
+@group(0) @binding(3) var<storage, read>       final_velocity: array<vec4f>;
+@group(0) @binding(4) var<storage, read>       air_id:         array<u32>;
+@group(0) @binding(5) var<storage, read_write> air_id_before:  array<u32>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = invocation(id, groups);
     if i >= params.particles { return; }
-    let bad = is_air(i) && !(finite3(predicted[i].xyz) && within(final_velocity[i].xyz, FAST));
-    let outside = !is_air(i) && params.box_cells > 0u && !in_box(cell_of(predicted[i].xyz));
+    let air = is_air(i);
+    let slot = i - select(i, params.hair_points, air);
+    if air { air_id_before[slot] = air_id[slot]; }
+    let bad = !(finite3(predicted[i].xyz) && within(final_velocity[i].xyz, FAST));
+    let outside = !air && params.box_cells > 0u && !in_box(cell_of(predicted[i].xyz));
     // The first particle speaks for all. Few others have something to say, and only those ask for the status.
     if !(i == 0u || bad || outside) { return; }
     if status.ended != 0u { return; }
@@ -30,7 +35,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         atomicAdd(&status.hair_outside, 1u);
     }
     if bad {
-        freeze(NON_FINITE_AIR);
-        atomicMin(&status.first_bad_air, air_id[i - params.hair_points]);
+        freeze(select(UNMENDED_STRAND, NON_FINITE_AIR, air));
+        if air { atomicMin(&status.first_bad_air, air_id[slot]); }
     }
 }

@@ -1,8 +1,8 @@
-// Commits positions and velocities of air in the order of cells, and who is in each slot (`guard/commit_order`).
+// Commits air in the order of cells, so that it lies in memory as it lies in the box: positions, velocities, and who is in each slot.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cells::wrap, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       sorted:         array<u32>;
-@group(0) @binding(3) var<storage, read>       next_air_id:    array<u32>;
+@group(0) @binding(3) var<storage, read>       air_id_before:  array<u32>;
 @group(0) @binding(4) var<storage, read>       predicted:      array<vec4f>;
 @group(0) @binding(5) var<storage, read>       final_velocity: array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> position:       array<vec4f>;
@@ -17,5 +17,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let x = predicted[i];
     position[params.hair_points + slot] = vec4f(wrap(x.xyz), x.w);
     velocity[params.hair_points + slot] = final_velocity[i];
-    air_id[slot] = next_air_id[slot];
+    air_id[slot] = air_id_before[i - params.hair_points];
 }

@@ -1,19 +1,23 @@
-// A strand that got a velocity that is not finite ends this step at rest, and is reset in the next as one whose solve failed
-// (`rods/finish`).
+// A strand with a position or a velocity that is not finite, or faster than anything can be, stands where it was at rest for this step, and
+// is reset in the next as one whose solve failed (`rods/finish`).
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, Health, BAD},
+    params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, RodSegment, Health, BAD}, sound::{FAST, within},
     share::{Stretch, owner_of, worker_of, stretch_of, least_shared},
     status::{frozen, count_bad_strand, finite3, BY_HOLD, NO_POINT},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:        array<Strand>;
-@group(0) @binding(3) var<storage, read_write> health:         array<Health>;
-@group(0) @binding(4) var<storage, read_write> final_velocity: array<vec4f>;
+@group(0) @binding(3) var<storage, read>       position:       array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> health:         array<Health>;
+@group(0) @binding(5) var<storage, read_write> predicted:      array<vec4f>;
+@group(0) @binding(6) var<storage, read_write> final_velocity: array<vec4f>;
+@group(0) @binding(7) var<storage, read_write> rod_segments:   array<RodSegment>;
 
-// The first point of a stretch whose velocity is not finite.
+// The first point of a stretch whose position or velocity is lost.
 fn lost(strand: Strand, own: Stretch) -> u32 {
     for (var k = own.begin; k < own.end; k++) {
-        if !finite3(final_velocity[strand.first_point + k].xyz) { return strand.first_point + k; }
+        let p = strand.first_point + k;
+        if !(finite3(predicted[p].xyz) && within(final_velocity[p].xyz, FAST)) { return p; }
     }
     return NO_POINT;
 }
@@ -28,7 +32,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let point = least_shared(lost(strand, own));
     if point == NO_POINT { return; }
     for (var k = own.begin; k < own.end; k++) {
-        final_velocity[strand.first_point + k] = vec4f(0.0);
+        let p = strand.first_point + k;
+        predicted[p] = position[p];
+        final_velocity[p] = vec4f(0.0);
+        if k + 1u == strand.points { continue; }
+        let j = strand.first_segment + k;
+        rod_segments[j].frame = rod_segments[j].start;
     }
     if (worker_of(at) > 0u) | (health[s].found.bad != 0u) { return; }
     health[s].found.bad = BAD;

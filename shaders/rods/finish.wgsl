@@ -1,13 +1,13 @@
-// Health of each strand after its solve: a non-finite one is held where it was for this step (so that it spoils no
-// neighbour) and reset in the next; stretch is recorded; over-strain and rest are counted, steps on end. Where the direct solver
+// Health of each strand after its solve: one that is not finite, or longer than a strand can be, is held where it was for this step (so
+// that it spoils no neighbour) and reset in the next; stretch is recorded; over-strain and rest are counted, steps on end. Where the direct solver
 // has not solved a strand, which more Newton steps or `rods/rescue` would do, the step freezes, and is taken again with these.
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::PUT,
-    rest::{STILL_STEPS, STILL_TURN},
+    rest::{STILL_STEPS, STILL_TURN}, sound::FAR,
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, LEFT, SLEEPS, STRAINED_STEPS, strained_steps,
         ROOT_HELD, MISFIT, GROWTH, EASED, BAD, SPOILT, misses, unsolved},
     share::{Stretch, owner_of, worker_of, stretch_of, largest_shared, least_shared, any_shared},
-    status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNMENDED_STRAND, BY_FINISH,
+    status::{status, frozen, freeze, count, count_bad_strand, finite3, finite4, OVER_STRAINED, UNMENDED_STRAND, BY_FINISH,
         NO_POINT},
 };
 
@@ -102,7 +102,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var found = health[s].found;
     stretch = largest_shared(stretch);
     lost = least_shared(lost);
-    let holds = lost != NO_POINT || !finite(stretch);
+    let holds = lost != NO_POINT || !(stretch < FAR);
     var outcome = Outcome(holds, false, 0u, false);
     if holds {
         found.bad = BAD;

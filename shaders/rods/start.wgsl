@@ -20,7 +20,6 @@ import package::common::{
 @group(0) @binding(5) var<storage, read_write> rod_points:   array<RodPoint>;
 @group(0) @binding(6) var<storage, read_write> rod_segments: array<RodSegment>;
 @group(0) @binding(7) var<storage, read_write> health:       array<Health>;
-@group(0) @binding(8) var<storage, read>       touched:      array<u32>;   // per strand, of the step before: by bodies, or they moved
 
 const AT_TIP: f32 = 0.25;  // force on the tip that bends a strand as far as a force on all of it: 3/8 of a beam, 1/ln n of a chain
 const LOADED: f32 = 0.4;   // lengths of the strand: what forces may move a free point by, where the strand is whole
@@ -226,7 +225,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let jumps = bad || rod.state == TELEPORTED;
     let sleeps = !jumps && rod.state == ASLEEP && rested(strand, found.still)
         && !pushed(strand, own, found.still == SLEEPS)
-        && !(found.still == SLEEPS && (touched[s] & (PUSHED | MOVED)) != 0u);
+        && !(found.still == SLEEPS && (found.touched & (PUSHED | MOVED)) != 0u);
     let placed = jumps | sleeps;
     found.calm = select(select(min(found.calm + 1u, CALM_STEPS), 0u, (rod.torn != 0u) | jumps), found.calm, sleeps);
     let led = !placed & (found.calm == CALM_STEPS) & (params.direct_rods != 0u);

@@ -59,7 +59,10 @@ impl Walk<'_> {
         contact::measure(s, w, &touches);
         contact::push_air(w, self.p(), &placed);
         if passes.through("contact/stretch") {
-            self.health("contact/stretch", s)?;
+            let found: Vec<_> = stage.health().iter().map(|health| health.found.touched).collect();
+            let noted: Vec<_> = bits(&touches, &placed).iter().map(|bits| bits & (PUSHED | MOVED)).collect();
+            self.same("contact/stretch", differing(&found, &noted), 0.0)?;
+            self.health("contact/stretch", &Twin { touched: w.touched.clone(), ..s.clone() })?;
         }
         if passes.through("contact/air") {
             let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
@@ -80,6 +83,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::contact::MIDDLE, "found.push > TOUCH", "found.push < TOUCH", THIN_BODY),
     (&shaders::contact::PULL, "w.x * shift", "0.5 * w.x * shift", BODIES),
     (&shaders::contact::STRETCH, "rest_length - 1.0", "rest_length - 2.5", BODIES),
+    (&shaders::contact::STRETCH, "touched[s] & (PUSHED | MOVED)", "touched[s]", BODIES),
     (&shaders::contact::AIR, "CLEARANCE * params.spacing", "0.9 * CLEARANCE * params.spacing", BODIES),
 ];
 

@@ -1,7 +1,7 @@
 //! Heading 9: the passes that commit a step, or freeze.
 
 use glam::DVec3;
-use windswept::internals::step;
+use windswept::internals::{status, step};
 use windswept_reference::{
     State as Twin, drive,
     guard::{self, Frozen},
@@ -10,9 +10,12 @@ use windswept_reference::{
 use windswept_scene::Model;
 use windswept_shaders::{
     self as shaders,
-    common::status::{
-        ASLEEP_STEP, BY_FINISH, BY_HOLD, EULER_STEP, MOVE_CAPPED, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, RESCUED_STEP,
-        STRAND_RESET, TELEPORT, TOO_MANY_BAD_STRANDS,
+    common::{
+        rod::RodSegment,
+        status::{
+            ASLEEP_STEP, BY_FINISH, BY_HOLD, EULER_STEP, MOVE_CAPPED, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, RESCUED_STEP,
+            STRAND_RESET, TELEPORT, TOO_MANY_BAD_STRANDS, UNMENDED_STRAND,
+        },
     },
 };
 
@@ -33,8 +36,13 @@ impl Walk<'_> {
             let bad = differing(&stage.health().iter().map(|health| health.found.bad != 0).collect::<Vec<_>>(), &s.bad);
             self.same("guard/hold", bad, 0.0)?;
         }
+        let before = stage.engine.slots().unwrap();
         assert!(passes.through("guard/check"));
         self.same("guard/check", stage.engine.status().unwrap().causes.into(), 0.0)?;
+        if p.hair_points < s.inverse_mass.len() {
+            let kept = stage.engine.read(&state.air_id_before).unwrap();
+            self.same("guard/check", differing(&kept, before.ids()), 0.0)?;
+        }
         if passes.through("guard/commit_frames") {
             let frames = stage.quaternions(&state.orientation);
             let frames = largest(frames.iter().zip(&s.orientation).map(|(a, b)| (*a - *b).length()));
@@ -64,19 +72,15 @@ impl Walk<'_> {
             let grip = largest(points.iter().zip(&s.grip).map(|(a, b)| (xyz(&a.grip) - *b).length()));
             self.same("guard/commit_hair", own.max(grip), bounds.speed)?;
         }
-        if passes.through("guard/commit_order") {
-            let before = stage.engine.slots().unwrap();
+        if passes.through("guard/commit_air") {
             let sorted = stage.engine.read(&state.sorted).unwrap();
             let of = |i: &u32| before.ids()[*i as usize - p.hair_points];
             let wanted: Vec<u32> = sorted[..before.ids().len()].iter().map(of).collect();
-            let next = stage.engine.read(&state.next_air_id).unwrap();
-            self.same("guard/commit_order", differing(&next, &wanted), 0.0)?;
-            let mut all = next;
-            all.sort_unstable();
-            self.same("guard/commit_order", differing(&all, &(0..all.len() as u32).collect::<Vec<_>>()), 0.0)?;
-            assert!(passes.through("guard/commit_air"));
             let now = stage.engine.slots().unwrap();
             self.same("guard/commit_air", differing(now.ids(), &wanted), 0.0)?;
+            let mut all = now.ids().to_vec();
+            all.sort_unstable();
+            self.same("guard/commit_air", differing(&all, &(0..all.len() as u32).collect::<Vec<_>>()), 0.0)?;
             stage.follow(s, &before);
             let (x, v) = (self.vectors(&state.position, p.hair_points), self.vectors(&state.velocity, p.hair_points));
             let position = self.places(&x, &s.position[p.hair_points..], p.hair_points);
@@ -120,10 +124,10 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::guard::CHECK, "!(finite3(", "(finite3(", PARTICLES),
     (&shaders::guard::COMMIT_FRAMES, "vec4f(spin, 0.0)", "vec4f(0.9 * spin, 0.0)", PARTICLES),
     (&shaders::guard::COMMIT_HAIR, "point.before + last - new_velocity[p].xyz", "point.before + last", PARTICLES),
-    (&shaders::guard::COMMIT_ORDER, "air_id[sorted[slot] - params.hair_points]", "air_id[slot]", PARTICLES),
+    (&shaders::guard::CHECK, "air_id_before[slot] = air_id[slot]", "air_id_before[slot] = slot", PARTICLES),
     (&shaders::guard::COMMIT_AIR, "predicted[i]", "predicted[params.hair_points + slot]", PARTICLES),
     (&shaders::guard::COMMIT_AIR, "= final_velocity[i]", "= 0.9 * final_velocity[i]", PARTICLES),
-    (&shaders::guard::COMMIT_AIR, "air_id[slot] = next_air_id[slot];", "", PARTICLES),
+    (&shaders::guard::COMMIT_AIR, "air_id_before[i - params.hair_points]", "air_id_before[slot]", PARTICLES),
     (&shaders::guard::COMMIT_PRESSURE, "pressed[sorted[slot - params.hair_points]]", "pressed[slot]", DIVERGENCE),
     (&shaders::guard::COMMIT_PRESSURE, "= pressed[slot];", "= Pressed(0.9 * pressed[slot].change, 0.0);", PRESSED_HAIR),
     (&shaders::guard::COMMIT, "select(vec3f(0.0), kept,", "select(vec3f(0.0), 0.5 * kept,", PUBLISHED),
@@ -152,28 +156,52 @@ fn commit_wraps_air_and_counts_the_step() {
     }
 }
 
-/// A strand that got a velocity that is not finite ends the step at rest, is counted once and is flagged for its reset.
+/// A strand of which a position or a velocity is lost ends the step where it was, at rest, is counted once and is flagged for its reset.
+/// Without the pass that holds it the step is not committed.
 #[test]
-fn hold_stills_strands_that_are_not_finite() {
+fn hold_keeps_strands_that_are_lost() {
     for n in support::SIZES.into_iter().filter(|n| *n >= 9) {
         let initial = support::particles(n, n / 3, support::Layout::Random, 9);
-        let stage = Stage::new(&support::scene(), &initial);
-        let (s, hair) = (stage.engine.state(), &stage.twin.hair);
-        let victim = hair.len() / 2;
-        let mut velocity = stage.twin.position.clone();
-        velocity[hair.points(victim).end - 1].z = f64::INFINITY;
-        stage.write_vectors(&s.predicted, &stage.twin.position);
-        stage.write_vectors(&s.viscous_velocity, &velocity);
-        stage.run(step::guard::record);
-        for (i, (got, given)) in stage.vectors(&s.velocity).iter().zip(&velocity).enumerate() {
-            let wanted = if hair.points(victim).contains(&i) { DVec3::ZERO } else { *given };
-            assert_eq!(*got, wanted, "{n} particles: velocity of {i}");
+        let hair = &initial.hair;
+        let (victim, tip) = (hair.len() / 2, hair.points(hair.len() / 2).end - 1);
+        for (place, speed) in [(f64::NAN, 1.0), (0.1, f64::INFINITY), (0.1, -1.1e6)] {
+            let stage = Stage::new(&support::scene(), &initial);
+            let s = stage.engine.state();
+            let mut moved: Vec<_> = stage.twin.position.iter().map(|x| *x + DVec3::splat(1e-4)).collect();
+            let mut velocity = stage.twin.position.clone();
+            (moved[tip].x, velocity[tip].z) = (place, speed);
+            stage.write_vectors(&s.predicted, &moved);
+            stage.write_vectors(&s.viscous_velocity, &velocity);
+            let turned = RodSegment { start: [0.0, 0.6, 0.0, 0.8], frame: [f32::NAN; 4], ..RodSegment::default() };
+            stage.engine.write(&s.rod_segments, &vec![turned; hair.orientations.len()]).unwrap();
+
+            let what = format!("{n} particles, x = {place}, v = {speed}");
+            stage.replay_only(&["guard/check", "guard/commit"], step::guard::record);
+            let status = stage.engine.status().unwrap();
+            assert_eq!((status.causes, status.step), (UNMENDED_STRAND, 0), "{what}: committed as it was");
+            stage.engine.set_status(&status::thawed(&status)).unwrap();
+
+            let before = stage.vectors(&s.position);
+            stage.run_only(&["guard/hold"], step::guard::record);
+            let now = (stage.vectors(&s.predicted), stage.vectors(&s.viscous_velocity));
+            for i in 0..hair.positions.len() {
+                let held = hair.points(victim).contains(&i);
+                let wanted = if held { (before[i], DVec3::ZERO) } else { (moved[i].as_vec3().as_dvec3(), velocity[i]) };
+                assert_eq!((now.0[i], now.1[i]), wanted, "{what}: point {i}");
+            }
+            let (_, segments) = stage.rods();
+            for (k, segment) in segments.iter().enumerate() {
+                let held = hair.segments(victim).contains(&k);
+                assert_eq!(segment.frame == segment.start, held, "{what}: segment {k}");
+            }
+            for (strand, health) in stage.health().iter().enumerate() {
+                assert_eq!(health.found.bad, u32::from(strand == victim), "{what}: strand {strand}");
+            }
+            stage.run_only(&["guard/check", "guard/commit"], step::guard::record);
+            let status = stage.engine.status().unwrap();
+            assert_eq!((status.step, status.counted[STRAND_RESET as usize]), (1, 1), "{what}");
+            assert_eq!(status::bad_point(status.reset_first), (tip, "guard/hold"), "{what}");
         }
-        for (strand, health) in stage.health().iter().enumerate() {
-            assert_eq!(health.committed.bad, u32::from(strand == victim), "{n} particles: strand {strand}");
-        }
-        let status = stage.engine.status().unwrap();
-        assert_eq!((status.step, status.counted[STRAND_RESET as usize]), (1, 1), "{n} particles");
     }
 }
 

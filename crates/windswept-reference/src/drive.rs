@@ -10,6 +10,7 @@ use windswept_scene::{FluidSolver, InflowWave, Model};
 
 pub(crate) use self::gale::fields;
 pub use self::gale::{Field, course, draw, gale};
+pub(crate) use self::reset::FAR;
 pub use self::reset::{inspect, mend, reset};
 use crate::{
     Parameters, State,

@@ -1,18 +1,18 @@
 //! Heading 9: what a step arrived at is committed, or the run freezes.
 
 use glam::DVec3;
-use windswept_scene::{Model, Strands};
+use windswept_scene::Model;
 
 use crate::{Parameters, State, drive::wrap, fluid::Pressed, rods, step::Scratch};
 
-/// Runs the heading: the step is committed, or the run freezes. A strand whose velocity is not finite ends the step at rest,
-/// and is bad.
+/// Runs the heading: the step is committed, or the run freezes. A strand that is not finite or too fast stands where it was at rest, and
+/// is bad.
 ///
 /// # Errors
 /// [`Frozen`] says why nothing was committed.
 pub fn run(s: &mut State, mut w: Scratch, p: &Parameters) -> Result<(), Frozen> {
     for strand in 0..s.hair.len() {
-        if hold(&s.hair, strand, &mut w.new_velocity) && !s.bad[strand] {
+        if hold(s, strand, &mut w) && !s.bad[strand] {
             s.bad[strand] = true;
             s.resets += 1;
         }
@@ -41,14 +41,22 @@ pub enum Frozen {
     BadStrands(usize),
 }
 
-/// Stills a strand that has a velocity which is not finite; says whether it was one.
-pub fn hold(hair: &Strands, strand: usize, velocities: &mut [DVec3]) -> bool {
-    let own = &mut velocities[hair.points(strand)];
-    let lost = !own.iter().all(|v| v.is_finite());
+/// Holds a strand where it was, at rest, if it has a position that is not finite or a velocity beyond [`FAST`]; says whether it was one.
+pub fn hold(s: &State, strand: usize, w: &mut Scratch) -> bool {
+    let points = s.hair.points(strand);
+    let lost = !points.clone().all(|i| is_sound(w.predicted[i], w.new_velocity[i]));
     if lost {
-        own.fill(DVec3::ZERO);
+        w.predicted[points.clone()].copy_from_slice(&s.position[points.clone()]);
+        w.new_velocity[points].fill(DVec3::ZERO);
+        let segments = w.moving.segments.get_mut(s.hair.segments(strand));
+        segments.into_iter().flatten().for_each(|segment| segment.frame = segment.start);
     }
     lost
+}
+
+/// Whether a position is finite, and a velocity one that anything can have.
+fn is_sound(position: DVec3, velocity: DVec3) -> bool {
+    position.is_finite() && velocity.length() <= FAST
 }
 
 /// Checks whether what a step arrived at, in which `bad` strands were not finite, may become the state.
@@ -59,8 +67,7 @@ pub fn check(p: &Parameters, bad: usize, positions: &[DVec3], velocities: &[DVec
     if bad > bad_strand_limit(p.rest.len()) {
         return Err(Frozen::BadStrands(bad));
     }
-    let sound = |i: &usize| positions[*i].is_finite() && velocities[*i].length() <= FAST;
-    match (p.hair_points..positions.len()).find(|i| !sound(i)) {
+    match (p.hair_points..positions.len()).find(|i| !is_sound(positions[*i], velocities[*i])) {
         Some(i) => Err(Frozen::NonFiniteAir(i - p.hair_points)),
         None => Ok(()),
     }

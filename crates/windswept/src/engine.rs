@@ -1,6 +1,8 @@
 //! State on a device, and any recording of passes run over it. [`crate::Simulation`] is an engine that runs whole steps;
 //! tests and single-pass work use it directly.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use bytemuck::Pod;
 use glam::DVec3;
 use windswept_scene::{
@@ -8,8 +10,9 @@ use windswept_scene::{
     limits::{MOST_BUCKETS, MOST_NODES},
 };
 use windswept_shaders::{
-    Textures,
+    Binding, BufferKind, Textures,
     common::{dispatch::WORKGROUP, lanes::LANES, list::PAGES, params::Params, pressure::Pressed, status::Status},
+    rods::INSPECT,
 };
 
 use crate::{
@@ -47,6 +50,8 @@ pub struct Engine {
     sizes: Sizes,
     state: State,
     memory: Memory,
+    /// Whether the host has written what strands are since the engine was made.
+    hair_was_written: AtomicBool,
 }
 
 impl Engine {
@@ -80,7 +85,9 @@ impl Engine {
         }
         let state = State::new(&sizes);
         let memory = Memory::new(gpu, &state, share(&state))?;
-        let mut engine = Self { gpu: gpu.clone(), params: setup.uniforms(), sizes, state, memory };
+        let params = setup.uniforms();
+        let mut engine =
+            Self { gpu: gpu.clone(), params, sizes, state, memory, hair_was_written: AtomicBool::new(false) };
         let [dispatches, steps] = rods::first_newton(setup.newton());
         let taken =
             dispatches * if gpu.software_textures() == Some(Textures::All) { steps } else { setup.params.newton_steps };
@@ -88,6 +95,7 @@ impl Engine {
         engine.params.iter_mut().for_each(|params| params.few_newton_steps = few_newton_steps);
         engine.write_pages()?;
         engine.write_setup(setup)?;
+        engine.hair_was_written = AtomicBool::new(false);
         Ok(engine)
     }
 
@@ -226,6 +234,7 @@ impl Engine {
     /// # Errors
     /// [`GpuError`] when they do not fit or the device is lost.
     pub fn write<T: Pod>(&self, array: &Array<T>, data: &[T]) -> Result<(), GpuError> {
+        self.note_written(array);
         self.memory.write(&self.gpu, array, 0, data)
     }
 
@@ -248,7 +257,20 @@ impl Engine {
 
     /// Overwrites an array by bytes that were read from one of its length.
     pub(crate) fn write_bytes(&self, array: &AnyArray, bytes: &[u8]) -> Result<(), GpuError> {
+        self.note_written(array);
         self.memory.write_bytes(&self.gpu, array, 0, bytes)
+    }
+
+    /// Whether somebody else than a step has written what `rods/inspect` looks at, since the engine was made with a state of its setup.
+    pub(crate) fn hair_was_written(&self) -> bool {
+        self.hair_was_written.load(Ordering::Relaxed)
+    }
+
+    fn note_written(&self, array: &AnyArray) {
+        let inspected = |binding: &Binding| binding.kind == BufferKind::Read;
+        if INSPECT.bindings.iter().any(|binding| inspected(binding) && binding.name == array.name()) {
+            self.hair_was_written.store(true, Ordering::Relaxed);
+        }
     }
 
     pub(crate) fn read_vec4<const N: usize>(

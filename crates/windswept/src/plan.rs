@@ -40,8 +40,10 @@ pub struct Plan {
     newton: [u32; 2],
     /// Whether rods are solved by the direct solver.
     pub direct: Decision,
-    /// Whether strands that are not finite are put into their rest shape.
-    pub reset: Decision,
+    /// Whether each strand is looked at as the step begins.
+    pub inspect: Decision,
+    /// Whether strands that are not finite are held where they were, and put into their rest shape.
+    pub mend: Decision,
     /// Whether strands that the direct solver left unsolved are rescued.
     pub rescue: Decision,
     /// Whether Gauss-Seidel sweeps over strands: over all, or over those that were rescued.
@@ -216,7 +218,9 @@ impl Plan {
             newton: setup.newton(),
             sweeps: if direct.runs { rescue.clone() } else { hair.clone() },
             direct,
-            reset: hair.and(Decision::when(false, "not until a strand is not finite")),
+            inspect: hair
+                .and(Decision::when(false, "not until a strand is not finite, or somebody puts hair somewhere")),
+            mend: hair.and(Decision::when(false, "not until a strand is not finite")),
             rescue,
             hair_meets_air: hair_meets_air.clone(),
             hair,
@@ -280,10 +284,16 @@ impl Plan {
         if self.rescue.runs { self.newton } else { rods::first_newton(self.newton) }
     }
 
+    /// Lets each strand be looked at from now on as a step begins: what the passes commit is sound, what somebody else writes may not be.
+    pub fn inspect_strands(&mut self) {
+        self.inspect = self.hair.clone();
+    }
+
     /// Lets the passes run from now on that mend strands: those that are not finite, and those that the direct solver leaves unsolved.
     /// A step freezes where there is one and no pass mends it.
     pub fn mend_strands(&mut self) {
-        self.reset = self.hair.clone();
+        self.inspect_strands();
+        self.mend = self.hair.clone();
         self.rescue = self.direct.clone();
         self.sweeps = self.hair.clone();
     }

@@ -105,7 +105,7 @@ impl Simulation {
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, Error> {
         check_room(gpu, scene, None)?;
         let initial = InitialState::new(scene)?;
-        Self::with_state(gpu, scene, initial)
+        Self::made(gpu, scene, initial, false)
     }
 
     /// A simulation of the caller's own strands, which replace the scene's `[hair]`.
@@ -115,7 +115,7 @@ impl Simulation {
     pub fn with_groom(gpu: &Gpu, scene: &Scene, groom: &Groom) -> Result<Self, Error> {
         check_room(gpu, scene, Some(groom))?;
         let initial = InitialState::with_groom(scene, groom)?;
-        Self::with_state(gpu, &Scene { hair: Vec::new(), ..scene.clone() }, initial)
+        Self::made(gpu, &Scene { hair: Vec::new(), ..scene.clone() }, initial, false)
     }
 
     /// A simulation that starts from the caller's own arrays; the scene's `[hair]` and lattice are not looked at. Hair that is too light for
@@ -123,14 +123,22 @@ impl Simulation {
     ///
     /// # Errors
     /// [`Error::Scene`] when the arrays do not belong together, [`Error::Gpu`] when they do not fit the adapter.
-    pub fn with_state(gpu: &Gpu, scene: &Scene, mut initial: InitialState) -> Result<Self, Error> {
+    pub fn with_state(gpu: &Gpu, scene: &Scene, initial: InitialState) -> Result<Self, Error> {
+        Self::made(gpu, scene, initial, true)
+    }
+
+    /// A simulation whose hair is to be inspected, unless it is known to be sound.
+    fn made(gpu: &Gpu, scene: &Scene, mut initial: InitialState, inspected: bool) -> Result<Self, Error> {
         let began = Instant::now();
         initial.check()?;
         initial.warnings.extend(initial.hair.carry_air(scene));
         let (given, mut scene) = (scene.clone(), scene.clone());
         scene.time.substeps = initial.hair.substeps(&scene);
         let setup = Setup::new(&scene, &initial);
-        let plan = Plan::new(&setup);
+        let mut plan = Plan::new(&setup);
+        if inspected {
+            plan.inspect_strands();
+        }
         let engine = Engine::sharing(gpu, &setup, |state| step::recordings(state, &plan))?;
         let recording = Recorder::record(engine.state(), |r| step::record(r, &plan));
         let program = engine.program(&recording)?;
@@ -195,6 +203,7 @@ impl Simulation {
         is_timed: impl Fn(u64) -> bool,
         mut stop: impl FnMut() -> bool,
     ) -> Result<(), RunError> {
+        self.inspect_what_was_written()?;
         let goal = self.steps.saturating_add(n).saturating_mul(self.substeps());
         let mut asked = None;
         while u64::from(self.last.step) < goal && !stop() {
@@ -253,15 +262,15 @@ impl Simulation {
         if let Some(thawed) = self.engine.grow_if_short(&status, step)? {
             self.last = thawed;
             self.record_again()?;
-        } else if status.causes & UNMENDED_STRAND != 0 {
-            if self.plan.reset.runs {
-                let reason = "a strand is bad or not solved, though all passes ran that mend strands".to_owned();
-                return Err(GpuError::Driver { doing: format!("step {step}"), reason }.into());
-            }
+        } else if status.causes != 0 && self.plan.mend != self.plan.hair {
+            // Air, or many strands, may be lost to one that nobody looked at.
             tracing::debug!(step, "strands are mended from now on");
             self.plan.mend_strands();
             self.last = self.engine.thaw(&status)?;
             self.record_again()?;
+        } else if status.causes & UNMENDED_STRAND != 0 {
+            let reason = "a strand is bad or not solved, though all passes ran that mend strands".to_owned();
+            return Err(GpuError::Driver { doing: format!("step {step}"), reason }.into());
         } else if status.causes & NON_FINITE_AIR != 0 {
             return Err(self.lost_air(status.first_bad_air, step)?);
         } else if status.causes & TOO_MANY_BAD_STRANDS != 0 {
@@ -278,6 +287,15 @@ impl Simulation {
         self.recording = Recorder::record(self.engine.state(), |r| step::record(r, &self.plan));
         self.program = self.engine.program(&self.recording)?;
         Ok(())
+    }
+
+    /// Lets strands be looked at from now on, if somebody else than a step has written what they are.
+    fn inspect_what_was_written(&mut self) -> Result<(), GpuError> {
+        if !self.engine.hair_was_written() || self.plan.inspect == self.plan.hair {
+            return Ok(());
+        }
+        self.plan.inspect_strands();
+        self.record_again()
     }
 
     fn substeps(&self) -> u64 {

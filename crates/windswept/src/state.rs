@@ -232,9 +232,6 @@ state! {
     pressed_before: Pressed, |s| s.pressed;
     /// Where a strand's root is and its ghost frame.
     clamps: Root, |s| s.strands;
-    /// What bodies did to a strand in this step: bits of `PUSHED`, `MOVED` and `INSIDE`; from the bit `EMBEDDED` on, how many of its points
-    /// they let be. The next step's `rods/start` reads whether it was pushed, and whether bodies moved.
-    touched: u32, |s| s.strands;
     /// Impulse that confinement has given the air in the whole run \[kg m/s\].
     confinement_impulse: Vec4, |_| 1;
 
@@ -355,8 +352,11 @@ state! {
     factors: Factor, |s| s.factors;
     /// A body in this step: where it is after it, and how it got there.
     placed: Placed, |s| s.bodies;
-    /// Stable id of the particle that will be in a slot of air once the step is committed.
-    next_air_id: u32, |s| s.air();
+    /// What bodies did to a strand in this step: bits of `PUSHED`, `MOVED` and `INSIDE`; from the bit `EMBEDDED` on, how many of its points
+    /// they let be. `contact/stretch` notes what the next step asks for.
+    touched: u32, |s| s.strands;
+    /// Stable id of the particle that is in a slot of air until the step is committed.
+    air_id_before: u32, |s| s.air();
 
     // Turbulence; empty without bands.
     /// Position of a particle in cell order \[m\]; w: 1 for air, 0 for hair. For the direct filter, whose sort is older.

@@ -194,9 +194,7 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
         Health { committed, found: committed }
     };
     let health: Vec<_> = (0..n).map(health).collect();
-    let touched: Vec<u32> = s.touched.iter().map(|touched| u32::from(*touched)).collect();
     stage.engine.write(&state.health, &health).unwrap();
-    stage.engine.write(&state.touched, &touched).unwrap();
     stage.write_vectors(&state.correction, &push);
     (stage, s, push)
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::{State, guard::FAST};
 
 /// Distance from its root that no point of a strand has \[lengths of the strand\].
-const FAR: f64 = 1e3;
+pub(crate) const FAR: f64 = 1e3;
 /// Distance from the origin that no root has \[m\].
 const WORLD: f64 = 1e9;
 /// What the square of a frame's length is not off 1 by.

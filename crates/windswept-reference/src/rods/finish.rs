@@ -7,7 +7,7 @@ use super::{
     Drive, Moving, Point, STILL_STEPS, STILL_TURN, State, rate, rotation,
     start::{put, put_frame, unload},
 };
-use crate::Parameters;
+use crate::{Parameters, drive::FAR};
 
 /// Rescues a strand that the direct solver did not solve. One that is carried far ([`Drive::far`]) goes with its root as it is, and feels
 /// nothing in this step; if nothing holds it, it goes on as a whole with its momentum. Any other that was torn is left to Gauss-Seidel,
@@ -50,7 +50,7 @@ pub fn rescue(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &m
     true
 }
 
-/// Largest stretch |l/l0 − 1| of a strand; `None` when a move or a frame of it is not finite.
+/// Largest stretch |l/l0 − 1| of a strand; `None` when a move or a frame of it is not finite, or it is longer than a strand can be.
 #[must_use]
 pub fn finish(hair: &Strands, s: usize, m: &Moving) -> Option<f64> {
     let (points, segments) = (hair.points(s), hair.segments(s));
@@ -60,7 +60,7 @@ pub fn finish(hair: &Strands, s: usize, m: &Moving) -> Option<f64> {
         let chord = m.segments[k].chord + m.points[i + 1].travel - m.points[i].travel;
         (chord.length() / hair.rest_length[k] - 1.0).abs()
     });
-    finite.then(|| stretches.fold(0.0, f64::max))
+    finite.then(|| stretches.fold(0.0, f64::max)).filter(|stretch| *stretch < FAR)
 }
 
 /// Holds a bad strand where it was for this step, so that it spoils no neighbour.

@@ -17,8 +17,10 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         });
     });
     r.when(&plan.hair, |r| {
-        r.run(&rods::INSPECT, "is each strand sound", n.strands);
-        r.when(&plan.reset, |r| {
+        r.when(&plan.inspect, |r| {
+            r.run(&rods::INSPECT, "is each strand sound", n.strands);
+        });
+        r.when(&plan.mend, |r| {
             r.run(&rods::RESET, "a strand that is not starts from rest", n.strands);
         });
         r.run(&rods::ROOTS, "where clamps go", n.strands);

@@ -9,7 +9,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("9. guard");
     let n = &plan.sizes;
     let velocity = plan.final_velocity(r.state());
-    r.when(&plan.hair, |r| {
+    r.when(&plan.mend, |r| {
         r.run(&guard::HOLD, "strands that are not finite stand still", n.strands).bind("final_velocity", &velocity);
     });
     r.run(&guard::CHECK, "is all finite", n.particles).bind("final_velocity", &velocity);
@@ -18,7 +18,6 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.run(&guard::COMMIT_HAIR, "commit what hair remembers", n.hair_points).bind("final_velocity", &velocity);
     });
     r.when(&plan.air, |r| {
-        r.run(&guard::COMMIT_ORDER, "who is where in the order of cells", n.air());
         r.run(&guard::COMMIT_AIR, "commit air in the order of cells", n.air()).bind("final_velocity", &velocity);
     });
     r.when(&plan.divergence, |r| {

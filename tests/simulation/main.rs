@@ -2,12 +2,14 @@
 //! finite.
 #![allow(clippy::unwrap_used, missing_docs)]
 
+mod resets;
+#[path = "../support/mod.rs"]
 mod support;
 
 use glam::{DQuat, DVec3};
 use support::{MASS, RADIUS, VOLUME};
 use windswept::{
-    Frame, RunError, Simulation,
+    Frame, Simulation,
     gpu::wgpu,
     internals::{AnyArray, Engine, Setup, with_texts},
 };
@@ -181,7 +183,7 @@ fn a_list_in_pages_changes_no_bit() {
     let most = support::gpu().device().limits().max_storage_textures_per_shader_stage;
     let mut seen = Vec::new();
     // Hair and air that exchange drag, pressure and a band of eddies: passes over air alone, hair alone and both.
-    let quick = Scene::parse(include_str!("../examples/scenes/quick.toml")).unwrap();
+    let quick = Scene::parse(include_str!("../../examples/scenes/quick.toml")).unwrap();
     let whole = InitialState::new(&quick).unwrap();
     for (scene, initial) in [(quick, whole), (windy(), brush(4)), (support::scene(), clump)] {
         let (_, simulation) = run(&scene, &initial, &[3]);
@@ -222,57 +224,6 @@ fn wind_without_hair_stays_uniform() {
     assert!(noise < 0.02, "noise {noise}");
 }
 
-/// A strand that becomes non-finite is held for the step, reset to its rest pose in the next, and counted; its
-/// neighbours never see it.
-#[test]
-fn a_non_finite_strand_is_reset_and_counted() {
-    for model in [Model::Particles, Model::TwoWay] {
-        resets(model);
-    }
-}
-
-fn resets(model: Model) {
-    let mut simulation = Simulation::with_state(&support::gpu(), &with_model(model), brush(4)).unwrap();
-    simulation.step(20).unwrap();
-    let engine = simulation.engine();
-    let mut velocity: Vec<[f32; 4]> = engine.read(&engine.state().velocity).unwrap();
-    let victim = simulation.initial().hair.points(5).start + 3;
-    velocity[victim][1] = f32::NAN;
-    engine.write(&engine.state().velocity, &velocity).unwrap();
-    simulation.step(1).unwrap();
-    assert_eq!(simulation.warnings().get("strand_reset"), Some(&1));
-    simulation.step(1).unwrap();
-    assert_eq!(simulation.warnings().get("strand_reset"), Some(&1), "it was reset once");
-    let [reset] = simulation.resets() else { panic!("{:?}", simulation.resets()) };
-    assert_eq!((reset.step, &reset.named[..], reset.strands, reset.recovered), (20, &[5][..], 1, false));
-    let frame = simulation.frame().unwrap();
-    let finite = |values: &[[f32; 3]]| values.iter().flatten().all(|x| x.is_finite());
-    assert!(finite(&frame.hair.positions) && finite(&frame.hair.velocities) && finite(&frame.air.velocities));
-    // One step after its reset it is still where it started, to the fall of one step.
-    for p in simulation.initial().hair.points(5) {
-        let gap = DVec3::from_array(frame.hair.positions[p].map(f64::from)) - simulation.initial().hair.positions[p];
-        assert!(gap.length() < 1e-3, "point {p} is {} m from its rest pose", gap.length());
-    }
-}
-
-/// Non-finite air ends the run with the particle and the step; the state stays that of the last good step.
-#[test]
-fn non_finite_air_ends_the_run() {
-    let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(4)).unwrap();
-    simulation.step(7).unwrap();
-    let engine = simulation.engine();
-    let mut velocity: Vec<[f32; 4]> = engine.read(&engine.state().velocity).unwrap();
-    let hair = engine.sizes().hair_points as usize;
-    velocity[hair + 11][0] = f32::INFINITY;
-    let id = engine.slots().unwrap().ids()[11];
-    assert_ne!(id, 11);
-    engine.write(&engine.state().velocity, &velocity).unwrap();
-    let error = simulation.step(5).unwrap_err().to_string();
-    println!("{error}");
-    assert!(error.contains(&format!("air particle {id} ")) && error.contains("step 7"), "{error}");
-    assert_eq!(simulation.steps(), 7);
-}
-
 /// Arrays that do not belong together are refused by name, before anything reaches the device or is counted.
 #[test]
 fn a_state_that_does_not_fit_is_refused() {
@@ -293,81 +244,6 @@ fn a_state_that_does_not_fit_is_refused() {
     refused(&|s| s.air.mass = 0.0, "volume, mass and size");
 }
 
-/// Strands that go bad in numbers end the run with their count and the first of them.
-#[test]
-fn many_non_finite_strands_end_the_run() {
-    let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(4)).unwrap();
-    simulation.step(3).unwrap();
-    let engine = simulation.engine();
-    let mut velocity: Vec<[f32; 4]> = engine.read(&engine.state().velocity).unwrap();
-    for s in 6..10 {
-        velocity[simulation.initial().hair.points(s).end - 1][2] = f32::NAN;
-    }
-    engine.write(&engine.state().velocity, &velocity).unwrap();
-    let error = simulation.step(1).unwrap_err().to_string();
-    println!("{error}");
-    assert!(error.contains("4 strands") && error.contains("strand 6") && error.contains("step 3"), "{error}");
-    assert!(error.contains("point 6"), "{error}");
-}
-
-/// A run that ended goes on once its caller says so: what was not finite is put back to rest, named and counted, and only that.
-#[test]
-fn what_ended_a_run_is_put_back_to_rest() {
-    let spoilt = |air: bool| {
-        let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(4)).unwrap();
-        simulation.step(3).unwrap();
-        let engine = simulation.engine();
-        let mut velocity: Vec<[f32; 4]> = engine.read(&engine.state().velocity).unwrap();
-        for s in 6..10 {
-            velocity[simulation.initial().hair.points(s).end - 1][2] = f32::NAN;
-        }
-        if air {
-            velocity.last_mut().unwrap()[0] = f32::NAN;
-        }
-        engine.write(&engine.state().velocity, &velocity).unwrap();
-        let error = simulation.step(2).unwrap_err();
-        let reset = simulation.recover(error).unwrap();
-        println!("{reset}");
-        assert_eq!((reset.step, reset.air), (3, air));
-        // Air that is not finite spoils what it touches in the same step.
-        let spoilt = if air { reset.strands >= 4 } else { reset.named == [6, 7, 8, 9] && reset.strands == 4 };
-        assert!(spoilt, "{reset}");
-        (simulation, reset.strands)
-    };
-    for air in [false, true] {
-        let (mut simulation, strands) = spoilt(air);
-        simulation.step(1).unwrap();
-        assert_eq!(simulation.steps(), 4);
-        let (hair, frame) = (simulation.initial().hair.clone(), simulation.frame().unwrap());
-        for p in (6..10).flat_map(|s| hair.points(s)) {
-            let off = DVec3::from_array(frame.hair.positions[p].map(f64::from)) - hair.positions[p];
-            assert!(off.length() < 1e-6, "point {p} is {} m from its rest shape", off.length());
-        }
-        simulation.step(100).unwrap();
-        let report = simulation.report().unwrap();
-        assert_eq!((report.warnings["strand_reset"], report.resets.len()), (strands, 1), "{:?}", report.resets);
-        // Measured 0.013 with Gauss-Seidel; margin 4.
-        assert!(report.max_stretch.unwrap() < 0.05, "{:?}", report.max_stretch);
-        let noise = frame.air.velocities.iter().map(|v| f64::from(v[0])).fold(0.0, f64::max);
-        assert!(noise.is_finite() && noise < 6.0, "{noise}");
-    }
-}
-
-/// Air that is finite, but faster than anything can be, ends the run as air that is not: nobody has to find it in the results.
-#[test]
-fn air_faster_than_anything_ends_the_run() {
-    let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(4)).unwrap();
-    let engine = simulation.engine();
-    let [hair, all] = [engine.sizes().hair_points, engine.sizes().particles].map(|n| n as usize);
-    let velocity = |air: f32| [vec![[0.0; 4]; hair], vec![[air, 0.0, 0.0, 0.0]; all - hair]].concat();
-    engine.write(&engine.state().velocity, &velocity(1e20)).unwrap();
-    let error = simulation.step(1).unwrap_err();
-    assert!(
-        matches!(error, RunError::NonFiniteAir { .. }) && error.to_string().contains("faster than 1e6 m/s"),
-        "{error}"
-    );
-}
-
 /// Densities are measured between steps, also where the neighbour list has to grow for them: the rising wind goes on from where it was.
 #[test]
 fn a_measurement_leaves_the_wind_as_it_is() {
@@ -383,40 +259,6 @@ fn a_measurement_leaves_the_wind_as_it_is() {
     assert!(simulation.engine().sizes().neighbours > room, "the list did not grow");
     assert!(before.wind[0] > 0.3 && before.wind != before.wind_before, "{:?}", before.wind);
     assert_eq!(simulation.engine().status().unwrap().wind, before.wind);
-}
-
-/// What comes back each time is not put back for ever, and a run that nothing ended has nothing to be put back.
-#[test]
-fn what_comes_back_ends_the_run() {
-    let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(4)).unwrap();
-    let nothing = RunError::Input("nothing happened".to_owned());
-    assert_eq!(simulation.recover(nothing).unwrap_err().to_string(), "nothing happened");
-    let mut tries = 0;
-    let ended = loop {
-        let engine = simulation.engine();
-        let spoilt = vec![[f32::NAN; 4]; engine.sizes().particles as usize];
-        engine.write(&engine.state().velocity, &spoilt).unwrap();
-        let error = simulation.step(1).unwrap_err();
-        match simulation.recover(error) {
-            Ok(_) => tries += 1,
-            Err(error) => break error.to_string(),
-        }
-    };
-    assert!(
-        tries == 3 && ended.starts_with("step 0 (t = 0 s): ") && ended.contains("no finite number"),
-        "{tries}: {ended}"
-    );
-    // The first air particle is where it started, and strand 0 is what it is nearest to.
-    let (frame, hair) = (simulation.frame().unwrap(), &simulation.initial().hair);
-    let here = frame.air.positions[0];
-    let distance = |p: &[f32; 3]| (0..3).map(|k| (p[k] - here[k]).powi(2)).sum::<f32>().sqrt();
-    let (point, nearest) =
-        frame.hair.positions.iter().map(distance).enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
-    let strand = hair.point_offsets.iter().filter(|first| **first as usize <= point).count() - 1;
-    let [x, y, z] = here;
-    let words =
-        format!("before it the particle was at [{x:.4}, {y:.4}, {z:.4}] m, {nearest:.4} m from strand {strand}: ");
-    assert!(ended.contains(&words), "{ended}: {words}");
 }
 
 /// A point faster than a rod could follow is capped and counted, and the strand recovers.
