@@ -53,10 +53,10 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
         let meaning = windswept::warning_meaning(cause).map(|meaning| format!(" ({meaning})")).unwrap_or_default();
         console.warn(format_args!("{cause}: {count}{meaning}"));
     }
+    let frames = if notes.formats.is_empty() { String::new() } else { counted_frames(run.next_frame()) + ", " };
     let done = format!(
-        "{}: {}, {} of {steps} steps in {:.1} s{}",
+        "{}: {frames}{} of {steps} steps in {:.1} s{}",
         output.dir().display(),
-        counted_frames(run.next_frame()),
         report.steps,
         started.elapsed().as_secs_f64(),
         report.ms_per_step.map(|ms| format!(" ({ms:.1} ms a step)")).unwrap_or_default(),

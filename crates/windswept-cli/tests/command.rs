@@ -60,6 +60,7 @@ fn a_trace_says_when_passes_ran() {
     let folder = folder();
     let ran = run(folder.path(), &["--steps", "2", "--formats", "none", "--trace", "trace.json"]);
     assert_eq!(ran.status.code(), Some(0), "{ran:?}");
+    assert!(String::from_utf8_lossy(&ran.stdout).contains("out: 2 of 2 steps in "), "no frame was written: {ran:?}");
     let trace = report(&folder.path().join("trace.json"));
     let bars: Vec<(&str, f64, f64)> = trace["traceEvents"]
         .as_array()

@@ -44,7 +44,7 @@ const WEAK: f64 = 0.3;
 /// Warnings about step, wind, particles and bands.
 pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles, substeps: u32) -> Vec<String> {
     let mut warnings = Vec::from_iter(of_wind(scene, air, substeps));
-    let spacing = air.parcel().cbrt();
+    let spacing = particles.volume.cbrt();
     for jet in scene.forces.iter().filter(|force| force.field == ForceField::Jet && air.is_still()) {
         warnings.push(format!(
             "force.{}: without a mean wind the air that a jet blows out of the box comes in again on the other side",
