@@ -145,7 +145,7 @@ struct Condition {
     calm: u32,       // steps on end that BDF2 could take
     still: u32,      // steps on end at rest; SLEEPS
     reach: f32,      // m, the farthest free move of the last step awake; below 0: it was put, and minus this is the most that it takes next
-    touched: u32,    // bits of `body`: PUSHED, MOVED, by bodies in this step
+    touched: u32,    // bits PUSHED and MOVED of `body.wgsl`: what bodies did to it
 }
 
 struct Health {

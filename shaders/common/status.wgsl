@@ -2,9 +2,9 @@
 // committing; the host reads the causes after each batch of steps, mends what it can and replays from the same state.
 
 const NEIGHBOUR_OVERFLOW: u32 = 1u;   // the list is too short: grow and replay
-const NON_FINITE_AIR: u32 = 2u;       // the run ends
-const TOO_MANY_BAD_STRANDS: u32 = 4u; // the run ends
-const UNMENDED_STRAND: u32 = 8u;      // a strand is bad, or not solved: replay with the passes that mend it
+const NON_FINITE_AIR: u32 = 2u;       // replay with the passes that mend strands; if they ran, the run ends
+const TOO_MANY_BAD_STRANDS: u32 = 4u; // the same
+const UNMENDED_STRAND: u32 = 8u;      // a strand is bad, lost or not solved: replay with the passes that mend it
 
 const STRAND_RESET: u32 = 0u;    // a non-finite strand goes back to its rest pose
 const MOVE_CAPPED: u32 = 1u;     // a point would have moved too far in one step
@@ -35,7 +35,9 @@ struct Status {
     reset_first: u32,                 // that of the last committed step in which one was not finite
     reset_step: u32,                  // number of that step, from 1; 0 if there was none
     first_bad_air: atomic<u32>,       // smallest id
-    max_stretch: atomic<u32>,         // max |l/l0 - 1| over the run, the bits of a positive f32
+    stretch: atomic<u32>,             // max |l/l0 - 1| in this step, the bits of a positive f32
+    max_stretch: u32,                 // that of the committed steps
+    inspected: u32,                   // 1: this step began with `rods/inspect`
     hair_outside: atomic<u32>,        // hair points outside the box of air, this step
     outside_steps: u32,               // steps on end with many of them
     wind: array<f32, 3>,              // m/s, mean wind at the end of this step

@@ -26,7 +26,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         stretch = max(stretch, abs(l / segments[strand.first_segment + k].rest_length - 1.0));
     }
     if !finite(stretch) { return; }
-    atomicMax(&status.max_stretch, bitcast<u32>(stretch));
+    atomicMax(&status.stretch, bitcast<u32>(stretch));
     // A step counts once, even if `rods/finish` and this pass both find the strand over-strained.
     if health[s].found.strained > 0u { return; }
     let strained = strained_steps(health[s].committed.strained, stretch);

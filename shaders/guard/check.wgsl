@@ -1,6 +1,6 @@
-// Freezes the state when something is not finite or faster than anything can be, or too many strands were reset; counts the hair points
-// outside the box of air. A strand of which that is so is held by `guard/hold`: the step is taken again with it, and where air is lost, hair
-// that was not looked at may be the cause. Also keeps who is in each slot of air, for `guard/commit_air` to permute.
+// Freezes the step when a particle of air or a point of hair is not finite or faster than anything can be, or when too many strands were
+// reset, and counts the hair points outside the box of air. Hair is lost here only where `guard/hold`, which holds such strands, did not run:
+// the step is taken again with it. Also keeps which particle is in each slot of air, since `guard/commit_air` writes that in a new order.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, cell_of, in_box},
     sound::{FAST, within},
@@ -26,7 +26,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     // The first particle speaks for all. Few others have something to say, and only those ask for the status.
     if !(i == 0u || bad || outside) { return; }
     if status.ended != 0u { return; }
-    // Where the step froze before, the scratch arrays mean nothing.
+    // Where an earlier pass froze the step, the scratch arrays mean nothing. Where this one found hair that is lost, the step is taken again
+    // whatever else there is to find.
     if (atomicLoad(&status.causes) & (NEIGHBOUR_OVERFLOW | UNMENDED_STRAND)) != 0u { return; }
     if i == 0u && atomicLoad(&status.bad_strands) > params.bad_strand_limit {
         freeze(TOO_MANY_BAD_STRANDS);

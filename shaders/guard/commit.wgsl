@@ -31,6 +31,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if i == 0u {
         let step = status.step + 1u;
         status.step = step;
+        status.inspected = 0u;
+        status.max_stretch = max(status.max_stretch, atomicExchange(&status.stretch, 0u));
         let sum = confinement_total[0].xyz;
         let kept = (sum - air_particles() * taken_out(sum)) / params.air_inverse_mass;
         confinement_impulse[0] += vec4f(select(vec3f(0.0), kept, params.air_inverse_mass > 0.0), 0.0);

@@ -1,5 +1,5 @@
-// A strand with a position or a velocity that is not finite, or faster than anything can be, stands where it was at rest for this step, and
-// is reset in the next as one whose solve failed (`rods/finish`).
+// A strand of which a position is not finite at the end of the step, or a velocity is not or exceeds what anything can have, ends the step
+// at rest where it began, and is reset in the next, like a strand that `rods/finish` holds.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, RodSegment, Health, BAD}, sound::{FAST, within},
     share::{Stretch, owner_of, worker_of, stretch_of, least_shared},

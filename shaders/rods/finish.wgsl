@@ -1,13 +1,15 @@
-// Health of each strand after its solve: one that is not finite, or longer than a strand can be, is held where it was for this step (so
-// that it spoils no neighbour) and reset in the next; stretch is recorded; over-strain and rest are counted, steps on end. Where the direct solver
-// has not solved a strand, which more Newton steps or `rods/rescue` would do, the step freezes, and is taken again with these.
+// Health of each strand after its solve: stretch is recorded; over-strain and rest are counted, steps on end. A strand that is not finite,
+// or of which a segment has become a thousand times too long, is held where it was for this step, so that it spoils no neighbour, and is
+// reset in the next. If nobody looked at the strands when the step began, it may have been lost already: the step freezes, and is taken
+// again with the passes that mend strands. So it is where the direct solver has not solved a strand, which more Newton steps or
+// `rods/rescue` would do.
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::PUT,
     rest::{STILL_STEPS, STILL_TURN}, sound::FAR,
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, LEFT, SLEEPS, STRAINED_STEPS, strained_steps,
         ROOT_HELD, MISFIT, GROWTH, EASED, BAD, SPOILT, misses, unsolved},
     share::{Stretch, owner_of, worker_of, stretch_of, largest_shared, least_shared, any_shared},
-    status::{status, frozen, freeze, count, count_bad_strand, finite3, finite4, OVER_STRAINED, UNMENDED_STRAND, BY_FINISH,
+    status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNMENDED_STRAND, BY_FINISH,
         NO_POINT},
 };
 
@@ -102,15 +104,16 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var found = health[s].found;
     stretch = largest_shared(stretch);
     lost = least_shared(lost);
-    let holds = lost != NO_POINT || !(stretch < FAR);
+    let holds = lost != NO_POINT || !finite(stretch) || stretch >= FAR;
     var outcome = Outcome(holds, false, 0u, false);
     if holds {
+        if status.inspected == 0u { freeze(UNMENDED_STRAND); }
         found.bad = BAD;
         found.reach = 0.0;
         // One that was spoilt when the step began is counted.
         if speaks & (health[s].committed.bad != SPOILT) { count_bad_strand(min(lost, strand.first_point + strand.points - 1u), BY_FINISH); }
     } else {
-        if speaks { atomicMax(&status.max_stretch, bitcast<u32>(stretch)); }
+        if speaks { atomicMax(&status.stretch, bitcast<u32>(stretch)); }
         found.strained = strained_steps(found.strained, stretch);
         if speaks & (found.strained == STRAINED_STEPS) { count(OVER_STRAINED); }
         // The direct solver got nowhere near: Euler does, from its free move.

@@ -1,14 +1,12 @@
-// Looks at each strand before anything else does. One with a value that is not finite, or that no strand can have, is spoilt: it
-// starts the step in its rest shape (`rods/reset`), so that nothing meets what it was.
-//
-// Steps do not commit such values: whoever writes into the state between steps may, and a defect may. Spins and what segments
-// remember are read by their own strand alone, whose health `rods/finish` finds after the solve.
+// Looks at each strand before anything else does, once somebody other than a step has written into the hair. A strand with a value that
+// is not finite, or that no strand can have, is spoilt: it starts the step in its rest shape (`rods/reset`), so that nothing meets what it
+// was. Spins and what segments remember are read by their own strand alone, whose health `rods/finish` finds after the solve.
 //
 // A step that froze is taken again: a strand that was found spoilt is counted anew.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP},
     rod::{Strand, Health, PointHistory, Root, BAD, SPOILT}, share::{Stretch, owner_of, worker_of, stretch_of, least_shared}, sound::{FAST, within, root_of, in_reach},
-    status::{frozen, count_bad_strand, finite, finite3, BY_INSPECT, NO_POINT},
+    status::{status, frozen, count_bad_strand, finite, finite3, BY_INSPECT, NO_POINT},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:       array<Strand>;
@@ -42,6 +40,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let at = invocation(id, groups);
     let s = owner_of(at);
     if (s >= params.strands) | frozen() { return; }
+    if at == 0u { status.inspected = 1u; }
     let bad = health[s].committed.bad;
     if bad == BAD { return; }
     let strand = strands[s];

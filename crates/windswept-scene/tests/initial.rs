@@ -7,7 +7,7 @@ use common::{BRUSH, QUICK, assert_close, brush, scene_of};
 use glam::DVec3;
 use windswept_scene::{Band, InitialState, Scene};
 
-/// The example is as large as the issue says, and there is nothing to warn of.
+/// The example is a small one, and there is nothing to warn of.
 #[test]
 fn quick_is_what_it_says() {
     let scene = scene_of(QUICK, &[]);
@@ -221,6 +221,17 @@ fn a_user_is_warned() {
     scene.turbulence.bands = [0.0049, 0.006].map(|scale| Band { scale, strength: 3.0, intensity: 0.3 }).to_vec();
     let warnings = InitialState::new(&scene).unwrap().warnings;
     assert!(warnings.len() == 1 && warnings[0].contains("turbulence scale 0.0049 m is below"), "{warnings:?}");
+}
+
+/// A warning gives the spacing that air has in the box, which holds whole rows of it, and not that of the scene's parcels.
+#[test]
+fn a_warning_has_the_spacing_of_the_box() {
+    let (scene, state) = brush(&["turbulence.bands=[{scale=0.003,strength=3,intensity=0.3}]"]);
+    let [filled, parcels] =
+        [state.air.volume, scene.air.unwrap().parcel()].map(|volume| format!("{:.2e} m", volume.cbrt()));
+    assert_ne!(filled, parcels, "the box would have to be another one");
+    let words = format!("is below what particles {filled} apart can carry");
+    assert!(state.warnings.iter().any(|warning| warning.contains(&words)), "{words}: {:?}", state.warnings);
 }
 
 /// Masses and compliances that single precision cannot hold are the scene's fault, not a NaN later; so is hair without

@@ -50,7 +50,8 @@ pub struct Engine {
     sizes: Sizes,
     state: State,
     memory: Memory,
-    /// Whether the host has written what strands are since the engine was made.
+    /// Whether somebody other than a step has written what `rods/inspect` only reads: places, velocities, frames, clamps, or what points
+    /// remember; the setup does not count.
     hair_was_written: AtomicBool,
 }
 
@@ -261,7 +262,7 @@ impl Engine {
         self.memory.write_bytes(&self.gpu, array, 0, bytes)
     }
 
-    /// Whether somebody else than a step has written what `rods/inspect` looks at, since the engine was made with a state of its setup.
+    /// Whether somebody other than a step has written into the hair since the engine was made.
     pub(crate) fn hair_was_written(&self) -> bool {
         self.hair_was_written.load(Ordering::Relaxed)
     }

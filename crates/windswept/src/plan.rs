@@ -284,7 +284,7 @@ impl Plan {
         if self.rescue.runs { self.newton } else { rods::first_newton(self.newton) }
     }
 
-    /// Lets each strand be looked at from now on as a step begins: what the passes commit is sound, what somebody else writes may not be.
+    /// Lets each strand be looked at from now on as a step begins: what somebody other than a step has written may be none that there can be.
     pub fn inspect_strands(&mut self) {
         self.inspect = self.hair.clone();
     }

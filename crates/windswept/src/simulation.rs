@@ -96,6 +96,15 @@ pub struct Buffers<'a> {
     pub origin: DVec3,
 }
 
+/// Where the hair of a simulation comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Hair {
+    /// It was made of a scene or of a groom that was checked: each strand is one that there can be.
+    Made,
+    /// The caller gave the arrays: each strand is to be inspected.
+    Given,
+}
+
 impl Simulation {
     /// A simulation at t = 0.
     ///
@@ -105,7 +114,7 @@ impl Simulation {
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, Error> {
         check_room(gpu, scene, None)?;
         let initial = InitialState::new(scene)?;
-        Self::made(gpu, scene, initial, false)
+        Self::begun(gpu, scene, initial, Hair::Made)
     }
 
     /// A simulation of the caller's own strands, which replace the scene's `[hair]`.
@@ -115,7 +124,7 @@ impl Simulation {
     pub fn with_groom(gpu: &Gpu, scene: &Scene, groom: &Groom) -> Result<Self, Error> {
         check_room(gpu, scene, Some(groom))?;
         let initial = InitialState::with_groom(scene, groom)?;
-        Self::made(gpu, &Scene { hair: Vec::new(), ..scene.clone() }, initial, false)
+        Self::begun(gpu, &Scene { hair: Vec::new(), ..scene.clone() }, initial, Hair::Made)
     }
 
     /// A simulation that starts from the caller's own arrays; the scene's `[hair]` and lattice are not looked at. Hair that is too light for
@@ -124,11 +133,10 @@ impl Simulation {
     /// # Errors
     /// [`Error::Scene`] when the arrays do not belong together, [`Error::Gpu`] when they do not fit the adapter.
     pub fn with_state(gpu: &Gpu, scene: &Scene, initial: InitialState) -> Result<Self, Error> {
-        Self::made(gpu, scene, initial, true)
+        Self::begun(gpu, scene, initial, Hair::Given)
     }
 
-    /// A simulation whose hair is to be inspected, unless it is known to be sound.
-    fn made(gpu: &Gpu, scene: &Scene, mut initial: InitialState, inspected: bool) -> Result<Self, Error> {
+    fn begun(gpu: &Gpu, scene: &Scene, mut initial: InitialState, hair: Hair) -> Result<Self, Error> {
         let began = Instant::now();
         initial.check()?;
         initial.warnings.extend(initial.hair.carry_air(scene));
@@ -136,7 +144,7 @@ impl Simulation {
         scene.time.substeps = initial.hair.substeps(&scene);
         let setup = Setup::new(&scene, &initial);
         let mut plan = Plan::new(&setup);
-        if inspected {
+        if hair == Hair::Given {
             plan.inspect_strands();
         }
         let engine = Engine::sharing(gpu, &setup, |state| step::recordings(state, &plan))?;
@@ -246,9 +254,9 @@ impl Simulation {
         }
     }
 
-    /// Reads the status after a submit. Where a step needed a longer neighbour list it grows, and where a strand was not
-    /// finite or not solved for the first time, the step gets the passes that mend such strands. The frozen steps are then not
-    /// done, so compare [`Self::steps`] and record them again. Turns what ended the run into an error.
+    /// Reads the status after a submit. Where a step needed a longer neighbour list it grows. Where something was not finite for the first
+    /// time, air or hair, or a strand was not solved, the step gets the passes that mend strands. The frozen steps are then not done, so
+    /// compare [`Self::steps`] and record them again. Turns what ended the run into an error: what is not finite although these passes ran.
     ///
     /// # Errors
     /// [`RunError`] names what ended the run.

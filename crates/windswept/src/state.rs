@@ -353,7 +353,7 @@ state! {
     /// A body in this step: where it is after it, and how it got there.
     placed: Placed, |s| s.bodies;
     /// What bodies did to a strand in this step: bits of `PUSHED`, `MOVED` and `INSIDE`; from the bit `EMBEDDED` on, how many of its points
-    /// they let be. `contact/stretch` notes what the next step asks for.
+    /// they let be. `contact/stretch` puts what the next step asks for into `health`.
     touched: u32, |s| s.strands;
     /// Stable id of the particle that is in a slot of air until the step is committed.
     air_id_before: u32, |s| s.air();

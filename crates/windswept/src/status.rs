@@ -61,6 +61,8 @@ pub fn thawed(status: &Status) -> Status {
         bad_strands: 0,
         first_bad: u32::MAX,
         first_bad_air: u32::MAX,
+        stretch: 0,
+        inspected: 0,
         hair_outside: 0,
         wind: status.wind_before,
         counting: Status::default().counting,

@@ -131,7 +131,6 @@ impl Simulation {
             hair.orientations = given.iter().map(|q| q.normalize()).collect();
         }
         self.engine.write_hair(&hair, origin)?;
-        self.inspect_what_was_written()?;
         if self.last.step == 0 {
             // Before the first step this is the hair that the run starts from.
             self.initial.hair = hair;
