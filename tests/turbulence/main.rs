@@ -190,7 +190,9 @@ fn bands_that_do_not_fit_are_named() {
     let warned = |scale: f64| {
         InitialState::new(&scene(scale)).unwrap().warnings.iter().any(|warning| warning.contains("can carry"))
     };
-    assert!(warned(0.00497) && !warned(0.00500), "1.03 spacings are 4.98 mm");
+    // 41 x 21 x 21 particles.
+    let spacing = (0.2 * 0.1 * 0.1 / f64::from(41 * 21 * 21)).cbrt();
+    assert!(warned(1.028 * spacing) && !warned(1.032 * spacing), "{spacing} m");
 }
 
 /// The spectrum starts from the air as it is set before the first step; a wind that is set later does not change that.
