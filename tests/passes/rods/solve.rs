@@ -122,7 +122,7 @@ fn rods_at_rest_stay_at_rest() {
 
 #[test]
 fn finish_measures_stretch_and_finds_bad_strands() {
-    // Of the victim's tip: not a number, and farther than a strand can reach.
+    // The victim's tip goes to where there is no number, or farther than a strand can reach.
     for (n, lost) in SIZES.into_iter().flat_map(|n| [(n, f32::NAN), (n, 1e4)]) {
         let (scene, initial) = strands(n, "");
         let stage = Stage::new(&scene, &initial);
