@@ -1,5 +1,5 @@
 // What a strand can be as a step begins, and how fast anything can be.
-import package::common::{rod::{Strand, Root, ROOT_HELD}, status::finite};
+import package::common::{rod::{Strand, Root, ROOT_HELD}, status::{finite, finite3}};
 
 const FAR: f32 = 1e3;     // lengths of the strand: no point of it is farther from its root
 const WORLD: f32 = 1e9;   // m from the origin: no root is farther
@@ -8,6 +8,11 @@ const FAST: f32 = 1e6;    // m/s: nothing is faster
 // Whether a vector is finite and not longer than that. The square of one that is too long for f32 is not finite either.
 fn within(v: vec3f, longest: f32) -> bool {
     return finite(dot(v, v)) && dot(v, v) <= longest * longest;
+}
+
+// Whether a particle can be there, and so fast.
+fn can_be(place: vec3f, velocity: vec3f) -> bool {
+    return finite3(place) && within(velocity, FAST);
 }
 
 // Where the root of a strand is: at its clamp, or where its first point drifted to if nothing holds it.

@@ -3,9 +3,9 @@
 // the step is taken again with it. Also keeps which particle is in each slot of air, since `guard/commit_air` writes that in a new order.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, cell_of, in_box},
-    sound::{FAST, within},
+    sound::can_be,
     status::{
-        status, freeze, finite3, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, TOO_MANY_BAD_STRANDS, UNMENDED_STRAND,
+        status, freeze, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, TOO_MANY_BAD_STRANDS, UNMENDED_STRAND,
     },
 };
 
@@ -21,7 +21,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let air = is_air(i);
     let slot = i - select(i, params.hair_points, air);
     if air { air_id_before[slot] = air_id[slot]; }
-    let bad = !(finite3(predicted[i].xyz) && within(final_velocity[i].xyz, FAST));
+    let bad = !can_be(predicted[i].xyz, final_velocity[i].xyz);
     let outside = !air && params.box_cells > 0u && !in_box(cell_of(predicted[i].xyz));
     // The first particle speaks for all. Few others have something to say, and only those ask for the status.
     if !(i == 0u || bad || outside) { return; }

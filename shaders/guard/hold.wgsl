@@ -1,9 +1,9 @@
 // A strand of which a position is not finite at the end of the step, or a velocity is not or exceeds what anything can have, ends the step
 // at rest where it began, and is reset in the next, like a strand that `rods/finish` holds.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, RodSegment, Health, BAD}, sound::{FAST, within},
+    params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, RodSegment, Health, BAD}, sound::can_be,
     share::{Stretch, owner_of, worker_of, stretch_of, least_shared},
-    status::{frozen, count_bad_strand, finite3, BY_HOLD, NO_POINT},
+    status::{frozen, count_bad_strand, BY_HOLD, NO_POINT},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:        array<Strand>;
@@ -17,7 +17,7 @@ import package::common::{
 fn lost(strand: Strand, own: Stretch) -> u32 {
     for (var k = own.begin; k < own.end; k++) {
         let p = strand.first_point + k;
-        if !(finite3(predicted[p].xyz) && within(final_velocity[p].xyz, FAST)) { return p; }
+        if !can_be(predicted[p].xyz, final_velocity[p].xyz) { return p; }
     }
     return NO_POINT;
 }

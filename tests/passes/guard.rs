@@ -121,7 +121,7 @@ impl Walk<'_> {
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
     (&shaders::guard::HOLD, "if point == NO_POINT {", "if point != NO_POINT {", PARTICLES),
-    (&shaders::guard::CHECK, "!(finite3(", "(finite3(", PARTICLES),
+    (&shaders::guard::CHECK, "!can_be(", "can_be(", PARTICLES),
     (&shaders::guard::COMMIT_FRAMES, "vec4f(spin, 0.0)", "vec4f(0.9 * spin, 0.0)", PARTICLES),
     (&shaders::guard::COMMIT_HAIR, "point.before + last - new_velocity[p].xyz", "point.before + last", PARTICLES),
     (&shaders::guard::CHECK, "air_id_before[slot] = air_id[slot]", "air_id_before[slot] = slot", PARTICLES),
