@@ -48,9 +48,9 @@ struct Taken {
 const FITS: f32 = 1e-5;      // |C + alpha mu| of stretch-shear at which a strand is done
 const HOPELESS: f32 = 1e30;  // that of one whose numbers are none any more
 const QUIET: f32 = 1e-6;     // residual below which a strand need not be solved; see `quiet_below`
-// Added to the diagonal of J W J^T, in parts of it: keeps the system within what f32 resolves where segments are stiff and
-// short. Steps come out shorter by that much where they are the least certain; where a strand comes to rest stays the same.
-const GIVE: f32 = 2e-7;
+// The compliance that a row of the system has at least, in parts of J W J^T on its diagonal: f32 resolves no less beside that. Steps
+// of a strand with less compliance come out shorter, where it comes to rest stays the same.
+const LEAST_COMPLIANCE: f32 = 1e-7;
 const ONE = mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
 
 // Newton steps of one dispatch. A text that reads copies of what it writes takes one.
@@ -171,6 +171,13 @@ fn turn_excess(own: Link, before: Joint, after: Joint) -> vec3f {
     return own.yielding * excess + (1.0 - own.yielding) * dot(own.tangent, excess) * own.tangent;
 }
 
+// A block on the diagonal of J W J^T + alpha.
+fn with_compliance(block: Symmetric, compliance: Symmetric) -> Symmetric {
+    return Symmetric(
+        block.diagonal + max(compliance.diagonal, LEAST_COMPLIANCE * block.diagonal), block.off_diagonal + compliance.off_diagonal,
+    );
+}
+
 // Left out of every step, however short it is, a residual must not add up to a push that wakes a sleeper.
 fn quiet_below(strand: Strand) -> f32 {
     let mean_segment = strand.length / f32(strand.points - 1u);
@@ -239,7 +246,7 @@ fn eliminate(strand: Strand, rod: RodStrand) -> Eliminated {
         let stretch_residual = own.gap + own.over_length * (end_excess - start_excess) + cross(own.tangent, turn);
         let residual = max(length(bend_residual), length(stretch_residual));
         let excess = max(length(end_excess) * own.over_length, length(turn));
-        unrest = select(unrest, max(unrest, max(residual, excess)), next < strand.points);
+        unrest = max(unrest, max(residual, excess));
 
         let weight = turn_weight(own);
         let across = own.weight * own.yielding;   // W [d3]x is this times [d3]x
@@ -247,10 +254,10 @@ fn eliminate(strand: Strand, rod: RodStrand) -> Eliminated {
         let along = (start_weight + end.weight) * own.over_length * own.over_length;
         let stiff = plus(Symmetric(vec3f(along), vec3f(0.0)), cross_dyad(across, own.tangent));
         let f = minus(
-            plus(symmetric_product(a, (1.0 + GIVE) * before), Symmetric(joint_before.compliance, vec3f(0.0))), taken.bend_bend,
+            with_compliance(symmetric_product(a, before), Symmetric(joint_before.compliance, vec3f(0.0))), taken.bend_bend,
         );
         let g = -across * transpose(crossed(a, own.tangent)) - taken.bend_stretch;
-        let h = minus(plus(scaled(1.0 + GIVE, stiff), own.compliance), taken.stretch_stretch);
+        let h = minus(with_compliance(stiff, own.compliance), taken.stretch_stretch);
         let f_inverse = inverse_of(f);
         let t = applied_to_columns(f_inverse, g);
         let s_inverse = inverse_of(minus(h, symmetric_product(g, t)));

@@ -1,9 +1,9 @@
 //! Strands at rest: where they come to rest, and that they stay whole.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use windswept::Simulation;
 use windswept_reference::tables;
-use windswept_scene::Scene;
+use windswept_scene::{End, Ends, Scene};
 use windswept_validate::internals::{GRAVITY, LENGTH, LINE_DENSITY, Rod, STRETCH, tips};
 
 use crate::{build, elastica, rest, support};
@@ -143,6 +143,35 @@ fn strands_do_not_stretch() {
     assert!(stretch - own < 1e-4, "{stretch}");
 }
 
+/// A straight strand without weight whose tip is held, and nothing else, is not at rest: turned by a radian, the tip twists the strand
+/// evenly.
+#[test]
+fn a_turned_tip_twists_its_strand() {
+    let (segments, twist) = (20, 1.0);
+    let (mut scene, mut initial) = build(&[Rod::level(10.0, segments)], 1.38e-3, "damping = 60.0");
+    scene.gravity = [0.0; 3];
+    let hair = &mut initial.hair;
+    let root_frame = hair.root_frame[0];
+    hair.inverse_mass[segments] = 0.0;
+    hair.ends = vec![Ends {
+        root: End::Clamped,
+        tip: End::Clamped,
+        tip_frame: root_frame * DQuat::from_rotation_z(twist),
+        tip_rest_rotation: DQuat::IDENTITY,
+        tip_compliance: hair.bend_compliance[0],
+    }];
+    let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
+    simulation.step(1000).unwrap();
+    let frame = simulation.frame().unwrap();
+    let off = frame.hair.orientations.iter().enumerate().map(|(k, q)| {
+        let even = root_frame * DQuat::from_rotation_z(twist * (k as f64 + 0.5) / segments as f64);
+        2.0 * (even.conjugate() * DQuat::from_array(q.map(f64::from))).xyz().length()
+    });
+    let off = off.fold(0.0, f64::max);
+    println!("{off:.1e} rad, {:?}", simulation.report().unwrap().strand_steps);
+    assert!(off < 1e-4, "{off} rad");
+}
+
 /// Strands of many short segments stay whole at steps that are long for them, with more substeps where they need them.
 #[test]
 fn many_points_do_not_tear() {
@@ -179,7 +208,7 @@ fn assert_whole(cases: &[(u32, f64, bool, f64)]) {
         );
         assert_eq!((substeps > 1, !simulation.initial().warnings.is_empty()), (cut, cut), "{points}: {substeps}");
         assert!((simulation.steps(), simulation.time()) == (60, 60.0 * step), "a step is one of the scene's");
-        // Measured 2e-7, 5.2e-4, 1.3e-4, 2e-6 and 2.3e-3.
+        // Measured 2e-7, 6.3e-4, 3.3e-5, 2e-6 and 1.0e-5.
         assert!(report.max_stretch.unwrap() < bound, "{points} points, {step} s: {}", report.max_stretch.unwrap());
         assert!(!report.warnings.contains_key("strand_reset"), "{:?}", report.warnings);
     }

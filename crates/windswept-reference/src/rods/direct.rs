@@ -8,8 +8,8 @@ use crate::Parameters;
 
 /// Gap |C + α μ| of stretch-shear at which a strand is done.
 pub const FITS: f64 = 1e-5;
-/// Part of the diagonal of J W Jᵀ that is added to it, as the engine needs it in f32.
-const GIVE: f64 = 2e-7;
+/// The compliance that a row of the system has at least, in parts of J W Jᵀ on its diagonal, as the engine needs it in f32.
+const LEAST_COMPLIANCE: f64 = 1e-7;
 /// Residual below which a strand need not be solved; see `quiet_below`.
 pub const QUIET: f64 = 1e-6;
 
@@ -208,12 +208,17 @@ impl Rod<'_> {
         let mut matrix = Banded::new(3 * constraints.len());
         for (i, a) in constraints.iter().enumerate() {
             for (j, b) in constraints.iter().enumerate().take(i + 1).skip(i.saturating_sub(2)) {
-                let mut block = if i == j { a.compliance } else { DMat3::ZERO };
+                let mut block = DMat3::ZERO;
                 for (mover, ga) in &a.gradient {
                     for (_, gb) in b.gradient.iter().filter(|(other, _)| other == mover) {
-                        let give = if i == j { 1.0 + GIVE } else { 1.0 };
-                        block += *ga * self.weight(*mover) * gb.transpose() * give;
+                        block += *ga * self.weight(*mover) * gb.transpose();
                     }
+                }
+                if i == j {
+                    let lacks = |axis: usize| {
+                        (LEAST_COMPLIANCE * block.col(axis)[axis] - a.compliance.col(axis)[axis]).max(0.0)
+                    };
+                    block += a.compliance + DMat3::from_diagonal(DVec3::new(lacks(0), lacks(1), lacks(2)));
                 }
                 matrix.add(3 * i, 3 * j, block);
             }
