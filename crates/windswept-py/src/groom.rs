@@ -29,16 +29,18 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 ///     youngs_modulus: E [Pa].
 ///     poissons_ratio: 0 to below 1.
 ///     rest_curvature: rest Darboux vector (kappa1, kappa2, tau) [1/m] in the material frame: `(3,)`, `(strands, 3)`,
-///         `(strands, n - 1, 3)` or, with offsets, `(segments, 3)`: one a joint, joint 0 the clamp. None: the given shape
-///         is the rest shape.
-///     root_frame: `(4,)` or `(strands, 4)` quaternion x, y, z, w of the clamp. None: d3 along the first segment, d1 by the
-///         smallest rotation from +x (from +z if parallel).
+///         `(strands, n - 1, 3)` or, with offsets, `(segments, 3)`: one a joint, joint 0 the clamp. A clamped tip's joint is as the
+///         last. None: the given shape is the rest shape, tip_frame included; frames go from segment to segment by the
+///         smallest rotation.
+///     root_frame: `(4,)` or `(strands, 4)` quaternion x, y, z, w of the clamp, of any length but 0; its d3 need not be along the
+///         first segment. None: d3 along the first segment, d1 by the smallest rotation from +x (from +z if parallel).
 ///     root: "clamped", "pinned" or "free".
 ///     tip: the same; "clamped" with the direct solver only.
 ///     fibres_per_strand: real hairs that a strand stands for.
 ///     point_mass: of every point [kg]. None: from density, radius and lengths.
 ///     aspect: semi-minor over semi-major axis of the cross-section, above 0, at most 1.
-///     tip_frame: `(4,)` or `(strands, 4)` quaternion of a clamped tip. None: turned on by half a joint from the last segment.
+///     tip_frame: `(4,)` or `(strands, 4)` quaternion of a clamped tip; other tips have none. None: turned on by half a joint
+///         from the last segment.
 ///     friction: Coulomb's coefficient of the strands on other strands, at least 0; model two-way only.
 ///     rest: "weightless": the given shape is the rest shape, and weight bends strands from it. "hanging": gravity alone
 ///         leaves strands with a clamped root as they are given; those of another root are warned of. Not with rest_curvature.

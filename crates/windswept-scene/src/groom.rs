@@ -51,7 +51,8 @@ pub struct Groom {
     pub group: PerStrand<u32>,
     /// Fibres that the strands are made of.
     pub fibre: PerStrand<Fibre>,
-    /// Curvature at rest; `None`: the shape that the strands are given in.
+    /// Curvature at rest; `None`: the shape that the strands are given in, in which frames go from segment to segment by the smallest
+    /// rotation, with the tip's frame.
     pub rest_curvature: Option<RestCurvature>,
     /// What the shape that the strands are given in is, where there is no curvature at rest.
     pub rest: RestShape,

@@ -63,7 +63,7 @@ table! {
         /// Step, duration, frames.
         time: Time = Table, "", Needed;
         /// Groups of strands; several as `[[hair]]`, each with a name.
-        hair: Vec<Hair> = Tables, "", Absent("no hair: a groom must be given");
+        hair: Vec<Hair> = Tables, "", Absent("no hair but a groom that code gives; the command needs hair");
         /// Bodies that hair and air stay out of; several as `[[body]]`, each with a name.
         bodies as "body": Vec<Body> = Tables, "", Absent("no bodies");
         /// Force fields: winds of their own; several as `[[force]]`, each with a name.
