@@ -63,7 +63,7 @@ struct Segment {
 // What a strand does within a step.
 struct RodStrand {
     root_travel: vec3f,   // m, what the clamp moves by
-    state: u32,           // FREE, SOLVED, TELEPORTED, ASLEEP, LEFT
+    state: u32,           // FREE, SOLVED, TELEPORTED, ASLEEP, LEFT, FITTED
     root_frame: vec4f,    // ghost frame at the step's end
     root_turn: vec4f,     // from the ghost frame at the step's start
     tip_moment: vec3f,    // multiplier of the tip joint [N m]
@@ -79,6 +79,7 @@ const SOLVED: u32 = 1u;
 const TELEPORTED: u32 = 2u;   // moved as a whole
 const ASLEEP: u32 = 3u;       // stays where it is
 const LEFT: u32 = 4u;         // rescued, and left to Gauss-Seidel
+const FITTED: u32 = 5u;       // its segments fit, and it is solved once more if there are Newton steps left
 
 // A point within a step. One that is put somewhere felt no force on its way: force, resistance and outside are 0, and its free move and
 // its reply mean nothing.

@@ -12,12 +12,12 @@
 //   D_k = [F G; G^T H],   above the diagonal O_k = [P 0; Q -s I]   (segment k and joint k + 1 share a frame, or a point)
 //
 // so that root to tip  D_k -= O_(k-1)^T U_(k-1), U = D^-1 O, y = D^-1 r  and tip to root  dmu_k = y_k - D_k^-1 O_k dmu_(k+1).
-// One invocation per strand, done when its segments fit; on a GPU the seven beside it rest, so that those of a warp read few strands at once.
+// One invocation per strand, done when its segments fit, and once more if they are many; on a GPU the seven beside it rest, so that those of a warp read few strands at once.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::{frozen, count, finite, QUIET_STEP},
     quaternion::{product, conjugate, rotation, tangent, matrix}, integration::response,
     share::{owner_of, worker_of}, symmetric::{Symmetric, applied, applied_to_columns, cross_dyad, dyad, inverse_of, minus, plus, scaled, symmetric_product},
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT},
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, FITTED, SOLVED, ROOT_JOINT, TIP_JOINT},
 };
 
 // D^-1 and y of a block, D^-1 = [1 -T; 0 1] [F^-1 0; 0 S^-1] [1 0; -T^T 1] with T = F^-1 G and S = H - G^T T.
@@ -47,10 +47,10 @@ struct Taken {
 
 const FITS: f32 = 1e-5;      // |C + alpha mu| of stretch-shear at which a strand is done
 const HOPELESS: f32 = 1e30;  // that of one whose numbers are none any more
+// A strand of more points is solved once more when it fits. What f32 leaves of a Newton step grows with the fourth power of the number
+// of points, and drives swings that nothing brakes.
+const FEW_POINTS: u32 = 65u;
 const QUIET: f32 = 1e-6;     // residual below which a strand need not be solved; see `quiet_below`
-// The compliance that a row of the system has at least, in parts of J W J^T on its diagonal: f32 resolves no less beside that. Steps
-// of a strand with less compliance come out shorter, where it comes to rest stays the same.
-const LEAST_COMPLIANCE: f32 = 1e-7;
 const ONE = mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
 
 // Newton steps of one dispatch. A text that reads copies of what it writes takes one.
@@ -171,13 +171,6 @@ fn turn_excess(own: Link, before: Joint, after: Joint) -> vec3f {
     return own.yielding * excess + (1.0 - own.yielding) * dot(own.tangent, excess) * own.tangent;
 }
 
-// A block on the diagonal of J W J^T + alpha.
-fn with_compliance(block: Symmetric, compliance: Symmetric) -> Symmetric {
-    return Symmetric(
-        block.diagonal + max(compliance.diagonal, LEAST_COMPLIANCE * block.diagonal), block.off_diagonal + compliance.off_diagonal,
-    );
-}
-
 // Left out of every step, however short it is, a residual must not add up to a push that wakes a sleeper.
 fn quiet_below(strand: Strand) -> f32 {
     let mean_segment = strand.length / f32(strand.points - 1u);
@@ -253,11 +246,9 @@ fn eliminate(strand: Strand, rod: RodStrand) -> Eliminated {
         let before = applied_to_columns(plus(weight_before, weight), a);
         let along = (start_weight + end.weight) * own.over_length * own.over_length;
         let stiff = plus(Symmetric(vec3f(along), vec3f(0.0)), cross_dyad(across, own.tangent));
-        let f = minus(
-            with_compliance(symmetric_product(a, before), Symmetric(joint_before.compliance, vec3f(0.0))), taken.bend_bend,
-        );
+        let f = minus(plus(symmetric_product(a, before), Symmetric(joint_before.compliance, vec3f(0.0))), taken.bend_bend);
         let g = -across * transpose(crossed(a, own.tangent)) - taken.bend_stretch;
-        let h = minus(with_compliance(stiff, own.compliance), taken.stretch_stretch);
+        let h = minus(plus(stiff, own.compliance), taken.stretch_stretch);
         let f_inverse = inverse_of(f);
         let t = applied_to_columns(f_inverse, g);
         let s_inverse = inverse_of(minus(h, symmetric_product(g, t)));
@@ -369,15 +360,17 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let strand = strands[s];
     for (var step = 0u; step < newton_steps(); step++) {
         let rod = rod_strands[s];
-        if rod.state != FREE { break; }
+        let first = rod.state == FREE;
+        if !first & (rod.state != FITTED) { break; }
         let eliminated = eliminate(strand, rod);
-        if params.sleep != 0u && eliminated.unrest < quiet_below(strand) {
+        if first && params.sleep != 0u && eliminated.unrest < quiet_below(strand) {
             rod_strands[s].state = SOLVED;
             count(QUIET_STEP);
             break;
         }
         let misfit = substitute(strand, s, rod, eliminated.tip_change);
         rod_strands[s].misfit = misfit;
-        if misfit < FITS { rod_strands[s].state = SOLVED; }
+        let solved = select(SOLVED, FITTED, first & (strand.points > FEW_POINTS));
+        rod_strands[s].state = select(FREE, solved, misfit < FITS);
     }
 }

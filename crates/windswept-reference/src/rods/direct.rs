@@ -3,13 +3,13 @@
 use glam::{DMat3, DQuat, DVec3};
 use windswept_scene::{End, Strands};
 
-use super::{Drive, Moving, Point, Segment, cross_matrix, damping, nearest_rest, response, rotation};
+use super::{Drive, Moving, Point, Segment, State, cross_matrix, damping, nearest_rest, response, rotation};
 use crate::Parameters;
 
 /// Gap |C + α μ| of stretch-shear at which a strand is done.
 pub const FITS: f64 = 1e-5;
-/// The compliance that a row of the system has at least, in parts of J W Jᵀ on its diagonal, as the engine needs it in f32.
-const LEAST_COMPLIANCE: f64 = 1e-7;
+/// A strand of more points is solved once more when it fits, as the engine needs it in f32.
+const FEW_POINTS: usize = 65;
 /// Residual below which a strand need not be solved; see `quiet_below`.
 pub const QUIET: f64 = 1e-6;
 
@@ -50,7 +50,8 @@ struct Rod<'a> {
 /// Solves one Newton step of strand `s`, unless it is done: solved, or (with `rods.sleep`) nowhere off by more than `quiet_below`.
 /// Returns whether it was quiet.
 pub fn direct(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) -> bool {
-    if drive.state != super::State::Free {
+    let first = drive.state == State::Free;
+    if !first && drive.state != State::Fitted {
         return false;
     }
     let mut rod = Rod {
@@ -64,16 +65,19 @@ pub fn direct(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &m
     let constraints = rod.constraints();
     let right: Vec<DVec3> = rod.residuals(&constraints);
     let quiet = quiet_below(p, hair, s);
-    if p.sleep && right.iter().all(|r| r.length() < quiet) && rod.still_to_go(&constraints) < quiet {
-        rod.drive.state = super::State::Solved;
+    if first && p.sleep && right.iter().all(|r| r.length() < quiet) && rod.still_to_go(&constraints) < quiet {
+        rod.drive.state = State::Solved;
         return true;
     }
     let changes = rod.system(&constraints).solve(&right);
     rod.apply(constraints, &changes);
     rod.drive.misfit = rod.stretch_gap();
-    if rod.drive.misfit < FITS {
-        rod.drive.state = super::State::Solved;
-    }
+    let once_more = first && rod.points.len() > FEW_POINTS;
+    rod.drive.state = match rod.drive.misfit < FITS {
+        true if once_more => State::Fitted,
+        true => State::Solved,
+        false => State::Free,
+    };
     false
 }
 
@@ -208,17 +212,11 @@ impl Rod<'_> {
         let mut matrix = Banded::new(3 * constraints.len());
         for (i, a) in constraints.iter().enumerate() {
             for (j, b) in constraints.iter().enumerate().take(i + 1).skip(i.saturating_sub(2)) {
-                let mut block = DMat3::ZERO;
+                let mut block = if i == j { a.compliance } else { DMat3::ZERO };
                 for (mover, ga) in &a.gradient {
                     for (_, gb) in b.gradient.iter().filter(|(other, _)| other == mover) {
                         block += *ga * self.weight(*mover) * gb.transpose();
                     }
-                }
-                if i == j {
-                    let lacks = |axis: usize| {
-                        (LEAST_COMPLIANCE * block.col(axis)[axis] - a.compliance.col(axis)[axis]).max(0.0)
-                    };
-                    block += a.compliance + DMat3::from_diagonal(DVec3::new(lacks(0), lacks(1), lacks(2)));
                 }
                 matrix.add(3 * i, 3 * j, block);
             }

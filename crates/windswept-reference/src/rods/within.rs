@@ -21,6 +21,8 @@ pub enum State {
     Asleep,
     /// The strand was rescued, and is left to Gauss-Seidel.
     Left,
+    /// The strand's segments fit, and it is solved once more if there are Newton steps left.
+    Fitted,
 }
 
 impl State {
