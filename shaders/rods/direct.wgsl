@@ -51,6 +51,9 @@ const HOPELESS: f32 = 1e30;  // that of one whose numbers are none any more
 // of points, and drives swings that nothing brakes.
 const FEW_POINTS: u32 = 65u;
 const QUIET: f32 = 1e-6;     // residual below which a strand need not be solved; see `quiet_below`
+// Added to the diagonal of J W J^T in the rows of stretch-shear, in parts of it: f32 then holds a strand that is taut between its ends.
+// Steps come out shorter by that much, where a strand comes to rest stays the same.
+const GIVE: f32 = 2e-7;
 const ONE = mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
 
 // Newton steps of one dispatch. A text that reads copies of what it writes takes one.
@@ -248,7 +251,7 @@ fn eliminate(strand: Strand, rod: RodStrand) -> Eliminated {
         let stiff = plus(Symmetric(vec3f(along), vec3f(0.0)), cross_dyad(across, own.tangent));
         let f = minus(plus(symmetric_product(a, before), Symmetric(joint_before.compliance, vec3f(0.0))), taken.bend_bend);
         let g = -across * transpose(crossed(a, own.tangent)) - taken.bend_stretch;
-        let h = minus(plus(stiff, own.compliance), taken.stretch_stretch);
+        let h = minus(plus(scaled(1.0 + GIVE, stiff), own.compliance), taken.stretch_stretch);
         let f_inverse = inverse_of(f);
         let t = applied_to_columns(f_inverse, g);
         let s_inverse = inverse_of(minus(h, symmetric_product(g, t)));

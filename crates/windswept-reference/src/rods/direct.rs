@@ -8,6 +8,8 @@ use crate::Parameters;
 
 /// Gap |C + α μ| of stretch-shear at which a strand is done.
 pub const FITS: f64 = 1e-5;
+/// Part of the diagonal of J W Jᵀ that is added to it in the rows of stretch-shear, as the engine needs it in f32.
+const GIVE: f64 = 2e-7;
 /// A strand of more points is solved once more when it fits, as the engine needs it in f32.
 const FEW_POINTS: usize = 65;
 /// Residual below which a strand need not be solved; see `quiet_below`.
@@ -215,7 +217,8 @@ impl Rod<'_> {
                 let mut block = if i == j { a.compliance } else { DMat3::ZERO };
                 for (mover, ga) in &a.gradient {
                     for (_, gb) in b.gradient.iter().filter(|(other, _)| other == mover) {
-                        block += *ga * self.weight(*mover) * gb.transpose();
+                        let give = if i == j && matches!(a.holds, Holds::Segment(_)) { 1.0 + GIVE } else { 1.0 };
+                        block += *ga * self.weight(*mover) * gb.transpose() * give;
                     }
                 }
                 matrix.add(3 * i, 3 * j, block);
