@@ -12,12 +12,12 @@
 //   D_k = [F G; G^T H],   above the diagonal O_k = [P 0; Q -s I]   (segment k and joint k + 1 share a frame, or a point)
 //
 // so that root to tip  D_k -= O_(k-1)^T U_(k-1), U = D^-1 O, y = D^-1 r  and tip to root  dmu_k = y_k - D_k^-1 O_k dmu_(k+1).
-// One invocation per strand, done when its segments fit, and once more if they are many; on a GPU the seven beside it rest, so that those of a warp read few strands at once.
+// One invocation per strand, done when its segments fit, or one Newton step later if they are many; on a GPU the seven beside it rest, so that those of a warp read few strands at once.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::{frozen, count, finite, QUIET_STEP},
     quaternion::{product, conjugate, rotation, tangent, matrix}, integration::response,
     share::{owner_of, worker_of}, symmetric::{Symmetric, applied, applied_to_columns, cross_dyad, dyad, inverse_of, minus, plus, scaled, symmetric_product},
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, FITTED, SOLVED, ROOT_JOINT, TIP_JOINT},
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, FITTED, SOLVED, MISFIT, ROOT_JOINT, TIP_JOINT},
 };
 
 // D^-1 and y of a block, D^-1 = [1 -T; 0 1] [F^-1 0; 0 S^-1] [1 0; -T^T 1] with T = F^-1 G and S = H - G^T T.
@@ -45,14 +45,14 @@ struct Taken {
 @group(0) @binding(6) var<storage, read_write> rod_segments: array<RodSegment>;
 @group(0) @binding(7) var<storage, read_write> factors:      array<Factor>;
 
-const FITS: f32 = 1e-5;      // |C + alpha mu| of stretch-shear at which a strand is done
+const FITS: f32 = 1e-5;      // |C + alpha mu| of stretch-shear below which a strand fits
 const HOPELESS: f32 = 1e30;  // that of one whose numbers are none any more
 // A strand of more points is solved once more when it fits. What f32 leaves of a Newton step grows with the fourth power of the number
-// of points, and drives swings that nothing brakes.
+// of segments, and brakes or drives swings.
 const FEW_POINTS: u32 = 65u;
 const QUIET: f32 = 1e-6;     // residual below which a strand need not be solved; see `quiet_below`
 // Added to the diagonal of J W J^T in the rows of stretch-shear, in parts of it: f32 then holds a strand that is taut between its ends.
-// Steps come out shorter by that much, where a strand comes to rest stays the same.
+// Steps come out shorter by that much; where a strand comes to rest stays the same.
 const GIVE: f32 = 2e-7;
 const ONE = mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
 
@@ -374,6 +374,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let misfit = substitute(strand, s, rod, eliminated.tip_change);
         rod_strands[s].misfit = misfit;
         let solved = select(SOLVED, FITTED, first & (strand.points > FEW_POINTS));
-        rod_strands[s].state = select(FREE, solved, misfit < FITS);
+        let done = (misfit < FITS) | (!first & (misfit < MISFIT));
+        rod_strands[s].state = select(FREE, solved, done);
     }
 }

@@ -1,12 +1,12 @@
 // Health of each strand after its solve: stretch is recorded; over-strain and rest are counted, steps on end. A strand that is not finite,
 // or of which a segment has become a thousand times too long, is held where it was for this step, so that it spoils no neighbour, and is
 // reset in the next. If nobody looked at the strands when the step began, it may have been lost already: the step freezes, and is taken
-// again with the passes that mend strands. So it is where the direct solver has not solved a strand, which more Newton steps or
-// `rods/rescue` would do.
+// again with the passes that mend strands. So it is where the direct solver has not solved a strand, or has yet to solve it once more, which
+// more Newton steps or `rods/rescue` would do.
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::PUT,
     rest::{STILL_STEPS, STILL_TURN}, sound::FAR,
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, SOLVED, LEFT, SLEEPS, STRAINED_STEPS, strained_steps,
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Health, FREE, FITTED, SOLVED, LEFT, SLEEPS, STRAINED_STEPS, strained_steps,
         ROOT_HELD, MISFIT, GROWTH, EASED, BAD, SPOILT, misses, unsolved},
     share::{Stretch, owner_of, worker_of, stretch_of, largest_shared, least_shared, any_shared},
     status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNMENDED_STRAND, BY_FINISH,
@@ -79,7 +79,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     // Strands that are not solved freeze the step from here on, and all of those that share a strand stay or leave.
     if (s >= params.strands) | any_shared(frozen()) { return; }
     let rod = rod_strands[s];
-    let more_would_solve = (rod.state == FREE) & ((params.direct_rods & params.few_newton_steps) != 0u);
+    let more_would_solve = ((rod.state == FREE) | (rod.state == FITTED)) & ((params.direct_rods & params.few_newton_steps) != 0u);
     if more_would_solve | unsolved(rod) {
         freeze(UNMENDED_STRAND);
         return;

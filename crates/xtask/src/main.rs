@@ -80,8 +80,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// Keys that the demo sets. Half a second takes a minute or so on a software adapter. Eddies that enter with the wind keep the hair moving,
-/// which stands after a third of a second in an even wind. Air that is turbulent as it enters wants the shorter steps.
+/// Keys that the demo sets. Half a second takes a minute or so on a software adapter. Eddies that enter with the wind keep the hair moving;
+/// in an even wind it stands after a third of a second. Air that is turbulent as it enters wants the shorter steps.
 const DEMO: [&str; 3] = ["time.duration=0.5", "time.substeps=2", "air.inflow={ intensity = 0.3, scale = 0.012 }"];
 
 /// Brings a clean clone to pictures: a driver, CMake, the command, a run.
@@ -93,7 +93,7 @@ fn demo() -> Result {
     let mut cargo = cargo();
     venv::provide_cmake(&mut cargo)?;
     vulkan::give_runtime_folder(&mut cargo);
-    say("Building windswept and running examples/scenes/quick.toml");
+    say("Building windswept and running examples/scenes/quick.toml in turbulent wind");
     cargo.args(["run", "--profile", "demo", "--package", "windswept-cli", "--no-default-features", "--"]);
     cargo.args(["run", "examples/scenes/quick.toml", "--out", "out/quick", "--overwrite"]);
     cargo.args(DEMO.iter().flat_map(|key| ["--set", key]));

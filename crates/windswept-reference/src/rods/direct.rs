@@ -6,7 +6,7 @@ use windswept_scene::{End, Strands};
 use super::{Drive, Moving, Point, Segment, State, cross_matrix, damping, nearest_rest, response, rotation};
 use crate::Parameters;
 
-/// Gap |C + α μ| of stretch-shear at which a strand is done.
+/// Gap |C + α μ| of stretch-shear below which a strand fits.
 pub const FITS: f64 = 1e-5;
 /// Part of the diagonal of J W Jᵀ that is added to it in the rows of stretch-shear, as the engine needs it in f32.
 const GIVE: f64 = 2e-7;
@@ -75,7 +75,8 @@ pub fn direct(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &m
     rod.apply(constraints, &changes);
     rod.drive.misfit = rod.stretch_gap();
     let once_more = first && rod.points.len() > FEW_POINTS;
-    rod.drive.state = match rod.drive.misfit < FITS {
+    let done = rod.drive.misfit < FITS || !first && rod.drive.misfit < super::MISFIT;
+    rod.drive.state = match done {
         true if once_more => State::Fitted,
         true => State::Solved,
         false => State::Free,

@@ -19,7 +19,8 @@ table! {
         integrator: Integrator = Choice(Integrator::WORDS), "", Method(Integrator::Bdf2, Integrator::Euler);
         /// Sweeps of Gauss-Seidel in a step; gauss-seidel only.
         iterations: u32 = Count(1, MOST_REPEATS), "", Value(10);
-        /// Newton steps at most; direct only: a strand stops when its segments fit within 1e-5.
+        /// Newton steps at most; direct only: a strand stops when its segments fit within 1e-5, one of more than 65 points a Newton step
+        /// later.
         newton: u32 = Count(1, MOST_NEWTON_STEPS), "", Value(8);
         /// Whether strands have no stretch compliance.
         inextensible: bool = Bool, "", Value(false);

@@ -17,7 +17,7 @@ const DENSITY: f64 = 1320.0;
 const MODULUS: f64 = 4e9;
 /// Sizes of a strand whose others are swept: points, radius \[m\], length \[m\].
 const USUAL: (usize, f64, f64) = (35, 4e-5, 0.05);
-/// Length of the strands whose number of points is swept \[m\]: of 50 mm those of 1024 points would need 22 substeps.
+/// Length of the strands whose number of points is swept \[m\]: of 50 mm those of 1024 points would need 21 substeps.
 const LONG: f64 = 0.35;
 /// Periods of a beam's first swing in which it is damped to rest.
 const PERIODS: f64 = 5.0;
