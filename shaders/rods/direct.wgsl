@@ -12,7 +12,8 @@
 //   D_k = [F G; G^T H],   above the diagonal O_k = [P 0; Q -s I]   (segment k and joint k + 1 share a frame, or a point)
 //
 // so that root to tip  D_k -= O_(k-1)^T U_(k-1), U = D^-1 O, y = D^-1 r  and tip to root  dmu_k = y_k - D_k^-1 O_k dmu_(k+1).
-// One invocation per strand, done when its segments fit, or one Newton step later if they are many; on a GPU the seven beside it rest, so that those of a warp read few strands at once.
+// One invocation per strand, done when its segments fit, or one Newton step later if they are many. On a GPU the seven beside it rest,
+// so that those of a warp read few strands at once.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::{frozen, count, finite, QUIET_STEP},
     quaternion::{product, conjugate, rotation, tangent, matrix}, integration::response,
