@@ -22,7 +22,7 @@ const SWUNG: f64 = 11.657;
 const BRAKE: f64 = 2.0;
 
 /// Largest Δt² EI/(m l³) at which the direct solver solves every strand in f32, whatever its points, its step and its direction: of 32
-/// strands in all directions none is left unsolved at 1.3e6, and at 1.6e6 some of 150 points, in 2 % of their steps.
+/// strands in all directions none is left unsolved. At 1.6e6 some of 150 points were, in 2 % of their steps.
 const STIFFEST: f64 = 1e6;
 
 /// Largest product of Δt² EI/(m l³) and of the lengths of the strand that the wind goes in a step at which the direct solver
