@@ -243,17 +243,6 @@ fn a_scene_runs_what_it_needs() {
     }
 }
 
-/// Of all passes the direct solver alone is dispatched more often where its text reads copies of what it writes: once for each Newton step.
-#[test]
-fn a_text_that_reads_copies_runs_for_each_newton_step() {
-    for (sets, times) in [(&[][..], 3), (&["rods.newton=2"], 2), (&["rods.newton=1"], 1)] {
-        for row in windswept::plan(&scene(sets, None)).unwrap() {
-            let expected = if row.pass == "rods/direct" { times } else { row.runs };
-            assert_eq!(row.runs_on_copies, expected, "{} of {sets:?}", row.pass);
-        }
-    }
-}
-
 /// A force that is set takes three passes more, and lets the wind's passes run, by which it reaches air; once it is taken away they are
 /// left out again.
 #[test]

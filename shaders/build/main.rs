@@ -163,9 +163,8 @@ impl wesl::Resolver for Files<'_> {
     }
 }
 
-/// Features of the shaders: `subgroups`, their operations; `software`, lanes of a subgroup that need no barrier (`common/lanes.wgsl`);
-/// `copies`, arrays that are read as they were before the dispatch (`software.rs`).
-const FEATURES: [&str; 3] = ["subgroups", "software", "copies"];
+/// Features of the shaders: `subgroups`, their operations; `software`, lanes of a subgroup that need no barrier (`common/lanes.wgsl`).
+const FEATURES: [&str; 2] = ["subgroups", "software"];
 
 /// The shader with everything that it imports, and nothing else, under the names as they are written; with these features.
 fn link(root: &Path, name: &str, features: &[&str]) -> Result<String> {

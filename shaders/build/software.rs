@@ -12,8 +12,7 @@
 //! such processors ([`Textures::Gathered`]).
 //!
 //! In the other text ([`Textures::All`]) some passes read an array that they also write, and no element of it after they have written
-//! it. They read a texture beside the buffer that they write. A pass that does so only within a part of its work is dispatched for each
-//! part (`Recorder::repeat_on_copies`).
+//! it. They read a texture beside the buffer that they write.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -71,10 +70,9 @@ const GATHERED: [&str; 37] = [
 
 /// Names of the arrays of which passes read each element about once in a step, and write it. They are textures where storage buffers are
 /// read slowly.
-const STREAMED: [&str; 24] = [
+const STREAMED: [&str; 22] = [
     "air_id",
     "air_id_before",
-    "angular_velocity",
     "brought",
     "cell_place",
     "clamps",
@@ -84,7 +82,6 @@ const STREAMED: [&str; 24] = [
     "drag_impulse",
     "felt_shift",
     "grip",
-    "hair_force",
     "orientation",
     "point_history",
     "pressed",
@@ -102,9 +99,10 @@ const STREAMED: [&str; 24] = [
 const FEW: [(&str, u32); 3] = [("missed", 2), ("coarse_total", 2), ("confinement_total", 2)];
 
 /// Passes that read no element of an array after they have written it. They read a texture of it where storage buffers are read slowly.
-const READ_FIRST: [&str; 20] = [
+const READ_FIRST: [&str; 14] = [
     "coarse/push",
     "contact/air",
+    "contact/velocity",
     "fluid/friction",
     "fluid/limit",
     "fluid/move",
@@ -112,13 +110,6 @@ const READ_FIRST: [&str; 20] = [
     "fluid/push",
     "fluid/velocity",
     "guard/commit_hair",
-    "rods/choose",
-    "rods/direct",
-    "rods/finish",
-    "rods/load",
-    "rods/place",
-    "rods/start",
-    "rods/velocity",
     "turbulence/confine",
     "turbulence/strengthen",
     "wind/drag",
@@ -163,7 +154,7 @@ impl Textures {
     /// Features of the shaders in such texts.
     pub(crate) fn features(self) -> &'static [&'static str] {
         match self {
-            Self::All => &["subgroups", "software", "copies"],
+            Self::All => &["subgroups", "software"],
             Self::Gathered => &["subgroups", "software"],
         }
     }

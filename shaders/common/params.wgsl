@@ -24,7 +24,6 @@ struct Params {
     page_of_hair: u32,            // invocations of the page that are hair's, which come first
     neighbour_capacity: u32,      // elements of a page
     newton_steps: u32,            // of one dispatch of the rods' direct solver, at most
-    few_newton_steps: u32,        // a step takes fewer of them than it may, until strands are mended
     rod_sweeps: u32,              // of one dispatch of Gauss-Seidel
     air_inverse_mass: f32,        // 1/kg
     constrained: u32,             // particles that the density constraint moves, from the first on: hair, or all
@@ -43,7 +42,7 @@ struct Params {
     lift: f32,                    // C_l
     published_law: u32,           // confinement as printed, else the band law
     direct_rods: u32,             // rods by the direct solver, else by Gauss-Seidel
-    bdf2: u32,                    // rods by BDF2 where they are calm, else by implicit Euler
+    bdf2: u32,                    // rods by BDF2, else by implicit Euler
     sleep: u32,                   // strands at rest are left alone
     substeps: u32,                // engine steps of a time step
     conserve_momentum: u32,       // take the mean change by confinement out

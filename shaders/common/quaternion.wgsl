@@ -9,8 +9,13 @@ fn conjugate(q: vec4f) -> vec4f {
     return vec4f(-q.xyz, q.w);
 }
 
+// What a rotation adds to a vector.
+fn turned_by(q: vec4f, v: vec3f) -> vec3f {
+    return 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v);
+}
+
 fn rotate(q: vec4f, v: vec3f) -> vec3f {
-    return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v);
+    return v + turned_by(q, v);
 }
 
 // Tangent of a frame: its third director.

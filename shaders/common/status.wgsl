@@ -4,24 +4,22 @@
 const NEIGHBOUR_OVERFLOW: u32 = 1u;   // the list is too short: grow and replay
 const NON_FINITE_AIR: u32 = 2u;       // replay with the passes that mend strands; if they ran, the run ends
 const TOO_MANY_BAD_STRANDS: u32 = 4u; // the same
-const UNMENDED_STRAND: u32 = 8u;      // a strand is bad, lost or not solved: replay with the passes that mend it
+const UNMENDED_STRAND: u32 = 8u;      // a strand is bad or lost: replay with the passes that mend it
 
 const STRAND_RESET: u32 = 0u;    // a non-finite strand goes back to its rest pose
-const MOVE_CAPPED: u32 = 1u;     // a point would have moved too far in one step
-const OVER_STRAINED: u32 = 2u;   // a strand with a segment a twentieth too long or short for 50 steps on end
-const HAIR_OUTSIDE: u32 = 3u;    // a step behind 0.1 s on end with more than a twentieth of the hair outside the box
-const CONFINEMENT_LIMITED: u32 = 4u;   // a step in which a band would have grown by more than half of its speed
-const EULER_STEP: u32 = 5u;      // a strand took implicit Euler where BDF2 is asked for
-const QUIET_STEP: u32 = 6u;      // a strand was where it had to be, and not solved
-const ASLEEP_STEP: u32 = 7u;     // a strand slept
-const TELEPORT: u32 = 8u;        // a strand moved as a whole with its root
-const RESCUED_STEP: u32 = 9u;    // the direct solver did not solve a strand: it was put as it is, or Gauss-Seidel took it
-const EXCHANGE_LIMITED: u32 = 10u;   // a hair point whose exchange with the air was limited
-const COUNTERS: u32 = 11u;
+const OVER_STRAINED: u32 = 1u;   // a strand with a segment a twentieth too long or short for 50 steps on end
+const HAIR_OUTSIDE: u32 = 2u;    // a step behind 0.1 s on end with more than a twentieth of the hair outside the box
+const CONFINEMENT_LIMITED: u32 = 3u;   // a step in which a band would have grown by more than half of its speed
+const EULER_STEP: u32 = 4u;      // a strand took implicit Euler where BDF2 is asked for
+const ASLEEP_STEP: u32 = 5u;     // a strand slept
+const TELEPORT: u32 = 6u;        // a strand moved as a whole with its root
+const UNSOLVED_STEP: u32 = 7u;   // a strand had not settled after the last Newton step
+const EXCHANGE_LIMITED: u32 = 8u;   // a hair point whose exchange with the air was limited
+const COUNTERS: u32 = 9u;
 
-const BY_INSPECT: u32 = 0u;   // passes that find strands which are not finite: rods/inspect as the step begins,
-const BY_FINISH: u32 = 1u;    // rods/finish after the solve,
-const BY_HOLD: u32 = 2u;      // guard/hold at the end
+const BY_RESET: u32 = 0u;    // passes that find strands which are not finite: rods/reset as the step begins,
+const BY_UPDATE: u32 = 1u;   // rods/update after the solve,
+const BY_HOLD: u32 = 2u;     // guard/hold at the end
 const NO_POINT: u32 = 0xffffffffu;
 
 struct Status {
@@ -37,7 +35,7 @@ struct Status {
     first_bad_air: atomic<u32>,       // smallest id
     stretch: atomic<u32>,             // max |l/l0 - 1| in this step, the bits of a positive f32
     max_stretch: u32,                 // that of the committed steps
-    inspected: u32,                   // 1: this step began with `rods/inspect`
+    inspected: u32,                   // 1: this step began with `rods/reset`
     hair_outside: atomic<u32>,        // hair points outside the box of air, this step
     outside_steps: u32,               // steps on end with many of them
     wind: array<f32, 3>,              // m/s, mean wind at the end of this step

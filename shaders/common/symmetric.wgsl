@@ -22,6 +22,18 @@ fn symmetric_product(m: mat3x3f, n: mat3x3f) -> Symmetric {
     );
 }
 
+// m + m^T.
+fn twice_symmetric(m: mat3x3f) -> Symmetric {
+    return Symmetric(2.0 * vec3f(m[0].x, m[1].y, m[2].z), vec3f(m[1].z + m[2].y, m[2].x + m[0].z, m[0].y + m[1].x));
+}
+
+// All nine numbers.
+fn full(a: Symmetric) -> mat3x3f {
+    let d = a.diagonal;
+    let o = a.off_diagonal;
+    return mat3x3f(vec3f(d.x, o.z, o.y), vec3f(o.z, d.y, o.x), vec3f(o.y, o.x, d.z));
+}
+
 fn scaled(k: f32, a: Symmetric) -> Symmetric {
     return Symmetric(k * a.diagonal, k * a.off_diagonal);
 }

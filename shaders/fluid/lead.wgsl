@@ -4,11 +4,11 @@
 // Gravity has no part in it: rods bear most of it, and hair that hangs at rest must not press on the air below it.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, pressure::Pressed,
-    rod::{Strand, PointHistory, Health, CALM_STEPS, SLEEPS},
+    rod::{Strand, PointHistory, Condition, SLEEPS},
 };
 
 @group(0) @binding(3) var<storage, read>       strands:        array<Strand>;
-@group(0) @binding(4) var<storage, read>       health:         array<Health>;
+@group(0) @binding(4) var<storage, read>       health:         array<Condition>;
 @group(0) @binding(5) var<storage, read>       velocity:       array<vec4f>;   // m/s
 @group(0) @binding(6) var<storage, read>       point_history:  array<PointHistory>;
 @group(0) @binding(7) var<storage, read>       pressed_before: array<Pressed>;
@@ -20,12 +20,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let s = invocation(id, groups);
     if s >= params.strands { return; }
     let strand = strands[s];
-    let state = health[s].committed;
-    let calm = params.bdf2 != 0u && state.still != SLEEPS && state.calm + 1u >= CALM_STEPS;
+    let state = health[s];
+    let bdf2 = params.bdf2 != 0u && state.still != SLEEPS && state.bdf2_ready != 0u;
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
         let v = velocity[p].xyz;
-        let carries = calm && inverse_mass[p] > 0.0;
+        let carries = bdf2 && inverse_mass[p] > 0.0;
         new_velocity[p] = vec4f(v + select(vec3f(0.0), v - point_history[p].velocity, carries) / 3.0, 0.0);
         // A strand that was not finite is put somewhere else.
         pressed[p] = Pressed(vec3f(0.0), select(pressed_before[p].pressure, 0.0, state.bad != 0u));

@@ -1,23 +1,19 @@
-// What was set to push hair is no drag: its impulse is taken out of what the air gave, so that the air does not lose it. A force
-// that `rods/start` has cut, from F to F', cuts both alike:
+// What was set to push hair is no drag: its impulse is taken out of what the air gave, so that the air does not lose it.
 //
-//   J -= dt m a min(1, |F'|/|F|)
+//   J -= dt m a
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::RodPoint, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, integration::PUT, matter::inverse_mass, rod::RodPoint, status::frozen,
 };
 
 @group(0) @binding(3) var<storage, read>       pushed:       array<vec4f>;   // m/s^2, hair points first
-@group(0) @binding(4) var<storage, read>       hair_force:   array<vec4f>;   // N, F
-@group(0) @binding(5) var<storage, read>       rod_points:   array<RodPoint>;
-@group(0) @binding(6) var<storage, read_write> drag_impulse: array<vec4f>;   // N s, J
+@group(0) @binding(4) var<storage, read>       rod_points:   array<RodPoint>;
+@group(0) @binding(5) var<storage, read_write> drag_impulse: array<vec4f>;   // N s, J
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let p = invocation(id, groups);
     if (p >= params.hair_points) | frozen() { return; }
     let w = inverse_mass[p];
-    let all = length(hair_force[p].xyz);
-    if w == 0.0 || all == 0.0 { return; }
-    let felt = min(length(rod_points[p].force) / all, 1.0);
-    drag_impulse[p] -= vec4f(params.step * felt * rod_points[p].weight / w * pushed[p].xyz, 0.0);
+    if w == 0.0 || rod_points[p].scheme == PUT { return; }
+    drag_impulse[p] -= vec4f(params.step * rod_points[p].weight / w * pushed[p].xyz, 0.0);
 }

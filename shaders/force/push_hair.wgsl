@@ -5,13 +5,12 @@ import package::common::{
 };
 
 @group(0) @binding(3) var<storage, read>       pushed:     array<vec4f>;   // m/s^2, hair points first
-@group(0) @binding(4) var<storage, read>       rod_points: array<RodPoint>;
-@group(0) @binding(5) var<storage, read_write> hair_force: array<vec4f>;   // xyz [N], w: resistance [kg/s]
+@group(0) @binding(4) var<storage, read_write> rod_points: array<RodPoint>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let p = invocation(id, groups);
     if (p >= params.hair_points) | frozen() { return; }
     let w = inverse_mass[p];
-    if w > 0.0 { hair_force[p] += vec4f(rod_points[p].weight / w * pushed[p].xyz, 0.0); }
+    if w > 0.0 { rod_points[p].force += rod_points[p].weight / w * pushed[p].xyz; }
 }

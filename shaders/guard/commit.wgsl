@@ -1,7 +1,6 @@
-// Commits the step of hair, and what is one for all: positions, velocities, the strands' health, the counters and the step's
-// number. A frozen step leaves all as it was.
+// Commits the step of hair, and what is one for all: positions, velocities, the counters and the step's number. A frozen step leaves all as it was.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, rod::Health, mean::{air_particles, taken_out},
+    params::params, dispatch::{invocation, WORKGROUP}, mean::{air_particles, taken_out},
     status::{status, frozen, COUNTERS, HAIR_OUTSIDE, NO_POINT},
 };
 
@@ -12,9 +11,8 @@ const LONG: f32 = 0.1;          // s
 @group(0) @binding(3) var<storage, read>       final_velocity: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> position:       array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> velocity:       array<vec4f>;
-@group(0) @binding(6) var<storage, read_write> health:         array<Health>;
-@group(0) @binding(7) var<storage, read>       confinement_total:   array<vec4f>;   // sum of what confinement changed velocities by [m/s]
-@group(0) @binding(8) var<storage, read_write> confinement_impulse: array<vec4f>;   // one, of the run [kg m/s]
+@group(0) @binding(6) var<storage, read>       confinement_total:   array<vec4f>;   // sum of what confinement changed velocities by [m/s]
+@group(0) @binding(7) var<storage, read_write> confinement_impulse: array<vec4f>;   // one, of the run [kg m/s]
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -27,7 +25,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         position[i] = predicted[i];
         velocity[i] = final_velocity[i];
     }
-    if i < params.strands { health[i].committed = health[i].found; }
     if i == 0u {
         let step = status.step + 1u;
         status.step = step;

@@ -6,13 +6,12 @@ import package::common::{
     status::frozen,
 };
 
-@group(0) @binding(2) var<storage, read>       position:       array<vec4f>;
-@group(0) @binding(3) var<storage, read>       predicted:      array<vec4f>;
-@group(0) @binding(4) var<storage, read>       new_velocity:   array<vec4f>;
-@group(0) @binding(5) var<storage, read>       final_velocity: array<vec4f>;
-@group(0) @binding(6) var<storage, read>       rod_points:     array<RodPoint>;
-@group(0) @binding(7) var<storage, read>       grip:           array<vec4f>;
-@group(0) @binding(8) var<storage, read_write> point_history:  array<PointHistory>;
+@group(0) @binding(2) var<storage, read>       predicted:      array<vec4f>;
+@group(0) @binding(3) var<storage, read>       new_velocity:   array<vec4f>;
+@group(0) @binding(4) var<storage, read>       final_velocity: array<vec4f>;
+@group(0) @binding(5) var<storage, read>       rod_points:     array<RodPoint>;
+@group(0) @binding(6) var<storage, read>       grip:           array<vec4f>;
+@group(0) @binding(7) var<storage, read_write> point_history:  array<PointHistory>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -20,9 +19,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if (p >= params.hair_points) | frozen() { return; }
     let point = rod_points[p];
     let before = point_history[p].remainder;
-    let x = position[p].xyz;
-    let untouched = all(predicted[p].xyz == placed(x, before, point.travel));
-    let left = (x - predicted[p].xyz) + (point.travel + before);
+    let x = point.start.xyz;
+    let untouched = all(predicted[p].xyz == placed(x, point.remainder, point.travel));
+    let left = (x - predicted[p].xyz) + (point.travel + point.remainder);
     let anew = point.scheme >= PUT;
     let remainder = select(vec3f(0.0), left, untouched && !anew);
     let stays = point.scheme == STAY;

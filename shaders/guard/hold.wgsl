@@ -1,14 +1,14 @@
 // A strand of which a position is not finite at the end of the step, or a velocity is not or exceeds what anything can have, ends the step
-// at rest where it began, and is reset in the next, like a strand that `rods/finish` holds.
+// at rest where it began, and is reset in the next, like a strand that `rods/update` holds.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, rod::{Strand, RodSegment, Health, BAD}, sound::can_be,
+    params::params, dispatch::{invocation, WORKGROUP}, integration::PUT, rod::{Strand, RodStrand, RodSegment, BAD}, sound::can_be,
     share::{Stretch, owner_of, worker_of, stretch_of, least_shared},
     status::{frozen, count_bad_strand, BY_HOLD, NO_POINT},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:        array<Strand>;
 @group(0) @binding(3) var<storage, read>       position:       array<vec4f>;
-@group(0) @binding(4) var<storage, read_write> health:         array<Health>;
+@group(0) @binding(4) var<storage, read_write> rod_strands:    array<RodStrand>;
 @group(0) @binding(5) var<storage, read_write> predicted:      array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> final_velocity: array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> rod_segments:   array<RodSegment>;
@@ -38,8 +38,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         if k + 1u == strand.points { continue; }
         let j = strand.first_segment + k;
         rod_segments[j].frame = rod_segments[j].start;
+        rod_segments[j].scheme = PUT;
     }
-    if (worker_of(at) > 0u) | (health[s].found.bad != 0u) { return; }
-    health[s].found.bad = BAD;
+    if (worker_of(at) > 0u) | (rod_strands[s].condition.bad != 0u) { return; }
+    rod_strands[s].condition.bad = BAD;
     count_bad_strand(point, BY_HOLD);
 }

@@ -4,14 +4,14 @@
 //   segment k:  C = (x_(k+1) - x_k)/l - d3(q_k),         dC = (dx_(k+1) - dx_k)/l + [d3]x theta_k
 //   (J W J^T + a) dlambda = -C - a lambda,  a = alpha (1 + c dt)/dt^2,  in the material frame
 //
-// One invocation per strand, root to tip. A dispatch takes `rod_sweeps` sweeps; multipliers start at 0 (`choose`) and persist
+// One invocation per strand, root to tip. A dispatch takes `rod_sweeps` sweeps; multipliers start at 0 (`rods/predict`) and persist
 // over all sweeps of a step, so that it does not matter how these are cut into dispatches. a = alpha/response: forces times
 // the square of the step.
 // J W J^T of a segment is diagonal in its own frame; of a joint it is w/4 (I - p_v p_v^T) for a unit p.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen,
     quaternion::{product, conjugate, rotate, tangent, turned}, integration::response, load::damping_of,
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, LEFT, ROOT_JOINT},
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, ROOT_JOINT},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
@@ -42,9 +42,9 @@ fn bend_twist(k: u32, before: vec4f, before_inverse_inertia: f32) -> vec3f {
     m[0].x += 1.0 + compliance.x / w;
     m[1].y += 1.0 + compliance.y / w;
     m[2].z += 1.0 + compliance.z / w;
-    let lambda = rod_segments[k].moment;
+    let lambda = rod_segments[k].bend;
     let change = solve(m, -(constraint + compliance * lambda) / w);
-    rod_segments[k].moment = lambda + change;
+    rod_segments[k].bend = lambda + change;
     // A^T change = 1/2 R_(k-1) (p_w change + p_v x change)
     return 0.5 * rotate(before, p.w * change + cross(v, change));
 }
@@ -62,15 +62,16 @@ fn stretch_shear(k: u32, point: u32) {
     let end = rod_points[point + 1u].travel;
     let start_mass = yielding(rod_points[point]);
     let end_mass = yielding(rod_points[point + 1u]);
-    let chord = rod_segments[k].chord + end - start;
+    let gap = rod_points[point + 1u].start.xyz - rod_points[point].start.xyz;
+    let chord = gap + (rod_points[point + 1u].remainder - rod_points[point].remainder) + end - start;
     let constraint = rotate(conjugate(q), chord / segment.rest_length) - vec3f(0.0, 0.0, 1.0);
     let compliance = segment.stretch_compliance / response(params.damping, rod_segments[k].scheme);
     let along = (start_mass + end_mass) / (segment.rest_length * segment.rest_length);
     let matrix = vec3f(along) + vec3f(segment.inverse_inertia, segment.inverse_inertia, 0.0) + compliance;
-    let lambda = rod_segments[k].force;
+    let lambda = rod_segments[k].stretch;
     var change = -(constraint + compliance * lambda) / matrix;
     change = select(vec3f(0.0), change, matrix > vec3f(0.0));
-    rod_segments[k].force = lambda + change;
+    rod_segments[k].stretch = lambda + change;
     let pull = rotate(q, change);
     rod_points[point].travel = start - start_mass / segment.rest_length * pull;
     rod_points[point + 1u].travel = end + end_mass / segment.rest_length * pull;
@@ -81,8 +82,7 @@ fn stretch_shear(k: u32, point: u32) {
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
     if (s >= params.strands) | frozen() { return; }
-    // Of strands that the direct solver has had, those that it lost.
-    if rod_strands[s].state != select(FREE, LEFT, params.direct_rods != 0u) { return; }
+    if rod_strands[s].state != FREE { return; }
     let strand = strands[s];
     let first = strand.first_segment;
     let last = first + strand.points - 1u;

@@ -3,25 +3,26 @@
 // strand is long is teleported, unless its tip is held too. A strand whose clamp does not move may sleep. Free roots
 // are left alone.
 //
-// The first pass behind `rods/reset`: where that did not run although a strand is bad, the step freezes, and is taken again with it.
+// Behind `rods/reset`: where that did not run although a strand is bad, the step freezes, and is taken again with it.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotate, rotation, rotation_vector},
     motion::{moves, pose_after},
-    rod::{Strand, RodStrand, Root, Health, FREE, TELEPORTED, ASLEEP, ROOT_HELD, TIP_HELD, MENDED},
+    integration::{EULER, BDF2}, rod::{Strand, RodStrand, Root, Condition, FREE, TELEPORTED, ASLEEP, ROOT_HELD, TIP_HELD},
     status::{status, frozen, freeze, UNMENDED_STRAND},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
 @group(0) @binding(3) var<storage, read>       root_targets: array<Root>;
 @group(0) @binding(4) var<storage, read>       clamps:       array<Root>;   // clamps at the step's start
-@group(0) @binding(5) var<storage, read>       health:       array<Health>;
+@group(0) @binding(5) var<storage, read>       health:       array<Condition>;
 @group(0) @binding(6) var<storage, read_write> rod_strands:  array<RodStrand>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
     if (s >= params.strands) | frozen() { return; }
-    if health[s].committed.bad != 0u && health[s].found.bad != MENDED {
+    let condition = health[s];
+    if condition.bad != 0u && status.inspected == 0u {
         freeze(UNMENDED_STRAND);
         return;
     }
@@ -47,4 +48,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     // A clamp that arrives takes the goal's frame to the bit: if it were off by rounding, it would never rest.
     rod_strands[s].root_frame = select(normalize(product(root_turn, held.frame)), goal.frame, still || part == 1.0);
     rod_strands[s].state = select(select(FREE, ASLEEP, still && params.sleep != 0u), TELEPORTED, jumps);
+    // The first step has no change of velocity to carry on.
+    rod_strands[s].scheme = select(EULER, BDF2, params.bdf2 != 0u && condition.bdf2_ready != 0u);
+    rod_strands[s].condition = condition;
 }

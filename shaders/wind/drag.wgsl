@@ -13,6 +13,9 @@
 // BDF2 takes them where the strand is led to, x + dt (3/2 v_n - 1/2 v_(n-1)), and with 2 v_n - v_(n-1); Euler at x and v_n.
 // What BDF2 extrapolates of the drag grows into a flutter from dt w D_n = 0.39 on: such a strand takes Euler.
 //
+// The drag's direction is that of the segment as the step begins. Where the air passes by more than some lengths of the strand in a step,
+// that would throw segments to and fro: there k_t goes to k_n.
+//
 // Air that was sampled has been slowed by the fibre itself, as by a porous strip (Taylor 1944): from s |u_n| to |u_n|, with
 // s = 1 + k_n/(2 rho b l n |u_n|). So k_n is s k_n(s |u_n|) there.
 import package::common::{
@@ -23,11 +26,9 @@ import package::common::{
 
 @group(0) @binding(2) var<storage, read>       strands:     array<Strand>;
 @group(0) @binding(3) var<storage, read>       segments:    array<Segment>;
-@group(0) @binding(4) var<storage, read>       position:    array<vec4f>;
-@group(0) @binding(5) var<storage, read>       rod_points:  array<RodPoint>;
-@group(0) @binding(6) var<storage, read>       sampled:     array<Sampled>;
-@group(0) @binding(7) var<storage, read_write> rod_strands: array<RodStrand>;
-@group(0) @binding(8) var<storage, read_write> hair_force:  array<vec4f>;   // xyz [N], w: resistance [kg/s]
+@group(0) @binding(4) var<storage, read>       sampled:     array<Sampled>;
+@group(0) @binding(5) var<storage, read_write> rod_points:  array<RodPoint>;
+@group(0) @binding(6) var<storage, read_write> rod_strands: array<RodStrand>;
 
 const FORM: f32 = 10.0;       // of C_d
 const FRICTION: f32 = 5.4;
@@ -35,6 +36,7 @@ const SLOWEST: f32 = 1e-12;   // m/s: powers of 0 are not portable
 const WAKE: f32 = 1.3;        // kernel radii: b, fitted to fixed strands of 10 to 1000 fibres
 const OWN_WAKE: f32 = 1.1;    // most that a fibre is taken to have slowed the air at it: below 1 cm/s there is no wake
 const STORMY: f32 = 1.0 / 3.0;   // dt w D_n
+const LENGTHS: f32 = 8.0;     // of the strand, that the air passes by in a step: beyond, its drag has no direction
 
 // What a segment feels, and each of its points half of: D = across (1 - t t^T) + along t t^T.
 struct Load {
@@ -66,7 +68,7 @@ fn drag_on(load: Load, v: vec3f) -> vec3f {
 
 fn ahead(p: u32, scheme: u32) -> Ahead {
     let point = rod_points[p];
-    let x = position[p].xyz;
+    let x = point.start.xyz;
     if scheme != BDF2 { return Ahead(x, point.velocity); }
     return Ahead(x + params.step * (1.5 * point.velocity - 0.5 * point.before), 2.0 * point.velocity - point.before);
 }
@@ -76,7 +78,7 @@ fn air_at(p: u32) -> Sampled {
     return Sampled(vec3f(0.0), 0.0, mean_wind(), 0.0);
 }
 
-fn load(segment: Segment, a: Ahead, b: Ahead, air_a: Sampled, air_b: Sampled) -> Load {
+fn load(segment: Segment, strand_length: f32, a: Ahead, b: Ahead, air_a: Sampled, air_b: Sampled) -> Load {
     if params.model == PARTICLES && in_box(cell_of(0.5 * (a.position + b.position))) { return nothing(); }
     let edge = b.position - a.position;
     let l = length(edge);
@@ -93,7 +95,8 @@ fn load(segment: Segment, a: Ahead, b: Ahead, air_a: Sampled, air_b: Sampled) ->
     let pressure = 0.5 * params.air_density * width * l * segment.fibres;   // over the square of a speed
     let free = slowed * speed;
     let normal = pressure * slowed * (free + form * pow(free, 1.0 / 3.0));
-    let tangential = pressure * FRICTION * sqrt(viscosity * speed / width);
+    let skin = pressure * FRICTION * sqrt(viscosity * speed / width);
+    let tangential = mix(normal, skin, min(1.0, LENGTHS * strand_length / (params.step * max(length(u), SLOWEST))));
     return Load(t, 0.5 * normal, 0.5 * tangential, 0.5 * pressure * params.lift * speed * cross(t, u));
 }
 
@@ -111,7 +114,7 @@ fn drag(strand: Strand, own: Stretch, scheme: u32, write: bool) -> f32 {
         let air_there = air_at(ahead_of);
         var after = nothing();
         if (next > own.before) & (next < strand.points) {
-            after = load(segments[strand.first_segment + next - 1u], here, there, air, air_there);
+            after = load(segments[strand.first_segment + next - 1u], strand.length, here, there, air, air_there);
         }
         if next > own.begin {
             let p = strand.first_point + next - 1u;
@@ -123,7 +126,8 @@ fn drag(strand: Strand, own: Stretch, scheme: u32, write: bool) -> f32 {
                 limited += u32(part > 1.0);
                 let wind = air.wind - here.velocity;
                 let force = drag_on(before, wind) + drag_on(after, wind) + largest * here.velocity + before.force + after.force;
-                hair_force[p] += left * vec4f(force, largest);
+                rod_points[p].force += left * force;
+                rod_points[p].resistance += left * largest;
             }
         }
         before = after;

@@ -142,9 +142,8 @@ pub(crate) fn plan(options: &SceneOptions, buffers: bool, console: &mut Console<
         let does = match &row.skipped {
             Some(why) => format!("skipped: {why}"),
             None => {
-                let on_copies = on_copies(row.runs, row.runs_on_copies);
                 let (runs, invocations, moved) = (row.runs, row.invocations, megabytes(row.bytes));
-                format!("runs {runs} x{on_copies}: {invocations} invocations, {moved:.2} MB")
+                format!("runs {runs} x: {invocations} invocations, {moved:.2} MB")
             }
         };
         let band = row.band.map_or(String::new(), |band| format!(" (turbulence.bands.{band})"));
@@ -167,11 +166,9 @@ const LARGEST: usize = 5;
 
 /// What a substep moves, by the model of [`windswept::PlanRow::bytes`], and what memory the scene takes.
 fn print_totals(rows: &[windswept::PlanRow], mut buffers: Vec<windswept::BufferRow>, console: &mut Console<'_>) {
-    let sum = |of: fn(&windswept::PlanRow) -> u32| rows.iter().map(of).sum::<u32>();
-    let (runs, traffic) = (sum(|row| row.runs), rows.iter().map(|row| row.bytes).sum());
+    let (runs, traffic) = (rows.iter().map(|row| row.runs).sum::<u32>(), rows.iter().map(|row| row.bytes).sum());
     console.print(format_args!(
-        "a substep: {runs} dispatches{} move {:.1} MB, if each reads and writes each of its buffers once as a whole",
-        on_copies(runs, sum(|row| row.runs_on_copies)),
+        "a substep: {runs} dispatches move {:.1} MB, if each reads and writes each of its buffers once as a whole",
         megabytes(traffic)
     ));
     let all = buffers.len();
@@ -187,15 +184,6 @@ fn print_totals(rows: &[windswept::PlanRow], mut buffers: Vec<windswept::BufferR
         largest.collect::<Vec<_>>().join(", ")
     ));
     console.print(format_args!("on a software adapter at most {:.1} MB of textures besides", megabytes(textures)));
-}
-
-/// How often something runs on a software adapter without AVX-512, where that is more often than elsewhere.
-fn on_copies(runs: u32, runs_on_copies: u32) -> String {
-    if runs_on_copies > runs {
-        format!(" ({runs_on_copies} x on a software adapter without AVX-512)")
-    } else {
-        String::new()
-    }
 }
 
 fn megabytes(bytes: u64) -> f64 {

@@ -25,9 +25,8 @@ pub fn run(s: &State, p: &Parameters) -> Scratch {
     let blowing = blow(p, s.steps + 1);
     let mut predicted = s.position.clone();
     let mut new_velocity = s.velocity.clone();
-    let largest = rods::largest_moves(&s.hair);
     for i in 0..p.hair_points {
-        predicted[i] = drift(p, s, i, largest[i]);
+        predicted[i] = drift(p, s, i);
     }
     let air = p.hair_points..s.position.len();
     let missed = miss(p, s.steps, &s.position[air.clone()], &s.velocity[air.clone()]);
@@ -73,9 +72,11 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
     let length: f64 = s.hair.rest_length[s.hair.segments(strand)].iter().sum();
     let jumps = free(points.end - 1) && way.length() > length;
     let part = if jumps { 1.0 } else { 1.0 / left as f64 };
+    // The first step has no change of velocity to carry on.
+    let step = if p.bdf2 && s.bdf2_ready[strand] { p.step * 2.0 / 3.0 } else { p.step };
     if held == goal {
         let state = if p.sleep { rods::State::Asleep } else { rods::State::Free };
-        return Drive { root_frame: held.1, root_turn: DQuat::IDENTITY, state, ..Drive::default() };
+        return Drive { root_travel: DVec3::ZERO, root_frame: held.1, root_turn: DQuat::IDENTITY, state, step };
     }
     let root_turn = rotation(part * rotation_vector(goal.1 * held.1.conjugate()));
     Drive {
@@ -84,20 +85,19 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
         // The frame is the target's to the bit where the clamp arrives: one that was off by rounding would never rest.
         root_frame: if part == 1.0 { goal.1 } else { (root_turn * held.1).normalize() },
         state: if jumps { rods::State::Teleported } else { rods::State::Free },
-        ..Drive::default()
+        step,
     }
 }
 
-/// Place of hair point `i` if no rod holds it: x + Δt (v + w g Δt)/(1 + c Δt), w the point's weight, the move capped at `largest` \[m\].
+/// Place of hair point `i` if no rod holds it: x + Δt (v + w g Δt)/(1 + c Δt), w the point's weight.
 /// A point of infinite mass goes on with its velocity.
 #[must_use]
-pub fn drift(p: &Parameters, s: &State, i: usize, largest: f64) -> DVec3 {
+pub fn drift(p: &Parameters, s: &State, i: usize) -> DVec3 {
     if s.inverse_mass[i] == 0.0 {
         return s.position[i] + p.step * s.velocity[i];
     }
     let falls = s.velocity[i] + p.step * s.hair.weight(i) * p.gravity;
-    let shift = p.step * falls / (1.0 + p.damping * p.step);
-    s.position[i] + shift.clamp_length_max(largest)
+    s.position[i] + p.step * falls / (1.0 + p.damping * p.step)
 }
 
 /// Velocity v* by which hair point `i` counts where pressure acts on it, that of the step's end if all went on as before \[m/s\]:
@@ -106,7 +106,7 @@ pub fn drift(p: &Parameters, s: &State, i: usize, largest: f64) -> DVec3 {
 #[must_use]
 pub fn lead(p: &Parameters, s: &State, i: usize) -> DVec3 {
     let strand = p.strand_of[i];
-    let carries = p.bdf2 && !s.asleep[strand] && s.calm[strand] + 1 >= rods::CALM_STEPS && s.inverse_mass[i] > 0.0;
+    let carries = p.bdf2 && !s.asleep[strand] && s.bdf2_ready[strand] && s.inverse_mass[i] > 0.0;
     let change = if carries { s.velocity[i] - s.velocity_before[i] } else { DVec3::ZERO };
     s.velocity[i] + change / 3.0
 }

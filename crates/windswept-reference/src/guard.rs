@@ -49,7 +49,7 @@ pub fn hold(s: &State, strand: usize, w: &mut Scratch) -> bool {
         w.predicted[points.clone()].copy_from_slice(&s.position[points.clone()]);
         w.new_velocity[points].fill(DVec3::ZERO);
         let segments = w.moving.segments.get_mut(s.hair.segments(strand));
-        segments.into_iter().flatten().for_each(|segment| segment.frame = segment.start);
+        segments.into_iter().flatten().for_each(|segment| (segment.frame, segment.step) = (segment.start, f64::INFINITY));
     }
     lost
 }
@@ -79,14 +79,16 @@ pub fn check(p: &Parameters, bad: usize, positions: &[DVec3], velocities: &[DVec
 /// the change of it.
 pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
     for (k, segment) in w.moving.segments.iter().enumerate() {
-        let turn = rods::rotation_vector(segment.frame * segment.start.conjugate());
         let anew = segment.step.is_infinite();
+        let turn = if anew {
+            DVec3::ZERO
+        } else {
+            rods::rotation_vector(if p.direct { segment.turn } else { segment.frame * segment.start.conjugate() })
+        };
         s.angular_velocity_before[k] = if anew { DVec3::ZERO } else { segment.angular_velocity };
         s.angular_velocity[k] = rods::rate(p, turn, segment.carried, segment.step);
-        s.turn[k] = if anew { DVec3::ZERO } else { turn };
+        s.turn[k] = turn;
         s.segment_strayed[k] = segment.strayed + turn;
-        s.force[k] = segment.frame.conjugate() * segment.force;
-        s.moment[k] = segment.moment;
         s.orientation[k] = segment.frame;
     }
     for (i, point) in w.moving.points.iter().enumerate() {

@@ -100,7 +100,7 @@ pub struct Parameters {
     pub newton_steps: u32,
     /// Whether rods are solved by the direct solver, else by Gauss-Seidel.
     pub direct: bool,
-    /// Whether calm strands are integrated by BDF2, else by Euler.
+    /// Whether strands are integrated by BDF2, else by Euler.
     pub bdf2: bool,
     /// Whether strands at rest fall asleep.
     pub sleep: bool,

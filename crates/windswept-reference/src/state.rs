@@ -39,18 +39,12 @@ pub struct State {
     pub turn: Vec<DVec3>,
     /// Spin of each segment one step before \[rad/s\].
     pub angular_velocity_before: Vec<DVec3>,
-    /// Multiplier μ of each segment's stretch-shear, in the material frame \[N m\].
-    pub force: Vec<DVec3>,
-    /// Multiplier μ of the joint before each segment, in the frame before \[N m\].
-    pub moment: Vec<DVec3>,
     /// Place of each strand's root \[m\], and its ghost frame.
     pub clamps: Vec<(DVec3, DQuat)>,
     /// Place \[m\] and ghost frame to which each root goes in the next step, and stays.
     pub root_targets: Vec<(DVec3, DQuat)>,
-    /// Number of steps on end in which each strand was calm, [`crate::rods::CALM_STEPS`] at most.
-    pub calm: Vec<u32>,
-    /// Farthest free move of each strand in the step before \[m\]; of one that had to be put, minus the most that it takes in the next.
-    pub reach: Vec<f64>,
+    /// Whether each strand's last step was integrated, or slept through, so that BDF2 may follow.
+    pub bdf2_ready: Vec<bool>,
     /// Number of steps on end in which each strand was at rest.
     pub still: Vec<u32>,
     /// Whether each strand is asleep.
@@ -59,12 +53,10 @@ pub struct State {
     pub touched: Vec<bool>,
     /// Number of strand-steps by Euler where BDF2 is asked for, so far.
     pub euler_steps: usize,
-    /// Number of strand-steps that needed no solve, so far.
-    pub quiet_steps: usize,
     /// Number of strand-steps asleep, so far.
     pub asleep_steps: usize,
-    /// Number of strand-steps that the direct solver tore, so far.
-    pub rescued_steps: usize,
+    /// Number of strand-steps that had not settled after the last Newton step, so far.
+    pub unsolved_steps: usize,
     /// Number of teleports so far.
     pub teleports: usize,
     /// Whether each strand was not finite in the step before, and is to be reset.
@@ -75,8 +67,6 @@ pub struct State {
     pub strained_steps: Vec<u32>,
     /// Number of times that a strand was over-strained for [`crate::rods::STRAINED_STEPS`] steps on end, so far.
     pub over_strained: usize,
-    /// Number of moves that were capped, so far.
-    pub capped: usize,
     /// Number of times that a hair point's exchange with the air was limited, so far.
     pub limited: usize,
     /// Largest stretch |l/l0 − 1| so far.
@@ -117,20 +107,15 @@ impl State {
             segment_strayed: vec![DVec3::ZERO; hair.orientations.len()],
             turn: hair.angular_velocities.iter().map(|w| *w * step).collect(),
             angular_velocity_before: hair.angular_velocities.clone(),
-            force: vec![DVec3::ZERO; hair.orientations.len()],
-            moment: vec![DVec3::ZERO; hair.orientations.len()],
             root_targets: clamps.clone(),
             clamps,
-            // The first step is Euler's, then BDF2 may follow: before it there is no acceleration to carry on.
-            calm: vec![1; hair.len()],
-            reach: vec![0.0; hair.len()],
+            bdf2_ready: vec![false; hair.len()],
             still: vec![0; hair.len()],
             asleep: vec![false; hair.len()],
             touched: vec![false; hair.len()],
             euler_steps: 0,
-            quiet_steps: 0,
             asleep_steps: 0,
-            rescued_steps: 0,
+            unsolved_steps: 0,
             teleports: 0,
             position: hair.positions.iter().copied().chain(initial.air.positions.iter().map(local)).collect(),
             velocity: hair.velocities.iter().chain(&initial.air.velocities).copied().collect(),
@@ -140,7 +125,6 @@ impl State {
             resets: 0,
             strained_steps: vec![0; hair.len()],
             over_strained: 0,
-            capped: 0,
             limited: 0,
             max_stretch: 0.0,
             confinement_impulse: DVec3::ZERO,

@@ -68,8 +68,6 @@ pub struct Scratch {
     pub moving: rods::Moving,
     /// Air at each hair point.
     pub local: Vec<rods::Local>,
-    /// Sum of the forces on each hair point from outside its rod.
-    pub hair_force: Vec<rods::Load>,
     /// Impulse that each hair point had from its load \[N s\].
     pub drag_impulse: Vec<DVec3>,
     /// Number of steps on end, before this one, in which each strand was over-strained.

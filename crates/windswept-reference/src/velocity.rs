@@ -2,17 +2,13 @@
 
 use glam::DVec3;
 
-use crate::{
-    Parameters, State, fluid,
-    rods::{Point, rate},
-    step::Scratch,
-};
+use crate::{Parameters, State, fluid, rods::Point, step::Scratch};
 
 /// Runs the heading: hair's velocity follows from its moves, by its rods, which the engine finds in heading 4, and by contact; air adds
 /// what the density constraint moved it by.
 pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     for (i, point) in w.moving.points.iter_mut().enumerate() {
-        let shift = w.predicted[i] - (s.position[i] + point.travel);
+        let shift = w.predicted[i] - (s.position[i] + point.shift + point.travel);
         w.new_velocity[i] = velocity(p, point, shift);
         point.before = point.velocity + shift / p.step;
     }
@@ -26,5 +22,5 @@ pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
 /// impulse on top \[m/s\].
 #[must_use]
 pub fn velocity(p: &Parameters, point: &Point, shift: DVec3) -> DVec3 {
-    rate(p, point.travel, point.carried, point.step) + shift / p.step
+    point.velocity_after(p) + shift / p.step
 }

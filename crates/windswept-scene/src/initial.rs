@@ -139,9 +139,7 @@ impl InitialState {
         warnings.extend(hair.carry_air(scene));
         let bodies: Vec<Shape> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
         rooted_outside(scene, &hair, &bodies)?;
-        let substeps = hair.substeps(scene);
         warnings.extend(warnings::of_idle(scene));
-        warnings.extend(warnings::of_rods(scene, &hair));
         warnings.extend(warnings::of_place(&hair));
         warnings.extend(warnings::of_friction(scene, &hair));
         warnings.extend(warnings::of_bodies(&hair, &bodies));
@@ -163,9 +161,9 @@ impl InitialState {
                     SceneError::new("hair and bodies fill the whole box: expected room for air").at("air.box", None)
                 );
             }
-            state.warnings.extend(warnings::of_air(scene, air, &state.air, substeps));
+            state.warnings.extend(warnings::of_air(scene, air, &state.air));
             state.warnings.extend(warnings::of_hair(&state.hair, &state.air, air.wind()));
-            state.warnings.extend(warnings::of_blocked(scene, air, &bounds, &bodies, substeps));
+            state.warnings.extend(warnings::of_blocked(scene, air, &bounds, &bodies));
         } else {
             state.origin = state.hair.roots().sum::<DVec3>() / state.hair.len() as f64;
         }

@@ -40,8 +40,7 @@ pub const MOST_POINTS_OF_A_STRAND: u32 = 16_384;
 pub const MOST_REPEATS: u32 = 10_000;
 /// Most iterations of the pressure: relaxations that never overshoot are known for so many.
 pub const MOST_PRESSURE_ITERATIONS: u32 = 4;
-/// Most Newton steps of the direct rod solver in a step: on a software adapter without AVX-512 each is a dispatch of its own. One or two solve
-/// a strand in a steady wind, one more where it has more than 65 points, and the default of 8 is for storms.
+/// Most Newton steps of the direct rod solver in a step. One or two solve a strand in a steady wind, and the default of 8 is for storms.
 pub const MOST_NEWTON_STEPS: u32 = 100;
 
 /// Fewest air particles of a scene, three along each axis: with fewer a particle would meet its own periodic image.

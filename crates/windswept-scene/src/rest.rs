@@ -1,8 +1,7 @@
-//! Consequences of the strands' stiffness for a run: when a strand is at rest, and how short its steps have to be.
+//! When a strand is at rest, by its stiffness and its weight.
 
 use crate::{
-    limits::MOST_REPEATS,
-    scene::{Model, Scene, Solver},
+    scene::Scene,
     strands::{End, Strands},
 };
 
@@ -20,15 +19,6 @@ const SWUNG: f64 = 11.657;
 /// Rate at which air may brake hair, beside `rods.damping` \[1/s\]: at the speeds of a strand at rest it is small, since `wind/drag`
 /// goes with u^(1/3).
 const BRAKE: f64 = 2.0;
-
-/// Largest Δt² EI/(m l³) at which the direct solver solves every strand in f32, whatever its points, its step and its direction: of 32
-/// strands in all directions none is left unsolved. At 1.6e6 some of 150 points were, in 2 % of their steps.
-const STIFFEST: f64 = 1e6;
-
-/// Largest product of Δt² EI/(m l³) and of the lengths of the strand that the wind goes in a step at which the direct solver
-/// holds every strand in f32. Strands of 34 and 68 segments, of 20 to 50 mm in 3 to 16 m/s, hold at 1.1e6; at 1.3e6 a strand of
-/// 68 is never solved again.
-const STORMIEST: f64 = 1e6;
 
 /// Bounds below which a strand may be left alone: how little it moves in how long a time, and how little it is pushed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,33 +65,5 @@ impl Strands {
             // The first mode takes 1.57 of a uniform push.
             acceleration: length * OFF * square / 1.57,
         }
-    }
-
-    /// Substeps of a step that the direct solver needs in f32: the scene's, or more where segments are short and stiff for
-    /// them, and for the wind.
-    #[must_use]
-    pub fn substeps(&self, scene: &Scene) -> u32 {
-        if scene.rods.solver == Solver::GaussSeidel {
-            return scene.time.substeps;
-        }
-        let step = scene.time.step / f64::from(scene.time.substeps);
-        let stiffness = |s: usize| {
-            // Δt² EI/(m l³) of a joint inside: its compliance is l/(4 EI).
-            let of = |k: usize, mass: f64| {
-                step * step / (4.0 * self.bend_compliance[k].min_element() * mass * self.rest_length[k].powi(2))
-            };
-            let inside = self.segments(s).zip(self.points(s)).skip(1).filter(|(_, p)| self.inverse_mass[*p] > 0.0);
-            inside.map(|(k, p)| of(k, 1.0 / self.inverse_mass[p])).fold(0.0, f64::max)
-        };
-        let drags = matches!(scene.interaction.model, Model::Drag | Model::TwoWay);
-        let wind = if drags { scene.largest_wind() } else { 0.0 };
-        // As many as bring both below their bounds: one goes with the square of the step, the other with its cube.
-        let parts = |s: usize| {
-            let length: f64 = self.rest_length[self.segments(s)].iter().sum();
-            let stiff = stiffness(s);
-            (stiff / STIFFEST).sqrt().max((stiff * step * wind / (length * STORMIEST)).cbrt())
-        };
-        let parts = (0..self.len()).map(parts).filter(|parts| parts.is_finite()).fold(1.0, f64::max).ceil();
-        (f64::from(scene.time.substeps) * parts).min(f64::from(MOST_REPEATS.max(scene.time.substeps))) as u32
     }
 }

@@ -294,7 +294,7 @@ impl Scene {
     /// `None` where it does not, or without air.
     #[must_use]
     pub fn why_too_fast(&self) -> Option<String> {
-        warnings::of_wind(self, self.air.as_ref()?, self.time.substeps)
+        warnings::of_wind(self, self.air.as_ref()?)
     }
 
     /// Why strands do not rub on one another in this scene, whatever their `hair.friction`; `None` where they do.

@@ -42,8 +42,8 @@ const MUCH_BLOCKED: f64 = 0.3;
 const WEAK: f64 = 0.3;
 
 /// Warnings about step, wind, particles and bands.
-pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles, substeps: u32) -> Vec<String> {
-    let mut warnings = Vec::from_iter(of_wind(scene, air, substeps));
+pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<String> {
+    let mut warnings = Vec::from_iter(of_wind(scene, air));
     let spacing = particles.volume.cbrt();
     for jet in scene.forces.iter().filter(|force| force.field == ForceField::Jet && air.is_still()) {
         warnings.push(format!(
@@ -68,7 +68,7 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles, substep
             ));
         }
     }
-    warnings.extend(of_eddies(scene, air, substeps));
+    warnings.extend(of_eddies(scene, air));
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         if (air.blows(axis, 1.0) || air.blows(axis, -1.0)) && air.fringe > 0.5 * particles.size[axis] {
             warnings.push(format!(
@@ -81,13 +81,13 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles, substep
 }
 
 /// A warning where the fastest band would be strengthened to a speed that steps do not resolve.
-fn of_eddies(scene: &Scene, air: &Air, substeps: u32) -> Option<String> {
+fn of_eddies(scene: &Scene, air: &Air) -> Option<String> {
     if scene.turbulence.law == Law::Published {
         return None;
     }
     let strengthened = scene.turbulence.bands.iter().filter(|band| band.strength > 0.0);
     let band = strengthened.max_by(|a, b| a.intensity.total_cmp(&b.intensity))?;
-    let (wanted, most) = (band.intensity * scene.turbulence.speed, scene.largest_eddy_speed(band, substeps));
+    let (wanted, most) = (band.intensity * scene.turbulence.speed, scene.largest_eddy_speed(band, scene.time.substeps));
     if wanted <= most {
         return None;
     }
@@ -105,10 +105,10 @@ fn of_eddies(scene: &Scene, air: &Air, substeps: u32) -> Option<String> {
 }
 
 /// A warning where the mean wind and a force field carry air farther in a substep than its pressure keeps up with.
-pub(crate) fn of_wind(scene: &Scene, air: &Air, substeps: u32) -> Option<String> {
+pub(crate) fn of_wind(scene: &Scene, air: &Air) -> Option<String> {
     let way = scene.largest_wind() * scene.time.step / air.parcel().cbrt();
     let most = farthest(scene);
-    if way <= most * f64::from(substeps) {
+    if way <= most * f64::from(scene.time.substeps) {
         return None;
     }
     let needed = (way / most).ceil();
@@ -119,7 +119,7 @@ pub(crate) fn of_wind(scene: &Scene, air: &Air, substeps: u32) -> Option<String>
     };
     Some(format!(
         "air moves {:.2} particle spacings in a step, where its pressure keeps up with at most {most}: {what}",
-        way / f64::from(substeps)
+        way / f64::from(scene.time.substeps)
     ))
 }
 
@@ -178,18 +178,6 @@ pub(crate) fn of_fields(scene: &Scene, hair: &Strands, air: &AirParticles) -> Ve
     let far = scene.forces.iter().filter(|force| !places.iter().any(|place| force.reaches(*place)));
     let what = if air.positions.is_empty() { "hair never gets" } else { "neither air nor hair ever gets" };
     far.map(|force| format!("force.{} does nothing: {what} within its reach", force.name)).collect()
-}
-
-/// A warning where strands ask for more substeps than the scene does.
-pub(crate) fn of_rods(scene: &Scene, hair: &Strands) -> Vec<String> {
-    let substeps = hair.substeps(scene);
-    if substeps <= scene.time.substeps {
-        return Vec::new();
-    }
-    vec![format!(
-        "hair has segments so short and stiff, for this step and this wind, that 32 bits do not hold them: each step runs as \
-         {substeps} substeps; fewer hair.points, or a shorter time.step, need fewer"
-    )]
 }
 
 /// A warning where places in the world, which films, pictures and arrays have in f32, are too coarse for the segments.
@@ -306,9 +294,9 @@ pub(crate) fn of_meshes(scene: &Scene) -> Vec<String> {
 }
 
 /// Warnings about bodies that the wind must pass, or that it steps over.
-pub(crate) fn of_blocked(scene: &Scene, air: &Air, bounds: &Bounds, bodies: &[Shape], substeps: u32) -> Vec<String> {
+pub(crate) fn of_blocked(scene: &Scene, air: &Air, bounds: &Bounds, bodies: &[Shape]) -> Vec<String> {
     let mut warnings = Vec::new();
-    let far = scene.largest_wind() * scene.time.step / f64::from(substeps);
+    let far = scene.largest_wind() * scene.time.step / f64::from(scene.time.substeps);
     for body in scene.bodies.iter().filter(|body| far > 2.0 * body.shape.inradius()) {
         warnings.push(format!(
             "air moves {far:.1e} m in a step and may pass through body {}, which is thinner: a shorter time.step stops it",

@@ -10,9 +10,10 @@ use windswept_scene::{
     limits::{MOST_BUCKETS, MOST_NODES},
 };
 use windswept_shaders::{
-    Binding, BufferKind, Textures,
-    common::{dispatch::WORKGROUP, lanes::LANES, list::PAGES, params::Params, pressure::Pressed, status::Status},
-    rods::INSPECT,
+    common::{
+        dispatch::WORKGROUP, lanes::LANES, list::PAGES, params::Params, pressure::Pressed, rod::Condition, status::Status,
+    },
+    rods::RESET,
 };
 
 use crate::{
@@ -50,8 +51,8 @@ pub struct Engine {
     sizes: Sizes,
     state: State,
     memory: Memory,
-    /// Whether somebody other than a step has written what `rods/inspect` only reads: places, velocities, frames, clamps, or what points
-    /// remember; the setup does not count.
+    /// Whether somebody other than a step has written what `rods/reset` looks at: places, velocities, clamps, or what points remember; the
+    /// setup does not count.
     hair_was_written: AtomicBool,
 }
 
@@ -89,11 +90,6 @@ impl Engine {
         let params = setup.uniforms();
         let mut engine =
             Self { gpu: gpu.clone(), params, sizes, state, memory, hair_was_written: AtomicBool::new(false) };
-        let [dispatches, steps] = rods::first_newton(setup.newton());
-        let taken =
-            dispatches * if gpu.software_textures() == Some(Textures::All) { steps } else { setup.params.newton_steps };
-        let few_newton_steps = u32::from(taken < setup.scene.rods.newton);
-        engine.params.iter_mut().for_each(|params| params.few_newton_steps = few_newton_steps);
         engine.write_pages()?;
         engine.write_setup(setup)?;
         engine.hair_was_written = AtomicBool::new(false);
@@ -138,12 +134,10 @@ impl Engine {
         let positions: Vec<_> = hair.positions.iter().zip(&hair.volume).map(|(x, v)| vec4(*x - origin, *v)).collect();
         let velocities: Vec<_> = hair.velocities.iter().map(|&v| vec4(v, 0.0)).collect();
         let orientations: Vec<_> = hair.orientations.iter().map(|&q| quat(q)).collect();
-        let spins: Vec<_> = hair.angular_velocities.iter().map(|&w| vec4(w, 0.0)).collect();
         self.write(&s.position, &positions)?;
         self.write(&s.velocity, &velocities)?;
         self.write(&s.orientation, &orientations)?;
-        self.write(&s.angular_velocity, &spins)?;
-        self.write(&s.health, &rods::healths(hair))?;
+        self.write(&s.health, &vec![Condition::default(); hair.len()])?;
         self.write(&s.point_history, &rods::point_histories(hair, origin, step))?;
         self.write(&s.segment_history, &rods::segment_histories(hair, step))?;
         // Where air has pressure alone hair's places are there all the same, and stay zero.
@@ -268,8 +262,7 @@ impl Engine {
     }
 
     fn note_written(&self, array: &AnyArray) {
-        let inspected = |binding: &Binding| binding.kind == BufferKind::Read;
-        if INSPECT.bindings.iter().any(|binding| inspected(binding) && binding.name == array.name()) {
+        if array.lasts() && RESET.bindings.iter().any(|binding| binding.name == array.name()) {
             self.hair_was_written.store(true, Ordering::Relaxed);
         }
     }

@@ -103,7 +103,7 @@ fn remedy(array: &str, fits: u64) -> String {
         "orientation" | "segments" | "segment_history" | "rod_segments" | "factors" => {
             format!("about {fits} segments would fit: expected fewer hair.points or hair.strands")
         }
-        "point_history" | "rod_points" | "points" | "inverse_mass" | "hair_force" | "drag_impulse" | "grip"
+        "point_history" | "rod_points" | "points" | "inverse_mass" | "drag_impulse" | "grip"
         | "rubbing" => {
             format!("about {fits} hair points would fit: expected fewer hair.strands or hair.points")
         }
@@ -148,7 +148,7 @@ pub enum RunError {
         strand: usize,
         /// First of its points that is not finite, from 0 at the root.
         point: usize,
-        /// Pass that found it: `rods/inspect` as the step began, `rods/finish` after the rods' solve, `guard/hold` at the end.
+        /// Pass that found it: `rods/reset` as the step began, `rods/update` after the rods' solve, `guard/hold` at the end.
         pass: &'static str,
         /// The step that failed; the state is that before it.
         step: u64,

@@ -35,18 +35,13 @@ pub struct Plan {
     pub rod_dispatches: u32,
     /// Number of dispatches in which touched strands come along.
     pub pull_dispatches: u32,
-    /// Dispatches that the direct solver's Newton steps are cut into, and the Newton steps of each, which texts that read copies of what
-    /// they write are dispatched for one by one.
-    newton: [u32; 2],
+    /// Dispatches that the direct solver's Newton steps are cut into.
+    pub newton_dispatches: u32,
     /// Whether rods are solved by the direct solver.
     pub direct: Decision,
-    /// Whether each strand is looked at as the step begins.
-    pub inspect: Decision,
     /// Whether strands that are not finite are held where they were, and put into their rest shape.
     pub mend: Decision,
-    /// Whether strands that the direct solver left unsolved are rescued.
-    pub rescue: Decision,
-    /// Whether Gauss-Seidel sweeps over strands: over all, or over those that were rescued.
+    /// Whether Gauss-Seidel sweeps over strands.
     pub sweeps: Decision,
     /// Whether hair meets air particles.
     pub hair_meets_air: Decision,
@@ -201,7 +196,7 @@ impl Plan {
             "interaction.model is two-way: air got its velocity before the rods, in heading 3",
         ));
         let direct = hair.and(Decision::when(scene.rods.solver == Solver::Direct, "rods.solver is gauss-seidel"));
-        let rescue = direct.and(Decision::when(false, "not until the direct solver leaves a strand unsolved"));
+        let sweeps = hair.and(Decision::when(scene.rods.solver == Solver::GaussSeidel, "rods.solver is direct"));
         let viscosity =
             air.and(Decision::when(viscous, "viscosity.hair, viscosity.air and viscosity.smagorinsky are 0"));
         let density_alone = viscosity
@@ -215,13 +210,10 @@ impl Plan {
             fluid_iterations: scene.fluid.iterations,
             pull_dispatches: if scene.bodies.iter().any(|body| body.shape.solid().is_some()) { PARTS } else { 1 },
             rod_dispatches: scene.rods.iterations / rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
-            newton: setup.newton(),
-            sweeps: if direct.runs { rescue.clone() } else { hair.clone() },
+            newton_dispatches: scene.rods.newton / setup.params.newton_steps,
+            sweeps,
             direct,
-            inspect: hair
-                .and(Decision::when(false, "not until a strand is not finite, or somebody puts hair somewhere")),
-            mend: hair.and(Decision::when(false, "not until a strand is not finite")),
-            rescue,
+            mend: hair.and(Decision::when(false, "not until a strand is not finite, or somebody puts hair somewhere")),
             hair_meets_air: hair_meets_air.clone(),
             hair,
             air,
@@ -277,25 +269,10 @@ impl Plan {
         (self.blows, self.wind) = wind(&Decision::when(true, ""), &self.air, &self.drag);
     }
 
-    /// Dispatches of the direct solver, and the Newton steps of each, which texts that read copies of what they write are dispatched for
-    /// one by one: as many as solve nearly all strands, and all of the scene once strands are rescued that these leave.
-    #[must_use]
-    pub fn newton(&self) -> [u32; 2] {
-        if self.rescue.runs { self.newton } else { rods::first_newton(self.newton) }
-    }
-
-    /// Lets each strand be looked at from now on as a step begins: what somebody other than a step has written may be none that there can be.
-    pub fn inspect_strands(&mut self) {
-        self.inspect = self.hair.clone();
-    }
-
-    /// Lets the passes run from now on that mend strands: those that are not finite, and those that the direct solver leaves unsolved.
-    /// A step freezes where there is one and no pass mends it.
+    /// Lets the passes run from now on that mend strands: those that are not finite, or that somebody else than a step has written. A step
+    /// freezes where there is one and no pass mends it.
     pub fn mend_strands(&mut self) {
-        self.inspect_strands();
         self.mend = self.hair.clone();
-        self.rescue = self.direct.clone();
-        self.sweeps = self.hair.clone();
     }
 
     /// Lets the force that the caller sets push from now on, or lets it push no longer. It reaches air through the wind's passes.

@@ -55,8 +55,6 @@ pub struct Command {
     pub band: Option<usize>,
     /// Reason why the pass is left out; `None` if it runs.
     pub skipped: Option<String>,
-    /// Whether it runs again only because a text that reads copies of what it writes does in one run a part of what another text does.
-    pub on_copies_only: bool,
 }
 
 /// A recorded step, in execution order, skipped passes included.
@@ -82,7 +80,6 @@ pub struct Recorder<'a> {
     heading: &'static str,
     band: Option<usize>,
     skipping: Option<String>,
-    on_copies_only: bool,
 }
 
 impl<'a> Recorder<'a> {
@@ -100,7 +97,6 @@ impl<'a> Recorder<'a> {
             heading: "",
             band: None,
             skipping: None,
-            on_copies_only: false,
         };
         record(&mut recorder);
         recorder.recording.commands.iter().for_each(check);
@@ -134,7 +130,6 @@ impl<'a> Recorder<'a> {
             arrays: pass.bindings.iter().map(named).collect(),
             band: self.band,
             skipped: self.skipping.clone(),
-            on_copies_only: self.on_copies_only,
         };
         let commands = &mut self.recording.commands;
         commands.push(command);
@@ -186,19 +181,6 @@ impl<'a> Recorder<'a> {
     /// Adds passes that run `times` times.
     pub fn repeat(&mut self, times: u32, record: impl Fn(&mut Self)) {
         self.when(&Decision::when(times > 0, "0 iterations"), &record);
-        self.again(times, record);
-    }
-
-    /// Adds passes that run once, but `times` times in texts that read copies of what they write ([`Textures::All`]).
-    pub fn repeat_on_copies(&mut self, times: u32, record: impl Fn(&mut Self)) {
-        record(self);
-        self.on_copies_only = true;
-        self.again(times, record);
-        self.on_copies_only = false;
-    }
-
-    /// Adds passes that were recorded once, so that they run `times` times in all.
-    fn again(&mut self, times: u32, record: impl Fn(&mut Self)) {
         for _ in 1..times {
             if self.skipping.is_none() {
                 record(self);

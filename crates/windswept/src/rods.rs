@@ -3,21 +3,15 @@
 use glam::{DQuat, DVec3};
 use windswept_scene::{End, Hair, InitialState, Scene, Strands};
 use windswept_shaders::common::rod::{
-    Condition, Health, Point, PointHistory, ROOT_HELD, ROOT_JOINT, Root, Segment, SegmentHistory, Strand, TIP_HELD,
+    Point, PointHistory, ROOT_HELD, ROOT_JOINT, Root, Segment, SegmentHistory, Strand, TIP_HELD,
     TIP_JOINT,
 };
 
 use crate::motion::Motions;
 
-/// Calm steps that a strand starts with: it takes one step of Euler, then BDF2. It has no acceleration to carry on before.
-const CALM_AT_START: u32 = 1;
-
-/// Rounds of the loops of one invocation of `rods/direct` or `rods/gauss_seidel`, at most: Mesa's software adapter ends the loops of an
+/// Rounds of the loops of one invocation of `rods/solve` or `rods/gauss_seidel`, at most: Mesa's software adapter ends the loops of an
 /// invocation after 65 535 rounds in all, without a word.
 const ROUNDS: u32 = 30_000;
-
-/// A point may not move farther than this part of its strand in one step.
-const LARGEST_MOVE: f64 = 0.03;
 
 pub(crate) fn vec3(v: DVec3) -> [f32; 3] {
     v.as_vec3().to_array()
@@ -75,22 +69,17 @@ pub(crate) fn strands(scene: &Scene, initial: &InitialState, motions: &Motions) 
     (0..hair.len()).map(strand).collect()
 }
 
-/// Per point: its largest move in a step, max(l, 0.03 L), l the segment before it, its weight, its friction, and its strand's points.
+/// Per point: its weight, its friction, and its strand's points.
 #[must_use]
 pub(crate) fn points(hair: &Strands) -> Vec<Point> {
     let of_strand = |s: usize| {
-        let lengths = &hair.rest_length[hair.segments(s)];
-        let least = LARGEST_MOVE * lengths.iter().sum::<f64>();
-        let before = std::iter::once(0.0).chain(lengths.iter().copied());
         let points = hair.points(s);
-        let point = move |(length, i): (f64, usize)| Point {
-            largest_move: length.max(least) as f32,
+        points.clone().map(move |i| Point {
             weight: hair.weight(i) as f32,
             friction: hair.friction(s) as f32,
             first: points.start as u32,
             end: points.end as u32,
-        };
-        before.zip(hair.points(s)).map(point)
+        })
     };
     (0..hair.len()).flat_map(of_strand).collect()
 }
@@ -155,19 +144,16 @@ pub(crate) fn point_histories(hair: &Strands, origin: DVec3, step: f64) -> Vec<P
     hair.positions.iter().zip(&hair.velocities).map(history).collect()
 }
 
-/// Memory of each segment, as if it had turned with its spin for a step of `step` \[s\]; it has no multipliers yet.
+/// Memory of each segment, as if it had turned with its spin for a step of `step` \[s\].
 #[must_use]
 pub(crate) fn segment_histories(hair: &Strands, step: f64) -> Vec<SegmentHistory> {
-    let history =
-        |w: &DVec3| SegmentHistory { turn: vec3(*w * step), angular_velocity: vec3(*w), ..SegmentHistory::default() };
+    let history = |w: &DVec3| SegmentHistory {
+        turn: vec3(*w * step),
+        angular_velocity: vec3(*w),
+        before: vec3(*w),
+        ..SegmentHistory::default()
+    };
     hair.angular_velocities.iter().map(history).collect()
-}
-
-/// Health of each strand at the start: sound.
-#[must_use]
-pub(crate) fn healths(hair: &Strands) -> Vec<Health> {
-    let sound = Condition { calm: CALM_AT_START, ..Condition::default() };
-    vec![Health { committed: sound, found: sound }; hair.len()]
 }
 
 /// Sweeps of one dispatch: as many as divide `iterations` and keep the longest strand below [`ROUNDS`], at least 1.
@@ -177,21 +163,11 @@ pub(crate) fn sweeps_per_dispatch(iterations: u32, hair: &Strands) -> u32 {
     per_dispatch(iterations, longest(hair))
 }
 
-/// Newton steps of one dispatch of `rods/direct`: as many as divide `newton` and keep the longest strand below [`ROUNDS`], at least 1.
+/// Newton steps of one dispatch of `rods/solve`: as many as divide `newton` and keep the longest strand below [`ROUNDS`], at least 1.
 #[must_use]
 pub(crate) fn newton_steps_per_dispatch(newton: u32, hair: &Strands) -> u32 {
     // A Newton step is one round of its own, and from root to tip and back one per point and one more.
     per_dispatch(newton, 2 * longest(hair) + 3)
-}
-
-/// Newton steps that solve nearly all strands.
-const NEWTON_STEPS: u32 = 3;
-
-/// Of so many dispatches of so many Newton steps each those that solve nearly all strands. Texts that read copies of what they
-/// write take as many of the steps of a dispatch, all others take all of these.
-#[must_use]
-pub(crate) fn first_newton([dispatches, steps]: [u32; 2]) -> [u32; 2] {
-    [NEWTON_STEPS.div_ceil(steps).min(dispatches), steps.min(NEWTON_STEPS)]
 }
 
 /// Points of the longest strand.
@@ -239,9 +215,5 @@ mod tests {
         assert_eq!(newton_steps_per_dispatch(8, &strand(35)), 8);
         assert_eq!(newton_steps_per_dispatch(20, &strand(1024)), 10);
         assert_eq!(newton_steps_per_dispatch(8, &strand(16_384)), 1);
-        assert_eq!(
-            [[1, 8], [1, 2], [4, 2], [8, 1], [1, 1]].map(first_newton),
-            [[1, 3], [1, 2], [2, 2], [3, 1], [1, 1]]
-        );
     }
 }

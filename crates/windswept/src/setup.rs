@@ -97,11 +97,6 @@ impl<'a> Setup<'a> {
         self.sizes
     }
 
-    /// Dispatches that the Newton steps of the direct solver are cut into, and the Newton steps of each.
-    pub(crate) fn newton(&self) -> [u32; 2] {
-        [self.scene.rods.newton / self.params.newton_steps, self.params.newton_steps]
-    }
-
     /// The grids' uniforms: three per band, then four of the coarse grid.
     pub(crate) fn mesh_uniforms(&self) -> Vec<Mesh> {
         let coarse = self.coarse.iter().flat_map(|coarse| coarse.uniforms);

@@ -41,7 +41,7 @@ const TIMED_BATCHES: u64 = 8;
 /// Hair and air of one scene.
 #[derive(Debug)]
 pub struct Simulation {
-    /// The scene as it was given: without the substeps that its strands need, and without a wind that was set.
+    /// The scene as it was given: without a wind that was set.
     given: Scene,
     scene: Scene,
     initial: InitialState,
@@ -101,7 +101,7 @@ pub struct Buffers<'a> {
 enum Hair {
     /// It was made of a scene or of a groom that was checked: each strand is one that there can be.
     Made,
-    /// The caller gave the arrays: each strand is to be inspected.
+    /// The caller gave the arrays: a strand may be none that there can be.
     Given,
 }
 
@@ -140,12 +140,11 @@ impl Simulation {
         let began = Instant::now();
         initial.check()?;
         initial.warnings.extend(initial.hair.carry_air(scene));
-        let (given, mut scene) = (scene.clone(), scene.clone());
-        scene.time.substeps = initial.hair.substeps(&scene);
+        let (given, scene) = (scene.clone(), scene.clone());
         let setup = Setup::new(&scene, &initial);
         let mut plan = Plan::new(&setup);
         if hair == Hair::Given {
-            plan.inspect_strands();
+            plan.mend_strands();
         }
         let engine = Engine::sharing(gpu, &setup, |state| step::recordings(state, &plan))?;
         let recording = Recorder::record(engine.state(), |r| step::record(r, &plan));
@@ -211,7 +210,7 @@ impl Simulation {
         is_timed: impl Fn(u64) -> bool,
         mut stop: impl FnMut() -> bool,
     ) -> Result<(), RunError> {
-        self.inspect_what_was_written()?;
+        self.mend_what_was_written()?;
         let goal = self.steps.saturating_add(n).saturating_mul(self.substeps());
         let mut asked = None;
         while u64::from(self.last.step) < goal && !stop() {
@@ -255,7 +254,7 @@ impl Simulation {
     }
 
     /// Reads the status after a submit. Where a step needed a longer neighbour list it grows. Where something was not finite for the first
-    /// time, air or hair, or a strand was not solved, the step gets the passes that mend strands. The frozen steps are then not done, so
+    /// time, air or hair, the step gets the passes that mend strands. The frozen steps are then not done, so
     /// compare [`Self::steps`] and record them again. Turns what ended the run into an error: what is not finite although these passes ran.
     ///
     /// # Errors
@@ -277,7 +276,7 @@ impl Simulation {
             self.last = self.engine.thaw(&status)?;
             self.record_again()?;
         } else if status.causes & UNMENDED_STRAND != 0 {
-            let reason = "a strand is bad or not solved, though all passes ran that mend strands".to_owned();
+            let reason = "a strand is bad, though all passes ran that mend strands".to_owned();
             return Err(GpuError::Driver { doing: format!("step {step}"), reason }.into());
         } else if status.causes & NON_FINITE_AIR != 0 {
             return Err(self.lost_air(status.first_bad_air, step)?);
@@ -297,12 +296,12 @@ impl Simulation {
         Ok(())
     }
 
-    /// Lets strands be looked at from now on, if somebody else than a step has written what they are.
-    fn inspect_what_was_written(&mut self) -> Result<(), GpuError> {
-        if !self.engine.hair_was_written() || self.plan.inspect == self.plan.hair {
+    /// Lets strands be mended from now on, if somebody else than a step has written what they are.
+    fn mend_what_was_written(&mut self) -> Result<(), GpuError> {
+        if !self.engine.hair_was_written() || self.plan.mend == self.plan.hair {
             return Ok(());
         }
-        self.plan.inspect_strands();
+        self.plan.mend_strands();
         self.record_again()
     }
 

@@ -24,13 +24,13 @@ use windswept_shaders::{
         params::Params,
         pressure::{Gradients, Pressed, Stress},
         reduce::TERMS,
-        rod::{Health, Point, PointHistory, RodPoint, RodSegment, RodStrand, Root, Segment, SegmentHistory, Strand},
+        rod::{Condition, Point, PointHistory, RodPoint, RodSegment, RodStrand, Root, Segment, SegmentHistory, Strand},
         row::Row,
         rub::Rub,
         status::Status,
     },
     fluid::divergence::Iteration,
-    rods::direct::Factor,
+    rods::solve::Factor,
 };
 
 use crate::array::{AnyArray, Array, Life};
@@ -74,7 +74,7 @@ pub struct Sizes {
     pub relaxations: u32,
     /// Nodes of its coarse grid.
     pub coarse_nodes: u32,
-    /// Blocks of the direct solver: segments, or none.
+    /// Factors of the direct solver: segments, or none.
     pub factors: u32,
     /// Keyframes of all that moves.
     pub keyframes: u32,
@@ -219,14 +219,13 @@ state! {
     air_id: u32, |s| s.air();
     /// Orientation of a segment: quaternion (x, y, z, w), material frame to world.
     orientation: Vec4, |s| s.segments;
-    /// Angular velocity of a segment in the world \[rad/s\].
-    angular_velocity: Vec4, |s| s.segments;
-    /// Health of a strand: not finite, over-strained, calm and still, in steps on end; as committed, and as this step found it.
-    health: Health, |s| s.strands;
+    /// How a strand is: not finite, over-strained and still, in steps on end; whether BDF2 may follow.
+    health: Condition, |s| s.strands;
     /// What a hair point remembers: the last move \[m\], the velocity before \[m/s\], what rounding left off the position \[m\],
     /// what acted on it from outside and from its own rod in the last step awake, its grip \[m/s\], how far it strayed \[m\].
     point_history: PointHistory, |s| s.hair_points;
-    /// What a segment remembers: the last turn \[rad\], the spin before \[rad/s\], the multipliers \[N m\], how far it strayed \[rad\].
+    /// What a segment remembers: the last turn \[rad\], its angular velocity in the world and that before \[rad/s\], how far it strayed
+    /// \[rad\].
     segment_history: SegmentHistory, |s| s.segments;
     /// What pressure did to a particle in the step before: its change of the velocity \[m/s\], and the pressure itself \[m²/s\].
     pressed_before: Pressed, |s| s.pressed;
@@ -242,7 +241,7 @@ state! {
     strands: Strand, |s| s.strands;
     /// A segment's rest shape, compliances, fibre radius and fibres.
     segments: Segment, |s| s.segments;
-    /// Largest move of a hair point in a step \[m\], and its weight over that of the mass that it moves with.
+    /// Weight of a hair point over that of the mass that it moves with, its friction, and the points of its strand.
     points: Point, |s| s.hair_points;
     /// Keyframes of all that moves, motion by motion.
     keyframes: Keyframe, |s| s.keyframes;
@@ -294,8 +293,11 @@ state! {
     neighbour_list_4: [u32; 4], |s| if s.pages > 3 { s.neighbours } else { 0 };
 
     [Left] // What is measured between steps.
-    /// Velocities, free move and move of a hair point in this step.
+    /// Place, velocities, force from outside, free move and move of a hair point in this step. Every pass that knows a force on hair adds to
+    /// `force` \[N\] and `resistance` \[kg/s\], which the rods take implicitly.
     rod_points: RodPoint, |s| s.hair_points;
+    /// What a strand's clamp does in this step, whether the strand is solved, and how it is found.
+    rod_strands: RodStrand, |s| s.strands;
     /// Density of a particle over the rest density.
     density: f32, |s| s.particles;
     /// Vorticity at a particle \[1/s\]; w: its length.
@@ -314,9 +316,6 @@ state! {
     field_strength: f32, |s| s.fields;
     /// What wind, force fields and an acceleration that was set add to a particle of air in this step \[m/s\].
     wind_change: Vec4, |s| s.particles;
-    /// Force from outside on a hair point at rest \[N\]; w: what resists its velocity at the step's end \[kg/s\]. Every pass that
-    /// knows a force on hair adds to it, and the rods take it implicitly.
-    hair_force: Vec4, |s| s.hair_points;
     /// What friction of hair on hair asks of a hair point: how it slips, its multipliers, its strand.
     rubbing: Rub, |s| s.hair_points;
     /// What becomes velocity of what the density constraint, and friction of hair on hair, moved a particle by in this step \[m\];
@@ -344,16 +343,14 @@ state! {
     coarse_total: Vec4, |_| 2;
     /// Lagrange multiplier of a particle's density constraint, and the part of it that becomes velocity \[kg m²\].
     multiplier: [f32; 2], |s| s.particles;
-    /// What a strand's clamp does in this step, and whether the strand is solved.
-    rod_strands: RodStrand, |s| s.strands;
-    /// Frames, spins, turns and forces of a segment in this step.
+    /// Frames, turns and strain of a segment in this step.
     rod_segments: RodSegment, |s| s.segments;
-    /// A segment's block of the direct solver, eliminated; none for Gauss-Seidel.
+    /// How a segment answers to what its first point does, in the direct solver; none for Gauss-Seidel.
     factors: Factor, |s| s.factors;
     /// A body in this step: where it is after it, and how it got there.
     placed: Placed, |s| s.bodies;
     /// What bodies did to a strand in this step: bits of `PUSHED`, `MOVED` and `INSIDE`; from the bit `EMBEDDED` on, how many of its points
-    /// they let be. `contact/stretch` puts what the next step asks for into `health`.
+    /// they let be. `contact/stretch` puts what the next step asks for into `rod_strands`.
     touched: u32, |s| s.strands;
     /// Stable id of the particle that is in a slot of air until the step is committed.
     air_id_before: u32, |s| s.air();

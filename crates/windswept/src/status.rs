@@ -3,14 +3,13 @@
 use std::collections::BTreeMap;
 
 use windswept_shaders::common::status::{
-    ASLEEP_STEP, BY_FINISH, BY_INSPECT, CONFINEMENT_LIMITED, EULER_STEP, EXCHANGE_LIMITED, HAIR_OUTSIDE, MOVE_CAPPED,
-    OVER_STRAINED, QUIET_STEP, RESCUED_STEP, STRAND_RESET, Status, TELEPORT,
+    ASLEEP_STEP, BY_RESET, BY_UPDATE, CONFINEMENT_LIMITED, EULER_STEP, EXCHANGE_LIMITED, HAIR_OUTSIDE, OVER_STRAINED,
+    STRAND_RESET, Status, TELEPORT, UNSOLVED_STEP,
 };
 
 /// Counters of what a user should know: keys of the report's `warnings`, and what each counts.
-const WARNINGS: [(u32, &str, &str); 6] = [
+const WARNINGS: [(u32, &str, &str); 5] = [
     (STRAND_RESET, "strand_reset", "times that a strand was not finite and was put into its rest shape"),
-    (MOVE_CAPPED, "move_capped", "times that a hair point would have moved too far in a step and was held back"),
     (OVER_STRAINED, "over_strained", "strands of which a segment was 5 % too long or too short for 50 steps on end"),
     (
         TELEPORT,
@@ -30,18 +29,17 @@ const WARNINGS: [(u32, &str, &str); 6] = [
     ),
 ];
 /// Key of the strand steps that the direct solver did not solve, and what is said of many.
-pub(crate) const RESCUED: (&str, &str) = (
-    "rescued_steps",
-    "steps of strands that the direct solver did not solve, more than one in a hundred of all; time.step is too long for this wind or \
-     these roots",
+pub(crate) const UNSOLVED: (&str, &str) = (
+    "unsolved_steps",
+    "steps of strands that had not settled after rods.newton Newton steps, more than one in a hundred of all: these strands lag behind; a \
+     shorter time.step follows this wind or these roots",
 );
 /// Counters of how strands were stepped; keys of the report's `strand_steps`.
-const STRAND_STEPS: [(u32, &str); 5] = [
+const STRAND_STEPS: [(u32, &str); 4] = [
     (EULER_STEP, "euler_steps"),
-    (QUIET_STEP, "quiet_steps"),
     (ASLEEP_STEP, "asleep_steps"),
     (TELEPORT, "teleports"),
-    (RESCUED_STEP, RESCUED.0),
+    (UNSOLVED_STEP, UNSOLVED.0),
 ];
 
 /// The status of a run that has not begun.
@@ -80,8 +78,8 @@ pub fn neighbours_needed(status: &Status) -> u64 {
 #[must_use]
 pub fn bad_point(first: u32) -> (usize, &'static str) {
     let pass = match first % 4 {
-        BY_INSPECT => "rods/inspect",
-        BY_FINISH => "rods/finish",
+        BY_RESET => "rods/reset",
+        BY_UPDATE => "rods/update",
         _ => "guard/hold",
     };
     ((first / 4) as usize, pass)
@@ -114,7 +112,7 @@ pub fn confinement_limited_steps(status: &Status) -> u64 {
 /// What is counted under a key of the report's `warnings`, for people; `None` of another key.
 #[must_use]
 pub fn warning_meaning(key: &str) -> Option<&'static str> {
-    let rows = WARNINGS.iter().map(|(_, name, meaning)| (*name, *meaning)).chain([RESCUED]);
+    let rows = WARNINGS.iter().map(|(_, name, meaning)| (*name, *meaning)).chain([UNSOLVED]);
     rows.into_iter().find(|(name, _)| *name == key).map(|(_, meaning)| meaning)
 }
 

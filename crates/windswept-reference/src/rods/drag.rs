@@ -13,6 +13,8 @@ const WAKE: f64 = 1.3;
 /// Most that a fibre's own wake is taken to have slowed the air at it. More would be in air that passes at less than a
 /// centimetre a second: there is no wake, but viscosity.
 const OWN_WAKE: f64 = 1.1;
+/// Lengths of the strand that the air passes by in a step, beyond which drag has no direction.
+const LENGTHS: f64 = 8.0;
 
 /// Air at a hair point.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -91,7 +93,7 @@ pub(super) fn act(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
         hasty.iter().for_each(|&strand| w.drives[strand].step = p.step);
         (loads, limited) = taken(s, w, p);
     }
-    w.hair_force.iter_mut().zip(loads).for_each(|(sum, load)| *sum += load);
+    w.moving.points.iter_mut().zip(loads).for_each(|(point, load)| point.load += load);
     s.limited += limited;
 }
 
@@ -142,12 +144,13 @@ pub fn drag(p: &Parameters, hair: &Strands, local: &[Local], x: &[DVec3], v: &[D
     let mut largest = vec![0.0; hair.positions.len()];
     let mut lift = vec![DVec3::ZERO; hair.positions.len()];
     for s in 0..hair.len() {
+        let strand_length: f64 = hair.rest_length[hair.segments(s)].iter().sum();
         for (k, a) in hair.segments(s).zip(hair.points(s)) {
             let b = a + 1;
             if exposed(p, 0.5 * (x[a] + x[b])) {
                 let slip = 0.5 * (local[a].wind + local[b].wind) - 0.5 * (v[a] + v[b]);
                 let filled = 0.5 * (local[a].filled.min(THIN) + local[b].filled.min(THIN)) / THIN;
-                let of = segment(p, x[b] - x[a], slip, hair.radius[k], hair.fibres[k], filled);
+                let of = segment(p, strand_length, x[b] - x[a], slip, hair.radius[k], hair.fibres[k], filled);
                 for point in [a, b] {
                     resistance[point] += 0.5 * of.resistance;
                     largest[point] += 0.5 * of.largest;
@@ -202,7 +205,18 @@ struct Piece {
 /// The air that was sampled has been slowed by the fibre itself, from s |u_n| to |u_n| where particles fill it: a porous
 /// strip of width b in a free flow slows it by 1 + k_n/(2 ρ b l |u_n|) (Taylor 1944, Air resistance of a flat plate of very
 /// porous material). So k_n is taken as s k_n(s |u_n|).
-fn segment(p: &Parameters, axis: DVec3, slip: DVec3, radius: f64, fibres: f64, filled: f64) -> Piece {
+///
+/// The drag's direction is that of the segment as the step begins. Where the air passes by more than [`LENGTHS`] lengths of the strand in a
+/// step, that would throw segments to and fro: k_t goes to k_n, by the part that is more.
+fn segment(
+    p: &Parameters,
+    strand_length: f64,
+    axis: DVec3,
+    slip: DVec3,
+    radius: f64,
+    fibres: f64,
+    filled: f64,
+) -> Piece {
     let length = axis.length();
     if length == 0.0 {
         return Piece { resistance: DMat3::ZERO, largest: 0.0, lift: DVec3::ZERO };
@@ -219,7 +233,9 @@ fn segment(p: &Parameters, axis: DVec3, slip: DVec3, radius: f64, fibres: f64, f
     };
     let half_rho = 0.5 * p.rest_density * length * fibres;
     let normal = half_rho * slowed * across(slowed * speed);
-    let tangential = half_rho * width * 5.4 * (nu * speed / width).sqrt();
+    let skin = half_rho * width * 5.4 * (nu * speed / width).sqrt();
+    let directed = (LENGTHS * strand_length / (p.step * slip.length())).min(1.0);
+    let tangential = normal + directed * (skin - normal);
     let along = DMat3::from_cols(tangent * tangent.x, tangent * tangent.y, tangent * tangent.z);
     Piece {
         resistance: normal * (DMat3::IDENTITY - along) + tangential * along,

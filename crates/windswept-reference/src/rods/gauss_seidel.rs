@@ -3,12 +3,12 @@
 use glam::{DMat3, DQuat, DVec3};
 use windswept_scene::{End, Strands};
 
-use super::{Drive, Moving, cross_matrix, damping, nearest_rest, response, turned};
+use super::{Drive, Moving, State, cross_matrix, damping, nearest_rest, response, turned};
 use crate::Parameters;
 
 /// Sweeps over strand `s` from root to tip: joint k, then segment k. Multipliers persist over the sweeps.
 pub fn gauss_seidel(p: &Parameters, hair: &Strands, s: usize, drive: &Drive, m: &mut Moving) {
-    if !drive.state.is_swept(p) {
+    if drive.state != State::Free {
         return;
     }
     let clamped = hair.ends(s).root == End::Clamped;
@@ -37,9 +37,9 @@ fn bend_twist(p: &Parameters, hair: &Strands, m: &mut Moving, k: usize, clamp: O
         * 0.5;
     let compliance = hair.bend_compliance[k] / response(p.damping, own.step);
     let system = a * a.transpose() * (own_w + before_w) + DMat3::from_diagonal(compliance);
-    let change = system.inverse() * -(constraint + compliance * own.moment);
+    let change = system.inverse() * -(constraint + compliance * own.bend);
     let moment = a.transpose() * change;
-    m.segments[k].moment += change;
+    m.segments[k].bend += change;
     m.segments[k].frame = turned(m.segments[k].frame, own_w * moment);
     if clamp.is_none() {
         m.segments[k - 1].frame = turned(before, -before_w * moment);
@@ -62,10 +62,10 @@ fn stretch_shear(p: &Parameters, hair: &Strands, m: &mut Moving, k: usize, point
     let constraint = q.conjugate() * (chord / l - tangent);
     let compliance = hair.stretch_compliance[k] / response(p.damping, own.step);
     let system = DVec3::splat((w0 + w1) / (l * l)) + wq * DVec3::new(1.0, 1.0, 0.0) + compliance;
-    let wanted = -(constraint + compliance * own.force) / system;
+    let wanted = -(constraint + compliance * own.stretch) / system;
     let change = DVec3::select(system.cmpgt(DVec3::ZERO), wanted, DVec3::ZERO);
     let force = q * change;
-    m.segments[k].force += change;
+    m.segments[k].stretch += change;
     m.segments[k].frame = turned(q, -wq * tangent.cross(force));
     m.points[point].travel -= w0 / l * force;
     m.points[point + 1].travel += w1 / l * force;

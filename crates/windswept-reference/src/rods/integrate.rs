@@ -1,7 +1,6 @@
 //! BDF2 and Euler, and the rotations that they turn frames by.
 
 use glam::{DMat3, DQuat, DVec3};
-use windswept_scene::Strands;
 
 use super::Point;
 use crate::Parameters;
@@ -72,19 +71,4 @@ pub(super) fn nearest_rest(p: DQuat, rest: DQuat) -> DVec3 {
 /// Matrix of the cross product with `v`.
 pub(super) fn cross_matrix(v: DVec3) -> DMat3 {
     DMat3::from_cols(DVec3::new(0.0, v.z, -v.y), DVec3::new(-v.z, 0.0, v.x), DVec3::new(v.y, -v.x, 0.0))
-}
-
-/// Largest move of each point in a step, max(l, 0.03 L) \[m\], l the segment before the point.
-#[must_use]
-pub fn largest_moves(hair: &Strands) -> Vec<f64> {
-    let mut moves = vec![0.0; hair.positions.len()];
-    for s in 0..hair.len() {
-        let lengths = &hair.rest_length[hair.segments(s)];
-        let whole: f64 = lengths.iter().sum();
-        for (k, point) in hair.points(s).enumerate() {
-            let own = if k == 0 { 0.0 } else { lengths[k - 1] };
-            moves[point] = own.max(0.03 * whole);
-        }
-    }
-    moves
 }

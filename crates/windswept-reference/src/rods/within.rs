@@ -4,7 +4,7 @@ use std::ops::AddAssign;
 
 use glam::{DQuat, DVec3};
 
-use super::{LOST, MISFIT, TORN};
+use super::{damping, rate, response};
 use crate::Parameters;
 
 /// State of a strand within a step.
@@ -19,18 +19,6 @@ pub enum State {
     Teleported,
     /// The strand stays where it is.
     Asleep,
-    /// The strand was rescued, and is left to Gauss-Seidel.
-    Left,
-    /// The strand's segments fit, and it is solved once more if there are Newton steps left.
-    Fitted,
-}
-
-impl State {
-    /// Whether Gauss-Seidel solves the strand: of strands that the direct solver has had, those that it lost.
-    #[must_use]
-    pub fn is_swept(self, p: &Parameters) -> bool {
-        self == if p.direct { Self::Left } else { Self::Free }
-    }
 }
 
 /// Way of a strand through a step, with its clamp's.
@@ -44,34 +32,8 @@ pub struct Drive {
     pub root_turn: DQuat,
     /// State of the strand.
     pub state: State,
-    /// Multiplier μ of the tip's joint \[N m\].
-    pub tip_moment: DVec3,
-    /// Largest |C + α μ| of stretch-shear that the direct solver left.
-    pub misfit: f64,
-    /// Whether velocities lead to where the strand is torn.
-    pub torn: bool,
-    /// Largest |C| of stretch-shear where the strand is.
-    pub misfit_before: f64,
-    /// Whether a free point would move farther than its largest move, capped or not.
-    pub far: bool,
     /// Step h of the strand, if it is integrated \[s\].
     pub step: f64,
-}
-
-impl Drive {
-    /// Whether the segments of the strand fit where it is.
-    #[must_use]
-    pub fn is_whole(&self) -> bool {
-        self.misfit_before < TORN
-    }
-
-    /// Whether the direct solver left more than it may. A strand that is carried far may be left as it was. What is not a number is no
-    /// solution.
-    #[must_use]
-    pub fn misses(&self) -> bool {
-        let most = if self.far { MISFIT.max(self.misfit_before) } else { LOST };
-        self.misfit.partial_cmp(&most).is_none_or(|order| order.is_gt())
-    }
 }
 
 /// Load of a hair point from outside its rod: the force is `force` − `resistance` v, v the point's velocity at the step's end.
@@ -107,8 +69,6 @@ pub struct Point {
     pub before: DVec3,
     /// Move of the step before \[m\].
     pub carried: DVec3,
-    /// Impulse by which density moved the drifting point, over its mass \[m/s\].
-    pub change: DVec3,
     /// Load from outside the rod.
     pub load: Load,
     /// Change of velocity by all that acts from outside in this step \[m/s\].
@@ -119,16 +79,33 @@ pub struct Point {
     pub inverse_mass: f64,
     /// Weight over that of the mass that it moves with.
     pub weight: f64,
-    /// Largest move in a step \[m\].
-    pub largest: f64,
     /// Step h \[s\]; infinite for a point that was put somewhere.
     pub step: f64,
-    /// Move without the rod's forces \[m\].
+    /// Move without the rod's forces; of a held point, where it is held \[m\].
     pub free: DVec3,
     /// Move \[m\].
     pub travel: DVec3,
+    /// Shift of the point that makes its strand whole as the step begins \[m\].
+    pub shift: DVec3,
     /// Way from where the point was when its strand became still \[m\].
     pub strayed: DVec3,
+}
+
+impl Point {
+    /// Response W of the point: its move by a force of the rod \[m/N\].
+    #[must_use]
+    pub fn reply(&self, p: &Parameters) -> f64 {
+        response(damping(p, self), self.step) * self.inverse_mass
+    }
+
+    /// Velocity that the point's move leaves \[m/s\]; 0 of a tip that is held.
+    #[must_use]
+    pub fn velocity_after(&self, p: &Parameters) -> DVec3 {
+        if self.inverse_mass == 0.0 && self.shift != DVec3::ZERO {
+            return DVec3::ZERO;
+        }
+        rate(p, self.travel, self.carried, self.step)
+    }
 }
 
 /// Segment within a step.
@@ -146,16 +123,18 @@ pub struct Segment {
     pub carried: DVec3,
     /// Step h \[s\]; infinite for a segment that was put somewhere.
     pub step: f64,
-    /// Turn without the rod's forces \[rad\].
-    pub free: DVec3,
-    /// Turn \[rad\].
-    pub turn: DVec3,
-    /// Chord from the segment's first point to its second at the step's start \[m\].
+    /// Rotation without the rod's forces.
+    pub free: DQuat,
+    /// Rotation since the step's start; a frame that Gauss-Seidel has turned does not have it.
+    pub turn: DQuat,
+    /// Chord from the segment's first point to its second at the step's start, once it is whole \[m\].
     pub chord: DVec3,
-    /// Multiplier μ of stretch-shear in world axes \[N m\]; Gauss-Seidel's λ in the material frame.
-    pub force: DVec3,
-    /// Multiplier μ of the joint before the segment, in the frame before \[N m\].
-    pub moment: DVec3,
+    /// Strain u = chord − l d₃ \[m\].
+    pub strain: DVec3,
+    /// Multiplier λ of stretch-shear in Gauss-Seidel, material frame.
+    pub stretch: DVec3,
+    /// Multiplier λ of the joint before the segment in Gauss-Seidel, in the frame before.
+    pub bend: DVec3,
     /// Turn since the strand became still \[rad\].
     pub strayed: DVec3,
 }

@@ -19,8 +19,7 @@ table! {
         integrator: Integrator = Choice(Integrator::WORDS), "", Method(Integrator::Bdf2, Integrator::Euler);
         /// Sweeps of Gauss-Seidel in a step; gauss-seidel only.
         iterations: u32 = Count(1, MOST_REPEATS), "", Value(10);
-        /// Newton steps at most; direct only: a strand stops when its segments fit within 1e-5, one of more than 65 points a Newton step
-        /// later.
+        /// Newton steps at most; direct only: a strand stops when no frame turns by more than 1e-3 rad.
         newton: u32 = Count(1, MOST_NEWTON_STEPS), "", Value(8);
         /// Whether strands have no stretch compliance.
         inextensible: bool = Bool, "", Value(false);
@@ -38,7 +37,7 @@ table! {
 words! {
     /// `rods.solver`.
     pub enum Solver {
-        /// Direct block-tridiagonal dual solve.
+        /// Newton steps, each solved exactly from tip to root and back.
         Direct = "direct",
         /// Gauss-Seidel with compliance.
         GaussSeidel = "gauss-seidel",
@@ -48,7 +47,7 @@ words! {
 words! {
     /// `rods.integrator`.
     pub enum Integrator {
-        /// Second order, with the Euler fallback.
+        /// Second order; implicit Euler in the first step, and where drag is stiff.
         Bdf2 = "bdf2",
         /// Implicit Euler.
         Euler = "euler",

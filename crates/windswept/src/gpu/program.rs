@@ -7,7 +7,7 @@ use std::{
 
 pub(crate) use wgpu_profiler::chrometrace::write_chrometrace as write_trace;
 use wgpu_profiler::{GpuProfiler, GpuProfilerSettings, GpuTimerQueryResult};
-use windswept_shaders::{TEXTURE_ROW, Texture, Textures};
+use windswept_shaders::{TEXTURE_ROW, Texture};
 
 use crate::{
     error::GpuError,
@@ -77,10 +77,7 @@ impl Program {
             gpu.make_pipelines(passes, on)?;
         }
         let read = gpu.software_textures().map(|textures| textures::readings(recording, textures)).unwrap_or_default();
-        let on_copies = |command: &Command| gpu.textures_of(command.pass) == Some(Textures::All);
-        let running = recording.running().enumerate();
-        let dispatched = running.filter(|(_, command)| !command.on_copies_only || on_copies(command));
-        let dispatches = dispatched.map(|(place, command)| {
+        let dispatches = recording.running().enumerate().map(|(place, command)| {
             let copied = read.iter().filter(|reading| reading.times.iter().any(|time| time.start == place));
             Dispatch::new(gpu, memory, command, copied, on)
         });

@@ -29,9 +29,6 @@ pub struct PlanRow {
     pub band: Option<usize>,
     /// How often it runs in a substep.
     pub runs: u32,
-    /// How often it runs in a substep on a software adapter that reads storage buffers slowly, where some passes do a part of their work in
-    /// a run ([`PassTexts::Software`](crate::PassTexts::Software)).
-    pub runs_on_copies: u32,
     /// Number of invocations that a substep asks for, of all its [`Self::runs`] together. A text whose invocations share the work runs more
     /// ([`Pass::shares`](windswept_shaders::Pass::shares)).
     pub invocations: u64,
@@ -149,7 +146,6 @@ pub fn table(scene: &Scene) -> Result<Vec<PlanRow>, SceneError> {
                 label: command.label,
                 band: command.band,
                 runs: 0,
-                runs_on_copies: 0,
                 invocations: 0,
                 operations: command.pass.operations,
                 clusters: command.clusters.clone(),
@@ -162,12 +158,9 @@ pub fn table(scene: &Scene) -> Result<Vec<PlanRow>, SceneError> {
         if command.skipped.is_some() {
             continue;
         }
-        rows[at].runs_on_copies += 1;
-        if !command.on_copies_only {
-            rows[at].runs += 1;
-            rows[at].invocations += u64::from(command.invocations);
-            rows[at].bytes += traffic(command);
-        }
+        rows[at].runs += 1;
+        rows[at].invocations += u64::from(command.invocations);
+        rows[at].bytes += traffic(command);
     }
     Ok(rows)
 }

@@ -102,7 +102,7 @@ impl Simulation {
         checked("positions", positions, points)?;
         checked_speeds(velocities, points)?;
         let [now, speeds, frames] = self.engine.read_vec4([&s.position, &s.velocity, &s.orientation])?;
-        let spins = self.engine.read_vec4([&s.angular_velocity])?;
+        let spins = self.engine.read(&s.segment_history)?;
         let vector = |v: &[f32; 4]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
         let origin = self.initial.origin;
         for i in 0..points {
@@ -113,8 +113,8 @@ impl Simulation {
             };
             hair.velocities[i] = velocities.map_or_else(|| vector(&speeds[i]), |v| v[i]);
         }
-        for (spin, now) in hair.angular_velocities.iter_mut().zip(&spins[0]) {
-            *spin = vector(now);
+        for (spin, now) in hair.angular_velocities.iter_mut().zip(&spins) {
+            *spin = DVec3::from_array(now.angular_velocity.map(f64::from));
         }
         for (frame, now) in hair.orientations.iter_mut().zip(&frames) {
             *frame = DQuat::from_array(now.map(f64::from));

@@ -32,11 +32,11 @@ impl Simulation {
             return Err(error);
         }
         let s = self.engine.state().clone();
-        let mut health = self.engine.read(&s.health)?;
+        let (mut health, found) = (self.engine.read(&s.health)?, self.engine.read(&s.rod_strands)?);
         let mut bad = Vec::new();
-        for (strand, health) in (0_u32..).zip(&mut health) {
-            if health.found.bad != 0 || health.committed.bad == SPOILT {
-                health.committed.bad = BAD;
+        for ((strand, health), found) in (0_u32..).zip(&mut health).zip(found) {
+            if found.condition.bad != 0 || health.bad == SPOILT {
+                health.bad = BAD;
                 bad.push(strand);
             }
         }

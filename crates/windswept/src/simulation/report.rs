@@ -6,10 +6,10 @@ use super::Simulation;
 use crate::{
     error::RunError,
     report::{Counts, PassReport, Report, SkippedReport},
-    status::{self, RESCUED},
+    status::{self, UNSOLVED},
 };
 
-/// Strand steps of which one may go without a solve unmentioned: hair that is left unsolved feels nothing in that step.
+/// Strand steps of which one may go unsolved unmentioned: such a strand lags behind.
 const FEW: u64 = 100;
 
 impl Simulation {
@@ -76,10 +76,10 @@ impl Simulation {
     #[must_use]
     pub fn warnings(&self) -> std::collections::BTreeMap<String, u64> {
         let mut warnings = status::warnings(&self.last);
-        let rescued = status::strand_steps(&self.last)[RESCUED.0];
+        let unsolved = status::strand_steps(&self.last)[UNSOLVED.0];
         let all = u64::from(self.engine.sizes().strands) * self.steps * self.substeps();
-        if rescued * FEW > all {
-            warnings.insert(RESCUED.0.to_owned(), rescued);
+        if unsolved * FEW > all {
+            warnings.insert(UNSOLVED.0.to_owned(), unsolved);
         }
         let of_wind = self.wind_set.and_then(|_| self.scene.why_too_fast());
         warnings.extend(self.initial.warnings.iter().cloned().chain(of_wind).map(|warning| (warning, 1)));

@@ -17,15 +17,12 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         });
     });
     r.when(&plan.hair, |r| {
-        r.when(&plan.inspect, |r| {
-            r.run(&rods::INSPECT, "is each strand sound", n.strands);
-        });
         r.when(&plan.mend, |r| {
-            r.run(&rods::RESET, "a strand that is not starts from rest", n.strands);
+            r.run(&rods::RESET, "a strand that is not finite starts from rest", n.strands);
         });
         r.run(&rods::ROOTS, "where clamps go", n.strands);
         r.when(&plan.hair_meets_air, |r| {
-            r.run(&rods::DRIFT, "hair drifts among air", n.hair_points);
+            r.run(&fluid::DRIFT, "hair drifts among air", n.hair_points);
         });
         r.when(&plan.pressed_hair, |r| {
             r.run(&fluid::LEAD, "the velocity that hair counts with", n.strands);

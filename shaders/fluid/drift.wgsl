@@ -1,5 +1,5 @@
 // Hair points drift as if nothing held them, damped: x + dt (v + w g dt)/(1 + c dt), w the point's weight. Where hair meets air: what density
-// moves hair by from here is an impulse on it (`rods/begin_points`).
+// moves hair by from here is an impulse on it (`rods/begin`).
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::Point, status::frozen,
 };
@@ -16,10 +16,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if (p >= params.hair_points) | frozen() { return; }
     var shift = params.step * velocity[p].xyz;
     if inverse_mass[p] > 0.0 {
-        let point = points[p];
-        let v = velocity[p].xyz + params.step * point.weight * params.gravity;
+        let v = velocity[p].xyz + params.step * points[p].weight * params.gravity;
         shift = params.step * v / (1.0 + params.damping * params.step);
-        shift *= min(1.0, point.largest_move / max(length(shift), point.largest_move));
     }
     predicted[p] = position[p] + vec4f(shift, 0.0);
     correction[p] = vec4f(0.0);

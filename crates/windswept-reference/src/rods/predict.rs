@@ -1,0 +1,168 @@
+//! How a strand goes through the step, and where its solver starts.
+
+use glam::{DQuat, DVec3};
+use windswept_scene::{Model, Strands};
+
+use super::{
+    AT_TIP, Drive, Load, Moving, Point, STILL_STEPS, Segment, State, TURN, WHOLE, damping, free_move, rotation,
+};
+use crate::{Parameters, state};
+
+/// Shortest chord that has a direction \[lengths of the segment\].
+const SHORTEST: f64 = 1e-3;
+/// 1 + cosine of two directions that no smallest rotation joins.
+const OPPOSITE: f64 = 1e-4;
+
+/// Decides how a strand goes through the step: reset, teleported, asleep or integrated; and where its solver starts.
+pub fn predict(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Drive, m: &mut Moving) {
+    let asleep = s.asleep[strand];
+    let push = load(p, s, strand, m);
+    let rested = s.still[strand] >= STILL_STEPS && f64::from(s.still[strand]) * p.step >= p.rest[strand].time;
+    // One that trembles feels the drag tremble, and is not pushed by that.
+    let pushed = (asleep || p.model == Model::Particles) && push > p.rest[strand].acceleration * p.step;
+    let resets = std::mem::take(&mut s.bad[strand]);
+    let sleeps = !resets && drive.state == State::Asleep && rested && !pushed && !(asleep && s.touched[strand]);
+    s.asleep[strand] = sleeps;
+    if sleeps {
+        place(&s.hair, strand, drive, m, false);
+        return;
+    }
+    if resets || drive.state == State::Teleported {
+        place(&s.hair, strand, drive, m, resets);
+        for point in &mut m.points[s.hair.points(strand)] {
+            (point.load, point.outside) = (Load::default(), DVec3::ZERO);
+        }
+        (s.still[strand], s.bdf2_ready[strand]) = (0, false);
+        if resets {
+            drive.state = State::Solved;
+        }
+        return;
+    }
+    drive.state = State::Free;
+    s.bdf2_ready[strand] = true;
+    if asleep {
+        s.still[strand] = 0;
+    }
+    set_off(p, &s.hair, strand, drive, m);
+}
+
+/// Adds what forces from outside change of each point's velocity. Returns how much pushes the strand that did not while it came to rest
+/// \[m/s\]: all of it on average, or one point by as much as bends the strand as far. A sleeper has no velocity but what viscosity gave it.
+fn load(p: &Parameters, s: &state::State, strand: usize, m: &mut Moving) -> f64 {
+    let mut pushes = Vec::new();
+    for i in s.hair.points(strand).filter(|&i| s.inverse_mass[i] > 0.0) {
+        let point = &mut m.points[i];
+        let felt = p.step * point.inverse_mass * point.load.at(s.velocity[i]);
+        point.outside += felt;
+        point.push += felt;
+        pushes.push(point.push + if s.asleep[strand] { s.velocity[i] } else { DVec3::ZERO });
+    }
+    let count = pushes.len() as f64;
+    let largest = pushes.iter().map(|push| push.length()).fold(0.0, f64::max);
+    (pushes.iter().sum::<DVec3>().length() / count.max(1.0)).max(largest / (AT_TIP * count).max(1.0))
+}
+
+/// Free moves of points and frames, and the start of the solver: as the spins turn the frames, with points that follow. For Gauss-Seidel:
+/// at the free moves.
+fn set_off(p: &Parameters, hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving) {
+    let first = hair.points(strand).start;
+    let h = drive.step;
+    if p.direct {
+        make_whole(hair, strand, m);
+    }
+    for i in hair.points(strand) {
+        let point = &mut m.points[i];
+        point.step = h;
+        let acceleration = point.weight * p.gravity + point.inverse_mass * point.load.force;
+        point.free = match (point.inverse_mass > 0.0, i == first) {
+            (true, _) => {
+                let damping = damping(p, point);
+                free_move(p, point.velocity, point.before, point.carried, acceleration, damping, h)
+            }
+            (false, true) => drive.root_travel,
+            // Where it is held, seen from where it was shifted to.
+            (false, false) => -point.shift,
+        };
+        point.travel = point.free;
+    }
+    if p.direct && m.points[first].inverse_mass > 0.0 {
+        m.points[first].travel = p.step * m.points[first].velocity;
+    }
+    for (k, i) in hair.segments(strand).zip(hair.points(strand)) {
+        let travel = m.points[i].travel;
+        let segment = &mut m.segments[k];
+        segment.step = h;
+        let turn =
+            free_move(p, segment.angular_velocity, segment.before, segment.carried, DVec3::ZERO, p.damping, h);
+        segment.free = rotation(turn);
+        segment.turn = rotation((p.step * segment.angular_velocity).clamp_length_max(TURN));
+        let turn = if p.direct { segment.turn } else { segment.free };
+        segment.frame = (turn * segment.start).normalize();
+        segment.strain = segment.turn * segment.strain;
+        if p.direct {
+            m.points[i + 1].travel = travel + segment.turn * segment.chord - segment.chord;
+        }
+    }
+}
+
+/// Strains u = chord − l d₃ as the step begins. A segment that is strained by more than [`WHOLE`] was pushed by a body, or somebody wrote
+/// it: its frame turns onto its chord, what is left is cut, and the points beyond shift along.
+fn make_whole(hair: &Strands, strand: usize, m: &mut Moving) {
+    let mut shift = DVec3::ZERO;
+    for (k, i) in hair.segments(strand).zip(hair.points(strand)) {
+        let (l, segment) = (hair.rest_length[k], &mut m.segments[k]);
+        let strain = |frame: DQuat| segment.chord - l * (frame * DVec3::Z);
+        let mut start = segment.start;
+        let mut cut = strain(start);
+        if cut.length() > WHOLE * l {
+            if segment.chord.length() > SHORTEST * l {
+                start = onto(segment.chord, start);
+            }
+            cut = strain(start).clamp_length_max(WHOLE * l);
+            shift += cut - strain(start);
+        }
+        segment.chord = l * (start * DVec3::Z) + cut;
+        (segment.start, segment.strain) = (start, cut);
+        m.points[i + 1].shift = shift;
+    }
+}
+
+/// A frame turned by the smallest rotation that takes its tangent onto a chord.
+fn onto(chord: DVec3, frame: DQuat) -> DQuat {
+    let (along, goal) = (frame * DVec3::Z, chord.normalize());
+    let turn = if 1.0 + along.dot(goal) > OPPOSITE {
+        DQuat::from_rotation_arc(along, goal)
+    } else {
+        DQuat::from_axis_angle(frame * DVec3::X, std::f64::consts::PI)
+    };
+    (turn * frame).normalize()
+}
+
+/// Places a strand: in its rest shape, unrolled from the clamp, where a tip that is held stays; or as it is, turned with its root and moved
+/// with it.
+fn place(hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving, at_rest: bool) {
+    let (mut frame, mut offset, mut rest) = (drive.root_frame, DVec3::ZERO, DVec3::ZERO);
+    let first = hair.points(strand).start;
+    put(&mut m.points[first], drive.root_travel);
+    for (k, i) in hair.segments(strand).zip(first + 1..) {
+        let segment = &mut m.segments[k];
+        frame = (if at_rest { frame * hair.rest_rotation[k] } else { drive.root_turn * segment.start }).normalize();
+        if at_rest {
+            segment.start = frame;
+        }
+        put_frame(segment, frame);
+        offset += segment.chord;
+        rest += hair.rest_length[k] * (frame * DVec3::Z);
+        let end = if at_rest { rest } else { drive.root_turn * offset };
+        let stays = at_rest && i + 1 == hair.points(strand).end && m.points[i].inverse_mass == 0.0;
+        put(&mut m.points[i], if stays { DVec3::ZERO } else { drive.root_travel + end - offset });
+    }
+}
+
+pub(super) fn put(point: &mut Point, travel: DVec3) {
+    (point.travel, point.step) = (travel, f64::INFINITY);
+}
+
+pub(super) fn put_frame(segment: &mut Segment, frame: DQuat) {
+    (segment.frame, segment.turn, segment.step) = (frame, DQuat::IDENTITY, f64::INFINITY);
+}

@@ -1,0 +1,81 @@
+//! Health of a strand after its solve.
+
+use glam::DVec3;
+use windswept_scene::{Model, Strands};
+
+use super::{
+    Load, Moving, Point, STILL_STEPS, STILL_TURN, STRAINED, STRAINED_STEPS, State,
+    predict::{put, put_frame},
+};
+use crate::{Parameters, drive::FAR, state, step::Scratch};
+
+/// Finds how strand `strand` is after its solve. One that is lost is held where it was for this step, so that it spoils no neighbour.
+pub fn update(p: &Parameters, s: &mut state::State, strand: usize, w: &mut Scratch) {
+    let m = &mut w.moving;
+    let Some(stretch) = measure(&s.hair, strand, m) else {
+        hold(&s.hair, strand, m);
+        (s.bad[strand], s.bdf2_ready[strand]) = (true, false);
+        s.resets += 1;
+        return;
+    };
+    s.max_stretch = s.max_stretch.max(stretch);
+    s.strained_steps[strand] = if stretch > STRAINED { s.strained_steps[strand] + 1 } else { 0 };
+    s.over_strained += usize::from(s.strained_steps[strand] == STRAINED_STEPS);
+    s.unsolved_steps += usize::from(p.direct && w.drives[strand].state == State::Free);
+    if !p.sleep || s.asleep[strand] {
+        return;
+    }
+    s.still[strand] = if still(p, &s.hair, strand, m) { s.still[strand] + 1 } else { 0 };
+    if s.still[strand] > 0 {
+        remember(&s.hair, strand, m, s.still[strand]);
+    } else {
+        m.points[s.hair.points(strand)].iter_mut().for_each(|point| point.strayed = DVec3::ZERO);
+        m.segments[s.hair.segments(strand)].iter_mut().for_each(|segment| segment.strayed = DVec3::ZERO);
+    }
+}
+
+/// Largest stretch |l/l0 − 1| of a strand; `None` when a move or a frame of it is not finite, or it is longer than a strand can be.
+#[must_use]
+pub fn measure(hair: &Strands, s: usize, m: &Moving) -> Option<f64> {
+    let (points, segments) = (hair.points(s), hair.segments(s));
+    let finite = m.points[points.clone()].iter().all(|point| point.travel.is_finite())
+        && m.segments[segments.clone()].iter().all(|segment| segment.frame.is_finite());
+    let stretches = points.zip(segments).map(|(i, k)| {
+        let chord = m.segments[k].chord + m.points[i + 1].travel - m.points[i].travel;
+        (chord.length() / hair.rest_length[k] - 1.0).abs()
+    });
+    finite.then(|| stretches.fold(0.0, f64::max)).filter(|stretch| *stretch < FAR)
+}
+
+/// Holds a strand where it was.
+fn hold(hair: &Strands, s: usize, m: &mut Moving) {
+    for point in &mut m.points[hair.points(s)] {
+        put(point, DVec3::ZERO);
+        (point.load, point.outside) = (Load::default(), DVec3::ZERO);
+    }
+    for segment in &mut m.segments[hair.segments(s)] {
+        let start = segment.start;
+        put_frame(segment, start);
+    }
+}
+
+/// Whether a strand was where it became still when the step began; with `particles`, whose pushes nothing remembers, it must not
+/// be pushed either.
+#[must_use]
+pub fn still(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
+    let rest = p.rest[s];
+    // A strand that nothing holds may drift as slowly as it will.
+    let held = m.points[hair.points(s).start].inverse_mass == 0.0;
+    let pushed = |point: &Point| p.model == Model::Particles && point.push.length() > rest.acceleration * p.step;
+    let rests = |point: &Point| point.strayed.length() <= rest.way && !pushed(point);
+    held && m.points[hair.points(s)].iter().all(rests)
+        && m.segments[hair.segments(s)].iter().all(|segment| segment.strayed.length() <= STILL_TURN)
+}
+
+/// Takes what acts from outside on a strand that was still for so many `steps` as a mean over the last of them, about
+/// [`STILL_STEPS`]: the strand trembles, and so does its drag.
+pub fn remember(hair: &Strands, s: usize, m: &mut Moving, steps: u32) {
+    for point in &mut m.points[hair.points(s)] {
+        point.outside -= (1.0 - 1.0 / f64::from(steps.min(STILL_STEPS))) * point.push;
+    }
+}

@@ -1,0 +1,33 @@
+// Where a hair point is as its step begins, and how fast. The density constraint moved the drifting point by dx: it takes dv = dx/dt, the
+// impulse that the air lost. Forces from outside start at 0; the passes that follow add to `force` and `resistance`.
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{Point, RodPoint, PointHistory}, status::frozen,
+};
+
+@group(0) @binding(3) var<storage, read>       position:      array<vec4f>;
+@group(0) @binding(4) var<storage, read>       velocity:      array<vec4f>;
+@group(0) @binding(5) var<storage, read>       points:        array<Point>;
+@group(0) @binding(6) var<storage, read>       correction:    array<vec4f>;   // m
+@group(0) @binding(7) var<storage, read>       point_history: array<PointHistory>;
+@group(0) @binding(8) var<storage, read_write> rod_points:    array<RodPoint>;
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let p = invocation(id, groups);
+    if (p >= params.hair_points) | frozen() { return; }
+    let history = point_history[p];
+    let w = inverse_mass[p];
+    let change = select(vec3f(0.0), correction[p].xyz / params.step, w > 0.0);
+    var point = RodPoint();
+    point.start = position[p];
+    point.remainder = history.remainder;
+    point.inverse_mass = w;
+    point.velocity = velocity[p].xyz + change;
+    point.weight = points[p].weight;
+    point.before = history.velocity + change;
+    point.carried = history.travel;
+    point.outside = change;
+    point.push = change - history.outside;
+    point.strayed = history.strayed;
+    rod_points[p] = point;
+}

@@ -1,0 +1,187 @@
+// How a strand goes through the step, and where its solver starts.
+//
+// A strand that was not finite is placed in its rest shape; a teleported one moves as a whole; one at rest that nothing pushes sleeps. The
+// others are integrated: points and frames get their free moves, and the solver starts where the spins turn the frames. There
+//
+//   x_(k+1) = x_k + (rotation(turn_k) - 1) l d3_k + rotation(turn_k) u_k - u_k      u = chord - l d3, in moves since the step's start
+//
+// so that the strand is whole. A segment that is strained by more than WHOLE as the step begins has been pushed by a body, or written by
+// somebody: its frame turns onto its chord, what is left of the strain is cut, and the points beyond shift along, without a velocity.
+import package::common::{
+    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent, turned_by},
+    integration::{PUT, STAY, EULER, free_move, response}, rest::STILL_STEPS, load::damping_of, body::{PUSHED, MOVED},
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, SegmentHistory, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, TIP_HELD, WHOLE, TURN,
+        clamped},
+    status::{frozen, count, EULER_STEP, ASLEEP_STEP, TELEPORT},
+};
+
+@group(0) @binding(2) var<storage, read>       strands:         array<Strand>;
+@group(0) @binding(3) var<storage, read>       segments:        array<Segment>;
+@group(0) @binding(4) var<storage, read>       orientation:     array<vec4f>;
+@group(0) @binding(5) var<storage, read>       segment_history: array<SegmentHistory>;
+@group(0) @binding(6) var<storage, read_write> rod_strands:     array<RodStrand>;
+@group(0) @binding(7) var<storage, read_write> rod_points:      array<RodPoint>;
+@group(0) @binding(8) var<storage, read_write> rod_segments:    array<RodSegment>;
+
+const AT_TIP: f32 = 0.25;      // force on the tip that bends a strand as far as a force on all of it: 3/8 of a beam, 1/ln n of a chain
+const SHORTEST: f32 = 1e-3;    // lengths of the segment: a shorter chord has no direction
+const OPPOSITE: f32 = 1e-4;    // 1 + cosine of two directions that no smallest rotation joins
+
+// Adds what forces from outside change of each point's velocity. Returns how much pushes the strand that did not while it came to rest
+// [m/s]: all of it on average, or one point by as much as bends the strand as far. A sleeper has no velocity but what viscosity gave it.
+fn load(strand: Strand, asleep: bool) -> f32 {
+    var movable = 0.0;
+    var sum = vec3f(0.0);
+    var largest = 0.0;
+    for (var k = 0u; k < strand.points; k++) {
+        let p = strand.first_point + k;
+        let point = rod_points[p];
+        if point.inverse_mass == 0.0 { continue; }
+        let velocity = point.velocity - point.outside;
+        let felt = params.step * point.inverse_mass * (point.force - point.resistance * velocity);
+        rod_points[p].outside = point.outside + felt;
+        rod_points[p].push = point.push + felt;
+        let push = point.push + felt + select(vec3f(0.0), velocity, asleep);
+        movable += 1.0;
+        sum += push;
+        largest = max(largest, length(push));
+    }
+    return max(length(sum) / max(movable, 1.0), largest / max(AT_TIP * movable, 1.0));
+}
+
+// Whether a strand whose clamp rests goes on at rest. One that trembles feels the drag tremble, and is not pushed by that.
+fn rests(strand: Strand, still: u32, touched: u32, push: f32) -> bool {
+    let asleep = still == SLEEPS;
+    let rested = still >= STILL_STEPS && f32(still) * params.step >= strand.still_time;
+    let pushed = (asleep || params.model == PARTICLES) && push > strand.still_acceleration * params.step;
+    return rested && !pushed && !(asleep && (touched & (PUSHED | MOVED)) != 0u);
+}
+
+fn chord_of(p: u32) -> vec3f {
+    let gap = rod_points[p + 1u].start.xyz - rod_points[p].start.xyz;
+    return gap + (rod_points[p + 1u].remainder - rod_points[p].remainder);
+}
+
+// Places a strand: in its rest shape, unrolled from the clamp, where a tip that is held stays; or as it is, turned with its root and moved
+// with it. A sleeper remembers what pushed it when it fell asleep.
+fn place(strand: Strand, rod: RodStrand, at_rest: bool, sleeps: bool) {
+    let scheme = select(PUT, STAY, sleeps);
+    var frame = rod.root_frame;
+    var travel = rod.root_travel;
+    var offset = vec3f(0.0);   // from the root, as it is
+    var rest = vec3f(0.0);     // and at rest
+    for (var k = 0u; k < strand.points; k++) {
+        let p = strand.first_point + k;
+        rod_points[p].travel = travel;
+        rod_points[p].scheme = scheme;
+        if !sleeps {
+            rod_points[p].force = vec3f(0.0);
+            rod_points[p].resistance = 0.0;
+            rod_points[p].outside = vec3f(0.0);
+        }
+        if k + 1u == strand.points { break; }
+        let j = strand.first_segment + k;
+        var start = orientation[j];
+        if at_rest {
+            frame = normalize(product(frame, segments[j].rest_rotation));
+            start = frame;
+        } else {
+            frame = normalize(product(rod.root_turn, start));
+        }
+        var segment = RodSegment();
+        segment.start = start;
+        segment.frame = frame;
+        segment.turn = vec4f(0.0, 0.0, 0.0, 1.0);
+        segment.scheme = scheme;
+        segment.strayed = segment_history[j].strayed;
+        rod_segments[j] = segment;
+        offset += chord_of(p);
+        rest += segments[j].rest_length * tangent(frame);
+        let end = select(rotate(rod.root_turn, offset), rest, at_rest);
+        let stays = at_rest & ((strand.joints & TIP_HELD) != 0u) & (k + 2u == strand.points);
+        travel = select(rod.root_travel + end - offset, vec3f(0.0), stays);
+    }
+}
+
+// A frame turned by the smallest rotation that takes its tangent onto a chord.
+fn onto(chord: vec3f, frame: vec4f) -> vec4f {
+    let along = tangent(frame);
+    let goal = normalize(chord);
+    let cosine = 1.0 + dot(along, goal);
+    let half_turn = vec4f(rotate(frame, vec3f(1.0, 0.0, 0.0)), 0.0);
+    return normalize(product(select(half_turn, normalize(vec4f(cross(along, goal), cosine)), cosine > OPPOSITE), frame));
+}
+
+fn set_off(strand: Strand, rod: RodStrand) {
+    let direct = params.direct_rods != 0u;
+    let scheme = rod.scheme;
+    var here = rod_points[strand.first_point];
+    var travel = select(params.step * here.velocity, rod.root_travel, here.inverse_mass == 0.0);
+    var shift = vec3f(0.0);   // m, of the points beyond what was made whole
+    for (var k = 0u; k < strand.points; k++) {
+        let p = strand.first_point + k;
+        let held = here.inverse_mass == 0.0;
+        let damping = damping_of(here);
+        let acceleration = here.weight * params.gravity + here.inverse_mass * here.force;
+        let moves = free_move(here.velocity, here.before, here.carried, acceleration, damping, scheme);
+        let free = select(moves, select(-shift, rod.root_travel, k == 0u), held);
+        rod_points[p].free = free;
+        rod_points[p].reply = response(damping, scheme) * here.inverse_mass;
+        rod_points[p].travel = select(free, travel, direct);
+        rod_points[p].scheme = scheme;
+        rod_points[p].remainder = here.remainder + shift;
+        if k + 1u == strand.points { break; }
+
+        let j = strand.first_segment + k;
+        let next = rod_points[p + 1u];
+        let history = segment_history[j];
+        let l = segments[j].rest_length;
+        let chord = (next.start.xyz - here.start.xyz) + (next.remainder - here.remainder);
+        var start = orientation[j];
+        var strain = chord - l * tangent(start);
+        if direct && !(length(strain) <= WHOLE * l) {
+            if length(chord) > SHORTEST * l { start = onto(chord, start); }
+            let left = chord - l * tangent(start);
+            strain = clamped(left, WHOLE * l);
+            shift += strain - left;
+        }
+        let turn = rotation(clamped(params.step * history.angular_velocity, TURN));
+        let free_turn = rotation(
+            free_move(history.angular_velocity, history.before, history.turn, vec3f(0.0), params.damping, scheme),
+        );
+        let frame = normalize(product(select(free_turn, turn, direct), start));
+        travel += turned_by(turn, l * tangent(start) + strain);
+        rod_segments[j] = RodSegment(
+            start, frame, turn, free_turn, rotate(turn, strain), scheme, history.strayed, vec3f(0.0), vec3f(0.0),
+        );
+        here = next;
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let s = invocation(id, groups);
+    if (s >= params.strands) | frozen() { return; }
+    let strand = strands[s];
+    let rod = rod_strands[s];
+    var condition = rod.condition;
+    let resets = condition.bad != 0u;
+    let jumps = resets || rod.state == TELEPORTED;
+    let push = load(strand, condition.still == SLEEPS);
+    let sleeps = !jumps && rod.state == ASLEEP && rests(strand, condition.still, condition.touched, push);
+    var state = rod.state;
+    if jumps | sleeps {
+        place(strand, rod, resets, sleeps);
+        if resets { state = SOLVED; } else { count(select(TELEPORT, ASLEEP_STEP, sleeps)); }
+        condition.still = select(0u, SLEEPS, sleeps);
+    } else {
+        set_off(strand, rod);
+        state = FREE;
+        if condition.still == SLEEPS { condition.still = 0u; }
+        if rod.scheme == EULER && params.bdf2 != 0u { count(EULER_STEP); }
+    }
+    condition.bad = 0u;
+    condition.bdf2_ready = select(u32(!jumps), condition.bdf2_ready, sleeps);
+    rod_strands[s].state = state;
+    rod_strands[s].condition = condition;
+}

@@ -1,0 +1,133 @@
+// Hair goes where its rods took it, with the velocity of that move; and the health of each strand: stretch is recorded, over-strain and rest
+// are counted, steps on end. A strand that is not finite, or of which a segment has become a thousand times too long, is held where it was
+// for this step, so that it spoils no neighbour, and is reset in the next. If nobody looked at the strands when the step began, it may have
+// been lost already: the step freezes, and is taken again with the passes that mend strands.
+import package::common::{
+    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::{PUT, rate}, place::placed,
+    rest::{STILL_STEPS, STILL_TURN}, sound::FAR,
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Condition, FREE, SLEEPS, STRAINED_STEPS, strained_steps, ROOT_HELD, BAD},
+    share::{Stretch, owner_of, worker_of, stretch_of, largest_shared, least_shared, any_shared},
+    status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNSOLVED_STEP, UNMENDED_STRAND,
+        BY_UPDATE, NO_POINT},
+};
+
+@group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
+@group(0) @binding(3) var<storage, read>       segments:     array<Segment>;
+@group(0) @binding(4) var<storage, read_write> rod_strands:  array<RodStrand>;
+@group(0) @binding(5) var<storage, read_write> rod_points:   array<RodPoint>;
+@group(0) @binding(6) var<storage, read_write> rod_segments: array<RodSegment>;
+@group(0) @binding(7) var<storage, read_write> predicted:    array<vec4f>;
+@group(0) @binding(8) var<storage, read_write> new_velocity: array<vec4f>;
+
+// Where it became still when the step began: by then contacts and viscosity have had their say. With the model PARTICLES, whose
+// pushes nothing remembers, it must not be pushed either. A strand that nothing holds may drift as slowly as it will.
+fn still(strand: Strand, own: Stretch) -> bool {
+    if (strand.joints & ROOT_HELD) == 0u { return false; }
+    for (var k = own.begin; k < own.end; k++) {
+        let point = rod_points[strand.first_point + k];
+        let pushed = params.model == PARTICLES && length(point.push) > strand.still_acceleration * params.step;
+        if pushed || !(length(point.strayed) <= strand.still_way) { return false; }
+        if k + 1u == strand.points { continue; }
+        if !(length(rod_segments[strand.first_segment + k].strayed) <= STILL_TURN) { return false; }
+    }
+    return true;
+}
+
+// The largest |l/l0 - 1| of a stretch, and its first point that is not finite.
+struct Measured {
+    stretch: f32,
+    lost: u32,
+}
+
+fn measure(strand: Strand, own: Stretch) -> Measured {
+    var measured = Measured(0.0, NO_POINT);
+    var before = rod_points[strand.first_point + own.before];
+    for (var k = own.before; k < own.end; k++) {
+        let here = rod_points[strand.first_point + k];
+        var whole = finite3(here.travel);
+        if k > own.before {
+            let j = strand.first_segment + k - 1u;
+            let chord = (here.start.xyz - before.start.xyz) + (here.remainder - before.remainder) + (here.travel - before.travel);
+            whole = whole & finite4(rod_segments[j].frame);
+            measured.stretch = max(measured.stretch, abs(length(chord) / segments[j].rest_length - 1.0));
+        }
+        if measured.lost == NO_POINT && !whole { measured.lost = strand.first_point + k; }
+        before = here;
+    }
+    return Measured(largest_shared(measured.stretch), least_shared(measured.lost));
+}
+
+// The strand stands where it was, and felt nothing.
+fn hold(strand: Strand, own: Stretch) {
+    for (var k = own.begin; k < own.end; k++) {
+        let p = strand.first_point + k;
+        rod_points[p].force = vec3f(0.0);
+        rod_points[p].resistance = 0.0;
+        rod_points[p].outside = vec3f(0.0);
+        rod_points[p].travel = vec3f(0.0);
+        rod_points[p].scheme = PUT;
+        if k + 1u == strand.points { continue; }
+        let j = strand.first_segment + k;
+        rod_segments[j].frame = rod_segments[j].start;
+        rod_segments[j].scheme = PUT;
+    }
+}
+
+// A strand that was still for so many steps on end takes what acts on it from outside as a mean over them, or over the last STILL_STEPS: it
+// trembles, and so does its drag. From a step in which it was not still it may become so.
+fn rest(strand: Strand, own: Stretch, steps: u32) {
+    let part = 1.0 - 1.0 / f32(clamp(steps, 1u, STILL_STEPS));
+    for (var k = own.begin; k < own.end; k++) {
+        let p = strand.first_point + k;
+        if steps > 0u {
+            rod_points[p].outside -= part * rod_points[p].push;
+            continue;
+        }
+        rod_points[p].strayed = vec3f(0.0);
+        if k + 1u < strand.points { rod_segments[strand.first_segment + k].strayed = vec3f(0.0); }
+    }
+}
+
+fn go(strand: Strand, own: Stretch) {
+    for (var k = own.begin; k < own.end; k++) {
+        let p = strand.first_point + k;
+        let point = rod_points[p];
+        predicted[p] = vec4f(placed(point.start.xyz, point.remainder, point.travel), point.start.w);
+        let held_tip = (k > 0u) & (point.inverse_mass == 0.0);
+        new_velocity[p] = vec4f(select(rate(point.travel, point.carried, point.scheme), vec3f(0.0), held_tip), 0.0);
+        rod_points[p].before = point.velocity;
+    }
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let at = invocation(id, groups);
+    let s = owner_of(at);
+    let speaks = worker_of(at) == 0u;   // for the strand
+    // Strands that are lost freeze the step from here on, and all of those that share a strand stay or leave.
+    if (s >= params.strands) | any_shared(frozen()) { return; }
+    let strand = strands[s];
+    let own = stretch_of(strand.points, worker_of(at));
+    let measured = measure(strand, own);
+    var condition = rod_strands[s].condition;
+    if measured.lost != NO_POINT || !finite(measured.stretch) || measured.stretch >= FAR {
+        if status.inspected == 0u { freeze(UNMENDED_STRAND); }
+        hold(strand, own);
+        condition.bad = BAD;
+        condition.bdf2_ready = 0u;
+        if speaks { count_bad_strand(min(measured.lost, strand.first_point + strand.points - 1u), BY_UPDATE); }
+    } else {
+        condition.strained = strained_steps(condition.strained, measured.stretch);
+        if params.sleep != 0u && condition.still != SLEEPS {
+            condition.still = select(0u, min(condition.still, SLEEPS - 2u) + 1u, !any_shared(!still(strand, own)));
+            rest(strand, own, condition.still);
+        }
+        if speaks {
+            atomicMax(&status.stretch, bitcast<u32>(measured.stretch));
+            if condition.strained == STRAINED_STEPS { count(OVER_STRAINED); }
+            if params.direct_rods != 0u && rod_strands[s].state == FREE { count(UNSOLVED_STEP); }
+        }
+    }
+    go(strand, own);
+    if speaks { rod_strands[s].condition = condition; }
+}
