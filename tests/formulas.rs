@@ -107,7 +107,7 @@ fn wrong_constants_of_wind_turn_rows_red() {
         (&force::FEEL, "gale_at(air.position).wind", "1.01 * gale_at(air.position).wind", "force-fields"),
         (&force::PUSH_AIR, "params.step * pushed", "1.01 * params.step * pushed", "set-force"),
         (&force::PUSH_HAIR, "/ w * pushed[p].xyz", "/ w * 1.01 * pushed[p].xyz", "set-force"),
-        (&force::KEEP, "params.step * felt", "0.99 * params.step * felt", "set-force"),
+        (&force::KEEP, "params.step * rod_points", "0.99 * params.step * rod_points", "set-force"),
     ]);
 }
 
@@ -115,12 +115,11 @@ fn wrong_constants_of_wind_turn_rows_red() {
 fn wrong_constants_of_strands_turn_rows_red() {
     turn_rows_red(&[
         (&rods::ROOTS, "part * key.travel", "1.001 * part * key.travel", "wind"),
-        (&rods::DIRECT, "joint_before.gap + joint", "joint_before.gap + 1.01 * joint", "twin-rods"),
-        (&rods::START, "(free - bare_capped) / reply", "point.force", "momentum"),
-        (&rods::START, "kept = all.xyz / all.w", "kept = 0.9 * all.xyz / all.w", "momentum"),
-        (&rods::RESCUE, "momentum / mass", "0.9 * momentum / mass", "momentum"),
+        (&rods::SOLVE, "l * axes[2] + now.strain", "0.99 * l * axes[2] + now.strain", "twin-rods"),
+        (&rods::SOLVE, "momentum.xyz / momentum.w", "vec3f(1e-6)", "momentum"),
+        (&wind::IMPULSE, "params.step * (point.force", "1.01 * params.step * (point.force", "momentum"),
         (&rods::GAUSS_SEIDEL, "w = 0.25", "w = 0.252", "twin-rods"),
-        (&rods::START, "params.step * (2.0 / 3.0)", "params.step * 0.667", "twin-rods"),
+        (&rods::PREDICT, "params.step * (2.0 / 3.0)", "params.step * 0.667", "twin-rods"),
         (&contact::HAIR, "body.friction * depth", "1.01 * body.friction * depth", "contact"),
         (&contact::AIR, "CLEARANCE: f32 = 0.5", "CLEARANCE: f32 = 0.501", "contact"),
     ]);

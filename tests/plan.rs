@@ -56,8 +56,8 @@ const COARSE: &[&str] = &[
 ];
 const PUSH: &[&str] = &["fluid/push 2"];
 const HAIR_ALONE: &[&str] = &["rods/roots"];
-const BEGIN: &[&str] = &["rods/begin_points", "rods/begin_segments", "rods/choose"];
-const SOLVE: &[&str] = &["rods/load", "rods/start", "rods/direct", "rods/finish", "rods/place"];
+const BEGIN: &[&str] = &["rods/begin"];
+const SOLVE: &[&str] = &["rods/predict", "rods/solve", "rods/update", "wind/impulse"];
 const CONFINE: &[&str] = &["turbulence/vorticity", "turbulence/confine"];
 /// A band on a grid, after the sort.
 const FILTER: &[&str] = &[
@@ -86,7 +86,7 @@ const JET: &str = "force={field='jet',origin=[0.01,0.06,0.03],axis=[1,0,0],reach
 
 fn cases() -> [Case; 11] {
     let blow = &["wind/blow"][..];
-    let moves = &[HAIR_ALONE, &["rods/drift", "wind/miss", "sums/total", "wind/fringe", "fluid/advance"]].concat()[..];
+    let moves = &[HAIR_ALONE, &["fluid/drift", "wind/miss", "sums/total", "wind/fringe", "fluid/advance"]].concat()[..];
     let fluid = &[HAIR_ON_HAIR, SPREAD, COARSE, PUSH].concat()[..];
     let exchange = &[BEGIN, &["wind/sample", "wind/drag"], SOLVE, &["wind/react"]].concat()[..];
     let eddies = &[SORT, FILTER, CONFINE, STRENGTHEN].concat()[..];
@@ -193,7 +193,7 @@ fn cases() -> [Case; 11] {
                     "contact/stretch",
                     "contact/air",
                 ],
-                &["rods/velocity"],
+                &["contact/velocity"],
                 SORT,
                 FILTER,
                 CONFINE,
@@ -214,13 +214,13 @@ fn cases() -> [Case; 11] {
             [
                 blow,
                 HAIR_ALONE,
-                &["rods/drift", "wind/miss", "sums/total", "wind/fringe", "fluid/predict"],
+                &["fluid/drift", "wind/miss", "sums/total", "wind/fringe", "fluid/predict"],
                 SORT,
                 LIST,
                 &["fluid/density 2", "fluid/correct 2", "fluid/move 2"],
                 BEGIN,
                 // The mean wind drags hair outside the box.
-                &["wind/drag", "rods/load", "rods/start", "rods/gauss_seidel", "rods/finish", "rods/place"],
+                &["wind/drag", "rods/predict", "rods/gauss_seidel", "rods/update", "wind/impulse"],
                 &["fluid/velocity", "turbulence/locate", "turbulence/weigh", "turbulence/vorticity", "turbulence/band"],
                 // Sum and mean are the report's.
                 &["turbulence/confine"],
@@ -371,7 +371,6 @@ fn what_is_left_out_changes_nothing() {
     same_bits(&crowded, |plan| plan.friction = runs());
     same_bits(&[], |plan| plan.bodies = runs());
     same_bits(&[], |plan| plan.deformation = runs());
-    same_bits(&[], Plan::inspect_strands);
     same_bits(&[], Plan::mend_strands);
 }
 
@@ -499,5 +498,5 @@ fn operations_are_those_of_a_count_by_hand() {
     let both = 2 * four + 8 * (2 + 1 + 1 + 9) + 9;
     let sample = of(&shaders::wind::SAMPLE);
     assert_eq!((sample.1, sample.2, sample.3), (both, both, false));
-    assert!(of(&shaders::rods::DIRECT).3, "its loops over a strand have any number of turns");
+    assert!(of(&shaders::rods::SOLVE).3, "its loops over a strand have any number of turns");
 }

@@ -58,14 +58,13 @@ impl Storm {
         }
         let report = simulation.report().unwrap();
         let stretch = report.max_stretch.unwrap();
-        let rescued = report.strand_steps.unwrap()["rescued_steps"];
+        let unsolved = report.strand_steps.unwrap()["unsolved_steps"];
         println!(
-            "{self:?}: {hair:.2} U, {lever:.2} of the air, air {air:.2} U, stretch {stretch:.1e}, {rescued} rescued, {:?}",
+            "{self:?}: {hair:.2} U, {lever:.2} of the air, air {air:.2} U, stretch {stretch:.1e}, {unsolved} unsolved, {:?}",
             report.warnings
         );
-        // Hair that is left unsolved feels nothing: one strand step in a hundred may go unmentioned.
-        let substeps = simulation.initial().hair.substeps(&self.scene());
-        let many = rescued * 100 > u64::from(12 * STEPS * substeps);
+        // Hair that is left unsolved lags behind: one strand step in a hundred may go unmentioned.
+        let many = unsolved * 100 > u64::from(12 * STEPS);
         // Measured 0.86 U for strands of a hair's mass or more. The tip of a rod without weight goes with 3/2 of the air's speed,
         // by its lever, and dense tufts of such strands make air go past them at up to 1.7 U, those of a thousand fibres at up to 3.6 U.
         let (bound, of) = if self.mass >= 1.0 { (1.3, hair) } else { (1.55, lever) };
@@ -75,8 +74,8 @@ impl Storm {
             (of >= bound, format!("{hair} U, in the same step {lever} of the fastest air")),
             (hair >= if self.fibres < 1000.0 { 1.7 } else { 2.0 }, format!("{hair} U")),
             (
-                many != report.warnings.contains_key("rescued_steps"),
-                format!("{rescued} rescued, {:?}", report.warnings),
+                many != report.warnings.contains_key("unsolved_steps"),
+                format!("{unsolved} unsolved, {:?}", report.warnings),
             ),
             (stretch >= 1e-2, format!("stretched by {stretch}")),
             (resets > u64::from(self.mass < 1e-3), format!("{resets} strands were reset")),
@@ -117,9 +116,7 @@ fn bits_of_all_passes(
     steps: u32,
     before: impl Fn(&Engine, u32),
 ) -> [Vec<[f32; 4]>; 3] {
-    let mut scene = scene.clone();
-    scene.time.substeps = initial.hair.substeps(&scene);
-    let setup = Setup::new(&scene, initial);
+    let setup = Setup::new(scene, initial);
     let (engine, mut plan) = (Engine::new(&support::gpu(), &setup).unwrap(), Plan::new(&setup));
     plan.mend_strands();
     let recording = Recorder::record(engine.state(), |r| step::record(r, &plan));
@@ -133,7 +130,7 @@ fn bits_of_all_passes(
     bits(&engine)
 }
 
-/// A strand that could not follow its load is asked less of, until it moves again: otherwise hair stands still in a gale.
+/// Hair streams downwind, although many of its steps are not solved in a thousand metres a second.
 #[test]
 fn hair_streams_in_any_wind() {
     for wind in [100.0, 300.0, 1000.0] {
@@ -142,50 +139,14 @@ fn hair_streams_in_any_wind() {
         let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
         simulation.step(150).unwrap();
         let steps = 150.0 * simulation.initial().hair.len() as f64;
-        let rescued = simulation.report().unwrap().strand_steps.unwrap()["rescued_steps"] as f64 / steps;
+        let unsolved = simulation.report().unwrap().strand_steps.unwrap()["unsolved_steps"] as f64 / steps;
         let points = simulation.frame().unwrap().hair.positions;
         let downwind = points.chunks(9).map(|strand| f64::from(strand[8][0] - strand[0][0]) / 0.05);
         let least = downwind.fold(f64::INFINITY, f64::min);
-        println!("{wind} m/s: {rescued} of all steps unsolved, tips {least} L downwind");
-        // Measured at most 0.29, and at least 0.956 L. Where strands are not held back, all steps at 1000 m/s are unsolved.
-        assert!(rescued < 0.5 && least > 0.8, "{wind} m/s: {rescued} of all steps unsolved, tips {least} L downwind");
+        println!("{wind} m/s: {unsolved} of all steps unsolved, tips {least} L downwind");
+        // Measured TODO.
+        assert!(unsolved < 0.5 && least > 0.8, "{wind} m/s: {unsolved} of all steps unsolved, tips {least} L downwind");
     }
-}
-
-/// The passes that rescue strands run from the first step on in which the direct solver leaves one unsolved: a step of the simulation's
-/// own loop, of the caller's submits, or of a run of all passes has the same bits.
-#[test]
-fn strands_are_rescued_from_the_first_that_needs_it() {
-    const RESCUERS: [&str; 2] = ["what the direct solver did not solve is rescued", "Cosserat rods by Gauss-Seidel"];
-    let scene = Storm { wind: 100.0, step: 1.38e-3, fibres: 1.0, mass: 1.0 }.scene();
-    let initial = InitialState::new(&scene).unwrap();
-    let skipped = |simulation: &mut Simulation| {
-        let report = simulation.report().unwrap();
-        let rescued = report.strand_steps.unwrap()["rescued_steps"];
-        (rescued, RESCUERS.map(|pass| report.skipped.iter().any(|row| row.name == pass)))
-    };
-    let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
-    assert_eq!(skipped(&mut simulation), (0, [true; 2]));
-    simulation.step(STEPS.into()).unwrap();
-    let (rescued, left_out) = skipped(&mut simulation);
-    assert!(rescued > 0, "no strand needed to be rescued");
-    assert_eq!(left_out, [false; 2]);
-
-    let mut given = Simulation::new(&support::gpu(), &scene).unwrap();
-    let mut submits = 0;
-    while given.steps() < STEPS.into() {
-        let (device, queue) = (given.gpu().device().clone(), given.gpu().queue().clone());
-        let mut encoder = device.create_command_encoder(&Default::default());
-        given.record(&mut encoder, 5.min(u64::from(STEPS) - given.steps()));
-        queue.submit([encoder.finish()]);
-        given.settle().unwrap();
-        submits += 1;
-    }
-    assert!(submits > STEPS.div_ceil(5), "no step froze");
-    assert!(bits(given.engine()) == bits(simulation.engine()), "submits of the caller's have other bits");
-
-    let all = bits_of_all_passes(&scene, &initial, STEPS, |_, _| {});
-    assert!(all == bits(simulation.engine()), "all passes from the start have other bits");
 }
 
 /// The pass that resets strands runs from the first step on that begins with a bad one, with the bits of a run in which it always ran.
@@ -201,7 +162,7 @@ fn strands_are_reset_from_the_first_that_is_bad() {
     let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
     let resets = |simulation: &mut Simulation| {
         let report = simulation.report().unwrap();
-        let left_out = report.skipped.iter().any(|row| row.name == "a strand that is not starts from rest");
+        let left_out = report.skipped.iter().any(|row| row.name == "a strand that is not finite starts from rest");
         (report.warnings.get("strand_reset").copied(), left_out)
     };
     simulation.step(3).unwrap();

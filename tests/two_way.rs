@@ -36,7 +36,7 @@ fn simulation(sets: &[&str], prepare: impl FnOnce(&mut InitialState)) -> Simulat
 /// Number of strands that sleep now.
 fn asleep(simulation: &Simulation) -> usize {
     let health = simulation.engine().read(&simulation.engine().state().health).unwrap();
-    health.iter().filter(|health| health.committed.still == SLEEPS).count()
+    health.iter().filter(|health| health.still == SLEEPS).count()
 }
 
 /// Points from the root of their strand \[m\].

@@ -66,7 +66,7 @@ struct Segment {
 
 // How a strand is from step to step.
 struct Condition {
-    bad: u32,          // BAD, SPOILT: not finite, to be reset; MENDED; 0: sound
+    bad: u32,          // BAD, SPOILT: not finite, to be reset; 0: sound
     strained: u32,     // steps of over-strain on end
     bdf2_ready: u32,   // 1: the step before was integrated, or slept through
     still: u32,        // steps on end at rest; SLEEPS
@@ -75,7 +75,6 @@ struct Condition {
 
 const BAD: u32 = 1u;               // what its step found after the solve, and counted: the next step resets it
 const SPOILT: u32 = 2u;            // what its step finds as it begins, and counts: the same step resets it
-const MENDED: u32 = 3u;            // a bad strand that its step has reset
 const SLEEPS: u32 = 0xffffffffu;
 const STRAINED_STEPS: u32 = 50u;   // on end, before it is counted
 const STRAINED: f32 = 0.05;        // |l/l0 - 1|

@@ -25,9 +25,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let rotation = select(product(segment.frame, conjugate(segment.start)), segment.turn, params.direct_rods != 0u);
     let turn = select(rotation_vector(rotation), vec3f(0.0), anew);
     let spin = rate(turn, before.turn, segment.scheme);
-    segment_history[k] = SegmentHistory(
-        turn, spin, select(before.angular_velocity, vec3f(0.0), anew), segment.strayed + turn,
-    );
+    // A frame also turns where its strand is made whole as the step begins.
+    let strayed = segment.strayed + rotation_vector(product(segment.frame, conjugate(orientation[k])));
+    segment_history[k] = SegmentHistory(turn, spin, select(before.angular_velocity, vec3f(0.0), anew), strayed);
     orientation[k] = segment.frame;
     if k < params.strands {   // no more than segments
         clamps[k] = Root(clamps[k].position + rod_strands[k].root_travel, rod_strands[k].root_frame);

@@ -12,7 +12,7 @@ import package::common::{
     integration::{PUT, STAY, EULER, free_move, response}, rest::STILL_STEPS, load::damping_of, body::{PUSHED, MOVED},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, SegmentHistory, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, TIP_HELD, WHOLE, TURN,
         clamped},
-    status::{frozen, count, EULER_STEP, ASLEEP_STEP, TELEPORT},
+    sound::FAR, status::{status, frozen, freeze, count, EULER_STEP, ASLEEP_STEP, TELEPORT, UNMENDED_STRAND},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:         array<Strand>;
@@ -140,6 +140,8 @@ fn set_off(strand: Strand, rod: RodStrand) {
         var start = orientation[j];
         var strain = chord - l * tangent(start);
         if direct && !(length(strain) <= WHOLE * l) {
+            // No strand is so long: somebody wrote it where nobody looks.
+            if !(length(chord) < FAR * l) && status.inspected == 0u { freeze(UNMENDED_STRAND); }
             if length(chord) > SHORTEST * l { start = onto(chord, start); }
             let left = chord - l * tangent(start);
             strain = clamped(left, WHOLE * l);

@@ -92,9 +92,12 @@ fn go(strand: Strand, own: Stretch) {
     for (var k = own.begin; k < own.end; k++) {
         let p = strand.first_point + k;
         let point = rod_points[p];
-        predicted[p] = vec4f(placed(point.start.xyz, point.remainder, point.travel), point.start.w);
-        let held_tip = (k > 0u) & (point.inverse_mass == 0.0);
-        new_velocity[p] = vec4f(select(rate(point.travel, point.carried, point.scheme), vec3f(0.0), held_tip), 0.0);
+        let place = placed(point.start.xyz, point.remainder, point.travel);
+        let velocity = rate(point.travel, point.carried, point.scheme);
+        // A tip that is held stays, to the bit.
+        let stays = (k > 0u) & (point.inverse_mass == 0.0);
+        predicted[p] = vec4f(select(place, point.start.xyz, stays), point.start.w);
+        new_velocity[p] = vec4f(select(velocity, vec3f(0.0), stays), 0.0);
         rod_points[p].before = point.velocity;
     }
 }
@@ -108,8 +111,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if (s >= params.strands) | any_shared(frozen()) { return; }
     let strand = strands[s];
     let own = stretch_of(strand.points, worker_of(at));
+    let rod = rod_strands[s];
+    var condition = rod.condition;
     let measured = measure(strand, own);
-    var condition = rod_strands[s].condition;
     if measured.lost != NO_POINT || !finite(measured.stretch) || measured.stretch >= FAR {
         if status.inspected == 0u { freeze(UNMENDED_STRAND); }
         hold(strand, own);
@@ -125,7 +129,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         if speaks {
             atomicMax(&status.stretch, bitcast<u32>(measured.stretch));
             if condition.strained == STRAINED_STEPS { count(OVER_STRAINED); }
-            if params.direct_rods != 0u && rod_strands[s].state == FREE { count(UNSOLVED_STEP); }
+            if params.direct_rods != 0u && rod.state == FREE { count(UNSOLVED_STEP); }
         }
     }
     go(strand, own);

@@ -1,7 +1,7 @@
 //! The WGSL of windswept: linked and validated at build time, with what Rust needs to know of it.
 //!
 //! The build writes everything here from the WGSL, in modules that mirror its folders and files. A pass is one file, say
-//! `shaders/rods/choose.wgsl`, and a static, [`rods::CHOOSE`]; the structs and constants of `shaders/common/rod.wgsl`
+//! `shaders/rods/solve.wgsl`, and a static, [`rods::SOLVE`]; the structs and constants of `shaders/common/rod.wgsl`
 //! are in [`common::rod`]. The linked texts are kept, readable, in the build's output folder.
 
 /// A pipeline-overridable constant that says whether a scene has something. It is set when a pipeline is made, so that a scene without it

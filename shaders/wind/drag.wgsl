@@ -10,7 +10,7 @@
 //   force = D (u - v) + D_n v + F,  resistance = D_n           both times min(1, 1/(dt G D_n)), where air and hair near the
 //                                                             point would have one velocity after the step
 //
-// BDF2 takes them where the strand is led to, x + dt (3/2 v_n - 1/2 v_(n-1)), and with 2 v_n - v_(n-1); Euler at x and v_n.
+// BDF2 takes them at extrapolated places x + dt (3/2 v_n - 1/2 v_(n-1)), and with 2 v_n - v_(n-1); Euler at x and v_n.
 // What BDF2 extrapolates of the drag grows into a flutter from dt w D_n = 0.39 on: such a strand takes Euler.
 //
 // The drag's direction is that of the segment as the step begins. Where the air passes by more than some lengths of the strand in a step,

@@ -59,10 +59,10 @@ impl Walk<'_> {
         contact::measure(s, w, &touches);
         contact::push_air(w, self.p(), &placed);
         if passes.through("contact/stretch") {
-            let found: Vec<_> = stage.health().iter().map(|health| health.found.touched).collect();
+            let found: Vec<_> = stage.found().iter().map(|found| found.touched).collect();
             let noted: Vec<_> = bits(&touches, &placed).iter().map(|bits| bits & (PUSHED | MOVED)).collect();
             self.same("contact/stretch", differing(&found, &noted), 0.0)?;
-            self.health("contact/stretch", &Twin { touched: w.touched.clone(), ..s.clone() })?;
+            self.found("contact/stretch", &Twin { touched: w.touched.clone(), ..s.clone() })?;
         }
         if passes.through("contact/air") {
             let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);

@@ -46,12 +46,11 @@ impl Walk<'_> {
             let gap = numbers_apart(&stage.numbers(&state.field_strength), &wanted);
             self.same("force/course", gap, bounds.wind)?;
         }
-        if passes.through("rods/inspect") {
-            let bad: Vec<_> = stage.health().iter().map(|health| health.committed.bad != 0).collect();
-            self.same("rods/inspect", differing(&bad, &s.bad), 0.0)?;
+        if passes.through("rods/reset") {
+            let bad: Vec<_> = stage.health().iter().map(|health| health.bad != 0).collect();
+            self.same("rods/reset", differing(&bad, &s.bad), 0.0)?;
             let count = stage.engine.status().unwrap().bad_strands as usize;
-            self.same("rods/inspect", count.abs_diff(spoilt) as f64, 0.0)?;
-            assert!(passes.through("rods/reset"));
+            self.same("rods/reset", count.abs_diff(spoilt) as f64, 0.0)?;
             let all = |array| stage.vectors(array)[..hair].to_vec();
             self.same("rods/reset", apart(&all(&state.position), &s.position[..hair]), bounds.length)?;
             self.same("rods/reset", apart(&all(&state.velocity), &s.velocity[..hair]), bounds.speed)?;
@@ -66,9 +65,9 @@ impl Walk<'_> {
             self.same("rods/roots", frame.max(turn), bounds.frame)?;
             self.states("rods/roots", &w)?;
         }
-        if passes.through("rods/drift") {
+        if passes.through("fluid/drift") {
             let got = &stage.vectors(&state.predicted)[..hair];
-            self.same("rods/drift", apart(got, &w.predicted[..hair]), bounds.length)?;
+            self.same("fluid/drift", apart(got, &w.predicted[..hair]), bounds.length)?;
         }
         if passes.through("fluid/lead") {
             let got = &stage.vectors(&state.new_velocity)[..hair];
@@ -113,10 +112,10 @@ impl Walk<'_> {
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
     (&shaders::wind::BLOW, "status.wind[axis] = now", "status.wind[axis] = before", PARTICLES),
-    (&shaders::rods::INSPECT, "if point == NO_POINT {", "if point != NO_POINT {", PARTICLES),
-    (&shaders::rods::RESET, "committed.bad == 0u", "committed.bad != 0u", PARTICLES),
+    (&shaders::rods::RESET, "health[s].bad != BAD", "health[s].bad == BAD", PARTICLES),
+    (&shaders::rods::RESET, "!(in_reach(", "(in_reach(", PARTICLES),
     (&shaders::rods::ROOTS, "left = 1u", "left = 2u", PARTICLES),
-    (&shaders::rods::DRIFT, "point.weight * params.gravity", "params.gravity", LIGHT_HAIR),
+    (&shaders::fluid::DRIFT, "points[p].weight * params.gravity", "params.gravity", LIGHT_HAIR),
     (&shaders::wind::MISS, "- v - change", "- 0.9 * v - change", PARTICLES),
     (&shaders::sums::TOTAL, "totals[0] = all[0]", "totals[0] = vec4f(0.9 * all[0].xyz, all[0].w)", PARTICLES),
     (&shaders::wind::FRINGE, "along * wind", "0.9 * along * wind", PARTICLES),
@@ -194,23 +193,22 @@ fn reset_is_that_of_the_twin() {
         stage.adopt(&mut s);
         let (mut position, mut velocity) =
             (stage.engine.read(&state.position).unwrap(), stage.engine.read(&state.velocity).unwrap());
-        let mut orientation = stage.engine.read(&state.orientation).unwrap();
         let (mut history, mut health) = (stage.engine.read(&state.point_history).unwrap(), stage.health());
         let before = position.clone();
         let mut wanted = Vec::new();
         for strand in 0..n {
             let value = [f32::NAN, f32::NEG_INFINITY, 1e30][strand / 27 % 3];
-            let (points, segments) = (s.hair.points(strand), s.hair.segments(strand));
+            let points = s.hair.points(strand);
             let (middle, tip) = (points.start + points.len() / 2, points.end - 1);
             match strand / 3 % 9 {
                 0 => position[middle][2] = value,
                 1 => position[points.start][0] = value,
                 2 => position[tip][1] = value,
                 3 => velocity[middle][1] = value,
-                4 => orientation[segments.end - 1][3] = value,
+                4 => history[middle].own[2] = f32::NAN,
                 5 => history[tip].velocity[0] = value,
                 6 => history[middle].travel[1] = f32::NAN,
-                7 => health[strand].committed.bad = BAD,
+                7 => health[strand].bad = BAD,
                 _ => {}
             }
             wanted.push([SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, BAD, 0][strand / 3 % 9]);
@@ -218,15 +216,14 @@ fn reset_is_that_of_the_twin() {
         }
         stage.engine.write(&state.position, &position).unwrap();
         stage.engine.write(&state.velocity, &velocity).unwrap();
-        stage.engine.write(&state.orientation, &orientation).unwrap();
         stage.engine.write(&state.point_history, &history).unwrap();
         stage.engine.write(&state.health, &health).unwrap();
         stage.adopt(&mut s);
         let spoilt = drive::mend(&mut s);
         let mut first = None;
         for _ in 0..2 {
-            stage.run_only(&["rods/inspect", "rods/reset"], step::drive::record);
-            let bad: Vec<_> = stage.health().iter().map(|health| health.committed.bad).collect();
+            stage.run_only(&["rods/reset"], step::drive::record);
+            let bad: Vec<_> = stage.health().iter().map(|health| health.bad).collect();
             assert_eq!(bad, wanted, "{n}");
             let mut status = stage.engine.status().unwrap();
             assert_eq!((status.bad_strands as usize, s.resets), (spoilt, spoilt), "{n}");
@@ -304,7 +301,6 @@ fn roots_by_keyframes_are_those_of_the_twin() {
 fn drift_is_free_and_damped() {
     for n in support::SIZES.into_iter().filter(|n| *n >= 9) {
         let mut initial = support::particles(n, n / 3, support::Layout::Random, 12);
-        // Fast enough that some moves are capped: 3 mm or a segment in 1.38 ms.
         motion(&mut initial.hair, 40.0, 0.0, 3);
         let mut scene = support::scene();
         scene.rods.damping = 2.0;

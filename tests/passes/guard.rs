@@ -13,14 +13,14 @@ use windswept_shaders::{
     common::{
         rod::RodSegment,
         status::{
-            ASLEEP_STEP, BY_FINISH, BY_HOLD, EULER_STEP, MOVE_CAPPED, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, RESCUED_STEP,
-            STRAND_RESET, TELEPORT, TOO_MANY_BAD_STRANDS, UNMENDED_STRAND,
+            ASLEEP_STEP, BY_HOLD, BY_UPDATE, EULER_STEP, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, STRAND_RESET, TELEPORT,
+            TOO_MANY_BAD_STRANDS, UNMENDED_STRAND, UNSOLVED_STEP,
         },
     },
 };
 
 use crate::{
-    stage::{Stage, xyz},
+    stage::{Stage, condition, xyz},
     steps::{DIVERGENCE, Fault, PARTICLES, PRESSED_HAIR, PUBLISHED},
     support,
     walk::{Same, Walk, apart, differing, largest},
@@ -33,7 +33,7 @@ impl Walk<'_> {
         let mut passes = stage.passes(step::guard::record);
         guard::run(s, w, &p).map_err(|frozen| format!("the twin froze: {frozen:?}"))?;
         if passes.through("guard/hold") {
-            let bad = differing(&stage.health().iter().map(|health| health.found.bad != 0).collect::<Vec<_>>(), &s.bad);
+            let bad = differing(&stage.found().iter().map(|found| found.bad != 0).collect::<Vec<_>>(), &s.bad);
             self.same("guard/hold", bad, 0.0)?;
         }
         let before = stage.engine.slots().unwrap();
@@ -47,9 +47,11 @@ impl Walk<'_> {
             let frames = stage.quaternions(&state.orientation);
             let frames = largest(frames.iter().zip(&s.orientation).map(|(a, b)| (*a - *b).length()));
             self.same("guard/commit_frames", frames, bounds.frame)?;
-            let spin = apart(&stage.vectors(&state.angular_velocity), &s.angular_velocity);
-            self.same("guard/commit_frames", spin, bounds.spin)?;
             let history = stage.engine.read(&state.segment_history).unwrap();
+            let spins = history.iter().zip(&s.angular_velocity).map(|(a, b)| (xyz(&a.angular_velocity) - *b).length());
+            self.same("guard/commit_frames", largest(spins), bounds.spin)?;
+            let before = history.iter().zip(&s.angular_velocity_before).map(|(a, b)| (xyz(&a.before) - *b).length());
+            self.same("guard/commit_frames", largest(before), bounds.spin)?;
             let turns = largest(history.iter().zip(&s.turn).map(|(a, b)| (xyz(&a.turn) - *b).length()));
             self.same("guard/commit_frames", turns, bounds.frame)?;
             let strayed = history.iter().zip(&s.segment_strayed).map(|(a, b)| (xyz(&a.strayed) - *b).length());
@@ -57,6 +59,9 @@ impl Walk<'_> {
             let clamps = stage.engine.read(&state.clamps).unwrap();
             let clamps = clamps.iter().zip(&s.clamps).map(|(root, clamp)| (xyz(&root.position) - clamp.0).length());
             self.same("guard/commit_frames", largest(clamps), bounds.length)?;
+            let health = stage.health();
+            let wanted: Vec<_> = health.iter().enumerate().map(|(strand, got)| condition(s, strand, got)).collect();
+            self.same("guard/commit_frames", differing(&health, &wanted), 0.0)?;
         }
         if passes.through("guard/commit_hair") {
             let points = stage.engine.read(&state.point_history).unwrap();
@@ -111,9 +116,9 @@ impl Walk<'_> {
         }
         let status = stage.engine.status().unwrap();
         self.same("guard/commit", (f64::from(status.step) - s.steps as f64).abs(), 0.0)?;
-        let counters = [STRAND_RESET, MOVE_CAPPED, EULER_STEP, ASLEEP_STEP, TELEPORT, RESCUED_STEP];
+        let counters = [STRAND_RESET, EULER_STEP, ASLEEP_STEP, TELEPORT, UNSOLVED_STEP];
         let got = counters.map(|counter| status.counted[counter as usize] as usize);
-        let wanted = [s.resets, s.capped, s.euler_steps, s.asleep_steps, s.teleports, s.rescued_steps];
+        let wanted = [s.resets, s.euler_steps, s.asleep_steps, s.teleports, s.unsolved_steps];
         self.same("guard/commit", differing(&got, &wanted), 0.0)
     }
 }
@@ -122,7 +127,11 @@ impl Walk<'_> {
 pub const FAULTS: &[Fault] = &[
     (&shaders::guard::HOLD, "if point == NO_POINT {", "if point != NO_POINT {", PARTICLES),
     (&shaders::guard::CHECK, "!can_be(", "can_be(", PARTICLES),
-    (&shaders::guard::COMMIT_FRAMES, "vec4f(spin, 0.0)", "vec4f(0.9 * spin, 0.0)", PARTICLES),
+    (&shaders::guard::COMMIT_FRAMES, "turn, spin,", "turn, 0.9 * spin,", PARTICLES),
+    (&shaders::guard::COMMIT_FRAMES, "select(before.angular", "select(0.9 * before.angular", PARTICLES),
+    (&shaders::guard::COMMIT_FRAMES, "strayed + rotation_vector", "strayed + 0.9 * rotation_vector", PARTICLES),
+    (&shaders::guard::COMMIT_FRAMES, "+ rod_strands[k].root_travel", "+ 0.9 * rod_strands[k].root_travel", PARTICLES),
+    (&shaders::guard::COMMIT_FRAMES, "= rod_strands[k].condition", "= health[k]", PARTICLES),
     (&shaders::guard::COMMIT_HAIR, "point.before + last - new_velocity[p].xyz", "point.before + last", PARTICLES),
     (&shaders::guard::CHECK, "air_id_before[slot] = air_id[slot]", "air_id_before[slot] = slot", PARTICLES),
     (&shaders::guard::COMMIT_AIR, "predicted[i]", "predicted[params.hair_points + slot]", PARTICLES),
@@ -194,8 +203,8 @@ fn hold_keeps_strands_that_are_lost() {
                 let held = hair.segments(victim).contains(&k);
                 assert_eq!(segment.frame == segment.start, held, "{what}: segment {k}");
             }
-            for (strand, health) in stage.health().iter().enumerate() {
-                assert_eq!(health.found.bad, u32::from(strand == victim), "{what}: strand {strand}");
+            for (strand, found) in stage.found().iter().enumerate() {
+                assert_eq!(found.bad, u32::from(strand == victim), "{what}: strand {strand}");
             }
             stage.run_only(&["guard/check", "guard/commit"], step::guard::record);
             let status = stage.engine.status().unwrap();
@@ -240,26 +249,26 @@ fn check_is_that_of_the_twin() {
             }
             // Some were found bad by their rods, the others have lost their velocities.
             let mut twin = stage.twin.clone();
-            let mut health = stage.health();
+            let mut rods = stage.rod_strands();
             for strand in strands - bad..strands {
                 if strand % 2 == 0 {
-                    (twin.bad[strand], health[strand].found.bad) = (true, 1);
+                    (twin.bad[strand], rods[strand].condition.bad) = (true, 1);
                 } else {
                     v[twin.hair.points(strand).start].x = f64::NAN;
                 }
             }
             let by_rods = twin.bad.iter().filter(|bad| **bad).count() as u32;
             let named = |strand: usize, pass: u32| 4 * twin.hair.points(strand).start as u32 + pass;
-            let first = twin.bad.iter().position(|bad| *bad).map_or(u32::MAX, |strand| named(strand, BY_FINISH));
+            let first = twin.bad.iter().position(|bad| *bad).map_or(u32::MAX, |strand| named(strand, BY_UPDATE));
             let first_of_all = match strands - bad {
                 strand if bad == 0 || strand >= strands => u32::MAX,
-                strand => named(strand, if strand % 2 == 0 { BY_FINISH } else { BY_HOLD }),
+                strand => named(strand, if strand % 2 == 0 { BY_UPDATE } else { BY_HOLD }),
             };
             let mut status = stage.engine.status().unwrap();
             (status.bad_strands, status.first_bad) = (by_rods, first);
             status.causes = if short { NEIGHBOUR_OVERFLOW } else { 0 };
             stage.engine.set_status(&status).unwrap();
-            stage.engine.write(&s.health, &health).unwrap();
+            stage.engine.write(&s.rod_strands, &rods).unwrap();
             stage.write_vectors(&s.predicted, &x);
             stage.write_vectors(&s.viscous_velocity, &v);
             let before = stage.vectors(&s.position);

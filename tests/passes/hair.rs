@@ -11,18 +11,25 @@ use crate::stage::Stage;
 
 /// Scene of `n` strands alone, of 2 to 40 points, some curled, in random places; of 2 points where they are many.
 pub fn scene_of(n: usize, keys: &str) -> Scene {
+    scene_with(n, keys, if n > 1000 { [2; 4] } else { [2, 11, 40, 7] })
+}
+
+/// Scene of `n` strands alone, of so many points in four groups; those of the second curled if they have more than 2.
+pub fn scene_with(n: usize, keys: &str, points: [usize; 4]) -> Scene {
     let mut text = format!(
         "interaction = {{ model = \"none\" }}\nrods = {{ iterations = 10, damping = 2.0, {keys} }}\n\
          [time]\nstep = 1.38e-3\nduration = 1.0\n"
     );
-    for (group, (points, curl)) in
-        [(2, ""), (11, "curl = { radius = 0.003, pitch = 0.02 }"), (40, ""), (7, "taper = 0.5")].into_iter().enumerate()
-    {
-        let (points, curl) = if n > 1000 { (2, "") } else { (points, curl) };
+    for (group, points) in points.into_iter().enumerate() {
+        let shape = match group {
+            1 if points > 2 => "curl = { radius = 0.003, pitch = 0.02 }",
+            3 if points > 2 => "taper = 0.5",
+            _ => "",
+        };
         let share = (n + 3 - group) / 4;
         if share > 0 {
             text += &format!(
-                "[[hair]]\nname = \"g{group}\"\nstrands = {share}\npoints = {points}\nlength = 0.1\n{curl}\nroots = {{ center = [0.0, 0.1, {group}.0], radius = 0.05, direction = [1.0, 0.3, 0.2] }}\n"
+                "[[hair]]\nname = \"g{group}\"\nstrands = {share}\npoints = {points}\nlength = 0.1\n{shape}\nroots = {{ center = [0.0, 0.1, {group}.0], radius = 0.05, direction = [1.0, 0.3, 0.2] }}\n"
             );
         }
     }
@@ -42,23 +49,27 @@ pub fn strands(n: usize, keys: &str) -> (Scene, InitialState) {
 pub fn ends(hair: &mut Strands, tips: bool) {
     let kinds = [End::Clamped, End::Pinned, End::Free];
     for s in 0..hair.len() {
-        let (root, tip) = (kinds[s % 3], if tips { kinds[(s / 3) % 3] } else { End::Free });
-        let (points, segments) = (hair.points(s), hair.segments(s));
-        if root == End::Free {
-            hair.inverse_mass[points.start] = 2.0 * hair.inverse_mass[points.end - 1].max(1e6);
-        }
-        if tip != End::Free {
-            hair.inverse_mass[points.end - 1] = 0.0;
-        }
-        let tip_rest_rotation = DQuat::from_scaled_axis(DVec3::new(0.02, 0.05, -0.03));
-        hair.ends.push(Ends {
-            root,
-            tip,
-            tip_frame: hair.orientations[segments.end - 1] * tip_rest_rotation,
-            tip_rest_rotation,
-            tip_compliance: 0.5 * hair.bend_compliance[segments.end - 1],
-        });
+        hold(hair, s, kinds[s % 3], if tips { kinds[(s / 3) % 3] } else { End::Free });
     }
+}
+
+/// Gives the next strand its ends.
+pub fn hold(hair: &mut Strands, s: usize, root: End, tip: End) {
+    let (points, segments) = (hair.points(s), hair.segments(s));
+    if root == End::Free {
+        hair.inverse_mass[points.start] = 2.0 * hair.inverse_mass[points.end - 1].max(1e6);
+    }
+    if tip != End::Free {
+        hair.inverse_mass[points.end - 1] = 0.0;
+    }
+    let tip_rest_rotation = DQuat::from_scaled_axis(DVec3::new(0.02, 0.05, -0.03));
+    hair.ends.push(Ends {
+        root,
+        tip,
+        tip_frame: hair.orientations[segments.end - 1] * tip_rest_rotation,
+        tip_rest_rotation,
+        tip_compliance: 0.5 * hair.bend_compliance[segments.end - 1],
+    });
 }
 
 /// Gives all points and segments speeds and spins, rounded to f32.

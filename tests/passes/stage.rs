@@ -13,7 +13,7 @@ use windswept_reference::{
 };
 use windswept_scene::{InitialState, Scene};
 use windswept_shaders::common::matter::Exchange;
-use windswept_shaders::common::rod::{Condition, Health, RodPoint, RodSegment, RodStrand, Root, SLEEPS};
+use windswept_shaders::common::rod::{Condition, RodPoint, RodSegment, RodStrand, Root, SLEEPS};
 
 use crate::support::{self, Layout};
 
@@ -103,7 +103,7 @@ impl Stage {
         self.engine.read(array).unwrap().into_iter().map(quaternion).collect()
     }
 
-    /// Hair points and segments of the step, of which a test compares moves, frames and multipliers.
+    /// Hair points and segments of the step.
     pub fn rods(&self) -> (Vec<RodPoint>, Vec<RodSegment>) {
         let s = self.engine.state();
         (self.engine.read(&s.rod_points).unwrap(), self.engine.read(&s.rod_segments).unwrap())
@@ -114,9 +114,14 @@ impl Stage {
         self.engine.read(&self.engine.state().rod_strands).unwrap()
     }
 
-    /// Health of each strand, committed and found in this step.
-    pub fn health(&self) -> Vec<Health> {
+    /// How each strand is, as the last step committed it.
+    pub fn health(&self) -> Vec<Condition> {
         self.engine.read(&self.engine.state().health).unwrap()
+    }
+
+    /// How each strand is, as this step found it so far.
+    pub fn found(&self) -> Vec<Condition> {
+        self.rod_strands().iter().map(|rod| rod.condition).collect()
     }
 
     /// Sets accelerations of up to 30 m/s² along each axis for hair and air, rounded to f32.
@@ -146,15 +151,14 @@ impl Stage {
             s.position[i] = position[i] + xyz(&points[i].remainder);
             (s.travel[i], s.velocity_before[i]) = (xyz(&points[i].travel), xyz(&points[i].velocity));
             (s.own[i], s.grip[i]) = (xyz(&points[i].own), xyz(&points[i].grip));
-            s.strayed[i] = xyz(&points[i].strayed);
+            (s.strayed[i], s.outside[i]) = (xyz(&points[i].strayed), xyz(&points[i].outside));
         }
         s.velocity[..hair].copy_from_slice(&self.vectors(&state.velocity)[..hair]);
         s.orientation = self.quaternions(&state.orientation);
-        s.angular_velocity = self.vectors(&state.angular_velocity);
         for (k, history) in segments.iter().enumerate() {
-            (s.turn[k], s.angular_velocity_before[k]) = (xyz(&history.turn), xyz(&history.angular_velocity));
-            (s.force[k], s.moment[k]) = (xyz(&history.force), xyz(&history.moment));
-            s.segment_strayed[k] = xyz(&history.strayed);
+            (s.turn[k], s.segment_strayed[k]) = (xyz(&history.turn), xyz(&history.strayed));
+            s.angular_velocity[k] = xyz(&history.angular_velocity);
+            s.angular_velocity_before[k] = xyz(&history.before);
         }
     }
 
@@ -226,16 +230,14 @@ impl Passes<'_> {
     }
 }
 
-/// Condition of a strand of the twin, in the engine's words. The farthest free move is that of `got`, the engine's condition,
-/// where the two are within 1e-6 m, and so is what bodies did, where both say that they did something or nothing.
+/// Condition of a strand of the reference, in the engine's words. What bodies did is that of `got`, the engine's condition, where both say
+/// that they did something or nothing.
 pub fn condition(s: &Twin, strand: usize, got: &Condition) -> Condition {
-    let reach = s.reach[strand];
     Condition {
         bad: s.bad[strand].into(),
         strained: s.strained_steps[strand].min(windswept_reference::rods::STRAINED_STEPS + 1),
-        calm: s.calm[strand],
+        bdf2_ready: s.bdf2_ready[strand].into(),
         still: if s.asleep[strand] { SLEEPS } else { s.still[strand] },
-        reach: if (f64::from(got.reach) - reach).abs() < 1e-6 { got.reach } else { reach as f32 },
         touched: if (got.touched != 0) == s.touched[strand] { got.touched } else { u32::from(s.touched[strand]) },
     }
 }

@@ -18,12 +18,12 @@ impl Walk<'_> {
         let state = stage.engine.state();
         let mut passes = stage.passes(step::velocity::record);
         velocity::run(s, w, self.p());
-        if passes.through("rods/velocity") {
+        if passes.through("contact/velocity") {
             let got = stage.vectors(&state.new_velocity);
-            self.same("rods/velocity", apart(&got[..hair], &w.new_velocity[..hair]), bounds.speed)?;
+            self.same("contact/velocity", apart(&got[..hair], &w.new_velocity[..hair]), bounds.speed)?;
             let points = stage.rods().0;
             let before = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.before) - b.before).length());
-            self.same("rods/velocity", largest(before), bounds.speed)?;
+            self.same("contact/velocity", largest(before), bounds.speed)?;
         }
         if passes.through("fluid/velocity") {
             let got = self.vectors(&state.new_velocity, hair);
@@ -36,7 +36,7 @@ impl Walk<'_> {
 
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
-    (&shaders::rods::VELOCITY, "shift / params.step", "0.9 * shift / params.step", BODIES),
+    (&shaders::contact::VELOCITY, "shift / params.step", "0.9 * shift / params.step", BODIES),
     (&shaders::fluid::VELOCITY, "correction[i].xyz / params.step", "0.99 * correction[i].xyz / params.step", PARTICLES),
 ];
 

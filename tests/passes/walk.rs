@@ -149,9 +149,9 @@ impl Walk<'_> {
         self.same(pass, differing(&got, &wanted), 0.0)
     }
 
-    /// Compares the health of strands, and the largest stretch.
-    pub fn health(&mut self, pass: &'static str, s: &Twin) -> Same {
-        let found: Vec<_> = self.stage.health().iter().map(|health| health.found).collect();
+    /// Compares how strands were found to be, and the largest stretch.
+    pub fn found(&mut self, pass: &'static str, s: &Twin) -> Same {
+        let found = self.stage.found();
         let wanted: Vec<_> = found.iter().enumerate().map(|(strand, found)| condition(s, strand, found)).collect();
         self.same(pass, differing(&found, &wanted), 0.0)?;
         let status = self.stage.engine.status().unwrap();

@@ -320,7 +320,7 @@ fn place(simulation: &Simulation) -> usize {
 fn spoil(simulation: &Simulation) {
     let engine = simulation.engine();
     let mut health = engine.read(&engine.state().health).unwrap();
-    health[VICTIM].committed.bad = SPOILT;
+    health[VICTIM].bad = SPOILT;
     engine.write(&engine.state().health, &health).unwrap();
 }
 

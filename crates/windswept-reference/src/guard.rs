@@ -88,7 +88,8 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
         s.angular_velocity_before[k] = if anew { DVec3::ZERO } else { segment.angular_velocity };
         s.angular_velocity[k] = rods::rate(p, turn, segment.carried, segment.step);
         s.turn[k] = turn;
-        s.segment_strayed[k] = segment.strayed + turn;
+        // A frame also turns where its strand is made whole as the step begins.
+        s.segment_strayed[k] = segment.strayed + rods::rotation_vector(segment.frame * s.orientation[k].conjugate());
         s.orientation[k] = segment.frame;
     }
     for (i, point) in w.moving.points.iter().enumerate() {

@@ -18,7 +18,7 @@ pub use self::{
     gauss_seidel::gauss_seidel,
     integrate::{damping, free_move, rate, response, rotation, rotation_vector, turned},
     predict::predict,
-    solve::{SETTLED, TURN, WHOLE, potential, solve},
+    solve::{RELATIVE, SETTLED, TURN, WHOLE, potential, solve},
     update::{measure, remember, still, update},
     within::{Drive, Load, Moving, Point, Segment, State},
 };

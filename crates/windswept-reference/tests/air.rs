@@ -141,7 +141,7 @@ fn air_and_hair_keep_their_momentum_together() {
     let rod = Rod { segments: 3, length: 0.03, gamma: 0.05, darboux: DVec3::ZERO, root_frame };
     let mut hair = rod.strand(0.3 * size);
     hair.inverse_mass[0] = hair.inverse_mass[3];
-    // Ten times a hair's mass, so that no move is capped: a cap takes momentum.
+    // Ten times a hair's mass.
     hair.inverse_mass.iter_mut().for_each(|w| *w *= 0.1);
     let mut initial = InitialState { hair, ..air(size, positions) };
     initial.air.velocities.fill(DVec3::X);
@@ -164,7 +164,6 @@ fn air_and_hair_keep_their_momentum_together() {
         let (gain, change) = ((after.0 - before.0).length(), (after.0 + after.1 - before.0 - before.1).length());
         println!("{solver:?}: the strand gained {gain:.1e} kg m/s, both changed by {change:.1e}");
         // Measured 1e-13 of the gain; margin 10.
-        assert_eq!(state.capped, 0);
         assert!(gain > 1e-8 && change < 1e-12 * gain, "{gain}, {change}");
     }
 }

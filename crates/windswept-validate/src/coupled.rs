@@ -1,9 +1,10 @@
 //! Hair and air together: hair receives the momentum that air loses.
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use windswept::{Gpu, Simulation};
 use windswept_reference::{self as twin, Parameters, State, fluid};
 use windswept_scene::{FluidSolver, InitialState, Scene};
+use windswept_shaders::common::rod::RodPoint;
 
 use crate::{
     Error, Row,
@@ -15,8 +16,8 @@ const DRAG: &str = "no formula: measured, 12 strands of 60 mm in a stream of 3 m
 const BALANCE: &str = "Newton's third law, rods by BDF2; roots loose, 20 times as heavy as the next point; gain over loss: \
     rounding, at most 2.0e-7 off with pbf and 3.2e-7 with divergence at nine speeds of the stream from 1.5 to 4.5 m/s, margin 2; change of \
     all: measured 1.8e-9 and 1.5e-8, margin 4";
-const HELD: &str = "Newton's third law, rods by Euler, no XSPH: air's and hair's change and what held roots take, from the rods' \
-    forces there and, by the twin, from the density constraint; over air's loss; measured 2.0e-7; margin 4";
+const HELD: &str = "Newton's third law, rods by Euler, no XSPH: air's and hair's change and what held roots take, from the \
+    rods' moves and, by the twin, from the density constraint; over air's loss; measured 2.0e-7; margin 4";
 const SHARES: &str = "no formula: measured, of air's loss, 6 strands of 30 mm in a stream of 3 m/s, 41 ms; the tolerance keeps \
     the sign";
 
@@ -147,7 +148,7 @@ fn clamped(gpu: &Gpu) -> Result<Vec<Row>, Error> {
         let both = |hair: &[[f32; 3]], air: &[[f32; 3]]| [vectors(hair), vectors(air)].concat();
         s.position = both(&frame.hair.positions, &frame.air.positions);
         s.velocity = both(&frame.hair.velocities, &frame.air.velocities);
-        by_rods += rods_on_roots(&simulation, &s, p.step)?;
+        by_rods += rods_on_roots(&simulation, p.step)?;
     }
     let (hair, air) = momentum(&s);
     let (gain, loss) = (hair - hair_before, air_before - air);
@@ -179,16 +180,12 @@ fn density_on_roots(s: &State, p: &Parameters) -> DVec3 {
     sum
 }
 
-/// Momentum that the first segments gave held roots in the last step \[kg m/s\]: -dt mu/l, by Euler.
-fn rods_on_roots(simulation: &Simulation, s: &State, step: f64) -> Result<DVec3, Error> {
+/// Momentum that held roots had from the rods in the last step \[kg m/s\], by Euler: against it the rods moved all other points,
+/// −dt Σ (x − free)/W.
+fn rods_on_roots(simulation: &Simulation, step: f64) -> Result<DVec3, Error> {
     let engine = simulation.engine();
-    let history = engine.read(&engine.state().segment_history)?;
-    let frames = engine.read(&engine.state().orientation)?;
-    let of = |strand: usize| {
-        let k = s.hair.segments(strand).start;
-        let [x, y, z] = history[k].force;
-        let frame = DQuat::from_array(frames[k].map(f64::from)).normalize();
-        -step / s.hair.rest_length[k] * (frame * DVec3::new(x.into(), y.into(), z.into()))
-    };
-    Ok((0..s.hair.len()).map(of).sum())
+    let points = engine.read(&engine.state().rod_points)?;
+    let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+    let of = |point: &RodPoint| (vector(point.free) - vector(point.travel)) * (step / f64::from(point.reply));
+    Ok(points.iter().filter(|point| point.reply > 0.0).map(of).sum())
 }

@@ -42,17 +42,16 @@ pub(crate) fn closed_box(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows =
         vec![air_alone(gpu, FluidSolver::Pbf, STEPS, 1.2e-8)?, air_alone(gpu, FluidSolver::Divergence, STEPS, 9e-8)?];
     rows.push(hair_in_air(gpu)?);
-    rows.push(streamed(gpu, "free moves are cut", 0.055, 1320.0, (STORM, 16e-3, STORM_STEPS))?);
-    rows.push(streamed(gpu, "strands are put", 0.085, 132.0, (STORM, 5e-3, STORM_STEPS))?);
-    rows.push(streamed(gpu, "nothing is cut or put", 0.03, 1320.0, (1.0, 1.38e-3, STEPS))?);
+    rows.push(streamed(gpu, 0.055, 1320.0, (STORM, 16e-3, STORM_STEPS))?);
+    rows.push(streamed(gpu, 0.085, 132.0, (STORM, 5e-3, STORM_STEPS))?);
+    rows.push(streamed(gpu, 0.03, 1320.0, (1.0, 1.38e-3, STEPS))?);
     Ok(rows)
 }
 
-/// Row of the momentum of hair and air where `what` happens to loose strands in a stream: strands of this density \[kg/m³\] with
+/// Row of the momentum of hair and air with loose strands in a stream: strands of this density \[kg/m³\] with
 /// their roots at this height \[m\], in air of a speed \[m/s\], in so many steps of a length \[s\].
 fn streamed(
     gpu: &Gpu,
-    what: &str,
     height: f64,
     density: f64,
     (speed, step, steps): (f64, f64, u64),
@@ -69,7 +68,7 @@ fn streamed(
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
     let (change, exchanged) = exchanged(&mut simulation, steps)?;
     let name = format!(
-        "loose strands at {speed} m/s, {steps} steps of {} ms, where {what}: change of all momentum",
+        "loose strands at {speed} m/s, {steps} steps of {} ms: change of all momentum",
         1e3 * step
     );
     Ok(Row::new(name, 0.0, change.length() / exchanged, 1e-5, CUT))

@@ -5,9 +5,9 @@ use windswept::{
     Gpu,
     internals::{self, Array, Engine, Plan, Recorder, Setup},
 };
-use windswept_reference::{Parameters, State, rods::CALM_STEPS};
+use windswept_reference::{Parameters, State};
 use windswept_scene::{InitialState, Scene};
-use windswept_shaders::common::rod::{Condition, Health};
+use windswept_shaders::common::rod::Condition;
 
 use crate::Error;
 
@@ -38,12 +38,11 @@ impl Stage {
         Ok(())
     }
 
-    /// Counts the strands as calm for long enough that BDF2 takes them from here on, where the scene says so.
-    pub(crate) fn calm(&mut self) -> Result<(), Error> {
-        let committed = Condition { calm: CALM_STEPS, ..Condition::default() };
-        let health = vec![Health { committed, ..Health::default() }; self.twin.calm.len()];
+    /// Lets BDF2 take strands from here on, where the scene says so.
+    pub(crate) fn take_bdf2(&mut self) -> Result<(), Error> {
+        let health = vec![Condition { bdf2_ready: 1, ..Condition::default() }; self.twin.bdf2_ready.len()];
         self.engine.write(&self.engine.state().health, &health)?;
-        self.twin.calm.fill(CALM_STEPS);
+        self.twin.bdf2_ready.fill(true);
         Ok(())
     }
 

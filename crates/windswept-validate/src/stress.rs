@@ -236,7 +236,7 @@ struct Felt {
     /// Number of times that a strand was reset.
     resets: f64,
     /// Part of all steps of strands that the direct solver left unsolved.
-    rescued: f64,
+    unsolved: f64,
     /// Largest speed of a hair point that was looked at \[m/s\].
     hair: f64,
     /// What ended the run; empty: nothing.
@@ -270,7 +270,7 @@ fn watch(
         Ok(Felt {
             stretch: report.max_stretch.unwrap_or(f64::NAN),
             resets: resets(simulation),
-            rescued: rescued(simulation, &report),
+            unsolved: unsolved(simulation, &report),
             hair: farthest(hair, 0.0),
             ended: String::new(),
         })
@@ -279,7 +279,7 @@ fn watch(
     run().unwrap_or_else(|error| Felt {
         stretch: nothing,
         resets: nothing,
-        rescued: nothing,
+        unsolved: nothing,
         hair: nothing,
         ended: error.to_string(),
     })
@@ -319,14 +319,14 @@ fn resets(simulation: &Simulation) -> f64 {
     simulation.warnings().get("strand_reset").copied().unwrap_or(0) as f64
 }
 
-/// Part of all steps of strands so far that the direct solver left unsolved: many mean that hair stands still.
-fn rescued(simulation: &Simulation, report: &Report) -> f64 {
+/// Part of all steps of strands so far that had not settled after the last Newton step.
+fn unsolved(simulation: &Simulation, report: &Report) -> f64 {
     let steps = report.steps * u64::from(simulation.scene().time.substeps) * simulation.initial().hair.len() as u64;
-    let rescued = report.strand_steps.as_ref().and_then(|steps| steps.get("rescued_steps")).copied();
-    rescued.map_or(f64::NAN, |rescued| rescued as f64 / steps as f64)
+    let unsolved = report.strand_steps.as_ref().and_then(|steps| steps.get("unsolved_steps")).copied();
+    unsolved.map_or(f64::NAN, |unsolved| unsolved as f64 / steps as f64)
 }
 
-/// A sweep of [`rescued`]: hair that is left unsolved in more than half of its steps hardly moves.
-fn sweep_of_rescued() -> Sweep {
+/// A sweep of [`unsolved`]: hair that is left unsolved in more than half of its steps lags behind.
+fn sweep_of_unsolved() -> Sweep {
     Sweep::new("strands that the solver leaves unsolved, of all in all steps", 0.5, "")
 }

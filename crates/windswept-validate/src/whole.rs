@@ -36,8 +36,7 @@ fringe = 0.01
 [turbulence]
 bands = [{ scale = 0.006, strength = 10.0 }]
 ";
-/// Keys of the accurate method, and most of what may drive hair and air. No strand is torn in it, so `rods/rescue` has
-/// nothing to do.
+/// Keys of the accurate method, and most of what may drive hair and air.
 const DRIVEN: &str = "
 [rods]
 sleep = false

@@ -52,10 +52,9 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_stretch: Option<f64>,
     /// Steps of strands that went otherwise than by a solve of the integrator asked for, summed over all strands and
-    /// steps: `euler_steps` by implicit Euler instead of BDF2, `quiet_steps` without a solve because the
-    /// strand's equations held already, `asleep_steps` of strands at rest, `teleports` of strands that a far jump of their
-    /// root took along as they were, and `rescued_steps` by Gauss-Seidel, or without a solve in a storm, because the direct
-    /// solve did not converge.
+    /// steps: `euler_steps` by implicit Euler instead of BDF2, `asleep_steps` of strands at rest, `teleports` of strands that a
+    /// far jump of their root took along as they were, and `unsolved_steps` of strands that had not settled after `rods.newton`
+    /// Newton steps and lag behind.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strand_steps: Option<BTreeMap<String, u64>>,
     /// Density error: rms of ρ/ρ0 − 1 over the air.

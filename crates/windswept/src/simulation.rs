@@ -360,8 +360,7 @@ impl Simulation {
         self.scene.time.step
     }
 
-    /// The scene. It has the substeps that its strands need ([`windswept_scene::Strands::substeps`]), if the file has
-    /// fewer.
+    /// The scene, with the wind that was set last.
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene

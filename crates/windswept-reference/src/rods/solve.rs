@@ -11,8 +11,10 @@ use crate::Parameters;
 pub const WHOLE: f64 = 0.01;
 /// Largest turn of a frame at first, and of a joint in a Newton step \[rad\].
 pub const TURN: f64 = 1.0;
-/// Turn of a frame \[rad\], and change of a strain, in a Newton step that is the last.
+/// Turn of a frame \[rad\], and change of a strain, in a Newton step that is the last,
 pub const SETTLED: f64 = 1e-3;
+/// or this part of that in the first one.
+pub const RELATIVE: f64 = 1e-2;
 /// Smallest compliance that counts \[1/(N m)\].
 const STIFFEST: f64 = 1e-6;
 /// Mass of a held point over the stiffness of the stiffest segment.
@@ -43,7 +45,7 @@ struct Answer {
     stretch: Spring,
 }
 
-/// Solves strand `s`: Newton steps until no frame turns and no strain changes by more than [`SETTLED`], or as many as there are.
+/// Solves strand `s`: Newton steps until frames and strains have settled, or as many as there are.
 ///
 /// ```text
 ///   Φ = Σ |x_i − free_i|²/(2 W_i) + Σ 4 J_k (1 − |p_w|) + Σ ½ εᵀ α_s⁻¹ ε + Σ ½ Cᵀ α_b⁻¹ C      ε = Rᵀ u/l, J = 1/W of a frame
@@ -65,10 +67,13 @@ pub fn solve(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mu
         segments: &mut m.segments[hair.segments(s)],
         drive,
     };
-    let mut steep = false;
-    for _ in 0..p.newton_steps {
+    let (mut steep, mut settled) = (false, SETTLED);
+    for step in 0..p.newton_steps {
         let most = rod.newton_step(steep);
-        if most < SETTLED {
+        if step == 0 {
+            settled = SETTLED.max(RELATIVE * most);
+        }
+        if most < settled {
             rod.drive.state = State::Solved;
             break;
         }
@@ -285,10 +290,10 @@ impl Rod<'_> {
             let at_end = parts(&(own_vector + own * vector(turned, shift))).1 + answer.stretch.force;
             let stretch = -((block(own, (3, 3)) + answer.stretch.stiffness).inverse() * at_end);
             (turn, shift) = (turned, shift + turned.cross(arm) + stretch);
-            most = most.max(turn.length()).max(stretch.length() / l);
             let rotated = rotation(turn);
-            let longest = (WHOLE * l).max(segment.strain.length());
-            segment.strain = rotated * (segment.strain + stretch).clamp_length_max(longest);
+            let strain = (segment.strain + stretch).clamp_length_max(WHOLE * l);
+            most = most.max(turn.length()).max((strain - segment.strain).length() / l);
+            segment.strain = rotated * strain;
             segment.turn = (rotated * segment.turn).normalize();
             segment.frame = (segment.turn * segment.start).normalize();
         }

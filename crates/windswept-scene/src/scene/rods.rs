@@ -19,7 +19,7 @@ table! {
         integrator: Integrator = Choice(Integrator::WORDS), "", Method(Integrator::Bdf2, Integrator::Euler);
         /// Sweeps of Gauss-Seidel in a step; gauss-seidel only.
         iterations: u32 = Count(1, MOST_REPEATS), "", Value(10);
-        /// Newton steps at most; direct only: a strand stops when no frame turns by more than 1e-3 rad.
+        /// Newton steps at most; direct only: a strand stops when frames turn by less than 1e-3 rad, or a hundredth of the first turn.
         newton: u32 = Count(1, MOST_NEWTON_STEPS), "", Value(8);
         /// Whether strands have no stretch compliance.
         inextensible: bool = Bool, "", Value(false);

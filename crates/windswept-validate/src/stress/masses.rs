@@ -6,7 +6,7 @@ use glam::DVec3;
 use windswept::{Gpu, Simulation};
 use windswept_scene::{InitialState, Model};
 
-use super::{COUPLINGS, Extent, Felt, Sweep, TUFT, scene, sweep_of_rescued, undriven, watch};
+use super::{COUPLINGS, Extent, Felt, Sweep, TUFT, scene, sweep_of_unsolved, undriven, watch};
 use crate::{
     Error,
     momentum::{exchanged, received},
@@ -54,7 +54,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
         Sweep::new("largest stretch", 0.01, "").over(axis),
         Sweep::new("strands reset", 0.0, ""),
         Sweep::new("change of momentum in a closed box, of the impulses exchanged", 1e-4, "").over(axis),
-        sweep_of_rescued().over(axis),
+        sweep_of_unsolved().over(axis),
     ];
     for (coupling, keys) in COUPLINGS {
         let drives: &[(&str, &[&str])] = match coupling {
@@ -72,7 +72,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 let series = format!("{coupling}, {name}");
                 all[0].add(&series, felt.at(&setting), at, felt.stretch);
                 all[1].add(&series, felt.at(&setting), f64::NAN, felt.resets);
-                all[3].add(&series, felt.at(&setting), at, felt.rescued);
+                all[3].add(&series, felt.at(&setting), at, felt.unsolved);
                 if let Some(drift) = drift {
                     all[2].add(&series, felt.at(&setting), at, drift);
                 }
@@ -84,7 +84,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
 
 /// What happens to strands of which every second point is so much lighter, and the change of momentum where nothing is held.
 fn run(gpu: &Gpu, keys: &[&[&str]], lighter: f64) -> Result<(Felt, Option<f64>), Error> {
-    let mut scene = scene(TUFT, keys)?;
+    let scene = scene(TUFT, keys)?;
     let mut initial = InitialState::new(&scene)?;
     initial.hair.inverse_mass.iter_mut().step_by(2).for_each(|w| *w *= lighter);
     let closed = initial.hair.inverse_mass.iter().all(|w| *w > 0.0);
@@ -95,19 +95,15 @@ fn run(gpu: &Gpu, keys: &[&[&str]], lighter: f64) -> Result<(Felt, Option<f64>),
             *v = SWIRL * DVec3::new(at.y.sin(), at.z.sin(), at.x.sin());
         }
     }
-    // What is exchanged is looked at after each step: substeps are steps of their own.
-    let substeps = initial.hair.substeps(&scene);
-    scene.time.step /= f64::from(substeps);
-    let steps = STEPS * u64::from(substeps);
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
-    let mut left = steps;
+    let mut left = STEPS;
     let mut drift = f64::NAN;
     if closed && scene.interaction.model == Model::Particles {
-        if let Ok((change, received, taken)) = received(&mut simulation, steps) {
-            (drift, left) = (change.length() / received, steps - taken);
+        if let Ok((change, received, taken)) = received(&mut simulation, STEPS) {
+            (drift, left) = (change.length() / received, STEPS - taken);
         }
     } else if closed {
-        drift = exchanged(&mut simulation, steps).map_or(f64::NAN, |(change, exchanged)| change.length() / exchanged);
+        drift = exchanged(&mut simulation, STEPS).map_or(f64::NAN, |(change, exchanged)| change.length() / exchanged);
         left = 0;
     }
     let felt = watch(&mut simulation, 1, left.max(1), undriven);

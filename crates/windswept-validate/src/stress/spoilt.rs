@@ -73,7 +73,7 @@ fn spoil(simulation: &Simulation, array: Spoilt, value: f32) -> Result<(), Error
 fn reset(simulation: &Simulation) -> Result<(), Error> {
     let engine = simulation.engine();
     let mut health = engine.read(&engine.state().health)?;
-    health[STRAND].committed.bad = SPOILT;
+    health[STRAND].bad = SPOILT;
     Ok(engine.write(&engine.state().health, &health)?)
 }
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use windswept::{Gpu, Simulation};
 
-use super::{COUPLINGS, Extent, Sweep, TUFT, scene, sweep_of_rescued, watch};
+use super::{COUPLINGS, Extent, Sweep, TUFT, scene, sweep_of_unsolved, watch};
 use crate::Error;
 
 pub(super) const SWEPT: &str = "winds of 0 to 1000 m/s: steady, on and off every frame, reversed every frame, gusting at 1 kHz; \
@@ -34,7 +34,7 @@ const CHANGES: &[Change] = &[
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut stretched = Sweep::new("largest stretch", 0.02, "").over("wind [m/s]");
     let mut resets = Sweep::new("strands reset", 0.0, "");
-    let mut rescued = sweep_of_rescued().over("wind [m/s]");
+    let mut unsolved = sweep_of_unsolved().over("wind [m/s]");
     let mut hair = Sweep::new("fastest hair over the largest wind", 1.3, "").over("wind [m/s]");
     for (coupling, keys) in extent.of(&COUPLINGS[1..], &[COUPLINGS[2], COUPLINGS[5]]) {
         for change in extent.of(CHANGES, &CHANGES[2..]) {
@@ -53,12 +53,12 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 let setting = felt.at(format!("{wind} m/s"));
                 stretched.add(&series, &setting, wind, felt.stretch);
                 resets.add(&series, &setting, wind, felt.resets);
-                rescued.add(&series, &setting, wind, felt.rescued);
+                unsolved.add(&series, &setting, wind, felt.unsolved);
                 if wind > 0.0 {
                     hair.add(&series, &setting, wind, felt.hair / wind);
                 }
             }
         }
     }
-    Ok(vec![stretched, resets, rescued, hair])
+    Ok(vec![stretched, resets, unsolved, hair])
 }
