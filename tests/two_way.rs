@@ -35,8 +35,8 @@ fn simulation(sets: &[&str], prepare: impl FnOnce(&mut InitialState)) -> Simulat
 
 /// Number of strands that sleep now.
 fn asleep(simulation: &Simulation) -> usize {
-    let health = simulation.engine().read(&simulation.engine().state().health).unwrap();
-    health.iter().filter(|health| health.still == SLEEPS).count()
+    let strands = simulation.engine().read(&simulation.engine().state().strand_history).unwrap();
+    strands.iter().filter(|strand| strand.condition.still == SLEEPS).count()
 }
 
 /// Points from the root of their strand \[m\].

@@ -70,12 +70,11 @@ const GATHERED: [&str; 37] = [
 
 /// Names of the arrays of which passes read each element about once in a step, and write it. They are textures where storage buffers are
 /// read slowly.
-const STREAMED: [&str; 22] = [
+const STREAMED: [&str; 21] = [
     "air_id",
     "air_id_before",
     "brought",
     "cell_place",
-    "clamps",
     "coarse_change",
     "confinement",
     "correction",

@@ -43,12 +43,14 @@ struct Passed {
     answer: Answer,
 }
 
-const STIFFEST: f32 = 1e-6;   // 1/(N m): a compliance below it counts as it, 0 among them
+const STIFFEST: f32 = 1e-6;   // 1/(N m): a compliance below it counts as it, 0 among them,
+const UNEVEN: f32 = 1e-3;     // and so does one below this part of the spring's largest: f32 holds no stiffnesses farther apart
 const ONE = mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
 
 // sum_i k_i c_i c_i^T over the columns of m, and sum_i k_i gap_i c_i.
 fn spring(m: mat3x3f, compliance: vec3f, gap: vec3f) -> Spring {
-    let k = 1.0 / max(compliance, vec3f(STIFFEST));
+    let largest = max(compliance.x, max(compliance.y, compliance.z));
+    let k = 1.0 / max(compliance, vec3f(max(STIFFEST, UNEVEN * largest)));
     return Spring(plus(plus(dyad(k.x, m[0]), dyad(k.y, m[1])), dyad(k.z, m[2])), m * (k * gap));
 }
 

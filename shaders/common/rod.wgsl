@@ -91,7 +91,8 @@ struct RodStrand {
     root_frame: vec4f,      // ghost frame at the step's end
     root_turn: vec4f,       // from the ghost frame at the step's start
     scheme: u32,            // of `integration`, if it is integrated: EULER, BDF2
-    condition: Condition,   // as the step found it so far; `guard/commit` commits it
+    condition: Condition,   // as the step found it so far; `guard/commit_frames` commits it
+    tip_force: vec3f,       // N, that holds a held tip
 }
 
 const FREE: u32 = 0u;         // integrated, and not solved yet
@@ -156,4 +157,11 @@ struct SegmentHistory {
 struct Root {
     position: vec3f,   // m
     frame: vec4f,
+}
+
+// What a strand keeps from step to step.
+struct StrandHistory {
+    root: Root,             // at its clamp
+    condition: Condition,
+    tip_force: vec3f,       // N, that holds a held tip
 }

@@ -34,19 +34,7 @@ fn stretch_of(points: u32, worker: u32) -> Stretch {
     return Stretch(max(begin, 1u) - 1u, begin, min(begin + length, points));
 }
 
-// The sum, the largest, the least of what those that share have; whether any of them says yes.
-@if(subgroups && !software)
-fn sum_shared(own: vec4f) -> vec4f {
-    var sum = own;
-    sum += subgroupShuffleXor(sum, 1u);
-    sum += subgroupShuffleXor(sum, 2u);
-    return sum + subgroupShuffleXor(sum, 4u);
-}
-@if(!subgroups || software)
-fn sum_shared(own: vec4f) -> vec4f {
-    return own;
-}
-
+// The largest, the least of what those that share have; whether any of them says yes.
 @if(subgroups && !software)
 fn largest_shared(own: f32) -> f32 {
     var largest = own;

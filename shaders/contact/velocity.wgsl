@@ -12,7 +12,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let p = invocation(id, groups);
     if (p >= params.hair_points) | frozen() { return; }
     let point = rod_points[p];
-    let shift = predicted[p].xyz - placed(point.start.xyz, point.remainder, point.travel);
+    let shift = select(predicted[p].xyz - placed(point.start.xyz, point.remainder, point.travel), vec3f(0.0), point.inverse_mass == 0.0);
     let contact = shift / params.step;
     rod_points[p].before += contact;
     new_velocity[p] += vec4f(contact, 0.0);

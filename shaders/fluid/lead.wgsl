@@ -4,11 +4,11 @@
 // Gravity has no part in it: rods bear most of it, and hair that hangs at rest must not press on the air below it.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, pressure::Pressed,
-    rod::{Strand, PointHistory, Condition, SLEEPS},
+    rod::{Strand, PointHistory, StrandHistory, SLEEPS},
 };
 
 @group(0) @binding(3) var<storage, read>       strands:        array<Strand>;
-@group(0) @binding(4) var<storage, read>       health:         array<Condition>;
+@group(0) @binding(4) var<storage, read>       strand_history: array<StrandHistory>;
 @group(0) @binding(5) var<storage, read>       velocity:       array<vec4f>;   // m/s
 @group(0) @binding(6) var<storage, read>       point_history:  array<PointHistory>;
 @group(0) @binding(7) var<storage, read>       pressed_before: array<Pressed>;
@@ -20,7 +20,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let s = invocation(id, groups);
     if s >= params.strands { return; }
     let strand = strands[s];
-    let state = health[s];
+    let state = strand_history[s].condition;
     let bdf2 = params.bdf2 != 0u && state.still != SLEEPS && state.bdf2_ready != 0u;
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;

@@ -5,15 +5,14 @@
 // turn itself.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotation_vector}, integration::{PUT, rate},
-    rod::{RodStrand, RodSegment, SegmentHistory, Condition, Root}, status::frozen,
+    rod::{RodStrand, RodSegment, SegmentHistory, StrandHistory, Root}, status::frozen,
 };
 
 @group(0) @binding(2) var<storage, read>       rod_strands:     array<RodStrand>;
 @group(0) @binding(3) var<storage, read>       rod_segments:    array<RodSegment>;
 @group(0) @binding(4) var<storage, read_write> orientation:     array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> segment_history: array<SegmentHistory>;
-@group(0) @binding(6) var<storage, read_write> clamps:          array<Root>;
-@group(0) @binding(7) var<storage, read_write> health:          array<Condition>;
+@group(0) @binding(6) var<storage, read_write> strand_history:  array<StrandHistory>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -30,7 +29,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     segment_history[k] = SegmentHistory(turn, spin, select(before.angular_velocity, vec3f(0.0), anew), strayed);
     orientation[k] = segment.frame;
     if k < params.strands {   // no more than segments
-        clamps[k] = Root(clamps[k].position + rod_strands[k].root_travel, rod_strands[k].root_frame);
-        health[k] = rod_strands[k].condition;
+        let root = Root(strand_history[k].root.position + rod_strands[k].root_travel, rod_strands[k].root_frame);
+        strand_history[k] = StrandHistory(root, rod_strands[k].condition, rod_strands[k].tip_force);
     }
 }

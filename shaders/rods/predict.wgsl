@@ -182,6 +182,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         if condition.still == SLEEPS { condition.still = 0u; }
         if rod.scheme == EULER && params.bdf2 != 0u { count(EULER_STEP); }
     }
+    if jumps { rod_strands[s].tip_force = vec3f(0.0); }
     condition.bad = 0u;
     condition.bdf2_ready = select(u32(!jumps), condition.bdf2_ready, sleeps);
     rod_strands[s].state = state;

@@ -2,31 +2,36 @@
 // A tip that is held stays. `rods/predict` turns it with its clamp from there, and makes its frames.
 //
 // A strand is bad if the step before lost it, or if it has a value that is not finite, or that no strand can have: then it is spoilt, and
-// this pass, which runs before anything else reads it, finds it. Frames and spins are read by their own strand alone, whose health
-// `rods/update` finds after the solve.
+// this pass, which runs before anything else reads it, finds it. Spins are read by their own strand alone, which `rods/update` finds lost after
+// the solve.
 //
 // This pass writes what lasts. A step that freezes does no harm by that: taken again, it finds the strand bad and puts it there again.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, tangent},
-    rod::{Strand, Segment, Condition, PointHistory, Root, TIP_HELD, BAD, SPOILT}, sound::{FAST, within, root_of, in_reach},
-    status::{status, frozen, count_bad_strand, finite3, BY_RESET, NO_POINT},
+    rod::{Strand, Segment, StrandHistory, PointHistory, TIP_HELD, BAD, SPOILT}, sound::{FAST, within, root_of, in_reach},
+    status::{status, frozen, count_bad_strand, finite, finite3, BY_RESET, NO_POINT},
 };
 
-@group(0) @binding(2) var<storage, read>       strands:       array<Strand>;
-@group(0) @binding(3) var<storage, read>       segments:      array<Segment>;
-@group(0) @binding(4) var<storage, read>       clamps:        array<Root>;
-@group(0) @binding(5) var<storage, read_write> health:        array<Condition>;
-@group(0) @binding(6) var<storage, read_write> position:      array<vec4f>;
-@group(0) @binding(7) var<storage, read_write> velocity:      array<vec4f>;
-@group(0) @binding(8) var<storage, read_write> point_history: array<PointHistory>;
+@group(0) @binding(2) var<storage, read>       strands:        array<Strand>;
+@group(0) @binding(3) var<storage, read>       segments:       array<Segment>;
+@group(0) @binding(4) var<storage, read>       orientation:    array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> strand_history: array<StrandHistory>;
+@group(0) @binding(6) var<storage, read_write> position:       array<vec4f>;
+@group(0) @binding(7) var<storage, read_write> velocity:       array<vec4f>;
+@group(0) @binding(8) var<storage, read_write> point_history:  array<PointHistory>;
 
-// The first point of a strand that is spoilt.
+const UNLIKE: f32 = 0.1;   // what the square of a frame's length is not off 1 by
+
+// The first point of a strand that is spoilt, or whose segment is.
 fn spoilt(strand: Strand, root: vec3f) -> u32 {
-    for (var p = strand.first_point; p < strand.first_point + strand.points; p++) {
+    for (var k = 0u; k < strand.points; k++) {
+        let p = strand.first_point + k;
+        let frame = orientation[strand.first_segment + min(k, strand.points - 2u)];
+        let turns = finite(dot(frame, frame)) && abs(dot(frame, frame) - 1.0) <= UNLIKE;
         let history = point_history[p];
         let memory = finite3(history.travel + history.remainder + history.outside) && finite3(history.own + history.grip);
         let speeds = within(velocity[p].xyz, FAST) && within(history.velocity, FAST);
-        if !(in_reach(strand, root, position[p].xyz) && speeds && memory) { return p; }
+        if !(in_reach(strand, root, position[p].xyz) && speeds && memory && turns) { return p; }
     }
     return NO_POINT;
 }
@@ -46,15 +51,15 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if (s >= params.strands) | frozen() { return; }
     if s == 0u { status.inspected = 1u; }
     let strand = strands[s];
-    let root = root_of(strand, clamps[s], position[strand.first_point].xyz);
+    let root = root_of(strand, strand_history[s].root, position[strand.first_point].xyz);
     // What the step before lost has been counted. A step that froze is taken again: a spoilt strand is counted anew, in its rest shape by now.
-    if health[s].bad != BAD {
+    if strand_history[s].condition.bad != BAD {
         let point = spoilt(strand, root);
-        if point == NO_POINT && health[s].bad == 0u { return; }
-        health[s].bad = SPOILT;
+        if point == NO_POINT && strand_history[s].condition.bad == 0u { return; }
+        strand_history[s].condition.bad = SPOILT;
         count_bad_strand(select(point, strand.first_point, point == NO_POINT), BY_RESET);
     }
-    var frame = clamps[s].frame;
+    var frame = strand_history[s].root.frame;
     var offset = vec3f(0.0);
     put(strand.first_point, root, offset);
     for (var k = 0u; k < strand.points - 1u; k++) {

@@ -7,26 +7,25 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotate, rotation, rotation_vector},
     motion::{moves, pose_after},
-    integration::{EULER, BDF2}, rod::{Strand, RodStrand, Root, Condition, FREE, TELEPORTED, ASLEEP, ROOT_HELD, TIP_HELD},
+    integration::{EULER, BDF2}, rod::{Strand, RodStrand, Root, StrandHistory, FREE, TELEPORTED, ASLEEP, ROOT_HELD, TIP_HELD},
     status::{status, frozen, freeze, UNMENDED_STRAND},
 };
 
-@group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
-@group(0) @binding(3) var<storage, read>       root_targets: array<Root>;
-@group(0) @binding(4) var<storage, read>       clamps:       array<Root>;   // clamps at the step's start
-@group(0) @binding(5) var<storage, read>       health:       array<Condition>;
-@group(0) @binding(6) var<storage, read_write> rod_strands:  array<RodStrand>;
+@group(0) @binding(2) var<storage, read>       strands:        array<Strand>;
+@group(0) @binding(3) var<storage, read>       root_targets:   array<Root>;
+@group(0) @binding(4) var<storage, read>       strand_history: array<StrandHistory>;
+@group(0) @binding(5) var<storage, read_write> rod_strands:    array<RodStrand>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
     if (s >= params.strands) | frozen() { return; }
-    let condition = health[s];
+    let condition = strand_history[s].condition;
     if condition.bad != 0u && status.inspected == 0u {
         freeze(UNMENDED_STRAND);
         return;
     }
-    let held = clamps[s];
+    let held = strand_history[s].root;
     let strand = strands[s];
     var goal = root_targets[s];
     var left = params.substeps - status.step % params.substeps;   // substeps of this time step
@@ -51,4 +50,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     // The first step has no change of velocity to carry on.
     rod_strands[s].scheme = select(EULER, BDF2, params.bdf2 != 0u && condition.bdf2_ready != 0u);
     rod_strands[s].condition = condition;
+    rod_strands[s].tip_force = strand_history[s].tip_force;
 }

@@ -41,13 +41,14 @@ struct Eliminated {
     tip_force: vec3f,   // change of the force that holds the tip
 }
 
-// Tip to root. `steep` takes all of a segment's force for its tension, which is more than there is.
-fn eliminate(strand: Strand, rod: RodStrand, steep: bool, tip_force: vec3f) -> Eliminated {
+// Tip to root, under a force on a held tip and a change of it, which counts for no tension. `steep` takes all of a segment's force for its
+// tension, which is more than there is.
+fn eliminate(strand: Strand, rod: RodStrand, steep: bool, tip_force: vec3f, change: vec3f) -> Eliminated {
     let last = strand.points - 2u;
     let holds = (strand.joints & TIP_HELD) != 0u;
     var frame = rod_segments[strand.first_segment + last].frame;
     var beyond = Beyond();
-    beyond.force = tip_force;
+    beyond.force = tip_force + change;
     beyond.held = ONE;
     if (strand.joints & TIP_JOINT) != 0u {
         let tip = joint(frame, strand.tip_frame, strand.tip_rest_rotation, strand.tip_compliance);
@@ -79,7 +80,8 @@ fn eliminate(strand: Strand, rod: RodStrand, steep: bool, tip_force: vec3f) -> E
         // The frame: its inertia, and the pull that it resists turning off.
         let inertia = 1.0 / (response(params.damping, now.scheme) * segment.inverse_inertia);
         let off = product(now.turn, conjugate(now.free));
-        let pull = select(max(0.0, -dot(beyond.force, axes[2])), length(beyond.force), steep);
+        let force = beyond.force - beyond.held * change;
+        let pull = select(max(0.0, -dot(force, axes[2])), length(force), steep);
         beyond.other = plus(beyond.other, cross_dyad(l * pull, axes[2]));
         beyond.other.diagonal += vec3f(inertia);
         beyond.other_force += select(-2.0, 2.0, off.w >= 0.0) * inertia * off.xyz;
@@ -102,8 +104,9 @@ fn eliminate(strand: Strand, rod: RodStrand, steep: bool, tip_force: vec3f) -> E
         root_move = -floats.answer.constant;
         beyond = floats.beyond;
     }
+    if !holds { return Eliminated(root_move, vec3f(0.0)); }
     let tip = rod_points[strand.first_point + last + 1u];
-    return Eliminated(root_move, applied(inverse_of(beyond.give), tip.travel - tip.free - beyond.given));
+    return Eliminated(root_move, change + applied(inverse_of(beyond.give), tip.travel - tip.free - beyond.given));
 }
 
 // Root to tip. Returns the largest turn of a frame [rad] or change of a strain.
@@ -174,13 +177,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let first = select(1u, 0u, (strand.joints & TIP_HELD) != 0u);
     var steep = false;
     var settled = SETTLED;
-    var tip_force = vec3f(0.0);
+    var tip_force = rod.tip_force;
     for (var step = 0u; step < params.newton_steps; step++) {
-        var eliminated: Eliminated;
+        var eliminated = Eliminated();
         for (var elimination = first; elimination < 2u; elimination++) {
-            eliminated = eliminate(strand, rod, steep, tip_force);
-            if elimination == 0u { tip_force += eliminated.tip_force; }
+            eliminated = eliminate(strand, rod, steep, tip_force, eliminated.tip_force);
         }
+        tip_force += eliminated.tip_force;
         let most = substitute(strand, eliminated.root_move);
         if step == 0u { settled = max(SETTLED, RELATIVE * most); }
         if most < settled {
@@ -189,5 +192,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
         steep = most > TURN;
     }
+    rod_strands[s].tip_force = tip_force;
     finish(strand);
 }

@@ -70,8 +70,8 @@ fn what_a_step_does_not_look_at_is_refused() {
     let own = |name: &str| sections(&whole).into_iter().find(|section| section.0 == name).unwrap().1;
     // A root has a place, a number that means nothing, and a rotation.
     let cases = [
-        ("clamps", 32 + 4, number(f32::NAN).to_vec(), "row 1 is not finite"),
-        ("clamps", 64 + 16, [0; 16].to_vec(), "row 2 is not finite, or beyond 1e18, or not a rotation"),
+        ("strand_history", 64 + 4, number(f32::NAN).to_vec(), "row 1 is not finite"),
+        ("strand_history", 128 + 16, [0; 16].to_vec(), "row 2 is not finite, or beyond 1e18, or not a rotation"),
         ("root_targets", 0, number(f32::INFINITY).to_vec(), "row 0 is not"),
         ("root_targets", 11 * 32 + 28, number(f32::NAN).to_vec(), "row 11 is not"),
         ("wind_table", 0, number(1e20).to_vec(), "row 0 is not"),

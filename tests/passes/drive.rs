@@ -112,7 +112,7 @@ impl Walk<'_> {
 /// Planted faults of the passes of this heading.
 pub const FAULTS: &[Fault] = &[
     (&shaders::wind::BLOW, "status.wind[axis] = now", "status.wind[axis] = before", PARTICLES),
-    (&shaders::rods::RESET, "health[s].bad != BAD", "health[s].bad == BAD", PARTICLES),
+    (&shaders::rods::RESET, "condition.bad != BAD", "condition.bad == BAD", PARTICLES),
     (&shaders::rods::RESET, "!(in_reach(", "(in_reach(", PARTICLES),
     (&shaders::rods::ROOTS, "left = 1u", "left = 2u", PARTICLES),
     (&shaders::fluid::DRIFT, "points[p].weight * params.gravity", "params.gravity", LIGHT_HAIR),
@@ -194,13 +194,14 @@ fn reset_is_that_of_the_twin() {
         let (mut position, mut velocity) =
             (stage.engine.read(&state.position).unwrap(), stage.engine.read(&state.velocity).unwrap());
         let (mut history, mut health) = (stage.engine.read(&state.point_history).unwrap(), stage.health());
+        let mut orientation = stage.engine.read(&state.orientation).unwrap();
         let before = position.clone();
         let mut wanted = Vec::new();
         for strand in 0..n {
             let value = [f32::NAN, f32::NEG_INFINITY, 1e30][strand / 27 % 3];
             let points = s.hair.points(strand);
             let (middle, tip) = (points.start + points.len() / 2, points.end - 1);
-            match strand / 3 % 9 {
+            match strand / 3 % 10 {
                 0 => position[middle][2] = value,
                 1 => position[points.start][0] = value,
                 2 => position[tip][1] = value,
@@ -209,15 +210,17 @@ fn reset_is_that_of_the_twin() {
                 5 => history[tip].velocity[0] = value,
                 6 => history[middle].travel[1] = f32::NAN,
                 7 => health[strand].bad = BAD,
+                8 => orientation[s.hair.segments(strand).start][1] = value,
                 _ => {}
             }
-            wanted.push([SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, BAD, 0][strand / 3 % 9]);
+            wanted.push([SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, BAD, SPOILT, 0][strand / 3 % 10]);
             s.bad[strand] = wanted[strand] == BAD;
         }
         stage.engine.write(&state.position, &position).unwrap();
         stage.engine.write(&state.velocity, &velocity).unwrap();
+        stage.engine.write(&state.orientation, &orientation).unwrap();
         stage.engine.write(&state.point_history, &history).unwrap();
-        stage.engine.write(&state.health, &health).unwrap();
+        stage.set_health(&health);
         stage.adopt(&mut s);
         let spoilt = drive::mend(&mut s);
         let mut first = None;

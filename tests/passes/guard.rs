@@ -56,8 +56,9 @@ impl Walk<'_> {
             self.same("guard/commit_frames", turns, bounds.frame)?;
             let strayed = history.iter().zip(&s.segment_strayed).map(|(a, b)| (xyz(&a.strayed) - *b).length());
             self.same("guard/commit_frames", largest(strayed), bounds.frame)?;
-            let clamps = stage.engine.read(&state.clamps).unwrap();
-            let clamps = clamps.iter().zip(&s.clamps).map(|(root, clamp)| (xyz(&root.position) - clamp.0).length());
+            let strands = stage.engine.read(&state.strand_history).unwrap();
+            let clamps =
+                strands.iter().zip(&s.clamps).map(|(strand, clamp)| (xyz(&strand.root.position) - clamp.0).length());
             self.same("guard/commit_frames", largest(clamps), bounds.length)?;
             let health = stage.health();
             let wanted: Vec<_> = health.iter().enumerate().map(|(strand, got)| condition(s, strand, got)).collect();
@@ -131,7 +132,12 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::guard::COMMIT_FRAMES, "select(before.angular", "select(0.9 * before.angular", PARTICLES),
     (&shaders::guard::COMMIT_FRAMES, "strayed + rotation_vector", "strayed + 0.9 * rotation_vector", PARTICLES),
     (&shaders::guard::COMMIT_FRAMES, "+ rod_strands[k].root_travel", "+ 0.9 * rod_strands[k].root_travel", PARTICLES),
-    (&shaders::guard::COMMIT_FRAMES, "= rod_strands[k].condition", "= health[k]", PARTICLES),
+    (
+        &shaders::guard::COMMIT_FRAMES,
+        "StrandHistory(root, rod_strands[k].condition)",
+        "StrandHistory(root, strand_history[k].condition)",
+        PARTICLES,
+    ),
     (&shaders::guard::COMMIT_HAIR, "point.before + last - new_velocity[p].xyz", "point.before + last", PARTICLES),
     (&shaders::guard::CHECK, "air_id_before[slot] = air_id[slot]", "air_id_before[slot] = slot", PARTICLES),
     (&shaders::guard::COMMIT_AIR, "predicted[i]", "predicted[params.hair_points + slot]", PARTICLES),

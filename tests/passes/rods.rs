@@ -184,7 +184,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::rods::PREDICT, "length(strain) <= WHOLE * l", "length(strain) <= l", BODIES),
     (&shaders::rods::SOLVE, "+= cross(arm, beyond.force)", "+= 0.99 * cross(arm, beyond.force)", PARTICLES),
     (&shaders::rods::SOLVE, "cross_dyad(l * pull", "cross_dyad(0.9 * l * pull", NEWTON),
-    (&shaders::rods::SOLVE, "length(beyond.force), steep", "0.0, steep", STORM),
+    (&shaders::rods::SOLVE, "length(force), steep", "0.0, steep", STORM),
     (&shaders::rods::SOLVE, "tip_force += eliminated.tip_force", "tip_force += 0.9 * eliminated.tip_force", TAUT),
     (&shaders::rods::SOLVE, "momentum.xyz / momentum.w", "0.9 * momentum.xyz / momentum.w", LOOSE),
     (&shaders::rods::GAUSS_SEIDEL, "0.5 * rotate(before", "0.4 * rotate(before", SWEEPS),
@@ -223,8 +223,8 @@ fn forces_on_hair_are_those_of_the_twin() {
             let forces: Vec<_> = stage.rods().0.iter().map(|point| xyz(&point.force)).collect();
             let errors = [relative(&got, &felt, 1e-3), relative(&forces, &pushed, 0.0)];
             println!("{model:?}, {n} particles: {:.1e}, {:.1e}", errors[0], errors[1]);
-            // Measured at most 2.7e-7 and 4.2e-8; margin 4.
-            assert!(errors[0] < 1.1e-6 && errors[1] < 1.7e-7, "{model:?}, {n} particles: {errors:?}");
+            // Measured at most 2.7e-7 and 5.2e-8; margin 4.
+            assert!(errors[0] < 1.1e-6 && errors[1] < 2.1e-7, "{model:?}, {n} particles: {errors:?}");
         }
     }
 }

@@ -116,7 +116,15 @@ impl Stage {
 
     /// How each strand is, as the last step committed it.
     pub fn health(&self) -> Vec<Condition> {
-        self.engine.read(&self.engine.state().health).unwrap()
+        self.engine.read(&self.engine.state().strand_history).unwrap().iter().map(|strand| strand.condition).collect()
+    }
+
+    /// Sets how each strand is.
+    pub fn set_health(&self, health: &[Condition]) {
+        let array = &self.engine.state().strand_history;
+        let mut strands = self.engine.read(array).unwrap();
+        strands.iter_mut().zip(health).for_each(|(strand, condition)| strand.condition = *condition);
+        self.engine.write(array, &strands).unwrap();
     }
 
     /// How each strand is, as this step found it so far.
@@ -140,11 +148,11 @@ impl Stage {
         let state = self.engine.state();
         let points = self.engine.read(&state.point_history).unwrap();
         let segments = self.engine.read(&state.segment_history).unwrap();
-        let roots = |array: &Array<Root>| -> Vec<_> {
-            let read = self.engine.read(array).unwrap();
-            read.iter().map(|root| (xyz(&root.position), quaternion(root.frame))).collect()
-        };
-        (s.clamps, s.root_targets) = (roots(&state.clamps), roots(&state.root_targets));
+        let root = |root: &Root| (xyz(&root.position), quaternion(root.frame));
+        let strands = self.engine.read(&state.strand_history).unwrap();
+        s.clamps = strands.iter().map(|strand| root(&strand.root)).collect();
+        s.tip_force = strands.iter().map(|strand| xyz(&strand.tip_force)).collect();
+        s.root_targets = self.engine.read(&state.root_targets).unwrap().iter().map(root).collect();
         let hair = self.parameters.hair_points;
         let position = self.vectors(&state.position);
         for i in 0..hair {

@@ -319,9 +319,9 @@ fn place(simulation: &Simulation) -> usize {
 /// Says that the victim is spoilt: the next step puts it into its rest shape, and counts it.
 fn spoil(simulation: &Simulation) {
     let engine = simulation.engine();
-    let mut health = engine.read(&engine.state().health).unwrap();
-    health[VICTIM].bad = SPOILT;
-    engine.write(&engine.state().health, &health).unwrap();
+    let mut strands = engine.read(&engine.state().strand_history).unwrap();
+    strands[VICTIM].condition.bad = SPOILT;
+    engine.write(&engine.state().strand_history, &strands).unwrap();
 }
 
 fn only_the_victim_was_reset(name: &str, simulation: &Simulation) {

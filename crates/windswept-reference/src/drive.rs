@@ -72,11 +72,19 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
     let length: f64 = s.hair.rest_length[s.hair.segments(strand)].iter().sum();
     let jumps = free(points.end - 1) && way.length() > length;
     let part = if jumps { 1.0 } else { 1.0 / left as f64 };
+    let tip_force = s.tip_force[strand];
     // The first step has no change of velocity to carry on.
     let step = if p.bdf2 && s.bdf2_ready[strand] { p.step * 2.0 / 3.0 } else { p.step };
     if held == goal {
         let state = if p.sleep { rods::State::Asleep } else { rods::State::Free };
-        return Drive { root_travel: DVec3::ZERO, root_frame: held.1, root_turn: DQuat::IDENTITY, state, step };
+        return Drive {
+            root_travel: DVec3::ZERO,
+            root_frame: held.1,
+            root_turn: DQuat::IDENTITY,
+            state,
+            step,
+            tip_force,
+        };
     }
     let root_turn = rotation(part * rotation_vector(goal.1 * held.1.conjugate()));
     Drive {
@@ -86,6 +94,7 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
         root_frame: if part == 1.0 { goal.1 } else { (root_turn * held.1).normalize() },
         state: if jumps { rods::State::Teleported } else { rods::State::Free },
         step,
+        tip_force,
     }
 }
 

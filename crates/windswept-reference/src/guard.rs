@@ -49,7 +49,10 @@ pub fn hold(s: &State, strand: usize, w: &mut Scratch) -> bool {
         w.predicted[points.clone()].copy_from_slice(&s.position[points.clone()]);
         w.new_velocity[points].fill(DVec3::ZERO);
         let segments = w.moving.segments.get_mut(s.hair.segments(strand));
-        segments.into_iter().flatten().for_each(|segment| (segment.frame, segment.step) = (segment.start, f64::INFINITY));
+        segments
+            .into_iter()
+            .flatten()
+            .for_each(|segment| (segment.frame, segment.step) = (segment.start, f64::INFINITY));
     }
     lost
 }
@@ -109,6 +112,7 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
             }
         }
     }
+    s.tip_force = w.drives.iter().map(|drive| drive.tip_force).collect();
     for (clamp, drive) in s.clamps.iter_mut().zip(&w.drives) {
         *clamp = (clamp.0 + drive.root_travel, drive.root_frame);
     }

@@ -136,7 +136,7 @@ pub fn update_all(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     }
     w.drag_impulse.clear();
     for (i, point) in w.moving.points.iter().enumerate() {
-        w.predicted[i] = s.position[i] + point.shift + point.travel;
+        w.predicted[i] = if point.stays { s.position[i] } else { s.position[i] + point.shift + point.travel };
         w.drag_impulse.push(p.step * point.load.at(point.velocity_after(p)));
     }
 }
@@ -154,6 +154,7 @@ pub fn begin_point(p: &Parameters, s: &state::State, i: usize, correction: DVec3
         push: change - s.outside[i],
         inverse_mass,
         weight: s.hair.weight(i),
+        stays: inverse_mass == 0.0 && i > s.hair.points(p.strand_of[i]).start,
         strayed: s.strayed[i],
         ..Point::default()
     }

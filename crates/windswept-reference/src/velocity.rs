@@ -8,7 +8,8 @@ use crate::{Parameters, State, fluid, rods::Point, step::Scratch};
 /// what the density constraint moved it by.
 pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     for (i, point) in w.moving.points.iter_mut().enumerate() {
-        let shift = w.predicted[i] - (s.position[i] + point.shift + point.travel);
+        let went = if point.stays { DVec3::ZERO } else { point.shift + point.travel };
+        let shift = w.predicted[i] - (s.position[i] + went);
         w.new_velocity[i] = velocity(p, point, shift);
         point.before = point.velocity + shift / p.step;
     }

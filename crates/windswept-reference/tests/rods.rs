@@ -214,13 +214,14 @@ fn a_spoilt_strand_is_reset_at_once() {
     run(&mut start, &p, 3);
     let mut healthy = start.clone();
     step(&mut healthy, &p).unwrap();
-    let point = start.hair.points(2).start + 9;
+    let (point, segment) = (start.hair.points(2).start + 9, start.hair.segments(2).start + 9);
     for value in [f64::NAN, f64::INFINITY, 1e30] {
-        let spoils: [&dyn Fn(&mut State); 5] = [
+        let spoils: [&dyn Fn(&mut State); 6] = [
             &|s| s.position[point].x = value,
             &|s| s.position[point - 9].y = value,
             &|s| s.velocity[point].z = value,
             &|s| s.velocity_before[point].x = value,
+            &|s| s.orientation[segment].y = value,
             &|s| s.grip[point].x = f64::NAN,
         ];
         for (k, spoil) in spoils.iter().enumerate() {

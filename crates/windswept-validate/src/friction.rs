@@ -162,8 +162,8 @@ fn lies(gpu: &Gpu, strands: usize, [before, watched]: [f64; 2]) -> Result<Vec<Ro
     }
     let after = vectors(&simulation.frame()?.hair.positions);
     let creep = after.iter().zip(&settled).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max) / LENGTH;
-    let health = engine.read(&engine.state().health)?;
-    let asleep = health[bed..].iter().filter(|health| health.still == SLEEPS).count();
+    let kept = engine.read(&engine.state().strand_history)?;
+    let asleep = kept[bed..].iter().filter(|strand| strand.condition.still == SLEEPS).count();
     let name = format!("mat of {strands} hairs");
     Ok(vec![
         Row::new(format!("{name}: creep from {before} to {} s", before + watched), 0.0, creep, 1e-4, LIES).in_unit("L"),

@@ -50,12 +50,7 @@ pub(crate) fn closed_box(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 
 /// Row of the momentum of hair and air with loose strands in a stream: strands of this density \[kg/m³\] with
 /// their roots at this height \[m\], in air of a speed \[m/s\], in so many steps of a length \[s\].
-fn streamed(
-    gpu: &Gpu,
-    height: f64,
-    density: f64,
-    (speed, step, steps): (f64, f64, u64),
-) -> Result<Row, Error> {
+fn streamed(gpu: &Gpu, height: f64, density: f64, (speed, step, steps): (f64, f64, u64)) -> Result<Row, Error> {
     let scene = Scene::parse(&format!(
         "gravity = [0, 0, 0]\ninteraction = {{ model = \"two-way\" }}\ntime = {{ step = {step}, duration = 1.0 }}\n\
          rods = {{ sleep = false }}\n\
@@ -67,10 +62,7 @@ fn streamed(
     initial.air.velocities.fill(DVec3::X * speed);
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
     let (change, exchanged) = exchanged(&mut simulation, steps)?;
-    let name = format!(
-        "loose strands at {speed} m/s, {steps} steps of {} ms: change of all momentum",
-        1e3 * step
-    );
+    let name = format!("loose strands at {speed} m/s, {steps} steps of {} ms: change of all momentum", 1e3 * step);
     Ok(Row::new(name, 0.0, change.length() / exchanged, 1e-5, CUT))
 }
 

@@ -7,7 +7,6 @@ use windswept::{
 };
 use windswept_reference::{Parameters, State};
 use windswept_scene::{InitialState, Scene};
-use windswept_shaders::common::rod::Condition;
 
 use crate::Error;
 
@@ -40,8 +39,10 @@ impl Stage {
 
     /// Lets BDF2 take strands from here on, where the scene says so.
     pub(crate) fn take_bdf2(&mut self) -> Result<(), Error> {
-        let health = vec![Condition { bdf2_ready: 1, ..Condition::default() }; self.twin.bdf2_ready.len()];
-        self.engine.write(&self.engine.state().health, &health)?;
+        let array = &self.engine.state().strand_history;
+        let mut strands = self.engine.read(array)?;
+        strands.iter_mut().for_each(|strand| strand.condition.bdf2_ready = 1);
+        self.engine.write(array, &strands)?;
         self.twin.bdf2_ready.fill(true);
         Ok(())
     }

@@ -112,9 +112,9 @@ fn keyframes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let starts: Vec<usize> = (0..hair.len()).map(|s| hair.points(s).start).collect();
     let off = starts.iter().map(|&root| (ends[root] - place(hair.positions[root])).length());
     let engine = simulation.engine();
-    let clamps = engine.read(&engine.state().clamps)?;
-    let turned = clamps.iter().zip(&hair.root_frame).map(|(clamp, frame)| {
-        let now = DQuat::from_array(clamp.frame.map(f64::from));
+    let strands = engine.read(&engine.state().strand_history)?;
+    let turned = strands.iter().zip(&hair.root_frame).map(|(strand, frame)| {
+        let now = DQuat::from_array(strand.root.frame.map(f64::from));
         2.0 * (now * (turn * *frame).conjugate()).xyz().length()
     });
     Ok(vec![

@@ -11,7 +11,8 @@ use windswept_scene::{
 };
 use windswept_shaders::{
     common::{
-        dispatch::WORKGROUP, lanes::LANES, list::PAGES, params::Params, pressure::Pressed, rod::Condition, status::Status,
+        dispatch::WORKGROUP, lanes::LANES, list::PAGES, params::Params, pressure::Pressed, rod::Condition,
+        status::Status,
     },
     rods::RESET,
 };
@@ -118,7 +119,7 @@ impl Engine {
         self.write(&s.distances, &bodies::distances(scene))?;
         self.write(&s.strands, &rods::strands(scene, initial, &setup.motions))?;
         self.write(&s.segments, &rods::segments(hair))?;
-        self.write(&s.clamps, &rods::clamps(initial))?;
+        self.write(&s.strand_history, &rods::strand_histories(initial))?;
         self.write(&s.root_targets, &rods::root_targets(scene, initial))?;
         self.write_hair(hair, initial.origin)?;
         let (points, particles) = (self.sizes.hair_points, self.sizes.particles);
@@ -127,8 +128,14 @@ impl Engine {
         self.write_air(Some(&local), Some(&air.velocities), air.volume)
     }
 
-    /// Writes hair where it stands, as if it had come there with its velocities: finite, and awake. Pressure on it
-    /// starts anew.
+    /// Lets strands forget how they were: each is finite and awake, and begins with Euler.
+    pub(crate) fn wake(&self) -> Result<(), GpuError> {
+        let mut strands = self.read(&self.state.strand_history)?;
+        strands.iter_mut().for_each(|strand| strand.condition = Condition::default());
+        self.write(&self.state.strand_history, &strands)
+    }
+
+    /// Writes hair where it stands, as if it had come there with its velocities. Pressure on it starts anew.
     pub(crate) fn write_hair(&self, hair: &Strands, origin: DVec3) -> Result<(), GpuError> {
         let (s, step) = (&self.state, f64::from(self.seconds_of_step()));
         let positions: Vec<_> = hair.positions.iter().zip(&hair.volume).map(|(x, v)| vec4(*x - origin, *v)).collect();
@@ -137,7 +144,6 @@ impl Engine {
         self.write(&s.position, &positions)?;
         self.write(&s.velocity, &velocities)?;
         self.write(&s.orientation, &orientations)?;
-        self.write(&s.health, &vec![Condition::default(); hair.len()])?;
         self.write(&s.point_history, &rods::point_histories(hair, origin, step))?;
         self.write(&s.segment_history, &rods::segment_histories(hair, step))?;
         // Where air has pressure alone hair's places are there all the same, and stay zero.

@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use windswept_scene::{End, Hair, InitialState, Scene, Strands};
 use windswept_shaders::common::rod::{
-    Point, PointHistory, ROOT_HELD, ROOT_JOINT, Root, Segment, SegmentHistory, Strand, TIP_HELD,
+    Point, PointHistory, ROOT_HELD, ROOT_JOINT, Root, Segment, SegmentHistory, Strand, StrandHistory, TIP_HELD,
     TIP_JOINT,
 };
 
@@ -108,11 +108,13 @@ pub(crate) fn root(position: DVec3, frame: DQuat) -> Root {
     Root { position: vec3(position), frame: quat(frame), ..Root::default() }
 }
 
-/// Where each strand is held at the start.
+/// Memory of each strand: where it is held at the start.
 #[must_use]
-pub(crate) fn clamps(initial: &InitialState) -> Vec<Root> {
+pub(crate) fn strand_histories(initial: &InitialState) -> Vec<StrandHistory> {
     let hair = &initial.hair;
-    hair.roots().zip(&hair.root_frame).map(|(x, frame)| root(x - initial.origin, *frame)).collect()
+    let held = |(x, frame): (DVec3, &DQuat)| root(x - initial.origin, *frame);
+    let history = |root| StrandHistory { root, ..StrandHistory::default() };
+    hair.roots().zip(&hair.root_frame).map(held).map(history).collect()
 }
 
 /// Where each strand is held, its motion at the start taken out.

@@ -413,7 +413,7 @@ impl Simulation {
         let xyz = |v: &[f32; 4]| [v[0], v[1], v[2]];
         let slots = self.engine.slots()?;
         let arrays = [&s.position, &s.velocity, &s.orientation];
-        let clamps = self.engine.read(&s.clamps)?;
+        let strands = self.engine.read(&s.strand_history)?;
         let frame = self.engine.view_vec4(arrays, |[positions, velocities, orientations]| Frame {
             step: self.steps,
             time: self.time(),
@@ -421,7 +421,7 @@ impl Simulation {
                 positions: positions[..hair].iter().map(world).collect(),
                 velocities: velocities[..hair].iter().map(xyz).collect(),
                 orientations: orientations.to_vec(),
-                root_frames: clamps.iter().map(|clamp| clamp.frame).collect(),
+                root_frames: strands.iter().map(|strand| strand.root.frame).collect(),
                 ..self.lasting_hair()
             },
             air: AirFrame {

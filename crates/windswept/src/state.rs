@@ -24,7 +24,9 @@ use windswept_shaders::{
         params::Params,
         pressure::{Gradients, Pressed, Stress},
         reduce::TERMS,
-        rod::{Condition, Point, PointHistory, RodPoint, RodSegment, RodStrand, Root, Segment, SegmentHistory, Strand},
+        rod::{
+            Point, PointHistory, RodPoint, RodSegment, RodStrand, Root, Segment, SegmentHistory, Strand, StrandHistory,
+        },
         row::Row,
         rub::Rub,
         status::Status,
@@ -219,8 +221,6 @@ state! {
     air_id: u32, |s| s.air();
     /// Orientation of a segment: quaternion (x, y, z, w), material frame to world.
     orientation: Vec4, |s| s.segments;
-    /// How a strand is: not finite, over-strained and still, in steps on end; whether BDF2 may follow.
-    health: Condition, |s| s.strands;
     /// What a hair point remembers: the last move \[m\], the velocity before \[m/s\], what rounding left off the position \[m\],
     /// what acted on it from outside and from its own rod in the last step awake, its grip \[m/s\], how far it strayed \[m\].
     point_history: PointHistory, |s| s.hair_points;
@@ -229,8 +229,9 @@ state! {
     segment_history: SegmentHistory, |s| s.segments;
     /// What pressure did to a particle in the step before: its change of the velocity \[m/s\], and the pressure itself \[m²/s\].
     pressed_before: Pressed, |s| s.pressed;
-    /// Where a strand's root is and its ghost frame.
-    clamps: Root, |s| s.strands;
+    /// What a strand remembers: where its clamp is, and its ghost frame; whether it is not finite, over-strained and still, in steps on end;
+    /// whether BDF2 may follow.
+    strand_history: StrandHistory, |s| s.strands;
     /// Impulse that confinement has given the air in the whole run \[kg m/s\].
     confinement_impulse: Vec4, |_| 1;
 

@@ -35,12 +35,8 @@ pub(crate) const UNSOLVED: (&str, &str) = (
      shorter time.step follows this wind or these roots",
 );
 /// Counters of how strands were stepped; keys of the report's `strand_steps`.
-const STRAND_STEPS: [(u32, &str); 4] = [
-    (EULER_STEP, "euler_steps"),
-    (ASLEEP_STEP, "asleep_steps"),
-    (TELEPORT, "teleports"),
-    (UNSOLVED_STEP, UNSOLVED.0),
-];
+const STRAND_STEPS: [(u32, &str); 4] =
+    [(EULER_STEP, "euler_steps"), (ASLEEP_STEP, "asleep_steps"), (TELEPORT, "teleports"), (UNSOLVED_STEP, UNSOLVED.0)];
 
 /// The status of a run that has not begun.
 #[must_use]

@@ -241,7 +241,7 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
         push[points.end - 1] += case.push * at_tip(points.len() - 1) * wakes;
     }
     let health: Vec<_> = (0..n).map(|strand| condition(&s, strand, &Condition::default())).collect();
-    stage.engine.write(&state.health, &health).unwrap();
+    stage.set_health(&health);
     stage.write_vectors(&state.correction, &push);
     (stage, s, push)
 }
@@ -325,6 +325,12 @@ fn strands_start_and_end_as_in_the_reference() {
             let ends = apart(&stage, &s, &w);
             rods::update_all(&mut s, &mut w, p);
             same_conditions(&s);
+            let speeds = stage.vectors(&stage.engine.state().new_velocity);
+            let wanted = |i: usize| w.moving.points[i].velocity_after(p);
+            let tips = (0..n).map(|strand| s.hair.points(strand).end - 1).filter(|tip| s.inverse_mass[*tip] == 0.0);
+            let moving: Vec<_> =
+                tips.filter(|tip| speeds[*tip] != DVec3::ZERO || wanted(*tip) != DVec3::ZERO).collect();
+            assert_eq!(moving, [0; 0], "{n}, {keys}: tips that are held have velocities");
 
             // Rounding decides whether a strand takes a Newton step more, and where one that starts like this goes in the end.
             let astray = if p.newton_steps == 1 { 0 } else { n / 30 };
@@ -335,8 +341,8 @@ fn strands_start_and_end_as_in_the_reference() {
             };
             let off = [of(&starts, 0)[1], of(&starts, 1)[1], of(&ends, 0)[0], of(&ends, 1)[0]];
             println!("{n} strands, {keys:?}, {step} s: {off:?}");
-            // Measured 3.0e-7 m, of 3 m, and 9.7e-7 at the start, 1.1e-6 m and 9.9e-5 in the end; margin 4.
-            let within = off.iter().zip([1.2e-6, 4e-6, 4.5e-6, 4e-4]).all(|(off, bound)| *off < bound);
+            // Measured 3.1e-7 m, of 3 m, and 9.7e-7 at the start, 3.2e-7 m and 3.9e-5 in the end; margin 4.
+            let within = off.iter().zip([1.2e-6, 4e-6, 1.3e-6, 1.6e-4]).all(|(off, bound)| *off < bound);
             assert!(within, "{n}, {keys}, {step} s: {off:?}");
             let counting = stage.engine.status().unwrap().counting;
             let counted = [EULER_STEP, ASLEEP_STEP, TELEPORT, UNSOLVED_STEP].map(|of| counting[of as usize] as usize);

@@ -32,7 +32,7 @@ pub fn predict(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut 
         for point in &mut m.points[s.hair.points(strand)] {
             (point.load, point.outside) = (Load::default(), DVec3::ZERO);
         }
-        (s.still[strand], s.bdf2_ready[strand]) = (0, false);
+        (s.still[strand], s.bdf2_ready[strand], drive.tip_force) = (0, false, DVec3::ZERO);
         if resets {
             drive.state = State::Solved;
         }
@@ -92,8 +92,7 @@ fn set_off(p: &Parameters, hair: &Strands, strand: usize, drive: &Drive, m: &mut
         let travel = m.points[i].travel;
         let segment = &mut m.segments[k];
         segment.step = h;
-        let turn =
-            free_move(p, segment.angular_velocity, segment.before, segment.carried, DVec3::ZERO, p.damping, h);
+        let turn = free_move(p, segment.angular_velocity, segment.before, segment.carried, DVec3::ZERO, p.damping, h);
         segment.free = rotation(turn);
         segment.turn = rotation((p.step * segment.angular_velocity).clamp_length_max(TURN));
         let turn = if p.direct { segment.turn } else { segment.free };

@@ -15,9 +15,11 @@ pub const TURN: f64 = 1.0;
 pub const SETTLED: f64 = 1e-3;
 /// or this part of that in the first one.
 pub const RELATIVE: f64 = 1e-2;
-/// Smallest compliance that counts \[1/(N m)\].
+/// Smallest compliance that counts \[1/(N m)\],
 const STIFFEST: f64 = 1e-6;
-/// Mass of a held point over the stiffness of the stiffest segment.
+/// and smallest part of the largest of a spring's, as the engine needs it in f32.
+const UNEVEN: f64 = 1e-3;
+/// Mass of a held tip, over the square of the step, over the stiffness of the stiffest segment.
 const HEAVY: f64 = 1e6;
 
 /// A strand within a step.
@@ -95,17 +97,17 @@ pub fn potential(p: &Parameters, hair: &Strands, s: usize, drive: &Drive, m: &Mo
         let inertia = 1.0 / (response(p.damping, segment.step) * hair.inverse_inertia[first + k]);
         sum += 4.0 * inertia * (1.0 - off.w.abs());
         let strain = segment.frame.conjugate() * segment.strain / hair.rest_length[first + k];
-        sum += 0.5 * (strain * strain / hair.stretch_compliance[first + k].max(DVec3::splat(STIFFEST))).element_sum();
+        sum += 0.5 * (strain * strain * stiffness(hair.stretch_compliance[first + k])).element_sum();
         if k > 0 || hair.ends(s).root == End::Clamped {
             let before = if k > 0 { segments[k - 1].frame } else { drive.root_frame };
             let gap = gap(before, segment.frame, hair.rest_rotation[first + k]);
-            sum += 0.5 * (gap * gap / hair.bend_compliance[first + k].max(DVec3::splat(STIFFEST))).element_sum();
+            sum += 0.5 * (gap * gap * stiffness(hair.bend_compliance[first + k])).element_sum();
         }
     }
     if hair.ends(s).tip == End::Clamped {
         let ends = hair.ends(s);
         let gap = gap(segments[segments.len() - 1].frame, ends.tip_frame, ends.tip_rest_rotation);
-        sum += 0.5 * (gap * gap / ends.tip_compliance.max(DVec3::splat(STIFFEST))).element_sum();
+        sum += 0.5 * (gap * gap * stiffness(ends.tip_compliance)).element_sum();
     }
     sum
 }
@@ -116,9 +118,14 @@ fn gap(before: DQuat, after: DQuat, rest: DQuat) -> DVec3 {
     p.xyz() - nearest_rest(p, rest)
 }
 
+/// Stiffnesses of a spring, of its compliances as they count.
+fn stiffness(compliance: DVec3) -> DVec3 {
+    compliance.max(DVec3::splat(STIFFEST.max(UNEVEN * compliance.max_element()))).recip()
+}
+
 /// Stiffness Aᵀ α⁻¹ A and force Aᵀ α⁻¹ C of a constraint C with the derivative A.
 fn spring(derivative: DMat3, compliance: DVec3, gap: DVec3) -> Spring {
-    let stiffness = compliance.max(DVec3::splat(STIFFEST)).recip();
+    let stiffness = stiffness(compliance);
     let weighted = derivative.transpose() * DMat3::from_diagonal(stiffness);
     Spring { stiffness: weighted * derivative, force: weighted * gap }
 }
@@ -126,9 +133,8 @@ fn spring(derivative: DMat3, compliance: DVec3, gap: DVec3) -> Spring {
 /// The joint between two frames, for turns of the second: dC = ½(p_w I − [p_v]×) R₀ᵀ θ.
 fn joint(before: DQuat, after: DQuat, rest: DQuat, compliance: DVec3) -> Spring {
     let p = before.conjugate() * after;
-    let derivative = (DMat3::from_diagonal(DVec3::splat(p.w)) - cross_matrix(p.xyz()))
-        * DMat3::from_quat(before).transpose()
-        * 0.5;
+    let derivative =
+        (DMat3::from_diagonal(DVec3::splat(p.w)) - cross_matrix(p.xyz())) * DMat3::from_quat(before).transpose() * 0.5;
     spring(derivative, compliance, gap(before, after, rest))
 }
 
@@ -156,6 +162,17 @@ fn block(matrix: &Matrix6<f64>, at: (usize, usize)) -> DMat3 {
     DMat3::from_cols(column(0), column(1), column(2))
 }
 
+/// A strand from tip to root.
+struct Eliminated {
+    answers: Vec<Answer>,
+    /// Pull of what lies beyond each segment \[N\].
+    pulls: Vec<DVec3>,
+    /// Decrease of the potential by the Newton step, to first order \[J s²\].
+    decrease: f64,
+    /// P and p at the root.
+    root: (Matrix6<f64>, Vector6<f64>),
+}
+
 impl Rod<'_> {
     fn ends(&self) -> windswept_scene::Ends {
         self.hair.ends(self.strand)
@@ -167,7 +184,20 @@ impl Rod<'_> {
 
     /// One Newton step; returns its largest turn of a frame \[rad\], or change of a strain.
     fn newton_step(&mut self, steep: bool) -> f64 {
-        let mut beyond = (Matrix6::zeros(), Vector6::zeros());
+        let held = self.points[self.points.len() - 1].inverse_mass == 0.0;
+        // Tensions are those under the force that holds a held tip so far. Then the tip is a point of large mass.
+        let light = self.eliminate(steep, None);
+        let eliminated = if held { self.eliminate(steep, Some(&light.pulls)) } else { light };
+        assert!(!(eliminated.decrease < 0.0), "the potential rises by {}", -eliminated.decrease);
+        if held {
+            self.drive.tip_force += self.heavy() * self.tip_gap(&eliminated);
+        }
+        self.apply(&eliminated.answers, &eliminated.root)
+    }
+
+    /// Answers of all joints and segments. With the pulls on segments that are known, a held tip is a point of large mass; else it is free.
+    fn eliminate(&self, steep: bool, pulls: Option<&[DVec3]>) -> Eliminated {
+        let mut beyond = (Matrix6::zeros(), vector(DVec3::ZERO, self.drive.tip_force));
         if self.ends().tip == End::Clamped {
             let ends = self.ends();
             let last = self.segments[self.segments.len() - 1].frame;
@@ -175,16 +205,45 @@ impl Rod<'_> {
             add(&mut beyond.0, (0, 0), tip.stiffness);
             beyond.1 -= vector(tip.force, DVec3::ZERO);
         }
-        let mut answers: Vec<Answer> = Vec::new();
-        let mut decrease = 0.0;
+        let mut all = Eliminated { answers: Vec::new(), pulls: Vec::new(), decrease: 0.0, root: beyond };
         for k in (0..self.segments.len()).rev() {
-            let (answer, after) = self.answer(k, beyond, steep, &mut decrease);
-            beyond = after;
-            answers.push(answer);
+            let (answer, pull, after) = self.answer(k, all.root, steep, pulls.map(|pulls| pulls[k]), &mut all.decrease);
+            all.root = after;
+            all.answers.push(answer);
+            all.pulls.push(pull);
         }
-        assert!(!(decrease < 0.0), "a Newton step along which the potential rises by {}", -decrease);
-        answers.reverse();
-        self.apply(&answers, &beyond)
+        all.answers.reverse();
+        all.pulls.reverse();
+        all
+    }
+
+    /// Mass of a held tip over the square of the step \[kg/s²\].
+    fn heavy(&self) -> f64 {
+        HEAVY * self.stiffest()
+    }
+
+    /// Way that is left to a held tip's place after a Newton step that is not cut \[m\].
+    fn tip_gap(&self, eliminated: &Eliminated) -> DVec3 {
+        let mut state = vector(DVec3::ZERO, self.root_move(&eliminated.root));
+        for (k, answer) in eliminated.answers.iter().enumerate() {
+            let segment = &self.segments[k];
+            let arm = self.hair.rest_length[self.of_segment(k)] * (segment.frame * DVec3::Z) + segment.strain;
+            let (turn, shift) = parts(&(state + answer.constant + answer.gain * state));
+            state = vector(turn, shift + turn.cross(arm));
+        }
+        let tip = &self.points[self.points.len() - 1];
+        tip.travel - tip.free + parts(&state).1
+    }
+
+    /// Move of the root's point by a Newton step; 0 where it is held.
+    fn root_move(&self, root: &(Matrix6<f64>, Vector6<f64>)) -> DVec3 {
+        let first = &self.points[0];
+        if first.inverse_mass == 0.0 {
+            return DVec3::ZERO;
+        }
+        let mass = 1.0 / first.reply(self.p);
+        let all = block(&root.0, (3, 3)) + DMat3::from_diagonal(DVec3::splat(mass));
+        -(all.inverse() * (parts(&root.1).1 + mass * (first.travel - first.free)))
     }
 
     /// Answer of joint and segment `k`, when `after` (P, p) is what lies beyond the segment, ½ sᵀ P s + pᵀ s; and what lies beyond the
@@ -194,8 +253,9 @@ impl Rod<'_> {
         k: usize,
         after: (Matrix6<f64>, Vector6<f64>),
         steep: bool,
+        pull: Option<DVec3>,
         decrease: &mut f64,
-    ) -> (Answer, (Matrix6<f64>, Vector6<f64>)) {
+    ) -> (Answer, DVec3, (Matrix6<f64>, Vector6<f64>)) {
         let (j, segment, end) = (self.of_segment(k), &self.segments[k], &self.points[k + 1]);
         let (l, axes) = (self.hair.rest_length[j], DMat3::from_quat(segment.frame));
         let stretch = spring(
@@ -204,8 +264,11 @@ impl Rod<'_> {
             segment.frame.conjugate() * segment.strain / l,
         );
         let (mut q_matrix, mut q_vector) = after;
-        // The point at the segment's end: one that is held has a large mass.
-        let mass = if end.inverse_mass > 0.0 { 1.0 / end.reply(self.p) } else { HEAVY * self.stiffest() };
+        let mass = match (end.inverse_mass > 0.0, pull) {
+            (true, _) => 1.0 / end.reply(self.p),
+            (false, Some(_)) => self.heavy(),
+            (false, None) => 0.0,
+        };
         add(&mut q_matrix, (3, 3), DMat3::from_diagonal(DVec3::splat(mass)));
         q_vector += vector(DVec3::ZERO, mass * (end.travel - end.free));
 
@@ -213,12 +276,8 @@ impl Rod<'_> {
         let arm = l * axes.z_axis + segment.strain;
         let mut carried = Matrix6::identity();
         add(&mut carried, (3, 0), -cross_matrix(arm));
-        // The pull of what lies beyond, which the frame resists turning off: of a held end that which its spring has once the end is there.
-        let pull = if end.inverse_mass > 0.0 {
-            -self.passed(&q_matrix, &q_vector, &stretch)
-        } else {
-            -(stretch.stiffness * (end.travel - end.free) - stretch.force)
-        };
+        // The pull of what lies beyond, which the frame resists turning off.
+        let pull = pull.unwrap_or_else(|| -self.passed(&q_matrix, &q_vector, &stretch));
         let (q_matrix, q_vector) = (carried.transpose() * q_matrix * carried, carried.transpose() * q_vector);
         let mut own = q_matrix;
         let mut own_vector = q_vector;
@@ -245,7 +304,7 @@ impl Rod<'_> {
         *decrease -= constant.dot(&(forces + own_vector));
         let before = (own + own * gain, own_vector + own * constant);
         let symmetric = (before.0 + before.0.transpose()) * 0.5;
-        (Answer { constant, gain, beyond: (own, own_vector), stretch }, (symmetric, before.1))
+        (Answer { constant, gain, beyond: (own, own_vector), stretch }, pull, (symmetric, before.1))
     }
 
     /// Force that what lies beyond a segment passes on through its stretch, at the segment's first point.
@@ -262,7 +321,7 @@ impl Rod<'_> {
     fn stiffest(&self) -> f64 {
         let of = |k: usize| {
             let l = self.hair.rest_length[k];
-            1.0 / (self.hair.stretch_compliance[k].min_element().max(STIFFEST) * l * l)
+            stiffness(self.hair.stretch_compliance[k]).max_element() / (l * l)
         };
         self.hair.segments(self.strand).map(of).fold(0.0, f64::max)
     }
@@ -270,14 +329,8 @@ impl Rod<'_> {
     /// Turns frames and strains by a Newton step, and places the points that follow from them.
     fn apply(&mut self, answers: &[Answer], root: &(Matrix6<f64>, Vector6<f64>)) -> f64 {
         let mut most = 0.0_f64;
-        let (mut turn, mut shift) = (DVec3::ZERO, DVec3::ZERO);
-        let first = &mut self.points[0];
-        if first.inverse_mass > 0.0 {
-            let mass = 1.0 / first.reply(self.p);
-            let all = block(&root.0, (3, 3)) + DMat3::from_diagonal(DVec3::splat(mass));
-            shift = -(all.inverse() * (parts(&root.1).1 + mass * (first.travel - first.free)));
-            first.travel += shift;
-        }
+        let (mut turn, mut shift) = (DVec3::ZERO, self.root_move(root));
+        self.points[0].travel += shift;
         for (k, answer) in answers.iter().enumerate() {
             let j = self.of_segment(k);
             let l = self.hair.rest_length[j];

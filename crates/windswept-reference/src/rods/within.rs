@@ -32,6 +32,8 @@ pub struct Drive {
     pub root_turn: DQuat,
     /// State of the strand.
     pub state: State,
+    /// Force that holds a held tip \[N\].
+    pub tip_force: DVec3,
     /// Step h of the strand, if it is integrated \[s\].
     pub step: f64,
 }
@@ -85,6 +87,8 @@ pub struct Point {
     pub free: DVec3,
     /// Move \[m\].
     pub travel: DVec3,
+    /// Whether the point is a tip that is held.
+    pub stays: bool,
     /// Shift of the point that makes its strand whole as the step begins \[m\].
     pub shift: DVec3,
     /// Way from where the point was when its strand became still \[m\].
@@ -101,10 +105,7 @@ impl Point {
     /// Velocity that the point's move leaves \[m/s\]; 0 of a tip that is held.
     #[must_use]
     pub fn velocity_after(&self, p: &Parameters) -> DVec3 {
-        if self.inverse_mass == 0.0 && self.shift != DVec3::ZERO {
-            return DVec3::ZERO;
-        }
-        rate(p, self.travel, self.carried, self.step)
+        if self.stays { DVec3::ZERO } else { rate(p, self.travel, self.carried, self.step) }
     }
 }
 

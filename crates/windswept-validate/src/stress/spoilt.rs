@@ -72,9 +72,9 @@ fn spoil(simulation: &Simulation, array: Spoilt, value: f32) -> Result<(), Error
 /// Says that the strand is spoilt: the next step puts it into its rest shape, and counts it.
 fn reset(simulation: &Simulation) -> Result<(), Error> {
     let engine = simulation.engine();
-    let mut health = engine.read(&engine.state().health)?;
-    health[STRAND].bad = SPOILT;
-    Ok(engine.write(&engine.state().health, &health)?)
+    let mut strands = engine.read(&engine.state().strand_history)?;
+    strands[STRAND].condition.bad = SPOILT;
+    Ok(engine.write(&engine.state().strand_history, &strands)?)
 }
 
 /// Names of the arrays of the state whose bytes differ, and the number of these bytes. Only the point that was found spoilt is left out.

@@ -11,7 +11,7 @@ use std::{
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use windswept_scene::{AtomicFile, InitialState, Scene};
-use windswept_shaders::common::rod::Root;
+use windswept_shaders::common::rod::{Root, StrandHistory};
 
 use super::{
     Simulation,
@@ -366,8 +366,12 @@ impl Simulation {
 fn unusable(state: &State, array: &AnyArray, bytes: &[u8]) -> Option<(usize, &'static str)> {
     let is = |names: [&str; 2]| names.contains(&array.name());
     let vector = |x: [f32; 3]| held(&DVec3::from_array(x.map(f64::from)));
-    if is([state.clamps.name(), state.root_targets.name()]) {
-        let roots: Vec<Root> = bytemuck::pod_collect_to_vec(bytes);
+    if is([state.strand_history.name(), state.root_targets.name()]) {
+        let roots: Vec<Root> = if array.name() == state.root_targets.name() {
+            bytemuck::pod_collect_to_vec(bytes)
+        } else {
+            bytemuck::pod_collect_to_vec::<u8, StrandHistory>(bytes).iter().map(|strand| strand.root).collect()
+        };
         let turned = |root: &Root| is_rotation(&DQuat::from_array(root.frame.map(f64::from)));
         let row = roots.iter().position(|root| !(vector(root.position) && turned(root)))?;
         Some((row, "is not finite, or beyond 1e18, or not a rotation"))

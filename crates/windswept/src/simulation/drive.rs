@@ -131,6 +131,7 @@ impl Simulation {
             hair.orientations = given.iter().map(|q| q.normalize()).collect();
         }
         self.engine.write_hair(&hair, origin)?;
+        self.engine.wake()?;
         if self.last.step == 0 {
             // Before the first step this is the hair that the run starts from.
             self.initial.hair = hair;

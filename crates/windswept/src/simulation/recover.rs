@@ -32,15 +32,15 @@ impl Simulation {
             return Err(error);
         }
         let s = self.engine.state().clone();
-        let (mut health, found) = (self.engine.read(&s.health)?, self.engine.read(&s.rod_strands)?);
+        let (mut histories, found) = (self.engine.read(&s.strand_history)?, self.engine.read(&s.rod_strands)?);
         let mut bad = Vec::new();
-        for ((strand, health), found) in (0_u32..).zip(&mut health).zip(found) {
-            if found.condition.bad != 0 || health.bad == SPOILT {
-                health.bad = BAD;
+        for ((strand, history), found) in (0_u32..).zip(&mut histories).zip(found) {
+            if found.condition.bad != 0 || history.condition.bad == SPOILT {
+                history.condition.bad = BAD;
                 bad.push(strand);
             }
         }
-        self.engine.write(&s.health, &health)?;
+        self.engine.write(&s.strand_history, &histories)?;
         let mut thawed = status::thawed(&self.last);
         let counted = &mut thawed.counted[STRAND_RESET as usize];
         *counted = counted.saturating_add(bad.len() as u32);
