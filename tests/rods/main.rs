@@ -8,6 +8,7 @@ mod skip;
 #[path = "../support/mod.rs"]
 mod support;
 mod thresholds;
+mod whole;
 
 use glam::DVec3;
 use windswept::Simulation;

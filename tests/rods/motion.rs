@@ -62,11 +62,11 @@ fn swinging(rods: &[Rod], step: f64, amplitude: f64) -> (Simulation, f64) {
     (Simulation::with_state(&support::gpu(), &scene, initial).unwrap(), frequency)
 }
 
-/// Stiff beams of up to 130 segments lose their swing as BDF2 damps it, by 0.2/s where one takes 34 steps: what f32 leaves unsolved of a step
-/// does not drive them.
+/// Stiff beams of up to 1000 segments lose their swing as BDF2 damps it, by 0.2/s where one takes 34 steps: what f32 leaves of a step does not
+/// drive them.
 #[test]
 fn beams_of_many_segments_swing_no_wider() {
-    let (step, segments) = (1.38e-3, [34, 64, 68, 100, 130]);
+    let (step, segments) = (1.38e-3, [34, 68, 130, 300, 1000]);
     let rods = segments.map(|n| Rod::level(0.02, n));
     let (mut simulation, frequency) = swinging(&rods, step, 2e-3);
     let swings = |simulation: &mut Simulation| {
@@ -84,8 +84,7 @@ fn beams_of_many_segments_swing_no_wider() {
     for (n, (first, last)) in segments.iter().zip(first.iter().zip(last)) {
         let rate = (first / last).ln() / (600.0 * step);
         println!("{n} segments: {first:.2e} L, then {last:.2e} L, a rate of {rate:.3}/s");
-        // Measured 0.18 to 0.204/s.
-        assert!((rate - 0.2).abs() < 0.05, "{n} segments: {rate}/s");
+        assert!((0.19..0.23).contains(&rate), "{n} segments: {rate}/s");
     }
 }
 

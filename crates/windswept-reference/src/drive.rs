@@ -25,8 +25,8 @@ pub fn run(s: &State, p: &Parameters) -> Scratch {
     let blowing = blow(p, s.steps + 1);
     let mut predicted = s.position.clone();
     let mut new_velocity = s.velocity.clone();
-    for i in 0..p.hair_points {
-        predicted[i] = drift(p, s, i);
+    for (i, place) in predicted[..p.hair_points].iter_mut().enumerate() {
+        *place = drift(p, s, i);
     }
     let air = p.hair_points..s.position.len();
     let missed = miss(p, s.steps, &s.position[air.clone()], &s.velocity[air.clone()]);

@@ -202,17 +202,14 @@ fn a_clamped_strand_weathers_a_storm() {
     let root_frame = DQuat::from_rotation_x(FRAC_PI_2);
     let rod = Rod { segments: 10, length: 0.1, gamma: 10.0, darboux: DVec3::ZERO, root_frame };
     let hair = rod.strand(DVec3::ZERO);
-    let p = parameters(&hair, DVec3::X * 100.0, "lift = 0.5");
+    let p = Parameters { direct: true, bdf2: true, ..parameters(&hair, DVec3::X * 100.0, "lift = 0.5") };
     let mut state = State::new(&InitialState { hair, ..InitialState::default() }, p.step);
     for _ in 0..1_000 {
         step(&mut state, &p).unwrap();
-        assert!(state.position.iter().all(|x| x.is_finite() && x.length() < 0.2));
+        assert!(state.position.iter().all(|x| x.is_finite() && x.length() < 0.102));
     }
-    println!("tip at {}, stretch up to {:.2}", state.position[10], state.max_stretch);
-    // Measured 0.112 m downwind of the root, and 0.64 while it is swung round.
-    assert!(
-        state.resets == 0 && state.max_stretch < 0.8 && state.position[10].x > 0.05 && state.position[0] == DVec3::ZERO
-    );
+    println!("tip at {}, stretch up to {:.1e}", state.position[10], state.max_stretch);
+    assert!(state.resets == 0 && state.max_stretch < 1e-2 && state.position[10].x > 0.09);
 }
 
 /// With air particles only hair outside their box feels the mean wind; with the model `none` no hair does.

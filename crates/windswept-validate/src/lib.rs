@@ -40,6 +40,7 @@ pub mod internals {
         exchange::{STRIP_BLOCKAGE, in_strip, through},
         pressure::{energy_left, stirred},
         rods::{BEND_OVER_TWIST, GRAVITY, LENGTH, LINE_DENSITY, Rod, STRETCH, build, mode, scene as rods_scene, tips},
+        stress::chain_tip,
         vortex::circulation_kept,
     };
 }

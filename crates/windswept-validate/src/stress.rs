@@ -23,6 +23,7 @@ use windswept_scene::{Scene, Strands};
 pub use self::{
     bits::{couplings, differing_bytes, fingerprint},
     long::memory,
+    stiffness::chain_tip,
 };
 use crate::{
     Error, Row,

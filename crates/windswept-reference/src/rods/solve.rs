@@ -1,7 +1,7 @@
 //! Newton steps on the incremental potential of a strand, each solved by a Riccati recursion over 6-vectors.
 
 use glam::{DMat3, DQuat, DVec3};
-use nalgebra::{Matrix6, Vector6};
+use nalgebra::{Matrix6, Matrix6x4, Vector4, Vector6};
 use windswept_scene::{End, Strands};
 
 use super::{Drive, Moving, Point, Segment, State, cross_matrix, nearest_rest, response, rotation};
@@ -19,9 +19,6 @@ pub const RELATIVE: f64 = 1e-2;
 const STIFFEST: f64 = 1e-6;
 /// and smallest part of the largest of a spring's, as the engine needs it in f32.
 const UNEVEN: f64 = 1e-3;
-/// Mass of a held tip, over the square of the step, over the stiffness of the stiffest segment.
-const HEAVY: f64 = 1e6;
-
 /// A strand within a step.
 struct Rod<'a> {
     p: &'a Parameters,
@@ -38,12 +35,19 @@ struct Spring {
     force: DVec3,
 }
 
-/// Answer z = −(K + Q)⁻¹ (f + q + Q s) of a joint and its segment to the state s before it, with what clamped joints need of it.
+/// What lies beyond a point or a joint, ½ sᵀ P s + sᵀ p (1, λ): s its turn and its move, λ a change of the force that holds a held tip.
+#[derive(Clone, Copy)]
+struct Beyond {
+    matrix: Matrix6<f64>,
+    vectors: Matrix6x4<f64>,
+}
+
+/// Answer z = constant (1, λ) + gain s of a joint and its segment to the state s before it, with what cut joints need of it.
 struct Answer {
-    constant: Vector6<f64>,
+    constant: Matrix6x4<f64>,
     gain: Matrix6<f64>,
-    /// Q and q at the segment's first point.
-    beyond: (Matrix6<f64>, Vector6<f64>),
+    /// What lies beyond the joint, at the segment's first point.
+    beyond: Beyond,
     stretch: Spring,
 }
 
@@ -56,7 +60,7 @@ struct Answer {
 /// points follow.
 ///
 /// # Panics
-/// When a Newton step is no direction in which the potential falls.
+/// Where the Hessian is not positive definite, so that the potential need not fall along a Newton step.
 pub fn solve(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) {
     if drive.state != State::Free {
         return;
@@ -69,6 +73,10 @@ pub fn solve(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mu
         segments: &mut m.segments[hair.segments(s)],
         drive,
     };
+    if !rod.points.iter().all(|point| (point.free + point.travel).is_finite()) {
+        // Frames that are not finite lead points to where nothing is.
+        return;
+    }
     let (mut steep, mut settled) = (false, SETTLED);
     for step in 0..p.newton_steps {
         let most = rod.newton_step(steep);
@@ -162,15 +170,15 @@ fn block(matrix: &Matrix6<f64>, at: (usize, usize)) -> DMat3 {
     DMat3::from_cols(column(0), column(1), column(2))
 }
 
-/// A strand from tip to root.
-struct Eliminated {
-    answers: Vec<Answer>,
-    /// Pull of what lies beyond each segment \[N\].
-    pulls: Vec<DVec3>,
-    /// Decrease of the potential by the Newton step, to first order \[J s²\].
-    decrease: f64,
-    /// P and p at the root.
-    root: (Matrix6<f64>, Vector6<f64>),
+/// Adds a force to the first of four vectors.
+fn add_force(vectors: &mut Matrix6x4<f64>, force: Vector6<f64>) {
+    vectors.set_column(0, &(vectors.column(0) + force));
+}
+
+/// Force that what lies beyond a segment passes on through its stretch.
+fn passed(matrix: &Matrix6<f64>, vectors: &Matrix6x4<f64>, stretch: &Spring) -> DVec3 {
+    let (moves, force) = (block(matrix, (3, 3)), parts(&vectors.column(0).into()).1);
+    force - moves * ((moves + stretch.stiffness).inverse() * (force + stretch.force))
 }
 
 impl Rod<'_> {
@@ -184,78 +192,32 @@ impl Rod<'_> {
 
     /// One Newton step; returns its largest turn of a frame \[rad\], or change of a strain.
     fn newton_step(&mut self, steep: bool) -> f64 {
-        let held = self.points[self.points.len() - 1].inverse_mass == 0.0;
-        // Tensions are those under the force that holds a held tip so far. Then the tip is a point of large mass.
-        let light = self.eliminate(steep, None);
-        let eliminated = if held { self.eliminate(steep, Some(&light.pulls)) } else { light };
-        assert!(!(eliminated.decrease < 0.0), "the potential rises by {}", -eliminated.decrease);
-        if held {
-            self.drive.tip_force += self.heavy() * self.tip_gap(&eliminated);
-        }
-        self.apply(&eliminated.answers, &eliminated.root)
-    }
-
-    /// Answers of all joints and segments. With the pulls on segments that are known, a held tip is a point of large mass; else it is free.
-    fn eliminate(&self, steep: bool, pulls: Option<&[DVec3]>) -> Eliminated {
-        let mut beyond = (Matrix6::zeros(), vector(DVec3::ZERO, self.drive.tip_force));
+        let mut vectors = Matrix6x4::zeros();
+        vectors.fixed_view_mut::<3, 3>(3, 1).fill_with_identity();
+        vectors.set_column(0, &vector(DVec3::ZERO, self.drive.tip_force));
+        let mut beyond = Beyond { matrix: Matrix6::zeros(), vectors };
         if self.ends().tip == End::Clamped {
             let ends = self.ends();
             let last = self.segments[self.segments.len() - 1].frame;
             let tip = joint(last, ends.tip_frame, ends.tip_rest_rotation, ends.tip_compliance);
-            add(&mut beyond.0, (0, 0), tip.stiffness);
-            beyond.1 -= vector(tip.force, DVec3::ZERO);
+            add(&mut beyond.matrix, (0, 0), tip.stiffness);
+            add_force(&mut beyond.vectors, vector(-tip.force, DVec3::ZERO));
         }
-        let mut all = Eliminated { answers: Vec::new(), pulls: Vec::new(), decrease: 0.0, root: beyond };
+        let mut answers: Vec<Answer> = Vec::new();
         for k in (0..self.segments.len()).rev() {
-            let (answer, pull, after) = self.answer(k, all.root, steep, pulls.map(|pulls| pulls[k]), &mut all.decrease);
-            all.root = after;
-            all.answers.push(answer);
-            all.pulls.push(pull);
+            let (answer, before) = self.answer(k, beyond, steep);
+            beyond = before;
+            answers.push(answer);
         }
-        all.answers.reverse();
-        all.pulls.reverse();
-        all
+        answers.reverse();
+        let root_moves = self.root_moves(&beyond);
+        let change = self.tip_change(&answers, &root_moves);
+        self.drive.tip_force += change;
+        self.apply(&answers, &root_moves, Vector4::new(1.0, change.x, change.y, change.z))
     }
 
-    /// Mass of a held tip over the square of the step \[kg/s²\].
-    fn heavy(&self) -> f64 {
-        HEAVY * self.stiffest()
-    }
-
-    /// Way that is left to a held tip's place after a Newton step that is not cut \[m\].
-    fn tip_gap(&self, eliminated: &Eliminated) -> DVec3 {
-        let mut state = vector(DVec3::ZERO, self.root_move(&eliminated.root));
-        for (k, answer) in eliminated.answers.iter().enumerate() {
-            let segment = &self.segments[k];
-            let arm = self.hair.rest_length[self.of_segment(k)] * (segment.frame * DVec3::Z) + segment.strain;
-            let (turn, shift) = parts(&(state + answer.constant + answer.gain * state));
-            state = vector(turn, shift + turn.cross(arm));
-        }
-        let tip = &self.points[self.points.len() - 1];
-        tip.travel - tip.free + parts(&state).1
-    }
-
-    /// Move of the root's point by a Newton step; 0 where it is held.
-    fn root_move(&self, root: &(Matrix6<f64>, Vector6<f64>)) -> DVec3 {
-        let first = &self.points[0];
-        if first.inverse_mass == 0.0 {
-            return DVec3::ZERO;
-        }
-        let mass = 1.0 / first.reply(self.p);
-        let all = block(&root.0, (3, 3)) + DMat3::from_diagonal(DVec3::splat(mass));
-        -(all.inverse() * (parts(&root.1).1 + mass * (first.travel - first.free)))
-    }
-
-    /// Answer of joint and segment `k`, when `after` (P, p) is what lies beyond the segment, ½ sᵀ P s + pᵀ s; and what lies beyond the
-    /// joint then. Adds to `decrease` what the step lowers the potential by, to first order.
-    fn answer(
-        &self,
-        k: usize,
-        after: (Matrix6<f64>, Vector6<f64>),
-        steep: bool,
-        pull: Option<DVec3>,
-        decrease: &mut f64,
-    ) -> (Answer, DVec3, (Matrix6<f64>, Vector6<f64>)) {
+    /// Answer of joint and segment `k`, with `after` beyond the segment; and what lies beyond the joint then.
+    fn answer(&self, k: usize, after: Beyond, steep: bool) -> (Answer, Beyond) {
         let (j, segment, end) = (self.of_segment(k), &self.segments[k], &self.points[k + 1]);
         let (l, axes) = (self.hair.rest_length[j], DMat3::from_quat(segment.frame));
         let stretch = spring(
@@ -263,85 +225,91 @@ impl Rod<'_> {
             self.hair.stretch_compliance[j],
             segment.frame.conjugate() * segment.strain / l,
         );
-        let (mut q_matrix, mut q_vector) = after;
-        let mass = match (end.inverse_mass > 0.0, pull) {
-            (true, _) => 1.0 / end.reply(self.p),
-            (false, Some(_)) => self.heavy(),
-            (false, None) => 0.0,
-        };
-        add(&mut q_matrix, (3, 3), DMat3::from_diagonal(DVec3::splat(mass)));
-        q_vector += vector(DVec3::ZERO, mass * (end.travel - end.free));
+        let Beyond { mut matrix, mut vectors } = after;
+        let mass = if end.inverse_mass > 0.0 { 1.0 / end.reply(self.p) } else { 0.0 };
+        add(&mut matrix, (3, 3), DMat3::from_diagonal(DVec3::splat(mass)));
+        add_force(&mut vectors, vector(DVec3::ZERO, mass * (end.travel - end.free)));
+        // The pull of what lies beyond, which the frame resists turning off.
+        let pull = -passed(&matrix, &vectors, &stretch);
+        let tension = l * if steep { pull.length() } else { pull.dot(axes.z_axis).max(0.0) };
 
         // From the segment's end to its first point: s' = T (s + z).
-        let arm = l * axes.z_axis + segment.strain;
         let mut carried = Matrix6::identity();
-        add(&mut carried, (3, 0), -cross_matrix(arm));
-        // The pull of what lies beyond, which the frame resists turning off.
-        let pull = pull.unwrap_or_else(|| -self.passed(&q_matrix, &q_vector, &stretch));
-        let (q_matrix, q_vector) = (carried.transpose() * q_matrix * carried, carried.transpose() * q_vector);
-        let mut own = q_matrix;
-        let mut own_vector = q_vector;
-        let inertia = self.inertia(k);
+        add(&mut carried, (3, 0), -cross_matrix(l * axes.z_axis + segment.strain));
+        (matrix, vectors) = (carried.transpose() * matrix * carried, carried.transpose() * vectors);
+        let inertia = 1.0 / (response(self.p.damping, segment.step) * self.hair.inverse_inertia[j]);
         let off = segment.turn * segment.free.conjugate();
-        let tension = l * if steep { pull.length() } else { pull.dot(axes.z_axis).max(0.0) };
-        let across = DMat3::IDENTITY
-            - DMat3::from_cols(axes.z_axis * axes.z_axis.x, axes.z_axis * axes.z_axis.y, axes.z_axis * axes.z_axis.z);
-        add(&mut own, (0, 0), DMat3::from_diagonal(DVec3::splat(inertia)) + across * tension);
-        own_vector += vector(2.0 * inertia * off.w.signum() * off.xyz(), DVec3::ZERO);
+        let cross = cross_matrix(axes.z_axis);
+        add(&mut matrix, (0, 0), DMat3::from_diagonal(DVec3::splat(inertia)) - cross * cross * tension);
+        add_force(&mut vectors, vector(2.0 * inertia * off.w.signum() * off.xyz(), DVec3::ZERO));
 
         let mut springs = Matrix6::zeros();
-        let mut forces = vector(DVec3::ZERO, stretch.force);
+        let mut forces = vectors;
         add(&mut springs, (3, 3), stretch.stiffness);
+        add_force(&mut forces, vector(DVec3::ZERO, stretch.force));
         if k > 0 || self.ends().root == End::Clamped {
             let before = if k > 0 { self.segments[k - 1].frame } else { self.drive.root_frame };
             let bend = joint(before, segment.frame, self.hair.rest_rotation[j], self.hair.bend_compliance[j]);
             add(&mut springs, (0, 0), bend.stiffness);
-            forces += vector(bend.force, DVec3::ZERO);
+            add_force(&mut forces, vector(bend.force, DVec3::ZERO));
         }
-        let factors = (springs + own).cholesky().unwrap_or_else(|| panic!("segment {k}: the Hessian is not positive"));
-        let constant = -factors.solve(&(forces + own_vector));
-        let gain = -factors.solve(&own);
-        *decrease -= constant.dot(&(forces + own_vector));
-        let before = (own + own * gain, own_vector + own * constant);
-        let symmetric = (before.0 + before.0.transpose()) * 0.5;
-        (Answer { constant, gain, beyond: (own, own_vector), stretch }, pull, (symmetric, before.1))
+        let factors =
+            (springs + matrix).cholesky().unwrap_or_else(|| panic!("segment {k}: the Hessian is not positive"));
+        let (constant, gain) = (-factors.solve(&forces), -factors.solve(&matrix));
+        let before = matrix + matrix * gain;
+        let before = Beyond { matrix: (before + before.transpose()) * 0.5, vectors: vectors + matrix * constant };
+        (Answer { constant, gain, beyond: Beyond { matrix, vectors }, stretch }, before)
     }
 
-    /// Force that what lies beyond a segment passes on through its stretch, at the segment's first point.
-    fn passed(&self, matrix: &Matrix6<f64>, vector: &Vector6<f64>, stretch: &Spring) -> DVec3 {
-        let (moves, force) = (block(matrix, (3, 3)), parts(vector).1);
-        force - moves * ((moves + stretch.stiffness).inverse() * (force + stretch.force))
+    /// Moves of the root's point by a Newton step, of (1, λ); 0 where it is held.
+    fn root_moves(&self, root: &Beyond) -> Matrix6x4<f64> {
+        let (first, mut moves) = (&self.points[0], Matrix6x4::zeros());
+        if first.inverse_mass > 0.0 {
+            let mass = 1.0 / first.reply(self.p);
+            let mut vectors = root.vectors;
+            add_force(&mut vectors, vector(DVec3::ZERO, mass * (first.travel - first.free)));
+            let all = (block(&root.matrix, (3, 3)) + DMat3::from_diagonal(DVec3::splat(mass))).inverse();
+            for column in 0..4 {
+                moves.set_column(column, &vector(DVec3::ZERO, -(all * parts(&vectors.column(column).into()).1)));
+            }
+        }
+        moves
     }
 
-    fn inertia(&self, k: usize) -> f64 {
-        1.0 / (response(self.p.damping, self.segments[k].step) * self.hair.inverse_inertia[self.of_segment(k)])
-    }
-
-    /// Stiffness of the stiffest segment \[N/m\].
-    fn stiffest(&self) -> f64 {
-        let of = |k: usize| {
-            let l = self.hair.rest_length[k];
-            stiffness(self.hair.stretch_compliance[k]).max_element() / (l * l)
-        };
-        self.hair.segments(self.strand).map(of).fold(0.0, f64::max)
+    /// Change of the force on a held tip with which a Newton step that is not cut brings the tip to its place \[N\].
+    fn tip_change(&self, answers: &[Answer], root_moves: &Matrix6x4<f64>) -> DVec3 {
+        let tip = &self.points[self.points.len() - 1];
+        if tip.inverse_mass > 0.0 {
+            return DVec3::ZERO;
+        }
+        let mut states = *root_moves;
+        for (k, answer) in answers.iter().enumerate() {
+            let segment = &self.segments[k];
+            let arm = self.hair.rest_length[self.of_segment(k)] * (segment.frame * DVec3::Z) + segment.strain;
+            let mut carried = Matrix6::identity();
+            add(&mut carried, (3, 0), -cross_matrix(arm));
+            states = carried * (states + answer.constant + answer.gain * states);
+        }
+        let column = |c: usize| parts(&states.column(c).into()).1;
+        -(DMat3::from_cols(column(1), column(2), column(3)).inverse() * (tip.travel - tip.free + column(0)))
     }
 
     /// Turns frames and strains by a Newton step, and places the points that follow from them.
-    fn apply(&mut self, answers: &[Answer], root: &(Matrix6<f64>, Vector6<f64>)) -> f64 {
+    fn apply(&mut self, answers: &[Answer], root_moves: &Matrix6x4<f64>, tip: Vector4<f64>) -> f64 {
         let mut most = 0.0_f64;
-        let (mut turn, mut shift) = (DVec3::ZERO, self.root_move(root));
+        let (mut turn, mut shift) = parts(&(root_moves * tip));
         self.points[0].travel += shift;
         for (k, answer) in answers.iter().enumerate() {
             let j = self.of_segment(k);
             let l = self.hair.rest_length[j];
             let segment = &mut self.segments[k];
             let arm = l * (segment.frame * DVec3::Z) + segment.strain;
-            let (bend, _) = parts(&(answer.constant + answer.gain * vector(turn, shift)));
+            let (bend, _) = parts(&(answer.constant * tip + answer.gain * vector(turn, shift)));
             let turned = (turn + bend.clamp_length_max(TURN)).clamp_length_max(std::f64::consts::PI);
             // The segment's stretch, given the turn of its joint as it was cut.
-            let (own, own_vector) = &answer.beyond;
-            let at_end = parts(&(own_vector + own * vector(turned, shift))).1 + answer.stretch.force;
-            let stretch = -((block(own, (3, 3)) + answer.stretch.stiffness).inverse() * at_end);
+            let Beyond { matrix, vectors } = &answer.beyond;
+            let at_end = parts(&(vectors * tip + matrix * vector(turned, shift))).1 + answer.stretch.force;
+            let stretch = -((block(matrix, (3, 3)) + answer.stretch.stiffness).inverse() * at_end);
             (turn, shift) = (turned, shift + turned.cross(arm) + stretch);
             let rotated = rotation(turn);
             let strain = (segment.strain + stretch).clamp_length_max(WHOLE * l);

@@ -127,7 +127,8 @@ fn in_still_air(gpu: &Gpu, keys: &[&str], bends: &[f64]) -> Result<(Felt, Vec<(f
 /// The links do not stretch. Their joints have the moment (EI/l) sin Δ of a rod's, the clamp's, of half the length, twice that;
 /// half of a link's weight hangs on each of its ends. It is found by shooting from the tip, from whose angle φ off the plumb line all
 /// others follow inward, so that the clamp is level.
-pub(super) fn chain_tip(gamma: f64, n: usize) -> DVec3 {
+#[must_use]
+pub fn chain_tip(gamma: f64, n: usize) -> DVec3 {
     let l = 1.0 / n as f64;
     // Angles off the plumb line, tip first, and the clamp's; `None` where it stands above level, or bends more than it can.
     let shoot = |tip: f64| -> Option<Vec<f64>> {

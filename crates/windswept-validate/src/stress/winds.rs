@@ -32,7 +32,7 @@ const CHANGES: &[Change] = &[
 ];
 
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
-    let mut stretched = Sweep::new("largest stretch", 0.02, "").over("wind [m/s]");
+    let mut stretched = Sweep::new("largest stretch", 0.0101, "").over("wind [m/s]");
     let mut resets = Sweep::new("strands reset", 0.0, "");
     let mut unsolved = sweep_of_unsolved().over("wind [m/s]");
     let mut hair = Sweep::new("fastest hair over the largest wind", 1.3, "").over("wind [m/s]");
