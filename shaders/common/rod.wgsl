@@ -162,6 +162,6 @@ struct Root {
 // What a strand keeps from step to step.
 struct StrandHistory {
     root: Root,             // at its clamp
-    condition: Condition,
     tip_force: vec3f,       // N, that holds a held tip
+    condition: Condition,
 }

@@ -132,7 +132,12 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::guard::COMMIT_FRAMES, "select(before.angular", "select(0.9 * before.angular", PARTICLES),
     (&shaders::guard::COMMIT_FRAMES, "strayed + rotation_vector", "strayed + 0.9 * rotation_vector", PARTICLES),
     (&shaders::guard::COMMIT_FRAMES, "+ rod_strands[k].root_travel", "+ 0.9 * rod_strands[k].root_travel", PARTICLES),
-    (&shaders::guard::COMMIT_FRAMES, "rod_strands[k].condition, rod", "strand_history[k].condition, rod", PARTICLES),
+    (
+        &shaders::guard::COMMIT_FRAMES,
+        "force, rod_strands[k].condition",
+        "force, strand_history[k].condition",
+        PARTICLES,
+    ),
     (&shaders::guard::COMMIT_HAIR, "point.before + last - new_velocity[p].xyz", "point.before + last", PARTICLES),
     (&shaders::guard::CHECK, "air_id_before[slot] = air_id[slot]", "air_id_before[slot] = slot", PARTICLES),
     (&shaders::guard::COMMIT_AIR, "predicted[i]", "predicted[params.hair_points + slot]", PARTICLES),
