@@ -12,7 +12,7 @@ import package::common::{
     integration::{PUT, STAY, EULER, free_move, response}, rest::STILL_STEPS, load::damping_of, body::{PUSHED, MOVED},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, SegmentHistory, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, TIP_HELD, WHOLE, TURN,
         clamped},
-    sound::FAR, status::{status, frozen, freeze, count, EULER_STEP, ASLEEP_STEP, TELEPORT, UNMENDED_STRAND},
+    sound::{FAR, FAST, within}, status::{status, frozen, freeze, count, EULER_STEP, ASLEEP_STEP, TELEPORT, UNMENDED_STRAND},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:         array<Strand>;
@@ -38,6 +38,8 @@ fn load(strand: Strand, asleep: bool) -> f32 {
         let point = rod_points[p];
         if point.inverse_mass == 0.0 { continue; }
         let velocity = point.velocity - point.outside;
+        // Nothing is so fast: somebody wrote it where nobody looks.
+        if !within(velocity, FAST) && status.inspected == 0u { freeze(UNMENDED_STRAND); }
         let felt = params.step * point.inverse_mass * (point.force - point.resistance * velocity);
         rod_points[p].outside = point.outside + felt;
         rod_points[p].push = point.push + felt;
@@ -49,7 +51,7 @@ fn load(strand: Strand, asleep: bool) -> f32 {
     return max(length(sum) / max(movable, 1.0), largest / max(AT_TIP * movable, 1.0));
 }
 
-// Whether a strand whose clamp rests goes on at rest. One that trembles feels the drag tremble, and is not pushed by that.
+// Whether a strand whose clamp rests goes on at rest. A trembling strand feels a trembling drag, which must not wake it.
 fn rests(strand: Strand, still: u32, touched: u32, push: f32) -> bool {
     let asleep = still == SLEEPS;
     let rested = still >= STILL_STEPS && f32(still) * params.step >= strand.still_time;

@@ -10,7 +10,7 @@
 // Tip to root, what lies beyond a point acts on it as an articulated body (`common/articulated`); root to tip, turns and strains follow. The
 // Hessian is Gauss-Newton's, and a frame under tension resists turning off the pull: it is positive definite, so that Phi falls along theta.
 //
-// One invocation per strand, until frames and strains have settled.
+// One invocation per strand, until frames, strains and a held tip have settled.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen, integration::response, pi::PI,
     quaternion::{product, conjugate, rotate, rotation, tangent, matrix, turned_by},
@@ -150,16 +150,13 @@ fn finish(strand: Strand) {
     let last = strand.first_point + strand.points - 1u;
     var shift = vec3f(0.0);    // m, of all points,
     var spread = vec3f(0.0);   // and of the tip
-    if (strand.joints & TIP_HELD) != 0u {
-        spread = rod_points[last].free - rod_points[last].travel;
-    } else if (strand.joints & ROOT_HELD) == 0u {
+    if (strand.joints & TIP_HELD) != 0u { spread = rod_points[last].free - rod_points[last].travel; }
+    if (strand.joints & (ROOT_HELD | TIP_HELD)) == 0u {
         var momentum = vec4f(0.0);
         for (var p = strand.first_point; p <= last; p++) {
             momentum += vec4f(rod_points[p].free - rod_points[p].travel, 1.0) / rod_points[p].reply;
         }
         shift = momentum.xyz / momentum.w;
-    } else {
-        return;
     }
     for (var k = 0u; k < strand.points; k++) {
         rod_points[strand.first_point + k].travel += shift + f32(k) / f32(strand.points - 1u) * spread;
@@ -183,8 +180,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         for (var elimination = first; elimination < 2u; elimination++) {
             eliminated = eliminate(strand, rod, steep, tip_force, eliminated.tip_force);
         }
-        tip_force += eliminated.tip_force;
-        let most = substitute(strand, eliminated.root_move);
+        var most = substitute(strand, eliminated.root_move);
+        // Where turns were cut, the force would close a gap that the cut left, and wind up.
+        if most <= TURN { tip_force += eliminated.tip_force; }
+        let tip = rod_points[strand.first_point + strand.points - 1u];
+        if first == 0u { most = max(most, length(tip.travel - tip.free) / strand.length); }
         if step == 0u { settled = max(SETTLED, RELATIVE * most); }
         if most < settled {
             rod_strands[s].state = SOLVED;

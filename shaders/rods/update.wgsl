@@ -5,7 +5,7 @@
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::{PUT, rate}, place::placed,
     rest::{STILL_STEPS, STILL_TURN}, sound::FAR,
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, Condition, FREE, SLEEPS, STRAINED_STEPS, strained_steps, ROOT_HELD, BAD},
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SLEEPS, STRAINED_STEPS, strained_steps, ROOT_HELD, BAD},
     share::{Stretch, owner_of, worker_of, stretch_of, largest_shared, least_shared, any_shared},
     status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNSOLVED_STEP, UNMENDED_STRAND,
         BY_UPDATE, NO_POINT},

@@ -70,7 +70,7 @@ fn tangles_are_whole_in_every_step() {
     assert!(worst < 1e-3, "{worst}");
 }
 
-/// Hair that has come to rest, awake, stays where it is for a second, in still air without damping and in wind.
+/// Hair that has come to rest, awake, stays where it is for a second, in still air and in wind.
 #[test]
 fn hair_at_rest_stays_awake() {
     for step in [1.38e-3, 5e-3, 16e-3] {

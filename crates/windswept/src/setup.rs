@@ -1,6 +1,6 @@
 //! What the engine makes of a scene and its initial state, once: uniforms, tables, and how many of everything.
 
-use windswept_scene::{Counts, Filter, FluidSolver, Groom, InitialState, Scene};
+use windswept_scene::{Counts, Filter, FluidSolver, Groom, InitialState, Scene, Solver};
 use windswept_shaders::{
     common::{inflow::Wave, list::PAGES, mesh::Mesh, params::Params},
     fluid::divergence::Iteration,
@@ -126,6 +126,7 @@ pub(crate) fn least_sizes(scene: &Scene, groom: Option<&Groom>) -> Sizes {
         hair_points: size(hair_points),
         segments: size(hair_points.saturating_sub(strands)),
         strands: size(strands),
+        factors: if scene.rods.solver == Solver::Direct { size(hair_points.saturating_sub(strands)) } else { 0 },
         pressed: if has_pressure(scene, size(air)) { particles } else { 0 },
         ..Sizes::default()
     }

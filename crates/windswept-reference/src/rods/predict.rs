@@ -18,7 +18,7 @@ pub fn predict(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut 
     let asleep = s.asleep[strand];
     let push = load(p, s, strand, m);
     let rested = s.still[strand] >= STILL_STEPS && f64::from(s.still[strand]) * p.step >= p.rest[strand].time;
-    // One that trembles feels the drag tremble, and is not pushed by that.
+    // A trembling strand feels a trembling drag, which must not wake it.
     let pushed = (asleep || p.model == Model::Particles) && push > p.rest[strand].acceleration * p.step;
     let resets = std::mem::take(&mut s.bad[strand]);
     let sleeps = !resets && drive.state == State::Asleep && rested && !pushed && !(asleep && s.touched[strand]);

@@ -212,8 +212,14 @@ impl Rod<'_> {
         answers.reverse();
         let root_moves = self.root_moves(&beyond);
         let change = self.tip_change(&answers, &root_moves);
-        self.drive.tip_force += change;
-        self.apply(&answers, &root_moves, Vector4::new(1.0, change.x, change.y, change.z))
+        let most = self.apply(&answers, &root_moves, Vector4::new(1.0, change.x, change.y, change.z));
+        // Where turns were cut, the force would close a gap that the cut left, and wind up.
+        if most <= TURN {
+            self.drive.tip_force += change;
+        }
+        let tip = &self.points[self.points.len() - 1];
+        let length: f64 = self.hair.rest_length[self.hair.segments(self.strand)].iter().sum();
+        if tip.inverse_mass == 0.0 { most.max((tip.travel - tip.free).length() / length) } else { most }
     }
 
     /// Answer of joint and segment `k`, with `after` beyond the segment; and what lies beyond the joint then.
