@@ -19,6 +19,7 @@ pub const RELATIVE: f64 = 1e-2;
 const STIFFEST: f64 = 1e-6;
 /// and smallest part of the largest of a spring's, as the engine needs it in f32.
 const UNEVEN: f64 = 1e-3;
+
 /// A strand within a step.
 struct Rod<'a> {
     p: &'a Parameters,
