@@ -117,7 +117,7 @@ struct RodPoint {
     push: vec3f,           // m/s, what of it did not act while the strand came to rest
     free: vec3f,           // m, the move without the rod's forces; of a held point, where it is held
     travel: vec3f,         // m, the move
-    strayed: vec3f,        // m, from where it was when the strand became still
+    rest_drift: vec3f,        // m, from where it was when the strand became still
 }
 
 // A segment within a step.
@@ -128,7 +128,7 @@ struct RodSegment {
     free: vec4f,       // rotation without the rod's forces
     strain: vec3f,     // m, world: u = chord - l d3
     scheme: u32,       // of `integration`: EULER, BDF2, PUT, STAY
-    strayed: vec3f,    // rad, turn since the strand became still
+    rest_drift: vec3f,    // rad, turn since the strand became still
     stretch: vec3f,    // multiplier of stretch-shear in `rods/gauss_seidel`
     bend: vec3f,       // multiplier of the joint before it there
 }
@@ -142,7 +142,7 @@ struct PointHistory {
                         // still; nothing with the model PARTICLES
     own: vec3f,         // m/s, what its rod and gravity gave it in the last step awake; nothing with the model PARTICLES
     grip: vec3f,        // m/s, slip that friction of hair on hair holds it back from
-    strayed: vec3f,     // m, from where it was when its strand became still
+    rest_drift: vec3f,     // m, from where it was when its strand became still
 }
 
 // What a segment keeps from step to step beside its frame.
@@ -150,7 +150,7 @@ struct SegmentHistory {
     turn: vec3f,               // rad, the last step's
     angular_velocity: vec3f,   // rad/s, world axes
     before: vec3f,             // rad/s, of the step before
-    strayed: vec3f,            // rad, turn since its strand became still
+    rest_drift: vec3f,            // rad, turn since its strand became still
 }
 
 // Where a root is, and its ghost frame.

@@ -25,8 +25,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let turn = select(rotation_vector(rotation), vec3f(0.0), anew);
     let spin = rate(turn, before.turn, segment.scheme);
     // A frame also turns where its strand is made whole as the step begins.
-    let strayed = segment.strayed + rotation_vector(product(segment.frame, conjugate(orientation[k])));
-    segment_history[k] = SegmentHistory(turn, spin, select(before.angular_velocity, vec3f(0.0), anew), strayed);
+    let rest_drift = segment.rest_drift + rotation_vector(product(segment.frame, conjugate(orientation[k])));
+    segment_history[k] = SegmentHistory(turn, spin, select(before.angular_velocity, vec3f(0.0), anew), rest_drift);
     orientation[k] = segment.frame;
     if k < params.strands {   // no more than segments
         let root = Root(strand_history[k].root.position + rod_strands[k].root_travel, rod_strands[k].root_frame);

@@ -36,6 +36,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         select(outside, point_history[p].outside, stays),
         select(own, point_history[p].own, stays),
         grip[p].xyz,
-        point.strayed + ((predicted[p].xyz - x) + (remainder - before)),
+        point.rest_drift + ((predicted[p].xyz - x) + (remainder - before)),
     );
 }

@@ -28,6 +28,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     point.carried = history.travel;
     point.outside = change;
     point.push = change - history.outside;
-    point.strayed = history.strayed;
+    point.rest_drift = history.rest_drift;
     rod_points[p] = point;
 }

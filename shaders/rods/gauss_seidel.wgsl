@@ -11,6 +11,7 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen,
     quaternion::{product, conjugate, rotate, tangent, turned}, integration::response, load::damping_of,
+    symmetric::{applied, dyad, inverse_of},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, ROOT_JOINT},
 };
 
@@ -20,14 +21,6 @@ import package::common::{
 @group(0) @binding(5) var<storage, read_write> rod_points:   array<RodPoint>;
 @group(0) @binding(6) var<storage, read_write> rod_segments: array<RodSegment>;
 
-// x of M x = b, M symmetric positive definite, by the adjugate.
-fn solve(m: mat3x3f, b: vec3f) -> vec3f {
-    let c0 = cross(m[1], m[2]);
-    let c1 = cross(m[2], m[0]);
-    let c2 = cross(m[0], m[1]);
-    return vec3f(dot(c0, b), dot(c1, b), dot(c2, b)) / dot(m[0], c0);
-}
-
 // Bend-twist of the joint before segment k: `before` is the frame it hangs on. Returns dlambda turned into the world.
 fn bend_twist(k: u32, before: vec4f, before_inverse_inertia: f32) -> vec3f {
     let segment = segments[k];
@@ -36,14 +29,11 @@ fn bend_twist(k: u32, before: vec4f, before_inverse_inertia: f32) -> vec3f {
     let constraint = p.xyz - select(-segment.rest_rotation.xyz, segment.rest_rotation.xyz, same);
     let compliance = segment.bend_compliance / response(params.damping, rod_segments[k].scheme);
     let w = 0.25 * (before_inverse_inertia + segment.inverse_inertia);
-    // Scaled by w, so that the determinant stays in the range of f32.
     let v = p.xyz;
-    var m = mat3x3f(-v.x * v, -v.y * v, -v.z * v);
-    m[0].x += 1.0 + compliance.x / w;
-    m[1].y += 1.0 + compliance.y / w;
-    m[2].z += 1.0 + compliance.z / w;
+    var m = dyad(-w, v);
+    m.diagonal += w + compliance;
     let lambda = rod_segments[k].bend;
-    let change = solve(m, -(constraint + compliance * lambda) / w);
+    let change = -applied(inverse_of(m), constraint + compliance * lambda);
     rod_segments[k].bend = lambda + change;
     // A^T change = 1/2 R_(k-1) (p_w change + p_v x change)
     return 0.5 * rotate(before, p.w * change + cross(v, change));

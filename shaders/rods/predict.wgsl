@@ -95,7 +95,7 @@ fn place(strand: Strand, rod: RodStrand, at_rest: bool, sleeps: bool) {
         segment.frame = frame;
         segment.turn = vec4f(0.0, 0.0, 0.0, 1.0);
         segment.scheme = scheme;
-        segment.strayed = segment_history[j].strayed;
+        segment.rest_drift = segment_history[j].rest_drift;
         rod_segments[j] = segment;
         offset += chord_of(p);
         rest += segments[j].rest_length * tangent(frame);
@@ -156,7 +156,7 @@ fn set_off(strand: Strand, rod: RodStrand) {
         let frame = normalize(product(select(free_turn, turn, direct), start));
         travel += turned_by(turn, l * tangent(start) + strain);
         rod_segments[j] = RodSegment(
-            start, frame, turn, free_turn, rotate(turn, strain), scheme, history.strayed, vec3f(0.0), vec3f(0.0),
+            start, frame, turn, free_turn, rotate(turn, strain), scheme, history.rest_drift, vec3f(0.0), vec3f(0.0),
         );
         here = next;
     }

@@ -26,9 +26,9 @@ fn still(strand: Strand, own: Stretch) -> bool {
     for (var k = own.begin; k < own.end; k++) {
         let point = rod_points[strand.first_point + k];
         let pushed = params.model == PARTICLES && length(point.push) > strand.still_acceleration * params.step;
-        if pushed || !(length(point.strayed) <= strand.still_way) { return false; }
+        if pushed || !(length(point.rest_drift) <= strand.still_way) { return false; }
         if k + 1u == strand.points { continue; }
-        if !(length(rod_segments[strand.first_segment + k].strayed) <= STILL_TURN) { return false; }
+        if !(length(rod_segments[strand.first_segment + k].rest_drift) <= STILL_TURN) { return false; }
     }
     return true;
 }
@@ -83,8 +83,8 @@ fn rest(strand: Strand, own: Stretch, steps: u32) {
             rod_points[p].outside -= part * rod_points[p].push;
             continue;
         }
-        rod_points[p].strayed = vec3f(0.0);
-        if k + 1u < strand.points { rod_segments[strand.first_segment + k].strayed = vec3f(0.0); }
+        rod_points[p].rest_drift = vec3f(0.0);
+        if k + 1u < strand.points { rod_segments[strand.first_segment + k].rest_drift = vec3f(0.0); }
     }
 }
 

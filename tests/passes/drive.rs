@@ -247,7 +247,7 @@ fn reset_is_that_of_the_twin() {
         // Measured 9.2e-8 m; margin 4.
         assert!(gap < 3.7e-7, "{n}: {gap} m");
         let memories = |s: &Twin| {
-            [s.velocity.clone(), s.travel.clone(), s.velocity_before.clone(), s.own.clone(), s.strayed.clone()]
+            [s.velocity.clone(), s.travel.clone(), s.velocity_before.clone(), s.own.clone(), s.rest_drift.clone()]
         };
         assert_eq!(memories(&got), memories(&s), "{n}");
     }

@@ -54,8 +54,8 @@ impl Walk<'_> {
             self.same("guard/commit_frames", largest(before), bounds.spin)?;
             let turns = largest(history.iter().zip(&s.turn).map(|(a, b)| (xyz(&a.turn) - *b).length()));
             self.same("guard/commit_frames", turns, bounds.frame)?;
-            let strayed = history.iter().zip(&s.segment_strayed).map(|(a, b)| (xyz(&a.strayed) - *b).length());
-            self.same("guard/commit_frames", largest(strayed), bounds.frame)?;
+            let rest_drift = history.iter().zip(&s.segment_rest_drift).map(|(a, b)| (xyz(&a.rest_drift) - *b).length());
+            self.same("guard/commit_frames", largest(rest_drift), bounds.frame)?;
             let strands = stage.engine.read(&state.strand_history).unwrap();
             let clamps =
                 strands.iter().zip(&s.clamps).map(|(strand, clamp)| (xyz(&strand.root.position) - clamp.0).length());
@@ -68,8 +68,8 @@ impl Walk<'_> {
             let points = stage.engine.read(&state.point_history).unwrap();
             let travel = largest(points.iter().zip(&s.travel).map(|(a, b)| (xyz(&a.travel) - *b).length()));
             self.same("guard/commit_hair", travel, bounds.length)?;
-            let strayed = largest(points.iter().zip(&s.strayed).map(|(a, b)| (xyz(&a.strayed) - *b).length()));
-            self.same("guard/commit_hair", strayed, bounds.length)?;
+            let rest_drift = largest(points.iter().zip(&s.rest_drift).map(|(a, b)| (xyz(&a.rest_drift) - *b).length()));
+            self.same("guard/commit_hair", rest_drift, bounds.length)?;
             let outside = largest(points.iter().zip(&s.outside).map(|(a, b)| (xyz(&a.outside) - *b).length()));
             self.same("guard/commit_hair", outside, bounds.speed)?;
             let before = largest(points.iter().zip(&s.velocity_before).map(|(a, b)| (xyz(&a.velocity) - *b).length()));
@@ -130,7 +130,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::guard::CHECK, "!can_be(", "can_be(", PARTICLES),
     (&shaders::guard::COMMIT_FRAMES, "turn, spin,", "turn, 0.9 * spin,", PARTICLES),
     (&shaders::guard::COMMIT_FRAMES, "select(before.angular", "select(0.9 * before.angular", PARTICLES),
-    (&shaders::guard::COMMIT_FRAMES, "strayed + rotation_vector", "strayed + 0.9 * rotation_vector", PARTICLES),
+    (&shaders::guard::COMMIT_FRAMES, "rest_drift + rotation_vector", "rest_drift + 0.9 * rotation_vector", PARTICLES),
     (&shaders::guard::COMMIT_FRAMES, "+ rod_strands[k].root_travel", "+ 0.9 * rod_strands[k].root_travel", PARTICLES),
     (
         &shaders::guard::COMMIT_FRAMES,

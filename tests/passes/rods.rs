@@ -37,7 +37,7 @@ impl Walk<'_> {
             let velocity = gap(|a, b| xyz(&a.velocity) - b.velocity).max(gap(|a, b| xyz(&a.before) - b.before));
             let outside = gap(|a, b| xyz(&a.outside) - b.outside).max(gap(|a, b| xyz(&a.push) - b.push));
             self.same("rods/begin", velocity.max(outside), bounds.speed)?;
-            let moves = gap(|a, b| xyz(&a.carried) - b.carried).max(gap(|a, b| xyz(&a.strayed) - b.strayed));
+            let moves = gap(|a, b| xyz(&a.carried) - b.carried).max(gap(|a, b| xyz(&a.rest_drift) - b.rest_drift));
             self.same("rods/begin", moves, bounds.length)?;
         }
         if passes.through("wind/sample") {

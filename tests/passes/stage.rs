@@ -159,12 +159,12 @@ impl Stage {
             s.position[i] = position[i] + xyz(&points[i].remainder);
             (s.travel[i], s.velocity_before[i]) = (xyz(&points[i].travel), xyz(&points[i].velocity));
             (s.own[i], s.grip[i]) = (xyz(&points[i].own), xyz(&points[i].grip));
-            (s.strayed[i], s.outside[i]) = (xyz(&points[i].strayed), xyz(&points[i].outside));
+            (s.rest_drift[i], s.outside[i]) = (xyz(&points[i].rest_drift), xyz(&points[i].outside));
         }
         s.velocity[..hair].copy_from_slice(&self.vectors(&state.velocity)[..hair]);
         s.orientation = self.quaternions(&state.orientation);
         for (k, history) in segments.iter().enumerate() {
-            (s.turn[k], s.segment_strayed[k]) = (xyz(&history.turn), xyz(&history.strayed));
+            (s.turn[k], s.segment_rest_drift[k]) = (xyz(&history.turn), xyz(&history.rest_drift));
             s.angular_velocity[k] = xyz(&history.angular_velocity);
             s.angular_velocity_before[k] = xyz(&history.before);
         }

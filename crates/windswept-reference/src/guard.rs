@@ -92,13 +92,14 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
         s.angular_velocity[k] = rods::rate(p, turn, segment.carried, segment.step);
         s.turn[k] = turn;
         // A frame also turns where its strand is made whole as the step begins.
-        s.segment_strayed[k] = segment.strayed + rods::rotation_vector(segment.frame * s.orientation[k].conjugate());
+        s.segment_rest_drift[k] =
+            segment.rest_drift + rods::rotation_vector(segment.frame * s.orientation[k].conjugate());
         s.orientation[k] = segment.frame;
     }
     for (i, point) in w.moving.points.iter().enumerate() {
         let last = w.new_velocity[i];
         let anew = point.step.is_infinite();
-        s.strayed[i] = point.strayed + w.predicted[i] - s.position[i];
+        s.rest_drift[i] = point.rest_drift + w.predicted[i] - s.position[i];
         s.travel[i] = if anew { p.step * last } else { point.travel };
         let forgets = anew && !s.asleep[p.strand_of[i]];
         s.velocity_before[i] = if forgets { last } else { point.before + last - w.rod_velocity[i] };

@@ -155,7 +155,7 @@ pub fn begin_point(p: &Parameters, s: &state::State, i: usize, correction: DVec3
         inverse_mass,
         weight: s.hair.weight(i),
         stays: inverse_mass == 0.0 && i > s.hair.points(p.strand_of[i]).start,
-        strayed: s.strayed[i],
+        rest_drift: s.rest_drift[i],
         ..Point::default()
     }
 }
@@ -170,7 +170,7 @@ pub fn begin_segment(s: &state::State, strand: usize, k: usize) -> Segment {
         before: s.angular_velocity_before[k],
         carried: s.turn[k],
         chord: s.position[point + 1] - s.position[point],
-        strayed: s.segment_strayed[k],
+        rest_drift: s.segment_rest_drift[k],
         ..Segment::default()
     }
 }

@@ -32,9 +32,9 @@ pub struct State {
     /// What pressure leaves each particle from step to step; 0 with solver `pbf`.
     pub pressed: Vec<Pressed>,
     /// Way of each hair point from where it was when its strand became still \[m\].
-    pub strayed: Vec<DVec3>,
+    pub rest_drift: Vec<DVec3>,
     /// Turn of each segment since its strand became still \[rad\].
-    pub segment_strayed: Vec<DVec3>,
+    pub segment_rest_drift: Vec<DVec3>,
     /// Turn of each segment in the last step \[rad\].
     pub turn: Vec<DVec3>,
     /// Spin of each segment one step before \[rad/s\].
@@ -105,8 +105,8 @@ impl State {
             own: vec![DVec3::ZERO; hair.velocities.len()],
             grip: vec![DVec3::ZERO; hair.velocities.len()],
             pressed: vec![Pressed::default(); hair.velocities.len() + air],
-            strayed: vec![DVec3::ZERO; hair.velocities.len()],
-            segment_strayed: vec![DVec3::ZERO; hair.orientations.len()],
+            rest_drift: vec![DVec3::ZERO; hair.velocities.len()],
+            segment_rest_drift: vec![DVec3::ZERO; hair.orientations.len()],
             turn: hair.angular_velocities.iter().map(|w| *w * step).collect(),
             angular_velocity_before: hair.angular_velocities.clone(),
             root_targets: clamps.clone(),

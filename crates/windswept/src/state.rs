@@ -222,9 +222,9 @@ state! {
     /// Orientation of a segment: quaternion (x, y, z, w), material frame to world.
     orientation: Vec4, |s| s.segments;
     /// What a hair point remembers: the last move \[m\], the velocity before \[m/s\], what rounding left off the position \[m\],
-    /// what acted on it from outside and from its own rod in the last step awake, its grip \[m/s\], how far it strayed \[m\].
+    /// what acted on it from outside and from its own rod in the last step awake, its grip \[m/s\], its drift since it became still \[m\].
     point_history: PointHistory, |s| s.hair_points;
-    /// What a segment remembers: the last turn \[rad\], its angular velocity in the world and that before \[rad/s\], how far it strayed
+    /// What a segment remembers: the last turn \[rad\], its angular velocity in the world and that before \[rad/s\], its drift since it became still
     /// \[rad\].
     segment_history: SegmentHistory, |s| s.segments;
     /// What pressure did to a particle in the step before: its change of the velocity \[m/s\], and the pressure itself \[m²/s\].

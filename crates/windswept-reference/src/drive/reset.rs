@@ -69,6 +69,6 @@ pub fn reset(s: &mut State, strand: usize) {
     for (i, place) in points.zip(places) {
         s.position[i] = place;
         (s.velocity[i], s.velocity_before[i], s.travel[i]) = Default::default();
-        (s.outside[i], s.own[i], s.grip[i], s.strayed[i]) = Default::default();
+        (s.outside[i], s.own[i], s.grip[i], s.rest_drift[i]) = Default::default();
     }
 }

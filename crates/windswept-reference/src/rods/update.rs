@@ -29,8 +29,8 @@ pub fn update(p: &Parameters, s: &mut state::State, strand: usize, w: &mut Scrat
     if s.still[strand] > 0 {
         remember(&s.hair, strand, m, s.still[strand]);
     } else {
-        m.points[s.hair.points(strand)].iter_mut().for_each(|point| point.strayed = DVec3::ZERO);
-        m.segments[s.hair.segments(strand)].iter_mut().for_each(|segment| segment.strayed = DVec3::ZERO);
+        m.points[s.hair.points(strand)].iter_mut().for_each(|point| point.rest_drift = DVec3::ZERO);
+        m.segments[s.hair.segments(strand)].iter_mut().for_each(|segment| segment.rest_drift = DVec3::ZERO);
     }
 }
 
@@ -67,9 +67,9 @@ pub fn still(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
     // A strand that nothing holds may drift as slowly as it will.
     let held = m.points[hair.points(s).start].inverse_mass == 0.0;
     let pushed = |point: &Point| p.model == Model::Particles && point.push.length() > rest.acceleration * p.step;
-    let rests = |point: &Point| point.strayed.length() <= rest.way && !pushed(point);
+    let rests = |point: &Point| point.rest_drift.length() <= rest.way && !pushed(point);
     held && m.points[hair.points(s)].iter().all(rests)
-        && m.segments[hair.segments(s)].iter().all(|segment| segment.strayed.length() <= STILL_TURN)
+        && m.segments[hair.segments(s)].iter().all(|segment| segment.rest_drift.length() <= STILL_TURN)
 }
 
 /// Takes what acts from outside on a strand that was still for so many `steps` as a mean over the last of them, about

@@ -92,7 +92,7 @@ pub struct Point {
     /// Shift of the point that makes its strand whole as the step begins \[m\].
     pub shift: DVec3,
     /// Way from where the point was when its strand became still \[m\].
-    pub strayed: DVec3,
+    pub rest_drift: DVec3,
 }
 
 impl Point {
@@ -137,7 +137,7 @@ pub struct Segment {
     /// Multiplier λ of the joint before the segment in Gauss-Seidel, in the frame before.
     pub bend: DVec3,
     /// Turn since the strand became still \[rad\].
-    pub strayed: DVec3,
+    pub rest_drift: DVec3,
 }
 
 /// Hair points and segments within a step.
