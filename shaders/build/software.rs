@@ -70,7 +70,7 @@ const GATHERED: [&str; 37] = [
 
 /// Names of the arrays of which passes read each element about once in a step, and write it. They are textures where storage buffers are
 /// read slowly.
-const STREAMED: [&str; 21] = [
+const STREAMED: [&str; 20] = [
     "air_id",
     "air_id_before",
     "brought",
@@ -86,7 +86,6 @@ const STREAMED: [&str; 21] = [
     "pressed",
     "pressed_before",
     "rod_points",
-    "rod_segments",
     "rod_strands",
     "scattered",
     "segment_history",
@@ -98,10 +97,9 @@ const STREAMED: [&str; 21] = [
 const FEW: [(&str, u32); 3] = [("missed", 2), ("coarse_total", 2), ("confinement_total", 2)];
 
 /// Passes that read no element of an array after they have written it. They read a texture of it where storage buffers are read slowly.
-const READ_FIRST: [&str; 14] = [
+const READ_FIRST: [&str; 13] = [
     "coarse/push",
     "contact/air",
-    "contact/velocity",
     "fluid/friction",
     "fluid/limit",
     "fluid/move",

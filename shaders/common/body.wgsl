@@ -1,9 +1,8 @@
 // Bodies: all points within a radius of a line, the axis, or all points that a mesh encloses. A sphere's axis is a point, and so is a
 // mesh's: the origin of its file. A mesh is a grid of signed distances, trilinear between the nodes.
 //
-// All that depends on a body's shape stands here: what it is made of, where it is after a step (`place`), the signed distance of a
-// point and its gradient (`surface`), where a way enters it (`entry`), and where one is nearest to it (`nearest`). Passes ask for these and
-// for nothing else.
+// All that depends on a body's shape stands here: its parts, its place after a step (`place`), the signed distance of a point and its
+// gradient (`surface`, `near`), and where a way enters it (`entry`).
 import package::common::{quaternion::{conjugate, product, rotate}, motion::Pose};
 
 struct Body {
@@ -34,17 +33,6 @@ override MESHES: bool = true;
 
 // Rounds that a pass goes over all bodies: a second one for what lies between two bodies.
 const ROUNDS: u32 = 2u;
-
-// The bits below say what bodies did to a strand in a step.
-
-const PUSHED: u32 = 1u;   // bit of `touched`: a body pushed one of the strand's points or segments
-const MOVED: u32 = 2u;    // bit of `touched`: some body moved, and the strand may have lain on it
-const INSIDE: u32 = 4u;   // bit of `touched`: what is to be outside began the step deeper in a body than it comes out in a step
-const PULLED: u32 = 8u;   // bit of `touched`: what was pushed has pulled the strand along
-const PART: u32 = 4u;     // bits of `touched` from this one to EMBEDDED: dispatches of `contact/pull` in this step
-const EMBEDDED: u32 = 8u; // bits of `touched` from this one on: number of the strand's points, from its root on, that bodies let be
-
-const TOUCH: f32 = 1e-6;  // push that counts as a touch [lengths of the strand]; hair at rest on a body is off by rounding
 
 // A body in this step.
 struct Placed {
@@ -78,16 +66,33 @@ struct Surface {
 }
 
 fn surface(body: Placed, x: vec3f) -> Surface {
+    return near(body, x - body.center, vec3f(0.0));
+}
+
+// The surface seen from a place a way off another, which is given from the body's center [m]. A short way counts to its own rounding, not to
+// that of the place: hair at rest does not tremble.
+fn near(body: Placed, base: vec3f, way: vec3f) -> Surface {
     if is_mesh(body) {
-        let near = surface_of_grid(body.grid, in_mesh(body, x));
-        return Surface(rotate(body.rotation, near.normal), near.distance);
+        let back = conjugate(body.rotation);
+        let seen = surface_of_grid(body.grid, rotate(back, base), rotate(back, way));
+        return Surface(rotate(body.rotation, seen.normal), seen.distance);
     }
     let axis = body.end - body.start;
     let squared = dot(axis, axis);
-    let along = select(0.0, clamp(dot(x - body.start, axis) / squared, 0.0, 1.0), squared > 0.0);
-    let gap = x - (body.start + along * axis);
-    let r = length(gap);
-    if r > 1e-6 * body.radius { return Surface(gap / r, r - body.radius); }
+    let gap_to_start = base + 0.5 * axis;
+    var first = 0.0;   // part of the axis that is nearest to the base,
+    var more = 0.0;    // and how much farther along the nearest is in the end
+    if squared > 0.0 {
+        let along = vec2f(dot(gap_to_start, axis), dot(way, axis)) / squared;
+        first = clamp(along.x, 0.0, 1.0);
+        let last = clamp(along.x + along.y, 0.0, 1.0);
+        more = select(last - first, along.y, first == along.x && last == along.x + along.y);
+    }
+    let gap = gap_to_start - first * axis;
+    let moved = way - more * axis;
+    let r = length(gap + moved);
+    let distance = (length(gap) - body.radius) + dot(moved, 2.0 * gap + moved) / max(length(gap) + r, 1e-6 * body.radius);
+    if r > 1e-6 * body.radius { return Surface((gap + moved) / r, distance); }
     // From the axis every direction across it leads out.
     let across = select(vec3f(axis.z, 0.0, -axis.x), vec3f(0.0, axis.z, -axis.y), abs(axis.x) > abs(axis.y));
     return Surface(select(vec3f(0.0, 1.0, 0.0), normalize(across), squared > 0.0), -body.radius);
@@ -97,37 +102,25 @@ fn is_mesh(body: Placed) -> bool {
     return MESHES && body.grid.counts.x > 0u;
 }
 
-// Dispatches among which the turns of `contact/pull` are shared out in a scene with meshes: one has too few loops for them.
-const PARTS: u32 = 5u;
-
-// Loops of an invocation, at most, for a point that is kept out of all bodies.
-fn loops_of_point(bodies: u32) -> u32 {
-    return ROUNDS * bodies * select(1u, 1u + STEPS + HALVINGS, MESHES);
-}
-
-// Loops of an invocation, at most, for a segment that is kept out of all bodies.
-fn loops_of_segment(bodies: u32) -> u32 {
-    return bodies * select(1u, 1u + PLACES + 3u * FINER + STEPS + HALVINGS, MESHES);
-}
-
-// Loops of an invocation, at most, that turn a segment once out of all bodies.
-fn loops_to_turn(bodies: u32) -> u32 {
-    return bodies * select(1u, 1u + PLACES + 3u * FINER, MESHES);
-}
-
 // The point in a mesh's own place.
 fn in_mesh(body: Placed, x: vec3f) -> vec3f {
     return rotate(conjugate(body.rotation), x - body.center);
 }
 
-// Distance from the surface of a grid, and the way in which it grows. Beyond the grid it is the least that the distance at its side
-// allows.
-fn surface_of_grid(grid: Grid, x: vec3f) -> Surface {
+// Distance from the surface of a grid, and the way in which it grows, a way off a place. Beyond the grid it is the least that the distance at
+// its side allows.
+fn surface_of_grid(grid: Grid, x: vec3f, way: vec3f) -> Surface {
     let last = vec3f(grid.counts - 1u);
-    let inside = clamp(x - grid.origin, vec3f(0.0), grid.spacing * last);
-    let place = inside / grid.spacing;
-    let cell = clamp(floor(place), vec3f(0.0), last - 1.0);
-    let part = place - cell;
+    let place = (x - grid.origin) / grid.spacing;
+    var cell = floor(place);
+    var part = (place - cell) + way / grid.spacing;
+    cell += floor(part);
+    part -= floor(part);
+    let held = clamp(cell, vec3f(0.0), last - 1.0);
+    let inside = clamp(part + (cell - held), vec3f(0.0), vec3f(1.0));
+    let beyond = grid.spacing * ((cell - held) + (part - inside));
+    cell = held;
+    part = inside;
     let seat = vec3u(cell);
     let row = grid.counts.x;
     let layer = row * grid.counts.y;
@@ -144,16 +137,10 @@ fn surface_of_grid(grid: Grid, x: vec3f) -> Surface {
     // Where nothing is nearest every way leads out.
     let steep = length(gradient) > 1e-6 * grid.spacing;
     let normal = select(vec3f(0.0, 1.0, 0.0), gradient / length(gradient), steep);
-    let beyond = x - grid.origin - inside;
     if all(beyond == vec3f(0.0)) { return Surface(normal, distance); }
     // The nearest point of the surface is on the other side of the plane through `inside`, across the way from there.
-    let way = beyond + distance * select(vec3f(0.0), normal, beyond == vec3f(0.0));
-    return Surface(normalize(way), length(vec4f(beyond, distance)));
-}
-
-// Where a point that goes with the body is after the step.
-fn carried(body: Placed, before: vec3f) -> vec3f {
-    return body.center + rotate(body.turn, before - body.center_before);
+    let out = beyond + distance * select(vec3f(0.0), normal, beyond == vec3f(0.0));
+    return Surface(normalize(out), length(vec4f(beyond, distance)));
 }
 
 // How far the body's own point that is at `x` after the step has moved in it [m].
@@ -190,7 +177,7 @@ const HALVINGS: u32 = 4u;          // times that the place of entry is narrowed 
 fn entry_of_grid(grid: Grid, start: vec3f, way: vec3f) -> f32 {
     let far = length(way);
     var low = 0.0;
-    var above = surface_of_grid(grid, start).distance;
+    var above = surface_of_grid(grid, start, vec3f(0.0)).distance;
     if above <= 0.0 { return 0.0; }
     if above > STEEPEST * far { return NEVER; }
     let shortest = max(SHORTEST * grid.spacing, far / f32(STEPS - 1u)) / far;
@@ -200,14 +187,14 @@ fn entry_of_grid(grid: Grid, start: vec3f, way: vec3f) -> f32 {
         low = high;
         above = below;
         high = min(low + max(above / (STEEPEST * far), shortest), 1.0);
-        below = surface_of_grid(grid, start + high * way).distance;
+        below = surface_of_grid(grid, start, high * way).distance;
     }
     if below > 0.0 { return NEVER; }
     var middle = high;
     var side = 0;
     for (var k = 0u; k < HALVINGS; k++) {
         middle = low + (high - low) * (above / (above - below));
-        let there = surface_of_grid(grid, start + middle * way).distance;
+        let there = surface_of_grid(grid, start, middle * way).distance;
         if there > 0.0 {
             low = middle;
             above = there;
@@ -240,54 +227,4 @@ fn entry(body: Placed, start: vec3f, way: vec3f) -> f32 {
     );
     let height = dot(gap + part * way, axis);
     return min(ends, select(NEVER, part, height >= 0.0 && height <= squared));
-}
-
-const PLACES: u32 = 12u;   // places of a segment at which a grid is asked
-const FINER: u32 = 2u;     // times that both sides of the nearest place are asked, each half as far away as before
-
-// Part of the way from a to b at which a grid's distance is least, to a quarter of the distance of PLACES + 1 places.
-fn nearest_of_grid(grid: Grid, a: vec3f, b: vec3f) -> f32 {
-    var place = 0.5;
-    var least = surface_of_grid(grid, mix(a, b, place)).distance;
-    if least > 0.5 * STEEPEST * distance(a, b) { return place; }
-    for (var k = 0u; k < PLACES; k++) {
-        let part = f32(k + select(0u, 1u, 2u * k >= PLACES)) / f32(PLACES);
-        let there = surface_of_grid(grid, mix(a, b, part)).distance;
-        if there < least {
-            least = there;
-            place = part;
-        }
-    }
-    var span = 0.5 / f32(PLACES);
-    for (var k = 0u; k < FINER; k++) {
-        let around = place;
-        for (var side = -1.0; side < 2.0; side += 2.0) {
-            let part = clamp(around + side * span, 0.0, 1.0);
-            let there = surface_of_grid(grid, mix(a, b, part)).distance;
-            if there < least {
-                least = there;
-                place = part;
-            }
-        }
-        span *= 0.5;
-    }
-    return place;
-}
-
-// Part of the way from a to b at which it is nearest to the body. Of a round one it is where the way is nearest to the axis
-// (Ericson 2005, Real-time collision detection, 5.1.9).
-fn nearest(body: Placed, a: vec3f, b: vec3f) -> f32 {
-    if is_mesh(body) { return nearest_of_grid(body.grid, in_mesh(body, a), in_mesh(body, b)); }
-    let way = b - a;
-    let axis = body.end - body.start;
-    let gap = a - body.start;
-    let squared = vec2f(dot(way, way), dot(axis, axis));
-    let along = vec2f(dot(way, gap), dot(axis, gap));
-    let both = dot(way, axis);
-    if squared.x == 0.0 { return 0.0; }
-    // Of two lines, unless they are parallel; the place of the axis; the place of the way that is nearest to that.
-    let across = squared.x * squared.y - both * both;
-    let lines = select(0.0, clamp((both * along.y - along.x * squared.y) / across, 0.0, 1.0), across > 1e-6 * squared.x * squared.y);
-    let part = select(0.0, clamp((both * lines + along.y) / squared.y, 0.0, 1.0), squared.y > 0.0);
-    return clamp((both * part - along.x) / squared.x, 0.0, 1.0);
 }

@@ -23,7 +23,8 @@ struct Params {
     page_clusters: u32,           // clusters that a page has room for
     page_of_hair: u32,            // invocations of the page that are hair's, which come first
     neighbour_capacity: u32,      // elements of a page
-    newton_steps: u32,            // of one dispatch of the rods' direct solver, at most
+    newton_steps: u32,            // of the rods' direct solver, at most
+    newton_part: u32,             // of them, in one dispatch
     rod_sweeps: u32,              // of one dispatch of Gauss-Seidel
     air_inverse_mass: f32,        // 1/kg
     constrained: u32,             // particles that the density constraint moves, from the first on: hair, or all

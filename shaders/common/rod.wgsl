@@ -15,6 +15,8 @@
 //   teleported   its root jumped farther than it is long: placed there in the shape that it had
 //   free move    where a point would go without its rod's forces
 
+import package::common::articulated::Answer;
+
 struct Strand {
     first_point: u32,
     first_segment: u32,
@@ -70,7 +72,6 @@ struct Condition {
     strained: u32,     // steps of over-strain on end
     bdf2_ready: u32,   // 1: the step before was integrated, or slept through
     still: u32,        // steps on end at rest; SLEEPS
-    touched: u32,      // bits PUSHED and MOVED of `body.wgsl`: what bodies did to it
 }
 
 const BAD: u32 = 1u;               // what its step found after the solve, and counted: the next step resets it
@@ -93,6 +94,12 @@ struct RodStrand {
     scheme: u32,            // of `integration`, if it is integrated: EULER, BDF2
     condition: Condition,   // as the step found it so far; `guard/commit_frames` commits it
     tip_force: vec3f,       // N, that holds a held tip
+    embedded: u32,          // points, from the root on, that bodies let be
+    meets: u32,             // 1: it may meet a body in this step
+    woken: u32,             // 1: a body that moves reaches it
+    newton: u32,            // Newton steps so far
+    steep: u32,             // 1: the next takes all of a segment's force for its tension
+    settled: f32,           // rad, and strain, in a Newton step that is the last
 }
 
 const FREE: u32 = 0u;         // integrated, and not solved yet
@@ -131,6 +138,8 @@ struct RodSegment {
     rest_drift: vec3f,    // rad, turn since the strand became still
     stretch: vec3f,    // multiplier of stretch-shear in `rods/gauss_seidel`
     bend: vec3f,       // multiplier of the joint before it there
+    bends: Answer,     // answers of the joint before it and of itself in the Newton step, to the move of its first point and the turn of
+    stretches: Answer, // the frame before
 }
 
 // What a point keeps from step to step beside its position and velocity.

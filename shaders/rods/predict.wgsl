@@ -9,7 +9,7 @@
 // somebody: its frame turns onto its chord, what is left of the strain is cut, and the points beyond shift along, without a velocity.
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent, turned_by},
-    integration::{PUT, STAY, EULER, free_move, response}, rest::STILL_STEPS, load::damping_of, body::{PUSHED, MOVED},
+    integration::{PUT, STAY, EULER, free_move, response}, rest::STILL_STEPS, load::damping_of,
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, SegmentHistory, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, TIP_HELD, WHOLE, TURN,
         clamped},
     sound::{FAR, FAST, within}, status::{status, frozen, freeze, count, EULER_STEP, ASLEEP_STEP, TELEPORT, UNMENDED_STRAND},
@@ -52,11 +52,11 @@ fn load(strand: Strand, asleep: bool) -> f32 {
 }
 
 // Whether a strand whose clamp rests goes on at rest. A trembling strand feels a trembling drag, which must not wake it.
-fn rests(strand: Strand, still: u32, touched: u32, push: f32) -> bool {
+fn rests(strand: Strand, still: u32, woken: bool, push: f32) -> bool {
     let asleep = still == SLEEPS;
     let rested = still >= STILL_STEPS && f32(still) * params.step >= strand.still_time;
     let pushed = (asleep || params.model == PARTICLES) && push > strand.still_acceleration * params.step;
-    return rested && !pushed && !(asleep && (touched & (PUSHED | MOVED)) != 0u);
+    return rested && !pushed && !(asleep && woken);
 }
 
 fn chord_of(p: u32) -> vec3f {
@@ -155,9 +155,15 @@ fn set_off(strand: Strand, rod: RodStrand) {
         );
         let frame = normalize(product(select(free_turn, turn, direct), start));
         travel += turned_by(turn, l * tangent(start) + strain);
-        rod_segments[j] = RodSegment(
-            start, frame, turn, free_turn, rotate(turn, strain), scheme, history.rest_drift, vec3f(0.0), vec3f(0.0),
-        );
+        var segment = RodSegment();
+        segment.start = start;
+        segment.frame = frame;
+        segment.turn = turn;
+        segment.free = free_turn;
+        segment.strain = rotate(turn, strain);
+        segment.scheme = scheme;
+        segment.rest_drift = history.rest_drift;
+        rod_segments[j] = segment;
         here = next;
     }
 }
@@ -172,7 +178,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let resets = condition.bad != 0u;
     let jumps = resets || rod.state == TELEPORTED;
     let push = load(strand, condition.still == SLEEPS);
-    let sleeps = !jumps && rod.state == ASLEEP && rests(strand, condition.still, condition.touched, push);
+    let sleeps = !jumps && rod.state == ASLEEP && rests(strand, condition.still, rod.woken != 0u, push);
     var state = rod.state;
     if jumps | sleeps {
         place(strand, rod, resets, sleeps);
@@ -188,5 +194,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     condition.bad = 0u;
     condition.bdf2_ready = select(u32(!jumps), condition.bdf2_ready, sleeps);
     rod_strands[s].state = state;
+    rod_strands[s].newton = 0u;
+    rod_strands[s].steep = 0u;
     rod_strands[s].condition = condition;
 }

@@ -51,4 +51,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     rod_strands[s].scheme = select(EULER, BDF2, params.bdf2 != 0u && condition.bdf2_ready != 0u);
     rod_strands[s].condition = condition;
     rod_strands[s].tip_force = strand_history[s].tip_force;
+    rod_strands[s].meets = 0u;
+    rod_strands[s].woken = 0u;
 }

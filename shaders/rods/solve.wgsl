@@ -1,6 +1,7 @@
 // Newton steps on the incremental potential of each strand, each solved exactly in linear time.
 //
 //   Phi = sum_i |x_i - free_i|^2/(2 W_i) + sum_k 4 J_k (1 - |p_w|) + sum_k 1/2 eps^T alpha_s^-1 eps + sum_joints 1/2 C^T alpha_b^-1 C
+//         + sum_contacts 1/2 k (phi + D)^2
 //   p = turn conj(free turn),  eps = R^T u/l,  C = Im(conj(q_(k-1)) q_k) - s Im(rest),  J = 1/W of a frame
 //
 // The unknowns are frames and strains u; points follow from them, x_(k+1) = x_k + l d3 + u, so that a strand is whole at every iterate:
@@ -9,31 +10,37 @@
 //
 // Tip to root, what lies beyond a point acts on it as an articulated body (`common/articulated`); root to tip, turns and strains follow. The
 // Hessian is Gauss-Newton's, and a frame under tension resists turning off the pull: it is positive definite, so that Phi falls along theta.
+// Contacts with bodies are springs on points and segments (`common/contact`).
 //
-// One invocation per strand, until frames, strains and a held tip have settled.
+// One invocation per strand, until frames, strains, a held tip and contacts have settled. It runs on in a frozen step, in which nothing that it
+// writes is committed: whether a step is frozen stands in a ninth buffer, and WebGPU's default allows eight.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, integration::response, pi::PI,
+    params::params, dispatch::{invocation, WORKGROUP}, integration::response, pi::PI,
     quaternion::{product, conjugate, rotate, rotation, tangent, matrix, turned_by},
-    symmetric::{applied, applied_to_columns, cross_dyad, inverse_of, plus, twice_symmetric},
-    articulated::{Answer, Beyond, ONE, Spring, crossing, joint, spring, swapped, through},
+    symmetric::{applied, applied_to_columns, cross_dyad, dyad, inverse_of, plus, twice_symmetric},
+    articulated::{Answer, Beyond, ONE, Spring, crossing, joint, spring, swapped, through}, body::Placed,
+    contact::{Contact, Place, ANEW, LIVE, MIDDLE, SLIDES, TOUCHED, UNEASY, between, meet, nearest, place_of_point, resists, stiffness_of},
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT, ROOT_HELD, TIP_HELD, WHOLE, TURN, clamped},
 };
-
-// How a segment answers to the move v of its first point and the turn w of the frame before: phi and e.
-struct Factor {
-    bend: Answer,
-    stretch: Answer,
-}
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
 @group(0) @binding(3) var<storage, read>       segments:     array<Segment>;
 @group(0) @binding(4) var<storage, read_write> rod_strands:  array<RodStrand>;
 @group(0) @binding(5) var<storage, read_write> rod_points:   array<RodPoint>;
 @group(0) @binding(6) var<storage, read_write> rod_segments: array<RodSegment>;
-@group(0) @binding(7) var<storage, read_write> factors:      array<Factor>;
+@group(0) @binding(7) var<storage, read_write> contacts:     array<Contact>;   // of points, then of segments, each with every body
+@group(0) @binding(8) var<storage, read>       placed:       array<Placed>;
 
 const SETTLED: f32 = 1e-3;    // rad, of a frame, and strain, in a Newton step that is the last,
 const RELATIVE: f32 = 1e-2;   // or this part of the first Newton step's
+const BESIDE: f32 = 0.2;      // part of a segment from an end, nearer to which a place of it says nothing of the other end's velocity
+
+// How contacts are after a Newton step.
+struct Touch {
+    touches: bool,
+    changed: bool,   // some changed
+    lags: bool,      // friction of some is limited by another force than acts
+}
 
 // What elimination leaves.
 struct Eliminated {
@@ -41,9 +48,41 @@ struct Eliminated {
     tip_force: vec3f,   // change of the force that holds the tip
 }
 
+// Adds the contacts of a point; of the segment from point p on, whose second end is at `arm` from the first.
+fn push_point(beyond: Beyond, rod: RodStrand, p: u32) -> Beyond {
+    var sum = beyond;
+    for (var b = 0u; b < bodies(rod); b++) {
+        let contact = contacts[p * arrayLength(&placed) + b];
+        if (contact.state & LIVE) == 0u { continue; }
+        let push = resists(contact, rod_points[p].reply, rod.newton);
+        sum.own = plus(sum.own, push.stiffness);
+        sum.force += push.force;
+    }
+    return sum;
+}
+fn push_segment(beyond: Beyond, rod: RodStrand, p: u32, j: u32, arm: vec3f) -> Beyond {
+    var sum = beyond;
+    for (var b = 0u; b < bodies(rod); b++) {
+        let contact = contacts[(params.hair_points + j) * arrayLength(&placed) + b];
+        if (contact.state & LIVE) == 0u { continue; }
+        let push = resists(contact, between(place_of_point(rod_points[p]), place_of_point(rod_points[p + 1u]), contact.place).reply, rod.newton);
+        let reach = contact.place * arm;
+        let swung = applied_to_columns(push.stiffness, -1.0 * crossing(reach, ONE));
+        sum.own = plus(sum.own, push.stiffness);
+        sum.cross += swung;
+        sum.other = plus(sum.other, twice_symmetric(0.5 * crossing(reach, swung)));
+        sum.force += push.force;
+        sum.other_force += cross(reach, push.force);
+        // The place shifts as the segment turns.
+        let axis = cross(normalize(arm), contact.normal);
+        sum.other = plus(sum.other, dyad(max(contact.force, 0.0) * contact.curve, axis));
+    }
+    return sum;
+}
+
 // Tip to root, under a force on a held tip and a change of it, which counts for no tension. `steep` takes all of a segment's force for its
 // tension, which is more than there is.
-fn eliminate(strand: Strand, rod: RodStrand, steep: bool, tip_force: vec3f, change: vec3f) -> Eliminated {
+fn eliminate(strand: Strand, rod: RodStrand, tip_force: vec3f, change: vec3f) -> Eliminated {
     let last = strand.points - 2u;
     let holds = (strand.joints & TIP_HELD) != 0u;
     var frame = rod_segments[strand.first_segment + last].frame;
@@ -66,6 +105,7 @@ fn eliminate(strand: Strand, rod: RodStrand, steep: bool, tip_force: vec3f, chan
         let mass = select(1.0 / point.reply, 0.0, point.reply == 0.0);
         beyond.own.diagonal += vec3f(mass);
         beyond.force += mass * (point.travel - point.free);
+        beyond = push_point(beyond, rod, strand.first_point + k + 1u);
         let stretched = through(beyond, spring((1.0 / l) * axes, segment.stretch_compliance, (now.strain * axes) / l), holds);
         beyond = stretched.beyond;
 
@@ -76,12 +116,13 @@ fn eliminate(strand: Strand, rod: RodStrand, steep: bool, tip_force: vec3f, chan
         beyond.cross += swung;
         beyond.other_force += cross(arm, beyond.force);
         beyond.other_held += crossing(arm, beyond.held);
+        beyond = push_segment(beyond, rod, strand.first_point + k, j, arm);
 
         // The frame: its inertia, and the pull that it resists turning off.
         let inertia = 1.0 / (response(params.damping, now.scheme) * segment.inverse_inertia);
         let off = product(now.turn, conjugate(now.free));
         let force = beyond.force - beyond.held * change;
-        let pull = select(max(0.0, -dot(force, axes[2])), length(force), steep);
+        let pull = select(max(0.0, -dot(force, axes[2])), length(force), rod.steep != 0u);
         beyond.other = plus(beyond.other, cross_dyad(l * pull, axes[2]));
         beyond.other.diagonal += vec3f(inertia);
         beyond.other_force += select(-2.0, 2.0, off.w >= 0.0) * inertia * off.xyz;
@@ -92,7 +133,8 @@ fn eliminate(strand: Strand, rod: RodStrand, steep: bool, tip_force: vec3f, chan
         if k == 0u && (strand.joints & ROOT_JOINT) == 0u { bends = Spring(); }
         let bent = through(swapped(beyond), bends, holds);
         beyond = swapped(bent.beyond);
-        factors[j] = Factor(bent.answer, stretched.answer);
+        rod_segments[j].bends = bent.answer;
+        rod_segments[j].stretches = stretched.answer;
         frame = before;
     }
     let root = rod_points[strand.first_point];
@@ -100,6 +142,7 @@ fn eliminate(strand: Strand, rod: RodStrand, steep: bool, tip_force: vec3f, chan
     if root.reply > 0.0 {
         beyond.own.diagonal += vec3f(1.0 / root.reply);
         beyond.force += (root.travel - root.free) / root.reply;
+        beyond = push_point(beyond, rod, strand.first_point);
         let floats = through(beyond, Spring(), holds);
         root_move = -floats.answer.constant;
         beyond = floats.beyond;
@@ -109,26 +152,46 @@ fn eliminate(strand: Strand, rod: RodStrand, steep: bool, tip_force: vec3f, chan
     return Eliminated(root_move, change + applied(inverse_of(beyond.give), tip.travel - tip.free - beyond.given));
 }
 
+// The linear model of contacts: of a point that moves, and of the segment from point p on, which also turns.
+fn foresee(rod: RodStrand, p: u32, reply: f32, shift: vec3f) {
+    for (var b = 0u; b < bodies(rod); b++) {
+        let i = p * arrayLength(&placed) + b;
+        if (contacts[i].state & LIVE) == 0u { continue; }
+        contacts[i].linear = -stiffness_of(reply) * (contacts[i].gap + dot(contacts[i].normal, shift));
+    }
+}
+fn foresee_segment(rod: RodStrand, p: u32, j: u32, shift: vec3f, swing: vec3f) {
+    for (var b = 0u; b < bodies(rod); b++) {
+        let i = (params.hair_points + j) * arrayLength(&placed) + b;
+        let contact = contacts[i];
+        if (contact.state & LIVE) == 0u { continue; }
+        let reply = between(place_of_point(rod_points[p]), place_of_point(rod_points[p + 1u]), contact.place).reply;
+        contacts[i].linear = -stiffness_of(reply) * (contact.gap + dot(contact.normal, shift + contact.place * swing));
+    }
+}
+
 // Root to tip. Returns the largest turn of a frame [rad] or change of a strain.
-fn substitute(strand: Strand, root_move: vec3f) -> f32 {
+fn substitute(strand: Strand, rod: RodStrand, root_move: vec3f) -> f32 {
     var most = 0.0;
     var shift = root_move;     // v, to first order
     var turn = vec3f(0.0);     // w
     var travel_before = rod_points[strand.first_point].travel;
     var travel = travel_before + root_move;
     rod_points[strand.first_point].travel = travel;
+    foresee(rod, strand.first_point, rod_points[strand.first_point].reply, root_move);
     for (var k = 0u; k < strand.points - 1u; k++) {
         let j = strand.first_segment + k;
         let p = strand.first_point + k + 1u;
-        let factor = factors[j];
         let now = rod_segments[j];
         let l = segments[j].rest_length;
         let along = l * tangent(now.frame);
-        turn -= clamped(factor.bend.constant + factor.bend.by_own * turn + factor.bend.by_other * shift, TURN);
+        turn -= clamped(now.bends.constant + now.bends.by_own * turn + now.bends.by_other * shift, TURN);
         turn = clamped(turn, PI);
+        foresee_segment(rod, p - 1u, j, shift, cross(turn, along + now.strain));
         shift += cross(turn, along + now.strain);
-        let stretch = factor.stretch.constant + factor.stretch.by_other * turn + factor.stretch.by_own * shift;
+        let stretch = now.stretches.constant + now.stretches.by_other * turn + now.stretches.by_own * shift;
         shift -= stretch;
+        foresee(rod, p, rod_points[p].reply, shift);
         let strain = clamped(now.strain - stretch, WHOLE * l);
         most = max(most, max(length(turn), length(strain - now.strain) / l));
 
@@ -145,13 +208,99 @@ fn substitute(strand: Strand, root_move: vec3f) -> f32 {
     return most;
 }
 
+// Bodies that a strand may meet.
+fn bodies(rod: RodStrand) -> u32 {
+    return select(0u, arrayLength(&placed), rod.meets != 0u);
+}
+
+// Contacts of all places where they are now; `starts`: of the first time in the step. `renews` limits friction by the force that acts.
+fn touch(strand: Strand, rod: RodStrand, starts: bool, renews: bool) -> Touch {
+    var touch = Touch();
+    for (var k = 0u; k < strand.points && rod.meets != 0u; k++) {
+        let p = strand.first_point + k;
+        let l = segments[strand.first_segment + max(k, 1u) - 1u].rest_length;
+        for (var b = 0u; b < bodies(rod); b++) {
+            let i = p * bodies(rod) + b;
+            touch = met(touch, i, placed[b], place_of_point(rod_points[p]), starts, renews, l, k >= rod.embedded);
+            if k == 0u { continue; }
+            let j = (params.hair_points + strand.first_segment + k - 1u) * bodies(rod) + b;
+            let first = contacts[i - bodies(rod)];
+            let second = contacts[i];
+            var may_touch = k > rod.embedded && min(first.gap, second.gap) < l;
+            let begins = place_of_point(rod_points[p - 1u]);
+            let ends = place_of_point(rod_points[p]);
+            if may_touch {
+                let found = nearest(placed[b], begins, ends, first.normal, second.normal);
+                contacts[j].curve = found.y;
+                if starts || abs(found.x - contacts[j].place) >= ANEW { contacts[j].place = found.x; }
+                may_touch = contacts[j].place > MIDDLE && contacts[j].place < 1.0 - MIDDLE;
+            }
+            if !may_touch && (contacts[j].state & LIVE) == 0u { continue; }
+            touch = met(touch, j, placed[b], between(begins, ends, contacts[j].place), starts, renews, l, may_touch);
+        }
+    }
+    return touch;
+}
+
+fn met(before: Touch, i: u32, body: Placed, place: Place, starts: bool, renews: bool, l: f32, may_touch: bool) -> Touch {
+    if renews { contacts[i].lag = contacts[i].force; }
+    let met = meet(contacts[i], body, place, starts, l, may_touch);
+    contacts[i] = met.contact;
+    return Touch(
+        before.touches || (met.contact.state & LIVE) != 0u, before.changed || met.changed, before.lags || met.lags,
+    );
+}
+
+// Contacts of an unsolved strand remember nothing. A point that touches, or that a touching segment moves, has the velocity of its move: all of
+// it where it came to touch in this step or sticks, else across the surface, so that the integrator carries nothing into the body.
+fn leave(strand: Strand, rod: RodStrand, solved: bool) {
+    let count = bodies(rod);
+    for (var k = 0u; k < strand.points; k++) {
+        let p = strand.first_point + k;
+        let j = params.hair_points + strand.first_segment + k;   // segment after it
+        var touched = false;
+        for (var b = 0u; b < count; b++) {
+            touched = touched || (contacts[p * count + b].state & TOUCHED) != 0u;
+            if k > 0u { touched = touched || (contacts[(j - 1u) * count + b].state & TOUCHED) != 0u; }
+            if k + 1u < strand.points { touched = touched || (contacts[j * count + b].state & TOUCHED) != 0u; }
+        }
+        for (var b = 0u; b < count; b++) {
+            slow(p, contacts[p * count + b], touched);
+            if k > 0u && contacts[(j - 1u) * count + b].place >= BESIDE { slow(p, contacts[(j - 1u) * count + b], touched); }
+            if k + 1u < strand.points && contacts[j * count + b].place <= 1.0 - BESIDE { slow(p, contacts[j * count + b], touched); }
+        }
+    }
+    for (var k = 0u; k < strand.points && !solved; k++) {
+        for (var b = 0u; b < count; b++) {
+            let i = (strand.first_point + k) * count + b;
+            forget(i);
+            if k + 1u < strand.points { forget((params.hair_points + strand.first_segment + k) * count + b); }
+        }
+    }
+}
+
+fn forget(i: u32) {
+    contacts[i].friction = vec3f(0.0);
+    contacts[i].force = 0.0;
+}
+
+fn slow(p: u32, contact: Contact, touched: bool) {
+    if (contact.state & LIVE) == 0u || rod_points[p].reply == 0.0 { return; }
+    let point = rod_points[p];
+    let sticks = (contact.state & SLIDES) == 0u && contact.grip > 0.0;
+    let carried = point.travel - point.carried;
+    let faster = point.travel / params.step - point.velocity;
+    rod_points[p].carried += select(dot(carried, contact.normal) * contact.normal, carried, sticks);
+    rod_points[p].velocity += select(dot(faster, contact.normal) * contact.normal, faster, sticks);
+}
+
 // A strand that nothing holds keeps its momentum to rounding. What is left of the way to a tip that is held is spread over the points.
-fn finish(strand: Strand) {
+fn finish(strand: Strand, touches: bool) {
     let last = strand.first_point + strand.points - 1u;
     var shift = vec3f(0.0);    // m, of all points,
     var spread = vec3f(0.0);   // and of the tip
     if (strand.joints & TIP_HELD) != 0u { spread = rod_points[last].free - rod_points[last].travel; }
-    if (strand.joints & (ROOT_HELD | TIP_HELD)) == 0u {
+    if (strand.joints & (ROOT_HELD | TIP_HELD)) == 0u && !touches {
         var momentum = vec4f(0.0);
         for (var p = strand.first_point; p <= last; p++) {
             momentum += vec4f(rod_points[p].free - rod_points[p].travel, 1.0) / rod_points[p].reply;
@@ -166,32 +315,39 @@ fn finish(strand: Strand) {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
-    if (s >= params.strands) | frozen() { return; }
-    let rod = rod_strands[s];
-    if rod.state != FREE { return; }
+    if s >= params.strands { return; }
+    var rod = rod_strands[s];
+    if rod.state != FREE || rod.newton == params.newton_steps { return; }
     let strand = strands[s];
+    var now = Touch();
+    if rod.newton == 0u { now = touch(strand, rod, true, false); }
     // A step takes two eliminations where the tip is held: the first finds the force that holds it.
     let first = select(1u, 0u, (strand.joints & TIP_HELD) != 0u);
-    var steep = false;
-    var settled = SETTLED;
-    var tip_force = rod.tip_force;
-    for (var step = 0u; step < params.newton_steps; step++) {
+    for (var part = 0u; part < params.newton_part && rod.newton < params.newton_steps; part++) {
         var eliminated = Eliminated();
         for (var elimination = first; elimination < 2u; elimination++) {
-            eliminated = eliminate(strand, rod, steep, tip_force, eliminated.tip_force);
+            eliminated = eliminate(strand, rod, rod.tip_force, eliminated.tip_force);
         }
-        var most = substitute(strand, eliminated.root_move);
+        var most = substitute(strand, rod, eliminated.root_move);
         // Where turns were cut, the force would close a gap that the cut left, and wind up.
-        if most <= TURN { tip_force += eliminated.tip_force; }
+        if most <= TURN { rod.tip_force += eliminated.tip_force; }
         let tip = rod_points[strand.first_point + strand.points - 1u];
         if first == 0u { most = max(most, length(tip.travel - tip.free) / strand.length); }
-        if step == 0u { settled = max(SETTLED, RELATIVE * most); }
-        if most < settled {
-            rod_strands[s].state = SOLVED;
-            break;
+        if rod.newton == 0u { rod.settled = max(SETTLED, RELATIVE * most); }
+        rod.newton++;
+        now = touch(strand, rod, false, false);
+        if most < rod.settled && !now.changed {
+            if !now.lags {
+                rod.state = SOLVED;
+                break;
+            }
+            now = touch(strand, rod, false, true);
         }
-        steep = most > TURN;
+        rod.steep = u32(most > TURN || (now.touches && (now.changed || most > UNEASY)));
     }
-    rod_strands[s].tip_force = tip_force;
-    finish(strand);
+    if rod.state == SOLVED || rod.newton == params.newton_steps {
+        finish(strand, now.touches);
+        if rod.meets != 0u { leave(strand, rod, rod.state == SOLVED); }
+    }
+    rod_strands[s] = rod;
 }

@@ -18,7 +18,7 @@ pub(crate) fn bodies(scene: &Scene, initial: &InitialState, motions: &Motions) -
         let solid = body.shape.solid();
         Body {
             start,
-            radius: round.radius as f32,
+            radius: body.shape.inradius() as f32,
             end,
             friction: body.friction as f32,
             first_keyframe: keyframes.start,

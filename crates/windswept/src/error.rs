@@ -96,11 +96,11 @@ fn remedy(array: &str, fits: u64) -> String {
             format!("about {fits} cells would fit: expected a larger air.kernel_radius or a smaller air.box")
         }
         "keyframes" => format!("about {fits} keyframes would fit: expected fewer"),
-        "strands" | "strand_history" | "root_targets" | "rod_strands" | "touched" => {
+        "strands" | "strand_history" | "root_targets" | "rod_strands" => {
             format!("about {fits} strands would fit: expected fewer hair.strands")
         }
         "band" => format!("about {fits} dispatches would fit: expected smaller or fewer turbulence.bands"),
-        "orientation" | "segments" | "segment_history" | "rod_segments" | "factors" => {
+        "orientation" | "segments" | "segment_history" | "rod_segments" => {
             format!("about {fits} segments would fit: expected fewer hair.points or hair.strands")
         }
         "point_history" | "rod_points" | "points" | "inverse_mass" | "drag_impulse" | "grip" | "rubbing" => {

@@ -30,6 +30,7 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
     let hair_points = initial.hair.positions.len() as u32;
     let strands = initial.hair.len() as u32;
     let air_particles = initial.air.positions.len() as u32;
+    let newton = rods::newton_steps(scene);
     let mut params = Params {
         step: (scene.time.step / substeps) as f32,
         gravity: scene.gravity.map(|g| g as f32),
@@ -39,7 +40,8 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
         hair_points,
         segments: initial.hair.orientations.len() as u32,
         strands,
-        newton_steps: rods::newton_steps_per_dispatch(scene.rods.newton, &initial.hair),
+        newton_steps: newton,
+        newton_part: rods::newton_steps_per_dispatch(newton, scene.bodies.len(), &initial.hair),
         rod_sweeps: rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
         relaxation: scene.fluid.relaxation as f32,
         tension: scene.fluid.tension as f32,

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use windswept_scene::{Air, Filter, FluidSolver, InitialState, Law, Model, Scene, Solver, ViscosityForm};
 use windswept_shaders::{
-    common::{band::Band, body::PARTS, list::PAGES, matter::MOST_EDDIES, mesh::Mesh, params::Params},
+    common::{band::Band, list::PAGES, matter::MOST_EDDIES, mesh::Mesh, params::Params},
     fluid::divergence::Iteration,
 };
 
@@ -33,8 +33,6 @@ pub struct Plan {
     pub fluid_iterations: u32,
     /// Dispatches that Gauss-Seidel's sweeps are cut into.
     pub rod_dispatches: u32,
-    /// Number of dispatches in which touched strands come along.
-    pub pull_dispatches: u32,
     /// Dispatches that the direct solver's Newton steps are cut into.
     pub newton_dispatches: u32,
     /// Whether rods are solved by the direct solver.
@@ -208,9 +206,8 @@ impl Plan {
         Self {
             sizes,
             fluid_iterations: scene.fluid.iterations,
-            pull_dispatches: if scene.bodies.iter().any(|body| body.shape.solid().is_some()) { PARTS } else { 1 },
             rod_dispatches: scene.rods.iterations / rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
-            newton_dispatches: scene.rods.newton / setup.params.newton_steps,
+            newton_dispatches: setup.params.newton_steps / setup.params.newton_part,
             sweeps,
             direct,
             mend: hair.and(Decision::when(false, "not until a strand is not finite, or somebody puts hair somewhere")),

@@ -165,11 +165,19 @@ pub(crate) fn sweeps_per_dispatch(iterations: u32, hair: &Strands) -> u32 {
     per_dispatch(iterations, longest(hair))
 }
 
+/// Newton steps that a scene's strands may take: half as many again among bodies.
+#[must_use]
+pub(crate) fn newton_steps(scene: &Scene) -> u32 {
+    if scene.bodies.is_empty() { scene.rods.newton } else { scene.rods.newton + scene.rods.newton / 2 }
+}
+
 /// Newton steps of one dispatch of `rods/solve`: as many as divide `newton` and keep the longest strand below [`ROUNDS`], at least 1.
 #[must_use]
-pub(crate) fn newton_steps_per_dispatch(newton: u32, hair: &Strands) -> u32 {
-    // A Newton step is one round of its own, and from root to tip and back one per point and one more.
-    per_dispatch(newton, 2 * longest(hair) + 3)
+pub(crate) fn newton_steps_per_dispatch(newton: u32, bodies: usize, hair: &Strands) -> u32 {
+    // A Newton step is one round of its own, and from root to tip and back one per point and one more. Contacts take a third walk, and in
+    // each walk a round per point and body, and per segment and body.
+    let walk = longest(hair) * (1 + 2 * bodies as u32);
+    per_dispatch(newton, if bodies > 0 { 3 * walk } else { 2 * longest(hair) } + 3)
 }
 
 /// Points of the longest strand.
@@ -214,8 +222,8 @@ mod tests {
         assert_eq!(sweeps_per_dispatch(0, &strand(35)), 1);
         assert_eq!(sweeps_per_dispatch(10, &Strands::default()), 10);
         // A Newton step of 35 points is 73 rounds. One of 1024 is 2051: 14 fit, and 10 are the most of these that divide 20.
-        assert_eq!(newton_steps_per_dispatch(8, &strand(35)), 8);
-        assert_eq!(newton_steps_per_dispatch(20, &strand(1024)), 10);
-        assert_eq!(newton_steps_per_dispatch(8, &strand(16_384)), 1);
+        assert_eq!(newton_steps_per_dispatch(8, 0, &strand(35)), 8);
+        assert_eq!(newton_steps_per_dispatch(20, 0, &strand(1024)), 10);
+        assert_eq!(newton_steps_per_dispatch(8, 0, &strand(16_384)), 1);
     }
 }

@@ -1,6 +1,6 @@
 //! What the engine makes of a scene and its initial state, once: uniforms, tables, and how many of everything.
 
-use windswept_scene::{Counts, Filter, FluidSolver, Groom, InitialState, Scene, Solver};
+use windswept_scene::{Counts, Filter, FluidSolver, Groom, InitialState, Scene};
 use windswept_shaders::{
     common::{inflow::Wave, list::PAGES, mesh::Mesh, params::Params},
     fluid::divergence::Iteration,
@@ -74,7 +74,6 @@ impl<'a> Setup<'a> {
             pressed: if divergence { params.particles } else { 0 },
             relaxations: iterations.len() as u32,
             coarse_nodes: coarse.as_ref().map_or(0, Coarse::nodes),
-            factors: if params.direct_rods != 0 { params.segments } else { 0 },
             keyframes: motions.keyframes.len() as u32,
             bodies: scene.bodies.len() as u32,
             distances: bodies::nodes(scene),
@@ -126,7 +125,6 @@ pub(crate) fn least_sizes(scene: &Scene, groom: Option<&Groom>) -> Sizes {
         hair_points: size(hair_points),
         segments: size(hair_points.saturating_sub(strands)),
         strands: size(strands),
-        factors: if scene.rods.solver == Solver::Direct { size(hair_points.saturating_sub(strands)) } else { 0 },
         pressed: if has_pressure(scene, size(air)) { particles } else { 0 },
         ..Sizes::default()
     }

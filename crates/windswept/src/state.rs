@@ -13,6 +13,7 @@ use windswept_shaders::{
         air::Sampled,
         band::Band,
         body::{Body, Placed},
+        contact::{Contact, ContactHistory},
         dispatch::WORKGROUP,
         field::Field,
         inflow::Wave,
@@ -32,7 +33,6 @@ use windswept_shaders::{
         status::Status,
     },
     fluid::divergence::Iteration,
-    rods::solve::Factor,
 };
 
 use crate::array::{AnyArray, Array, Life};
@@ -76,8 +76,6 @@ pub struct Sizes {
     pub relaxations: u32,
     /// Nodes of its coarse grid.
     pub coarse_nodes: u32,
-    /// Factors of the direct solver: segments, or none.
-    pub factors: u32,
     /// Keyframes of all that moves.
     pub keyframes: u32,
     /// Bodies.
@@ -109,6 +107,12 @@ impl Sizes {
     #[must_use]
     pub fn air(&self) -> u32 {
         self.particles - self.hair_points
+    }
+
+    /// Contacts of points and segments with bodies.
+    #[must_use]
+    pub fn contacts(&self) -> u32 {
+        (self.hair_points + self.segments).saturating_mul(self.bodies)
     }
 
     /// All clusters.
@@ -232,6 +236,8 @@ state! {
     /// What a strand remembers: where its clamp is, and its ghost frame; whether it is not finite, over-strained and still, in steps on end;
     /// whether BDF2 may follow.
     strand_history: StrandHistory, |s| s.strands;
+    /// Forces of each contact of hair with a body in the step before \[N\].
+    contact_history: ContactHistory, |s| s.contacts();
     /// Impulse that confinement has given the air in the whole run \[kg m/s\].
     confinement_impulse: Vec4, |_| 1;
 
@@ -344,15 +350,12 @@ state! {
     coarse_total: Vec4, |_| 2;
     /// Lagrange multiplier of a particle's density constraint, and the part of it that becomes velocity \[kg m²\].
     multiplier: [f32; 2], |s| s.particles;
-    /// Frames, turns and strain of a segment in this step.
+    /// Frames, turns and strain of a segment in this step, and how the direct solver's Newton step answers there.
     rod_segments: RodSegment, |s| s.segments;
-    /// How a segment answers to what its first point does, in the direct solver; none for Gauss-Seidel.
-    factors: Factor, |s| s.factors;
+    /// Contact of each point, then of each segment, with each body in this step.
+    contacts: Contact, |s| s.contacts();
     /// A body in this step: where it is after it, and how it got there.
     placed: Placed, |s| s.bodies;
-    /// What bodies did to a strand in this step: bits of `PUSHED`, `MOVED` and `INSIDE`; from the bit `EMBEDDED` on, how many of its points
-    /// they let be. `contact/stretch` puts what the next step asks for into `rod_strands`.
-    touched: u32, |s| s.strands;
     /// Stable id of the particle that is in a slot of air until the step is committed.
     air_id_before: u32, |s| s.air();
 

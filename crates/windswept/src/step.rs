@@ -21,12 +21,12 @@ const ONE_WORKGROUP: u32 = 1;
 
 /// Records one step.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
-    drive::record(r, plan); //      1. Bad strands are reset; clamps move; wind enters; air moves, and hair drifts among it.
+    drive::record(r, plan); //      1. Bad strands are reset; clamps and bodies move; wind enters; air moves, hair drifts.
     neighbours::record(r, plan); // 2. Sort particles into cells, list who is near whom.
     fluid::record(r, plan); //      3. Nothing is compressed: by pressures, or a density constraint (eq. 1).
-    rods::record(r, plan); //       4. Strands keep their length and shape.
-    contact::record(r, plan); //    5. Nothing enters a body.
-    velocity::record(r, plan); //   6. Moves by contact, and by the density constraint, become velocities.
+    rods::record(r, plan); //       4. Strands keep their length and shape, and stay out of bodies.
+    contact::record(r, plan); //    5. Air flows around bodies.
+    velocity::record(r, plan); //   6. Moves of air by the density constraint become velocities.
     turbulence::record(r, plan); // 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
     viscosity::record(r, plan); //  8. Neighbours share velocity (eqs. 7, 8).
     guard::record(r, plan); //      9. Commit, or freeze and report.

@@ -1,6 +1,6 @@
-//! 1. Strands that are not finite are reset; clamps move; wind enters; air moves, and hair drifts among it.
+//! 1. Strands that are not finite are reset; clamps and bodies move; wind enters; air moves, and hair drifts among it.
 
-use windswept_shaders::{common::reduce::TERMS, fluid, force, rods, sums, wind};
+use windswept_shaders::{common::reduce::TERMS, contact, fluid, force, rods, sums, wind};
 
 use crate::{plan::Plan, recorder::Recorder, step::ONE_WORKGROUP};
 
@@ -15,6 +15,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.when(&plan.blows, |r| {
             r.run(&force::COURSE, "strengths of the force fields", 1);
         });
+    });
+    r.when(&plan.bodies, |r| {
+        r.run(&contact::PLACE, "bodies move", n.bodies);
     });
     r.when(&plan.hair, |r| {
         r.when(&plan.mend, |r| {

@@ -17,6 +17,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.run(&guard::COMMIT_FRAMES, "commit orientations", n.segments);
         r.run(&guard::COMMIT_HAIR, "commit what hair remembers", n.hair_points).bind("final_velocity", &velocity);
     });
+    r.when(&plan.bodies.and(plan.hair.clone()), |r| {
+        r.run(&guard::COMMIT_CONTACTS, "commit contacts with bodies", n.contacts());
+    });
     r.when(&plan.air, |r| {
         r.run(&guard::COMMIT_AIR, "commit air in the order of cells", n.air()).bind("final_velocity", &velocity);
     });

@@ -1,6 +1,6 @@
 //! 4. Air drags strands, which keep their length and shape, and they slow the air.
 
-use windswept_shaders::{force, rods, wind};
+use windswept_shaders::{contact, force, rods, wind};
 
 use crate::{plan::Plan, recorder::Recorder};
 
@@ -21,6 +21,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         });
         r.when(&plan.pushes, |r| {
             r.run(&force::PUSH_HAIR, "the force that was set pushes hair", n.hair_points);
+        });
+        r.when(&plan.bodies, |r| {
+            r.run(&contact::BEGIN, "how strands stand to bodies", n.strands);
         });
         r.run(&rods::PREDICT, "free moves, and where the solve starts", n.strands);
         r.when(&plan.direct, |r| {

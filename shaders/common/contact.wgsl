@@ -1,0 +1,194 @@
+// Contact of strands with bodies, solved with the rods. A place of a strand is one of its points, or the place of a segment that is nearest to
+// a body. It has a contact with each body, a one-sided spring with Coulomb friction:
+//
+//   normal     f = -k (phi + D), where that is above 0     phi: distance from the surface after the step, k = max(100, h^2 OMEGA^2)/W
+//   friction   F = F_old - k slip, no longer than mu f_lag     slip: the way along the surface in the step, F_old: F of the step before
+//
+// W is the move of the place by a unit of force, as of a point. D is the depth that the place may keep in this step: what starts inside
+// comes out at RECOVERY. A spring gives by f/k; at rest hair sinks in by its weight over OMEGA^2, 1 um.
+import package::common::{
+    params::params, quaternion::{rotate, turned_by}, rod::{Strand, Segment, RodPoint}, body::{Placed, near, entry},
+    symmetric::{Symmetric, dyad, minus, plus, scaled}, articulated::Spring,
+};
+
+struct Contact {
+    normal: vec3f,      // out of the body; of points also where they do not touch
+    gap: f32,           // m, phi + D
+    friction: vec3f,    // N, F
+    force: f32,         // N, f
+    held: vec3f,        // N, F_old, turned with the body
+    lag: f32,           // N, f_lag: f of the step before, or of the last Newton step that settled
+    depth: f32,         // m, D
+    place: f32,         // part of the segment at which the place is; 1 of a point, which is its segment's end
+    curve: f32,         // m, by which the place shifts along the segment as that turns by 1 rad
+    grip: f32,          // N/m, stiffness of the friction
+    linear: f32,        // N, f by the linear model of the last Newton step
+    state: u32,         // bits: LIVE, SLIDES, TOUCHED
+}
+
+// What a contact keeps from step to step.
+struct ContactHistory {
+    friction: vec3f,    // N
+    force: f32,         // N; 0 where it did not touch
+}
+
+const LIVE: u32 = 1u;
+const SLIDES: u32 = 2u;
+const TOUCHED: u32 = 4u;   // when the step began
+
+const STIFFNESS: f32 = 100.0;   // of a contact, at least, over that of the place's inertia: 1/W
+const OMEGA: f32 = 3.2e3;       // 1/s, frequency of a place on the spring, at least
+const RECOVERY: f32 = 0.15;     // m/s
+const DEEP: f32 = 1e-4;         // m: a place that starts deeper had no contact that it could remember
+const STAYS: f32 = 0.1;         // lengths of the segment, from the surface, at which a contact ends whatever the linear model says
+const NOTICED: f32 = 1e-5;      // m: a push by less changes nothing that the solve has to settle
+const ANEW: f32 = 0.02;         // part of a segment by which its nearest place has to move before it is taken anew
+const MIDDLE: f32 = 0.03;       // part of a segment from its ends, within which its points touch in its place
+const REFINED: u32 = 3u;        // times that the nearest place of a segment is looked for anew,
+const FLAT: f32 = 0.002;        // unless the body's surface is so little steeper than the segment there
+const BENDS: f32 = 30.0;        // lengths of the segment: the longest curve
+const SAME_SIDE: f32 = 0.5;     // cosine of the angle between normals on one side of a body
+const LAGS: f32 = 0.02;         // part by which f may differ from f_lag
+const UNEASY: f32 = 0.1;        // rad: a strand that touches and turns by more takes all force for tension in its next Newton step
+const SLIDING: f32 = 0.1;       // part of the grip that resists sliding on, from the Newton step SLOW on
+const SLOW: u32 = 3u;
+
+fn stiffness_of(reply: f32) -> f32 {
+    return max(STIFFNESS, OMEGA * OMEGA * params.step * params.step) / reply;
+}
+
+// A place in the step: where it starts, what rounding left off that, its move [m], and W [m/N].
+struct Place {
+    start: vec3f,
+    remainder: vec3f,
+    travel: vec3f,
+    reply: f32,
+}
+
+// A way seen from a body that moves: from where the body would have carried the place to, from the body's center; both after the step [m].
+struct Way {
+    base: vec3f,
+    way: vec3f,
+}
+
+fn seen_from(body: Placed, place: Place) -> Way {
+    let gap = place.start - body.center_before;
+    let turned = turned_by(body.turn, gap);
+    return Way(gap + turned, (place.remainder + place.travel - (body.center - body.center_before)) - turned);
+}
+
+// Distance of the place from the surface as the step begins [m].
+fn distance_before(body: Placed, place: Place) -> f32 {
+    return near(body, seen_from(body, place).base, rotate(body.turn, place.remainder)).distance;
+}
+
+fn place_of_point(point: RodPoint) -> Place {
+    return Place(point.start.xyz, point.remainder, point.travel, point.reply);
+}
+
+// The place between two at a part of the way.
+fn between(a: Place, b: Place, part: f32) -> Place {
+    return Place(
+        mix(a.start, b.start, part), mix(a.remainder, b.remainder, part), mix(a.travel, b.travel, part),
+        (1.0 - part) * (1.0 - part) * a.reply + part * part * b.reply,
+    );
+}
+
+// The part of a segment that is nearest to a body with these normals at its ends, by regula falsi on the slope of the distance, and by how
+// much it shifts as the segment turns [m/rad]; 0 or 1 where an end is the nearest.
+fn nearest(body: Placed, a: Place, b: Place, first: vec3f, second: vec3f) -> vec2f {
+    let chord = (b.start - a.start) + (b.remainder - a.remainder) + (b.travel - a.travel);
+    let l = length(chord);
+    var low = vec2f(0.0, dot(first, chord) / l);
+    var high = vec2f(1.0, dot(second, chord) / l);
+    if low.y >= 0.0 || high.y - low.y <= 1e-5 { return vec2f(0.0); }
+    if high.y <= 0.0 { return vec2f(1.0, 0.0); }
+    var part = 0.0;
+    for (var k = 0u; k <= REFINED; k++) {
+        part = low.x - low.y * (high.x - low.x) / (high.y - low.y);
+        if k == REFINED { break; }
+        let seen = seen_from(body, between(a, b, part));
+        let slope = dot(near(body, seen.base, seen.way).normal, chord) / l;
+        if abs(slope) < FLAT { break; }
+        if slope < 0.0 { low = vec2f(part, slope); } else { high = vec2f(part, slope); }
+    }
+    return vec2f(part, min(l * (high.x - low.x) / (high.y - low.y), BENDS * l));
+}
+
+// How a contact is where its place arrives.
+struct Met {
+    contact: Contact,
+    changed: bool,      // touches or slides otherwise than in the Newton step before: the solve goes on
+    lags: bool,         // f is not what friction was limited by
+}
+
+// Of a place far on its way the plane of the body where the way enters counts, if the way leads through.
+fn meet(last: Contact, body: Placed, place: Place, starts: bool, l: f32, may_touch: bool) -> Met {
+    var before = last;
+    if starts {
+        let start = distance_before(body, place);
+        before.depth = max(0.0, -start - RECOVERY * params.step);
+        if start < -DEEP {
+            before.held = vec3f(0.0);
+            before.lag = 0.0;
+        }
+    }
+    var met = Met(before, false, false);
+    let seen = seen_from(body, place);
+    let surface = near(body, seen.base, seen.way);
+    var normal = surface.normal;
+    var distance = surface.distance;
+    if length(seen.way) > 0.5 * body.radius {
+        let part = entry(body, body.center + seen.base, seen.way);
+        if part > 0.0 && part <= 1.0 {
+            let enters = near(body, seen.base, part * seen.way).normal;
+            let behind = (1.0 - part) * dot(enters, seen.way);
+            if (dot(enters, normal) < SAME_SIDE || distance > 0.0) && (behind < 0.0 || distance < 0.0) {
+                normal = enters;
+                distance = behind;
+            }
+        }
+    }
+    let k = stiffness_of(place.reply);
+    met.contact.normal = normal;
+    met.contact.gap = distance + before.depth;
+    let force = -k * met.contact.gap;
+    let was_live = (before.state & LIVE) != 0u;
+    let was_sliding = (before.state & SLIDES) != 0u;
+    let stays = was_live && !starts && before.linear > 0.0 && met.contact.gap < STAYS * l;
+    let live = may_touch && place.reply > 0.0 && (force > 0.0 || stays);
+    met.changed = !starts && ((live != was_live && (!live || force * place.reply > NOTICED)) || (live && force < 0.0));
+    met.contact.state = before.state & TOUCHED;
+    met.contact.friction = vec3f(0.0);
+    met.contact.force = 0.0;
+    met.contact.grip = 0.0;
+    if !live { return met; }
+    met.contact.state |= LIVE;
+    met.contact.force = force;
+    if body.friction == 0.0 { return met; }
+    let off = abs(force - before.lag);
+    met.lags = off > LAGS * force && off * place.reply > 1e-9;
+    let slip = seen.way - dot(seen.way, normal) * normal;
+    let tried = before.held - dot(before.held, normal) * normal - k * slip;
+    let most = body.friction * before.lag;
+    let slides = length(tried) > most && !(was_sliding && dot(tried, before.friction) < 0.0);
+    let part = select(1.0, most / length(tried), slides);
+    met.contact.friction = part * tried;
+    met.contact.grip = part * k;
+    met.contact.state |= select(0u, SLIDES, slides);
+    met.changed = met.changed || (slides != was_sliding && !starts);
+    return met;
+}
+
+// The stiffness of a contact, and the force by which it resists; the Newton step counts from 0.
+fn resists(contact: Contact, reply: f32, step: u32) -> Spring {
+    let normal = dyad(stiffness_of(reply), contact.normal);
+    let grip = contact.grip;
+    var along = Symmetric(vec3f(grip), vec3f(0.0));
+    along = minus(along, dyad(grip, contact.normal));
+    if (contact.state & SLIDES) != 0u && grip > 0.0 {
+        let keeps = select(1.0, 1.0 - SLIDING, step >= SLOW);
+        along = minus(along, dyad(keeps * grip, normalize(contact.friction)));
+    }
+    return Spring(plus(normal, along), -contact.force * contact.normal - contact.friction);
+}
