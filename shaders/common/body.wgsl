@@ -2,7 +2,7 @@
 // mesh's: the origin of its file. A mesh is a grid of signed distances, trilinear between the nodes.
 //
 // All that depends on a body's shape stands here: its parts, its place after a step (`place`), the signed distance of a point and its
-// gradient (`surface`, `near`), and where a way enters it (`entry`).
+// gradient (`surface`, `near`).
 import package::common::{quaternion::{conjugate, product, rotate}, motion::Pose};
 
 struct Body {
@@ -28,7 +28,8 @@ struct Grid {
 // its own.
 @group(0) @binding(9) var<storage, read> distances: array<f32>;
 
-// Whether a body of the scene is a mesh: a switch (`shaders/src/lib.rs`).
+// Whether the scene has bodies, and whether one is a mesh: switches (`shaders/src/lib.rs`).
+override BODIES: bool = true;
 override MESHES: bool = true;
 
 // Rounds that a pass goes over all bodies: a second one for what lies between two bodies.
@@ -148,83 +149,7 @@ fn surface_move(body: Placed, x: vec3f) -> vec3f {
     return x - (body.center_before + rotate(conjugate(body.turn), x - body.center));
 }
 
-// Part of a way that says that the way meets nothing: any number above 1 does.
-const NEVER: f32 = 2.0;
-
-// Part of the way at which a x^2 + 2 b x + c = 0 is met from above; 0 where it is below at the start already.
-fn first_root(a: f32, b: f32, c: f32) -> f32 {
-    if c <= 0.0 { return 0.0; }
-    let d = b * b - a * c;
-    // Written without the difference of b and the root: c/(-b + sqrt(d)).
-    if b >= 0.0 || d < 0.0 { return NEVER; }
-    return c / (sqrt(d) - b);
-}
-
-fn entry_of_ball(center: vec3f, radius: f32, start: vec3f, way: vec3f) -> f32 {
-    let gap = start - center;
-    let r = length(gap);
-    return first_root(dot(way, way), dot(gap, way), (r - radius) * (r + radius));
-}
-
-const STEEPEST: f32 = 1.7320508;   // largest gradient of a trilinear distance: 1 along each axis
-const STEPS: u32 = 12u;            // steps along a way, at most
-const SHORTEST: f32 = 0.125;       // a step along a way, at least [spacings]
-const HALVINGS: u32 = 4u;          // times that the place of entry is narrowed down
-
-// Part of the way at which the distance of a grid comes to 0. Steps are as long as the distance allows, so that none leads through the
-// surface (Hart 1996, Sphere tracing), but no shorter than an eighth of a spacing, and such that they go all the way. Regula falsi
-// (the Illinois algorithm) then finds the place between the last two.
-fn entry_of_grid(grid: Grid, start: vec3f, way: vec3f) -> f32 {
-    let far = length(way);
-    var low = 0.0;
-    var above = surface_of_grid(grid, start, vec3f(0.0)).distance;
-    if above <= 0.0 { return 0.0; }
-    if above > STEEPEST * far { return NEVER; }
-    let shortest = max(SHORTEST * grid.spacing, far / f32(STEPS - 1u)) / far;
-    var high = 0.0;
-    var below = above;
-    for (var k = 0u; k < STEPS && below > 0.0 && high < 1.0; k++) {
-        low = high;
-        above = below;
-        high = min(low + max(above / (STEEPEST * far), shortest), 1.0);
-        below = surface_of_grid(grid, start, high * way).distance;
-    }
-    if below > 0.0 { return NEVER; }
-    var middle = high;
-    var side = 0;
-    for (var k = 0u; k < HALVINGS; k++) {
-        middle = low + (high - low) * (above / (above - below));
-        let there = surface_of_grid(grid, start, middle * way).distance;
-        if there > 0.0 {
-            low = middle;
-            above = there;
-            if side > 0 { below *= 0.5; }
-            side = 1;
-        } else {
-            high = middle;
-            below = there;
-            if side < 0 { above *= 0.5; }
-            side = -1;
-        }
-    }
-    return middle;
-}
-
-// Part of the way from `start` along `way` at which it enters the body: 0 if it starts inside, above 1 if it does not.
-fn entry(body: Placed, start: vec3f, way: vec3f) -> f32 {
-    if is_mesh(body) { return entry_of_grid(body.grid, in_mesh(body, start), rotate(conjugate(body.rotation), way)); }
-    let ends = min(entry_of_ball(body.start, body.radius, start, way), entry_of_ball(body.end, body.radius, start, way));
-    let axis = body.end - body.start;
-    let squared = dot(axis, axis);
-    if squared == 0.0 { return ends; }
-    // Between the ends: everything across the axis.
-    let gap = start - body.start;
-    let gap_across = gap - dot(gap, axis) / squared * axis;
-    let way_across = way - dot(way, axis) / squared * axis;
-    let r = length(gap_across);
-    let part = first_root(
-        dot(way_across, way_across), dot(gap_across, way_across), (r - body.radius) * (r + body.radius),
-    );
-    let height = dot(gap + part * way, axis);
-    return min(ends, select(NEVER, part, height >= 0.0 && height <= squared));
+// Largest gradient of the distance: of a trilinear one 1 along each axis.
+fn steepest(body: Placed) -> f32 {
+    return select(1.0, 1.7320508, is_mesh(body));
 }

@@ -7,8 +7,8 @@
 // W is the move of the place by a unit of force, as of a point. D is the depth that the place may keep in this step: what starts inside
 // comes out at RECOVERY. A spring gives by f/k; at rest hair sinks in by its weight over OMEGA^2, 1 um.
 import package::common::{
-    params::params, quaternion::{rotate, turned_by}, rod::{Strand, Segment, RodPoint}, body::{Placed, near, entry},
-    symmetric::{Symmetric, dyad, minus, plus, scaled}, articulated::Spring,
+    params::params, quaternion::turned_by, rod::RodPoint, body::{Placed, Surface, near},
+    symmetric::{Symmetric, dyad, minus, plus}, articulated::Spring,
 };
 
 struct Contact {
@@ -18,12 +18,12 @@ struct Contact {
     force: f32,         // N, f
     held: vec3f,        // N, F_old, turned with the body
     lag: f32,           // N, f_lag: f of the step before, or of the last Newton step that settled
-    depth: f32,         // m, D
-    place: f32,         // part of the segment at which the place is; 1 of a point, which is its segment's end
+    before: f32,        // m, distance from the surface as the step begins
+    place: f32,         // part of the segment
     curve: f32,         // m, by which the place shifts along the segment as that turns by 1 rad
     grip: f32,          // N/m, stiffness of the friction
     linear: f32,        // N, f by the linear model of the last Newton step
-    state: u32,         // bits: LIVE, SLIDES, TOUCHED
+    state: u32,         // bits: LIVE, SLIDES, TOUCHED, PLANE
 }
 
 // What a contact keeps from step to step.
@@ -35,19 +35,20 @@ struct ContactHistory {
 const LIVE: u32 = 1u;
 const SLIDES: u32 = 2u;
 const TOUCHED: u32 = 4u;   // when the step began
+const PLANE: u32 = 8u;     // the body is a plane to it in this step, at `before` across `normal`
 
 const STIFFNESS: f32 = 100.0;   // of a contact, at least, over that of the place's inertia: 1/W
 const OMEGA: f32 = 3.2e3;       // 1/s, frequency of a place on the spring, at least
 const RECOVERY: f32 = 0.15;     // m/s
-const DEEP: f32 = 1e-4;         // m: a place that starts deeper had no contact that it could remember
+const DEEP: f32 = 1e-4;         // m: to a place that starts deeper the body is a plane without friction: farther in, each place may have another
+                                // nearest surface
 const STAYS: f32 = 0.1;         // lengths of the segment, from the surface, at which a contact ends whatever the linear model says
 const NOTICED: f32 = 1e-5;      // m: a push by less changes nothing that the solve has to settle
-const ANEW: f32 = 0.02;         // part of a segment by which its nearest place has to move before it is taken anew
 const MIDDLE: f32 = 0.03;       // part of a segment from its ends, within which its points touch in its place
-const REFINED: u32 = 3u;        // times that the nearest place of a segment is looked for anew,
-const FLAT: f32 = 0.002;        // unless the body's surface is so little steeper than the segment there
+const REFINED: u32 = 3u;        // times that the nearest place of a segment is refined
+const CLOSE: f32 = 0.002;       // part of a segment by which its nearest place may be off at first,
+const STANDS: f32 = 0.3;        // and in later Newton steps
 const BENDS: f32 = 30.0;        // lengths of the segment: the longest curve
-const SAME_SIDE: f32 = 0.5;     // cosine of the angle between normals on one side of a body
 const LAGS: f32 = 0.02;         // part by which f may differ from f_lag
 const UNEASY: f32 = 0.1;        // rad: a strand that touches and turns by more takes all force for tension in its next Newton step
 const SLIDING: f32 = 0.1;       // part of the grip that resists sliding on, from the Newton step SLOW on
@@ -77,11 +78,6 @@ fn seen_from(body: Placed, place: Place) -> Way {
     return Way(gap + turned, (place.remainder + place.travel - (body.center - body.center_before)) - turned);
 }
 
-// Distance of the place from the surface as the step begins [m].
-fn distance_before(body: Placed, place: Place) -> f32 {
-    return near(body, seen_from(body, place).base, rotate(body.turn, place.remainder)).distance;
-}
-
 fn place_of_point(point: RodPoint) -> Place {
     return Place(point.start.xyz, point.remainder, point.travel, point.reply);
 }
@@ -94,25 +90,33 @@ fn between(a: Place, b: Place, part: f32) -> Place {
     );
 }
 
-// The part of a segment that is nearest to a body with these normals at its ends, by regula falsi on the slope of the distance, and by how
-// much it shifts as the segment turns [m/rad]; 0 or 1 where an end is the nearest.
-fn nearest(body: Placed, a: Place, b: Place, first: vec3f, second: vec3f) -> vec2f {
+// Where a segment is nearest to a body with these normals at its ends, by regula falsi on the slope of the distance along it, from a guess,
+// which is good enough if it is off by less than `enough`.
+struct Nearest {
+    part: f32,         // of the segment; 0 or 1 where an end is nearest
+    curve: f32,        // m/rad, by which it shifts as the segment turns
+    place: Place,
+    surface: Surface,  // seen from there
+}
+
+fn nearest(body: Placed, a: Place, b: Place, first: vec3f, second: vec3f, guess: f32, enough: f32) -> Nearest {
     let chord = (b.start - a.start) + (b.remainder - a.remainder) + (b.travel - a.travel);
     let l = length(chord);
     var low = vec2f(0.0, dot(first, chord) / l);
     var high = vec2f(1.0, dot(second, chord) / l);
-    if low.y >= 0.0 || high.y - low.y <= 1e-5 { return vec2f(0.0); }
-    if high.y <= 0.0 { return vec2f(1.0, 0.0); }
-    var part = 0.0;
+    let ends = low.y >= 0.0 || high.y <= 0.0 || high.y - low.y <= 1e-5;
+    var found = Nearest(select(guess, f32(low.y + high.y < 0.0), ends), 0.0, a, Surface(first, 0.0));
     for (var k = 0u; k <= REFINED; k++) {
-        part = low.x - low.y * (high.x - low.x) / (high.y - low.y);
-        if k == REFINED { break; }
-        let seen = seen_from(body, between(a, b, part));
-        let slope = dot(near(body, seen.base, seen.way).normal, chord) / l;
-        if abs(slope) < FLAT { break; }
-        if slope < 0.0 { low = vec2f(part, slope); } else { high = vec2f(part, slope); }
+        found.place = between(a, b, found.part);
+        let seen = seen_from(body, found.place);
+        found.surface = near(body, seen.base, seen.way);
+        let slope = dot(found.surface.normal, chord) / l;
+        if ends || k == REFINED || abs(slope * (high.x - low.x)) < enough * (high.y - low.y) { break; }
+        if slope < 0.0 { low = vec2f(found.part, slope); } else { high = vec2f(found.part, slope); }
+        found.part = low.x - low.y * (high.x - low.x) / (high.y - low.y);
     }
-    return vec2f(part, min(l * (high.x - low.x) / (high.y - low.y), BENDS * l));
+    found.curve = select(min(l * (high.x - low.x) / (high.y - low.y), BENDS * l), 0.0, ends);
+    return found;
 }
 
 // How a contact is where its place arrives.
@@ -122,50 +126,37 @@ struct Met {
     lags: bool,         // f is not what friction was limited by
 }
 
-// Of a place far on its way the plane of the body where the way enters counts, if the way leads through.
-fn meet(last: Contact, body: Placed, place: Place, starts: bool, l: f32, may_touch: bool) -> Met {
-    var before = last;
-    if starts {
-        let start = distance_before(body, place);
-        before.depth = max(0.0, -start - RECOVERY * params.step);
-        if start < -DEEP {
-            before.held = vec3f(0.0);
-            before.lag = 0.0;
-        }
-    }
-    var met = Met(before, false, false);
+// A contact that does not touch, at a distance.
+fn parted(before: Contact, distance: f32, starts: bool) -> Met {
+    var contact = before;
+    contact.gap = distance;
+    contact.friction = vec3f(0.0);
+    contact.force = 0.0;
+    contact.grip = 0.0;
+    contact.state = before.state & (TOUCHED | PLANE);
+    return Met(contact, !starts && (before.state & LIVE) != 0u, false);
+}
+
+// A contact with the surface seen from the place.
+fn meet(before: Contact, body: Placed, place: Place, surface: Surface, starts: bool, l: f32) -> Met {
     let seen = seen_from(body, place);
-    let surface = near(body, seen.base, seen.way);
-    var normal = surface.normal;
-    var distance = surface.distance;
-    if length(seen.way) > 0.5 * body.radius {
-        let part = entry(body, body.center + seen.base, seen.way);
-        if part > 0.0 && part <= 1.0 {
-            let enters = near(body, seen.base, part * seen.way).normal;
-            let behind = (1.0 - part) * dot(enters, seen.way);
-            if (dot(enters, normal) < SAME_SIDE || distance > 0.0) && (behind < 0.0 || distance < 0.0) {
-                normal = enters;
-                distance = behind;
-            }
-        }
-    }
+    let plane = (before.state & PLANE) != 0u;
+    let normal = select(surface.normal, before.normal, plane);
+    let distance = select(surface.distance, before.before + dot(normal, seen.way), plane) + max(0.0, -before.before - RECOVERY * params.step);
     let k = stiffness_of(place.reply);
-    met.contact.normal = normal;
-    met.contact.gap = distance + before.depth;
-    let force = -k * met.contact.gap;
+    let force = -k * distance;
     let was_live = (before.state & LIVE) != 0u;
     let was_sliding = (before.state & SLIDES) != 0u;
-    let stays = was_live && !starts && before.linear > 0.0 && met.contact.gap < STAYS * l;
-    let live = may_touch && place.reply > 0.0 && (force > 0.0 || stays);
-    met.changed = !starts && ((live != was_live && (!live || force * place.reply > NOTICED)) || (live && force < 0.0));
-    met.contact.state = before.state & TOUCHED;
-    met.contact.friction = vec3f(0.0);
-    met.contact.force = 0.0;
-    met.contact.grip = 0.0;
-    if !live { return met; }
-    met.contact.state |= LIVE;
+    let stays = was_live && !starts && before.linear > 0.0 && distance < STAYS * l;
+    if place.reply == 0.0 || (force <= 0.0 && !stays) { return parted(before, distance, starts); }
+    var met = Met(before, !starts && (force < 0.0 || (!was_live && force * place.reply > NOTICED)), false);
+    met.contact.normal = normal;
+    met.contact.gap = distance;
     met.contact.force = force;
-    if body.friction == 0.0 { return met; }
+    met.contact.friction = vec3f(0.0);
+    met.contact.grip = 0.0;
+    met.contact.state = (before.state & (TOUCHED | PLANE)) | LIVE;
+    if body.friction == 0.0 || before.before < -DEEP { return met; }
     let off = abs(force - before.lag);
     met.lags = off > LAGS * force && off * place.reply > 1e-9;
     let slip = seen.way - dot(seen.way, normal) * normal;

@@ -4,9 +4,9 @@
 // From a root that is held at a depth d below a surface, a strand rises by RISE of its length. The points that are nearer to the root than
 // d/RISE along the strand are *embedded*: if bodies pushed them out, they would push against the clamp in every step.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, quaternion::rotate,
-    rod::{Strand, Segment, RodStrand, RodPoint, ROOT_HELD, TELEPORTED, SLEEPS}, body::{Placed, near, surface_move},
-    contact::{Contact, ContactHistory, Place, TOUCHED, distance_before, seen_from},
+    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{rotate, turned_by},
+    rod::{Strand, Segment, RodStrand, RodPoint, ROOT_HELD, TELEPORTED, SLEEPS}, body::{Placed, Surface, near, steepest},
+    contact::{Contact, ContactHistory, Nearest, Place, TOUCHED, PLANE, CLOSE, DEEP, nearest, seen_from},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:         array<Strand>;
@@ -17,12 +17,23 @@ import package::common::{
 @group(0) @binding(7) var<storage, read>       contact_history: array<ContactHistory>;
 @group(0) @binding(8) var<storage, read_write> contacts:        array<Contact>;
 
-const RISE: f32 = 0.5;   // way to the surface [lengths of the strand]: the sine of 30 degrees
+const RISE: f32 = 0.5;        // way to the surface [lengths of the strand]: the sine of 30 degrees
+const STEPS: u32 = 16u;
+const GRAZES: f32 = 0.01;     // distance from the surface at which a way enters [radii of the body]
 
-// What a contact remembers, turned with the body.
-fn remembered(history: ContactHistory, body: Placed, forgets: bool) -> Contact {
+// A point that a body carries along in the step.
+fn carried(body: Placed, point: RodPoint) -> Place {
+    let travel = (body.center - body.center_before) + turned_by(body.turn, point.start.xyz - body.center_before);
+    return Place(point.start.xyz, point.remainder, travel, 0.0);
+}
+
+// A contact as the step begins, with the surface seen from its place.
+fn begin(history: ContactHistory, body: Placed, start: Surface, forgets: bool) -> Contact {
     var contact = Contact();
-    if forgets || history.force == 0.0 { return contact; }
+    contact.normal = start.normal;
+    contact.before = start.distance;
+    if start.distance < -DEEP { contact.state = PLANE; }
+    if forgets || history.force == 0.0 || start.distance < -DEEP { return contact; }
     contact.friction = rotate(body.turn, history.friction);
     contact.held = contact.friction;
     contact.force = history.force;
@@ -31,8 +42,25 @@ fn remembered(history: ContactHistory, body: Placed, forgets: bool) -> Contact {
     return contact;
 }
 
-fn moves(body: Placed, x: vec3f) -> bool {
-    return any(surface_move(body, x) != vec3f(0.0));
+// To a place whose way leads far through a body, or out of it on another side, the body is the plane that touches it where the way enters: steps
+// along the way are as long as the distance allows (Hart 1996, Sphere tracing).
+fn plane(contact: Contact, body: Placed, place: Place) -> Contact {
+    let seen = seen_from(body, place);
+    let far = length(seen.way);
+    if contact.before < 0.0 || contact.before > far || far < 0.5 * body.radius { return contact; }
+    var part = 0.0;
+    var surface = Surface(contact.normal, contact.before);
+    for (var k = 0u; k < STEPS && surface.distance > GRAZES * body.radius; k++) {
+        part += surface.distance / (steepest(body) * far);
+        if part > 1.0 { return contact; }
+        surface = near(body, seen.base, part * seen.way);
+    }
+    if surface.distance > GRAZES * body.radius { return contact; }
+    var through = contact;
+    through.normal = surface.normal;
+    through.before = surface.distance - part * dot(surface.normal, seen.way);
+    through.state |= PLANE;
+    return through;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -47,24 +75,32 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var meets = false;
     var wakes = false;
     var depth = 0.0;   // of the root
-    for (var k = 0u; k < strand.points; k++) {
-        let p = strand.first_point + k;
-        let point = rod_points[p];
-        let l = segments[strand.first_segment + min(k, strand.points - 2u)].rest_length;
-        for (var b = 0u; b < bodies; b++) {
-            let body = placed[b];
-            contacts[p * bodies + b] = remembered(contact_history[p * bodies + b], body, forgets);
+    for (var b = 0u; b < bodies; b++) {
+        let body = placed[b];
+        var begins = Place();    // of the segment,
+        var first = Surface();   // seen from there
+        for (var k = 0u; k < strand.points; k++) {
+            let point = rod_points[strand.first_point + k];
+            let ends = carried(body, point);
+            let seen = seen_from(body, ends);
+            let start = near(body, seen.base, seen.way);
+            let moves = length(ends.travel);
+            let l = segments[strand.first_segment + max(k, 1u) - 1u].rest_length;
+            if k == 0u { depth = max(depth, -start.distance); }
+            meets = meets || start.distance - moves < strand.length;
+            wakes = wakes || (sleeps && moves > 0.0 && start.distance - moves < l);
+            let ahead = Place(ends.start, ends.remainder, params.step * point.velocity, 0.0);
+            let i = (strand.first_point + k) * bodies + b;
+            contacts[i] = plane(begin(contact_history[i], body, start, forgets), body, ahead);
             if k > 0u {
+                var middle = Nearest(0.0, 0.0, ends, Surface(start.normal, l));
+                if first.distance + start.distance < l { middle = nearest(body, begins, ends, first.normal, start.normal, 0.5, CLOSE); }
                 let j = (params.hair_points + strand.first_segment + k - 1u) * bodies + b;
-                contacts[j] = remembered(contact_history[j], body, forgets);
+                contacts[j] = begin(contact_history[j], body, middle.surface, forgets);
+                contacts[j].place = middle.part;
             }
-            let place = Place(point.start.xyz, point.remainder, vec3f(0.0), 0.0);
-            let seen = seen_from(body, place);
-            let gap = distance_before(body, place);
-            if k == 0u { depth = max(depth, -gap); }
-            meets = meets || gap - length(surface_move(body, point.start.xyz)) < strand.length;
-            let after = near(body, seen.base, seen.way).distance;
-            wakes = wakes || (sleeps && min(gap, after) < l && moves(body, point.start.xyz));
+            begins = ends;
+            first = start;
         }
     }
     var embedded = 0u;

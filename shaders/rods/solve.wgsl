@@ -18,8 +18,11 @@ import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, integration::response, pi::PI,
     quaternion::{product, conjugate, rotate, rotation, tangent, matrix, turned_by},
     symmetric::{applied, applied_to_columns, cross_dyad, dyad, inverse_of, plus, twice_symmetric},
-    articulated::{Answer, Beyond, ONE, Spring, crossing, joint, spring, swapped, through}, body::Placed,
-    contact::{Contact, Place, ANEW, LIVE, MIDDLE, SLIDES, TOUCHED, UNEASY, between, meet, nearest, place_of_point, resists, stiffness_of},
+    articulated::{Answer, Beyond, ONE, Spring, crossing, joint, spring, swapped, through}, body::{BODIES, Placed, near},
+    contact::{
+        Contact, Met, Place, CLOSE, LIVE, MIDDLE, PLANE, SLIDES, STANDS, TOUCHED, UNEASY, between, meet, nearest, parted, place_of_point, resists,
+        seen_from, stiffness_of,
+    },
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT, ROOT_HELD, TIP_HELD, WHOLE, TURN, clamped},
 };
 
@@ -31,6 +34,8 @@ import package::common::{
 @group(0) @binding(7) var<storage, read_write> contacts:     array<Contact>;   // of points, then of segments, each with every body
 @group(0) @binding(8) var<storage, read>       placed:       array<Placed>;
 
+const HELD_TURN: f32 = 0.5;   // rad, of a frame in a Newton step of a strand whose tip is held
+const UNCUT: f32 = 1e6;       // rad
 const SETTLED: f32 = 1e-3;    // rad, of a frame, and strain, in a Newton step that is the last,
 const RELATIVE: f32 = 1e-2;   // or this part of the first Newton step's
 const BESIDE: f32 = 0.2;      // part of a segment from an end, nearer to which a place of it says nothing of the other end's velocity
@@ -170,13 +175,36 @@ fn foresee_segment(rod: RodStrand, p: u32, j: u32, shift: vec3f, swing: vec3f) {
     }
 }
 
+// How a joint turns less, and a segment gives, in the Newton step, by the turn before and the move of the segment's first point.
+fn bend_of(segment: RodSegment, turn: vec3f, shift: vec3f) -> vec3f {
+    return segment.bends.constant + segment.bends.by_own * turn + segment.bends.by_other * shift;
+}
+fn stretch_of(segment: RodSegment, turn: vec3f, shift: vec3f) -> vec3f {
+    return segment.stretches.constant + segment.stretches.by_other * turn + segment.stretches.by_own * shift;
+}
+
+// Part of the Newton step that a strand with a held tip takes: the whole of it is cut, since joints that are cut by themselves lead the tip away.
+fn part_of(strand: Strand, root_move: vec3f) -> f32 {
+    var most = 0.0;
+    var shift = root_move;
+    var turn = vec3f(0.0);
+    for (var k = 0u; k < strand.points - 1u; k++) {
+        let now = rod_segments[strand.first_segment + k];
+        turn -= bend_of(now, turn, shift);
+        shift += cross(turn, segments[strand.first_segment + k].rest_length * tangent(now.frame) + now.strain);
+        shift -= stretch_of(now, turn, shift);
+        most = max(most, length(turn));
+    }
+    return min(1.0, HELD_TURN / most);
+}
+
 // Root to tip. Returns the largest turn of a frame [rad] or change of a strain.
-fn substitute(strand: Strand, rod: RodStrand, root_move: vec3f) -> f32 {
+fn substitute(strand: Strand, rod: RodStrand, root_move: vec3f, part: f32) -> f32 {
     var most = 0.0;
     var shift = root_move;     // v, to first order
     var turn = vec3f(0.0);     // w
     var travel_before = rod_points[strand.first_point].travel;
-    var travel = travel_before + root_move;
+    var travel = travel_before + part * root_move;
     rod_points[strand.first_point].travel = travel;
     foresee(rod, strand.first_point, rod_points[strand.first_point].reply, root_move);
     for (var k = 0u; k < strand.points - 1u; k++) {
@@ -185,17 +213,17 @@ fn substitute(strand: Strand, rod: RodStrand, root_move: vec3f) -> f32 {
         let now = rod_segments[j];
         let l = segments[j].rest_length;
         let along = l * tangent(now.frame);
-        turn -= clamped(now.bends.constant + now.bends.by_own * turn + now.bends.by_other * shift, TURN);
-        turn = clamped(turn, PI);
+        turn -= clamped(bend_of(now, turn, shift), select(TURN, UNCUT, part < 1.0));
+        turn = clamped(turn, select(PI, UNCUT, part < 1.0));
         foresee_segment(rod, p - 1u, j, shift, cross(turn, along + now.strain));
         shift += cross(turn, along + now.strain);
-        let stretch = now.stretches.constant + now.stretches.by_other * turn + now.stretches.by_own * shift;
+        let stretch = stretch_of(now, turn, shift);
         shift -= stretch;
         foresee(rod, p, rod_points[p].reply, shift);
-        let strain = clamped(now.strain - stretch, WHOLE * l);
+        let strain = clamped(now.strain - part * stretch, WHOLE * l);
         most = max(most, max(length(turn), length(strain - now.strain) / l));
 
-        let rotated = rotation(turn);
+        let rotated = rotation(part * turn);
         let chord = rod_points[p].travel - travel_before;
         travel_before = rod_points[p].travel;
         travel += chord + turned_by(rotated, along + strain) + (strain - now.strain);
@@ -210,45 +238,74 @@ fn substitute(strand: Strand, rod: RodStrand, root_move: vec3f) -> f32 {
 
 // Bodies that a strand may meet.
 fn bodies(rod: RodStrand) -> u32 {
-    return select(0u, arrayLength(&placed), rod.meets != 0u);
+    return select(0u, arrayLength(&placed), BODIES && rod.meets != 0u);
 }
 
 // Contacts of all places where they are now; `starts`: of the first time in the step. `renews` limits friction by the force that acts.
 fn touch(strand: Strand, rod: RodStrand, starts: bool, renews: bool) -> Touch {
     var touch = Touch();
-    for (var k = 0u; k < strand.points && rod.meets != 0u; k++) {
-        let p = strand.first_point + k;
-        let l = segments[strand.first_segment + max(k, 1u) - 1u].rest_length;
-        for (var b = 0u; b < bodies(rod); b++) {
-            let i = p * bodies(rod) + b;
-            touch = met(touch, i, placed[b], place_of_point(rod_points[p]), starts, renews, l, k >= rod.embedded);
-            if k == 0u { continue; }
-            let j = (params.hair_points + strand.first_segment + k - 1u) * bodies(rod) + b;
-            let first = contacts[i - bodies(rod)];
-            let second = contacts[i];
-            var may_touch = k > rod.embedded && min(first.gap, second.gap) < l;
-            let begins = place_of_point(rod_points[p - 1u]);
-            let ends = place_of_point(rod_points[p]);
-            if may_touch {
-                let found = nearest(placed[b], begins, ends, first.normal, second.normal);
-                contacts[j].curve = found.y;
-                if starts || abs(found.x - contacts[j].place) >= ANEW { contacts[j].place = found.x; }
-                may_touch = contacts[j].place > MIDDLE && contacts[j].place < 1.0 - MIDDLE;
+    for (var b = 0u; b < bodies(rod); b++) {
+        let body = placed[b];
+        var begins = Place();    // of the segment,
+        var first = Contact();   // and its contact
+        var before = 0.0;        // m, length of the segment
+        for (var k = 0u; k < strand.points; k++) {
+            let ends = place_of_point(rod_points[strand.first_point + k]);
+            let after = segments[strand.first_segment + min(k, strand.points - 2u)].rest_length;
+            let i = (strand.first_point + k) * bodies(rod) + b;
+            let second = met_point(contacts[i], body, ends, starts, renews, max(before, after), k >= rod.embedded);
+            contacts[i] = second.contact;
+            touch = counted(touch, second);
+            if k > 0u {
+                let j = (params.hair_points + strand.first_segment + k - 1u) * bodies(rod) + b;
+                let middle = met_segment(
+                    contacts[j], body, begins, ends, first, second.contact, starts, renews, before, k > rod.embedded,
+                );
+                contacts[j] = middle.contact;
+                touch = counted(touch, middle);
             }
-            if !may_touch && (contacts[j].state & LIVE) == 0u { continue; }
-            touch = met(touch, j, placed[b], between(begins, ends, contacts[j].place), starts, renews, l, may_touch);
+            begins = ends;
+            first = second.contact;
+            before = after;
         }
     }
     return touch;
 }
 
-fn met(before: Touch, i: u32, body: Placed, place: Place, starts: bool, renews: bool, l: f32, may_touch: bool) -> Touch {
-    if renews { contacts[i].lag = contacts[i].force; }
-    let met = meet(contacts[i], body, place, starts, l, may_touch);
-    contacts[i] = met.contact;
+fn counted(before: Touch, met: Met) -> Touch {
     return Touch(
         before.touches || (met.contact.state & LIVE) != 0u, before.changed || met.changed, before.lags || met.lags,
     );
+}
+
+// A place is at least so far from a body as it was, less its way.
+fn met_point(last: Contact, body: Placed, place: Place, starts: bool, renews: bool, reach: f32, may_touch: bool) -> Met {
+    var contact = last;
+    contact.lag = select(last.lag, last.force, renews);
+    let seen = seen_from(body, place);
+    let least = contact.before - length(seen.way);
+    if least > reach { return parted(contact, least, starts); }
+    let surface = near(body, seen.base, seen.way);
+    if (contact.state & PLANE) == 0u { contact.normal = surface.normal; }
+    if !may_touch { return parted(contact, surface.distance, starts); }
+    return meet(contact, body, place, surface, starts, reach);
+}
+
+// The segment between two places, with the contacts of its ends.
+fn met_segment(
+    last: Contact, body: Placed, begins: Place, ends: Place, first: Contact, second: Contact, starts: bool, renews: bool, l: f32,
+    may_touch: bool,
+) -> Met {
+    var contact = last;
+    contact.lag = select(last.lag, last.force, renews);
+    if !may_touch || first.gap + second.gap > l { return parted(contact, l, starts); }
+    let plane = (contact.state & PLANE) != 0u;
+    let enough = select(select(STANDS, CLOSE, starts), 2.0, plane);
+    let found = nearest(body, begins, ends, first.normal, second.normal, contact.place, enough);
+    contact.place = found.part;
+    contact.curve = select(found.curve, 0.0, plane);
+    if found.part < MIDDLE || found.part > 1.0 - MIDDLE { return parted(contact, l, starts); }
+    return meet(contact, body, found.place, found.surface, starts, l);
 }
 
 // Contacts of an unsolved strand remember nothing. A point that touches, or that a touching segment moves, has the velocity of its move: all of
@@ -328,9 +385,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         for (var elimination = first; elimination < 2u; elimination++) {
             eliminated = eliminate(strand, rod, rod.tip_force, eliminated.tip_force);
         }
-        var most = substitute(strand, rod, eliminated.root_move);
-        // Where turns were cut, the force would close a gap that the cut left, and wind up.
-        if most <= TURN { rod.tip_force += eliminated.tip_force; }
+        var step = 1.0;
+        if first == 0u { step = part_of(strand, eliminated.root_move); }
+        var most = substitute(strand, rod, eliminated.root_move, step);
+        rod.tip_force += step * eliminated.tip_force;
         let tip = rod_points[strand.first_point + strand.points - 1u];
         if first == 0u { most = max(most, length(tip.travel - tip.free) / strand.length); }
         if rod.newton == 0u { rod.settled = max(SETTLED, RELATIVE * most); }
@@ -347,7 +405,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     if rod.state == SOLVED || rod.newton == params.newton_steps {
         finish(strand, now.touches);
-        if rod.meets != 0u { leave(strand, rod, rod.state == SOLVED); }
+        if BODIES && rod.meets != 0u { leave(strand, rod, rod.state == SOLVED); }
     }
     rod_strands[s] = rod;
 }

@@ -8,6 +8,8 @@
 /// has passes without a trace of it: some adapters run both sides of every branch, and compile both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Switch {
+    /// A body (`shaders/common/body.wgsl`).
+    Bodies,
     /// Turbulence that enters with the wind (`shaders/common/inflow.wgsl`).
     Inflow,
     /// Keyframes of roots or bodies (`shaders/common/motion.wgsl`).
@@ -21,6 +23,7 @@ impl Switch {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
+            Self::Bodies => "BODIES",
             Self::Inflow => "INFLOW",
             Self::Keyframes => "KEYFRAMES",
             Self::Meshes => "MESHES",

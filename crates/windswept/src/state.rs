@@ -137,6 +137,7 @@ impl Sizes {
     #[must_use]
     pub fn has(&self, switch: Switch) -> bool {
         match switch {
+            Switch::Bodies => self.bodies > 0,
             Switch::Inflow => self.waves > 0,
             Switch::Keyframes => self.keyframes > 0,
             Switch::Meshes => self.distances > 0,
