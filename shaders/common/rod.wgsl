@@ -22,7 +22,7 @@ struct Strand {
     first_segment: u32,
     points: u32,
     joints: u32,               // bits: ROOT_JOINT, TIP_JOINT, ROOT_HELD, TIP_HELD
-    tip_frame: vec4f,
+    tip_frame: vec4f,          // of a clamped tip, before any motion
     tip_rest_rotation: vec4f,
     tip_compliance: vec3f,     // of the tip joint, as bend_compliance
     length: f32,               // m, at rest
@@ -77,12 +77,19 @@ struct Condition {
 const BAD: u32 = 1u;               // what its step found after the solve, and counted: the next step resets it
 const SPOILT: u32 = 2u;            // what its step finds as it begins, and counts: the same step resets it
 const SLEEPS: u32 = 0xffffffffu;
+const NO_PIN: u32 = 0xffffffffu;
 const STRAINED_STEPS: u32 = 50u;   // on end, before it is counted
 const STRAINED: f32 = 0.05;        // |l/l0 - 1|
 
 // Steps of over-strain on end after a step that stretched by this much, when there were `before`.
 fn strained_steps(before: u32, stretch: f32) -> u32 {
     return select(0u, min(before + 1u, STRAINED_STEPS + 1u), stretch > STRAINED);
+}
+
+// A point that is pinned, or a tip that is held.
+struct Pin {
+    place: vec3f,    // m, where it is held; of a tip of roots with keyframes before any motion
+    held: u32,       // 1: it is
 }
 
 // A strand within a step.
@@ -93,13 +100,16 @@ struct RodStrand {
     root_turn: vec4f,       // from the ghost frame at the step's start
     scheme: u32,            // of `integration`, if it is integrated: EULER, BDF2
     condition: Condition,   // as the step found it so far; `guard/commit_frames` commits it
-    tip_force: vec3f,       // N, that holds a held tip
+    pin_force: vec3f,       // N, that holds it at its last pin
     embedded: u32,          // points, from the root on, that bodies let be
     meets: u32,             // 1: it may meet a body in this step
     woken: u32,             // 1: a body that moves reaches it
     newton: u32,            // Newton steps so far
     steep: u32,             // 1: the next takes all of a segment's force for its tension
     settled: f32,           // rad, and strain, in a Newton step that is the last
+    pin: u32,               // its last point that is pinned or a held tip, from the root on; NO_PIN
+    tip_travel: vec3f,      // m, of a held tip
+    tip_frame: vec4f,       // of a clamped tip, at the step's end
 }
 
 const FREE: u32 = 0u;         // integrated, and not solved yet
@@ -124,7 +134,10 @@ struct RodPoint {
     push: vec3f,           // m/s, what of it did not act while the strand came to rest
     free: vec3f,           // m, the move without the rod's forces; of a held point, where it is held
     travel: vec3f,         // m, the move
-    rest_drift: vec3f,        // m, from where it was when the strand became still
+    rest_drift: vec3f,     // m, from where it was when the strand became still
+    pin: vec3f,            // m, to where it is pinned in this step
+    pinned: u32,           // 1: it is, and the strand has a pin nearer to the tip
+    pin_force: vec3f,      // N, of the pin in the step before, by which its spring need not give
 }
 
 // A segment within a step.
@@ -152,6 +165,7 @@ struct PointHistory {
     own: vec3f,         // m/s, what its rod and gravity gave it in the last step awake; nothing with the model PARTICLES
     grip: vec3f,        // m/s, slip that friction of hair on hair holds it back from
     rest_drift: vec3f,     // m, from where it was when its strand became still
+    pin_force: vec3f,   // N, that holds it at a pin
 }
 
 // What a segment keeps from step to step beside its frame.
@@ -171,6 +185,6 @@ struct Root {
 // What a strand keeps from step to step.
 struct StrandHistory {
     root: Root,             // at its clamp
-    tip_force: vec3f,       // N, that holds a held tip
+    pin_force: vec3f,       // N, that holds it at its last pin
     condition: Condition,
 }

@@ -30,6 +30,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     orientation[k] = segment.frame;
     if k < params.strands {   // no more than segments
         let root = Root(strand_history[k].root.position + rod_strands[k].root_travel, rod_strands[k].root_frame);
-        strand_history[k] = StrandHistory(root, rod_strands[k].tip_force, rod_strands[k].condition);
+        strand_history[k] = StrandHistory(root, rod_strands[k].pin_force, rod_strands[k].condition);
     }
 }

@@ -37,5 +37,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         select(own, point_history[p].own, stays),
         grip[p].xyz,
         point.rest_drift + ((predicted[p].xyz - x) + (remainder - before)),
+        point.pin_force,
     );
 }

@@ -1,7 +1,7 @@
-// Where a hair point is as its step begins, and how fast. The density constraint moved the drifting point by dx: it takes dv = dx/dt, the
+// Where a hair point is as its step begins, how fast, and how far from its pin. The density constraint moved the drifting point by dx: it takes dv = dx/dt, the
 // impulse that the air lost. Forces from outside start at 0; the passes that follow add to `force` and `resistance`.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{Point, RodPoint, PointHistory}, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{Point, Pin, RodPoint, PointHistory},
 };
 
 @group(0) @binding(3) var<storage, read>       position:      array<vec4f>;
@@ -9,12 +9,13 @@ import package::common::{
 @group(0) @binding(5) var<storage, read>       points:        array<Point>;
 @group(0) @binding(6) var<storage, read>       correction:    array<vec4f>;   // m
 @group(0) @binding(7) var<storage, read>       point_history: array<PointHistory>;
-@group(0) @binding(8) var<storage, read_write> rod_points:    array<RodPoint>;
+@group(0) @binding(8) var<storage, read>       pins:          array<Pin>;
+@group(0) @binding(9) var<storage, read_write> rod_points:    array<RodPoint>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let p = invocation(id, groups);
-    if (p >= params.hair_points) | frozen() { return; }
+    if p >= params.hair_points { return; }
     let history = point_history[p];
     let w = inverse_mass[p];
     let change = select(vec3f(0.0), correction[p].xyz / params.step, w > 0.0);
@@ -29,5 +30,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     point.outside = change;
     point.push = change - history.outside;
     point.rest_drift = history.rest_drift;
+    point.pin = pins[p].place - position[p].xyz;
+    point.pinned = select(0u, pins[p].held, w > 0.0);
+    point.pin_force = history.pin_force;
     rod_points[p] = point;
 }

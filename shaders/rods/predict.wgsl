@@ -10,7 +10,7 @@
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent, turned_by},
     integration::{PUT, STAY, EULER, free_move, response}, rest::STILL_STEPS, load::damping_of,
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, SegmentHistory, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, TIP_HELD, WHOLE, TURN,
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, SegmentHistory, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, NO_PIN, TIP_HELD, WHOLE, TURN,
         clamped},
     sound::{FAR, FAST, within}, status::{status, frozen, freeze, count, EULER_STEP, ASLEEP_STEP, TELEPORT, UNMENDED_STRAND},
 };
@@ -49,6 +49,29 @@ fn load(strand: Strand, asleep: bool) -> f32 {
         largest = max(largest, length(push));
     }
     return max(length(sum) / max(movable, 1.0), largest / max(AT_TIP * movable, 1.0));
+}
+
+// Lets the pins of a strand go their part of the way in this substep, all but the last as springs.
+struct Pins {
+    last: u32,       // point of the last pin
+    farthest: f32,   // m, from a pin to its point
+}
+
+fn pull(strand: Strand) -> Pins {
+    let left = params.substeps - status.step % params.substeps;
+    var pins = Pins(NO_PIN, 0.0);
+    if (strand.joints & TIP_HELD) != 0u { pins.last = strand.points - 1u; }
+    for (var done = 1u; done <= strand.points; done++) {
+        let k = strand.points - done;
+        let p = strand.first_point + k;
+        if rod_points[p].pinned == 0u { continue; }
+        pins.farthest = max(pins.farthest, length(rod_points[p].pin));
+        rod_points[p].pin /= f32(left);
+        if pins.last != NO_PIN { continue; }
+        pins.last = k;
+        rod_points[p].pinned = 0u;
+    }
+    return pins;
 }
 
 // Whether a strand whose clamp rests goes on at rest. A trembling strand feels a trembling drag, which must not wake it.
@@ -101,7 +124,7 @@ fn place(strand: Strand, rod: RodStrand, at_rest: bool, sleeps: bool) {
         rest += segments[j].rest_length * tangent(frame);
         let end = select(rotate(rod.root_turn, offset), rest, at_rest);
         let stays = at_rest & ((strand.joints & TIP_HELD) != 0u) & (k + 2u == strand.points);
-        travel = select(rod.root_travel + end - offset, vec3f(0.0), stays);
+        travel = select(rod.root_travel + end - offset, rod.tip_travel, stays);
     }
 }
 
@@ -126,8 +149,9 @@ fn set_off(strand: Strand, rod: RodStrand) {
         let damping = damping_of(here);
         let acceleration = here.weight * params.gravity + here.inverse_mass * here.force;
         let moves = free_move(here.velocity, here.before, here.carried, acceleration, damping, scheme);
-        let free = select(moves, select(-shift, rod.root_travel, k == 0u), held);
+        let free = select(moves, select(rod.tip_travel - shift, rod.root_travel, k == 0u), held);
         rod_points[p].free = free;
+        rod_points[p].pin = select(here.pin - shift, free, held);
         rod_points[p].reply = response(damping, scheme) * here.inverse_mass;
         rod_points[p].travel = select(free, travel, direct);
         rod_points[p].scheme = scheme;
@@ -178,7 +202,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let resets = condition.bad != 0u;
     let jumps = resets || rod.state == TELEPORTED;
     let push = load(strand, condition.still == SLEEPS);
-    let sleeps = !jumps && rod.state == ASLEEP && rests(strand, condition.still, rod.woken != 0u, push);
+    let pins = pull(strand);
+    let woken = rod.woken != 0u || pins.farthest > strand.still_way;
+    let sleeps = !jumps && rod.state == ASLEEP && rests(strand, condition.still, woken, push);
     var state = rod.state;
     if jumps | sleeps {
         place(strand, rod, resets, sleeps);
@@ -190,11 +216,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         if condition.still == SLEEPS { condition.still = 0u; }
         if rod.scheme == EULER && params.bdf2 != 0u { count(EULER_STEP); }
     }
-    if jumps { rod_strands[s].tip_force = vec3f(0.0); }
+    if jumps { rod_strands[s].pin_force = vec3f(0.0); }
     condition.bad = 0u;
     condition.bdf2_ready = select(u32(!jumps), condition.bdf2_ready, sleeps);
     rod_strands[s].state = state;
     rod_strands[s].newton = 0u;
     rod_strands[s].steep = 0u;
+    rod_strands[s].pin = pins.last;
     rod_strands[s].condition = condition;
 }

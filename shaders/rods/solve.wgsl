@@ -12,7 +12,7 @@
 // Hessian is Gauss-Newton's, and a frame under tension resists turning off the pull: it is positive definite, so that Phi falls along theta.
 // Contacts with bodies are springs on points and segments (`common/contact`).
 //
-// One invocation per strand, until frames, strains, a held tip and contacts have settled. It runs on in a frozen step, in which nothing that it
+// One invocation per strand, until frames, strains, pins and contacts have settled. It runs on in a frozen step, in which nothing that it
 // writes is committed: whether a step is frozen stands in a ninth buffer, and WebGPU's default allows eight.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, integration::response, pi::PI,
@@ -34,7 +34,8 @@ import package::common::{
 @group(0) @binding(7) var<storage, read_write> contacts:     array<Contact>;   // of points, then of segments, each with every body
 @group(0) @binding(8) var<storage, read>       placed:       array<Placed>;
 
-const HELD_TURN: f32 = 0.5;   // rad, of a frame in a Newton step of a strand whose tip is held
+const PIN: f32 = 1e4;         // stiffness of a pin, over that of its point's inertia: 1/W
+const HELD_TURN: f32 = 0.5;   // rad, of a frame in a Newton step of a strand that is held beside its root
 const UNCUT: f32 = 1e6;       // rad
 const SETTLED: f32 = 1e-3;    // rad, of a frame, and strain, in a Newton step that is the last,
 const RELATIVE: f32 = 1e-2;   // or this part of the first Newton step's
@@ -50,7 +51,17 @@ struct Touch {
 // What elimination leaves.
 struct Eliminated {
     root_move: vec3f,   // of the root's point, 0 where it is held
-    tip_force: vec3f,   // change of the force that holds the tip
+    pin_force: vec3f,   // change of the force at the pin
+}
+
+// Adds a pin nearer to the root than the strand's last: a spring, and the force that it had in the step before.
+fn pin_point(beyond: Beyond, point: RodPoint) -> Beyond {
+    var sum = beyond;
+    if point.pinned == 0u { return sum; }
+    let k = PIN / point.reply;
+    sum.own.diagonal += vec3f(k);
+    sum.force += k * (point.travel - point.pin) + point.pin_force;
+    return sum;
 }
 
 // Adds the contacts of a point; of the segment from point p on, whose second end is at `arm` from the first.
@@ -85,17 +96,15 @@ fn push_segment(beyond: Beyond, rod: RodStrand, p: u32, j: u32, arm: vec3f) -> B
     return sum;
 }
 
-// Tip to root, under a force on a held tip and a change of it, which counts for no tension. `steep` takes all of a segment's force for its
+// Tip to root, under the force that holds the strand at its pin and a change of it, which counts for no tension. `steep` takes all of a segment's force for its
 // tension, which is more than there is.
-fn eliminate(strand: Strand, rod: RodStrand, tip_force: vec3f, change: vec3f) -> Eliminated {
+fn eliminate(strand: Strand, rod: RodStrand, change: vec3f) -> Eliminated {
     let last = strand.points - 2u;
-    let holds = (strand.joints & TIP_HELD) != 0u;
+    var holds = false;
     var frame = rod_segments[strand.first_segment + last].frame;
     var beyond = Beyond();
-    beyond.force = tip_force + change;
-    beyond.held = ONE;
     if (strand.joints & TIP_JOINT) != 0u {
-        let tip = joint(frame, strand.tip_frame, strand.tip_rest_rotation, strand.tip_compliance);
+        let tip = joint(frame, rod.tip_frame, strand.tip_rest_rotation, strand.tip_compliance);
         beyond.other = tip.stiffness;
         beyond.other_force = -tip.force;
     }
@@ -110,7 +119,12 @@ fn eliminate(strand: Strand, rod: RodStrand, tip_force: vec3f, change: vec3f) ->
         let mass = select(1.0 / point.reply, 0.0, point.reply == 0.0);
         beyond.own.diagonal += vec3f(mass);
         beyond.force += mass * (point.travel - point.free);
-        beyond = push_point(beyond, rod, strand.first_point + k + 1u);
+        beyond = push_point(pin_point(beyond, point), rod, strand.first_point + k + 1u);
+        if k + 1u == rod.pin {
+            holds = true;
+            beyond.held = ONE;
+            beyond.force += rod.pin_force + change;
+        }
         let stretched = through(beyond, spring((1.0 / l) * axes, segment.stretch_compliance, (now.strain * axes) / l), holds);
         beyond = stretched.beyond;
 
@@ -147,14 +161,14 @@ fn eliminate(strand: Strand, rod: RodStrand, tip_force: vec3f, change: vec3f) ->
     if root.reply > 0.0 {
         beyond.own.diagonal += vec3f(1.0 / root.reply);
         beyond.force += (root.travel - root.free) / root.reply;
-        beyond = push_point(beyond, rod, strand.first_point);
+        beyond = push_point(pin_point(beyond, root), rod, strand.first_point);
         let floats = through(beyond, Spring(), holds);
         root_move = -floats.answer.constant;
         beyond = floats.beyond;
     }
     if !holds { return Eliminated(root_move, vec3f(0.0)); }
-    let tip = rod_points[strand.first_point + last + 1u];
-    return Eliminated(root_move, change + applied(inverse_of(beyond.give), tip.travel - tip.free - beyond.given));
+    let pinned = rod_points[strand.first_point + rod.pin];
+    return Eliminated(root_move, change + applied(inverse_of(beyond.give), pinned.travel - pinned.pin - beyond.given));
 }
 
 // The linear model of contacts: of a point that moves, and of the segment from point p on, which also turns.
@@ -183,7 +197,7 @@ fn stretch_of(segment: RodSegment, turn: vec3f, shift: vec3f) -> vec3f {
     return segment.stretches.constant + segment.stretches.by_other * turn + segment.stretches.by_own * shift;
 }
 
-// Part of the Newton step that a strand with a held tip takes: the whole of it is cut, since joints that are cut by themselves lead the tip away.
+// Part of the Newton step that a strand takes which is held beside its root: joints that are cut by themselves would lead what is held away.
 fn part_of(strand: Strand, root_move: vec3f) -> f32 {
     var most = 0.0;
     var shift = root_move;
@@ -352,12 +366,12 @@ fn slow(p: u32, contact: Contact, touched: bool) {
 }
 
 // A strand that nothing holds keeps its momentum to rounding. What is left of the way to a tip that is held is spread over the points.
-fn finish(strand: Strand, touches: bool) {
+fn finish(strand: Strand, rod: RodStrand, touches: bool) {
     let last = strand.first_point + strand.points - 1u;
     var shift = vec3f(0.0);    // m, of all points,
     var spread = vec3f(0.0);   // and of the tip
     if (strand.joints & TIP_HELD) != 0u { spread = rod_points[last].free - rod_points[last].travel; }
-    if (strand.joints & (ROOT_HELD | TIP_HELD)) == 0u && !touches {
+    if (strand.joints & (ROOT_HELD | TIP_HELD)) == 0u && !touches && rod.pin >= strand.points {
         var momentum = vec4f(0.0);
         for (var p = strand.first_point; p <= last; p++) {
             momentum += vec4f(rod_points[p].free - rod_points[p].travel, 1.0) / rod_points[p].reply;
@@ -365,6 +379,10 @@ fn finish(strand: Strand, touches: bool) {
         shift = momentum.xyz / momentum.w;
     }
     for (var k = 0u; k < strand.points; k++) {
+        let point = rod_points[strand.first_point + k];
+        if (point.pinned != 0u) & (rod.state == SOLVED) {
+            rod_points[strand.first_point + k].pin_force += PIN / point.reply * (point.travel - point.pin);
+        }
         rod_points[strand.first_point + k].travel += shift + f32(k) / f32(strand.points - 1u) * spread;
     }
 }
@@ -378,19 +396,21 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let strand = strands[s];
     var now = Touch();
     if rod.newton == 0u { now = touch(strand, rod, true, false); }
-    // A step takes two eliminations where the tip is held: the first finds the force that holds it.
-    let first = select(1u, 0u, (strand.joints & TIP_HELD) != 0u);
+    // A step takes two eliminations where the strand is pinned: the first finds the force that holds it.
+    let first = select(1u, 0u, rod.pin < strand.points);
     for (var part = 0u; part < params.newton_part && rod.newton < params.newton_steps; part++) {
         var eliminated = Eliminated();
         for (var elimination = first; elimination < 2u; elimination++) {
-            eliminated = eliminate(strand, rod, rod.tip_force, eliminated.tip_force);
+            eliminated = eliminate(strand, rod, eliminated.pin_force);
         }
         var step = 1.0;
         if first == 0u { step = part_of(strand, eliminated.root_move); }
         var most = substitute(strand, rod, eliminated.root_move, step);
-        rod.tip_force += step * eliminated.tip_force;
-        let tip = rod_points[strand.first_point + strand.points - 1u];
-        if first == 0u { most = max(most, length(tip.travel - tip.free) / strand.length); }
+        rod.pin_force += step * eliminated.pin_force;
+        if first == 0u {
+            let pinned = rod_points[strand.first_point + rod.pin];
+            most = max(most, length(pinned.travel - pinned.pin) / strand.length);
+        }
         if rod.newton == 0u { rod.settled = max(SETTLED, RELATIVE * most); }
         rod.newton++;
         now = touch(strand, rod, false, false);
@@ -404,7 +424,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         rod.steep = u32(most > TURN || (now.touches && (now.changed || most > UNEASY)));
     }
     if rod.state == SOLVED || rod.newton == params.newton_steps {
-        finish(strand, now.touches);
+        finish(strand, rod, now.touches);
         if BODIES && rod.meets != 0u { leave(strand, rod, rod.state == SOLVED); }
     }
     rod_strands[s] = rod;

@@ -88,16 +88,16 @@ fn rest(strand: Strand, own: Stretch, steps: u32) {
     }
 }
 
-fn go(strand: Strand, own: Stretch) {
+fn go(strand: Strand, own: Stretch, tip_travel: vec3f) {
     for (var k = own.begin; k < own.end; k++) {
         let p = strand.first_point + k;
         let point = rod_points[p];
         let place = placed(point.start.xyz, point.remainder, point.travel);
         let velocity = rate(point.travel, point.carried, point.scheme);
-        // A tip that is held stays, to the bit.
-        let stays = (k > 0u) & (point.inverse_mass == 0.0);
-        predicted[p] = vec4f(select(place, point.start.xyz, stays), point.start.w);
-        new_velocity[p] = vec4f(select(velocity, vec3f(0.0), stays), 0.0);
+        // A tip that is held goes where it is held, to the bit.
+        let held = (k > 0u) & (point.inverse_mass == 0.0);
+        predicted[p] = vec4f(select(place, point.start.xyz + tip_travel, held), point.start.w);
+        new_velocity[p] = vec4f(select(velocity, tip_travel / params.step, held), 0.0);
         rod_points[p].before = point.velocity;
     }
 }
@@ -132,6 +132,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             if params.direct_rods != 0u && rod.state == FREE { count(UNSOLVED_STEP); }
         }
     }
-    go(strand, own);
+    go(strand, own, rod.tip_travel);
     if speaks { rod_strands[s].condition = condition; }
 }

@@ -121,6 +121,7 @@ impl Engine {
         self.write(&s.segments, &rods::segments(hair))?;
         self.write(&s.strand_history, &rods::strand_histories(initial))?;
         self.write(&s.root_targets, &rods::root_targets(scene, initial))?;
+        self.write(&s.pins, &rods::pins(scene, initial))?;
         self.write_hair(hair, initial.origin)?;
         let (points, particles) = (self.sizes.hair_points, self.sizes.particles);
         self.write(&s.air_id, &(0..self.sizes.air()).collect::<Vec<_>>())?;

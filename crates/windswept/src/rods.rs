@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use windswept_scene::{End, Hair, InitialState, Scene, Strands};
 use windswept_shaders::common::rod::{
-    Point, PointHistory, ROOT_HELD, ROOT_JOINT, Root, Segment, SegmentHistory, Strand, StrandHistory, TIP_HELD,
+    Pin, Point, PointHistory, ROOT_HELD, ROOT_JOINT, Root, Segment, SegmentHistory, Strand, StrandHistory, TIP_HELD,
     TIP_JOINT,
 };
 
@@ -42,6 +42,7 @@ pub(crate) fn strands(scene: &Scene, initial: &InitialState, motions: &Motions) 
             Some((group, _, center)) => (motions.hair[group].clone(), center),
             None => (0..0, DVec3::ZERO),
         };
+        let back = motion(scene, initial, s).map_or(DQuat::IDENTITY, |(_, group, _)| group.motion.at(0.0).1.conjugate());
         let joint = |end, bit| if end == End::Clamped { bit } else { 0 };
         let held = |point: usize, bit| if hair.inverse_mass[point] == 0.0 { bit } else { 0 };
         let points = hair.points(s);
@@ -54,7 +55,7 @@ pub(crate) fn strands(scene: &Scene, initial: &InitialState, motions: &Motions) 
                 | joint(ends.tip, TIP_JOINT)
                 | held(points.start, ROOT_HELD)
                 | held(points.end - 1, TIP_HELD),
-            tip_frame: quat(ends.tip_frame),
+            tip_frame: quat(back * ends.tip_frame),
             tip_rest_rotation: quat(ends.tip_rest_rotation),
             tip_compliance: vec3(ends.tip_compliance),
             length: hair.rest_length[hair.segments(s)].iter().sum::<f64>() as f32,
@@ -121,14 +122,41 @@ pub(crate) fn strand_histories(initial: &InitialState) -> Vec<StrandHistory> {
 #[must_use]
 pub(crate) fn root_targets(scene: &Scene, initial: &InitialState) -> Vec<Root> {
     let hair = &initial.hair;
-    let unmoved = |(s, x): (usize, DVec3)| {
-        let (x, frame) = (x - initial.origin, hair.root_frame[s]);
-        let Some((_, group, center)) = motion(scene, initial, s) else { return root(x, frame) };
-        let (translation, rotation) = group.motion.at(0.0);
-        let back = rotation.conjugate();
-        root(center + back * (x - center - translation), back * frame)
+    let target = |(s, x): (usize, DVec3)| {
+        let (x, back) = unmoved(scene, initial, s, x);
+        root(x, back * hair.root_frame[s])
     };
-    hair.roots().enumerate().map(unmoved).collect()
+    hair.roots().enumerate().map(target).collect()
+}
+
+/// Local place \[m\] of what is at `x` in the world when the run starts, with the motion of its strand's roots at the start taken out, and the
+/// rotation that takes it out.
+fn unmoved(scene: &Scene, initial: &InitialState, s: usize, x: DVec3) -> (DVec3, DQuat) {
+    let x = x - initial.origin;
+    let Some((_, group, center)) = motion(scene, initial, s) else { return (x, DQuat::IDENTITY) };
+    let (translation, rotation) = group.motion.at(0.0);
+    let back = rotation.conjugate();
+    (center + back * (x - center - translation), back)
+}
+
+/// Pins of hair points: of tips that are held.
+#[must_use]
+pub(crate) fn pins(scene: &Scene, initial: &InitialState) -> Vec<Pin> {
+    let hair = &initial.hair;
+    let mut pins = vec![Pin::default(); hair.positions.len()];
+    for s in 0..hair.len() {
+        let tip = hair.points(s).end - 1;
+        if hair.inverse_mass[tip] == 0.0 {
+            pins[tip] = pin(unmoved(scene, initial, s, hair.positions[tip]).0);
+        }
+    }
+    pins
+}
+
+/// A pin at a local place \[m\].
+#[must_use]
+pub(crate) fn pin(place: DVec3) -> Pin {
+    Pin { place: vec3(place), held: 1 }
 }
 
 /// Memory of each hair point, as if the point had moved with its velocity for a step of `step` \[s\].

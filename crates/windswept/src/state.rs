@@ -26,7 +26,7 @@ use windswept_shaders::{
         pressure::{Gradients, Pressed, Stress},
         reduce::TERMS,
         rod::{
-            Point, PointHistory, RodPoint, RodSegment, RodStrand, Root, Segment, SegmentHistory, Strand, StrandHistory,
+            Pin, Point, PointHistory, RodPoint, RodSegment, RodStrand, Root, Segment, SegmentHistory, Strand, StrandHistory,
         },
         row::Row,
         rub::Rub,
@@ -263,6 +263,8 @@ state! {
     [Lasting] // Written by the host between steps.
     /// Where a strand's clamp goes in the next step, and stays.
     root_targets: Root, |s| s.strands;
+    /// Where a hair point is held, if it is: a pin, or a held tip.
+    pins: Pin, |s| s.hair_points;
     /// Mean wind \[m/s\]; w: time \[s\]; linear in between.
     wind_table: Vec4, |s| s.wind_table;
     /// Acceleration that was set \[m/s²\]: of hair points, then of air by stable id.

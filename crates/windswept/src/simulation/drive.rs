@@ -1,8 +1,13 @@
 //! What a caller drives from step to step: roots, the mean wind, and the state itself.
 
+use std::collections::HashSet;
+
 use glam::{DQuat, DVec3};
-use windswept_scene::limits::{FASTEST_WIND, LARGEST, SMALLEST};
-use windswept_shaders::common::sound::FAST;
+use windswept_scene::{
+    Solver,
+    limits::{FASTEST_WIND, LARGEST, SMALLEST},
+};
+use windswept_shaders::common::{rod::Pin, sound::FAST};
 
 use super::Simulation;
 use crate::{
@@ -42,6 +47,50 @@ impl Simulation {
         let rows = positions.iter().zip(&self.root_frames);
         let targets: Vec<_> = rows.map(|(x, frame)| rods::root(*x - origin, *frame)).collect();
         Ok(self.engine.write(&self.engine.state().root_targets, &targets)?)
+    }
+
+    /// Pins points of hair to places in the world \[m\], in place of all pins before: `points` are rows of [`Frame`](crate::Frame)'s hair, and
+    /// each goes to its place within the next step of Δt and stays until it is pinned elsewhere or released. A pin is a stiff spring, which
+    /// gives by less than 0.1 mm while a head turns. A tip that the scene holds goes exactly, and stays where it was put last.
+    ///
+    /// # Errors
+    /// [`RunError::Input`] when there is not one place per point, a place is beyond 1e18 m, a point does not exist, is given twice or is a root
+    /// that is held, when `rods.solver` is `gauss-seidel`, and when `hair.motion` moves a held tip; [`RunError::Gpu`].
+    pub fn set_pins(&mut self, points: &[usize], places: &[DVec3]) -> Result<(), RunError> {
+        let input = |what: String| Err(RunError::Input(what));
+        let (hair, scene) = (&self.initial.hair, &self.scene);
+        if scene.rods.solver == Solver::GaussSeidel {
+            return input("points: rods.solver is gauss-seidel, which knows no pins: expected direct".to_owned());
+        }
+        checked("places", Some(places), points.len())?;
+        let mut pins = self.engine.read(&self.engine.state().pins)?;
+        for (pin, w) in pins.iter_mut().zip(&hair.inverse_mass) {
+            if *w > 0.0 {
+                *pin = Pin::default();
+            }
+        }
+        let mut given = HashSet::new();
+        for (row, (&point, place)) in points.iter().zip(places).enumerate() {
+            if point >= pins.len() {
+                return input(format!("points: expected at most {}, found {point} in row {row}", pins.len() - 1));
+            }
+            if !given.insert(point) {
+                return input(format!("points: {point} is given twice, in row {row} for the second time"));
+            }
+            let held = hair.inverse_mass[point] == 0.0;
+            if held && self.is_root(point) {
+                return input(format!("points: {point} in row {row} is a root that is held: set_roots moves it"));
+            }
+            if held && scene.hair.iter().any(|hair| !hair.motion.keyframes.is_empty()) {
+                return input(format!("points: the scene's hair.motion moves point {point} in row {row}, a tip that is held"));
+            }
+            pins[point] = rods::pin(*place - self.initial.origin);
+        }
+        Ok(self.engine.write(&self.engine.state().pins, &pins)?)
+    }
+
+    fn is_root(&self, point: usize) -> bool {
+        self.initial.hair.point_offsets.contains(&(point as u32))
     }
 
     /// Sets the mean wind from the next step on \[m/s\], in place of the scene's wind, ramp and gusts. All air takes
