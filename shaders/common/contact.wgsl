@@ -1,11 +1,12 @@
 // Contact of strands with bodies, solved with the rods. A place of a strand is one of its points, or the place of a segment that is nearest to
 // a body. It has a contact with each body, a one-sided spring with Coulomb friction:
 //
-//   normal     f = -k (phi + D), where that is above 0     phi: distance from the surface after the step, k = max(100, h^2 OMEGA^2)/W
+//   normal     f = lambda - k (phi + D), where that is above 0     phi: distance from the surface after the step, k = max(100, h^2 OMEGA^2)/W
 //   friction   F = F_old - k slip, no longer than mu f_lag     slip: the way along the surface in the step, F_old: F of the step before
 //
 // W is the move of the place by a unit of force, as of a point. D is the depth that the place may keep in this step: what starts inside
-// comes out at RECOVERY. A spring gives by f/k; at rest hair sinks in by its weight over OMEGA^2, 1 um.
+// comes out at RECOVERY. The multiplier lambda is f of the step before, or of the last Newton step that settled with more than ALLOW left open:
+// at rest the spring carries nothing, and the gap is 0 (augmented Lagrangian; Hestenes 1969).
 import package::common::{
     params::params, quaternion::turned_by, rod::RodPoint, body::{Placed, Surface, near},
     symmetric::{Symmetric, dyad, minus, plus}, articulated::Spring,
@@ -18,6 +19,7 @@ struct Contact {
     force: f32,         // N, f
     held: vec3f,        // N, F_old, turned with the body
     lag: f32,           // N, f_lag: f of the step before, or of the last Newton step that settled
+    multiplier: f32,    // N, lambda
     before: f32,        // m, distance from the surface as the step begins
     place: f32,         // part of the segment
     curve: f32,         // m, by which the place shifts along the segment as that turns by 1 rad
@@ -39,9 +41,8 @@ const PLANE: u32 = 8u;     // the body is a plane to it in this step, at `before
 
 const STIFFNESS: f32 = 100.0;   // of a contact, at least, over that of the place's inertia: 1/W
 const OMEGA: f32 = 3.2e3;       // 1/s, frequency of a place on the spring, at least
-const RECOVERY: f32 = 0.15;     // m/s
-const DEEP: f32 = 1e-4;         // m: to a place that starts deeper the body is a plane without friction: farther in, each place may have another
-                                // nearest surface
+const RECOVERY: f32 = 0.15;     // m/s, of hair that comes out of a body
+const ALLOW: f32 = 2e-5;        // m, phi + D that may be left open in a step
 const STAYS: f32 = 0.1;         // lengths of the segment, from the surface, at which a contact ends whatever the linear model says
 const NOTICED: f32 = 1e-5;      // m: a push by less changes nothing that the solve has to settle
 const MIDDLE: f32 = 0.03;       // part of a segment from its ends, within which its points touch in its place
@@ -119,11 +120,25 @@ fn nearest(body: Placed, a: Place, b: Place, first: vec3f, second: vec3f, guess:
     return found;
 }
 
+// A contact whose multiplier, and the force that limits its friction, are made what acts.
+fn renewed(last: Contact) -> Contact {
+    var contact = last;
+    contact.lag = max(last.force, 0.0);
+    if abs(last.gap) > ALLOW && !is_deep(last.before) { contact.multiplier = contact.lag; }
+    return contact;
+}
+
+// Whether a place at this distance takes more than a step to come out. The body is a plane without friction to it: farther in, the nearest surface
+// may be another one at each place.
+fn is_deep(distance: f32) -> bool {
+    return distance < -RECOVERY * params.step;
+}
+
 // How a contact is where its place arrives.
 struct Met {
     contact: Contact,
     changed: bool,      // touches or slides otherwise than in the Newton step before: the solve goes on
-    lags: bool,         // f is not what friction was limited by
+    lags: bool,         // its multiplier, or the force that limits its friction, is not f
 }
 
 // A contact that does not touch, at a distance.
@@ -144,11 +159,15 @@ fn meet(before: Contact, body: Placed, place: Place, surface: Surface, starts: b
     let normal = select(surface.normal, before.normal, plane);
     let distance = select(surface.distance, before.before + dot(normal, seen.way), plane) + max(0.0, -before.before - RECOVERY * params.step);
     let k = stiffness_of(place.reply);
-    let force = -k * distance;
+    let force = before.multiplier - k * distance;
     let was_live = (before.state & LIVE) != 0u;
     let was_sliding = (before.state & SLIDES) != 0u;
-    let stays = was_live && !starts && before.linear > 0.0 && distance < STAYS * l;
-    if place.reply == 0.0 || (force <= 0.0 && !stays) { return parted(before, distance, starts); }
+    // What touched stays, or leaves, as the linear model has it.
+    let pulled = before.linear > 0.0;
+    let held = force > 0.0 && (pulled || distance <= 0.0);
+    let stays = force <= 0.0 && pulled && distance < STAYS * l;
+    let live = select(force > 0.0, held || stays, was_live && !starts);
+    if place.reply == 0.0 || !live { return parted(before, distance, starts); }
     var met = Met(before, !starts && (force < 0.0 || (!was_live && force * place.reply > NOTICED)), false);
     met.contact.normal = normal;
     met.contact.gap = distance;
@@ -156,9 +175,11 @@ fn meet(before: Contact, body: Placed, place: Place, surface: Surface, starts: b
     met.contact.friction = vec3f(0.0);
     met.contact.grip = 0.0;
     met.contact.state = (before.state & (TOUCHED | PLANE)) | LIVE;
-    if body.friction == 0.0 || before.before < -DEEP { return met; }
+    if is_deep(before.before) { return met; }
+    met.lags = abs(distance) > ALLOW;
+    if body.friction == 0.0 { return met; }
     let off = abs(force - before.lag);
-    met.lags = off > LAGS * force && off * place.reply > 1e-9;
+    met.lags = met.lags || (off > LAGS * force && off * place.reply > 1e-9);
     let slip = seen.way - dot(seen.way, normal) * normal;
     let tried = before.held - dot(before.held, normal) * normal - k * slip;
     let most = body.friction * before.lag;

@@ -104,6 +104,7 @@ struct RodStrand {
     embedded: u32,          // points, from the root on, that bodies let be
     meets: u32,             // 1: it may meet a body in this step
     woken: u32,             // 1: a body that moves reaches it
+    comes_out: u32,         // 1: it starts the step deeper in a body than it comes out in a step
     newton: u32,            // Newton steps so far
     steep: u32,             // 1: the next takes all of a segment's force for its tension
     settled: f32,           // rad, and strain, in a Newton step that is the last

@@ -6,7 +6,7 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{rotate, turned_by},
     rod::{Strand, Segment, RodStrand, RodPoint, ROOT_HELD, TELEPORTED, SLEEPS}, body::{Placed, Surface, near, steepest},
-    contact::{Contact, ContactHistory, Nearest, Place, TOUCHED, PLANE, CLOSE, DEEP, nearest, seen_from},
+    contact::{Contact, ContactHistory, Nearest, Place, TOUCHED, PLANE, CLOSE, is_deep, nearest, seen_from},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:         array<Strand>;
@@ -32,12 +32,13 @@ fn begin(history: ContactHistory, body: Placed, start: Surface, forgets: bool) -
     var contact = Contact();
     contact.normal = start.normal;
     contact.before = start.distance;
-    if start.distance < -DEEP { contact.state = PLANE; }
-    if forgets || history.force == 0.0 || start.distance < -DEEP { return contact; }
+    if is_deep(start.distance) { contact.state = PLANE; }
+    if forgets || history.force == 0.0 || is_deep(start.distance) { return contact; }
     contact.friction = rotate(body.turn, history.friction);
     contact.held = contact.friction;
     contact.force = history.force;
     contact.lag = history.force;
+    contact.multiplier = history.force;
     contact.state = TOUCHED;
     return contact;
 }
@@ -74,7 +75,19 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let bodies = arrayLength(&placed);
     var meets = false;
     var wakes = false;
-    var depth = 0.0;   // of the root
+    var depth = 0.0;     // of the root,
+    var deepest = 0.0;   // and of the other points and segments
+    for (var b = 0u; b < bodies; b++) {
+        let root = carried(placed[b], rod_points[strand.first_point]);
+        let seen = seen_from(placed[b], root);
+        depth = max(depth, -near(placed[b], seen.base, seen.way).distance);
+    }
+    var embedded = 0u;
+    var along = 0.0;
+    while (strand.joints & ROOT_HELD) != 0u && embedded < strand.points && RISE * along < depth {
+        along += segments[strand.first_segment + min(embedded, strand.points - 2u)].rest_length;
+        embedded++;
+    }
     for (var b = 0u; b < bodies; b++) {
         let body = placed[b];
         var begins = Place();    // of the segment,
@@ -86,9 +99,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             let start = near(body, seen.base, seen.way);
             let moves = length(ends.travel);
             let l = segments[strand.first_segment + max(k, 1u) - 1u].rest_length;
-            if k == 0u { depth = max(depth, -start.distance); }
             meets = meets || start.distance - moves < strand.length;
             wakes = wakes || (sleeps && moves > 0.0 && start.distance - moves < l);
+            if k >= max(embedded, 1u) { deepest = max(deepest, -start.distance); }
             let ahead = Place(ends.start, ends.remainder, params.step * point.velocity, 0.0);
             let i = (strand.first_point + k) * bodies + b;
             contacts[i] = plane(begin(contact_history[i], body, start, forgets), body, ahead);
@@ -98,18 +111,14 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 let j = (params.hair_points + strand.first_segment + k - 1u) * bodies + b;
                 contacts[j] = begin(contact_history[j], body, middle.surface, forgets);
                 contacts[j].place = middle.part;
+                if k > embedded { deepest = max(deepest, -middle.surface.distance); }
             }
             begins = ends;
             first = start;
         }
     }
-    var embedded = 0u;
-    var along = 0.0;
-    while (strand.joints & ROOT_HELD) != 0u && embedded < strand.points && RISE * along < depth {
-        along += segments[strand.first_segment + min(embedded, strand.points - 2u)].rest_length;
-        embedded++;
-    }
     rod_strands[s].meets = u32(meets);
     rod_strands[s].woken = u32(wakes);
+    rod_strands[s].comes_out = u32(is_deep(-deepest));
     rod_strands[s].embedded = embedded;
 }

@@ -140,15 +140,17 @@ fn onto(chord: vec3f, frame: vec4f) -> vec4f {
 fn set_off(strand: Strand, rod: RodStrand) {
     let direct = params.direct_rods != 0u;
     let scheme = rod.scheme;
+    // Hair that comes out of a body gathers no speed.
+    let keeps = f32(rod.comes_out == 0u);
     var here = rod_points[strand.first_point];
-    var travel = select(params.step * here.velocity, rod.root_travel, here.inverse_mass == 0.0);
+    var travel = select(params.step * keeps * here.velocity, rod.root_travel, here.inverse_mass == 0.0);
     var shift = vec3f(0.0);   // m, of the points beyond what was made whole
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
         let held = here.inverse_mass == 0.0;
         let damping = damping_of(here);
         let acceleration = here.weight * params.gravity + here.inverse_mass * here.force;
-        let moves = free_move(here.velocity, here.before, here.carried, acceleration, damping, scheme);
+        let moves = free_move(keeps * here.velocity, keeps * here.before, keeps * here.carried, acceleration, damping, scheme);
         let free = select(moves, select(rod.tip_travel - shift, rod.root_travel, k == 0u), held);
         rod_points[p].free = free;
         rod_points[p].pin = select(here.pin - shift, free, held);
@@ -173,9 +175,9 @@ fn set_off(strand: Strand, rod: RodStrand) {
             strain = clamped(left, WHOLE * l);
             shift += strain - left;
         }
-        let turn = rotation(clamped(params.step * history.angular_velocity, TURN));
+        let turn = rotation(clamped(params.step * keeps * history.angular_velocity, TURN));
         let free_turn = rotation(
-            free_move(history.angular_velocity, history.before, history.turn, vec3f(0.0), params.damping, scheme),
+            free_move(keeps * history.angular_velocity, keeps * history.before, keeps * history.turn, vec3f(0.0), params.damping, scheme),
         );
         let frame = normalize(product(select(free_turn, turn, direct), start));
         travel += turned_by(turn, l * tangent(start) + strain);

@@ -63,4 +63,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     rod_strands[s].tip_frame = tip_frame;
     rod_strands[s].meets = 0u;
     rod_strands[s].woken = 0u;
+    rod_strands[s].comes_out = 0u;
 }

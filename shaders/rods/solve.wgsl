@@ -16,11 +16,11 @@
 // writes is committed: whether a step is frozen stands in a ninth buffer, and WebGPU's default allows eight.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, integration::response, pi::PI,
-    quaternion::{product, conjugate, rotate, rotation, tangent, matrix, turned_by},
+    quaternion::{product, conjugate, rotate, rotation, rotation_vector, tangent, matrix, turned_by},
     symmetric::{applied, applied_to_columns, cross_dyad, dyad, inverse_of, plus, twice_symmetric},
     articulated::{Answer, Beyond, ONE, Spring, crossing, joint, spring, swapped, through}, body::{BODIES, Placed, near},
     contact::{
-        Contact, Met, Place, CLOSE, LIVE, MIDDLE, PLANE, SLIDES, STANDS, TOUCHED, UNEASY, between, meet, nearest, parted, place_of_point, resists,
+        Contact, Met, Place, CLOSE, LIVE, MIDDLE, PLANE, RECOVERY, SLIDES, STANDS, TOUCHED, UNEASY, between, meet, nearest, parted, place_of_point, renewed, resists,
         seen_from, stiffness_of,
     },
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT, ROOT_HELD, TIP_HELD, WHOLE, TURN, clamped},
@@ -45,7 +45,7 @@ const BESIDE: f32 = 0.2;      // part of a segment from an end, nearer to which 
 struct Touch {
     touches: bool,
     changed: bool,   // some changed
-    lags: bool,      // friction of some is limited by another force than acts
+    lags: bool,      // a multiplier, or the force that limits a friction, is not the force that acts
 }
 
 // What elimination leaves.
@@ -176,7 +176,7 @@ fn foresee(rod: RodStrand, p: u32, reply: f32, shift: vec3f) {
     for (var b = 0u; b < bodies(rod); b++) {
         let i = p * arrayLength(&placed) + b;
         if (contacts[i].state & LIVE) == 0u { continue; }
-        contacts[i].linear = -stiffness_of(reply) * (contacts[i].gap + dot(contacts[i].normal, shift));
+        contacts[i].linear = contacts[i].multiplier - stiffness_of(reply) * (contacts[i].gap + dot(contacts[i].normal, shift));
     }
 }
 fn foresee_segment(rod: RodStrand, p: u32, j: u32, shift: vec3f, swing: vec3f) {
@@ -185,7 +185,7 @@ fn foresee_segment(rod: RodStrand, p: u32, j: u32, shift: vec3f, swing: vec3f) {
         let contact = contacts[i];
         if (contact.state & LIVE) == 0u { continue; }
         let reply = between(place_of_point(rod_points[p]), place_of_point(rod_points[p + 1u]), contact.place).reply;
-        contacts[i].linear = -stiffness_of(reply) * (contact.gap + dot(contact.normal, shift + contact.place * swing));
+        contacts[i].linear = contact.multiplier - stiffness_of(reply) * (contact.gap + dot(contact.normal, shift + contact.place * swing));
     }
 }
 
@@ -255,7 +255,7 @@ fn bodies(rod: RodStrand) -> u32 {
     return select(0u, arrayLength(&placed), BODIES && rod.meets != 0u);
 }
 
-// Contacts of all places where they are now; `starts`: of the first time in the step. `renews` limits friction by the force that acts.
+// Contacts of all places where they are now; `starts`: of the first time in the step. `renews` makes multipliers and the limits of friction what acts.
 fn touch(strand: Strand, rod: RodStrand, starts: bool, renews: bool) -> Touch {
     var touch = Touch();
     for (var b = 0u; b < bodies(rod); b++) {
@@ -295,7 +295,7 @@ fn counted(before: Touch, met: Met) -> Touch {
 // A place is at least so far from a body as it was, less its way.
 fn met_point(last: Contact, body: Placed, place: Place, starts: bool, renews: bool, reach: f32, may_touch: bool) -> Met {
     var contact = last;
-    contact.lag = select(last.lag, last.force, renews);
+    if renews { contact = renewed(last); }
     let seen = seen_from(body, place);
     let least = contact.before - length(seen.way);
     if least > reach { return parted(contact, least, starts); }
@@ -311,7 +311,7 @@ fn met_segment(
     may_touch: bool,
 ) -> Met {
     var contact = last;
-    contact.lag = select(last.lag, last.force, renews);
+    if renews { contact = renewed(last); }
     if !may_touch || first.gap + second.gap > l { return parted(contact, l, starts); }
     let plane = (contact.state & PLANE) != 0u;
     let enough = select(select(STANDS, CLOSE, starts), 2.0, plane);
@@ -363,6 +363,30 @@ fn slow(p: u32, contact: Contact, touched: bool) {
     let faster = point.travel / params.step - point.velocity;
     rod_points[p].carried += select(dot(carried, contact.normal) * contact.normal, carried, sticks);
     rod_points[p].velocity += select(dot(faster, contact.normal) * contact.normal, faster, sticks);
+}
+
+// Hair that comes out of a body goes its way through the step, beside that of its root, only in part, so that no point of it is faster than
+// RECOVERY: all frames turn by that part.
+fn crawl(strand: Strand, rod: RodStrand) {
+    let root = rod_points[strand.first_point].travel;
+    var far = 0.0;
+    for (var k = 0u; k < strand.points; k++) { far = max(far, distance(rod_points[strand.first_point + k].travel, root)); }
+    let part = min(1.0, RECOVERY * params.step / far);
+    var travel = root;
+    for (var k = 0u; k < strand.points - 1u; k++) {
+        let p = strand.first_point + k;
+        let j = strand.first_segment + k;
+        let now = rod_segments[j];
+        let chord = (rod_points[p + 1u].start.xyz - rod_points[p].start.xyz) + (rod_points[p + 1u].remainder - rod_points[p].remainder);
+        let turn = rotation(part * rotation_vector(now.turn));
+        let frame = normalize(product(turn, now.start));
+        let strain = rotate(turn, rotate(conjugate(now.turn), now.strain));
+        travel += segments[j].rest_length * tangent(frame) + strain - chord;
+        rod_segments[j].turn = turn;
+        rod_segments[j].frame = frame;
+        rod_segments[j].strain = strain;
+        rod_points[p + 1u].travel = travel;
+    }
 }
 
 // A strand that nothing holds keeps its momentum to rounding. What is left of the way to a tip that is held is spread over the points.
@@ -424,6 +448,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         rod.steep = u32(most > TURN || (now.touches && (now.changed || most > UNEASY)));
     }
     if rod.state == SOLVED || rod.newton == params.newton_steps {
+        if BODIES && rod.comes_out != 0u { crawl(strand, rod); }
         finish(strand, rod, now.touches);
         if BODIES && rod.meets != 0u { leave(strand, rod, rod.state == SOLVED); }
     }
