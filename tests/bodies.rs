@@ -5,7 +5,7 @@ mod support;
 
 use glam::DVec3;
 use windswept::{Frame, Simulation};
-use windswept_scene::{Body, Groom, InitialState, Model, Motion, Scene, Shape, Solid, Triangles};
+use windswept_scene::{Body, Groom, InitialState, Model, Motion, Scene, Shape, Solid, Solver, Triangles};
 
 fn simulation(text: &str, sets: &[&str]) -> Simulation {
     let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
@@ -46,6 +46,7 @@ fn hair_sticks_and_slides_by_coulombs_law() {
         let body = Body { name: "bar".into(), shape: bar, friction: FRICTION, motion: Motion::default() };
         let mut scene = Scene { bodies: vec![body], ..support::scene() };
         scene.interaction.model = Model::None;
+        scene.rods.solver = Solver::Direct;
         scene.gravity = [9.81 * angle.sin(), -9.81 * angle.cos(), 0.0];
         let along: Vec<DVec3> = (0..4).map(|k| DVec3::new(0.01 * f64::from(k), 0.05, 0.0)).collect();
         let mut hair = support::strands(&along, 4);
@@ -119,9 +120,8 @@ fn a_bar_takes_hair_along() {
         let report = simulation.report().unwrap();
         let slept = report.strand_steps.unwrap()["asleep_steps"] > 0;
         println!("stretch {stretch:.3}, reported {:.3}", report.max_stretch.unwrap());
-        // Segments of 2 mm, pushed by 2.8 mm in a step: measured 0.035; margin 2. What bodies do is reported.
-        assert!(stretch < 0.07, "stretched by {stretch}");
-        assert!((report.max_stretch.unwrap() / stretch - 1.0).abs() < 1e-3, "{:?} {stretch}", report.max_stretch);
+        // Segments of 2 mm, pushed by 2.8 mm in a step: measured 1.8e-5; margin 4.
+        assert!(stretch < 7e-5 && report.max_stretch.unwrap() < 7e-5, "stretched by {stretch}");
         println!("late {late} s: segments at most {deepest:.1e} m inside; hair is taken {taken:.3} m along");
         // A chord of 2 mm lies 5e-5 m below the surface; measured 5.1e-5 m; margin 8.
         assert!(deepest < 4e-4, "{deepest} m inside");
@@ -146,23 +146,27 @@ fn hair_that_lies_sleeps_until_its_body_goes() {
     assert!((after[20] - lying[20]).length() > 0.02, "it hangs in the air: {} {}", lying[20], after[20]);
 }
 
-/// Hair that a strong wind presses on a ball keeps its length. Held at both ends, with a ball that comes between them, it cannot, and
-/// the run says so.
+/// Hair that a strong wind presses on a ball keeps its length, and stays out. Held at both ends, with a ball that comes between them, it
+/// cannot do both: it keeps its length, and the run says that its steps are not solved.
 #[test]
-fn lasting_stretch_on_a_body_is_warned_of() {
+fn hair_that_cannot_go_round_a_body_is_warned_of() {
     let text = "interaction.model = \"drag\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 1\npoints = 17\nlength = 0.08\n\
         roots = { center = [0.02, 0.04, 0], radius = 1e-3, direction = [0, -1, 0] }\n\
         [air]\nwind = [10, 0, 0]\nramp = 0.0\n[[body]]\nname = \"ball\"\nradius = 0.03\ncenter = [0.055, 0, 0]\n";
     let between = ["hair.tip=pinned", "body.ball.motion=[{ time = 0.0 }, { time = 0.1, translation = [-0.03, 0, 0] }]"];
-    for (keys, wanted) in [(&[][..], None), (&between, Some(&1))] {
+    for (keys, wanted) in [(&[][..], false), (&between, true)] {
         let mut simulation = simulation(text, keys);
         simulation.step(150).unwrap();
         let x = points(&simulation.frame().unwrap().hair.positions);
         let stretch = x.windows(2).map(|w| (w[0].distance(w[1]) / 0.005 - 1.0).abs()).fold(0.0, f64::max);
         println!("{keys:?}: stretch {stretch:.4}");
-        assert_eq!(simulation.warnings().get("over_strained"), wanted, "{keys:?}: stretch {stretch}");
-        // Measured 0.001 where the tip is free, which is what a body may leave; a ball 25 mm beyond the line needs more than 0.15.
-        assert!(if wanted.is_some() { stretch > 0.15 } else { stretch < 4e-3 }, "{keys:?}: stretch {stretch}");
+        let deep = deepest_place(&simulation, 17);
+        let unsolved = simulation.warnings().get("unsolved_steps").copied().unwrap_or_default();
+        println!("deep {deep:.1e} m, {unsolved} unsolved steps");
+        // Of 150: measured 3 and UNSOLVED. A ball 25 mm beyond the line needs a stretch of more than 0.15.
+        assert!(stretch < 0.011, "{keys:?}: stretch {stretch}");
+        assert!(if wanted { unsolved > 60 } else { unsolved < 12 }, "{keys:?}: {unsolved}");
+        assert_eq!(deep > 1e-3, wanted, "{keys:?}: {deep} m deep");
     }
 }
 
@@ -216,13 +220,13 @@ fn hair_that_starts_inside_comes_out_slowly() {
         let mut meshed = round.clone();
         let body = &mut meshed.bodies[0];
         body.shape = Shape::Mesh(Solid::enclosed(body.shape.surface(64, 128), Some(1e-3)).unwrap());
-        for (name, scene, off) in [("ball", round, 1e-8), ("mesh", meshed, 1e-5)] {
-            comes_out_slowly(name, &scene, points, off);
+        for (name, scene) in [("ball", round), ("mesh", meshed)] {
+            comes_out_slowly(name, &scene, points);
         }
     }
 }
 
-fn comes_out_slowly(name: &str, scene: &Scene, points_of_strand: usize, off: f64) {
+fn comes_out_slowly(name: &str, scene: &Scene, points_of_strand: usize) {
     let mut simulation = Simulation::new(&support::gpu(), scene).unwrap();
     let body = simulation.scene().bodies[0].at(0.0);
     let lies_deep = |strand: &[DVec3]| strand.iter().any(|x| body.signed_distance(*x).0 < -3e-4);
@@ -252,7 +256,8 @@ fn comes_out_slowly(name: &str, scene: &Scene, points_of_strand: usize, off: f64
         "{name}, {points_of_strand} points: started {start:.1e} m deep, at most {fastest:.3} m/s and stretched by {stretch:.4} until step \
          {out}; {left:.1e} m deep in the end"
     );
-    assert!(left < off, "{left} m still inside");
+    // Hair that still moves may be as deep as a multiplier allows, 2e-5 m; measured 1.1e-5 m.
+    assert!(left < 2e-5, "{left} m still inside");
     assert!(fastest < 0.2 && stretch < 2e-3, "{fastest} m/s, {stretch}");
 }
 

@@ -55,7 +55,8 @@ fn place(body: Body, before: Pose, after: Pose) -> Placed {
     let now = center + after.translation;
     return Placed(
         now - half, body.radius, now + half, body.friction, now, center + before.translation,
-        normalize(product(after.rotation, conjugate(before.rotation))),
+        // To the bit none, where it does not turn: a body that rests wakes no hair.
+        select(normalize(product(after.rotation, conjugate(before.rotation))), vec4f(0.0, 0.0, 0.0, 1.0), all(before.rotation == after.rotation)),
         normalize(product(after.rotation, body.rotation)), body.grid,
     );
 }

@@ -21,7 +21,8 @@ struct Contact {
     lag: f32,           // N, f_lag: f of the step before, or of the last Newton step that settled
     multiplier: f32,    // N, lambda
     before: f32,        // m, distance from the surface as the step begins
-    place: f32,         // part of the segment
+    place: f32,         // part of the segment,
+    straight: f32,      // and the part that its ends alone would have it at, by which it moves in later Newton steps
     curve: f32,         // m, by which the place shifts along the segment as that turns by 1 rad
     grip: f32,          // N/m, stiffness of the friction
     linear: f32,        // N, f by the linear model of the last Newton step
@@ -48,7 +49,7 @@ const NOTICED: f32 = 1e-5;      // m: a push by less changes nothing that the so
 const MIDDLE: f32 = 0.03;       // part of a segment from its ends, within which its points touch in its place
 const REFINED: u32 = 3u;        // times that the nearest place of a segment is refined
 const CLOSE: f32 = 0.002;       // part of a segment by which its nearest place may be off at first,
-const STANDS: f32 = 0.3;        // and in later Newton steps
+const STANDS: f32 = 0.02;       // and by which it has to move in later Newton steps to be taken there
 const BENDS: f32 = 30.0;        // lengths of the segment: the longest curve
 const LAGS: f32 = 0.02;         // part by which f may differ from f_lag
 const UNEASY: f32 = 0.1;        // rad: a strand that touches and turns by more takes all force for tension in its next Newton step
@@ -91,28 +92,34 @@ fn between(a: Place, b: Place, part: f32) -> Place {
     );
 }
 
-// Where a segment is nearest to a body with these normals at its ends, by regula falsi on the slope of the distance along it, from a guess,
-// which is good enough if it is off by less than `enough`.
+// Where a segment is nearest to a body with these normals at its ends: as the step starts by regula falsi on the slope of the distance along it,
+// from the place that it had; later moved as the slopes at the ends say.
 struct Nearest {
     part: f32,         // of the segment; 0 or 1 where an end is nearest
+    straight: f32,     // the same by the ends alone
     curve: f32,        // m/rad, by which it shifts as the segment turns
     place: Place,
     surface: Surface,  // seen from there
 }
 
-fn nearest(body: Placed, a: Place, b: Place, first: vec3f, second: vec3f, guess: f32, enough: f32) -> Nearest {
+fn nearest(last: Contact, body: Placed, a: Place, b: Place, first: vec3f, second: vec3f, starts: bool) -> Nearest {
     let chord = (b.start - a.start) + (b.remainder - a.remainder) + (b.travel - a.travel);
     let l = length(chord);
     var low = vec2f(0.0, dot(first, chord) / l);
     var high = vec2f(1.0, dot(second, chord) / l);
     let ends = low.y >= 0.0 || high.y <= 0.0 || high.y - low.y <= 1e-5;
-    var found = Nearest(select(guess, f32(low.y + high.y < 0.0), ends), 0.0, a, Surface(first, 0.0));
+    let straight = -low.y / max(high.y - low.y, 1e-5);
+    let moves = !starts && abs(straight - last.straight) > STANDS;
+    var found = Nearest(last.place, straight, 0.0, a, Surface(first, 0.0));
+    if moves { found.part = clamp(last.place + straight - last.straight, 0.0, 1.0); }
+    if !starts && !moves { found.straight = last.straight; }
+    if ends { found.part = f32(low.y + high.y < 0.0); }
     for (var k = 0u; k <= REFINED; k++) {
         found.place = between(a, b, found.part);
         let seen = seen_from(body, found.place);
         found.surface = near(body, seen.base, seen.way);
         let slope = dot(found.surface.normal, chord) / l;
-        if ends || k == REFINED || abs(slope * (high.x - low.x)) < enough * (high.y - low.y) { break; }
+        if ends || !starts || k == REFINED || abs(slope * (high.x - low.x)) < CLOSE * (high.y - low.y) { break; }
         if slope < 0.0 { low = vec2f(found.part, slope); } else { high = vec2f(found.part, slope); }
         found.part = low.x - low.y * (high.x - low.x) / (high.y - low.y);
     }

@@ -6,7 +6,7 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{rotate, turned_by},
     rod::{Strand, Segment, RodStrand, RodPoint, ROOT_HELD, TELEPORTED, SLEEPS}, body::{Placed, Surface, near, steepest},
-    contact::{Contact, ContactHistory, Nearest, Place, TOUCHED, PLANE, CLOSE, is_deep, nearest, seen_from},
+    contact::{Contact, ContactHistory, Nearest, Place, TOUCHED, PLANE, is_deep, nearest, seen_from},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:         array<Strand>;
@@ -106,8 +106,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             let i = (strand.first_point + k) * bodies + b;
             contacts[i] = plane(begin(contact_history[i], body, start, forgets), body, ahead);
             if k > 0u {
-                var middle = Nearest(0.0, 0.0, ends, Surface(start.normal, l));
-                if first.distance + start.distance < l { middle = nearest(body, begins, ends, first.normal, start.normal, 0.5, CLOSE); }
+                var middle = Nearest(0.0, 0.0, 0.0, ends, Surface(start.normal, l));
+                if first.distance + start.distance < l {
+                    var contact = Contact();
+                    contact.place = 0.5;
+                    middle = nearest(contact, body, begins, ends, first.normal, start.normal, true);
+                }
                 let j = (params.hair_points + strand.first_segment + k - 1u) * bodies + b;
                 contacts[j] = begin(contact_history[j], body, middle.surface, forgets);
                 contacts[j].place = middle.part;

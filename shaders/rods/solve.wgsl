@@ -20,7 +20,7 @@ import package::common::{
     symmetric::{applied, applied_to_columns, cross_dyad, dyad, inverse_of, plus, twice_symmetric},
     articulated::{Answer, Beyond, ONE, Spring, crossing, joint, spring, swapped, through}, body::{BODIES, Placed, near},
     contact::{
-        Contact, Met, Place, CLOSE, LIVE, MIDDLE, PLANE, RECOVERY, SLIDES, STANDS, TOUCHED, UNEASY, between, meet, nearest, parted, place_of_point, renewed, resists,
+        Contact, Met, Place, LIVE, MIDDLE, PLANE, RECOVERY, SLIDES, UNEASY, between, meet, nearest, parted, place_of_point, renewed, resists,
         seen_from, stiffness_of,
     },
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT, ROOT_HELD, TIP_HELD, WHOLE, TURN, clamped},
@@ -314,31 +314,27 @@ fn met_segment(
     if renews { contact = renewed(last); }
     if !may_touch || first.gap + second.gap > l { return parted(contact, l, starts); }
     let plane = (contact.state & PLANE) != 0u;
-    let enough = select(select(STANDS, CLOSE, starts), 2.0, plane);
-    let found = nearest(body, begins, ends, first.normal, second.normal, contact.place, enough);
-    contact.place = found.part;
-    contact.curve = select(found.curve, 0.0, plane);
+    let found = nearest(contact, body, begins, ends, first.normal, second.normal, starts && !plane);
+    if !plane {
+        contact.place = found.part;
+        contact.straight = found.straight;
+        if starts { contact.curve = found.curve; }
+    }
     if found.part < MIDDLE || found.part > 1.0 - MIDDLE { return parted(contact, l, starts); }
     return meet(contact, body, found.place, found.surface, starts, l);
 }
 
 // Contacts of an unsolved strand remember nothing. A point that touches, or that a touching segment moves, has the velocity of its move: all of
-// it where it came to touch in this step or sticks, else across the surface, so that the integrator carries nothing into the body.
+// it where it sticks, else across the surface, so that the integrator carries nothing into the body.
 fn leave(strand: Strand, rod: RodStrand, solved: bool) {
     let count = bodies(rod);
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
         let j = params.hair_points + strand.first_segment + k;   // segment after it
-        var touched = false;
         for (var b = 0u; b < count; b++) {
-            touched = touched || (contacts[p * count + b].state & TOUCHED) != 0u;
-            if k > 0u { touched = touched || (contacts[(j - 1u) * count + b].state & TOUCHED) != 0u; }
-            if k + 1u < strand.points { touched = touched || (contacts[j * count + b].state & TOUCHED) != 0u; }
-        }
-        for (var b = 0u; b < count; b++) {
-            slow(p, contacts[p * count + b], touched);
-            if k > 0u && contacts[(j - 1u) * count + b].place >= BESIDE { slow(p, contacts[(j - 1u) * count + b], touched); }
-            if k + 1u < strand.points && contacts[j * count + b].place <= 1.0 - BESIDE { slow(p, contacts[j * count + b], touched); }
+            slow(p, contacts[p * count + b]);
+            if k > 0u && contacts[(j - 1u) * count + b].place >= BESIDE { slow(p, contacts[(j - 1u) * count + b]); }
+            if k + 1u < strand.points && contacts[j * count + b].place <= 1.0 - BESIDE { slow(p, contacts[j * count + b]); }
         }
     }
     for (var k = 0u; k < strand.points && !solved; k++) {
@@ -355,7 +351,7 @@ fn forget(i: u32) {
     contacts[i].force = 0.0;
 }
 
-fn slow(p: u32, contact: Contact, touched: bool) {
+fn slow(p: u32, contact: Contact) {
     if (contact.state & LIVE) == 0u || rod_points[p].reply == 0.0 { return; }
     let point = rod_points[p];
     let sticks = (contact.state & SLIDES) == 0u && contact.grip > 0.0;

@@ -129,7 +129,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         if speaks {
             atomicMax(&status.stretch, bitcast<u32>(measured.stretch));
             if condition.strained == STRAINED_STEPS { count(OVER_STRAINED); }
-            if params.direct_rods != 0u && rod.state == FREE { count(UNSOLVED_STEP); }
+            if (params.direct_rods != 0u && rod.state == FREE) || rod.comes_out != 0u { count(UNSOLVED_STEP); }
         }
     }
     go(strand, own, rod.tip_travel);

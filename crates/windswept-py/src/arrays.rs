@@ -119,6 +119,15 @@ pub(crate) fn chunks<const N: usize>(values: &[f64]) -> Vec<[f64; N]> {
     values.as_chunks::<N>().0.to_vec()
 }
 
+/// Whole numbers of at least 0.
+pub(crate) fn whole(name: &str, numbers: &[f64]) -> PyResult<Vec<u32>> {
+    let fits = |x: &f64| *x >= 0.0 && *x <= f64::from(u32::MAX);
+    match numbers.iter().find(|x| !fits(x)) {
+        Some(x) => Err(of_value(name, format!("expected whole numbers of at least 0, found {x}"))),
+        None => Ok(numbers.iter().map(|x| *x as u32).collect()),
+    }
+}
+
 /// Three numbers.
 pub(crate) fn triple(name: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
     let (values, shape) = values(name, value, Numbers::Any)?;

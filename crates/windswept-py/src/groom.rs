@@ -7,7 +7,7 @@ use pyo3::{prelude::*, types::PyBytes};
 use windswept_scene::{End, Fibre, GroomFile, PerStrand, RestCurvature, RestShape, Stiffness, keys::Key};
 
 use crate::{
-    arrays::{Numbers, chunks, shown, strand_ids, values},
+    arrays::{Numbers, chunks, shown, strand_ids, values, whole},
     errors::{of_scene, of_value},
     outside,
     warn::warn,
@@ -292,14 +292,6 @@ fn strands(points: &Bound<'_, PyAny>, offsets: Option<&Bound<'_, PyAny>>) -> PyR
         }
         (_, None) => Err(of_value("points", format!("expected shape (strands, n, 3), or offsets; found {found}"))),
         (_, Some(_)) => Err(of_value("points", format!("expected shape (points, 3) with offsets, found {found}"))),
-    }
-}
-
-fn whole(name: &str, numbers: &[f64]) -> PyResult<Vec<u32>> {
-    let fits = |x: &f64| *x >= 0.0 && *x <= f64::from(u32::MAX);
-    match numbers.iter().find(|x| !fits(x)) {
-        Some(x) => Err(of_value(name, format!("expected whole numbers of at least 0, found {x}"))),
-        None => Ok(numbers.iter().map(|x| *x as u32).collect()),
     }
 }
 

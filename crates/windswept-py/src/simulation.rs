@@ -20,7 +20,7 @@ use windswept_export::Renderer;
 
 use self::{held::lock, shown::side};
 use crate::{
-    arrays::{Numbers, is_false, maybe_rows, quaternions, rows, shown, triple, values, vectors},
+    arrays::{Numbers, is_false, maybe_rows, quaternions, rows, shown, triple, values, vectors, whole},
     errors::{of_checkpoint, of_export, of_run, of_start, of_value},
     frames::{Frame, Frames},
     gpu,
@@ -40,7 +40,7 @@ use crate::{
 ///         frame.time, frame.hair.positions
 ///     sim.report()["max_stretch"]
 ///
-/// SI, right-handed, Y up. Between steps, `set_roots`, `set_wind`, `set_force`, `set_hair` and `set_air` drive it; `run` calls back for
+/// SI, right-handed, Y up. Between steps, `set_roots`, `set_pins`, `set_wind`, `set_force`, `set_hair` and `set_air` drive it; `run` calls back for
 /// that. `render` draws it, `VtkHdfWriter` writes it.
 ///
 /// Args:
@@ -292,6 +292,31 @@ impl Simulation {
         let positions: Vec<DVec3> = rows("positions", positions)?.into_iter().map(DVec3::from_array).collect();
         let frames = quaternions(maybe_rows("frames", frames)?);
         self.run_engine(py, |sim| sim.set_roots(&positions, frames.as_deref()))
+    }
+
+    /// Pins points of hair to places, in place of all pins before. Each goes there within the next step, and stays.
+    ///
+    /// Args:
+    ///     points: `(n,)` rows of `frame().hair.positions`.
+    ///     places: `(n, 3)` [m].
+    ///
+    /// A pinned point is where its pin is; of several pins on a strand, those nearer to the root give by less than 0.1 mm. Empty arrays
+    /// release all points, but for tips that the scene holds, which stay where they are.
+    ///
+    /// Raises:
+    ///     ValueError: names the argument that does not fit: a point that does not exist, is given twice, or is a root that is held; or
+    ///         rods.solver is gauss-seidel, or hair.motion moves a tip.
+    fn set_pins(&self, py: Python<'_>, points: &Bound<'_, PyAny>, places: &Bound<'_, PyAny>) -> PyResult<()> {
+        if points.len()? == 0 && places.len()? == 0 {
+            return self.run_engine(py, |sim| sim.set_pins(&[], &[]));
+        }
+        let places: Vec<DVec3> = rows("places", places)?.into_iter().map(DVec3::from_array).collect();
+        let (points, shape) = values("points", points, Numbers::Whole)?;
+        if shape.len() != 1 {
+            return Err(of_value("points", format!("expected shape (n,), found {}", shown(&shape))));
+        }
+        let points: Vec<usize> = whole("points", &points)?.into_iter().map(|point| point as usize).collect();
+        self.run_engine(py, |sim| sim.set_pins(&points, &places))
     }
 
     /// The mean wind from the next step on, in place of the scene's wind, ramp and gusts. All air takes the change alike in

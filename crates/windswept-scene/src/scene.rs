@@ -399,6 +399,10 @@ impl Scene {
         if let Some(i) = clamped.filter(|_| self.rods.solver == Solver::GaussSeidel) {
             return Err(reader.fault(&format!("hair.{i}.tip"), CLAMPED_TIP));
         }
+        if !self.bodies.is_empty() && !self.hair.is_empty() && self.rods.solver == Solver::GaussSeidel {
+            let words = "expected \"direct\", which alone knows bodies; method \"published\" has \"gauss-seidel\"";
+            return Err(reader.fault("rods.solver", words.to_owned()));
+        }
         if self.air.is_none() && self.interaction.model != Model::None {
             let model = self.interaction.model;
             let needs = if model.has_air() { "air.box and air.wind" } else { "air.wind" };

@@ -42,7 +42,8 @@ pub(crate) fn strands(scene: &Scene, initial: &InitialState, motions: &Motions) 
             Some((group, _, center)) => (motions.hair[group].clone(), center),
             None => (0..0, DVec3::ZERO),
         };
-        let back = motion(scene, initial, s).map_or(DQuat::IDENTITY, |(_, group, _)| group.motion.at(0.0).1.conjugate());
+        let back =
+            motion(scene, initial, s).map_or(DQuat::IDENTITY, |(_, group, _)| group.motion.at(0.0).1.conjugate());
         let joint = |end, bit| if end == End::Clamped { bit } else { 0 };
         let held = |point: usize, bit| if hair.inverse_mass[point] == 0.0 { bit } else { 0 };
         let points = hair.points(s);

@@ -26,7 +26,8 @@ use windswept_shaders::{
         pressure::{Gradients, Pressed, Stress},
         reduce::TERMS,
         rod::{
-            Pin, Point, PointHistory, RodPoint, RodSegment, RodStrand, Root, Segment, SegmentHistory, Strand, StrandHistory,
+            Pin, Point, PointHistory, RodPoint, RodSegment, RodStrand, Root, Segment, SegmentHistory, Strand,
+            StrandHistory,
         },
         row::Row,
         rub::Rub,

@@ -82,7 +82,9 @@ impl Simulation {
                 return input(format!("points: {point} in row {row} is a root that is held: set_roots moves it"));
             }
             if held && scene.hair.iter().any(|hair| !hair.motion.keyframes.is_empty()) {
-                return input(format!("points: the scene's hair.motion moves point {point} in row {row}, a tip that is held"));
+                return input(format!(
+                    "points: the scene's hair.motion moves point {point} in row {row}, a tip that is held"
+                ));
             }
             pins[point] = rods::pin(*place - self.initial.origin);
         }
