@@ -1,4 +1,4 @@
-//! Heading 1: strands that are bad are reset; clamps move; the wind enters; air moves, and hair drifts among it.
+//! Heading 1: strands that are bad are reset; clamps and bodies move; the wind enters; air moves, and hair drifts among it.
 
 mod gale;
 mod reset;
@@ -13,12 +13,12 @@ pub use self::gale::{Field, course, draw, gale};
 pub(crate) use self::reset::FAR;
 pub use self::reset::{inspect, mend, reset};
 use crate::{
-    Parameters, State,
+    Parameters, State, contact,
     rods::{self, Drive, rotation, rotation_vector},
     step::Scratch,
 };
 
-/// Runs the heading: clamps move, the wind enters, air moves, and hair drifts among it as if nothing held it.
+/// Runs the heading: clamps and bodies move, the wind enters, air moves, and hair drifts among it as if nothing held it.
 #[must_use]
 pub fn run(s: &State, p: &Parameters) -> Scratch {
     let drives = (0..s.hair.len()).map(|strand| roots(p, s, strand)).collect();
@@ -46,7 +46,8 @@ pub fn run(s: &State, p: &Parameters) -> Scratch {
     if p.solver == FluidSolver::Divergence && p.model == Model::Particles {
         new_velocity[..p.hair_points].iter_mut().enumerate().for_each(|(i, v)| *v = lead(p, s, i));
     }
-    Scratch { blowing, drives, missed, lack, wind_change, predicted, new_velocity, ..Scratch::default() }
+    let moving = rods::Moving { bodies: contact::place(p, s.steps), ..rods::Moving::default() };
+    Scratch { blowing, drives, missed, lack, wind_change, predicted, new_velocity, moving, ..Scratch::default() }
 }
 
 /// Way of the clamp of a strand in the step: to where its keyframes are at the step's end, else a part of the way to its
@@ -84,6 +85,7 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
             state,
             step,
             tip_force,
+            ..Drive::default()
         };
     }
     let root_turn = rotation(part * rotation_vector(goal.1 * held.1.conjugate()));
@@ -95,6 +97,7 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
         state: if jumps { rods::State::Teleported } else { rods::State::Free },
         step,
         tip_force,
+        ..Drive::default()
     }
 }
 

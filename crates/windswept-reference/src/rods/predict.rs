@@ -21,7 +21,7 @@ pub fn predict(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut 
     // A trembling strand feels a trembling drag, which must not wake it.
     let pushed = (asleep || p.model == Model::Particles) && push > p.rest[strand].acceleration * p.step;
     let resets = std::mem::take(&mut s.bad[strand]);
-    let sleeps = !resets && drive.state == State::Asleep && rested && !pushed && !(asleep && s.touched[strand]);
+    let sleeps = !resets && drive.state == State::Asleep && rested && !pushed && !(asleep && drive.woken);
     s.asleep[strand] = sleeps;
     if sleeps {
         place(&s.hair, strand, drive, m, false);

@@ -5,7 +5,10 @@ use std::ops::AddAssign;
 use glam::{DQuat, DVec3};
 
 use super::{damping, rate, response};
-use crate::Parameters;
+use crate::{
+    Parameters,
+    contact::{Contact, Placed},
+};
 
 /// State of a strand within a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -36,6 +39,12 @@ pub struct Drive {
     pub tip_force: DVec3,
     /// Step h of the strand, if it is integrated \[s\].
     pub step: f64,
+    /// Number of its points, from the root on, that bodies let be: it grows out of one.
+    pub embedded: usize,
+    /// Whether it may meet a body in this step.
+    pub meets: bool,
+    /// Whether a body that moves reaches it while it sleeps.
+    pub woken: bool,
 }
 
 /// Load of a hair point from outside its rod: the force is `force` − `resistance` v, v the point's velocity at the step's end.
@@ -65,9 +74,11 @@ impl AddAssign for Load {
 /// Hair point within a step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Point {
-    /// Velocity v_n with what acts from outside in this step \[m/s\].
+    /// Position as the step begins \[m\].
+    pub start: DVec3,
+    /// Velocity v_n with what acts from outside in this step, and then with what contact adds \[m/s\].
     pub velocity: DVec3,
-    /// Velocity v_{n−1} with what acts from outside in this step \[m/s\].
+    /// Velocity v_{n−1} with what acts from outside in this step; from [`super::update_all`] on `velocity` \[m/s\].
     pub before: DVec3,
     /// Move of the step before \[m\].
     pub carried: DVec3,
@@ -140,11 +151,17 @@ pub struct Segment {
     pub rest_drift: DVec3,
 }
 
-/// Hair points and segments within a step.
+/// Hair points and segments within a step, and what they meet.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Moving {
     /// Hair points.
     pub points: Vec<Point>,
     /// Segments.
     pub segments: Vec<Segment>,
+    /// Bodies.
+    pub bodies: Vec<Placed>,
+    /// Contacts of each hair point with every body.
+    pub point_contacts: Vec<Contact>,
+    /// Contacts of each segment with every body.
+    pub segment_contacts: Vec<Contact>,
 }
