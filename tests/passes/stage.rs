@@ -9,11 +9,15 @@ use windswept::{
 };
 use windswept_reference::{
     Parameters, State as Twin,
+    contact::Memory,
     neighbours::{self, Neighbours},
 };
 use windswept_scene::{InitialState, Scene};
-use windswept_shaders::common::matter::Exchange;
-use windswept_shaders::common::rod::{Condition, RodPoint, RodSegment, RodStrand, Root, SLEEPS};
+use windswept_shaders::common::{
+    contact::ContactHistory,
+    matter::Exchange,
+    rod::{Condition, RodPoint, RodSegment, RodStrand, Root, SLEEPS},
+};
 
 use crate::support::{self, Layout};
 
@@ -161,6 +165,8 @@ impl Stage {
             (s.own[i], s.grip[i]) = (xyz(&points[i].own), xyz(&points[i].grip));
             (s.rest_drift[i], s.outside[i]) = (xyz(&points[i].rest_drift), xyz(&points[i].outside));
         }
+        let memory = |kept: &ContactHistory| Memory { friction: xyz(&kept.friction), force: kept.force.into() };
+        s.contacts = self.engine.read(&state.contact_history).unwrap().iter().map(memory).collect();
         s.velocity[..hair].copy_from_slice(&self.vectors(&state.velocity)[..hair]);
         s.orientation = self.quaternions(&state.orientation);
         for (k, history) in segments.iter().enumerate() {
@@ -238,15 +244,13 @@ impl Passes<'_> {
     }
 }
 
-/// Condition of a strand of the reference, in the engine's words. What bodies did is that of `got`, the engine's condition, where both say
-/// that they did something or nothing.
-pub fn condition(s: &Twin, strand: usize, got: &Condition) -> Condition {
+/// Condition of a strand of the reference, in the engine's words.
+pub fn condition(s: &Twin, strand: usize) -> Condition {
     Condition {
         bad: s.bad[strand].into(),
         strained: s.strained_steps[strand].min(windswept_reference::rods::STRAINED_STEPS + 1),
         bdf2_ready: s.bdf2_ready[strand].into(),
         still: if s.asleep[strand] { SLEEPS } else { s.still[strand] },
-        touched: if (got.touched != 0) == s.touched[strand] { got.touched } else { u32::from(s.touched[strand]) },
     }
 }
 
