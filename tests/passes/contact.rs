@@ -227,7 +227,6 @@ fn begin_is_that_of_the_twin() {
             .map(|i| ContactHistory {
                 friction: any(&mut rng, 1e-4).as_vec3().to_array(),
                 force: [0.0, 1e-4, 2e-4][i as usize % 3],
-                ..ContactHistory::default()
             })
             .collect();
         stage.engine.write(&state.contact_history, &history).unwrap();
@@ -352,7 +351,8 @@ fn rods_among_bodies_are_those_of_the_twin() {
             println!("{n} strands, {keys}, {speed} m/s, meshes {meshes}: {}, {gone} astray", told(worst));
             println!("  at most {touching:?} contacts touch, slide, and of segments; {counted} steps unsolved");
             assert!(counted.abs_diff(s.unsolved_steps) <= gone, "{counted} instead of {} unsolved", s.unsolved_steps);
-            assert!(n < 63 || touching.iter().all(|count| *count > 0), "{touching:?}");
+            let [touch, slide, of_segments] = touching;
+            assert!(n < 63 || touch > 0 && (slide > 0 || speed == 0.0) && of_segments > 0, "{touching:?}");
         }
     }
 }

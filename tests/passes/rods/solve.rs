@@ -28,11 +28,11 @@ const SIZES: [usize; 6] = [1, 63, 64, 65, 700, 6_701];
 /// Bounds of moves \[m\], frames and strains \[m\] of strands whose tips are free. Measured 2.8e-7, 2.1e-6, 5.2e-9; margin 4.
 const FREE: [f64; 3] = [1.1e-6, 8.4e-6, 2.1e-8];
 
-/// Bounds of strands whose tips are held. Measured 1.5e-6, 3.3e-4, 1.5e-7; margin 4.
-const HELD: [f64; 3] = [6e-6, 1.3e-3, 6e-7];
+/// Bounds of strands whose tips are held. Measured 1.9e-7, 2.2e-5, 1.5e-7; margin 4.
+const HELD: [f64; 3] = [8e-7, 9e-5, 6e-7];
 
-/// Bounds of those after a single Newton step. Measured 3.8e-6, 1.4e-4, 1.3e-7; margin 4.
-const ONCE: [f64; 3] = [1.5e-5, 5.6e-4, 5e-7];
+/// Bounds of those after a single Newton step. Measured 1.9e-6, 1.3e-4, 1.3e-7; margin 4.
+const ONCE: [f64; 3] = [8e-6, 5.2e-4, 5e-7];
 
 /// Largest differences of moves \[m\], frames and, of the direct solver, strains \[m\] of each strand.
 fn apart(stage: &Stage, s: &Twin, w: &Scratch) -> Vec<[f64; 3]> {
