@@ -53,7 +53,7 @@ impl Stage {
         plan.mend_strands();
         let parameters = Parameters::new(scene, initial);
         let mut twin = Twin::new(initial, parameters.step);
-        for x in &mut twin.position {
+        for x in twin.position.iter_mut().chain(&mut twin.tip_targets) {
             *x = x.as_vec3().as_dvec3();
         }
         Self { engine, plan, twin, parameters }
@@ -155,12 +155,13 @@ impl Stage {
         let root = |root: &Root| (xyz(&root.position), quaternion(root.frame));
         let strands = self.engine.read(&state.strand_history).unwrap();
         s.clamps = strands.iter().map(|strand| root(&strand.root)).collect();
-        s.tip_force = strands.iter().map(|strand| xyz(&strand.tip_force)).collect();
+        s.tip_force = strands.iter().map(|strand| xyz(&strand.pin_force)).collect();
         s.root_targets = self.engine.read(&state.root_targets).unwrap().iter().map(root).collect();
         let hair = self.parameters.hair_points;
         let position = self.vectors(&state.position);
         for i in 0..hair {
-            s.position[i] = position[i] + xyz(&points[i].remainder);
+            let held_tip = s.inverse_mass[i] == 0.0 && s.hair.points(self.parameters.strand_of[i]).start < i;
+            s.position[i] = position[i] + if held_tip { DVec3::ZERO } else { xyz(&points[i].remainder) };
             (s.travel[i], s.velocity_before[i]) = (xyz(&points[i].travel), xyz(&points[i].velocity));
             (s.own[i], s.grip[i]) = (xyz(&points[i].own), xyz(&points[i].grip));
             (s.rest_drift[i], s.outside[i]) = (xyz(&points[i].rest_drift), xyz(&points[i].outside));

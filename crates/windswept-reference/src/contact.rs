@@ -6,7 +6,9 @@ mod hair;
 use glam::{DQuat, DVec3};
 use windswept_scene::{InitialState, Motion, Scene, Shape};
 
-pub(crate) use self::hair::{CLOSE, MIDDLE, Met, STANDS, UNEASY, meet, nearest, parted, resists, stiffness};
+pub(crate) use self::hair::{
+    CLOSE, MIDDLE, Met, RECOVERY, STANDS, UNEASY, meet, nearest, parted, renewed, resists, stiffness,
+};
 pub use self::hair::{Contact, Memory, Place, Surface, begin, memories};
 use crate::{Parameters, step::Scratch};
 

@@ -140,7 +140,7 @@ pub fn update_all(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     w.rod_velocity = w.moving.points.iter().map(|point| point.velocity_after(p)).collect();
     w.new_velocity[..p.hair_points].copy_from_slice(&w.rod_velocity);
     for (i, point) in w.moving.points.iter_mut().enumerate() {
-        w.predicted[i] = if point.stays { s.position[i] } else { s.position[i] + point.shift + point.travel };
+        w.predicted[i] = s.position[i] + if point.held_tip { point.tip_travel } else { point.shift + point.travel };
         w.drag_impulse.push(p.step * point.load.at(w.rod_velocity[i]));
         point.before = point.velocity;
     }
@@ -160,7 +160,7 @@ pub fn begin_point(p: &Parameters, s: &state::State, i: usize, correction: DVec3
         push: change - s.outside[i],
         inverse_mass,
         weight: s.hair.weight(i),
-        stays: inverse_mass == 0.0 && i > s.hair.points(p.strand_of[i]).start,
+        held_tip: inverse_mass == 0.0 && i > s.hair.points(p.strand_of[i]).start,
         rest_drift: s.rest_drift[i],
         ..Point::default()
     }

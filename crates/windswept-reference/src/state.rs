@@ -45,6 +45,8 @@ pub struct State {
     pub root_targets: Vec<(DVec3, DQuat)>,
     /// Whether each strand's last step was integrated, or slept through, so that BDF2 may follow.
     pub bdf2_ready: Vec<bool>,
+    /// Place of each strand's tip, where it is held, before the motion of its roots \[m\].
+    pub tip_targets: Vec<DVec3>,
     /// Force that holds each strand's tip, where it is held \[N\].
     pub tip_force: Vec<DVec3>,
     /// Number of steps on end in which each strand was at rest.
@@ -112,6 +114,7 @@ impl State {
             root_targets: clamps.clone(),
             clamps,
             bdf2_ready: vec![false; hair.len()],
+            tip_targets: (0..hair.len()).map(|s| hair.positions[hair.points(s).end - 1]).collect(),
             tip_force: vec![DVec3::ZERO; hair.len()],
             still: vec![0; hair.len()],
             asleep: vec![false; hair.len()],

@@ -333,8 +333,9 @@ fn strands_start_and_end_as_in_the_reference() {
             let speeds = stage.vectors(&stage.engine.state().new_velocity);
             let wanted = |i: usize| w.moving.points[i].velocity_after(p);
             let tips = (0..n).map(|strand| s.hair.points(strand).end - 1).filter(|tip| s.inverse_mass[*tip] == 0.0);
+            // A strand that is reset puts its tip where it is held to rounding.
             let moving: Vec<_> =
-                tips.filter(|tip| speeds[*tip] != DVec3::ZERO || wanted(*tip) != DVec3::ZERO).collect();
+                tips.filter(|tip| speeds[*tip].length() > 5e-5 || wanted(*tip).length() > 5e-5).collect();
             assert_eq!(moving, [0; 0], "{n}, {keys}: tips that are held have velocities");
 
             // Rounding decides whether a strand takes a Newton step more, and where one that starts like this goes in the end.

@@ -2,11 +2,12 @@
 //! to a body. It has a contact with each body, a one-sided spring with Coulomb friction:
 //!
 //! ```text
-//!   normal     f = −k (φ + D), where that is above 0     φ: distance after the step, k = max(100, h² Ω²)/W
+//!   normal     f = λ − k (φ + D), where that is above 0     φ: distance after the step, k = max(100, h² Ω²)/W
 //!   friction   F = F_old − k slip, no longer than μ f_lag
 //! ```
 //! W is the move of the place by a unit of force, D the depth that the place may keep in this step: what starts inside comes out at
-//! `RECOVERY`. The way of a place is seen from the body: from where the body carries it to where it goes.
+//! `RECOVERY`. The multiplier λ is f of the step before, or of the last Newton step that settled with more than `ALLOW` left open: at rest
+//! the spring carries nothing, and the gap is 0 (augmented Lagrangian; Hestenes 1969). The way of a place is seen from the body: from where the body carries it to where it goes.
 
 use glam::{DMat3, DVec3};
 
@@ -17,10 +18,10 @@ use crate::{Parameters, State, rods, step::Scratch};
 const STIFFNESS: f64 = 100.0;
 /// Frequency Ω of a place on the spring, at least \[1/s\].
 const OMEGA: f64 = 3.2e3;
-/// Speed at which hair that starts inside comes out \[m/s\].
-const RECOVERY: f64 = 0.15;
-/// Depth beyond which the body is a plane without friction to a place that starts there \[m\].
-const DEEP: f64 = 1e-4;
+/// Speed at which hair comes out of a body \[m/s\].
+pub(crate) const RECOVERY: f64 = 0.15;
+/// Gap φ + D that may be left open in a step \[m\].
+const ALLOW: f64 = 2e-5;
 /// Distance from the surface at which a contact ends whatever the linear model says \[lengths of the segment\].
 const STAYS: f64 = 0.1;
 /// Smallest push that the solve has to settle \[m\].
@@ -109,6 +110,8 @@ pub struct Contact {
     pub held: DVec3,
     /// Normal force that limits friction: of the step before, or of the last Newton step that settled \[N\].
     pub lag: f64,
+    /// Multiplier λ \[N\].
+    pub multiplier: f64,
     /// Distance from the surface as the step begins \[m\].
     pub before: f64,
     /// Part of the segment.
@@ -146,7 +149,7 @@ pub fn memories(m: &rods::Moving) -> Vec<Memory> {
 }
 
 /// Finds how strands stand to the bodies as the step begins: what their contacts remember, whether they may meet a body, whether one that
-/// moves wakes them, and how many points bodies let be, from a root on that is held inside.
+/// moves wakes them, how many points bodies let be, from a root on that is held inside, and whether others are deep in a body.
 pub fn begin(s: &State, w: &mut Scratch, p: &Parameters) {
     let (bodies, count) = (&w.moving.bodies, w.moving.bodies.len());
     let memory = |i: usize| s.contacts.get(i).copied().unwrap_or_default();
@@ -157,8 +160,12 @@ pub fn begin(s: &State, w: &mut Scratch, p: &Parameters) {
         let rests = &s.hair.rest_length[s.hair.segments(strand)];
         let length: f64 = rests.iter().sum();
         let forgets = s.bad[strand] || drive.state == rods::State::Teleported;
-        let mut depth = 0.0_f64;
-        (drive.meets, drive.woken) = (false, false);
+        let held = s.inverse_mass[points.start] == 0.0;
+        let root = s.position[points.start];
+        let depth = bodies.iter().map(|body| -body.surface(body.carried(root)).distance).fold(0.0, f64::max);
+        let risen = (0..=rests.len()).map(|k| RISE * rests[..k].iter().sum::<f64>());
+        drive.embedded = if held { risen.take_while(|risen| *risen < depth).count() } else { 0 };
+        (drive.meets, drive.woken, drive.comes_out) = (false, false, false);
         for (b, body) in bodies.iter().enumerate() {
             let mut segment_begins = None;
             for (k, i) in points.clone().enumerate() {
@@ -167,26 +174,22 @@ pub fn begin(s: &State, w: &mut Scratch, p: &Parameters) {
                 let start = body.surface(ends.end());
                 let moves = ends.travel.length();
                 let l = rests[k.max(1) - 1];
-                if k == 0 {
-                    depth = depth.max(-start.distance);
-                }
                 drive.meets |= start.distance - moves < length;
                 drive.woken |= s.asleep[strand] && moves > 0.0 && start.distance - moves < l;
+                drive.comes_out |= k >= drive.embedded.max(1) && is_deep(p, start.distance);
                 let ahead = Place { travel: p.step * w.moving.points[i].velocity, ..ends };
-                let contact = recall(memory(i * count + b), body, start, forgets);
+                let contact = recall(p, memory(i * count + b), body, start, forgets);
                 w.moving.point_contacts[i * count + b] = flattened(contact, body, &ahead);
                 if let Some((begins, first)) = segment_begins {
                     let j = first_segment + k - 1;
                     let (place, surface) = middle(body, [begins, ends], [first, start], l);
-                    let contact = recall(memory((p.hair_points + j) * count + b), body, surface, forgets);
+                    let contact = recall(p, memory((p.hair_points + j) * count + b), body, surface, forgets);
+                    drive.comes_out |= k > drive.embedded && is_deep(p, surface.distance);
                     w.moving.segment_contacts[j * count + b] = Contact { place, ..contact };
                 }
                 segment_begins = Some((ends, start));
             }
         }
-        let held = s.inverse_mass[points.start] == 0.0;
-        let risen = (0..=rests.len()).map(|k| RISE * rests[..k].iter().sum::<f64>());
-        drive.embedded = if held { risen.take_while(|risen| *risen < depth).count() } else { 0 };
     }
 }
 
@@ -200,14 +203,15 @@ fn middle(body: &Placed, ends: [Place; 2], surfaces: [Surface; 2], l: f64) -> (f
 }
 
 /// A contact as the step begins, with the surface seen from its place.
-fn recall(memory: Memory, body: &Placed, start: Surface, forgets: bool) -> Contact {
-    let plane = start.distance < -DEEP;
+fn recall(p: &Parameters, memory: Memory, body: &Placed, start: Surface, forgets: bool) -> Contact {
+    let plane = is_deep(p, start.distance);
     let contact = Contact { normal: start.normal, before: start.distance, plane, ..Contact::default() };
     if forgets || plane || memory.force == 0.0 {
         return contact;
     }
     let friction = body.turn() * memory.friction;
-    Contact { friction, held: friction, force: memory.force, lag: memory.force, touched: true, ..contact }
+    let Memory { force, .. } = memory;
+    Contact { friction, held: friction, force, lag: force, multiplier: force, touched: true, ..contact }
 }
 
 /// The contact of a place that is to go `ahead`. To one whose way leads far through a body the body is the plane that touches it where the
@@ -275,12 +279,25 @@ pub(crate) fn nearest(body: &Placed, [a, b]: [Place; 2], normals: [DVec3; 2], gu
     }
 }
 
+/// A contact whose multiplier, and the force that limits its friction, are made what acts.
+pub(crate) fn renewed(p: &Parameters, last: &Contact) -> Contact {
+    let lag = last.force.max(0.0);
+    let open = last.gap.abs() > ALLOW && !is_deep(p, last.before);
+    Contact { lag, multiplier: if open { lag } else { last.multiplier }, ..*last }
+}
+
+/// Whether a place at this distance takes more than a step to come out. The body is a plane without friction to it: farther in, the nearest
+/// surface may be another one at each place.
+fn is_deep(p: &Parameters, distance: f64) -> bool {
+    distance < -RECOVERY * p.step
+}
+
 /// How a contact is where its place arrives.
 pub(crate) struct Met {
     pub contact: Contact,
     /// Whether it touches or slides otherwise than in the Newton step before: the solve goes on.
     pub changed: bool,
-    /// Whether f is not what friction was limited by.
+    /// Whether its multiplier, or the force that limits its friction, is not f.
     pub lags: bool,
 }
 
@@ -313,19 +330,29 @@ pub(crate) fn meet(
     };
     let distance = distance + (-before.before - RECOVERY * p.step).max(0.0);
     let k = stiffness(p, place.reply);
-    let force = -k * distance;
-    let stays = before.live && !starts && before.linear > 0.0 && distance < STAYS * l;
-    if place.reply == 0.0 || force <= 0.0 && !stays {
+    let force = before.multiplier - k * distance;
+    // What touched stays, or leaves, as the linear model has it.
+    let pulled = before.linear > 0.0;
+    let live = match (before.live && !starts, force > 0.0) {
+        (false, pushes) => pushes,
+        (true, true) => pulled || distance <= 0.0,
+        (true, false) => pulled && distance < STAYS * l,
+    };
+    if place.reply == 0.0 || !live {
         return parted(before, distance, starts);
     }
     let pushed = !before.live && force * place.reply > NOTICED;
     let contact = Contact { normal, force, live: true, ..parted(before, distance, starts).contact };
     let mut met = Met { contact, changed: !starts && (force < 0.0 || pushed), lags: false };
-    if body.body.friction == 0.0 || before.before < -DEEP {
+    if is_deep(p, before.before) {
+        return met;
+    }
+    met.lags = distance.abs() > ALLOW;
+    if body.body.friction == 0.0 {
         return met;
     }
     let off = (force - before.lag).abs();
-    met.lags = off > LAGS * force && off * place.reply > 1e-9;
+    met.lags |= off > LAGS * force && off * place.reply > 1e-9;
     let tried = before.held.reject_from_normalized(normal) - k * way.reject_from_normalized(normal);
     let most = body.body.friction * before.lag;
     let turns_back = before.slides && tried.dot(before.friction) < 0.0;

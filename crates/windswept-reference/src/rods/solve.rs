@@ -4,10 +4,10 @@ use glam::{DMat3, DQuat, DVec3};
 use nalgebra::{Matrix6, Matrix6x4, Vector4, Vector6};
 use windswept_scene::{End, Strands};
 
-use super::{Drive, Moving, Point, Segment, State, cross_matrix, nearest_rest, response, rotation};
+use super::{Drive, Moving, Point, Segment, State, cross_matrix, nearest_rest, response, rotation, rotation_vector};
 use crate::{
     Parameters,
-    contact::{Contact, Placed, UNEASY},
+    contact::{Contact, Placed, RECOVERY, UNEASY},
 };
 
 /// Strain |u|/l of a segment beyond which a start is made whole, and no solve ends.
@@ -115,6 +115,9 @@ pub fn solve(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mu
         }
         steep = most > TURN || now.touches && (now.changed || most > UNEASY);
     }
+    if rod.drive.comes_out {
+        rod.crawl();
+    }
     rod.finish(now.touches);
     rod.leave(rod.drive.state == State::Solved);
 }
@@ -141,7 +144,7 @@ pub fn potential(p: &Parameters, hair: &Strands, s: usize, drive: &Drive, m: &Mo
     }
     if hair.ends(s).tip == End::Clamped {
         let ends = hair.ends(s);
-        let gap = gap(segments[segments.len() - 1].frame, ends.tip_frame, ends.tip_rest_rotation);
+        let gap = gap(segments[segments.len() - 1].frame, drive.tip_frame, ends.tip_rest_rotation);
         sum += 0.5 * (gap * gap * stiffness(ends.tip_compliance)).element_sum();
     }
     sum
@@ -226,7 +229,7 @@ impl Rod<'_> {
         if self.ends().tip == End::Clamped {
             let ends = self.ends();
             let last = self.segments[self.segments.len() - 1].frame;
-            let tip = joint(last, ends.tip_frame, ends.tip_rest_rotation, ends.tip_compliance);
+            let tip = joint(last, self.drive.tip_frame, ends.tip_rest_rotation, ends.tip_compliance);
             add(&mut beyond.matrix, (0, 0), tip.stiffness);
             add_force(&mut beyond.vectors, vector(-tip.force, DVec3::ZERO));
         }
@@ -382,6 +385,20 @@ impl Rod<'_> {
             let now = l * (segment.frame * DVec3::Z) + segment.strain;
             self.points[k + 1].travel = self.points[k].travel + now - segment.chord;
         }
+    }
+
+    /// Hair that comes out of a body goes its way through the step, beside that of its root, only in part, so that no point of it is faster than
+    /// [`RECOVERY`]: all frames turn by that part.
+    fn crawl(&mut self) {
+        let root = self.points[0].travel;
+        let far = self.points.iter().map(|point| point.travel.distance(root)).fold(0.0, f64::max);
+        let part = (RECOVERY * self.p.step / far).min(1.0);
+        for segment in &mut *self.segments {
+            let turn = rotation(part * rotation_vector(segment.turn));
+            segment.strain = turn * (segment.turn.conjugate() * segment.strain);
+            (segment.turn, segment.frame) = (turn, (turn * segment.start).normalize());
+        }
+        self.chain();
     }
 
     /// A strand that nothing holds and that touches nothing keeps its momentum. What is left of the way to a held tip is spread over the

@@ -7,7 +7,7 @@ use super::{
     Point, cross_matrix,
     solve::{Rod, add, add_force, vector},
 };
-use crate::contact::{CLOSE, Contact, MIDDLE, Met, Place, STANDS, meet, nearest, parted, resists, stiffness};
+use crate::contact::{CLOSE, Contact, MIDDLE, Met, Place, STANDS, meet, nearest, parted, renewed, resists, stiffness};
 
 /// Part of a segment from an end, nearer to which a place of it says nothing of the other end's velocity.
 const BESIDE: f64 = 0.2;
@@ -18,7 +18,7 @@ pub(super) struct Touch {
     pub touches: bool,
     /// Whether some changed.
     pub changed: bool,
-    /// Whether friction of some is limited by another force than acts.
+    /// Whether a multiplier, or the force that limits a friction, is not the force that acts.
     pub lags: bool,
 }
 
@@ -49,13 +49,13 @@ impl Rod<'_> {
         k * self.bodies.len()..(k + 1) * self.bodies.len()
     }
 
-    /// Finds the contacts of all places where they are now; `starts` for the first time in the step. `renews` limits friction by the
-    /// force that acts.
+    /// Finds the contacts of all places where they are now; `starts` for the first time in the step. `renews` makes
+    /// multipliers, and the forces that limit friction, what acts.
     pub(super) fn touch(&mut self, starts: bool, renews: bool) -> Touch {
         let mut touch = Touch::default();
         if renews {
             let all = self.point_contacts.iter_mut().chain(&mut *self.segment_contacts);
-            all.for_each(|contact| contact.lag = contact.force);
+            all.for_each(|contact| *contact = renewed(self.p, contact));
         }
         for b in 0..self.bodies.len() {
             for k in 0..self.points.len() {
@@ -148,7 +148,7 @@ impl Rod<'_> {
     pub(super) fn foresee_point(&mut self, k: usize, shift: DVec3) {
         let (range, k) = (self.of(k), stiffness(self.p, self.points[k].reply(self.p)));
         for contact in &mut self.point_contacts[range] {
-            contact.linear = -k * (contact.gap + contact.normal.dot(shift));
+            contact.linear = contact.multiplier - k * (contact.gap + contact.normal.dot(shift));
         }
     }
 
@@ -158,7 +158,7 @@ impl Rod<'_> {
             let contact = self.segment_contacts[i];
             let k = stiffness(self.p, self.place_of_segment(k, &contact).reply);
             let moves = shift + contact.place * swing;
-            self.segment_contacts[i].linear = -k * (contact.gap + contact.normal.dot(moves));
+            self.segment_contacts[i].linear = contact.multiplier - k * (contact.gap + contact.normal.dot(moves));
         }
     }
 

@@ -37,6 +37,10 @@ pub struct Drive {
     pub state: State,
     /// Force that holds a held tip \[N\].
     pub tip_force: DVec3,
+    /// Move of a held tip \[m\].
+    pub tip_travel: DVec3,
+    /// Frame of a clamped tip at the step's end.
+    pub tip_frame: DQuat,
     /// Step h of the strand, if it is integrated \[s\].
     pub step: f64,
     /// Number of its points, from the root on, that bodies let be: it grows out of one.
@@ -45,6 +49,8 @@ pub struct Drive {
     pub meets: bool,
     /// Whether a body that moves reaches it while it sleeps.
     pub woken: bool,
+    /// Whether it starts the step deeper in a body than it comes out in a step.
+    pub comes_out: bool,
 }
 
 /// Load of a hair point from outside its rod: the force is `force` − `resistance` v, v the point's velocity at the step's end.
@@ -98,8 +104,10 @@ pub struct Point {
     pub free: DVec3,
     /// Move \[m\].
     pub travel: DVec3,
-    /// Whether the point is a tip that is held.
-    pub stays: bool,
+    /// Whether the point is a tip that is held,
+    pub held_tip: bool,
+    /// and by how much that moves \[m\].
+    pub tip_travel: DVec3,
     /// Shift of the point that makes its strand whole as the step begins \[m\].
     pub shift: DVec3,
     /// Way from where the point was when its strand became still \[m\].
@@ -113,10 +121,10 @@ impl Point {
         response(damping(p, self), self.step) * self.inverse_mass
     }
 
-    /// Velocity that the point's move leaves \[m/s\]; 0 of a tip that is held.
+    /// Velocity that the point's move leaves \[m/s\]; of a tip that is held, by its own.
     #[must_use]
     pub fn velocity_after(&self, p: &Parameters) -> DVec3 {
-        if self.stays { DVec3::ZERO } else { rate(p, self.travel, self.carried, self.step) }
+        if self.held_tip { self.tip_travel / p.step } else { rate(p, self.travel, self.carried, self.step) }
     }
 }
 
