@@ -109,8 +109,7 @@ fn contacts_apart(a: &Contact, b: &contact::Contact, give: f64) -> f64 {
         .max((f64::from(a.lag) - b.lag).abs())
         .max((f64::from(a.multiplier) - b.multiplier).abs());
     let forces = give * friction.max(force);
-    let before = (f64::from(a.before) - b.before).abs();
-    if b.live || b.plane { forces.max(before) } else { forces }
+    forces.max((f64::from(a.before) - b.before).abs())
 }
 
 /// How strands of the engine stand to bodies: whether they may meet one, whether one wakes them, their embedded points, and whether they come out.
@@ -128,7 +127,7 @@ fn stands(w: &Scratch) -> Vec<[u32; 4]> {
 pub const FAULTS: &[Fault] = &[
     (&shaders::contact::PLACE, "0.5 * (body.start + body.end)", "0.51 * (body.start + body.end)", BODIES),
     (&shaders::contact::BEGIN, "RISE * along < depth", "RISE * along < depth + 0.01", BODIES),
-    (&shaders::contact::BEGIN, "contact.lag = history", "contact.lag = 0.9 * history", BODIES),
+    (&shaders::contact::BEGIN, "before = start.distance", "before = 0.999 * start.distance", BODIES),
     (&shaders::rods::SOLVE, "body.friction * before.lag", "0.9 * body.friction * before.lag", BODIES),
     (&shaders::rods::SOLVE, "contact.place * arm", "0.9 * contact.place * arm", THIN_BODY),
     (&shaders::rods::SOLVE, "* contact.curve", "* 0.5 * contact.curve", THIN_BODY),
@@ -281,8 +280,8 @@ fn begin_is_that_of_the_twin() {
             got.len()
         );
         assert_eq!(differing(&stood(&stage), &stands), 0.0, "{n}, step {steps}");
-        // Measured 6.4e-8 m, 2.6e-4 (normals change from cell to cell of a mesh) and 1.9e-5, and none astray; margin 4.
-        let within = errors.iter().zip([2.6e-7, 1.1e-3, 8e-5]).all(|(error, bound)| *error < bound);
+        // Measured 4.2e-7 m (far from a mesh), 2.6e-4 (normals change from cell to cell of a mesh) and 1.9e-5, and none astray; margin 4.
+        let within = errors.iter().zip([1.7e-6, 1.1e-3, 8e-5]).all(|(error, bound)| *error < bound);
         assert!(within && 1000 * astray <= got.len(), "{n}, step {steps}: {errors:?}, {astray} astray");
         assert!(n < 63 || counts.iter().all(|count| *count > 0), "{n}, step {steps}: {counts:?}");
         assert!(n < 63 || (stand[1] > 0) == (steps < 20), "{n}, step {steps}: {} strands are woken", stand[1]);
@@ -364,7 +363,7 @@ fn rods_among_bodies_are_those_of_the_twin() {
 }
 
 /// Bounds of moves \[m\], frames, strains \[m\] and contacts \[m\] of strands among bodies. Where rounding decides nothing they were measured
-/// 9e-7, 1.2e-4, 1.3e-9 and 3e-7 off; it is said to decide where they are exceeded, as in 18 of 45 960 solves.
+/// 9e-7, 1.2e-4, 1.3e-9 and 6e-7 off; it is said to decide where they are exceeded, as in 18 of 45 960 solves.
 const AMONG_BODIES: [f64; 4] = [4e-6, 1.4e-3, 1.6e-8, 2e-5];
 
 fn told<const N: usize>(numbers: [f64; N]) -> String {
