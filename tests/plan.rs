@@ -176,6 +176,7 @@ fn cases() -> [Case; 11] {
             None,
             [
                 blow,
+                &["contact/place"],
                 moves,
                 SORT,
                 LIST,
@@ -183,7 +184,10 @@ fn cases() -> [Case; 11] {
                 SPREAD,
                 &["fluid/divergence 2"],
                 PUSH,
-                exchange,
+                BEGIN,
+                &["wind/sample", "wind/drag", "contact/begin"],
+                SOLVE,
+                &["wind/react"],
                 &["contact/air"],
                 SORT,
                 FILTER,
@@ -194,6 +198,7 @@ fn cases() -> [Case; 11] {
                 STRENGTHEN,
                 VISCOSITY,
                 COMMIT_HAIR,
+                &["guard/commit_contacts"],
                 COMMIT_AIR,
             ]
             .concat(),

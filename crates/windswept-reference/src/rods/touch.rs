@@ -44,7 +44,7 @@ impl Rod<'_> {
         self.hair.rest_length[self.of_segment(k)]
     }
 
-    /// Contacts of point or segment `k` with all bodies that the strand may meet, in `contacts`.
+    /// Indices of the contacts of point or segment `k` among those of all points or segments.
     fn of(&self, k: usize) -> std::ops::Range<usize> {
         k * self.bodies.len()..(k + 1) * self.bodies.len()
     }
