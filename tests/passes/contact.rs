@@ -1,4 +1,4 @@
-//! Heading 5: the passes that keep hair and air out of bodies.
+//! Bodies, and how hair and air stay out of them: the passes of `contact`, and the rods' solve among bodies.
 
 use std::f64::consts::PI;
 
@@ -6,14 +6,19 @@ use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::internals::step;
-use windswept_reference::{State as Twin, contact, step::Scratch};
-use windswept_scene::{Body, Keyframe, Motion, Round, Scene, Shape, Solid};
+use windswept_reference::{State as Twin, contact, drive, guard, rods, step::Scratch};
+use windswept_scene::{Body, InitialState, Keyframe, Motion, Scene, Shape, Solid};
 use windswept_shaders::{
     self as shaders,
-    common::body::{EMBEDDED, INSIDE, MOVED, PUSHED},
+    common::{
+        contact::{Contact, ContactHistory, LIVE, PLANE, SLIDES, TOUCHED},
+        rod::{BAD, SLEEPS},
+        status::UNSOLVED_STEP,
+    },
 };
 
 use crate::{
+    hair::{any, motion, scene_with, set_roots},
     stage::{Stage, quaternion, relative, xyz},
     steps::{BODIES, Fault, THIN_BODY},
     support::{self, Layout},
@@ -21,49 +26,11 @@ use crate::{
 };
 
 impl Walk<'_> {
-    pub fn contact(&mut self, s: &mut Twin, w: &mut Scratch) -> Same {
+    pub fn contact(&mut self, w: &mut Scratch) -> Same {
         let (stage, bounds, hair) = (self.stage, self.bounds, self.p().hair_points);
         let state = stage.engine.state();
         let mut passes = stage.passes(step::contact::record);
-        let placed = contact::place(self.p(), s.steps);
-        let mut touches = contact::embed(s, w, &placed);
-        if passes.through("contact/place") {
-            let got = stage.engine.read(&state.placed).unwrap();
-            let ends = got.iter().zip(&placed).map(|(got, wanted)| {
-                let [start, end] = wanted.body.shape.round().ends.map(|end| wanted.after.out(end));
-                (xyz(&got.start) - start).length().max((xyz(&got.end) - end).length())
-            });
-            self.same("contact/place", largest(ends), bounds.length)?;
-        }
-        if passes.through("contact/embed") {
-            let touched = stage.engine.read(&state.touched).unwrap();
-            self.same("contact/embed", differing(&touched, &bits(&touches, &placed)), 0.0)?;
-        }
-        contact::push(s, w, self.p(), &placed, &mut touches);
-        if passes.through("contact/hair") {
-            let got = stage.vectors(&state.predicted);
-            self.same("contact/hair", apart(&got[..hair], &w.predicted[..hair]), bounds.length)?;
-            let touched = stage.engine.read(&state.touched).unwrap();
-            self.same("contact/hair", differing(&touched, &bits(&touches, &placed)), 0.0)?;
-        }
-        contact::middle(s, w, self.p(), &placed, &mut touches);
-        if passes.through("contact/middle") {
-            let touched = stage.engine.read(&state.touched).unwrap();
-            self.same("contact/middle", differing(&touched, &bits(&touches, &placed)), 0.0)?;
-        }
-        if passes.through("contact/pull") {
-            contact::pull(s, w, self.p(), &placed, &touches);
-            let got = stage.vectors(&state.predicted);
-            self.same("contact/pull", apart(&got[..hair], &w.predicted[..hair]), bounds.length)?;
-        }
-        contact::measure(s, w, &touches);
-        contact::push_air(w, self.p(), &placed);
-        if passes.through("contact/stretch") {
-            let found: Vec<_> = stage.found().iter().map(|found| found.touched).collect();
-            let noted: Vec<_> = bits(&touches, &placed).iter().map(|bits| bits & (PUSHED | MOVED)).collect();
-            self.same("contact/stretch", differing(&found, &noted), 0.0)?;
-            self.found("contact/stretch", &Twin { touched: w.touched.clone(), ..s.clone() })?;
-        }
+        contact::run(w, self.p());
         if passes.through("contact/air") {
             let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
             self.same("contact/air", gap, bounds.length)?;
@@ -73,31 +40,99 @@ impl Walk<'_> {
         passes.finish();
         Ok(())
     }
+
+    /// Compares where bodies are after the step.
+    pub fn bodies(&mut self, w: &Scratch) -> Same {
+        let got = self.stage.engine.read(&self.stage.engine.state().placed).unwrap();
+        let ends = got.iter().zip(&w.moving.bodies).map(|(got, wanted)| {
+            let [start, end] = wanted.body.shape.round().ends.map(|end| wanted.after.out(end));
+            (xyz(&got.start) - start).length().max((xyz(&got.end) - end).length())
+        });
+        self.same("contact/place", largest(ends), self.bounds.length)
+    }
+
+    /// Compares how strands stand to bodies as the step begins.
+    pub fn begun(&mut self, w: &Scratch) -> Same {
+        self.same("contact/begin", differing(&stood(self.stage), &stands(w)), 0.0)?;
+        self.contacts("contact/begin", w)
+    }
+
+    /// Compares contacts: their states, and forces by what they move.
+    pub fn contacts(&mut self, pass: &'static str, w: &Scratch) -> Same {
+        let (got, wanted) = (read(self.stage), all(w));
+        let states = [got.iter().map(|a| a.state).collect::<Vec<_>>(), wanted.iter().map(bits).collect()];
+        self.same(pass, differing(&states[0], &states[1]), 0.0)?;
+        let gives = gives(self.stage);
+        let gaps = got.iter().zip(&wanted).zip(&gives).map(|((a, b), give)| contacts_apart(a, b, *give));
+        self.same(pass, largest(gaps), self.bounds.hair)
+    }
+
+    /// Compares what contacts keep.
+    pub fn memories(&mut self, s: &Twin) -> Same {
+        let got = self.stage.engine.read(&self.stage.engine.state().contact_history).unwrap();
+        let gaps = got.iter().zip(&s.contacts).zip(gives(self.stage)).map(|((a, b), give)| {
+            give * ((xyz(&a.friction) - b.friction).length() + (f64::from(a.force) - b.force).abs())
+        });
+        self.same("guard/commit_contacts", largest(gaps), self.bounds.hair)
+    }
 }
 
-/// Planted faults of the passes of this heading.
+/// Contacts of the engine.
+fn read(stage: &Stage) -> Vec<Contact> {
+    stage.engine.read(&stage.engine.state().contacts).unwrap()
+}
+
+/// Contacts of the twin, in the engine's order.
+fn all(w: &Scratch) -> Vec<contact::Contact> {
+    w.moving.point_contacts.iter().chain(&w.moving.segment_contacts).copied().collect()
+}
+
+/// State of a contact of the twin, in the engine's bits.
+fn bits(contact: &contact::Contact) -> u32 {
+    let bits = [(contact.live, LIVE), (contact.slides, SLIDES), (contact.touched, TOUCHED), (contact.plane, PLANE)];
+    bits.iter().filter(|(is, _)| *is).map(|(_, bit)| bit).sum()
+}
+
+/// What every contact's spring gives by a unit of force, about \[m/N\].
+fn gives(stage: &Stage) -> Vec<f64> {
+    let (p, s) = (&stage.parameters, &stage.twin);
+    let segments = (0..s.hair.len()).flat_map(|strand| s.hair.points(strand).skip(1));
+    let places = (0..p.hair_points).chain(segments);
+    places.flat_map(|i| vec![1e-2 * p.step.powi(2) * s.inverse_mass[i]; p.bodies.len()]).collect()
+}
+
+/// Largest difference of two contacts, of forces by what the spring gives \[m\].
+fn contacts_apart(a: &Contact, b: &contact::Contact, give: f64) -> f64 {
+    let friction = (xyz(&a.friction) - b.friction).length().max((xyz(&a.held) - b.held).length());
+    let force = (f64::from(a.force) - b.force)
+        .abs()
+        .max((f64::from(a.lag) - b.lag).abs())
+        .max((f64::from(a.multiplier) - b.multiplier).abs());
+    let forces = give * friction.max(force);
+    forces.max((f64::from(a.before) - b.before).abs())
+}
+
+/// How strands of the engine stand to bodies: whether they may meet one, whether one wakes them, their embedded points, and whether they come out.
+fn stood(stage: &Stage) -> Vec<[u32; 4]> {
+    stage.rod_strands().iter().map(|rod| [rod.meets, rod.woken, rod.embedded, rod.comes_out]).collect()
+}
+
+fn stands(w: &Scratch) -> Vec<[u32; 4]> {
+    let of =
+        |drive: &rods::Drive| [drive.meets.into(), drive.woken.into(), drive.embedded as u32, drive.comes_out.into()];
+    w.drives.iter().map(of).collect()
+}
+
+/// Planted faults of the passes of contact, and of the rods' solve among bodies.
 pub const FAULTS: &[Fault] = &[
     (&shaders::contact::PLACE, "0.5 * (body.start + body.end)", "0.51 * (body.start + body.end)", BODIES),
-    (&shaders::contact::EMBED, "RISE * along < depth", "RISE * along < depth + 0.01", BODIES),
-    (&shaders::contact::HAIR, "body.friction * depth", "0.9 * body.friction * depth", BODIES),
-    (&shaders::contact::MIDDLE, "found.push > TOUCH", "found.push < TOUCH", THIN_BODY),
-    (&shaders::contact::PULL, "w.x * shift", "0.5 * w.x * shift", BODIES),
-    (&shaders::contact::STRETCH, "rest_length - 1.0", "rest_length - 2.5", BODIES),
-    (&shaders::contact::STRETCH, "touched[s] & (PUSHED | MOVED)", "touched[s]", BODIES),
+    (&shaders::contact::BEGIN, "RISE * along < depth", "RISE * along < depth + 0.01", BODIES),
+    (&shaders::contact::BEGIN, "before = start.distance", "before = 0.999 * start.distance", BODIES),
+    (&shaders::rods::SOLVE, "body.friction * before.lag", "0.9 * body.friction * before.lag", BODIES),
+    (&shaders::rods::SOLVE, "contact.place * arm", "0.9 * contact.place * arm", THIN_BODY),
+    (&shaders::rods::SOLVE, "* contact.curve", "* 0.5 * contact.curve", THIN_BODY),
     (&shaders::contact::AIR, "CLEARANCE * params.spacing", "0.9 * CLEARANCE * params.spacing", BODIES),
 ];
-
-/// Bits of the buffer `touched`.
-fn bits(touches: &[contact::Touch], placed: &[contact::Placed]) -> Vec<u32> {
-    let moved = u32::from(contact::any_moves(placed)) * MOVED;
-    touches
-        .iter()
-        .map(|touch| {
-            let found = (u32::from(touch.pushed) * PUSHED) | (u32::from(touch.inside) * INSIDE);
-            moved | found | (touch.embedded as u32) << EMBEDDED
-        })
-        .collect()
-}
 
 fn body(shape: Shape, keyframes: &[(f64, [f64; 3], [f64; 3])]) -> Body {
     let keyframe = |&(time, translation, rotation)| Keyframe { time, translation, rotation };
@@ -148,16 +183,14 @@ fn place_is_that_of_the_twin() {
     let scene = Scene { bodies: [meshes().bodies, bodies].concat(), ..support::scene() };
     let initial = support::particles(64, 20, Layout::Random, 1);
     let stage = Stage::new(&scene, &initial);
-    let strands = initial.hair.len() as u32;
-    stage.engine.write(&stage.engine.state().touched, &vec![1u32; strands as usize]).unwrap();
     let (mut worst, mut slowest) = (0.0_f64, 0.0_f64);
     for steps in [0, 1, 7, 14, 15, 100, 2_608_000, 2_608_405, 2_608_695, 2_608_696, 2_609_058, 4_000_000_000] {
         at_step(&stage, steps);
-        stage.run_only(&["contact/place"], step::contact::record);
+        stage.run_only(&["contact/place"], step::drive::record);
         let placed = stage.engine.read(&stage.engine.state().placed).unwrap();
         for (got, wanted) in placed.iter().zip(contact::place(&stage.parameters, steps.into())) {
             let contact::Placed { body, before, after } = wanted;
-            let (middle, Round { ends: [start, end], radius }) = (body.shape.center(), body.shape.round());
+            let (middle, [start, end]) = (body.shape.center(), body.shape.round().ends);
             let pairs = [
                 (got.start, after.out(start)),
                 (got.end, after.out(end)),
@@ -169,109 +202,192 @@ fn place_is_that_of_the_twin() {
             let y = start + DVec3::new(0.01, 0.02, -0.03);
             let went = quaternion(got.turn) * (before.out(y) - xyz(&got.center_before)) + xyz(&got.center);
             slowest = slowest.max(went.distance(after.out(y)));
-            assert_eq!([got.radius, got.friction], [radius as f32, body.friction as f32]);
+            assert_eq!([got.radius, got.friction], [body.shape.inradius() as f32, body.friction as f32]);
         }
     }
     println!("placed to {worst:.1e} m, carried to {slowest:.1e} m");
     // Measured 7.1e-8 m, of up to 0.7 m, and 4.3e-8 m; margin 4.
     assert!(worst < 3e-7 && slowest < 2e-7, "{worst} {slowest}");
-    let touched = stage.engine.read(&stage.engine.state().touched).unwrap();
-    assert!(strands > 0 && touched.iter().all(|&bit| bit == 0), "{touched:?}");
 }
 
-/// Hair in any place moves by up to 30 mm in any direction: far enough to pass through every body here. In the end they rest.
+/// Strands of two segments in any place and motion, some asleep, lost or sent far away, with memories of any contact: how they stand to bodies.
 #[test]
-fn hair_is_that_of_the_twin() {
-    // Measured 1.0e-6 (rounding, where a way grazes a thin body); margin 5.
-    hair_among(&scene(), 5e-6);
-}
-
-/// Hair among meshes, as above.
-#[test]
-fn hair_among_meshes_is_that_of_the_twin() {
-    // Measured 6.7e-6: where a way enters is found to f32, and normals change from cell to cell; margin 4.
-    hair_among(&meshes(), 2.7e-5);
-}
-
-fn hair_among(scene: &Scene, tolerance: f64) {
-    // A single point makes no strand.
+fn begin_is_that_of_the_twin() {
+    let scenes = [scene(), meshes()];
     let sizes = support::SIZES.into_iter().filter(|n| *n > 1);
-    for (n, steps) in sizes.flat_map(|n| [(n, 0), (n, 6), (n, 20)]) {
-        let initial = support::particles(n, n, Layout::Random, 11);
+    for (n, steps, scene) in sizes
+        .flat_map(|n| [0, 6, 20].into_iter().map(move |k| (n, k)))
+        .flat_map(|(n, k)| scenes.iter().map(move |scene| (n, k, scene)))
+    {
+        let mut initial = support::particles(n, n, Layout::Random, 11);
+        let mut rng = Pcg64::seed_from_u64(5);
+        // Most are slow.
+        initial.hair.velocities.iter_mut().for_each(|v| *v = any(&mut rng, 1.0).powf(3.0) * 30.0);
         let stage = Stage::new(scene, &initial);
         at_step(&stage, steps);
-        let (p, s) = (&stage.parameters, stage.engine.state());
-        let mut rng = Pcg64::seed_from_u64(5);
-        let x = &stage.twin.position;
-        let mut moved = || 0.06 * (DVec3::from_array(rng.random()) - 0.5);
-        let predicted: Vec<DVec3> = x.iter().map(|x| (*x + moved()).as_vec3().as_dvec3()).collect();
-        stage.write_vectors(&s.predicted, &predicted);
-        stage.run_only(&["contact/place", "contact/embed", "contact/hair"], step::contact::record);
-        let placed = contact::place(p, steps.into());
-        let free = |i: usize| i < p.hair_points && stage.twin.inverse_mass[i] > 0.0;
-        let mut w = Scratch { predicted: predicted.clone(), ..Scratch::default() };
-        let mut touches = contact::embed(&stage.twin, &w, &placed);
-        contact::push(&stage.twin, &mut w, p, &placed, &mut touches);
-        let wanted = w.predicted;
-        let got = stage.vectors(&s.predicted);
-        let error = relative(&got[..p.hair_points], &wanted[..p.hair_points], 0.01);
-        let hits = wanted.iter().zip(&predicted).filter(|(a, b)| a != b).count();
-        println!("{n} points, step {steps}: {hits} touched, off by {error:.1e}");
-        assert!(error < tolerance, "{n}: {error}");
-        assert!(n < 63 || hits > 4, "nothing is touched");
-        let embedded = [0, 1, 2].map(|k| touches.iter().filter(|touch| touch.embedded == k).count());
-        println!("  strands with 0, 1 and 2 embedded points: {embedded:?}");
-        assert!(n < 1000 || embedded[1] > 0, "no strand is embedded");
-        let flags: Vec<u32> = stage.engine.read(&s.touched).unwrap();
-        assert_eq!(flags, bits(&touches, &placed));
-        assert_eq!(contact::any_moves(&placed), steps < 20);
-        // Nobody who was outside is inside the body that was looked at last.
-        let last = placed.last().unwrap();
-        let inside = |at: DVec3, pose: &contact::Pose| -last.body.shape.signed_distance(pose.back(at)).0;
-        let deepest = (0..x.len()).filter(|&i| free(i) && inside(x[i], &last.before) < 0.0);
-        let deepest = deepest.map(|i| inside(got[i], &last.after)).fold(0.0, f64::max);
-        assert!(deepest < 1e-8, "{deepest} m inside");
+        let (p, state) = (&stage.parameters, stage.engine.state());
+        let mut s = Twin { steps: steps.into(), ..stage.twin.clone() };
+        let history: Vec<ContactHistory> = (0..stage.engine.sizes().contacts())
+            .map(|i| ContactHistory {
+                friction: any(&mut rng, 1e-4).as_vec3().to_array(),
+                force: [0.0, 1e-4, 2e-4][i as usize % 3],
+            })
+            .collect();
+        stage.engine.write(&state.contact_history, &history).unwrap();
+        let mut health = stage.health();
+        for (strand, condition) in health.iter_mut().enumerate() {
+            match strand % 5 {
+                1 => (s.asleep[strand], condition.still) = (true, SLEEPS),
+                3 if strand % 10 == 3 => (s.bad[strand], condition.bad) = (true, BAD),
+                _ => {}
+            }
+        }
+        stage.set_health(&health);
+        stage.adopt(&mut s);
+        set_roots(&stage, &mut s, |strand, x, q| (x + if strand % 10 == 7 { DVec3::X } else { DVec3::ZERO }, q));
+        stage.run_only(&["contact/place", "rods/reset", "rods/roots"], step::drive::record);
+        stage.run_only(&["rods/begin", "contact/begin"], step::rods::record);
+        drive::mend(&mut s);
+        let mut w = drive::run(&s, p);
+        w.correction = vec![DVec3::ZERO; p.hair_points];
+        rods::begin(&s, &mut w, p);
+        contact::begin(&s, &mut w, p);
+
+        let (got, wanted, gives) = (read(&stage), all(&w), gives(&stage));
+        let (mut errors, mut astray) = ([0.0_f64; 3], 0);
+        for ((a, b), give) in got.iter().zip(&wanted).zip(gives) {
+            if a.state != bits(b) || (f64::from(a.place) - b.place).abs() > 2e-3 {
+                astray += 1;
+                continue;
+            }
+            let own = [
+                contacts_apart(a, b, give),
+                (xyz(&a.normal) - b.normal).length(),
+                (f64::from(a.place) - b.place).abs(),
+            ];
+            errors = [0, 1, 2].map(|k| errors[k].max(own[k]));
+        }
+        let count = |of: fn(&contact::Contact) -> bool| wanted.iter().filter(|contact| of(contact)).count();
+        let planes = |outside: bool| wanted.iter().filter(|c| c.plane && (c.before >= 0.0) == outside).count();
+        let stands = stands(&w);
+        let stand = [0, 1].map(|k| stands.iter().filter(|stand| stand[k] > 0).count());
+        let comes_out = stands.iter().filter(|stand| stand[3] > 0).count();
+        let counts = [count(|c| c.touched), planes(false), planes(true), stand[0], comes_out];
+        let embedded = stands.iter().filter(|stand| stand[2] > 0).count();
+        println!(
+            "{n} points, step {steps}: {}, {astray} of {} astray, {counts:?} {stand:?} {embedded}",
+            told(errors),
+            got.len()
+        );
+        assert_eq!(differing(&stood(&stage), &stands), 0.0, "{n}, step {steps}");
+        // Measured 4.2e-7 m (far from a mesh), 2.6e-4 (normals change from cell to cell of a mesh) and 1.9e-5, and none astray; margin 4.
+        let within = errors.iter().zip([1.7e-6, 1.1e-3, 8e-5]).all(|(error, bound)| *error < bound);
+        assert!(within && 1000 * astray <= got.len(), "{n}, step {steps}: {errors:?}, {astray} astray");
+        assert!(n < 63 || counts.iter().all(|count| *count > 0), "{n}, step {steps}: {counts:?}");
+        assert!(n < 63 || (stand[1] > 0) == (steps < 20), "{n}, step {steps}: {} strands are woken", stand[1]);
+        assert!(n < 1000 || embedded > 0, "no strand is embedded");
     }
 }
 
-/// Strands of two segments that are pushed by up to 8 mm, or not at all, come along. One in thirty may go another way: a segment that is laid out that
-/// meets the middle of a thin body turns to either side of it, and rounding decides.
+/// Bodies in the midst of the four groups of `hair::scene_with`: a ball, one that comes along, a capsule that tumbles, and a thin one with a
+/// ball over roots.
+fn among_strands(speed: f64) -> Vec<Body> {
+    let at = |group: f64, x: f64, y: f64| [x, 0.1 + y, group];
+    let comes = [(0.0, [0.0; 3], [0.0; 3]), (0.1, [0.0, 0.1 * speed, 0.03 * speed], [0.0; 3])];
+    let tumbles = [(0.0, [0.0; 3], [0.0; 3]), (0.1, [0.05 * speed, 0.0, 0.0], [0.3 * speed, 0.0, 1.2])];
+    let ball = |center, radius| Shape::Sphere { center, radius };
+    vec![
+        body(ball(at(0.0, 0.07, -0.01), 0.03), &[]),
+        body(ball(at(1.0, 0.06, -0.06), 0.03), &comes),
+        body(Shape::Capsule { start: at(2.0, 0.05, 0.02), end: at(2.05, 0.05, 0.02), radius: 0.015 }, &tumbles),
+        body(Shape::Capsule { start: at(2.95, 0.05, 0.0), end: at(3.1, 0.05, 0.02), radius: 0.002 }, &[]),
+        body(ball(at(3.0, 0.0, 0.0), 0.02), &[]),
+    ]
+}
+
+/// Strands that fall and are thrown among bodies, step after step: contacts, moves, frames and what lasts. Rounding decides where
+/// some strands go, one in thirty at most: whether they touch, slide or take a Newton step more.
 #[test]
-fn pull_is_that_of_the_twin() {
-    // Measured 4.4e-6 m; margin 4.
-    let scenes = [(scene(), 2e-5), (meshes(), 2e-5)];
-    let cases = support::SIZES.into_iter().filter(|n| *n > 1);
-    for (n, (scene, tolerance)) in cases.flat_map(|n| scenes.iter().map(move |scene| (n, scene))) {
-        let initial = support::particles(n, n, Layout::Random, 11);
-        let stage = Stage::new(scene, &initial);
-        let (p, s) = (&stage.parameters, stage.engine.state());
-        let mut rng = Pcg64::seed_from_u64(5);
-        let mut moved = || 0.016 * (DVec3::from_array(rng.random()) - 0.5);
-        let predicted: Vec<DVec3> = stage.twin.position.iter().map(|x| (*x + moved()).as_vec3().as_dvec3()).collect();
-        stage.write_vectors(&s.predicted, &predicted);
-        let passes = ["contact/place", "contact/embed", "contact/hair", "contact/middle", "contact/pull"];
-        stage.run_only(&passes, step::contact::record);
-        let mut w = Scratch { predicted: predicted.clone(), ..Scratch::default() };
-        let placed = contact::place(p, 0);
-        let mut touches = contact::embed(&stage.twin, &w, &placed);
-        contact::push(&stage.twin, &mut w, p, &placed, &mut touches);
-        contact::middle(&stage.twin, &mut w, p, &placed, &mut touches);
-        let before = w.predicted.clone();
-        contact::pull(&stage.twin, &mut w, p, &placed, &touches);
-        let (got, hair) = (stage.vectors(&s.predicted), &stage.twin.hair);
-        let apart = |strand: usize| apart(&got[hair.points(strand)], &w.predicted[hair.points(strand)]);
-        let mut errors: Vec<f64> = (0..hair.len()).filter(|&k| touches[k].pushed).map(apart).collect();
-        errors.sort_by(f64::total_cmp);
-        let astray = errors.iter().filter(|error| **error > *tolerance).count();
-        let error = errors[..errors.len() - astray].last().copied().unwrap_or(0.0);
-        let pulled = before.iter().zip(&w.predicted).filter(|(a, b)| a != b).count();
-        println!(
-            "{n} points: {pulled} were pulled, off by {error:.1e} m; {astray} of {} strands go astray",
-            errors.len()
-        );
-        assert!(30 * astray <= errors.len(), "{n}: {astray} of {} strands go astray", errors.len());
-        assert!(n < 63 || (pulled > 4 && pulled < p.hair_points), "{pulled} of {} were pulled", p.hair_points);
+fn rods_among_bodies_are_those_of_the_twin() {
+    for n in [1, 65, 700] {
+        for (keys, speed, meshes) in [
+            ("sleep = false", 0.0, false),
+            ("sleep = false", 1.0, false),
+            ("sleep = false", 10.0, false),
+            ("sleep = false, integrator = \"euler\"", 1.0, true),
+            ("sleep = false, newton = 1", 1.0, true),
+        ] {
+            let mut scene = scene_with(n, keys, [2, 11, 40, 7]);
+            // Before bodies come: no scene has roots deep in them.
+            let mut initial = InitialState::new(&scene).unwrap();
+            scene.bodies = among_strands(speed);
+            if meshes {
+                scene.bodies.iter_mut().for_each(|body| {
+                    let solid = Solid::enclosed(body.shape.surface(16, 24), Some(1e-3)).unwrap();
+                    body.shape = Shape::Mesh(solid);
+                });
+            }
+            motion(&mut initial.hair, 0.2 + speed, 5.0, n as u64);
+            let stage = Stage::new(&scene, &initial);
+            let (p, mut s) = (&stage.parameters, stage.twin.clone());
+            let (mut gone, mut worst, mut touching) = (0, [0.0_f64; 4], [0; 3]);
+            for number in 1..=12 {
+                stage.adopt(&mut s);
+                stage.run(step::drive::record);
+                stage.run(step::rods::record);
+                let mut w = drive::run(&s, p);
+                w.correction = vec![DVec3::ZERO; p.hair_points];
+                (w.grip, w.pressed) = (s.grip.clone(), s.pressed.clone());
+                rods::run(&mut s, &mut w, p);
+                let within = |apart: &[f64; 4]| apart.iter().zip(AMONG_BODIES).all(|(off, bound)| *off < bound);
+                let (near, astray): (Vec<_>, Vec<_>) = strands_apart(&stage, &s, &w).into_iter().partition(within);
+                assert!(30 * astray.len() <= n, "{n}, {keys}, {speed} m/s, step {number}: {astray:?}");
+                gone += astray.len();
+                worst = near.iter().fold(worst, |worst, off| [0, 1, 2, 3].map(|k| worst[k].max(off[k])));
+                let count = |of: fn(&contact::Contact) -> bool| all(&w).iter().filter(|contact| of(contact)).count();
+                let counts = [count(|c| c.live), count(|c| c.slides), count(|c| c.live && c.place > 0.0)];
+                touching = [0, 1, 2].map(|k| touching[k].max(counts[k]));
+                stage.run(step::contact::record);
+                stage.run(step::velocity::record);
+                stage.run(step::guard::record);
+                guard::run(&mut s, w, p).unwrap();
+            }
+            let counted = stage.engine.status().unwrap().counted[UNSOLVED_STEP as usize] as usize;
+            println!("{n} strands, {keys}, {speed} m/s, meshes {meshes}: {}, {gone} astray", told(worst));
+            println!("  at most {touching:?} contacts touch, slide, and of segments; {counted} steps unsolved");
+            assert!(counted.abs_diff(s.unsolved_steps) <= gone, "{counted} instead of {} unsolved", s.unsolved_steps);
+            let [touch, slide, of_segments] = touching;
+            assert!(n < 63 || touch > 0 && (slide > 0 || speed == 0.0) && of_segments > 0, "{touching:?}");
+        }
     }
+}
+
+/// Bounds of moves \[m\], frames, strains \[m\] and contacts \[m\] of strands among bodies. Where rounding decides nothing they were measured
+/// 9e-7, 1.2e-4, 1.3e-9 and 6e-7 off; it is said to decide where they are exceeded, as in 18 of 45 960 solves.
+const AMONG_BODIES: [f64; 4] = [4e-6, 1.4e-3, 1.6e-8, 2e-5];
+
+fn told<const N: usize>(numbers: [f64; N]) -> String {
+    numbers.map(|number| format!("{number:.1e}")).join(" ")
+}
+
+/// Largest differences of moves \[m\], frames, strains \[m\] and contacts \[m\] of each strand.
+fn strands_apart(stage: &Stage, s: &Twin, w: &Scratch) -> Vec<[f64; 4]> {
+    let (points, segments) = stage.rods();
+    let (got, wanted, gives, bodies) = (read(stage), all(w), gives(stage), stage.parameters.bodies.len());
+    let hair = stage.parameters.hair_points;
+    let of_strand = |strand: usize| {
+        let moves = s.hair.points(strand).map(|i| (xyz(&points[i].travel) - w.moving.points[i].travel).length());
+        let pairs = || s.hair.segments(strand).map(|k| (&segments[k], &w.moving.segments[k]));
+        let places = s.hair.points(strand).chain(s.hair.segments(strand).map(|k| hair + k));
+        let contacts = places.flat_map(|i| i * bodies..(i + 1) * bodies);
+        [
+            largest(moves),
+            largest(pairs().map(|(a, b)| (quaternion(a.frame) - b.frame).length())),
+            largest(pairs().map(|(a, b)| (xyz(&a.strain) - b.strain).length())),
+            largest(contacts.map(|i| contacts_apart(&got[i], &wanted[i], gives[i]))),
+        ]
+    };
+    (0..s.hair.len()).map(of_strand).collect()
 }
 
 /// Air in any place, with any velocity, pushed about by the density constraint.
@@ -293,6 +409,7 @@ fn air_is_that_of_the_twin() {
         stage.engine.copy_state_to_scratch().unwrap();
         stage.write_vectors(&s.new_velocity, &v);
         stage.write_vectors(&s.correction, &corrections);
+        stage.run_only(&["contact/place"], step::drive::record);
         stage.run(step::contact::record);
         let placed = contact::place(p, steps.into());
         let air = p.hair_points..stage.twin.position.len();

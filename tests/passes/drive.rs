@@ -46,6 +46,9 @@ impl Walk<'_> {
             let gap = numbers_apart(&stage.numbers(&state.field_strength), &wanted);
             self.same("force/course", gap, bounds.wind)?;
         }
+        if passes.through("contact/place") {
+            self.bodies(&w)?;
+        }
         if passes.through("rods/reset") {
             let bad: Vec<_> = stage.health().iter().map(|health| health.bad != 0).collect();
             self.same("rods/reset", differing(&bad, &s.bad), 0.0)?;

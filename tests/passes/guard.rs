@@ -21,7 +21,7 @@ use windswept_shaders::{
 
 use crate::{
     stage::{Stage, condition, xyz},
-    steps::{DIVERGENCE, Fault, PARTICLES, PRESSED_HAIR, PUBLISHED},
+    steps::{BODIES, DIVERGENCE, Fault, PARTICLES, PRESSED_HAIR, PUBLISHED},
     support,
     walk::{Same, Walk, apart, differing, largest},
 };
@@ -61,7 +61,7 @@ impl Walk<'_> {
                 strands.iter().zip(&s.clamps).map(|(strand, clamp)| (xyz(&strand.root.position) - clamp.0).length());
             self.same("guard/commit_frames", largest(clamps), bounds.length)?;
             let health = stage.health();
-            let wanted: Vec<_> = health.iter().enumerate().map(|(strand, got)| condition(s, strand, got)).collect();
+            let wanted: Vec<_> = (0..health.len()).map(|strand| condition(s, strand)).collect();
             self.same("guard/commit_frames", differing(&health, &wanted), 0.0)?;
         }
         if passes.through("guard/commit_hair") {
@@ -77,6 +77,9 @@ impl Walk<'_> {
             let own = largest(points.iter().zip(&s.own).map(|(a, b)| (xyz(&a.own) - *b).length()));
             let grip = largest(points.iter().zip(&s.grip).map(|(a, b)| (xyz(&a.grip) - *b).length()));
             self.same("guard/commit_hair", own.max(grip), bounds.speed)?;
+        }
+        if passes.through("guard/commit_contacts") {
+            self.memories(s)?;
         }
         if passes.through("guard/commit_air") {
             let sorted = stage.engine.read(&state.sorted).unwrap();
@@ -139,6 +142,7 @@ pub const FAULTS: &[Fault] = &[
         PARTICLES,
     ),
     (&shaders::guard::COMMIT_HAIR, "point.before + last - new_velocity[p].xyz", "point.before + last", PARTICLES),
+    (&shaders::guard::COMMIT_CONTACTS, "max(contacts", "0.9 * max(contacts", BODIES),
     (&shaders::guard::CHECK, "air_id_before[slot] = air_id[slot]", "air_id_before[slot] = slot", PARTICLES),
     (&shaders::guard::COMMIT_AIR, "predicted[i]", "predicted[params.hair_points + slot]", PARTICLES),
     (&shaders::guard::COMMIT_AIR, "= final_velocity[i]", "= 0.9 * final_velocity[i]", PARTICLES),

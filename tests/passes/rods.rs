@@ -6,7 +6,7 @@ mod solve;
 
 use glam::DVec3;
 use windswept::internals::step;
-use windswept_reference::{Parameters, State as Twin, drive, rods, step::Scratch};
+use windswept_reference::{Parameters, State as Twin, contact, drive, rods, step::Scratch};
 use windswept_scene::{Model, Scene};
 use windswept_shaders::{
     self as shaders,
@@ -17,8 +17,7 @@ use crate::{
     drive::fields,
     stage::{Stage, quaternion, relative, stirred, xyz},
     steps::{
-        BODIES, DRAG, FIELDS_ON_HAIR, Fault, GALE, LIGHT_HAIR, LOOSE, NEWTON, PARTICLES, PUSHED, STORM, SWEEPS, TAUT,
-        TWO_WAY,
+        DRAG, FIELDS_ON_HAIR, Fault, GALE, LIGHT_HAIR, LOOSE, NEWTON, PARTICLES, PUSHED, STORM, SWEEPS, TAUT, TWO_WAY,
     },
     support,
     walk::{Same, Walk, apart, differing, largest},
@@ -79,6 +78,10 @@ impl Walk<'_> {
             });
             self.same(pass, largest(gaps), bounds.wind)?;
         }
+        contact::begin(s, w, &p);
+        if passes.through("contact/begin") {
+            self.begun(w)?;
+        }
         rods::predict_all(s, w, &p);
         if passes.through("rods/predict") {
             self.states("rods/predict", w)?;
@@ -104,6 +107,7 @@ impl Walk<'_> {
             if passes.through(pass) {
                 self.states(pass, w)?;
                 self.moves(pass, w)?;
+                self.contacts(pass, w)?;
             }
         }
         rods::update_all(s, w, &p);
@@ -115,7 +119,7 @@ impl Walk<'_> {
             let got = stage.vectors(&stage.engine.state().new_velocity);
             self.same("rods/update", apart(&got[..p.hair_points], &wanted), bounds.speed)?;
             let points = stage.rods().0;
-            let before = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.before) - b.velocity).length());
+            let before = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.before) - b.before).length());
             self.same("rods/update", largest(before), bounds.speed)?;
         }
         let given = |w: &Scratch| {
@@ -180,12 +184,16 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::force::KEEP, "params.step * rod_points[p].weight", "0.9 * params.step * rod_points[p].weight", PUSHED),
     (&shaders::rods::PREDICT, "params.step * point.inverse_mass", "0.9 * params.step * point.inverse_mass", TWO_WAY),
     (&shaders::rods::PREDICT, "here.weight * params.gravity", "params.gravity", LIGHT_HAIR),
-    (&shaders::rods::PREDICT, "params.step * history.angular_velocity", "history.angular_velocity", PARTICLES),
-    (&shaders::rods::PREDICT, "length(strain) <= WHOLE * l", "length(strain) <= l", BODIES),
+    (
+        &shaders::rods::PREDICT,
+        "params.step * keeps * history.angular_velocity",
+        "keeps * history.angular_velocity",
+        PARTICLES,
+    ),
     (&shaders::rods::SOLVE, "+= cross(arm, beyond.force)", "+= 0.99 * cross(arm, beyond.force)", PARTICLES),
     (&shaders::rods::SOLVE, "cross_dyad(l * pull", "cross_dyad(0.9 * l * pull", NEWTON),
-    (&shaders::rods::SOLVE, "length(force), steep", "0.0, steep", STORM),
-    (&shaders::rods::SOLVE, "tip_force += eliminated.tip_force", "tip_force += 0.9 * eliminated.tip_force", TAUT),
+    (&shaders::rods::SOLVE, "length(force), rod.steep", "0.0, rod.steep", STORM),
+    (&shaders::rods::SOLVE, "pin_force += step *", "pin_force += 0.9 * step *", TAUT),
     (&shaders::rods::SOLVE, "momentum.xyz / momentum.w", "0.9 * momentum.xyz / momentum.w", LOOSE),
     (&shaders::rods::GAUSS_SEIDEL, "0.5 * rotate(before", "0.4 * rotate(before", SWEEPS),
     (&shaders::rods::UPDATE, "rest_length - 1.0", "rest_length - 1.0001", PARTICLES),

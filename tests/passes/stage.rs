@@ -9,11 +9,15 @@ use windswept::{
 };
 use windswept_reference::{
     Parameters, State as Twin,
+    contact::Memory,
     neighbours::{self, Neighbours},
 };
 use windswept_scene::{InitialState, Scene};
-use windswept_shaders::common::matter::Exchange;
-use windswept_shaders::common::rod::{Condition, RodPoint, RodSegment, RodStrand, Root, SLEEPS};
+use windswept_shaders::common::{
+    contact::ContactHistory,
+    matter::Exchange,
+    rod::{Condition, RodPoint, RodSegment, RodStrand, Root, SLEEPS},
+};
 
 use crate::support::{self, Layout};
 
@@ -49,7 +53,7 @@ impl Stage {
         plan.mend_strands();
         let parameters = Parameters::new(scene, initial);
         let mut twin = Twin::new(initial, parameters.step);
-        for x in &mut twin.position {
+        for x in twin.position.iter_mut().chain(&mut twin.tip_targets) {
             *x = x.as_vec3().as_dvec3();
         }
         Self { engine, plan, twin, parameters }
@@ -151,16 +155,19 @@ impl Stage {
         let root = |root: &Root| (xyz(&root.position), quaternion(root.frame));
         let strands = self.engine.read(&state.strand_history).unwrap();
         s.clamps = strands.iter().map(|strand| root(&strand.root)).collect();
-        s.tip_force = strands.iter().map(|strand| xyz(&strand.tip_force)).collect();
+        s.tip_force = strands.iter().map(|strand| xyz(&strand.pin_force)).collect();
         s.root_targets = self.engine.read(&state.root_targets).unwrap().iter().map(root).collect();
         let hair = self.parameters.hair_points;
         let position = self.vectors(&state.position);
         for i in 0..hair {
-            s.position[i] = position[i] + xyz(&points[i].remainder);
+            let held_tip = s.inverse_mass[i] == 0.0 && s.hair.points(self.parameters.strand_of[i]).start < i;
+            s.position[i] = position[i] + if held_tip { DVec3::ZERO } else { xyz(&points[i].remainder) };
             (s.travel[i], s.velocity_before[i]) = (xyz(&points[i].travel), xyz(&points[i].velocity));
             (s.own[i], s.grip[i]) = (xyz(&points[i].own), xyz(&points[i].grip));
             (s.rest_drift[i], s.outside[i]) = (xyz(&points[i].rest_drift), xyz(&points[i].outside));
         }
+        let memory = |kept: &ContactHistory| Memory { friction: xyz(&kept.friction), force: kept.force.into() };
+        s.contacts = self.engine.read(&state.contact_history).unwrap().iter().map(memory).collect();
         s.velocity[..hair].copy_from_slice(&self.vectors(&state.velocity)[..hair]);
         s.orientation = self.quaternions(&state.orientation);
         for (k, history) in segments.iter().enumerate() {
@@ -238,15 +245,13 @@ impl Passes<'_> {
     }
 }
 
-/// Condition of a strand of the reference, in the engine's words. What bodies did is that of `got`, the engine's condition, where both say
-/// that they did something or nothing.
-pub fn condition(s: &Twin, strand: usize, got: &Condition) -> Condition {
+/// Condition of a strand of the reference, in the engine's words.
+pub fn condition(s: &Twin, strand: usize) -> Condition {
     Condition {
         bad: s.bad[strand].into(),
         strained: s.strained_steps[strand].min(windswept_reference::rods::STRAINED_STEPS + 1),
         bdf2_ready: s.bdf2_ready[strand].into(),
         still: if s.asleep[strand] { SLEEPS } else { s.still[strand] },
-        touched: if (got.touched != 0) == s.touched[strand] { got.touched } else { u32::from(s.touched[strand]) },
     }
 }
 

@@ -122,11 +122,13 @@ pub const PUSHED: &[&str] =
     &["fluid.solver=divergence", EXCHANGE, "hair.fibres_per_strand=30", "air.wind=[0,0,0]", PUSH];
 /// Settings of the method as printed.
 pub const PUBLISHED: &[&str] = &["method=published"];
-/// Settings with two bodies: one tumbles, one rests.
-pub const BODIES: &[&str] =
-    &["body=[{name='a',center=[0.06,0.03,0.03],radius=0.012,motion=[{time=0,rotation=[0,1,2]},\
+/// Settings with two bodies: one tumbles, one rests. Contacts that settle are remembered.
+pub const BODIES: &[&str] = &[
+    "rods.newton=4",
+    "body=[{name='a',center=[0.06,0.03,0.03],radius=0.012,motion=[{time=0,rotation=[0,1,2]},\
     {time=0.01,translation=[0,0.003,0],rotation=[0,0,3]}]},\
-    {name='b',shape='capsule',start=[0.03,0.01,0.02],end=[0.05,0.01,0.05],radius=0.008}]"];
+    {name='b',shape='capsule',start=[0.03,0.01,0.02],end=[0.05,0.01,0.05],radius=0.008}]",
+];
 
 /// Setting with a bar of 4 mm that goes up through segments of 10 mm, between their points.
 pub const THIN_BODY: &[&str] =

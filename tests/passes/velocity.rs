@@ -1,30 +1,23 @@
-//! Heading 6: the passes that make velocities of moves by contact and by the density constraint.
+//! Heading 6: the pass that makes velocities of moves of air by the density constraint.
 
 use glam::DVec3;
 use windswept::internals::step;
-use windswept_reference::{State as Twin, fluid, step::Scratch, velocity};
+use windswept_reference::{fluid, step::Scratch, velocity};
 use windswept_shaders as shaders;
 
 use crate::{
-    stage::{each, relative, stirred, xyz},
-    steps::{BODIES, Fault, PARTICLES},
+    stage::{each, relative, stirred},
+    steps::{Fault, PARTICLES},
     support,
-    walk::{Same, Walk, apart, largest},
+    walk::{Same, Walk, apart},
 };
 
 impl Walk<'_> {
-    pub fn velocity(&mut self, s: &Twin, w: &mut Scratch) -> Same {
+    pub fn velocity(&mut self, w: &mut Scratch) -> Same {
         let (stage, bounds, hair) = (self.stage, self.bounds, self.p().hair_points);
         let state = stage.engine.state();
         let mut passes = stage.passes(step::velocity::record);
-        velocity::run(s, w, self.p());
-        if passes.through("contact/velocity") {
-            let got = stage.vectors(&state.new_velocity);
-            self.same("contact/velocity", apart(&got[..hair], &w.new_velocity[..hair]), bounds.speed)?;
-            let points = stage.rods().0;
-            let before = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.before) - b.before).length());
-            self.same("contact/velocity", largest(before), bounds.speed)?;
-        }
+        velocity::run(w, self.p());
         if passes.through("fluid/velocity") {
             let got = self.vectors(&state.new_velocity, hair);
             self.same("fluid/velocity", apart(&got, &w.new_velocity[hair..]), bounds.speed)?;
@@ -35,10 +28,12 @@ impl Walk<'_> {
 }
 
 /// Planted faults of the passes of this heading.
-pub const FAULTS: &[Fault] = &[
-    (&shaders::contact::VELOCITY, "shift / params.step", "0.9 * shift / params.step", BODIES),
-    (&shaders::fluid::VELOCITY, "correction[i].xyz / params.step", "0.99 * correction[i].xyz / params.step", PARTICLES),
-];
+pub const FAULTS: &[Fault] = &[(
+    &shaders::fluid::VELOCITY,
+    "correction[i].xyz / params.step",
+    "0.99 * correction[i].xyz / params.step",
+    PARTICLES,
+)];
 
 #[test]
 fn velocity_is_airs_own_and_its_correction() {

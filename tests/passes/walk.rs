@@ -135,8 +135,8 @@ impl Walk<'_> {
         self.neighbours(&mut w)?;
         self.fluid(s, &mut w)?;
         self.rods(s, &mut w)?;
-        self.contact(s, &mut w)?;
-        self.velocity(s, &mut w)?;
+        self.contact(&mut w)?;
+        self.velocity(&mut w)?;
         self.turbulence(s, &mut w)?;
         self.viscosity(s, &mut w)?;
         self.guard(s, w)
@@ -152,7 +152,7 @@ impl Walk<'_> {
     /// Compares how strands were found to be, and the largest stretch.
     pub fn found(&mut self, pass: &'static str, s: &Twin) -> Same {
         let found = self.stage.found();
-        let wanted: Vec<_> = found.iter().enumerate().map(|(strand, found)| condition(s, strand, found)).collect();
+        let wanted: Vec<_> = (0..found.len()).map(|strand| condition(s, strand)).collect();
         self.same(pass, differing(&found, &wanted), 0.0)?;
         let status = self.stage.engine.status().unwrap();
         let stretch = status::max_stretch(&status).max(f32::from_bits(status.stretch));

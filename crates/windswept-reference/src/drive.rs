@@ -1,4 +1,4 @@
-//! Heading 1: strands that are bad are reset; clamps move; the wind enters; air moves, and hair drifts among it.
+//! Heading 1: strands that are bad are reset; clamps and bodies move; the wind enters; air moves, and hair drifts among it.
 
 mod gale;
 mod reset;
@@ -13,12 +13,12 @@ pub use self::gale::{Field, course, draw, gale};
 pub(crate) use self::reset::FAR;
 pub use self::reset::{inspect, mend, reset};
 use crate::{
-    Parameters, State,
+    Parameters, State, contact,
     rods::{self, Drive, rotation, rotation_vector},
     step::Scratch,
 };
 
-/// Runs the heading: clamps move, the wind enters, air moves, and hair drifts among it as if nothing held it.
+/// Runs the heading: clamps and bodies move, the wind enters, air moves, and hair drifts among it as if nothing held it.
 #[must_use]
 pub fn run(s: &State, p: &Parameters) -> Scratch {
     let drives = (0..s.hair.len()).map(|strand| roots(p, s, strand)).collect();
@@ -46,22 +46,26 @@ pub fn run(s: &State, p: &Parameters) -> Scratch {
     if p.solver == FluidSolver::Divergence && p.model == Model::Particles {
         new_velocity[..p.hair_points].iter_mut().enumerate().for_each(|(i, v)| *v = lead(p, s, i));
     }
-    Scratch { blowing, drives, missed, lack, wind_change, predicted, new_velocity, ..Scratch::default() }
+    let moving = rods::Moving { bodies: contact::place(p, s.steps), ..rods::Moving::default() };
+    Scratch { blowing, drives, missed, lack, wind_change, predicted, new_velocity, moving, ..Scratch::default() }
 }
 
 /// Way of the clamp of a strand in the step: to where its keyframes are at the step's end, else a part of the way to its
 /// target, all of it in the last substep. A jump of more than the strand's length is a teleport, unless the tip is held too;
-/// a strand whose clamp rests may sleep. Free roots go where they will.
+/// a strand whose clamp rests may sleep. Free roots go where they will. A held tip goes along by the keyframes.
 #[must_use]
 pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
     let (held, mut goal) = (s.clamps[strand], s.root_targets[strand]);
+    let (mut tip_goal, mut tip_frame) = (s.tip_targets[strand], s.hair.ends(strand).tip_frame);
     let mut left = u64::from(p.substeps) - s.steps % u64::from(p.substeps);
     let group = s.hair.group.get(strand).and_then(|group| p.hair_motions.get(*group as usize));
     if let Some((motion, center)) = group.filter(|(motion, _)| !motion.keyframes.is_empty()) {
         // The target is as drawn, and is carried from where keyframes start to where they are at the step's end.
         let ((start, turned), (end, turning)) = (motion.at(0.0), motion.at((s.steps + 1) as f64 * p.step));
         let turn = turning * turned.conjugate();
-        goal = (*center + end + turn * (goal.0 - *center - start), (turn * goal.1).normalize());
+        let carried = |x: DVec3| *center + end + turn * (x - *center - start);
+        goal = (carried(goal.0), (turn * goal.1).normalize());
+        (tip_goal, tip_frame) = (carried(tip_goal), (turn * tip_frame).normalize());
         left = 1;
     }
     let (points, free) = (s.hair.points(strand), |i: usize| s.inverse_mass[i] > 0.0);
@@ -72,10 +76,11 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
     let length: f64 = s.hair.rest_length[s.hair.segments(strand)].iter().sum();
     let jumps = free(points.end - 1) && way.length() > length;
     let part = if jumps { 1.0 } else { 1.0 / left as f64 };
-    let tip_force = s.tip_force[strand];
+    let tip_way = if free(points.end - 1) { DVec3::ZERO } else { tip_goal - s.position[points.end - 1] };
+    let (tip_force, tip_travel) = (s.tip_force[strand], part * tip_way);
     // The first step has no change of velocity to carry on.
     let step = if p.bdf2 && s.bdf2_ready[strand] { p.step * 2.0 / 3.0 } else { p.step };
-    if held == goal {
+    if held == goal && tip_way == DVec3::ZERO {
         let state = if p.sleep { rods::State::Asleep } else { rods::State::Free };
         return Drive {
             root_travel: DVec3::ZERO,
@@ -84,6 +89,8 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
             state,
             step,
             tip_force,
+            tip_frame,
+            ..Drive::default()
         };
     }
     let root_turn = rotation(part * rotation_vector(goal.1 * held.1.conjugate()));
@@ -95,6 +102,9 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
         state: if jumps { rods::State::Teleported } else { rods::State::Free },
         step,
         tip_force,
+        tip_travel,
+        tip_frame,
+        ..Drive::default()
     }
 }
 

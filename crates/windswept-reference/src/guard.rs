@@ -3,7 +3,7 @@
 use glam::DVec3;
 use windswept_scene::Model;
 
-use crate::{Parameters, State, drive::wrap, fluid::Pressed, rods, step::Scratch};
+use crate::{Parameters, State, contact, drive::wrap, fluid::Pressed, rods, step::Scratch};
 
 /// Runs the heading: the step is committed, or the run freezes. A strand that is not finite or too fast stands where it was at rest, and
 /// is bad.
@@ -125,7 +125,7 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
             s.pressed[i] = Pressed::default();
         }
     }
-    s.touched = w.touched;
+    s.contacts = contact::memories(&w.moving);
     s.position = w.predicted;
     for x in &mut s.position[p.hair_points..] {
         *x = wrap(p, *x);

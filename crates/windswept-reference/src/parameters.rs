@@ -96,7 +96,7 @@ pub struct Parameters {
     pub limited: bool,
     /// Number of Gauss-Seidel's sweeps.
     pub rod_iterations: u32,
-    /// Largest number of Newton steps of the direct solver.
+    /// Largest number of Newton steps of the direct solver: half as many again as the scene says where it has bodies.
     pub newton_steps: u32,
     /// Whether rods are solved by the direct solver, else by Gauss-Seidel.
     pub direct: bool,
@@ -177,7 +177,7 @@ impl Parameters {
             settling: scene.settling(),
             limited: scene.viscosity.form == ViscosityForm::Limited,
             rod_iterations: scene.rods.iterations,
-            newton_steps: scene.rods.newton,
+            newton_steps: scene.rods.newton + if scene.bodies.is_empty() { 0 } else { scene.rods.newton / 2 },
             direct: scene.rods.solver == Solver::Direct,
             bdf2: scene.rods.integrator == Integrator::Bdf2,
             sleep: scene.rods.sleep,

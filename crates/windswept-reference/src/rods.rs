@@ -1,11 +1,13 @@
 //! Heading 4: Cosserat rods (Kugelstadt & Schömer 2016), integrated by BDF2 or Euler, solved directly or by Gauss-Seidel.
-//! Forces on hair from outside its rods meet in one load of each point; air that drags hair is slowed by it.
+//! Forces on hair from outside its rods meet in one load of each point; air that drags hair is slowed by it. Contacts with bodies are solved
+//! with the rods.
 
 mod drag;
 mod gauss_seidel;
 mod integrate;
 mod predict;
 mod solve;
+mod touch;
 mod update;
 mod within;
 
@@ -22,7 +24,7 @@ pub use self::{
     update::{measure, remember, still, update},
     within::{Drive, Load, Moving, Point, Segment, State},
 };
-use crate::{Parameters, drive, state, step::Scratch};
+use crate::{Parameters, contact, drive, state, step::Scratch};
 
 /// Stretch |l/l0 − 1| of a segment beyond which its strand is strained.
 pub const STRAINED: f64 = 0.05;
@@ -49,6 +51,7 @@ pub fn run(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     begin(s, w, p);
     w.local = feel(s, w, p);
     FORCES.iter().for_each(|(_, force)| force(s, w, p));
+    contact::begin(s, w, p);
     predict_all(s, w, p);
     for strand in 0..s.hair.len() {
         if p.direct {
@@ -130,14 +133,16 @@ pub fn predict_all(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
 /// Finds how each strand is, and puts hair where its rods took it, with the velocity of that move; and the impulse J = Δt (force −
 /// resistance v) that each point had from its load.
 pub fn update_all(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
-    w.strained_before.clone_from(&s.strained_steps);
     for strand in 0..s.hair.len() {
         update(p, s, strand, w);
     }
     w.drag_impulse.clear();
-    for (i, point) in w.moving.points.iter().enumerate() {
-        w.predicted[i] = if point.stays { s.position[i] } else { s.position[i] + point.shift + point.travel };
-        w.drag_impulse.push(p.step * point.load.at(point.velocity_after(p)));
+    w.rod_velocity = w.moving.points.iter().map(|point| point.velocity_after(p)).collect();
+    w.new_velocity[..p.hair_points].copy_from_slice(&w.rod_velocity);
+    for (i, point) in w.moving.points.iter_mut().enumerate() {
+        w.predicted[i] = s.position[i] + if point.held_tip { point.tip_travel } else { point.shift + point.travel };
+        w.drag_impulse.push(p.step * point.load.at(w.rod_velocity[i]));
+        point.before = point.velocity;
     }
 }
 
@@ -147,6 +152,7 @@ pub fn begin_point(p: &Parameters, s: &state::State, i: usize, correction: DVec3
     let inverse_mass = s.inverse_mass[i];
     let change = if inverse_mass > 0.0 { correction / p.step } else { DVec3::ZERO };
     Point {
+        start: s.position[i],
         velocity: s.velocity[i] + change,
         before: s.velocity_before[i] + change,
         carried: s.travel[i],
@@ -154,7 +160,7 @@ pub fn begin_point(p: &Parameters, s: &state::State, i: usize, correction: DVec3
         push: change - s.outside[i],
         inverse_mass,
         weight: s.hair.weight(i),
-        stays: inverse_mass == 0.0 && i > s.hair.points(p.strand_of[i]).start,
+        held_tip: inverse_mass == 0.0 && i > s.hair.points(p.strand_of[i]).start,
         rest_drift: s.rest_drift[i],
         ..Point::default()
     }

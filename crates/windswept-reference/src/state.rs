@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use windswept_scene::{InitialState, Strands};
 
-use crate::fluid::Pressed;
+use crate::{contact::Memory, fluid::Pressed};
 
 /// State that a step starts from, and counts of all steps so far.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,14 +45,16 @@ pub struct State {
     pub root_targets: Vec<(DVec3, DQuat)>,
     /// Whether each strand's last step was integrated, or slept through, so that BDF2 may follow.
     pub bdf2_ready: Vec<bool>,
+    /// Place of each strand's tip, where it is held, before the motion of its roots \[m\].
+    pub tip_targets: Vec<DVec3>,
     /// Force that holds each strand's tip, where it is held \[N\].
     pub tip_force: Vec<DVec3>,
     /// Number of steps on end in which each strand was at rest.
     pub still: Vec<u32>,
     /// Whether each strand is asleep.
     pub asleep: Vec<bool>,
-    /// Whether a body pushed a point of each strand in the step before, or any body moved.
-    pub touched: Vec<bool>,
+    /// What contacts of hair with bodies keep, of points and then of segments, each with every body; empty before the first step.
+    pub contacts: Vec<Memory>,
     /// Number of strand-steps by Euler where BDF2 is asked for, so far.
     pub euler_steps: usize,
     /// Number of strand-steps asleep, so far.
@@ -112,10 +114,11 @@ impl State {
             root_targets: clamps.clone(),
             clamps,
             bdf2_ready: vec![false; hair.len()],
+            tip_targets: (0..hair.len()).map(|s| hair.positions[hair.points(s).end - 1]).collect(),
             tip_force: vec![DVec3::ZERO; hair.len()],
             still: vec![0; hair.len()],
             asleep: vec![false; hair.len()],
-            touched: vec![false; hair.len()],
+            contacts: Vec::new(),
             euler_steps: 0,
             asleep_steps: 0,
             unsolved_steps: 0,

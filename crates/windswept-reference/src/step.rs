@@ -18,13 +18,13 @@ use crate::{
 pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     let mut s = state.clone();
     let spoilt = drive::mend(&mut s); //   1. Bad strands are reset.
-    let mut w = drive::run(&s, p); //         Clamps move; wind enters; air moves, and hair drifts among it.
+    let mut w = drive::run(&s, p); //         Clamps and bodies move; wind enters; air moves, and hair drifts among it.
     w.spoilt = spoilt;
     neighbours::run(&mut w, p); //         2. List who is near whom.
     fluid::run(&s, &mut w, p); //          3. Pressure, or density constraints (eq. 1), of hair and air together or each for itself.
-    rods::run(&mut s, &mut w, p); //       4. Air drags strands, which keep their length and shape, and they slow the air.
-    contact::run(&mut s, &mut w, p); //    5. Nothing enters a body.
-    velocity::run(&s, &mut w, p); //       6. Velocities from positions.
+    rods::run(&mut s, &mut w, p); //       4. Air drags strands, which keep their length and shape and stay out of bodies; they slow the air.
+    contact::run(&mut w, p); //            5. Air flows around bodies.
+    velocity::run(&mut w, p); //           6. Moves of air by the density constraint become velocities.
     turbulence::run(&mut s, &mut w, p); // 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
     viscosity::run(&s, &mut w, p); //      8. Neighbours share velocity (eqs. 7, 8).
     guard::run(&mut s, w, p)?; //          9. Commit, or freeze and report.
@@ -64,16 +64,12 @@ pub struct Scratch {
     pub grip: Vec<DVec3>,
     /// Way of each strand through the step, with its clamp's.
     pub drives: Vec<rods::Drive>,
-    /// Hair points and segments, as the rods have them.
+    /// Hair points and segments, as the rods have them, and what they meet.
     pub moving: rods::Moving,
     /// Air at each hair point.
     pub local: Vec<rods::Local>,
     /// Impulse that each hair point had from its load \[N s\].
     pub drag_impulse: Vec<DVec3>,
-    /// Number of steps on end, before this one, in which each strand was over-strained.
-    pub strained_before: Vec<u32>,
-    /// Whether a body pushed a point or segment of each strand, or any body moved.
-    pub touched: Vec<bool>,
     /// Velocity of each hair point as its rod left it \[m/s\].
     pub rod_velocity: Vec<DVec3>,
     /// Velocity û of each particle in the last band \[m/s\].

@@ -112,8 +112,8 @@ pub(crate) fn rods(gpu: &Gpu) -> Result<Vec<Row>, Error> {
             twin::fluid::run(&s, &mut w, &p);
             twin::rods::run(&mut s, &mut w, &p);
             let free: Vec<_> = w.moving.points.iter().map(|point| point.velocity + p.step * p.gravity).collect();
-            twin::contact::run(&mut s, &mut w, &p);
-            twin::velocity::run(&s, &mut w, &p);
+            twin::contact::run(&mut w, &p);
+            twin::velocity::run(&mut w, &p);
             let change = |v: &[DVec3]| v.iter().zip(&free).map(|(v, free)| *v - *free).collect::<Vec<_>>();
             let measured = error(&change(&stage.read(|s| &s.new_velocity)?), &change(&w.new_velocity));
             rows.push(Row::new(format!("twin: {pass}, {integrator}"), 0.0, measured, 8.5e-5, RODS));

@@ -18,7 +18,7 @@ use crate::{
 const LOST: [usize; 3] = [1, 17, 40];
 
 /// 26 steps of hair at rest without gravity: strands that are not finite are reset, most fall asleep, some are woken by their
-/// root or a jump of it, all by a body that moves. In the end those that jumped and turned sleep again, where they were sent.
+/// root or a jump of it, some by a body that flies by. In the end those that jumped and turned sleep again, where they were sent.
 #[test]
 fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
     let mut scene = scene_of(65, "sleep = true");
@@ -27,7 +27,7 @@ fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
     let initial = InitialState::new(&scene).unwrap();
     let tip = initial.hair.positions[initial.hair.points(30).end - 1].to_array();
     let leave = Keyframe { time: 18.5 * 8e-3, translation: [0.0; 3], rotation: [0.0; 3] };
-    let left = Keyframe { time: 19.5 * 8e-3, translation: [0.0, -0.3, 0.0], ..leave };
+    let left = Keyframe { time: 25.5 * 8e-3, translation: [0.0, -0.3, 0.0], ..leave };
     scene.bodies.push(windswept_scene::Body {
         name: "body".into(),
         shape: Shape::Sphere { center: [tip[0], tip[1] + 0.15, tip[2]], radius: 0.02 },
@@ -62,10 +62,10 @@ fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
         let counters = [STRAND_RESET, EULER_STEP, ASLEEP_STEP, TELEPORT, UNSOLVED_STEP];
         let counted = counters.map(|counter| status.counted[counter as usize] as usize);
         let wanted = [s.resets, s.euler_steps, s.asleep_steps, s.teleports, s.unsolved_steps];
-        println!("step {number}: {wanted:?}, {} touched", s.touched.iter().filter(|touched| **touched).count());
+        println!("step {number}: {wanted:?}");
         let health = stage.health();
         for (strand, committed) in health.iter().enumerate() {
-            let (mut got, mut wanted) = (*committed, condition(&s, strand, committed));
+            let (mut got, mut wanted) = (*committed, condition(&s, strand));
             let anew = number >= 19 || number >= 17 && strand % 4 == 0 || number > 5 && LOST.contains(&strand);
             if anew && !s.asleep[strand] {
                 // Woken, or where positions were rounded anew, strands tremble by as much as one at rest may.
@@ -73,11 +73,14 @@ fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
             }
             assert_eq!(got, wanted, "step {number}: strand {strand}");
         }
-        assert_eq!(counted, wanted, "step {number}");
+        // Rounding decides whether a strand that is thrown round settles in the last Newton step.
+        let unsettled = counted[4].abs_diff(wanted[4]) <= usize::from(number >= 19);
+        assert!(counted[..4] == wanted[..4] && unsettled, "step {number}: {counted:?} instead of {wanted:?}");
         let asleep = s.asleep.iter().filter(|asleep| **asleep).count();
         met[0] = s.resets;
         met[1] += usize::from(asleep > 40);
-        met[2] += usize::from(s.touched.iter().any(|touched| *touched));
+        met[2] +=
+            usize::from(number >= 19 && (0..65).any(|strand| strand % 4 > 0 && slept[strand] && !s.asleep[strand]));
         if number == 16 {
             slept.clone_from(&s.asleep);
         }
@@ -94,15 +97,14 @@ fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
         let spins = most(&got.angular_velocity, &s.angular_velocity);
         let spins = spins.max(most(&got.angular_velocity_before, &s.angular_velocity_before));
         println!("  {lengths:.1e} m, {speeds:.1e} m/s, {turns:.1e}, {spins:.1e} 1/s");
-        let pulled = usize::from(met[2] > 0);
-        for (most, apart) in furthest[pulled].iter_mut().zip([lengths, speeds, turns, spins]) {
+        for (most, apart) in furthest[usize::from(number >= 19)].iter_mut().zip([lengths, speeds, turns, spins]) {
             *most = most.max(apart);
         }
     }
     println!("{furthest:?} from the twin, before the body comes and from then on");
-    // Measured 2.5e-7 m, 9.5e-6 m/s, 2.1e-6 and 4.0e-4 1/s; margin 4. Then the engine may end a turn of `contact/pull` before or after the
-    // reference, each of which moves points by up to a thousandth of a segment: 3.1e-6 m, 3.4e-4 m/s, 8.5e-5 and 1.5e-2 1/s; margin 2.
-    let bounds = [[1e-6, 4e-5, 8.5e-6, 1.6e-3], [6.5e-6, 7e-4, 1.7e-4, 3e-2]];
+    // Measured 2.5e-7 m, 9.5e-6 m/s, 2.1e-6 and 4.0e-4 1/s, and, as strands are thrown round, 3.5e-7 m, 4.1e-5 m/s, 3.3e-5 and 5.5e-3 1/s;
+    // margin 4.
+    let bounds = [[1e-6, 4e-5, 8.5e-6, 1.6e-3], [1.4e-6, 1.7e-4, 1.4e-4, 2.2e-2]];
     let within = furthest.as_flattened().iter().zip(bounds.as_flattened()).all(|(apart, bound)| apart < bound);
     assert!(within, "{furthest:?}");
     for _ in 0..20 {

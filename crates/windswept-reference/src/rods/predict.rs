@@ -16,12 +16,14 @@ const OPPOSITE: f64 = 1e-4;
 /// Decides how a strand goes through the step: reset, teleported, asleep or integrated; and where its solver starts.
 pub fn predict(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Drive, m: &mut Moving) {
     let asleep = s.asleep[strand];
+    let tip = &mut m.points[s.hair.points(strand).end - 1];
+    tip.tip_travel = if tip.held_tip { drive.tip_travel } else { DVec3::ZERO };
     let push = load(p, s, strand, m);
     let rested = s.still[strand] >= STILL_STEPS && f64::from(s.still[strand]) * p.step >= p.rest[strand].time;
     // A trembling strand feels a trembling drag, which must not wake it.
     let pushed = (asleep || p.model == Model::Particles) && push > p.rest[strand].acceleration * p.step;
     let resets = std::mem::take(&mut s.bad[strand]);
-    let sleeps = !resets && drive.state == State::Asleep && rested && !pushed && !(asleep && s.touched[strand]);
+    let sleeps = !resets && drive.state == State::Asleep && rested && !pushed && !(asleep && drive.woken);
     s.asleep[strand] = sleeps;
     if sleeps {
         place(&s.hair, strand, drive, m, false);
@@ -67,6 +69,8 @@ fn load(p: &Parameters, s: &state::State, strand: usize, m: &mut Moving) -> f64 
 fn set_off(p: &Parameters, hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving) {
     let first = hair.points(strand).start;
     let h = drive.step;
+    // Hair that comes out of a body gathers no speed.
+    let keeps = if drive.comes_out { 0.0 } else { 1.0 };
     if p.direct {
         make_whole(hair, strand, m);
     }
@@ -77,24 +81,25 @@ fn set_off(p: &Parameters, hair: &Strands, strand: usize, drive: &Drive, m: &mut
         point.free = match (point.inverse_mass > 0.0, i == first) {
             (true, _) => {
                 let damping = damping(p, point);
-                free_move(p, point.velocity, point.before, point.carried, acceleration, damping, h)
+                let [now, before, carried] = [point.velocity, point.before, point.carried].map(|v| keeps * v);
+                free_move(p, now, before, carried, acceleration, damping, h)
             }
             (false, true) => drive.root_travel,
             // Where it is held, seen from where it was shifted to.
-            (false, false) => -point.shift,
+            (false, false) => drive.tip_travel - point.shift,
         };
         point.travel = point.free;
     }
     if p.direct && m.points[first].inverse_mass > 0.0 {
-        m.points[first].travel = p.step * m.points[first].velocity;
+        m.points[first].travel = p.step * keeps * m.points[first].velocity;
     }
     for (k, i) in hair.segments(strand).zip(hair.points(strand)) {
         let travel = m.points[i].travel;
         let segment = &mut m.segments[k];
         segment.step = h;
-        let turn = free_move(p, segment.angular_velocity, segment.before, segment.carried, DVec3::ZERO, p.damping, h);
-        segment.free = rotation(turn);
-        segment.turn = rotation((p.step * segment.angular_velocity).clamp_length_max(TURN));
+        let [now, before, carried] = [segment.angular_velocity, segment.before, segment.carried].map(|v| keeps * v);
+        segment.free = rotation(free_move(p, now, before, carried, DVec3::ZERO, p.damping, h));
+        segment.turn = rotation((p.step * now).clamp_length_max(TURN));
         let turn = if p.direct { segment.turn } else { segment.free };
         segment.frame = (turn * segment.start).normalize();
         segment.strain = segment.turn * segment.strain;
@@ -154,7 +159,7 @@ fn place(hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving, at_rest: 
         rest += hair.rest_length[k] * (frame * DVec3::Z);
         let end = if at_rest { rest } else { drive.root_turn * offset };
         let stays = at_rest && i + 1 == hair.points(strand).end && m.points[i].inverse_mass == 0.0;
-        put(&mut m.points[i], if stays { DVec3::ZERO } else { drive.root_travel + end - offset });
+        put(&mut m.points[i], if stays { drive.tip_travel } else { drive.root_travel + end - offset });
     }
 }
 

@@ -4,13 +4,18 @@ use glam::{DMat3, DQuat, DVec3};
 use nalgebra::{Matrix6, Matrix6x4, Vector4, Vector6};
 use windswept_scene::{End, Strands};
 
-use super::{Drive, Moving, Point, Segment, State, cross_matrix, nearest_rest, response, rotation};
-use crate::Parameters;
+use super::{Drive, Moving, Point, Segment, State, cross_matrix, nearest_rest, response, rotation, rotation_vector};
+use crate::{
+    Parameters,
+    contact::{Contact, Placed, RECOVERY, UNEASY},
+};
 
 /// Strain |u|/l of a segment beyond which a start is made whole, and no solve ends.
 pub const WHOLE: f64 = 0.01;
 /// Largest turn of a frame at first, and of a joint in a Newton step \[rad\].
 pub const TURN: f64 = 1.0;
+/// Turn of a frame in a Newton step of a strand whose tip is held \[rad\]: the whole step is cut to it.
+const HELD_TURN: f64 = 0.5;
 /// Turn of a frame \[rad\], and change of a strain, in a Newton step that is the last,
 pub const SETTLED: f64 = 1e-3;
 /// or this part of that in the first one.
@@ -21,13 +26,21 @@ const STIFFEST: f64 = 1e-6;
 const UNEVEN: f64 = 1e-3;
 
 /// A strand within a step.
-struct Rod<'a> {
-    p: &'a Parameters,
-    hair: &'a Strands,
+pub(super) struct Rod<'a> {
+    pub p: &'a Parameters,
+    pub hair: &'a Strands,
     strand: usize,
-    points: &'a mut [Point],
-    segments: &'a mut [Segment],
-    drive: &'a mut Drive,
+    pub points: &'a mut [Point],
+    pub segments: &'a mut [Segment],
+    pub drive: &'a mut Drive,
+    /// Bodies that the strand may meet.
+    pub bodies: &'a [Placed],
+    /// Contacts of each point with each of them.
+    pub point_contacts: &'a mut [Contact],
+    /// Contacts of each segment with each of them.
+    pub segment_contacts: &'a mut [Contact],
+    /// Newton steps so far.
+    pub newton: u32,
 }
 
 /// A spring between two frames or along a segment: its stiffness and the moment or force by which it resists.
@@ -52,13 +65,13 @@ struct Answer {
     stretch: Spring,
 }
 
-/// Solves strand `s`: Newton steps until frames and strains have settled, or as many as there are.
+/// Solves strand `s`: Newton steps until frames, strains, a held tip and contacts have settled, or as many as there are.
 ///
 /// ```text
 ///   Φ = Σ |x_i − free_i|²/(2 W_i) + Σ 4 J_k (1 − |p_w|) + Σ ½ εᵀ α_s⁻¹ ε + Σ ½ Cᵀ α_b⁻¹ C      ε = Rᵀ u/l, J = 1/W of a frame
 /// ```
 /// with p = turn · conj(free turn) and C = Im(q̄₀ q₁) − s Im(rest). The unknowns are frames and strains u = chord − l d₃, from which
-/// points follow.
+/// points follow. Contacts with bodies are springs on points and segments (`contact/hair.rs`).
 ///
 /// # Panics
 /// Where the Hessian is not positive definite, so that the potential need not fall along a Newton step.
@@ -66,34 +79,50 @@ pub fn solve(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mu
     if drive.state != State::Free {
         return;
     }
+    let (points, segments) = (hair.points(s), hair.segments(s));
+    let count = if drive.meets { m.bodies.len() } else { 0 };
     let mut rod = Rod {
         p,
         hair,
         strand: s,
-        points: &mut m.points[hair.points(s)],
-        segments: &mut m.segments[hair.segments(s)],
+        bodies: &m.bodies[..count],
+        point_contacts: &mut m.point_contacts[points.start * count..points.end * count],
+        segment_contacts: &mut m.segment_contacts[segments.start * count..segments.end * count],
+        points: &mut m.points[points],
+        segments: &mut m.segments[segments],
         drive,
+        newton: 0,
     };
     if !rod.points.iter().all(|point| (point.free + point.travel).is_finite()) {
         // Frames that are not finite lead points to where nothing is.
         return;
     }
+    let mut now = rod.touch(true, false);
     let (mut steep, mut settled) = (false, SETTLED);
-    for step in 0..p.newton_steps {
+    while rod.newton < p.newton_steps {
         let most = rod.newton_step(steep);
-        if step == 0 {
+        if rod.newton == 0 {
             settled = SETTLED.max(RELATIVE * most);
         }
-        if most < settled {
-            rod.drive.state = State::Solved;
-            break;
+        rod.newton += 1;
+        now = rod.touch(false, false);
+        if most < settled && !now.changed {
+            if !now.lags {
+                rod.drive.state = State::Solved;
+                break;
+            }
+            now = rod.touch(false, true);
         }
-        steep = most > TURN;
+        steep = most > TURN || now.touches && (now.changed || most > UNEASY);
     }
-    rod.finish();
+    if rod.drive.comes_out {
+        rod.crawl();
+    }
+    rod.finish(now.touches);
+    rod.leave(rod.drive.state == State::Solved);
 }
 
-/// The incremental potential Φ of strand `s` where the solve has it \[J s²\], without a held tip.
+/// The incremental potential Φ of strand `s` where the solve has it \[J s²\], without a held tip and contacts.
 #[must_use]
 pub fn potential(p: &Parameters, hair: &Strands, s: usize, drive: &Drive, m: &Moving) -> f64 {
     let (points, segments) = (&m.points[hair.points(s)], &m.segments[hair.segments(s)]);
@@ -115,7 +144,7 @@ pub fn potential(p: &Parameters, hair: &Strands, s: usize, drive: &Drive, m: &Mo
     }
     if hair.ends(s).tip == End::Clamped {
         let ends = hair.ends(s);
-        let gap = gap(segments[segments.len() - 1].frame, ends.tip_frame, ends.tip_rest_rotation);
+        let gap = gap(segments[segments.len() - 1].frame, drive.tip_frame, ends.tip_rest_rotation);
         sum += 0.5 * (gap * gap * stiffness(ends.tip_compliance)).element_sum();
     }
     sum
@@ -147,7 +176,7 @@ fn joint(before: DQuat, after: DQuat, rest: DQuat, compliance: DVec3) -> Spring 
     spring(derivative, compliance, gap(before, after, rest))
 }
 
-fn vector(turn: DVec3, shift: DVec3) -> Vector6<f64> {
+pub(super) fn vector(turn: DVec3, shift: DVec3) -> Vector6<f64> {
     Vector6::new(turn.x, turn.y, turn.z, shift.x, shift.y, shift.z)
 }
 
@@ -157,7 +186,7 @@ fn parts(v: &Vector6<f64>) -> (DVec3, DVec3) {
 }
 
 /// Adds a block of three rows and columns to a 6 × 6 matrix; `at` is 0 for turns and 3 for shifts.
-fn add(matrix: &mut Matrix6<f64>, at: (usize, usize), block: DMat3) {
+pub(super) fn add(matrix: &mut Matrix6<f64>, at: (usize, usize), block: DMat3) {
     for row in 0..3 {
         for column in 0..3 {
             matrix[(at.0 + row, at.1 + column)] += block.col(column)[row];
@@ -172,7 +201,7 @@ fn block(matrix: &Matrix6<f64>, at: (usize, usize)) -> DMat3 {
 }
 
 /// Adds a force to the first of four vectors.
-fn add_force(vectors: &mut Matrix6x4<f64>, force: Vector6<f64>) {
+pub(super) fn add_force(vectors: &mut Matrix6x4<f64>, force: Vector6<f64>) {
     vectors.set_column(0, &(vectors.column(0) + force));
 }
 
@@ -187,7 +216,7 @@ impl Rod<'_> {
         self.hair.ends(self.strand)
     }
 
-    fn of_segment(&self, k: usize) -> usize {
+    pub(super) fn of_segment(&self, k: usize) -> usize {
         self.hair.segments(self.strand).start + k
     }
 
@@ -200,7 +229,7 @@ impl Rod<'_> {
         if self.ends().tip == End::Clamped {
             let ends = self.ends();
             let last = self.segments[self.segments.len() - 1].frame;
-            let tip = joint(last, ends.tip_frame, ends.tip_rest_rotation, ends.tip_compliance);
+            let tip = joint(last, self.drive.tip_frame, ends.tip_rest_rotation, ends.tip_compliance);
             add(&mut beyond.matrix, (0, 0), tip.stiffness);
             add_force(&mut beyond.vectors, vector(-tip.force, DVec3::ZERO));
         }
@@ -212,12 +241,9 @@ impl Rod<'_> {
         }
         answers.reverse();
         let root_moves = self.root_moves(&beyond);
-        let change = self.tip_change(&answers, &root_moves);
-        let most = self.apply(&answers, &root_moves, Vector4::new(1.0, change.x, change.y, change.z));
-        // Where turns were cut, the force would close a gap that the cut left, and wind up.
-        if most <= TURN {
-            self.drive.tip_force += change;
-        }
+        let (change, part) = self.tip_change(&answers, &root_moves);
+        let most = self.apply(&answers, &root_moves, Vector4::new(1.0, change.x, change.y, change.z), part);
+        self.drive.tip_force += part * change;
         let tip = &self.points[self.points.len() - 1];
         let length: f64 = self.hair.rest_length[self.hair.segments(self.strand)].iter().sum();
         if tip.inverse_mass == 0.0 { most.max((tip.travel - tip.free).length() / length) } else { most }
@@ -236,22 +262,29 @@ impl Rod<'_> {
         let mass = if end.inverse_mass > 0.0 { 1.0 / end.reply(self.p) } else { 0.0 };
         add(&mut matrix, (3, 3), DMat3::from_diagonal(DVec3::splat(mass)));
         add_force(&mut vectors, vector(DVec3::ZERO, mass * (end.travel - end.free)));
-        // The pull of what lies beyond, which the frame resists turning off.
-        let pull = -passed(&matrix, &vectors, &stretch);
-        let tension = l * if steep { pull.length() } else { pull.dot(axes.z_axis).max(0.0) };
+        self.push_point(k + 1, &mut matrix, &mut vectors);
+        let passed = passed(&matrix, &vectors, &stretch);
 
         // From the segment's end to its first point: s' = T (s + z).
+        let arm = l * axes.z_axis + segment.strain;
         let mut carried = Matrix6::identity();
-        add(&mut carried, (3, 0), -cross_matrix(l * axes.z_axis + segment.strain));
+        add(&mut carried, (3, 0), -cross_matrix(arm));
         (matrix, vectors) = (carried.transpose() * matrix * carried, carried.transpose() * vectors);
+        let (contacts, push) = self.push_segment(k, arm);
+        // The pull of what lies beyond, which the frame resists turning off.
+        let pull = -(passed + parts(&push).1);
+        let tension = l * if steep { pull.length() } else { pull.dot(axes.z_axis).max(0.0) };
         let inertia = 1.0 / (response(self.p.damping, segment.step) * self.hair.inverse_inertia[j]);
         let off = segment.turn * segment.free.conjugate();
         let cross = cross_matrix(axes.z_axis);
         add(&mut matrix, (0, 0), DMat3::from_diagonal(DVec3::splat(inertia)) - cross * cross * tension);
         add_force(&mut vectors, vector(2.0 * inertia * off.w.signum() * off.xyz(), DVec3::ZERO));
 
-        let mut springs = Matrix6::zeros();
+        // Of z, contacts feel the turn alone.
+        let turns = Matrix6::from_diagonal(&Vector6::new(1.0, 1.0, 1.0, 0.0, 0.0, 0.0));
+        let mut springs = turns * contacts * turns;
         let mut forces = vectors;
+        add_force(&mut forces, turns * push);
         add(&mut springs, (3, 3), stretch.stiffness);
         add_force(&mut forces, vector(DVec3::ZERO, stretch.force));
         if k > 0 || self.ends().root == End::Clamped {
@@ -262,9 +295,12 @@ impl Rod<'_> {
         }
         let factors =
             (springs + matrix).cholesky().unwrap_or_else(|| panic!("segment {k}: the Hessian is not positive"));
-        let (constant, gain) = (-factors.solve(&forces), -factors.solve(&matrix));
-        let before = matrix + matrix * gain;
-        let before = Beyond { matrix: (before + before.transpose()) * 0.5, vectors: vectors + matrix * constant };
+        let by_state = matrix + turns * contacts;
+        let (constant, gain) = (-factors.solve(&forces), -factors.solve(&by_state));
+        let before = matrix + contacts + by_state.transpose() * gain;
+        let mut before =
+            Beyond { matrix: (before + before.transpose()) * 0.5, vectors: vectors + by_state.transpose() * constant };
+        add_force(&mut before.vectors, push);
         (Answer { constant, gain, beyond: Beyond { matrix, vectors }, stretch }, before)
     }
 
@@ -273,9 +309,11 @@ impl Rod<'_> {
         let (first, mut moves) = (&self.points[0], Matrix6x4::zeros());
         if first.inverse_mass > 0.0 {
             let mass = 1.0 / first.reply(self.p);
-            let mut vectors = root.vectors;
+            let Beyond { mut matrix, mut vectors } = *root;
             add_force(&mut vectors, vector(DVec3::ZERO, mass * (first.travel - first.free)));
-            let all = (block(&root.matrix, (3, 3)) + DMat3::from_diagonal(DVec3::splat(mass))).inverse();
+            add(&mut matrix, (3, 3), DMat3::from_diagonal(DVec3::splat(mass)));
+            self.push_point(0, &mut matrix, &mut vectors);
+            let all = block(&matrix, (3, 3)).inverse();
             for column in 0..4 {
                 moves.set_column(column, &vector(DVec3::ZERO, -(all * parts(&vectors.column(column).into()).1)));
             }
@@ -283,44 +321,54 @@ impl Rod<'_> {
         moves
     }
 
-    /// Change of the force on a held tip with which a Newton step that is not cut brings the tip to its place \[N\].
-    fn tip_change(&self, answers: &[Answer], root_moves: &Matrix6x4<f64>) -> DVec3 {
+    /// Change of the force on a held tip with which a Newton step brings the tip to its place \[N\], and the part of the step that is taken:
+    /// the whole of it is cut, since joints that are cut by themselves lead the tip away.
+    fn tip_change(&self, answers: &[Answer], root_moves: &Matrix6x4<f64>) -> (DVec3, f64) {
         let tip = &self.points[self.points.len() - 1];
         if tip.inverse_mass > 0.0 {
-            return DVec3::ZERO;
+            return (DVec3::ZERO, 1.0);
         }
-        let mut states = *root_moves;
+        let (mut states, mut turns) = (*root_moves, Vec::new());
         for (k, answer) in answers.iter().enumerate() {
             let segment = &self.segments[k];
-            let arm = self.hair.rest_length[self.of_segment(k)] * (segment.frame * DVec3::Z) + segment.strain;
+            let arm = self.rest_length(k) * (segment.frame * DVec3::Z) + segment.strain;
             let mut carried = Matrix6::identity();
             add(&mut carried, (3, 0), -cross_matrix(arm));
             states = carried * (states + answer.constant + answer.gain * states);
+            turns.push(states);
         }
         let column = |c: usize| parts(&states.column(c).into()).1;
-        -(DMat3::from_cols(column(1), column(2), column(3)).inverse() * (tip.travel - tip.free + column(0)))
+        let by_force = DMat3::from_cols(column(1), column(2), column(3));
+        let change = -(by_force.inverse() * (tip.travel - tip.free + column(0)));
+        let both = Vector4::new(1.0, change.x, change.y, change.z);
+        let most = turns.iter().map(|states| parts(&(states * both)).0.length()).fold(0.0, f64::max);
+        (change, (HELD_TURN / most).min(1.0))
     }
 
-    /// Turns frames and strains by a Newton step, and places the points that follow from them.
-    fn apply(&mut self, answers: &[Answer], root_moves: &Matrix6x4<f64>, tip: Vector4<f64>) -> f64 {
+    /// Turns frames and strains by a part of a Newton step, and places the points that follow from them. Returns the largest turn of a frame
+    /// \[rad\] or change of a strain, as if turns were not cut.
+    fn apply(&mut self, answers: &[Answer], root_moves: &Matrix6x4<f64>, tip: Vector4<f64>, part: f64) -> f64 {
         let mut most = 0.0_f64;
         let (mut turn, mut shift) = parts(&(root_moves * tip));
-        self.points[0].travel += shift;
+        self.points[0].travel += part * shift;
+        self.foresee_point(0, shift);
+        let cut = |v: DVec3, longest: f64| if part < 1.0 { v } else { v.clamp_length_max(longest) };
         for (k, answer) in answers.iter().enumerate() {
-            let j = self.of_segment(k);
-            let l = self.hair.rest_length[j];
-            let segment = &mut self.segments[k];
+            let (l, segment) = (self.rest_length(k), self.segments[k]);
             let arm = l * (segment.frame * DVec3::Z) + segment.strain;
             let (bend, _) = parts(&(answer.constant * tip + answer.gain * vector(turn, shift)));
-            let turned = (turn + bend.clamp_length_max(TURN)).clamp_length_max(std::f64::consts::PI);
+            turn = cut(turn + cut(bend, TURN), std::f64::consts::PI);
+            self.foresee_segment(k, shift, turn.cross(arm));
             // The segment's stretch, given the turn of its joint as it was cut.
             let Beyond { matrix, vectors } = &answer.beyond;
-            let at_end = parts(&(vectors * tip + matrix * vector(turned, shift))).1 + answer.stretch.force;
+            let at_end = parts(&(vectors * tip + matrix * vector(turn, shift))).1 + answer.stretch.force;
             let stretch = -((block(matrix, (3, 3)) + answer.stretch.stiffness).inverse() * at_end);
-            (turn, shift) = (turned, shift + turned.cross(arm) + stretch);
-            let rotated = rotation(turn);
-            let strain = (segment.strain + stretch).clamp_length_max(WHOLE * l);
+            shift += turn.cross(arm) + stretch;
+            self.foresee_point(k + 1, shift);
+            let rotated = rotation(part * turn);
+            let strain = (segment.strain + part * stretch).clamp_length_max(WHOLE * l);
             most = most.max(turn.length()).max((strain - segment.strain).length() / l);
+            let segment = &mut self.segments[k];
             segment.strain = rotated * strain;
             segment.turn = (rotated * segment.turn).normalize();
             segment.frame = (segment.turn * segment.start).normalize();
@@ -339,8 +387,23 @@ impl Rod<'_> {
         }
     }
 
-    /// A strand that nothing holds keeps its momentum. What is left of the way to a held tip is spread over the points.
-    fn finish(&mut self) {
+    /// Hair that comes out of a body goes its way through the step, beside that of its root, only in part, so that no point of it is faster than
+    /// [`RECOVERY`]: all frames turn by that part.
+    fn crawl(&mut self) {
+        let root = self.points[0].travel;
+        let far = self.points.iter().map(|point| point.travel.distance(root)).fold(0.0, f64::max);
+        let part = (RECOVERY * self.p.step / far).min(1.0);
+        for segment in &mut *self.segments {
+            let turn = rotation(part * rotation_vector(segment.turn));
+            segment.strain = turn * (segment.turn.conjugate() * segment.strain);
+            (segment.turn, segment.frame) = (turn, (turn * segment.start).normalize());
+        }
+        self.chain();
+    }
+
+    /// A strand that nothing holds and that touches nothing keeps its momentum. What is left of the way to a held tip is spread over the
+    /// points.
+    fn finish(&mut self, touches: bool) {
         let last = self.points.len() - 1;
         let (root, tip) = (self.points[0].inverse_mass, self.points[last].inverse_mass);
         if tip == 0.0 {
@@ -348,7 +411,7 @@ impl Rod<'_> {
             for k in 1..=last {
                 self.points[k].travel -= k as f64 / last as f64 * gap;
             }
-        } else if root > 0.0 {
+        } else if root > 0.0 && !touches {
             let mass = |point: &Point| 1.0 / point.reply(self.p);
             let all: f64 = self.points.iter().map(mass).sum();
             let momentum: DVec3 = self.points.iter().map(|point| mass(point) * (point.travel - point.free)).sum();

@@ -5,7 +5,10 @@ use std::ops::AddAssign;
 use glam::{DQuat, DVec3};
 
 use super::{damping, rate, response};
-use crate::Parameters;
+use crate::{
+    Parameters,
+    contact::{Contact, Placed},
+};
 
 /// State of a strand within a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -34,8 +37,20 @@ pub struct Drive {
     pub state: State,
     /// Force that holds a held tip \[N\].
     pub tip_force: DVec3,
+    /// Move of a held tip \[m\].
+    pub tip_travel: DVec3,
+    /// Frame of a clamped tip at the step's end.
+    pub tip_frame: DQuat,
     /// Step h of the strand, if it is integrated \[s\].
     pub step: f64,
+    /// Number of its points, from the root on, that bodies let be: it grows out of one.
+    pub embedded: usize,
+    /// Whether it may meet a body in this step.
+    pub meets: bool,
+    /// Whether a body that moves reaches it while it sleeps.
+    pub woken: bool,
+    /// Whether it starts the step deeper in a body than it comes out in a step.
+    pub comes_out: bool,
 }
 
 /// Load of a hair point from outside its rod: the force is `force` − `resistance` v, v the point's velocity at the step's end.
@@ -65,9 +80,11 @@ impl AddAssign for Load {
 /// Hair point within a step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Point {
-    /// Velocity v_n with what acts from outside in this step \[m/s\].
+    /// Position as the step begins \[m\].
+    pub start: DVec3,
+    /// Velocity v_n with what acts from outside in this step, and then with what contact adds \[m/s\].
     pub velocity: DVec3,
-    /// Velocity v_{n−1} with what acts from outside in this step \[m/s\].
+    /// Velocity v_{n−1} with what acts from outside in this step; from [`super::update_all`] on `velocity` \[m/s\].
     pub before: DVec3,
     /// Move of the step before \[m\].
     pub carried: DVec3,
@@ -87,8 +104,10 @@ pub struct Point {
     pub free: DVec3,
     /// Move \[m\].
     pub travel: DVec3,
-    /// Whether the point is a tip that is held.
-    pub stays: bool,
+    /// Whether the point is a tip that is held,
+    pub held_tip: bool,
+    /// and by how much that moves \[m\].
+    pub tip_travel: DVec3,
     /// Shift of the point that makes its strand whole as the step begins \[m\].
     pub shift: DVec3,
     /// Way from where the point was when its strand became still \[m\].
@@ -102,10 +121,10 @@ impl Point {
         response(damping(p, self), self.step) * self.inverse_mass
     }
 
-    /// Velocity that the point's move leaves \[m/s\]; 0 of a tip that is held.
+    /// Velocity that the point's move leaves \[m/s\]; of a tip that is held, by its own.
     #[must_use]
     pub fn velocity_after(&self, p: &Parameters) -> DVec3 {
-        if self.stays { DVec3::ZERO } else { rate(p, self.travel, self.carried, self.step) }
+        if self.held_tip { self.tip_travel / p.step } else { rate(p, self.travel, self.carried, self.step) }
     }
 }
 
@@ -140,11 +159,17 @@ pub struct Segment {
     pub rest_drift: DVec3,
 }
 
-/// Hair points and segments within a step.
+/// Hair points and segments within a step, and what they meet.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Moving {
     /// Hair points.
     pub points: Vec<Point>,
     /// Segments.
     pub segments: Vec<Segment>,
+    /// Bodies.
+    pub bodies: Vec<Placed>,
+    /// Contacts of each hair point with every body.
+    pub point_contacts: Vec<Contact>,
+    /// Contacts of each segment with every body.
+    pub segment_contacts: Vec<Contact>,
 }
