@@ -107,9 +107,10 @@ fn nearest(last: Contact, body: Placed, a: Place, b: Place, first: vec3f, second
     let l = length(chord);
     var low = vec2f(0.0, dot(first, chord) / l);
     var high = vec2f(1.0, dot(second, chord) / l);
-    let ends = low.y >= 0.0 || high.y <= 0.0 || high.y - low.y <= 1e-5;
+    let plane = (last.state & PLANE) != 0u;
+    let ends = !plane && (low.y >= 0.0 || high.y <= 0.0 || high.y - low.y <= 1e-5);
     let straight = -low.y / max(high.y - low.y, 1e-5);
-    let moves = !starts && abs(straight - last.straight) > STANDS;
+    let moves = !starts && !plane && abs(straight - last.straight) > STANDS;
     var found = Nearest(last.place, straight, 0.0, a, Surface(first, 0.0));
     if moves { found.part = clamp(last.place + straight - last.straight, 0.0, 1.0); }
     if !starts && !moves { found.straight = last.straight; }
@@ -119,7 +120,7 @@ fn nearest(last: Contact, body: Placed, a: Place, b: Place, first: vec3f, second
         let seen = seen_from(body, found.place);
         found.surface = near(body, seen.base, seen.way);
         let slope = dot(found.surface.normal, chord) / l;
-        if ends || !starts || k == REFINED || abs(slope * (high.x - low.x)) < CLOSE * (high.y - low.y) { break; }
+        if ends || plane || !starts || k == REFINED || abs(slope * (high.x - low.x)) < CLOSE * (high.y - low.y) { break; }
         if slope < 0.0 { low = vec2f(found.part, slope); } else { high = vec2f(found.part, slope); }
         found.part = low.x - low.y * (high.x - low.x) / (high.y - low.y);
     }

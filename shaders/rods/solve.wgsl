@@ -314,7 +314,7 @@ fn met_segment(
     if renews { contact = renewed(last); }
     if !may_touch || first.gap + second.gap > l { return parted(contact, l, starts); }
     let plane = (contact.state & PLANE) != 0u;
-    let found = nearest(contact, body, begins, ends, first.normal, second.normal, starts && !plane);
+    let found = nearest(contact, body, begins, ends, first.normal, second.normal, starts);
     if !plane {
         contact.place = found.part;
         contact.straight = found.straight;

@@ -6,10 +6,8 @@ mod hair;
 use glam::{DQuat, DVec3};
 use windswept_scene::{InitialState, Motion, Scene, Shape};
 
-pub(crate) use self::hair::{
-    CLOSE, MIDDLE, Met, RECOVERY, STANDS, UNEASY, meet, nearest, parted, renewed, resists, stiffness,
-};
 pub use self::hair::{Contact, Memory, Place, Surface, begin, memories};
+pub(crate) use self::hair::{MIDDLE, Met, RECOVERY, UNEASY, meet, nearest, parted, renewed, resists, stiffness};
 use crate::{Parameters, step::Scratch};
 
 /// Rounds over all bodies: a second one for what is between two bodies.

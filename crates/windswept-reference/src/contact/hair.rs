@@ -31,9 +31,9 @@ pub(crate) const MIDDLE: f64 = 0.03;
 /// Times that the nearest place of a segment is refined.
 const REFINED: usize = 3;
 /// Part of a segment by which its nearest place may be off at first,
-pub(crate) const CLOSE: f64 = 0.002;
-/// and in later Newton steps.
-pub(crate) const STANDS: f64 = 0.3;
+const CLOSE: f64 = 0.002;
+/// and by which it has to move in later Newton steps to be taken there.
+const STANDS: f64 = 0.02;
 /// Longest way by which a place shifts as its segment turns by 1 rad \[lengths of the segment\].
 const BENDS: f64 = 30.0;
 /// Part by which f may differ from the force that limits friction.
@@ -116,6 +116,8 @@ pub struct Contact {
     pub before: f64,
     /// Part of the segment.
     pub place: f64,
+    /// Part of the segment at which the slopes at its ends alone have the place.
+    pub straight: f64,
     /// Way by which the place shifts along the segment as that turns \[m/rad\].
     pub curve: f64,
     /// Stiffness of the friction \[N/m\].
@@ -198,7 +200,8 @@ fn middle(body: &Placed, ends: [Place; 2], surfaces: [Surface; 2], l: f64) -> (f
     if surfaces[0].distance + surfaces[1].distance >= l {
         return (0.0, Surface { distance: l, ..surfaces[1] });
     }
-    let found = nearest(body, ends, surfaces.map(|surface| surface.normal), 0.5, CLOSE);
+    let contact = Contact { place: 0.5, ..Contact::default() };
+    let found = nearest(&contact, body, ends, surfaces.map(|surface| surface.normal), true);
     (found.part, found.surface)
 }
 
@@ -244,6 +247,8 @@ fn flattened(contact: Contact, body: &Placed, ahead: &Place) -> Contact {
 pub(crate) struct Nearest {
     /// Part of the segment; 0 or 1 where an end is nearest.
     pub part: f64,
+    /// The same by the slopes at the ends alone.
+    pub straight: f64,
     /// Way by which it shifts as the segment turns \[m/rad\].
     pub curve: f64,
     pub place: Place,
@@ -251,15 +256,19 @@ pub(crate) struct Nearest {
     pub surface: Surface,
 }
 
-/// Finds where a segment is nearest to a body with these normals at its ends, by regula falsi on the slope of the distance along it, from a
-/// guess, which is good enough if it is off by less than `enough`, a part of the segment.
-pub(crate) fn nearest(body: &Placed, [a, b]: [Place; 2], normals: [DVec3; 2], guess: f64, enough: f64) -> Nearest {
+/// Finds where a segment is nearest to a body with these normals at its ends: as the step starts by regula falsi on the slope of the distance
+/// along it, from the place that it had; later moved as the slopes at the ends say. A place to which the body is a plane stays.
+pub(crate) fn nearest(last: &Contact, body: &Placed, [a, b]: [Place; 2], normals: [DVec3; 2], starts: bool) -> Nearest {
     let chord = b.end() - a.end();
     let along = chord / chord.length();
     let [mut low, mut high] = [(0.0, normals[0].dot(along)), (1.0, normals[1].dot(along))];
-    let at_end = low.1 >= 0.0 || high.1 <= 0.0 || high.1 - low.1 <= 1e-5;
+    let at_end = !last.plane && (low.1 >= 0.0 || high.1 <= 0.0 || high.1 - low.1 <= 1e-5);
+    let now = -low.1 / (high.1 - low.1).max(1e-5);
+    let moves = !starts && !last.plane && (now - last.straight).abs() > STANDS;
+    let straight = if starts || moves { now } else { last.straight };
     let mut part = match (at_end, low.1 + high.1 < 0.0) {
-        (false, _) => guess,
+        (false, _) if moves => (last.place + now - last.straight).clamp(0.0, 1.0),
+        (false, _) => last.place,
         (true, true) => 1.0,
         (true, false) => 0.0,
     };
@@ -269,9 +278,9 @@ pub(crate) fn nearest(body: &Placed, [a, b]: [Place; 2], normals: [DVec3; 2], gu
         let surface = body.surface(place.end());
         let slope = surface.normal.dot(along);
         let per_slope = (high.0 - low.0) / (high.1 - low.1);
-        if at_end || refined == REFINED || (slope * per_slope).abs() < enough {
+        if at_end || last.plane || !starts || refined == REFINED || (slope * per_slope).abs() < CLOSE {
             let curve = if at_end { 0.0 } else { chord.length() * per_slope.min(BENDS) };
-            return Nearest { part, curve, place, surface };
+            return Nearest { part, straight, curve, place, surface };
         }
         *(if slope < 0.0 { &mut low } else { &mut high }) = (part, slope);
         part = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);

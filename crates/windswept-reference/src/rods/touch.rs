@@ -7,7 +7,7 @@ use super::{
     Point, cross_matrix,
     solve::{Rod, add, add_force, vector},
 };
-use crate::contact::{CLOSE, Contact, MIDDLE, Met, Place, STANDS, meet, nearest, parted, renewed, resists, stiffness};
+use crate::contact::{Contact, MIDDLE, Met, Place, meet, nearest, parted, renewed, resists, stiffness};
 
 /// Part of a segment from an end, nearer to which a place of it says nothing of the other end's velocity.
 const BESIDE: f64 = 0.2;
@@ -98,14 +98,12 @@ impl Rod<'_> {
         if k < self.drive.embedded || ends[0].gap + ends[1].gap > l {
             return parted(&contact, l, starts);
         }
-        let enough = match (contact.plane, starts) {
-            (true, _) => 2.0,
-            (false, true) => CLOSE,
-            (false, false) => STANDS,
-        };
         let places = [k, k + 1].map(|k| self.place_of_point(k));
-        let found = nearest(body, places, ends.map(|end| end.normal), contact.place, enough);
-        (contact.place, contact.curve) = (found.part, if contact.plane { 0.0 } else { found.curve });
+        let found = nearest(&contact, body, places, ends.map(|end| end.normal), starts);
+        if !contact.plane {
+            (contact.place, contact.straight) = (found.part, found.straight);
+            contact.curve = if starts { found.curve } else { contact.curve };
+        }
         if !(MIDDLE..=1.0 - MIDDLE).contains(&found.part) {
             return parted(&contact, l, starts);
         }

@@ -21,7 +21,8 @@ pub fn update(p: &Parameters, s: &mut state::State, strand: usize, w: &mut Scrat
     s.max_stretch = s.max_stretch.max(stretch);
     s.strained_steps[strand] = if stretch > STRAINED { s.strained_steps[strand] + 1 } else { 0 };
     s.over_strained += usize::from(s.strained_steps[strand] == STRAINED_STEPS);
-    s.unsolved_steps += usize::from(p.direct && w.drives[strand].state == State::Free);
+    let drive = &w.drives[strand];
+    s.unsolved_steps += usize::from(p.direct && drive.state == State::Free || drive.comes_out);
     if !p.sleep || s.asleep[strand] {
         return;
     }
