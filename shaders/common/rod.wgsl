@@ -15,8 +15,6 @@
 //   teleported   its root jumped farther than it is long: placed there in the shape that it had
 //   free move    where a point would go without its rod's forces
 
-import package::common::articulated::Answer;
-
 struct Strand {
     first_point: u32,
     first_segment: u32,
@@ -94,6 +92,7 @@ struct Pin {
 
 // A strand within a step.
 struct RodStrand {
+    strand: Strand,         // for `rods/solve`, which has no binding left for it
     root_travel: vec3f,     // m, the clamp's displacement
     state: u32,             // FREE, SOLVED, TELEPORTED, ASLEEP
     root_frame: vec4f,      // ghost frame at the step's end
@@ -152,8 +151,6 @@ struct RodSegment {
     rest_drift: vec3f,    // rad, turn since the strand became still
     stretch: vec3f,    // multiplier of stretch-shear in `rods/gauss_seidel`
     bend: vec3f,       // multiplier of the joint before it there
-    bends: Answer,     // answers of the joint before it and of itself in the Newton step, to the move of its first point and the turn of
-    stretches: Answer, // the frame before
 }
 
 // What a point keeps from step to step beside its position and velocity.

@@ -50,6 +50,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let tip_way = select(vec3f(0.0), tip_goal - position[tip].xyz, (strand.joints & TIP_HELD) != 0u);
     let still = all(way == vec3f(0.0)) && all(held.frame == goal.frame) && all(tip_way == vec3f(0.0));
     let root_turn = select(rotation(part * turn), vec4f(0.0, 0.0, 0.0, 1.0), still);
+    rod_strands[s].strand = strand;
     rod_strands[s].root_travel = part * way;
     rod_strands[s].root_turn = root_turn;
     // A clamp that arrives takes the goal's frame to the bit: if it were off by rounding, it would never rest.

@@ -26,7 +26,7 @@ import package::common::{
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT, ROOT_HELD, TIP_HELD, WHOLE, TURN, clamped},
 };
 
-@group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
+@group(0) @binding(2) var<storage, read_write> factors:      array<Factor>;
 @group(0) @binding(3) var<storage, read>       segments:     array<Segment>;
 @group(0) @binding(4) var<storage, read_write> rod_strands:  array<RodStrand>;
 @group(0) @binding(5) var<storage, read_write> rod_points:   array<RodPoint>;
@@ -37,6 +37,12 @@ import package::common::{
 const PIN: f32 = 1e4;         // stiffness of a pin, over that of its point's inertia: 1/W
 const HELD_TURN: f32 = 0.5;   // rad, of a frame in a Newton step of a strand that is held beside its root
 const UNCUT: f32 = 1e6;       // rad
+// How a segment answers to the move v of its first point and the turn w of the frame before: phi and e.
+struct Factor {
+    bend: Answer,
+    stretch: Answer,
+}
+
 const SETTLED: f32 = 1e-3;    // rad, of a frame, and strain, in a Newton step that is the last,
 const RELATIVE: f32 = 1e-2;   // or this part of the first Newton step's
 const BESIDE: f32 = 0.2;      // part of a segment from an end, nearer to which a place of it says nothing of the other end's velocity
@@ -152,8 +158,7 @@ fn eliminate(strand: Strand, rod: RodStrand, change: vec3f) -> Eliminated {
         if k == 0u && (strand.joints & ROOT_JOINT) == 0u { bends = Spring(); }
         let bent = through(swapped(beyond), bends, holds);
         beyond = swapped(bent.beyond);
-        rod_segments[j].bends = bent.answer;
-        rod_segments[j].stretches = stretched.answer;
+        factors[j] = Factor(bent.answer, stretched.answer);
         frame = before;
     }
     let root = rod_points[strand.first_point];
@@ -190,11 +195,11 @@ fn foresee_segment(rod: RodStrand, p: u32, j: u32, shift: vec3f, swing: vec3f) {
 }
 
 // How a joint turns less, and a segment gives, in the Newton step, by the turn before and the move of the segment's first point.
-fn bend_of(segment: RodSegment, turn: vec3f, shift: vec3f) -> vec3f {
-    return segment.bends.constant + segment.bends.by_own * turn + segment.bends.by_other * shift;
+fn bend_of(factor: Factor, turn: vec3f, shift: vec3f) -> vec3f {
+    return factor.bend.constant + factor.bend.by_own * turn + factor.bend.by_other * shift;
 }
-fn stretch_of(segment: RodSegment, turn: vec3f, shift: vec3f) -> vec3f {
-    return segment.stretches.constant + segment.stretches.by_other * turn + segment.stretches.by_own * shift;
+fn stretch_of(factor: Factor, turn: vec3f, shift: vec3f) -> vec3f {
+    return factor.stretch.constant + factor.stretch.by_other * turn + factor.stretch.by_own * shift;
 }
 
 // Part of the Newton step that a strand takes which is held beside its root: joints that are cut by themselves would lead what is held away.
@@ -203,10 +208,11 @@ fn part_of(strand: Strand, root_move: vec3f) -> f32 {
     var shift = root_move;
     var turn = vec3f(0.0);
     for (var k = 0u; k < strand.points - 1u; k++) {
-        let now = rod_segments[strand.first_segment + k];
-        turn -= bend_of(now, turn, shift);
-        shift += cross(turn, segments[strand.first_segment + k].rest_length * tangent(now.frame) + now.strain);
-        shift -= stretch_of(now, turn, shift);
+        let j = strand.first_segment + k;
+        let now = rod_segments[j];
+        turn -= bend_of(factors[j], turn, shift);
+        shift += cross(turn, segments[j].rest_length * tangent(now.frame) + now.strain);
+        shift -= stretch_of(factors[j], turn, shift);
         most = max(most, length(turn));
     }
     return min(1.0, HELD_TURN / most);
@@ -227,11 +233,11 @@ fn substitute(strand: Strand, rod: RodStrand, root_move: vec3f, part: f32) -> f3
         let now = rod_segments[j];
         let l = segments[j].rest_length;
         let along = l * tangent(now.frame);
-        turn -= clamped(bend_of(now, turn, shift), select(TURN, UNCUT, part < 1.0));
+        turn -= clamped(bend_of(factors[j], turn, shift), select(TURN, UNCUT, part < 1.0));
         turn = clamped(turn, select(PI, UNCUT, part < 1.0));
         foresee_segment(rod, p - 1u, j, shift, cross(turn, along + now.strain));
         shift += cross(turn, along + now.strain);
-        let stretch = stretch_of(now, turn, shift);
+        let stretch = stretch_of(factors[j], turn, shift);
         shift -= stretch;
         foresee(rod, p, rod_points[p].reply, shift);
         let strain = clamped(now.strain - part * stretch, WHOLE * l);
@@ -413,7 +419,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if s >= params.strands { return; }
     var rod = rod_strands[s];
     if rod.state != FREE || rod.newton == params.newton_steps { return; }
-    let strand = strands[s];
+    let strand = rod.strand;
     var now = Touch();
     if rod.newton == 0u { now = touch(strand, rod, true, false); }
     // A step takes two eliminations where the strand is pinned: the first finds the force that holds it.

@@ -100,7 +100,7 @@ fn remedy(array: &str, fits: u64) -> String {
             format!("about {fits} strands would fit: expected fewer hair.strands")
         }
         "band" => format!("about {fits} dispatches would fit: expected smaller or fewer turbulence.bands"),
-        "orientation" | "segments" | "segment_history" | "rod_segments" => {
+        "orientation" | "segments" | "segment_history" | "rod_segments" | "factors" => {
             format!("about {fits} segments would fit: expected fewer hair.points or hair.strands")
         }
         "point_history" | "rod_points" | "points" | "inverse_mass" | "drag_impulse" | "grip" | "rubbing" => {

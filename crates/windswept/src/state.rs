@@ -34,6 +34,7 @@ use windswept_shaders::{
         status::Status,
     },
     fluid::divergence::Iteration,
+    rods::solve::Factor,
 };
 
 use crate::array::{AnyArray, Array, Life};
@@ -354,8 +355,10 @@ state! {
     coarse_total: Vec4, |_| 2;
     /// Lagrange multiplier of a particle's density constraint, and the part of it that becomes velocity \[kg m²\].
     multiplier: [f32; 2], |s| s.particles;
-    /// Frames, turns and strain of a segment in this step, and how the direct solver's Newton step answers there.
+    /// Frames, turns and strain of a segment in this step.
     rod_segments: RodSegment, |s| s.segments;
+    /// How a segment answers to a move of its first point, in the direct solver.
+    factors: Factor, |s| s.segments;
     /// Contact of each point, then of each segment, with each body in this step.
     contacts: Contact, |s| s.contacts();
     /// A body in this step: where it is after it, and how it got there.
