@@ -336,6 +336,7 @@ fn what_is_saved_is_needed() {
         }
         if pushes {
             simulation.set_force(&push(&simulation, 9.0)).unwrap();
+            simulation.set_pins(&[3], &[simulation.initial().hair.positions[3] + 1e-3 * DVec3::Y]).unwrap();
         }
         let saved = simulation.to_bytes().unwrap();
         simulation.step(20).unwrap();

@@ -95,8 +95,8 @@ fn gusts_do_not_tear_held_tips_off() {
     let report = simulation.report().unwrap();
     let stretch = report.max_stretch.unwrap();
     println!("stretch {stretch:.1e}, {:?}", report.strand_steps);
-    // Measured MEASURED.
-    assert!(stretch < 1e-2 && report.warnings.is_empty(), "{stretch}, {:?}", report.warnings);
+    // Measured 1.01e-2: such a wind strains a taut strand by 9e-3. Margin 2.
+    assert!(stretch < 2e-2 && report.warnings.is_empty(), "{stretch}, {:?}", report.warnings);
 }
 
 /// Hair that has come to rest, awake, stays where it is for a second, in still air and in wind.
