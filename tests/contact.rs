@@ -42,7 +42,7 @@ fn a_ball_takes_hair_along() {
         (3.0, 1.38e-3, 41, false),
         (3.0, 1.38e-3, 14, true),
         (10.0, 0.35e-3, 14, false),
-        (30.0, 0.35e-3, 41, false),
+        (30.0, 0.35e-3, 14, false),
     ] {
         let time = 0.1 / speed;
         let text = format!(

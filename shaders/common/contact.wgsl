@@ -93,7 +93,7 @@ fn between(a: Place, b: Place, part: f32) -> Place {
 }
 
 // Where a segment is nearest to a body with these normals at its ends: as the step starts by regula falsi on the slope of the distance along it,
-// from the place that it had; later moved as the slopes at the ends say.
+// from the place that it had; later anew, where the slopes at the ends say that it moved.
 struct Nearest {
     part: f32,         // of the segment; 0 or 1 where an end is nearest
     straight: f32,     // the same by the ends alone
@@ -120,7 +120,7 @@ fn nearest(last: Contact, body: Placed, a: Place, b: Place, first: vec3f, second
         let seen = seen_from(body, found.place);
         found.surface = near(body, seen.base, seen.way);
         let slope = dot(found.surface.normal, chord) / l;
-        if ends || plane || !starts || k == REFINED || abs(slope * (high.x - low.x)) < CLOSE * (high.y - low.y) { break; }
+        if ends || plane || !(starts || moves) || k == REFINED || abs(slope * (high.x - low.x)) < CLOSE * (high.y - low.y) { break; }
         if slope < 0.0 { low = vec2f(found.part, slope); } else { high = vec2f(found.part, slope); }
         found.part = low.x - low.y * (high.x - low.x) / (high.y - low.y);
     }

@@ -257,7 +257,7 @@ pub(crate) struct Nearest {
 }
 
 /// Finds where a segment is nearest to a body with these normals at its ends: as the step starts by regula falsi on the slope of the distance
-/// along it, from the place that it had; later moved as the slopes at the ends say. A place to which the body is a plane stays.
+/// along it, from the place that it had; later anew, where the slopes at the ends say that it moved. A place to which the body is a plane stays.
 pub(crate) fn nearest(last: &Contact, body: &Placed, [a, b]: [Place; 2], normals: [DVec3; 2], starts: bool) -> Nearest {
     let chord = b.end() - a.end();
     let along = chord / chord.length();
@@ -278,7 +278,7 @@ pub(crate) fn nearest(last: &Contact, body: &Placed, [a, b]: [Place; 2], normals
         let surface = body.surface(place.end());
         let slope = surface.normal.dot(along);
         let per_slope = (high.0 - low.0) / (high.1 - low.1);
-        if at_end || last.plane || !starts || refined == REFINED || (slope * per_slope).abs() < CLOSE {
+        if at_end || last.plane || !(starts || moves) || refined == REFINED || (slope * per_slope).abs() < CLOSE {
             let curve = if at_end { 0.0 } else { chord.length() * per_slope.min(BENDS) };
             return Nearest { part, straight, curve, place, surface };
         }
