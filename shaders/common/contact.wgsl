@@ -26,7 +26,7 @@ struct Contact {
     curve: f32,         // m, by which the place shifts along the segment as that turns by 1 rad
     grip: f32,          // N/m, stiffness of the friction
     linear: f32,        // N, f by the linear model of the last Newton step
-    state: u32,         // bits: LIVE, SLIDES, TOUCHED, PLANE
+    state: u32,         // bits: LIVE, SLIDES, PLANE
 }
 
 // What a contact keeps from step to step.
@@ -37,8 +37,7 @@ struct ContactHistory {
 
 const LIVE: u32 = 1u;
 const SLIDES: u32 = 2u;
-const TOUCHED: u32 = 4u;   // when the step began
-const PLANE: u32 = 8u;     // the body is a plane to it in this step, at `before` across `normal`
+const PLANE: u32 = 4u;     // the body is a plane to it in this step, at `before` across `normal`
 
 const STIFFNESS: f32 = 100.0;   // of a contact, at least, over that of the place's inertia: 1/W
 const OMEGA: f32 = 3.2e3;       // 1/s, frequency of a place on the spring, at least
@@ -88,20 +87,26 @@ fn place_of_point(point: RodPoint) -> Place {
 fn between(a: Place, b: Place, part: f32) -> Place {
     return Place(
         mix(a.start, b.start, part), mix(a.remainder, b.remainder, part), mix(a.travel, b.travel, part),
-        (1.0 - part) * (1.0 - part) * a.reply + part * part * b.reply,
+        reply_between(a.reply, b.reply, part),
     );
 }
 
-// Where a segment is nearest to a body with these normals at its ends: as the step starts by regula falsi on the slope of the distance along it,
-// from the place that it had; later anew, where the slopes at the ends say that it moved.
+fn reply_between(first: f32, second: f32, part: f32) -> f32 {
+    return (1.0 - part) * (1.0 - part) * first + part * part * second;
+}
+
+// Place of a segment that is nearest to a body.
 struct Nearest {
     part: f32,         // of the segment; 0 or 1 where an end is nearest
     straight: f32,     // the same by the ends alone
     curve: f32,        // m/rad, by which it shifts as the segment turns
-    place: Place,
+    reply: f32,        // m/N, W of the place
+    seen: Way,
     surface: Surface,  // seen from there
 }
 
+// The place of a segment that is nearest to a body with these normals at its ends: as the step starts by regula falsi on the slope of the
+// distance along it, from the place that it had; later anew, where the slopes at the ends say that it moved.
 fn nearest(last: Contact, body: Placed, a: Place, b: Place, first: vec3f, second: vec3f, starts: bool) -> Nearest {
     let chord = (b.start - a.start) + (b.remainder - a.remainder) + (b.travel - a.travel);
     let l = length(chord);
@@ -111,14 +116,15 @@ fn nearest(last: Contact, body: Placed, a: Place, b: Place, first: vec3f, second
     let ends = !plane && (low.y >= 0.0 || high.y <= 0.0 || high.y - low.y <= 1e-5);
     let straight = -low.y / max(high.y - low.y, 1e-5);
     let moves = !starts && !plane && abs(straight - last.straight) > STANDS;
-    var found = Nearest(last.place, straight, 0.0, a, Surface(first, 0.0));
+    var found = Nearest(last.place, straight, 0.0, 0.0, Way(), Surface());
     if moves { found.part = clamp(last.place + straight - last.straight, 0.0, 1.0); }
     if !starts && !moves { found.straight = last.straight; }
     if ends { found.part = f32(low.y + high.y < 0.0); }
     for (var k = 0u; k <= REFINED; k++) {
-        found.place = between(a, b, found.part);
-        let seen = seen_from(body, found.place);
-        found.surface = near(body, seen.base, seen.way);
+        let place = between(a, b, found.part);
+        found.reply = place.reply;
+        found.seen = seen_from(body, place);
+        found.surface = near(body, found.seen.base, found.seen.way);
         let slope = dot(found.surface.normal, chord) / l;
         if ends || plane || !(starts || moves) || k == REFINED || abs(slope * (high.x - low.x)) < CLOSE * (high.y - low.y) { break; }
         if slope < 0.0 { low = vec2f(found.part, slope); } else { high = vec2f(found.part, slope); }
@@ -156,41 +162,41 @@ fn parted(before: Contact, distance: f32, starts: bool) -> Met {
     contact.friction = vec3f(0.0);
     contact.force = 0.0;
     contact.grip = 0.0;
-    contact.state = before.state & (TOUCHED | PLANE);
+    contact.state = before.state & PLANE;
     return Met(contact, !starts && (before.state & LIVE) != 0u, false);
 }
 
-// A contact with the surface seen from the place.
-fn meet(before: Contact, body: Placed, place: Place, surface: Surface, starts: bool, l: f32) -> Met {
-    let seen = seen_from(body, place);
+// A contact of a place that answers to a force by `reply` [m/N], with the body's friction, its way seen from the body and the surface there; `l` is
+// the segment's length.
+fn meet(before: Contact, mu: f32, reply: f32, way: vec3f, surface: Surface, starts: bool, l: f32) -> Met {
     let plane = (before.state & PLANE) != 0u;
     let normal = select(surface.normal, before.normal, plane);
-    let distance = select(surface.distance, before.before + dot(normal, seen.way), plane) + max(0.0, -before.before - RECOVERY * params.step);
-    let k = stiffness_of(place.reply);
+    let distance = select(surface.distance, before.before + dot(normal, way), plane) + max(0.0, -before.before - RECOVERY * params.step);
+    let k = stiffness_of(reply);
     let force = before.multiplier - k * distance;
     let was_live = (before.state & LIVE) != 0u;
     let was_sliding = (before.state & SLIDES) != 0u;
-    // What touched stays, or leaves, as the linear model has it.
+    // A contact that was live stays, or leaves, as the linear model has it.
     let pulled = before.linear > 0.0;
     let held = force > 0.0 && (pulled || distance <= 0.0);
     let stays = force <= 0.0 && pulled && distance < STAYS * l;
     let live = select(force > 0.0, held || stays, was_live && !starts);
-    if place.reply == 0.0 || !live { return parted(before, distance, starts); }
-    var met = Met(before, !starts && (force < 0.0 || (!was_live && force * place.reply > NOTICED)), false);
+    if reply == 0.0 || !live { return parted(before, distance, starts); }
+    var met = Met(before, !starts && (force < 0.0 || (!was_live && force * reply > NOTICED)), false);
     met.contact.normal = normal;
     met.contact.gap = distance;
     met.contact.force = force;
     met.contact.friction = vec3f(0.0);
     met.contact.grip = 0.0;
-    met.contact.state = (before.state & (TOUCHED | PLANE)) | LIVE;
+    met.contact.state = (before.state & PLANE) | LIVE;
     if is_deep(before.before) { return met; }
     met.lags = abs(distance) > ALLOW;
-    if body.friction == 0.0 { return met; }
+    if mu == 0.0 { return met; }
     let off = abs(force - before.lag);
-    met.lags = met.lags || (off > LAGS * force && off * place.reply > 1e-9);
-    let slip = seen.way - dot(seen.way, normal) * normal;
+    met.lags = met.lags || (off > LAGS * force && off * reply > 1e-9);
+    let slip = way - dot(way, normal) * normal;
     let tried = before.held - dot(before.held, normal) * normal - k * slip;
-    let most = body.friction * before.lag;
+    let most = mu * before.lag;
     let slides = length(tried) > most && !(was_sliding && dot(tried, before.friction) < 0.0);
     let part = select(1.0, most / length(tried), slides);
     met.contact.friction = part * tried;

@@ -4,7 +4,7 @@ import package::common::{
     params::params, symmetric::{applied_to_columns, dyad, plus, twice_symmetric}, articulated::{Beyond, ONE, crossing},
     body::{BODIES, Placed, near},
     contact::{
-        Contact, Met, Place, LIVE, MIDDLE, PLANE, SLIDES, between, meet, nearest, parted, place_of_point, renewed, resists, seen_from,
+        Contact, Met, Place, LIVE, MIDDLE, PLANE, SLIDES, meet, nearest, parted, place_of_point, renewed, reply_between, resists, seen_from,
         stiffness_of,
     },
     rod::{Strand, Segment, RodStrand, RodPoint},
@@ -29,7 +29,8 @@ fn bodies(rod: RodStrand) -> u32 {
     return select(0u, arrayLength(&placed), BODIES && rod.meets != 0u);
 }
 
-// Contacts of all places where they are now; `starts`: of the first time in the step. `renews` makes multipliers and the limits of friction what acts.
+// Contacts of all places where they are now; `starts`: of the first time in the step. `renews` makes multipliers and the limits of friction the
+// forces that act.
 fn touch(strand: Strand, rod: RodStrand, starts: bool, renews: bool) -> Touch {
     var touch = Touch();
     for (var b = 0u; b < bodies(rod); b++) {
@@ -76,7 +77,7 @@ fn met_point(last: Contact, body: Placed, place: Place, starts: bool, renews: bo
     let surface = near(body, seen.base, seen.way);
     if (contact.state & PLANE) == 0u { contact.normal = surface.normal; }
     if !may_touch { return parted(contact, surface.distance, starts); }
-    return meet(contact, body, place, surface, starts, reach);
+    return meet(contact, body.friction, place.reply, seen.way, surface, starts, reach);
 }
 
 // The segment between two places, with the contacts of its ends.
@@ -95,11 +96,11 @@ fn met_segment(
         if starts { contact.curve = found.curve; }
     }
     if found.part < MIDDLE || found.part > 1.0 - MIDDLE { return parted(contact, l, starts); }
-    return meet(contact, body, found.place, found.surface, starts, l);
+    return meet(contact, body.friction, found.reply, found.seen.way, found.surface, starts, l);
 }
 
-// Contacts of an unsolved strand remember nothing. A point that touches, or that a touching segment moves, has the velocity of its move: all of
-// it where it sticks, else across the surface, so that the integrator carries nothing into the body.
+// Leaves contacts to the next step: those of an unsolved strand remember nothing. A point that touches, or that a touching segment moves, has the
+// velocity of its move: all of it where it sticks, else across the surface, so that the integrator carries nothing into the body.
 fn leave(strand: Strand, rod: RodStrand, solved: bool) {
     let count = bodies(rod);
     for (var k = 0u; k < strand.points; k++) {
@@ -152,7 +153,7 @@ fn push_segment(beyond: Beyond, rod: RodStrand, p: u32, j: u32, arm: vec3f) -> B
     for (var b = 0u; b < bodies(rod); b++) {
         let contact = contacts[(params.hair_points + j) * arrayLength(&placed) + b];
         if (contact.state & LIVE) == 0u { continue; }
-        let push = resists(contact, between(place_of_point(rod_points[p]), place_of_point(rod_points[p + 1u]), contact.place).reply, rod.newton);
+        let push = resists(contact, reply_between(rod_points[p].reply, rod_points[p + 1u].reply, contact.place), rod.newton);
         let reach = contact.place * arm;
         let swung = applied_to_columns(push.stiffness, -1.0 * crossing(reach, ONE));
         sum.own = plus(sum.own, push.stiffness);
@@ -180,7 +181,7 @@ fn foresee_segment(rod: RodStrand, p: u32, j: u32, shift: vec3f, swing: vec3f) {
         let i = (params.hair_points + j) * arrayLength(&placed) + b;
         let contact = contacts[i];
         if (contact.state & LIVE) == 0u { continue; }
-        let reply = between(place_of_point(rod_points[p]), place_of_point(rod_points[p + 1u]), contact.place).reply;
+        let reply = reply_between(rod_points[p].reply, rod_points[p + 1u].reply, contact.place);
         contacts[i].linear = contact.multiplier - stiffness_of(reply) * (contact.gap + dot(contact.normal, shift + contact.place * swing));
     }
 }

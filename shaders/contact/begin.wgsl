@@ -6,7 +6,7 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{rotate, turned_by},
     rod::{Strand, Segment, RodStrand, RodPoint, ROOT_HELD, TELEPORTED, SLEEPS}, body::{Placed, Surface, near, steepest},
-    contact::{Contact, ContactHistory, Nearest, Place, TOUCHED, PLANE, is_deep, nearest, seen_from},
+    contact::{Contact, ContactHistory, Nearest, Place, PLANE, is_deep, nearest, seen_from},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:         array<Strand>;
@@ -39,7 +39,6 @@ fn begin(history: ContactHistory, body: Placed, start: Surface, forgets: bool) -
     contact.force = history.force;
     contact.lag = history.force;
     contact.multiplier = history.force;
-    contact.state = TOUCHED;
     return contact;
 }
 
@@ -106,7 +105,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             let i = (strand.first_point + k) * bodies + b;
             contacts[i] = plane(begin(contact_history[i], body, start, forgets), body, ahead);
             if k > 0u {
-                var middle = Nearest(0.0, 0.0, 0.0, ends, Surface(start.normal, l));
+                var middle = Nearest();
+                middle.surface = Surface(start.normal, l);
                 if first.distance + start.distance < l {
                     var contact = Contact();
                     contact.place = 0.5;

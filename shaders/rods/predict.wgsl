@@ -51,12 +51,13 @@ fn load(strand: Strand, asleep: bool) -> f32 {
     return max(length(sum) / max(movable, 1.0), largest / max(AT_TIP * movable, 1.0));
 }
 
-// Lets the pins of a strand go their part of the way in this substep, all but the last as springs.
+// Pins of a strand.
 struct Pins {
-    last: u32,       // point of the last pin
+    last: u32,       // point of the last, NO_PIN without any
     farthest: f32,   // m, from a pin to its point
 }
 
+// Lets the pins of a strand go their part of the way in this substep, all but the last as springs.
 fn pull(strand: Strand) -> Pins {
     let left = params.substeps - status.step % params.substeps;
     var pins = Pins(NO_PIN, 0.0);

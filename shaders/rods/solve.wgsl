@@ -56,8 +56,8 @@ fn pin_point(beyond: Beyond, point: RodPoint) -> Beyond {
     return sum;
 }
 
-// Tip to root, under the force that holds the strand at its pin and a change of it, which counts for no tension. `steep` takes all of a segment's force for its
-// tension, which is more than there is.
+// Tip to root, under the force that holds the strand at its pin and a change of it, which counts for no tension. `steep` takes all of a
+// segment's force for its tension, which is more than there is.
 fn eliminate(strand: Strand, rod: RodStrand, change: vec3f) -> Eliminated {
     let last = strand.points - 2u;
     var holds = false;
@@ -138,7 +138,7 @@ fn stretch_of(factor: Factor, turn: vec3f, shift: vec3f) -> vec3f {
     return factor.stretch.constant + factor.stretch.by_other * turn + factor.stretch.by_own * shift;
 }
 
-// Part of the Newton step that a strand takes which is held beside its root: joints that are cut by themselves would lead what is held away.
+// Part of the Newton step that a strand takes that is held beside its root: joints that are cut by themselves would lead the pin's point away.
 fn part_of(strand: Strand, root_move: vec3f) -> f32 {
     var most = 0.0;
     var shift = root_move;

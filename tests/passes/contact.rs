@@ -11,7 +11,7 @@ use windswept_scene::{Body, InitialState, Keyframe, Motion, Scene, Shape, Solid}
 use windswept_shaders::{
     self as shaders,
     common::{
-        contact::{Contact, ContactHistory, LIVE, PLANE, SLIDES, TOUCHED},
+        contact::{Contact, ContactHistory, LIVE, PLANE, SLIDES},
         rod::{BAD, SLEEPS},
         status::UNSOLVED_STEP,
     },
@@ -89,7 +89,7 @@ fn all(w: &Scratch) -> Vec<contact::Contact> {
 
 /// State of a contact of the twin, in the engine's bits.
 fn bits(contact: &contact::Contact) -> u32 {
-    let bits = [(contact.live, LIVE), (contact.slides, SLIDES), (contact.touched, TOUCHED), (contact.plane, PLANE)];
+    let bits = [(contact.live, LIVE), (contact.slides, SLIDES), (contact.plane, PLANE)];
     bits.iter().filter(|(is, _)| *is).map(|(_, bit)| bit).sum()
 }
 
@@ -272,7 +272,7 @@ fn begin_is_that_of_the_twin() {
         let stands = stands(&w);
         let stand = [0, 1].map(|k| stands.iter().filter(|stand| stand[k] > 0).count());
         let comes_out = stands.iter().filter(|stand| stand[3] > 0).count();
-        let counts = [count(|c| c.touched), planes(false), planes(true), stand[0], comes_out];
+        let counts = [count(|c| c.lag > 0.0), planes(false), planes(true), stand[0], comes_out];
         let embedded = stands.iter().filter(|stand| stand[2] > 0).count();
         println!(
             "{n} points, step {steps}: {}, {astray} of {} astray, {counts:?} {stand:?} {embedded}",

@@ -301,7 +301,7 @@ impl Simulation {
     ///     places: `(n, 3)` [m].
     ///
     /// A pinned point is where its pin is; of several pins on a strand, those nearer to the root give by less than 0.1 mm. Empty arrays
-    /// release all points, but for tips that the scene holds, which stay where they are.
+    /// release all points; tips that the scene holds go back to where it has them.
     ///
     /// Raises:
     ///     ValueError: names the argument that does not fit: a point that does not exist, is given twice, or is a root that is held; or

@@ -103,7 +103,12 @@ fn remedy(array: &str, fits: u64) -> String {
         "orientation" | "segments" | "segment_history" | "rod_segments" | "factors" => {
             format!("about {fits} segments would fit: expected fewer hair.points or hair.strands")
         }
-        "point_history" | "rod_points" | "points" | "inverse_mass" | "drag_impulse" | "grip" | "rubbing" => {
+        "contacts" | "contact_history" => {
+            format!(
+                "about {fits} contacts would fit, two for each hair point and body: expected fewer bodies, hair.strands or hair.points"
+            )
+        }
+        "point_history" | "pins" | "rod_points" | "points" | "inverse_mass" | "drag_impulse" | "grip" | "rubbing" => {
             format!("about {fits} hair points would fit: expected fewer hair.strands or hair.points")
         }
         _ => format!(

@@ -64,7 +64,7 @@ pub struct Surface {
 pub struct Place {
     /// Where it starts \[m\].
     pub start: DVec3,
-    /// Its move \[m\].
+    /// Move of the place \[m\].
     pub travel: DVec3,
     /// Response W: its move by a unit of force \[m/N\].
     pub reply: f64,
@@ -128,8 +128,6 @@ pub struct Contact {
     pub live: bool,
     /// Whether it slides.
     pub slides: bool,
-    /// Whether it touched when the step began.
-    pub touched: bool,
     /// Whether the body is a plane to it in this step, at `before` across `normal`.
     pub plane: bool,
 }
@@ -214,7 +212,7 @@ fn recall(p: &Parameters, memory: Memory, body: &Placed, start: Surface, forgets
     }
     let friction = body.turn() * memory.friction;
     let Memory { force, .. } = memory;
-    Contact { friction, held: friction, force, lag: force, multiplier: force, touched: true, ..contact }
+    Contact { friction, held: friction, force, lag: force, multiplier: force, ..contact }
 }
 
 /// The contact of a place that is to go `ahead`. To one whose way leads far through a body the body is the plane that touches it where the
@@ -340,7 +338,7 @@ pub(crate) fn meet(
     let distance = distance + (-before.before - RECOVERY * p.step).max(0.0);
     let k = stiffness(p, place.reply);
     let force = before.multiplier - k * distance;
-    // What touched stays, or leaves, as the linear model has it.
+    // A contact that was live stays, or leaves, as the linear model has it.
     let pulled = before.linear > 0.0;
     let live = match (before.live && !starts, force > 0.0) {
         (false, pushes) => pushes,

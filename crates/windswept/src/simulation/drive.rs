@@ -7,7 +7,7 @@ use windswept_scene::{
     Solver,
     limits::{FASTEST_WIND, LARGEST, SMALLEST},
 };
-use windswept_shaders::common::{rod::Pin, sound::FAST};
+use windswept_shaders::common::sound::FAST;
 
 use super::Simulation;
 use crate::{
@@ -51,7 +51,8 @@ impl Simulation {
 
     /// Pins points of hair to places in the world \[m\], in place of all pins before: `points` are rows of [`Frame`](crate::Frame)'s hair, and
     /// each goes to its place within the next step of Δt and stays until it is pinned elsewhere or released. A pin is a stiff spring, which
-    /// gives by less than 0.1 mm while a head turns. A tip that the scene holds goes exactly, and stays where it was put last.
+    /// gives by less than 0.1 mm while a head turns; the last on a strand, and a tip that the scene holds, go exactly. Such a tip that is not
+    /// pinned elsewhere is where the scene has it.
     ///
     /// # Errors
     /// [`RunError::Input`] when there is not one place per point, a place is beyond 1e18 m, a point does not exist, is given twice or is a root
@@ -63,12 +64,7 @@ impl Simulation {
             return input("points: rods.solver is gauss-seidel, which knows no pins: expected direct".to_owned());
         }
         checked("places", Some(places), points.len())?;
-        let mut pins = self.engine.read(&self.engine.state().pins)?;
-        for (pin, w) in pins.iter_mut().zip(&hair.inverse_mass) {
-            if *w > 0.0 {
-                *pin = Pin::default();
-            }
-        }
+        let mut pins = rods::pins(scene, &self.initial);
         let mut given = HashSet::new();
         for (row, (&point, place)) in points.iter().zip(places).enumerate() {
             if point >= pins.len() {
