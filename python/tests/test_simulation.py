@@ -117,6 +117,26 @@ def test_a_callback_drives_and_ends_a_run(bare):
         sim.run(0.01, callback=lambda sim: 1 / 0)
 
 
+def test_pins_hold_points_where_they_go(bare):
+    points = np.zeros((2, 9, 3))
+    points[:, :, 1] = -np.linspace(0, 0.04, 9)
+    points[1, :, 0] = 0.1
+    sim = ws.Simulation(bare, groom=ws.Groom(points))
+    place = points[0, 5] + [0.005, 0.002, 0.0]
+    for part in np.linspace(0, 1, 50):
+        sim.set_pins([5], [points[0, 5] + part * (place - points[0, 5])])
+        sim.step()
+    sim.run(0.1)
+    assert np.allclose(sim.hair.positions[5], place, atol=1e-6)
+    sim.set_pins([], [])
+    sim.run(0.5)
+    assert np.linalg.norm(sim.hair.positions[5] - place) > 1e-3
+    for points, places, name in [([99], [place], "points"), ([9], [place], "points"), ([5], [place[:2]], "places"),
+                                 ([5.5], [place], "points"), ([5, 6], [place], "places")]:
+        with pytest.raises(ValueError, match=name):
+            sim.set_pins(points, places)
+
+
 def test_roots_turn_with_their_frames(bare):
     points = np.zeros((1, 5, 3))
     points[0, :, 0] = np.linspace(0, 0.01, 5)
