@@ -96,7 +96,6 @@ impl Place {
 
 /// Contact of a place with a body within a step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[expect(clippy::struct_excessive_bools, reason = "a contact has any of these states at once")]
 pub struct Contact {
     /// Normal out of the body, of a point also where it does not touch.
     pub normal: DVec3,
