@@ -120,7 +120,7 @@ fn wrong_constants_of_strands_turn_rows_red() {
         (&wind::IMPULSE, "params.step * (point.force", "1.01 * params.step * (point.force", "momentum"),
         (&rods::GAUSS_SEIDEL, "w = 0.25", "w = 0.252", "twin-rods"),
         (&rods::PREDICT, "params.step * (2.0 / 3.0)", "params.step * 0.667", "twin-rods"),
-        (&rods::SOLVE, "body.friction * before.lag", "1.01 * body.friction * before.lag", "contact"),
+        (&rods::SOLVE, "mu * before.lag", "1.01 * mu * before.lag", "contact"),
         (&contact::AIR, "CLEARANCE: f32 = 0.5", "CLEARANCE: f32 = 0.501", "contact"),
     ]);
 }

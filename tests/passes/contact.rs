@@ -128,7 +128,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::contact::PLACE, "0.5 * (body.start + body.end)", "0.51 * (body.start + body.end)", BODIES),
     (&shaders::contact::BEGIN, "RISE * along < depth", "RISE * along < depth + 0.01", BODIES),
     (&shaders::contact::BEGIN, "before = start.distance", "before = 0.999 * start.distance", BODIES),
-    (&shaders::rods::SOLVE, "body.friction * before.lag", "0.9 * body.friction * before.lag", BODIES),
+    (&shaders::rods::SOLVE, "mu * before.lag", "0.9 * mu * before.lag", BODIES),
     (&shaders::rods::SOLVE, "contact.place * arm", "0.9 * contact.place * arm", THIN_BODY),
     (&shaders::rods::SOLVE, "* contact.curve", "* 0.5 * contact.curve", THIN_BODY),
     (&shaders::contact::AIR, "CLEARANCE * params.spacing", "0.9 * CLEARANCE * params.spacing", BODIES),
