@@ -76,8 +76,9 @@ const RADIUS: f64 = 0.01;
 pub(super) fn bodies(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut hit = Sweep::new("largest stretch at any time", f64::INFINITY, "").over("speed of the body [m/s]");
     let mut longer = Sweep::new("stretch two steps after the hit, and later", 0.02, "").over("speed of the body [m/s]");
-    let mut within = Sweep::new("deepest point in the ball", 1e-6, "m");
-    let mut between = Sweep::new("deepest place of a segment in the ball", 1e-4, "m");
+    let mut within =
+        Sweep::new("deepest place of a segment in a ball that goes less than its radius in a step", 1e-4, "m");
+    let mut beyond = Sweep::new("the same, in one that goes more", f64::INFINITY, "m");
     let mut slips = Sweep::new("points that slip through the ball, more than 1 mm deep", f64::INFINITY, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
     for (coupling, keys) in COUPLINGS {
@@ -98,14 +99,14 @@ pub(super) fn bodies(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 let setting = format!("{speed} m/s");
                 hit.add(&series, &setting, speed, felt.hit);
                 longer.add(&series, &setting, speed, felt.after);
-                within.add(&series, &setting, speed, felt.depth);
-                between.add(&series, &setting, speed, felt.depth_between);
+                let deepest = if speed * simulation.dt() < RADIUS { &mut within } else { &mut beyond };
+                deepest.add(&series, &setting, speed, felt.depth);
                 slips.add(&series, &setting, speed, felt.slips);
                 resets.add(&series, &setting, speed, super::resets(&simulation));
             }
         }
     }
-    Ok(vec![hit, longer, within, between, slips, resets])
+    Ok([hit, longer, within, beyond, slips, resets].into_iter().filter(|sweep| !sweep.samples.is_empty()).collect())
 }
 
 /// What a body did to hair.
@@ -114,10 +115,8 @@ struct Hit {
     hit: f64,
     /// Largest stretch from the second step after the first touch on.
     after: f64,
-    /// Depth of the deepest point \[m\].
-    depth: f64,
     /// Depth of the deepest place of a segment \[m\].
-    depth_between: f64,
+    depth: f64,
     /// Number of points that went through the body in a step.
     slips: f64,
 }
@@ -129,7 +128,7 @@ const PLACES: u32 = 32;
 
 fn through(simulation: &mut Simulation, steps: u64) -> Result<Hit, Error> {
     let hair = simulation.initial().hair.clone();
-    let mut hit = Hit { hit: 0.0, after: 0.0, depth: 0.0, depth_between: 0.0, slips: 0.0 };
+    let mut hit = Hit { hit: 0.0, after: 0.0, depth: 0.0, slips: 0.0 };
     let mut touched = None;
     let origin = simulation.initial().origin;
     let body = |simulation: &Simulation| -> Shape { simulation.scene().bodies[0].at(simulation.time()) };
@@ -145,10 +144,9 @@ fn through(simulation: &mut Simulation, steps: u64) -> Result<Hit, Error> {
             let places = (0..=PLACES).map(|k| from.lerp(to, f64::from(k) / f64::from(PLACES)));
             places.map(depth_of).fold(f64::NEG_INFINITY, f64::max)
         };
-        let depth = x.iter().map(|x| depth_of(*x)).fold(f64::NEG_INFINITY, f64::max);
-        hit.depth = hit.depth.max(depth);
         let segments = (0..hair.len()).flat_map(|s| x[hair.points(s)].windows(2));
-        hit.depth_between = segments.map(|ends| deepest(ends[0], ends[1])).fold(hit.depth_between, f64::max);
+        let depth = segments.map(|ends| deepest(ends[0], ends[1])).fold(f64::NEG_INFINITY, f64::max);
+        hit.depth = hit.depth.max(depth);
         hit.slips += before.iter().zip(&x).filter(|(a, b)| deepest(**a + travel, **b) > SLIPS).count() as f64;
         before = x;
         if depth > -1e-7 && touched.is_none() {
