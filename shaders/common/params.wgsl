@@ -41,6 +41,7 @@ struct Params {
     air_density: f32,             // kg/m^3
     kinematic_viscosity: f32,     // m^2/s, of the drag on segments
     lift: f32,                    // C_l
+    skin_friction: f32,           // C_f, of air along bodies
     published_law: u32,           // confinement as printed, else the band law
     direct_rods: u32,             // rods by the direct solver, else by Gauss-Seidel
     bdf2: u32,                    // rods by BDF2, else by implicit Euler

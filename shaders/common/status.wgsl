@@ -15,7 +15,8 @@ const ASLEEP_STEP: u32 = 5u;     // a strand slept
 const TELEPORT: u32 = 6u;        // a strand moved as a whole with its root
 const UNSOLVED_STEP: u32 = 7u;   // a strand had not settled after the last Newton step
 const EXCHANGE_LIMITED: u32 = 8u;   // a hair point whose exchange with the air was limited
-const COUNTERS: u32 = 9u;
+const AIR_BESIDE: u32 = 9u;      // a step in which air beside bodies was not as dense as it should be, or went too far
+const COUNTERS: u32 = 10u;
 
 const BY_RESET: u32 = 0u;    // passes that find strands which are not finite: rods/reset as the step begins,
 const BY_UPDATE: u32 = 1u;   // rods/update after the solve,
@@ -38,6 +39,8 @@ struct Status {
     inspected: u32,                   // 1: this step began with `rods/reset`
     hair_outside: atomic<u32>,        // hair points outside the box of air, this step
     outside_steps: u32,               // steps on end with many of them
+    way_beside: atomic<u32>,          // d, farthest way of air beside bodies in this step, the bits of a positive f32
+    off_steps: u32,                   // steps on end in which the density of the air beside bodies was off
     wind: array<f32, 3>,              // m/s, mean wind at the end of this step
     wind_before: array<f32, 3>,       // m/s, at its start
     fastest_wind: f32,                // m/s, largest speed of the mean wind in its table

@@ -1,36 +1,52 @@
-// Air flows around bodies. A particle that is nearer to a surface than its parcel allows, which is half a spacing, is
-// moved out by the nearest way and loses its velocity toward the surface; along the surface air slips freely.
+// Air flows around bodies. A particle that is nearer to a surface than its clearance is moved out by the nearest way and loses its velocity
+// toward the surface. The move itself gives no velocity: air that a turning body has left inside would be shot out.
 //
-// The move itself gives no velocity: air that a density correction or a turning body has left inside would be shot out.
+// Within a spacing the surface holds air back, by a stress of 1/2 C_f rho |v_t|^2 on a layer of one spacing:
+//
+//   v_t *= exp(-1/2 C_f |v_t| dt/d)                v_t: along the surface, relative to it
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, body::{Placed, ROUNDS, surface, surface_move}, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, body::{ROUNDS, surface_move}, nearest::{nearest, placed},
+    wall::{Wall, CLEARANCE}, status::{status, frozen},
 };
 
-@group(0) @binding(2) var<storage, read>       placed:       array<Placed>;
-@group(0) @binding(3) var<storage, read>       correction:   array<vec4f>;   // m; `fluid/velocity` makes velocity of it
-@group(0) @binding(4) var<storage, read_write> predicted:    array<vec4f>;
-@group(0) @binding(5) var<storage, read_write> new_velocity: array<vec4f>;
-
-const CLEARANCE: f32 = 0.5;   // least distance of a particle from a surface, its parcel's half width [particle spacings]
+@group(0) @binding(2) var<storage, read>       correction:   array<vec4f>;   // m; `fluid/velocity` makes velocity of it
+@group(0) @binding(3) var<storage, read_write> predicted:    array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> new_velocity: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> wall:         array<Wall>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = params.hair_points + invocation(id, groups);
     if (i >= params.particles) | frozen() { return; }
     var x = predicted[i].xyz;
-    let corrected = select(vec3f(0.0), correction[i].xyz / params.step, i < params.constrained);
+    let constrained = i < params.constrained;
+    let corrected = select(vec3f(0.0), correction[i].xyz / params.step, constrained);
     var v = new_velocity[i].xyz + corrected;
-    let clearance = CLEARANCE * params.spacing;
-    let bodies = arrayLength(&placed);
-    for (var k = 0u; k < ROUNDS * bodies; k++) {
-        let body = placed[k % bodies];
-        let near = surface(body, x);
-        let gap = near.distance - clearance;
-        if gap >= 0.0 { continue; }
-        x -= gap * near.normal;
-        let into = dot(near.normal, v - surface_move(body, x) / params.step);
-        v -= min(into, 0.0) * near.normal;
+    var taken = vec3f(0.0);
+    var near = nearest(x);
+    for (var round = 0u; round < ROUNDS; round++) {
+        let gap = near.surface.distance - CLEARANCE * params.spacing;
+        if gap >= 0.0 { break; }
+        x -= gap * near.surface.normal;
+        let into = min(0.0, dot(near.surface.normal, v - surface_move(placed[near.body], x) / params.step));
+        v -= into * near.surface.normal;
+        taken += into * near.surface.normal;
+        near = nearest(x);
+    }
+    let velocity = surface_move(placed[near.body], x) / params.step;
+    if near.surface.distance < params.spacing {
+        let slip = v - velocity;
+        let along = slip - dot(slip, near.surface.normal) * near.surface.normal;
+        let held = (1.0 - exp(-0.5 * params.skin_friction * length(along) * params.step / params.spacing)) * along;
+        v -= held;
+        taken += held;
     }
     predicted[i] = vec4f(x, predicted[i].w);
     new_velocity[i] = vec4f(v - corrected, 0.0);
+    if near.surface.distance < params.kernel_radius {
+        atomicMax(&status.way_beside, bitcast<u32>(length(v - velocity) * params.step / params.spacing));
+    }
+    // Solver pbf has no pressure, and its air no wall yet.
+    if constrained { wall[i] = Wall(near.surface.normal, 0.0, vec3f(0.0), near.body, 0.0, near.surface.distance, 0.0); }
+    wall[i].taken += taken;
 }

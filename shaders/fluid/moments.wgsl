@@ -5,11 +5,13 @@
 //   B_i = (0.02 - sum_j V_j grad_i W (x) (x_i - x_j))^-1;  1 where that is hardly a matrix
 //   a_i = w_i |sum_j V_j B_i grad_i W|^2 + sum_j w_j V_j^2 |B_i grad_i W|^2 + alpha        w inverse mass, 1 for air
 //
+// A body's wall adds its part (`common/wall.wgsl`): Psi to theta, 2 P phi n n^T to the matrix, -k n to the first sum, k = 2 P n . B n.
+//
 // With it the push of the pressure that the step before left, lambda B/V.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, sph_kernels::poly6_factor, pairs::Pair,
     clusters::{take_particle, has_none, of_flow, meet_own_kind}, pressure::{Pressed, Gradients, Stress, allowed, share_of},
-    symmetric::{Symmetric, adjugate_of, applied, applied_to_columns, determinant, scaled},
+    body::BODIES, wall::{Wall, density_beyond}, symmetric::{Symmetric, adjugate_of, applied, applied_to_columns, determinant, dyad, plus, scaled},
 };
 
 const FLOOR: f32 = 0.02;      // added to the matrix before it is inverted
@@ -21,6 +23,7 @@ const LARGEST: f32 = 6.0;     // trace of B above which it is not taken
 @group(0) @binding(5) var<storage, read_write> density:   array<f32>;     // rho / rho_0
 @group(0) @binding(6) var<storage, read_write> gradients: array<Gradients>;
 @group(0) @binding(7) var<storage, read_write> stress:    array<Stress>;
+@group(0) @binding(8) var<storage, read_write> wall:      array<Wall>;
 
 var<private> theta: f32;
 var<private> sum: vec3f;
@@ -72,8 +75,20 @@ fn main(
     theta = own.w * poly6_factor();
     meet_own_kind(own.xyz);
     if has_none() { return; }
-    let b = corrected(Symmetric(moment, moment_off));
-    let turned = applied(b, sum);
+    var moments = Symmetric(moment, moment_off);
+    var seen = Wall();
+    if BODIES {
+        seen = wall[i];
+        theta += density_beyond(seen.distance);
+        moments = plus(moments, dyad(2.0 * seen.weight * max(seen.distance, 0.0), seen.normal));
+    }
+    let b = corrected(moments);
+    var turned = applied(b, sum);
+    if BODIES {
+        let k = 2.0 * seen.weight * dot(seen.normal, applied(b, seen.normal));
+        turned -= k * seen.normal;
+        wall[i].weight = k;
+    }
     // The trace of B times the matrix of squares times B.
     let squares = Symmetric(square, square_off);
     let columns = mat3x3f(
@@ -86,5 +101,5 @@ fn main(
     density[i] = theta;
     gradients[i] = Gradients(b.diagonal, response, b.off_diagonal);
     let pressure = allowed(pressed[i].pressure, theta) / own.w;
-    stress[i] = Stress(pressure * b.diagonal, 0.0, pressure * b.off_diagonal);
+    stress[i] = Stress(pressure * b.diagonal, 0.0, pressure * b.off_diagonal, pressure);
 }

@@ -13,9 +13,11 @@
 // since crowded air would stay crowded. With the model PARTICLES and with bodies this is left out: there hair or bodies take the place of air, and the
 // sum over air alone is uneven about them.
 //
+// Bodies are walls to the sum, which gets -P n of theirs (`common/wall.wgsl`), and beside them the second term is at least 0.12 of the way.
+//
 // After Xu, Stansby & Laurence (2009) and Lind et al. (2012); it goes with the step, so that its diffusion vanishes with it.
 import package::common::{
-    params::params, dispatch::WORKGROUP, status::status, lanes::Near, sph_kernels::spiky_factor, pairs::{Pair, gradient_to, apart},
+    params::params, dispatch::WORKGROUP, status::status, body::BODIES, wall::Wall, lanes::Near, sph_kernels::spiky_factor, pairs::{Pair, gradient_to, apart},
     clusters::{take_particle, has_none, of_air, meet_own_kind}, matter::Exchange,
 };
 
@@ -24,11 +26,13 @@ const DEFORMED: f32 = 0.05;   // at most, of the deformation in a step
 const STILL: f32 = 1e-3;      // of the way or deformation in 1.38 ms: below that air is still, and from twice that on it is not
 const LARGEST: f32 = 0.1;
 const FARTHEST: f32 = 0.25;   // d, of the shift
+const BESIDE: f32 = 0.12;     // of the way in a step beside bodies
 
 @group(0) @binding(3) var<storage, read>       predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(4) var<storage, read>       new_velocity: array<vec4f>;   // m/s
 @group(0) @binding(5) var<storage, read>       exchange:     array<Exchange>;   // the deformation is anything where wind blows
 @group(0) @binding(6) var<storage, read_write> shift:        array<vec4f>;   // m
+@group(0) @binding(7) var<storage, read>       wall:         array<Wall>;
 
 var<private> uneven: vec3f;
 var<private> met: u32;   // one more than the largest index of a neighbour that lies on the particle
@@ -59,6 +63,10 @@ fn main(
         let motion = max(deformed, params.step * speed / params.spacing);
         let settles = clamp(2.0 * params.settling - motion / STILL, 0.0, params.settling);
         part = max(part, max(min(DEFORMED, deformed), settles * params.kernel_radius * length(uneven)));
+    }
+    if BODIES {
+        uneven -= wall[i].weight * wall[i].normal;
+        part = max(part, BESIDE * wall[i].way);
     }
     let delta = -params.kernel_radius * params.kernel_radius * min(LARGEST, part) * uneven;
     let farthest = FARTHEST * params.spacing;

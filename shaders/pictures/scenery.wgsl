@@ -1,19 +1,19 @@
 // Draws what is behind the hair: the backdrop, and the patch that the hair grows from.
 import package::pictures::{common::view, backdrop::backdrop, shadow::optical_depth};
 
-struct Wall {
+struct Backdrop {
     @builtin(position) position: vec4f,
     @location(0)       at:       vec2f,
 }
 
 @vertex
-fn wall_vertex(@builtin(vertex_index) index: u32) -> Wall {
+fn backdrop_vertex(@builtin(vertex_index) index: u32) -> Backdrop {
     let corner = vec2f(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0);
-    return Wall(vec4f(corner, 1.0, 1.0), 0.5 - 0.5 * corner);
+    return Backdrop(vec4f(corner, 1.0, 1.0), 0.5 - 0.5 * corner);
 }
 
 @fragment
-fn wall_fragment(in: Wall) -> @location(0) vec4f {
+fn backdrop_fragment(in: Backdrop) -> @location(0) vec4f {
     // Half a step of 8 bits more or less, in a pattern that compresses well (Bayer), or the gradient shows bands.
     let pixel = vec2u(in.position.xy);
     let a = pixel & vec2u(1u);
@@ -37,7 +37,7 @@ fn patch_vertex(@location(0) x: vec3f, @location(1) normal: vec3f) -> Patch {
 fn patch_fragment(in: Patch) -> @location(0) vec4f {
     let normal = normalize(in.normal);
     let to_eye = normalize(view.eye.xyz - in.x);
-    // The first part is the light that the wall throws back.
+    // The first part is the light that the backdrop throws back.
     var sum = vec3f(0.45);
     for (var light = 0u; light < 2u; light++) {
         let toward = view.lights[light].toward.xyz;

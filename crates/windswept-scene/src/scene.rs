@@ -250,8 +250,6 @@ impl Scene {
             Some("fluid.coarse is false")
         } else if self.interaction.model == Model::Particles {
             Some("interaction.model is particles: the coarse grid does not know hair")
-        } else if !self.bodies.is_empty() {
-            Some("the scene has bodies, through which the coarse grid would push air")
         } else if self.air.as_ref().is_some_and(|air| air.kernel_radius < LEAST_COARSE_RADIUS * air.parcel().cbrt()) {
             Some("air.kernel_radius is below 1.5 particle spacings, too few neighbours for the coarse grid's pressure")
         } else {

@@ -397,6 +397,15 @@ impl Engine {
         Ok(program.run_profiled(&self.gpu)?)
     }
 
+    /// Gives air beside bodies the velocity that it starts with, by passes over pressures of zero.
+    ///
+    /// # Errors
+    /// As [`Self::evaluate`].
+    pub(crate) fn start(&mut self, record: impl Fn(&mut Recorder<'_>)) -> Result<(), RunError> {
+        self.write(&self.state.pressed, &vec![Pressed::default(); self.sizes.pressed as usize])?;
+        self.evaluate(record).map(|_| ())
+    }
+
     /// Copies the committed positions and velocities to where a step's own stand, for headings that run on their own.
     ///
     /// # Errors

@@ -81,6 +81,7 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
         params.fringe = air.fringe as f32;
         params.air_density = air.rest_density as f32;
         params.kinematic_viscosity = air.kinematic_viscosity as f32;
+        params.skin_friction = air.skin_friction as f32;
         params.kernel_radius = air.kernel_radius as f32;
         params.viscosity_eddies = scene.viscosity.eddies(initial.air.volume, air.kernel_radius) as f32;
         params.cell_size = [air.kernel_radius as f32; 3];

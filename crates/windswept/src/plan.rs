@@ -113,6 +113,8 @@ pub struct Plan {
     pub limited_clusters: Range<u32>,
     /// Whether there is a body to stay out of.
     pub bodies: Decision,
+    /// Whether bodies are walls to the air's pressure.
+    pub walls: Decision,
 }
 
 /// A band of eddies: whether it is strengthened, and the dispatches of its filter.
@@ -172,6 +174,7 @@ impl Plan {
         ));
         let pbf = air.and(Decision::when(is_pbf, "fluid.solver is divergence"));
         let divergence = air.and(Decision::when(!is_pbf, "fluid.solver is pbf"));
+        let bodies = Decision::when(sizes.bodies > 0, "the scene has no bodies");
         let coarse =
             divergence.and(scene.why_no_coarse().map_or(Decision::when(true, ""), |why| Decision::when(false, why)));
         let first_coarse = setup.coarse.as_ref().map_or(0, |coarse| coarse.first);
@@ -229,7 +232,7 @@ impl Plan {
                 .and(Decision::when(!two_way, "interaction.model is two-way: hair and air exchange drag")),
             deformation: divergence.and(deformation(eddies, is_still)),
             eddies,
-            divergence,
+            divergence: divergence.clone(),
             coarse,
             coarse_axes: [0, 1, 2].map(|axis| Index::new(first_coarse + axis)),
             coarse_solve: Index::new(first_coarse + 3),
@@ -248,7 +251,8 @@ impl Plan {
             viscosity,
             limiter,
             limited_clusters,
-            bodies: Decision::when(sizes.bodies > 0, "the scene has no bodies"),
+            walls: divergence.and(bodies.clone()),
+            bodies,
         }
     }
 

@@ -146,7 +146,13 @@ impl Simulation {
         if hair == Hair::Given {
             plan.mend_strands();
         }
-        let engine = Engine::sharing(gpu, &setup, |state| step::recordings(state, &plan))?;
+        let mut engine = Engine::sharing(gpu, &setup, |state| step::recordings(state, &plan))?;
+        if plan.walls.runs {
+            // Where there is no room for the neighbours the first step says so.
+            if let Err(RunError::Gpu(error)) = engine.start(|r| step::record_start(r, &plan)) {
+                return Err(error.into());
+            }
+        }
         let recording = Recorder::record(engine.state(), |r| step::record(r, &plan));
         let program = engine.program(&recording)?;
         let last = engine.status()?;

@@ -13,6 +13,7 @@ use windswept_shaders::{
         air::Sampled,
         band::Band,
         body::{Body, Placed},
+        by_body::CHUNKS,
         contact::{Contact, ContactHistory},
         dispatch::WORKGROUP,
         field::Field,
@@ -32,6 +33,7 @@ use windswept_shaders::{
         row::Row,
         rub::Rub,
         status::Status,
+        wall::Wall,
     },
     fluid::divergence::Iteration,
     rods::solve::Factor,
@@ -109,6 +111,12 @@ impl Sizes {
     #[must_use]
     pub fn air(&self) -> u32 {
         self.particles - self.hair_points
+    }
+
+    /// Particles that bodies are walls to: none without air or bodies.
+    #[must_use]
+    pub fn walls(&self) -> u32 {
+        if self.air() > 0 && self.bodies > 0 { self.particles } else { 0 }
     }
 
     /// Contacts of points and segments with bodies.
@@ -243,6 +251,8 @@ state! {
     contact_history: ContactHistory, |s| s.contacts();
     /// Impulse that confinement has given the air in the whole run \[kg m/s\].
     confinement_impulse: Vec4, |_| 1;
+    /// Impulse that the air has given a body in the whole run \[kg m/s\].
+    body_impulse: Vec4, |s| if s.air() > 0 { s.bodies } else { 0 };
 
     [Kept] // Constant.
     /// Inverse mass of a hair point \[1/kg\]; 0 where it is held.
@@ -288,6 +298,9 @@ state! {
     squeezed: f32, |s| s.hair_points;
     /// Slip that friction holds a hair point back from, after this step \[m/s\].
     grip: Vec4, |s| s.hair_points;
+
+    /// Impulse of the coarse pressure on a body in the last step, over the mass of an air particle \[m/s\]; zero without a coarse grid.
+    coarse_impulse: Vec4, |s| s.bodies;
 
     // Written by a pass in part: the rest is zero for good.
     /// What XSPH is to exchange at a particle: S of the limiter, and how the flow deforms air, from which unresolved eddies have their
@@ -341,6 +354,9 @@ state! {
     pressed: Pressed, |s| s.pressed;
     /// What corrects the gradients of the kernel at a particle, and how its divergence gives way \[1/m²\].
     gradients: Gradients, |s| s.pressed;
+    /// The wall that a body is to a particle near it: normal, distance, velocity, the kernel's part beyond it, and what the body has had of the
+    /// particle.
+    wall: Wall, |s| s.walls();
     /// What a particle pushes its neighbours by \[1/(m s)\], and its divergence \[1/s\].
     stress: Stress, |s| s.pressed;
     /// What air brings to the coarse grid, in cell order: its place \[node spacings\]; w: its divergence \[1/s\].
@@ -353,6 +369,12 @@ state! {
     coarse_change: Vec4, |s| if s.coarse_nodes > 0 { s.particles } else { 0 };
     /// Sums over the air: that change q \[m/s\], q·v \[m²/s²\], v \[m/s\], q·q \[m²/s²\].
     coarse_total: Vec4, |_| 2;
+    /// Sums over sites in a body, as if air filled it: of that change q \[m/s\], q·v \[m²/s²\], v \[m/s\], and the number of particles.
+    solid_total: [f32; 8], |s| s.bodies;
+    /// Sums over the air whose nearest body this is: the impulse on the body \[m/s\], (θ − 1)² within a kernel radius, the number of particles there.
+    felt: [f32; 8], |s| s.bodies;
+    /// Partial sums for each body.
+    partial_by_body: [f32; 8], |s| s.bodies.saturating_mul(CHUNKS);
     /// Lagrange multiplier of a particle's density constraint, and the part of it that becomes velocity \[kg m²\].
     multiplier: [f32; 2], |s| s.particles;
     /// Frames, turns and strain of a segment in this step.

@@ -32,6 +32,16 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     guard::record(r, plan); //      9. Commit, or freeze and report.
 }
 
+/// Records how air beside bodies gets its velocity before the first step. The passes run over the state copied to `predicted` and
+/// `new_velocity`, and over pressures of zero.
+pub fn record_start(r: &mut Recorder<'_>, plan: &Plan) {
+    r.when(&plan.walls, |r| {
+        drive::record_start(r, plan);
+        neighbours::record(r, plan);
+        fluid::record_start(r, plan);
+    });
+}
+
 /// A quantity of the committed state, for reports and pictures. Its passes run over the state copied to `predicted` and
 /// `new_velocity`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,7 +73,8 @@ pub fn recordings(state: &State, plan: &Plan) -> Vec<Recording> {
     });
     let quantities = [Quantity::Density, Quantity::Vorticity];
     let measured = quantities.map(|quantity| Recorder::record(state, |r| record_quantity(r, plan, quantity)));
-    steps.chain(measured).collect()
+    let start = Recorder::record(state, |r| record_start(r, plan));
+    steps.chain(measured).chain([start]).collect()
 }
 
 /// Records the passes that a quantity takes.

@@ -44,6 +44,8 @@ table! {
         ramp: f64 = NonNegative, "s", Value(0.05);
         /// Kinematic viscosity ν of the drag on segments: that of real air.
         kinematic_viscosity: f64 = Positive, "m²/s", Value(Air::KINEMATIC_VISCOSITY);
+        /// Skin friction coefficient C_f of air along bodies: a stress of ½ C_f ρ v² on the layer of one particle spacing.
+        skin_friction: f64 = NonNegative, "", Value(0.1);
         /// Keyframes of what is added to the wind: linear between them, held before and after.
         gust: Vec<Gust> = Tables, "", Absent("no gusts");
         /// Largest offset of a particle from its site of the lattice at the start, along each axis, in particle spacings.

@@ -118,6 +118,16 @@ impl Simulation {
         Ok(sum.filter(|_| self.plan.turbulence.runs))
     }
 
+    /// Impulse that the air has given each body so far, by its pressure and by friction, in the order of the scene \[kg m/s\]; empty without air
+    /// particles. The force on a body in a step is the change of its impulse over the step. What hair gives bodies is not in it.
+    ///
+    /// # Errors
+    /// [`RunError::Gpu`] when the device is lost.
+    pub fn body_impulses(&self) -> Result<Vec<[f64; 3]>, RunError> {
+        let [impulses] = self.engine.read_vec4([&self.engine.state().body_impulse])?;
+        Ok(impulses.iter().map(|p| [p[0], p[1], p[2]].map(f64::from)).collect())
+    }
+
     /// Number of substeps that were timed pass by pass: one in every eighth batch, from the second on, and all of
     /// [`Self::step_timed`]. The times of
     /// [`Self::pass_times`] are means over them, so that a caller who asks again and again can tell what the newest one took.

@@ -1,6 +1,9 @@
 //! 5. Air flows around bodies. What hair does there is solved with its rods, in heading 4.
 
-use windswept_shaders::contact;
+use windswept_shaders::{
+    common::{by_body::CHUNKS, dispatch::WORKGROUP},
+    contact, sums,
+};
 
 use crate::{plan::Plan, recorder::Recorder};
 
@@ -9,7 +12,13 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("5. contact");
     r.when(&plan.bodies, |r| {
         r.when(&plan.air, |r| {
-            r.run(&contact::AIR, "air flows around bodies", plan.sizes.air());
+            let (n, s) = (&plan.sizes, r.state());
+            r.run(&contact::AIR, "air flows around bodies", n.air());
+            r.run(&contact::IMPULSE, "what air gives each body", n.bodies * CHUNKS * WORKGROUP)
+                .bind("partial_sum", &s.partial_by_body);
+            r.run(&sums::BY_BODY, "totals of each body", n.bodies)
+                .bind("partial_sum", &s.partial_by_body)
+                .bind("totals", &s.felt);
         });
     });
 }

@@ -54,4 +54,14 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.divergence, |r| {
         r.run(&fluid::ADVANCE, "air moves on as pressure last changed it", n.air());
     });
+    r.when(&plan.walls, |r| {
+        r.run(&fluid::WALL, "air that would be in a body moves out", n.particles);
+    });
+}
+
+/// Records where bodies are in the first step, and the walls that they are to the air.
+pub fn record_start(r: &mut Recorder<'_>, plan: &Plan) {
+    r.heading("1. drive");
+    r.run(&contact::PLACE, "bodies move", plan.sizes.bodies);
+    r.run(&fluid::WALL, "walls that bodies are to air", plan.sizes.particles);
 }

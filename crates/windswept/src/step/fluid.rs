@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use windswept_shaders::{
     coarse,
-    common::{mesh::Mesh, reduce::TERMS},
+    common::{by_body::CHUNKS, dispatch::WORKGROUP, mesh::Mesh, reduce::TERMS},
     fluid,
     fluid::divergence::Iteration,
     sums,
@@ -16,6 +16,9 @@ use crate::{
     recorder::Recorder,
     step::ONE_WORKGROUP,
 };
+
+/// Rounds of the pressure before the first step.
+const START: u32 = 8;
 
 /// Records the passes of this heading.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
@@ -60,16 +63,37 @@ fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
     });
     r.meet(&fluid::SPREAD, "how air spreads evenly", n.clusters_of_air());
     r.run(&fluid::PLACE, "air spreads", n.air());
+    r.when(&plan.walls, |r| {
+        r.run(&fluid::WALL, "walls that bodies are to air", n.particles);
+    });
     r.meet(&fluid::MOMENTS, "density, and gradients corrected", plan.flowing_clusters());
     r.meet(&fluid::PUSH, "the pressure before pushes", plan.flowing_clusters());
+    solve(r, plan);
+    r.when(&plan.walls, |r| {
+        r.run(&fluid::PATH, "air beside bodies goes by its mean velocity", n.air());
+    });
+    r.when(&plan.pressed_hair, |r| {
+        r.run(&fluid::IMPULSE, "what pressure gives hair", n.hair_points);
+    });
+}
+
+/// Records how air that is where it starts gets a velocity without divergence before the first step: no time passes.
+pub fn record_start(r: &mut Recorder<'_>, plan: &Plan) {
+    r.heading("3. fluid");
+    r.meet(&fluid::MOMENTS, "density, and gradients corrected", plan.flowing_clusters());
+    for _ in 0..START {
+        solve(r, plan);
+    }
+    r.run(&fluid::START, "the velocity that air starts with", plan.sizes.air());
+}
+
+/// The divergence is taken out: on a coarse grid, then by iterations.
+fn solve(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.coarse, |r| on_coarse_grid(r, plan));
     for iteration in &plan.pressure_iterations {
         divergence(r, plan, *iteration);
         r.meet(&fluid::PUSH, "pressure pushes", plan.flowing_clusters());
     }
-    r.when(&plan.pressed_hair, |r| {
-        r.run(&fluid::IMPULSE, "what pressure gives hair", n.hair_points);
-    });
 }
 
 fn divergence(r: &mut Recorder<'_>, plan: &Plan, iteration: Index<Iteration>) {
@@ -97,7 +121,16 @@ fn on_coarse_grid(r: &mut Recorder<'_>, plan: &Plan) {
     r.run(&coarse::GATHER, "what the coarse pressure changes", n.air()).bind("mesh", &mesh).bind("nodes", &s.coarse);
     r.run(&sums::CHANGES, "sums of what it changes", n.air().div_ceil(TERMS)).bind("changes", &s.coarse_change);
     r.run(&sums::TOTAL, "totals of what it changes", ONE_WORKGROUP).bind("totals", &s.coarse_total);
-    r.run(&coarse::PUSH, "the coarse pressure pushes", n.air());
+    r.when(&plan.walls, |r| {
+        r.run(&coarse::SOLID, "what it would change bodies by", n.bodies * CHUNKS * WORKGROUP)
+            .bind("mesh", &mesh)
+            .bind("nodes", &s.coarse)
+            .bind("partial_sum", &s.partial_by_body);
+        r.run(&sums::BY_BODY, "totals of each body", n.bodies)
+            .bind("partial_sum", &s.partial_by_body)
+            .bind("totals", &s.solid_total);
+    });
+    r.run(&coarse::PUSH, "the coarse pressure pushes", n.air().max(n.bodies));
 }
 
 fn wave(r: &mut Recorder<'_>, plan: &Plan, label: &'static str, axis: Index<Mesh>, [from, to]: [&AnyArray; 2]) {

@@ -20,6 +20,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.bodies.and(plan.hair.clone()), |r| {
         r.run(&guard::COMMIT_CONTACTS, "commit contacts with bodies", n.contacts());
     });
+    r.when(&plan.bodies.and(plan.air.clone()), |r| {
+        r.run(&guard::COMMIT_BODIES, "commit what air gave bodies", n.bodies);
+    });
     r.when(&plan.air, |r| {
         r.run(&guard::COMMIT_AIR, "commit air in the order of cells", n.air()).bind("final_velocity", &velocity);
     });
