@@ -150,6 +150,11 @@ fn surface_move(body: Placed, x: vec3f) -> vec3f {
     return x - (body.center_before + rotate(conjugate(body.turn), x - body.center));
 }
 
+// Where a step carries the body's own point that is at `x` before it.
+fn carried_on(body: Placed, x: vec3f) -> vec3f {
+    return body.center + rotate(body.turn, x - body.center_before);
+}
+
 // Largest gradient of the distance: of a trilinear one 1 along each axis.
 fn steepest(body: Placed) -> f32 {
     return select(1.0, 1.7320508, is_mesh(body));

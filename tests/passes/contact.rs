@@ -11,6 +11,7 @@ use windswept_scene::{Body, InitialState, Keyframe, Motion, Scene, Shape, Solid}
 use windswept_shaders::{
     self as shaders,
     common::{
+        by_body::CHUNKS,
         contact::{Contact, ContactHistory, LIVE, PLANE, SLIDES},
         rod::{BAD, SLEEPS},
         status::UNSOLVED_STEP,
@@ -20,7 +21,7 @@ use windswept_shaders::{
 use crate::{
     hair::{any, motion, scene_with, set_roots},
     stage::{Stage, quaternion, relative, xyz},
-    steps::{BODIES, Fault, THIN_BODY},
+    steps::{BODIES, Fault, THIN_BODY, WALLS},
     support::{self, Layout},
     walk::{Same, Walk, apart, differing, largest},
 };
@@ -30,12 +31,26 @@ impl Walk<'_> {
         let (stage, bounds, hair) = (self.stage, self.bounds, self.p().hair_points);
         let state = stage.engine.state();
         let mut passes = stage.passes(step::contact::record);
-        contact::run(w, self.p());
+        if self.p().air {
+            contact::run(w, self.p());
+        }
         if passes.through("contact/air") {
             let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
             self.same("contact/air", gap, bounds.length)?;
             let got = self.vectors(&state.new_velocity, hair);
             self.same("contact/air", apart(&got, &w.new_velocity[hair..]), bounds.speed)?;
+            self.taken("contact/air", w, hair)?;
+        }
+        if passes.through("contact/impulse") {
+            let mut wanted = vec![DVec3::ZERO; self.p().bodies.len()];
+            w.walls.iter().for_each(|wall| wanted[wall.body] += wall.taken);
+            let air = (w.predicted.len() - hair) as f64;
+            let parts = stage.engine.read(&state.partial_by_body).unwrap();
+            let sums = parts.chunks(CHUNKS as usize).map(|parts| parts.iter().map(|part| xyz(&part[..3])).sum());
+            self.same("contact/impulse", apart(&sums.collect::<Vec<_>>(), &wanted) / air, bounds.speed)?;
+            passes.through("sums/by_body");
+            let totals: Vec<_> = stage.engine.read(&state.felt).unwrap().iter().map(|sums| xyz(&sums[..3])).collect();
+            self.same("sums/by_body", apart(&totals, &wanted) / air, bounds.speed)?;
         }
         passes.finish();
         Ok(())
@@ -132,6 +147,8 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::rods::SOLVE, "contact.place * arm", "0.9 * contact.place * arm", THIN_BODY),
     (&shaders::rods::SOLVE, "* contact.curve", "* 0.5 * contact.curve", THIN_BODY),
     (&shaders::contact::AIR, "CLEARANCE * params.spacing", "0.9 * CLEARANCE * params.spacing", BODIES),
+    (&shaders::contact::AIR, "-0.5 * params.skin_friction", "-params.skin_friction", WALLS),
+    (&shaders::contact::IMPULSE, "seen.taken", "0.9 * seen.taken", WALLS),
 ];
 
 fn body(shape: Shape, keyframes: &[(f64, [f64; 3], [f64; 3])]) -> Body {
@@ -416,7 +433,7 @@ fn air_is_that_of_the_twin() {
         let (mut x_wanted, mut v_wanted) = (Vec::new(), Vec::new());
         for i in air.clone() {
             let given = corrections[i] / p.step;
-            let (x, v) = contact::air(p, &placed, stage.twin.position[i], v[i] + given);
+            let contact::Beside { x, v, .. } = contact::air(p, &placed, stage.twin.position[i], v[i] + given);
             x_wanted.push(x);
             v_wanted.push(v - given);
         }

@@ -98,7 +98,12 @@ impl Walk<'_> {
             self.same("force/push_air", apart(&self.vectors(&state.wind_change, hair), &w.wind_change), bounds.speed)?;
         }
         if passes.through("fluid/advance") {
-            let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
+            let air = (hair..).zip(&w.wind_change);
+            let advanced = |(i, change): (usize, &DVec3)| {
+                drive::advance(self.p(), s.position[i], s.velocity[i] + *change, s.pressed[i].change).0
+            };
+            let wanted: Vec<_> = air.map(advanced).collect();
+            let gap = self.places(&self.vectors(&state.predicted, hair), &wanted, hair);
             self.same("fluid/advance", gap, bounds.length)?;
             let gap = apart(&self.vectors(&state.new_velocity, hair), &w.new_velocity[hair..]);
             self.same("fluid/advance", gap, bounds.speed)?;
@@ -106,6 +111,9 @@ impl Walk<'_> {
         if passes.through("fluid/predict") {
             let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
             self.same("fluid/predict", gap, bounds.length)?;
+        }
+        if passes.through("fluid/wall") {
+            self.walls(&w)?;
         }
         passes.finish();
         Ok(w)

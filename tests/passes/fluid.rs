@@ -4,11 +4,11 @@ use glam::DVec3;
 use windswept::internals::step;
 use windswept_reference::{State as Twin, fluid, step::Scratch};
 use windswept_scene::{FluidSolver, Model};
-use windswept_shaders as shaders;
+use windswept_shaders::{self as shaders, common::by_body::CHUNKS};
 
 use crate::{
     stage::{Passes, Stage, each, stirred, xyz},
-    steps::{BOUNDS, CROWDED, DIVERGENCE, Fault, LIGHT_HAIR, PARTICLES, PRESSED_HAIR},
+    steps::{BOUNDS, CROWDED, DIVERGENCE, Fault, LIGHT_HAIR, PARTICLES, PRESSED_HAIR, STARTED, WALLS},
     support,
     walk::{Bounds, Same, Walk, apart, largest, mean_change, numbers_apart, walk},
 };
@@ -127,7 +127,7 @@ impl Walk<'_> {
             let gap = numbers_apart(&stage.exchange(|all| all.deformation), &deformation);
             self.same("fluid/deform", gap, bounds.density)?;
         }
-        let shift = fluid::spread(&p, &w.predicted, &w.new_velocity, volume, &w.near, &deformation);
+        let shift = fluid::spread(&p, &w.predicted, &w.new_velocity, volume, &w.near, &deformation, &w.walls);
         assert!(passes.through("fluid/spread"));
         self.same("fluid/spread", apart(&self.vectors(&state.shift, hair), &shift[hair..]), bounds.length)?;
         let before = w.predicted.clone();
@@ -135,8 +135,12 @@ impl Walk<'_> {
         passes.through("fluid/place");
         let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
         self.same("fluid/place", gap, bounds.length)?;
+        if passes.through("fluid/wall") {
+            fluid::walls(w, &p);
+            self.walls(w)?;
+        }
 
-        w.moments = fluid::moments(&p, &w.predicted, mass, volume, &w.near);
+        w.moments = fluid::moments(&p, &w.predicted, mass, volume, &w.near, &w.walls);
         let of_hair = w.density.clone();
         w.density = w.moments.iter().map(|moments| moments.density).collect();
         w.density[..first].copy_from_slice(&of_hair[..first]);
@@ -152,6 +156,11 @@ impl Walk<'_> {
             let response = (f64::from(got.response) / wanted.diagonal - 1.0).abs();
             let size = (xyz(&got.diagonal) - diagonal).length() + (xyz(&got.off_diagonal) - off_diagonal).length();
             size.max(response)
+        });
+        self.same("fluid/moments", largest(gaps), bounds.multiplier)?;
+        let walls = stage.engine.read(&state.wall).unwrap();
+        let gaps = walls.iter().zip(&w.moments).zip(&w.walls).skip(first).map(|((got, moments), _)| {
+            p.kernel_radius * (f64::from(got.weight) * xyz(&got.normal) - moments.wall).length()
         });
         self.same("fluid/moments", largest(gaps), bounds.multiplier)?;
         let each = |i: usize| fluid::start(&p, i, &w.moments[i], &s.pressed[i]);
@@ -171,6 +180,11 @@ impl Walk<'_> {
             assert!(passes.through("fluid/divergence"));
             self.diverging(&rate, w)?;
             self.push(s, w, passes, &mu)?;
+        }
+        if passes.through("fluid/path") {
+            fluid::path(s, w, &p);
+            let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
+            self.same("fluid/path", gap, bounds.length)?;
         }
         if passes.through("fluid/impulse") {
             for i in 0..hair {
@@ -205,8 +219,42 @@ impl Walk<'_> {
         let first = if p.model == Model::Particles { 0 } else { p.hair_points };
         let change = fluid::push(p, &w.predicted, &s.inverse_mass, &s.volume, &w.near, &w.moments, pressure);
         give(w, &change);
+        fluid::taken(w, pressure);
         assert!(passes.through("fluid/push"));
-        self.pushed("fluid/push", w, first)
+        self.pushed("fluid/push", w, first)?;
+        self.taken("fluid/push", w, first)
+    }
+
+    /// What bodies have had of particles so far.
+    pub fn taken(&mut self, pass: &'static str, w: &Scratch, first: usize) -> Same {
+        let walls = self.stage.engine.read(&self.stage.engine.state().wall).unwrap();
+        let both = walls.iter().zip(&w.walls).skip(first);
+        let most = largest(both.clone().map(|(_, wanted)| wanted.taken.length())).max(10.0) / 10.0;
+        let gaps = both.map(|(got, wanted)| (xyz(&got.taken) - wanted.taken).length());
+        self.same(pass, largest(gaps) / most, self.bounds.speed)
+    }
+
+    /// Places of the air, and the walls of all that pressure acts on.
+    pub fn walls(&mut self, w: &Scratch) -> Same {
+        let (stage, p) = (self.stage, self.p());
+        let (state, hair) = (stage.engine.state(), p.hair_points);
+        let first = if p.model == Model::Particles { 0 } else { hair };
+        let walls = stage.engine.read(&state.wall).unwrap();
+        let both = || walls.iter().zip(&w.walls).skip(first);
+        let bodies = both().filter(|(got, wanted)| got.body as usize != wanted.body).count();
+        let lengths = largest(both().map(|(got, wanted)| (f64::from(got.distance) - wanted.distance).abs()));
+        let normals = largest(both().map(|(got, wanted)| (xyz(&got.normal) - wanted.normal).length()));
+        let speeds = both().map(|(got, wanted)| (f64::from(got.speed) - wanted.velocity.dot(wanted.normal)).abs());
+        let ways = largest(both().map(|(got, wanted)| (f64::from(got.way) - wanted.way).abs()));
+        let weights = both().map(|(got, wanted)| {
+            p.kernel_radius * (f64::from(got.weight) - fluid::gradient_beyond(p, wanted.distance)).abs()
+        });
+        let (speeds, weights) = (largest(speeds), largest(weights));
+        let places = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
+        self.same("fluid/wall", bodies as f64, 0.0)?;
+        self.same("fluid/wall", places.max(lengths), self.bounds.length)?;
+        self.same("fluid/wall", normals.max(ways).max(weights), self.bounds.multiplier)?;
+        self.same("fluid/wall", speeds, self.bounds.speed)
     }
 
     /// Velocities, and what of them pressure made, of the particles from `first` on.
@@ -235,7 +283,8 @@ impl Walk<'_> {
         let got = stage.engine.read(&state.brought).unwrap();
         // Air stands first.
         let brought = || sorted.iter().map(|i| *i as usize).zip(&got).take(before.len() - hair);
-        let gaps = brought().map(|(i, got)| (f64::from(got[3]) - fluid::source(rate[i], &w.moments[i])).abs());
+        let brings = |i: usize| fluid::source(rate[i], &w.moments[i], w.new_velocity[i]);
+        let gaps = brought().map(|(i, got)| (f64::from(got[3]) - brings(i)).abs());
         let most = largest(rate.iter().map(|rate| rate.abs())).max(8.0);
         self.same("coarse/source", largest(gaps) / most, bounds.multiplier)?;
         let spacing = p.box_size / DVec3::from_array(p.coarse_nodes.map(|n| n as f64));
@@ -244,7 +293,7 @@ impl Walk<'_> {
         self.same("coarse/source", largest(gaps), bounds.nodes)?;
 
         let nodes = |array| -> Vec<f64> { stage.engine.read(array).unwrap().into_iter().map(f64::from).collect() };
-        let deposited = fluid::coarse_deposit(&p, before, &rate, &w.moments);
+        let deposited = fluid::coarse_deposit(&p, before, &w.new_velocity, &rate, &w.moments);
         passes.through("coarse/deposit");
         let most = largest(deposited.iter().map(|sum| sum.abs())).max(1e-3);
         let gap = numbers_apart(&nodes(&state.coarse), &deposited) / most;
@@ -284,13 +333,46 @@ impl Walk<'_> {
             let gap = (f64::from(totals[k / 4][k % 4]) - sum(k)).abs() / air().len() as f64;
             self.same("sums/total", gap, most * bounds.speed)?;
         }
-        let (mean, part) = fluid::coarse_mean(&p, &w.new_velocity, &change);
+        let solids = fluid::coarse_solid(&p, &w.moving.bodies, &pressure);
+        self.solids(&solids, passes)?;
+        let (mean, part) = fluid::coarse_mean(&p, &w.new_velocity, &change, &solids);
         give(w, &fluid::coarse_push(&p, &change, mean, part));
+        w.coarse_impulse = fluid::coarse_impulse(&solids, mean, part);
         let unpushed = self.vectors(&state.new_velocity, hair);
         passes.through("coarse/push");
-        let driven = mean_change(&unpushed, &self.vectors(&state.new_velocity, hair));
+        let impulse = self.vectors(&state.coarse_impulse, 0);
+        let air = (unpushed.len() as f64).max(1.0);
+        self.same("coarse/push", apart(&impulse, &w.coarse_impulse) / air, bounds.speed)?;
+        // With what bodies get no wind is driven.
+        let given = impulse.into_iter().sum::<DVec3>() / fluid::LASTING / air;
+        let driven = mean_change(&unpushed, &self.vectors(&state.new_velocity, hair)) + given;
         self.same("coarse/push", driven.length(), 0.1 * bounds.wind)?;
         self.pushed("coarse/push", w, hair)
+    }
+
+    /// Sums over bodies as if air filled them.
+    fn solids(&mut self, solids: &[fluid::Solid], passes: &mut Passes<'_>) -> Same {
+        if !passes.through("coarse/solid") {
+            return Ok(());
+        }
+        let (stage, bounds) = (self.stage, self.bounds);
+        let state = stage.engine.state();
+        let off = |got: [f64; 8], wanted: &fluid::Solid| {
+            let count = wanted.particles.max(1.0);
+            let change =
+                (DVec3::new(got[0], got[1], got[2]) - wanted.change).length().max((got[3] - wanted.work).abs());
+            let velocity = (DVec3::new(got[4], got[5], got[6]) - wanted.velocity).length();
+            change.max(velocity).max((got[7] - wanted.particles).abs()) / count
+        };
+        let parts = stage.engine.read(&state.partial_by_body).unwrap();
+        let sum =
+            |parts: &[[f32; 8]]| std::array::from_fn(|k| parts.iter().map(|part| f64::from(part[k])).sum::<f64>());
+        let each = parts.chunks(CHUNKS as usize).zip(solids);
+        self.same("coarse/solid", largest(each.map(|(parts, wanted)| off(sum(parts), wanted))), bounds.speed)?;
+        passes.through("sums/by_body");
+        let totals = stage.engine.read(&state.solid_total).unwrap();
+        let each = totals.iter().zip(solids).map(|(got, wanted)| off(got.map(f64::from), wanted));
+        self.same("sums/by_body", largest(each), bounds.speed)
     }
 
     /// Multiplier that a density error of 1 % asks for where air is nearly at rest density \[kg m²\]: the softening is a
@@ -319,7 +401,21 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::SPREAD, "CARRIED: f32 = 0.065", "CARRIED: f32 = 0.06", DIVERGENCE),
     (&shaders::fluid::PLACE, "vec4f(shift[i].xyz", "vec4f(0.5 * shift[i].xyz", DIVERGENCE),
     (&shaders::fluid::MOMENTS, "FLOOR: f32 = 0.02", "FLOOR: f32 = 0.03", DIVERGENCE),
-    (&shaders::fluid::PUSH, "own.w * (of_own", "0.9 * own.w * (of_own", DIVERGENCE),
+    (&shaders::fluid::WALL, "30.0 / params", "29.0 / params", WALLS),
+    (&shaders::fluid::WALL, "NEAR: f32 = 4.0", "NEAR: f32 = 3.0", WALLS),
+    (&shaders::fluid::SPREAD, "BESIDE: f32 = 0.12", "BESIDE: f32 = 0.1", WALLS),
+    (&shaders::fluid::MOMENTS, "315.0 / 256.0", "314.0 / 256.0", WALLS),
+    (&shaders::fluid::MOMENTS, "2.0 * seen.weight * max", "seen.weight * max", WALLS),
+    (&shaders::fluid::DIVERGENCE, "FED_BACK: f32 = 0.3", "FED_BACK: f32 = 0.2", WALLS),
+    (&shaders::fluid::PUSH, "sum -= off", "sum -= 0.9 * off", WALLS),
+    (&shaders::fluid::PUSH, "LASTING * own.w", "own.w", WALLS),
+    (&shaders::coarse::SOURCE, "WALL: f32 = 1.25", "WALL: f32 = 1.0", WALLS),
+    (&shaders::coarse::SOLID, "surface(placed[k], x).distance >= 0.0", "true", WALLS),
+    (&shaders::sums::BY_BODY, "chunk < CHUNKS", "chunk < 2u", WALLS),
+    (&shaders::coarse::PUSH, "solid[1].w * mean", "0.5 * solid[1].w * mean", WALLS),
+    (&shaders::fluid::PATH, "0.5 * params.step", "0.4 * params.step", WALLS),
+    (&shaders::fluid::START, "velocity[i] = new_velocity[i]", "velocity[i] = 0.9 * new_velocity[i]", STARTED),
+    (&shaders::fluid::PUSH, "own.w * sum", "0.9 * own.w * sum", DIVERGENCE),
     (&shaders::fluid::DIVERGENCE, "- relaxation * sum", "- 0.9 * relaxation * sum", DIVERGENCE),
     (&shaders::fluid::DIVERGENCE, "min(1.0, own.w", "min(1.0, 2.0 * own.w", LIGHT_HAIR),
     (&shaders::fluid::IMPULSE, "LASTING: f32 = 1.5", "LASTING: f32 = 1.4", PRESSED_HAIR),
@@ -332,7 +428,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::coarse::GATHER, "-sigma * sum", "-0.9 * sigma * sum", DIVERGENCE),
     (&shaders::sums::CHANGES, "vec4f(v, dot", "vec4f(v, 0.5 * dot", DIVERGENCE),
     (&shaders::sums::TOTAL, "totals[1] = all[1]", "totals[1] = 0.5 * all[1]", DIVERGENCE),
-    (&shaders::coarse::PUSH, "sum.xyz / air", "0.5 * sum.xyz / air", DIVERGENCE),
+    (&shaders::coarse::PUSH, "sum.xyz / particles", "0.5 * sum.xyz / particles", DIVERGENCE),
     (&shaders::coarse::PUSH, "BEYOND * taken", "0.1 * taken", DIVERGENCE),
     (&shaders::coarse::PUSH, "(coarse_change[i].xyz - mean)", "5.0 * coarse_change[i].xyz", DIVERGENCE),
     (&shaders::fluid::SLIP, "velocity[p].xyz + history.own", "velocity[p].xyz", CROWDED),

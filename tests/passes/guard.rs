@@ -21,7 +21,7 @@ use windswept_shaders::{
 
 use crate::{
     stage::{Stage, condition, xyz},
-    steps::{BODIES, DIVERGENCE, Fault, PARTICLES, PRESSED_HAIR, PUBLISHED},
+    steps::{BODIES, DIVERGENCE, Fault, PARTICLES, PRESSED_HAIR, PUBLISHED, WALLS},
     support,
     walk::{Same, Walk, apart, differing, largest},
 };
@@ -80,6 +80,11 @@ impl Walk<'_> {
         }
         if passes.through("guard/commit_contacts") {
             self.memories(s)?;
+        }
+        if passes.through("guard/commit_bodies") {
+            let got = stage.vectors(&state.body_impulse);
+            let air: f64 = s.inverse_mass[p.hair_points..].iter().map(|inverse| 1.0 / inverse).sum();
+            self.same("guard/commit_bodies", apart(&got, &s.body_impulse) / air, bounds.speed)?;
         }
         if passes.through("guard/commit_air") {
             let sorted = stage.engine.read(&state.sorted).unwrap();
@@ -143,6 +148,7 @@ pub const FAULTS: &[Fault] = &[
     ),
     (&shaders::guard::COMMIT_HAIR, "point.before + last - new_velocity[p].xyz", "point.before + last", PARTICLES),
     (&shaders::guard::COMMIT_CONTACTS, "max(contacts", "0.9 * max(contacts", BODIES),
+    (&shaders::guard::COMMIT_BODIES, "felt[body][0].xyz +", "0.9 * felt[body][0].xyz +", WALLS),
     (&shaders::guard::CHECK, "air_id_before[slot] = air_id[slot]", "air_id_before[slot] = slot", PARTICLES),
     (&shaders::guard::COMMIT_AIR, "predicted[i]", "predicted[params.hair_points + slot]", PARTICLES),
     (&shaders::guard::COMMIT_AIR, "= final_velocity[i]", "= 0.9 * final_velocity[i]", PARTICLES),

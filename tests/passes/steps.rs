@@ -14,7 +14,7 @@ use crate::{
     contact, drive, fluid, guard, neighbours, rods,
     stage::Stage,
     support, turbulence, velocity, viscosity,
-    walk::{Bounds, print, step_of_both},
+    walk::{Bounds, print, start_both, step_of_both},
 };
 
 /// Fault to plant: the pass, a text of its WGSL, what stands there instead, and the settings of a scene that shows it.
@@ -130,6 +130,24 @@ pub const BODIES: &[&str] = &[
     {name='b',shape='capsule',start=[0.03,0.01,0.02],end=[0.05,0.01,0.05],radius=0.008}]",
 ];
 
+/// Setting of a scene whose air gets its velocity beside bodies before the first step.
+const START: &str = "title='started'";
+/// Settings with two bodies that are walls to air freed of divergence: one tumbles and overlaps the other.
+pub const WALLS: &[&str] = &[
+    "fluid.solver=divergence",
+    EXCHANGE,
+    "air.ramp=0.0",
+    "fluid.iterations=2",
+    "turbulence.bands=[]",
+    "rods.newton=4",
+    "body=[{name='a',center=[0.06,0.03,0.03],radius=0.012,motion=[{time=0,rotation=[0,1,2]},\
+    {time=0.01,translation=[0,0.003,0],rotation=[0,0,3]}]},\
+    {name='b',shape='capsule',start=[0.05,0.015,0.02],end=[0.08,0.03,0.045],radius=0.008}]",
+];
+
+/// The same, started.
+pub const STARTED: &[&str] = &[START, "fluid.solver=divergence", EXCHANGE, "air.ramp=0.0", WALLS[5], WALLS[6]];
+
 /// Setting with a bar of 4 mm that goes up through segments of 10 mm, between their points.
 pub const THIN_BODY: &[&str] =
     &["body=[{name='bar',shape='capsule',start=[0.0847,0.022,0],end=[0.0847,0.022,0.06],radius=0.002,\
@@ -155,6 +173,9 @@ fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Resul
         stage.push();
     }
     let mut worst = Vec::new();
+    if sets.contains(&START) {
+        start_both(&mut stage, bounds, &mut worst).map_err(|said| format!("start: {said}"))?;
+    }
     for number in 1..=steps {
         let before = (number == 3).then(|| (stage.twin.clone(), stage.engine.slots().unwrap()));
         step_of_both(&mut stage, bounds, &mut worst).map_err(|said| format!("step {number}: {said}"))?;
@@ -243,6 +264,9 @@ fn steps_are_those_of_the_twin() {
         &["fluid.solver=divergence", "fluid.coarse=false", "hair.strands=1"],
         &["hair.strands=1"],
         BODIES,
+        WALLS,
+        STARTED,
+        &[WALLS, &["interaction.model=particles"]].concat()[..],
         THIN_BODY,
         NEWTON,
         TAUT,
@@ -256,8 +280,8 @@ fn steps_are_those_of_the_twin() {
         let steps = match sets {
             _ if sets == FIELDS => STEPS_OF_FIELDS,
             _ if sets == FIELDS_BEHIND_HAIR => STEPS_OF_FIELDS_BEHIND_HAIR,
+            _ if sets == BODIES || sets == STARTED || sets.starts_with(WALLS) => STEPS_OF_BODIES,
             _ if sets.contains(&EXCHANGE) => STEPS_OF_COUPLING,
-            _ if sets == BODIES => STEPS_OF_BODIES,
             _ if sets == TAUT => STEPS_OF_TAUT_HAIR,
             _ if sets == THIN_BODY => STEPS_OF_THIN_BODY,
             _ => STEPS,

@@ -1,8 +1,8 @@
 //! One step of engine and twin, pass by pass: the first pass that parts is named.
 
 use glam::DVec3;
-use windswept::internals::{Array, status};
-use windswept_reference::{Parameters, State as Twin, step::Scratch};
+use windswept::internals::{Array, status, step};
+use windswept_reference::{Parameters, State as Twin, fluid, step::Scratch};
 
 use crate::stage::{Stage, condition};
 
@@ -92,6 +92,18 @@ pub fn step_of_both(
 ) -> Result<(), String> {
     let mut s = stage.twin.clone();
     Walk { stage, bounds, worst }.step(&mut s)?;
+    stage.twin = s;
+    Ok(())
+}
+
+/// Gives air beside bodies the velocity that it starts with, on both.
+pub fn start_both(stage: &mut Stage, bounds: &Bounds, worst: &mut Vec<(&'static str, f64, f64)>) -> Result<(), String> {
+    let mut s = stage.twin.clone();
+    fluid::begin(&mut s, &stage.parameters);
+    stage.engine.start(|r| step::record_start(r, &stage.plan)).unwrap();
+    let (hair, mut walk) = (stage.parameters.hair_points, Walk { stage, bounds, worst });
+    let got = walk.vectors(&walk.stage.engine.state().velocity, hair);
+    walk.same("fluid/start", apart(&got, &s.velocity[hair..]), bounds.speed)?;
     stage.twin = s;
     Ok(())
 }

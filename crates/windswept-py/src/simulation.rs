@@ -9,7 +9,7 @@ use std::{
 };
 
 use glam::DVec3;
-use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::{
     PyTraverseError, PyVisit,
     prelude::*,
@@ -270,6 +270,13 @@ impl Simulation {
             error => of_run(&error),
         })?;
         Ok(PyArray1::from_vec(py, energies))
+    }
+
+    /// Impulse that the air has given each body so far, by its pressure and by friction, in the order of the scene: `(bodies, 3)` float64
+    /// [kg m/s]; no rows without air particles. The change over a step, divided by it, is the force on the body.
+    fn body_impulses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let impulses = self.run_engine(py, |sim| sim.body_impulses())?;
+        Ok(PyArray2::from_owned_array(py, numpy::ndarray::Array2::from(impulses)))
     }
 
     /// Where the root of each strand goes in the next step, and stays.

@@ -8,18 +8,30 @@ use windswept_scene::{InitialState, Motion, Scene, Shape};
 
 pub use self::hair::{Contact, Memory, Place, Surface, begin, memories};
 pub(crate) use self::hair::{MIDDLE, Met, RECOVERY, UNEASY, meet, nearest, parted, renewed, resists, stiffness};
-use crate::{Parameters, step::Scratch};
+use crate::{
+    Parameters,
+    fluid::{self, CLEARANCE, Wall},
+    step::Scratch,
+};
 
 /// Rounds over all bodies: a second one for what is between two bodies.
 const ROUNDS: usize = 2;
 
-/// Runs the heading: air moves to half a spacing from bodies.
+/// Runs the heading: air moves out to its clearance from bodies, and they hold it back.
 pub fn run(w: &mut Scratch, p: &Parameters) {
+    if w.moving.bodies.is_empty() {
+        return;
+    }
+    w.walls.resize(w.predicted.len(), Wall::default());
     for i in p.hair_points..w.predicted.len() {
         // Heading 6 adds what the density constraint gave.
         let given = w.correction[i] / p.step;
-        let (x, v) = air(p, &w.moving.bodies, w.predicted[i], w.new_velocity[i] + given);
-        (w.predicted[i], w.new_velocity[i]) = (x, v - given);
+        let beside = air(p, &w.moving.bodies, w.predicted[i], w.new_velocity[i] + given);
+        (w.predicted[i], w.new_velocity[i]) = (beside.x, beside.v - given);
+        if !fluid::has_walls(p) {
+            w.walls[i].body = beside.body;
+        }
+        w.walls[i].taken += beside.taken;
     }
 }
 
@@ -87,6 +99,12 @@ impl Placed {
         if self.before == self.after { DVec3::ZERO } else { self.after.out(self.before.back(x)) - x }
     }
 
+    /// Velocity of the body's own point that is at `x` after a step of `step` \[m/s\].
+    #[must_use]
+    pub fn velocity(&self, x: DVec3, step: f64) -> DVec3 {
+        (x - self.before.out(self.after.back(x))) / step
+    }
+
     /// Turn of the body in the step.
     #[must_use]
     pub fn turn(&self) -> DQuat {
@@ -127,20 +145,58 @@ pub fn place(p: &Parameters, steps: u64) -> Vec<Placed> {
     each.collect()
 }
 
-/// Position and velocity of an air particle that would be at `x` with velocity `v`. It is moved by the nearest way to
-/// half a spacing from the bodies, and loses its velocity toward them; along them it slips.
+/// The body whose surface is nearest to a place, and that surface.
 #[must_use]
-pub fn air(p: &Parameters, placed: &[Placed], mut x: DVec3, mut v: DVec3) -> (DVec3, DVec3) {
-    for Placed { body, before, after } in (0..ROUNDS).flat_map(|_| placed) {
-        let y = after.back(x);
-        let (distance, normal) = body.shape.signed_distance(y);
-        let short = 0.5 * p.air_volume.cbrt() - distance;
+pub fn nearest_body(placed: &[Placed], x: DVec3) -> (usize, Surface) {
+    let each = placed.iter().map(|placed| placed.surface(x)).enumerate();
+    each.min_by(|a, b| a.1.distance.total_cmp(&b.1.distance)).unwrap_or_default()
+}
+
+/// An air particle beside a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beside {
+    /// Place \[m\].
+    pub x: DVec3,
+    /// Velocity \[m/s\].
+    pub v: DVec3,
+    /// Impulse on the body, over the particle's mass \[m/s\].
+    pub taken: DVec3,
+    /// Index of the body.
+    pub body: usize,
+}
+
+/// Place of an air particle that would be at `x`, moved by the nearest way to its clearance from bodies.
+#[must_use]
+pub fn outside(p: &Parameters, placed: &[Placed], mut x: DVec3) -> DVec3 {
+    for _ in 0..ROUNDS {
+        let (_, near) = nearest_body(placed, x);
+        x += (CLEARANCE * p.spacing() - near.distance).max(0.0) * near.normal;
+    }
+    x
+}
+
+/// An air particle that would be at `x` with velocity `v`. It is moved by the nearest way to its clearance from the bodies, and loses its
+/// velocity toward them. Within a spacing a body holds it back along the surface, by a stress of ½ C_f ρ |v_t|² on a layer of a spacing.
+#[must_use]
+pub fn air(p: &Parameters, placed: &[Placed], mut x: DVec3, mut v: DVec3) -> Beside {
+    let mut taken = DVec3::ZERO;
+    for _ in 0..ROUNDS {
+        let (body, near) = nearest_body(placed, x);
+        let short = CLEARANCE * p.spacing() - near.distance;
         if short > 0.0 {
-            let beside = y + short * normal;
-            x = after.out(beside);
-            let (normal, moves) = (after.rotation * normal, (x - before.out(beside)) / p.step);
-            v += (-(v - moves).dot(normal)).max(0.0) * normal;
+            x += short * near.normal;
+            let into = (v - placed[body].velocity(x, p.step)).dot(near.normal).min(0.0);
+            v -= into * near.normal;
+            taken += into * near.normal;
         }
     }
-    (x, v)
+    let (body, near) = nearest_body(placed, x);
+    if near.distance < p.spacing() {
+        let slip = v - placed[body].velocity(x, p.step);
+        let along = slip.reject_from_normalized(near.normal);
+        let held = -(-0.5 * p.skin_friction * along.length() * p.step / p.spacing()).exp_m1() * along;
+        v -= held;
+        taken += held;
+    }
+    Beside { x, v, taken, body }
 }

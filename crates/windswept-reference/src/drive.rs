@@ -13,7 +13,7 @@ pub use self::gale::{Field, course, draw, gale};
 pub(crate) use self::reset::FAR;
 pub use self::reset::{inspect, mend, reset};
 use crate::{
-    Parameters, State, contact,
+    Parameters, State, contact, fluid,
     rods::{self, Drive, rotation, rotation_vector},
     step::Scratch,
 };
@@ -47,7 +47,10 @@ pub fn run(s: &State, p: &Parameters) -> Scratch {
         new_velocity[..p.hair_points].iter_mut().enumerate().for_each(|(i, v)| *v = lead(p, s, i));
     }
     let moving = rods::Moving { bodies: contact::place(p, s.steps), ..rods::Moving::default() };
-    Scratch { blowing, drives, missed, lack, wind_change, predicted, new_velocity, moving, ..Scratch::default() }
+    let mut w =
+        Scratch { blowing, drives, missed, lack, wind_change, predicted, new_velocity, moving, ..Scratch::default() };
+    fluid::walls(&mut w, p);
+    w
 }
 
 /// Way of the clamp of a strand in the step: to where its keyframes are at the step's end, else a part of the way to its

@@ -4,16 +4,22 @@
 mod coarse;
 mod friction;
 mod pressure;
+mod wall;
 
 use glam::DVec3;
 use windswept_scene::{FluidSolver, Model};
 
 pub use self::{
-    coarse::{coarse_deposit, coarse_gather, coarse_mean, coarse_push, coarse_solve, coarse_waves, source},
+    coarse::{
+        Solid, coarse_deposit, coarse_gather, coarse_impulse, coarse_mean, coarse_push, coarse_solid, coarse_solve,
+        coarse_waves, source,
+    },
     friction::{Rub, STIFFNESS, friction, slip, squeeze},
     pressure::{
-        LASTING, Moments, Pressed, THIN, deform, divergence, eddies, moments, push, relax, relaxations, spread, start,
+        LASTING, Moments, Pressed, THIN, begin, deform, divergence, eddies, moments, path, push, relax, relaxations,
+        spread, start, taken,
     },
+    wall::{CLEARANCE, Wall, density_beyond, gradient_beyond, has_walls, wall, walls},
 };
 use crate::{
     Parameters, State,

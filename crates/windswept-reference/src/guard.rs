@@ -126,6 +126,15 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
         }
     }
     s.contacts = contact::memories(&w.moving);
+    if p.air {
+        s.body_impulse.resize(p.bodies.len(), DVec3::ZERO);
+        for wall in &w.walls {
+            s.body_impulse[wall.body] += p.air_mass * wall.taken;
+        }
+        for (impulse, coarse) in s.body_impulse.iter_mut().zip(&w.coarse_impulse) {
+            *impulse += p.air_mass * *coarse;
+        }
+    }
     s.position = w.predicted;
     for x in &mut s.position[p.hair_points..] {
         *x = wrap(p, *x);

@@ -52,6 +52,8 @@ pub struct Parameters {
     pub rest_density: f64,
     /// Kinematic viscosity ν of the air that drags hair \[m²/s\].
     pub kinematic_viscosity: f64,
+    /// Skin friction coefficient C_f of air along bodies.
+    pub skin_friction: f64,
     /// Lift coefficient C_l of a segment in the wind.
     pub lift: f64,
     /// Coulomb's μ of each strand on other strands, with the model `two-way`.
@@ -151,6 +153,7 @@ impl Parameters {
             air_mass: initial.air.mass,
             rest_density: air.map_or(0.0, |air| air.rest_density),
             kinematic_viscosity: air.map_or(0.0, |air| air.kinematic_viscosity),
+            skin_friction: air.map_or(0.0, |air| air.skin_friction),
             lift: scene.interaction.lift,
             friction: (0..initial.hair.len()).map(|s| initial.hair.friction(s)).collect(),
             solver: scene.fluid.solver,

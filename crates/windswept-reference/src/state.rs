@@ -77,6 +77,8 @@ pub struct State {
     pub max_stretch: f64,
     /// Impulse that confinement gave the air so far \[kg m/s\].
     pub confinement_impulse: DVec3,
+    /// Impulse that the air gave each body so far \[kg m/s\]; empty before the first step.
+    pub body_impulse: Vec<DVec3>,
     /// Acceleration that was set for each particle \[m/s²\]; empty without one.
     pub pushed: Vec<DVec3>,
     /// Volume of each particle \[m³\].
@@ -134,6 +136,7 @@ impl State {
             limited: 0,
             max_stretch: 0.0,
             confinement_impulse: DVec3::ZERO,
+            body_impulse: Vec::new(),
             pushed: Vec::new(),
             volume: each(&hair.volume, initial.air.volume),
             inverse_mass: each(&hair.inverse_mass, 1.0 / initial.air.mass),

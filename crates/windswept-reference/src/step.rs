@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::{
     Parameters, State, contact, drive,
-    fluid::{self, Moments, Pressed},
+    fluid::{self, Moments, Pressed, Wall},
     guard,
     guard::Frozen,
     neighbours::{self, Neighbours},
@@ -56,6 +56,10 @@ pub struct Scratch {
     /// Sum of the moves of each particle by the density constraint \[m\]; of hair that shares pressure with air, the move by the
     /// impulse of the pressure over time.
     pub correction: Vec<DVec3>,
+    /// Wall at each particle that pressure acts on; none without bodies.
+    pub walls: Vec<Wall>,
+    /// Impulse of the coarse pressure on each body, over the mass of an air particle \[m/s\].
+    pub coarse_impulse: Vec<DVec3>,
     /// Surroundings of each particle, as pressure sees them.
     pub moments: Vec<Moments>,
     /// What pressure leaves each particle for the next step.

@@ -32,7 +32,7 @@ fn relaxations_never_overshoot() {
 
 fn moments(crowd: &Crowd) -> (neighbours::Neighbours, Vec<Moments>) {
     let near = crowd.neighbours();
-    let all = fluid::moments(&crowd.parameters, &crowd.positions, &crowd.inverse_mass, &crowd.volume, &near);
+    let all = fluid::moments(&crowd.parameters, &crowd.positions, &crowd.inverse_mass, &crowd.volume, &near, &[]);
     (near, all)
 }
 
@@ -290,9 +290,9 @@ fn the_coarse_solve_reaches_far() {
         p.largest_wind = wind;
         let near = neighbours::neighbours(&p, x);
         let crowd = Crowd { parameters: p.clone(), ..Crowd::new(size, x.clone()) };
-        let moments = fluid::moments(&p, x, &crowd.inverse_mass, &volume, &near);
+        let moments = fluid::moments(&p, x, &crowd.inverse_mass, &volume, &near, &[]);
         let rate = fluid::divergence(&p, x, &initial.air.velocities, &volume, &near, &moments);
-        let pressure = fluid::coarse_solve(&p, &fluid::coarse_deposit(&p, x, &rate, &moments));
+        let pressure = fluid::coarse_solve(&p, &fluid::coarse_deposit(&p, x, &initial.air.velocities, &rate, &moments));
         let change = fluid::coarse_gather(&p, x, &pressure);
         let along = |v: &[DVec3]| x.iter().zip(v).map(|(x, v)| wave(x) * v.x).sum::<f64>();
         1.0 + along(&change) / along(&initial.air.velocities)
@@ -323,7 +323,7 @@ fn a_coarse_push_gives_no_energy() {
         let change: Vec<_> =
             v.iter().zip(stirred(512, 76)).map(|(v, noise)| scale * (*v + 0.1 * noise) + wind).collect();
         let carried: Vec<_> = v.iter().map(|v| *v + wind).collect();
-        let (mean, part) = fluid::coarse_mean(&p, &carried, &change);
+        let (mean, part) = fluid::coarse_mean(&p, &carried, &change, &[]);
         let gained = |part: f64| {
             let given = fluid::coarse_push(&p, &change, mean, part);
             assert!(given.iter().sum::<DVec3>().length() < 1e-10);

@@ -401,7 +401,7 @@ impl Engine {
     ///
     /// # Errors
     /// As [`Self::evaluate`].
-    pub(crate) fn start(&mut self, record: impl Fn(&mut Recorder<'_>)) -> Result<(), RunError> {
+    pub fn start(&mut self, record: impl Fn(&mut Recorder<'_>)) -> Result<(), RunError> {
         self.write(&self.state.pressed, &vec![Pressed::default(); self.sizes.pressed as usize])?;
         self.evaluate(record).map(|_| ())
     }

@@ -69,7 +69,7 @@ pub use error::{CheckpointError, Error, GpuError, RunError};
 pub use frame::{AirFrame, Frame, HairFrame};
 pub use gpu::{AdapterChoice, AdapterInfo, Gpu, PassTexts, adapters, wanted_features};
 pub use plan::{BufferRow, MemoryBytes, PlanRow, Uses, buffers, memory_bytes, table as plan};
-pub use report::{BandEnergy, Counts, PassReport, Report, Reset, RunFailure, SkippedReport};
+pub use report::{BandEnergy, BodyReport, Counts, PassReport, Report, Reset, RunFailure, SkippedReport};
 pub use simulation::{Accelerations, Buffers, Checkpoint, Simulation};
 pub use status::warning_meaning;
 

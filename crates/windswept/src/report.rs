@@ -68,6 +68,9 @@ pub struct Report {
     /// Impulse that confinement has given the air in the run, after its mean was taken out. Left out without bands.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub confinement_impulse_kg_m_per_s: Option<[f64; 3]>,
+    /// Bodies, and what the air has given them. Left out without air particles or bodies.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<BodyReport>,
     /// Steps in which the confinement's limiter acted on some particle: it keeps a strong band from gaining more than
     /// half of its speed in a step. Left out without bands.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -161,6 +164,15 @@ pub struct BandEnergy {
     /// out where it was not timed or the band has no strength.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ms: Option<f64>,
+}
+
+/// A body in the air.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BodyReport {
+    /// Name of the body.
+    pub name: String,
+    /// Impulse that the air has given it in the run, by pressure and friction.
+    pub impulse_kg_m_per_s: [f64; 3],
 }
 
 /// GPU time of a pass.

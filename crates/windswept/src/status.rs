@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use windswept_shaders::common::status::{
-    ASLEEP_STEP, BY_RESET, BY_UPDATE, CONFINEMENT_LIMITED, EULER_STEP, EXCHANGE_LIMITED, HAIR_OUTSIDE, OVER_STRAINED,
-    STRAND_RESET, Status, TELEPORT, UNSOLVED_STEP,
+    AIR_BESIDE, ASLEEP_STEP, BY_RESET, BY_UPDATE, CONFINEMENT_LIMITED, EULER_STEP, EXCHANGE_LIMITED, HAIR_OUTSIDE,
+    OVER_STRAINED, STRAND_RESET, Status, TELEPORT, UNSOLVED_STEP,
 };
 
 /// Counters of what a user should know: keys of the report's `warnings`, and what each counts.
-const WARNINGS: [(u32, &str, &str); 5] = [
+const WARNINGS: [(u32, &str, &str); 6] = [
     (STRAND_RESET, "strand_reset", "times that a strand was not finite and was put into its rest shape"),
     (OVER_STRAINED, "over_strained", "strands of which a segment was 5 % too long or too short for 50 steps on end"),
     (
@@ -26,6 +26,12 @@ const WARNINGS: [(u32, &str, &str); 5] = [
         EXCHANGE_LIMITED,
         "exchange_limited",
         "times that the drag between a hair point and its air was limited, so as not to overshoot",
+    ),
+    (
+        AIR_BESIDE,
+        "air_beside_bodies",
+        "steps in which air beside bodies went farther than 1.2 particle spacings, or had a density error of more than 0.06 rms for 20 ms: a \
+         larger time.substeps follows these bodies",
     ),
 ];
 /// Key of the strand steps that the direct solver did not solve, and what is said of many.

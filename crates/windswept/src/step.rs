@@ -36,7 +36,8 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
 /// `new_velocity`, and over pressures of zero.
 pub fn record_start(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.walls, |r| {
-        drive::record_start(r, plan);
+        drive::record_bodies(r, plan);
+        drive::record_walls(r, plan);
         neighbours::record(r, plan);
         fluid::record_start(r, plan);
     });
@@ -79,6 +80,7 @@ pub fn recordings(state: &State, plan: &Plan) -> Vec<Recording> {
 
 /// Records the passes that a quantity takes.
 pub fn record_quantity(r: &mut Recorder<'_>, plan: &Plan, quantity: Quantity) {
+    drive::record_bodies(r, plan);
     neighbours::record(r, plan);
     match quantity {
         Quantity::Density => fluid::record_density(r, plan),

@@ -14,9 +14,10 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::{Moments, THIN};
+use super::{LASTING, Moments, THIN};
 use crate::{
     Parameters,
+    contact::Placed,
     turbulence::{self, b_spline, places, spline_nodes, transformed},
 };
 
@@ -24,24 +25,29 @@ use crate::{
 const DEGREE: u32 = 2;
 /// Part of a push that is made at most, over the part that takes the most energy.
 const BEYOND: f64 = 1.15;
+/// Weight of a wall's part of the divergence.
+const WALL: f64 = 1.25;
+/// Sites along each axis of a cell, at which bodies are asked for.
+const SITES: usize = 3;
 
 /// Sum r_n of the divergences `rate` \[1/s\] of air at every node, x first. Where air is dense it counts once; at a surface,
 /// where pressure does not pull, only what is compressed counts.
 #[must_use]
-pub fn coarse_deposit(p: &Parameters, x: &[DVec3], rate: &[f64], moments: &[Moments]) -> Vec<f64> {
+pub fn coarse_deposit(p: &Parameters, x: &[DVec3], v: &[DVec3], rate: &[f64], moments: &[Moments]) -> Vec<f64> {
     let mut sums = vec![0.0; p.coarse_nodes.iter().product()];
     for i in p.hair_points..x.len() {
         for (node, weight, _) in stencil(p, x[i]) {
-            sums[node] += weight * source(rate[i], &moments[i]);
+            sums[node] += weight * source(rate[i], &moments[i], v[i]);
         }
     }
     sums
 }
 
-/// Divergence that a particle brings to the grid \[1/s\].
+/// Divergence that a particle of velocity `v` brings to the grid \[1/s\]. A wall's part counts 1.25 times: a box full of air sends only
+/// 1/2 to 2/3 of a layer of sources outward.
 #[must_use]
-pub fn source(rate: f64, moments: &Moments) -> f64 {
-    let density = moments.density;
+pub fn source(rate: f64, moments: &Moments, v: DVec3) -> f64 {
+    let (density, rate) = (moments.density, rate - (WALL - 1.0) * (moments.wall.dot(v) - moments.wall_rate));
     if density < THIN { rate.max(0.0) } else { rate / density.max(1.0) }
 }
 
@@ -84,18 +90,68 @@ pub fn coarse_solve(p: &Parameters, deposited: &[f64]) -> Vec<f64> {
 /// Change q_i of each air particle's velocity by the coarse pressure \[m/s\], before its mean is taken out; 0 for hair.
 #[must_use]
 pub fn coarse_gather(p: &Parameters, x: &[DVec3], pressure: &[f64]) -> Vec<DVec3> {
-    let part = (p.spacing() / (p.largest_wind * p.step)).min(1.0);
-    let slope = |x: DVec3| stencil(p, x).into_iter().map(|(node, _, slope)| pressure[node] * slope).sum::<DVec3>();
-    (0..x.len()).map(|i| if p.is_air(i) { -part * slope(x[i]) } else { DVec3::ZERO }).collect()
+    (0..x.len()).map(|i| if p.is_air(i) { pushed(p, x[i], pressure) } else { DVec3::ZERO }).collect()
 }
 
-/// Mean of the changes q of the air's velocity \[m/s\], and the part p of what is left of them that air of velocities `v` gets: p = 1.15
-/// a/b, from 0 to 1, with a = −Σ (q − mean of q) · v and b = Σ |q − mean of q|². A change of p q changes the energy by m (−p a + p² b/2).
+/// Change q at a place by the coarse pressure \[m/s\].
+fn pushed(p: &Parameters, x: DVec3, pressure: &[f64]) -> DVec3 {
+    let part = (p.spacing() / (p.largest_wind * p.step)).min(1.0);
+    -part * stencil(p, x).into_iter().map(|(node, _, slope)| pressure[node] * slope).sum::<DVec3>()
+}
+
+/// Sums over a body as if air filled it and moved with it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Solid {
+    /// Number of particles that would fill it.
+    pub particles: f64,
+    /// Sum of the changes q \[m/s\].
+    pub change: DVec3,
+    /// Sum of the velocities v \[m/s\].
+    pub velocity: DVec3,
+    /// Sum of q · v \[m²/s²\].
+    pub work: f64,
+}
+
+/// What the coarse pressure would change each body by, from the sites of a lattice that lie in it, and in no body before it.
 #[must_use]
-pub fn coarse_mean(p: &Parameters, v: &[DVec3], change: &[DVec3]) -> (DVec3, f64) {
-    let mean = turbulence::mean(p, change);
+pub fn coarse_solid(p: &Parameters, placed: &[Placed], pressure: &[f64]) -> Vec<Solid> {
+    let mut solids = vec![Solid::default(); placed.len()];
+    if placed.is_empty() {
+        return solids;
+    }
+    let pitch = coarse_spacing(p) / SITES as f64;
+    let particles = pitch.element_product() / p.air_volume;
+    for site in places(p.coarse_nodes.map(|nodes| SITES * nodes)) {
+        let x = pitch * (DVec3::from_array(site.map(|k| k as f64)) + 0.5);
+        let Some(body) = placed.iter().position(|placed| placed.surface(x).distance < 0.0) else { continue };
+        let (q, v) = (pushed(p, x, pressure), placed[body].velocity(x, p.step));
+        let solid = &mut solids[body];
+        solid.particles += particles;
+        solid.change += particles * q;
+        solid.velocity += particles * v;
+        solid.work += particles * q.dot(v);
+    }
+    solids
+}
+
+/// Impulses of the coarse pressure on bodies, over the mass of an air particle \[m/s\], with all that BDF2 makes of them.
+#[must_use]
+pub fn coarse_impulse(solids: &[Solid], mean: DVec3, part: f64) -> Vec<DVec3> {
+    solids.iter().map(|solid| LASTING * part * (solid.change - solid.particles * mean)).collect()
+}
+
+/// Mean of the changes q of the velocities of air and bodies \[m/s\], and the part p of what is left of them that air of velocities `v` gets:
+/// p = 1.15 a/b, from 0 to 1, with a = −Σ (q − mean of q) · v over air and bodies and b = Σ |q − mean of q|² over air. A change of p q changes
+/// the energy by m (−p a + p² b/2), with the work on bodies.
+#[must_use]
+pub fn coarse_mean(p: &Parameters, v: &[DVec3], change: &[DVec3], solids: &[Solid]) -> (DVec3, f64) {
+    let air = (change.len() - p.hair_points) as f64;
+    let all = air + solids.iter().map(|solid| solid.particles).sum::<f64>();
+    let sum = air * turbulence::mean(p, change) + solids.iter().map(|solid| solid.change).sum::<DVec3>();
+    let mean = sum / all;
+    let of_bodies: f64 = solids.iter().map(|solid| solid.work - mean.dot(solid.velocity)).sum();
     let left = || change.iter().zip(v).skip(p.hair_points).map(|(q, v)| (*q - mean, *v));
-    let taken: f64 = -left().map(|(q, v)| q.dot(v)).sum::<f64>();
+    let taken: f64 = -left().map(|(q, v)| q.dot(v)).sum::<f64>() - of_bodies;
     let square: f64 = left().map(|(q, _)| q.length_squared()).sum();
     (mean, (BEYOND * taken / square.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0))
 }

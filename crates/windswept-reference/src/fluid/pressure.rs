@@ -11,10 +11,13 @@
 use glam::{DMat3, DVec3};
 use windswept_scene::Model;
 
-use super::{coarse_deposit, coarse_gather, coarse_mean, coarse_push, coarse_solve};
+use super::{
+    Wall, coarse_deposit, coarse_gather, coarse_impulse, coarse_mean, coarse_push, coarse_solid, coarse_solve,
+    density_beyond, gradient_beyond, has_walls, walls,
+};
 use crate::{
-    Parameters, State,
-    neighbours::Neighbours,
+    Parameters, State, contact,
+    neighbours::{self, Neighbours},
     sph_kernels::{self, poly6, spiky_gradient},
     step::Scratch,
 };
@@ -41,6 +44,12 @@ const LARGEST_TRACE: f64 = 6.0;
 pub const THIN: f64 = 0.6;
 /// Largest eigenvalue of a⁻¹ D Dᵀ that the relaxations bear: measured up to 4.32, on a lattice.
 const LARGEST: f64 = 4.5;
+/// Least share of the spread beside bodies, of the way in a step there.
+const BESIDE: f64 = 0.12;
+/// Part of a density error that flows out beside bodies in a step in which air goes a spacing.
+const FED_BACK: f64 = 0.3;
+/// Rounds of the pressure before the first step.
+const START: u32 = 8;
 /// Density over that at rest beyond which a crowd takes less of a divergence, inverted.
 const CROWD: f64 = 0.8;
 /// Impulse of a push over time: BDF2 hands on a third of each change, and 1 + 1/3 + 1/9 + … = 3/2.
@@ -64,6 +73,12 @@ pub struct Moments {
     pub correction: DMat3,
     /// Diagonal a of the divergence of a push \[1/m²\].
     pub diagonal: f64,
+    /// The wall's part k n of corrected gradients \[1/m\]; 0 where there is none.
+    pub wall: DVec3,
+    /// The wall's own part of the divergence: k times the velocity of the surface along n \[1/s\].
+    pub wall_rate: f64,
+    /// The rate at which a density error beside a body is to flow out \[1/s\].
+    pub fed_back: f64,
 }
 
 /// Projects the velocities of air onto those without divergence, with the model `particles` those of hair as well: it gets
@@ -72,22 +87,38 @@ pub(super) fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     let (mass, volume) = (&s.inverse_mass, &s.volume);
     let deformation = deform(p, &w.predicted, &w.new_velocity, volume, &w.near);
     w.eddies = deformation.iter().map(|deformation| eddies(p, *deformation)).collect();
-    let shift = spread(p, &w.predicted, &w.new_velocity, volume, &w.near, &deformation);
+    let shift = spread(p, &w.predicted, &w.new_velocity, volume, &w.near, &deformation, &w.walls);
     // The coarse grid sees particles where they were: what they are spread by is little to its nodes.
     let before = w.predicted.clone();
     w.predicted.iter_mut().zip(shift).for_each(|(x, shift)| *x += shift);
-    w.moments = moments(p, &w.predicted, mass, volume, &w.near);
+    walls(w, p);
+    w.moments = moments(p, &w.predicted, mass, volume, &w.near, &w.walls);
     w.density = w.moments.iter().map(|moments| moments.density).collect();
     w.pressed = (0..w.predicted.len()).map(|i| start(p, i, &w.moments[i], &s.pressed[i])).collect();
     let lambda: Vec<f64> = w.pressed.iter().map(|pressed| pressed.pressure).collect();
     give(w, push(p, &w.predicted, mass, volume, &w.near, &w.moments, &lambda));
+    taken(w, &lambda);
+    solve(s, w, p, &before);
+    path(s, w, p);
+    if p.model == Model::Particles {
+        for i in 0..p.hair_points {
+            w.correction[i] = LASTING * p.step * w.pressed[i].change;
+        }
+    }
+}
+
+/// Takes the divergence out, on a coarse grid, which sees particles where they were `before`, and then by iterations.
+fn solve(s: &State, w: &mut Scratch, p: &Parameters, before: &[DVec3]) {
+    let (mass, volume) = (&s.inverse_mass, &s.volume);
     if p.coarse {
         let rate = divergence(p, &w.predicted, &w.new_velocity, volume, &w.near, &w.moments);
-        let deposited = coarse_deposit(p, &before, &rate, &w.moments);
+        let deposited = coarse_deposit(p, before, &w.new_velocity, &rate, &w.moments);
         let pressure = coarse_solve(p, &deposited);
-        let change = coarse_gather(p, &before, &pressure);
-        let (mean, part) = coarse_mean(p, &w.new_velocity, &change);
+        let change = coarse_gather(p, before, &pressure);
+        let solids = coarse_solid(p, &w.moving.bodies, &pressure);
+        let (mean, part) = coarse_mean(p, &w.new_velocity, &change, &solids);
         give(w, coarse_push(p, &change, mean, part));
+        w.coarse_impulse = coarse_impulse(&solids, mean, part);
     }
     for omega in relaxations(p.pressure_iterations) {
         let rate = divergence(p, &w.predicted, &w.new_velocity, volume, &w.near, &w.moments);
@@ -96,12 +127,45 @@ pub(super) fn run(s: &State, w: &mut Scratch, p: &Parameters) {
             .collect();
         w.pressed.iter_mut().zip(&mu).for_each(|(pressed, mu)| pressed.pressure += mu);
         give(w, push(p, &w.predicted, mass, volume, &w.near, &w.moments, &mu));
+        taken(w, &mu);
     }
-    if p.model == Model::Particles {
-        for i in 0..p.hair_points {
-            w.correction[i] = LASTING * p.step * w.pressed[i].change;
+}
+
+/// Adds the impulses of multipliers `lambda` on bodies \[m/s\]: a body gets what its wall pushes a particle by, and what BDF2 makes of that in
+/// the steps after.
+pub fn taken(w: &mut Scratch, lambda: &[f64]) {
+    for ((wall, moments), lambda) in w.walls.iter_mut().zip(&w.moments).zip(lambda) {
+        wall.taken += LASTING * lambda * moments.wall;
+    }
+}
+
+/// Moves air by what pressure changed differently from the step before, for half a step: x += ½ Δt (a − a_before). In a scene with bodies
+/// air goes by the mean of its velocities before and after a step.
+pub fn path(s: &State, w: &mut Scratch, p: &Parameters) {
+    if has_walls(p) {
+        for i in p.hair_points..w.predicted.len() {
+            w.predicted[i] += 0.5 * p.step * (w.pressed[i].change - s.pressed[i].change);
         }
     }
+}
+
+/// Gives air beside bodies the velocity that it starts with, before the first step: without divergence, and along the bodies. No time
+/// passes.
+pub fn begin(s: &mut State, p: &Parameters) {
+    if !has_walls(p) {
+        return;
+    }
+    let mut w = Scratch { predicted: s.position.clone(), new_velocity: s.velocity.clone(), ..Scratch::default() };
+    w.moving.bodies = contact::place(p, s.steps);
+    walls(&mut w, p);
+    neighbours::run(&mut w, p);
+    w.moments = moments(p, &w.predicted, &s.inverse_mass, &s.volume, &w.near, &w.walls);
+    w.pressed = vec![Pressed::default(); w.predicted.len()];
+    let before = w.predicted.clone();
+    for _ in 0..START {
+        solve(s, &mut w, p, &before);
+    }
+    s.velocity[p.hair_points..].copy_from_slice(&w.new_velocity[p.hair_points..]);
 }
 
 /// Adds changes to the velocities, and to what pressure is remembered by.
@@ -128,6 +192,7 @@ fn gradient(p: &Parameters, i: usize, j: usize, x: &[DVec3]) -> DVec3 {
 /// that is more. Without wind min(0.05, |G_i| Δt) takes the place of f U Δt/d where it is more, by the `deformation` of [`deform`],
 /// and where air is still so does the unevenness h |Σ_j V_j g_ij| min(1, 725 Δt/s), but with the model `particles` and with bodies, which take the place of air:
 /// air that is still and crowded would stay so.
+/// Bodies add −P n to the sum, and beside them the share is at least 0.12 of the way in a step.
 /// It goes with Δt, so that its diffusion |δ|²/2Δt vanishes with the step. A particle that lies on others leaves the last of them
 /// in a direction of chance.
 #[must_use]
@@ -138,6 +203,7 @@ pub fn spread(
     volume: &[f64],
     near: &Neighbours,
     deformation: &[f64],
+    walls: &[Wall],
 ) -> Vec<DVec3> {
     let spacing = p.spacing();
     let each = |i: usize| {
@@ -149,13 +215,17 @@ pub fn spread(
             .filter(|&j| sph_kernels::coincide(p.separation(i, j, x[i], x[j]), p.kernel_radius))
             .max();
         let away = met.map_or(DVec3::ZERO, |j| volume[j] * spiky_gradient(i, j, DVec3::ZERO, p.kernel_radius));
-        let uneven: DVec3 = away + pairs().map(|(_, gradient)| gradient).sum::<DVec3>();
+        let mut uneven: DVec3 = away + pairs().map(|(_, gradient)| gradient).sum::<DVec3>();
         let mut part = (p.spreading * p.largest_wind.max(v[i].length()) * p.step / spacing).min(MOST_BY_WAY);
         if p.largest_wind == 0.0 {
             let deformed = deformation[i];
             let motion = deformed.max(p.step * v[i].length() / spacing);
             let settles = (2.0 * p.settling - motion / STILL).clamp(0.0, p.settling);
             part = part.max(deformed.min(BY_DEFORMATION)).max(settles * p.kernel_radius * uneven.length());
+        }
+        if let Some(wall) = walls.get(i) {
+            uneven -= gradient_beyond(p, wall.distance) * wall.normal;
+            part = part.max(BESIDE * wall.way);
         }
         let part = part.min(MOST_SPREAD);
         (-p.kernel_radius.powi(2) * part * uneven).clamp_length_max(LONGEST_SPREAD * spacing)
@@ -188,8 +258,17 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
 /// Surroundings of every particle: density θ_i = Σ_j V_j W by Poly6, itself included; B_i = M_i⁻¹ with
 /// M_i = −sym Σ_j V_j g_ij ⊗ (x_i − x_j) + 0.02, or 1 where M is nearly singular; and
 /// a_i = w_i |Σ_j V_j B_i g_ij|² + Σ_j w_j V_j² |B_i g_ij|² + α, α the softening of the density constraint.
+///
+/// A wall adds Ψ to θ, 2 P φ n nᵀ to M, and −k n to the first sum of a, with k = 2 P n · B n: the factor is that of the mirror image.
 #[must_use]
-pub fn moments(p: &Parameters, x: &[DVec3], inverse_mass: &[f64], volume: &[f64], near: &Neighbours) -> Vec<Moments> {
+pub fn moments(
+    p: &Parameters,
+    x: &[DVec3],
+    inverse_mass: &[f64],
+    volume: &[f64],
+    near: &Neighbours,
+    walls: &[Wall],
+) -> Vec<Moments> {
     let h = p.kernel_radius;
     let each = |i: usize| {
         let mut density = volume[i] * poly6(0.0, h);
@@ -199,6 +278,11 @@ pub fn moments(p: &Parameters, x: &[DVec3], inverse_mass: &[f64], volume: &[f64]
             density += volume[j] * poly6(gap.length(), h);
             moment -= volume[j] * outer(gap, gradient(p, i, j, x));
         }
+        let beyond = walls.get(i).map(|wall| (wall, gradient_beyond(p, wall.distance)));
+        if let Some((wall, beyond)) = beyond {
+            density += density_beyond(p, wall.distance);
+            moment += 2.0 * beyond * wall.distance.max(0.0) * outer(wall.normal, wall.normal);
+        }
         let correction = inverse(0.5 * (moment + moment.transpose()) + DMat3::from_diagonal(DVec3::splat(SOFTENING)));
         let (mut own, mut sum) = (DVec3::ZERO, 0.0);
         for j in others(p, near, i) {
@@ -206,8 +290,14 @@ pub fn moments(p: &Parameters, x: &[DVec3], inverse_mass: &[f64], volume: &[f64]
             own += corrected;
             sum += p.weight(inverse_mass[j]) * corrected.length_squared();
         }
+        let wall = beyond.map_or(DVec3::ZERO, |(wall, beyond)| {
+            2.0 * beyond * wall.normal.dot(correction * wall.normal) * wall.normal
+        });
+        own -= wall;
         let diagonal = p.weight(inverse_mass[i]) * own.length_squared() + sum + p.weight(p.density_softening);
-        Moments { density, correction, diagonal }
+        let wall_rate = beyond.map_or(0.0, |(seen, _)| wall.dot(seen.velocity));
+        let fed_back = beyond.map_or(0.0, |(seen, _)| FED_BACK * seen.way * (density - 1.0) / p.step);
+        Moments { density, correction, diagonal, wall, wall_rate, fed_back }
     };
     (0..x.len()).map(each).collect()
 }
@@ -231,7 +321,7 @@ pub fn start(p: &Parameters, i: usize, moments: &Moments, last: &Pressed) -> Pre
     }
 }
 
-/// Change Δv_i = w_i Σ_j (λ_i V_j B_i + λ_j V_i B_j) g_ij of every particle's velocity by multipliers λ \[m/s\].
+/// Change Δv_i = w_i (Σ_j (λ_i V_j B_i + λ_j V_i B_j) g_ij − λ_i k n) of every particle's velocity by multipliers λ \[m/s\].
 #[must_use]
 pub fn push(
     p: &Parameters,
@@ -246,11 +336,15 @@ pub fn push(
         let (own, other) = (lambda[i] * volume[j], lambda[j] * volume[i]);
         (own * moments[i].correction + other * moments[j].correction) * gradient(p, i, j, x)
     };
-    let each = |i: usize| p.weight(inverse_mass[i]) * others(p, near, i).map(|j| pair(i, j)).sum::<DVec3>();
+    let each = |i: usize| {
+        let sum = others(p, near, i).map(|j| pair(i, j)).sum::<DVec3>();
+        p.weight(inverse_mass[i]) * (sum - lambda[i] * moments[i].wall)
+    };
     (0..x.len()).map(each).collect()
 }
 
-/// Rate s_i = Σ_j V_j (v_i − v_j) · B_i g_ij at which air is compressed at every particle \[1/s\].
+/// Rate s_i = Σ_j V_j (v_i − v_j) · B_i g_ij − k (v_i − v_b) · n at which air is compressed at every particle, and beside bodies the rate at
+/// which its density error is to flow out \[1/s\].
 #[must_use]
 pub fn divergence(
     p: &Parameters,
@@ -261,7 +355,11 @@ pub fn divergence(
     moments: &[Moments],
 ) -> Vec<f64> {
     let pair = |i: usize, j: usize| volume[j] * (v[i] - v[j]).dot(moments[i].correction * gradient(p, i, j, x));
-    (0..x.len()).map(|i| others(p, near, i).map(|j| pair(i, j)).sum()).collect()
+    let each = |i: usize| {
+        let sum: f64 = others(p, near, i).map(|j| pair(i, j)).sum();
+        sum - (moments[i].wall.dot(v[i]) - moments[i].wall_rate) + moments[i].fed_back
+    };
+    (0..x.len()).map(each).collect()
 }
 
 /// Increment μ = −ω p s/a of a multiplier λ \[m²/s\] of a particle that takes this part p of a divergence; at a surface λ + μ is no more

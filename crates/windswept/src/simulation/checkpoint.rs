@@ -28,7 +28,7 @@ use crate::{
 };
 
 /// Format of the files. It rises when a section gets another content, or a buffer that lasts another layout or meaning.
-const FORMAT: u32 = 10;
+const FORMAT: u32 = 11;
 
 const ABOUT: &str = "about";
 const SCENE: &str = "scene";

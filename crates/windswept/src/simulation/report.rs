@@ -1,11 +1,13 @@
 //! The report of a run, and the figures in it.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 
 use super::Simulation;
 use crate::{
     error::RunError,
-    report::{Counts, PassReport, Report, SkippedReport},
+    report::{BodyReport, Counts, PassReport, Report, SkippedReport},
     status::{self, UNSOLVED},
 };
 
@@ -58,6 +60,7 @@ impl Simulation {
             over_density_rms: rms(&mut air_errors.map(|e| e.max(0.0))),
             momentum_kg_m_per_s: self.momentum(&velocities),
             confinement_impulse_kg_m_per_s: self.confinement_impulse()?,
+            bodies: self.bodies()?,
             confinement_limited_steps: self.plan.turbulence.runs.then(|| status::confinement_limited_steps(&self.last)),
             band_energy: self.band_energies()?,
             memory_bytes: self.engine.memory_bytes(),
@@ -74,7 +77,7 @@ impl Simulation {
 
     /// Warnings: how often each cause acted so far, and those of the scene itself and of a wind that was set.
     #[must_use]
-    pub fn warnings(&self) -> std::collections::BTreeMap<String, u64> {
+    pub fn warnings(&self) -> BTreeMap<String, u64> {
         let mut warnings = status::warnings(&self.last);
         let unsolved = status::strand_steps(&self.last)[UNSOLVED.0];
         let all = u64::from(self.engine.sizes().strands) * self.steps * self.substeps();
@@ -126,6 +129,11 @@ impl Simulation {
     pub fn body_impulses(&self) -> Result<Vec<[f64; 3]>, RunError> {
         let [impulses] = self.engine.read_vec4([&self.engine.state().body_impulse])?;
         Ok(impulses.iter().map(|p| [p[0], p[1], p[2]].map(f64::from)).collect())
+    }
+
+    fn bodies(&self) -> Result<Vec<BodyReport>, RunError> {
+        let each = self.scene.bodies.iter().zip(self.body_impulses()?);
+        Ok(each.map(|(body, impulse)| BodyReport { name: body.name.clone(), impulse_kg_m_per_s: impulse }).collect())
     }
 
     /// Number of substeps that were timed pass by pass: one in every eighth batch, from the second on, and all of

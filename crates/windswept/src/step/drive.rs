@@ -16,9 +16,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
             r.run(&force::COURSE, "strengths of the force fields", 1);
         });
     });
-    r.when(&plan.bodies, |r| {
-        r.run(&contact::PLACE, "bodies move", n.bodies);
-    });
+    record_bodies(r, plan);
     r.when(&plan.hair, |r| {
         r.when(&plan.mend, |r| {
             r.run(&rods::RESET, "a strand that is not finite starts from rest", n.strands);
@@ -54,14 +52,20 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.divergence, |r| {
         r.run(&fluid::ADVANCE, "air moves on as pressure last changed it", n.air());
     });
-    r.when(&plan.walls, |r| {
-        r.run(&fluid::WALL, "air that would be in a body moves out", n.particles);
+    record_walls(r, plan);
+}
+
+/// Records where bodies are in the next step.
+pub fn record_bodies(r: &mut Recorder<'_>, plan: &Plan) {
+    r.heading("1. drive");
+    r.when(&plan.bodies, |r| {
+        r.run(&contact::PLACE, "bodies move", plan.sizes.bodies);
     });
 }
 
-/// Records where bodies are in the first step, and the walls that they are to the air.
-pub fn record_start(r: &mut Recorder<'_>, plan: &Plan) {
-    r.heading("1. drive");
-    r.run(&contact::PLACE, "bodies move", plan.sizes.bodies);
-    r.run(&fluid::WALL, "walls that bodies are to air", plan.sizes.particles);
+/// Records the walls that bodies are to the air.
+pub fn record_walls(r: &mut Recorder<'_>, plan: &Plan) {
+    r.when(&plan.walls, |r| {
+        r.run(&fluid::WALL, "walls that bodies are to air", plan.sizes.particles);
+    });
 }

@@ -14,7 +14,7 @@ use crate::{
     array::{AnyArray, Index},
     plan::Plan,
     recorder::Recorder,
-    step::ONE_WORKGROUP,
+    step::{ONE_WORKGROUP, drive},
 };
 
 /// Rounds of the pressure before the first step.
@@ -49,6 +49,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
 pub fn record_density(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("3. fluid");
     r.when(&plan.neighbours, |r| density(r, plan.sizes.clusters_of_all()));
+    r.when(&plan.bodies.and(plan.air.clone()), |r| {
+        r.run(&fluid::SOLID, "what bodies take of the kernel", plan.sizes.air());
+    });
 }
 
 fn density(r: &mut Recorder<'_>, clusters: Range<u32>) {
@@ -63,9 +66,7 @@ fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
     });
     r.meet(&fluid::SPREAD, "how air spreads evenly", n.clusters_of_air());
     r.run(&fluid::PLACE, "air spreads", n.air());
-    r.when(&plan.walls, |r| {
-        r.run(&fluid::WALL, "walls that bodies are to air", n.particles);
-    });
+    drive::record_walls(r, plan);
     r.meet(&fluid::MOMENTS, "density, and gradients corrected", plan.flowing_clusters());
     r.meet(&fluid::PUSH, "the pressure before pushes", plan.flowing_clusters());
     solve(r, plan);

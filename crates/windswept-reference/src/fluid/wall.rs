@@ -1,0 +1,89 @@
+//! Walls: what bodies are to the air near them, for solver `divergence`.
+//!
+//! A body is a plane at the distance φ of its nearest surface, with that surface's normal n. The air's sums lack the parts of the kernels
+//! beyond the plane, P of Spiky's gradient and Ψ of Poly6, which are integrals of φ alone. Beyond it the air sees its mirror image: as dense,
+//! and with its normal velocity reversed about that of the body.
+
+use glam::DVec3;
+use windswept_scene::{FluidSolver, Model};
+
+use crate::{
+    Parameters,
+    contact::{self, Placed},
+    step::Scratch,
+};
+
+/// Least distance of air from a surface \[particle spacings\].
+pub const CLEARANCE: f64 = 0.4;
+/// Distance from a body up to which density errors are fed back in full, and from twice which on they are not \[particle spacings\].
+const NEAR: f64 = 4.0;
+
+/// The nearest surface to a particle.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Wall {
+    /// Unit vector out of the body.
+    pub normal: DVec3,
+    /// Distance φ from the surface, negative inside \[m\].
+    pub distance: f64,
+    /// Velocity of the surface there \[m/s\].
+    pub velocity: DVec3,
+    /// Way of the air in a step beside the body \[particle spacings\], at most 1; 0 far from it.
+    pub way: f64,
+    /// Index of the body.
+    pub body: usize,
+    /// Impulse that the body has had of the particle in this step, over the mass of an air particle \[m/s\].
+    pub taken: DVec3,
+}
+
+/// The part P of the kernel's gradient beyond a plane \[1/m\]: ∫ ∇W dV = −P n over all that is farther than φ along −n.
+#[must_use]
+pub fn gradient_beyond(p: &Parameters, distance: f64) -> f64 {
+    let u = 1.0 - distance.max(0.0) / p.kernel_radius;
+    if u > 0.0 { 30.0 / p.kernel_radius * (u.powi(4) / 4.0 - u.powi(5) / 5.0) } else { 0.0 }
+}
+
+/// The part Ψ of the kernel beyond a plane: ∫ W dV.
+#[must_use]
+pub fn density_beyond(p: &Parameters, distance: f64) -> f64 {
+    let q = (distance / p.kernel_radius).clamp(-1.0, 1.0);
+    let odd = |n: i32, factor: f64| factor * q.powi(n) / f64::from(n);
+    0.5 - 315.0 / 256.0 * (odd(1, 1.0) - odd(3, 4.0) + odd(5, 6.0) - odd(7, 4.0) + odd(9, 1.0))
+}
+
+/// Whether bodies are walls to the air.
+#[must_use]
+pub fn has_walls(p: &Parameters) -> bool {
+    p.air && p.solver == FluidSolver::Divergence && !p.bodies.is_empty()
+}
+
+/// The wall at a place where a particle has velocity `v`: the surface of the body that is nearest.
+#[must_use]
+pub fn wall(p: &Parameters, placed: &[Placed], x: DVec3, v: DVec3) -> Wall {
+    let (body, near) = contact::nearest_body(placed, x);
+    let velocity = placed[body].velocity(x, p.step);
+    let spacing = p.spacing();
+    let beside = (2.0 - near.distance / (NEAR * spacing)).clamp(0.0, 1.0);
+    let fastest = p.largest_wind.max(v.length()).max(velocity.length());
+    let way = beside * (fastest * p.step / spacing).min(1.0);
+    Wall { normal: near.normal, distance: near.distance, velocity, way, body, taken: DVec3::ZERO }
+}
+
+/// Moves air that is nearer to a body than its clearance out of it, and finds the wall at each particle that pressure acts on; none
+/// in a scene without walls.
+pub fn walls(w: &mut Scratch, p: &Parameters) {
+    w.walls.clear();
+    if !has_walls(p) {
+        return;
+    }
+    for i in 0..w.predicted.len() {
+        if p.is_air(i) {
+            w.predicted[i] = contact::outside(p, &w.moving.bodies, w.predicted[i]);
+        }
+        let flows = p.is_air(i) || p.model == Model::Particles;
+        w.walls.push(if flows {
+            wall(p, &w.moving.bodies, w.predicted[i], w.new_velocity[i])
+        } else {
+            Wall::default()
+        });
+    }
+}
