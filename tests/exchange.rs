@@ -43,4 +43,5 @@ checks! {
     bundles_shelter_their_fibres: "bundle", "long: 910 s of CPU time",
     large_mats_sleep: "mat-for-long", "long: 50 s of CPU time",
     hair_comes_to_rest_on_bodies: "contact-rests", "long: 40 s of CPU time",
+    wind_passes_bodies: "bodies-in-wind", "long: 15 min of CPU time",
 }

@@ -66,6 +66,7 @@ checks! {
     shear_waves_decay_as_xsph_says: "shear-wave",
     taylor_green_vortices_decay: "taylor-green",
     pressure_keeps_what_an_ideal_fluid_keeps: "pressure",
+    air_knows_bodies: "bodies-in-air",
     momentum_is_kept: "momentum",
     what_air_loses_hair_receives: "coupled",
     hair_stands_where_physics_says: "hair-in-wind",

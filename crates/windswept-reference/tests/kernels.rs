@@ -7,6 +7,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use support::{BODY, Crowd, FACE, RADIUS, SIMPLE, VOLUME, lattice};
 use windswept_reference::{
+    fluid,
     sph_kernels::{coincident_direction, poly6, spiky_gradient, spiky_slope},
     tables,
 };
@@ -93,4 +94,32 @@ fn coincident_directions_are_antisymmetric_and_isotropic() {
     // Measured 0.009 and 0.004; three standard deviations are 0.017 per axis and 0.009.
     assert!(mean.length() < 0.03, "{mean}");
     assert!((square - 1.0 / 3.0).abs().max_element() < 0.01, "{square}");
+}
+
+/// What lies beyond a plane of the kernels, by quadrature: ∫ W dV of Poly6, and −n · ∫ ∇W dV of Spiky, whose value at a distance is its
+/// slope's integral.
+#[test]
+fn walls_take_what_lies_beyond_a_plane() {
+    let (size, positions) = lattice([4; 3], &SIMPLE);
+    let p = Crowd::new(size, positions).parameters;
+    let n = 2000;
+    // Midpoints between two distances.
+    let over = |from: f64, f: &dyn Fn(f64) -> f64| {
+        let width = (RADIUS - from) / f64::from(n);
+        (0..n).map(|k| width * f(from + (f64::from(k) + 0.5) * width)).sum::<f64>()
+    };
+    let spiky = |z: f64| over(z, &|r| -spiky_gradient(0, 1, DVec3::X * r, RADIUS).x);
+    for distance in [0.0, 0.2, 0.5, 0.8, 1.0, 1.2].map(|part| part * RADIUS) {
+        let from = distance.min(RADIUS);
+        // A disc at depth z has the area 2π r dr out to the kernel's edge.
+        let density = over(from, &|z| TAU * over(z, &|r| r * poly6(r, RADIUS)));
+        let gradient = over(from, &|z| TAU * z * spiky(z));
+        let closed = [fluid::density_beyond(&p, distance), RADIUS * fluid::gradient_beyond(&p, distance)];
+        println!("{distance:.2e} m: {closed:?}");
+        assert!(
+            (closed[0] - density).abs() < 1e-6 && (closed[1] - RADIUS * gradient).abs() < 1e-5,
+            "{density} {gradient}"
+        );
+        assert!((fluid::density_beyond(&p, -distance) - 1.0 + closed[0]).abs() < 1e-14, "inside");
+    }
 }

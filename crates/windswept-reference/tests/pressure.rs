@@ -92,7 +92,7 @@ fn gradients_of_disordered_sums_are_corrected() {
 /// A pair far from all others is not held together, is kept from meeting, and what pressed it is let go of.
 #[test]
 fn a_surface_is_pushed_and_not_pulled() {
-    let thin = Moments { density: 0.5, correction: DMat3::IDENTITY, diagonal: 2.0 };
+    let thin = Moments { density: 0.5, correction: DMat3::IDENTITY, diagonal: 2.0, ..Moments::default() };
     let whole = Moments { density: 0.7, ..thin };
     let relax = |rate: f64, moments: &Moments, lambda: f64| fluid::relax(0.5, 1.0, rate, moments, lambda);
     // Compressed, parted without and with pressure; inside pressure pulls as well.

@@ -27,6 +27,7 @@ mod turbulence;
 mod twin;
 mod viscosity;
 mod vortex;
+mod walls;
 mod whole;
 mod wind;
 
@@ -87,6 +88,7 @@ pub const CHECKS: &[Check] = &[
     Check { name: "shear-wave", run: viscosity::shear_waves },
     Check { name: "taylor-green", run: viscosity::taylor_green },
     Check { name: "pressure", run: pressure::rows },
+    Check { name: "bodies-in-air", run: walls::rows },
     Check { name: "momentum", run: momentum::closed_box },
     Check { name: "coupled", run: coupled::drag },
     Check { name: "hair-in-wind", run: hair_in_wind::prescribed },
@@ -111,6 +113,7 @@ pub const LONG_CHECKS: &[Check] = &[
     Check { name: "bundle", run: exchange::bundle },
     Check { name: "mat-for-long", run: friction::mat_for_long },
     Check { name: "contact-rests", run: contact::rests },
+    Check { name: "bodies-in-wind", run: walls::large },
 ];
 
 /// A check that could not be done.

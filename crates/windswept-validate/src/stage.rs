@@ -37,6 +37,16 @@ impl Stage {
         Ok(())
     }
 
+    /// Runs passes on the engine over what the headings left.
+    pub(crate) fn replay(&self, record: impl FnOnce(&mut Recorder<'_>, &Plan)) -> Result<(), Error> {
+        Ok(self.engine.replay(&Recorder::record(self.engine.state(), |r| record(r, &self.plan)))?)
+    }
+
+    /// The engine.
+    pub(crate) fn engine(&self) -> &Engine {
+        &self.engine
+    }
+
     /// Lets BDF2 take strands from here on, where the scene says so.
     pub(crate) fn take_bdf2(&mut self) -> Result<(), Error> {
         let array = &self.engine.state().strand_history;

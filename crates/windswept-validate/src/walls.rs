@@ -1,0 +1,470 @@
+//! Air beside bodies: its density, the drag and the wake, the impulse of a body that starts, rest, and momentum.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+use windswept::{Frame, Gpu, Simulation, internals::step};
+use windswept_scene::{Scene, Shape, Solid};
+use windswept_shaders::{common::pressure::Stress, fluid};
+
+use crate::{
+    Error, Row,
+    air::{STEP, farthest, mean, spacing, vectors},
+    coupled::lasting,
+    stage::Stage,
+};
+
+const FULL: &str = "density is uniform; within 3 spacings of the surface, before, behind and beside; measured up to 0.06 off where air goes a \
+    third of the radius in a step, and 0.02 at half of that";
+const EVEN: &str =
+    "density is uniform: rms of theta - 1 within a kernel radius; 0.8 (U dt/R)^2 and the scatter of particles";
+const DRAG: &str = "Tritton (1959): 1.1 to 1.3 at Re 100 to 200, which is that of a layer of one spacing; at 10 % blockage 1.09 times that \
+    (Allen & Vincenti 1944)";
+const SHED: &str =
+    "Roshko (1954): 0.165 to 0.19 at Re 100 to 200; at 10 % blockage up to 1.09 times that, and 0.21 at high Re";
+const POTENTIAL: &str =
+    "Lamb, Hydrodynamics, art. 92: 3/2 sin of the flux beside a sphere, 1 + R^3/2r^3 at the layer's radius";
+const ADDED: &str = "Maxwell (1873): 1/2 (1 - c)/(1 + c/2) of the displaced mass in a periodic box of which the sphere takes c; particles of a \
+    quarter of the radius see a body that is larger by some of their spacing";
+const BALANCED: &str =
+    "a constant pressure pushes nothing: what the wall pushes, over what the air alone would be pushed by";
+const STILL: &str = "air that is at rest stays there: exactly";
+const KEPT: &str = "Newton: what air and hair gain the body loses; over the sum of the impulses; f32";
+const FASTEST: &str =
+    "potential flow past a sphere comes to 1.5 U, past a cylinder to 2 U, and blockage and shed vortices add to it";
+
+/// Distance from a surface within which the density is looked at \[spacings\].
+const SHELL: f64 = 3.0;
+/// Wind \[m/s\].
+const WIND: f64 = 3.0;
+
+/// A body in a box of so many spacings.
+struct Tunnel {
+    /// Sides of the box \[spacings\].
+    sides: [f64; 3],
+    /// Radius of the body \[spacings\].
+    radius: f64,
+    /// Whether the body is a sphere; else it is a cylinder along z.
+    sphere: bool,
+    /// Center of the body, in parts of the box.
+    center: [f64; 3],
+    /// Wind along x \[m/s\].
+    wind: f64,
+    /// Substeps of a step of 1.38 ms.
+    substeps: u32,
+    /// Skin friction coefficient C_f.
+    friction: f64,
+    /// Time at which the body is set off, and its speed \[s, m/s\].
+    motion: Option<[f64; 2]>,
+}
+
+/// A cylinder of 12 mm in a wind of 3 m/s.
+const THIN: Tunnel = Tunnel {
+    sides: [33.0, 25.0, 6.0],
+    radius: 2.479,
+    sphere: false,
+    center: [0.3125, 0.5, 0.5],
+    wind: WIND,
+    substeps: 1,
+    friction: 0.1,
+    motion: None,
+};
+/// A cylinder that blocks a tenth of the wind.
+const TENTH: Tunnel = Tunnel { sides: [110.0, 80.0, 6.0], radius: 4.0, friction: 0.2, ..THIN };
+/// A sphere in a wind.
+const BALL: Tunnel = Tunnel { sides: [48.0, 28.0, 28.0], radius: 4.0, sphere: true, ..THIN };
+/// A sphere in the middle of still air.
+const STOOD: Tunnel =
+    Tunnel { sides: [24.0; 3], radius: 4.0, sphere: true, center: [0.5; 3], wind: 0.0, friction: 0.0, ..THIN };
+
+/// Air and its densities in a shell about the body.
+#[derive(Default)]
+struct Beside {
+    /// Density behind the body, before it and beside it, over the mean.
+    sectors: [f64; 3],
+    /// rms of θ − 1 within a kernel radius of the body.
+    error: f64,
+    /// Smallest and largest θ there.
+    range: [f64; 2],
+    /// Least distance of air from the surface \[spacings\].
+    closest: f64,
+    /// Largest speed of air \[m/s\].
+    fastest: f64,
+}
+
+impl Tunnel {
+    fn scene(&self) -> Result<Scene, Error> {
+        let [x, y, z] = self.sides.map(|side| side * spacing());
+        let center = [0, 1, 2].map(|axis| self.center[axis] * self.sides[axis] * spacing());
+        let [cx, cy, cz] = center;
+        let radius = self.radius * spacing();
+        let shape = if self.sphere {
+            format!("center = [{cx}, {cy}, {cz}]")
+        } else {
+            format!("shape = \"capsule\"\nstart = [{cx}, {cy}, -0.05]\nend = [{cx}, {cy}, {}]", z + 0.05)
+        };
+        let motion = self.motion.map_or_else(String::new, |[start, speed]| {
+            let end = start + 1.0;
+            format!(
+                "motion = [{{ time = 0 }}, {{ time = {start} }}, {{ time = {end}, translation = [{speed}, 0, 0] }}]"
+            )
+        });
+        let fringe = if self.wind == 0.0 { "fringe = 0.0" } else { "" };
+        Ok(Scene::parse(&format!(
+            "time = {{ step = {STEP}, substeps = {}, duration = 10.0 }}\ninteraction.model = \"two-way\"\n\
+             [air]\nbox = {{ min = [0, 0, 0], max = [{x}, {y}, {z}] }}\nwind = [{}, 0, 0]\nramp = 0.0\nskin_friction = {}\n{fringe}\n\
+             [[body]]\nname = \"body\"\nradius = {radius}\n{shape}\n{motion}\n",
+            self.substeps, self.wind, self.friction
+        ))?)
+    }
+
+    fn simulation(&self, gpu: &Gpu) -> Result<Simulation, Error> {
+        Ok(Simulation::new(gpu, &self.scene()?)?)
+    }
+
+    /// Volume of the body's inside in the box \[m³\], of a body that is larger by `more` \[m\].
+    fn volume(&self, more: f64) -> f64 {
+        let radius = self.radius * spacing() + more;
+        if self.sphere { 4.0 / 3.0 * PI * radius.powi(3) } else { PI * radius.powi(2) * self.sides[2] * spacing() }
+    }
+
+    /// Parts of a shell that are behind the body, before it and beside it.
+    fn parts(&self) -> [f64; 3] {
+        let cap = if self.sphere { 0.5 * (1.0 - 0.5_f64.sqrt()) } else { 0.25 };
+        [cap, cap, 1.0 - 2.0 * cap]
+    }
+
+    /// Air about the body now.
+    fn beside(&self, simulation: &mut Simulation) -> Result<Beside, Error> {
+        let density = simulation.density()?;
+        let frame = simulation.frame()?;
+        let body = simulation.scene().bodies[0].at(simulation.time());
+        let (d, hair) = (spacing(), frame.hair.positions.len());
+        let volume = simulation.initial().air.volume;
+        let mut found = Beside { range: [f64::INFINITY, 0.0], closest: f64::INFINITY, ..Beside::default() };
+        let (mut errors, mut near) = (0.0, 0.0);
+        for ((x, v), theta) in
+            vectors(&frame.air.positions).iter().zip(vectors(&frame.air.velocities)).zip(&density[hair..])
+        {
+            let (distance, normal) = body.signed_distance(*x);
+            let theta = f64::from(*theta);
+            found.closest = found.closest.min(distance / d);
+            found.fastest = found.fastest.max(v.length());
+            if distance < SHELL * d {
+                let sector = usize::from(normal.x < 0.5_f64.sqrt())
+                    + usize::from(normal.x > -0.5_f64.sqrt() && normal.x < 0.5_f64.sqrt());
+                found.sectors[sector] += volume;
+            }
+            if distance < windswept_scene::Air::KERNEL_RADIUS {
+                errors += (theta - 1.0).powi(2);
+                near += 1.0;
+                found.range = [found.range[0].min(theta), found.range[1].max(theta)];
+            }
+        }
+        let shell = self.volume(SHELL * d) - self.volume(0.0);
+        found.sectors = [0, 1, 2].map(|k| found.sectors[k] / (shell * self.parts()[k]));
+        found.error = (errors / near).sqrt();
+        Ok(found)
+    }
+
+    /// What air is like beside the body from one time to another, on average and at worst \[s\], with each step's force on the body \[N\].
+    fn run(&self, gpu: &Gpu, [from, to]: [f64; 2], every: u64) -> Result<(Beside, Vec<DVec3>), Error> {
+        let mut simulation = self.simulation(gpu)?;
+        simulation.step((from / STEP).round() as u64)?;
+        let (mut all, mut count, mut forces) =
+            (Beside { closest: f64::INFINITY, range: [f64::INFINITY, 0.0], ..Beside::default() }, 0.0, vec![]);
+        let mut before = DVec3::from_array(simulation.body_impulses()?[0]);
+        for number in 0..((to - from) / STEP).round() as u64 {
+            simulation.step(1)?;
+            let impulse = DVec3::from_array(simulation.body_impulses()?[0]);
+            forces.push((impulse - before) / STEP);
+            before = impulse;
+            if number % every == 0 {
+                let now = self.beside(&mut simulation)?;
+                count += 1.0;
+                (0..3).for_each(|k| all.sectors[k] += now.sectors[k]);
+                all.error += now.error;
+                all.range = [all.range[0].min(now.range[0]), all.range[1].max(now.range[1])];
+                (all.closest, all.fastest) = (all.closest.min(now.closest), all.fastest.max(now.fastest));
+            }
+        }
+        all.sectors = all.sectors.map(|sum| sum / count);
+        all.error /= count;
+        Ok((all, forces))
+    }
+
+    /// Force over ½ ρ U² and the body's cross-section.
+    fn coefficient(&self, force: f64) -> f64 {
+        let radius = self.radius * spacing();
+        let area = if self.sphere { PI * radius.powi(2) } else { 2.0 * radius * self.sides[2] * spacing() };
+        force / (0.5 * windswept_scene::Air::REST_DENSITY * self.wind.powi(2) * area)
+    }
+
+    /// Frequency at which the force across the wind is strongest, by 2 R/U: Strouhal's number.
+    fn strouhal(&self, forces: &[DVec3]) -> f64 {
+        let middle = mean(forces.iter().map(|force| force.y));
+        let power = |number: f64| {
+            let turn = TAU * number * self.wind / (2.0 * self.radius * spacing()) * STEP;
+            let n = forces.len() as f64;
+            let sum = forces.iter().enumerate().fold((0.0, 0.0), |(a, b), (k, force)| {
+                // Hann's window.
+                let part = (force.y - middle) * (0.5 - 0.5 * (TAU * k as f64 / n).cos());
+                let phase = turn * k as f64;
+                (a + part * phase.cos(), b + part * phase.sin())
+            });
+            sum.0.hypot(sum.1)
+        };
+        let numbers = (0..105).map(|k| 0.08 + 0.004 * f64::from(k));
+        numbers.max_by(|a, b| power(*a).total_cmp(&power(*b))).unwrap_or_default()
+    }
+
+    fn name(&self) -> String {
+        let shape = if self.sphere { "sphere" } else { "cylinder" };
+        format!("{shape} of {:.1} d in {} m/s, {} substeps", self.radius, self.wind, self.substeps)
+    }
+
+    /// Rows of a wind past the body: how even the air is about it, within these bounds.
+    fn wind(&self, beside: &Beside, sectors: f64, error: f64, fastest: f64) -> Vec<Row> {
+        let name = self.name();
+        let mut rows: Vec<Row> = ["behind", "before", "beside"]
+            .into_iter()
+            .zip(beside.sectors)
+            .map(|(place, density)| Row::new(format!("{name}: density {place} it"), 1.0, density, sectors, FULL))
+            .collect();
+        rows.push(Row::new(format!("{name}: density error at the surface"), 0.0, beside.error, error, EVEN));
+        rows.push(
+            Row::new(format!("{name}: fastest air"), 0.5 * fastest, beside.fastest, 0.5 * fastest, FASTEST)
+                .in_unit("m/s"),
+        );
+        rows
+    }
+}
+
+/// Rows of bodies in wind and in still air, small enough for every day.
+pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
+    let mut rows = Vec::new();
+    for (substeps, sectors, error) in [(1, 0.1, 0.11), (2, 0.05, 0.04)] {
+        let tunnel = Tunnel { substeps, ..THIN };
+        let (beside, _) = tunnel.run(gpu, [0.15, 0.3], 9)?;
+        rows.extend(tunnel.wind(&beside, sectors, error, 2.5 * WIND));
+    }
+    rows.push(at_the_start(gpu)?);
+    for (substeps, steps, most) in [(1, 4, 1.25), (4, 1, 1.15)] {
+        rows.push(set_off(gpu, substeps, steps, most)?);
+    }
+    rows.push(balanced(gpu)?);
+    rows.extend(at_rest(gpu)?);
+    rows.extend(moving(gpu, 1.0, 1)?);
+    rows.extend(moving(gpu, 3.0, 1)?);
+    rows.push(exchanged(gpu)?);
+    Ok(rows)
+}
+
+/// Rows of larger bodies, with their drag and the wake, and of shorter steps.
+pub(crate) fn large(gpu: &Gpu) -> Result<Vec<Row>, Error> {
+    let mut rows = Vec::new();
+    // The whole depth, as bodies in a scene have it.
+    let deep = Tunnel { sides: [33.0, 25.0, 14.5], ..THIN };
+    for (substeps, sectors, error) in [(1, 0.1, 0.11), (2, 0.05, 0.04), (4, 0.05, 0.035)] {
+        let tunnel = Tunnel { substeps, ..deep };
+        let (beside, _) = tunnel.run(gpu, [0.25, 0.5], 9)?;
+        rows.extend(tunnel.wind(&beside, sectors, error, 2.5 * WIND));
+    }
+    for (radius, substeps) in [(4.0, 1), (4.0, 2), (3.0, 1), (5.0, 1)] {
+        let sides = TENTH.sides.map(|side| (side * radius / TENTH.radius).max(6.0));
+        let tunnel = Tunnel { sides: [sides[0], sides[1], 6.0], radius, substeps, ..TENTH };
+        let (beside, forces) = tunnel.run(gpu, [0.2, 0.6], 16)?;
+        rows.extend(tunnel.wind(&beside, 0.05, 0.06, 2.5 * WIND));
+        let drag = tunnel.coefficient(mean(forces.iter().map(|force| force.x)));
+        rows.push(Row::new(format!("{}: drag coefficient", tunnel.name()), 1.2, drag, 0.2, DRAG));
+        rows.push(Row::new(
+            format!("{}: Strouhal number", tunnel.name()),
+            0.215,
+            tunnel.strouhal(&forces),
+            0.025,
+            SHED,
+        ));
+    }
+    for radius in [4.0, 3.0, 5.0] {
+        let tunnel = Tunnel { sides: BALL.sides.map(|side| side * radius / BALL.radius), radius, ..BALL };
+        let (beside, _) = tunnel.run(gpu, [0.12, 0.25], 9)?;
+        rows.extend(tunnel.wind(&beside, 0.05, 0.06, 2.0 * WIND));
+    }
+    let early = Tunnel { sides: [36.0, 28.0, 28.0], radius: 6.6, ..BALL };
+    let (beside, _) = early.run(gpu, [0.028, 0.055], 1)?;
+    let name = format!("{}, 28 to 55 ms after the start: density behind it", early.name());
+    rows.push(Row::new(name, 1.0, beside.sectors[0], 0.07, FULL));
+    rows.extend(moving(gpu, 10.0, 8)?);
+    Ok(rows)
+}
+
+/// Row of the speed of air along a sphere before the first step, over that of a flow without a curl.
+fn at_the_start(gpu: &Gpu) -> Result<Row, Error> {
+    let tunnel = Tunnel { wind: 1.0, ..STOOD };
+    let frame = tunnel.simulation(gpu)?.frame()?;
+    let center = DVec3::splat(12.0 * spacing());
+    let radius = tunnel.radius * spacing();
+    // Flux of the periodic box over its wind: Maxwell's.
+    let taken = tunnel.volume(0.0) / (24.0 * spacing()).powi(3);
+    let flux = flux(&frame, center);
+    let (mut along, mut potential) = (0.0, 0.0);
+    for (x, v) in vectors(&frame.air.positions).iter().zip(vectors(&frame.air.velocities)) {
+        let r = *x - center;
+        if r.length() < radius + spacing() {
+            let normal = r.normalize();
+            let sine = (1.0 - normal.x.powi(2)).sqrt();
+            let wanted = flux * sine * (1.0 + 0.5 * (radius / r.length()).powi(3)) / (1.0 - taken);
+            along += v.reject_from_normalized(normal).length() * wanted;
+            potential += wanted * wanted;
+        }
+    }
+    Ok(Row::new(
+        "sphere of 4 d at the start: speed of air along it, over potential flow",
+        1.0,
+        along / potential,
+        0.06,
+        POTENTIAL,
+    ))
+}
+
+/// Mean velocity along x of the air that is far from a center, where the whole box is open \[m/s\].
+fn flux(frame: &Frame, center: DVec3) -> f64 {
+    let air = vectors(&frame.air.positions).into_iter().zip(vectors(&frame.air.velocities));
+    mean(air.filter(|(x, _)| (x.x - center.x).abs() > 10.0 * spacing()).map(|(_, v)| v.x))
+}
+
+/// Row of the impulse that a sphere takes to be set off at 1 m/s in one step, over that of its added mass.
+fn set_off(gpu: &Gpu, substeps: u32, steps: u64, most: f64) -> Result<Row, Error> {
+    let speed = 1.0;
+    let tunnel = Tunnel { substeps, motion: Some([STEP, speed]), ..STOOD };
+    let mut simulation = tunnel.simulation(gpu)?;
+    simulation.step(1 + steps)?;
+    let impulse = -simulation.body_impulses()?[0][0];
+    let taken = tunnel.volume(0.0) / (24.0 * spacing()).powi(3);
+    let added = 0.5 * (1.0 - taken) / (1.0 + 0.5 * taken) * windswept_scene::Air::REST_DENSITY * tunnel.volume(0.0);
+    let name = format!("sphere of 4 d set off, {substeps} substeps: impulse over that of its added mass");
+    Ok(Row::new(name, 0.5 * (1.0 + most), impulse / (added * speed), 0.5 * (most - 1.0), ADDED))
+}
+
+/// Row of a pressure that is the same everywhere: what is left of its push within a kernel radius of a sphere, in layers of a quarter of a
+/// spacing.
+fn balanced(gpu: &Gpu) -> Result<Row, Error> {
+    let tunnel = Tunnel { wind: WIND, ..STOOD };
+    let mut simulation = tunnel.simulation(gpu)?;
+    // Positions as a flow leaves them.
+    simulation.step(30)?;
+    let scene = tunnel.scene()?;
+    let mut initial = simulation.initial().clone();
+    initial.air.positions = vectors(&simulation.frame()?.air.positions);
+    let mut stage = Stage::new(gpu, &scene, &initial)?;
+    stage.run(|r, plan| {
+        step::drive::record_bodies(r, plan);
+        step::drive::record_walls(r, plan);
+        step::neighbours::record(r, plan);
+        r.meet(&fluid::MOMENTS, "gradients corrected", plan.flowing_clusters());
+    })?;
+    let state = stage.engine().state();
+    let volume = initial.air.volume as f32;
+    let unit = |g: windswept_shaders::common::pressure::Gradients| Stress {
+        diagonal: g.diagonal.map(|b| b / volume),
+        off_diagonal: g.off_diagonal.map(|b| b / volume),
+        pressure: 1.0 / volume,
+        ..Stress::default()
+    };
+    let gradients = stage.engine().read(&state.gradients)?;
+    let walls = stage.engine().read(&state.wall)?;
+    stage.engine().write(&state.stress, &gradients.into_iter().map(unit).collect::<Vec<_>>())?;
+    stage.engine().write(&state.new_velocity, &vec![[0.0; 4]; walls.len()])?;
+    stage.replay(|r, plan| {
+        r.meet(&fluid::PUSH, "a constant pressure pushes", plan.flowing_clusters());
+    })?;
+    let pushed = stage.read(|s| &s.new_velocity)?;
+    let radius = windswept_scene::Air::KERNEL_RADIUS;
+    let mut layers = [(0.0, 0.0); 7];
+    for (wall, v) in walls.iter().zip(&pushed).skip(initial.hair.positions.len()) {
+        let layer = (f64::from(wall.distance) / (0.25 * spacing())) as usize;
+        if let Some((sum, count)) = layers.get_mut(layer) {
+            *sum += v.dot(DVec3::from_array(wall.normal.map(f64::from))) * radius;
+            *count += 1.0;
+        }
+    }
+    let left = layers.iter().filter(|(_, count)| *count > 20.0).map(|(sum, count)| (sum / count).abs());
+    Ok(Row::new("sphere of 4 d: push of a constant pressure", 0.0, farthest(left, 0.0), 0.15, BALANCED).in_unit("1/h"))
+}
+
+/// Rows of still air about a sphere and a mesh.
+fn at_rest(gpu: &Gpu) -> Result<Vec<Row>, Error> {
+    let round = Tunnel { sides: [16.0; 3], radius: 3.0, ..STOOD }.scene()?;
+    let mut meshed = round.clone();
+    let skin = round.bodies[0].shape.surface(32, 64);
+    let solid = Solid::enclosed(skin, Some(1e-3)).map_err(|error| Error::Missing(error.to_string()))?;
+    meshed.bodies[0].shape = Shape::Mesh(solid);
+    let each = [("sphere", round), ("mesh", meshed)].map(|(name, scene)| {
+        let mut simulation = Simulation::new(gpu, &scene)?;
+        simulation.step(100)?;
+        let fastest = farthest(vectors(&simulation.frame()?.air.velocities).iter().map(|v| v.length()), 0.0);
+        Ok(Row::new(format!("still air about a {name}: speed after 100 steps"), 0.0, fastest, 0.0, STILL)
+            .in_unit("m/s"))
+    });
+    each.into_iter().collect()
+}
+
+/// Rows of a sphere that moves through still air: the densities beside it from 20 ms on, and the momentum of air and body.
+fn moving(gpu: &Gpu, speed: f64, substeps: u32) -> Result<Vec<Row>, Error> {
+    let tunnel = Tunnel { center: [0.3, 0.5, 0.5], substeps, motion: Some([0.0, speed]), ..STOOD };
+    let mut simulation = tunnel.simulation(gpu)?;
+    let start = air_and_hair(&simulation)?;
+    let (mut range, mut off, mut sum) = ([f64::INFINITY, 0.0_f64], 0.0_f64, 0.0);
+    let mut before = DVec3::ZERO;
+    // It goes 8 d and not into its own wake.
+    let steps = ((0.02 + 8.0 * spacing() / speed.max(3.0)) / STEP) as u64;
+    for number in 1..=steps {
+        simulation.step(1)?;
+        let impulse = DVec3::from_array(simulation.body_impulses()?[0]);
+        sum += (impulse - before).length();
+        before = impulse;
+        if simulation.time() > 0.02 && number % 3 == 0 {
+            let beside = tunnel.beside(&mut simulation)?;
+            range = [range[0].min(beside.range[0]), range[1].max(beside.range[1])];
+        }
+        if number == steps {
+            off = (air_and_hair(&simulation)? - start + impulse).length() / sum;
+        }
+    }
+    let name = format!("sphere of 4 d at {speed} m/s, {substeps} substeps");
+    Ok(vec![
+        Row::new(format!("{name}: least density beside it"), 1.0, range[0], 0.2, EVEN),
+        Row::new(format!("{name}: largest density beside it"), 1.0, range[1], 0.12, EVEN),
+        Row::new(format!("{name}: momentum of air and sphere"), 0.0, off, 0.01, KEPT),
+    ])
+}
+
+/// Momentum of air and hair \[kg m/s\], with what is still to come of the pressure's pushes.
+fn air_and_hair(simulation: &Simulation) -> Result<DVec3, Error> {
+    let initial = simulation.initial();
+    let masses = initial.hair.inverse_mass.iter().map(|w| 1.0 / w);
+    let hair = masses.zip(vectors(&simulation.frame()?.hair.velocities)).map(|(mass, v)| mass * v).sum::<DVec3>();
+    Ok(hair + initial.air.mass * lasting(simulation)?.into_iter().sum::<DVec3>())
+}
+
+/// Row of loose hair in air that a sphere passes: the momentum of hair, air and body.
+fn exchanged(gpu: &Gpu) -> Result<Row, Error> {
+    let tunnel = Tunnel { center: [0.3, 0.5, 0.5], motion: Some([0.0, 2.0]), friction: 0.1, ..STOOD };
+    let mut scene = tunnel.scene()?;
+    let hair = Scene::parse(
+        "gravity = [0, 0, 0]\ninteraction.model = \"none\"\n[hair]\nstrands = 6\npoints = 8\nlength = 0.03\nroot = \"free\"\n\
+         roots = { center = [0.07, 0.09, 0.05], radius = 0.012 }\n",
+    )?;
+    (scene.hair, scene.gravity) = (hair.hair, [0.0; 3]);
+    let mut simulation = Simulation::new(gpu, &scene)?;
+    let before = air_and_hair(&simulation)?;
+    let (mut sum, mut last) = (0.0, DVec3::ZERO);
+    for _ in 0..16 {
+        simulation.step(1)?;
+        let impulse = DVec3::from_array(simulation.body_impulses()?[0]);
+        sum += (impulse - last).length();
+        last = impulse;
+    }
+    let off = (air_and_hair(&simulation)? - before + last).length() / sum;
+    Ok(Row::new("loose hair in air that a sphere passes: momentum of all", 0.0, off, 0.01, KEPT))
+}
