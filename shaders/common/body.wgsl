@@ -147,7 +147,8 @@ fn surface_of_grid(grid: Grid, x: vec3f, way: vec3f) -> Surface {
 
 // How far the body's own point that is at `x` after the step has moved in it [m].
 fn surface_move(body: Placed, x: vec3f) -> vec3f {
-    return x - (body.center_before + rotate(conjugate(body.turn), x - body.center));
+    let arm = x - body.center;
+    return (body.center - body.center_before) + (arm - rotate(conjugate(body.turn), arm));
 }
 
 // Where a step carries the body's own point that is at `x` before it.

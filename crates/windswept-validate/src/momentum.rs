@@ -85,7 +85,7 @@ pub(crate) fn exchanged(simulation: &mut Simulation, steps: u64) -> Result<(DVec
         let engine = simulation.engine();
         let before: Vec<_> = engine.read(&engine.state().point_history)?.iter().map(|point| point.velocity).collect();
         let frame = simulation.frame()?;
-        Ok((vectors(&frame.hair.velocities), vectors(&before), vectors(&frame.air.velocities)))
+        Ok((vectors(&frame.hair.velocities), vectors(&before), lasting(simulation)?))
     };
     let (mut change, mut exchanged) = (DVec3::ZERO, 0.0);
     let mut start = velocities(simulation)?;
