@@ -122,7 +122,8 @@ fn wrong_constants_of_strands_turn_rows_red() {
         (&rods::GAUSS_SEIDEL, "w = 0.25", "w = 0.252", "twin-rods"),
         (&rods::PREDICT, "params.step * (2.0 / 3.0)", "params.step * 0.667", "twin-rods"),
         (&rods::SOLVE, "mu * before.lag", "1.01 * mu * before.lag", "contact"),
-        (&contact::AIR, "CLEARANCE: f32 = 0.5", "CLEARANCE: f32 = 0.501", "contact"),
+        (&contact::AIR, "CLEARANCE: f32 = 0.4", "CLEARANCE: f32 = 0.401", "contact"),
+        (&fluid::WALL, "30.0 / params", "15.0 / params", "bodies-in-air"),
     ]);
 }
 

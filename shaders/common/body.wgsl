@@ -32,8 +32,6 @@ struct Grid {
 override BODIES: bool = true;
 override MESHES: bool = true;
 
-// Rounds that a pass goes over all bodies: a second one for what lies between two bodies.
-const ROUNDS: u32 = 2u;
 
 // A body in this step.
 struct Placed {

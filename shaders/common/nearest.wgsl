@@ -1,18 +1,50 @@
-// The body that is nearest to a place.
-import package::common::body::{Placed, Surface, surface};
+// The surface that is nearest to a place in the box of air.
+//
+// Air is periodic: where a body crosses a face of the box, its cut is a wall to the air at the opposite face. That air sees the foot of its
+// place on the face: inside the body the wall is as far as the face, and beside it farther.
+import package::common::{params::params, body::{Placed, surface, surface_move, carried_on}};
 
 struct Nearest {
-    body: u32,          // index of the body
-    surface: Surface,   // its surface, seen from the place
+    normal: vec3f,     // unit vector out of the body
+    distance: f32,     // of the place from the surface, negative inside [m]
+    velocity: vec3f,   // of the surface there [m/s]
+    body: u32,         // index of the body
 }
 
 @group(0) @binding(8) var<storage, read> placed: array<Placed>;
 
-fn nearest(x: vec3f) -> Nearest {
-    var found = Nearest(0u, surface(placed[0], x));
-    for (var k = 1u; k < arrayLength(&placed); k++) {
-        let other = surface(placed[k], x);
-        if other.distance < found.surface.distance { found = Nearest(k, other); }
+// The nearest surface to a place after the step, or to a place before it.
+fn nearest(x: vec3f, before: bool) -> Nearest {
+    var found = here(x, before);
+    for (var axis = 0u; axis < 3u; axis++) {
+        let is_low = x[axis] < 0.5 * params.box_size[axis];
+        let depth = select(params.box_size[axis] - x[axis], x[axis], is_low);
+        if depth >= params.kernel_radius { continue; }
+        var foot = x;
+        foot[axis] = select(0.0, params.box_size[axis], is_low);
+        var other = here(foot, before);
+        var way = max(other.distance, 0.0) * other.normal;
+        way[axis] = select(-depth, depth, is_low);
+        other.distance = length(way);
+        if other.distance < found.distance && other.distance > 0.0 {
+            other.normal = way / other.distance;
+            found = other;
+        }
     }
+    return found;
+}
+
+fn here(x: vec3f, before: bool) -> Nearest {
+    var found = Nearest(vec3f(), 3.4e38, vec3f(), 0u);
+    var place = x;
+    for (var k = 0u; k < arrayLength(&placed); k++) {
+        let at = select(x, carried_on(placed[k], x), before);
+        let seen = surface(placed[k], at);
+        if seen.distance < found.distance {
+            found = Nearest(seen.normal, seen.distance, vec3f(), k);
+            place = at;
+        }
+    }
+    found.velocity = surface_move(placed[found.body], place) / params.step;
     return found;
 }

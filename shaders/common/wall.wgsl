@@ -19,6 +19,7 @@ struct Wall {
 
 const NEAR: f32 = 4.0;       // distance from a body up to which density errors are fed back in full; from twice that on not at all [d]
 const CLEARANCE: f32 = 0.4;  // least distance of air from a surface [d]
+const ROUNDS: u32 = 4u;      // in which air is moved out of bodies: the first half to its clearance, the others no more than out
 
 // P at a distance.
 fn gradient_beyond(distance: f32) -> f32 {
@@ -31,6 +32,12 @@ fn density_beyond(distance: f32) -> f32 {
     let q = clamp(distance / params.kernel_radius, -1.0, 1.0);
     let q2 = q * q;
     return 0.5 - 315.0 / 256.0 * q * (1.0 + q2 * (-4.0 / 3.0 + q2 * (6.0 / 5.0 + q2 * (-4.0 / 7.0 + q2 / 9.0))));
+}
+
+// How far air at a distance from a surface is inside of what it is to keep to, in one of the rounds in which it is moved out: negative. Where two
+// surfaces are near to one another, its clearance from one may lead into the other.
+fn gap_in(round: u32, distance: f32) -> f32 {
+    return distance - select(0.0, CLEARANCE * params.spacing, 2u * round < ROUNDS);
 }
 
 // The way of air of this speed in a step, at a distance from a body whose surface has that velocity.

@@ -14,7 +14,7 @@ use crate::{
     contact, drive, fluid, guard, neighbours, rods,
     stage::Stage,
     support, turbulence, velocity, viscosity,
-    walk::{Bounds, print, start_both, step_of_both},
+    walk::{Bounds, begin_both, print, step_of_both},
 };
 
 /// Fault to plant: the pass, a text of its WGSL, what stands there instead, and the settings of a scene that shows it.
@@ -174,7 +174,7 @@ fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Resul
     }
     let mut worst = Vec::new();
     if sets.contains(&START) {
-        start_both(&mut stage, bounds, &mut worst).map_err(|said| format!("start: {said}"))?;
+        begin_both(&mut stage, bounds, &mut worst).map_err(|said| format!("start: {said}"))?;
     }
     for number in 1..=steps {
         let before = (number == 3).then(|| (stage.twin.clone(), stage.engine.slots().unwrap()));

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use windswept::internals::{Array, status, step};
-use windswept_reference::{Parameters, State as Twin, fluid, step::Scratch};
+use windswept_reference::{Parameters, State as Twin, contact, fluid, neighbours, step::Scratch};
 
 use crate::stage::{Stage, condition};
 
@@ -96,14 +96,23 @@ pub fn step_of_both(
     Ok(())
 }
 
-/// Gives air beside bodies the velocity that it starts with, on both.
-pub fn start_both(stage: &mut Stage, bounds: &Bounds, worst: &mut Vec<(&'static str, f64, f64)>) -> Result<(), String> {
+/// Gives air beside bodies the velocity that it starts with, on both, and compares what is measured of the state then.
+pub fn begin_both(stage: &mut Stage, bounds: &Bounds, worst: &mut Vec<(&'static str, f64, f64)>) -> Result<(), String> {
     let mut s = stage.twin.clone();
     fluid::begin(&mut s, &stage.parameters);
     stage.engine.start(|r| step::record_start(r, &stage.plan)).unwrap();
     let (hair, mut walk) = (stage.parameters.hair_points, Walk { stage, bounds, worst });
     let got = walk.vectors(&walk.stage.engine.state().velocity, hair);
-    walk.same("fluid/start", apart(&got, &s.velocity[hair..]), bounds.speed)?;
+    walk.same("fluid/begin", apart(&got, &s.velocity[hair..]), bounds.speed)?;
+    // The density that is measured before the first step.
+    stage.engine.evaluate(|r| step::record_quantity(r, &stage.plan, step::Quantity::Density)).unwrap();
+    let (p, placed) = (&stage.parameters, contact::place(&stage.parameters, 0));
+    let near = neighbours::neighbours(p, &s.position);
+    let (mut density, _) = fluid::density(p, &s.position, &s.inverse_mass, &s.volume, &near);
+    let air = density.iter_mut().zip(&s.position).skip(hair);
+    air.for_each(|(density, x)| *density += fluid::solid(p, &placed, *x));
+    let gap = numbers_apart(&stage.numbers(&stage.engine.state().density)[hair..], &density[hair..]);
+    Walk { stage, bounds, worst }.same("fluid/solid", gap, bounds.density)?;
     stage.twin = s;
     Ok(())
 }

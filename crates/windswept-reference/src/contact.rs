@@ -10,12 +10,14 @@ pub use self::hair::{Contact, Memory, Place, Surface, begin, memories};
 pub(crate) use self::hair::{MIDDLE, Met, RECOVERY, UNEASY, meet, nearest, parted, renewed, resists, stiffness};
 use crate::{
     Parameters,
+    drive::wrap,
     fluid::{self, CLEARANCE, Wall},
     step::Scratch,
 };
 
-/// Rounds over all bodies: a second one for what is between two bodies.
-const ROUNDS: usize = 2;
+/// Rounds in which air is moved out of bodies: the first half to its clearance, the others no more than out. Where two surfaces are near to
+/// one another, its clearance from one may lead into the other.
+const ROUNDS: usize = 4;
 
 /// Runs the heading: air moves out to its clearance from bodies, and they hold it back.
 pub fn run(w: &mut Scratch, p: &Parameters) {
@@ -145,11 +147,52 @@ pub fn place(p: &Parameters, steps: u64) -> Vec<Placed> {
     each.collect()
 }
 
-/// The body whose surface is nearest to a place, and that surface.
+/// The surface that is nearest to a place in the box of air.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Nearest {
+    /// Unit vector out of the body.
+    pub normal: DVec3,
+    /// Distance of the place from the surface, negative inside \[m\].
+    pub distance: f64,
+    /// Velocity of the surface there \[m/s\].
+    pub velocity: DVec3,
+    /// Index of the body.
+    pub body: usize,
+}
+
+/// The nearest surface to a place after the step, or `before` it.
+///
+/// Air is periodic: where a body crosses a face of the box, its cut is a wall to the air at the opposite face. That air sees the foot of its
+/// place on the face: inside the body the wall is as far as the face, and beside it farther.
 #[must_use]
-pub fn nearest_body(placed: &[Placed], x: DVec3) -> (usize, Surface) {
-    let each = placed.iter().map(|placed| placed.surface(x)).enumerate();
-    each.min_by(|a, b| a.1.distance.total_cmp(&b.1.distance)).unwrap_or_default()
+pub fn nearest_body(p: &Parameters, placed: &[Placed], before: bool, x: DVec3) -> Nearest {
+    let mut found = nearest_here(p, placed, before, x);
+    for axis in 0..3 {
+        let low = x[axis] < 0.5 * p.box_size[axis];
+        let depth = if low { x[axis] } else { p.box_size[axis] - x[axis] };
+        if depth >= p.kernel_radius {
+            continue;
+        }
+        let mut foot = x;
+        foot[axis] = if low { p.box_size[axis] } else { 0.0 };
+        let other = nearest_here(p, placed, before, foot);
+        let mut way = other.distance.max(0.0) * other.normal;
+        way[axis] = if low { depth } else { -depth };
+        let distance = way.length();
+        if distance < found.distance && distance > 0.0 {
+            found = Nearest { normal: way / distance, distance, ..other };
+        }
+    }
+    found
+}
+
+fn nearest_here(p: &Parameters, placed: &[Placed], before: bool, x: DVec3) -> Nearest {
+    let each = placed.iter().enumerate().map(|(body, placed)| {
+        let at = if before { placed.carried(x) } else { x };
+        let Surface { normal, distance } = placed.surface(at);
+        Nearest { normal, distance, velocity: placed.velocity(at, p.step), body }
+    });
+    each.min_by(|a, b| a.distance.total_cmp(&b.distance)).unwrap_or_default()
 }
 
 /// An air particle beside a body.
@@ -165,38 +208,45 @@ pub struct Beside {
     pub body: usize,
 }
 
+/// Way out for air at a distance from a surface, in one of the rounds.
+fn short_in(p: &Parameters, round: usize, distance: f64) -> f64 {
+    if 2 * round < ROUNDS { CLEARANCE * p.spacing() - distance } else { -distance }
+}
+
 /// Place of an air particle that would be at `x`, moved by the nearest way to its clearance from bodies.
 #[must_use]
-pub fn outside(p: &Parameters, placed: &[Placed], mut x: DVec3) -> DVec3 {
-    for _ in 0..ROUNDS {
-        let (_, near) = nearest_body(placed, x);
-        x += (CLEARANCE * p.spacing() - near.distance).max(0.0) * near.normal;
+pub fn outside(p: &Parameters, placed: &[Placed], x: DVec3) -> DVec3 {
+    let at = wrap(p, x);
+    let (from, mut x) = (x, at);
+    for round in 0..ROUNDS {
+        let near = nearest_body(p, placed, false, x);
+        x += short_in(p, round, near.distance).max(0.0) * near.normal;
     }
-    x
+    from + (x - at)
 }
 
 /// An air particle that would be at `x` with velocity `v`. It is moved by the nearest way to its clearance from the bodies, and loses its
 /// velocity toward them. Within a spacing a body holds it back along the surface, by a stress of ½ C_f ρ |v_t|² on a layer of a spacing.
 #[must_use]
-pub fn air(p: &Parameters, placed: &[Placed], mut x: DVec3, mut v: DVec3) -> Beside {
-    let mut taken = DVec3::ZERO;
-    for _ in 0..ROUNDS {
-        let (body, near) = nearest_body(placed, x);
-        let short = CLEARANCE * p.spacing() - near.distance;
+pub fn air(p: &Parameters, placed: &[Placed], x: DVec3, mut v: DVec3) -> Beside {
+    let at = wrap(p, x);
+    let (from, mut x, mut taken) = (x, at, DVec3::ZERO);
+    for round in 0..ROUNDS {
+        let near = nearest_body(p, placed, false, x);
+        let short = short_in(p, round, near.distance);
         if short > 0.0 {
             x += short * near.normal;
-            let into = (v - placed[body].velocity(x, p.step)).dot(near.normal).min(0.0);
+            let into = (v - near.velocity).dot(near.normal).min(0.0);
             v -= into * near.normal;
             taken += into * near.normal;
         }
     }
-    let (body, near) = nearest_body(placed, x);
+    let near = nearest_body(p, placed, false, x);
     if near.distance < p.spacing() {
-        let slip = v - placed[body].velocity(x, p.step);
-        let along = slip.reject_from_normalized(near.normal);
+        let along = (v - near.velocity).reject_from_normalized(near.normal);
         let held = -(-0.5 * p.skin_friction * along.length() * p.step / p.spacing()).exp_m1() * along;
         v -= held;
         taken += held;
     }
-    Beside { x, v, taken, body }
+    Beside { x: from + (x - at), v, taken, body: near.body }
 }

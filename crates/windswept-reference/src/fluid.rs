@@ -19,7 +19,7 @@ pub use self::{
         LASTING, Moments, Pressed, THIN, begin, deform, divergence, eddies, moments, path, push, relax, relaxations,
         spread, start, taken,
     },
-    wall::{CLEARANCE, Wall, density_beyond, gradient_beyond, has_walls, wall, walls},
+    wall::{CLEARANCE, Wall, density_beyond, gradient_beyond, has_walls, solid, wall, walls},
 };
 use crate::{
     Parameters, State,

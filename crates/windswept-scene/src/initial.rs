@@ -164,6 +164,7 @@ impl InitialState {
             state.warnings.extend(warnings::of_air(scene, air, &state.air));
             state.warnings.extend(warnings::of_hair(&state.hair, &state.air, air.wind()));
             state.warnings.extend(warnings::of_blocked(scene, air, &bounds, &bodies));
+            state.warnings.extend(warnings::of_way_beside(scene, air));
         } else {
             state.origin = state.hair.roots().sum::<DVec3>() / state.hair.len() as f64;
         }

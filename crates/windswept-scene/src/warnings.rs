@@ -38,6 +38,10 @@ const MUCH_ROUNDED: f64 = 0.02;
 /// Part of the box's cross-section that bodies may block without a warning.
 const MUCH_BLOCKED: f64 = 0.3;
 
+/// Way of air past a round body in a step for which its density stays even \[radii of the body\], and past any \[particle spacings\].
+const WAY_BY_RADIUS: f64 = 0.25;
+const WAY: f64 = 0.9;
+
 /// Largest speed of eddies, over the wind's, at which steps of nearly a spacing were found right (`docs/decisions/air.md`).
 const WEAK: f64 = 0.3;
 
@@ -126,7 +130,7 @@ pub(crate) fn of_wind(scene: &Scene, air: &Air) -> Option<String> {
 /// Way of the air in a step for which its pressure is right \[particle spacings\]. The coarse grid doubles it where eddies are weak.
 fn farthest(scene: &Scene) -> f64 {
     match scene.fluid.solver {
-        FluidSolver::Divergence if scene.has_coarse_grid() && has_weak_eddies(scene) => 0.9,
+        FluidSolver::Divergence if scene.has_coarse_grid() && has_weak_eddies(scene) => WAY,
         FluidSolver::Divergence => 0.45,
         FluidSolver::Pbf => 1.0,
     }
@@ -291,6 +295,34 @@ pub(crate) fn of_meshes(scene: &Scene) -> Vec<String> {
         }
     }
     warnings
+}
+
+/// A warning for each body beside which air goes too far in a substep for its density to stay even: more than a quarter of the radius of a round
+/// body, or more than 0.9 particle spacings where the body moves. The error of the density is 0.8 (U Δt/R)² (`docs/decisions/air.md`).
+pub(crate) fn of_way_beside(scene: &Scene, air: &Air) -> Vec<String> {
+    if scene.fluid.solver == FluidSolver::Pbf {
+        return Vec::new();
+    }
+    let each = scene.bodies.iter().filter_map(|body| {
+        let speed = air.fastest_past(&body.motion);
+        let spacing = air.parcel().cbrt();
+        let round = body.shape.solid().is_none().then(|| WAY_BY_RADIUS * body.shape.inradius());
+        let (most, of) = match round {
+            Some(way) if way < WAY * spacing => (way, "a quarter of its radius"),
+            // The wind's own warning says it of a body that rests.
+            _ if speed > air.largest_wind() => (WAY * spacing, "0.9 particle spacings"),
+            _ => return None,
+        };
+        let needed = (speed * scene.time.step / most).ceil();
+        (needed > f64::from(scene.time.substeps)).then(|| {
+            format!(
+                "air passes body {} at {speed:.3} m/s, more than {of} in a step: its density beside the body is uneven; take time.substeps = \
+                 {needed}",
+                body.name
+            )
+        })
+    });
+    each.collect()
 }
 
 /// Warnings about bodies that the wind must pass, or that it steps over.

@@ -9,6 +9,7 @@ use rand_pcg::Pcg64;
 use crate::{
     error::SceneError,
     limits::FASTEST_WIND,
+    motion::Motion,
     reader::Reader,
     scene::{Air, Inflow},
 };
@@ -116,6 +117,18 @@ impl Air {
         let gusts = self.gust.iter().map(|gust| (risen + DVec3::from_array(gust.velocity)).length());
         let before = if self.gust.first().is_none_or(|gust| gust.time > 0.0) { risen.length() } else { 0.0 };
         gusts.fold(before, f64::max)
+    }
+
+    /// Largest speed of the mean wind past a thing that moves so \[m/s\]: of any wind of the scene, and any part of the motion.
+    pub(crate) fn fastest_past(&self, motion: &Motion) -> f64 {
+        let winds = || self.wind_table().into_iter().map(|(_, wind)| DVec3::from_array(wind));
+        let moves = motion.keyframes.windows(2).map(|pair| {
+            let way = DVec3::from_array(pair[1].translation) - DVec3::from_array(pair[0].translation);
+            way / (pair[1].time - pair[0].time)
+        });
+        // After its last keyframe it rests.
+        let speeds = moves.chain([DVec3::ZERO]).flat_map(|v| winds().map(move |wind| (wind - v).length()));
+        speeds.fold(0.0, f64::max)
     }
 
     /// Whether the wind blows at any time along an axis, in the direction of `sign`.

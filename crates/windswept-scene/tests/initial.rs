@@ -305,7 +305,7 @@ fn the_coarse_grid_bears_more_spreading() {
         (&["interaction.model=two-way"][..], 0.1),
         (&["interaction.model=two-way", "fluid.coarse=false"], 0.05),
         (&["interaction.model=two-way", "air.kernel_radius=6e-3"], 0.05),
-        (&["interaction.model=two-way", "body={shape='sphere',center=[0.1,0.06,0.035],radius=0.01}"], 0.05),
+        (&["interaction.model=two-way", "body={shape='sphere',center=[0.1,0.06,0.035],radius=0.01}"], 0.1),
         (&["interaction.model=particles"], 0.05),
     ] {
         assert_eq!(brush(sets).0.spreading(), share, "{sets:?}");

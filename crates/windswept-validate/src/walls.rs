@@ -363,7 +363,7 @@ fn balanced(gpu: &Gpu) -> Result<Row, Error> {
     let mut stage = Stage::new(gpu, &scene, &initial)?;
     stage.run(|r, plan| {
         step::drive::record_bodies(r, plan);
-        step::drive::record_walls(r, plan);
+        step::fluid::record_walls(r, plan);
         step::neighbours::record(r, plan);
         r.meet(&fluid::MOMENTS, "gradients corrected", plan.flowing_clusters());
     })?;

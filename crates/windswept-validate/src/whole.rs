@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use windswept::{Gpu, Simulation};
-use windswept_reference::{Parameters, State, step::step as twin_step};
+use windswept_reference::{Parameters, State, fluid, step::step as twin_step};
 use windswept_scene::{InitialState, Scene, Shape, Solid};
 
 use crate::{Error, Row, air::vectors, twin::error};
@@ -84,6 +84,7 @@ fn measure(
     let initial = InitialState::new(scene)?;
     let p = Parameters::new(scene, &initial);
     let mut state = State::new(&initial, p.step);
+    fluid::begin(&mut state, &p);
     let steps = 5;
     for _ in 0..steps {
         twin_step(&mut state, &p).map_err(|frozen| Error::Missing(format!("the twin froze: {frozen:?}")))?;

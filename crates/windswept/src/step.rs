@@ -37,7 +37,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
 pub fn record_start(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.walls, |r| {
         drive::record_bodies(r, plan);
-        drive::record_walls(r, plan);
+        fluid::record_walls(r, plan);
         neighbours::record(r, plan);
         fluid::record_start(r, plan);
     });

@@ -28,7 +28,7 @@ pub(super) struct Passes {
     grid: wgpu::Buffer,
     /// The draws, in their order.
     compute: [Compute; 4],
-    wall: Draw,
+    backdrop: Draw,
     patch: Option<Patch>,
     bodies: Option<Patch>,
     ribbon: Draw,
@@ -109,7 +109,7 @@ impl Passes {
         let bodies = (bodies::corners(scene, 0.0), bodies::triangles(scene));
         Self {
             compute,
-            wall: m.draw(&scenery, "wall_", &[], None, Depth::Ignored),
+            backdrop: m.draw(&scenery, "backdrop_", &[], None, Depth::Ignored),
             patch: Patch::new(m, &patch, &scenery, &numbered([&view, &grid])),
             bodies: Patch::new(m, &bodies, &scenery, &numbered([&view, &grid])),
             ribbon: m.draw(&m.module(&pictures::RIBBON), "", &ribbon, None, Depth::Solid),
@@ -191,7 +191,7 @@ impl Passes {
 
     /// The picture, from the back to the front.
     pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, air: Option<&Air>) {
-        self.wall.begin(pass);
+        self.backdrop.begin(pass);
         pass.draw(0..3, 0..1);
         for solid in self.patch.iter().chain(&self.bodies) {
             solid.draw.begin(pass);

@@ -10,6 +10,7 @@ use windswept_scene::{FluidSolver, Model};
 use crate::{
     Parameters,
     contact::{self, Placed},
+    drive::wrap,
     step::Scratch,
 };
 
@@ -50,22 +51,28 @@ pub fn density_beyond(p: &Parameters, distance: f64) -> f64 {
     0.5 - 315.0 / 256.0 * (odd(1, 1.0) - odd(3, 4.0) + odd(5, 6.0) - odd(7, 4.0) + odd(9, 1.0))
 }
 
+/// The part of the kernel that bodies take at a place before the step for which they are placed.
+#[must_use]
+pub fn solid(p: &Parameters, placed: &[Placed], x: DVec3) -> f64 {
+    density_beyond(p, contact::nearest_body(p, placed, true, x).distance)
+}
+
 /// Whether bodies are walls to the air.
 #[must_use]
 pub fn has_walls(p: &Parameters) -> bool {
     p.air && p.solver == FluidSolver::Divergence && !p.bodies.is_empty()
 }
 
-/// The wall at a place where a particle has velocity `v`: the surface of the body that is nearest.
+/// The wall at a place where a particle, of air or of hair, has velocity `v`: the surface of the body that is nearest.
 #[must_use]
-pub fn wall(p: &Parameters, placed: &[Placed], x: DVec3, v: DVec3) -> Wall {
-    let (body, near) = contact::nearest_body(placed, x);
-    let velocity = placed[body].velocity(x, p.step);
+pub fn wall(p: &Parameters, placed: &[Placed], air: bool, x: DVec3, v: DVec3) -> Wall {
+    let x = if air { wrap(p, x) } else { x };
+    let contact::Nearest { normal, distance, velocity, body } = contact::nearest_body(p, placed, false, x);
     let spacing = p.spacing();
-    let beside = (2.0 - near.distance / (NEAR * spacing)).clamp(0.0, 1.0);
+    let beside = (2.0 - distance / (NEAR * spacing)).clamp(0.0, 1.0);
     let fastest = p.largest_wind.max(v.length()).max(velocity.length());
     let way = beside * (fastest * p.step / spacing).min(1.0);
-    Wall { normal: near.normal, distance: near.distance, velocity, way, body, taken: DVec3::ZERO }
+    Wall { normal, distance, velocity, way, body, taken: DVec3::ZERO }
 }
 
 /// Moves air that is nearer to a body than its clearance out of it, and finds the wall at each particle that pressure acts on; none
@@ -81,7 +88,7 @@ pub fn walls(w: &mut Scratch, p: &Parameters) {
         }
         let flows = p.is_air(i) || p.model == Model::Particles;
         w.walls.push(if flows {
-            wall(p, &w.moving.bodies, w.predicted[i], w.new_velocity[i])
+            wall(p, &w.moving.bodies, p.is_air(i), w.predicted[i], w.new_velocity[i])
         } else {
             Wall::default()
         });

@@ -2,7 +2,11 @@
 
 use windswept_shaders::{common::reduce::TERMS, contact, fluid, force, rods, sums, wind};
 
-use crate::{plan::Plan, recorder::Recorder, step::ONE_WORKGROUP};
+use crate::{
+    plan::Plan,
+    recorder::Recorder,
+    step::{ONE_WORKGROUP, fluid::record_walls},
+};
 
 /// Records the passes of this heading.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
@@ -60,12 +64,5 @@ pub fn record_bodies(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("1. drive");
     r.when(&plan.bodies, |r| {
         r.run(&contact::PLACE, "bodies move", plan.sizes.bodies);
-    });
-}
-
-/// Records the walls that bodies are to the air.
-pub fn record_walls(r: &mut Recorder<'_>, plan: &Plan) {
-    r.when(&plan.walls, |r| {
-        r.run(&fluid::WALL, "walls that bodies are to air", plan.sizes.particles);
     });
 }

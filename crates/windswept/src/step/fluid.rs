@@ -14,7 +14,7 @@ use crate::{
     array::{AnyArray, Index},
     plan::Plan,
     recorder::Recorder,
-    step::{ONE_WORKGROUP, drive},
+    step::ONE_WORKGROUP,
 };
 
 /// Rounds of the pressure before the first step.
@@ -66,7 +66,7 @@ fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
     });
     r.meet(&fluid::SPREAD, "how air spreads evenly", n.clusters_of_air());
     r.run(&fluid::PLACE, "air spreads", n.air());
-    drive::record_walls(r, plan);
+    record_walls(r, plan);
     r.meet(&fluid::MOMENTS, "density, and gradients corrected", plan.flowing_clusters());
     r.meet(&fluid::PUSH, "the pressure before pushes", plan.flowing_clusters());
     solve(r, plan);
@@ -78,6 +78,13 @@ fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
     });
 }
 
+/// Records the walls that bodies are to the air.
+pub fn record_walls(r: &mut Recorder<'_>, plan: &Plan) {
+    r.when(&plan.walls, |r| {
+        r.run(&fluid::WALL, "walls that bodies are to air", plan.sizes.particles);
+    });
+}
+
 /// Records how air that is where it starts gets a velocity without divergence before the first step: no time passes.
 pub fn record_start(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("3. fluid");
@@ -85,7 +92,7 @@ pub fn record_start(r: &mut Recorder<'_>, plan: &Plan) {
     for _ in 0..START {
         solve(r, plan);
     }
-    r.run(&fluid::START, "the velocity that air starts with", plan.sizes.air());
+    r.run(&fluid::BEGIN, "the velocity that air starts with", plan.sizes.air());
 }
 
 /// The divergence is taken out: on a coarse grid, then by iterations.
