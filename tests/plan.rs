@@ -178,17 +178,20 @@ fn cases() -> [Case; 11] {
                 blow,
                 &["contact/place"],
                 moves,
+                &["fluid/wall 2"],
                 SORT,
                 LIST,
                 HAIR_ON_HAIR,
                 SPREAD,
-                &["fluid/divergence 2"],
+                &COARSE[..COARSE.len() - 1],
+                &["coarse/solid", "sums/by_body 2", "coarse/push"],
                 PUSH,
+                &["fluid/path"],
                 BEGIN,
                 &["wind/sample", "wind/drag", "contact/begin"],
                 SOLVE,
                 &["wind/react"],
-                &["contact/air"],
+                &["contact/air", "contact/impulse"],
                 SORT,
                 FILTER,
                 CONFINE,
@@ -198,7 +201,7 @@ fn cases() -> [Case; 11] {
                 STRENGTHEN,
                 VISCOSITY,
                 COMMIT_HAIR,
-                &["guard/commit_contacts"],
+                &["guard/commit_contacts", "guard/commit_bodies"],
                 COMMIT_AIR,
             ]
             .concat(),
@@ -365,7 +368,6 @@ fn what_is_left_out_changes_nothing() {
     // Strands that press on one another.
     let crowded = ["hair.friction=0", "hair.roots.radius=0.002", "hair.points=13"];
     same_bits(&crowded, |plan| plan.friction = runs());
-    same_bits(&[], |plan| plan.bodies = runs());
     same_bits(&[], |plan| plan.deformation = runs());
     same_bits(&[], Plan::mend_strands);
 }

@@ -24,7 +24,7 @@ fn nearest(x: vec3f, before: bool) -> Nearest {
         foot[axis] = select(0.0, params.box_size[axis], is_low);
         var other = here(foot, before);
         var way = max(other.distance, 0.0) * other.normal;
-        way[axis] = select(-depth, depth, is_low);
+        way[axis] += select(-depth, depth, is_low);
         other.distance = length(way);
         if other.distance < found.distance && other.distance > 0.0 {
             other.normal = way / other.distance;

@@ -28,10 +28,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let gap = gap_in(round, near.distance);
         if gap >= 0.0 { break; }
         x -= gap * near.normal;
+        near = nearest(x, false);
         let into = min(0.0, dot(near.normal, v - near.velocity));
         v -= into * near.normal;
         taken += into * near.normal;
-        near = nearest(x, false);
     }
     if near.distance < params.spacing {
         let slip = v - near.velocity;

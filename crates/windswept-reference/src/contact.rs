@@ -177,7 +177,7 @@ pub fn nearest_body(p: &Parameters, placed: &[Placed], before: bool, x: DVec3) -
         foot[axis] = if low { p.box_size[axis] } else { 0.0 };
         let other = nearest_here(p, placed, before, foot);
         let mut way = other.distance.max(0.0) * other.normal;
-        way[axis] = if low { depth } else { -depth };
+        way[axis] += if low { depth } else { -depth };
         let distance = way.length();
         if distance < found.distance && distance > 0.0 {
             found = Nearest { normal: way / distance, distance, ..other };
@@ -236,6 +236,7 @@ pub fn air(p: &Parameters, placed: &[Placed], x: DVec3, mut v: DVec3) -> Beside 
         let short = short_in(p, round, near.distance);
         if short > 0.0 {
             x += short * near.normal;
+            let near = nearest_body(p, placed, false, x);
             let into = (v - near.velocity).dot(near.normal).min(0.0);
             v -= into * near.normal;
             taken += into * near.normal;
