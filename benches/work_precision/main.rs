@@ -3,6 +3,7 @@
 
 mod air;
 mod axes;
+mod bodies;
 mod chart;
 mod exit;
 mod filter;
@@ -75,6 +76,13 @@ const FAMILIES: &[Family] = &[
         along: "along a line: steps of 5, 2.5, 1.25, 0.625 ms",
         measure: wind::measure,
     },
+    Family {
+        name: "bodies",
+        title: "Air beside a body: substeps and spacing",
+        time: "all passes per step of 1.38 ms [ms]",
+        along: "along a line: 1, 2, 4, 8 substeps",
+        measure: bodies::measure,
+    },
 ];
 
 /// Results of a family.
@@ -106,7 +114,7 @@ impl Bench {
 /// Run time against error.
 #[derive(Parser)]
 struct Arguments {
-    /// Families to run: rods, fluid, filter, step, wind [default: all]
+    /// Families to run: rods, fluid, filter, step, wind, bodies [default: all]
     families: Vec<String>,
     /// Folder for CSV files, pictures and defaults.md
     #[arg(long, default_value = "benches/results")]

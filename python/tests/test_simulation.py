@@ -475,3 +475,33 @@ def test_what_a_start_warns_of_is_a_user_warning(bare):
     # Each once, in the words of the report; the line is the caller's.
     assert sorted(said) == sorted(sim.report()["warnings"])
     assert {warning.filename for warning in caught} == {__file__}
+
+
+def test_air_pushes_bodies():
+    """A ball in wind of 3 m/s gets an impulse along it, near ½ ρ U² π R² C_d with C_d of 0.5 to 3, as the report says."""
+    scene = ws.Scene.parse(
+        """
+        time = { step = 1.38e-3, duration = 1.0 }
+        interaction.model = "two-way"
+        [air]
+        box = { min = [0, 0, 0], max = [0.12, 0.08, 0.08] }
+        wind = [3, 0, 0]
+        ramp = 0.0
+        [[body]]
+        name = "ball"
+        center = [0.04, 0.04, 0.04]
+        radius = 0.018
+        """
+    )
+    sim = ws.Simulation(scene)
+    sim.step(20)
+    before = sim.body_impulses()
+    sim.step(20)
+    force = (sim.body_impulses() - before)[0] / (20 * 1.38e-3)
+    drag = force[0] / (0.5 * 1.29 * 9 * np.pi * 0.018**2)
+    assert before.shape == (1, 3)
+    assert 0.5 < drag < 3, drag
+    assert abs(force[1:]).max() < 0.5 * force[0], force
+    [ball] = sim.report()["bodies"]
+    assert ball["name"] == "ball"
+    np.testing.assert_allclose(ball["impulse_kg_m_per_s"], sim.body_impulses()[0])

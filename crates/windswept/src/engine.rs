@@ -403,7 +403,11 @@ impl Engine {
     /// As [`Self::evaluate`].
     pub fn start(&mut self, record: impl Fn(&mut Recorder<'_>)) -> Result<(), RunError> {
         self.write(&self.state.pressed, &vec![Pressed::default(); self.sizes.pressed as usize])?;
-        self.evaluate(record).map(|_| ())
+        let before = self.status()?;
+        self.evaluate(record)?;
+        // The passes look for the fastest wind, and leave that at the end of a step.
+        let Status { wind, wind_before, .. } = before;
+        Ok(self.set_status(&Status { wind, wind_before, ..self.status()? })?)
     }
 
     /// Copies the committed positions and velocities to where a step's own stand, for headings that run on their own.

@@ -36,6 +36,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
 /// `new_velocity`, and over pressures of zero.
 pub fn record_start(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.walls, |r| {
+        drive::record_wind(r, plan);
         drive::record_bodies(r, plan);
         fluid::record_walls(r, plan);
         neighbours::record(r, plan);

@@ -12,14 +12,7 @@ use crate::{
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.heading("1. drive");
     let (n, missed) = (&plan.sizes, r.state().missed);
-    r.when(&plan.blows, |r| {
-        r.run(&wind::BLOW, "mean wind of the step", ONE_WORKGROUP);
-    });
-    r.when(&plan.fields, |r| {
-        r.when(&plan.blows, |r| {
-            r.run(&force::COURSE, "strengths of the force fields", 1);
-        });
-    });
+    record_wind(r, plan);
     record_bodies(r, plan);
     r.when(&plan.hair, |r| {
         r.when(&plan.mend, |r| {
@@ -57,6 +50,19 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.run(&fluid::ADVANCE, "air moves on as pressure last changed it", n.air());
     });
     record_walls(r, plan);
+}
+
+/// Records the mean wind of the next step, and the strengths of the force fields.
+pub fn record_wind(r: &mut Recorder<'_>, plan: &Plan) {
+    r.heading("1. drive");
+    r.when(&plan.blows, |r| {
+        r.run(&wind::BLOW, "mean wind of the step", ONE_WORKGROUP);
+    });
+    r.when(&plan.fields, |r| {
+        r.when(&plan.blows, |r| {
+            r.run(&force::COURSE, "strengths of the force fields", 1);
+        });
+    });
 }
 
 /// Records where bodies are in the next step.
