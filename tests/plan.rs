@@ -178,7 +178,7 @@ fn cases() -> [Case; 11] {
                 blow,
                 &["contact/place"],
                 moves,
-                &["fluid/wall 2"],
+                &["fluid/wall"],
                 SORT,
                 LIST,
                 HAIR_ON_HAIR,

@@ -18,6 +18,7 @@ struct Wall {
 }
 
 const NEAR: f32 = 4.0;       // distance from a body up to which density errors are fed back in full; from twice that on not at all [d]
+const FAR: f32 = 9.0;        // beyond which a wall does nothing, wherever air is shifted to [d]
 const CLEARANCE: f32 = 0.4;  // least distance of air from a surface [d]
 const ROUNDS: u32 = 4u;      // in which air is moved out of bodies: the first half to its clearance, the others no more than out
 

@@ -5,7 +5,7 @@
 //
 //   v_t *= exp(-1/2 C_f |v_t| dt/d)                v_t: along the surface, relative to it
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::wrap, nearest::nearest, wall::{Wall, ROUNDS, gap_in}, status::{status, frozen},
+    params::params, dispatch::{invocation, WORKGROUP}, cells::wrap, nearest::nearest, wall::{Wall, NEAR, ROUNDS, gap_in}, status::{status, frozen},
 };
 
 @group(0) @binding(2) var<storage, read>       correction:   array<vec4f>;   // m; `fluid/velocity` makes velocity of it
@@ -20,6 +20,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let at = wrap(predicted[i].xyz);
     var x = at;
     let constrained = i < params.constrained;
+    // Solver pbf has no pressure, and its air no wall yet.
+    if !constrained && wall[i].distance > NEAR * params.spacing { return; }
     let corrected = select(vec3f(0.0), correction[i].xyz / params.step, constrained);
     var v = new_velocity[i].xyz + corrected;
     var taken = vec3f(0.0);
@@ -45,7 +47,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if near.distance < params.kernel_radius {
         atomicMax(&status.way_beside, bitcast<u32>(length(v - near.velocity) * params.step / params.spacing));
     }
-    // Solver pbf has no pressure, and its air no wall yet.
     if constrained { wall[i] = Wall(near.normal, 0.0, vec3f(0.0), near.body, 0.0, near.distance, 0.0); }
     wall[i].taken += taken;
 }

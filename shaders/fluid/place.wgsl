@@ -1,12 +1,22 @@
-// Air goes where `fluid/spread` shifts it to.
-import package::common::{params::params, dispatch::{invocation, WORKGROUP}, status::frozen};
+// Air goes where `fluid/spread` shifts it to. Beside bodies it sees another wall there, and is moved out of them.
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP}, body::BODIES, beside::beside, wall::{Wall, FAR}, status::frozen,
+};
 
-@group(0) @binding(2) var<storage, read>       shift:     array<vec4f>;
-@group(0) @binding(3) var<storage, read_write> predicted: array<vec4f>;
+@group(0) @binding(2) var<storage, read>       shift:        array<vec4f>;
+@group(0) @binding(3) var<storage, read_write> predicted:    array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> wall:         array<Wall>;
+@group(0) @binding(5) var<storage, read>       new_velocity: array<vec4f>;   // m/s
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = params.hair_points + invocation(id, groups);
     if (i >= params.particles) | frozen() { return; }
-    predicted[i] += vec4f(shift[i].xyz, 0.0);
+    var x = predicted[i].xyz + shift[i].xyz;
+    if BODIES && wall[i].distance < FAR * params.spacing {
+        let found = beside(x, true, length(new_velocity[i].xyz));
+        x = found.x;
+        wall[i] = found.wall;
+    }
+    predicted[i] = vec4f(x, predicted[i].w);
 }

@@ -1,8 +1,6 @@
-// The wall at each particle that pressure acts on. Air is moved out to its clearance by the nearest way first, which its velocity never
-// sees.
+// The wall at each particle that pressure acts on, once air is moved out of bodies, which its velocity never sees.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, wrap}, pressure::flows, nearest::nearest,
-    wall::{Wall, ROUNDS, gap_in, gradient_beyond, way_beside}, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, pressure::flows, beside::beside, wall::Wall, status::frozen,
 };
 
 @group(0) @binding(3) var<storage, read_write> predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -14,19 +12,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let i = invocation(id, groups);
     if (i >= params.particles) | frozen() { return; }
     if !flows(i) { return; }
-    // Its place in the box, of which the neighbour search may have seen another image.
-    let at = select(predicted[i].xyz, wrap(predicted[i].xyz), is_air(i));
-    var x = at;
-    var near = nearest(x, false);
-    for (var round = 0u; round < ROUNDS && is_air(i); round++) {
-        let gap = gap_in(round, near.distance);
-        if gap >= 0.0 { break; }
-        x -= gap * near.normal;
-        near = nearest(x, false);
-    }
-    predicted[i] += vec4f(x - at, 0.0);
-    wall[i] = Wall(
-        near.normal, gradient_beyond(near.distance), vec3f(0.0), near.body, dot(near.velocity, near.normal), near.distance,
-        way_beside(near.distance, length(new_velocity[i].xyz), near.velocity),
-    );
+    let found = beside(predicted[i].xyz, is_air(i), length(new_velocity[i].xyz));
+    predicted[i] = vec4f(found.x, predicted[i].w);
+    wall[i] = found.wall;
 }

@@ -113,7 +113,7 @@ impl Walk<'_> {
             self.same("fluid/predict", gap, bounds.length)?;
         }
         if passes.through("fluid/wall") {
-            self.walls(&w)?;
+            self.walls("fluid/wall", &w)?;
         }
         passes.finish();
         Ok(w)

@@ -133,12 +133,12 @@ impl Walk<'_> {
         let before = w.predicted.clone();
         w.predicted.iter_mut().zip(shift).for_each(|(x, shift)| *x += shift);
         passes.through("fluid/place");
+        if stage.plan.walls.runs {
+            fluid::walls(w, &p);
+            self.walls("fluid/place", w)?;
+        }
         let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
         self.same("fluid/place", gap, bounds.length)?;
-        if passes.through("fluid/wall") {
-            fluid::walls(w, &p);
-            self.walls(w)?;
-        }
 
         w.moments = fluid::moments(&p, &w.predicted, mass, volume, &w.near, &w.walls);
         let of_hair = w.density.clone();
@@ -235,12 +235,14 @@ impl Walk<'_> {
     }
 
     /// Places of the air, and the walls of all that pressure acts on.
-    pub fn walls(&mut self, w: &Scratch) -> Same {
+    pub fn walls(&mut self, pass: &'static str, w: &Scratch) -> Same {
         let (stage, p) = (self.stage, self.p());
         let (state, hair) = (stage.engine.state(), p.hair_points);
         let first = if p.model == Model::Particles { 0 } else { hair };
         let walls = stage.engine.read(&state.wall).unwrap();
-        let both = || walls.iter().zip(&w.walls).skip(first);
+        // Farther off a wall does nothing.
+        let near = 8.0 * p.spacing();
+        let both = || walls.iter().zip(&w.walls).skip(first).filter(|(_, wanted)| wanted.distance < near);
         let bodies = both().filter(|(got, wanted)| got.body as usize != wanted.body).count();
         let lengths = largest(both().map(|(got, wanted)| (f64::from(got.distance) - wanted.distance).abs()));
         let normals = largest(both().map(|(got, wanted)| (xyz(&got.normal) - wanted.normal).length()));
@@ -251,10 +253,10 @@ impl Walk<'_> {
         });
         let (speeds, weights) = (largest(speeds), largest(weights));
         let places = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
-        self.same("fluid/wall", bodies as f64, 0.0)?;
-        self.same("fluid/wall", places.max(lengths), self.bounds.length)?;
-        self.same("fluid/wall", normals.max(ways).max(weights), self.bounds.multiplier)?;
-        self.same("fluid/wall", speeds, self.bounds.speed)
+        self.same(pass, bodies as f64, 0.0)?;
+        self.same(pass, places.max(lengths), self.bounds.length)?;
+        self.same(pass, normals.max(ways).max(weights), self.bounds.multiplier)?;
+        self.same(pass, speeds, self.bounds.speed)
     }
 
     /// Velocities, and what of them pressure made, of the particles from `first` on.
@@ -399,7 +401,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::MOVE, "correction[i] += felt_shift[i]", "correction[i] = felt_shift[i]", PARTICLES),
     (&shaders::fluid::DEFORM, "gradient.z * faster", "0.9 * gradient.z * faster", DIVERGENCE),
     (&shaders::fluid::SPREAD, "CARRIED: f32 = 0.065", "CARRIED: f32 = 0.06", DIVERGENCE),
-    (&shaders::fluid::PLACE, "vec4f(shift[i].xyz", "vec4f(0.5 * shift[i].xyz", DIVERGENCE),
+    (&shaders::fluid::PLACE, "+ shift[i].xyz", "+ 0.5 * shift[i].xyz", DIVERGENCE),
     (&shaders::fluid::MOMENTS, "FLOOR: f32 = 0.02", "FLOOR: f32 = 0.03", DIVERGENCE),
     (&shaders::fluid::WALL, "30.0 / params", "29.0 / params", WALLS),
     (&shaders::fluid::WALL, "NEAR: f32 = 4.0", "NEAR: f32 = 3.0", WALLS),

@@ -66,7 +66,6 @@ fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
     });
     r.meet(&fluid::SPREAD, "how air spreads evenly", n.clusters_of_air());
     r.run(&fluid::PLACE, "air spreads", n.air());
-    record_walls(r, plan);
     r.meet(&fluid::MOMENTS, "density, and gradients corrected", plan.flowing_clusters());
     r.meet(&fluid::PUSH, "the pressure before pushes", plan.flowing_clusters());
     solve(r, plan);
