@@ -211,7 +211,7 @@ table! {
         solver: FluidSolver = Choice(FluidSolver::WORDS), "", Fallback::Method(FluidSolver::Divergence, FluidSolver::Pbf);
         /// Iterations of the pressure of solver divergence.
         pressure_iterations: Option<u32> = Count(1, MOST_PRESSURE_ITERATIONS), "", Absent("2, or 4 with model particles");
-        /// Whether solver divergence solves for the pressure on a coarse grid first; not with model particles, nor with bodies.
+        /// Whether solver divergence solves for the pressure on a coarse grid first; not with model particles.
         coarse: bool = Bool, "", Value(true);
         /// Jacobi iterations of the density constraint: of solver pbf, and of hair on hair with model two-way; 0 leaves it out.
         iterations: u32 = Count(0, MOST_REPEATS), "", Value(2);

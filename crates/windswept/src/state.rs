@@ -354,7 +354,7 @@ state! {
     pressed: Pressed, |s| s.pressed;
     /// What corrects the gradients of the kernel at a particle, and how its divergence gives way \[1/m²\].
     gradients: Gradients, |s| s.pressed;
-    /// The wall that a body is to a particle near it: normal, distance, velocity, the kernel's part beyond it, and what the body has had of the
+    /// The wall that a body is to a particle near it: normal, distance, speed, the part of the kernel beyond it, and what the body has had of the
     /// particle.
     wall: Wall, |s| s.walls();
     /// What a particle pushes its neighbours by \[1/(m s)\], and its divergence \[1/s\].
