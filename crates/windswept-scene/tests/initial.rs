@@ -137,13 +137,18 @@ fn a_user_is_warned() {
             "air moves 1.55 particle spacings in a step, where its pressure keeps up with at most 0.45: take time.substeps = 14",
         ),
         (
-            &["interaction.model=two-way", "body={shape='sphere',center=[0.022,0.098,0.03],radius=0.012}"],
+            &[
+                "interaction.model=two-way",
+                "time.step=1.38e-3",
+                "body={shape='sphere',center=[0.022,0.098,0.03],radius=0.012}",
+            ],
             "air passes body body at 3.000 m/s, more than a quarter of its radius in a step: its density beside the body is uneven; take \
              time.substeps = 2",
         ),
         (
             &[
                 "interaction.model=two-way",
+                "time.step=1.38e-3",
                 "body={shape='sphere',center=[0.022,0.098,0.03],radius=0.02,motion=[{time=0},{time=1,translation=[-2,0,0]}]}",
             ],
             "air passes body body at 5.000 m/s, more than 0.9 particle spacings in a step: its density beside the body is uneven; take \
