@@ -13,7 +13,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let i = params.hair_points + invocation(id, groups);
     if (i >= params.particles) | frozen() { return; }
     var x = predicted[i].xyz + shift[i].xyz;
-    if BODIES && wall[i].distance < FAR * params.spacing {
+    // Near a face of the box a wall may appear that is the cut of a body at the opposite one.
+    let inside = min(x, params.box_size - x);
+    let is_near = (wall[i].distance < FAR * params.spacing) | any(inside < vec3f(params.kernel_radius));
+    if BODIES && is_near {
         let found = beside(x, true, length(new_velocity[i].xyz));
         x = found.x;
         wall[i] = found.wall;
