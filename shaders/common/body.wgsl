@@ -32,7 +32,6 @@ struct Grid {
 override BODIES: bool = true;
 override MESHES: bool = true;
 
-
 // A body in this step.
 struct Placed {
     start: vec3f,          // start of the axis, after the step [m]

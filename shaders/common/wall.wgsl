@@ -10,7 +10,7 @@ import package::common::{params::params, status::status};
 struct Wall {
     normal: vec3f,     // unit vector out of the body
     weight: f32,       // P(phi) [1/m], and from `fluid/moments` on k = 2 P n . B n
-    taken: vec3f,      // impulse that the body has had of the particle in this step, over the mass of an air particle [m/s]
+    impulse: vec3f,    // that the particle has given the body in this step, over the mass of an air particle [m/s]
     body: u32,         // index of the body
     speed: f32,        // of the surface along its normal [m/s]
     distance: f32,     // phi, of the particle from the surface [m]
@@ -19,8 +19,6 @@ struct Wall {
 
 const NEAR: f32 = 4.0;       // distance from a body up to which density errors are fed back in full; from twice that on not at all [d]
 const FAR: f32 = 9.0;        // beyond which a wall does nothing, wherever air is shifted to [d]
-const CLEARANCE: f32 = 0.4;  // least distance of air from a surface [d]
-const ROUNDS: u32 = 4u;      // in which air is moved out of bodies: the first half to its clearance, the others no more than out
 
 // P at a distance.
 fn gradient_beyond(distance: f32) -> f32 {
@@ -33,12 +31,6 @@ fn density_beyond(distance: f32) -> f32 {
     let q = clamp(distance / params.kernel_radius, -1.0, 1.0);
     let q2 = q * q;
     return 0.5 - 315.0 / 256.0 * q * (1.0 + q2 * (-4.0 / 3.0 + q2 * (6.0 / 5.0 + q2 * (-4.0 / 7.0 + q2 / 9.0))));
-}
-
-// How far air at a distance from a surface is inside of what it is to keep to, in one of the rounds in which it is moved out: negative. Where two
-// surfaces are near to one another, its clearance from one may lead into the other.
-fn gap_in(round: u32, distance: f32) -> f32 {
-    return distance - select(0.0, CLEARANCE * params.spacing, 2u * round < ROUNDS);
 }
 
 // The way of air of this speed in a step, at a distance from a body whose surface has that velocity.

@@ -5,7 +5,7 @@
 //
 //   v_t *= exp(-1/2 C_f |v_t| dt/d)                v_t: along the surface, relative to it
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::wrap, nearest::nearest, wall::{Wall, NEAR, ROUNDS, gap_in}, status::{status, frozen},
+    params::params, dispatch::{invocation, WORKGROUP}, clearance::{cleared, wall_of}, wall::{Wall, NEAR}, status::{status, frozen},
 };
 
 @group(0) @binding(2) var<storage, read>       correction:   array<vec4f>;   // m; `fluid/velocity` makes velocity of it
@@ -17,36 +17,24 @@ import package::common::{
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = params.hair_points + invocation(id, groups);
     if (i >= params.particles) | frozen() { return; }
-    let at = wrap(predicted[i].xyz);
-    var x = at;
     let constrained = i < params.constrained;
     // Solver pbf has no pressure, and its air no wall yet.
     if !constrained && wall[i].distance > NEAR * params.spacing { return; }
     let corrected = select(vec3f(0.0), correction[i].xyz / params.step, constrained);
-    var v = new_velocity[i].xyz + corrected;
-    var taken = vec3f(0.0);
-    var near = nearest(x, false);
-    for (var round = 0u; round < ROUNDS; round++) {
-        let gap = gap_in(round, near.distance);
-        if gap >= 0.0 { break; }
-        x -= gap * near.normal;
-        near = nearest(x, false);
-        let into = min(0.0, dot(near.normal, v - near.velocity));
-        v -= into * near.normal;
-        taken += into * near.normal;
-    }
+    let found = cleared(predicted[i].xyz);
+    let near = found.near;
+    var slip = new_velocity[i].xyz + corrected - near.velocity;
+    let before = slip;
+    if found.moved { slip -= min(0.0, dot(near.normal, slip)) * near.normal; }
     if near.distance < params.spacing {
-        let slip = v - near.velocity;
         let along = slip - dot(slip, near.normal) * near.normal;
-        let held = (1.0 - exp(-0.5 * params.skin_friction * length(along) * params.step / params.spacing)) * along;
-        v -= held;
-        taken += held;
+        slip -= (1.0 - exp(-0.5 * params.skin_friction * length(along) * params.step / params.spacing)) * along;
     }
-    predicted[i] += vec4f(x - at, 0.0);
-    new_velocity[i] = vec4f(v - corrected, 0.0);
+    predicted[i] = vec4f(found.x, predicted[i].w);
+    new_velocity[i] += vec4f(slip - before, 0.0);
     if near.distance < params.kernel_radius {
-        atomicMax(&status.way_beside, bitcast<u32>(length(v - near.velocity) * params.step / params.spacing));
+        atomicMax(&status.way_beside, bitcast<u32>(length(slip) * params.step / params.spacing));
     }
-    if constrained { wall[i] = Wall(near.normal, 0.0, vec3f(0.0), near.body, 0.0, near.distance, 0.0); }
-    wall[i].taken += taken;
+    if constrained { wall[i] = wall_of(near, 0.0); }
+    wall[i].impulse += before - slip;
 }

@@ -12,7 +12,7 @@ fn term(i: u32, body: u32) -> mat2x4f {
     if seen.body != body { return mat2x4f(); }
     let error = density[i] - 1.0;
     let beside = f32(is_air(i) && seen.distance < params.kernel_radius);
-    return mat2x4f(vec4f(seen.taken, beside * error * error), vec4f(beside, 0.0, 0.0, 0.0));
+    return mat2x4f(vec4f(seen.impulse, beside * error * error), vec4f(beside, 0.0, 0.0, 0.0));
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -1,6 +1,6 @@
 // Air goes where `fluid/spread` shifts it to. Beside bodies it sees another wall there, and is moved out of them.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, body::BODIES, beside::beside, wall::{Wall, FAR}, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, body::BODIES, clearance::{cleared, wall_of}, wall::{Wall, FAR}, status::frozen,
 };
 
 @group(0) @binding(2) var<storage, read>       shift:        array<vec4f>;
@@ -17,9 +17,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let inside = min(x, params.box_size - x);
     let is_near = (wall[i].distance < FAR * params.spacing) | any(inside < vec3f(params.kernel_radius));
     if BODIES && is_near {
-        let found = beside(x, true, length(new_velocity[i].xyz));
+        let found = cleared(x);
         x = found.x;
-        wall[i] = found.wall;
+        wall[i] = wall_of(found.near, length(new_velocity[i].xyz));
     }
     predicted[i] = vec4f(x, predicted[i].w);
 }

@@ -45,7 +45,7 @@ fn main(
     if BODIES {
         let off = stress[i].pressure * wall[i].weight * wall[i].normal;
         sum -= off;
-        wall[i].taken += LASTING * own.w * off;
+        wall[i].impulse += LASTING * own.w * off;
     }
     let change = share_of(i) * own.w * sum;
     new_velocity[i] += vec4f(change, 0.0);

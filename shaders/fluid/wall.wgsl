@@ -1,6 +1,7 @@
 // The wall at each particle that pressure acts on, once air is moved out of bodies, which its velocity never sees.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, pressure::flows, beside::beside, wall::Wall, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, pressure::flows, nearest::{Nearest, nearest},
+    clearance::{cleared, wall_of}, wall::Wall, status::frozen,
 };
 
 @group(0) @binding(3) var<storage, read_write> predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -12,7 +13,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let i = invocation(id, groups);
     if (i >= params.particles) | frozen() { return; }
     if !flows(i) { return; }
-    let found = beside(predicted[i].xyz, is_air(i), length(new_velocity[i].xyz));
-    predicted[i] = vec4f(found.x, predicted[i].w);
-    wall[i] = found.wall;
+    var near = Nearest();
+    if is_air(i) {
+        let found = cleared(predicted[i].xyz);
+        near = found.near;
+        predicted[i] = vec4f(found.x, predicted[i].w);
+    } else {
+        near = nearest(predicted[i].xyz, false);
+    }
+    wall[i] = wall_of(near, length(new_velocity[i].xyz));
 }

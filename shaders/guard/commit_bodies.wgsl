@@ -6,7 +6,7 @@ const LARGEST_ERROR: f32 = 0.06;   // rms of theta - 1 within a kernel radius of
 const LONG: f32 = 0.02;            // s
 const FAR: f32 = 1.2;              // d, of the way in a step
 
-@group(0) @binding(2) var<storage, read>       felt:           array<mat2x4f>;   // of each body (`contact/impulse`)
+@group(0) @binding(2) var<storage, read>       air_total:           array<mat2x4f>;   // of each body (`contact/impulse`)
 @group(0) @binding(3) var<storage, read>       coarse_impulse: array<vec4f>;     // by the coarse pressure, over the mass of an air particle [m/s]
 @group(0) @binding(4) var<storage, read_write> body_impulse:   array<vec4f>;     // of the run [kg m/s]
 
@@ -15,13 +15,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let body = invocation(id, groups);
     let bodies = arrayLength(&body_impulse);
     if (body >= bodies) | frozen() { return; }
-    body_impulse[body] += vec4f(felt[body][0].xyz + coarse_impulse[body].xyz, 0.0) / params.air_inverse_mass;
+    body_impulse[body] += vec4f(air_total[body][0].xyz + coarse_impulse[body].xyz, 0.0) / params.air_inverse_mass;
     if body > 0u { return; }
     var errors = 0.0;
     var beside = 0.0;
     for (var k = 0u; k < bodies; k++) {
-        errors += felt[k][0].w;
-        beside += felt[k][1].x;
+        errors += air_total[k][0].w;
+        beside += air_total[k][1].x;
     }
     let off = errors > LARGEST_ERROR * LARGEST_ERROR * beside;
     let steps = select(0u, status.off_steps + 1u, off);

@@ -39,17 +39,18 @@ impl Walk<'_> {
             self.same("contact/air", gap, bounds.length)?;
             let got = self.vectors(&state.new_velocity, hair);
             self.same("contact/air", apart(&got, &w.new_velocity[hair..]), bounds.speed)?;
-            self.taken("contact/air", w, hair)?;
+            self.impulses("contact/air", w, hair)?;
         }
         if passes.through("contact/impulse") {
             let mut wanted = vec![DVec3::ZERO; self.p().bodies.len()];
-            w.walls.iter().for_each(|wall| wanted[wall.body] += wall.taken);
+            w.walls.iter().for_each(|wall| wanted[wall.body] += wall.impulse);
             let air = (w.predicted.len() - hair) as f64;
             let parts = stage.engine.read(&state.partial_by_body).unwrap();
             let sums = parts.chunks(CHUNKS as usize).map(|parts| parts.iter().map(|part| xyz(&part[..3])).sum());
             self.same("contact/impulse", apart(&sums.collect::<Vec<_>>(), &wanted) / air, bounds.speed)?;
             passes.through("sums/by_body");
-            let totals: Vec<_> = stage.engine.read(&state.felt).unwrap().iter().map(|sums| xyz(&sums[..3])).collect();
+            let totals: Vec<_> =
+                stage.engine.read(&state.air_total).unwrap().iter().map(|sums| xyz(&sums[..3])).collect();
             self.same("sums/by_body", apart(&totals, &wanted) / air, bounds.speed)?;
         }
         passes.finish();
@@ -148,7 +149,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::rods::SOLVE, "* contact.curve", "* 0.5 * contact.curve", THIN_BODY),
     (&shaders::contact::AIR, "CLEARANCE * params.spacing", "0.9 * CLEARANCE * params.spacing", BODIES),
     (&shaders::contact::AIR, "-0.5 * params.skin_friction", "-params.skin_friction", WALLS),
-    (&shaders::contact::IMPULSE, "seen.taken", "0.9 * seen.taken", WALLS),
+    (&shaders::contact::IMPULSE, "seen.impulse", "0.9 * seen.impulse", WALLS),
 ];
 
 fn body(shape: Shape, keyframes: &[(f64, [f64; 3], [f64; 3])]) -> Body {
@@ -433,8 +434,8 @@ fn air_is_that_of_the_twin() {
         let (mut x_wanted, mut v_wanted) = (Vec::new(), Vec::new());
         for i in air.clone() {
             let given = corrections[i] / p.step;
-            let contact::Beside { x, v, .. } = contact::air(p, &placed, stage.twin.position[i], v[i] + given);
-            x_wanted.push(x);
+            let (cleared, v) = contact::air(p, &placed, stage.twin.position[i], v[i] + given);
+            x_wanted.push(cleared.x);
             v_wanted.push(v - given);
         }
         let pushed = x_wanted.iter().zip(&stage.twin.position[air.clone()]).filter(|(a, b)| a != b).count();

@@ -219,18 +219,18 @@ impl Walk<'_> {
         let first = if p.model == Model::Particles { 0 } else { p.hair_points };
         let change = fluid::push(p, &w.predicted, &s.inverse_mass, &s.volume, &w.near, &w.moments, pressure);
         give(w, &change);
-        fluid::taken(w, pressure);
+        fluid::give_bodies(w, pressure);
         assert!(passes.through("fluid/push"));
         self.pushed("fluid/push", w, first)?;
-        self.taken("fluid/push", w, first)
+        self.impulses("fluid/push", w, first)
     }
 
     /// What bodies have had of particles so far.
-    pub fn taken(&mut self, pass: &'static str, w: &Scratch, first: usize) -> Same {
+    pub fn impulses(&mut self, pass: &'static str, w: &Scratch, first: usize) -> Same {
         let walls = self.stage.engine.read(&self.stage.engine.state().wall).unwrap();
         let both = walls.iter().zip(&w.walls).skip(first);
-        let most = largest(both.clone().map(|(_, wanted)| wanted.taken.length())).max(10.0) / 10.0;
-        let gaps = both.map(|(got, wanted)| (xyz(&got.taken) - wanted.taken).length());
+        let most = largest(both.clone().map(|(_, wanted)| wanted.impulse.length())).max(10.0) / 10.0;
+        let gaps = both.map(|(got, wanted)| (xyz(&got.impulse) - wanted.impulse).length());
         self.same(pass, largest(gaps) / most, self.bounds.speed)
     }
 
@@ -285,8 +285,8 @@ impl Walk<'_> {
         let got = stage.engine.read(&state.brought).unwrap();
         // Air stands first.
         let brought = || sorted.iter().map(|i| *i as usize).zip(&got).take(before.len() - hair);
-        let brings = |i: usize| fluid::source(rate[i], &w.moments[i], w.new_velocity[i]);
-        let gaps = brought().map(|(i, got)| (f64::from(got[3]) - brings(i)).abs());
+        let source = |i: usize| fluid::source(rate[i], &w.moments[i], w.new_velocity[i]);
+        let gaps = brought().map(|(i, got)| (f64::from(got[3]) - source(i)).abs());
         let most = largest(rate.iter().map(|rate| rate.abs())).max(8.0);
         self.same("coarse/source", largest(gaps) / most, bounds.multiplier)?;
         let spacing = p.box_size / DVec3::from_array(p.coarse_nodes.map(|n| n as f64));
@@ -417,7 +417,6 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::sums::BY_BODY, "chunk < CHUNKS", "chunk < 2u", WALLS),
     (&shaders::coarse::PUSH, "solid[1].w * mean", "0.5 * solid[1].w * mean", WALLS),
     (&shaders::fluid::PATH, "0.5 * params.step", "0.4 * params.step", WALLS),
-    (&shaders::fluid::BEGIN, "velocity[i] = new_velocity[i]", "velocity[i] = 0.9 * new_velocity[i]", STARTED),
     (&shaders::fluid::PUSH, "own.w * sum", "0.9 * own.w * sum", DIVERGENCE),
     (&shaders::fluid::DIVERGENCE, "- relaxation * sum", "- 0.9 * relaxation * sum", DIVERGENCE),
     (&shaders::fluid::DIVERGENCE, "min(1.0, own.w", "min(1.0, 2.0 * own.w", LIGHT_HAIR),

@@ -148,7 +148,7 @@ pub const FAULTS: &[Fault] = &[
     ),
     (&shaders::guard::COMMIT_HAIR, "point.before + last - new_velocity[p].xyz", "point.before + last", PARTICLES),
     (&shaders::guard::COMMIT_CONTACTS, "max(contacts", "0.9 * max(contacts", BODIES),
-    (&shaders::guard::COMMIT_BODIES, "felt[body][0].xyz +", "0.9 * felt[body][0].xyz +", WALLS),
+    (&shaders::guard::COMMIT_BODIES, "air_total[body][0].xyz +", "0.9 * air_total[body][0].xyz +", WALLS),
     (&shaders::guard::CHECK, "air_id_before[slot] = air_id[slot]", "air_id_before[slot] = slot", PARTICLES),
     (&shaders::guard::COMMIT_AIR, "predicted[i]", "predicted[params.hair_points + slot]", PARTICLES),
     (&shaders::guard::COMMIT_AIR, "= final_velocity[i]", "= 0.9 * final_velocity[i]", PARTICLES),

@@ -132,7 +132,11 @@ pub const BODIES: &[&str] = &[
 
 /// Setting of a scene whose air gets its velocity beside bodies before the first step.
 const START: &str = "title='started'";
-/// Settings with two bodies that are walls to air freed of divergence: one tumbles and overlaps the other.
+/// Setting of two bodies, of which one tumbles and overlaps the other.
+const TWO_WALLS: &str = "body=[{name='a',center=[0.06,0.03,0.03],radius=0.012,motion=[{time=0,rotation=[0,1,2]},\
+    {time=0.01,translation=[0,0.003,0],rotation=[0,0,3]}]},\
+    {name='b',shape='capsule',start=[0.05,0.015,0.02],end=[0.08,0.03,0.045],radius=0.008}]";
+/// Settings with two bodies that are walls to air freed of divergence.
 pub const WALLS: &[&str] = &[
     "fluid.solver=divergence",
     EXCHANGE,
@@ -140,13 +144,11 @@ pub const WALLS: &[&str] = &[
     "fluid.iterations=2",
     "turbulence.bands=[]",
     "rods.newton=4",
-    "body=[{name='a',center=[0.06,0.03,0.03],radius=0.012,motion=[{time=0,rotation=[0,1,2]},\
-    {time=0.01,translation=[0,0.003,0],rotation=[0,0,3]}]},\
-    {name='b',shape='capsule',start=[0.05,0.015,0.02],end=[0.08,0.03,0.045],radius=0.008}]",
+    TWO_WALLS,
 ];
 
-/// The same, started.
-pub const STARTED: &[&str] = &[START, "fluid.solver=divergence", EXCHANGE, "air.ramp=0.0", WALLS[5], WALLS[6]];
+/// Settings with air that gets its velocity beside these bodies before the first step.
+pub const STARTED: &[&str] = &[START, "fluid.solver=divergence", EXCHANGE, "air.ramp=0.0", "rods.newton=4", TWO_WALLS];
 
 /// Setting with a bar of 4 mm that goes up through segments of 10 mm, between their points.
 pub const THIN_BODY: &[&str] =

@@ -103,7 +103,7 @@ pub fn begin_both(stage: &mut Stage, bounds: &Bounds, worst: &mut Vec<(&'static 
     stage.engine.start(|r| step::record_start(r, &stage.plan)).unwrap();
     let (hair, mut walk) = (stage.parameters.hair_points, Walk { stage, bounds, worst });
     let got = walk.vectors(&walk.stage.engine.state().velocity, hair);
-    walk.same("fluid/begin", apart(&got, &s.velocity[hair..]), bounds.speed)?;
+    walk.same("start", apart(&got, &s.velocity[hair..]), bounds.speed)?;
     // The density that is measured before the first step.
     stage.engine.evaluate(|r| step::record_quantity(r, &stage.plan, step::Quantity::Density)).unwrap();
     let (p, placed) = (&stage.parameters, contact::place(&stage.parameters, 0));

@@ -15,8 +15,7 @@ use crate::{
     step::Scratch,
 };
 
-/// Rounds in which air is moved out of bodies: the first half to its clearance, the others no more than out. Where two surfaces are near to
-/// one another, its clearance from one may lead into the other.
+/// Rounds in which air is moved out of bodies, the first half to its clearance.
 const ROUNDS: usize = 4;
 
 /// Runs the heading: air moves out to its clearance from bodies, and they hold it back.
@@ -28,12 +27,13 @@ pub fn run(w: &mut Scratch, p: &Parameters) {
     for i in p.hair_points..w.predicted.len() {
         // Heading 6 adds what the density constraint gave.
         let given = w.correction[i] / p.step;
-        let beside = air(p, &w.moving.bodies, w.predicted[i], w.new_velocity[i] + given);
-        (w.predicted[i], w.new_velocity[i]) = (beside.x, beside.v - given);
+        let v = w.new_velocity[i] + given;
+        let (cleared, now) = air(p, &w.moving.bodies, w.predicted[i], v);
+        (w.predicted[i], w.new_velocity[i]) = (cleared.x, now - given);
         if !fluid::has_walls(p) {
-            w.walls[i].body = beside.body;
+            w.walls[i].body = cleared.near.body;
         }
-        w.walls[i].taken += beside.taken;
+        w.walls[i].impulse += v - now;
     }
 }
 
@@ -195,59 +195,48 @@ fn nearest_here(p: &Parameters, placed: &[Placed], before: bool, x: DVec3) -> Ne
     each.min_by(|a, b| a.distance.total_cmp(&b.distance)).unwrap_or_default()
 }
 
-/// An air particle beside a body.
+/// An air particle that was moved out of bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Beside {
-    /// Place \[m\].
+pub struct Cleared {
+    /// Place, of the image of the box that was given \[m\].
     pub x: DVec3,
-    /// Velocity \[m/s\].
-    pub v: DVec3,
-    /// Impulse on the body, over the particle's mass \[m/s\].
-    pub taken: DVec3,
-    /// Index of the body.
-    pub body: usize,
+    /// Whether it was moved.
+    pub moved: bool,
+    /// Surface that is nearest then.
+    pub near: Nearest,
 }
 
-/// Way out for air at a distance from a surface, in one of the rounds.
-fn short_in(p: &Parameters, round: usize, distance: f64) -> f64 {
-    if 2 * round < ROUNDS { CLEARANCE * p.spacing() - distance } else { -distance }
-}
-
-/// Place of an air particle that would be at `x`, moved by the nearest way to its clearance from bodies.
+/// Moves an air particle that would be at `x` by the nearest way to its clearance from bodies. Where two surfaces are near to one another, the
+/// clearance from one may lead into the other: in the last rounds it is moved no farther than out.
 #[must_use]
-pub fn outside(p: &Parameters, placed: &[Placed], x: DVec3) -> DVec3 {
+pub fn cleared(p: &Parameters, placed: &[Placed], x: DVec3) -> Cleared {
     let at = wrap(p, x);
-    let (from, mut x) = (x, at);
+    let mut cleared = Cleared { x: at, moved: false, near: nearest_body(p, placed, false, at) };
     for round in 0..ROUNDS {
-        let near = nearest_body(p, placed, false, x);
-        x += short_in(p, round, near.distance).max(0.0) * near.normal;
-    }
-    from + (x - at)
-}
-
-/// An air particle that would be at `x` with velocity `v`. It is moved by the nearest way to its clearance from the bodies, and loses its
-/// velocity toward them. Within a spacing a body holds it back along the surface, by a stress of ½ C_f ρ |v_t|² on a layer of a spacing.
-#[must_use]
-pub fn air(p: &Parameters, placed: &[Placed], x: DVec3, mut v: DVec3) -> Beside {
-    let at = wrap(p, x);
-    let (from, mut x, mut taken) = (x, at, DVec3::ZERO);
-    for round in 0..ROUNDS {
-        let near = nearest_body(p, placed, false, x);
-        let short = short_in(p, round, near.distance);
+        let wanted = if 2 * round < ROUNDS { CLEARANCE * p.spacing() } else { 0.0 };
+        let short = wanted - cleared.near.distance;
         if short > 0.0 {
-            x += short * near.normal;
-            let near = nearest_body(p, placed, false, x);
-            let into = (v - near.velocity).dot(near.normal).min(0.0);
-            v -= into * near.normal;
-            taken += into * near.normal;
+            cleared.x += short * cleared.near.normal;
+            cleared.near = nearest_body(p, placed, false, cleared.x);
+            cleared.moved = true;
         }
     }
-    let near = nearest_body(p, placed, false, x);
+    cleared.x = x + (cleared.x - at);
+    cleared
+}
+
+/// An air particle that would be at `x` with velocity `v`, and its velocity then \[m/s\]. Where it is moved out of a body it loses its velocity
+/// toward it. Within a spacing a body holds it back along the surface, by a stress of ½ C_f ρ |v_t|² on a layer of a spacing.
+#[must_use]
+pub fn air(p: &Parameters, placed: &[Placed], x: DVec3, mut v: DVec3) -> (Cleared, DVec3) {
+    let cleared = cleared(p, placed, x);
+    let near = cleared.near;
+    if cleared.moved {
+        v -= (v - near.velocity).dot(near.normal).min(0.0) * near.normal;
+    }
     if near.distance < p.spacing() {
         let along = (v - near.velocity).reject_from_normalized(near.normal);
-        let held = -(-0.5 * p.skin_friction * along.length() * p.step / p.spacing()).exp_m1() * along;
-        v -= held;
-        taken += held;
+        v += (-0.5 * p.skin_friction * along.length() * p.step / p.spacing()).exp_m1() * along;
     }
-    Beside { x: from + (x - at), v, taken, body: near.body }
+    (cleared, v)
 }

@@ -16,8 +16,8 @@ pub use self::{
     },
     friction::{Rub, STIFFNESS, friction, slip, squeeze},
     pressure::{
-        LASTING, Moments, Pressed, THIN, begin, deform, divergence, eddies, moments, path, push, relax, relaxations,
-        spread, start, taken,
+        LASTING, Moments, Pressed, THIN, begin, deform, divergence, eddies, give_bodies, moments, path, push, relax,
+        relaxations, spread, start,
     },
     wall::{CLEARANCE, Wall, density_beyond, gradient_beyond, has_walls, solid, wall, walls},
 };

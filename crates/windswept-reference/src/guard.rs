@@ -129,7 +129,7 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
     if p.air {
         s.body_impulse.resize(p.bodies.len(), DVec3::ZERO);
         for wall in &w.walls {
-            s.body_impulse[wall.body] += p.air_mass * wall.taken;
+            s.body_impulse[wall.body] += p.air_mass * wall.impulse;
         }
         for (impulse, coarse) in s.body_impulse.iter_mut().zip(&w.coarse_impulse) {
             *impulse += p.air_mass * *coarse;

@@ -1,7 +1,10 @@
 //! State on a device, and any recording of passes run over it. [`crate::Simulation`] is an engine that runs whole steps;
 //! tests and single-pass work use it directly.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::{
+    ops::Range,
+    sync::atomic::{AtomicBool, Ordering},
+};
 
 use bytemuck::Pod;
 use glam::DVec3;
@@ -407,7 +410,12 @@ impl Engine {
         self.evaluate(record)?;
         // The passes look for the fastest wind, and leave that at the end of a step.
         let Status { wind, wind_before, .. } = before;
-        Ok(self.set_status(&Status { wind, wind_before, ..self.status()? })?)
+        self.set_status(&Status { wind, wind_before, ..self.status()? })?;
+        let s = &self.state;
+        let (first, len) = (u64::from(self.sizes.hair_points), u64::from(self.sizes.air()));
+        let [first, len] = [first, len].map(|particles| particles * s.velocity.stride());
+        self.copy(&s.new_velocity, &s.velocity, first..first + len)?;
+        Ok(())
     }
 
     /// Copies the committed positions and velocities to where a step's own stand, for headings that run on their own.
@@ -416,14 +424,19 @@ impl Engine {
     /// [`GpuError`] with the driver's words.
     pub fn copy_state_to_scratch(&self) -> Result<(), GpuError> {
         let s = &self.state;
+        self.copy(&s.position, &s.predicted, 0..s.position.bytes())?;
+        self.copy(&s.velocity, &s.new_velocity, 0..s.velocity.bytes())
+    }
+
+    /// Copies a range of bytes from one array to the same place of another.
+    fn copy(&self, from: &AnyArray, to: &AnyArray, range: Range<u64>) -> Result<(), GpuError> {
         self.gpu.checked(
-            || "copying the state".to_owned(),
+            || format!("copying {} to {}", from.name(), to.name()),
             || {
-                let mut encoder =
-                    self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("state") });
-                for (committed, scratch) in [(&s.position, &s.predicted), (&s.velocity, &s.new_velocity)] {
-                    encoder.copy_buffer_to_buffer(self.buffer(committed), 0, self.buffer(scratch), 0, None);
-                }
+                let label = wgpu::CommandEncoderDescriptor { label: Some("state") };
+                let mut encoder = self.gpu.device.create_command_encoder(&label);
+                let size = range.end - range.start;
+                encoder.copy_buffer_to_buffer(self.buffer(from), range.start, self.buffer(to), range.start, size);
                 self.gpu.queue.submit([encoder.finish()]);
             },
         )

@@ -114,7 +114,7 @@ impl Simulation {
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, Error> {
         check_room(gpu, scene, None)?;
         let initial = InitialState::new(scene)?;
-        Self::begun(gpu, scene, initial, Hair::Made)
+        Self::started(gpu, scene, initial, Hair::Made)
     }
 
     /// A simulation of the caller's own strands, which replace the scene's `[hair]`.
@@ -124,7 +124,7 @@ impl Simulation {
     pub fn with_groom(gpu: &Gpu, scene: &Scene, groom: &Groom) -> Result<Self, Error> {
         check_room(gpu, scene, Some(groom))?;
         let initial = InitialState::with_groom(scene, groom)?;
-        Self::begun(gpu, &Scene { hair: Vec::new(), ..scene.clone() }, initial, Hair::Made)
+        Self::started(gpu, &Scene { hair: Vec::new(), ..scene.clone() }, initial, Hair::Made)
     }
 
     /// A simulation that starts from the caller's own arrays; the scene's `[hair]` and lattice are not looked at. Hair that is too light for
@@ -133,7 +133,21 @@ impl Simulation {
     /// # Errors
     /// [`Error::Scene`] when the arrays do not belong together, [`Error::Gpu`] when they do not fit the adapter.
     pub fn with_state(gpu: &Gpu, scene: &Scene, initial: InitialState) -> Result<Self, Error> {
-        Self::begun(gpu, scene, initial, Hair::Given)
+        Self::started(gpu, scene, initial, Hair::Given)
+    }
+
+    /// A simulation whose air beside bodies has the velocity that it starts with.
+    fn started(gpu: &Gpu, scene: &Scene, initial: InitialState, hair: Hair) -> Result<Self, Error> {
+        let mut simulation = Self::begun(gpu, scene, initial, hair)?;
+        if simulation.plan.walls.runs {
+            let plan = &simulation.plan;
+            // Where there is no room for the neighbours the first step says so.
+            if let Err(RunError::Gpu(error)) = simulation.engine.start(|r| step::record_start(r, plan)) {
+                return Err(error.into());
+            }
+            simulation.record_again()?;
+        }
+        Ok(simulation)
     }
 
     fn begun(gpu: &Gpu, scene: &Scene, mut initial: InitialState, hair: Hair) -> Result<Self, Error> {
@@ -146,13 +160,7 @@ impl Simulation {
         if hair == Hair::Given {
             plan.mend_strands();
         }
-        let mut engine = Engine::sharing(gpu, &setup, |state| step::recordings(state, &plan))?;
-        if plan.walls.runs {
-            // Where there is no room for the neighbours the first step says so.
-            if let Err(RunError::Gpu(error)) = engine.start(|r| step::record_start(r, &plan)) {
-                return Err(error.into());
-            }
-        }
+        let engine = Engine::sharing(gpu, &setup, |state| step::recordings(state, &plan))?;
         let recording = Recorder::record(engine.state(), |r| step::record(r, &plan));
         let program = engine.program(&recording)?;
         let last = engine.status()?;

@@ -372,7 +372,7 @@ state! {
     /// Sums over sites in a body, as if air filled it: of that change q \[m/s\], q·v \[m²/s²\], v \[m/s\], and the number of particles.
     solid_total: [f32; 8], |s| s.bodies;
     /// Sums over the air whose nearest body this is: the impulse on the body \[m/s\], (θ − 1)² within a kernel radius, the number of particles there.
-    felt: [f32; 8], |s| s.bodies;
+    air_total: [f32; 8], |s| s.bodies;
     /// Partial sums for each body.
     partial_by_body: [f32; 8], |s| s.bodies.saturating_mul(CHUNKS);
     /// Lagrange multiplier of a particle's density constraint, and the part of it that becomes velocity \[kg m²\].

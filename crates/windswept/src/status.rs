@@ -64,6 +64,7 @@ pub fn thawed(status: &Status) -> Status {
         stretch: 0,
         inspected: 0,
         hair_outside: 0,
+        way_beside: 0,
         wind: status.wind_before,
         counting: Status::default().counting,
         ..*status

@@ -81,10 +81,12 @@ pub fn recordings(state: &State, plan: &Plan) -> Vec<Recording> {
 
 /// Records the passes that a quantity takes.
 pub fn record_quantity(r: &mut Recorder<'_>, plan: &Plan, quantity: Quantity) {
-    drive::record_bodies(r, plan);
     neighbours::record(r, plan);
     match quantity {
-        Quantity::Density => fluid::record_density(r, plan),
+        Quantity::Density => {
+            drive::record_bodies(r, plan);
+            fluid::record_density(r, plan);
+        }
         Quantity::Vorticity => turbulence::record_vorticity(r, plan),
     }
 }

@@ -97,7 +97,7 @@ pub(super) fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     w.pressed = (0..w.predicted.len()).map(|i| start(p, i, &w.moments[i], &s.pressed[i])).collect();
     let lambda: Vec<f64> = w.pressed.iter().map(|pressed| pressed.pressure).collect();
     give(w, push(p, &w.predicted, mass, volume, &w.near, &w.moments, &lambda));
-    taken(w, &lambda);
+    give_bodies(w, &lambda);
     solve(s, w, p, &before);
     path(s, w, p);
     if p.model == Model::Particles {
@@ -127,15 +127,15 @@ fn solve(s: &State, w: &mut Scratch, p: &Parameters, before: &[DVec3]) {
             .collect();
         w.pressed.iter_mut().zip(&mu).for_each(|(pressed, mu)| pressed.pressure += mu);
         give(w, push(p, &w.predicted, mass, volume, &w.near, &w.moments, &mu));
-        taken(w, &mu);
+        give_bodies(w, &mu);
     }
 }
 
 /// Adds the impulses of multipliers `lambda` on bodies \[m/s\]: a body gets what its wall pushes a particle by, and what BDF2 makes of that in
 /// the steps after.
-pub fn taken(w: &mut Scratch, lambda: &[f64]) {
+pub fn give_bodies(w: &mut Scratch, lambda: &[f64]) {
     for ((wall, moments), lambda) in w.walls.iter_mut().zip(&w.moments).zip(lambda) {
-        wall.taken += LASTING * lambda * moments.wall;
+        wall.impulse += LASTING * lambda * moments.wall;
     }
 }
 

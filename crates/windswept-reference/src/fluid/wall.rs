@@ -9,8 +9,7 @@ use windswept_scene::{FluidSolver, Model};
 
 use crate::{
     Parameters,
-    contact::{self, Placed},
-    drive::wrap,
+    contact::{self, Nearest, Placed},
     step::Scratch,
 };
 
@@ -32,8 +31,8 @@ pub struct Wall {
     pub way: f64,
     /// Index of the body.
     pub body: usize,
-    /// Impulse that the body has had of the particle in this step, over the mass of an air particle \[m/s\].
-    pub taken: DVec3,
+    /// Impulse that the particle has given the body in this step, over the mass of an air particle \[m/s\].
+    pub impulse: DVec3,
 }
 
 /// The part P of the kernel's gradient beyond a plane \[1/m\]: ∫ ∇W dV = −P n over all that is farther than φ along −n.
@@ -63,16 +62,15 @@ pub fn has_walls(p: &Parameters) -> bool {
     p.air && p.solver == FluidSolver::Divergence && !p.bodies.is_empty()
 }
 
-/// The wall at a place where a particle, of air or of hair, has velocity `v`: the surface of the body that is nearest.
+/// The wall that a surface is to a particle of this speed \[m/s\].
 #[must_use]
-pub fn wall(p: &Parameters, placed: &[Placed], air: bool, x: DVec3, v: DVec3) -> Wall {
-    let x = if air { wrap(p, x) } else { x };
-    let contact::Nearest { normal, distance, velocity, body } = contact::nearest_body(p, placed, false, x);
+pub fn wall(p: &Parameters, near: Nearest, speed: f64) -> Wall {
+    let Nearest { normal, distance, velocity, body } = near;
     let spacing = p.spacing();
-    let beside = (2.0 - distance / (NEAR * spacing)).clamp(0.0, 1.0);
-    let fastest = p.largest_wind.max(v.length()).max(velocity.length());
-    let way = beside * (fastest * p.step / spacing).min(1.0);
-    Wall { normal, distance, velocity, way, body, taken: DVec3::ZERO }
+    let close = (2.0 - distance / (NEAR * spacing)).clamp(0.0, 1.0);
+    let fastest = p.largest_wind.max(speed).max(velocity.length());
+    let way = close * (fastest * p.step / spacing).min(1.0);
+    Wall { normal, distance, velocity, way, body, impulse: DVec3::ZERO }
 }
 
 /// Moves air that is nearer to a body than its clearance out of it, and finds the wall at each particle that pressure acts on; none
@@ -83,14 +81,14 @@ pub fn walls(w: &mut Scratch, p: &Parameters) {
         return;
     }
     for i in 0..w.predicted.len() {
-        if p.is_air(i) {
-            w.predicted[i] = contact::outside(p, &w.moving.bodies, w.predicted[i]);
-        }
-        let flows = p.is_air(i) || p.model == Model::Particles;
-        w.walls.push(if flows {
-            wall(p, &w.moving.bodies, p.is_air(i), w.predicted[i], w.new_velocity[i])
+        let placed = &w.moving.bodies;
+        let near = if p.is_air(i) {
+            let cleared = contact::cleared(p, placed, w.predicted[i]);
+            w.predicted[i] = cleared.x;
+            Some(cleared.near)
         } else {
-            Wall::default()
-        });
+            (p.model == Model::Particles).then(|| contact::nearest_body(p, placed, false, w.predicted[i]))
+        };
+        w.walls.push(near.map_or_else(Wall::default, |near| wall(p, near, w.new_velocity[i].length())));
     }
 }

@@ -14,7 +14,7 @@ use windswept_scene::{AtomicFile, InitialState, Scene};
 use windswept_shaders::common::rod::{Root, StrandHistory};
 
 use super::{
-    Simulation,
+    Hair, Simulation,
     drive::{held, is_rotation, is_wind},
 };
 use crate::{
@@ -240,7 +240,7 @@ impl Checkpoint {
         let Self { file, scene, files, mut initial, driven, buffers, .. } = self;
         initial.warnings.extend(differs);
         let failed = |error| CheckpointError::Start { file: file.clone(), error };
-        let mut simulation = Simulation::with_state(gpu, &scene, initial).map_err(failed)?;
+        let mut simulation = Simulation::begun(gpu, &scene, initial, Hair::Given).map_err(failed)?;
         let strands = simulation.initial.hair.len();
         if driven.root_frames.len() != strands {
             let words = format!("section {DRIVEN} has {} root frames for {strands} strands", driven.root_frames.len());

@@ -18,7 +18,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
                 .bind("partial_sum", &s.partial_by_body);
             r.run(&sums::BY_BODY, "totals of each body", n.bodies)
                 .bind("partial_sum", &s.partial_by_body)
-                .bind("totals", &s.felt);
+                .bind("totals", &s.air_total);
         });
     });
 }

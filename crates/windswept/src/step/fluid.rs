@@ -91,7 +91,6 @@ pub fn record_start(r: &mut Recorder<'_>, plan: &Plan) {
     for _ in 0..START {
         solve(r, plan);
     }
-    r.run(&fluid::BEGIN, "the velocity that air starts with", plan.sizes.air());
 }
 
 /// The divergence is taken out: on a coarse grid, then by iterations.

@@ -1,0 +1,36 @@
+// Moves air out of bodies, to its clearance. Where two surfaces are near to one another, the clearance from one may lead into the other: in the
+// last rounds air is moved no farther than out.
+import package::common::{params::params, cells::wrap, nearest::{Nearest, nearest}, wall::{Wall, gradient_beyond, way_beside}};
+
+const CLEARANCE: f32 = 0.4;   // least distance of air from a surface [d]
+const ROUNDS: u32 = 4u;       // the first half to the clearance
+
+struct Cleared {
+    x: vec3f,        // m
+    moved: bool,
+    near: Nearest,   // the surface that is nearest then
+}
+
+// Air that would be at a place, which may be of another image of the box.
+fn cleared(place: vec3f) -> Cleared {
+    let at = wrap(place);
+    var x = at;
+    var near = nearest(x, false);
+    var moved = false;
+    for (var round = 0u; round < ROUNDS; round++) {
+        let gap = near.distance - select(0.0, CLEARANCE * params.spacing, 2u * round < ROUNDS);
+        if gap >= 0.0 { break; }
+        x -= gap * near.normal;
+        near = nearest(x, false);
+        moved = true;
+    }
+    return Cleared(place + (x - at), moved, near);
+}
+
+// The wall to a particle of this speed.
+fn wall_of(near: Nearest, speed: f32) -> Wall {
+    return Wall(
+        near.normal, gradient_beyond(near.distance), vec3f(0.0), near.body, dot(near.velocity, near.normal), near.distance,
+        way_beside(near.distance, speed, near.velocity),
+    );
+}
