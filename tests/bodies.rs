@@ -416,24 +416,38 @@ fn a_moving_ball_pushes_air() {
     assert!((0.5..1.1).contains(&before) && beside < -0.04, "{before} {beside}");
 }
 
-/// A post that stands on the floor of the box is a wall to the air at the ceiling as well, which is the same air: without that, air that left
-/// through the ceiling came out in the post, crowded there and was shot out at three times the wind.
+/// A cylinder of 12 mm in 3 m/s is told of in a step of 1.38 ms, in which air goes a third of its radius, and not in half of that.
+#[test]
+fn steps_too_long_for_a_body_are_counted() {
+    let cylinder = "body=[{shape='capsule',start=[0.05,0.045,-0.05],end=[0.05,0.045,0.1],radius=0.012}]";
+    let counted = [1, 2].map(|substeps| {
+        let sets = ["air.box.max=[0.16,0.09,0.03]", cylinder, &format!("time.substeps={substeps}")];
+        let mut simulation = simulation(PASSED, &sets);
+        simulation.step(80).unwrap();
+        simulation.warnings().get("air_beside_bodies").copied().unwrap_or_default()
+    });
+    println!("{counted:?} steps");
+    // Measured 53 and 0.
+    assert!(counted[0] > 40 && counted[1] == 0, "{counted:?}");
+}
+
+/// A post that stands on the floor of the box is a wall to the air at the ceiling as well, which is next to it: without that, air that left
+/// through the ceiling came out in the post, and crowded there to 1.46 of its density.
 #[test]
 fn a_post_through_the_floor_is_a_wall_at_the_ceiling() {
     let post = "body=[{shape='capsule',start=[0.05,-0.04,0.035],end=[0.05,0.02,0.035],radius=0.012}]";
     let mut simulation = simulation(PASSED, &["air.box.max=[0.14,0.07,0.07]", post]);
-    let (mut fastest, mut nearest, mut densest) = (0.0_f64, f64::INFINITY, 0.0_f32);
+    let (mut nearest, mut densest) = (f64::INFINITY, 0.0_f32);
     for _ in 0..12 {
         simulation.step(10).unwrap();
         let air = simulation.frame().unwrap().air;
-        fastest = points(&air.velocities).iter().map(|v| v.length()).fold(fastest, f64::max);
         let over = points(&air.positions).into_iter().filter(|x| (x.x - 0.05).hypot(x.z - 0.035) < 0.01);
         nearest = over.map(|x| 0.07 - x.y).fold(nearest, f64::min);
         densest = simulation.density().unwrap().into_iter().fold(densest, f32::max);
     }
-    println!("at most {fastest:.2} m/s, {nearest:.2e} m from the cut, density {densest:.2}");
-    // Measured 6.3 m/s, 1.94e-3 m, which is 0.4 of a spacing, and 1.13.
-    assert!(fastest < 7.5 && nearest > 1.9e-3 && densest < 1.25, "{fastest} {nearest} {densest}");
+    println!("{nearest:.2e} m from the cut, density {densest:.2}");
+    // Measured 1.98e-3 m, where the clearance is 1.94e-3 m, and 1.08.
+    assert!(nearest > 1.9e-3 && densest < 1.25, "{nearest} {densest}");
 }
 
 /// examples/scenes/head.toml, its head turned at once: hair and air stay out of the mesh, hair goes with it, nothing to be warned of.

@@ -10,8 +10,8 @@
 //
 //   h |sum_j V_j grad_i W| min(1, 725 dt/s),
 //
-// since crowded air would stay crowded. With the model PARTICLES and with bodies this is left out: there hair or bodies take the place of air, and the
-// sum over air alone is uneven about them.
+// since crowded air would stay crowded. With the model PARTICLES this is left out: there hair takes the place of air, and the sum over air
+// alone is uneven about it.
 //
 // Bodies are walls to the sum, which gets -P n of theirs (`common/wall.wgsl`), and beside them the second term is at least 0.12 of the way.
 //
@@ -56,6 +56,7 @@ fn main(
     meet_own_kind(predicted[i].xyz);
     if has_none() { return; }
     if met > 0u { uneven -= predicted[met - 1u].w * spiky_factor() * apart(i, met - 1u); }
+    if BODIES { uneven -= wall[i].weight * wall[i].normal; }
     let speed = length(new_velocity[i].xyz);
     var part = min(CARRIED, params.spreading * params.step * max(status.fastest_wind, speed) / params.spacing);
     if status.fastest_wind == 0.0 {
@@ -64,10 +65,7 @@ fn main(
         let settles = clamp(2.0 * params.settling - motion / STILL, 0.0, params.settling);
         part = max(part, max(min(DEFORMED, deformed), settles * params.kernel_radius * length(uneven)));
     }
-    if BODIES {
-        uneven -= wall[i].weight * wall[i].normal;
-        part = max(part, BESIDE * wall[i].way);
-    }
+    if BODIES { part = max(part, BESIDE * wall[i].way); }
     let delta = -params.kernel_radius * params.kernel_radius * min(LARGEST, part) * uneven;
     let farthest = FARTHEST * params.spacing;
     shift[i] = vec4f(delta * (farthest / max(length(delta), farthest)), 0.0);

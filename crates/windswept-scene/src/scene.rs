@@ -270,12 +270,12 @@ impl Scene {
     }
 
     /// Part of its unevenness that still air of solver `divergence` takes out in a substep (`docs/decisions/air.md`): all of it in 1.38 ms,
-    /// and so much less in a shorter one; 0 with the model `particles` and with bodies, which take the place of air.
+    /// and so much less in a shorter one; 0 with the model `particles`, where hair takes the place of air.
     #[must_use]
     pub fn settling(&self) -> f64 {
         /// In 1 s.
         const RATE: f64 = 725.0;
-        if self.interaction.model == Model::Particles || !self.bodies.is_empty() {
+        if self.interaction.model == Model::Particles {
             return 0.0;
         }
         (RATE * self.time.step / f64::from(self.time.substeps)).min(1.0)

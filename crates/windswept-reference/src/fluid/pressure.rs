@@ -190,7 +190,7 @@ fn gradient(p: &Parameters, i: usize, j: usize, x: &[DVec3]) -> DVec3 {
 ///
 /// δ_i = −h² min(0.065, f U Δt/d) Σ_j V_j g_ij, |δ_i| ≤ d/4, with the scene's share f, its largest wind U, or the particle's own speed where
 /// that is more. Without wind min(0.05, |G_i| Δt) takes the place of f U Δt/d where it is more, by the `deformation` of [`deform`],
-/// and where air is still so does the unevenness h |Σ_j V_j g_ij| min(1, 725 Δt/s), but with the model `particles` and with bodies, which take the place of air:
+/// and where air is still so does the unevenness h |Σ_j V_j g_ij| min(1, 725 Δt/s), but with the model `particles`, where hair takes the place of air:
 /// air that is still and crowded would stay so.
 /// Bodies add −P n to the sum, and beside them the share is at least 0.12 of the way in a step.
 /// It goes with Δt, so that its diffusion |δ|²/2Δt vanishes with the step. A particle that lies on others leaves the last of them
@@ -216,6 +216,9 @@ pub fn spread(
             .max();
         let away = met.map_or(DVec3::ZERO, |j| volume[j] * spiky_gradient(i, j, DVec3::ZERO, p.kernel_radius));
         let mut uneven: DVec3 = away + pairs().map(|(_, gradient)| gradient).sum::<DVec3>();
+        if let Some(wall) = walls.get(i) {
+            uneven -= gradient_beyond(p, wall.distance) * wall.normal;
+        }
         let mut part = (p.spreading * p.largest_wind.max(v[i].length()) * p.step / spacing).min(MOST_BY_WAY);
         if p.largest_wind == 0.0 {
             let deformed = deformation[i];
@@ -224,7 +227,6 @@ pub fn spread(
             part = part.max(deformed.min(BY_DEFORMATION)).max(settles * p.kernel_radius * uneven.length());
         }
         if let Some(wall) = walls.get(i) {
-            uneven -= gradient_beyond(p, wall.distance) * wall.normal;
             part = part.max(BESIDE * wall.way);
         }
         let part = part.min(MOST_SPREAD);
