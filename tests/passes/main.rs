@@ -17,3 +17,4 @@ mod turbulence;
 mod velocity;
 mod viscosity;
 mod walk;
+mod walls;

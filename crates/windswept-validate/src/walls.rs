@@ -19,10 +19,9 @@ const FULL: &str = "density is uniform; within 3 spacings of the surface, before
     third of the radius in a step, and 0.02 at half of that";
 const EVEN: &str =
     "density is uniform: rms of theta - 1 within a kernel radius; 0.8 (U dt/R)^2 and the scatter of particles";
-const DRAG: &str = "Tritton (1959): 1.1 to 1.3 at Re 100 to 200, which is that of a layer of one spacing; at 10 % blockage 1.09 times that \
-    (Allen & Vincenti 1944)";
-const SHED: &str =
-    "Roshko (1954): 0.165 to 0.19 at Re 100 to 200; at 10 % blockage up to 1.09 times that, and 0.21 at high Re";
+const DRAG: &str = "no formula: skin friction makes a layer of one spacing, and with it the drag of a Reynolds number of 100 to 200, near 1.2 \
+    (Roshko 1961); measured 1.08 to 1.26 with a tenth of the box blocked";
+const SHED: &str = "no formula: near 0.2 at such Reynolds numbers (Roshko 1954); measured 0.212 to 0.224";
 const POTENTIAL: &str =
     "Lamb, Hydrodynamics, art. 92: 3/2 sin of the flux beside a sphere, 1 + R^3/2r^3 at the layer's radius";
 const ADDED: &str = "Maxwell (1873): 1/2 (1 - c)/(1 + c/2) of the displaced mass in a periodic box of which the sphere takes c; particles of a \

@@ -1,6 +1,8 @@
 //! State on a device, and any recording of passes run over it. [`crate::Simulation`] is an engine that runs whole steps;
 //! tests and single-pass work use it directly.
 
+mod room;
+
 use std::{
     ops::Range,
     sync::atomic::{AtomicBool, Ordering},
@@ -8,10 +10,7 @@ use std::{
 
 use bytemuck::Pod;
 use glam::DVec3;
-use windswept_scene::{
-    Groom, InitialState, Scene, SceneError, Strands,
-    limits::{MOST_BUCKETS, MOST_NODES},
-};
+use windswept_scene::{Strands, limits::MOST_BUCKETS};
 use windswept_shaders::{
     common::{
         dispatch::WORKGROUP, lanes::LANES, list::PAGES, params::Params, pressure::Pressed, rod::Condition,
@@ -20,31 +19,27 @@ use windswept_shaders::{
     rods::RESET,
 };
 
+pub use room::required_limits;
+use room::{check_nodes, largest_page};
+pub(crate) use room::{check_room, first_sizes};
+
 use crate::{
     array::{AnyArray, Array},
     bodies,
     clusters::{self, Cluster},
     error::{GpuError, RunError},
-    gpu::{Gpu, Memory, Profile, Program, Span, check_sizes, wgpu},
-    meshes::Meshes,
+    gpu::{Gpu, Memory, Profile, Program, Span, wgpu},
     recorder::{Recorder, Recording},
     rods::{self, quat, vec4},
-    setup::{Setup, least_sizes},
+    setup::Setup,
     sharing::Sharing,
     slots::Slots,
     state::{Sizes, State},
     status,
 };
 
-/// Elements of the neighbour list per cluster at the start: eight heads, and on the lattice some 75 particles near its eight (h/d = 1.92),
-/// which take four groups of eight elements, and air that is near hair a fifth. In its first 60 steps fig2b needs up to 44.
-const LIST_PER_CLUSTER: u64 = 48;
-
 /// Length of a neighbour list that has grown, over what the step needed: room for a few steps' changes.
 const GROWTH: f64 = 1.25;
-
-/// Size of a node of the band filter's grid in each of its buffers: four f32 \[bytes\].
-const NODE_BYTES: u64 = 16;
 
 /// The buffers of a scene on a device.
 #[derive(Debug)]
@@ -490,54 +485,4 @@ impl Engine {
         }
         self.write(&self.state.params, &self.params)
     }
-}
-
-/// The limits that a device of the caller's own must have for this scene: WebGPU's defaults, and room for the largest
-/// buffer. The neighbour list is cut into pages that fit, and may still have to grow; more room lets it. On a software
-/// adapter passes run three to four times as fast if the device has the adapter's `max_storage_textures_per_shader_stage` too.
-///
-/// # Errors
-/// [`SceneError`] when the initial state cannot be made.
-pub fn required_limits(scene: &Scene) -> Result<wgpu::Limits, SceneError> {
-    let initial = InitialState::new(scene)?;
-    let setup = Setup::new(scene, &initial);
-    let defaults = wgpu::Limits::default();
-    let sizes = first_sizes(defaults.max_storage_buffer_binding_size, &setup);
-    let largest = State::new(&sizes).arrays().iter().map(AnyArray::bytes).max().unwrap_or_default();
-    Ok(wgpu::Limits {
-        max_storage_buffer_binding_size: defaults.max_storage_buffer_binding_size.max(largest),
-        max_buffer_size: defaults.max_buffer_size.max(largest),
-        ..defaults
-    })
-}
-
-/// Refuses a scene of which a part is known to be too large for the adapter before its initial state is made, which may take gigabytes.
-pub(crate) fn check_room(gpu: &Gpu, scene: &Scene, groom: Option<&Groom>) -> Result<(), GpuError> {
-    check_sizes(gpu, &State::new(&least_sizes(scene, groom)).arrays())
-}
-
-/// Whether the adapter binds the finest grid of the band filter.
-fn check_nodes(gpu: &Gpu, meshes: &Meshes) -> Result<(), GpuError> {
-    let most = (gpu.largest_binding() / NODE_BYTES).min(MOST_NODES);
-    if meshes.nodes <= most {
-        return Ok(());
-    }
-    // Nodes go with 1/s³.
-    let fits = meshes.finest * (meshes.nodes as f64 / most as f64).cbrt();
-    Err(GpuError::BandTooFine { scale: meshes.finest, nodes: meshes.nodes, most, fits })
-}
-
-/// The sizes of a setup at the start of a run, on a device that binds at most so many bytes: a neighbour list of the usual length, in as
-/// few pages as the device allows.
-pub(crate) fn first_sizes(largest_binding: u64, setup: &Setup<'_>) -> Sizes {
-    let (sizes, limit) = (setup.sizes(), largest_page(largest_binding).max(1));
-    // A page has heads for whole workgroups of clusters.
-    let wanted = u64::from(sizes.clusters).next_multiple_of(u64::from(WORKGROUP / LANES)) * LIST_PER_CLUSTER;
-    let pages = wanted.div_ceil(limit).clamp(1, PAGES.into());
-    Sizes { pages: pages as u32, neighbours: wanted.div_ceil(pages).min(limit) as u32, ..sizes }
-}
-
-/// Elements of the longest page of a neighbour list that a device binds.
-fn largest_page(largest_binding: u64) -> u64 {
-    (largest_binding / size_of::<[u32; 4]>() as u64).min(u32::MAX.into())
 }
