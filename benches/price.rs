@@ -99,10 +99,11 @@ fn run() -> Result<()> {
     let small = arguments.small || !arguments.bench;
     let folder = if small { "examples/scenes/small" } else { "examples/scenes" };
     let (fig2b, fig3c) = (format!("{folder}/fig2b.toml"), format!("{folder}/fig3c.toml"));
-    let direct = ["turbulence.filter=\"direct\"", "turbulence.cutoff=3.0"];
+    let grid = ["time.substeps=1"];
+    let direct = [grid[0], "turbulence.filter=\"direct\"", "turbulence.cutoff=3.0"];
     let mut runs = [
-        Run::new(&gpu, "fig2b, s = 6 mm", &fig2b, &[])?,
-        Run::new(&gpu, "fig3c, s = 18 mm", &fig3c, &[])?,
+        Run::new(&gpu, "fig2b, s = 6 mm", &fig2b, &grid)?,
+        Run::new(&gpu, "fig3c, s = 18 mm", &fig3c, &grid)?,
         Run::new(&gpu, "fig2b, direct sum cut at 3 s", &fig2b, &direct)?,
     ];
     for _ in 0..if arguments.bench { arguments.rounds } else { 1 } {

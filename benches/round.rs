@@ -19,13 +19,13 @@ use timed::{Timed, scene};
 /// short: a turn of all takes some ten seconds on a software adapter.
 const SCENES: [(&str, &str, &[&str], bool); 7] = [
     // All of a step, small enough to stay in a CPU's cache.
-    ("quick", "quick.toml", &[], true),
+    ("quick", "quick.toml", &["time.substeps=1"], true),
     // The density constraint, the direct filter and Gauss-Seidel.
-    ("published", "quick.toml", &["method=published"], true),
+    ("published", "quick.toml", &["method=published", "time.substeps=1"], true),
     // As many rods as the paper has.
     ("rods", "fig2b.toml", &["interaction.model=none"], true),
     // The paper's scene at a size that no cache holds.
-    ("fig2b small", "small/fig2b.toml", &[], true),
+    ("fig2b small", "small/fig2b.toml", &["time.substeps=1"], true),
     // The paper's size, at one substep as the peer's step.
     ("fig2b", "fig2b.toml", &["time.substeps=1"], false),
     // Hair that the mean wind drags, and eddies three times as large.

@@ -67,17 +67,17 @@ const STRANDS: &[Size] = &[
 /// Eddies over scales: the filter's grid is coarser for larger ones by as much as its smoothing reaches farther.
 const SCALES: &[Size] = &[
     // The smallest eddies of the paper's figures; its largest; and both at once, on a grid each.
-    Size { name: "6 mm", file: "quick.toml", keys: &[], large: false },
+    Size { name: "6 mm", file: "quick.toml", keys: &["turbulence.scale=0.006"], large: false },
     Size {
         name: "18 mm",
         file: "quick.toml",
-        keys: &["turbulence.bands=[{scale=0.018,strength=3,intensity=0.3}]"],
+        keys: &["turbulence={bands=[{scale=0.018,strength=3,intensity=0.3}]}"],
         large: false,
     },
     Size {
         name: "6 and 18 mm",
         file: "quick.toml",
-        keys: &["turbulence.bands=[{scale=0.006,strength=3,intensity=0.3},{scale=0.018,strength=3,intensity=0.3}]"],
+        keys: &["turbulence={bands=[{scale=0.006,strength=3,intensity=0.3},{scale=0.018,strength=3,intensity=0.3}]}"],
         large: false,
     },
 ];

@@ -20,7 +20,7 @@ fn scene(sets: &[&str]) -> Scene {
         "hair.roots.center=[0.04,0.03,0.03]",
         "hair.roots.radius=0.01",
         "air.fringe=0.03",
-        "turbulence.bands=[]",
+        "turbulence={bands=[]}",
     ];
     let sets: Vec<String> = small.iter().chain(sets).map(|&set| set.to_owned()).collect();
     Scene::parse_with("quick.toml", text, &sets).unwrap()

@@ -155,7 +155,7 @@ fn what_cannot_fit_is_refused_before_it_is_made() {
         let sets: Vec<String> = more.iter().map(|set| (*set).to_owned()).collect();
         Scene::parse_with("quick", include_str!("../examples/scenes/quick.toml"), &sets).unwrap()
     };
-    let (no_air, no_bands) = ("interaction.model=drag", "turbulence.bands=[]");
+    let (no_air, no_bands) = ("interaction.model=drag", "turbulence={bands=[]}");
     // All strands would be rooted deep inside a body.
     let body = "body=[{name='a', center=[0.056, 0.065, 0.035], radius=0.05}]";
     for (sets, deep) in [(&[no_air][..], Some(body)), (&[no_bands, "fluid.solver=pbf"], None), (&[no_bands], None)] {

@@ -290,7 +290,7 @@ fn overflowing_sizes_are_errors() {
     assert!(scene(&["hair.strands=16777216", "hair.points=16384"]).contains("points"));
     assert!(scene(&["hair.points=18446744073709551616"]).contains("hair.points"));
     assert!(scene(&["time.duration=1e18", "time.step=1e-18"]).contains("steps"));
-    assert!(scene(&["turbulence.bands=[{ scale = 1e-9 }]"]).contains("turbulence"));
+    assert!(scene(&["turbulence={bands=[{ scale = 1e-9 }]}"]).contains("turbulence"));
     let npy = |shape: &str| {
         let head = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}");
         let mut bytes = b"\x93NUMPY\x01\x00".to_vec();

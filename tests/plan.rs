@@ -79,7 +79,7 @@ type Case = (&'static str, &'static [&'static str], Option<&'static str>, Vec<&'
 
 const BODY: &str = "body=[{name='a',center=[0.1,0.06,0.03],radius=0.012}]";
 const TWO_BANDS: &str =
-    "turbulence.bands=[{scale=0.006,strength=3,intensity=0.3},{scale=0.018,strength=2,intensity=0.3}]";
+    "turbulence={bands=[{scale=0.006,strength=3,intensity=0.3},{scale=0.018,strength=2,intensity=0.3}]}";
 
 /// A jet over the hair.
 const JET: &str = "force={field='jet',origin=[0.01,0.06,0.03],axis=[1,0,0],reach=0.1,strength=4}";
@@ -112,7 +112,7 @@ fn cases() -> [Case; 11] {
         ),
         (
             "force field",
-            &["air.wind=[0,0,0]", "turbulence.bands=[]", JET],
+            &["air.wind=[0,0,0]", "turbulence={bands=[]}", JET],
             None,
             [
                 blow,
@@ -160,7 +160,7 @@ fn cases() -> [Case; 11] {
         ),
         (
             "no turbulence",
-            &["turbulence.bands=[]"],
+            &["turbulence={bands=[]}"],
             None,
             [blow, moves, SORT, LIST, fluid, exchange, VISCOSITY, COMMIT_HAIR, COMMIT_AIR].concat(),
         ),
@@ -361,7 +361,7 @@ fn what_is_left_out_changes_nothing() {
         plan.blows = runs();
         plan.wind = runs();
     });
-    same_bits(&["turbulence.bands=[{scale=0.006,strength=0,intensity=0.3}]"], |plan| {
+    same_bits(&["turbulence={bands=[{scale=0.006,strength=0,intensity=0.3}]}"], |plan| {
         plan.turbulence = runs();
         plan.bands[0].runs = runs();
     });

@@ -132,7 +132,7 @@ def contents(path):
 @pytest.mark.parametrize(("air", "scalar"), [("vorticity", "Vorticity"), ("band_energy", "BandEnergy")])
 def test_the_writers_write_what_the_command_writes(scene, tmp_path, air, scalar):
     bands = [{"scale": 0.009, "strength": 30.0}]
-    scene = scene.replace(**{"picture.air": air, "turbulence.bands": bands, "time.duration": 0.035})
+    scene = scene.replace(**{"picture.air": air, "turbulence": {"bands": bands}, "time.duration": 0.035})
     (tmp_path / "scene.toml").write_text(scene.to_toml())
     words = ["run", tmp_path / "scene.toml", "--out", tmp_path / "command"]
     done = subprocess.run([sys.executable, "-m", "windswept", *words], capture_output=True, text=True)

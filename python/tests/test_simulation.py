@@ -242,7 +242,7 @@ def test_a_callback_does_not_keep_its_simulation_alive(bare):
 def test_the_eddies_have_the_energy_of_their_band():
     # Without hair, all of the box's volume is the air's.
     scene = ws.Scene.parse(SCENE[: SCENE.index("[hair]")] + SCENE[SCENE.index("[air]") :])
-    sim = ws.Simulation(scene.replace(**{"turbulence.bands": [{"scale": 0.006}, {"scale": 0.009}]}))
+    sim = ws.Simulation(scene.replace(**{"turbulence": {"bands": [{"scale": 0.006}, {"scale": 0.009}]}}))
     v = 0.2 * np.random.default_rng(2).normal(size=sim.air.velocities.shape)
     sim.set_air(velocities=v + [3.0, 0.0, 0.0])
     energies = sim.spectrum([0.006, 0.009])

@@ -51,14 +51,14 @@ const KINDS: [(&str, &[&str]); 9] = [
     (
         "two-way, bands, inflow, ramp and gusts",
         &[
-            "turbulence.bands=[{ scale = 0.009, strength = 3.0, intensity = 0.3 }]",
+            "turbulence={bands=[{ scale = 0.009, strength = 3.0, intensity = 0.3 }]}",
             "air.inflow={ intensity = 0.2, scale = 0.009 }",
             "air.ramp=0.03",
             "air.gust=[{ time = 0.02, velocity = [0.0, 0.0, 0.0] }, { time = 0.04, velocity = [1.0, 1.0, 0.0] }]",
         ],
     ),
     ("two-way, pbf", &["fluid.solver=pbf", "turbulence.filter=direct"]),
-    ("published", &["method=published", "turbulence.bands=[{ scale = 0.009, strength = 3.0 }]"]),
+    ("published", &["method=published", "turbulence={bands=[{ scale = 0.009, strength = 3.0 }]}"]),
     (
         "particles, divergence",
         &["interaction.model=particles", "hair.fringe.strands=4", "hair.fringe.roots.radius=0.01"],

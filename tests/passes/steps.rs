@@ -40,7 +40,7 @@ const SMALL: &[&str] = &[
 
 /// Settings with air particles, two bands of eddies and roots that move.
 pub const PARTICLES: &[&str] = &[
-    "turbulence.bands=[{scale=0.006,strength=3,intensity=0.3},{scale=0.008,strength=2,intensity=0.3}]",
+    "turbulence={bands=[{scale=0.006,strength=3,intensity=0.3},{scale=0.008,strength=2,intensity=0.3}]}",
     "hair.motion=[{time=0,rotation=[0,1,0]},{time=0.008,translation=[0,0.003,0],rotation=[0.1,1.2,0]}]",
     "fluid.iterations=2",
 ];
@@ -62,7 +62,7 @@ pub const STORM: &[&str] = &["rods.newton=6", "interaction.model=drag", "air.ram
 /// Settings with a box of two nodes of the coarse grid to a side, and of few nodes of the band filter.
 const SMALL_BOX: &[&str] = &[
     "fluid.solver=divergence",
-    "turbulence.bands=[{scale=0.012,strength=3,intensity=0.3}]",
+    "turbulence={bands=[{scale=0.012,strength=3,intensity=0.3}]}",
     EXCHANGE,
     "hair.fibres_per_strand=100",
     "air.ramp=0.0",
@@ -94,14 +94,14 @@ pub const DIVERGENCE: &[&str] = &[
 pub const PRESSED_HAIR: &[&str] = &[
     "fluid.solver=divergence",
     "fluid.pressure_iterations=3",
-    "turbulence.bands=[]",
+    "turbulence={bands=[]}",
     "viscosity.smagorinsky=1.0",
     "hair.motion=[{time=0,rotation=[0,1,0]},{time=0.008,translation=[0,0.003,0],rotation=[0.1,1.2,0]}]",
 ];
 /// Settings with hair that is lighter than a tenth of the air whose room it takes, and carries air along; its points are nearer to one
 /// another than particles of air.
 pub const LIGHT_HAIR: &[&str] =
-    &["fluid.solver=divergence", "turbulence.bands=[]", "hair.point_mass=1e-9", "hair.points=25"];
+    &["fluid.solver=divergence", "turbulence={bands=[]}", "hair.point_mass=1e-9", "hair.points=25"];
 /// Settings with hair alone, solved by Gauss-Seidel.
 pub const SWEEPS: &[&str] = &["rods.solver=gauss-seidel", "interaction.model=none"];
 /// Force fields of each shape that overlap one another and the hair, one of them by keyframes.
@@ -142,7 +142,7 @@ pub const WALLS: &[&str] = &[
     EXCHANGE,
     "air.ramp=0.0",
     "fluid.iterations=2",
-    "turbulence.bands=[]",
+    "turbulence={bands=[]}",
     "rods.newton=4",
     TWO_WALLS,
 ];
@@ -249,11 +249,11 @@ fn steps_are_those_of_the_twin() {
         &["rods.solver=gauss-seidel", "rods.integrator=bdf2"],
         &["rods.solver=direct", "rods.integrator=euler"],
         &["rods.solver=direct", "rods.integrator=bdf2", "time.substeps=3"],
-        &["fluid.iterations=0", "turbulence.bands=[]"],
+        &["fluid.iterations=0", "turbulence={bands=[]}"],
         &["interaction.model=none"],
         DRAG,
         &[EXCHANGE, "interaction.lift=0.5", "hair.fibres_per_strand=30"],
-        &[EXCHANGE, "rods.solver=gauss-seidel", "rods.integrator=euler", "turbulence.bands=[]"],
+        &[EXCHANGE, "rods.solver=gauss-seidel", "rods.integrator=euler", "turbulence={bands=[]}"],
         CROWDED,
         DIVERGENCE,
         PRESSED_HAIR,
@@ -274,7 +274,7 @@ fn steps_are_those_of_the_twin() {
         TAUT,
         &[
             "hair.motion=[{time=0.002,rotation=[0,1,0]},{time=0.008,translation=[0,0.003,0],rotation=[0.1,1.2,0]}]",
-            "turbulence.bands=[{scale=0.006,strength=3,intensity=0.3},{scale=0.008,strength=2,intensity=0.3}]",
+            "turbulence={bands=[{scale=0.006,strength=3,intensity=0.3},{scale=0.008,strength=2,intensity=0.3}]}",
             "turbulence.filter=direct",
         ],
     ] {

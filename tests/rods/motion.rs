@@ -369,7 +369,7 @@ fn hair_in_turbulent_air_does_not_stretch() {
 fn hair_in_wind_does_not_stretch() {
     let text = include_str!("../../examples/scenes/fig2b.toml");
     for (step, bound) in [("1.38e-3", 1e-4), ("16.6e-3", 1e-2)] {
-        let sets = ["interaction.model=drag", "hair.strands=40", "rods.newton=2", "turbulence.bands=[]"];
+        let sets = ["interaction.model=drag", "hair.strands=40", "rods.newton=2", "turbulence={bands=[]}"];
         let mut sets: Vec<String> = sets.map(str::to_owned).to_vec();
         sets.push(format!("time.step={step}"));
         let scene = Scene::parse_with("fig2b.toml", text, &sets).unwrap();

@@ -104,6 +104,9 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
             format!("({}) m/s, over {} s", settings.wind.map(|u| u.to_string()).join(", "), settings.ramp),
         ));
     }
+    if let Some(turbulence) = turbulence(scene) {
+        rows.push(("turbulence", turbulence));
+    }
     if !scene.forces.is_empty() {
         let field = |force: &Force| format!("{} ({}, {} m/s at most)", force.name, force.field.word(), force.fastest());
         rows.push(("forces", scene.forces.iter().map(field).collect::<Vec<_>>().join(", ")));
@@ -117,6 +120,20 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
     );
     rows.push(("memory", memory));
     Ok(rows)
+}
+
+/// Eddies of the air by size; `None` for air without any of its own.
+fn turbulence(scene: &Scene) -> Option<String> {
+    let air = scene.air.as_ref().filter(|_| scene.interaction.model.has_air())?;
+    let eddies = |scale: f64, intensity: f64| format!("{} mm of intensity {intensity}", 1e3 * scale);
+    let strengthened = scene.turbulence.bands.iter().filter(|band| band.strength > 0.0);
+    let strengthened: Vec<String> = strengthened.map(|band| eddies(band.scale, band.intensity)).collect();
+    let strengthened =
+        (!strengthened.is_empty()).then(|| format!("eddies of {} are strengthened", strengthened.join(", ")));
+    let entering =
+        air.inflow.map(|inflow| format!("eddies of {} enter with the wind", eddies(inflow.scale, inflow.intensity)));
+    let rows: Vec<String> = [strengthened, entering].into_iter().flatten().collect();
+    (!rows.is_empty()).then(|| rows.join("; "))
 }
 
 /// The method, and what is taken of it or instead of it.

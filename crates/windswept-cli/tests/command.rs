@@ -156,7 +156,7 @@ fn bad_arguments_write_nothing() {
             &["--set", "picture.air=band_energy"],
             "picture.air: \"band_energy\" needs one of turbulence.bands strengthened",
         ),
-        (&["--set", "turbulence.bands=[{ scale = 2e-4, strength = 30 }]"], "can be sorted into"),
+        (&["--set", "turbulence={bands=[{ scale = 2e-4, strength = 30 }]}"], "can be sorted into"),
         (&["--resume", "out"], "cannot be used with"),
         (&["--checkpoint-every", "0"], "expected a whole number of at least 1"),
         (&["--steps", "-1"], "expected a whole number of at least 0"),

@@ -34,7 +34,7 @@ const BANDS: [&str; 6] = [
     "--checkpoint-every",
     "5",
     "--set",
-    "turbulence.bands=[{ scale = 0.009, strength = 3.0, intensity = 0.3 }]",
+    "turbulence={bands=[{ scale = 0.009, strength = 3.0, intensity = 0.3 }]}",
     "--formats",
     "png,usd,vtkhdf",
 ];

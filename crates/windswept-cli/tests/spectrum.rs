@@ -23,7 +23,7 @@ fn spectrum(folder: &Path, more: &[&str]) -> (Option<i32>, String, String) {
 fn a_spectrum_is_that_of_the_report() {
     let folder = folder();
     let folder = folder.path();
-    let bands = "turbulence.bands=[{ scale = 0.009, strength = 30 }, { scale = 0.0065, strength = 0 }]";
+    let bands = "turbulence={bands=[{ scale = 0.009, strength = 30 }, { scale = 0.0065, strength = 0 }]}";
     assert_eq!(run(folder, &["--set", bands]).status.code(), Some(0));
     let read = fs::read_to_string(folder.join("out/report.json")).expect("a report");
     let report: Value = serde_json::from_str(&read).expect("JSON");
@@ -60,7 +60,7 @@ fn a_spectrum_is_that_of_the_report() {
 fn a_spectrum_is_measured_by_the_scenes_filter() {
     let folder = folder();
     let folder = folder.path();
-    let bands = "turbulence.bands=[{ scale = 0.009, strength = 30 }]";
+    let bands = "turbulence={bands=[{ scale = 0.009, strength = 30 }]}";
     let sets = ["--set", bands, "--set", "turbulence.filter=direct", "--formats", "vtkhdf", "--steps", "24"];
     assert_eq!(run(folder, &sets).status.code(), Some(0));
     let read = fs::read_to_string(folder.join("out/report.json")).expect("a report");

@@ -1,6 +1,6 @@
 //! The mean wind, its gusts, and the eddies that it brings in.
 
-use std::f64::consts::{SQRT_2, TAU};
+use std::f64::consts::{E, SQRT_2, TAU};
 
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
@@ -19,6 +19,9 @@ const WAVES: usize = 64;
 /// Wave numbers of the inflow's waves, in parts of the peak's, √2/s.
 const SPREAD: std::ops::Range<f64> = 0.6..1.5;
 
+/// Gain of the band for the waves at the ends of that spread.
+const LEAST_GAIN: f64 = 0.64;
+
 /// A wave of inflow turbulence: u' = |U| a sin(k · (x − ∫U dt) + φ).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InflowWave {
@@ -31,12 +34,11 @@ pub struct InflowWave {
 }
 
 impl Inflow {
-    /// Waves for a box of `size` \[m\], the same on every machine: each component of their sum has the rms `intensity`.
+    /// Waves of one amplitude for a box of `size` \[m\], the same on every machine: the band of `scale` has the rms speed `intensity` in
+    /// them, in parts of the wind's.
     #[must_use]
     pub fn waves(&self, size: DVec3) -> Vec<InflowWave> {
         let mut rng = Pcg64::seed_from_u64(self.seed);
-        // Σ a²/2 is the mean square of three components.
-        let amplitude = self.intensity * (6.0 / WAVES as f64).sqrt();
         let mut wave = || {
             let direction = direction(&mut rng);
             let wanted = rng.random_range(SPREAD) * SQRT_2 / self.scale * direction;
@@ -53,10 +55,21 @@ impl Inflow {
                 .cross(self::direction(&mut rng))
                 .try_normalize()
                 .unwrap_or_else(|| number.any_orthonormal_vector());
-            InflowWave { number, amplitude: amplitude * across, phase: rng.random_range(0.0..TAU) }
+            InflowWave { number, amplitude: across, phase: rng.random_range(0.0..TAU) }
         };
-        (0..WAVES).map(|_| wave()).collect()
+        let mut waves: Vec<InflowWave> = (0..WAVES).map(|_| wave()).collect();
+        // Of a wave of amplitude a the band has the mean square (a gain)²/2. A box too small for the eddies has waves outside the band.
+        let gain = |wave: &InflowWave| hat_gain(self.scale * wave.number.length()).max(LEAST_GAIN);
+        let mean_square: f64 = waves.iter().map(|wave| 0.5 * gain(wave).powi(2)).sum();
+        let amplitude = self.intensity / mean_square.sqrt();
+        waves.iter_mut().for_each(|wave| wave.amplitude *= amplitude);
+        waves
     }
+}
+
+/// Part of a wave of number k that the band of scale s keeps, of `x` = k s: the transform of the Mexican hat, 1 at its peak √2.
+fn hat_gain(x: f64) -> f64 {
+    0.5 * E * x * x * (-0.5 * x * x).exp()
 }
 
 /// A direction, each with the same chance.

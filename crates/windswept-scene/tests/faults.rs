@@ -114,6 +114,11 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[picture]\nair = \"band_energy\"\n[air]", 12, "picture.air", &["needs one of turbulence.bands strengthened"]),
     ("[air]", "[turbulence]\nbands = [{ scale = 0.01, strength = 0 }]\n[picture]\nair = \"band_energy\"\n[air]", 14, "picture.air", &["strengthened"]),
     ("[air]", "[turbulence]\nbands = [{ scale = 0.01 }]\nspeed = 0\n[picture]\nair = \"band_energy\"\n[air]", 15, "picture.air", &["a turbulence.speed"]),
+    ("[air]", "[turbulence]\nbands = [{ scale = 0.01 }]\nscale = 0.02\n[air]", 13, "turbulence.scale", &["turbulence.bands is given too: expected one of them"]),
+    ("[air]", "[turbulence]\nbands = [{ scale = 0.01 }]\nintensity = 1\n[air]", 13, "turbulence.intensity", &["expected turbulence.scale with it"]),
+    ("[air]", "[turbulence]\ninflow = false\n[air]", 12, "turbulence.inflow", &["expected turbulence.scale with it"]),
+    ("[air]", "[turbulence]\nscale = 0.02\nintensity = 1e18\n[air]", 13, "turbulence.intensity", &["expected at most 1e4 m/s"]),
+    ("[air]", "[turbulence]\nscale = 1e-5\n[air]", 12, "turbulence.scale", &["can be sorted into"]),
     // Reserved, or asked for by name and not built.
     ("[air]", "[[hair.motion]]\ntime = -1\n[air]", 12, "hair.motion.0.time", &["at least 0 [s]"]),
     ("[air]", "[rods]\nnewton = 0\n[air]", 12, "rods.newton", &["at least 1, at most 100"]),

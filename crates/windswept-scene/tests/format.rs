@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use common::QUICK;
 use toml_edit::{Document, Item, TableLike, Value};
 use windswept_scene::{
-    Camera, Fibre, Filter, FluidSolver, Integrator, Law, LookAt, Method, Model, Roots, Scene, Solver, Stiffness,
+    Band, Camera, Fibre, Filter, FluidSolver, Integrator, Law, LookAt, Method, Model, Roots, Scene, Solver, Stiffness,
     ViscosityForm,
     keys::{Fallback, KEYS, Key},
 };
@@ -187,6 +187,28 @@ fn method_sets_eight_defaults_and_a_spelled_key_wins() {
     assert_eq!(accurate, published);
 }
 
+/// `turbulence.scale` and `turbulence.intensity` are a band of the default strength, and the same eddies enter with the wind unless the scene
+/// or the method says otherwise; bands of their own and a spelled inflow stay as they are.
+#[test]
+fn scale_and_intensity_are_a_band_and_an_inflow() {
+    let dials = |sets: &[&str]| scene(LEAST, &[&["turbulence={ scale = 0.012, intensity = 0.8 }"], sets].concat());
+    let entering = |scene: &Scene| scene.air.as_ref().unwrap().inflow.map(|inflow| (inflow.scale, inflow.intensity));
+    let both = dials(&[]);
+    assert_eq!(both.turbulence.bands, [Band { scale: 0.012, strength: Band::STRENGTH, intensity: 0.8 }]);
+    assert_eq!(entering(&both), Some((0.012, 0.8)));
+    assert_eq!(entering(&dials(&["turbulence.inflow=false"])), None);
+    assert_eq!(dials(&["turbulence.inflow=false"]).turbulence, both.turbulence);
+    assert_eq!(entering(&dials(&["method=published"])), None);
+    assert_eq!(entering(&dials(&["air.inflow={ scale = 0.02, intensity = 0.1 }"])), Some((0.02, 0.1)));
+    assert_eq!(dials(&["seed=7"]).air.unwrap().inflow.unwrap().seed, 7);
+    let bands = scene(LEAST, &["turbulence={bands=[{ scale = 0.012, intensity = 0.8 }]}"]);
+    assert_eq!((entering(&bands), &bands.turbulence), (None, &both.turbulence));
+    // Written out, each says the same.
+    for scene in [both, dials(&["turbulence.inflow=false"])] {
+        assert_eq!(Scene::parse(&scene.to_toml()).unwrap(), scene);
+    }
+}
+
 /// c = 22 ν Δt/h², Δt as written: 0.014 and 1.4 are 3.99e-5 and 3.99e-3 m²/s in the paper's scene.
 #[test]
 fn kinematic_viscosity_becomes_a_coefficient() {
@@ -238,6 +260,8 @@ fn a_scene_written_out_is_the_same_scene() {
         for key in paths(text)
             .into_keys()
             .filter(|key| !key.starts_with("air.box") || scene.interaction.model == Model::Particles)
+            // Written as a band and an inflow.
+            .filter(|key| !["turbulence.scale", "turbulence.intensity"].contains(&key.as_str()))
         {
             assert!(written.contains_key(&key), "{key} is missing in {written:?}");
         }

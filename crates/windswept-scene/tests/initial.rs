@@ -125,7 +125,7 @@ fn a_user_is_warned() {
             "air moves 1.24 particle spacings in a step, where its pressure keeps up with at most 0.9: take time.substeps = 2",
         ),
         (
-            &["interaction.model=two-way", "time.step=1.38e-3", "turbulence.bands=[{scale=0.006,intensity=0.31}]"],
+            &["interaction.model=two-way", "time.step=1.38e-3", "turbulence={bands=[{scale=0.006,intensity=0.31}]}"],
             "air moves 0.86 particle spacings in a step, where its pressure keeps up with at most 0.45: take time.substeps = 2",
         ),
         (
@@ -159,12 +159,12 @@ fn a_user_is_warned() {
             "air moves 1.24 particle spacings in a step, where its pressure keeps up with at most 1: take time.substeps = 2",
         ),
         (
-            &["time.step=2e-3", "time.substeps=3", "turbulence.bands=[{scale=0.006,intensity=5}]"],
+            &["time.step=2e-3", "time.substeps=3", "turbulence={bands=[{scale=0.006,intensity=5}]}"],
             "eddies of scale 0.006 m are strengthened up to 13.950 m/s, not to 15.000 m/s, at which they would go farther than \
              air.kernel_radius, 0.0093 m, in a substep: take time.substeps = 4, or a smaller intensity",
         ),
         (
-            &["time.step=2e-3", "time.substeps=3", "turbulence.bands=[{scale=0.006},{scale=0.009,intensity=1e6}]"],
+            &["time.step=2e-3", "time.substeps=3", "turbulence={bands=[{scale=0.006},{scale=0.009,intensity=1e6}]}"],
             "in a substep: take a smaller intensity",
         ),
         (&["hair.roots.direction=[-1,0,0]"], "hair points start outside the box"),
@@ -219,7 +219,7 @@ fn a_user_is_warned() {
     for sets in [
         &["time.step=2e-3", "time.substeps=3"][..],
         &["time.step=2e-3", "time.substeps=2", "interaction.model=two-way"],
-        &["time.step=1.38e-3", "interaction.model=two-way", "turbulence.bands=[{scale=0.006,intensity=0.3}]"],
+        &["time.step=1.38e-3", "interaction.model=two-way", "turbulence={bands=[{scale=0.006,intensity=0.3}]}"],
         &["time.step=2e-3", "time.substeps=2", "fluid.solver=pbf"],
         &["hair.friction=0.5", "interaction.model=two-way"],
         &["hair.friction=0", "interaction.model=drag"],
@@ -244,7 +244,7 @@ fn a_user_is_warned() {
 /// A warning gives the spacing that air has in the box, which holds whole rows of it, and not that of the scene's parcels.
 #[test]
 fn a_warning_has_the_spacing_of_the_box() {
-    let (scene, state) = brush(&["turbulence.bands=[{scale=0.003,strength=3,intensity=0.3}]"]);
+    let (scene, state) = brush(&["turbulence={bands=[{scale=0.003,strength=3,intensity=0.3}]}"]);
     let [filled, parcels] =
         [state.air.volume, scene.air.unwrap().parcel()].map(|volume| format!("{:.2e} m", volume.cbrt()));
     assert_ne!(filled, parcels, "the box would have to be another one");

@@ -1,9 +1,10 @@
-//! `cargo xtask demo`, `python`, `test`, `bench`, `stress`, `fuzz`, `mutants` and `package`: set up what a clean clone lacks, then run it.
+//! `cargo xtask demo`, `python`, `test`, `bench`, `stress`, `figures`, `fuzz`, `mutants` and `package`: set up what a clean clone lacks, then run it.
 //!
 //! Everything that these commands fetch is either a system package, announced before it is installed, or lies in
 //! `target/venv`.
 
 mod bench;
+mod figures;
 mod mutants;
 mod package;
 mod python;
@@ -22,7 +23,7 @@ const USAGE: &str = "\
 Usage: cargo xtask <COMMAND>
 
 Commands:
-  demo     build windswept and run half a second of examples/scenes/quick.toml, in turbulent wind, into out/quick
+  demo     build windswept and run examples/scenes/quick.toml, hair in turbulent wind, into out/quick
   python   build the Python wheel into target/wheels and install it into target/venv
   test     check formatting and lints, then run the tests on the software adapter;
            with --long also those that take minutes and seldom break
@@ -33,6 +34,9 @@ Commands:
            writes into benches/results
   stress   run settings far beyond those of any scene, some 20 minutes, and write what held into
            benches/results/stress.md; with names of stresses only those
+  figures  run the scenes of the paper's figures, three seeds each, and write docs/figures.md with
+           numbers and pictures, an hour on two cores; --check only says which claims hold;
+           --full runs two of them at the paper's size
   fuzz     read mutants of the files in fuzz/corpus, a minute per kind of file; `fuzz SECONDS`
            for another time
   mutants  make small faults in the code, one at a time, and write which no test notices into
@@ -57,6 +61,7 @@ fn main() -> ExitCode {
         ["bench", "--compare", file, ref rest @ ..] => bench::compare(file, rest),
         ["bench", "--peer", ref rest @ ..] => bench::peer(rest),
         ["bench", "--gpu", ref rest @ ..] => bench::gpu(rest),
+        ["figures", ref rest @ ..] => figures::show(rest),
         ["fuzz"] => tests::fuzz("60"),
         ["fuzz", seconds] => tests::fuzz(seconds),
         ["stress", ref rest @ ..] => bench::stress(rest),
@@ -80,10 +85,6 @@ fn main() -> ExitCode {
     }
 }
 
-/// Keys that the demo sets. Half a second takes a minute or so on a software adapter. Eddies that enter with the wind keep the hair moving;
-/// in an even wind it stands after a third of a second. Air that is turbulent as it enters wants the shorter steps.
-const DEMO: [&str; 3] = ["time.duration=0.5", "time.substeps=2", "air.inflow={ intensity = 0.3, scale = 0.012 }"];
-
 /// Brings a clean clone to pictures: a driver, CMake, the command, a run.
 ///
 /// The command is built so that the wait is short, not so that it runs fast, and without the parts that a simulation
@@ -93,10 +94,9 @@ fn demo() -> Result {
     let mut cargo = cargo();
     venv::provide_cmake(&mut cargo)?;
     vulkan::give_runtime_folder(&mut cargo);
-    say("Building windswept and running examples/scenes/quick.toml in turbulent wind");
+    say("Building windswept and running examples/scenes/quick.toml");
     cargo.args(["run", "--profile", "demo", "--package", "windswept-cli", "--no-default-features", "--"]);
     cargo.args(["run", "examples/scenes/quick.toml", "--out", "out/quick", "--overwrite"]);
-    cargo.args(DEMO.iter().flat_map(|key| ["--set", key]));
     run(&mut cargo)?;
     let mut pictures: Vec<_> = std::fs::read_dir(root().join("out/quick/frames"))
         .map_err(|error| format!("out/quick/frames: {error}"))?

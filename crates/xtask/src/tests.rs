@@ -4,15 +4,15 @@ use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 use std::thread;
 
-use crate::{Result, cargo, line, python, say, venv, vulkan};
+use crate::{Result, cargo, figures, line, python, say, venv, vulkan};
 
 /// Which tests run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Length {
     /// The tests that `cargo test` runs, and those of pytest without the mark `long`.
     Usual,
-    /// Also the tests that are ignored because they take long, the Python tests marked `long`, for which Blender is installed, and a short
-    /// run of the benches.
+    /// Also the tests that are ignored because they take long, the Python tests marked `long`, for which Blender is installed, a short run of the
+    /// benches, and the claims about the paper's figures.
     Long,
 }
 
@@ -73,6 +73,10 @@ pub(crate) fn run(length: Length) -> Result {
         let mut benches = run_cargo(&["test", "--benches"])?;
         on_software(&mut benches);
         crate::run(&mut benches)?;
+        say("Figures of the paper");
+        let mut figures = figures::program(&["--check"])?;
+        on_software(&mut figures);
+        crate::run(&mut figures)?;
     }
 
     println!("\n{} passed, {} failed", total.passed, total.failed);

@@ -11,7 +11,7 @@ use crate::{
     },
     limits::{LEAST_AIR_PARTICLES, LEAST_BOX_SIDE, LEAST_KERNEL_RADIUS, MOST_AIR_PARTICLES, MOST_BOX_CELLS},
     reader::Reader,
-    scene::{Fluid, FluidSolver, Interaction, Model, SEED},
+    scene::{Band, Fluid, FluidSolver, Interaction, Model, SEED},
     wind::check_speed,
 };
 
@@ -51,7 +51,7 @@ table! {
         /// Largest offset of a particle from its site of the lattice at the start, along each axis, in particle spacings.
         jitter: f64 = Fraction, "", Absent("0.05 with fluid.solver divergence, 0 with pbf") => |air| jitter(air)?;
         /// Turbulence that enters with the wind.
-        inflow: Option<Inflow> = Table, "", Absent("smooth wind");
+        inflow: Option<Inflow> = Table, "", Absent("that of turbulence.scale and intensity, unless turbulence.inflow = false");
     }
 }
 
@@ -70,12 +70,12 @@ table! {
     /// `air.inflow`: synthetic turbulence that enters with the wind.
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Inflow {
-        /// Intensity: rms of a velocity component over the wind's speed.
+        /// How wild eddies are: the rms speed of their band over the wind's.
         intensity: f64 = NonNegative, "", Needed;
-        /// Size of the eddies, s of the band that they are in.
+        /// How large eddies are: s of their band (eq. 6).
         scale: f64 = Length, "m", Needed;
         /// Seed that draws the waves.
-        seed: u64 = Count(0, u32::MAX), "", Absent("seed") => |inflow| inflow.root().said("seed").unwrap_or(SEED);
+        seed: u64 = Count(0, u32::MAX), "", Absent("seed") => |inflow| seed(inflow);
     }
 }
 
@@ -87,6 +87,20 @@ table! {
         min: [f64; 3] = Vector, "m", Needed;
         /// Upper corner.
         max: [f64; 3] = Vector, "m", Needed;
+    }
+}
+
+fn seed(reader: &Reader<'_>) -> u64 {
+    reader.root().said("seed").unwrap_or(SEED)
+}
+
+impl Inflow {
+    /// Eddies of `turbulence.scale` and `turbulence.intensity`, which enter unless `turbulence.inflow` or the method says otherwise.
+    fn of_turbulence(reader: &Reader<'_>) -> Option<Self> {
+        let turbulence = reader.root().table("turbulence");
+        let Band { scale, intensity, .. } = Band::of_dials(&turbulence)?;
+        let enters = turbulence.said("inflow").unwrap_or(!reader.published());
+        enters.then(|| Self { intensity, scale, seed: seed(reader) })
     }
 }
 
@@ -121,7 +135,7 @@ impl Air {
     /// Volume of a parcel without `[air]`: the paper's \[m³\].
     pub(crate) const PARCEL: f64 = Self::PARTICLE_MASS / Self::REST_DENSITY;
 
-    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+    fn checked(mut self, reader: &Reader<'_>) -> Result<Self, SceneError> {
         let times = self.gust.windows(2).position(|pair| pair[1].time <= pair[0].time);
         if let Some(i) = times {
             let (before, after) = (self.gust[i].time, self.gust[i + 1].time);
@@ -132,8 +146,12 @@ impl Air {
         for (i, gust) in self.gust.iter().enumerate() {
             check_speed(reader, &format!("gust.{i}.velocity"), DVec3::from_array(gust.velocity).length())?;
         }
+        self.inflow = self.inflow.or_else(|| Inflow::of_turbulence(reader));
         if let Some(inflow) = &self.inflow {
-            check_speed(reader, "inflow.intensity", inflow.intensity * self.largest_wind())?;
+            let root = reader.root();
+            let spelled =
+                if reader.has("inflow") { (reader, "inflow.intensity") } else { (&root, "turbulence.intensity") };
+            check_speed(spelled.0, spelled.1, inflow.intensity * self.largest_wind())?;
         }
         // Only particles fill the box.
         let model = model(reader)?;

@@ -19,8 +19,8 @@ table! {
     /// `[turbulence]`: vorticity confinement.
     #[derive(Debug, Clone, PartialEq)]
     pub struct Turbulence, checked by Turbulence::checked {
-        /// Bands of eddies to strengthen.
-        bands: Vec<Band> = Tables, "", Absent("no confinement");
+        /// Bands of eddies to strengthen, instead of `scale`; each has a scale and an intensity of its own, and none enters with the wind.
+        bands: Vec<Band> = Tables, "", Absent("the band of scale and intensity");
         /// Speed U of the law.
         speed: f64 = NonNegative, "m/s", Absent("the largest wind, those of jets and vortices included") => |turbulence| largest_wind(turbulence)?;
         /// Confinement law.
@@ -38,6 +38,14 @@ table! {
         /// Whether the mean change of the air is taken out, so that confinement drives no wind.
         conserve_momentum: bool = Bool, "", Absent("true with law band, false with published") => |_turbulence| law == Law::Band;
     }
+    without a field {
+        /// How large eddies are: s of eq. 6. A whirl of the band measures about 2 s across.
+        scale: f64 = Length, "m", Absent("no turbulence, unless there are bands");
+        /// How wild eddies are: the rms speed of their band over the wind's (turbulence.speed).
+        intensity: f64 = Positive, "", Absent("0.6 with scale");
+        /// Whether eddies of scale and intensity also enter with the wind; otherwise hair and bodies alone make them.
+        inflow: bool = Bool, "", Absent("true with scale, but false with method published");
+    }
 }
 
 table! {
@@ -46,11 +54,12 @@ table! {
     pub struct Band {
         /// Scale of the eddies to strengthen: s of the Mexican hat.
         scale: f64 = Length, "m", Needed;
-        /// Strength S of the band law; the published law has a strength of its own. 0 leaves the band out.
-        strength: f64 = NonNegative, "", Value(3.0);
-        /// Intensity I of the band law: the speed beyond which a band is not strengthened, over turbulence.speed. That speed is at most a kernel
-        /// radius in a substep, whatever the intensity.
-        intensity: f64 = Positive, "", Value(0.3);
+        /// Strength S of the band law, by which eddies come to their intensity sooner; the published law has a strength of its own. 0
+        /// leaves the band out.
+        strength: f64 = NonNegative, "", Value(Band::STRENGTH);
+        /// Intensity I: the rms speed of the band over turbulence.speed. The band law strengthens no faster eddies, and none that pass
+        /// a kernel radius in a substep.
+        intensity: f64 = Positive, "", Value(Band::INTENSITY);
     }
 }
 
@@ -100,6 +109,20 @@ fn largest_wind(reader: &Reader<'_>) -> Result<f64, SceneError> {
     Ok(root.read::<Air>("air")?.largest_wind() + fields.map(Force::fastest).fold(0.0, f64::max))
 }
 
+impl Band {
+    /// `strength` where a scene does not say it.
+    pub const STRENGTH: f64 = 6.0;
+    /// `intensity` where a scene does not say it.
+    pub const INTENSITY: f64 = 0.6;
+
+    /// The band of `turbulence.scale` and `turbulence.intensity`.
+    pub(crate) fn of_dials(turbulence: &Reader<'_>) -> Option<Self> {
+        let scale = turbulence.said("scale")?;
+        let intensity = turbulence.said("intensity").unwrap_or(Self::INTENSITY);
+        Some(Self { scale, strength: Self::STRENGTH, intensity })
+    }
+}
+
 impl Turbulence {
     /// Spacing of the grid filter's nodes, where a scene does not say it, in units of the scale.
     pub const SPACING: f64 = 0.65;
@@ -107,6 +130,7 @@ impl Turbulence {
     pub const CUTOFF: f64 = 4.5;
 
     fn checked(mut self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+        self.read_dials(reader)?;
         // The published law knows no other.
         if self.law == Law::Published && !reader.has("filter") {
             self.filter = Filter::Direct;
@@ -123,6 +147,26 @@ impl Turbulence {
             return Err(reader.fault("spacing", words));
         }
         Ok(self)
+    }
+}
+
+impl Turbulence {
+    /// `scale` and `intensity` are one band, which goes with no others.
+    fn read_dials(&mut self, reader: &Reader<'_>) -> Result<(), SceneError> {
+        let dial = ["scale", "intensity", "inflow"].into_iter().find(|dial| reader.has(dial));
+        match (dial, Band::of_dials(reader)) {
+            (Some("scale"), _) if reader.has("bands") => {
+                Err(reader.fault("scale", "turbulence.bands is given too: expected one of them; --set 'turbulence={ bands = [...] }' replaces both"))
+            }
+            (Some("scale") | None, band) => {
+                self.bands.extend(band);
+                Ok(())
+            }
+            (Some(dial), _) => {
+                Err(reader
+                    .fault(dial, "expected turbulence.scale with it: bands have an intensity each, and no inflow"))
+            }
+        }
     }
 }
 
@@ -144,7 +188,8 @@ impl Scene {
         for (i, band) in self.turbulence.bands.iter().enumerate() {
             if let Some(excess) = self.turbulence.excess(band.scale, air.kernel_radius, particles, size) {
                 let words = format!("{}; {}", excess.what, excess.expected);
-                return Err(reader.fault(&format!("turbulence.bands.{i}.scale"), words));
+                let spelled = if reader.table("turbulence").has("scale") { "" } else { &format!("bands.{i}.") };
+                return Err(reader.fault(&format!("turbulence.{spelled}scale"), words));
             }
         }
         Ok(())

@@ -10,7 +10,7 @@ pub(super) const SWEPT: &str = "the same run twice; saved and loaded in the midd
     of the caller's own; each model and fluid solver";
 
 const STEPS: u64 = 60;
-const BAND: &[&str] = &["turbulence.bands=[{ scale = 0.006, strength = 3.0, intensity = 0.3 }]"];
+const BAND: &[&str] = &["turbulence={bands=[{ scale = 0.006, strength = 3.0, intensity = 0.3 }]}"];
 
 /// A way to run a simulation to its end.
 type Way<'a> = dyn Fn(Simulation) -> Result<Simulation, Error> + 'a;

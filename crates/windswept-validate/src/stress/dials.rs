@@ -98,7 +98,7 @@ fn bands(what: &str, count: u32, scale: f64, strength: f64, intensity: f64) -> D
     let band = |k: u32| {
         format!("{{ scale = {}, strength = {strength}, intensity = {intensity} }}", scale + 0.001 * f64::from(k))
     };
-    let key = format!("turbulence.bands=[{}]", (0..count).map(band).collect::<Vec<_>>().join(", "));
+    let key = format!("turbulence={{bands=[{}]}}", (0..count).map(band).collect::<Vec<_>>().join(", "));
     Dial {
         name: format!("{what} of strength {strength} and intensity {intensity}"),
         keys: vec![key, "air.fringe=0".to_owned()],

@@ -24,7 +24,7 @@ const SMALL: &[&str] = &[
     "air.box.max=[0.028,0.028,0.028]",
     "air.fringe=0.006",
 ];
-const BAND: &[&str] = &["turbulence.bands=[{ scale = 0.006, strength = 3.0, intensity = 0.3 }]"];
+const BAND: &[&str] = &["turbulence={bands=[{ scale = 0.006, strength = 3.0, intensity = 0.3 }]}"];
 /// Without particles of air hair would soon sleep: it starts level, and is kept awake.
 const AWAKE: &[&str] = &["hair.roots.direction=[1,0,0]", "rods.sleep=false", "rods.damping=20"];
 /// Length of the strands \[m\].

@@ -1,0 +1,280 @@
+"""The paper's figures with numbers: runs their scenes, measures the films, and writes docs/figures.md with its pictures.
+
+    cargo xtask figures            # the small scenes, three seeds each
+    cargo xtask figures --full     # the paper's size, one seed: for a GPU, or a night
+
+cargo xtask figures calls this program as `figures.py COMMAND [--full] [--check]`, COMMAND being the built windswept. A run whose
+scene, seed and program are those of a finished run in out/figures is not repeated. With --check the page stays as it is. The exit
+status is 1 where a claim of the page does not hold.
+"""
+
+import hashlib
+import json
+import shutil
+import statistics
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parent.parent
+RUNS = ROOT / "out/figures"
+PAGE = ROOT / "docs/figures.md"
+PICTURES = ROOT / "docs/figures"
+#: Times of the pictures of a strip [s].
+STRIP = "0.3,0.45,0.6"
+#: Parts of the moving picture, in README and in the page's comparison of scales.
+DIAL = ["fig2b", "12 mm", "fig3c"]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure of the paper, or a scene beside them."""
+
+    title: str
+    paper: str  # scale and c_hair of table 1
+    says: str  # of the paper, quoted
+    file: str
+    keys: tuple[str, ...] = ()
+
+
+FIGURES = {
+    "fig2a": Figure("2(a): lift and drag", "no scale, 1.4", "just make an oscillating motion", "fig2a"),
+    "fig2b": Figure(
+        "2(b) and 3(a): eddies of 6 mm",
+        "6 mm, 1.4",
+        "the hair forms a circle shape due to the vortex caused by turbulent flow",
+        "fig2b",
+    ),
+    "fig3b": Figure("3(b): loose hair", "6 mm, 0.05", "the high value of c_hair realizes the gathered hair", "fig3b"),
+    "fig3c": Figure("3(c): eddies of 18 mm", "18 mm, 1.4", "different behavior depending on the parameter s", "fig3c"),
+    "fig4": Figure(
+        "4: curly hair", "6 mm, 1.4", "can naturally treat the interaction between air and curly hair", "fig4"
+    ),
+    "12 mm": Figure("between 3(a) and 3(c)", "not in the paper", "", "fig3c", ("turbulence.scale=0.012",)),
+}
+
+
+@dataclass
+class Numbers:
+    """Numbers of the runs of one figure, seed by seed."""
+
+    values: dict[str, list[float]] = field(default_factory=dict)
+
+    def add(self, name: str, value: float | None) -> None:
+        self.values.setdefault(name, []).append(float("nan") if value is None else value)
+
+    def __getitem__(self, name: str) -> list[float]:
+        return self.values[name]
+
+    def mean(self, name: str) -> float:
+        return statistics.fmean(self[name])
+
+    def spread(self, name: str) -> float:
+        """Standard deviation over the seeds, 0 for one seed."""
+        return statistics.stdev(self[name]) if len(self[name]) > 1 else 0.0
+
+    def text(self, name: str, factor: float = 1.0, digits: int = 1) -> str:
+        return f"{factor * self.mean(name):.{digits}f} ± {factor * self.spread(name):.{digits}f}"
+
+
+#: Rows of the table: number of `windswept measure` or of report.json, its words, factor and digits.
+ROWS = [
+    ("swing_m", "swing of tips [mm]", 1e3, 1),
+    ("swing_bundle_m", "of the bundle [mm]", 1e3, 1),
+    ("swing_strands_m", "of strands in it [mm]", 1e3, 1),
+    ("frequency_hz", "frequency [Hz]", 1.0, 1),
+    ("wavelength_m", "wavelength [mm]", 1e3, 0),
+    ("turning_mean_degrees", "turning, mean [°]", 1.0, 0),
+    ("turning_largest_degrees", "turning, largest [°]", 1.0, 0),
+    ("gathering", "gathering", 1.0, 2),
+    ("coherence", "coherence", 1.0, 2),
+    ("lean_degrees", "lean [°]", 1.0, 0),
+    ("density_error_rms", "density error [%]", 1e2, 1),
+]
+
+
+def run(command: Path, name: str, figure: Figure, seed: int, full: bool) -> Path:
+    """Runs a scene, unless that was done, and measures its film into measure.json."""
+    scene = ROOT / "examples/scenes" / ("" if full else "small") / f"{figure.file}.toml"
+    keys = [*figure.keys, f"seed={seed}", "time.duration=0.7", "time.frame_rate=120"]
+    mark = hashlib.sha256(scene.read_bytes() + command.read_bytes() + repr(keys).encode()).hexdigest()
+    folder = RUNS / f"{'full' if full else 'small'}-{name.replace(' ', '')}-{seed}"
+    done = folder / "measure.json"
+    if done.exists() and json.loads(done.read_text()).get("made_by") == mark:
+        return folder
+    shutil.rmtree(folder, ignore_errors=True)
+    print(f"==> {name}, seed {seed}", flush=True)
+    sets = [word for key in keys for word in ("--set", key)]
+    call(command, "run", scene, "--out", folder, "--formats", "vtkhdf", *sets)
+    numbers = json.loads(call(command, "measure", folder, "--json"))
+    report = json.loads((folder / "report.json").read_text())
+    numbers["density_error_rms"] = report.get("density_error_rms")
+    numbers["made_by"] = mark
+    done.write_text(json.dumps(numbers))
+    return folder
+
+
+def call(command: Path, *words: object) -> str:
+    return subprocess.run([str(command), *map(str, words)], check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
+def measured(folders: list[Path]) -> Numbers:
+    numbers = Numbers()
+    for folder in folders:
+        values = json.loads((folder / "measure.json").read_text())
+        for name in [row[0] for row in ROWS] + ["turns", "stretch"]:
+            numbers.add(name, values.get(name))
+    return numbers
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A sentence about the small scenes, what was measured, and whether that bears it out."""
+
+    sentence: str
+    found: str
+    holds: bool
+
+
+def claims(of: dict[str, Numbers], turns_at_rest: float) -> list[Claim]:
+    """The claims of the page; the paper's own come first."""
+    small, middle, large, loose = of["fig2b"], of["12 mm"], of["fig3c"], of["fig3b"]
+    turning = "turning_largest_degrees"
+    ratio, between = large.mean("swing_m") / small.mean("swing_m"), middle.mean("swing_m") / small.mean("swing_m")
+    apart = {
+        name: abs(small.mean(name) - loose.mean(name)) / max(small.spread(name), loose.spread(name), 1e-9)
+        for name in ("gathering", "coherence")
+    }
+    turns = of["fig4"].mean("turns") / turns_at_rest
+    density = max(max(n["density_error_rms"]) for name, n in of.items() if name != "fig2a")
+    stretch = max(max(n["stretch"]) for n in of.values())
+
+    def degrees(figure: Numbers) -> str:
+        return "largest by seed: " + ", ".join(f"{x:.0f}°" for x in figure[turning])
+
+    return [
+        Claim("Without eddies no strand turns by more than 60°.", degrees(of["fig2a"]), max(of["fig2a"][turning]) < 60.0),
+        Claim("Eddies of 6 mm turn some strand by more than 100° in each run.", degrees(small), min(small[turning]) > 100.0),
+        Claim(
+            "Hair forms a circle: eddies of 18 mm turn some strand by more than 180° in each run.",
+            degrees(large),
+            min(large[turning]) > 180.0,
+        ),
+        Claim(
+            "At one intensity eddies of 18 mm swing the tips at least 1.6 times as far as eddies of 6 mm, and 12 mm lie between.",
+            f"18 mm: {ratio:.2f} times, 12 mm: {between:.2f} times",
+            ratio >= 1.6 and 1.0 < between < ratio,
+        ),
+        Claim(
+            "c_hair = 1.4 gathers hair, or makes neighbours move alike, by more than three times the spread over c_hair = 0.05.",
+            f"gathering {small.text('gathering', 1, 3)} and {loose.text('gathering', 1, 3)}, "
+            f"coherence {small.text('coherence', 1, 3)} and {loose.text('coherence', 1, 3)}",
+            max(apart.values()) > 3.0,
+        ),
+        Claim(
+            "Curls keep their number of turns within 10 %.",
+            f"{of['fig4'].mean('turns'):.2f} turns, {turns_at_rest:.2f} at rest",
+            abs(turns - 1.0) < 0.1,
+        ),
+        Claim("The density error is below 5 % in every run.", f"largest {1e2 * density:.1f} %", density < 0.05),
+        Claim("No segment stretches by more than 0.1 %.", f"largest {stretch:.1e}", stretch < 1e-3),
+    ]
+
+
+def turns_at_rest(command: Path) -> float:
+    """Turns of the curls of fig4 as they grow, in a film without wind, gravity and air."""
+    folder = RUNS / "curls-at-rest"
+    shutil.rmtree(folder, ignore_errors=True)
+    scene = ROOT / "examples/scenes/small/fig4.toml"
+    keys = ["interaction.model=none", "gravity=[0,0,0]", "time.duration=0.1", "time.frame_rate=120"]
+    sets = [word for key in keys for word in ("--set", key)]
+    call(command, "run", scene, "--out", folder, "--formats", "vtkhdf", *sets)
+    return json.loads(call(command, "measure", folder, "--json"))["turns"]
+
+
+def strip(command: Path, folder: Path, name: str) -> str:
+    """Three frames side by side as WebP; returns the picture's name."""
+    sheet = folder / "strip.png"
+    call(command, "render", folder, "--contact-sheet", STRIP, "--out", sheet, "--overwrite")
+    picture = Image.open(sheet)
+    width = 1200
+    picture = picture.resize((width, picture.height * width // picture.width), Image.LANCZOS)
+    PICTURES.mkdir(exist_ok=True)
+    path = PICTURES / f"{name.replace(' ', '')}.webp"
+    picture.save(path, quality=80, method=6)
+    return path.name
+
+
+def moving_picture(command: Path, folders: list[Path], path: Path) -> None:
+    """The films side by side as an animated WebP of at most 1 MB: 0.25 to 0.7 s, three times slower than real."""
+    for folder in folders:
+        shutil.rmtree(folder / "frames", ignore_errors=True)
+        call(command, "render", folder, "--frames", "30..", "--every", 4, "--overwrite")
+    films = [sorted((folder / "frames").glob("*.png")) for folder in folders]
+    frames = []
+    for shown in zip(*films, strict=True):
+        parts = [Image.open(file).convert("RGB") for file in shown]
+        width = 320
+        parts = [part.resize((width * 3 // 2, part.height * width * 3 // 2 // part.width), Image.LANCZOS) for part in parts]
+        cut = (parts[0].width - width) // 2
+        whole = Image.new("RGB", (width * len(parts), parts[0].height))
+        for k, part in enumerate(parts):
+            whole.paste(part.crop((cut, 0, cut + width, part.height)), (k * width, 0))
+        frames.append(whole)
+    for quality in range(75, 20, -10):
+        frames[0].save(path, save_all=True, append_images=frames[1:], duration=100, loop=0, quality=quality, method=6)
+        if path.stat().st_size < 1_000_000:
+            break
+
+
+def table(of: dict[str, Numbers]) -> list[str]:
+    lines = ["| | " + " | ".join(f"`{name}`" if name in FIGURES and name[0] == "f" else name for name in of) + " |"]
+    lines.append("|---" * (len(of) + 1) + "|")
+    for key, words, factor, digits in ROWS:
+        cells = ["-" if n.mean(key) != n.mean(key) else n.text(key, factor, digits) for n in of.values()]
+        lines.append(f"| {words} | " + " | ".join(cells) + " |")
+    return lines
+
+
+def write_page(of: dict[str, Numbers], found: list[Claim], adapter: str, seeds: int) -> None:
+    lines = PAGE.read_text().split("<!-- generated: cargo xtask figures -->")[0].rstrip().splitlines()
+    lines += ["", "<!-- generated: cargo xtask figures -->", ""]
+    lines += [f"Small scenes, {seeds} seeds each, 0.2 to 0.7 s; mean ± standard deviation over the seeds. Adapter: {adapter}.", ""]
+    lines += table(of) + [""]
+    lines += ["| Claim | Measured | |", "|---|---|---|"]
+    lines += [f"| {c.sentence} | {c.found} | {'seen' if c.holds else '**not seen**'} |" for c in found] + [""]
+    for name, figure in FIGURES.items():
+        quoted = f' The paper: "{figure.says}".' if figure.says else ""
+        lines += [f"**Figure {figure.title}** (scale and c_hair: {figure.paper}).{quoted}" if figure.says else f"**{figure.title}** ({figure.paper}).", ""]
+        lines += [f"![{figure.title}, at {STRIP} s](figures/{name.replace(' ', '')}.webp)", ""]
+    PAGE.write_text("\n".join(lines).rstrip() + "\n")
+
+
+def main() -> int:
+    command, full, check = Path(sys.argv[1]), "--full" in sys.argv, "--check" in sys.argv
+    seeds = [1] if full else [1, 2, 3]
+    chosen = {name: figure for name, figure in FIGURES.items() if not full or name in ("fig2b", "fig3c")}
+    folders = {name: [run(command, name, figure, seed, full) for seed in seeds] for name, figure in chosen.items()}
+    of = {name: measured(runs) for name, runs in folders.items()}
+    print("\n".join(table(of)))
+    if full:
+        for name, runs in folders.items():
+            print(strip(command, runs[0], f"full-{name}"))
+        return 0
+    found = claims(of, turns_at_rest(command))
+    for claim in found:
+        print(f"{'seen    ' if claim.holds else 'NOT SEEN'}  {claim.sentence}  {claim.found}")
+    if not check:
+        for name, runs in folders.items():
+            strip(command, runs[0], name)
+        moving_picture(command, [folders[name][0] for name in DIAL], ROOT / "docs/dial.webp")
+        report = json.loads((folders["fig2b"][0] / "report.json").read_text())
+        write_page(of, found, report["adapter"]["name"], len(seeds))
+    return 0 if all(claim.holds for claim in found) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,28 @@
+//! `cargo xtask figures`: the scenes of the paper's figures, measured, and the page that shows them.
+
+use std::process::Command;
+
+use crate::{Result, cargo, root, run, say, venv, vulkan};
+
+/// Runs the scenes and writes `docs/figures.md`; an error where a claim of the page does not hold.
+pub(crate) fn show(rest: &[&str]) -> Result {
+    run(&mut program(rest)?)
+}
+
+/// The program that does so. `rest`: `--full` for the paper's size, `--check` to leave the page as it is.
+pub(crate) fn program(rest: &[&str]) -> Result<Command> {
+    if let Some(word) = rest.iter().find(|word| !["--full", "--check"].contains(word)) {
+        return Err(format!("figures {word}: expected --full or --check"));
+    }
+    vulkan::any_driver()?;
+    let python = venv::provide(&["pillow"])?;
+    say("Building windswept");
+    let mut build = cargo();
+    venv::provide_cmake(&mut build)?;
+    run(build.args(["build", "--release", "--package", "windswept-cli"]))?;
+    let mut figures = Command::new(python);
+    vulkan::give_runtime_folder(&mut figures);
+    let built = root().join("target/release").join(format!("windswept{}", std::env::consts::EXE_SUFFIX));
+    figures.arg(root().join("benches/figures.py")).arg(built).args(rest);
+    Ok(figures)
+}
