@@ -38,6 +38,7 @@ from windswept._native import (
     formats,
     write_png,
 )
+from windswept.measures import measure
 from windswept.meshes import write_mesh
 
 if _TYPE_CHECKING:
@@ -64,6 +65,7 @@ __all__ = [
     "adapters",
     "contact_sheet",
     "formats",
+    "measure",
     "ops",
     "plot",
     "sweep",

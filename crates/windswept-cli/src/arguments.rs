@@ -63,6 +63,8 @@ Examples:
       a long run, and on from its last checkpoint if it was ended, or past its end with a larger --steps
   windswept export out/wind --format usdc
       its strands for Blender, Houdini or Maya
+  windswept measure out/wind
+      how far its tips swing, how fast, how much its strands turn and gather
   windswept check --explain
       every key there is, with its default and its meaning
   windswept plan scene.toml
@@ -78,6 +80,8 @@ pub(crate) enum Command {
     Render(RenderOptions),
     /// Make one film for other programs of a run that is over or was stopped, from its hair.vtkhdf and scene.toml
     Export(ExportOptions),
+    /// Numbers of a run's hair, from its hair.vtkhdf: swing, frequency, wavelength, turning, gathering, coherence, lean, stretch
+    Measure(MeasureArguments),
     #[cfg(feature = "spectrum")]
     /// Energy of a run's air by size of eddies, at its first and at its last frame, as a table and a picture
     Spectrum(SpectrumOptions),
@@ -363,6 +367,22 @@ pub(crate) struct ValidateOptions {
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
     /// Print one JSON document instead of a table: windswept, adapter, rows, passed
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct MeasureArguments {
+    /// Folder of the run, with its hair.vtkhdf and scene.toml
+    #[arg(value_name = "DIR")]
+    pub(crate) dir: PathBuf,
+    /// Start of the time that is measured, in seconds [default: 0.2, or the first frame of a run shorter than 0.4 s]
+    #[arg(long, value_name = "S")]
+    pub(crate) from: Option<f64>,
+    /// End of the time that is measured, in seconds [default: the last frame]
+    #[arg(long, value_name = "S")]
+    pub(crate) to: Option<f64>,
+    /// Print one JSON document instead of a table, with the spectrum of the swing
     #[arg(long)]
     pub(crate) json: bool,
 }

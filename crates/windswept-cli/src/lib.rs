@@ -1,4 +1,4 @@
-//! The `windswept` command: `run`, `render`, `export`, `spectrum`, `check`, `plan`, `groom`, `validate`, `adapters`. `spectrum` and
+//! The `windswept` command: `run`, `render`, `export`, `measure`, `spectrum`, `check`, `plan`, `groom`, `validate`, `adapters`. `spectrum` and
 //! `validate` are features of the crate, both on by default.
 //!
 //! [`run`] is the whole command. Its help names the exit statuses.
@@ -10,6 +10,7 @@ mod failure;
 mod groom;
 mod inspect;
 mod interrupt;
+mod measure;
 mod output;
 mod progress;
 mod render;
@@ -80,6 +81,7 @@ fn dispatch(command: &Command, console: &mut Console<'_>) -> Result<(), Failure>
         Command::Export(options) => export::export(options, console),
         Command::Check { path, changes, explain } => inspect::check(path.as_deref(), changes, *explain, console),
         Command::Plan { scene, buffers } => inspect::plan(scene, *buffers, console),
+        Command::Measure(arguments) => measure::measure(arguments, console),
         #[cfg(feature = "spectrum")]
         Command::Spectrum(options) => spectrum::spectrum(options, console),
         #[cfg(feature = "validate")]

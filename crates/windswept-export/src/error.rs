@@ -38,6 +38,12 @@ pub enum ExportError {
         /// Why not, and what was expected.
         problem: String,
     },
+    /// A film of hair that cannot be measured, or not in this window of time.
+    #[error("{problem}")]
+    Film {
+        /// Why not, and what was expected.
+        problem: String,
+    },
     /// The GPU that draws.
     #[error(transparent)]
     Gpu(#[from] windswept::GpuError),

@@ -7,11 +7,13 @@
 //! on by default), for ParaView, VTK and h5py; [`VtkHdfReader`] reads such a file again. Strands also become USD files and NumPy arrays, and
 //! [`Followers`] are the hairs that go with them. [`Renderer`] draws pictures of
 //! frames; [`write_png`] and [`Preview`] save them, the latter as a GIF that moves. [`image`] is the crate that holds them.
+//! [`Measure`] describes a film of hair by a [`Measurement`]: swing, frequency, wavelength, turning, gathering and more.
 
 mod arrays;
 mod error;
 mod folder;
 mod followers;
+mod measure;
 mod picture;
 mod pictures;
 mod preview;
@@ -31,6 +33,9 @@ pub use folder::{
 };
 pub use followers::Followers;
 pub use image;
+#[cfg(feature = "vtkhdf")]
+pub use measure::measure_film;
+pub use measure::{Measure, MeasureOptions, Measurement};
 pub use picture::{check_sheet, contact_sheet, write_png};
 pub use pictures::Pictures;
 pub use preview::Preview;

@@ -15,6 +15,7 @@ mod errors;
 mod frames;
 mod gpu;
 mod groom;
+mod measure;
 mod ops;
 mod pictures;
 mod scene;
@@ -88,6 +89,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(writer::formats, m)?)?;
     m.add_function(wrap_pyfunction!(adapters, m)?)?;
     m.add_function(wrap_pyfunction!(command, m)?)?;
+    measure::add(m)?;
     pictures::add(m)?;
     ops::add(m)
 }
