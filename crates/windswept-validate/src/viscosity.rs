@@ -4,7 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 use windswept::{Gpu, Simulation};
-use windswept_reference::tables;
+use windswept_reference::{sph_kernels::poly6, tables};
+use windswept_scene::{End, Fibre, Groom, InitialState, Scene};
 
 use crate::{
     Error, Row,
@@ -22,6 +23,10 @@ const NUMERICAL: &str =
 
 const EDDIES: &str = "(C d)² (V k)³ 4/(3 pi) dt over V²/4: integral of nu |grad v|² (Smagorinsky 1963); 24 spacings a period: measured \
     9.7 % below, as a pair takes the smaller of its two; the bound is 12 %";
+
+const OF_STRANDS: &str = "c sum w (1 - cos kz) over the lattice of strands, w = W/sum W, c = 0.7";
+const OF_STRANDS_AS_A_CONTINUUM: &str =
+    "nu k² dt, nu = c h²/(22 dt); the lattice of strands is not a continuum; the bound is 10 %";
 
 /// Rows of the factor of one XSPH update on a shear wave, c = 0.014, simple cubic lattice at rest; and of unresolved eddies.
 pub(crate) fn shear_waves(gpu: &Gpu) -> Result<Vec<Row>, Error> {
@@ -45,7 +50,70 @@ pub(crate) fn shear_waves(gpu: &Gpu) -> Result<Vec<Row>, Error> {
         ));
     }
     rows.push(eddies(gpu)?);
+    rows.extend(through_strands(gpu)?);
     Ok(rows)
+}
+
+/// Strands that the shear wave goes through: along the wave, across it.
+const STRANDS: [usize; 2] = [44, 7];
+/// Distance of those strands \[m\]: so far apart that none presses on another.
+const GAP: f64 = 5e-3;
+/// Points of a strand, and their distance \[m\].
+const POINTS: (usize, f64) = (9, 6.25e-3);
+/// Wavelength of the wave \[m\].
+const THROUGH_STRANDS: f64 = 0.11;
+/// Coefficient c of their viscosity.
+const OF_HAIR: f64 = 0.7;
+
+/// Rows of a shear wave v_x = V sin(kz) through parallel strands along x, each of which moves along itself: in a step it loses
+/// c Σ w (1 − cos kz) of itself by the lattice, and ν k² Δt with ν = c h²/(22 Δt) as a continuum.
+fn through_strands(gpu: &Gpu) -> Result<Vec<Row>, Error> {
+    let k = TAU / THROUGH_STRANDS;
+    let places = || (0..STRANDS[0] * STRANDS[1]).map(|s| (s / STRANDS[1], s % STRANDS[1]));
+    let row =
+        |(z, y): (usize, usize)| (0..POINTS.0).map(move |p| [POINTS.1 * p as f64, GAP * y as f64, GAP * z as f64]);
+    let fibre = Fibre { radius: 4e-4, ..Fibre::default() };
+    let offsets = (0..=STRANDS[0] * STRANDS[1]).map(|s| (s * POINTS.0) as u32).collect();
+    let groom = Groom {
+        fibre: fibre.into(),
+        root: End::Free.into(),
+        friction: 0.0.into(),
+        ..Groom::new(places().flat_map(row).collect(), offsets)
+    };
+    // The air is beside the strands, farther than the kernel radius.
+    let after = |viscosity: f64| -> Result<Vec<DVec3>, Error> {
+        let scene = Scene::parse(&format!(
+            "gravity = [0, 0, 0]\ntime = {{ step = {STEP}, duration = 1 }}\nviscosity = {{ hair = {viscosity}, air = 0 }}\n\
+             rods.sleep = false\nair = {{ box = {{ min = [0.1, 0, 0], max = [0.14, 0.04, 0.04] }}, wind = [0, 0, 0], ramp = 0 }}\n"
+        ))?;
+        let mut initial = InitialState::with_groom(&scene, &groom)?;
+        let hair = &mut initial.hair;
+        hair.velocities = hair.positions.iter().map(|x| WAVE * DVec3::X * (k * x.z).sin()).collect();
+        let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
+        simulation.step(1)?;
+        Ok(vectors(&simulation.frame()?.hair.velocities))
+    };
+    let inside = |reach: usize, n: usize, count: usize| (reach..count - reach).contains(&n);
+    let held = |v: Vec<DVec3>| -> Vec<DVec3> {
+        let strands = places().enumerate().filter(|(_, (z, y))| inside(3, *z, STRANDS[0]) && inside(2, *y, STRANDS[1]));
+        strands.map(|(s, _)| v[s * POINTS.0 + POINTS.0 / 2]).collect()
+    };
+    let (without, with) = (held(after(0.0)?), held(after(OF_HAIR)?));
+    let without: Vec<[f64; 3]> = without.iter().map(|v| v.to_array()).collect();
+    let lost = 1.0 - projection(&with, &without);
+    let reach = -2..=2_i32;
+    let site = |a: i32, b: i32, c: i32| DVec3::new(POINTS.1 * f64::from(a), GAP * f64::from(b), GAP * f64::from(c));
+    let sites = reach.clone().flat_map(|a| reach.clone().flat_map(move |b| (-2..=2).map(move |c| (a, b, c))));
+    let kernel = |x: DVec3| poly6(x.length(), RADIUS);
+    let weighed: Vec<_> = sites.map(|(a, b, c)| site(a, b, c)).map(|x| (x.z, kernel(x))).collect();
+    let whole: f64 = weighed.iter().map(|(_, w)| w).sum();
+    let lattice = OF_HAIR / whole * weighed.iter().map(|(z, w)| w * (1.0 - (k * z).cos())).sum::<f64>();
+    let continuum = OF_HAIR * RADIUS * RADIUS / 22.0 * k * k;
+    let name = "XSPH: part that a shear wave through strands loses in a step";
+    Ok(vec![
+        Row::new(format!("{name}, lattice"), lattice, lost, 1e-3 * lattice, OF_STRANDS),
+        Row::new(format!("{name}, continuum"), continuum, lost, 0.1 * continuum, OF_STRANDS_AS_A_CONTINUUM),
+    ])
 }
 
 /// Particles along the sides of the Taylor-Green box: one period along x and y, and a slab of three kernel radii.
