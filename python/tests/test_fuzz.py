@@ -108,6 +108,7 @@ def attack(seed: int, rounds: int, folder: str) -> int:
         (writer.append, ["sim"]),
         (lambda **words: ws.write_png(os.path.join(folder, "x.png"), **words), ["picture"]),
         (ws.contact_sheet, ["pictures", "path"]),
+        (lambda **words: ws.measure(words.pop("film", None), **words), ["film", "wind", "gravity", "start", "end"]),
         (ws.ops.density, ["positions", "mass", "radius", "box"]),
         (ws.ops.vorticity, ["positions", "velocities", "mass", "rest_density", "radius", "box"]),
         (ws.ops.band_velocity, ["positions", "velocities", "mass", "rest_density", "scale", "filter", "cutoff", "box"]),

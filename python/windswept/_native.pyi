@@ -38,6 +38,8 @@ __all__ = [
     "command",
     "write_png",
     "contact_sheet",
+    "_measure_file",
+    "_measure_frames",
     "ops_density",
     "ops_vorticity",
     "ops_band_velocity",

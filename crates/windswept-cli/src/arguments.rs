@@ -199,9 +199,13 @@ fn every<T: TryFrom<NonZeroU64>>(word: &str) -> Result<T, String> {
     fits.ok_or_else(|| format!("{number} is too large"))
 }
 
-fn moment(word: &str) -> Result<f64, String> {
+fn seconds(word: &str) -> Result<f64, String> {
     let number = word.parse().ok().filter(|time: &f64| time.is_finite());
-    number.ok_or_else(|| "expected times in seconds, e.g. 0,0.5,1".to_owned())
+    number.ok_or_else(|| "expected a time in seconds".to_owned())
+}
+
+fn moment(word: &str) -> Result<f64, String> {
+    seconds(word).map_err(|_| "expected times in seconds, e.g. 0,0.5,1".to_owned())
 }
 
 fn positive(word: &str) -> Result<f64, String> {
@@ -377,12 +381,12 @@ pub(crate) struct MeasureArguments {
     #[arg(value_name = "DIR")]
     pub(crate) dir: PathBuf,
     /// Start of the time that is measured, in seconds [default: 0.2, or the first frame of a run shorter than 0.4 s]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) from: Option<f64>,
     /// End of the time that is measured, in seconds [default: the last frame]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) to: Option<f64>,
-    /// Print one JSON document instead of a table, with the spectrum of the swing
+    /// Print one JSON document instead of a table: numbers with their units in their names, null where one has no meaning, and the spectrum
     #[arg(long)]
     pub(crate) json: bool,
 }

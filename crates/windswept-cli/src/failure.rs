@@ -99,8 +99,10 @@ impl From<OpsError> for Failure {
 impl From<ExportError> for Failure {
     fn from(error: ExportError) -> Self {
         match error {
-            // The camera or the number of hairs, the folder: found before anything is written.
-            ExportError::Picture { .. } | ExportError::Folder { .. } => Self::Input(error.to_string()),
+            // The camera or the number of hairs, the folder, the film to measure: found before anything is written.
+            ExportError::Picture { .. } | ExportError::Folder { .. } | ExportError::Film { .. } => {
+                Self::Input(error.to_string())
+            }
             ExportError::Gpu(error) => error.into(),
             _ => Self::Run(error.to_string()),
         }

@@ -1,7 +1,7 @@
 //! `windswept measure`: numbers that describe the film of a run's hair.
 
 use serde_json::json;
-use windswept_export::{ExportError, Kind, MeasureOptions, measure_film};
+use windswept_export::{Kind, MeasureOptions, measure_film};
 use windswept_scene::Scene;
 
 use crate::arguments::MeasureArguments;
@@ -13,17 +13,20 @@ use crate::render::{OF_HAIR, OF_SCENE, check_folder, there};
 pub(crate) fn measure(arguments: &MeasureArguments, console: &mut Console<'_>) -> Result<(), Failure> {
     check_folder(&arguments.dir)?;
     let output = Output::of_run(&arguments.dir);
-    let scene = Scene::load(there(output.scene(), OF_SCENE)?)?;
-    let film = there(output.film(Kind::Hair), OF_HAIR)?;
+    let (scene, film) = (there(output.scene(), OF_SCENE)?, there(output.film(Kind::Hair), OF_HAIR)?);
+    let scene = Scene::load(scene)?;
     let options = MeasureOptions { from: arguments.from, to: arguments.to, gravity: scene.gravity };
     let wind = |time| scene.air.as_ref().map_or([0.0; 3], |air| air.wind_at(time));
-    let measured = measure_film(&film, &options, wind).map_err(|error| match error {
-        error @ (ExportError::Film { .. } | ExportError::File { .. }) => Failure::Input(error.to_string()),
-        error => error.into(),
-    })?;
-    match arguments.json {
-        true => console.print(json!(measured)),
-        false => measured.to_string().lines().for_each(|row| console.print(row)),
+    // What cannot be read or measured is bad input: nothing has been written.
+    let found = measure_film(&film, &options, wind).map_err(|error| Failure::Input(error.to_string()))?;
+    if options.from.is_none() && found.from_s < MeasureOptions::START {
+        let end = 2.0 * MeasureOptions::START;
+        console.note(format_args!("the film ends before {end} s: it is measured from its first frame on"));
+    }
+    if arguments.json {
+        console.print(json!(found));
+    } else {
+        console.print_lines(found);
     }
     Ok(())
 }

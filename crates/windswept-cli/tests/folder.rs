@@ -223,6 +223,7 @@ fn a_run_under_way_is_not_read() {
         &["render", "out", "--overwrite"][..],
         &["render", "out", "--contact-sheet", "0"],
         &["export", "out", "--format", "npz"],
+        &["measure", "out"],
         &["spectrum", "out"],
     ] {
         let output = windswept(folder.path(), command).output().expect("the program starts");

@@ -43,6 +43,7 @@ fn _measure_file(
 
 #[pyfunction]
 fn _measure_frames(
+    py: Python<'_>,
     frames: &Bound<'_, PyAny>,
     wind: Option<[f64; 3]>,
     gravity: Option<[f64; 3]>,
@@ -61,9 +62,9 @@ fn _measure_frames(
         let offsets = whole("offsets", &values("offsets", &hair.getattr("offsets")?, Numbers::Whole)?.0)?;
         let (positions, velocities) = (vectors("positions")?, vectors("velocities")?);
         let hair = HairFrame { positions, velocities, offsets, ..HairFrame::default() };
-        measure.add(time, &hair, wind.unwrap_or_default()).map_err(|error| of_export(&error))?;
+        outside(py, || measure.add(time, &hair, wind.unwrap_or_default()))?.map_err(|error| of_export(&error))?;
     }
-    text(measure.finish().map_err(|error| of_export(&error))?)
+    text(outside(py, || measure.finish())?.map_err(|error| of_export(&error))?)
 }
 
 fn text(measured: Measurement) -> PyResult<String> {

@@ -60,7 +60,7 @@ pub(crate) fn formats(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
 ///             writer.append(sim)
 ///
 /// Every frame that `append` returned from is in the files, whatever becomes of the process. scene.toml is the scene of `sim`, with which
-/// `windswept render`, `export` and `spectrum` read the films. `sim.report()` is what `windswept run` writes into report.json.
+/// `windswept render`, `export`, `measure` and `spectrum` read the films. `sim.report()` is what `windswept run` writes into report.json.
 ///
 /// One writer or run at a time writes into a folder; `close` lets the next one in.
 ///

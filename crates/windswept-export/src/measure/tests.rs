@@ -131,8 +131,7 @@ fn strands_swing_apart() {
     near(found.swing_m, 0.01 / 2f64.sqrt(), 1e-8);
     near(found.swing_bundle_m, 0.0, 1e-8);
     near(found.swing_strands_m, 0.01 / 2f64.sqrt(), 1e-8);
-    // At the ends of the window differences are of one side only.
-    near(found.coherence.unwrap(), expected, 0.01);
+    near(found.coherence.unwrap(), expected, 1e-6);
     // The film's own velocities are taken where it has them; here those of another phase, which is that of the neighbours' neighbours.
     let mut measure = Measure::new(MeasureOptions::default());
     for time in (0..60).map(|k| f64::from(k) / RATE) {
@@ -153,15 +152,17 @@ fn waves_have_their_length() {
     let wave = |slope: f64, waves: f64, time: f64| -> Strands {
         vec![plane(60, |part| (slope * (TAU * (waves * part - 5.0 * time)).cos()).asin())]
     };
+    // From the first segment to the last are 59/60 of the length. Measured 0.4 % more, of which segments that are not short take 0.4 %;
+    // 0.6 % less where waves are not whole; 0.8 % more for the bow.
+    let check = |found: Measurement, waves: f64| {
+        let expected = 59.0 / 60.0 * LENGTH / waves;
+        near(found.wavelength_m.unwrap(), expected, 0.012 * expected);
+    };
     for slope in [0.05, 0.7] {
-        let found = measured(60, WIND, |time| wave(slope, 3.0, time));
-        // 20 segments per wave: 0.4 % too long; one bend less than segments: as if the strand were 1/60 shorter.
-        near(found.wavelength_m.unwrap(), LENGTH / 3.0, 0.02 * LENGTH / 3.0);
-        let found = measured(60, WIND, |time| wave(slope, 2.4, time));
-        near(found.wavelength_m.unwrap(), LENGTH / 2.4, 0.03 * LENGTH / 2.4);
+        check(measured(60, WIND, |time| wave(slope, 3.0, time)), 3.0);
+        check(measured(60, WIND, |time| wave(slope, 2.4, time)), 2.4);
     }
-    let bow = still(vec![plane(60, |part| (0.3 * (PI * part).cos()).asin())]);
-    near(bow.wavelength_m.unwrap(), 2.0 * LENGTH, 0.03 * LENGTH);
+    check(still(vec![plane(60, |part| (0.3 * (PI * part).cos()).asin())]), 0.5);
     assert_eq!(still(vec![straight(DVec3::ZERO, DVec3::Z)]).wavelength_m, None);
 }
 
@@ -203,8 +204,8 @@ fn curls_keep_their_turns() {
         let (across, axis) = (DVec3::new(bend.cos(), bend.sin(), 0.0), DVec3::new(bend.sin(), -bend.cos(), 0.0));
         axis + spin(k, 1.0).cos() * across + spin(k, 1.0).sin() * DVec3::Z
     }));
-    // Measured 4.9.
-    near(still(vec![bent]).turns, turns, 0.2);
+    // Measured 0.014.
+    near(still(vec![bent]).turns, turns, 0.05);
     for flat in [plane(80, |_| 0.1), plane(80, |part| 6.0 * part), plane(80, |part| (TAU * 4.0 * part).sin())] {
         near(still(vec![flat]).turns, 0.0, 1e-3);
     }
