@@ -29,6 +29,8 @@ const SMALL: &[&str] = &[
     "hair.roots.center=[0.04,0.03,0.03]",
     "hair.roots.radius=0.01",
     "air.fringe=0.03",
+    // In a smooth wind.
+    "turbulence={bands=[{scale=0.006,strength=3,intensity=0.3}]}",
     // One Newton step: a strand that has settled just about would take one more on one of the two (`rods/solve.rs` has more).
     "rods.newton=1",
     "interaction.model=particles",
