@@ -7,7 +7,7 @@ use glam::dcamera::rh::{proj, view::look_at_mat4};
 use glam::{DMat4, DVec3, Vec3, Vec4};
 use windswept_scene::{Body, Camera, Drawn, Hair, LookAt, Model, Patch, Roots, Scene};
 
-use windswept_shaders::pictures::common::{self as shader, GRID, Light};
+use windswept_shaders::pictures::common::{self as shader, FINE, GRID, Light};
 
 use super::patch::ends;
 use crate::ExportError;
@@ -102,7 +102,8 @@ impl View {
         let forward = (self.target - self.eye).normalize();
         let right = forward.cross(self.up()).normalize();
         let up = right.cross(forward);
-        let pixel = 2.0 * (0.5 * self.fov.to_radians()).tan() / f64::from(self.height);
+        let drawn = [FINE * self.width, FINE * self.height].map(f64::from);
+        let pixel = 2.0 * (0.5 * self.fov.to_radians()).tan() / drawn[1];
         let far: Vec<f64> = corners(low, high).iter().map(|x| x.distance(self.eye)).collect();
         let (nearest, farthest) =
             far.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &d| (low.min(d), high.max(d)));
@@ -117,7 +118,7 @@ impl View {
             eye: vec4(self.eye, pixel),
             right: vec4(right, nearest),
             up: vec4(up, 1.0 / (farthest - nearest).max(1e-9)),
-            size: [self.width as f32, self.height as f32],
+            size: drawn.map(|size| size as f32),
             hairs,
             samples,
             lights: [light(key, [2.7, 2.55, 2.35], low, high), light(sky, [0.50, 0.58, 0.70], low, high)],
