@@ -81,7 +81,8 @@ impl Renderer {
         groom: Option<&Curves>,
     ) -> Result<Self, ExportError> {
         check(start)?;
-        let view = View::new(scene, &start.positions)?;
+        let groom = Groom::new(scene, start, groom, scene.picture.hairs)?;
+        let view = View::new(scene, &groom.followers)?;
         let limits = gpu.device().limits();
         let most = limits.max_texture_dimension_2d / FINE;
         if view.width.max(view.height) > most {
@@ -90,7 +91,6 @@ impl Renderer {
                 view.width, view.height
             )));
         }
-        let groom = Groom::new(scene, start, groom, scene.picture.hairs)?;
         let hairs = groom.hairs.len() as u32;
         let samples = samples(groom.followers.start());
         let fits = gpu.largest_binding() / (u64::from(samples) * 16);
