@@ -45,7 +45,11 @@ impl Structs {
     /// The structs that this shader binds, and those within them.
     pub(crate) fn collect(&mut self, shader: &str, module: &Module) -> Result<()> {
         for (_, variable) in module.global_variables.iter().filter(|(_, variable)| variable.binding.is_some()) {
-            self.of(shader, module, element(module, variable.ty))?;
+            let ty = element(module, variable.ty);
+            // A texture has no layout.
+            if !matches!(module.types[ty].inner, TypeInner::Image { .. }) {
+                self.of(shader, module, ty)?;
+            }
         }
         Ok(())
     }

@@ -8,16 +8,19 @@ struct Light {
 
 struct View {
     clip_from_world: mat4x4f,  // matrix from world [m] to clip space
-    eye:             vec4f,    // xyz: place of the camera [m]; w: size of a pixel at distance 1 [m/m]
+    eye:             vec4f,    // xyz: place of the camera [m]; w: size of a drawn pixel at distance 1 [m/m]
     right:           vec4f,    // xyz: unit vector to the picture's right; w: distance at which the depth cue starts [m]
     up:              vec4f,    // xyz: unit vector to the picture's top; w: 1 / range of the depth cue [1/m]
-    size:            vec2f,    // width and height of the picture [px]
+    size:            vec2f,    // width and height of what is drawn [px]
     hairs:           u32,      // number of drawn hairs
     samples:         u32,      // number of points of a drawn hair
     lights:          array<Light, 2>,  // key light and sky
 }
 
 @group(0) @binding(0) var<uniform> view: View;
+
+// Drawn pixels along each axis of a pixel of the picture: with 4 samples each, those of a single thin hair follow it evenly.
+const FINE: u32 = 2u;
 
 // Cells of a light's grid along each axis, chosen by eye; a grid then takes 3.5 MB.
 const GRID: u32 = 96u;

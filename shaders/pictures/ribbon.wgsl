@@ -1,12 +1,11 @@
-// Draws hairs as ribbons that face the camera and taper to the tip. None is narrower than MIN_WIDTH: a thinner hair
-// covers fewer of a pixel's samples instead, each hair its own samples, so that it fades and does not break up.
+// Draws hairs as ribbons that face the camera and taper to the tip. None is narrower than a drawn pixel, measured along a row or a
+// column, whichever the hair crosses: it then meets each of a pixel's samples once on its way over every column or row. A thinner hair
+// covers fewer of the samples instead, each hair its own, so that it fades evenly and does not break up.
 import package::pictures::{common::{view, hash, chance}, taper::taper, backdrop::backdrop};
 
 @group(0) @binding(1) var<storage, read> points: array<vec4f>;
 @group(0) @binding(2) var<storage, read> colour: array<u32>;
 @group(0) @binding(3) var<storage, read> radius: array<f32>;
-
-const MIN_WIDTH: f32 = 1.0;   // least width of a drawn hair [px]: thinner ribbons would miss pixels
 
 struct Vertex {
     @builtin(position)              position: vec4f,
@@ -24,14 +23,18 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) hair: u32)
     let before = points[select(i, i - 1u, k > 0u)].xyz;
     let after = points[select(i, i + 1u, k + 1u < view.samples)].xyz;
     let to_eye = view.eye.xyz - here.xyz;
-    let across = cross(after - before, to_eye);
-    let pixel = view.eye.w * length(to_eye);
+    let normal = cross(after - before, to_eye);
+    let across = normal * inverseSqrt(max(dot(normal, normal), 1e-30));
+    // Drawn pixels to a metre across the hair, to the right and up.
+    let middle = view.clip_from_world * vec4f(here.xyz, 1.0);
+    let aside = view.clip_from_world * vec4f(across, 0.0);
+    let scale = 0.5 * view.size * (aside.xy - middle.xy / middle.w * aside.w) / middle.w;
     let half_width = radius[hair] * taper(here.w);
-    let drawn = max(half_width, 0.5 * MIN_WIDTH * pixel);
+    let drawn = max(half_width, 0.5 * max(abs(scale.x), abs(scale.y)) / max(dot(scale, scale), 1e-30));
     var out: Vertex;
-    let x = here.xyz + side * drawn * across * inverseSqrt(max(dot(across, across), 1e-30));
+    let x = here.xyz + side * drawn * across;
     out.position = view.clip_from_world * vec4f(x, 1.0);
-    out.coverage = half_width / drawn;
+    out.coverage = half_width / max(drawn, 1e-30);
     out.colour = faded(unpack4x8unorm(colour[i]).rgb, length(to_eye), out.position);
     out.hair = hair;
     return out;

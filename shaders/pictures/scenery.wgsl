@@ -1,5 +1,5 @@
 // Draws what is behind the hair: the backdrop, and the patch that the hair grows from.
-import package::pictures::{common::view, backdrop::backdrop, shadow::optical_depth};
+import package::pictures::{common::{view, FINE}, backdrop::backdrop, shadow::optical_depth};
 
 struct Backdrop {
     @builtin(position) position: vec4f,
@@ -15,7 +15,7 @@ fn backdrop_vertex(@builtin(vertex_index) index: u32) -> Backdrop {
 @fragment
 fn backdrop_fragment(in: Backdrop) -> @location(0) vec4f {
     // Half a step of 8 bits more or less, in a pattern that compresses well (Bayer), or the gradient shows bands.
-    let pixel = vec2u(in.position.xy);
+    let pixel = vec2u(in.position.xy) / FINE;
     let a = pixel & vec2u(1u);
     let b = (pixel >> vec2u(1u)) & vec2u(1u);
     let rank = 4u * ((2u * a.x) ^ (3u * a.y)) + ((2u * b.x) ^ (3u * b.y));

@@ -46,8 +46,23 @@ pub struct Followers {
     groups: Vec<(usize, Option<usize>, bool)>,
     /// The strands at the start.
     guides: HairFrame,
+    /// Index of the `[[hair]]` of each strand.
+    hair: Vec<Option<usize>>,
     /// What followers stay out of.
     bodies: Vec<Body>,
+}
+
+/// A strand at the start.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Strand<'a> {
+    /// Its points \[m\].
+    pub(crate) points: &'a [[f32; 3]],
+    /// Radius of a fibre at its root \[m\], where it is known.
+    pub(crate) radius: Option<f32>,
+    /// Hairs that it stands for, where that is known.
+    pub(crate) fibres: Option<f32>,
+    /// Index of its `[[hair]]`, where it is the scene's.
+    pub(crate) hair: Option<usize>,
 }
 
 /// What a picture asks of a follower.
@@ -129,6 +144,7 @@ impl Followers {
             bonds: Vec::new(),
             groups: Vec::new(),
             guides: start.clone(),
+            hair: Vec::new(),
             bodies: scene.bodies.clone(),
         };
         let strands = start.offsets.len() - 1;
@@ -144,6 +160,7 @@ impl Followers {
                 }
             }
             made.groups.push((made.len() - before, hair, file.is_some()));
+            made.hair.resize(made.hair.len() + count, hair);
             first += count;
         }
         if made.start.ids.iter().zip(0..).all(|(id, index)| *id == index) {
@@ -266,6 +283,16 @@ impl Followers {
         let groups =
             self.groups.iter().flat_map(|&(count, group, of_file)| std::iter::repeat_n((group, of_file), count));
         self.bonds.iter().zip(groups).map(|(bond, (group, of_file))| Origin { own: bond.own, group, of_file })
+    }
+
+    /// The strands at the start.
+    pub(crate) fn strands(&self) -> impl Iterator<Item = Strand<'_>> {
+        self.hair.iter().enumerate().map(|(s, &hair)| Strand {
+            points: points_of(&self.guides, s),
+            radius: self.guides.radius.get(self.guides.offsets[s] as usize).copied(),
+            fibres: self.guides.fibres.get(s).copied(),
+            hair,
+        })
     }
 
     /// The followers at the start.

@@ -3,7 +3,7 @@
 //! ```text
 //! strands of a frame --followers--> courses of hairs --grow--> points of every hair
 //!     --opacity--> hair between each point and the lights --shade--> colours
-//! backdrop, patch, bodies, ribbons, air --> 4 samples a pixel --> RGBA8
+//! backdrop, patch, bodies, ribbons, air --> 16 samples a pixel --average--> RGBA8
 //! ```
 //!
 //! The points of strands and followers are all that goes to the GPU for a frame; what is drawn between them is made there.
@@ -21,6 +21,7 @@ use image::RgbaImage;
 use windswept::gpu::wgpu;
 use windswept::{Frame, Gpu, HairFrame};
 use windswept_scene::{AirPicture, Curves, Scene};
+use windswept_shaders::pictures::common::FINE;
 
 use crate::ExportError;
 use groom::Groom;
@@ -80,16 +81,16 @@ impl Renderer {
         groom: Option<&Curves>,
     ) -> Result<Self, ExportError> {
         check(start)?;
-        let view = View::new(scene, &start.positions)?;
+        let groom = Groom::new(scene, start, groom, scene.picture.hairs)?;
+        let view = View::new(scene, &groom.followers)?;
         let limits = gpu.device().limits();
-        let most = limits.max_texture_dimension_2d;
+        let most = limits.max_texture_dimension_2d / FINE;
         if view.width.max(view.height) > most {
             return Err(refused(format!(
                 "camera.width and camera.height ask for {} x {} pixels, the adapter draws at most {most} x {most}",
                 view.width, view.height
             )));
         }
-        let groom = Groom::new(scene, start, groom, scene.picture.hairs)?;
         let hairs = groom.hairs.len() as u32;
         let samples = samples(groom.followers.start());
         let fits = gpu.largest_binding() / (u64::from(samples) * 16);

@@ -10,27 +10,15 @@ use glam::Vec3;
 use image::RgbaImage;
 use windswept::HairFrame;
 use windswept_export::{Followers, Renderer, image};
-use windswept_scene::{HairSource, InitialState, Roots, Scalp, Shape, Solid, Strands};
+use windswept_scene::{HairSource, InitialState, Roots, Scalp, Shape, Solid};
 
-use groom::{difference, draw, gpu, nowhere, scene, strands};
+use groom::{at_rest, difference, draw, gpu, nowhere, scene, strands};
 
 /// Columns and rows in which two pictures differ by more than dither and shade do.
 fn differs(a: &RgbaImage, b: &RgbaImage) -> (Range<u32>, Range<u32>) {
     let places = || a.enumerate_pixels().filter(|&(x, y, _)| difference(a, b, x, y) > 4);
     let range = |all: Vec<u32>| all.iter().copied().min().unwrap_or(0)..all.iter().max().map_or(0, |&x| x + 1);
     (range(places().map(|(x, _, _)| x).collect()), range(places().map(|(_, y, _)| y).collect()))
-}
-
-/// Strands as a scene has them at its start, as a frame.
-fn at_rest(strands: &Strands) -> HairFrame {
-    HairFrame {
-        offsets: strands.point_offsets.clone(),
-        positions: strands.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
-        velocities: vec![[0.0; 3]; strands.positions.len()],
-        orientations: strands.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
-        root_frames: strands.root_frame.iter().map(|q| q.as_quat().to_array()).collect(),
-        ..HairFrame::default()
-    }
 }
 
 /// Wind that bends strands 30 degrees down from their first segment on takes no drawn root along.

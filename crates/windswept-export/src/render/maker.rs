@@ -27,6 +27,8 @@ pub(super) struct Draw {
 /// The use that a draw makes of depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Depth {
+    /// There is none: the average of what was drawn, one sample a pixel.
+    Absent,
     /// Behind everything.
     Ignored,
     /// Hides what is behind it.
@@ -35,8 +37,8 @@ pub(super) enum Depth {
     Clear,
 }
 
-/// Binding and buffer.
-pub(super) type Bound<'a> = (u32, &'a wgpu::Buffer);
+/// Binding and what is bound.
+pub(super) type Bound<'a> = (u32, wgpu::BindingResource<'a>);
 
 impl Maker<'_> {
     /// An empty buffer that can be written to; never of size 0, which cannot be bound.
@@ -68,7 +70,7 @@ impl Maker<'_> {
     pub(super) fn group(&self, layout: &wgpu::BindGroupLayout, bound: &[Bound<'_>]) -> wgpu::BindGroup {
         let entries: Vec<_> = bound
             .iter()
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding: *binding, resource: buffer.as_entire_binding() })
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding: *binding, resource: resource.clone() })
             .collect();
         self.0.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
     }
@@ -119,17 +121,20 @@ impl Maker<'_> {
                 buffers: buffers.as_slice(),
             },
             primitive: wgpu::PrimitiveState { topology, ..Default::default() },
-            depth_stencil: Some(wgpu::DepthStencilState {
+            depth_stencil: (depth != Depth::Absent).then(|| wgpu::DepthStencilState {
                 format: DEPTH,
                 depth_write_enabled: Some(depth == Depth::Solid),
                 depth_compare: Some(match depth {
-                    Depth::Ignored => wgpu::CompareFunction::Always,
+                    Depth::Absent | Depth::Ignored => wgpu::CompareFunction::Always,
                     Depth::Solid | Depth::Clear => wgpu::CompareFunction::Less,
                 }),
                 stencil: wgpu::StencilState::default(),
                 bias: wgpu::DepthBiasState::default(),
             }),
-            multisample: wgpu::MultisampleState { count: SAMPLES, ..Default::default() },
+            multisample: wgpu::MultisampleState {
+                count: if depth == Depth::Absent { 1 } else { SAMPLES },
+                ..Default::default()
+            },
             fragment: Some(wgpu::FragmentState {
                 module,
                 entry_point: Some(&format!("{name}fragment")),

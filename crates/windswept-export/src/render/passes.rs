@@ -95,7 +95,7 @@ impl Passes {
         let compute = [
             m.compute(&m.module(&pictures::GROW), "main", &grown, per_point),
             m.compute(&opacity, "deposit", &numbered([&view, &points, &grid, &radius]), per_point),
-            m.compute(&opacity, "accumulate", &[(2, &grid)], per_column),
+            m.compute(&opacity, "accumulate", &[(2, grid.as_entire_binding())], per_column),
             m.compute(
                 &m.module(&pictures::SHADE),
                 "main",
@@ -248,7 +248,7 @@ fn numbered<const N: usize>(buffers: [&wgpu::Buffer; N]) -> [Bound<'_>; N] {
     let mut binding = 0;
     buffers.map(|buffer| {
         binding += 1;
-        (binding - 1, buffer)
+        (binding - 1, buffer.as_entire_binding())
     })
 }
 

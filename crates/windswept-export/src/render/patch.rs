@@ -33,7 +33,7 @@ pub(super) fn corners(scene: &Scene, time: f64) -> Vec<Corner> {
 }
 
 /// Groups whose roots are on a patch: what a groom file grows from is not known, and bodies are drawn anyway.
-fn patches(scene: &Scene) -> impl Iterator<Item = (&Hair, &Patch)> {
+pub(super) fn patches(scene: &Scene) -> impl Iterator<Item = (&Hair, &Patch)> {
     scene.hair.iter().filter_map(|hair| match &hair.drawn()?.roots {
         Roots::Patch(patch) => Some((hair, patch)),
         Roots::Mesh(_) => None,

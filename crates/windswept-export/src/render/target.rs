@@ -5,7 +5,9 @@ use std::sync::mpsc;
 use image::RgbaImage;
 use windswept::gpu::wgpu;
 use windswept::{Gpu, GpuError};
+use windswept_shaders::pictures::{AVERAGE, common::FINE};
 
+use super::maker::{Depth, Draw, Maker};
 use super::refused;
 use crate::ExportError;
 
@@ -13,15 +15,16 @@ use crate::ExportError;
 pub(super) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 /// Format of the depth buffer.
 pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-/// Samples of a pixel, as many as every adapter has.
+/// Samples of a drawn pixel, as many as every adapter has.
 pub(super) const SAMPLES: u32 = 4;
 
-/// A multisampled picture, its average, and the memory that it is read from.
+/// What is drawn, `FINE` times as wide and as high as the picture, the picture that averages it, and the memory that it is read from.
 #[derive(Debug)]
 pub(super) struct Target {
     size: [u32; 2],
-    samples: wgpu::TextureView,
+    drawn: wgpu::TextureView,
     depth: wgpu::TextureView,
+    average: Draw,
     picture: wgpu::Texture,
     readback: wgpu::Buffer,
     /// Bytes from one row to the next in the readback.
@@ -31,10 +34,10 @@ pub(super) struct Target {
 impl Target {
     pub(super) fn new(gpu: &Gpu, width: u32, height: u32) -> Result<Self, ExportError> {
         let pitch = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let texture = |label, format, sample_count, usage| {
+        let texture = |label, format, fine, sample_count, usage| {
             gpu.device().create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                size: wgpu::Extent3d { width: fine * width, height: fine * height, depth_or_array_layers: 1 },
                 mip_level_count: 1,
                 sample_count,
                 dimension: wgpu::TextureDimension::D2,
@@ -46,12 +49,17 @@ impl Target {
         let target = gpu.checked(
             || format!("making a picture of {width} x {height} pixels"),
             || {
-                let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
+                let target = wgpu::TextureUsages::RENDER_ATTACHMENT;
+                let (read, copied) = (wgpu::TextureUsages::TEXTURE_BINDING, wgpu::TextureUsages::COPY_SRC);
+                let drawn = texture("drawn", COLOUR, FINE, SAMPLES, target | read).create_view(&Default::default());
+                let m = Maker(gpu.device());
+                let bound = [(0, wgpu::BindingResource::TextureView(&drawn))];
                 Self {
                     size: [width, height],
-                    samples: texture("samples", COLOUR, SAMPLES, drawn).create_view(&Default::default()),
-                    depth: texture("depth", DEPTH, SAMPLES, drawn).create_view(&Default::default()),
-                    picture: texture("picture", COLOUR, 1, drawn | wgpu::TextureUsages::COPY_SRC),
+                    average: m.draw(&m.module(&AVERAGE), "", &bound, None, Depth::Absent),
+                    depth: texture("depth", DEPTH, FINE, SAMPLES, target).create_view(&Default::default()),
+                    picture: texture("picture", COLOUR, 1, 1, target | copied),
+                    drawn,
                     readback: gpu.device().create_buffer(&wgpu::BufferDescriptor {
                         label: Some("picture readback"),
                         size: u64::from(pitch) * u64::from(height),
@@ -68,24 +76,26 @@ impl Target {
     /// Runs `draw` over an empty picture and copies it to where it can be read.
     pub(super) fn draw(&self, encoder: &mut wgpu::CommandEncoder, draw: impl FnOnce(&mut wgpu::RenderPass<'_>)) {
         let picture = self.picture.create_view(&Default::default());
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("picture"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.samples,
-                depth_slice: None,
-                resolve_target: Some(&picture),
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Discard },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.depth,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
-                stencil_ops: None,
-            }),
-            timestamp_writes: None,
-            occlusion_query_set: None,
-            multiview_mask: None,
-        });
-        draw(&mut pass);
+        let depth = wgpu::RenderPassDepthStencilAttachment {
+            view: &self.depth,
+            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
+            stencil_ops: None,
+        };
+        let mut over = |view, depth_stencil_attachment| {
+            let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store };
+            let colour = wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops };
+            let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("picture"),
+                color_attachments: &[Some(colour)],
+                depth_stencil_attachment,
+                ..Default::default()
+            });
+            pass.forget_lifetime()
+        };
+        draw(&mut over(&self.drawn, Some(depth)));
+        let mut pass = over(&picture, None);
+        self.average.begin(&mut pass);
+        pass.draw(0..3, 0..1);
         drop(pass);
         let [width, height] = self.size;
         encoder.copy_texture_to_buffer(

@@ -1,22 +1,22 @@
 //! The camera of a picture, and the lights.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use glam::dcamera::lh::view::look_to_mat4;
 use glam::dcamera::rh::{proj, view::look_at_mat4};
 use glam::{DMat4, DVec3, Vec3, Vec4};
-use windswept_scene::{Body, Camera, Drawn, Hair, LookAt, Model, Patch, Roots, Scene};
+use windswept_scene::{Air, Body, Camera, Fibre, Hair, LookAt, Model, Scene};
+use windswept_shaders::pictures::common::{self as shader, FINE, GRID, Light};
 
-use windswept_shaders::pictures::common::{self as shader, GRID, Light};
-
-use super::patch::ends;
+use super::patch::{ends, patches};
 use crate::ExportError;
+use crate::followers::{Followers, Strand};
 
 /// Share of the picture that the automatic camera fills.
 const FILLED: f64 = 0.95;
 
 /// A camera in the world, and the size of its picture. Where the scene does not say where it stands, it sees all of the
-/// hair as it streams in the wind: from the side, wind from the left, a little from above and downwind.
+/// hair from where it starts to where it hangs and streams in the wind: from the side, wind from the left, a little from above and downwind.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// The point where the camera stands \[m\].
@@ -32,15 +32,15 @@ pub struct View {
 }
 
 impl View {
-    /// The scene's camera, the same for every frame of a film. `points` \[m\] are framed where the scene says neither where
-    /// it stands nor where hair grows.
+    /// The scene's camera, the same for every frame of a film; where the scene does not say where it stands, one that sees where
+    /// these strands may go from their start.
     ///
     /// # Errors
     /// [`ExportError::Picture`] when the camera stands where it looks.
-    pub fn new(scene: &Scene, points: &[[f32; 3]]) -> Result<Self, ExportError> {
+    pub fn new(scene: &Scene, strands: &Followers) -> Result<Self, ExportError> {
         let camera = &scene.camera;
         let Some(LookAt { eye, target }) = camera.look_at else {
-            return Ok(Self::automatic(scene, points));
+            return Ok(Self::automatic(scene, strands));
         };
         let (eye, target) = (DVec3::from_array(eye), DVec3::from_array(target));
         if eye.distance(target) < 1e-9 {
@@ -51,27 +51,30 @@ impl View {
         Ok(Self { eye, target, fov: camera.fov, width: camera.width, height: camera.height })
     }
 
-    fn automatic(scene: &Scene, points: &[[f32; 3]]) -> Self {
+    fn automatic(scene: &Scene, strands: &Followers) -> Self {
+        // Wind from left to right; without wind the way the hair points, where most of it points one way.
         let wind = scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind));
-        let mut reach = Vec::new();
-        for (hair, drawn, patch) in scene.hair.iter().filter_map(on_patch) {
-            let goes = where_hair_goes(hair, drawn, patch, wind, scene);
-            let moved = hair.motion.keyframes.iter().map(|keyframe| keyframe.pose().0);
-            reach.extend(std::iter::once(DVec3::ZERO).chain(moved).flat_map(|by| goes.iter().map(move |x| *x + by)));
-        }
-        // Of strands from elsewhere it is known where they are.
-        if reach.is_empty() || scene.hair.iter().any(|hair| on_patch(hair).is_none()) {
-            reach.extend(points.iter().map(|p| Vec3::from_array(*p).as_dvec3()));
-        }
-        reach.extend(scene.bodies.iter().flat_map(where_body_goes));
-        // Wind from left to right; without wind the way the hair points.
-        let level = |v: DVec3| DVec3::new(v.x, 0.0, v.z).normalize_or_zero();
-        let directions = scene.hair.iter().filter_map(on_patch).map(|(_, _, patch)| DVec3::from_array(patch.direction));
-        let right = [wind].into_iter().chain(directions).map(level).find(|v| *v != DVec3::ZERO).unwrap_or(DVec3::X);
+        let (sum, count) = strands.strands().fold((DVec3::ZERO, 0.0), |(sum, count), strand| {
+            let [root, .., tip] = strand.points else { return (sum, count) };
+            (sum + (point(*tip) - point(*root)).normalize_or_zero(), count + 1.0)
+        });
+        let level = |v: DVec3| DVec3::new(v.x, 0.0, v.z);
+        let points_to = Some(level(sum)).filter(|v| v.length() > 0.05 * count);
+        let right = level(wind).try_normalize().or(points_to.map(DVec3::normalize)).unwrap_or(DVec3::X);
         let side = right.cross(DVec3::Y);
         // Half way toward a three-quarter view, and 12° above.
-        let away = (side + 0.42 * right + 0.26 * DVec3::Y).normalize();
-        fit(&reach, away, &scene.camera)
+        let mut fit = Fit::new((side + 0.42 * right + 0.26 * DVec3::Y).normalize(), &scene.camera);
+        let table = scene.air.as_ref().map_or(vec![(0.0, [0.0; 3])], Air::wind_table);
+        let lasts = |k: usize| table.get(k + 1).map(|next| next.0 - table[k].0);
+        let winds: Vec<_> = (0..table.len()).map(|k| (DVec3::from_array(table[k].1), lasts(k))).collect();
+        let unknown = Fibre::default();
+        for strand in strands.strands() {
+            where_hair_goes(&strand, &unknown, &winds, scene, |x, margin| fit.add(x, margin));
+        }
+        for x in patch_ends(scene).chain(scene.bodies.iter().flat_map(where_body_goes)) {
+            fit.add(x, 0.0);
+        }
+        fit.view(&scene.camera)
     }
 
     fn up(&self) -> DVec3 {
@@ -102,7 +105,8 @@ impl View {
         let forward = (self.target - self.eye).normalize();
         let right = forward.cross(self.up()).normalize();
         let up = right.cross(forward);
-        let pixel = 2.0 * (0.5 * self.fov.to_radians()).tan() / f64::from(self.height);
+        let drawn = [FINE * self.width, FINE * self.height].map(f64::from);
+        let pixel = 2.0 * (0.5 * self.fov.to_radians()).tan() / drawn[1];
         let far: Vec<f64> = corners(low, high).iter().map(|x| x.distance(self.eye)).collect();
         let (nearest, farthest) =
             far.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &d| (low.min(d), high.max(d)));
@@ -117,7 +121,7 @@ impl View {
             eye: vec4(self.eye, pixel),
             right: vec4(right, nearest),
             up: vec4(up, 1.0 / (farthest - nearest).max(1e-9)),
-            size: [self.width as f32, self.height as f32],
+            size: drawn.map(|size| size as f32),
             hairs,
             samples,
             lights: [light(key, [2.7, 2.55, 2.35], low, high), light(sky, [0.50, 0.58, 0.70], low, high)],
@@ -125,40 +129,76 @@ impl View {
     }
 }
 
-/// A group whose strands are rooted on a patch, and what they are drawn by.
-fn on_patch(hair: &Hair) -> Option<(&Hair, &Drawn, &Patch)> {
-    let drawn = hair.drawn()?;
-    match &drawn.roots {
-        Roots::Patch(patch) => Some((hair, drawn, patch)),
-        Roots::Mesh(_) => None,
+/// The room that a film of this strand may fill, as balls about points: its shape at the start, and its root and tip as gravity and
+/// each wind, and the time that it lasts \[s\], take them, all where its keyframes carry them. `unknown`: its fibres where the scene says
+/// nothing of them.
+fn where_hair_goes(
+    strand: &Strand<'_>,
+    unknown: &Fibre,
+    winds: &[(DVec3, Option<f64>)],
+    scene: &Scene,
+    mut reaches: impl FnMut(DVec3, f64),
+) {
+    let [root, .., tip] = strand.points else { return };
+    let hair = strand.hair.and_then(|index| scene.hair.get(index));
+    let known = hair.map_or(unknown, |hair| &hair.fibre);
+    let fibre = Fibre {
+        radius: strand.radius.map_or(known.radius, f64::from),
+        fibres_per_strand: strand.fibres.map_or(known.fibres_per_strand, f64::from),
+        ..*known
+    };
+    let (root, chord) = (point(*root), point(*tip) - point(*root));
+    let axis = chord.normalize_or_zero();
+    let length: f64 = strand.points.windows(2).map(|pair| point(pair[0]).distance(point(pair[1]))).sum();
+    // A curl is as long as its axis at first; the wind draws it out about half way.
+    let drawn_out = (length * chord.length()).sqrt();
+    let curl =
+        strand.points.iter().map(|x| (point(*x) - root).reject_from_normalized(axis).length()).fold(0.0, f64::max);
+    // Hairs wave about their strands, and strands about where they hang.
+    let margin = 0.04 * length;
+    let segments = strand.points.len() - 1;
+    // How far hair gets toward where a wind has it, within the time that the wind lasts: it falls freely or goes with the air.
+    let gravity = DVec3::from_array(scene.gravity);
+    let part = |wind: DVec3, time: f64| (0.5 * gravity.length() * time * time).max(wind.length() * time) / length;
+    let ways: Vec<_> = winds
+        .iter()
+        .map(|&(wind, lasts)| {
+            (streaming(&fibre, length, segments, wind, scene), lasts.map_or(1.0, |time| part(wind, time).min(1.0)))
+        })
+        .collect();
+    let down = gravity.normalize_or_zero();
+    for_each_pose(hair, |moved| {
+        strand.points.iter().for_each(|x| reaches(moved(point(*x)), margin));
+        let root = moved(root);
+        let start = (moved(point(*tip)) - root).normalize_or_zero();
+        for (way, part) in &ways {
+            let streams = start.lerp(way.unwrap_or(start), *part).normalize_or(start);
+            // Before the wind has it, and in the lee of others, hair hangs lower.
+            let lower = (streams + 0.12 * down).normalize_or(start);
+            let between = (start + streams).normalize_or(start);
+            for (way, far) in [(streams, drawn_out), (lower, drawn_out), (between, 0.9 * drawn_out)] {
+                reaches(root + far * way, curl + margin);
+            }
+        }
+    });
+}
+
+/// Calls with what moves a point from where it is at the start \[m\] to where the hair's motion has it, at the start and at each keyframe.
+fn for_each_pose(hair: Option<&Hair>, mut pose: impl FnMut(&dyn Fn(DVec3) -> DVec3)) {
+    let Some(hair) = hair else { return pose(&|x| x) };
+    let center = hair.center();
+    let (by, turn) = hair.motion.at(0.0);
+    for time in std::iter::once(0.0).chain(hair.motion.keyframes.iter().map(|keyframe| keyframe.time)) {
+        pose(&|x| hair.motion.place(center, center + turn.conjugate() * (x - center - by), time));
     }
 }
 
-/// The region that a film of this hair may cover: its patch, and its tips between where it points and where the wind and gravity
-/// take it.
-fn where_hair_goes(hair: &Hair, drawn: &Drawn, patch: &Patch, wind: DVec3, scene: &Scene) -> Vec<DVec3> {
-    let (center, radius) = (hair.center(), patch.radius);
-    // A helix has its root on itself, not on its axis.
-    let curl = drawn.curl.map_or(0.0, |curl| 2.0 * curl.radius);
-    // A curl is as long as its axis at first; the wind draws it out about half way.
-    let curled = drawn.curl.map_or(1.0, |curl| curl.pitch / (TAU * curl.radius).hypot(curl.pitch));
-    let (short, length) = (drawn.length * curled, drawn.length * curled.sqrt());
-    let start = DVec3::from_array(patch.direction);
-    let streams = streaming(hair, drawn, wind, scene).unwrap_or(start);
-    let between = (start + streams).normalize_or(start);
-    // Before the wind has it, and in the lee of others, hair hangs lower.
-    let lower = (streams + 0.12 * DVec3::from_array(scene.gravity).normalize_or_zero()).normalize_or(start);
-    let mut all: Vec<DVec3> = ends(patch).collect();
-    for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
-        let wide = radius + curl;
-        all.extend([center + wide * axis, center - wide * axis]);
-        for (way, far) in [(streams, length), (lower, length), (between, 0.9 * length), (start, short)] {
-            let tip = center + far * way;
-            let spread = 0.9 * radius + curl + 0.04 * length;
-            all.extend([tip + spread * axis, tip - spread * axis]);
-        }
-    }
-    all
+/// The ends of every patch at the start and at its keyframes.
+fn patch_ends(scene: &Scene) -> impl Iterator<Item = DVec3> + '_ {
+    patches(scene).flat_map(|(hair, patch)| {
+        let times = std::iter::once(0.0).chain(hair.motion.keyframes.iter().map(|keyframe| keyframe.time));
+        times.flat_map(move |time| ends(patch).map(move |x| hair.motion.place(hair.center(), x, time)))
+    })
 }
 
 /// Corners of the boxes about a body at its start and at its keyframes.
@@ -173,20 +213,20 @@ fn where_body_goes(body: &Body) -> impl Iterator<Item = DVec3> + '_ {
 /// Direction of a strand at rest in the wind: its weight across itself is the drag across itself, with the drag model's
 /// C_d = 1 + 10 Re^(-2/3) on its fibres, or C_d = 1 on its parcels of air. Strands shelter each other, so that one feels
 /// about half of it. `None` where neither wind nor weight pulls.
-fn streaming(hair: &Hair, drawn: &Drawn, wind: DVec3, scene: &Scene) -> Option<DVec3> {
+fn streaming(fibre: &Fibre, length: f64, segments: usize, wind: DVec3, scene: &Scene) -> Option<DVec3> {
     let gravity = DVec3::from_array(scene.gravity);
     let weight = gravity.length()
-        * match hair.fibre.point_mass {
-            Some(mass) => mass * f64::from(drawn.points - 1) / drawn.length,
-            None => PI * hair.fibre.radius.powi(2) * hair.fibre.density * hair.fibre.fibres_per_strand,
+        * match fibre.point_mass {
+            Some(mass) => mass * segments as f64 / length,
+            None => PI * fibre.radius.powi(2) * fibre.density * fibre.fibres_per_strand,
         };
     let speed = wind.length();
     let drag = scene.air.as_ref().map_or(0.0, |air| {
-        let reynolds = (2.0 * hair.fibre.radius * speed / air.kinematic_viscosity).max(1e-9);
+        let reynolds = (2.0 * fibre.radius * speed / air.kinematic_viscosity).max(1e-9);
         let width = match scene.interaction.model {
             Model::Particles => (air.particle_mass / air.rest_density).cbrt(),
             Model::TwoWay | Model::Drag => {
-                2.0 * hair.fibre.radius * hair.fibre.fibres_per_strand * (1.0 + 10.0 * reynolds.powf(-2.0 / 3.0))
+                2.0 * fibre.radius * fibre.fibres_per_strand * (1.0 + 10.0 * reynolds.powf(-2.0 / 3.0))
             }
             Model::None => 0.0,
         };
@@ -202,26 +242,48 @@ fn streaming(hair: &Hair, drawn: &Drawn, wind: DVec3, scene: &Scene) -> Option<D
     (cos * along + (1.0 - cos * cos).max(0.0).sqrt() * down).try_normalize()
 }
 
-/// The camera in direction `away` from the points that shows them all.
-fn fit(points: &[DVec3], away: DVec3, camera: &Camera) -> View {
-    let aspect = f64::from(camera.width) / f64::from(camera.height);
-    let right = DVec3::Y.cross(away).normalize_or(DVec3::X);
-    let up = away.cross(right);
-    let slope = FILLED * (0.5 * camera.fov.to_radians()).tan();
-    // The nearest eye on either side of the points for each axis of the picture: |offset| <= slope * depth for all.
-    let extent = |axis: DVec3, slope: f64| {
-        let over = points.iter().map(|p| p.dot(axis) + slope * p.dot(away)).fold(f64::NEG_INFINITY, f64::max);
-        let under = points.iter().map(|p| p.dot(axis) - slope * p.dot(away)).fold(f64::INFINITY, f64::min);
-        (0.5 * (over + under), 0.5 * (over - under) / slope)
-    };
-    let ((x, wide), (y, high)) = (extent(right, slope * aspect), extent(up, slope));
-    let nearest = points.iter().map(|p| p.dot(away)).fold(f64::NEG_INFINITY, f64::max);
-    let middle = points.iter().map(|p| p.dot(away)).sum::<f64>() / points.len().max(1) as f64;
-    // Not within the hair, however small the scene.
-    let z = wide.max(high).max(nearest + 1e-3);
-    let eye = x * right + y * up + z * away;
-    let target = eye - (z - middle).max(1e-3) * away;
-    View { eye, target, fov: camera.fov, width: camera.width, height: camera.height }
+/// The camera in a direction from what it is to see, nearest to that.
+struct Fit {
+    /// Unit vectors to the picture's right and top and to the camera.
+    axes: [DVec3; 3],
+    /// Directions across the picture's four edges, each as seen from within it, and to the camera and from it.
+    directions: [DVec3; 6],
+    /// Farthest along each of them that something reaches \[m\].
+    farthest: [f64; 6],
+    /// Slopes of the picture's right and upper edges against the way from the camera.
+    slopes: [f64; 2],
+}
+
+impl Fit {
+    fn new(away: DVec3, camera: &Camera) -> Self {
+        let right = DVec3::Y.cross(away).normalize_or(DVec3::X);
+        let up = away.cross(right);
+        let slope = FILLED * (0.5 * camera.fov.to_radians()).tan();
+        let slopes = [slope * f64::from(camera.width) / f64::from(camera.height), slope];
+        let [x, y] = slopes.map(|slope| slope * away);
+        let directions = [x + right, x - right, y + up, y - up, away, -away];
+        Self { axes: [right, up, away], directions, farthest: [f64::NEG_INFINITY; 6], slopes }
+    }
+
+    /// Sees the ball about `x` too.
+    fn add(&mut self, x: DVec3, radius: f64) {
+        for (farthest, direction) in self.farthest.iter_mut().zip(self.directions) {
+            *farthest = farthest.max(x.dot(direction) + radius * direction.length());
+        }
+    }
+
+    fn view(&self, camera: &Camera) -> View {
+        let ([right, up, away], [a, b, c, d, near, far]) = (self.axes, self.farthest);
+        // On each axis of the picture the eye is where both edges touch. Not within the hair, however small the scene.
+        let z = (0.5 * (a + b) / self.slopes[0]).max(0.5 * (c + d) / self.slopes[1]).max(near + 1e-3);
+        let eye = 0.5 * (a - b) * right + 0.5 * (c - d) * up + z * away;
+        let target = eye - (z - 0.5 * (near - far)).max(1e-3) * away;
+        View { eye, target, fov: camera.fov, width: camera.width, height: camera.height }
+    }
+}
+
+fn point(x: [f32; 3]) -> DVec3 {
+    Vec3::from_array(x).as_dvec3()
 }
 
 fn corners(low: DVec3, high: DVec3) -> [DVec3; 8] {

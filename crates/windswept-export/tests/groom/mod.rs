@@ -6,7 +6,7 @@ use glam::Vec3;
 use image::RgbaImage;
 use windswept::{AdapterChoice, Frame, Gpu, HairFrame};
 use windswept_export::{Renderer, image};
-use windswept_scene::Scene;
+use windswept_scene::{Scene, Strands};
 
 /// Looks along -z at the origin, from 0.2 m: 1 px is 0.2 mm there, a hair about half a pixel.
 pub(crate) const SCENE: &str = "
@@ -38,6 +38,18 @@ pub(crate) fn strands(roots: &[Vec3], along: Vec3) -> HairFrame {
         velocities: vec![[0.0; 3]; 9 * roots.len()],
         orientations: vec![frame.to_array(); 8 * roots.len()],
         root_frames: vec![frame.to_array(); roots.len()],
+        ..HairFrame::default()
+    }
+}
+
+/// Strands as a scene has them at its start, as a frame.
+pub(crate) fn at_rest(strands: &Strands) -> HairFrame {
+    HairFrame {
+        offsets: strands.point_offsets.clone(),
+        positions: strands.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
+        velocities: vec![[0.0; 3]; strands.positions.len()],
+        orientations: strands.orientations.iter().map(|q| q.as_quat().to_array()).collect(),
+        root_frames: strands.root_frame.iter().map(|q| q.as_quat().to_array()).collect(),
         ..HairFrame::default()
     }
 }
