@@ -45,7 +45,9 @@ fn two_signals_at_once_are_one() {
 #[test]
 fn a_later_signal_ends_the_process() {
     let folder = folder();
-    let output = signalled(folder.path(), 10_000, "for i in 1 2 3 4 5 6 7 8 9; do kill -INT $pid; sleep 0.1; done");
+    // Two seconds behind the first checkpoint the first step, of a minute or more, is being taken.
+    let told = "sleep 2; for i in 1 2 3 4 5 6 7 8 9; do kill -INT $pid; sleep 0.1; done";
+    let output = signalled(folder.path(), 10_000, told);
     assert_eq!(output.status.code(), Some(130), "{output:?}");
     assert!(!listing(&folder.path().join("out")).contains(&"report.json".to_owned()), "{output:?}");
 }
