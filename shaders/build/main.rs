@@ -11,7 +11,7 @@ mod table;
 
 use std::{
     borrow::Cow,
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeMap,
     env, error, fs,
     path::{Path, PathBuf},
     process::ExitCode,
@@ -23,7 +23,7 @@ use naga::{
 };
 
 use layout::Structs;
-use software::Textures;
+use software::Reads;
 use source::Source;
 use table::Table;
 
@@ -74,8 +74,14 @@ fn build() -> Result<()> {
     }
     let mut structs = Structs::default();
     let mut table = Table::default();
-    // Names of arrays that any text for software adapters reads elsewhere than in a storage buffer, and of passes that also write such arrays.
-    let mut elsewhere = BTreeSet::new();
+    let mut for_software = BTreeMap::new();
+    let mut reads = Reads::default();
+    for source in sources.iter().filter(|source| source.is_pass()) {
+        let text = link(&root, &source.name(), &["subgroups", "software"])?;
+        let (module, info) = validate(&source.name(), &text)?;
+        reads.add(&module, &info);
+        for_software.insert(source.name(), (text, module, info));
+    }
     for source in &sources {
         if !source.runs() {
             continue;
@@ -100,21 +106,15 @@ fn build() -> Result<()> {
             fs::write(out.join(&target), &plain)?;
             other = Some(target);
         }
-        let mut software = Vec::new();
-        for textures in Textures::BOTH {
-            let linked = link(&root, &name, textures.features())?;
-            let (module, info) = validate(&name, &linked)?;
-            shares.in_software = share(&name, &module)?;
-            let (text, places) = software::text_for_software(textures, &name, &linked, &module, &info, &mut elsewhere)
-                .map_err(|error| format!("shaders/{name}.wgsl: for software adapters: {error}"))?;
-            validate(&name, &text)?;
-            let target = format!("{}_{}.wgsl", name.replace('/', "_"), textures.suffix());
-            fs::write(out.join(&target), &text)?;
-            software.push((target, places));
-        }
-        table.pass(source, &target, other.as_deref(), &software, shares, &module, &info)?;
+        let (text, module_in_software, info_in_software) = &for_software[&name];
+        shares.in_software = share(&name, module_in_software)?;
+        let (text, places) = software::text_for_software(text, module_in_software, info_in_software, &reads)
+            .map_err(|error| format!("shaders/{name}.wgsl: for software adapters: {error}"))?;
+        validate(&name, &text)?;
+        let software = format!("{}_software.wgsl", name.replace('/', "_"));
+        fs::write(out.join(&software), &text)?;
+        table.pass(source, &target, other.as_deref(), (&software, &places), shares, &module, &info)?;
     }
-    software::all_found(&elsewhere)?;
     fs::write(out.join("shaders.rs"), table.write(&sources, &structs)?)?;
     Ok(())
 }

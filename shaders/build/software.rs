@@ -7,17 +7,14 @@
 //!
 //! A constant place of a uniform is read once only if no branch comes before, so that a text first copies what it reads of uniforms.
 //!
-//! A texture is a copy of the array's buffer. Where the processor reads storage buffers quickly, only arrays from which passes gather
-//! are worth it, and those that no pass writes, which are copied once in a step and compile faster as textures. Each pass has a text for
-//! such processors ([`Textures::Gathered`]).
-//!
-//! In the other text ([`Textures::All`]) some passes read an array that they also write, and no element of it after they have written
-//! it. They read a texture beside the buffer that they write.
+//! A texture is a copy of the array's buffer, which is worth it for arrays whose elements some pass reads in a loop, and for those that no
+//! pass writes, which are copied once in a step and compile faster as textures.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use naga::{
-    AddressSpace, ArraySize, Handle, Module, Scalar, ScalarKind, StructMember, Type, TypeInner,
+    AddressSpace, ArraySize, Block, Expression, Function, GlobalVariable, Handle, Module, Scalar, ScalarKind, Statement,
+    StructMember, Type, TypeInner, VectorSize,
     valid::{GlobalUse, ModuleInfo},
 };
 
@@ -26,197 +23,119 @@ use crate::Result;
 /// Bytes of a row of texels in every texture.
 pub(crate) const ROW: u32 = 32768;
 
-/// Names, as shaders bind them, of the arrays that passes gather from, whose elements are read several times, and of `points`, `segments`
-/// and `strands`, which no pass writes. They are textures on every software adapter.
-const GATHERED: [&str; 37] = [
-    "band_velocity",
-    "cell_count",
-    "cell_rows",
-    "cell_start",
-    "curvature",
-    "density",
-    "deposited",
-    "distances",
-    "exchange",
-    "field",
-    "final_velocity",
-    "flow",
-    "flow_position",
-    "gradients",
-    "inverse_mass",
-    "members",
-    "multiplier",
-    "neighbour_list",
-    "new_velocity",
-    "nodes",
-    "points",
-    "position",
-    "predicted",
-    "rubbing",
-    "sampled",
-    "segments",
-    "smoothed",
-    "smoother",
-    "smoother_curvature",
-    "sorted",
-    "sorted_position",
-    "squeezed",
-    "strands",
-    "stress",
-    "taps",
-    "velocity",
-    "vorticity",
-];
-
-/// Names of the arrays of which passes read each element about once in a step, and write it. They are textures where storage buffers are
-/// read slowly.
-const STREAMED: [&str; 20] = [
-    "air_id",
-    "air_id_before",
-    "brought",
-    "cell_place",
-    "coarse_change",
-    "confinement",
-    "correction",
-    "drag_impulse",
-    "felt_shift",
-    "grip",
-    "orientation",
-    "point_history",
-    "pressed",
-    "pressed_before",
-    "rod_points",
-    "rod_strands",
-    "scattered",
-    "segment_history",
-    "shift",
-    "wind_change",
-];
-
-/// Names of the arrays that have so few elements that they are uniforms, and how many elements those are.
-const FEW: [(&str, u32); 3] = [("missed", 2), ("coarse_total", 2), ("confinement_total", 2)];
-
-/// Passes that read no element of an array after they have written it. They read a texture of it where storage buffers are read slowly.
-const READ_FIRST: [&str; 13] = [
-    "coarse/push",
-    "contact/air",
-    "fluid/friction",
-    "fluid/limit",
-    "fluid/move",
-    "fluid/place",
-    "fluid/push",
-    "fluid/velocity",
-    "guard/commit_hair",
-    "turbulence/confine",
-    "turbulence/strengthen",
-    "wind/drag",
-    "wind/react",
-];
-
-/// What the number of a buffer's binding is less than that of the texture beside it.
-const BESIDE: u32 = 32;
-
 /// What stands in the text for software adapters in place of a storage buffer.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Place {
     /// A uniform.
     Uniform,
-    /// A uniform array of so many elements.
-    Few(u32),
     /// A texture of texels of so many bytes.
     Texture(u32),
-    /// The buffer, to write, and a texture, to read, with the number of its binding and the bytes of its texels.
-    Beside(u32, u32),
 }
 
-/// Which arrays a text reads from textures, as the table has them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Textures {
-    All,
-    Gathered,
+/// Which arrays passes read, by their names as shaders bind them.
+#[derive(Default)]
+pub(crate) struct Reads {
+    /// Some pass reads elements of these in a loop.
+    gathered: BTreeSet<String>,
+    /// Some pass writes these.
+    written: BTreeSet<String>,
 }
 
-impl Textures {
-    /// In the order of the table.
-    pub(crate) const BOTH: [Self; 2] = [Self::All, Self::Gathered];
+impl Reads {
+    /// Adds those of a pass.
+    pub(crate) fn add(&mut self, module: &Module, info: &ModuleInfo) {
+        for (handle, variable) in module.global_variables.iter() {
+            let written = info.get_entry_point(0)[handle].intersects(GlobalUse::ATOMIC | GlobalUse::WRITE);
+            if let (true, Some(name)) = (written, &variable.name) {
+                self.written.insert(name.clone());
+            }
+        }
+        self.add_loops(module, &module.entry_points[0].function, &module.entry_points[0].function.body, false);
+    }
 
-    /// What the files of such texts are called, after the pass.
-    pub(crate) fn suffix(self) -> &'static str {
-        match self {
-            Self::All => "software",
-            Self::Gathered => "software_gathers",
+    fn add_loops(&mut self, module: &Module, function: &Function, block: &Block, in_loop: bool) {
+        for statement in block {
+            match statement {
+                Statement::Emit(range) if in_loop => {
+                    let loads = range.clone().filter_map(|handle| match function.expressions[handle] {
+                        Expression::Load { pointer } => variable_of(function, pointer),
+                        _ => None,
+                    });
+                    self.gathered.extend(loads.filter_map(|variable| module.global_variables[variable].name.clone()));
+                }
+                Statement::Call { function, .. } => {
+                    let called = &module.functions[*function];
+                    self.add_loops(module, called, &called.body, in_loop);
+                }
+                Statement::Block(block) => self.add_loops(module, function, block, in_loop),
+                Statement::If { accept, reject, .. } => {
+                    self.add_loops(module, function, accept, in_loop);
+                    self.add_loops(module, function, reject, in_loop);
+                }
+                Statement::Switch { cases, .. } => {
+                    cases.iter().for_each(|case| self.add_loops(module, function, &case.body, in_loop));
+                }
+                Statement::Loop { body, continuing, .. } => {
+                    self.add_loops(module, function, body, true);
+                    self.add_loops(module, function, continuing, true);
+                }
+                _ => {}
+            }
         }
     }
 
-    /// Features of the shaders in such texts.
-    pub(crate) fn features(self) -> &'static [&'static str] {
-        match self {
-            Self::All => &["subgroups", "software"],
-            Self::Gathered => &["subgroups", "software"],
-        }
-    }
-
-    fn has(self, array: &str) -> bool {
-        GATHERED.contains(&array) || (self == Self::All && STREAMED.contains(&array))
+    /// Whether the array is worth a texture.
+    fn in_texture(&self, name: &str) -> bool {
+        self.gathered.contains(name) || !self.written.contains(name)
     }
 }
 
-/// The text of a pass for software adapters, and what is in another place there, by the numbers of the bindings. Names of
-/// what is are added to `found`, and so is that of a pass of [`READ_FIRST`].
+/// The global variable that a pointer leads into.
+fn variable_of(function: &Function, pointer: Handle<Expression>) -> Option<Handle<GlobalVariable>> {
+    match function.expressions[pointer] {
+        Expression::GlobalVariable(variable) => Some(variable),
+        Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => variable_of(function, base),
+        _ => None,
+    }
+}
+
+/// The text of a pass for software adapters, and what is in another place there, by the numbers of the bindings.
 pub(crate) fn text_for_software(
-    textures: Textures,
-    pass: &str,
     text: &str,
     module: &Module,
     info: &ModuleInfo,
-    found: &mut BTreeSet<String>,
+    reads: &Reads,
 ) -> Result<(String, BTreeMap<u32, Place>)> {
     let (mut text, mut places) = (text.to_owned(), BTreeMap::new());
     let mut words = BTreeMap::new();
     for (handle, variable) in module.global_variables.iter() {
         let (Some(name), Some(binding)) = (variable.name.as_deref(), &variable.binding) else { continue };
         let AddressSpace::Storage { access } = variable.space else { continue };
-        let uses = info.get_entry_point(0)[handle];
-        let written = uses.contains(GlobalUse::WRITE);
-        let reads_first = textures == Textures::All && uses.contains(GlobalUse::READ) && READ_FIRST.contains(&pass);
-        if uses.contains(GlobalUse::ATOMIC) || (written && !reads_first) {
+        // A texture does not know the length of its array.
+        if info.get_entry_point(0)[handle].intersects(GlobalUse::ATOMIC | GlobalUse::WRITE | GlobalUse::QUERY) {
             continue;
         }
         let mode = if access.contains(naga::StorageAccess::STORE) { "read_write" } else { "read" };
         let declaration = format!("var<storage, {mode}> {name}: ");
         let (before, rest) = text.split_once(&declaration).ok_or_else(|| format!("no `{declaration}`"))?;
         let (_, after) = rest.split_once(';').ok_or_else(|| format!("no end of `{declaration}`"))?;
-        let few = FEW.iter().find(|(few, _)| *few == name).map(|(_, count)| *count);
-        let (made, place) = match (&module.types[variable.ty].inner, few) {
-            (TypeInner::Struct { members, span }, _) if !written => {
+        let (made, place) = match &module.types[variable.ty].inner {
+            TypeInner::Struct { members, span } => {
                 let declaration = format!("var<uniform> {name}: array<vec4<u32>, {}>;", span.div_ceil(16));
                 let read = words.entry(name.to_owned()).or_default();
                 let mut with_words = |text| with_words(text, name, module, members, read);
                 (format!("{}{declaration}{}", with_words(before)?, with_words(after)?), Place::Uniform)
             }
-            (TypeInner::Array { base, size: ArraySize::Dynamic, .. }, Some(count)) if !written => {
-                let kind = type_name(module, *base)?;
-                (format!("{before}var<uniform> {name}: array<{kind}, {count}>;{after}"), Place::Few(count))
-            }
-            (TypeInner::Array { base, size: ArraySize::Dynamic, stride }, None) if textures.has(name) => {
+            TypeInner::Array { base, size: ArraySize::Dynamic, stride } if reads.in_texture(name) => {
                 let (before, after, texel) = (loaded(before, name)?, loaded(after, name)?, texel(*stride));
                 let load = load(name, module, *base, *stride)?;
                 let texture = format!("var {name}_texels: texture_storage_2d<{}, read>;\n\n{load}", format_of(texel));
-                if written {
-                    found.insert(pass.to_owned());
-                    let number = binding.binding + BESIDE;
-                    let buffer = format!("{declaration}array<{}>;", type_name(module, *base)?);
-                    let both = format!("{buffer}\n\n@group(0) @binding({number})\n{texture}");
-                    (format!("{before}{both}{after}"), Place::Beside(number, texel))
-                } else {
-                    (format!("{before}{texture}{after}"), Place::Texture(texel))
-                }
+                (format!("{before}{texture}{after}"), Place::Texture(texel))
             }
             _ => continue,
         };
         text = made;
         places.insert(binding.binding, place);
-        found.insert(name.to_owned());
     }
     Ok((with_copies_of_uniforms(&text, &words)?, places))
 }
@@ -259,15 +178,6 @@ fn with_copies_of_uniforms(text: &str, words: &BTreeMap<String, BTreeSet<u32>>) 
 /// What the copy of a uniform's word is called.
 fn copy_of_word(name: &str, word: u32) -> String {
     format!("{name}_word_{word}")
-}
-
-/// An error if a name of [`GATHERED`], [`STREAMED`], [`FEW`] or [`READ_FIRST`] was of no use: it may have been renamed.
-pub(crate) fn all_found(found: &BTreeSet<String>) -> Result<()> {
-    let mut names = GATHERED.into_iter().chain(STREAMED).chain(FEW.map(|(name, _)| name)).chain(READ_FIRST);
-    match names.find(|name| !found.contains(*name)) {
-        Some(name) => Err(format!("shaders/build/software.rs: no array or pass {name} is read elsewhere").into()),
-        None => Ok(()),
-    }
 }
 
 /// Bytes of a texel for elements of so many bytes: the most of 4, 8 and 16 of which they are a multiple.
@@ -393,44 +303,10 @@ fn loaded(text: &str, name: &str) -> Result<String> {
         }
         let (index, after) = closed(inside)?;
         let index = loaded(index, name)?;
-        let load = format!("load_{name}(u32({index}))");
-        let (path, behind) = path(after)?;
-        (made, rest) = match assigned(behind) {
-            None => (made + &load, after),
-            Some(("", _)) => (format!("{made}{name}[{index}]"), after),
-            Some((operator, behind)) => {
-                let (value, behind) = behind.split_once(';').ok_or("an assignment does not end")?;
-                let value = loaded(value.trim_start(), name)?;
-                (format!("{made}{name}[{index}]{path} = {load}{path} {operator} ({value});"), behind)
-            }
-        };
+        made += &format!("load_{name}(u32({index}))");
+        rest = after;
     }
     Ok(made + rest)
-}
-
-/// Members and elements that a text begins with, and what follows them.
-fn path(text: &str) -> Result<(&str, &str)> {
-    let mut rest = text;
-    loop {
-        rest = if let Some(inside) = rest.strip_prefix('[') {
-            closed(inside)?.1
-        } else if let Some(member) = rest.strip_prefix('.') {
-            member.trim_start_matches(|c: char| c.is_alphanumeric() || c == '_')
-        } else {
-            return Ok(text.split_at(text.len() - rest.len()));
-        };
-    }
-}
-
-/// The operator of an assignment to what stands before a text, and what follows it: none in `=`, `+` in `+=`.
-fn assigned(text: &str) -> Option<(&str, &str)> {
-    let text = text.trim_start();
-    if text.starts_with("==") {
-        return None;
-    }
-    let end = text.find(|c| !"+-*/%&|^".contains(c))?;
-    let (operator, rest) = text.split_at(end);
-    rest.strip_prefix('=').map(|rest| (operator, rest))
 }
 
 /// A scalar as WGSL spells it.
@@ -450,6 +326,9 @@ fn type_name(module: &Module, ty: Handle<Type>) -> Result<String> {
         Type { inner: TypeInner::Vector { size, scalar }, .. } => {
             format!("vec{}<{}>", *size as u32, scalar_name(*scalar))
         }
+        Type { inner: TypeInner::Matrix { columns, rows: VectorSize::Quad, scalar }, .. } => {
+            format!("mat{}x4<{}>", *columns as u32, scalar_name(*scalar))
+        }
         other => return Err(format!("{other:?} cannot be in a texture").into()),
     })
 }
@@ -465,6 +344,13 @@ fn element(module: &Module, ty: Handle<Type>, offset: u32, texel: u32) -> Result
         TypeInner::Vector { size, .. } => {
             let count = *size as u32;
             format!("bitcast<{kind}>(vec{count}u({}))", (0..count).map(word).collect::<Vec<_>>().join(", "))
+        }
+        TypeInner::Matrix { columns, .. } => {
+            let column = |k: u32| {
+                let words: Vec<_> = (0..4).map(|row| word(4 * k + row)).collect();
+                format!("bitcast<vec4f>(vec4u({}))", words.join(", "))
+            };
+            format!("{kind}({})", (0..*columns as u32).map(column).collect::<Vec<_>>().join(", "))
         }
         TypeInner::Struct { members, .. } => {
             let values = members.iter().map(|member| element(module, member.ty, offset + member.offset, texel));

@@ -60,6 +60,11 @@ impl Source {
         ["@compute", "@vertex"].iter().any(|stage| self.text.lines().any(|line| line.starts_with(stage)))
     }
 
+    /// Whether the file is a pass of the step, and not of the pictures.
+    pub(crate) fn is_pass(&self) -> bool {
+        self.runs() && self.folder != "pictures"
+    }
+
     fn read_declarations(&mut self) -> Result<()> {
         let lines: Vec<String> = self.text.lines().map(str::to_owned).collect();
         // The lines of comment right above a declaration.

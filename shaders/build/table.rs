@@ -28,20 +28,19 @@ pub(crate) struct Table {
 
 impl Table {
     /// Adds a pass of the step: its text in `target`, in `plain` without subgroup operations, in `software` for software
-    /// adapters with all textures and with those that are gathered from, with these bindings in other places.
+    /// adapters, with these bindings in other places.
     pub(crate) fn pass(
         &mut self,
         source: &Source,
         target: &str,
         plain: Option<&str>,
-        software: &[(String, BTreeMap<u32, Place>)],
+        (software, places): (&str, &BTreeMap<u32, Place>),
         shares: Shares,
         module: &Module,
         info: &ModuleInfo,
     ) -> Result<()> {
         let file = |target: &str| format!("include_str!(concat!(env!(\"OUT_DIR\"), \"/{target}\"))");
         let plain = plain.map_or_else(|| "None".to_owned(), |target| format!("Some({})", file(target)));
-        let for_software: Vec<_> = software.iter().map(|(target, _)| file(target)).collect();
         let name = source.name();
         let fault = |what: &str| format!("shaders/{name}.wgsl: {what}");
         let [entry] = module.entry_points.as_slice() else {
@@ -70,28 +69,15 @@ impl Table {
             };
             let written = uses.intersects(GlobalUse::WRITE | GlobalUse::ATOMIC);
             let read = uses.intersects(GlobalUse::READ | GlobalUse::ATOMIC);
-            let buffer = |kind: &str| format!("buffer: Some(BufferKind::{kind})");
-            let texture =
-                |number: &u32, texel: &u32| format!("texture: Some(Texture {{ binding: {number}, texel: {texel} }})");
-            let places = software.iter().map(|(_, places)| places.get(&binding.binding));
-            let few = places.clone().flatten().find_map(|place| match place {
-                Place::Few(count) => Some(count),
-                _ => None,
-            });
-            let in_software = places.map(|place| {
-                let (buffer, texture) = match place {
-                    None => (buffer(kind), "texture: None".to_owned()),
-                    Some(Place::Uniform | Place::Few(_)) => (buffer("Uniform"), "texture: None".to_owned()),
-                    Some(Place::Texture(texel)) => ("buffer: None".to_owned(), texture(&binding.binding, texel)),
-                    Some(Place::Beside(number, texel)) => (buffer(kind), texture(number, texel)),
-                };
-                format!("InSoftware {{ {buffer}, {texture} }}")
-            });
+            let in_software = match places.get(&binding.binding) {
+                None => format!("Bound::Buffer(BufferKind::{kind})"),
+                Some(Place::Uniform) => "Bound::Buffer(BufferKind::Uniform)".to_owned(),
+                Some(Place::Texture(texel)) => format!("Bound::Texture {{ texel: {texel} }}"),
+            };
             let row = format!(
-                "Binding {{ binding: {}, name: {:?}, kind: BufferKind::{kind}, reads: {read}, writes: {written}, stride: {stride}, in_software: [{}], few: {few:?} }}",
+                "Binding {{ binding: {}, name: {:?}, kind: BufferKind::{kind}, reads: {read}, writes: {written}, stride: {stride}, in_software: {in_software} }}",
                 binding.binding,
                 variable.name.clone().unwrap_or_default(),
-                in_software.collect::<Vec<_>>().join(", "),
             );
             bindings.insert(binding.binding, (row, kind));
         }
@@ -106,7 +92,7 @@ impl Table {
         let constant = source.stem.to_uppercase();
         writeln!(text, "{}pub static {constant}: Pass = Pass {{", doc(&source.title))?;
         writeln!(text, "name: {name:?}, workgroup: {workgroup}, switches: &[{switches}], source: {},", file(target))?;
-        writeln!(text, "source_without_subgroups: {plain}, sources_for_software: [{}],", for_software.join(", "))?;
+        writeln!(text, "source_without_subgroups: {plain}, source_for_software: {},", file(software))?;
         let Shares { with_subgroups, without_subgroups, in_software } = shares;
         writeln!(
             text,
@@ -165,7 +151,7 @@ impl Table {
                     if folder == "pictures" {
                         "Picture"
                     } else {
-                        "{Binding, BufferKind, InSoftware, Operations, Pass, Shares, Texture}"
+                        "{Binding, Bound, BufferKind, Operations, Pass, Shares}"
                     }
                 )?;
             }

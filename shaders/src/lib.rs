@@ -40,9 +40,9 @@ pub struct Pass {
     pub source: &'static str,
     /// The text for devices without subgroups of at least eight lanes, where `source` has subgroup operations.
     pub source_without_subgroups: Option<&'static str>,
-    /// The texts for software adapters, one for each of [`Textures`], with subgroup operations: some of what the pass only reads lies in
-    /// uniforms and read-only storage textures there, and uniforms are read before all else.
-    pub sources_for_software: [&'static str; 2],
+    /// The text for software adapters, with subgroup operations: some of what the pass only reads lies in uniforms and read-only storage
+    /// textures there, and uniforms are read before all else.
+    pub source_for_software: &'static str,
     /// Switches that the text has.
     pub switches: &'static [Switch],
     /// Invocations per workgroup.
@@ -63,7 +63,7 @@ pub struct Shares {
     pub with_subgroups: u32,
     /// In [`Pass::source_without_subgroups`].
     pub without_subgroups: u32,
-    /// In [`Pass::sources_for_software`].
+    /// In [`Pass::source_for_software`].
     pub in_software: u32,
 }
 
@@ -81,15 +81,6 @@ pub struct Operations {
     pub more: bool,
 }
 
-/// Which arrays the texts for software adapters read from textures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Textures {
-    /// All of which a step reads much: for processors that read storage buffers slowly.
-    All,
-    /// Those from which passes gather: for processors that read storage buffers quickly.
-    Gathered,
-}
-
 /// A buffer that a pass binds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Binding {
@@ -105,10 +96,8 @@ pub struct Binding {
     pub writes: bool,
     /// Size of an element, or of the struct \[bytes\].
     pub stride: u32,
-    /// Where each of `sources_for_software` has it.
-    pub in_software: [InSoftware; 2],
-    /// How many elements `sources_for_software` declare, where they have a uniform array in place of one of any length.
-    pub few: Option<u64>,
+    /// What `source_for_software` binds in its place.
+    pub in_software: Bound,
 }
 
 /// Kind of a buffer's declaration in a shader.
@@ -122,23 +111,16 @@ pub enum BufferKind {
     ReadWrite,
 }
 
-/// Where a text for software adapters has an array: in a buffer, in a texture, or in a buffer that the pass writes and a texture
-/// from which it reads what the buffer held before the pass.
+/// What a text of a pass binds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct InSoftware {
-    /// The buffer's kind.
-    pub buffer: Option<BufferKind>,
-    /// The texture.
-    pub texture: Option<Texture>,
-}
-
-/// A read-only storage texture that a pass binds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Texture {
-    /// Number in group 0.
-    pub binding: u32,
-    /// Size of a texel: 4, 8 or 16 \[bytes\].
-    pub texel: u32,
+pub enum Bound {
+    /// A buffer.
+    Buffer(BufferKind),
+    /// A read-only storage texture.
+    Texture {
+        /// Size of a texel: 4, 8 or 16 \[bytes\].
+        texel: u32,
+    },
 }
 
 /// A shader of the pictures, with entry points of its own names.

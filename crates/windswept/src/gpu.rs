@@ -21,7 +21,7 @@ pub(crate) use program::{Profile, Program, Span, write_trace};
 use serde::Serialize;
 pub use wgpu;
 use windswept_shaders::{
-    Binding, BufferKind, InSoftware, PASSES, Pass, Switch, TEXTURE_ROW, Texture, Textures, common::lanes::LANES,
+    Binding, Bound, BufferKind, PASSES, Pass, Switch, TEXTURE_ROW, common::lanes::LANES,
 };
 
 use crate::error::GpuError;
@@ -37,11 +37,8 @@ pub enum PassTexts {
     /// neighbours through the workgroup's memory, which is slower.
     Workgroup,
     /// For software adapters: eight invocations exchange what they read of eight neighbours by subgroup operations, but share nothing
-    /// else. Much of what passes read lies in textures and uniforms, which software adapters read faster.
+    /// else. Arrays from which passes gather lie in textures, and parameters in uniforms, which software adapters read faster.
     Software,
-    /// For software adapters on a processor with AVX-512, on which Mesa reads storage buffers faster than it copies them to textures: as
-    /// `Software`, but only what passes gather lies in textures.
-    SoftwareAvx512,
 }
 
 /// A device with its queue and the pipelines made so far. Cheap to clone; simulations may share it.
@@ -147,7 +144,6 @@ impl Gpu {
         let software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         let texts = match subgroups {
             false => PassTexts::Workgroup,
-            true if software && binds_textures(&has) && has_avx512() => PassTexts::SoftwareAvx512,
             true if software && binds_textures(&has) => PassTexts::Software,
             true => PassTexts::Subgroups,
         };
@@ -179,31 +175,15 @@ impl Gpu {
         self.texts
     }
 
-    /// Whether the driver compiles a pipeline where it runs first, and not where it is made: Mesa's software driver does.
-    pub(crate) fn compiles_late(&self) -> bool {
-        self.software_textures().is_some()
+    /// Whether this is a software adapter. Its driver compiles a pipeline where it runs first, and not where it is made.
+    pub(crate) fn is_software(&self) -> bool {
+        self.texts == PassTexts::Software
     }
 
-    /// What passes read from textures, where they run in their texts for software adapters.
-    pub(crate) fn software_textures(&self) -> Option<Textures> {
-        match self.texts {
-            PassTexts::Subgroups | PassTexts::Workgroup => None,
-            PassTexts::Software => Some(Textures::All),
-            PassTexts::SoftwareAvx512 => Some(Textures::Gathered),
-        }
-    }
-
-    /// What a pass reads from textures, if it runs in a text for software adapters.
-    pub(crate) fn textures_of(&self, pass: &Pass) -> Option<Textures> {
-        self.software_textures().filter(|_| !self.sources.contains_key(pass.name))
-    }
-
-    /// What the text of a pass that runs binds for a binding: a buffer, with its kind, and a texture.
-    pub(crate) fn bound(&self, pass: &Pass, binding: &Binding) -> (Option<BufferKind>, Option<Texture>) {
-        self.textures_of(pass).map_or((Some(binding.kind), None), |textures| {
-            let InSoftware { buffer, texture } = binding.in_software[textures as usize];
-            (buffer, texture)
-        })
+    /// What the variant of a pass that runs binds for a binding.
+    pub(crate) fn bound(&self, pass: &Pass, binding: &Binding) -> Bound {
+        let stands_in = self.sources.contains_key(pass.name);
+        if self.is_software() && !stands_in { binding.in_software } else { Bound::Buffer(binding.kind) }
     }
 
     /// How many invocations share the work of one that a step asks for, in the text of a pass that runs. A text that stands in for it is
@@ -220,7 +200,7 @@ impl Gpu {
         match texts {
             PassTexts::Subgroups => pass.shares.with_subgroups,
             PassTexts::Workgroup => pass.shares.without_subgroups,
-            PassTexts::Software | PassTexts::SoftwareAvx512 => pass.shares.in_software,
+            PassTexts::Software => pass.shares.in_software,
         }
     }
 
@@ -306,10 +286,10 @@ impl Gpu {
         }
         let constant = |switch: &Switch| (switch.name(), f64::from(u8::from(on(*switch))));
         let constants: Vec<_> = pass.switches.iter().map(constant).collect();
-        let other = match self.software_textures() {
-            Some(textures) => Some(pass.sources_for_software[textures as usize]),
-            None if self.texts == PassTexts::Workgroup => pass.source_without_subgroups,
-            None => None,
+        let other = match self.texts {
+            PassTexts::Software => Some(pass.source_for_software),
+            PassTexts::Workgroup => pass.source_without_subgroups,
+            PassTexts::Subgroups => None,
         };
         let source = own.map_or(other.unwrap_or(pass.source), String::as_str);
         let pipeline = self.checked(
@@ -319,7 +299,7 @@ impl Gpu {
                     label: Some(pass.name),
                     source: wgpu::ShaderSource::Wgsl(source.into()),
                 });
-                let entries: Vec<_> = pass.bindings.iter().flat_map(|binding| self.layout(pass, binding)).collect();
+                let entries: Vec<_> = pass.bindings.iter().map(|binding| self.layout(pass, binding)).collect();
                 let group = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                     label: Some(pass.name),
                     entries: &entries,
@@ -376,33 +356,25 @@ impl Gpu {
     }
 
     /// What a binding adds to the layout of its pass.
-    fn layout(&self, pass: &Pass, binding: &Binding) -> impl Iterator<Item = wgpu::BindGroupLayoutEntry> {
-        let (buffer, texture) = self.bound(pass, binding);
-        let buffer = buffer.map(|kind| (binding.binding, buffer_type(kind)));
-        let texture = texture.map(|texture| (texture.binding, texture_type(texture.texel)));
+    fn layout(&self, pass: &Pass, binding: &Binding) -> wgpu::BindGroupLayoutEntry {
+        let ty = match self.bound(pass, binding) {
+            Bound::Buffer(kind) => buffer_type(kind),
+            Bound::Texture { texel } => texture_type(texel),
+        };
         let visibility = wgpu::ShaderStages::COMPUTE;
-        let entry = move |(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-        buffer.into_iter().chain(texture).map(entry)
+        wgpu::BindGroupLayoutEntry { binding: binding.binding, visibility, ty, count: None }
     }
 }
 
 /// Whether a device of these limits binds as many textures as any pass reads, each as large as a buffer that it binds and with a row more
 /// (`textures::rows`).
 fn binds_textures(limits: &wgpu::Limits) -> bool {
-    let read = |binding: &&Binding| binding.in_software[Textures::All as usize].texture.is_some();
+    let read = |binding: &&Binding| matches!(binding.in_software, Bound::Texture { .. });
     let textures = |pass: &&Pass| pass.bindings.iter().filter(read).count();
     let most = PASSES.iter().map(textures).max().unwrap_or(0) as u64;
     let binding = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     let (side, row) = (u64::from(limits.max_texture_dimension_2d), u64::from(TEXTURE_ROW));
     u64::from(limits.max_storage_textures_per_shader_stage) >= most && side >= row / 4 && (side - 1) * row >= binding
-}
-
-/// Whether the processor, which a software adapter runs on, has AVX-512 for vectors of 256 bits.
-fn has_avx512() -> bool {
-    #[cfg(target_arch = "x86_64")]
-    return std::arch::is_x86_feature_detected!("avx512vl");
-    #[cfg(not(target_arch = "x86_64"))]
-    return false;
 }
 
 fn buffer_type(kind: BufferKind) -> wgpu::BindingType {

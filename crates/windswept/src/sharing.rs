@@ -8,7 +8,6 @@
 
 use std::{cmp::Reverse, collections::BTreeMap, ops::Range};
 
-use windswept_shaders::Textures;
 
 use crate::{
     array::{AnyArray, Life},
@@ -144,7 +143,7 @@ impl Sharing {
     /// Two arrays that a recording needs in one texture at the same time.
     #[must_use]
     pub fn mixed(&self, recording: &Recording) -> Option<(&'static str, &'static str)> {
-        let readings = textures::readings(recording, Textures::All);
+        let readings = textures::readings(recording);
         let at_once = |a: &Reading, b: &Reading| {
             a.times.iter().any(|a| b.times.iter().any(|b| a.start < b.end && b.start < a.end))
         };
@@ -176,12 +175,11 @@ fn needed(array: &AnyArray, recordings: &[Recording]) -> Times {
     times
 }
 
-/// The arrays that recordings read as textures, and when, in texts that read as many as there are. Texts that read fewer need none at
-/// another time.
+/// The arrays that recordings read as textures, and when.
 fn read(recordings: &[Recording]) -> Vec<Reading> {
     let mut all: Vec<Reading> = Vec::new();
     for (recording, before) in numbered(recordings) {
-        for reading in textures::readings(recording, Textures::All) {
+        for reading in textures::readings(recording) {
             let times = reading.times.iter().map(|time| before + time.start..before + time.end).collect();
             match all.iter_mut().find(|other| other.array.slot() == reading.array.slot()) {
                 Some(other) => other.times.extend::<Times>(times),

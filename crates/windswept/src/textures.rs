@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use windswept_shaders::{TEXTURE_ROW, Texture, Textures};
+use windswept_shaders::{Bound, TEXTURE_ROW};
 
 use crate::{array::AnyArray, recorder::Recording};
 
@@ -21,15 +21,15 @@ pub(crate) struct Reading {
     pub(crate) times: Vec<Range<usize>>,
 }
 
-/// The arrays that a recording reads as textures, in texts that read these.
-pub(crate) fn readings(recording: &Recording, textures: Textures) -> Vec<Reading> {
+/// The arrays that a recording reads as textures.
+pub(crate) fn readings(recording: &Recording) -> Vec<Reading> {
     let mut all: Vec<Reading> = Vec::new();
     // Slots of the arrays whose textures have what their buffers have.
     let mut there: Vec<usize> = Vec::new();
     for (place, command) in recording.running().enumerate() {
         let bound = || command.pass.bindings.iter().zip(&command.arrays);
         for (binding, array) in bound() {
-            let Some(Texture { texel, .. }) = binding.in_software[textures as usize].texture else { continue };
+            let Bound::Texture { texel } = binding.in_software else { continue };
             let known = all.iter().position(|reading| reading.array.slot() == array.slot());
             let at = known.unwrap_or_else(|| {
                 all.push(Reading { array: *array, texel, times: Vec::new() });

@@ -225,7 +225,7 @@ pub(crate) fn check_sizes(gpu: &Gpu, arrays: &[AnyArray]) -> Result<(), GpuError
 
 fn allocate(gpu: &Gpu, array: &AnyArray) -> Result<wgpu::Buffer, GpuError> {
     let uniform = is_uniform(array.name());
-    let kind = match (uniform, gpu.software_textures().is_some()) {
+    let kind = match (uniform, gpu.is_software()) {
         (true, _) => wgpu::BufferUsages::UNIFORM,
         (false, true) => wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
         (false, false) => wgpu::BufferUsages::STORAGE,

@@ -7,7 +7,7 @@ use std::{
 
 pub(crate) use wgpu_profiler::chrometrace::write_chrometrace as write_trace;
 use wgpu_profiler::{GpuProfiler, GpuProfilerSettings, GpuTimerQueryResult};
-use windswept_shaders::{TEXTURE_ROW, Texture};
+use windswept_shaders::{Bound, TEXTURE_ROW};
 
 use crate::{
     error::GpuError,
@@ -70,13 +70,13 @@ pub(crate) type Profile = BTreeMap<(&'static str, &'static str, Option<usize>), 
 
 impl Program {
     pub(crate) fn new(gpu: &Gpu, memory: &Memory, recording: &Recording, on: &Switches<'_>) -> Result<Self, GpuError> {
-        if !gpu.compiles_late() {
+        if !gpu.is_software() {
             let mut passes: Vec<_> = recording.running().map(|command| command.pass).collect();
             passes.sort_unstable_by_key(|pass| pass.name);
             passes.dedup_by_key(|pass| pass.name);
             gpu.make_pipelines(passes, on)?;
         }
-        let read = gpu.software_textures().map(|textures| textures::readings(recording, textures)).unwrap_or_default();
+        let read = if gpu.is_software() { textures::readings(recording) } else { Vec::new() };
         let dispatches = recording.running().enumerate().map(|(place, command)| {
             let copied = read.iter().filter(|reading| reading.times.iter().any(|time| time.start == place));
             Dispatch::new(gpu, memory, command, copied, on)
@@ -220,16 +220,19 @@ impl Dispatch {
             let all = command.pass.bindings.iter().zip(&command.arrays);
             all.map(|(binding, array)| (binding.binding, gpu.bound(command.pass, binding), array))
         };
-        let textures = bound().filter_map(|(_, (_, texture), array)| Some((texture?, array)));
-        let views = textures.map(|(Texture { binding, texel }, array)| {
-            let texture = memory.texture(gpu, array, texel)?;
-            Ok((binding, texture.create_view(&wgpu::TextureViewDescriptor::default())))
+        let views = bound().map(|(_, bound, array)| match bound {
+            Bound::Buffer(_) => Ok(None),
+            Bound::Texture { texel } => memory.texture(gpu, array, texel).map(|texture| Some(texture.create_view(&wgpu::TextureViewDescriptor::default()))),
         });
         let views = views.collect::<Result<Vec<_>, GpuError>>()?;
-        let buffers = bound().filter_map(|(binding, (kind, _), array)| Some((binding, memory.binding(array, kind?))));
-        let views = views.iter().map(|(binding, view)| (*binding, wgpu::BindingResource::TextureView(view)));
-        let all = buffers.chain(views).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
-        let entries: Vec<_> = all.collect();
+        let resources = bound().zip(&views).filter_map(|((binding, bound, array), view)| {
+            let resource = match bound {
+                Bound::Buffer(kind) => memory.binding(array, kind),
+                Bound::Texture { .. } => wgpu::BindingResource::TextureView(view.as_ref()?),
+            };
+            Some(wgpu::BindGroupEntry { binding, resource })
+        });
+        let entries: Vec<_> = resources.collect();
         let group = gpu.checked(
             || format!("binding {} ({})", command.pass.name, command.label),
             || {
@@ -253,7 +256,7 @@ impl Dispatch {
             group,
             workgroups: [workgroups.div_ceil(rows), rows],
         };
-        if is_new && gpu.compiles_late() {
+        if is_new && gpu.is_software() {
             dispatch.begin_to_compile(gpu)?;
         }
         Ok(dispatch)
