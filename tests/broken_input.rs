@@ -30,11 +30,6 @@ const fn missing(line: &'static str, at: &'static str, key: &'static str) -> Cas
     Case { line, broken: "", at, key, words: &["missing"] }
 }
 
-/// A table or key that is reserved for a later version, at the end of the file.
-const fn reserved(broken: &'static str, at: &'static str, key: &'static str) -> Case {
-    Case { line: "", broken, at, key, words: &["not in this version"] }
-}
-
 const STRANDS: &str = "strands = 4";
 const RADIUS: &str = "radius = 4.0e-5";
 const LENGTH: &str = "length = 0.03";
@@ -93,7 +88,6 @@ const CASES: &[Case] = &[
         key: "hair.fringe.roots",
         words: &["goes with strands that are drawn"],
     },
-    reserved("[rods]\ninternal_damping = 0.1", "internal_damping = 0.1", "rods.internal_damping"),
     // Text that is not TOML.
     replaced(STRANDS, "strands = = 4", "", &[]),
     replaced(RADIUS, "strands = 5", "", &["duplicate key"]),

@@ -103,7 +103,7 @@ fn error(got: &[DVec3], wanted: &[DVec3], floor: f64) -> f64 {
 #[test]
 fn operations_are_those_of_the_twin() {
     let gpu = support::gpu();
-    let fluid_settings = Fluid::pbf(1, 0.5, 0.5);
+    let fluid_settings = Fluid::pbf(1, 0.5);
     for (name, mut crowd) in crowds() {
         crowd.scene.fluid = fluid_settings.clone();
         crowd.scene.viscosity.air = 0.9;
@@ -226,12 +226,11 @@ fn bad_arguments_are_named() {
     // Few in much empty space are no work.
     assert_eq!(good.band_velocity(&gpu, 0.1, Filter::Direct { cutoff: 3.0 }).unwrap().len(), 2);
     refused(good.viscosity(&gpu, -0.1), "coefficient: expected");
-    let fluid = Fluid::pbf(2, 0.5, 0.0);
+    let fluid = Fluid::pbf(2, 0.5);
     refused(
         good.solve_density(&gpu, Fluid { iterations: 10_001, ..fluid.clone() }),
         "iterations: expected a whole number from 0 to 10000",
     );
     refused(good.solve_density(&gpu, Fluid { relaxation: f64::NAN, ..fluid.clone() }), "relaxation: expected");
-    refused(good.solve_density(&gpu, Fluid { tension: 2.0, ..fluid.clone() }), "tension: expected");
     refused(Particles { radius: 4e-3, ..good }.solve_density(&gpu, fluid), "radius: expected at least 1.2 particle");
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use windswept::ops::Filter;
 use windswept_reference::turbulence::{mexican_hat, peak_gain};
-use windswept_scene::{Band, Order, Scene};
+use windswept_scene::{Band, Scene};
 use windswept_validate::internals::{Cloud, RADIUS, VOLUME, air_scene, vectors};
 
 use crate::{
@@ -17,13 +17,8 @@ use crate::{
 const SCALES: [f64; 3] = [0.007, 0.011, 0.018];
 /// Distances at which the direct sum is cut \[s\].
 const CUTOFFS: [f64; 5] = [3.0, 3.5, 4.0, 4.5, 5.0];
-/// Windows of the grid and their spacings \[s\].
-const GRIDS: [(Order, [f64; 5]); 4] = [
-    (Order::Cic, [0.5, 0.4, 0.3, 0.25, 0.2]),
-    (Order::Tsc, [0.7, 0.6, 0.5, 0.4, 0.3]),
-    (Order::Cubic, [1.0, 0.8, 0.65, 0.55, 0.45]),
-    (Order::Mitchell, [1.0, 0.8, 0.65, 0.55, 0.45]),
-];
+/// Spacings of the grid's nodes \[s\].
+const SPACINGS: [f64; 5] = [1.0, 0.8, 0.65, 0.55, 0.45];
 /// Distance along an axis beyond which images add less than 1e-12 of the hat's middle \[s\].
 const REACH: f64 = 8.0;
 /// Passes that the filters' time is of, or how their names start: all up to û. The grid sorts once more than the direct sum.
@@ -51,17 +46,12 @@ fn settings(bench: &Bench, scale: f64, default: Filter) -> Vec<Setting> {
         }
     });
     let mut all: Vec<Setting> = direct.collect();
-    for (order, spacings) in &GRIDS {
-        for &spacing in bench.some(spacings) {
-            let filter = Filter::Grid { order: *order, spacing };
-            let (series, label) = (
-                format!("grid, {}", order.word()),
-                format!("nodes {:.3} s apart at most", spacing.min(RADIUS / scale)),
-            );
-            match all.last_mut() {
-                Some(last) if last.series == series && last.label == label => last.default |= filter == default,
-                _ => all.push(Setting { filter, series, label, default: filter == default }),
-            }
+    for &spacing in bench.some(&SPACINGS) {
+        let filter = Filter::Grid { spacing };
+        let (series, label) = ("grid".to_owned(), format!("nodes {:.3} s apart at most", spacing.min(RADIUS / scale)));
+        match all.last_mut() {
+            Some(last) if last.series == series && last.label == label => last.default |= filter == default,
+            _ => all.push(Setting { filter, series, label, default: filter == default }),
         }
     }
     all

@@ -1,4 +1,4 @@
-//! What keeps air from being compressed: the density constraint by iterations, relaxation and tension, on one solve of disturbed
+//! What keeps air from being compressed: the density constraint by iterations and relaxation, on one solve of disturbed
 //! air and on air that moves; both solvers by iterations and substeps, on what an ideal fluid keeps.
 
 use std::f64::consts::TAU;
@@ -22,8 +22,6 @@ use crate::{
 const ITERATIONS: [u32; 7] = [1, 2, 3, 4, 6, 8, 12];
 /// Parts of a Jacobi step that are taken.
 const RELAXATIONS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// Shares of negative C that are let through.
-const TENSIONS: [f64; 2] = [0.0, 1.0];
 /// Number of particles along a side.
 const SIDE: usize = 16;
 /// Amplitude of the compression \[ρ0\].
@@ -62,7 +60,7 @@ const SOLVERS: [(FluidSolver, u32); 5] = [
 /// Errors and time of each setting.
 pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
     let plain = air_scene("fluid.solver = \"pbf\"")?;
-    let usual = (plain.fluid.iterations, plain.fluid.relaxation, plain.fluid.tension);
+    let usual = (plain.fluid.iterations, plain.fluid.relaxation);
     let disturbed = disturbed();
     let moving = lattice(SIDE).stirred(SPEED, 5);
     let steps = if bench.quick { 2 } else { STEPS };
@@ -71,7 +69,7 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
     let times = timing::passes(&bench.gpu, &scenes, &PASSES, bench.rounds(8))?;
     let mut points = Vec::new();
     for ((scene, _), time) in scenes.iter().zip(&times) {
-        let Fluid { iterations, relaxation, tension, .. } = scene.fluid;
+        let Fluid { iterations, relaxation, .. } = scene.fluid;
         let [rms_error, over] = solve(bench, &disturbed, scene.fluid.clone())?;
         let [moving_error, divergence] = run(bench, scene, &moving, steps)?;
         let errors = [
@@ -80,11 +78,10 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
             ("moving air: rms of ρ/ρ0 − 1", moving_error),
             ("moving air: rms divergence [1/s]", divergence),
         ];
-        let series = format!("tension {tension}, relaxation {relaxation}");
+        let series = format!("relaxation {relaxation}");
         let setting = format!("{iterations} iterations");
         points.extend(errors.map(|(kind, error)| Point {
-            default: (iterations, relaxation, tension) == usual,
-            candidate: tension == 0.0,
+            default: (iterations, relaxation) == usual,
             ..Point::new(kind, &series, &setting, time, error)
         }));
     }
@@ -97,8 +94,6 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
             "moving air: a lattice in six solenoidal waves of {SPEED} m/s, after {steps} steps; divergence \
                  Σ V (v_j − v_i)·∇W in f64, {start:.2} 1/s at the start"
         ),
-        "tension does not compete: the more work, the more the air shakes (divergence); error inf: the run ended early"
-            .to_owned(),
     ];
     notes.extend(ideal_notes);
     Ok(Measured { points, notes })
@@ -162,13 +157,9 @@ fn ideal(bench: &Bench, moving: &Cloud) -> Result<(Vec<Point>, Vec<String>)> {
 }
 
 fn settings(bench: &Bench) -> Vec<Fluid> {
-    let mut all = Vec::new();
-    for tension in TENSIONS {
-        for &relaxation in bench.some(&RELAXATIONS) {
-            all.extend(bench.some(&ITERATIONS).iter().map(|&iterations| Fluid::pbf(iterations, relaxation, tension)));
-        }
-    }
-    all
+    let relaxed =
+        |&relaxation| bench.some(&ITERATIONS).iter().map(move |&iterations| Fluid::pbf(iterations, relaxation));
+    bench.some(&RELAXATIONS).iter().flat_map(relaxed).collect()
 }
 
 /// Jittered air in a wave of compression.

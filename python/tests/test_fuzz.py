@@ -113,7 +113,7 @@ def attack(seed: int, rounds: int, folder: str) -> int:
         (ws.ops.vorticity, ["positions", "velocities", "mass", "rest_density", "radius", "box"]),
         (ws.ops.band_velocity, ["positions", "velocities", "mass", "rest_density", "scale", "filter", "cutoff", "box"]),
         (ws.ops.viscosity, ["positions", "velocities", "mass", "radius", "coefficient", "box"]),
-        (ws.ops.solve_density, ["positions", "mass", "rest_density", "radius", "iterations", "relaxation", "tension", "box"]),
+        (ws.ops.solve_density, ["positions", "mass", "rest_density", "radius", "iterations", "relaxation", "box"]),
     ]
     refused = 0
     for _ in range(rounds):

@@ -27,13 +27,13 @@ def test_replace_changes_its_keys_and_leaves_the_scene(scene):
             "air.wind": np.array([6.0, 0.0, 0.0], dtype=np.float32),
             "hair.strands": np.int64(5),
             "hair.radius": np.float64(5e-5),
-            "rods.inextensible": True,
+            "rods.sleep": False,
             "hair.hair.roots.center": (0.02, 0.03, 0.02),
         },
     )
     assert scene.title == "Small" and changed.title == 'a "storm"\n'
     text = changed.to_toml()
-    for line in ("scale = 0.018", "wind = [6.0, 0.0, 0.0]", "strands = 5", "radius = 5e-5", "inextensible = true"):
+    for line in ("scale = 0.018", "wind = [6.0, 0.0, 0.0]", "strands = 5", "radius = 5e-5", "sleep = false"):
         assert line in text
     tables = scene.replace(
         **{

@@ -330,6 +330,5 @@ def ops_solve_density(
     radius: float,
     iterations: int,
     relaxation: float,
-    tension: float,
     box: _Array | None,
 ) -> NDArray[np.float32]: ...

@@ -126,7 +126,6 @@ def solve_density(
     radius: float,
     iterations: int,
     relaxation: float = 0.5,
-    tension: float = 0.0,
     box: ArrayLike | None = None,
 ) -> NDArray[np.float32]:
     """Positions after Jacobi iterations of the density constraint ρ = ρ0 (Demura et al. 2019, eq. 1; Macklin & Müller 2013).
@@ -138,10 +137,9 @@ def solve_density(
         radius: kernel radius h [m], at least 1.2 particle spacings.
         iterations: 0 to 10000; neighbours are searched once.
         relaxation: part of a Jacobi step.
-        tension: 0 (only what is too dense moves) to 1.
         box: sides of the periodic box [m].
 
     Returns:
         `(n, 3)` float32 [m], wrapped into the box.
     """
-    return _native.ops_solve_density(positions, mass, rest_density, radius, iterations, relaxation, tension, box)
+    return _native.ops_solve_density(positions, mass, rest_density, radius, iterations, relaxation, box)

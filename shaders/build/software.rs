@@ -13,8 +13,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use naga::{
-    AddressSpace, ArraySize, Block, Expression, Function, GlobalVariable, Handle, Module, Scalar, ScalarKind, Statement,
-    StructMember, Type, TypeInner, VectorSize,
+    AddressSpace, ArraySize, Block, Expression, Function, GlobalVariable, Handle, Module, Scalar, ScalarKind,
+    Statement, StructMember, Type, TypeInner, VectorSize,
     valid::{GlobalUse, ModuleInfo},
 };
 

@@ -52,7 +52,7 @@ fn quotient(number: i32, inverse: f32) -> i32 {
 @if(subgroups && !software)
 fn deposit(block: vec3i, cells: vec3i, part: Part) {
     let nodes = mesh.nodes;
-    let window = window_of(mesh.order);
+    let window = window_of(mesh.window);
     let first = first_cell(block, cells, window);
     let last = end_cell(block, cells, window);
 
@@ -95,7 +95,7 @@ fn deposit(block: vec3i, cells: vec3i, part: Part) {
 @if(!subgroups || software)
 fn deposit(block: vec3i, cells: vec3i, part: Part) {
     let nodes = mesh.nodes;
-    let window = window_of(mesh.order);
+    let window = window_of(mesh.window);
     let first = first_cell(block, cells, window);
     let last = end_cell(block, cells, window);
 

@@ -3,11 +3,9 @@
 
 struct Mesh {
     nodes: vec3i,            // number of nodes along each axis
-    order: u32,              // window: B-spline of order 1, 2 or 3; MITCHELL
+    window: u32,             // QUADRATIC or MITCHELL
     spacing: vec3f,          // distance between nodes along each axis [m]
     gain: f32,               // factor of what is gathered: -e/2 s^2 over the volume of a cell [1/m]
-    cell: f32,               // volume of a cell [m^3]
-    normalise: u32,          // 1: what is gathered is divided by the smoothed volume fraction; 0: it is not
     axis: u32,               // axis that this dispatch transforms along: 0 is x, 1 is y, 2 is z
     nearest: i32,            // node that the first tap is for, counted from the first node that is made
     first_tap: u32,          // index of the first pair of taps in `taps`
@@ -15,22 +13,22 @@ struct Mesh {
     solves: u32,             // 1: this dispatch solves for the coarse pressure of the waves that it makes; 0: it does not
 }
 
-// The window that is no B-spline: the cubic of Mitchell & Netravali (1988) with B = 1.2 and C = -0.11, whose transform falls off
-// faster beyond the waves that nodes know than that of the cubic B-spline, which is B = 1 and C = 0.
-const MITCHELL: u32 = 4u;
+// The window of the coarse grid: the quadratic B-spline, whose support is 3 spacings wide.
+const QUADRATIC: u32 = 0u;
+// The window of the band filter: the cubic of Mitchell & Netravali (1988) with B = 1.2 and C = -0.11, whose transform falls off faster
+// beyond the waves that nodes know than that of the cubic B-spline, which is B = 1 and C = 0. Its support is 4 spacings wide.
+const MITCHELL: u32 = 1u;
 
-// A window of piecewise polynomials, told by its order before any loop over particles or nodes.
+// A window of piecewise polynomials.
 struct Window {
     half: f32,     // half of its support [spacings]
     outer: vec3f,  // factors of x, x^2, x^3, x the way to the end of the support
     inner: vec3f,  // the same of the way to one spacing before the end
 }
 
-fn window_of(order: u32) -> Window {
-    if order == MITCHELL { return Window(2.0, vec3f(0.0, 0.11, 0.09), vec3f(0.0, -0.16, -0.4)); }
-    // ((n/2 - |t|)+^p - n (n/2 - 1 - |t|)+^p)/p!, n = p + 1 up to 4
-    let outer = select(vec3f(0.0), vec3f(1.0, 0.5, 1.0 / 6.0), vec3u(order) == vec3u(1u, 2u, 3u));
-    return Window(0.5 * f32(order + 1u), outer, -f32(order + 1u) * outer);
+fn window_of(kind: u32) -> Window {
+    if kind == MITCHELL { return Window(2.0, vec3f(0.0, 0.11, 0.09), vec3f(0.0, -0.16, -0.4)); }
+    return Window(1.5, vec3f(0.0, 0.5, 0.0), vec3f(0.0, -1.5, 0.0));
 }
 
 // The window at t spacings.

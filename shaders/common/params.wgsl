@@ -29,7 +29,6 @@ struct Params {
     air_inverse_mass: f32,        // 1/kg
     constrained: u32,             // particles that the density constraint moves, from the first on: hair, or all
     relaxation: f32,
-    tension: f32,
     density_softening: f32,       // alpha of the multiplier, 1/(kg m^2)
     viscosity_hair: f32,          // c of eq. 7, for one engine step
     viscosity_air: f32,

@@ -47,7 +47,7 @@ fn main(
     if has_none() { return; }
     let theta = own.w * poly6_factor() + sums.w;
     let error = theta - 1.0;
-    let constraint = max(error, 0.0) + params.tension * min(error, 0.0);
+    let constraint = max(error, 0.0);
     let sum = inverse_mass_of(i) * dot(sums.xyz, sums.xyz) + others_all;
     density[i] = theta;
     let felt = select(constraint, min(constraint, ABRUPT), is_air(i));

@@ -1,6 +1,6 @@
 // Gathers the velocity of one band of eddies from the filter's grid, with unit gain at the band's centre.
 //
-//   u_i = -(e/2) s^2 sum_n B(x_i/h_g - n) C_n/h_g^3;  normalised: over sum_n B S_n/h_g^3, the smoothed volume fraction
+//   u_i = -(e/2) s^2 sum_n B(x_i/h_g - n) C_n/h_g^3
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen,
     mesh::{Mesh, window_of, weights},
@@ -23,7 +23,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let e = invocation(id, groups);
     if (e >= params.particles - params.first_sorted) | frozen() { return; }
     let at = sorted_position[e].xyz / mesh.spacing;
-    let window = window_of(mesh.order);
+    let window = window_of(mesh.window);
     let first = vec3i(ceil(at - window.half));
     let t = at - vec3f(first);
     let steps = vec4f(0.0, 1.0, 2.0, 3.0);
@@ -31,7 +31,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let y = weights(window, t.y - steps);
     let z = weights(window, t.z - steps);
 
-    // Four nodes are read along x whatever the order: the weights of those beyond the order's support are 0.
     let nodes = mesh.nodes;
     let home = select(first, first + nodes, first < vec3i(0));
     let columns = four_from(home.x, nodes.x);
@@ -45,6 +44,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let along = x.x * curvature[n.x] + x.y * curvature[n.y] + x.z * curvature[n.z] + x.w * curvature[n.w];
         sum += y[b] * z[c] * along;
     }
-    let gain = mesh.gain * select(1.0, mesh.cell / sum.w, mesh.normalise != 0u);
-    band_velocity[sorted[e]] = vec4f(gain * sum.xyz, 0.0);
+    band_velocity[sorted[e]] = vec4f(mesh.gain * sum.xyz, 0.0);
 }

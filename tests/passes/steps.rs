@@ -4,7 +4,6 @@ use glam::DVec3;
 use windswept::{
     Accelerations, Frame, Gpu, PassTexts, Simulation,
     internals::{with_sources, with_texts},
-    plan,
 };
 use windswept_reference::step::step as twin_step;
 use windswept_scene::{InitialState, Scene, Strands};

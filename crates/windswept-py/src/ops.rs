@@ -148,7 +148,7 @@ fn ops_viscosity<'py>(
 }
 
 #[pyfunction]
-#[pyo3(signature = (positions, mass, rest_density, radius, iterations, relaxation, tension, r#box))]
+#[pyo3(signature = (positions, mass, rest_density, radius, iterations, relaxation, r#box))]
 fn ops_solve_density<'py>(
     py: Python<'py>,
     positions: &Bound<'py, PyAny>,
@@ -157,13 +157,12 @@ fn ops_solve_density<'py>(
     radius: f64,
     iterations: i64,
     relaxation: f64,
-    tension: f64,
     r#box: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let (positions, bounds) = (rows("positions", positions)?, sides(r#box)?);
     let words =
         || of_value("iterations", format!("expected a whole number from 0 to {MOST_REPEATS}, found {iterations}"));
-    let fluid = Fluid::pbf(u32::try_from(iterations).map_err(|_| words())?, relaxation, tension);
+    let fluid = Fluid::pbf(u32::try_from(iterations).map_err(|_| words())?, relaxation);
     let moved = run(py, |gpu| {
         Particles { mass, rest_density, radius, bounds, ..Particles::at(&positions) }.solve_density(gpu, fluid)
     })?;

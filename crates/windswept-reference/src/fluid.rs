@@ -115,7 +115,7 @@ pub fn density(
             others += inverse_mass[j] * gradient.length_squared();
         }
         let error = ratio - 1.0;
-        let constraint = error.max(0.0) + p.tension * error.min(0.0);
+        let constraint = error.max(0.0);
         let sum = inverse_mass[i] * own.length_squared() + others;
         (ratio, -constraint / (sum + p.density_softening))
     };

@@ -70,8 +70,6 @@ pub struct Parameters {
     pub fluid_iterations: u32,
     /// Part of a Jacobi step that is taken.
     pub relaxation: f64,
-    /// Part of a negative density error C that counts.
-    pub tension: f64,
     /// Softening α of the density constraint's multiplier \[1/(kg m²)\].
     pub density_softening: f64,
     /// Bands of eddies to strengthen; none without air, without strength, or where the law is off.
@@ -162,7 +160,6 @@ impl Parameters {
             coarse_nodes: coarse_nodes(initial),
             fluid_iterations: scene.fluid.iterations,
             relaxation: scene.fluid.relaxation,
-            tension: scene.fluid.tension,
             density_softening: if particles {
                 1e-3 * lattice_gradients(kernel_radius, initial.air.volume, 1.0 / initial.air.mass)
             } else {

@@ -169,7 +169,7 @@ impl<T: Field> Field for Option<T> {
         let has_default = matches!(row.default, Fallback::Value(Some(_)));
         let mut keys = Vec::new();
         if row.name.is_empty() {
-            T::list(row.with(Fallback::NotBuilt), "", &mut keys);
+            T::list(row.with(Fallback::Needed), "", &mut keys);
         }
         let named = !row.name.is_empty() && reader.has(row.name);
         let spelled = named || keys.iter().any(|key| reader.has(&key.path));
@@ -193,7 +193,6 @@ impl<T> Row<Option<T>> {
         let default = match default {
             Fallback::Value(Some(value)) => Fallback::Value(value),
             Fallback::Absent(text) => Fallback::Absent(text),
-            Fallback::NotBuilt => Fallback::NotBuilt,
             _ => Fallback::Needed,
         };
         Row { name, kind, unit, doc, default }

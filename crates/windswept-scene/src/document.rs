@@ -12,7 +12,7 @@ use toml_edit::{Document as Toml, Item, TableLike, TomlError, Value};
 use crate::{
     declare::join,
     error::SceneError,
-    keys::{Fallback, KEYS, Key, Kind},
+    keys::{KEYS, Key, Kind},
     limits::{
         LARGEST, MAGNITUDES, MOST_BANDS, MOST_BODIES, MOST_COURSE_KEYFRAMES, MOST_FORCES, MOST_HAIR_GROUPS, SMALLEST,
     },
@@ -105,7 +105,6 @@ impl Document {
             {
                 return Err(wrong(describe(item)));
             }
-            built(key, real, span.clone())?;
             self.entries.insert(real.to_owned(), Entry { datum, span });
             return Ok(());
         }
@@ -132,9 +131,7 @@ impl Document {
             return Err(SceneError::new(words).at(real, span));
         }
         let datum = Datum::Tables(tables.len());
-        if !tables.is_empty() {
-            built(key, real, span.clone())?;
-        }
+        if !tables.is_empty() {}
         self.entries.insert(real.to_owned(), Entry { datum, span });
         for (index, (table, span)) in tables.into_iter().enumerate() {
             let mut element = real.to_owned();
@@ -167,14 +164,6 @@ fn most_of(path: &str) -> Option<(usize, &'static str)> {
 /// Whether a path starts elsewhere than in the folder that it is looked for in.
 fn is_rooted(file: &str) -> bool {
     matches!(Path::new(file).components().next(), Some(Component::Prefix(_) | Component::RootDir))
-}
-
-/// Refuses a key that this version has not built.
-fn built(key: &Key, real: &str, span: Option<Range<usize>>) -> Result<(), SceneError> {
-    if key.default != Fallback::NotBuilt {
-        return Ok(());
-    }
-    Err(SceneError::new("not in this version").at(real, span).with_help("leave the key out"))
 }
 
 /// The value as what the key takes; `None` for another type or a value out of range.

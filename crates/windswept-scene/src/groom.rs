@@ -418,14 +418,14 @@ impl Groom {
         for s in self.simulated() {
             let (mut shape, fibre) = (self.shape(s), self.fibre.get(s));
             if self.rest == RestShape::Hanging {
-                match shape.hang(&fibre, scene.rods.inextensible, vec3(scene.gravity)) {
+                match shape.hang(&fibre, vec3(scene.gravity)) {
                     Hung::Held => {}
                     Hung::TooSoft => soft += 1,
                     Hung::Unstable => unstable += 1,
                     Hung::Loose => loose += 1,
                 }
             }
-            shape.append(&fibre, scene.rods.inextensible, parcel, all);
+            shape.append(&fibre, parcel, all);
             all.group.push(self.group.get(s));
             all.friction.push(self.friction.get(s));
         }

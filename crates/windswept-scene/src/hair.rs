@@ -159,7 +159,7 @@ fn draw(
         let phase = rng.random::<f64>();
         let root_frame = turn * drawn.root_frame(axis, phase);
         let shape = drawn.shape(root, root_frame, length, [hair.root, hair.tip]);
-        shape.append(&hair.fibre, scene.rods.inextensible, parcel, all);
+        shape.append(&hair.fibre, parcel, all);
         all.group.push(group as u32);
         all.ids.push(i);
         all.groups.push(group as u32);

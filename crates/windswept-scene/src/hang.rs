@@ -42,7 +42,7 @@ pub(crate) enum Hung {
 impl Shape {
     /// Changes the rest shape such that `gravity` alone leaves the strand, made of `fibre`, as it is. That of a strand whose root is not
     /// clamped stays.
-    pub(crate) fn hang(&mut self, fibre: &Fibre, inextensible: bool, gravity: DVec3) -> Hung {
+    pub(crate) fn hang(&mut self, fibre: &Fibre, gravity: DVec3) -> Hung {
         let [root, tip] = self.ends;
         if root != End::Clamped {
             return if gravity == DVec3::ZERO { Hung::Held } else { Hung::Loose };
@@ -61,10 +61,9 @@ impl Shape {
                 let d3 = self.frames[k] * DVec3::Z;
                 let along = force.dot(d3);
                 let across = force - along * d3;
-                let strain = if inextensible { 0.0 } else { along / stretch };
                 let d3 = (chords[k] / self.lengths[k] + across / shear).normalize_or(d3);
                 self.frames[k] = turned_onto(self.frames[k], d3);
-                self.lengths[k] = chords[k].dot(d3) / (1.0 - strain);
+                self.lengths[k] = chords[k].dot(d3) / (1.0 - along / stretch);
             }
         }
         let mut held = true;

@@ -52,8 +52,6 @@ pub enum Fallback<T> {
     Method(T, T),
     /// No value of its own; the text says what then happens.
     Absent(&'static str),
-    /// Nothing: this version has not built what the key asks for, and refuses it.
-    NotBuilt,
 }
 
 /// A key.
@@ -84,7 +82,7 @@ impl<T> Fallback<T> {
         match self {
             Self::Value(value) => Some(value),
             Self::Method(accurate, of_paper) => Some(if published { of_paper } else { accurate }),
-            Self::Needed | Self::Absent(_) | Self::NotBuilt => None,
+            Self::Needed | Self::Absent(_) => None,
         }
     }
 
@@ -95,7 +93,6 @@ impl<T> Fallback<T> {
             Self::Value(value) => Fallback::Value(change(value)),
             Self::Method(accurate, published) => Fallback::Method(change(accurate), change(published)),
             Self::Absent(text) => Fallback::Absent(text),
-            Self::NotBuilt => Fallback::NotBuilt,
         }
     }
 }
@@ -113,7 +110,7 @@ impl Key {
         match &self.default {
             Fallback::Value(text) => Some(text),
             Fallback::Method(best, published) => Some(if accurate { best } else { published }),
-            Fallback::Needed | Fallback::Absent(_) | Fallback::NotBuilt => None,
+            Fallback::Needed | Fallback::Absent(_) => None,
         }
     }
 
@@ -180,7 +177,6 @@ fn explained(key: &Key) -> String {
         Fallback::Value(value) => format!("default {value}"),
         Fallback::Absent(without) => format!("without it: {without}"),
         Fallback::Method(accurate, published) => format!("default {accurate} (accurate), {published} (published)"),
-        Fallback::NotBuilt => "not in this version".to_owned(),
     };
     match key.kind {
         Kind::Table | Kind::Tables => format!("\n{:<27} {}; {default}\n", format!("[{}]", key.path), key.help),

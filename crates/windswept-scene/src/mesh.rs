@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::scene::{Order, Turbulence};
+use crate::scene::Turbulence;
 
 /// Largest ratio of two bands' scales up to which the coarser band takes the grid of the finer one: a grid of its own would have
 /// a third of the nodes, and cost a deposit.
@@ -14,18 +14,6 @@ const FEWEST: f64 = 4.0;
 /// of which taps may make anything.
 const REACH: f64 = 4.9;
 const SPARED: f64 = 2.0;
-
-impl Order {
-    /// Degree p of the window's polynomials; its support is p + 1 spacings wide.
-    #[must_use]
-    pub fn degree(self) -> u32 {
-        match self {
-            Self::Cic => 1,
-            Self::Tsc => 2,
-            Self::Cubic | Self::Mitchell => 3,
-        }
-    }
-}
 
 impl Turbulence {
     /// Bands that have a strength, grid by grid: indices into `bands`, finest first. The first band of a grid sets its spacing.

@@ -13,7 +13,7 @@ pub(crate) use hair::FRICTION;
 pub use hair::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, Stiffness, Up};
 pub use rods::{Integrator, Rods, Solver};
 pub use roots::{Patch, RootShape, Roots, Scalp};
-pub use turbulence::{Band, Filter, Law, Order, Turbulence};
+pub use turbulence::{Band, Filter, Law, Turbulence};
 pub use viscosity::{Viscosity, ViscosityForm};
 
 use std::{collections::HashSet, f64::consts::PI};
@@ -217,16 +217,14 @@ table! {
         iterations: u32 = Count(0, MOST_REPEATS), "", Value(2);
         /// Fraction of a Jacobi step that the density constraint takes.
         relaxation: f64 = Positive, "", Value(0.5);
-        /// Share of negative C that the density constraint lets through; 0 clamps, 1 pulls voids together.
-        tension: f64 = NonNegative, "", Value(0.0);
     }
 }
 
 impl Fluid {
     /// Solver pbf with these numbers of the density constraint.
     #[must_use]
-    pub fn pbf(iterations: u32, relaxation: f64, tension: f64) -> Self {
-        Self { solver: FluidSolver::Pbf, pressure_iterations: None, coarse: false, iterations, relaxation, tension }
+    pub fn pbf(iterations: u32, relaxation: f64) -> Self {
+        Self { solver: FluidSolver::Pbf, pressure_iterations: None, coarse: false, iterations, relaxation }
     }
 }
 

@@ -76,7 +76,7 @@ pub(crate) struct Shape {
 
 impl Shape {
     /// Appends the strand, made of `fibre` and standing in `parcel`s, to `all`.
-    pub(crate) fn append(&self, fibre: &Fibre, inextensible: bool, parcel: Parcel, all: &mut Strands) {
+    pub(crate) fn append(&self, fibre: &Fibre, parcel: Parcel, all: &mut Strands) {
         let segments = self.lengths.len();
         let part = |at: f64| at / segments as f64;
         let masses = self.masses(fibre);
@@ -93,7 +93,6 @@ impl Shape {
         }
         for (k, &l) in self.lengths.iter().enumerate() {
             let (stretch, shear) = fibre.stretch(part(k as f64 + 0.5));
-            let loose = if inextensible { 0.0 } else { 1.0 / (stretch * l) };
             let inertia = 0.5 * fibre.point_mass.unwrap_or_else(|| self.mass(fibre, k)) * l * l;
             all.orientations.push(self.frames[k]);
             all.angular_velocities.push(DVec3::ZERO);
@@ -101,7 +100,7 @@ impl Shape {
             all.radius.push(fibre.radius_at(part(k as f64 + 0.5)));
             all.fibres.push(fibre.fibres_per_strand);
             all.inverse_inertia.push(1.0 / inertia);
-            all.stretch_compliance.push(DVec3::new(1.0 / (shear * l), 1.0 / (shear * l), loose));
+            all.stretch_compliance.push(DVec3::new(1.0 / (shear * l), 1.0 / (shear * l), 1.0 / (stretch * l)));
             all.bend_compliance.push(self.bend_compliance(fibre, k));
             all.rest_rotation.push(self.turns[k]);
         }

@@ -273,7 +273,7 @@ impl Strands {
         };
         if let Some(s) = (0..strands).find(overheld) {
             return fault(format!(
-                "strand {s} is held at both ends and cannot stretch: expected rods.inextensible = false, or one end free"
+                "strand {s} is held at both ends and cannot stretch: expected a stretch compliance, or one end free"
             ));
         }
         if let Some(i) = (0..points).find(|&i| !self.positions[i].is_finite() || !self.velocities[i].is_finite()) {

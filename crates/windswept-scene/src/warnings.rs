@@ -154,9 +154,6 @@ pub(crate) fn of_idle(scene: &Scene) -> Vec<String> {
         }
     };
     idle(pbf && fluid.pressure_iterations.is_some(), "fluid.pressure_iterations", "fluid.solver is pbf");
-    let in_sums = !pbf && scene.interaction.model == Model::Particles;
-    let why = "with fluid.solver divergence it is a matter of hair on hair, which is in the air's own sums";
-    idle(in_sums && fluid.tension > 0.0, "fluid.tension", why);
     let without = !scene.interaction.model.has_air();
     idle(without && scene.viscosity.smagorinsky > 0.0, "viscosity.smagorinsky", "the scene has no air particles");
     for force in &scene.forces {

@@ -280,8 +280,6 @@ fn faults_name_the_argument() {
     let clamped = Groom { tip: End::Clamped.into(), ..two() };
     let error = InitialState::with_groom(&stiff("solver = \"gauss-seidel\""), &clamped).unwrap_err();
     assert!(error.key() == Some("groom.tip") && error.to_string().contains("direct solver"), "{error}");
-    let error = InitialState::with_groom(&stiff("inextensible = true"), &clamped).unwrap_err();
-    assert!(error.to_string().contains("held at both ends"), "{error}");
 }
 
 /// One value changes the fibres of all strands, several those of each; any other number of them is an error.

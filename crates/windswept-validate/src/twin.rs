@@ -22,7 +22,7 @@ const CUTOFF: f64 = 6.5;
 /// Rows of single passes on 3375 particles: largest difference over the largest value.
 pub(crate) fn passes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let cloud = Cloud::random(15, 11).stirred(1.0, 11);
-    let fluid_settings = Fluid::pbf(1, 0.5, 0.5);
+    let fluid_settings = Fluid::pbf(1, 0.5);
     let band = Band { scale: 6e-3, strength: 1.0, intensity: 1.0 };
     let mut scene = air::scene("")?;
     scene.fluid = fluid_settings.clone();

@@ -1,7 +1,10 @@
 //! The coarse grid of the pressure as the shaders see it (`shaders/common/mesh.wgsl`).
 
 use windswept_scene::InitialState;
-use windswept_shaders::common::{deposit::BLOCK, mesh::Mesh};
+use windswept_shaders::common::{
+    deposit::BLOCK,
+    mesh::{Mesh, QUADRATIC},
+};
 
 /// Distance of the nodes \[particle spacings\], rounded so that the box is a whole number of them: 2 to 4 do as well.
 const SPACING: f64 = 3.0;
@@ -22,7 +25,7 @@ impl Coarse {
         let nodes = (air.size / (SPACING * air.volume.cbrt())).round().max(glam::DVec3::ONE);
         let mesh = Mesh {
             nodes: nodes.as_ivec3().to_array(),
-            order: 2,
+            window: QUADRATIC,
             spacing: (air.size / nodes).as_vec3().to_array(),
             // The symbol is that of a box full of air: where air is missing the pressure is too small, and so stable. The
             // transform and its inverse leave a factor of the number of nodes.

@@ -20,9 +20,7 @@ pub(crate) use memory::{Memory, check_sizes};
 pub(crate) use program::{Profile, Program, Span, write_trace};
 use serde::Serialize;
 pub use wgpu;
-use windswept_shaders::{
-    Binding, Bound, BufferKind, PASSES, Pass, Switch, TEXTURE_ROW, common::lanes::LANES,
-};
+use windswept_shaders::{Binding, Bound, BufferKind, PASSES, Pass, Switch, TEXTURE_ROW, common::lanes::LANES};
 
 use crate::error::GpuError;
 

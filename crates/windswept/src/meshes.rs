@@ -2,7 +2,7 @@
 
 use std::f64::consts::E;
 
-use windswept_scene::{Filter, InitialState, Order, Scene, limits::MOST_NODES};
+use windswept_scene::{Filter, InitialState, Scene, limits::MOST_NODES};
 use windswept_shaders::common::{
     deposit::BLOCK,
     mesh::{MITCHELL, Mesh},
@@ -71,22 +71,19 @@ impl Meshes {
     /// Adds a band on the last grid.
     fn add(&mut self, scene: &Scene, band: usize, deposits: bool) {
         let Some(&(nodes, spacing)) = self.grids.last() else { return };
-        let (scale, order) = (scene.turbulence.bands[band].scale, scene.turbulence.order);
-        let window = if order == Order::Mitchell { MITCHELL } else { order.degree() };
+        let scale = scene.turbulence.bands[band].scale;
         let count = nodes.map(|n| n as u32);
         let cell: f64 = spacing.iter().product();
         let first = self.uniforms.len();
         for axis in 0..3 {
-            let (nearest, taps) = taps(nodes[axis] as usize, spacing[axis], scale, order);
+            let (nearest, taps) = taps(nodes[axis] as usize, spacing[axis], scale);
             let first_tap = self.taps.len() as u32;
             self.taps.extend(taps);
             self.uniforms.push(Mesh {
                 nodes: count.map(|n| n as i32),
-                order: window,
+                window: MITCHELL,
                 spacing: spacing.map(|h| h as f32),
                 gain: (-0.5 * E * scale * scale / cell) as f32,
-                cell: cell as f32,
-                normalise: u32::from(scene.turbulence.normalise),
                 nearest,
                 first_tap,
                 end_tap: self.taps.len() as u32,

@@ -12,7 +12,7 @@
 
 use glam::DVec3;
 use windswept_scene::{
-    Air, AirParticles, Band, Fluid, InitialState, Order, Scene, SceneError, Turbulence,
+    Air, AirParticles, Band, Fluid, InitialState, Scene, SceneError, Turbulence,
     limits::{
         COARSEST_SPACING, LARGEST, LEAST_KERNEL_RADIUS, MAGNITUDES, MOST_PARTICLES_OF_AN_OPERATION, MOST_REPEATS,
         SMALLEST,
@@ -66,8 +66,6 @@ pub struct Particles<'a> {
 pub enum Filter {
     /// A grid: 0.1 to 0.7 % off the whole sum at the default, at a cost that falls as the scale grows.
     Grid {
-        /// Window between particles and grid.
-        order: Order,
         /// Largest distance between nodes, in scales, up to 1; it is never more than a kernel radius.
         spacing: f64,
     },
@@ -82,7 +80,7 @@ pub enum Filter {
 impl Default for Filter {
     /// The grid, as in a scene that leaves the keys out.
     fn default() -> Self {
-        Self::Grid { order: Order::Mitchell, spacing: Turbulence::SPACING }
+        Self::Grid { spacing: Turbulence::SPACING }
     }
 }
 
@@ -91,7 +89,7 @@ impl Filter {
     #[must_use]
     pub fn of(turbulence: &Turbulence) -> Self {
         match turbulence.filter {
-            windswept_scene::Filter::Grid => Self::Grid { order: turbulence.order, spacing: turbulence.spacing },
+            windswept_scene::Filter::Grid => Self::Grid { spacing: turbulence.spacing },
             windswept_scene::Filter::Direct => Self::Direct { cutoff: turbulence.cutoff },
         }
     }
@@ -99,9 +97,9 @@ impl Filter {
     /// Makes this the filter of a scene.
     pub fn set(self, turbulence: &mut Turbulence) {
         match self {
-            Self::Grid { order, spacing } => {
+            Self::Grid { spacing } => {
                 turbulence.filter = windswept_scene::Filter::Grid;
-                (turbulence.order, turbulence.spacing) = (order, spacing);
+                turbulence.spacing = spacing;
             }
             Self::Direct { cutoff } => {
                 turbulence.filter = windswept_scene::Filter::Direct;
@@ -263,9 +261,6 @@ impl<'a> Particles<'a> {
         if fluid.iterations > MOST_REPEATS {
             let words = format!("expected a whole number from 0 to {MOST_REPEATS}, found {}", fluid.iterations);
             return Err(argument("iterations", words));
-        }
-        if !(0.0..=1.0).contains(&fluid.tension) {
-            return Err(argument("tension", format!("expected a number from 0 to 1, found {}", fluid.tension)));
         }
         positive("relaxation", fluid.relaxation)?;
         if self.radius < LEAST_KERNEL_RADIUS * self.spacing() {

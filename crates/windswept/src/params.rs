@@ -44,7 +44,6 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
         newton_part: rods::newton_steps_per_dispatch(newton, scene.bodies.len(), &initial.hair),
         rod_sweeps: rods::sweeps_per_dispatch(scene.rods.iterations, &initial.hair),
         relaxation: scene.fluid.relaxation as f32,
-        tension: scene.fluid.tension as f32,
         viscosity_hair: (scene.viscosity.hair / substeps) as f32,
         viscosity_air: (scene.viscosity.air / substeps) as f32,
         damping: scene.rods.damping as f32,

@@ -8,7 +8,6 @@
 
 use std::{cmp::Reverse, collections::BTreeMap, ops::Range};
 
-
 use crate::{
     array::{AnyArray, Life},
     recorder::{Command, Recording},

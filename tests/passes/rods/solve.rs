@@ -55,7 +55,6 @@ fn rods_are_those_of_the_reference() {
             ("", 0.5, 20.0, false, FREE),
             ("integrator = \"euler\"", 0.5, 20.0, false, FREE),
             ("newton = 1", 0.6, 20.0, false, FREE),
-            ("inextensible = true", 0.5, 20.0, false, FREE),
             ("", 8.0, 100.0, false, FREE),
             ("newton = 1", 8.0, 100.0, true, ONCE),
             ("", 0.5, 20.0, true, HELD),

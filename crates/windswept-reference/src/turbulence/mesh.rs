@@ -6,7 +6,7 @@ use std::{
 };
 
 use glam::{DVec3, DVec4};
-use windswept_scene::{Band, Order, Turbulence};
+use windswept_scene::{Band, Turbulence};
 
 use crate::{Parameters, parallel};
 
@@ -36,9 +36,7 @@ impl Mesh {
         let at = x / self.spacing(p);
         let axis = |axis: usize| -> Vec<(usize, f64)> {
             let near = nodes_near(at[axis], self.nodes[axis]);
-            near.map(|(node, gap)| (node, window(p.turbulence.order, gap)))
-                .filter(|(_, weight)| *weight > 0.0)
-                .collect()
+            near.map(|(node, gap)| (node, window(gap))).filter(|(_, weight)| *weight > 0.0).collect()
         };
         let [along_x, along_y, along_z] = [axis(0), axis(1), axis(2)];
         let mut all = Vec::new();
@@ -62,15 +60,12 @@ fn nodes_near(at: f64, count: usize) -> impl Iterator<Item = (usize, f64)> {
     (first..first + 6).map(move |n| (n.rem_euclid(count as i64) as usize, at - n as f64))
 }
 
-/// Parameters B and C of [`Order::Mitchell`].
+/// Parameters B and C of the window.
 const MITCHELL: [f64; 2] = [1.2, -0.11];
 
-/// Window of the grid filter at t spacings: a central B-spline, or the cubic that Mitchell & Netravali (1988) print as eq. 8.
+/// Window of the grid filter at t spacings: the cubic that Mitchell & Netravali (1988) print as eq. 8.
 #[must_use]
-pub fn window(order: Order, t: f64) -> f64 {
-    if order != Order::Mitchell {
-        return b_spline(order.degree(), t);
-    }
+pub fn window(t: f64) -> f64 {
     let ([b, c], x) = (MITCHELL, t.abs());
     let sixfold = if x < 1.0 {
         (12.0 - 9.0 * b - 6.0 * c) * x.powi(3) + (-18.0 + 12.0 * b + 6.0 * c) * x.powi(2) + 6.0 - 2.0 * b
@@ -86,14 +81,10 @@ pub fn window(order: Order, t: f64) -> f64 {
 const INTERVALS: i32 = 256;
 
 /// What the window leaves of a wave of wave number k, in radians per node spacing: its Fourier transform, by Simpson's rule.
-fn kept(order: Order, k: f64) -> f64 {
-    if order != Order::Mitchell {
-        let half = 0.5 * k;
-        return if half == 0.0 { 1.0 } else { (half.sin() / half).powi(order.degree() as i32 + 1) };
-    }
+fn kept(k: f64) -> f64 {
     // Pieces of the polynomial end at ends of intervals.
     let step = 2.0 / f64::from(INTERVALS);
-    let part = |i: i32| window(order, step * f64::from(i)) * (k * step * f64::from(i)).cos();
+    let part = |i: i32| window(step * f64::from(i)) * (k * step * f64::from(i)).cos();
     let inner: f64 = (1..INTERVALS).map(|i| if i % 2 == 1 { 4.0 * part(i) } else { 2.0 * part(i) }).sum();
     2.0 * step / 3.0 * (part(0) + inner + part(INTERVALS))
 }
@@ -136,8 +127,7 @@ pub fn smooth(p: &Parameters, scale: f64, mesh: &Mesh) -> Mesh {
 #[must_use]
 pub fn smooth_along(p: &Parameters, scale: f64, mesh: &Mesh, axes: usize) -> [Mesh; 2] {
     let spacing = mesh.spacing(p);
-    let factors: Vec<Vec<[f64; 2]>> =
-        (0..axes).map(|axis| response(mesh.nodes[axis], spacing[axis], scale, p.turbulence.order)).collect();
+    let factors: Vec<Vec<[f64; 2]>> = (0..axes).map(|axis| response(mesh.nodes[axis], spacing[axis], scale)).collect();
     let mut waves: Vec<[DVec4; 2]> = mesh.values.iter().map(|value| [*value, DVec4::ZERO]).collect();
     for axis in 0..axes {
         waves = transformed(mesh.nodes, &waves, axis, -1.0);
@@ -169,11 +159,11 @@ pub fn smooth_along(p: &Parameters, scale: f64, mesh: &Mesh, axes: usize) -> [Me
 /// Wanted are ĝ = e^(−k²s²/2)/Ŵ², which takes out what deposit and gather blur, and −k² ĝ. Taps that reach R nodes give 1 or 0
 /// for m = 0 plus a sum over n = 1 to R of cosines less 1. Here is the part of what is wanted that such sums can be: its projection, with
 /// Ŵ² for a weight, onto those functions of m, made orthogonal one after another (Gram and Schmidt).
-fn response(nodes: usize, spacing: f64, scale: f64, order: Order) -> Vec<[f64; 2]> {
+fn response(nodes: usize, spacing: f64, scale: f64) -> Vec<[f64; 2]> {
     let reach = Turbulence::reach(spacing / scale).min(nodes / 2);
     let turns = |m: usize| TAU * m as f64 / nodes as f64;
     let waves = 1..=nodes / 2;
-    let kept: Vec<f64> = waves.clone().map(|m| kept(order, turns(m))).collect();
+    let kept: Vec<f64> = waves.clone().map(|m| kept(turns(m))).collect();
     let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).zip(&kept).map(|((a, b), w)| w * w * a * b).sum() };
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for n in 1..=reach {
@@ -228,7 +218,7 @@ where
 }
 
 /// Velocity û of each air particle \[m/s\] from what [`smooth`] returns: −(e/2) s² of the Laplacian, per volume of a
-/// cell; normalised, over the smoothed volume instead.
+/// cell.
 #[must_use]
 pub fn gather(p: &Parameters, band: &Band, laplacian: &Mesh, x: &[DVec3]) -> Vec<DVec3> {
     let cell = laplacian.spacing(p).element_product();
@@ -238,8 +228,7 @@ pub fn gather(p: &Parameters, band: &Band, laplacian: &Mesh, x: &[DVec3]) -> Vec
         }
         let stencil = laplacian.stencil(p, x[i]);
         let sum: DVec4 = stencil.into_iter().map(|(node, weight)| weight * laplacian.values[node]).sum();
-        let volume = if p.turbulence.normalise { sum.w } else { cell };
-        -0.5 * E * band.scale.powi(2) * sum.truncate() / volume
+        -0.5 * E * band.scale.powi(2) * sum.truncate() / cell
     };
     (0..x.len()).map(at).collect()
 }

@@ -3,7 +3,7 @@
 use crate::{
     declare::{table, words},
     keys::{
-        Fallback::{Method, NotBuilt, Value},
+        Fallback::{Method, Value},
         Kind::{Bool, Choice, Count, NonNegative},
     },
     limits::{MOST_NEWTON_STEPS, MOST_REPEATS},
@@ -21,16 +21,10 @@ table! {
         iterations: u32 = Count(1, MOST_REPEATS), "", Value(10);
         /// Newton steps at most; direct only: a strand stops when frames turn by less than 1e-3 rad, or a hundredth of the first turn.
         newton: u32 = Count(1, MOST_NEWTON_STEPS), "", Value(8);
-        /// Whether strands have no stretch compliance.
-        inextensible: bool = Bool, "", Value(false);
         /// Damping of absolute linear and angular velocity.
         damping: f64 = NonNegative, "1/s", Value(0.0);
         /// Whether strands at rest that nothing pushes are left alone (error below 1e-4 of their length).
         sleep: bool = Bool, "", Value(true);
-    }
-    without a field {
-        /// Internal damping of Kelvin and Voigt.
-        internal_damping: f64 = NonNegative, "s", NotBuilt;
     }
 }
 

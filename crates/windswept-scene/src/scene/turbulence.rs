@@ -27,14 +27,10 @@ table! {
         law: Law = Choice(Law::WORDS), "", Method(Law::Band, Law::Published);
         /// Filter that finds the band velocity; law published takes direct only.
         filter: Filter = Choice(Filter::WORDS), "", Method(Filter::Grid, Filter::Direct);
-        /// Window that carries particles to the grid filter's nodes and back: a linear, quadratic or cubic B-spline, or Mitchell's cubic.
-        order: Order = Choice(Order::WORDS), "", Value(Order::Mitchell);
         /// Spacing of the grid filter's nodes in units of the scale, at most 1; never more than a kernel radius.
         spacing: f64 = Positive, "", Value(Turbulence::SPACING);
         /// Cutoff of the direct filter in units of the scale.
         cutoff: f64 = Positive, "", Method(Turbulence::CUTOFF, 3.0);
-        /// Whether û is divided by the smoothed volume fraction, for air with holes; grid filter only.
-        normalise: bool = Bool, "", Value(false);
         /// Whether the mean change of the air is taken out, so that confinement drives no wind.
         conserve_momentum: bool = Bool, "", Absent("true with law band, false with published") => |_turbulence| law == Law::Band;
     }
@@ -83,21 +79,6 @@ words! {
     }
 }
 
-words! {
-    /// `turbulence.order`: the window that carries what particles have to the grid and back.
-    pub enum Order {
-        /// Cloud in cell: linear, 8 nodes.
-        Cic = "cic",
-        /// Triangular-shaped cloud: quadratic, 27 nodes.
-        Tsc = "tsc",
-        /// Cubic B-spline, 64 nodes.
-        Cubic = "cubic",
-        /// The cubic of Mitchell and Netravali (1988) with B = 1.2 and C = −0.11, 64 nodes: its transform falls off faster beyond the waves
-        /// that nodes know.
-        Mitchell = "mitchell",
-    }
-}
-
 /// Largest speed of the mean wind and of the force fields that air can follow \[m/s\]: not of a point's, which would compress it.
 fn largest_wind(reader: &Reader<'_>) -> Result<f64, SceneError> {
     let root = reader.root();
@@ -138,9 +119,6 @@ impl Turbulence {
         if self.filter == Filter::Grid && self.law == Law::Published {
             let words = "expected \"direct\" with turbulence.law = \"published\", which sums hair too, without volumes";
             return Err(reader.fault("filter", words));
-        }
-        if self.filter == Filter::Direct && self.normalise {
-            return Err(reader.fault("normalise", "expected turbulence.filter = \"grid\" with it"));
         }
         if self.spacing > COARSEST_SPACING {
             let words = format!("expected at most {COARSEST_SPACING} scales, found {}", self.spacing);

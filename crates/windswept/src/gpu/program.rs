@@ -222,7 +222,9 @@ impl Dispatch {
         };
         let views = bound().map(|(_, bound, array)| match bound {
             Bound::Buffer(_) => Ok(None),
-            Bound::Texture { texel } => memory.texture(gpu, array, texel).map(|texture| Some(texture.create_view(&wgpu::TextureViewDescriptor::default()))),
+            Bound::Texture { texel } => memory
+                .texture(gpu, array, texel)
+                .map(|texture| Some(texture.create_view(&wgpu::TextureViewDescriptor::default()))),
         });
         let views = views.collect::<Result<Vec<_>, GpuError>>()?;
         let resources = bound().zip(&views).filter_map(|((binding, bound, array), view)| {
