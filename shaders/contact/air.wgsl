@@ -8,10 +8,9 @@ import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, clearance::{cleared, wall_of}, wall::{Wall, NEAR}, status::{status, frozen},
 };
 
-@group(0) @binding(2) var<storage, read>       correction:   array<vec4f>;   // m; `fluid/velocity` makes velocity of it
-@group(0) @binding(3) var<storage, read_write> predicted:    array<vec4f>;
-@group(0) @binding(4) var<storage, read_write> new_velocity: array<vec4f>;
-@group(0) @binding(5) var<storage, read_write> wall:         array<Wall>;
+@group(0) @binding(2) var<storage, read_write> predicted:    array<vec4f>;
+@group(0) @binding(3) var<storage, read_write> new_velocity: array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> wall:         array<Wall>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -20,10 +19,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let constrained = i < params.constrained;
     // Solver pbf has no pressure, and its air no wall yet.
     if !constrained && wall[i].distance > NEAR * params.spacing { return; }
-    let corrected = select(vec3f(0.0), correction[i].xyz / params.step, constrained);
     let found = cleared(predicted[i].xyz);
     let near = found.near;
-    var slip = new_velocity[i].xyz + corrected - near.velocity;
+    var slip = new_velocity[i].xyz - near.velocity;
     let before = slip;
     if found.moved { slip -= min(0.0, dot(near.normal, slip)) * near.normal; }
     if near.distance < params.spacing {

@@ -366,7 +366,6 @@ fn rods_among_bodies_are_those_of_the_twin() {
                 let counts = [count(|c| c.live), count(|c| c.slides), count(|c| c.live && c.place > 0.0)];
                 touching = [0, 1, 2].map(|k| touching[k].max(counts[k]));
                 stage.run(step::contact::record);
-                stage.run(step::velocity::record);
                 stage.run(step::guard::record);
                 guard::run(&mut s, w, p).unwrap();
             }

@@ -374,6 +374,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::coarse::PUSH, "sum.xyz / particles", "0.5 * sum.xyz / particles", DIVERGENCE),
     (&shaders::coarse::PUSH, "BEYOND * taken", "0.1 * taken", DIVERGENCE),
     (&shaders::coarse::PUSH, "(coarse_change[i].xyz - mean)", "5.0 * coarse_change[i].xyz", DIVERGENCE),
+    (&shaders::fluid::VELOCITY, "correction[i].xyz / params.step", "0.99 * correction[i].xyz / params.step", PARTICLES),
     (&shaders::fluid::SLIP, "velocity[p].xyz + history.own", "velocity[p].xyz", CROWDED),
     (&shaders::fluid::SQUEEZE, "own.inverse_mass * sum", "0.9 * own.inverse_mass * sum", CROWDED),
     (&shaders::fluid::FRICTION, "min(own.friction, other.more.y)", "0.9 * own.friction", CROWDED),

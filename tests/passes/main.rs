@@ -14,7 +14,6 @@ mod rods;
 mod stage;
 mod steps;
 mod turbulence;
-mod velocity;
 mod viscosity;
 mod walk;
 mod walls;

@@ -12,7 +12,7 @@ use windswept_shaders::{self as shaders, PASSES, Pass};
 use crate::{
     contact, drive, fluid, guard, neighbours, rods,
     stage::Stage,
-    support, turbulence, velocity, viscosity,
+    support, turbulence, viscosity,
     walk::{Bounds, begin_both, print, step_of_both},
 };
 
@@ -457,7 +457,6 @@ fn a_difference_is_named() {
         fluid::FAULTS,
         rods::FAULTS,
         contact::FAULTS,
-        velocity::FAULTS,
         turbulence::FAULTS,
         viscosity::FAULTS,
         guard::FAULTS,

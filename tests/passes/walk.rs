@@ -157,7 +157,6 @@ impl Walk<'_> {
         self.fluid(s, &mut w)?;
         self.rods(s, &mut w)?;
         self.contact(&mut w)?;
-        self.velocity(&mut w)?;
         self.turbulence(s, &mut w)?;
         self.viscosity(s, &mut w)?;
         self.guard(s, w)

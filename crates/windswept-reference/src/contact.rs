@@ -25,11 +25,9 @@ pub fn run(w: &mut Scratch, p: &Parameters) {
     }
     w.walls.resize(w.predicted.len(), Wall::default());
     for i in p.hair_points..w.predicted.len() {
-        // Heading 6 adds what the density constraint gave.
-        let given = w.correction[i] / p.step;
-        let v = w.new_velocity[i] + given;
+        let v = w.new_velocity[i];
         let (cleared, now) = air(p, &w.moving.bodies, w.predicted[i], v);
-        (w.predicted[i], w.new_velocity[i]) = (cleared.x, now - given);
+        (w.predicted[i], w.new_velocity[i]) = (cleared.x, now);
         if !fluid::has_walls(p) {
             w.walls[i].body = cleared.near.body;
         }

@@ -60,8 +60,7 @@ pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
             w.correction[i] += p.step * change;
         }
     }
-    if p.model == Model::TwoWay && p.solver == FluidSolver::Pbf {
-        // Air that hair is to feel has been through the density constraint; nothing is left for heading 6 to add.
+    if p.solver == FluidSolver::Pbf {
         for i in p.hair_points..w.predicted.len() {
             w.new_velocity[i] = velocity(p, w.new_velocity[i], w.correction[i]);
             w.correction[i] = DVec3::ZERO;

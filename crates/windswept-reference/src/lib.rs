@@ -18,7 +18,6 @@ pub mod state;
 pub mod step;
 pub mod tables;
 pub mod turbulence;
-pub mod velocity;
 pub mod viscosity;
 
 pub use parameters::Parameters;

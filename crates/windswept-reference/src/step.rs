@@ -8,7 +8,7 @@ use crate::{
     guard,
     guard::Frozen,
     neighbours::{self, Neighbours},
-    rods, turbulence, velocity, viscosity,
+    rods, turbulence, viscosity,
 };
 
 /// One step of `parameters.step`.
@@ -24,10 +24,9 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     fluid::run(&s, &mut w, p); //          3. Pressure, or density constraints (eq. 1), of hair and air together or each for itself.
     rods::run(&mut s, &mut w, p); //       4. Air drags strands, which keep their length and shape and stay out of bodies; they slow the air.
     contact::run(&mut w, p); //            5. Air flows around bodies.
-    velocity::run(&mut w, p); //           6. Moves of air by the density constraint become velocities.
-    turbulence::run(&mut s, &mut w, p); // 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
-    viscosity::run(&s, &mut w, p); //      8. Neighbours share velocity (eqs. 7, 8).
-    guard::run(&mut s, w, p)?; //          9. Commit, or freeze and report.
+    turbulence::run(&mut s, &mut w, p); // 6. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
+    viscosity::run(&s, &mut w, p); //      7. Neighbours share velocity (eqs. 7, 8).
+    guard::run(&mut s, w, p)?; //          8. Commit, or freeze and report.
     *state = s;
     Ok(())
 }

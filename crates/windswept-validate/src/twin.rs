@@ -105,7 +105,6 @@ pub(crate) fn rods(gpu: &Gpu) -> Result<Vec<Row>, Error> {
             stage.run(|r, plan| {
                 step::drive::record(r, plan);
                 step::rods::record(r, plan);
-                step::velocity::record(r, plan);
             })?;
             let (p, mut s) = (stage.p.clone(), stage.twin.clone());
             let mut w = twin::drive::run(&s, &p);
@@ -113,7 +112,6 @@ pub(crate) fn rods(gpu: &Gpu) -> Result<Vec<Row>, Error> {
             twin::rods::run(&mut s, &mut w, &p);
             let free: Vec<_> = w.moving.points.iter().map(|point| point.velocity + p.step * p.gravity).collect();
             twin::contact::run(&mut w, &p);
-            twin::velocity::run(&mut w, &p);
             let change = |v: &[DVec3]| v.iter().zip(&free).map(|(v, free)| *v - *free).collect::<Vec<_>>();
             let measured = error(&change(&stage.read(|s| &s.new_velocity)?), &change(&w.new_velocity));
             rows.push(Row::new(format!("twin: {pass}, {integrator}"), 0.0, measured, 8.5e-5, RODS));

@@ -87,10 +87,6 @@ pub struct Plan {
     pub density_alone: Decision,
     /// Whether air or the mean wind drags segments.
     pub drag: Decision,
-    /// Whether the moves of the density constraint become the air's velocity before the rods, in heading 3.
-    pub air_first: Decision,
-    /// Whether the moves of the density constraint become the air's velocity after the rods, in heading 6.
-    pub air_last: Decision,
     /// Whether hair and air particles exchange drag.
     pub exchange: Decision,
     /// Whether any band is strengthened.
@@ -188,14 +184,6 @@ impl Plan {
             .and(fluid.clone())
             .and(Decision::when(rough, "hair.friction is 0"));
         let hair_meets_air = hair.and(neighbours.clone());
-        let air_first = pbf.and(Decision::when(
-            two_way,
-            "air gets its velocity after the rods, in heading 6, unless interaction.model is two-way",
-        ));
-        let air_last = pbf.and(Decision::when(
-            !two_way,
-            "interaction.model is two-way: air got its velocity before the rods, in heading 3",
-        ));
         let direct = hair.and(Decision::when(scene.rods.solver == Solver::Direct, "rods.solver is gauss-seidel"));
         let sweeps = hair.and(Decision::when(scene.rods.solver == Solver::GaussSeidel, "rods.solver is direct"));
         let viscosity =
@@ -241,8 +229,6 @@ impl Plan {
             friction,
             exchange: hair_meets_air.and(Decision::when(two_way, "only interaction.model two-way exchanges drag")),
             drag,
-            air_first,
-            air_last,
             turbulence,
             published_law: scene.turbulence.law == Law::Published,
             direct_filter: Decision::when(!on_grid, "turbulence.filter is grid"),

@@ -7,7 +7,6 @@ pub mod guard;
 pub mod neighbours;
 pub mod rods;
 pub mod turbulence;
-pub mod velocity;
 pub mod viscosity;
 
 use crate::{
@@ -26,10 +25,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     fluid::record(r, plan); //      3. Nothing is compressed: by pressures, or a density constraint (eq. 1).
     rods::record(r, plan); //       4. Strands keep their length and shape, and stay out of bodies.
     contact::record(r, plan); //    5. Air flows around bodies.
-    velocity::record(r, plan); //   6. Moves of air by the density constraint become velocities.
-    turbulence::record(r, plan); // 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
-    viscosity::record(r, plan); //  8. Neighbours share velocity (eqs. 7, 8).
-    guard::record(r, plan); //      9. Commit, or freeze and report.
+    turbulence::record(r, plan); // 6. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
+    viscosity::record(r, plan); //  7. Neighbours share velocity (eqs. 7, 8).
+    guard::record(r, plan); //      8. Commit, or freeze and report.
 }
 
 /// Records how air beside bodies gets its velocity before the first step. The passes run over the state copied to `predicted` and

@@ -39,8 +39,8 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.run(&fluid::MOVE, "apply what friction moves", n.hair_points).bind("felt_shift", &shift);
     });
     r.when(&plan.density_alone, |r| density(r, plan.constrained_clusters()));
-    r.when(&plan.air_first, |r| {
-        r.run(&fluid::VELOCITY, "velocities of air", n.air());
+    r.when(&plan.pbf, |r| {
+        r.run(&fluid::VELOCITY, "moves of air become its velocity", n.air());
     });
     r.when(&plan.divergence, |r| pressure(r, plan));
 }
