@@ -53,7 +53,7 @@ FIGURES = {
     "fig4": Figure(
         "4: curly hair", "6 mm, 1.4", "can naturally treat the interaction between air and curly hair", "fig4"
     ),
-    "12 mm": Figure("between 3(a) and 3(c)", "not in the paper", "", "fig3c", ("turbulence.scale=0.012",)),
+    "12 mm": Figure("between 3(a) and 3(c)", "not in the paper", "", "fig3c", ("turbulence.scale=0.012", "time.substeps=6")),
 }
 
 

@@ -63,7 +63,7 @@ impl Run {
         }
         for row in self.simulation.pass_times() {
             let band = row.band.map_or_else(String::new, |b| b.to_string());
-            let key = format!("{} {} {} {band}", row.heading, row.pass, row.name);
+            let key = format!("{} {} {} {band}", row.stage, row.pass, row.name);
             let ms = row.ms * self.simulation.timed_steps() as f64;
             let before = self.total.insert(key.clone(), ms).unwrap_or(0.0);
             let least = self.least.entry(key).or_insert(f64::INFINITY);

@@ -1,6 +1,6 @@
 //! One turn of a comparison: `cargo bench --bench round [-- --steps N] [NAME…]`.
 //!
-//! Prints a line per scene and heading, `SCENE HEADING MS` with tabs between, the time of a step on the adapter's own clock; and
+//! Prints a line per scene and stage, `SCENE HEADING MS` with tabs between, the time of a step on the adapter's own clock; and
 //! for each scene a line `wall`, the median time of a step on the host's clock, and a line `particles`. `cargo xtask bench` runs
 //! two builds of this program by turns. `cargo test --bench round` runs one step of the smallest scene.
 
@@ -15,7 +15,7 @@ mod exit;
 mod timed;
 use timed::{Timed, scene};
 
-/// Scenes by name: file, keys, and whether it runs where nobody names it. Between them they have every heading but contact, and are
+/// Scenes by name: file, keys, and whether it runs where nobody names it. Between them they have every stage but contact, and are
 /// short: a turn of all takes some ten seconds on a software adapter.
 const SCENES: [(&str, &str, &[&str], bool); 7] = [
     // All of a step, small enough to stay in a CPU's cache.
@@ -70,9 +70,9 @@ fn run() -> Result<(), Box<dyn Error>> {
 
 fn turn(gpu: &Gpu, name: &str, file: &str, keys: &[&str], steps: u64) -> Result<(), Box<dyn Error>> {
     let mut timed = Timed::new(gpu, &scene(file, keys)?)?;
-    let mut headings: BTreeMap<String, f64> = BTreeMap::new();
+    let mut stages: BTreeMap<String, f64> = BTreeMap::new();
     for row in timed.steps(steps)? {
-        *headings.entry(row.heading).or_default() += row.ms / steps as f64;
+        *stages.entry(row.stage).or_default() += row.ms / steps as f64;
     }
     let mut walls = Vec::new();
     for _ in 0..steps {
@@ -81,8 +81,8 @@ fn turn(gpu: &Gpu, name: &str, file: &str, keys: &[&str], steps: u64) -> Result<
         walls.push(started.elapsed().as_secs_f64() * 1e3);
     }
     walls.sort_by(f64::total_cmp);
-    for (heading, ms) in &headings {
-        println!("{name}\t{heading}\t{ms:.4}");
+    for (stage, ms) in &stages {
+        println!("{name}\t{stage}\t{ms:.4}");
     }
     println!("{name}\twall\t{:.4}", walls[walls.len() / 2]);
     println!("{name}\tparticles\t{}", timed.simulation.engine().sizes().particles);

@@ -1,6 +1,6 @@
-//! How long the headings of a step take, and the whole step: `cargo bench --bench step [-- FILTER]`.
+//! How long the stages of a step take, and the whole step: `cargo bench --bench step [-- FILTER]`.
 //!
-//! A group per heading, and one for the whole step; in each a line per size, over what the heading's work grows with. Times
+//! A group per stage, and one for the whole step; in each a line per size, over what the stage's work grows with. Times
 //! are the adapter's own timestamps around the passes. `cargo test --bench step` runs each line once, those of large scenes left
 //! out. Scenes draw with the fixed seed of their file.
 #![allow(clippy::unwrap_used)] // a bench that cannot run ends
@@ -23,7 +23,7 @@ struct Size {
     large: bool,
 }
 
-/// A ball among the hair, so that heading 5 has something to do.
+/// A ball among the hair, so that stage `contact` has something to do.
 const BALL: &str = "body=[{name='ball',center=[0.07,0.06,0.035],radius=0.01}]";
 const ALONE: &str = "interaction.model=none";
 
@@ -82,17 +82,17 @@ const SCALES: &[Size] = &[
     },
 ];
 
-/// What each heading's work grows with.
+/// What each stage's work grows with.
 const GROUPS: [(&str, &[Size]); 10] = [
-    ("1. drive", PARTICLES),
-    ("2. neighbours", PARTICLES),
-    ("3. fluid", PARTICLES),
-    ("4. rods", STRANDS),
-    ("5. contact", PARTICLES),
-    ("6. velocity", PARTICLES),
-    ("7. turbulence", SCALES),
-    ("8. viscosity", PARTICLES),
-    ("9. guard", PARTICLES),
+    ("forcing", PARTICLES),
+    ("neighbours", PARTICLES),
+    ("fluid", PARTICLES),
+    ("rods", STRANDS),
+    ("contact", PARTICLES),
+    ("velocity", PARTICLES),
+    ("turbulence", SCALES),
+    ("viscosity", PARTICLES),
+    ("commit", PARTICLES),
     (WHOLE, PARTICLES),
 ];
 
@@ -105,13 +105,13 @@ fn main() {
     let measures = env::args().any(|word| word == "--bench");
     let mut criterion = Criterion::default().configure_from_args();
     let simulations = RefCell::new(BTreeMap::new());
-    for (heading, sizes) in GROUPS {
-        let mut group = criterion.benchmark_group(heading);
+    for (stage, sizes) in GROUPS {
+        let mut group = criterion.benchmark_group(stage);
         // A step of the paper's size takes a second on a software adapter.
         group.sample_size(10).warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(3));
         for size in sizes.iter().filter(|size| measures || !size.large) {
-            // A scene without a body has nothing under heading 5.
-            if heading == "5. contact" && !size.keys.contains(&BALL) {
+            // A scene without a body has nothing under stage `contact`.
+            if stage == "contact" && !size.keys.contains(&BALL) {
                 continue;
             }
             let scene = scene(size.file, size.keys).unwrap();
@@ -127,7 +127,7 @@ fn main() {
                         simulations.insert(size.name, Timed::new(&gpu, &scene).unwrap());
                     }
                     let rows = simulations.get_mut(size.name).unwrap().steps(n).unwrap();
-                    let asked = rows.iter().filter(|row| heading == WHOLE || row.heading == heading);
+                    let asked = rows.iter().filter(|row| stage == WHOLE || row.stage == stage);
                     Duration::from_secs_f64(asked.map(|row| row.ms).sum::<f64>() * 1e-3)
                 });
             });

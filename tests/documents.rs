@@ -1,5 +1,5 @@
 //! The pages for people say what is there: links lead somewhere, files and passes that are named exist, no file is left out of
-//! the map, and each equation's row leads to its pass, twin function and test.
+//! the map, and each equation's row leads to its pass, reference function and test.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use std::{
@@ -11,8 +11,18 @@ use std::{
 /// Folders of the repository that a page may name a file of.
 const FOLDERS: [&str; 8] = ["crates/", "shaders/", "tests/", "examples/", "benches/", "python/", "docs/", ".github/"];
 /// Folders of `shaders/` whose files are passes.
-const PASSES: [&str; 10] =
-    ["grid/", "fluid/", "coarse/", "turbulence/", "rods/", "wind/", "force/", "contact/", "sums/", "guard/"];
+const PASSES: [&str; 10] = [
+    "forcing/",
+    "neighbours/",
+    "fluid/",
+    "rods/",
+    "contact/",
+    "turbulence/",
+    "viscosity/",
+    "commit/",
+    "sort/",
+    "reduce/",
+];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -134,8 +144,8 @@ fn no_file_is_left_out_of_the_map() {
     }
 }
 
-/// Source text of a module of the twin, with the files inside it.
-fn twin_of(module: &str) -> String {
+/// Source text of a module of the reference, with the files inside it.
+fn reference_of(module: &str) -> String {
     let source = "crates/windswept-reference/src";
     let inner = format!("{source}/{module}");
     let inside = if root().join(&inner).exists() { files(&inner, "rs") } else { Vec::new() };
@@ -155,8 +165,8 @@ fn a_heading_has_one_file_in_each_of_three_places() {
         let test = read(&format!("tests/passes/{heading}.rs"));
         for (place, text, wanted) in [
             ("step", read("crates/windswept/src/step.rs"), format!("{heading}::record(")),
-            ("twin's step", twin_of("step"), format!("{heading}::run(")),
-            ("twin", twin_of(&heading), "\npub fn run(".to_owned()),
+            ("reference's step", reference_of("step"), format!("{heading}::run(")),
+            ("reference", reference_of(&heading), "\npub fn run(".to_owned()),
             ("walk", test.clone(), format!("pub fn {heading}(&mut self")),
             ("faults", test, "\npub const FAULTS: &[Fault]".to_owned()),
             ("planted faults", read("tests/passes/steps.rs"), format!("{heading}::FAULTS")),
@@ -170,14 +180,14 @@ fn a_heading_has_one_file_in_each_of_three_places() {
 }
 
 #[test]
-fn passes_without_a_twin_function_are_those_that_are_named() {
+fn passes_without_a_reference_function_are_those_that_are_named() {
     let page = read("ARCHITECTURE.md");
-    let paragraph = page.split("\n\n").find(|text| text.starts_with("Most passes have a twin function")).unwrap();
+    let paragraph = page.split("\n\n").find(|text| text.starts_with("Most passes have a reference function")).unwrap();
     let claimed: BTreeSet<String> =
         spans(paragraph).into_iter().filter(|span| PASSES.iter().any(|folder| span.starts_with(folder))).collect();
     let headings: Vec<(String, String)> = headings()
         .iter()
-        .map(|heading| (read(&format!("crates/windswept/src/step/{heading}.rs")), twin_of(heading)))
+        .map(|heading| (read(&format!("crates/windswept/src/step/{heading}.rs")), reference_of(heading)))
         .collect();
     let mut without = BTreeSet::new();
     for folder in PASSES.map(|folder| folder.trim_end_matches('/')) {
@@ -185,7 +195,7 @@ fn passes_without_a_twin_function_are_those_that_are_named() {
             let name = file.trim_end_matches(".wgsl");
             let runs = format!("&{folder}::{},", name.to_uppercase());
             let function = format!("\npub fn {name}(");
-            if !headings.iter().any(|(step, twin)| step.contains(&runs) && twin.contains(&function)) {
+            if !headings.iter().any(|(step, reference)| step.contains(&runs) && reference.contains(&function)) {
                 without.insert(format!("{folder}/{name}"));
             }
         }
@@ -194,7 +204,7 @@ fn passes_without_a_twin_function_are_those_that_are_named() {
 }
 
 #[test]
-fn each_equation_leads_to_its_pass_twin_and_test() {
+fn each_equation_leads_to_its_pass_reference_and_test() {
     let page = read("ARCHITECTURE.md");
     let section = page.split("## Where an equation of the paper is").nth(1).unwrap().split("\n## ").next().unwrap();
     let rows: Vec<Vec<&str>> = section
@@ -212,7 +222,7 @@ fn each_equation_leads_to_its_pass_twin_and_test() {
         }
         let lost = |name: &str| {
             let (module, function) = name.split_once("::").unwrap();
-            !twin_of(&module.to_lowercase()).contains(&format!("pub fn {function}("))
+            !reference_of(&module.to_lowercase()).contains(&format!("pub fn {function}("))
         };
         wrong.extend(spans(function).into_iter().filter(|name| lost(name)).map(|name| format!("{equation}: {name}")));
         let mut file = String::new();
@@ -228,7 +238,7 @@ fn each_equation_leads_to_its_pass_twin_and_test() {
             }
         }
         if spans(function).is_empty() || tests == 0 {
-            wrong.push(format!("{equation}: no twin function, or no test"));
+            wrong.push(format!("{equation}: no reference function, or no test"));
         }
     }
     assert!(rows.len() >= 8 && wrong.is_empty(), "{} rows, {wrong:#?}", rows.len());

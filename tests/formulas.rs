@@ -4,7 +4,7 @@
 mod support;
 
 use windswept::{Gpu, internals::with_sources};
-use windswept_shaders::{Pass, contact, fluid, force, rods, turbulence, wind};
+use windswept_shaders::{Pass, contact, fluid, forcing, rods, turbulence, viscosity};
 use windswept_validate::{CHECKS, Row};
 
 fn rows(name: &str, gpu: &Gpu) -> Vec<Row> {
@@ -75,9 +75,9 @@ checks! {
     hair_and_air_exchange_momentum: "exchange",
     strands_rub_as_coulomb_says: "friction",
     mats_sleep: "mat",
-    passes_are_those_of_the_twin: "twin",
-    rods_are_those_of_the_twin: "twin-rods",
-    steps_are_those_of_the_twin: "twin-step",
+    passes_are_those_of_the_reference: "reference",
+    rods_are_those_of_the_reference: "reference-rods",
+    steps_are_those_of_the_reference: "reference-step",
 }
 
 /// A pass, what its text has, what stands there instead, and the check that looks at it.
@@ -97,30 +97,30 @@ fn turn_rows_red(cases: &[Wrong]) {
 #[test]
 fn wrong_constants_of_wind_turn_rows_red() {
     turn_rows_red(&[
-        (&wind::DRAG, "FORM: f32 = 10.0", "FORM: f32 = 10.1", "drag"),
-        (&wind::DRAG, "FRICTION: f32 = 5.4", "FRICTION: f32 = 5.41", "drag"),
-        (&wind::REACT, "params.air_inverse_mass * own.w", "1.01 * params.air_inverse_mass * own.w", "exchange"),
-        (&wind::FRINGE, "GRIP: f32 = 10.0", "GRIP: f32 = 10.1", "wind"),
-        (&wind::BLOW, "status.step + 1u", "status.step + 2u", "wind"),
-        (&force::COURSE, "status.step + 1u", "status.step + 2u", "force-fields"),
-        (&force::DRAW, "-gale.rate * params.step", "-1.01 * gale.rate * params.step", "force-fields"),
-        (&force::DRAW, "smoothstep(0.5", "smoothstep(0.4", "force-fields"),
-        (&force::FEEL, "gale_at(air.position).wind", "1.01 * gale_at(air.position).wind", "force-fields"),
-        (&force::PUSH_AIR, "params.step * pushed", "1.01 * params.step * pushed", "set-force"),
-        (&force::PUSH_HAIR, "/ w * pushed[p].xyz", "/ w * 1.01 * pushed[p].xyz", "set-force"),
-        (&force::KEEP, "params.step * rod_points", "0.99 * params.step * rod_points", "set-force"),
+        (&rods::DRAG, "FORM: f32 = 10.0", "FORM: f32 = 10.1", "drag"),
+        (&rods::DRAG, "FRICTION: f32 = 5.4", "FRICTION: f32 = 5.41", "drag"),
+        (&rods::REACT, "params.air_inverse_mass * own.w", "1.01 * params.air_inverse_mass * own.w", "exchange"),
+        (&forcing::FRINGE, "GRIP: f32 = 10.0", "GRIP: f32 = 10.1", "wind"),
+        (&forcing::MEAN_WIND, "status.step + 1u", "status.step + 2u", "wind"),
+        (&forcing::FIELD_STRENGTHS, "status.step + 1u", "status.step + 2u", "force-fields"),
+        (&forcing::DRIVE_AIR, "-gale.rate * params.step", "-1.01 * gale.rate * params.step", "force-fields"),
+        (&forcing::DRIVE_AIR, "smoothstep(0.5", "smoothstep(0.4", "force-fields"),
+        (&rods::SAMPLE_FIELDS, "gale_at(air.position).wind", "1.01 * gale_at(air.position).wind", "force-fields"),
+        (&forcing::PUSH_AIR, "params.step * pushed", "1.01 * params.step * pushed", "set-force"),
+        (&rods::PUSH_HAIR, "/ w * pushed[p].xyz", "/ w * 1.01 * pushed[p].xyz", "set-force"),
+        (&rods::EXCLUDE_PUSH, "params.step * rod_points", "0.99 * params.step * rod_points", "set-force"),
     ]);
 }
 
 #[test]
 fn wrong_constants_of_strands_turn_rows_red() {
     turn_rows_red(&[
-        (&rods::ROOTS, "part * key.travel", "1.001 * part * key.travel", "wind"),
-        (&rods::SOLVE, "l * axes[2] + now.strain", "0.99 * l * axes[2] + now.strain", "twin-rods"),
+        (&forcing::ROOTS, "part * key.travel", "1.001 * part * key.travel", "wind"),
+        (&rods::SOLVE, "l * axes[2] + now.strain", "0.99 * l * axes[2] + now.strain", "reference-rods"),
         (&rods::SOLVE, "momentum.xyz / momentum.w", "vec3f(1e-6)", "momentum"),
-        (&wind::IMPULSE, "params.step * (point.force", "1.01 * params.step * (point.force", "momentum"),
-        (&rods::GAUSS_SEIDEL, "w = 0.25", "w = 0.252", "twin-rods"),
-        (&rods::PREDICT, "params.step * (2.0 / 3.0)", "params.step * 0.667", "twin-rods"),
+        (&rods::DRAG_IMPULSE, "params.step * (point.force", "1.01 * params.step * (point.force", "momentum"),
+        (&rods::GAUSS_SEIDEL, "w = 0.25", "w = 0.252", "reference-rods"),
+        (&rods::PREDICT, "params.step * (2.0 / 3.0)", "params.step * 0.667", "reference-rods"),
         (&rods::SOLVE, "mu * before.lag", "1.01 * mu * before.lag", "contact"),
         (&contact::AIR, "CLEARANCE: f32 = 0.4", "CLEARANCE: f32 = 0.401", "contact"),
         (&fluid::WALL, "30.0 / params", "15.0 / params", "bodies-in-air"),
@@ -133,16 +133,16 @@ fn wrong_constants_of_air_turn_rows_red() {
         (&fluid::FRICTION, "min(own.friction, other.more.y)", "0.5 * own.friction", "friction"),
         (&fluid::DENSITY, "315.0", "314.0", "lattices"),
         (&fluid::CORRECT, "45.0", "30.0", "density"),
-        (&fluid::VISCOSITY, "4.0 * mass", "4.2 * mass", "shear-wave"),
-        (&fluid::VISCOSITY, "params.viscosity_eddies *", "0.8 * params.viscosity_eddies *", "shear-wave"),
-        (&fluid::PREDICT, "params.step *", "1.001 * params.step *", "twin-step"),
+        (&viscosity::XSPH, "4.0 * mass", "4.2 * mass", "shear-wave"),
+        (&viscosity::XSPH, "params.viscosity_eddies *", "0.8 * params.viscosity_eddies *", "shear-wave"),
+        (&forcing::PREDICT, "params.step *", "1.001 * params.step *", "reference-step"),
         (&turbulence::VORTICITY, "45.0", "45.1", "rotation"),
-        (&turbulence::BAND, "3.0 ", "3.1 ", "twin"),
-        (&turbulence::DEPOSIT, "t.y - 1.0", "t.y - 1.001", "twin"),
-        (&turbulence::SMOOTH_X, "spread(value, gauss)", "1.001 * spread(value, gauss)", "twin"),
-        (&turbulence::SMOOTH_Y, "spread(value, gauss)", "1.001 * spread(value, gauss)", "twin"),
-        (&turbulence::SMOOTH_Z, "value.xyz, curve", "value.xyz, 1.001 * curve", "twin"),
-        (&turbulence::GATHER, "0.11, 0.09", "0.11, 0.0901", "twin"),
+        (&turbulence::BAND, "3.0 ", "3.1 ", "reference"),
+        (&turbulence::DEPOSIT, "t.y - 1.0", "t.y - 1.001", "reference"),
+        (&turbulence::SMOOTH_X, "spread(value, gauss)", "1.001 * spread(value, gauss)", "reference"),
+        (&turbulence::SMOOTH_Y, "spread(value, gauss)", "1.001 * spread(value, gauss)", "reference"),
+        (&turbulence::SMOOTH_Z, "value.xyz, curve", "value.xyz, 1.001 * curve", "reference"),
+        (&turbulence::GATHER, "0.11, 0.09", "0.11, 0.0901", "reference"),
         (&turbulence::CONFINE, "part * part", "1.01 * part * part", "confinement"),
         (&turbulence::CONFINE, "2.0 * rate", "2.02 * rate", "confinement"),
         (&turbulence::CONFINE, "left * left", "1.01 * left * left", "confinement"),

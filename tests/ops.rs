@@ -1,4 +1,4 @@
-//! Single passes on arrays of the caller's own give the twin's numbers, in a box and in free space, and name bad
+//! Single passes on arrays of the caller's own give the reference's numbers, in a box and in free space, and name bad
 //! arguments.
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -16,7 +16,7 @@ const BAND: Band = Band { scale: 6e-3, strength: 1.0, intensity: 1.0 };
 /// Numbers of particles, small: the passes below the operations are tried with more in `tests/passes`.
 const SIZES: [usize; 5] = [1, 63, 64, 65, 3_000];
 
-/// A crowd for the operations, with the twin's parameters for it.
+/// A crowd for the operations, with the reference's parameters for it.
 struct Crowd {
     positions: Vec<[f64; 3]>,
     velocities: Vec<[f64; 3]>,
@@ -37,7 +37,7 @@ impl Crowd {
         }
     }
 
-    fn twin(&self) -> (Parameters, Vec<DVec3>, Vec<DVec3>, Vec<f64>) {
+    fn reference(&self) -> (Parameters, Vec<DVec3>, Vec<DVec3>, Vec<f64>) {
         let p = Parameters::new(&self.scene, &self.initial);
         // The positions are rounded as the device has them: relative to the box, in f32.
         let x = self.initial.air.positions.iter().map(|x| (*x - self.initial.air.min).as_vec3().as_dvec3()).collect();
@@ -98,17 +98,17 @@ fn error(got: &[DVec3], wanted: &[DVec3], floor: f64) -> f64 {
     got.iter().zip(wanted).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max) / scale
 }
 
-/// Operations give the twin's numbers on every size and layout, in a periodic box and 120 m from the origin in free
+/// Operations give the reference's numbers on every size and layout, in a periodic box and 120 m from the origin in free
 /// space.
 #[test]
-fn operations_are_those_of_the_twin() {
+fn operations_are_those_of_the_reference() {
     let gpu = support::gpu();
     let fluid_settings = Fluid::pbf(1, 0.5);
     for (name, mut crowd) in crowds() {
         crowd.scene.fluid = fluid_settings.clone();
         crowd.scene.viscosity.air = 0.9;
-        let (p, x, v, volume) = crowd.twin();
-        let near = neighbours::neighbours(&p, &x);
+        let (p, x, v, volume) = crowd.reference();
+        let near = neighbours::list(&p, &x);
         let inverse_mass = vec![1.0 / MASS; x.len()];
         let (theta, lambda) = fluid::density(&p, &x, &inverse_mass, &volume, &near);
         let shift = fluid::correct(&p, &x, &inverse_mass, &volume, &near, &lambda);
@@ -128,7 +128,7 @@ fn operations_are_those_of_the_twin() {
         let moved = particles.solve_density(&gpu, fluid_settings.clone()).unwrap();
         let far = moved.iter().zip(x.iter().zip(&shift)).map(gap).fold(0.0, f64::max);
         let band = turbulence::band(&p, &p.bands[0], DVec3::ZERO, &x, &v, &volume);
-        let viscous = viscosity::viscosity(&p, &x, &v, &inverse_mass, &volume, &near, &theta, &eddies, &exchange);
+        let viscous = viscosity::xsph(&p, &x, &v, &inverse_mass, &volume, &near, &theta, &eddies, &exchange);
         let errors = [
             error(&density, &theta_wanted, 0.1),
             error(

@@ -10,7 +10,7 @@ use windswept_shaders::{self as shaders, Operations};
 /// The small brush with some keys set, and perhaps without its hair or its air.
 fn scene(sets: &[&str], without: Option<&str>) -> Scene {
     let text = include_str!("../examples/scenes/quick.toml");
-    // In shorter substeps strands exchange less than they have, and `fluid/limit` is left out.
+    // In shorter substeps strands exchange less than they have, and `viscosity/limit` is left out.
     let sets: Vec<String> = ["time.substeps=1"].iter().chain(sets).map(|&set| set.to_owned()).collect();
     let mut scene = Scene::parse_with("quick.toml", text, &sets).unwrap();
     match without {
@@ -29,8 +29,8 @@ fn runs(scene: &Scene) -> Vec<String> {
 }
 
 const SORT: &[&str] =
-    &["grid/clear", "grid/count", "grid/total", "grid/scan", "grid/start", "grid/scatter", "grid/order"];
-const LIST: &[&str] = &["grid/neighbours"];
+    &["sort/clear", "sort/count", "sort/total", "sort/scan", "sort/start", "sort/scatter", "sort/order"];
+const LIST: &[&str] = &["neighbours/list"];
 /// Strands press on one another and rub.
 const HAIR_ON_HAIR: &[&str] = &[
     "fluid/density 2",
@@ -45,20 +45,20 @@ const SPREAD: &[&str] = &["fluid/spread", "fluid/place", "fluid/moments", "fluid
 /// A solve on the coarse grid, and what its divergence takes.
 const COARSE: &[&str] = &[
     "fluid/divergence 3",
-    "coarse/source",
-    "coarse/deposit",
-    "coarse/wave 2",
-    "coarse/wave",
-    "coarse/wave 3",
-    "coarse/gather",
-    "sums/changes",
-    "sums/total",
-    "coarse/push",
+    "fluid/coarse_source",
+    "fluid/coarse_deposit",
+    "fluid/coarse_wave 2",
+    "fluid/coarse_wave",
+    "fluid/coarse_wave 3",
+    "fluid/coarse_gather",
+    "reduce/changes",
+    "reduce/total",
+    "fluid/coarse_push",
 ];
 const PUSH: &[&str] = &["fluid/push 2"];
-const HAIR_ALONE: &[&str] = &["rods/roots"];
+const HAIR_ALONE: &[&str] = &["forcing/roots"];
 const BEGIN: &[&str] = &["rods/begin"];
-const SOLVE: &[&str] = &["rods/predict", "rods/solve", "rods/update", "wind/impulse"];
+const SOLVE: &[&str] = &["rods/predict", "rods/solve", "rods/update", "rods/drag_impulse"];
 const CONFINE: &[&str] = &["turbulence/vorticity", "turbulence/confine"];
 /// A band on a grid, after the sort.
 const FILTER: &[&str] = &[
@@ -69,11 +69,11 @@ const FILTER: &[&str] = &[
     "turbulence/smooth_z",
     "turbulence/gather",
 ];
-const STRENGTHEN: &[&str] = &["sums/changes", "sums/total", "turbulence/strengthen"];
-const VISCOSITY: &[&str] = &["fluid/limit", "fluid/viscosity"];
-const COMMIT_HAIR: &[&str] = &["guard/check", "guard/commit_frames", "guard/commit_hair"];
-const COMMIT: &[&str] = &["guard/commit"];
-const COMMIT_AIR: &[&str] = &["guard/commit_air", "guard/commit_pressure", "guard/commit"];
+const STRENGTHEN: &[&str] = &["reduce/changes", "reduce/total", "turbulence/strengthen"];
+const VISCOSITY: &[&str] = &["viscosity/limit", "viscosity/xsph"];
+const COMMIT_HAIR: &[&str] = &["commit/check", "commit/frames", "commit/hair"];
+const COMMIT: &[&str] = &["commit/state"];
+const COMMIT_AIR: &[&str] = &["commit/air", "commit/pressure", "commit/state"];
 
 /// A kind of scene: its keys, what it is without, and the passes that it has.
 type Case = (&'static str, &'static [&'static str], Option<&'static str>, Vec<&'static str>);
@@ -86,10 +86,14 @@ const TWO_BANDS: &str =
 const JET: &str = "force={field='jet',origin=[0.01,0.06,0.03],axis=[1,0,0],reach=0.1,strength=4}";
 
 fn cases() -> [Case; 11] {
-    let blow = &["wind/blow"][..];
-    let moves = &[HAIR_ALONE, &["fluid/drift", "wind/miss", "sums/total", "wind/fringe", "fluid/advance"]].concat()[..];
+    let blow = &["forcing/mean_wind"][..];
+    let moves = &[
+        HAIR_ALONE,
+        &["forcing/hair_drift", "forcing/fringe_deficit", "reduce/total", "forcing/fringe", "forcing/advance"],
+    ]
+    .concat()[..];
     let fluid = &[HAIR_ON_HAIR, SPREAD, COARSE, PUSH].concat()[..];
-    let exchange = &[BEGIN, &["wind/sample", "wind/drag"], SOLVE, &["wind/react"]].concat()[..];
+    let exchange = &[BEGIN, &["rods/sample_air", "rods/drag"], SOLVE, &["rods/react"]].concat()[..];
     let eddies = &[SORT, FILTER, CONFINE, STRENGTHEN].concat()[..];
     [
         ("rods only", &["interaction.model=none"], None, [HAIR_ALONE, BEGIN, SOLVE, COMMIT_HAIR, COMMIT].concat()),
@@ -103,7 +107,7 @@ fn cases() -> [Case; 11] {
             "drag",
             &["interaction.model=drag"],
             None,
-            [blow, HAIR_ALONE, BEGIN, &["wind/drag"], SOLVE, COMMIT_HAIR, COMMIT].concat(),
+            [blow, HAIR_ALONE, BEGIN, &["rods/drag"], SOLVE, COMMIT_HAIR, COMMIT].concat(),
         ),
         (
             "two-way",
@@ -117,16 +121,16 @@ fn cases() -> [Case; 11] {
             None,
             [
                 blow,
-                &["force/course"],
+                &["forcing/field_strengths"],
                 &moves[..HAIR_ALONE.len() + 4],
-                &["force/draw", "fluid/advance"],
+                &["forcing/drive_air", "forcing/advance"],
                 SORT,
                 LIST,
                 fluid,
                 BEGIN,
-                &["wind/sample", "force/feel", "wind/drag"],
+                &["rods/sample_air", "rods/sample_fields", "rods/drag"],
                 SOLVE,
-                &["wind/react"],
+                &["rods/react"],
                 VISCOSITY,
                 COMMIT_HAIR,
                 COMMIT_AIR,
@@ -137,8 +141,17 @@ fn cases() -> [Case; 11] {
             "force field on hair",
             &["interaction.model=drag", JET],
             None,
-            [blow, &["force/course"], HAIR_ALONE, BEGIN, &["force/feel", "wind/drag"], SOLVE, COMMIT_HAIR, COMMIT]
-                .concat(),
+            [
+                blow,
+                &["forcing/field_strengths"],
+                HAIR_ALONE,
+                BEGIN,
+                &["rods/sample_fields", "rods/drag"],
+                SOLVE,
+                COMMIT_HAIR,
+                COMMIT,
+            ]
+            .concat(),
         ),
         (
             "air only",
@@ -146,7 +159,7 @@ fn cases() -> [Case; 11] {
             Some("hair"),
             [
                 blow,
-                &["wind/miss", "sums/total", "wind/fringe", "fluid/advance"],
+                &["forcing/fringe_deficit", "reduce/total", "forcing/fringe", "forcing/advance"],
                 SORT,
                 LIST,
                 SPREAD,
@@ -154,7 +167,7 @@ fn cases() -> [Case; 11] {
                 PUSH,
                 eddies,
                 // Air alone cannot exchange more than it has.
-                &["fluid/viscosity", "guard/check"],
+                &["viscosity/xsph", "commit/check"],
                 COMMIT_AIR,
             ]
             .concat(),
@@ -177,7 +190,7 @@ fn cases() -> [Case; 11] {
             None,
             [
                 blow,
-                &["contact/place"],
+                &["forcing/bodies"],
                 moves,
                 &["fluid/wall"],
                 SORT,
@@ -185,14 +198,14 @@ fn cases() -> [Case; 11] {
                 HAIR_ON_HAIR,
                 SPREAD,
                 &COARSE[..COARSE.len() - 1],
-                &["coarse/solid", "sums/by_body 2", "coarse/push"],
+                &["fluid/coarse_solid", "reduce/by_body 2", "fluid/coarse_push"],
                 PUSH,
                 &["fluid/path"],
                 BEGIN,
-                &["wind/sample", "wind/drag", "contact/begin"],
+                &["rods/sample_air", "rods/drag", "rods/contacts"],
                 SOLVE,
-                &["wind/react"],
-                &["contact/air", "contact/impulse"],
+                &["rods/react"],
+                &["contact/air", "contact/body_impulse"],
                 SORT,
                 FILTER,
                 CONFINE,
@@ -202,7 +215,7 @@ fn cases() -> [Case; 11] {
                 STRENGTHEN,
                 VISCOSITY,
                 COMMIT_HAIR,
-                &["guard/commit_contacts", "guard/commit_bodies"],
+                &["commit/contacts", "commit/bodies"],
                 COMMIT_AIR,
             ]
             .concat(),
@@ -214,20 +227,20 @@ fn cases() -> [Case; 11] {
             [
                 blow,
                 HAIR_ALONE,
-                &["fluid/drift", "wind/miss", "sums/total", "wind/fringe", "fluid/predict"],
+                &["forcing/hair_drift", "forcing/fringe_deficit", "reduce/total", "forcing/fringe", "forcing/predict"],
                 SORT,
                 LIST,
                 &["fluid/density 2", "fluid/correct 2", "fluid/move 2"],
                 BEGIN,
                 // The mean wind drags hair outside the box.
-                &["wind/drag", "rods/predict", "rods/gauss_seidel", "rods/update", "wind/impulse"],
+                &["rods/drag", "rods/predict", "rods/gauss_seidel", "rods/update", "rods/drag_impulse"],
                 &["fluid/velocity", "turbulence/locate", "turbulence/weigh", "turbulence/vorticity", "turbulence/band"],
                 // Sum and mean are the report's.
                 &["turbulence/confine"],
                 STRENGTHEN,
-                &["fluid/viscosity"],
+                &["viscosity/xsph"],
                 COMMIT_HAIR,
-                &["guard/commit_air"],
+                &["commit/air"],
                 COMMIT,
             ]
             .concat(),
@@ -248,9 +261,9 @@ fn a_scene_runs_what_it_needs() {
 #[test]
 fn a_force_runs_while_it_is_set() {
     for (sets, added) in [
-        (&["air.wind=[0,0,0]"][..], &["force/push_hair", "force/keep", "force/push_air"][..]),
-        (&["interaction.model=drag"], &["force/push_hair", "force/keep"]),
-        (&["interaction.model=none"], &["force/push_hair", "force/keep"]),
+        (&["air.wind=[0,0,0]"][..], &["rods/push_hair", "rods/exclude_push", "forcing/push_air"][..]),
+        (&["interaction.model=drag"], &["rods/push_hair", "rods/exclude_push"]),
+        (&["interaction.model=none"], &["rods/push_hair", "rods/exclude_push"]),
     ] {
         let scene = scene(sets, None);
         let initial = InitialState::new(&scene).unwrap();
@@ -268,7 +281,11 @@ fn a_force_runs_while_it_is_set() {
         assert!(added.iter().all(|pass| pushed.contains(pass) && !before.contains(pass)), "{sets:?}: {pushed:?}");
         let others: Vec<_> = pushed.into_iter().filter(|pass| !added.contains(pass)).collect();
         assert_eq!(others, after, "{sets:?}");
-        assert!(after.iter().all(|pass| before.contains(pass) || pass.starts_with("wind/")), "{sets:?}: {after:?}");
+        assert!(
+            after.iter().all(|pass| before.contains(pass)
+                || ["forcing/mean_wind", "forcing/fringe_deficit", "forcing/fringe"].contains(pass)),
+            "{sets:?}: {after:?}"
+        );
     }
 }
 
@@ -491,11 +508,11 @@ fn operations_are_those_of_a_count_by_hand() {
     // What four pairs take: gaps 12, their squares over h^2 24, roots 8, how much of h is left 12, slopes 12, and of h^2 8, kernels 12, do
     // they coincide 4. Each of eight then adds a product of three, 6. Reading one takes 5, and its image 9.
     let four = 12 + 24 + 8 + 12 + 12 + 8 + 12 + 4;
-    let react = of(&shaders::wind::REACT);
+    let react = of(&shaders::rods::REACT);
     assert_eq!((react.1, react.2, react.3), (0, 2 * four + 8 * 6 + 5 + 9, false));
     // Of either kind: a weighed sum of two, a product, a sum, and a weighed sum of differences of three. Reading one takes its image.
     let both = 2 * four + 8 * (2 + 1 + 1 + 9) + 9;
-    let sample = of(&shaders::wind::SAMPLE);
+    let sample = of(&shaders::rods::SAMPLE_AIR);
     assert_eq!((sample.1, sample.2, sample.3), (both, both, false));
     assert!(of(&shaders::rods::SOLVE).3, "its loops over a strand have any number of turns");
 }

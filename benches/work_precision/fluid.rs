@@ -35,15 +35,15 @@ const PASSES: [&str; 12] = [
     "fluid/density",
     "fluid/correct",
     "fluid/move",
-    "fluid/advance",
+    "forcing/advance",
     "fluid/deform",
     "fluid/spread",
     "fluid/place",
     "fluid/moments",
     "fluid/push",
     "fluid/divergence",
-    "coarse/",
-    "sums/",
+    "fluid/coarse",
+    "reduce/",
 ];
 /// Numbers of substeps to try, and that of the fine run.
 const SUBSTEPS: [u32; 4] = [1, 2, 4, 8];
@@ -197,7 +197,7 @@ fn run(bench: &Bench, scene: &Scene, air: &Cloud, steps: u64) -> Result<[f64; 2]
 fn divergence(scene: &Scene, state: &InitialState) -> f64 {
     let p = Parameters::new(scene, state);
     let (x, v) = (&state.air.positions, &state.air.velocities);
-    let near = neighbours::neighbours(&p, x);
+    let near = neighbours::list(&p, x);
     let pair = |i: usize, j: usize| {
         (v[j] - v[i]).dot(VOLUME * spiky_gradient(i, j, p.separation(i, j, x[i], x[j]), p.kernel_radius))
     };

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use windswept::Simulation;
-use windswept_reference::{Parameters, State, step::step as twin_step, tables};
+use windswept_reference::{Parameters, State, step::step as reference_step, tables};
 use windswept_scene::{InitialState, Integrator, Scene, Solver};
 use windswept_validate::internals::{self, GRAVITY, LENGTH, Rod, STEP};
 
@@ -129,8 +129,8 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
     let samples = if bench.quick { 1 } else { SAMPLES };
     let (rest_steps, fall_steps) = ((rest / STEP).round() as u64, (fall / STEP).round() as usize);
     let fine = if bench.quick { 8 } else { FINE_SUBSTEPS };
-    let truth = twin_fall(&falling, fall_steps, fine)?;
-    let coarser = twin_fall(&falling, fall_steps, fine / 2)?;
+    let truth = reference_fall(&falling, fall_steps, fine)?;
+    let coarser = reference_fall(&falling, fall_steps, fine / 2)?;
     let drift: Vec<f64> = (0..falling.len()).map(|s| rms_distance(&coarser, &truth, s)).collect();
     let default = internals::rods_scene(&[], 1, STEP, GRAVITY, &keys(0.0))?;
 
@@ -182,7 +182,7 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
              tips of cantilever.csv and helix.csv"
         ),
         format!(
-            "falling: released level, undamped, rms over {fall} s against the f64 twin at {fine} substeps, from \
+            "falling: released level, undamped, rms over {fall} s against the f64 reference at {fine} substeps, from \
              which half as many substeps differ by {} L",
             drift.iter().map(|error| format!("{error:.1e}")).collect::<Vec<_>>().join(", ")
         ),
@@ -236,8 +236,8 @@ fn tips(simulation: &mut Simulation, steps: u64, count: usize) -> Result<Vec<Vec
     Ok(all)
 }
 
-/// Tips of an undamped fall by the f64 twin \[L\], after each step of Δt.
-fn twin_fall(rods: &[Target], steps: usize, substeps: u32) -> Result<Vec<Vec<DVec3>>> {
+/// Tips of an undamped fall by the f64 reference \[L\], after each step of Δt.
+fn reference_fall(rods: &[Target], steps: usize, substeps: u32) -> Result<Vec<Vec<DVec3>>> {
     let (mut scene, initial) = build(rods, 1, 0.0)?;
     scene.time.substeps = substeps;
     scene.rods.sleep = false;
@@ -246,7 +246,7 @@ fn twin_fall(rods: &[Target], steps: usize, substeps: u32) -> Result<Vec<Vec<DVe
     let mut all = Vec::new();
     for _ in 0..steps {
         for _ in 0..substeps {
-            twin_step(&mut state, &p).map_err(|frozen| format!("the fine run froze: {frozen:?}"))?;
+            reference_step(&mut state, &p).map_err(|frozen| format!("the fine run froze: {frozen:?}"))?;
         }
         let ends = (0..rods.len()).map(|s| initial.hair.points(s));
         all.push(ends.map(|ends| (state.position[ends.end - 1] - state.position[ends.start]) / LENGTH).collect());

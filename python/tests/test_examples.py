@@ -24,7 +24,7 @@ def test_example(example, tmp_path):
     assert done.stdout
 
 
-def test_every_numbered_rust_example_has_its_twin():
+def test_every_numbered_rust_example_has_its_reference():
     rust = {path.stem for path in (Path(__file__).parents[2] / "examples").glob("[0-9]*.rs")}
     assert rust <= {path.stem for path in EXAMPLES}
 

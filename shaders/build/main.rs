@@ -27,20 +27,20 @@ use software::Reads;
 use source::Source;
 use table::Table;
 
-/// Folders of WGSL: `common` holds what passes import, `pictures` what draws frames, `sums` the passes of sums over air, each other one the
-/// passes of a heading.
+/// Folders of WGSL: `common` holds what passes import, `pictures` what draws frames, `sort` and `reduce` passes that several stages run, and
+/// each other one the passes of a stage.
 const FOLDERS: [&str; 12] = [
     "common",
-    "grid",
+    "forcing",
+    "neighbours",
     "fluid",
-    "coarse",
-    "turbulence",
     "rods",
-    "wind",
-    "force",
     "contact",
-    "sums",
-    "guard",
+    "turbulence",
+    "viscosity",
+    "commit",
+    "sort",
+    "reduce",
     "pictures",
 ];
 

@@ -3,19 +3,19 @@
 //   q = -sigma sum_n c_n grad phi_n(x),  sigma = min(1, d/(U dt))          phi_n quadratic B-splines, U the largest wind
 //
 // Air that passes several spacings in a step is not where the pressure was found.
-import package::common::{params::params, status::status, mesh::{Mesh, weights, node_index, window_of}};
+import package::common::{params::params, status::status, mesh::{Mesh, LINEAR, QUADRATIC, weights, node_index, window_of}};
 
 @group(0) @binding(2) var<uniform>       mesh:  Mesh;
 @group(0) @binding(3) var<storage, read> nodes: array<f32>;   // c [m^2/s]
 
 // The quadratic B-spline at t spacings from its node.
 fn quadratic(t: vec4f) -> vec4f {
-    return weights(window_of(2u), t);
+    return weights(window_of(QUADRATIC), t);
 }
 
 // The slope of that B-spline at t spacings from its node: the difference of two linear ones.
 fn slope(t: vec4f) -> vec4f {
-    let linear = window_of(1u);
+    let linear = window_of(LINEAR);
     return weights(linear, t + 0.5) - weights(linear, t - 0.5);
 }
 

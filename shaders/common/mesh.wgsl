@@ -3,7 +3,7 @@
 
 struct Mesh {
     nodes: vec3i,            // number of nodes along each axis
-    window: u32,             // QUADRATIC or MITCHELL
+    window: u32,             // QUADRATIC of the coarse grid, MITCHELL of the band filter
     spacing: vec3f,          // distance between nodes along each axis [m]
     gain: f32,               // factor of what is gathered: -e/2 s^2 over the volume of a cell [1/m]
     axis: u32,               // axis that this dispatch transforms along: 0 is x, 1 is y, 2 is z
@@ -13,11 +13,12 @@ struct Mesh {
     solves: u32,             // 1: this dispatch solves for the coarse pressure of the waves that it makes; 0: it does not
 }
 
-// The window of the coarse grid: the quadratic B-spline, whose support is 3 spacings wide.
-const QUADRATIC: u32 = 0u;
+// B-splines; their supports are 2 and 3 spacings wide.
+const LINEAR: u32 = 1u;
+const QUADRATIC: u32 = 2u;
 // The window of the band filter: the cubic of Mitchell & Netravali (1988) with B = 1.2 and C = -0.11, whose transform falls off faster
 // beyond the waves that nodes know than that of the cubic B-spline, which is B = 1 and C = 0. Its support is 4 spacings wide.
-const MITCHELL: u32 = 1u;
+const MITCHELL: u32 = 4u;
 
 // A window of piecewise polynomials.
 struct Window {
@@ -28,7 +29,8 @@ struct Window {
 
 fn window_of(kind: u32) -> Window {
     if kind == MITCHELL { return Window(2.0, vec3f(0.0, 0.11, 0.09), vec3f(0.0, -0.16, -0.4)); }
-    return Window(1.5, vec3f(0.0, 0.5, 0.0), vec3f(0.0, -1.5, 0.0));
+    if kind == QUADRATIC { return Window(1.5, vec3f(0.0, 0.5, 0.0), vec3f(0.0, -1.5, 0.0)); }
+    return Window(1.0, vec3f(1.0, 0.0, 0.0), vec3f(-2.0, 0.0, 0.0));
 }
 
 // The window at t spacings.

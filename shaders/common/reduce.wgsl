@@ -1,4 +1,4 @@
-// Sums in a fixed order: over the terms of a lane, over a workgroup, and over workgroups, in a second pass (`sums/total`). Up to eight sums
+// Sums in a fixed order: over the terms of a lane, over a workgroup, and over workgroups, in a second pass (`reduce/total`). Up to eight sums
 // are made at once.
 //
 // Each of the workgroup's first eight lanes adds its own sum and those of every eighth lane after it, in this order; then the eight

@@ -98,7 +98,7 @@ struct RodStrand {
     root_frame: vec4f,      // ghost frame at the step's end
     root_turn: vec4f,       // from the ghost frame at the step's start
     scheme: u32,            // of `integration`, if it is integrated: EULER, BDF2
-    condition: Condition,   // as the step found it so far; `guard/commit_frames` commits it
+    condition: Condition,   // as the step found it so far; `commit/frames` commits it
     pin_force: vec3f,       // N, that holds it at its last pin
     embedded: u32,          // points, from the root on, that bodies let be
     meets: u32,             // 1: it may meet a body in this step

@@ -18,9 +18,9 @@ const EXCHANGE_LIMITED: u32 = 8u;   // a hair point whose exchange with the air 
 const AIR_BESIDE: u32 = 9u;      // a step in which air beside bodies was not as dense as it should be, or went too far
 const COUNTERS: u32 = 10u;
 
-const BY_RESET: u32 = 0u;    // passes that find strands which are not finite: rods/reset as the step begins,
+const BY_RESET: u32 = 0u;    // passes that find strands which are not finite: forcing/reset as the step begins,
 const BY_UPDATE: u32 = 1u;   // rods/update after the solve,
-const BY_HOLD: u32 = 2u;     // guard/hold at the end
+const BY_HOLD: u32 = 2u;     // commit/hold at the end
 const NO_POINT: u32 = 0xffffffffu;
 
 struct Status {
@@ -36,7 +36,7 @@ struct Status {
     first_bad_air: atomic<u32>,       // smallest id
     stretch: atomic<u32>,             // max |l/l0 - 1| in this step, the bits of a positive f32
     max_stretch: u32,                 // that of the committed steps
-    inspected: u32,                   // 1: this step began with `rods/reset`
+    inspected: u32,                   // 1: this step began with `forcing/reset`
     hair_outside: atomic<u32>,        // hair points outside the box of air, this step
     outside_steps: u32,               // steps on end with many of them
     way_beside: atomic<u32>,          // d, farthest way of air beside bodies in this step, the bits of a positive f32

@@ -1,4 +1,4 @@
-// The mean wind of the step, as `wind/blow` found it; it enters through a fringe behind the faces it blows through.
+// The mean wind of the step, as `forcing/mean_wind` found it; it enters through a fringe behind the faces it blows through.
 import package::common::{params::params, status::status};
 
 // U at the end of the step [m/s].

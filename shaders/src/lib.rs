@@ -34,7 +34,7 @@ impl Switch {
 /// A compute pass: its text and what naga knows of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pass {
-    /// Name, `folder/name`: the shader's path, which the twin's function, the step and the test have too.
+    /// Name, `folder/name`: the shader's path, which the reference's function, the step and the test have too.
     pub name: &'static str,
     /// Linked WGSL; the entry point is `main`.
     pub source: &'static str,

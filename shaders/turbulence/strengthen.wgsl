@@ -2,7 +2,7 @@
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mean::taken_out};
 
 @group(0) @binding(2) var<storage, read>       confinement:       array<vec4f>;
-@group(0) @binding(3) var<storage, read>       confinement_total: array<vec4f>;   // its sum (`sums/changes`)
+@group(0) @binding(3) var<storage, read>       confinement_total: array<vec4f>;   // its sum (`reduce/changes`)
 @group(0) @binding(4) var<storage, read_write> new_velocity:      array<vec4f>;
 
 @compute @workgroup_size(WORKGROUP)

@@ -6,7 +6,7 @@ use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::internals::step;
-use windswept_reference::{State as Twin, contact, drive, guard, rods, step::Scratch};
+use windswept_reference::{State as Reference, commit, contact, forcing, rods, step::Scratch};
 use windswept_scene::{Body, InitialState, Keyframe, Motion, Scene, Shape, Solid};
 use windswept_shaders::{
     self as shaders,
@@ -19,8 +19,8 @@ use windswept_shaders::{
 };
 
 use crate::{
+    fixture::{Fixture, quaternion, relative, xyz},
     hair::{any, motion, scene_with, set_roots},
-    stage::{Stage, quaternion, relative, xyz},
     steps::{BODIES, Fault, THIN_BODY, WALLS},
     support::{self, Layout},
     walk::{Same, Walk, apart, differing, largest},
@@ -28,9 +28,9 @@ use crate::{
 
 impl Walk<'_> {
     pub fn contact(&mut self, w: &mut Scratch) -> Same {
-        let (stage, bounds, hair) = (self.stage, self.bounds, self.p().hair_points);
-        let state = stage.engine.state();
-        let mut passes = stage.passes(step::contact::record);
+        let (fixture, bounds, hair) = (self.fixture, self.bounds, self.p().hair_points);
+        let state = fixture.engine.state();
+        let mut passes = fixture.passes(step::contact::record);
         if self.p().air {
             contact::run(w, self.p());
         }
@@ -41,17 +41,17 @@ impl Walk<'_> {
             self.same("contact/air", apart(&got, &w.new_velocity[hair..]), bounds.speed)?;
             self.impulses("contact/air", w, hair)?;
         }
-        if passes.through("contact/impulse") {
+        if passes.through("contact/body_impulse") {
             let mut wanted = vec![DVec3::ZERO; self.p().bodies.len()];
             w.walls.iter().for_each(|wall| wanted[wall.body] += wall.impulse);
             let air = (w.predicted.len() - hair) as f64;
-            let parts = stage.engine.read(&state.partial_by_body).unwrap();
+            let parts = fixture.engine.read(&state.partial_by_body).unwrap();
             let sums = parts.chunks(CHUNKS as usize).map(|parts| parts.iter().map(|part| xyz(&part[..3])).sum());
-            self.same("contact/impulse", apart(&sums.collect::<Vec<_>>(), &wanted) / air, bounds.speed)?;
-            passes.through("sums/by_body");
+            self.same("contact/body_impulse", apart(&sums.collect::<Vec<_>>(), &wanted) / air, bounds.speed)?;
+            passes.through("reduce/by_body");
             let totals: Vec<_> =
-                stage.engine.read(&state.air_total).unwrap().iter().map(|sums| xyz(&sums[..3])).collect();
-            self.same("sums/by_body", apart(&totals, &wanted) / air, bounds.speed)?;
+                fixture.engine.read(&state.air_total).unwrap().iter().map(|sums| xyz(&sums[..3])).collect();
+            self.same("reduce/by_body", apart(&totals, &wanted) / air, bounds.speed)?;
         }
         passes.finish();
         Ok(())
@@ -59,59 +59,59 @@ impl Walk<'_> {
 
     /// Compares where bodies are after the step.
     pub fn bodies(&mut self, w: &Scratch) -> Same {
-        let got = self.stage.engine.read(&self.stage.engine.state().placed).unwrap();
+        let got = self.fixture.engine.read(&self.fixture.engine.state().placed).unwrap();
         let ends = got.iter().zip(&w.moving.bodies).map(|(got, wanted)| {
             let [start, end] = wanted.body.shape.round().ends.map(|end| wanted.after.out(end));
             (xyz(&got.start) - start).length().max((xyz(&got.end) - end).length())
         });
-        self.same("contact/place", largest(ends), self.bounds.length)
+        self.same("forcing/bodies", largest(ends), self.bounds.length)
     }
 
     /// Compares how strands stand to bodies as the step begins.
     pub fn begun(&mut self, w: &Scratch) -> Same {
-        self.same("contact/begin", differing(&stood(self.stage), &stands(w)), 0.0)?;
-        self.contacts("contact/begin", w)
+        self.same("rods/contacts", differing(&stood(self.fixture), &stands(w)), 0.0)?;
+        self.contacts("rods/contacts", w)
     }
 
     /// Compares contacts: their states, and forces by what they move.
     pub fn contacts(&mut self, pass: &'static str, w: &Scratch) -> Same {
-        let (got, wanted) = (read(self.stage), all(w));
+        let (got, wanted) = (read(self.fixture), all(w));
         let states = [got.iter().map(|a| a.state).collect::<Vec<_>>(), wanted.iter().map(bits).collect()];
         self.same(pass, differing(&states[0], &states[1]), 0.0)?;
-        let gives = gives(self.stage);
+        let gives = gives(self.fixture);
         let gaps = got.iter().zip(&wanted).zip(&gives).map(|((a, b), give)| contacts_apart(a, b, *give));
         self.same(pass, largest(gaps), self.bounds.hair)
     }
 
     /// Compares what contacts keep.
-    pub fn memories(&mut self, s: &Twin) -> Same {
-        let got = self.stage.engine.read(&self.stage.engine.state().contact_history).unwrap();
-        let gaps = got.iter().zip(&s.contacts).zip(gives(self.stage)).map(|((a, b), give)| {
+    pub fn memories(&mut self, s: &Reference) -> Same {
+        let got = self.fixture.engine.read(&self.fixture.engine.state().contact_history).unwrap();
+        let gaps = got.iter().zip(&s.contacts).zip(gives(self.fixture)).map(|((a, b), give)| {
             give * ((xyz(&a.friction) - b.friction).length() + (f64::from(a.force) - b.force).abs())
         });
-        self.same("guard/commit_contacts", largest(gaps), self.bounds.hair)
+        self.same("commit/contacts", largest(gaps), self.bounds.hair)
     }
 }
 
 /// Contacts of the engine.
-fn read(stage: &Stage) -> Vec<Contact> {
-    stage.engine.read(&stage.engine.state().contacts).unwrap()
+fn read(fixture: &Fixture) -> Vec<Contact> {
+    fixture.engine.read(&fixture.engine.state().contacts).unwrap()
 }
 
-/// Contacts of the twin, in the engine's order.
+/// Contacts of the reference, in the engine's order.
 fn all(w: &Scratch) -> Vec<contact::Contact> {
     w.moving.point_contacts.iter().chain(&w.moving.segment_contacts).copied().collect()
 }
 
-/// State of a contact of the twin, in the engine's bits.
+/// State of a contact of the reference, in the engine's bits.
 fn bits(contact: &contact::Contact) -> u32 {
     let bits = [(contact.live, LIVE), (contact.slides, SLIDES), (contact.plane, PLANE)];
     bits.iter().filter(|(is, _)| *is).map(|(_, bit)| bit).sum()
 }
 
 /// What every contact's spring gives by a unit of force, about \[m/N\].
-fn gives(stage: &Stage) -> Vec<f64> {
-    let (p, s) = (&stage.parameters, &stage.twin);
+fn gives(fixture: &Fixture) -> Vec<f64> {
+    let (p, s) = (&fixture.parameters, &fixture.reference);
     let segments = (0..s.hair.len()).flat_map(|strand| s.hair.points(strand).skip(1));
     let places = (0..p.hair_points).chain(segments);
     places.flat_map(|i| vec![1e-2 * p.step.powi(2) * s.inverse_mass[i]; p.bodies.len()]).collect()
@@ -129,8 +129,8 @@ fn contacts_apart(a: &Contact, b: &contact::Contact, give: f64) -> f64 {
 }
 
 /// How strands of the engine stand to bodies: whether they may meet one, whether one wakes them, their embedded points, and whether they come out.
-fn stood(stage: &Stage) -> Vec<[u32; 4]> {
-    stage.rod_strands().iter().map(|rod| [rod.meets, rod.woken, rod.embedded, rod.comes_out]).collect()
+fn stood(fixture: &Fixture) -> Vec<[u32; 4]> {
+    fixture.rod_strands().iter().map(|rod| [rod.meets, rod.woken, rod.embedded, rod.comes_out]).collect()
 }
 
 fn stands(w: &Scratch) -> Vec<[u32; 4]> {
@@ -141,15 +141,15 @@ fn stands(w: &Scratch) -> Vec<[u32; 4]> {
 
 /// Planted faults of the passes of contact, and of the rods' solve among bodies.
 pub const FAULTS: &[Fault] = &[
-    (&shaders::contact::PLACE, "0.5 * (body.start + body.end)", "0.51 * (body.start + body.end)", BODIES),
-    (&shaders::contact::BEGIN, "RISE * along < depth", "RISE * along < depth + 0.01", BODIES),
-    (&shaders::contact::BEGIN, "before = start.distance", "before = 0.999 * start.distance", BODIES),
+    (&shaders::forcing::BODIES, "0.5 * (body.start + body.end)", "0.51 * (body.start + body.end)", BODIES),
+    (&shaders::rods::CONTACTS, "RISE * along < depth", "RISE * along < depth + 0.01", BODIES),
+    (&shaders::rods::CONTACTS, "before = start.distance", "before = 0.999 * start.distance", BODIES),
     (&shaders::rods::SOLVE, "mu * before.lag", "0.9 * mu * before.lag", BODIES),
     (&shaders::rods::SOLVE, "contact.place * arm", "0.9 * contact.place * arm", THIN_BODY),
     (&shaders::rods::SOLVE, "* contact.curve", "* 0.5 * contact.curve", THIN_BODY),
     (&shaders::contact::AIR, "CLEARANCE * params.spacing", "0.9 * CLEARANCE * params.spacing", BODIES),
     (&shaders::contact::AIR, "-0.5 * params.skin_friction", "-params.skin_friction", WALLS),
-    (&shaders::contact::IMPULSE, "seen.impulse", "0.9 * seen.impulse", WALLS),
+    (&shaders::contact::BODY_IMPULSE, "seen.impulse", "0.9 * seen.impulse", WALLS),
 ];
 
 fn body(shape: Shape, keyframes: &[(f64, [f64; 3], [f64; 3])]) -> Body {
@@ -184,15 +184,15 @@ fn meshes() -> Scene {
     scene
 }
 
-fn at_step(stage: &Stage, steps: u32) {
-    let mut status = stage.engine.status().unwrap();
+fn at_step(fixture: &Fixture, steps: u32) {
+    let mut status = fixture.engine.status().unwrap();
     status.step = steps;
-    stage.engine.set_status(&status).unwrap();
+    fixture.engine.set_status(&status).unwrap();
 }
 
 /// Bodies are where their keyframes say, before, between and after them, in the first step and an hour later.
 #[test]
-fn place_is_that_of_the_twin() {
+fn place_is_that_of_the_reference() {
     let hour = 3600.0;
     let spin = [(hour - 0.4, [0.0; 3], [0.0, 1.0, 0.0]), (hour + 0.5, [0.3, 0.0, 0.0], [2.9, 0.9, 0.0])];
     let long = [(0.0, [0.0; 3], [0.0; 3]), (2.0 * hour, [0.2, 0.1, 0.0], [0.0, 0.0, PI - 1e-9])];
@@ -200,13 +200,13 @@ fn place_is_that_of_the_twin() {
     let bodies = [&spin[..], &long, &spin[..1], &[]].map(|keyframes| body(shape.clone(), keyframes)).to_vec();
     let scene = Scene { bodies: [meshes().bodies, bodies].concat(), ..support::scene() };
     let initial = support::particles(64, 20, Layout::Random, 1);
-    let stage = Stage::new(&scene, &initial);
+    let fixture = Fixture::new(&scene, &initial);
     let (mut worst, mut slowest) = (0.0_f64, 0.0_f64);
     for steps in [0, 1, 7, 14, 15, 100, 2_608_000, 2_608_405, 2_608_695, 2_608_696, 2_609_058, 4_000_000_000] {
-        at_step(&stage, steps);
-        stage.run_only(&["contact/place"], step::drive::record);
-        let placed = stage.engine.read(&stage.engine.state().placed).unwrap();
-        for (got, wanted) in placed.iter().zip(contact::place(&stage.parameters, steps.into())) {
+        at_step(&fixture, steps);
+        fixture.run_only(&["forcing/bodies"], step::forcing::record);
+        let placed = fixture.engine.read(&fixture.engine.state().placed).unwrap();
+        for (got, wanted) in placed.iter().zip(contact::place(&fixture.parameters, steps.into())) {
             let contact::Placed { body, before, after } = wanted;
             let (middle, [start, end]) = (body.shape.center(), body.shape.round().ends);
             let pairs = [
@@ -230,7 +230,7 @@ fn place_is_that_of_the_twin() {
 
 /// Strands of two segments in any place and motion, some asleep, lost or sent far away, with memories of any contact: how they stand to bodies.
 #[test]
-fn begin_is_that_of_the_twin() {
+fn begin_is_that_of_the_reference() {
     let scenes = [scene(), meshes()];
     let sizes = support::SIZES.into_iter().filter(|n| *n > 1);
     for (n, steps, scene) in sizes
@@ -241,18 +241,18 @@ fn begin_is_that_of_the_twin() {
         let mut rng = Pcg64::seed_from_u64(5);
         // Most are slow.
         initial.hair.velocities.iter_mut().for_each(|v| *v = any(&mut rng, 1.0).powf(3.0) * 30.0);
-        let stage = Stage::new(scene, &initial);
-        at_step(&stage, steps);
-        let (p, state) = (&stage.parameters, stage.engine.state());
-        let mut s = Twin { steps: steps.into(), ..stage.twin.clone() };
-        let history: Vec<ContactHistory> = (0..stage.engine.sizes().contacts())
+        let fixture = Fixture::new(scene, &initial);
+        at_step(&fixture, steps);
+        let (p, state) = (&fixture.parameters, fixture.engine.state());
+        let mut s = Reference { steps: steps.into(), ..fixture.reference.clone() };
+        let history: Vec<ContactHistory> = (0..fixture.engine.sizes().contacts())
             .map(|i| ContactHistory {
                 friction: any(&mut rng, 1e-4).as_vec3().to_array(),
                 force: [0.0, 1e-4, 2e-4][i as usize % 3],
             })
             .collect();
-        stage.engine.write(&state.contact_history, &history).unwrap();
-        let mut health = stage.health();
+        fixture.engine.write(&state.contact_history, &history).unwrap();
+        let mut health = fixture.health();
         for (strand, condition) in health.iter_mut().enumerate() {
             match strand % 5 {
                 1 => (s.asleep[strand], condition.still) = (true, SLEEPS),
@@ -260,18 +260,18 @@ fn begin_is_that_of_the_twin() {
                 _ => {}
             }
         }
-        stage.set_health(&health);
-        stage.adopt(&mut s);
-        set_roots(&stage, &mut s, |strand, x, q| (x + if strand % 10 == 7 { DVec3::X } else { DVec3::ZERO }, q));
-        stage.run_only(&["contact/place", "rods/reset", "rods/roots"], step::drive::record);
-        stage.run_only(&["rods/begin", "contact/begin"], step::rods::record);
-        drive::mend(&mut s);
-        let mut w = drive::run(&s, p);
+        fixture.set_health(&health);
+        fixture.adopt(&mut s);
+        set_roots(&fixture, &mut s, |strand, x, q| (x + if strand % 10 == 7 { DVec3::X } else { DVec3::ZERO }, q));
+        fixture.run_only(&["forcing/bodies", "forcing/reset", "forcing/roots"], step::forcing::record);
+        fixture.run_only(&["rods/begin", "rods/contacts"], step::rods::record);
+        forcing::mend(&mut s);
+        let mut w = forcing::run(&s, p);
         w.correction = vec![DVec3::ZERO; p.hair_points];
         rods::begin(&s, &mut w, p);
-        contact::begin(&s, &mut w, p);
+        contact::contacts(&s, &mut w, p);
 
-        let (got, wanted, gives) = (read(&stage), all(&w), gives(&stage));
+        let (got, wanted, gives) = (read(&fixture), all(&w), gives(&fixture));
         let (mut errors, mut astray) = ([0.0_f64; 3], 0);
         for ((a, b), give) in got.iter().zip(&wanted).zip(gives) {
             if a.state != bits(b) || (f64::from(a.place) - b.place).abs() > 2e-3 {
@@ -297,7 +297,7 @@ fn begin_is_that_of_the_twin() {
             told(errors),
             got.len()
         );
-        assert_eq!(differing(&stood(&stage), &stands), 0.0, "{n}, step {steps}");
+        assert_eq!(differing(&stood(&fixture), &stands), 0.0, "{n}, step {steps}");
         // Measured 4.2e-7 m (far from a mesh), 2.6e-4 (normals change from cell to cell of a mesh) and 1.9e-5, and none astray; margin 4.
         let within = errors.iter().zip([1.7e-6, 1.1e-3, 8e-5]).all(|(error, bound)| *error < bound);
         assert!(within && 1000 * astray <= got.len(), "{n}, step {steps}: {errors:?}, {astray} astray");
@@ -326,7 +326,7 @@ fn among_strands(speed: f64) -> Vec<Body> {
 /// Strands that fall and are thrown among bodies, step after step: contacts, moves, frames and what lasts. Rounding decides where
 /// some strands go, one in thirty at most: whether they touch, slide or take a Newton step more.
 #[test]
-fn rods_among_bodies_are_those_of_the_twin() {
+fn rods_among_bodies_are_those_of_the_reference() {
     for n in [1, 65, 700] {
         for (keys, speed, meshes) in [
             ("sleep = false", 0.0, false),
@@ -346,30 +346,30 @@ fn rods_among_bodies_are_those_of_the_twin() {
                 });
             }
             motion(&mut initial.hair, 0.2 + speed, 5.0, n as u64);
-            let stage = Stage::new(&scene, &initial);
-            let (p, mut s) = (&stage.parameters, stage.twin.clone());
+            let fixture = Fixture::new(&scene, &initial);
+            let (p, mut s) = (&fixture.parameters, fixture.reference.clone());
             let (mut gone, mut worst, mut touching) = (0, [0.0_f64; 4], [0; 3]);
             for number in 1..=12 {
-                stage.adopt(&mut s);
-                stage.run(step::drive::record);
-                stage.run(step::rods::record);
-                let mut w = drive::run(&s, p);
+                fixture.adopt(&mut s);
+                fixture.run(step::forcing::record);
+                fixture.run(step::rods::record);
+                let mut w = forcing::run(&s, p);
                 w.correction = vec![DVec3::ZERO; p.hair_points];
                 (w.grip, w.pressed) = (s.grip.clone(), s.pressed.clone());
                 rods::run(&mut s, &mut w, p);
                 let within = |apart: &[f64; 4]| apart.iter().zip(AMONG_BODIES).all(|(off, bound)| *off < bound);
-                let (near, astray): (Vec<_>, Vec<_>) = strands_apart(&stage, &s, &w).into_iter().partition(within);
+                let (near, astray): (Vec<_>, Vec<_>) = strands_apart(&fixture, &s, &w).into_iter().partition(within);
                 assert!(30 * astray.len() <= n, "{n}, {keys}, {speed} m/s, step {number}: {astray:?}");
                 gone += astray.len();
                 worst = near.iter().fold(worst, |worst, off| [0, 1, 2, 3].map(|k| worst[k].max(off[k])));
                 let count = |of: fn(&contact::Contact) -> bool| all(&w).iter().filter(|contact| of(contact)).count();
                 let counts = [count(|c| c.live), count(|c| c.slides), count(|c| c.live && c.place > 0.0)];
                 touching = [0, 1, 2].map(|k| touching[k].max(counts[k]));
-                stage.run(step::contact::record);
-                stage.run(step::guard::record);
-                guard::run(&mut s, w, p).unwrap();
+                fixture.run(step::contact::record);
+                fixture.run(step::commit::record);
+                commit::run(&mut s, w, p).unwrap();
             }
-            let counted = stage.engine.status().unwrap().counted[UNSOLVED_STEP as usize] as usize;
+            let counted = fixture.engine.status().unwrap().counted[UNSOLVED_STEP as usize] as usize;
             println!("{n} strands, {keys}, {speed} m/s, meshes {meshes}: {}, {gone} astray", told(worst));
             println!("  at most {touching:?} contacts touch, slide, and of segments; {counted} steps unsolved");
             assert!(counted.abs_diff(s.unsolved_steps) <= gone, "{counted} instead of {} unsolved", s.unsolved_steps);
@@ -388,10 +388,10 @@ fn told<const N: usize>(numbers: [f64; N]) -> String {
 }
 
 /// Largest differences of moves \[m\], frames, strains \[m\] and contacts \[m\] of each strand.
-fn strands_apart(stage: &Stage, s: &Twin, w: &Scratch) -> Vec<[f64; 4]> {
-    let (points, segments) = stage.rods();
-    let (got, wanted, gives, bodies) = (read(stage), all(w), gives(stage), stage.parameters.bodies.len());
-    let hair = stage.parameters.hair_points;
+fn strands_apart(fixture: &Fixture, s: &Reference, w: &Scratch) -> Vec<[f64; 4]> {
+    let (points, segments) = fixture.rods();
+    let (got, wanted, gives, bodies) = (read(fixture), all(w), gives(fixture), fixture.parameters.bodies.len());
+    let hair = fixture.parameters.hair_points;
     let of_strand = |strand: usize| {
         let moves = s.hair.points(strand).map(|i| (xyz(&points[i].travel) - w.moving.points[i].travel).length());
         let pairs = || s.hair.segments(strand).map(|k| (&segments[k], &w.moving.segments[k]));
@@ -409,38 +409,38 @@ fn strands_apart(stage: &Stage, s: &Twin, w: &Scratch) -> Vec<[f64; 4]> {
 
 /// Air in any place, with any velocity, pushed about by the density constraint.
 #[test]
-fn air_is_that_of_the_twin() {
+fn air_is_that_of_the_reference() {
     let scenes = [scene(), meshes()];
     let cases = support::SIZES.into_iter().flat_map(|n| [(n, 0), (n, 6)]);
     for ((n, steps), scene) in cases.flat_map(|case| scenes.iter().map(move |scene| (case, scene))) {
         let initial = support::particles(n, n / 4, Layout::Random, 12);
-        let stage = Stage::new(scene, &initial);
-        at_step(&stage, steps);
-        let (p, s) = (&stage.parameters, stage.engine.state());
+        let fixture = Fixture::new(scene, &initial);
+        at_step(&fixture, steps);
+        let (p, s) = (&fixture.parameters, fixture.engine.state());
         let mut rng = Pcg64::seed_from_u64(6);
         let mut any = |size: f64| -> Vec<DVec3> {
             let vector = |_| (size * (DVec3::from_array(rng.random()) - 0.5)).as_vec3().as_dvec3();
             (0..n).map(vector).collect()
         };
         let (v, corrections) = (any(8.0), any(1e-3));
-        stage.engine.copy_state_to_scratch().unwrap();
-        stage.write_vectors(&s.new_velocity, &v);
-        stage.write_vectors(&s.correction, &corrections);
-        stage.run_only(&["contact/place"], step::drive::record);
-        stage.run(step::contact::record);
+        fixture.engine.copy_state_to_scratch().unwrap();
+        fixture.write_vectors(&s.new_velocity, &v);
+        fixture.write_vectors(&s.correction, &corrections);
+        fixture.run_only(&["forcing/bodies"], step::forcing::record);
+        fixture.run(step::contact::record);
         let placed = contact::place(p, steps.into());
-        let air = p.hair_points..stage.twin.position.len();
+        let air = p.hair_points..fixture.reference.position.len();
         let (mut x_wanted, mut v_wanted) = (Vec::new(), Vec::new());
         for i in air.clone() {
             let given = corrections[i] / p.step;
-            let (cleared, v) = contact::air(p, &placed, stage.twin.position[i], v[i] + given);
+            let (cleared, v) = contact::air(p, &placed, fixture.reference.position[i], v[i] + given);
             x_wanted.push(cleared.x);
             v_wanted.push(v - given);
         }
-        let pushed = x_wanted.iter().zip(&stage.twin.position[air.clone()]).filter(|(a, b)| a != b).count();
+        let pushed = x_wanted.iter().zip(&fixture.reference.position[air.clone()]).filter(|(a, b)| a != b).count();
         let errors = [
-            relative(&stage.vectors(&s.predicted)[air.clone()], &x_wanted, 0.01),
-            relative(&stage.vectors(&s.new_velocity)[air.clone()], &v_wanted, 1.0),
+            relative(&fixture.vectors(&s.predicted)[air.clone()], &x_wanted, 0.01),
+            relative(&fixture.vectors(&s.new_velocity)[air.clone()], &v_wanted, 1.0),
         ];
         println!("{n} particles, step {steps}: {pushed} pushed, off by {:.1e} and {:.1e}", errors[0], errors[1]);
         // Measured 1.4e-7 and 1.1e-6, and 2.2e-4 beside meshes, whose normals change from cell to cell; margin 4.

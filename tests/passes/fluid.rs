@@ -1,38 +1,38 @@
-//! Heading 3: the passes of the density constraint.
+//! Stage `fluid`: the passes of the density constraint.
 
 use glam::DVec3;
 use windswept::internals::step;
-use windswept_reference::{State as Twin, fluid, step::Scratch};
+use windswept_reference::{State as Reference, fluid, step::Scratch};
 use windswept_scene::{FluidSolver, Model};
 use windswept_shaders as shaders;
 
 use crate::{
-    stage::{Passes, Stage, each, stirred, xyz},
+    fixture::{Fixture, Passes, each, stirred, xyz},
     steps::{BOUNDS, CROWDED, DIVERGENCE, Fault, LIGHT_HAIR, PARTICLES, PRESSED_HAIR, STARTED, WALLS},
     support,
     walk::{Bounds, Same, Walk, apart, largest, mean_change, numbers_apart, walk},
 };
 
 impl Walk<'_> {
-    pub fn fluid(&mut self, s: &Twin, w: &mut Scratch) -> Same {
-        let (stage, bounds) = (self.stage, self.bounds);
-        let state = stage.engine.state();
+    pub fn fluid(&mut self, s: &Reference, w: &mut Scratch) -> Same {
+        let (fixture, bounds) = (self.fixture, self.bounds);
+        let state = fixture.engine.state();
         w.correction = vec![DVec3::ZERO; w.predicted.len()];
         w.pressed.clone_from(&s.pressed);
-        let mut passes = stage.passes(step::fluid::record);
-        let count = stage.plan.sizes.constrained as usize;
+        let mut passes = fixture.passes(step::fluid::record);
+        let count = fixture.plan.sizes.constrained as usize;
         w.density = vec![0.0; w.predicted.len()];
         let mut multiplier = vec![0.0; self.p().hair_points];
         while passes.through("fluid/density") {
             let x = &w.predicted[..count];
             let (density, lambda) = fluid::density(self.p(), x, &s.inverse_mass, &s.volume, &w.near);
             let densest = largest(density.iter().copied()).max(1.0);
-            let gap = numbers_apart(&stage.numbers(&state.density)[..count], &density) / densest;
+            let gap = numbers_apart(&fixture.numbers(&state.density)[..count], &density) / densest;
             w.density[..count].copy_from_slice(&density);
             self.same("fluid/density", gap, bounds.density)?;
             let most = largest(lambda.iter().map(|lambda| lambda.abs())).max(self.of_one_percent());
             let felt = fluid::felt(self.p(), &density, &lambda);
-            let got = stage.engine.read(&state.multiplier).unwrap();
+            let got = fixture.engine.read(&state.multiplier).unwrap();
             for (k, wanted) in [&lambda, &felt].into_iter().enumerate() {
                 let got: Vec<_> = got[..count].iter().map(|parts| f64::from(parts[k])).collect();
                 self.same("fluid/density", numbers_apart(&got, wanted) / most, bounds.multiplier)?;
@@ -45,7 +45,7 @@ impl Walk<'_> {
             // In parts of the largest, or of 10 µm: a density error of 1 % asks for about as much.
             let most = largest(shift.iter().map(|shift| shift.length())).max(1e-5);
             for (array, wanted) in [(&state.shift, &shift), (&state.felt_shift, &felt)] {
-                let gap = apart(&stage.vectors(array)[..count], wanted) / most;
+                let gap = apart(&fixture.vectors(array)[..count], wanted) / most;
                 self.same("fluid/correct", gap, bounds.multiplier)?;
             }
             passes.through("fluid/move");
@@ -55,9 +55,9 @@ impl Walk<'_> {
                 w.predicted[i] += shift;
                 w.correction[i] += felt;
             }
-            let got = stage.vectors(&state.predicted);
+            let got = fixture.vectors(&state.predicted);
             self.same("fluid/move", self.places(&got[..count], &w.predicted[..count], 0), bounds.length)?;
-            let gap = apart(&stage.vectors(&state.correction)[..count], &w.correction[..count]);
+            let gap = apart(&fixture.vectors(&state.correction)[..count], &w.correction[..count]);
             self.same("fluid/move", gap, bounds.length)?;
         }
         self.friction(s, w, &multiplier, &mut passes)?;
@@ -78,9 +78,9 @@ impl Walk<'_> {
     }
 
     /// Friction of hair on hair, if it runs.
-    fn friction(&mut self, s: &Twin, w: &mut Scratch, multiplier: &[f64], passes: &mut Passes<'_>) -> Same {
-        let (stage, bounds, p) = (self.stage, self.bounds, self.p());
-        let (state, points) = (stage.engine.state(), p.hair_points);
+    fn friction(&mut self, s: &Reference, w: &mut Scratch, multiplier: &[f64], passes: &mut Passes<'_>) -> Same {
+        let (fixture, bounds, p) = (self.fixture, self.bounds, self.p());
+        let (state, points) = (fixture.engine.state(), p.hair_points);
         w.grip.clone_from(&s.grip);
         if !passes.through("fluid/slip") {
             return Ok(());
@@ -89,7 +89,7 @@ impl Walk<'_> {
         let squeezed = fluid::squeeze(p, &w.predicted, &s.inverse_mass, &s.volume, &rubs, &w.near);
         let (change, grip) =
             fluid::friction(p, &w.predicted, &s.grip, &s.inverse_mass, &s.volume, &rubs, &squeezed, &w.near);
-        let got = stage.engine.read(&state.rubbing).unwrap();
+        let got = fixture.engine.read(&state.rubbing).unwrap();
         let pairs = || got.iter().zip(&rubs);
         let speed = |a: &[f32], b: DVec3| (xyz(a) - b).length();
         let slips = pairs().map(|(a, b)| speed(&a.pull, b.pull).max(speed(&a.moved, b.moved)));
@@ -100,12 +100,12 @@ impl Walk<'_> {
         self.same("fluid/slip", largest(multipliers), bounds.multiplier)?;
         passes.through("fluid/squeeze");
         let most = largest(squeezed.iter().copied()).max(bounds.length / self.p().step);
-        let gap = numbers_apart(&stage.numbers(&state.squeezed), &squeezed) / most;
+        let gap = numbers_apart(&fixture.numbers(&state.squeezed), &squeezed) / most;
         self.same("fluid/squeeze", gap, bounds.multiplier)?;
         passes.through("fluid/friction");
         let moves: Vec<DVec3> = change.iter().map(|change| self.p().step * *change).collect();
-        self.same("fluid/friction", apart(&stage.vectors(&state.shift)[..points], &moves), bounds.length)?;
-        self.same("fluid/friction", apart(&stage.vectors(&state.grip), &grip), bounds.speed)?;
+        self.same("fluid/friction", apart(&fixture.vectors(&state.shift)[..points], &moves), bounds.length)?;
+        self.same("fluid/friction", apart(&fixture.vectors(&state.grip), &grip), bounds.speed)?;
         passes.through("fluid/move");
         for (i, shift) in moves.into_iter().enumerate() {
             w.predicted[i] += shift;
@@ -116,15 +116,15 @@ impl Walk<'_> {
     }
 
     /// Pressure: spread, moments, the pressures of the step before, the coarse grid, iterations.
-    fn pressure(&mut self, s: &Twin, w: &mut Scratch, passes: &mut Passes<'_>) -> Same {
-        let (stage, bounds, p) = (self.stage, self.bounds, self.p().clone());
-        let (state, hair) = (stage.engine.state(), p.hair_points);
+    fn pressure(&mut self, s: &Reference, w: &mut Scratch, passes: &mut Passes<'_>) -> Same {
+        let (fixture, bounds, p) = (self.fixture, self.bounds, self.p().clone());
+        let (state, hair) = (fixture.engine.state(), p.hair_points);
         let first = if p.model == Model::Particles { 0 } else { hair };
         let (mass, volume) = (&s.inverse_mass, &s.volume);
         let deformation = fluid::deform(&p, &w.predicted, &w.new_velocity, volume, &w.near);
         if passes.through("fluid/deform") {
             w.eddies = deformation.iter().map(|deformation| fluid::eddies(&p, *deformation)).collect();
-            let gap = numbers_apart(&stage.exchange(|all| all.deformation), &deformation);
+            let gap = numbers_apart(&fixture.exchange(|all| all.deformation), &deformation);
             self.same("fluid/deform", gap, bounds.density)?;
         }
         let shift = fluid::spread(&p, &w.predicted, &w.new_velocity, volume, &w.near, &deformation, &w.walls);
@@ -133,7 +133,7 @@ impl Walk<'_> {
         let before = w.predicted.clone();
         w.predicted.iter_mut().zip(shift).for_each(|(x, shift)| *x += shift);
         passes.through("fluid/place");
-        if stage.plan.walls.runs {
+        if fixture.plan.walls.runs {
             fluid::walls(w, &p);
             self.walls("fluid/place", w)?;
         }
@@ -146,9 +146,9 @@ impl Walk<'_> {
         w.density[..first].copy_from_slice(&of_hair[..first]);
         passes.through("fluid/moments");
         let densest = largest(w.density.iter().copied()).max(1.0);
-        let gap = numbers_apart(&stage.numbers(&state.density)[first..], &w.density[first..]) / densest;
+        let gap = numbers_apart(&fixture.numbers(&state.density)[first..], &w.density[first..]) / densest;
         self.same("fluid/moments", gap, bounds.density)?;
-        let got = stage.engine.read(&state.gradients).unwrap();
+        let got = fixture.engine.read(&state.gradients).unwrap();
         let gaps = got.iter().zip(&w.moments).skip(first).map(|(got, wanted)| {
             let b = wanted.correction;
             let diagonal = DVec3::new(b.x_axis.x, b.y_axis.y, b.z_axis.z);
@@ -158,7 +158,7 @@ impl Walk<'_> {
             size.max(response)
         });
         self.same("fluid/moments", largest(gaps), bounds.multiplier)?;
-        let walls = stage.engine.read(&state.wall).unwrap();
+        let walls = fixture.engine.read(&state.wall).unwrap();
         let gaps = walls.iter().zip(&w.moments).zip(&w.walls).skip(first).map(|((got, moments), _)| {
             p.kernel_radius * (f64::from(got.weight) * xyz(&got.normal) - moments.wall).length()
         });
@@ -190,7 +190,7 @@ impl Walk<'_> {
             for i in 0..hair {
                 w.correction[i] = fluid::LASTING * p.step * w.pressed[i].change;
             }
-            let gap = apart(&stage.vectors(&state.correction)[..hair], &w.correction[..hair]);
+            let gap = apart(&fixture.vectors(&state.correction)[..hair], &w.correction[..hair]);
             self.same("fluid/impulse", gap, bounds.length)?;
         }
         Ok(())
@@ -198,15 +198,15 @@ impl Walk<'_> {
 
     /// The divergence and the pressures that it leaves.
     fn diverging(&mut self, rate: &[f64], w: &Scratch) -> Same {
-        let (stage, bounds) = (self.stage, self.bounds);
+        let (fixture, bounds) = (self.fixture, self.bounds);
         let first = if self.p().model == Model::Particles { 0 } else { self.p().hair_points };
-        let state = stage.engine.state();
-        let stress = stage.engine.read(&state.stress).unwrap();
+        let state = fixture.engine.state();
+        let stress = fixture.engine.read(&state.stress).unwrap();
         let gaps = stress.iter().zip(rate).skip(first).map(|(got, wanted)| (f64::from(got.divergence) - wanted).abs());
         // In parts of the largest, or of 8/s: a difference of 4 cm/s from one particle to the next.
         let most = largest(rate.iter().map(|rate| rate.abs())).max(8.0);
         self.same("fluid/divergence", largest(gaps) / most, bounds.multiplier)?;
-        let pressed = stage.engine.read(&state.pressed).unwrap();
+        let pressed = fixture.engine.read(&state.pressed).unwrap();
         let most = largest(w.pressed.iter().map(|pressed| pressed.pressure.abs())).max(1e-6);
         let both = pressed.iter().zip(&w.pressed).skip(first);
         let gaps = both.map(|(got, wanted)| (f64::from(got.pressure) - wanted.pressure).abs() / most);
@@ -214,7 +214,7 @@ impl Walk<'_> {
     }
 
     /// What pressures push.
-    fn push(&mut self, s: &Twin, w: &mut Scratch, passes: &mut Passes<'_>, pressure: &[f64]) -> Same {
+    fn push(&mut self, s: &Reference, w: &mut Scratch, passes: &mut Passes<'_>, pressure: &[f64]) -> Same {
         let p = self.p();
         let first = if p.model == Model::Particles { 0 } else { p.hair_points };
         let change = fluid::push(p, &w.predicted, &s.inverse_mass, &s.volume, &w.near, &w.moments, pressure);
@@ -227,13 +227,13 @@ impl Walk<'_> {
 
     /// Velocities, and what of them pressure made, of the particles from `first` on.
     fn pushed(&mut self, pass: &'static str, w: &Scratch, first: usize) -> Same {
-        let (stage, bounds) = (self.stage, self.bounds);
-        let state = stage.engine.state();
+        let (fixture, bounds) = (self.fixture, self.bounds);
+        let state = fixture.engine.state();
         // Where air is pressed together it is shot out: in parts of the largest speed if that is more than 10 m/s.
         let most = largest(w.new_velocity.iter().map(|v| v.length())).max(10.0) / 10.0;
         let gap = apart(&self.vectors(&state.new_velocity, first), &w.new_velocity[first..]);
         self.same(pass, gap / most, bounds.speed)?;
-        let pressed = stage.engine.read(&state.pressed).unwrap();
+        let pressed = fixture.engine.read(&state.pressed).unwrap();
         let both = pressed.iter().zip(&w.pressed).skip(first);
         let gap = largest(both.map(|(got, wanted)| (xyz(&got.change) - wanted.change).length()));
         self.same(pass, gap / most, bounds.speed)
@@ -241,65 +241,69 @@ impl Walk<'_> {
 
     /// The coarse grid, of air that was at `before` when it was sorted.
     fn coarse(&mut self, before: &[DVec3], w: &mut Scratch, passes: &mut Passes<'_>) -> Same {
-        let (stage, bounds, p) = (self.stage, self.bounds, self.p().clone());
-        let (state, hair) = (stage.engine.state(), p.hair_points);
-        let rate = fluid::divergence(&p, &w.predicted, &w.new_velocity, &stage.twin.volume, &w.near, &w.moments);
+        let (fixture, bounds, p) = (self.fixture, self.bounds, self.p().clone());
+        let (state, hair) = (fixture.engine.state(), p.hair_points);
+        let rate = fluid::divergence(&p, &w.predicted, &w.new_velocity, &fixture.reference.volume, &w.near, &w.moments);
         assert!(passes.through("fluid/divergence"));
         self.diverging(&rate, w)?;
-        assert!(passes.through("coarse/source"));
-        let sorted = stage.engine.read(&state.sorted).unwrap();
-        let got = stage.engine.read(&state.brought).unwrap();
+        assert!(passes.through("fluid/coarse_source"));
+        let sorted = fixture.engine.read(&state.sorted).unwrap();
+        let got = fixture.engine.read(&state.brought).unwrap();
         // Air stands first.
         let brought = || sorted.iter().map(|i| *i as usize).zip(&got).take(before.len() - hair);
         let source = |i: usize| fluid::source(rate[i], &w.moments[i], w.new_velocity[i]);
         let gaps = brought().map(|(i, got)| (f64::from(got[3]) - source(i)).abs());
         let most = largest(rate.iter().map(|rate| rate.abs())).max(8.0);
-        self.same("coarse/source", largest(gaps) / most, bounds.multiplier)?;
+        self.same("fluid/coarse_source", largest(gaps) / most, bounds.multiplier)?;
         let spacing = p.box_size / DVec3::from_array(p.coarse_nodes.map(|n| n as f64));
         let wrapped = |x: DVec3| (x - p.box_size * (x / p.box_size).floor()) / spacing;
         let gaps = brought().map(|(i, got)| (xyz(&got[..3]) - wrapped(before[i])).length());
-        self.same("coarse/source", largest(gaps), bounds.nodes)?;
+        self.same("fluid/coarse_source", largest(gaps), bounds.nodes)?;
 
-        let nodes = |array| -> Vec<f64> { stage.engine.read(array).unwrap().into_iter().map(f64::from).collect() };
+        let nodes = |array| -> Vec<f64> { fixture.engine.read(array).unwrap().into_iter().map(f64::from).collect() };
         let deposited = fluid::coarse_deposit(&p, before, &w.new_velocity, &rate, &w.moments);
-        passes.through("coarse/deposit");
+        passes.through("fluid/coarse_deposit");
         let most = largest(deposited.iter().map(|sum| sum.abs())).max(1e-3);
         let gap = numbers_apart(&nodes(&state.coarse), &deposited) / most;
-        self.same("coarse/deposit", gap, bounds.nodes)?;
+        self.same("fluid/coarse_deposit", gap, bounds.nodes)?;
 
         let pressure = fluid::coarse_solve(&p, &deposited);
         let most = largest(pressure.iter().map(|c| c.abs())).max(1e-9);
-        passes.through("coarse/wave");
-        passes.through("coarse/wave");
+        passes.through("fluid/coarse_wave");
+        passes.through("fluid/coarse_wave");
         // The way back leaves a factor of the number of nodes, which is taken out here.
         let count = pressure.len() as f64;
         let solved: Vec<f64> = fluid::coarse_waves(&p, &pressure).iter().map(|wave| wave / count).collect();
         let largest_wave = largest(solved.iter().map(|wave| wave.abs())).max(1e-9);
-        self.same("coarse/wave", numbers_apart(&nodes(&state.coarse_waves), &solved) / largest_wave, bounds.nodes)?;
-        passes.through("coarse/wave");
-        self.same("coarse/wave", numbers_apart(&nodes(&state.coarse), &pressure) / most, bounds.nodes)?;
+        self.same(
+            "fluid/coarse_wave",
+            numbers_apart(&nodes(&state.coarse_waves), &solved) / largest_wave,
+            bounds.nodes,
+        )?;
+        passes.through("fluid/coarse_wave");
+        self.same("fluid/coarse_wave", numbers_apart(&nodes(&state.coarse), &pressure) / most, bounds.nodes)?;
 
         let change = fluid::coarse_gather(&p, before, &pressure);
-        passes.through("coarse/gather");
+        passes.through("fluid/coarse_gather");
         let gap = apart(&self.vectors(&state.coarse_change, hair), &change[hair..]);
-        self.same("coarse/gather", gap, bounds.speed)?;
-        passes.through("sums/changes");
-        let (parts, most) = (stage.engine.read(&state.partial_sum).unwrap(), self.p().largest_wind.max(1.0));
+        self.same("fluid/coarse_gather", gap, bounds.speed)?;
+        passes.through("reduce/changes");
+        let (parts, most) = (fixture.engine.read(&state.partial_sum).unwrap(), self.p().largest_wind.max(1.0));
         let sum = |k: usize| parts.iter().map(|part| f64::from(part[k])).sum::<f64>();
         let air = || change.iter().zip(&w.new_velocity).skip(hair);
         let vectors = [(0, air().map(|(q, _)| *q).sum::<DVec3>()), (4, air().map(|(_, v)| *v).sum())];
         for (k, wanted) in vectors {
             let got = DVec3::new(sum(k), sum(k + 1), sum(k + 2));
-            self.same("sums/changes", (got - wanted).length() / air().len() as f64, bounds.speed)?;
+            self.same("reduce/changes", (got - wanted).length() / air().len() as f64, bounds.speed)?;
         }
         for (k, wanted) in [(3, air().map(|(q, v)| q.dot(*v)).sum::<f64>()), (7, air().map(|(q, _)| q.dot(*q)).sum())] {
-            self.same("sums/changes", (sum(k) - wanted).abs() / air().len() as f64, most * bounds.speed)?;
+            self.same("reduce/changes", (sum(k) - wanted).abs() / air().len() as f64, most * bounds.speed)?;
         }
-        passes.through("sums/total");
-        let totals = stage.engine.read(&state.coarse_total).unwrap();
+        passes.through("reduce/total");
+        let totals = fixture.engine.read(&state.coarse_total).unwrap();
         for k in 0..8 {
             let gap = (f64::from(totals[k / 4][k % 4]) - sum(k)).abs() / air().len() as f64;
-            self.same("sums/total", gap, most * bounds.speed)?;
+            self.same("reduce/total", gap, most * bounds.speed)?;
         }
         let solids = fluid::coarse_solid(&p, &w.moving.bodies, &pressure);
         self.solids(&solids, passes)?;
@@ -307,15 +311,15 @@ impl Walk<'_> {
         give(w, &fluid::coarse_push(&p, &change, mean, part));
         w.coarse_impulse = fluid::coarse_impulse(&solids, mean, part);
         let unpushed = self.vectors(&state.new_velocity, hair);
-        passes.through("coarse/push");
+        passes.through("fluid/coarse_push");
         let impulse = self.vectors(&state.coarse_impulse, 0);
         let air = (unpushed.len() as f64).max(1.0);
-        self.same("coarse/push", apart(&impulse, &w.coarse_impulse) / air, bounds.speed)?;
+        self.same("fluid/coarse_push", apart(&impulse, &w.coarse_impulse) / air, bounds.speed)?;
         // With what bodies get no wind is driven.
         let given = impulse.into_iter().sum::<DVec3>() / fluid::LASTING / air;
         let driven = mean_change(&unpushed, &self.vectors(&state.new_velocity, hair)) + given;
-        self.same("coarse/push", driven.length(), 0.1 * bounds.wind)?;
-        self.pushed("coarse/push", w, hair)
+        self.same("fluid/coarse_push", driven.length(), 0.1 * bounds.wind)?;
+        self.pushed("fluid/coarse_push", w, hair)
     }
 
     /// Multiplier that a density error of 1 % asks for where air is nearly at rest density \[kg m²\]: the softening is a
@@ -333,7 +337,7 @@ fn give(w: &mut Scratch, change: &[DVec3]) {
     }
 }
 
-/// Planted faults of the passes of this heading.
+/// Planted faults of the passes of this stage.
 pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::DENSITY, "315.0", "314.0", PARTICLES),
     (&shaders::fluid::DENSITY, "ABRUPT: f32 = 0.2", "ABRUPT: f32 = 0.01", PARTICLES),
@@ -353,27 +357,27 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::PUSH, "sum -= off", "sum -= 0.9 * off", WALLS),
     (&shaders::fluid::PUSH, "LASTING * own.w", "own.w", WALLS),
     (&shaders::fluid::SOLID, "density[i] += ", "density[i] += 0.9 * ", STARTED),
-    (&shaders::coarse::SOURCE, "WALL: f32 = 1.25", "WALL: f32 = 1.0", WALLS),
-    (&shaders::coarse::SOLID, "surface(placed[k], x).distance >= 0.0", "true", WALLS),
-    (&shaders::sums::BY_BODY, "chunk < CHUNKS", "chunk < 2u", WALLS),
-    (&shaders::coarse::PUSH, "solid[1].w * mean", "0.5 * solid[1].w * mean", WALLS),
+    (&shaders::fluid::COARSE_SOURCE, "WALL: f32 = 1.25", "WALL: f32 = 1.0", WALLS),
+    (&shaders::fluid::COARSE_SOLID, "surface(placed[k], x).distance >= 0.0", "true", WALLS),
+    (&shaders::reduce::BY_BODY, "chunk < CHUNKS", "chunk < 2u", WALLS),
+    (&shaders::fluid::COARSE_PUSH, "solid[1].w * mean", "0.5 * solid[1].w * mean", WALLS),
     (&shaders::fluid::PATH, "0.5 * params.step", "0.4 * params.step", WALLS),
     (&shaders::fluid::PUSH, "own.w * sum", "0.9 * own.w * sum", DIVERGENCE),
     (&shaders::fluid::DIVERGENCE, "- relaxation * sum", "- 0.9 * relaxation * sum", DIVERGENCE),
     (&shaders::fluid::DIVERGENCE, "min(1.0, own.w", "min(1.0, 2.0 * own.w", LIGHT_HAIR),
     (&shaders::fluid::IMPULSE, "LASTING: f32 = 1.5", "LASTING: f32 = 1.4", PRESSED_HAIR),
-    (&shaders::coarse::SOURCE, "max(1.0, density[i])", "max(1.1, density[i])", DIVERGENCE),
-    (&shaders::coarse::SOURCE, "sorted_position[e].xyz /", "0.9 * sorted_position[e].xyz /", DIVERGENCE),
-    (&shaders::coarse::DEPOSIT, "across.y * across.z", "across.x * across.z", DIVERGENCE),
-    (&shaders::coarse::WAVE, "cos(t) + sin(t)", "cos(t)", DIVERGENCE),
-    (&shaders::coarse::WAVE, "1.0 - s + (2.0", "0.98 - s + (2.0", DIVERGENCE),
-    (&shaders::coarse::WAVE, "4.0 * s * (1.0", "3.9 * s * (1.0", DIVERGENCE),
-    (&shaders::coarse::GATHER, "-sigma * sum", "-0.9 * sigma * sum", DIVERGENCE),
-    (&shaders::sums::CHANGES, "vec4f(v, dot", "vec4f(v, 0.5 * dot", DIVERGENCE),
-    (&shaders::sums::TOTAL, "totals[1] = all[1]", "totals[1] = 0.5 * all[1]", DIVERGENCE),
-    (&shaders::coarse::PUSH, "sum.xyz / particles", "0.5 * sum.xyz / particles", DIVERGENCE),
-    (&shaders::coarse::PUSH, "BEYOND * taken", "0.1 * taken", DIVERGENCE),
-    (&shaders::coarse::PUSH, "(coarse_change[i].xyz - mean)", "5.0 * coarse_change[i].xyz", DIVERGENCE),
+    (&shaders::fluid::COARSE_SOURCE, "max(1.0, density[i])", "max(1.1, density[i])", DIVERGENCE),
+    (&shaders::fluid::COARSE_SOURCE, "sorted_position[e].xyz /", "0.9 * sorted_position[e].xyz /", DIVERGENCE),
+    (&shaders::fluid::COARSE_DEPOSIT, "across.y * across.z", "across.x * across.z", DIVERGENCE),
+    (&shaders::fluid::COARSE_WAVE, "cos(t) + sin(t)", "cos(t)", DIVERGENCE),
+    (&shaders::fluid::COARSE_WAVE, "1.0 - s + (2.0", "0.98 - s + (2.0", DIVERGENCE),
+    (&shaders::fluid::COARSE_WAVE, "4.0 * s * (1.0", "3.9 * s * (1.0", DIVERGENCE),
+    (&shaders::fluid::COARSE_GATHER, "-sigma * sum", "-0.9 * sigma * sum", DIVERGENCE),
+    (&shaders::reduce::CHANGES, "vec4f(v, dot", "vec4f(v, 0.5 * dot", DIVERGENCE),
+    (&shaders::reduce::TOTAL, "totals[1] = all[1]", "totals[1] = 0.5 * all[1]", DIVERGENCE),
+    (&shaders::fluid::COARSE_PUSH, "sum.xyz / particles", "0.5 * sum.xyz / particles", DIVERGENCE),
+    (&shaders::fluid::COARSE_PUSH, "BEYOND * taken", "0.1 * taken", DIVERGENCE),
+    (&shaders::fluid::COARSE_PUSH, "(coarse_change[i].xyz - mean)", "5.0 * coarse_change[i].xyz", DIVERGENCE),
     (&shaders::fluid::VELOCITY, "correction[i].xyz / params.step", "0.99 * correction[i].xyz / params.step", PARTICLES),
     (&shaders::fluid::SLIP, "velocity[p].xyz + history.own", "velocity[p].xyz", CROWDED),
     (&shaders::fluid::SQUEEZE, "own.inverse_mass * sum", "0.9 * own.inverse_mass * sum", CROWDED),
@@ -382,31 +386,31 @@ pub const FAULTS: &[Fault] = &[
 
 /// An iteration of the density constraint on any crowd.
 #[test]
-fn the_density_constraint_is_that_of_the_twin() {
+fn the_density_constraint_is_that_of_the_reference() {
     let mut scene = support::scene();
     scene.fluid.iterations = 1;
-    each(&scene, |what, stage| {
-        let (near, s) = (stage.meet(), &stage.twin);
+    each(&scene, |what, fixture| {
+        let (near, s) = (fixture.meet(), &fixture.reference);
         let (predicted, new_velocity) = (s.position.clone(), s.velocity.clone());
         let mut w = Scratch { predicted, new_velocity, near, ..Scratch::default() };
         // Measured 6e-8 m, 8.4e-7 and 1.3e-5; margin 4.
         let bounds = Bounds { length: 2.4e-7, density: 3.4e-6, multiplier: 5e-5, ..BOUNDS };
-        walk(what, stage, &bounds, |walk| walk.fluid(s, &mut w));
+        walk(what, fixture, &bounds, |walk| walk.fluid(s, &mut w));
     });
 }
 
 /// Pressure on any crowd: of air that hair slows, and of hair and air together, from velocities that are anything.
 #[test]
-fn pressure_is_that_of_the_twin() {
+fn pressure_is_that_of_the_reference() {
     for model in [Model::TwoWay, Model::Particles] {
         let mut scene = support::scene();
         (scene.fluid.solver, scene.fluid.coarse) = (FluidSolver::Divergence, true);
         (scene.fluid.iterations, scene.interaction.model) = (0, model);
         scene.fluid.pressure_iterations = Some(2);
-        each(&scene, |what, stage| {
-            let (near, s) = (stage.meet(), &stage.twin);
+        each(&scene, |what, fixture| {
+            let (near, s) = (fixture.meet(), &fixture.reference);
             let velocities = stirred(s.position.len());
-            stage.write_vectors(&stage.engine.state().new_velocity, &velocities);
+            fixture.write_vectors(&fixture.engine.state().new_velocity, &velocities);
             let pressed = vec![Default::default(); s.position.len()];
             let mut w = Scratch {
                 predicted: s.position.clone(),
@@ -419,30 +423,30 @@ fn pressure_is_that_of_the_twin() {
             // largest divergence, 4.5e-3 of speeds of 10 m/s, 1.6e-6 m of what
             // hair is moved by; margin 4.
             let bounds = Bounds { density: 7e-4, multiplier: 8e-3, speed: 2e-2, length: 8e-6, wind: 4.4e-5, ..BOUNDS };
-            walk(&format!("{what}, {model:?}"), stage, &bounds, |walk| walk.fluid(s, &mut w));
+            walk(&format!("{what}, {model:?}"), fixture, &bounds, |walk| walk.fluid(s, &mut w));
         });
     }
 }
 
-/// Coincident particles separate, in opposite directions, by the same draw as the twin's.
+/// Coincident particles separate, in opposite directions, by the same draw as the reference's.
 #[test]
 fn coincident_particles_separate() {
     let mut initial = support::particles(400, 0, support::Layout::Lattice, 2);
     initial.air.positions[101] = initial.air.positions[100];
-    let stage = Stage::new(&support::scene(), &initial);
-    let near = stage.meet();
-    stage.run(step::fluid::record);
-    let after = stage.vectors(&stage.engine.state().predicted);
+    let fixture = Fixture::new(&support::scene(), &initial);
+    let near = fixture.meet();
+    fixture.run(step::fluid::record);
+    let after = fixture.vectors(&fixture.engine.state().predicted);
     let gap = (after[101] - after[100]).length();
     println!("after 2 iterations they are {gap:.2e} m apart");
     assert!(gap > 1e-4, "{gap}");
-    let (p, twin) = (&stage.parameters, &stage.twin);
-    let mut x = twin.position.clone();
+    let (p, reference) = (&fixture.parameters, &fixture.reference);
+    let mut x = reference.position.clone();
     for _ in 0..p.fluid_iterations {
-        let (_, lambda) = fluid::density(p, &x, &twin.inverse_mass, &twin.volume, &near);
-        let shift = fluid::correct(p, &x, &twin.inverse_mass, &twin.volume, &near, &lambda);
+        let (_, lambda) = fluid::density(p, &x, &reference.inverse_mass, &reference.volume, &near);
+        let shift = fluid::correct(p, &x, &reference.inverse_mass, &reference.volume, &near, &lambda);
         x.iter_mut().zip(shift).for_each(|(x, dx)| *x += dx);
     }
     let error = (after[101] - x[101]).length();
-    assert!(error < 1e-6, "{error} m from the twin");
+    assert!(error < 1e-6, "{error} m from the reference");
 }

@@ -3,11 +3,11 @@
 use glam::{DQuat, DVec3, Quat, Vec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept_reference::State as Twin;
+use windswept_reference::State as Reference;
 use windswept_scene::{End, Ends, InitialState, Model, Scene, Strands};
 use windswept_shaders::common::rod::Root;
 
-use crate::stage::Stage;
+use crate::fixture::Fixture;
 
 /// Scene of `n` strands alone, of 2 to 40 points, some curled, in random places; of 2 points where they are many.
 pub fn scene_of(n: usize, keys: &str) -> Scene {
@@ -87,8 +87,8 @@ pub fn any(rng: &mut Pcg64, size: f64) -> DVec3 {
     (size * (2.0 * DVec3::from_array(rng.random()) - 1.0)).as_vec3().as_dvec3()
 }
 
-/// Sets where clamps go, on engine and twin; rounded to f32.
-pub fn set_roots(stage: &Stage, s: &mut Twin, target: impl Fn(usize, DVec3, DQuat) -> (DVec3, DQuat)) {
+/// Sets where clamps go, on engine and reference; rounded to f32.
+pub fn set_roots(fixture: &Fixture, s: &mut Reference, target: impl Fn(usize, DVec3, DQuat) -> (DVec3, DQuat)) {
     let targets = s.clamps.iter().enumerate().map(|(strand, (x, q))| {
         let (x, q) = target(strand, *x, *q);
         (x.as_vec3(), q.as_quat())
@@ -96,6 +96,6 @@ pub fn set_roots(stage: &Stage, s: &mut Twin, target: impl Fn(usize, DVec3, DQua
     let targets: Vec<_> = targets.collect();
     let root = |(x, q): &(Vec3, Quat)| Root { position: x.to_array(), frame: q.to_array(), ..Root::default() };
     let rows: Vec<Root> = targets.iter().map(root).collect();
-    stage.engine.write(&stage.engine.state().root_targets, &rows).unwrap();
+    fixture.engine.write(&fixture.engine.state().root_targets, &rows).unwrap();
     s.root_targets = targets.iter().map(|(x, q)| (x.as_dvec3(), q.as_dquat())).collect();
 }

@@ -1,17 +1,17 @@
-//! Every pass does what its f64 twin does, on awkward sizes.
+//! Every pass does what its f64 reference does, on awkward sizes.
 #![allow(unreachable_pub, clippy::unwrap_used, missing_docs)]
 
 #[path = "../support/mod.rs"]
 mod support;
 
+mod commit;
 mod contact;
-mod drive;
+mod fixture;
 mod fluid;
-mod guard;
+mod forcing;
 mod hair;
 mod neighbours;
 mod rods;
-mod stage;
 mod steps;
 mod turbulence;
 mod viscosity;

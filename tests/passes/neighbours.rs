@@ -1,5 +1,5 @@
-//! Heading 2: the passes that sort particles into cells and list who is near whom. Every pass takes what the engine's pass
-//! before it left; who is near whom is held against the twin.
+//! Stage `neighbours`: the passes that sort particles into cells and list who is near whom. Every pass takes what the engine's pass
+//! before it left; who is near whom is held against the reference.
 
 use glam::{DVec3, IVec3, Vec3};
 use windswept::{
@@ -18,7 +18,7 @@ use windswept_shaders::{
 };
 
 use crate::{
-    stage::xyz,
+    fixture::xyz,
     steps::{CROWDED, Fault, PARTICLES},
     support::{self, Layout, RADIUS, SIZES},
     walk::{Same, Walk, differing, largest},
@@ -78,19 +78,19 @@ impl Cells {
 
 impl Walk<'_> {
     pub fn neighbours(&mut self, w: &mut Scratch) -> Same {
-        let stage = self.stage;
-        let (state, engine) = (stage.engine.state(), &stage.engine);
-        let mut passes = stage.passes(step::neighbours::record);
+        let fixture = self.fixture;
+        let (state, engine) = (fixture.engine.state(), &fixture.engine);
+        let mut passes = fixture.passes(step::neighbours::record);
         neighbours::run(w, self.p());
-        if !passes.through("grid/clear") {
+        if !passes.through("sort/clear") {
             return Ok(());
         }
         let cells = Cells(engine.read(&state.params).unwrap()[0]);
         let counts = || -> Vec<u32> { engine.read(&state.cell_count).unwrap()[..cells.len()].to_vec() };
         let none = vec![0; cells.len()];
-        self.same("grid/clear", differing(&counts(), &none), 0.0)?;
+        self.same("sort/clear", differing(&counts(), &none), 0.0)?;
 
-        assert!(passes.through("grid/count"));
+        assert!(passes.through("sort/count"));
         let position = engine.read(&state.predicted).unwrap();
         let position: Vec<Vec3> = position.iter().map(|x| Vec3::new(x[0], x[1], x[2])).collect();
         let around: Vec<Vec<usize>> = position.iter().enumerate().map(|(i, x)| cells.around(i, *x)).collect();
@@ -104,52 +104,52 @@ impl Walk<'_> {
         let counted = counts();
         let between = |cell: &usize| (least[*cell]..=most[*cell]).contains(&counted[*cell]);
         let outside = (0..cells.len()).filter(|cell| !between(cell)).count();
-        self.same("grid/count", outside as f64, 0.0)?;
+        self.same("sort/count", outside as f64, 0.0)?;
         let all = counted.iter().sum::<u32>() as f64;
-        self.same("grid/count", (all - position.len() as f64).abs(), 0.0)?;
+        self.same("sort/count", (all - position.len() as f64).abs(), 0.0)?;
 
         let rows = cells.len() / cells.in_row();
         let read_rows = || engine.read(&state.cell_rows).unwrap()[..rows].to_vec();
         let in_row: Vec<u32> = counted.chunks(cells.in_row()).map(|row| row.iter().sum()).collect();
         let wanted: Vec<_> = in_row.iter().map(|&entries| Row { entries, clusters: entries.div_ceil(LANES) }).collect();
-        assert!(passes.through("grid/total"));
-        self.same("grid/total", differing(&read_rows(), &wanted), 0.0)?;
+        assert!(passes.through("sort/total"));
+        self.same("sort/total", differing(&read_rows(), &wanted), 0.0)?;
 
-        assert!(passes.through("grid/scan"));
+        assert!(passes.through("sort/scan"));
         let before = wanted.iter().scan(Row::default(), |sum, row| {
             let before = *sum;
             *sum = Row { entries: sum.entries + row.entries, clusters: sum.clusters + row.clusters };
             Some(before)
         });
-        self.same("grid/scan", differing(&read_rows(), &before.collect::<Vec<_>>()), 0.0)?;
+        self.same("sort/scan", differing(&read_rows(), &before.collect::<Vec<_>>()), 0.0)?;
 
-        assert!(passes.through("grid/start"));
+        assert!(passes.through("sort/start"));
         let sums = counted.iter().scan(0, |sum, count| {
             *sum += count;
             Some(*sum)
         });
         let wanted: Vec<u32> = std::iter::once(0).chain(sums).collect();
         let start = engine.read(&state.cell_start).unwrap()[..=cells.len()].to_vec();
-        self.same("grid/start", differing(&start, &wanted), 0.0)?;
+        self.same("sort/start", differing(&start, &wanted), 0.0)?;
         let members = engine.read(&state.members).unwrap();
-        self.same("grid/start", differing(&members, &cells.members(&in_row)), 0.0)?;
+        self.same("sort/start", differing(&members, &cells.members(&in_row)), 0.0)?;
 
-        assert!(passes.through("grid/scatter"));
+        assert!(passes.through("sort/scatter"));
         let mut scattered = engine.read(&state.scattered).unwrap();
         let ranges = || start.windows(2).map(|ends| ends[0] as usize..ends[1] as usize).enumerate();
         let strays = |entries: &[u32], cell: usize| {
             entries.iter().filter(|i| !around.get(**i as usize).is_some_and(|cells| cells.contains(&cell))).count()
         };
         let astray: usize = ranges().map(|(cell, range)| strays(&scattered[range], cell)).sum();
-        self.same("grid/scatter", astray as f64, 0.0)?;
+        self.same("sort/scatter", astray as f64, 0.0)?;
         // Ordered by cell, then by index: what `order` is to leave.
         ranges().for_each(|(_, range)| scattered[range].sort_unstable());
         let mut once = scattered.clone();
         once.sort_unstable();
-        self.same("grid/scatter", differing(&once, &(0..once.len() as u32).collect::<Vec<_>>()), 0.0)?;
+        self.same("sort/scatter", differing(&once, &(0..once.len() as u32).collect::<Vec<_>>()), 0.0)?;
 
-        assert!(passes.through("grid/order"));
-        self.same("grid/order", differing(&engine.read(&state.sorted).unwrap(), &scattered), 0.0)?;
+        assert!(passes.through("sort/order"));
+        self.same("sort/order", differing(&engine.read(&state.sorted).unwrap(), &scattered), 0.0)?;
         let places = engine.read(&state.sorted_position).unwrap();
         let wanted: Vec<_> = scattered.iter().map(|i| w.predicted[*i as usize]).collect();
         let gaps = places.iter().zip(scattered.iter().zip(&wanted)).map(|(got, (i, x))| {
@@ -158,19 +158,19 @@ impl Walk<'_> {
             if got[3] == f32::from(air) { gap } else { f64::INFINITY }
         });
         let gap = largest(gaps);
-        self.same("grid/order", gap, self.bounds.length)?;
+        self.same("sort/order", gap, self.bounds.length)?;
 
-        assert!(passes.through("grid/neighbours"));
+        assert!(passes.through("neighbours/list"));
         let off = self.pairs_apart(w);
-        self.same("grid/neighbours", off, 2.0 * self.bounds.length)?;
+        self.same("neighbours/list", off, 2.0 * self.bounds.length)?;
         passes.finish();
         Ok(())
     }
 
-    /// Largest distance from the kernel radius of a pair that only engine or only twin lists \[m\]: of pairs at the radius itself
+    /// Largest distance from the kernel radius of a pair that only engine or only reference lists \[m\]: of pairs at the radius itself
     /// rounding decides. A list that does not hold to its layout is infinitely far off.
     fn pairs_apart(&self, w: &Scratch) -> f64 {
-        let (engine, p) = (&self.stage.engine, self.p());
+        let (engine, p) = (&self.fixture.engine, self.p());
         let clusters = engine.clusters().unwrap();
         if !each_once(&clusters, w.predicted.len()) || !clusters.iter().all(|cluster| of_kinds(p, cluster)) {
             return f64::INFINITY;
@@ -190,7 +190,7 @@ impl Walk<'_> {
         off
     }
 
-    /// Largest difference between where a particle sees another of its list, by the image that the entry names, and where the twin has
+    /// Largest difference between where a particle sees another of its list, by the image that the entry names, and where the reference has
     /// the nearest one \[m\].
     fn images_apart(&self, clusters: &[Cluster], x: &[DVec3]) -> f64 {
         let p = self.p();
@@ -231,22 +231,22 @@ fn lists(engine: &Engine) -> Vec<Vec<u32>> {
     clusters::neighbours(&engine.clusters().unwrap(), engine.params().particles)
 }
 
-/// Planted faults of the passes of this heading.
+/// Planted faults of the passes of this stage.
 pub const FAULTS: &[Fault] = &[
-    (&shaders::grid::CLEAR, "cell_count[cell] = 0u", "cell_count[cell] = 1u", PARTICLES),
-    (&shaders::grid::COUNT, "predicted[i].xyz)], 1u", "predicted[i].xyz)], 2u", PARTICLES),
-    (&shaders::grid::TOTAL, "Row(entries,", "Row(entries + u32(row == 3u),", PARTICLES),
-    (&shaders::grid::SCAN, "sums[lane] += before", "sums[lane] += before + vec2u(u32(lane == 9u))", PARTICLES),
-    (&shaders::grid::START, "running += counts.all", "running += counts.all + u32(x == 0u)", PARTICLES),
-    (&shaders::grid::START, "min(first + LANES, end)", "min(first + LANES - 1u, end)", PARTICLES),
-    (&shaders::grid::SCATTER, "[i]] = i", "[i]] = max(i, 1u)", PARTICLES),
-    (&shaders::grid::ORDER, "scattered[e] < i", "scattered[e] > i", PARTICLES),
-    (&shaders::grid::NEIGHBOURS, "found += countOneBits(bits)", "found += countOneBits(bits & 127u)", PARTICLES),
-    (&shaders::grid::NEIGHBOURS, "~(1u << (e - itself.x))", "~(2u << (e - itself.x))", CROWDED),
-    (&shaders::grid::NEIGHBOURS, "select(found, middle, params.model == TWO_WAY)", "found", CROWDED),
+    (&shaders::sort::CLEAR, "cell_count[cell] = 0u", "cell_count[cell] = 1u", PARTICLES),
+    (&shaders::sort::COUNT, "predicted[i].xyz)], 1u", "predicted[i].xyz)], 2u", PARTICLES),
+    (&shaders::sort::TOTAL, "Row(entries,", "Row(entries + u32(row == 3u),", PARTICLES),
+    (&shaders::sort::SCAN, "sums[lane] += before", "sums[lane] += before + vec2u(u32(lane == 9u))", PARTICLES),
+    (&shaders::sort::START, "running += counts.all", "running += counts.all + u32(x == 0u)", PARTICLES),
+    (&shaders::sort::START, "min(first + LANES, end)", "min(first + LANES - 1u, end)", PARTICLES),
+    (&shaders::sort::SCATTER, "[i]] = i", "[i]] = max(i, 1u)", PARTICLES),
+    (&shaders::sort::ORDER, "scattered[e] < i", "scattered[e] > i", PARTICLES),
+    (&shaders::neighbours::LIST, "found += countOneBits(bits)", "found += countOneBits(bits & 127u)", PARTICLES),
+    (&shaders::neighbours::LIST, "~(1u << (e - itself.x))", "~(2u << (e - itself.x))", CROWDED),
+    (&shaders::neighbours::LIST, "select(found, middle, params.model == TWO_WAY)", "found", CROWDED),
 ];
 
-/// Neighbours that heading 2 lists of the initial positions; the list grows as the simulation would grow it.
+/// Neighbours that stage `neighbours` lists of the initial positions; the list grows as the simulation would grow it.
 fn listed(gpu: &Gpu, initial: &InitialState) -> Vec<Vec<u32>> {
     let scene = support::scene();
     let setup = Setup::new(&scene, initial);
@@ -317,7 +317,7 @@ fn pairs_on(gpu: &Gpu, sizes: &[usize]) {
 /// another's place.
 #[test]
 fn a_row_of_too_many_particles_is_an_error() {
-    let pass = &shaders::grid::NEIGHBOURS;
+    let pass = &shaders::neighbours::LIST;
     let (right, fewer) = ("PLACES: u32 = 524288u", "PLACES: u32 = 8u");
     assert!(pass.source.contains(right), "{}", pass.source);
     let gpu = with_sources(&support::gpu(), [(pass.name, pass.source.replace(right, fewer))]);

@@ -1,4 +1,4 @@
-//! Heading 4: the passes that load, start, solve and update rods, and that exchange drag with the air.
+//! Stage `rods`: the passes that load, start, solve and update rods, and that exchange drag with the air.
 
 mod predict;
 mod sleep;
@@ -6,7 +6,7 @@ mod solve;
 
 use glam::DVec3;
 use windswept::internals::step;
-use windswept_reference::{Parameters, State as Twin, contact, drive, rods, step::Scratch};
+use windswept_reference::{Parameters, State as Reference, contact, forcing, rods, step::Scratch};
 use windswept_scene::{Model, Scene};
 use windswept_shaders::{
     self as shaders,
@@ -14,8 +14,8 @@ use windswept_shaders::{
 };
 
 use crate::{
-    drive::fields,
-    stage::{Stage, quaternion, relative, stirred, xyz},
+    fixture::{Fixture, quaternion, relative, stirred, xyz},
+    forcing::fields,
     steps::{
         DRAG, FIELDS_ON_HAIR, Fault, GALE, LIGHT_HAIR, LOOSE, NEWTON, PARTICLES, PUSHED, STORM, SWEEPS, TAUT, TWO_WAY,
     },
@@ -24,12 +24,12 @@ use crate::{
 };
 
 impl Walk<'_> {
-    pub fn rods(&mut self, s: &mut Twin, w: &mut Scratch) -> Same {
-        let (stage, bounds, p) = (self.stage, self.bounds, self.p().clone());
-        let mut passes = stage.passes(step::rods::record);
+    pub fn rods(&mut self, s: &mut Reference, w: &mut Scratch) -> Same {
+        let (fixture, bounds, p) = (self.fixture, self.bounds, self.p().clone());
+        let mut passes = fixture.passes(step::rods::record);
         rods::begin(s, w, &p);
         if passes.through("rods/begin") {
-            let points = stage.rods().0;
+            let points = fixture.rods().0;
             let gap = |of: fn(&RodPoint, &rods::Point) -> DVec3| {
                 largest(points.iter().zip(&w.moving.points).map(|(a, b)| of(a, b).length()))
             };
@@ -39,47 +39,51 @@ impl Walk<'_> {
             let moves = gap(|a, b| xyz(&a.carried) - b.carried).max(gap(|a, b| xyz(&a.rest_drift) - b.rest_drift));
             self.same("rods/begin", moves, bounds.length)?;
         }
-        if passes.through("wind/sample") {
-            let got = stage.engine.read(&stage.engine.state().sampled).unwrap();
+        if passes.through("rods/sample_air") {
+            let got = fixture.engine.read(&fixture.engine.state().sampled).unwrap();
             let pairs = || got.iter().zip(&w.local);
-            self.same("wind/sample", largest(pairs().map(|(a, b)| (xyz(&a.wind) - b.wind).length())), bounds.speed)?;
             self.same(
-                "wind/sample",
+                "rods/sample_air",
+                largest(pairs().map(|(a, b)| (xyz(&a.wind) - b.wind).length())),
+                bounds.speed,
+            )?;
+            self.same(
+                "rods/sample_air",
                 largest(pairs().map(|(a, b)| (f64::from(a.filled) - b.filled).abs())),
                 bounds.density,
             )?;
             self.same(
-                "wind/sample",
+                "rods/sample_air",
                 largest(pairs().map(|(a, b)| (f64::from(a.give) / b.give - 1.0).abs())),
                 bounds.density,
             )?;
             let place = largest(pairs().map(|(a, b)| (xyz(&a.position) - b.position).length()));
-            self.same("wind/sample", place, bounds.length)?;
+            self.same("rods/sample_air", place, bounds.length)?;
         }
-        w.local = rods::feel(s, w, &p);
-        if passes.through("force/feel") {
-            let got = stage.engine.read(&stage.engine.state().sampled).unwrap();
+        w.local = rods::sample_fields(s, w, &p);
+        if passes.through("rods/sample_fields") {
+            let got = fixture.engine.read(&fixture.engine.state().sampled).unwrap();
             let gaps = got.iter().zip(&w.local).map(|(a, b)| (xyz(&a.wind) - b.wind).length());
-            self.same("force/feel", largest(gaps), bounds.speed)?;
+            self.same("rods/sample_fields", largest(gaps), bounds.speed)?;
         }
         for (pass, force) in rods::FORCES {
             force(s, w, &p);
             if !passes.through(pass) {
                 continue;
             }
-            let schemes: Vec<_> = stage.rod_strands().iter().map(|rod| rod.scheme == BDF2).collect();
+            let schemes: Vec<_> = fixture.rod_strands().iter().map(|rod| rod.scheme == BDF2).collect();
             let wanted: Vec<_> = w.drives.iter().map(|drive| drive.step < p.step).collect();
             self.same(pass, differing(&schemes, &wanted), 0.0)?;
             // A force is held against what it changes a velocity by.
-            let points = stage.rods().0;
+            let points = fixture.rods().0;
             let gaps = points.iter().zip(&w.moving.points).map(|(a, b)| {
                 let resisted = (f64::from(a.resistance) - b.load.resistance).abs() * b.velocity.length();
                 p.step * b.inverse_mass * ((xyz(&a.force) - b.load.force).length() + resisted)
             });
             self.same(pass, largest(gaps), bounds.wind)?;
         }
-        contact::begin(s, w, &p);
-        if passes.through("contact/begin") {
+        contact::contacts(s, w, &p);
+        if passes.through("rods/contacts") {
             self.begun(w)?;
         }
         rods::predict_all(s, w, &p);
@@ -87,7 +91,7 @@ impl Walk<'_> {
             self.states("rods/predict", w)?;
             self.found("rods/predict", s)?;
             self.moves("rods/predict", w)?;
-            let (points, segments) = stage.rods();
+            let (points, segments) = fixture.rods();
             let pairs = || points.iter().zip(&w.moving.points);
             let push =
                 pairs().map(|(a, b)| (xyz(&a.push) - b.push).length().max((xyz(&a.outside) - b.outside).length()));
@@ -113,32 +117,32 @@ impl Walk<'_> {
         rods::update_all(s, w, &p);
         if passes.through("rods/update") {
             self.found("rods/update", s)?;
-            let got = &stage.vectors(&stage.engine.state().predicted)[..p.hair_points];
+            let got = &fixture.vectors(&fixture.engine.state().predicted)[..p.hair_points];
             self.same("rods/update", apart(got, &w.predicted[..p.hair_points]), bounds.length)?;
             let wanted: Vec<_> = w.moving.points.iter().map(|point| point.velocity_after(&p)).collect();
-            let got = stage.vectors(&stage.engine.state().new_velocity);
+            let got = fixture.vectors(&fixture.engine.state().new_velocity);
             self.same("rods/update", apart(&got[..p.hair_points], &wanted), bounds.speed)?;
-            let points = stage.rods().0;
+            let points = fixture.rods().0;
             let before = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.before) - b.before).length());
             self.same("rods/update", largest(before), bounds.speed)?;
         }
         let given = |w: &Scratch| {
-            let given = stage.vectors(&stage.engine.state().drag_impulse);
+            let given = fixture.vectors(&fixture.engine.state().drag_impulse);
             let of = |(i, (a, b)): (usize, (&DVec3, &DVec3))| s.inverse_mass[i] * (*a - *b).length();
             largest(given.iter().zip(&w.drag_impulse).enumerate().map(of))
         };
-        if passes.through("wind/impulse") {
-            self.same("wind/impulse", given(w), bounds.speed)?;
+        if passes.through("rods/drag_impulse") {
+            self.same("rods/drag_impulse", given(w), bounds.speed)?;
         }
-        w.drag_impulse = rods::keep(s, w, &p);
-        if passes.through("force/keep") {
-            self.same("force/keep", given(w), bounds.speed)?;
+        w.drag_impulse = rods::exclude_push(s, w, &p);
+        if passes.through("rods/exclude_push") {
+            self.same("rods/exclude_push", given(w), bounds.speed)?;
         }
-        if passes.through("wind/react") {
+        if passes.through("rods/react") {
             let change = rods::react(&p, &w.local, &w.drag_impulse, &w.predicted, &s.volume, &s.inverse_mass, &w.near);
             w.new_velocity[p.hair_points..].iter_mut().zip(change).for_each(|(v, change)| *v += change);
-            let got = self.vectors(&stage.engine.state().new_velocity, p.hair_points);
-            self.same("wind/react", apart(&got, &w.new_velocity[p.hair_points..]), bounds.speed)?;
+            let got = self.vectors(&fixture.engine.state().new_velocity, p.hair_points);
+            self.same("rods/react", apart(&got, &w.new_velocity[p.hair_points..]), bounds.speed)?;
         }
         passes.finish();
         Ok(())
@@ -146,7 +150,7 @@ impl Walk<'_> {
 
     /// Compares moves, frames and, of the direct solver, turns and strains of segments that are integrated.
     fn moves(&mut self, pass: &'static str, w: &Scratch) -> Same {
-        let (points, segments) = self.stage.rods();
+        let (points, segments) = self.fixture.rods();
         let moves = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.travel) - b.travel).length());
         self.same(pass, largest(moves), self.bounds.hair)?;
         let pairs = || segments.iter().zip(&w.moving.segments);
@@ -161,7 +165,7 @@ impl Walk<'_> {
 }
 
 /// The solver of the reference, on every strand.
-fn solve_all(s: &Twin, w: &mut Scratch, p: &Parameters) {
+fn solve_all(s: &Reference, w: &mut Scratch, p: &Parameters) {
     for strand in 0..s.hair.len() {
         if p.direct {
             rods::solve(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
@@ -171,17 +175,22 @@ fn solve_all(s: &Twin, w: &mut Scratch, p: &Parameters) {
     }
 }
 
-/// Planted faults of the passes of this heading.
+/// Planted faults of the passes of this stage.
 pub const FAULTS: &[Fault] = &[
     (&shaders::rods::BEGIN, "correction[p].xyz / params.step", "0.9 * correction[p].xyz / params.step", PARTICLES),
     (&shaders::rods::BEGIN, "change - history.outside", "change", TWO_WAY),
-    (&shaders::wind::SAMPLE, "hair / params.air_density", "0.9 * hair / params.air_density", TWO_WAY),
-    (&shaders::wind::DRAG, "params.lift", "0.9 * params.lift", DRAG),
-    (&shaders::wind::DRAG, "LENGTHS: f32 = 8.0", "LENGTHS: f32 = 7.0", GALE),
-    (&shaders::wind::DRAG, "STORMY: f32 = 1.0 / 3.0", "STORMY: f32 = 1.0 / 3000.0", DRAG),
-    (&shaders::force::FEEL, "gale_at(air.position).wind", "0.9 * gale_at(air.position).wind", FIELDS_ON_HAIR),
-    (&shaders::force::PUSH_HAIR, "/ w * pushed[p].xyz", "/ w * 0.9 * pushed[p].xyz", PUSHED),
-    (&shaders::force::KEEP, "params.step * rod_points[p].weight", "0.9 * params.step * rod_points[p].weight", PUSHED),
+    (&shaders::rods::SAMPLE_AIR, "hair / params.air_density", "0.9 * hair / params.air_density", TWO_WAY),
+    (&shaders::rods::DRAG, "params.lift", "0.9 * params.lift", DRAG),
+    (&shaders::rods::DRAG, "LENGTHS: f32 = 8.0", "LENGTHS: f32 = 7.0", GALE),
+    (&shaders::rods::DRAG, "STORMY: f32 = 1.0 / 3.0", "STORMY: f32 = 1.0 / 3000.0", DRAG),
+    (&shaders::rods::SAMPLE_FIELDS, "gale_at(air.position).wind", "0.9 * gale_at(air.position).wind", FIELDS_ON_HAIR),
+    (&shaders::rods::PUSH_HAIR, "/ w * pushed[p].xyz", "/ w * 0.9 * pushed[p].xyz", PUSHED),
+    (
+        &shaders::rods::EXCLUDE_PUSH,
+        "params.step * rod_points[p].weight",
+        "0.9 * params.step * rod_points[p].weight",
+        PUSHED,
+    ),
     (&shaders::rods::PREDICT, "params.step * point.inverse_mass", "0.9 * params.step * point.inverse_mass", TWO_WAY),
     (&shaders::rods::PREDICT, "here.weight * params.gravity", "params.gravity", LIGHT_HAIR),
     (
@@ -200,35 +209,35 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::rods::UPDATE, "remainder, point.travel", "remainder, 0.9 * point.travel", PARTICLES),
     (&shaders::rods::UPDATE, "rate(point.travel", "rate(0.9 * point.travel", PARTICLES),
     (&shaders::rods::UPDATE, "before = point.velocity", "before = 0.9 * point.velocity", PARTICLES),
-    (&shaders::wind::IMPULSE, "point.resistance *", "0.9 * point.resistance *", TWO_WAY),
-    (&shaders::wind::REACT, "params.air_inverse_mass * own.w", "0.9 * params.air_inverse_mass * own.w", TWO_WAY),
+    (&shaders::rods::DRAG_IMPULSE, "point.resistance *", "0.9 * point.resistance *", TWO_WAY),
+    (&shaders::rods::REACT, "params.air_inverse_mass * own.w", "0.9 * params.air_inverse_mass * own.w", TWO_WAY),
 ];
 
 /// The wind of force fields at hair points, and an acceleration that was set, without air and outside its box.
 #[test]
-fn forces_on_hair_are_those_of_the_twin() {
+fn forces_on_hair_are_those_of_the_reference() {
     for model in [Model::Drag, Model::Particles] {
         for n in support::SIZES.into_iter().filter(|n| *n > 1) {
             let mut scene = Scene { forces: fields(), ..support::scene() };
             scene.interaction.model = model;
             let air = if model == Model::Particles { n / 3 } else { 0 };
-            let mut stage = Stage::new(&scene, &support::particles(n, n - air, support::Layout::Random, 7));
-            stage.push();
-            let (p, s) = (&stage.parameters, stage.engine.state());
-            let velocity = stirred(stage.twin.position.len());
-            stage.write_vectors(&s.velocity, &velocity);
-            stage.run(step::drive::record);
-            stage.run_only(&["rods/begin", "force/feel", "force/push_hair"], step::rods::record);
-            let mut twin = Twin { velocity, ..stage.twin.clone() };
-            let mut w = drive::run(&twin, p);
+            let mut fixture = Fixture::new(&scene, &support::particles(n, n - air, support::Layout::Random, 7));
+            fixture.push();
+            let (p, s) = (&fixture.parameters, fixture.engine.state());
+            let velocity = stirred(fixture.reference.position.len());
+            fixture.write_vectors(&s.velocity, &velocity);
+            fixture.run(step::forcing::record);
+            fixture.run_only(&["rods/begin", "rods/sample_fields", "rods/push_hair"], step::rods::record);
+            let mut reference = Reference { velocity, ..fixture.reference.clone() };
+            let mut w = forcing::run(&reference, p);
             w.correction = vec![DVec3::ZERO; p.hair_points];
-            rods::begin(&twin, &mut w, p);
-            let felt: Vec<_> = rods::feel(&twin, &w, p).iter().map(|local| local.wind).collect();
-            rods::push_hair(&mut twin, &mut w, p);
+            rods::begin(&reference, &mut w, p);
+            let felt: Vec<_> = rods::sample_fields(&reference, &w, p).iter().map(|local| local.wind).collect();
+            rods::push_hair(&mut reference, &mut w, p);
             let pushed: Vec<_> = w.moving.points.iter().map(|point| point.load.force).collect();
-            let sampled = stage.engine.read(&s.sampled).unwrap();
+            let sampled = fixture.engine.read(&s.sampled).unwrap();
             let got: Vec<_> = sampled.iter().map(|air| xyz(&air.wind)).collect();
-            let forces: Vec<_> = stage.rods().0.iter().map(|point| xyz(&point.force)).collect();
+            let forces: Vec<_> = fixture.rods().0.iter().map(|point| xyz(&point.force)).collect();
             let errors = [relative(&got, &felt, 1e-3), relative(&forces, &pushed, 0.0)];
             println!("{model:?}, {n} particles: {:.1e}, {:.1e}", errors[0], errors[1]);
             // Measured at most 2.7e-7 and 5.2e-8; margin 4.
@@ -239,7 +248,7 @@ fn forces_on_hair_are_those_of_the_twin() {
 
 /// Drag and lift of segments in any posture and motion, at 1000 m/s without a direction; with air particles outside the box only.
 #[test]
-fn drag_is_that_of_the_twin() {
+fn drag_is_that_of_the_reference() {
     for (model, lift, speed) in [
         (Model::Drag, 0.0, 3.0),
         (Model::Drag, 2.0, 3.0),
@@ -265,22 +274,22 @@ fn drag_is_that_of_the_twin() {
                 initial.air.positions.push(0.5 * size);
                 initial.air.velocities.push(DVec3::ZERO);
             }
-            let stage = Stage::new(&scene, &initial);
-            let (p, twin, s) = (&stage.parameters, &stage.twin, stage.engine.state());
-            let v: Vec<DVec3> = twin
+            let fixture = Fixture::new(&scene, &initial);
+            let (p, reference, s) = (&fixture.parameters, &fixture.reference, fixture.engine.state());
+            let v: Vec<DVec3> = reference
                 .position
                 .iter()
                 .map(|x| (DVec3::new(x.y, x.z, -x.x) * speed * 10.0).as_vec3().as_dvec3())
                 .collect();
-            stage.write_vectors(&s.velocity, &v);
+            fixture.write_vectors(&s.velocity, &v);
             if p.hair_points == 0 {
                 continue;
             }
-            stage.run(step::drive::record);
-            stage.run_only(&["rods/begin", "wind/drag"], step::rods::record);
+            fixture.run(step::forcing::record);
+            fixture.run_only(&["rods/begin", "rods/drag"], step::rods::record);
             let air = vec![rods::undisturbed(p.wind); p.hair_points];
-            let (wanted, _) = rods::drag(p, &twin.hair, &air, &twin.position, &v);
-            let points = stage.rods().0;
+            let (wanted, _) = rods::drag(p, &reference.hair, &air, &reference.position, &v);
+            let points = fixture.rods().0;
             let forces: Vec<_> = wanted.iter().map(|load| load.force).collect();
             let resistances: Vec<_> = wanted.iter().map(|load| load.resistance * DVec3::X).collect();
             let got: Vec<_> = points.iter().map(|point| xyz(&point.force)).collect();

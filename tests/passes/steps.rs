@@ -1,18 +1,18 @@
-//! Whole steps against those of the twin, pass by pass: where they part, the pass is named.
+//! Whole steps against those of the reference, pass by pass: where they part, the pass is named.
 
 use glam::DVec3;
 use windswept::{
     Accelerations, Frame, Gpu, PassTexts, Simulation,
     internals::{with_sources, with_texts},
 };
-use windswept_reference::step::step as twin_step;
+use windswept_reference::step::step as reference_step;
 use windswept_scene::{InitialState, Scene, Strands};
 use windswept_shaders::{self as shaders, PASSES, Pass};
 
 use crate::{
-    contact, drive, fluid, guard, neighbours, rods,
-    stage::Stage,
-    support, turbulence, viscosity,
+    commit, contact,
+    fixture::Fixture,
+    fluid, forcing, neighbours, rods, support, turbulence, viscosity,
     walk::{Bounds, begin_both, print, step_of_both},
 };
 
@@ -171,26 +171,27 @@ fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Resul
         // This scene is of air alone.
         initial.hair = Strands { point_offsets: vec![0], ..Strands::default() };
     }
-    let mut stage = Stage::on(gpu, &scene, &initial);
+    let mut fixture = Fixture::on(gpu, &scene, &initial);
     if sets.contains(&PUSH) {
-        stage.push();
+        fixture.push();
     }
     let mut worst = Vec::new();
     if sets.contains(&START) {
-        begin_both(&mut stage, bounds, &mut worst).map_err(|said| format!("start: {said}"))?;
+        begin_both(&mut fixture, bounds, &mut worst).map_err(|said| format!("start: {said}"))?;
     }
     for number in 1..=steps {
-        let before = (number == 3).then(|| (stage.twin.clone(), stage.engine.slots().unwrap()));
-        step_of_both(&mut stage, bounds, &mut worst).map_err(|said| format!("step {number}: {said}"))?;
+        let before = (number == 3).then(|| (fixture.reference.clone(), fixture.engine.slots().unwrap()));
+        step_of_both(&mut fixture, bounds, &mut worst).map_err(|said| format!("step {number}: {said}"))?;
         if let Some((mut whole, slots)) = before {
-            twin_step(&mut whole, &stage.parameters).unwrap();
-            stage.follow(&mut whole, &slots);
-            assert!(whole == stage.twin, "the twin's passes in turn are not its step");
+            reference_step(&mut whole, &fixture.parameters).unwrap();
+            fixture.follow(&mut whole, &slots);
+            assert!(whole == fixture.reference, "the reference's passes in turn are not its step");
         }
     }
     println!("{sets:?}");
     print(&worst);
-    let moving = stage.twin.velocity.iter().map(|v| v.length()).sum::<f64>() / stage.twin.velocity.len() as f64;
+    let moving =
+        fixture.reference.velocity.iter().map(|v| v.length()).sum::<f64>() / fixture.reference.velocity.len() as f64;
     assert!(steps < STEPS || moving > 0.05, "nothing moves: {moving} m/s on average");
     Ok(())
 }
@@ -241,9 +242,9 @@ fn bounds(sets: &[&str]) -> Bounds {
 }
 
 /// Hair and air by both methods and filters, hair alone in either model, air alone, roots and bodies that move: engine and
-/// twin agree for six steps.
+/// reference agree for six steps.
 #[test]
-fn steps_are_those_of_the_twin() {
+fn steps_are_those_of_the_reference() {
     for sets in [
         &[][..],
         PUBLISHED,
@@ -297,7 +298,7 @@ fn steps_are_those_of_the_twin() {
 /// invocations, and clusters of hair among four times eight. Strands have fewer than eight points, as many, and more; boxes are smaller
 /// than what reaches a node.
 #[test]
-fn steps_of_the_texts_for_gpus_are_those_of_the_twin() {
+fn steps_of_the_texts_for_gpus_are_those_of_the_reference() {
     let both = [PassTexts::Subgroups, PassTexts::Workgroup].map(|texts| with_texts(&support::gpu(), texts));
     for gpu in &both {
         for (sets, points) in [
@@ -339,7 +340,7 @@ fn divided_once(gpu: &Gpu, alone: &[&Pass]) -> Gpu {
 fn software_texts_change_no_bit() {
     let gpu = support::gpu();
     assert_eq!(gpu.texts(), PassTexts::Software, "{:?}", gpu.info());
-    let sum: Vec<_> = [&shaders::turbulence::DEPOSIT, &shaders::coarse::DEPOSIT]
+    let sum: Vec<_> = [&shaders::turbulence::DEPOSIT, &shaders::fluid::COARSE_DEPOSIT]
         .into_iter()
         .chain(PASSES.into_iter().filter(|pass| pass.source.contains("added_up(")))
         .collect();
@@ -452,14 +453,14 @@ fn uniforms_are_read_before_all_branches() {
 #[test]
 fn a_difference_is_named() {
     let cases = [
-        drive::FAULTS,
+        forcing::FAULTS,
         neighbours::FAULTS,
         fluid::FAULTS,
         rods::FAULTS,
         contact::FAULTS,
         turbulence::FAULTS,
         viscosity::FAULTS,
-        guard::FAULTS,
+        commit::FAULTS,
     ];
     let cases = || cases.into_iter().flatten();
     for pass in PASSES {

@@ -1,24 +1,24 @@
-//! Heading 8: the passes by which neighbours share velocity.
+//! Stage `viscosity`: the passes by which neighbours share velocity.
 
 use windswept::internals::step;
-use windswept_reference::{State as Twin, fluid, step::Scratch, viscosity};
+use windswept_reference::{State as Reference, fluid, step::Scratch, viscosity};
 use windswept_shaders as shaders;
 
 use crate::{
-    stage::{Stage, each, stirred},
+    fixture::{Fixture, each, stirred},
     steps::{BOUNDS, CROWDED, DIVERGENCE, Fault, PARTICLES, PRESSED_HAIR},
     support,
     walk::{Bounds, Same, Walk, apart, largest, walk},
 };
 
 impl Walk<'_> {
-    pub fn viscosity(&mut self, s: &Twin, w: &mut Scratch) -> Same {
-        let (stage, bounds) = (self.stage, self.bounds);
-        let state = stage.engine.state();
-        let mut passes = stage.passes(step::viscosity::record);
+    pub fn viscosity(&mut self, s: &Reference, w: &mut Scratch) -> Same {
+        let (fixture, bounds) = (self.fixture, self.bounds);
+        let state = fixture.engine.state();
+        let mut passes = fixture.passes(step::viscosity::record);
         viscosity::run(s, w, self.p());
-        if passes.through("fluid/limit") {
-            if stage.plan.limited_clusters != stage.plan.sizes.clusters_of_all() {
+        if passes.through("viscosity/limit") {
+            if fixture.plan.limited_clusters != fixture.plan.sizes.clusters_of_all() {
                 // Air cannot overshoot: its S is below 1, and not looked for.
                 let air = &mut w.exchange[self.p().hair_points..];
                 assert!(air.iter().all(|s| *s < 1.0));
@@ -26,48 +26,48 @@ impl Walk<'_> {
             }
             // Where S is above 1 it is divided by, and counts in parts of itself.
             let parts = |(got, wanted): (&f64, &f64)| (got - wanted).abs() / wanted.max(1.0);
-            let shares = stage.exchange(|all| all.share);
+            let shares = fixture.exchange(|all| all.share);
             assert_eq!(shares.len(), w.exchange.len());
-            self.same("fluid/limit", largest(shares.iter().zip(&w.exchange).map(parts)), bounds.density)?;
+            self.same("viscosity/limit", largest(shares.iter().zip(&w.exchange).map(parts)), bounds.density)?;
         }
-        if passes.through("fluid/viscosity") {
+        if passes.through("viscosity/xsph") {
             let got = self.vectors(&state.viscous_velocity, 0);
-            self.same("fluid/viscosity", apart(&got, &w.new_velocity), bounds.speed)?;
+            self.same("viscosity/xsph", apart(&got, &w.new_velocity), bounds.speed)?;
         }
         passes.finish();
         Ok(())
     }
 }
 
-/// Planted faults of the passes of this heading.
+/// Planted faults of the passes of this stage.
 pub const FAULTS: &[Fault] = &[
-    (&shaders::fluid::LIMIT, "2.0 * root", "1.9 * root", PARTICLES),
-    (&shaders::fluid::LIMIT, "i < points.end", "i + 1u < points.end", CROWDED),
-    (&shaders::fluid::LIMIT, "(i, exchange[i].deformation)", "(i, 0.0)", PRESSED_HAIR),
-    (&shaders::fluid::VISCOSITY, "(i, exchange[i].deformation)", "(i, 0.0)", DIVERGENCE),
-    (&shaders::fluid::VISCOSITY, "4.0 * mass", "3.9 * mass", PARTICLES),
-    (&shaders::fluid::VISCOSITY, "0.0 || holds", "0.0 && holds", CROWDED),
+    (&shaders::viscosity::LIMIT, "2.0 * root", "1.9 * root", PARTICLES),
+    (&shaders::viscosity::LIMIT, "i < points.end", "i + 1u < points.end", CROWDED),
+    (&shaders::viscosity::LIMIT, "(i, exchange[i].deformation)", "(i, 0.0)", PRESSED_HAIR),
+    (&shaders::viscosity::XSPH, "(i, exchange[i].deformation)", "(i, 0.0)", DIVERGENCE),
+    (&shaders::viscosity::XSPH, "4.0 * mass", "3.9 * mass", PARTICLES),
+    (&shaders::viscosity::XSPH, "0.0 || holds", "0.0 && holds", CROWDED),
 ];
 
 #[test]
-fn viscosity_and_its_limiter_are_those_of_the_twin() {
+fn viscosity_and_its_limiter_are_those_of_the_reference() {
     for (form, coefficient) in
         [(windswept_scene::ViscosityForm::Limited, 5.0), (windswept_scene::ViscosityForm::Published, 0.3)]
     {
         let mut scene = support::scene();
         scene.viscosity =
             windswept_scene::Viscosity { hair: coefficient, air: 0.4 * coefficient, smagorinsky: 0.0, form };
-        each(&scene, |what, stage| {
-            let near = stage.meet();
-            let (s, p) = (&stage.twin, &stage.parameters);
+        each(&scene, |what, fixture| {
+            let near = fixture.meet();
+            let (s, p) = (&fixture.reference, &fixture.parameters);
             let v = stirred(s.position.len());
-            stage.write_vectors(&stage.engine.state().new_velocity, &v);
-            stage.run(step::fluid::record_density);
+            fixture.write_vectors(&fixture.engine.state().new_velocity, &v);
+            fixture.run(step::fluid::record_density);
             let (density, _) = fluid::density(p, &s.position, &s.inverse_mass, &s.volume, &near);
             let mut w = Scratch { predicted: s.position.clone(), new_velocity: v, near, density, ..Scratch::default() };
             // Measured 2.1e-6 of S and 3.1e-6 m/s; margin 4.
             let bounds = Bounds { density: 8e-6, speed: 1.2e-5, ..BOUNDS };
-            walk(&format!("{what}, {form:?}"), stage, &bounds, |walk| walk.viscosity(s, &mut w));
+            walk(&format!("{what}, {form:?}"), fixture, &bounds, |walk| walk.viscosity(s, &mut w));
         });
     }
 }
@@ -79,15 +79,15 @@ fn the_limiter_leaves_small_coefficients_alone() {
     let run = |form| {
         let mut scene = support::scene();
         scene.viscosity = windswept_scene::Viscosity { hair: 0.6, air: 0.3, smagorinsky: 0.0, form };
-        let stage = Stage::new(&scene, &initial);
-        stage.meet();
-        stage.write_vectors(&stage.engine.state().new_velocity, &stirred(stage.twin.position.len()));
-        stage.run(|r, plan| {
+        let fixture = Fixture::new(&scene, &initial);
+        fixture.meet();
+        fixture.write_vectors(&fixture.engine.state().new_velocity, &stirred(fixture.reference.position.len()));
+        fixture.run(|r, plan| {
             step::fluid::record_density(r, plan);
             step::viscosity::record(r, plan);
         });
-        let largest = stage.exchange(|all| all.share).into_iter().fold(0.0, f64::max);
-        (stage.vectors(&stage.engine.state().viscous_velocity), largest)
+        let largest = fixture.exchange(|all| all.share).into_iter().fold(0.0, f64::max);
+        (fixture.vectors(&fixture.engine.state().viscous_velocity), largest)
     };
     let (limited, largest) = run(windswept_scene::ViscosityForm::Limited);
     let (published, _) = run(windswept_scene::ViscosityForm::Published);

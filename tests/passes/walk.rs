@@ -1,12 +1,12 @@
-//! One step of engine and twin, pass by pass: the first pass that parts is named.
+//! One step of engine and reference, pass by pass: the first pass that parts is named.
 
 use glam::DVec3;
 use windswept::internals::{Array, status, step};
-use windswept_reference::{Parameters, State as Twin, contact, fluid, neighbours, step::Scratch};
+use windswept_reference::{Parameters, State as Reference, contact, fluid, neighbours, step::Scratch};
 
-use crate::stage::{Stage, condition};
+use crate::fixture::{Fixture, condition};
 
-/// Bounds of the differences between engine and twin.
+/// Bounds of the differences between engine and reference.
 pub struct Bounds {
     /// Positions and moves \[m\].
     pub length: f64,
@@ -28,13 +28,13 @@ pub struct Bounds {
     pub nodes: f64,
 }
 
-/// Result of a comparison: an error names the pass where engine and twin part.
+/// Result of a comparison: an error names the pass where engine and reference part.
 pub type Same = Result<(), String>;
 
-/// Walk of engine and twin from the same state through a step: what every pass left is compared. Each heading's part of it
-/// stands in the file of the heading.
+/// Walk of engine and reference from the same state through a step: what every pass left is compared. Each stage's part of it
+/// stands in the file of the stage.
 pub struct Walk<'a> {
-    pub stage: &'a Stage,
+    pub fixture: &'a Fixture,
     pub bounds: &'a Bounds,
     /// Largest difference so far of each pass, and its bound.
     worst: &'a mut Vec<(&'static str, f64, f64)>,
@@ -69,10 +69,10 @@ pub fn differing<T: PartialEq>(got: &[T], wanted: &[T]) -> f64 {
     got.iter().zip(wanted).filter(|(a, b)| a != b).count() as f64
 }
 
-/// Walks a heading from what a test has put on both sides: fails where they part, and prints the differences.
-pub fn walk(what: &str, stage: &Stage, bounds: &Bounds, heading: impl FnOnce(&mut Walk<'_>) -> Same) {
+/// Walks a stage from what a test has put on both sides: fails where they part, and prints the differences.
+pub fn walk(what: &str, fixture: &Fixture, bounds: &Bounds, stage: impl FnOnce(&mut Walk<'_>) -> Same) {
     let mut worst = Vec::new();
-    heading(&mut Walk { stage, bounds, worst: &mut worst }).unwrap_or_else(|said| panic!("{what}: {said}"));
+    stage(&mut Walk { fixture, bounds, worst: &mut worst }).unwrap_or_else(|said| panic!("{what}: {said}"));
     println!("{what}");
     print(&worst);
 }
@@ -84,43 +84,47 @@ pub fn print(worst: &[(&'static str, f64, f64)]) {
     }
 }
 
-/// Walks one step; the twin's state becomes what it arrived at.
+/// Walks one step; the reference's state becomes what it arrived at.
 pub fn step_of_both(
-    stage: &mut Stage,
+    fixture: &mut Fixture,
     bounds: &Bounds,
     worst: &mut Vec<(&'static str, f64, f64)>,
 ) -> Result<(), String> {
-    let mut s = stage.twin.clone();
-    Walk { stage, bounds, worst }.step(&mut s)?;
-    stage.twin = s;
+    let mut s = fixture.reference.clone();
+    Walk { fixture, bounds, worst }.step(&mut s)?;
+    fixture.reference = s;
     Ok(())
 }
 
 /// Gives air beside bodies the velocity that it starts with, on both, and compares what is measured of the state then.
-pub fn begin_both(stage: &mut Stage, bounds: &Bounds, worst: &mut Vec<(&'static str, f64, f64)>) -> Result<(), String> {
-    let mut s = stage.twin.clone();
-    fluid::begin(&mut s, &stage.parameters);
-    stage.engine.start(|r| step::record_start(r, &stage.plan)).unwrap();
-    let (hair, mut walk) = (stage.parameters.hair_points, Walk { stage, bounds, worst });
-    let got = walk.vectors(&walk.stage.engine.state().velocity, hair);
+pub fn begin_both(
+    fixture: &mut Fixture,
+    bounds: &Bounds,
+    worst: &mut Vec<(&'static str, f64, f64)>,
+) -> Result<(), String> {
+    let mut s = fixture.reference.clone();
+    fluid::begin(&mut s, &fixture.parameters);
+    fixture.engine.start(|r| step::record_start(r, &fixture.plan)).unwrap();
+    let (hair, mut walk) = (fixture.parameters.hair_points, Walk { fixture, bounds, worst });
+    let got = walk.vectors(&walk.fixture.engine.state().velocity, hair);
     walk.same("start", apart(&got, &s.velocity[hair..]), bounds.speed)?;
     // The density that is measured before the first step.
-    stage.engine.evaluate(|r| step::record_quantity(r, &stage.plan, step::Quantity::Density)).unwrap();
-    let (p, placed) = (&stage.parameters, contact::place(&stage.parameters, 0));
-    let near = neighbours::neighbours(p, &s.position);
+    fixture.engine.evaluate(|r| step::record_quantity(r, &fixture.plan, step::Quantity::Density)).unwrap();
+    let (p, placed) = (&fixture.parameters, contact::place(&fixture.parameters, 0));
+    let near = neighbours::list(p, &s.position);
     let (mut density, _) = fluid::density(p, &s.position, &s.inverse_mass, &s.volume, &near);
     let air = density.iter_mut().zip(&s.position).skip(hair);
     air.for_each(|(density, x)| *density += fluid::solid(p, &placed, *x));
-    let gap = numbers_apart(&stage.numbers(&stage.engine.state().density)[hair..], &density[hair..]);
-    Walk { stage, bounds, worst }.same("fluid/solid", gap, bounds.density)?;
-    stage.twin = s;
+    let gap = numbers_apart(&fixture.numbers(&fixture.engine.state().density)[hair..], &density[hair..]);
+    Walk { fixture, bounds, worst }.same("fluid/solid", gap, bounds.density)?;
+    fixture.reference = s;
     Ok(())
 }
 
 impl Walk<'_> {
-    /// Parameters of the twin.
+    /// Parameters of the reference.
     pub fn p(&self) -> &Parameters {
-        &self.stage.parameters
+        &self.fixture.parameters
     }
 
     /// Compares a difference with its bound.
@@ -137,8 +141,8 @@ impl Walk<'_> {
 
     /// Vectors of the engine, of the particles from `from` on.
     pub fn vectors(&self, array: &Array<[f32; 4]>, from: usize) -> Vec<DVec3> {
-        let mut all = self.stage.vectors(array);
-        all.truncate(self.stage.twin.position.len());
+        let mut all = self.fixture.vectors(array);
+        all.truncate(self.fixture.reference.position.len());
         all.split_off(from)
     }
 
@@ -151,30 +155,30 @@ impl Walk<'_> {
         }))
     }
 
-    fn step(&mut self, s: &mut Twin) -> Same {
-        let mut w = self.drive(s)?;
+    fn step(&mut self, s: &mut Reference) -> Same {
+        let mut w = self.forcing(s)?;
         self.neighbours(&mut w)?;
         self.fluid(s, &mut w)?;
         self.rods(s, &mut w)?;
         self.contact(&mut w)?;
         self.turbulence(s, &mut w)?;
         self.viscosity(s, &mut w)?;
-        self.guard(s, w)
+        self.commit(s, w)
     }
 
     /// Compares how strands go through the step.
     pub fn states(&mut self, pass: &'static str, w: &Scratch) -> Same {
         let wanted: Vec<u32> = w.drives.iter().map(|drive| drive.state as u32).collect();
-        let got: Vec<u32> = self.stage.rod_strands().iter().map(|strand| strand.state).collect();
+        let got: Vec<u32> = self.fixture.rod_strands().iter().map(|strand| strand.state).collect();
         self.same(pass, differing(&got, &wanted), 0.0)
     }
 
     /// Compares how strands were found to be, and the largest stretch.
-    pub fn found(&mut self, pass: &'static str, s: &Twin) -> Same {
-        let found = self.stage.found();
+    pub fn found(&mut self, pass: &'static str, s: &Reference) -> Same {
+        let found = self.fixture.found();
         let wanted: Vec<_> = (0..found.len()).map(|strand| condition(s, strand)).collect();
         self.same(pass, differing(&found, &wanted), 0.0)?;
-        let status = self.stage.engine.status().unwrap();
+        let status = self.fixture.engine.status().unwrap();
         let stretch = status::max_stretch(&status).max(f32::from_bits(status.stretch));
         self.same(pass, (f64::from(stretch) - s.max_stretch).abs(), self.bounds.density)
     }

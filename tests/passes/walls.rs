@@ -1,4 +1,4 @@
-//! Bodies as walls to the pressure of the air, in heading 3.
+//! Bodies as walls to the pressure of the air, in stage `fluid`.
 
 use glam::DVec3;
 use windswept_reference::{fluid, step::Scratch};
@@ -6,14 +6,14 @@ use windswept_scene::Model;
 use windswept_shaders::common::by_body::CHUNKS;
 
 use crate::{
-    stage::{Passes, xyz},
+    fixture::{Passes, xyz},
     walk::{Same, Walk, largest},
 };
 
 impl Walk<'_> {
     /// What bodies have had of particles so far.
     pub fn impulses(&mut self, pass: &'static str, w: &Scratch, first: usize) -> Same {
-        let walls = self.stage.engine.read(&self.stage.engine.state().wall).unwrap();
+        let walls = self.fixture.engine.read(&self.fixture.engine.state().wall).unwrap();
         let both = walls.iter().zip(&w.walls).skip(first);
         let most = largest(both.clone().map(|(_, wanted)| wanted.impulse.length())).max(10.0) / 10.0;
         let gaps = both.map(|(got, wanted)| (xyz(&got.impulse) - wanted.impulse).length());
@@ -22,10 +22,10 @@ impl Walk<'_> {
 
     /// Places of the air, and the walls of all that pressure acts on.
     pub fn walls(&mut self, pass: &'static str, w: &Scratch) -> Same {
-        let (stage, p) = (self.stage, self.p());
-        let (state, hair) = (stage.engine.state(), p.hair_points);
+        let (fixture, p) = (self.fixture, self.p());
+        let (state, hair) = (fixture.engine.state(), p.hair_points);
         let first = if p.model == Model::Particles { 0 } else { hair };
-        let walls = stage.engine.read(&state.wall).unwrap();
+        let walls = fixture.engine.read(&state.wall).unwrap();
         // Farther off a wall does nothing.
         let near = 8.0 * p.spacing();
         let both = || walls.iter().zip(&w.walls).skip(first).filter(|(_, wanted)| wanted.distance < near);
@@ -47,11 +47,11 @@ impl Walk<'_> {
 
     /// Sums over bodies as if air filled them.
     pub fn solids(&mut self, solids: &[fluid::Solid], passes: &mut Passes<'_>) -> Same {
-        if !passes.through("coarse/solid") {
+        if !passes.through("fluid/coarse_solid") {
             return Ok(());
         }
-        let (stage, bounds) = (self.stage, self.bounds);
-        let state = stage.engine.state();
+        let (fixture, bounds) = (self.fixture, self.bounds);
+        let state = fixture.engine.state();
         let off = |got: [f64; 8], wanted: &fluid::Solid| {
             let count = wanted.particles.max(1.0);
             let change =
@@ -59,14 +59,14 @@ impl Walk<'_> {
             let velocity = (DVec3::new(got[4], got[5], got[6]) - wanted.velocity).length();
             change.max(velocity).max((got[7] - wanted.particles).abs()) / count
         };
-        let parts = stage.engine.read(&state.partial_by_body).unwrap();
+        let parts = fixture.engine.read(&state.partial_by_body).unwrap();
         let sum =
             |parts: &[[f32; 8]]| std::array::from_fn(|k| parts.iter().map(|part| f64::from(part[k])).sum::<f64>());
         let each = parts.chunks(CHUNKS as usize).zip(solids);
-        self.same("coarse/solid", largest(each.map(|(parts, wanted)| off(sum(parts), wanted))), bounds.speed)?;
-        passes.through("sums/by_body");
-        let totals = stage.engine.read(&state.solid_total).unwrap();
+        self.same("fluid/coarse_solid", largest(each.map(|(parts, wanted)| off(sum(parts), wanted))), bounds.speed)?;
+        passes.through("reduce/by_body");
+        let totals = fixture.engine.read(&state.solid_total).unwrap();
         let each = totals.iter().zip(solids).map(|(got, wanted)| off(got.map(f64::from), wanted));
-        self.same("sums/by_body", largest(each), bounds.speed)
+        self.same("reduce/by_body", largest(each), bounds.speed)
     }
 }

@@ -108,7 +108,7 @@ fn curled_strands_hang_like_the_helix() {
 /// Gauss-Seidel with 500 sweeps hangs strands like the elastica and the helix, at 0.35 ms.
 ///
 /// The impulses of the sweeps add up in frames that turn within a step, and no number of sweeps mends that, nor does
-/// f64: the helix of γ = 20 hangs 6.3e-3 L off at 1.38 ms (the twin as well), 6.1e-3 at 0.69 ms, 4.1e-3 at 0.35 ms,
+/// f64: the helix of γ = 20 hangs 6.3e-3 L off at 1.38 ms (the reference as well), 6.1e-3 at 0.69 ms, 4.1e-3 at 0.35 ms,
 /// 2.3e-3 at 0.2 ms, 1.0e-3 at 0.1 ms; from 50 sweeps to 500 it changes by 1e-4. Damped by 12/s, strands are at rest
 /// after 1.5 s.
 #[test]

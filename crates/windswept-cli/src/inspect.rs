@@ -144,17 +144,17 @@ fn method(scene: &Scene) -> String {
     format!("{}: interaction {}{air}, rods by {solver} and {integrator}", scene.method.word(), model.word())
 }
 
-/// `windswept plan`: the passes of a step in order, under the step's headings.
+/// `windswept plan`: the passes of a step in order, under the step's stages.
 pub(crate) fn plan(options: &SceneOptions, buffers: bool, console: &mut Console<'_>) -> Result<(), Failure> {
     let scene = options.load()?;
     let rows = windswept::plan(&scene)?;
     let width = |of: fn(&windswept::PlanRow) -> &str| rows.iter().map(|row| of(row).len()).max().unwrap_or(0);
     let (pass, label) = (width(|row| row.pass), width(|row| row.label));
-    let mut heading = "";
+    let mut stage = "";
     for row in &rows {
-        if row.heading != heading {
-            heading = row.heading;
-            console.print(heading);
+        if row.stage != stage {
+            stage = row.stage;
+            console.print(stage);
         }
         let does = match &row.skipped {
             Some(why) => format!("skipped: {why}"),

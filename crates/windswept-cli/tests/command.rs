@@ -360,7 +360,7 @@ fn looking_needs_no_folder() {
     let said = String::from_utf8_lossy(&planned.stdout).into_owned();
     let row = |pass: &str| said.lines().find(|line| line.trim_start().starts_with(pass)).unwrap_or_default().to_owned();
     assert!(row("fluid/correct").contains("runs 2 x: 384 invocations, "), "{said}");
-    assert!(row("wind/fringe").contains("skipped: air.wind is zero"), "{said}");
+    assert!(row("forcing/fringe").contains("skipped: air.wind is zero"), "{said}");
     let mut plan = windswept(folder.path(), &["plan", "scene.toml", "--set", "interaction.model=drag"]);
     let said = String::from_utf8_lossy(&plan.output().expect("the program starts").stdout).into_owned();
     let friction = said.lines().find(|line| line.trim_start().starts_with("fluid/friction")).unwrap_or_default();

@@ -46,5 +46,5 @@ fn a_missing_check_is_named() {
     let ran = windswept(folder().path(), &["validate", "astrology"]).output().expect("the program starts");
     let said = String::from_utf8_lossy(&ran.stderr).into_owned();
     assert_eq!(ran.status.code(), Some(2), "{said}");
-    assert!(said.contains("astrology") && said.contains("kernels") && said.contains("twin-step"), "{said}");
+    assert!(said.contains("astrology") && said.contains("kernels") && said.contains("reference-step"), "{said}");
 }

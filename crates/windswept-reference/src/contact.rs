@@ -1,4 +1,4 @@
-//! Bodies, and heading 5: air flows around them. Hair stays out of them in heading 4, where its rods are solved (`contact/hair.rs`). A body
+//! Bodies, and stage `contact`: air flows around them. Hair stays out of them in stage `rods`, where its rods are solved (`contact/hair.rs`). A body
 //! is asked at rest, where the scene has it: what meets the moved body is carried back there, and the answer is carried along.
 
 mod hair;
@@ -6,19 +6,19 @@ mod hair;
 use glam::{DQuat, DVec3};
 use windswept_scene::{InitialState, Motion, Scene, Shape};
 
-pub use self::hair::{Contact, Memory, Place, Surface, begin, memories};
+pub use self::hair::{Contact, Memory, Place, Surface, contacts, memories};
 pub(crate) use self::hair::{MIDDLE, Met, RECOVERY, UNEASY, meet, nearest, parted, renewed, resists, stiffness};
 use crate::{
     Parameters,
-    drive::wrap,
     fluid::{self, CLEARANCE, Wall},
+    forcing::wrap,
     step::Scratch,
 };
 
 /// Rounds in which air is moved out of bodies, the first half to its clearance.
 const ROUNDS: usize = 4;
 
-/// Runs the heading: air moves out to its clearance from bodies, and they hold it back.
+/// Runs the stage: air moves out to its clearance from bodies, and they hold it back.
 pub fn run(w: &mut Scratch, p: &Parameters) {
     if w.moving.bodies.is_empty() {
         return;

@@ -5,7 +5,7 @@
 //! φ = 0 at the clamp,  φ' = 0 and F = 0 at the tip
 //! ```
 //!
-//! The drag on a metre of fibre is the law of `wind/drag`, with the speed across it that the angle leaves. No particles and no
+//! The drag on a metre of fibre is the law of `rods/drag`, with the speed across it that the angle leaves. No particles and no
 //! steps of time: the solution is a curve, integrated with Runge and Kutta's fourth order.
 
 use std::f64::consts::{FRAC_PI_2, PI};

@@ -1,4 +1,4 @@
-//! Heading 3: air is not compressed, by pressure (solver `divergence`) or, as hair on hair, by a constraint on its density
+//! Stage `fluid`: air is not compressed, by pressure (solver `divergence`) or, as hair on hair, by a constraint on its density
 //! (Macklin & Müller 2013). A particle has a volume and, apart from it, an inertial mass.
 
 mod coarse;
@@ -31,7 +31,7 @@ use crate::{
 /// C of air beyond which a move of the density constraint becomes no velocity.
 pub const ABRUPT: f64 = 0.2;
 
-/// Runs the heading: the pressure of solver `divergence`, of air or of hair and air; and density constraints (eq. 1) of all
+/// Runs the stage: the pressure of solver `divergence`, of air or of hair and air; and density constraints (eq. 1) of all
 /// that it leaves out. Where none is solved the density is found all the same, for viscosity.
 pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     w.correction = vec![DVec3::ZERO; w.predicted.len()];

@@ -1,13 +1,13 @@
-//! Heading 2: a list says who is near whom. Every pair is looked at.
+//! Stage `neighbours`: a list says who is near whom. Every pair is looked at.
 
 use glam::DVec3;
 
 use crate::{Parameters, parallel, step::Scratch};
 
-/// Runs the heading: the pairs that are nearer than the kernel radius are listed.
+/// Runs the stage: the pairs that are nearer than the kernel radius are listed.
 pub fn run(w: &mut Scratch, p: &Parameters) {
     if p.air {
-        w.near = neighbours(p, &w.predicted);
+        w.near = list(p, &w.predicted);
     }
 }
 
@@ -32,7 +32,7 @@ impl Neighbours {
 
 /// Pairs nearer than the kernel radius, i = j left out: of particles sorted along x those in reach, on all cores.
 #[must_use]
-pub fn neighbours(p: &Parameters, positions: &[DVec3]) -> Neighbours {
+pub fn list(p: &Parameters, positions: &[DVec3]) -> Neighbours {
     let h = p.kernel_radius;
     // Along x each particle stands where it is, and where its images are that air may meet through the faces.
     let images = |(j, x): (usize, &DVec3)| {

@@ -8,7 +8,7 @@ use windswept_scene::{
 
 use crate::{
     contact::{self, Body},
-    drive::{self, Field},
+    forcing::{self, Field},
     sph_kernels::spiky_slope,
 };
 
@@ -140,7 +140,7 @@ impl Parameters {
             gust: air.map_or_else(Vec::new, |air| {
                 air.gust.iter().map(|gust| (gust.time, DVec3::from_array(gust.velocity))).collect()
             }),
-            fields: drive::fields(scene, initial),
+            fields: forcing::fields(scene, initial),
             inflow: air.and_then(|air| air.inflow).map_or_else(Vec::new, |inflow| inflow.waves(initial.air.size)),
             fringe: air.map_or(0.0, |air| air.fringe),
             box_size: initial.air.size,

@@ -1,4 +1,4 @@
-//! Heading 4: Cosserat rods (Kugelstadt & Schömer 2016), integrated by BDF2 or Euler, solved directly or by Gauss-Seidel.
+//! Stage `rods`: Cosserat rods (Kugelstadt & Schömer 2016), integrated by BDF2 or Euler, solved directly or by Gauss-Seidel.
 //! Forces on hair from outside its rods meet in one load of each point; air that drags hair is slowed by it. Contacts with bodies are solved
 //! with the rods.
 
@@ -16,7 +16,7 @@ use windswept_scene::Model;
 
 use self::integrate::{cross_matrix, nearest_rest};
 pub use self::{
-    drag::{Local, ahead, drag, follows_wind, react, sample, undisturbed, undisturbed_part, weight},
+    drag::{Local, ahead, drag, follows_wind, react, sample_air, undisturbed, undisturbed_part, weight},
     gauss_seidel::gauss_seidel,
     integrate::{damping, free_move, rate, response, rotation, rotation_vector, turned},
     predict::predict,
@@ -24,7 +24,7 @@ pub use self::{
     update::{measure, remember, still, update},
     within::{Drive, Load, Moving, Point, Segment, State},
 };
-use crate::{Parameters, contact, drive, state, step::Scratch};
+use crate::{Parameters, contact, forcing, state, step::Scratch};
 
 /// Stretch |l/l0 − 1| of a segment beyond which its strand is strained.
 pub const STRAINED: f64 = 0.05;
@@ -44,14 +44,14 @@ pub const STILL_TURN: f64 = 1e-3;
 pub type Force = fn(&mut state::State, &mut Scratch, &Parameters);
 
 /// Forces on hair from outside its rods, each with the name of its pass, in the order in which they act.
-pub const FORCES: &[(&str, Force)] = &[("wind/drag", drag::act), ("force/push_hair", push_hair)];
+pub const FORCES: &[(&str, Force)] = &[("rods/drag", drag::act), ("rods/push_hair", push_hair)];
 
-/// Runs the heading: strands keep their length and shape, and what drag gave them the air loses.
+/// Runs the stage: strands keep their length and shape, and what drag gave them the air loses.
 pub fn run(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     begin(s, w, p);
-    w.local = feel(s, w, p);
+    w.local = sample_fields(s, w, p);
     FORCES.iter().for_each(|(_, force)| force(s, w, p));
-    contact::begin(s, w, p);
+    contact::contacts(s, w, p);
     predict_all(s, w, p);
     for strand in 0..s.hair.len() {
         if p.direct {
@@ -61,7 +61,7 @@ pub fn run(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
         }
     }
     update_all(s, w, p);
-    w.drag_impulse = keep(s, w, p);
+    w.drag_impulse = exclude_push(s, w, p);
     if exchanges(p) {
         let change = react(p, &w.local, &w.drag_impulse, &w.predicted, &s.volume, &s.inverse_mass, &w.near);
         w.new_velocity[p.hair_points..].iter_mut().zip(change).for_each(|(v, change)| *v += change);
@@ -73,13 +73,13 @@ fn exchanges(p: &Parameters) -> bool {
     p.model == Model::TwoWay && p.air
 }
 
-/// Begins the heading: what points and segments start from, and the air at hair points. No force acts yet.
+/// Begins the stage: what points and segments start from, and the air at hair points. No force acts yet.
 pub fn begin(s: &state::State, w: &mut Scratch, p: &Parameters) {
     w.moving.points = (0..p.hair_points).map(|i| begin_point(p, s, i, w.correction[i])).collect();
     let segments = (0..s.hair.len()).flat_map(|strand| s.hair.segments(strand).map(move |k| (strand, k)));
     w.moving.segments = segments.map(|(strand, k)| begin_segment(s, strand, k)).collect();
     w.local = if exchanges(p) {
-        sample(p, w.blowing, &w.predicted, &w.new_velocity, &s.volume, &w.near)
+        sample_air(p, w.blowing, &w.predicted, &w.new_velocity, &s.volume, &w.near)
     } else {
         vec![undisturbed(w.blowing); p.hair_points]
     };
@@ -87,10 +87,10 @@ pub fn begin(s: &state::State, w: &mut Scratch, p: &Parameters) {
 
 /// Air at every hair point with the wind of force fields, where no air carries it: to the part to which the mean wind counts there.
 #[must_use]
-pub fn feel(s: &state::State, w: &Scratch, p: &Parameters) -> Vec<Local> {
+pub fn sample_fields(s: &state::State, w: &Scratch, p: &Parameters) -> Vec<Local> {
     let at = |(i, local): (usize, &Local)| {
         let position = if exchanges(p) { local.position } else { s.position[i] + p.step * s.velocity[i] };
-        let (wind, _) = drive::gale(p, s.steps, position);
+        let (wind, _) = forcing::gale(p, s.steps, position);
         Local { wind: local.wind + undisturbed_part(local) * wind, ..*local }
     };
     w.local.iter().enumerate().map(at).collect()
@@ -108,7 +108,7 @@ pub fn push_hair(s: &mut state::State, w: &mut Scratch, _: &Parameters) {
 /// Impulses of the air's drag \[N s\]: those of the whole load without what the acceleration that was set gave. A point that was placed felt
 /// neither.
 #[must_use]
-pub fn keep(s: &state::State, w: &Scratch, p: &Parameters) -> Vec<DVec3> {
+pub fn exclude_push(s: &state::State, w: &Scratch, p: &Parameters) -> Vec<DVec3> {
     let mut impulses = w.drag_impulse.clone();
     for (i, a) in s.pushed.iter().enumerate().take(p.hair_points) {
         let felt = w.moving.points[i].step.is_finite() || s.asleep[p.strand_of[i]];

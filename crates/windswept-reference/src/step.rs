@@ -1,12 +1,13 @@
-//! One step, in execution order: the twin of the engine's `step.rs`.
+//! One step, in execution order: the reference of the engine's `step.rs`.
 
 use glam::DVec3;
 
 use crate::{
-    Parameters, State, contact, drive,
+    Parameters, State, commit,
+    commit::Frozen,
+    contact,
     fluid::{self, Moments, Pressed, Wall},
-    guard,
-    guard::Frozen,
+    forcing,
     neighbours::{self, Neighbours},
     rods, turbulence, viscosity,
 };
@@ -17,8 +18,8 @@ use crate::{
 /// [`Frozen`] says why the step was not committed; the state is as it was before.
 pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     let mut s = state.clone();
-    let spoilt = drive::mend(&mut s); //   1. Bad strands are reset.
-    let mut w = drive::run(&s, p); //         Clamps and bodies move; wind enters; air moves, and hair drifts among it.
+    let spoilt = forcing::mend(&mut s); //   1. Bad strands are reset.
+    let mut w = forcing::run(&s, p); //         Clamps and bodies move; wind enters; air moves, and hair drifts among it.
     w.spoilt = spoilt;
     neighbours::run(&mut w, p); //         2. List who is near whom.
     fluid::run(&s, &mut w, p); //          3. Pressure, or density constraints (eq. 1), of hair and air together or each for itself.
@@ -26,7 +27,7 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     contact::run(&mut w, p); //            5. Air flows around bodies.
     turbulence::run(&mut s, &mut w, p); // 6. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
     viscosity::run(&s, &mut w, p); //      7. Neighbours share velocity (eqs. 7, 8).
-    guard::run(&mut s, w, p)?; //          8. Commit, or freeze and report.
+    commit::run(&mut s, w, p)?; //          8. Commit, or freeze and report.
     *state = s;
     Ok(())
 }

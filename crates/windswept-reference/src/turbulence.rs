@@ -1,4 +1,4 @@
-//! Heading 7: vorticity confinement by bands of eddies (eqs. 2, 4-6), air only.
+//! Stage `turbulence`: vorticity confinement by bands of eddies (eqs. 2, 4-6), air only.
 //!
 //! Arrays run over all particles, hair first; a quantity that only air has is zero at hair. *Band* is the accurate law,
 //! *published* the law as the paper prints it, in mg and mm. Every sum is direct: over all particles, through all
@@ -13,7 +13,9 @@ pub use mesh::{Mesh, b_spline, deposit, gather, smooth, smooth_along, window};
 pub(crate) use mesh::{places, spline_nodes, transformed};
 use windswept_scene::{Band, Filter, Law};
 
-use crate::{Parameters, State, drive::depth, neighbours::Neighbours, parallel, sph_kernels::gradient, step::Scratch};
+use crate::{
+    Parameters, State, forcing::depth, neighbours::Neighbours, parallel, sph_kernels::gradient, step::Scratch,
+};
 
 /// Coefficient ε of the published law, read as an acceleration: a = ε ê (N × ω).
 const PUBLISHED_GAIN: f64 = 0.008;
@@ -24,7 +26,7 @@ pub const MG: f64 = 1e6;
 /// Most that the speed of a band may grow by in a step, of itself.
 const LARGEST_GROWTH: f64 = 0.5;
 
-/// Runs the heading: the eddies of each band are strengthened.
+/// Runs the stage: the eddies of each band are strengthened.
 pub fn run(s: &mut State, w: &mut Scratch, p: &Parameters) {
     if p.bands.is_empty() {
         return;

@@ -1,16 +1,16 @@
-//! Heading 8: neighbours share velocity (XSPH, eqs. 7, 8).
+//! Stage `viscosity`: neighbours share velocity (XSPH, eqs. 7, 8).
 
 use glam::DVec3;
 
 use crate::{Parameters, State, neighbours::Neighbours, sph_kernels::poly6, step::Scratch};
 
-/// Runs the heading: neighbours exchange velocity, unless nothing is viscous.
+/// Runs the stage: neighbours exchange velocity, unless nothing is viscous.
 pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     if p.air && (p.viscosity_hair > 0.0 || p.viscosity_air > 0.0 || p.viscosity_eddies > 0.0) {
         let (x, v) = (&w.predicted, &w.new_velocity);
         w.eddies.resize(x.len(), 0.0);
         w.exchange = limit(p, x, &s.volume, &w.near, &w.density, &w.eddies);
-        w.new_velocity = viscosity(p, x, v, &s.inverse_mass, &s.volume, &w.near, &w.density, &w.eddies, &w.exchange);
+        w.new_velocity = xsph(p, x, v, &s.inverse_mass, &s.volume, &w.near, &w.density, &w.eddies, &w.exchange);
     }
 }
 
@@ -45,7 +45,7 @@ pub fn limit(
 /// Velocities after XSPH, as equal and opposite impulses (Schechter & Bridson 2012; eqs. 7, 8):
 /// v_i += Σ_j 2 w_i/(w_i + w_j) c_ij w_ij (v_j − v_i)/max(1, S_i, S_j) \[m/s\].
 #[must_use]
-pub fn viscosity(
+pub fn xsph(
     p: &Parameters,
     x: &[DVec3],
     v: &[DVec3],

@@ -7,8 +7,9 @@ mod support;
 use glam::{DMat3, DQuat, DVec3};
 use support::{MASS, Rod, SIMPLE, air, apart, jittered, lattice, windy};
 use windswept_reference::{
-    Parameters, State, drive,
-    guard::{self, Frozen},
+    Parameters, State,
+    commit::{self, Frozen},
+    forcing,
     step::step,
 };
 use windswept_scene::{FluidSolver, InitialState};
@@ -24,7 +25,7 @@ fn still_box(wind: DVec3) -> Parameters {
 fn fringe_drives_air_where_the_wind_enters() {
     let gain = |rate: f64| 1.0 - (-rate * 1.38e-3_f64).exp();
     let close = |p: &Parameters, x: DVec3, wanted: DVec3| {
-        let got = drive::fringe(p, 0, DVec3::ZERO, x, DVec3::ZERO);
+        let got = forcing::fringe(p, 0, DVec3::ZERO, x, DVec3::ZERO);
         assert!((got - wanted).length() < 1e-14, "at {x}: {got} instead of {wanted}");
     };
     // Half way: sin² = 1, so 10 · 3 m/s / 40 mm = 750 1/s; a quarter in: half of it; outside: nothing.
@@ -42,7 +43,7 @@ fn fringe_drives_air_where_the_wind_enters() {
     close(&still_box(oblique), DVec3::new(0.02, 0.05, 0.05), oblique * gain(0.6 * 750.0));
     close(&still_box(DVec3::ZERO), DVec3::new(0.02, 0.05, 0.05), DVec3::ZERO);
     // Air that moves with the wind is left alone.
-    assert_eq!(drive::fringe(&p, 0, DVec3::ZERO, DVec3::new(0.02, 0.05, 0.05), p.wind), DVec3::ZERO);
+    assert_eq!(forcing::fringe(&p, 0, DVec3::ZERO, DVec3::new(0.02, 0.05, 0.05), p.wind), DVec3::ZERO);
 }
 
 /// The ramp adds its rise to all air alike, and no more once the wind blows.
@@ -51,7 +52,7 @@ fn ramp_adds_its_rise_everywhere() {
     let mut p = still_box(DVec3::X * 3.0);
     p.ramp = 10.5 * p.step;
     let outside = DVec3::new(0.1, 0.05, 0.05);
-    let rises: Vec<f64> = (0..14).map(|n| drive::fringe(&p, n, DVec3::ZERO, outside, DVec3::ZERO).x).collect();
+    let rises: Vec<f64> = (0..14).map(|n| forcing::fringe(&p, n, DVec3::ZERO, outside, DVec3::ZERO).x).collect();
     let full = 3.0 / 10.5;
     let wanted = |n: usize| {
         if n < 10 {
@@ -179,13 +180,13 @@ fn check_sees_positions_and_velocities() {
         values[i].y = f64::INFINITY;
         values
     };
-    assert_eq!(guard::check(&p, 0, &fine, &fine), Ok(()));
-    assert_eq!(guard::check(&p, 0, &spoilt(2), &fine), Err(Frozen::NonFiniteAir(1)));
-    assert_eq!(guard::check(&p, 0, &fine, &spoilt(1)), Err(Frozen::NonFiniteAir(0)));
-    assert_eq!(guard::check(&p, 0, &spoilt(0), &fine), Ok(()));
+    assert_eq!(commit::check(&p, 0, &fine, &fine), Ok(()));
+    assert_eq!(commit::check(&p, 0, &spoilt(2), &fine), Err(Frozen::NonFiniteAir(1)));
+    assert_eq!(commit::check(&p, 0, &fine, &spoilt(1)), Err(Frozen::NonFiniteAir(0)));
+    assert_eq!(commit::check(&p, 0, &spoilt(0), &fine), Ok(()));
     let fast = |speed: f64| [DVec3::ONE, DVec3::ONE, DVec3::new(0.0, -speed, 0.0)];
-    assert_eq!(guard::check(&p, 0, &fine, &fast(0.999e6)), Ok(()));
-    assert_eq!(guard::check(&p, 0, &fine, &fast(1.001e6)), Err(Frozen::NonFiniteAir(1)));
+    assert_eq!(commit::check(&p, 0, &fine, &fast(0.999e6)), Ok(()));
+    assert_eq!(commit::check(&p, 0, &fine, &fast(1.001e6)), Err(Frozen::NonFiniteAir(1)));
 }
 
 /// Non-finite air freezes the state as it was, and names the particle.
@@ -235,7 +236,7 @@ fn viscosity_works_without_the_density_constraint() {
     (p.solver, p.fluid_iterations) = (FluidSolver::Pbf, 0);
     let mut state = State::new(&initial, p.step);
     step(&mut state, &p).unwrap();
-    let free = initial.air.positions.iter().zip(&initial.air.velocities).map(|(x, v)| drive::predict(&p, *x, *v));
+    let free = initial.air.positions.iter().zip(&initial.air.velocities).map(|(x, v)| forcing::predict(&p, *x, *v));
     assert_eq!(state.position, free.collect::<Vec<_>>());
     let changed = apart(&state.velocity, &initial.air.velocities);
     assert!(changed > 1e-3 && changed < 0.5, "{changed}");

@@ -8,16 +8,16 @@ mod support;
 
 use elastica::tuft;
 use glam::DVec3;
-use windswept_reference::{self as twin, Parameters, State, neighbours, rods, step::Scratch};
+use windswept_reference::{self as reference, Parameters, State, neighbours, rods, step::Scratch};
 
 /// A step up to its rods, and the air's velocities before hair reacted on it.
 fn exchanged(state: &State, p: &Parameters) -> (State, Scratch, Vec<DVec3>) {
     let mut s = state.clone();
-    let mut w = twin::drive::run(&s, p);
-    twin::neighbours::run(&mut w, p);
-    twin::fluid::run(&s, &mut w, p);
+    let mut w = reference::forcing::run(&s, p);
+    reference::neighbours::run(&mut w, p);
+    reference::fluid::run(&s, &mut w, p);
     let before = w.new_velocity.clone();
-    twin::rods::run(&mut s, &mut w, p);
+    reference::rods::run(&mut s, &mut w, p);
     (s, w, before)
 }
 
@@ -59,7 +59,7 @@ fn momentum_is_exchanged_and_energy_lost() {
                 * mass(p.hair_points);
             gain = gain.max((energy + work) / scale);
             limited = s.limited;
-            twin::step::step(&mut state, &p).unwrap();
+            reference::step::step(&mut state, &p).unwrap();
         }
         println!(
             "{fibres} fibres, {speed} m/s: momentum {worst:.1e} off, energy {gain:.1e}, thinnest {thin:.2}, {limited} limited"
@@ -82,7 +82,7 @@ fn give_bounds_the_exchange() {
             if k % 8 == 7 {
                 worst = worst.max(largest_ratio(&p, &s, &w));
             }
-            twin::step::step(&mut state, &p).unwrap();
+            reference::step::step(&mut state, &p).unwrap();
         }
         println!("{speed} m/s: {worst:.3}");
         assert!(worst > 0.3 && worst < 2.0, "{worst}");
@@ -127,8 +127,8 @@ fn the_mean_wind_takes_over_where_air_is_missing() {
         for (i, at) in x[..n].iter_mut().enumerate() {
             *at = DVec3::new(0.02 - 4e-4 * f64::from(k), 0.03, 0.01) + 1e-4 * i as f64 * DVec3::Y;
         }
-        let near = neighbours::neighbours(&p, &x);
-        let local = rods::sample(&p, DVec3::X, &x, &v, &volume, &near)[0];
+        let near = neighbours::list(&p, &x);
+        let local = rods::sample_air(&p, DVec3::X, &x, &v, &volume, &near)[0];
         let part = local.wind.y;
         assert!(
             (local.wind.x - (1.0 - part)).abs() < 1e-12 && (-1e-12..=1.0 + 1e-12).contains(&part),

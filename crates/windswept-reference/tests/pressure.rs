@@ -144,7 +144,7 @@ fn melted(cells: [usize; 3], seed: u64) -> InitialState {
     }
     let p = parameters(&air(size, x.clone()), 1, "");
     for _ in 0..20 {
-        let near = neighbours::neighbours(&p, &x);
+        let near = neighbours::list(&p, &x);
         let gradient = |i: usize, j: usize| VOLUME * spiky_gradient(i, j, p.separation(i, j, x[i], x[j]), h);
         let uneven = |i: usize| near.of(i).map(|j| gradient(i, j)).sum::<DVec3>();
         let shift: Vec<DVec3> = (0..x.len()).map(|i| -0.03 * h * h * uneven(i)).collect();
@@ -288,7 +288,7 @@ fn the_coarse_solve_reaches_far() {
     let left = |wind: f64| {
         let mut p = parameters(&initial, 1, "");
         p.largest_wind = wind;
-        let near = neighbours::neighbours(&p, x);
+        let near = neighbours::list(&p, x);
         let crowd = Crowd { parameters: p.clone(), ..Crowd::new(size, x.clone()) };
         let moments = fluid::moments(&p, x, &crowd.inverse_mass, &volume, &near, &[]);
         let rate = fluid::divergence(&p, x, &initial.air.velocities, &volume, &near, &moments);
@@ -356,7 +356,7 @@ fn pressure_sees_no_hair_in_two_way() {
             InitialState { hair: if hair { initial.hair.clone() } else { Default::default() }, ..initial.clone() };
         let p = parameters(&initial, 1, keys);
         let s = State::new(&initial, p.step);
-        let mut w = windswept_reference::drive::run(&s, &p);
+        let mut w = windswept_reference::forcing::run(&s, &p);
         neighbours::run(&mut w, &p);
         fluid::run(&s, &mut w, &p);
         (p.hair_points, w)

@@ -6,7 +6,7 @@ mod support;
 
 use glam::{DMat3, DQuat, DVec3};
 use support::{Rod, airless, alone, apart, bundle};
-use windswept_reference::{Parameters, State, drive, rods, step::step, tables};
+use windswept_reference::{Parameters, State, forcing, rods, step::step, tables};
 use windswept_scene::{InitialState, Strands};
 
 /// Root frame of a strand that hangs: d1 = +x, d2 = +z, d3 = −y.
@@ -227,7 +227,7 @@ fn a_spoilt_strand_is_reset_at_once() {
         for (k, spoil) in spoils.iter().enumerate() {
             let mut state = start.clone();
             spoil(&mut state);
-            assert!(!drive::inspect(&state, 2) && drive::inspect(&state, 1), "{value}, {k}");
+            assert!(!forcing::inspect(&state, 2) && forcing::inspect(&state, 1), "{value}, {k}");
             step(&mut state, &p).unwrap();
             is_at_rest_alone(&state, &healthy, 1);
         }
@@ -237,7 +237,7 @@ fn a_spoilt_strand_is_reset_at_once() {
 /// More than three bad strands of a few end the run and leave the state as it was.
 #[test]
 fn many_bad_strands_end_the_run() {
-    use windswept_reference::guard::{Frozen, bad_strand_limit};
+    use windswept_reference::commit::{Frozen, bad_strand_limit};
     assert_eq!([0, 300, 400, 1_000].map(bad_strand_limit), [3, 3, 4, 10]);
     for (bad, expected) in [(3, Ok(())), (4, Err(Frozen::BadStrands(4)))] {
         let (mut state, p) = alone(row_of_strands(6));

@@ -1,4 +1,4 @@
-//! Tests of `turbulence::{vorticity, confine, mean, strengthen}`, and of heading 7 in whole steps.
+//! Tests of `turbulence::{vorticity, confine, mean, strengthen}`, and of stage `turbulence` in whole steps.
 
 #![allow(clippy::unwrap_used)]
 
@@ -328,7 +328,7 @@ fn after_steps(keys: &str) -> State {
     state
 }
 
-/// Heading 7 adds each band's energy in a step and counts the impulse; without strength or bands it changes no bit.
+/// Stage 7 adds each band's energy in a step and counts the impulse; without strength or bands it changes no bit.
 #[test]
 fn steps_strengthen_bands() {
     let energy = |state: &State| {

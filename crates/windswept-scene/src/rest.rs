@@ -16,7 +16,7 @@ const NEVER: f64 = 1e6;
 const TREMBLE: f64 = 2e-6;
 /// 2 (1 + √2)², of the longest time that a swing keeps near a turning point: see [`Strands::rest`].
 const SWUNG: f64 = 11.657;
-/// Rate at which air may brake hair, beside `rods.damping` \[1/s\]: at the speeds of a strand at rest it is small, since `wind/drag`
+/// Rate at which air may brake hair, beside `rods.damping` \[1/s\]: at the speeds of a strand at rest it is small, since `rods/drag`
 /// goes with u^(1/3).
 const BRAKE: f64 = 2.0;
 

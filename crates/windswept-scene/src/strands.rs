@@ -1,4 +1,4 @@
-//! Strands as arrays, from which engine and twin start.
+//! Strands as arrays, from which engine and reference start.
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};

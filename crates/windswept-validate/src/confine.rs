@@ -13,22 +13,22 @@ use windswept_scene::Scene;
 use crate::{
     Error, Row,
     air::{self, Cloud, MASS, SIMPLE, STEP, farthest},
-    stage::Stage,
-    twin::error,
+    reference::error,
+    runner::Runner,
 };
 
 const PUBLISHED: &str = "0.008, |a| = epsilon ½ m û² |omega| in mg, mm, s where a plane flow is strong; N is up to 0.5 % short \
     of a unit (its softening); the bound is 1 %";
 const BAND: &str = "S, d|û|/dt = S |û| (1 - û²/(I U)²) |omega| over the step, where a plane flow is strong; N is up to 0.5 % short \
     of a unit (its softening); the bound is 1 %";
-const TWIN: &str = "f64 twin from the same û and omega; 1000 particles jittered by half a spacing; largest difference over \
+const REFERENCE: &str = "f64 reference from the same û and omega; 1000 particles jittered by half a spacing; largest difference over \
     largest value; measured 1.7e-6 (band), 3.7e-7; margin 4";
 
 /// Largest speed of the flows \[m/s\].
 const SPEED: f64 = 0.02;
 /// Strength S of the band, a number.
 const STRENGTH: f64 = 10.0;
-/// Strength S beside the twin, so large that some particles come to the bound of a step.
+/// Strength S beside the reference, so large that some particles come to the bound of a step.
 const STRONG: f64 = 200.0;
 /// U \[m/s\] and I of the band law.
 const LAW: (f64, f64) = (0.1, 0.5);
@@ -40,7 +40,7 @@ pub(crate) fn laws(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for (published, name) in LAWS {
         rows.push(gain(gpu, published, name)?);
-        rows.push(beside_twin(gpu, published, name)?);
+        rows.push(beside_reference(gpu, published, name)?);
     }
     Ok(rows)
 }
@@ -59,9 +59,9 @@ fn gain(gpu: &Gpu, published: bool, name: &str) -> Result<Row, Error> {
     let lattice = Cloud::lattice([12, 12, 6], SIMPLE);
     let k = TAU / lattice.size.x;
     let cloud = lattice.moving(|x| SPEED * DVec3::new((k * x.y).sin(), (2.0 * k * x.x).sin(), 0.0));
-    let mut stage = Stage::new(gpu, &scene(published, SQRT_2 / (2.0 * k), STRENGTH)?, &cloud.initial())?;
-    let added = confined(&mut stage)?;
-    let (eddies, omega) = (stage.read(|s| &s.band_velocity)?, stage.read(|s| &s.vorticity)?);
+    let mut runner = Runner::new(gpu, &scene(published, SQRT_2 / (2.0 * k), STRENGTH)?, &cloud.initial())?;
+    let added = confined(&mut runner)?;
+    let (eddies, omega) = (runner.read(|s| &s.band_velocity)?, runner.read(|s| &s.vorticity)?);
     let flow = |i: usize| eddies[i].length() * omega[i].length();
     let largest = (0..added.len()).map(flow).fold(0.0, f64::max);
     let law = |i: usize| {
@@ -79,30 +79,30 @@ fn gain(gpu: &Gpu, published: bool, name: &str) -> Result<Row, Error> {
     Ok(Row::new(format!("confinement, {name} law: its gain"), expected, measured, 0.01 * expected, source))
 }
 
-fn beside_twin(gpu: &Gpu, published: bool, name: &str) -> Result<Row, Error> {
+fn beside_reference(gpu: &Gpu, published: bool, name: &str) -> Result<Row, Error> {
     let cloud = Cloud::lattice([10; 3], SIMPLE).jittered(0.5, 4).stirred(SPEED, 4);
-    let mut stage = Stage::new(gpu, &scene(published, 6e-3, STRONG)?, &cloud.initial())?;
-    let added = confined(&mut stage)?;
-    let (eddies, omega) = (stage.read(|s| &s.band_velocity)?, stage.read(|s| &s.vorticity)?);
-    let (p, s) = (&stage.p, &stage.twin);
-    let near = neighbours::neighbours(p, &s.position);
+    let mut runner = Runner::new(gpu, &scene(published, 6e-3, STRONG)?, &cloud.initial())?;
+    let added = confined(&mut runner)?;
+    let (eddies, omega) = (runner.read(|s| &s.band_velocity)?, runner.read(|s| &s.vorticity)?);
+    let (p, s) = (&runner.p, &runner.reference);
+    let near = neighbours::list(p, &s.position);
     let (volume, inverse_mass) = (&s.volume, &s.inverse_mass);
     let wanted =
         turbulence::confine(p, &p.bands[0], DVec3::ZERO, &s.position, &eddies, &omega, volume, inverse_mass, &near);
     Ok(Row::new(
-        format!("twin: turbulence/confine, {name} law"),
+        format!("reference: turbulence/confine, {name} law"),
         0.0,
         error(&added, &wanted),
         if published { 1.5e-6 } else { 7e-6 },
-        TWIN,
+        REFERENCE,
     ))
 }
 
 /// Change of velocity by confinement in a step \[m/s\].
-fn confined(stage: &mut Stage) -> Result<Vec<DVec3>, Error> {
-    stage.run(|r, plan| {
+fn confined(runner: &mut Runner) -> Result<Vec<DVec3>, Error> {
+    runner.run(|r, plan| {
         step::neighbours::record(r, plan);
         step::turbulence::record(r, plan);
     })?;
-    stage.read(|s| &s.confinement)
+    runner.read(|s| &s.confinement)
 }

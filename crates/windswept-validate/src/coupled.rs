@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use windswept::{Gpu, Simulation};
-use windswept_reference::{self as twin, Parameters, State, fluid};
+use windswept_reference::{self as reference, Parameters, State, fluid};
 use windswept_scene::{FluidSolver, InitialState, Scene};
 use windswept_shaders::common::rod::RodPoint;
 
@@ -17,7 +17,7 @@ const BALANCE: &str = "Newton's third law, rods by BDF2; roots loose, 20 times a
     rounding, at most 2.0e-7 off with pbf and 3.2e-7 with divergence at nine speeds of the stream from 1.5 to 4.5 m/s, margin 2; change of \
     all: measured 1.8e-9 and 1.5e-8, margin 4";
 const HELD: &str = "Newton's third law, rods by Euler, no XSPH: air's and hair's change and what held roots take, from the \
-    rods' moves and, by the twin, from the density constraint; over air's loss; measured 2.0e-7; margin 4";
+    rods' moves and, by the reference, from the density constraint; over air's loss; measured 2.0e-7; margin 4";
 const SHARES: &str = "no formula: measured, of air's loss, 6 strands of 30 mm in a stream of 3 m/s, 41 ms; the tolerance keeps \
     the sign";
 
@@ -164,8 +164,8 @@ fn clamped(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 /// Momentum that the density constraint gives held roots in the next step \[kg m/s\]: that which it would give to roots
 /// of mass 1.
 fn density_on_roots(s: &State, p: &Parameters) -> DVec3 {
-    let mut w = twin::drive::run(s, p);
-    twin::neighbours::run(&mut w, p);
+    let mut w = reference::forcing::run(s, p);
+    reference::neighbours::run(&mut w, p);
     let roots: Vec<usize> = (0..s.hair.len()).map(|strand| s.hair.points(strand).start).collect();
     let mut movable = s.inverse_mass.clone();
     roots.iter().for_each(|&root| movable[root] = 1.0);

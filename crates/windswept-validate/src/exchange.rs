@@ -9,7 +9,7 @@ use windswept_scene::{AirParticles, InitialState, Scene};
 use crate::{
     Error, Row,
     air::{Cloud, RADIUS, REST_DENSITY, SIMPLE, mean, spacing, vectors},
-    stage::Stage,
+    runner::Runner,
 };
 
 const SINGLE: &str = "the law at the wind's speed; own wake taken out; the bound is 0.98 to 1.005";
@@ -408,7 +408,7 @@ fn kept(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let name = "stream past a tuft, 30 steps: air's loss off the sum of impulses";
     let mut rows = vec![Row::new(name, 0.0, (change + given).length() / size, 1e-5, MOMENTUM)];
 
-    // The same air and hair, as a state that headings are run on.
+    // The same air and hair, as a state that stages are run on.
     initial.air.positions = vectors(&frame.air.positions);
     initial.air.velocities = vectors(&frame.air.velocities);
     initial.hair.positions = vectors(&frame.hair.positions);
@@ -416,27 +416,27 @@ fn kept(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let turned = frame.hair.orientations.iter().map(|q| glam::DQuat::from_array(q.map(f64::from)).normalize());
     initial.hair.orientations = turned.collect();
     let points = initial.hair.positions.len();
-    let mut stage = Stage::new(gpu, &scene, &initial)?;
-    stage.run(|r, plan| {
-        step::drive::record(r, plan);
+    let mut runner = Runner::new(gpu, &scene, &initial)?;
+    runner.run(|r, plan| {
+        step::forcing::record(r, plan);
         step::neighbours::record(r, plan);
         step::fluid::record(r, plan);
     })?;
-    let free = stage.read(|s| &s.new_velocity)?;
-    stage.run(|r, plan| {
-        step::drive::record(r, plan);
+    let free = runner.read(|s| &s.new_velocity)?;
+    runner.run(|r, plan| {
+        step::forcing::record(r, plan);
         step::neighbours::record(r, plan);
         step::fluid::record(r, plan);
         step::rods::record(r, plan);
     })?;
-    let slowed = stage.read(|s| &s.new_velocity)?;
-    let impulses = stage.read(|s| &s.drag_impulse)?;
-    let places = stage.read(|s| &s.predicted)?;
-    let starts = stage.read(|s| &s.position)?;
+    let slowed = runner.read(|s| &s.new_velocity)?;
+    let impulses = runner.read(|s| &s.drag_impulse)?;
+    let places = runner.read(|s| &s.predicted)?;
+    let starts = runner.read(|s| &s.position)?;
     let air = || free[points..].iter().zip(&slowed[points..]);
     let change: f64 = air().map(|(a, b)| 0.5 * mass * (*b - *a).dot(*b + *a)).sum();
     // Euler's first step: a point's velocity is its way.
-    let work: f64 = (0..points).map(|i| impulses[i].dot((places[i] - starts[i]) / stage.p.step)).sum();
+    let work: f64 = (0..points).map(|i| impulses[i].dot((places[i] - starts[i]) / runner.p.step)).sum();
     let made = (change + work) / change.abs();
     rows.push(Row::new(
         "tuft in a stream: energy that an exchange makes, over the air's change",

@@ -8,7 +8,7 @@ use crate::{
     Error, Row,
     air::{self, Cloud, SIMPLE, STEP, farthest, vectors},
     momentum::exchanged,
-    stage::Stage,
+    runner::Runner,
     wind::{FIBRE_MASS, across, blown},
 };
 
@@ -86,8 +86,8 @@ fn narrow_jet(gpu: &Gpu) -> Result<Row, Error> {
          strength = {STRENGTH}, uptake = {uptake} }}",
         start.to_array()
     ))?;
-    let mut stage = Stage::new(gpu, &scene, &cloud.initial())?;
-    stage.run(step::drive::record)?;
+    let mut runner = Runner::new(gpu, &scene, &cloud.initial())?;
+    runner.run(step::forcing::record)?;
     let fade = |part: f64| {
         let t = (2.0 * part - 1.0).clamp(0.0, 1.0);
         1.0 - t * t * (3.0 - 2.0 * t)
@@ -98,7 +98,7 @@ fn narrow_jet(gpu: &Gpu) -> Result<Row, Error> {
         let w = along * fade(gap.x.hypot(gap.y) / radius);
         (1.0 - (-w * STRENGTH * STEP / uptake).exp()) * w * STRENGTH * DVec3::Z
     });
-    let got = stage.read(|s| &s.wind_change)?;
+    let got = runner.read(|s| &s.wind_change)?;
     Ok(Row::new("jet that fades: what it adds to air, of S", 0.0, off(&got, wanted), 9e-7, FADES))
 }
 
@@ -115,9 +115,9 @@ fn vortex(gpu: &Gpu) -> Result<Vec<Row>, Error> {
             center.to_array(),
             axis.to_array()
         ))?;
-        let mut stage = Stage::new(gpu, &scene, &cloud.initial())?;
-        stage.run(step::drive::record)?;
-        Ok((stage.read(|s| &s.wind_change)?, 1.0 - (-STRENGTH * STEP / uptake).exp()))
+        let mut runner = Runner::new(gpu, &scene, &cloud.initial())?;
+        runner.run(step::forcing::record)?;
+        Ok((runner.read(|s| &s.wind_change)?, 1.0 - (-STRENGTH * STEP / uptake).exp()))
     };
     let places = || cloud.positions.iter().map(|x| DVec3::from_array(*x) - center);
     // Some of the air is inside, some outside.

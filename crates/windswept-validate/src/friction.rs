@@ -10,10 +10,10 @@ use crate::{
     air::{STEP, mean, vectors},
     exchange::MOMENTUM,
     rods::GRAVITY,
-    stage::Stage,
+    runner::Runner,
 };
 
-const SLIDES: &str = "g (sin - mu cos), mu = 0.3, by v^2 over whole spacings of the bed's points; 2 % in the twin";
+const SLIDES: &str = "g (sin - mu cos), mu = 0.3, by v^2 over whole spacings of the bed's points; 2 % in the reference";
 const STAYS: &str = "mu = 0.3 holds it; falling free it would have 0.36 m/s; f32";
 const LIES: &str = "friction and rods hold what lies; measured 0, and 2.5e-5 L in 10 s";
 const SLEEPS_THERE: &str = "all of the mat: nothing moves it";
@@ -184,14 +184,14 @@ fn momentum(gpu: &Gpu) -> Result<Row, Error> {
         initial.hair.velocities[points].fill(0.3 * way);
     }
     let masses: Vec<f64> = initial.hair.inverse_mass.iter().map(|w| 1.0 / w).collect();
-    let mut stage = Stage::new(gpu, &scene, &initial)?;
-    stage.run(|r, plan| {
-        step::drive::record(r, plan);
+    let mut runner = Runner::new(gpu, &scene, &initial)?;
+    runner.run(|r, plan| {
+        step::forcing::record(r, plan);
         step::neighbours::record(r, plan);
         step::fluid::record(r, plan);
     })?;
-    // Friction is the last to move hair in this heading.
-    let shift = stage.read(|s| &s.shift)?;
+    // Friction is the last to move hair in this stage.
+    let shift = runner.read(|s| &s.shift)?;
     let impulses: Vec<DVec3> = shift.iter().zip(&masses).map(|(shift, m)| *m * *shift / STEP).collect();
     let sum: DVec3 = impulses.iter().sum();
     let size: f64 = impulses.iter().map(|j| j.length()).sum();

@@ -2,7 +2,7 @@
 //!
 //! A [`Check`] measures on the GPU, through [`windswept::ops`] and [`windswept::Simulation`], and returns a [`Row`] per
 //! claim. `windswept validate` prints the rows, `tests/formulas.rs` asserts them: each formula is written once. The
-//! expected values come from closed forms, from `windswept_reference::tables` or from the f64 twin; every row says
+//! expected values come from closed forms, from `windswept_reference::tables` or from the f64 reference; every row says
 //! which.
 
 mod air;
@@ -17,14 +17,14 @@ mod hair_in_wind;
 mod kernels;
 mod momentum;
 mod pressure;
+mod reference;
 mod rods;
 mod row;
-mod stage;
+mod runner;
 pub mod stress;
 mod taylor_green;
 mod tuft;
 mod turbulence;
-mod twin;
 mod viscosity;
 mod vortex;
 mod walls;
@@ -97,9 +97,9 @@ pub const CHECKS: &[Check] = &[
     Check { name: "exchange", run: exchange::rows },
     Check { name: "friction", run: friction::rows },
     Check { name: "mat", run: friction::mat },
-    Check { name: "twin", run: twin::passes },
-    Check { name: "twin-rods", run: twin::rods },
-    Check { name: "twin-step", run: whole::steps },
+    Check { name: "reference", run: reference::passes },
+    Check { name: "reference-rods", run: reference::rods },
+    Check { name: "reference-step", run: whole::steps },
 ];
 
 /// Checks that take long on a software adapter; `tests/exchange.rs` asserts them.

@@ -75,6 +75,6 @@ mod tests {
         assert!(row(1.5).passes() && row(0.5).passes());
         assert!(!row(1.6).passes() && !row(f64::NAN).passes() && !row(f64::INFINITY).passes());
         assert!(!Row::new("", f64::NAN, 1.0, 0.5, "").passes());
-        assert!(!Row::failed("twin", &"the device was lost").passes());
+        assert!(!Row::failed("reference", &"the device was lost").passes());
     }
 }

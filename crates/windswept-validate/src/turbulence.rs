@@ -16,7 +16,8 @@ use crate::{
     air::{self, Cloud, RADIUS, SIMPLE, VOLUME, farthest, mean, spacing, vectors},
 };
 
-const ROTATION: &str = "plain sum over the lattice, twin's kernel in f64; measured 7.5e-7 off, 1.5e-7 across; margin 4";
+const ROTATION: &str =
+    "plain sum over the lattice, reference's kernel in f64; measured 7.5e-7 off, 1.5e-7 across; margin 4";
 const TRANSLATION: &str = "differences of equal numbers: nothing to round";
 const LEAK: &str = "continuum; mean over a lattice jittered by half a spacing, measured 2.6e-4 off; margin 2.7";
 const GAIN: &str = "closed form; cut at 6 s, where f32 sees no cut; measured 1.9e-6 off; margin 3";

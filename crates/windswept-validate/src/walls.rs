@@ -12,7 +12,7 @@ use crate::{
     air::{STEP, farthest, mean, spacing, vectors},
     coupled::lasting,
     momentum,
-    stage::Stage,
+    runner::Runner,
 };
 
 const FULL: &str = "density is uniform; within 3 spacings of the surface, before, behind and beside; measured up to 0.06 off where air goes a \
@@ -360,14 +360,14 @@ fn balanced(gpu: &Gpu) -> Result<Row, Error> {
     let scene = tunnel.scene()?;
     let mut initial = simulation.initial().clone();
     initial.air.positions = vectors(&simulation.frame()?.air.positions);
-    let mut stage = Stage::new(gpu, &scene, &initial)?;
-    stage.run(|r, plan| {
-        step::drive::record_bodies(r, plan);
+    let mut runner = Runner::new(gpu, &scene, &initial)?;
+    runner.run(|r, plan| {
+        step::forcing::record_bodies(r, plan);
         step::fluid::record_walls(r, plan);
         step::neighbours::record(r, plan);
         r.meet(&fluid::MOMENTS, "gradients corrected", plan.flowing_clusters());
     })?;
-    let state = stage.engine().state();
+    let state = runner.engine().state();
     let volume = initial.air.volume as f32;
     let unit = |g: windswept_shaders::common::pressure::Gradients| Stress {
         diagonal: g.diagonal.map(|b| b / volume),
@@ -375,14 +375,14 @@ fn balanced(gpu: &Gpu) -> Result<Row, Error> {
         pressure: 1.0 / volume,
         ..Stress::default()
     };
-    let gradients = stage.engine().read(&state.gradients)?;
-    let walls = stage.engine().read(&state.wall)?;
-    stage.engine().write(&state.stress, &gradients.into_iter().map(unit).collect::<Vec<_>>())?;
-    stage.engine().write(&state.new_velocity, &vec![[0.0; 4]; walls.len()])?;
-    stage.replay(|r, plan| {
+    let gradients = runner.engine().read(&state.gradients)?;
+    let walls = runner.engine().read(&state.wall)?;
+    runner.engine().write(&state.stress, &gradients.into_iter().map(unit).collect::<Vec<_>>())?;
+    runner.engine().write(&state.new_velocity, &vec![[0.0; 4]; walls.len()])?;
+    runner.replay(|r, plan| {
         r.meet(&fluid::PUSH, "a constant pressure pushes", plan.flowing_clusters());
     })?;
-    let pushed = stage.read(|s| &s.new_velocity)?;
+    let pushed = runner.read(|s| &s.new_velocity)?;
     let radius = windswept_scene::Air::KERNEL_RADIUS;
     let mut layers = [(0.0, 0.0); 7];
     for (wall, v) in walls.iter().zip(&pushed).skip(initial.hair.positions.len()) {

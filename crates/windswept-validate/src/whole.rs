@@ -1,19 +1,19 @@
-//! Whole steps on the GPU in f32 beside the twin's in f64 (windswept_reference): hair, air and what drives them.
+//! Whole steps on the GPU in f32 beside the reference's in f64 (windswept_reference): hair, air and what drives them.
 
 use glam::DVec3;
 use windswept::{Gpu, Simulation};
-use windswept_reference::{Parameters, State, fluid, step::step as twin_step};
+use windswept_reference::{Parameters, State, fluid, step::step as reference_step};
 use windswept_scene::{InitialState, Scene, Shape, Solid};
 
-use crate::{Error, Row, air::vectors, twin::error};
+use crate::{Error, Row, air::vectors, reference::error};
 
-const ACCURATE: &str = "f64 twin: direct, BDF2, grid filter, band law, a moving body, a gust, roots that move; largest \
+const ACCURATE: &str = "f64 reference: direct, BDF2, grid filter, band law, a moving body, a gust, roots that move; largest \
     difference over largest value; measured 1.1e-7, 6.4e-6, 1.2e-5; margin 4";
 const PUSHED: &str = "as `accurate`, but the body pushes hair, whose strands are pulled along until their lengths fit to 1e-5 of a segment: \
     a rounding decides how often; measured 3.8e-6, 1.6e-4, 2.7e-5; margin 4";
 const MESH: &str = "as `a body in the hair`, the body given as triangles, whose normals change from cell to cell of the grid; \
     measured 9.7e-7, 1.7e-5, 4.7e-4; margin 4";
-const PUBLISHED: &str = "f64 twin: Gauss-Seidel, Euler, direct filter, published law; largest difference over largest value; \
+const PUBLISHED: &str = "f64 reference: Gauss-Seidel, Euler, direct filter, published law; largest difference over largest value; \
     measured 9.9e-8, 1.8e-5, 3.1e-6; margin 4";
 
 /// Hair in wind with a band of eddies.
@@ -88,7 +88,7 @@ fn measure(
     fluid::begin(&mut state, &p);
     let steps = 5;
     for _ in 0..steps {
-        twin_step(&mut state, &p).map_err(|frozen| Error::Missing(format!("the twin froze: {frozen:?}")))?;
+        reference_step(&mut state, &p).map_err(|frozen| Error::Missing(format!("the reference froze: {frozen:?}")))?;
     }
     let mut simulation = Simulation::with_state(gpu, scene, initial)?;
     simulation.step(steps)?;
@@ -103,7 +103,7 @@ fn measure(
         ("air velocities", vectors(&frame.air.velocities), &v[hair..]),
     ];
     let row = |((what, got, wanted), tolerance): ((&str, Vec<DVec3>, &[DVec3]), f64)| {
-        Row::new(format!("twin: {steps} whole steps, {name}, {what}"), 0.0, error(&got, wanted), tolerance, source)
+        Row::new(format!("reference: {steps} whole steps, {name}, {what}"), 0.0, error(&got, wanted), tolerance, source)
     };
     Ok(rows.into_iter().zip(tolerances).map(row).collect())
 }

@@ -10,7 +10,7 @@ use crate::{
     Error, Row,
     air::{self, Cloud, RADIUS, REST_DENSITY, SIMPLE, STEP, farthest, vectors},
     rods::GRAVITY,
-    stage::Stage,
+    runner::Runner,
 };
 
 const GUST: &str = "U(t): ramp and keyframes, linear; mean over the air; measured 3.0e-8; margin 4";
@@ -63,9 +63,9 @@ fn fringe(gpu: &Gpu) -> Result<Row, Error> {
         air.fringe = thickness;
     }
     let cloud = Cloud::random(10, 2).moving(|x| DVec3::new(1.5 + 20.0 * x.x, -30.0 * x.y, 0.1));
-    let mut stage = Stage::new(gpu, &scene, &cloud.initial())?;
-    stage.run(step::drive::record)?;
-    let added = stage.read(|s| &s.wind_change)?;
+    let mut runner = Runner::new(gpu, &scene, &cloud.initial())?;
+    runner.run(step::forcing::record)?;
+    let added = runner.read(|s| &s.wind_change)?;
     let sigma =
         |x: f64| if x < thickness { 10.0 * WIND.x / thickness * (PI * x / thickness).sin().powi(2) } else { 0.0 };
     let rates: Vec<f64> = cloud.positions.iter().map(|x| sigma(x[0])).collect();

@@ -16,7 +16,7 @@ use windswept_shaders::{
         dispatch::WORKGROUP, lanes::LANES, list::PAGES, params::Params, pressure::Pressed, rod::Condition,
         status::Status,
     },
-    rods::RESET,
+    forcing::RESET,
 };
 
 pub use room::required_limits;
@@ -50,7 +50,7 @@ pub struct Engine {
     sizes: Sizes,
     state: State,
     memory: Memory,
-    /// Whether somebody other than a step has written what `rods/reset` looks at: places, velocities, clamps, or what points remember; the
+    /// Whether somebody other than a step has written what `forcing/reset` looks at: places, velocities, clamps, or what points remember; the
     /// setup does not count.
     hair_was_written: AtomicBool,
 }
@@ -413,7 +413,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Copies the committed positions and velocities to where a step's own stand, for headings that run on their own.
+    /// Copies the committed positions and velocities to where a step's own stand, for stages that run on their own.
     ///
     /// # Errors
     /// [`GpuError`] with the driver's words.

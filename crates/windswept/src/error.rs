@@ -123,7 +123,7 @@ fn remedy(array: &str, fits: u64) -> String {
 pub enum RunError {
     /// An air particle became non-finite, or faster than 1e6 m/s.
     #[error(
-        "step {step} (t = {} s): position or velocity of air particle {particle} is no finite number, or it is faster than 1e6 m/s, at the end of the step (guard/check){}: the run ends; a smaller time.step may help",
+        "step {step} (t = {} s): position or velocity of air particle {particle} is no finite number, or it is faster than 1e6 m/s, at the end of the step (commit/check){}: the run ends; a smaller time.step may help",
         six_digits(*time), before(*position, *nearest)
     )]
     NonFiniteAir {
@@ -152,7 +152,7 @@ pub enum RunError {
         strand: usize,
         /// First of its points that is not finite, from 0 at the root.
         point: usize,
-        /// Pass that found it: `rods/reset` as the step began, `rods/update` after the rods' solve, `guard/hold` at the end.
+        /// Pass that found it: `forcing/reset` as the step began, `rods/update` after the rods' solve, `commit/hold` at the end.
         pass: &'static str,
         /// The step that failed; the state is that before it.
         step: u64,

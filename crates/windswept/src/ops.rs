@@ -158,12 +158,12 @@ impl<'a> Particles<'a> {
     /// # Errors
     /// [`OpsError`] names the argument that is wrong, or has what the device refused.
     pub fn density(&self, gpu: &Gpu) -> Result<Vec<f32>, OpsError> {
-        let Some(mut stage) = self.stage(gpu, self.radius, |_| {})? else { return Ok(Vec::new()) };
-        stage.evaluate(|r, plan| {
+        let Some(mut runner) = self.runner(gpu, self.radius, |_| {})? else { return Ok(Vec::new()) };
+        runner.evaluate(|r, plan| {
             step::neighbours::record(r, plan);
             step::fluid::record_density(r, plan);
         })?;
-        let ratios: Vec<f32> = stage.read(|s| &s.density)?;
+        let ratios: Vec<f32> = runner.read(|s| &s.density)?;
         Ok(ratios.into_iter().map(|ratio| (f64::from(ratio) * self.rest_density) as f32).collect())
     }
 
@@ -174,12 +174,12 @@ impl<'a> Particles<'a> {
     /// [`OpsError`] names the argument that is wrong, or has what the device refused.
     pub fn vorticity(&self, gpu: &Gpu) -> Result<Vec<[f32; 3]>, OpsError> {
         self.check_velocities()?;
-        let Some(mut stage) = self.stage(gpu, self.radius, |_| {})? else { return Ok(Vec::new()) };
-        stage.evaluate(|r, plan| {
+        let Some(mut runner) = self.runner(gpu, self.radius, |_| {})? else { return Ok(Vec::new()) };
+        runner.evaluate(|r, plan| {
             step::neighbours::record(r, plan);
             step::turbulence::record_vorticity(r, plan);
         })?;
-        stage.read_vectors(|s| &s.vorticity)
+        runner.read_vectors(|s| &s.vorticity)
     }
 
     /// Velocity û of the eddies of scale s: the Mexican hat over the volumes' velocities (eqs. 5, 6), with unit gain at
@@ -206,16 +206,16 @@ impl<'a> Particles<'a> {
             scene.turbulence.bands = vec![band];
             filter.set(&mut scene.turbulence);
         };
-        let stage = self.stage(gpu, self.radius.max(scale * cutoff), prepare);
-        let Some(mut stage) = stage.map_err(|error| too_fine(scale, error))? else { return Ok(Vec::new()) };
-        stage.evaluate(|r, plan| {
+        let runner = self.runner(gpu, self.radius.max(scale * cutoff), prepare);
+        let Some(mut runner) = runner.map_err(|error| too_fine(scale, error))? else { return Ok(Vec::new()) };
+        runner.evaluate(|r, plan| {
             // The grid sorts for itself.
             if plan.direct_filter.runs {
                 step::neighbours::record(r, plan);
             }
             step::turbulence::record_band(r, plan);
         })?;
-        stage.read_vectors(|s| &s.band_velocity)
+        runner.read_vectors(|s| &s.band_velocity)
     }
 
     /// Energy of the eddies of scale s: the mean of ½ |û|² over the particles \[m²/s²\]; 0 without particles. See
@@ -240,16 +240,16 @@ impl<'a> Particles<'a> {
             positive("coefficient", coefficient)?;
         }
         let prepare = |scene: &mut Scene| scene.viscosity.air = coefficient;
-        let Some(mut stage) = self.stage(gpu, self.radius, prepare)? else { return Ok(Vec::new()) };
+        let Some(mut runner) = self.runner(gpu, self.radius, prepare)? else { return Ok(Vec::new()) };
         if coefficient == 0.0 {
             return Ok(self.velocities.iter().map(|v| v.map(|x| x as f32)).collect());
         }
-        stage.evaluate(|r, plan| {
+        runner.evaluate(|r, plan| {
             step::neighbours::record(r, plan);
             step::fluid::record_density(r, plan);
             step::viscosity::record(r, plan);
         })?;
-        stage.read_vectors(|s| &s.viscous_velocity)
+        runner.read_vectors(|s| &s.viscous_velocity)
     }
 
     /// Positions after `fluid.iterations` Jacobi iterations of ρ = ρ0 (eq. 1), at most [`MOST_REPEATS`], neighbours searched once
@@ -270,16 +270,16 @@ impl<'a> Particles<'a> {
             );
             return Err(argument("radius", format!("{words}; found {}", self.radius)));
         }
-        let Some(mut stage) = self.stage(gpu, self.radius, |scene| scene.fluid = fluid)? else {
+        let Some(mut runner) = self.runner(gpu, self.radius, |scene| scene.fluid = fluid)? else {
             return Ok(Vec::new());
         };
-        stage.evaluate(|r, plan| {
+        runner.evaluate(|r, plan| {
             step::neighbours::record(r, plan);
             step::fluid::record(r, plan);
         })?;
-        let moved: Vec<[f32; 4]> = stage.read(|s| &s.predicted)?;
+        let moved: Vec<[f32; 4]> = runner.read(|s| &s.predicted)?;
         let place = |x: &[f32; 4]| {
-            let x = DVec3::new(x[0].into(), x[1].into(), x[2].into()) + stage.origin;
+            let x = DVec3::new(x[0].into(), x[1].into(), x[2].into()) + runner.origin;
             self.wrapped(x).as_vec3().to_array()
         };
         Ok(moved.iter().map(place).collect())
@@ -290,12 +290,12 @@ impl<'a> Particles<'a> {
     /// # Errors
     /// [`OpsError`] names the argument that is wrong, or has what the device refused.
     pub fn neighbours(&self, gpu: &Gpu) -> Result<Neighbours, OpsError> {
-        let Some(mut stage) = self.stage(gpu, self.radius, |_| {})? else {
+        let Some(mut runner) = self.runner(gpu, self.radius, |_| {})? else {
             return Ok(Neighbours { offsets: vec![0], indices: Vec::new() });
         };
-        stage.evaluate(step::neighbours::record)?;
+        runner.evaluate(step::neighbours::record)?;
         let mut all = Neighbours { offsets: vec![0], indices: Vec::new() };
-        for near in clusters::neighbours(&stage.engine.clusters()?, stage.engine.params().particles) {
+        for near in clusters::neighbours(&runner.engine.clusters()?, runner.engine.params().particles) {
             all.indices.extend(near);
             all.offsets.push(all.indices.len() as u32);
         }
@@ -345,7 +345,7 @@ impl<'a> Particles<'a> {
 
     /// The particles as the air of a still scene, on the device; `None` if there are none. In free space the box keeps
     /// particles `reach` away from their images.
-    fn stage(&self, gpu: &Gpu, reach: f64, prepare: impl FnOnce(&mut Scene)) -> Result<Option<Stage>, OpsError> {
+    fn runner(&self, gpu: &Gpu, reach: f64, prepare: impl FnOnce(&mut Scene)) -> Result<Option<Runner>, OpsError> {
         self.check()?;
         if self.positions.is_empty() {
             return Ok(None);
@@ -382,18 +382,18 @@ impl<'a> Particles<'a> {
         };
         let setup = Setup::new(&scene, &initial);
         let (engine, plan) = (Engine::new(gpu, &setup)?, Plan::new(&setup));
-        Ok(Some(Stage { engine, plan, origin: min }))
+        Ok(Some(Runner { engine, plan, origin: min }))
     }
 }
 
 /// Particles on the device.
-struct Stage {
+struct Runner {
     engine: Engine,
     plan: Plan,
     origin: DVec3,
 }
 
-impl Stage {
+impl Runner {
     fn evaluate(&mut self, record: impl Fn(&mut Recorder<'_>, &Plan)) -> Result<(), OpsError> {
         self.engine.evaluate(|r| record(r, &self.plan))?;
         Ok(())

@@ -39,8 +39,8 @@ impl Decision {
 /// One pass of the step.
 #[derive(Debug, Clone)]
 pub struct Command {
-    /// Heading under which the pass stands.
-    pub heading: &'static str,
+    /// Stage of the pass.
+    pub stage: &'static str,
     /// Text and bindings of the pass.
     pub pass: &'static Pass,
     /// Label, a short sentence: row in the profile, debug group, name in errors.
@@ -77,7 +77,7 @@ pub struct Recorder<'a> {
     state: &'a State,
     arrays: Vec<AnyArray>,
     recording: Recording,
-    heading: &'static str,
+    stage: &'static str,
     band: Option<usize>,
     skipping: Option<String>,
 }
@@ -94,7 +94,7 @@ impl<'a> Recorder<'a> {
             state,
             arrays: state.arrays(),
             recording: Recording::default(),
-            heading: "",
+            stage: "",
             band: None,
             skipping: None,
         };
@@ -109,9 +109,9 @@ impl<'a> Recorder<'a> {
         self.state
     }
 
-    /// Begins a heading, under which the next passes stand.
-    pub fn heading(&mut self, heading: &'static str) {
-        self.heading = heading;
+    /// Begins a stage, in which the next passes stand.
+    pub fn stage(&mut self, stage: &'static str) {
+        self.stage = stage;
     }
 
     /// Adds a pass over `invocations` elements. Each of its bindings is bound to the array of its name, but where
@@ -122,7 +122,7 @@ impl<'a> Recorder<'a> {
             if binding.kind == BufferKind::Uniform { array.as_uniform() } else { array }
         };
         let command = Command {
-            heading: self.heading,
+            stage: self.stage,
             pass,
             label,
             invocations,

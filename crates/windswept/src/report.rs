@@ -178,8 +178,8 @@ pub struct BodyReport {
 /// GPU time of a pass.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PassReport {
-    /// Heading of the step under which the pass runs.
-    pub heading: String,
+    /// Stage of the step under which the pass runs.
+    pub stage: String,
     /// Label of the pass.
     pub name: String,
     /// Name of the pass, `folder/name`.

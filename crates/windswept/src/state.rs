@@ -1,7 +1,7 @@
 //! Every buffer of the engine, in one table. Descriptions only; [`crate::gpu`] owns the memory.
 //!
 //! Hair points come first, root to tip and strand by strand, then air. Air lies in memory as it lies in the box: a step commits it
-//! in the order of the cells that heading 2 sorted it into, and `air_id` says which particle is in which slot. Positions are
+//! in the order of the cells that stage `neighbours` sorted it into, and `air_id` says which particle is in which slot. Positions are
 //! local: world minus the scene's origin. Which passes write what lasts from step to step stands in
 //! `docs/decisions/engine.md`, under *Who writes what lasts*.
 

@@ -81,9 +81,9 @@ pub fn neighbours_needed(status: &Status) -> u64 {
 #[must_use]
 pub fn bad_point(first: u32) -> (usize, &'static str) {
     let pass = match first % 4 {
-        BY_RESET => "rods/reset",
+        BY_RESET => "forcing/reset",
         BY_UPDATE => "rods/update",
-        _ => "guard/hold",
+        _ => "commit/hold",
     };
     ((first / 4) as usize, pass)
 }

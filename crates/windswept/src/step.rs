@@ -1,9 +1,9 @@
 //! One step, in execution order. Read this file first.
 
+pub mod commit;
 pub mod contact;
-pub mod drive;
 pub mod fluid;
-pub mod guard;
+pub mod forcing;
 pub mod neighbours;
 pub mod rods;
 pub mod turbulence;
@@ -20,22 +20,22 @@ const ONE_WORKGROUP: u32 = 1;
 
 /// Records one step.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
-    drive::record(r, plan); //      1. Bad strands are reset; clamps and bodies move; wind enters; air moves, hair drifts.
+    forcing::record(r, plan); //      1. Bad strands are reset; clamps and bodies move; wind enters; air moves, hair drifts.
     neighbours::record(r, plan); // 2. Sort particles into cells, list who is near whom.
     fluid::record(r, plan); //      3. Nothing is compressed: by pressures, or a density constraint (eq. 1).
     rods::record(r, plan); //       4. Strands keep their length and shape, and stay out of bodies.
     contact::record(r, plan); //    5. Air flows around bodies.
     turbulence::record(r, plan); // 6. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
     viscosity::record(r, plan); //  7. Neighbours share velocity (eqs. 7, 8).
-    guard::record(r, plan); //      8. Commit, or freeze and report.
+    commit::record(r, plan); //      8. Commit, or freeze and report.
 }
 
 /// Records how air beside bodies gets its velocity before the first step. The passes run over the state copied to `predicted` and
 /// `new_velocity`, and over pressures of zero.
 pub fn record_start(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.walls, |r| {
-        drive::record_wind(r, plan);
-        drive::record_bodies(r, plan);
+        forcing::record_wind(r, plan);
+        forcing::record_bodies(r, plan);
         fluid::record_walls(r, plan);
         neighbours::record(r, plan);
         fluid::record_start(r, plan);
@@ -82,7 +82,7 @@ pub fn record_quantity(r: &mut Recorder<'_>, plan: &Plan, quantity: Quantity) {
     neighbours::record(r, plan);
     match quantity {
         Quantity::Density => {
-            drive::record_bodies(r, plan);
+            forcing::record_bodies(r, plan);
             fluid::record_density(r, plan);
         }
         Quantity::Vorticity => turbulence::record_vorticity(r, plan),

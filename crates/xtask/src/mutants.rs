@@ -270,7 +270,7 @@ fn planted(mut command: Command) -> Result<String> {
         return Err(format!("{} ended with {}: a fault is not named", line(&command), output.status));
     }
     Ok(format!(
-        "Commit {}: {named} faults, at least one in every pass; the comparison with the twin names the pass of each.\n",
+        "Commit {}: {named} faults, at least one in every pass; the comparison with the reference names the pass of each.\n",
         commit()
     ))
 }

@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use windswept::internals::step;
-use windswept_reference::{State as Twin, drive, rods, step::Scratch};
+use windswept_reference::{State as Reference, forcing, rods, step::Scratch};
 use windswept_scene::{End, Strands};
 use windswept_shaders::common::{
     integration::{BDF2, EULER, PUT, STAY},
@@ -13,10 +13,10 @@ use windswept_shaders::common::{
 };
 
 use crate::{
-    drive::drives_apart,
+    fixture::{Fixture, condition, quaternion, xyz},
+    forcing::drives_apart,
     hair::{any, hold, set_roots, strands},
     rods::solve_all,
-    stage::{Stage, condition, quaternion, xyz},
     support,
     walk::largest,
 };
@@ -192,7 +192,7 @@ fn draw(hair: &mut Strands, s: usize, rng: &mut Pcg64, slower: f64) {
 }
 
 /// Strands with the cases in turn, each with a history, and forces, of its own; what is committed on both sides.
-fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
+fn with_cases(n: usize, keys: &str, step: f64) -> (Fixture, Reference, Vec<DVec3>) {
     let (mut scene, mut initial) = strands(n, keys);
     scene.time.step = step;
     let mut rng = Pcg64::seed_from_u64(n as u64 + 40);
@@ -203,22 +203,22 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
         let given = given * at_tip(initial.hair.points(s).len() - 1);
         initial.hair.velocities[tip] += (given * DVec3::Y).as_vec3().as_dvec3();
     }
-    let stage = Stage::new(&scene, &initial);
-    let (mut s, state) = (stage.twin.clone(), stage.engine.state());
+    let fixture = Fixture::new(&scene, &initial);
+    let (mut s, state) = (fixture.reference.clone(), fixture.engine.state());
     let points = initial.hair.positions.len();
     let mut up_to = |size: f64| any(&mut rng, size).as_vec3().to_array();
-    let mut history = stage.engine.read(&state.point_history).unwrap();
+    let mut history = fixture.engine.read(&state.point_history).unwrap();
     for point in &mut history {
         *point = PointHistory { travel: up_to(1e-4), velocity: up_to(0.02), ..*point };
     }
-    stage.engine.write(&state.point_history, &history).unwrap();
-    let mut history = stage.engine.read(&state.segment_history).unwrap();
+    fixture.engine.write(&state.point_history, &history).unwrap();
+    let mut history = fixture.engine.read(&state.segment_history).unwrap();
     for segment in &mut history {
         *segment = SegmentHistory { turn: up_to(1e-3), before: up_to(1.0), ..*segment };
     }
-    stage.engine.write(&state.segment_history, &history).unwrap();
-    stage.adopt(&mut s);
-    set_roots(&stage, &mut s, |strand, x, q| {
+    fixture.engine.write(&state.segment_history, &history).unwrap();
+    fixture.adopt(&mut s);
+    set_roots(&fixture, &mut s, |strand, x, q| {
         let by = case_of(strand).root * 0.1;
         let turn = if by > 0.0 { DVec3::new(0.02, -0.3, 0.1) } else { DVec3::ZERO };
         (x + by * DVec3::new(0.6, 0.0, 0.8), DQuat::from_scaled_axis(turn) * q)
@@ -229,7 +229,7 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
         (s.bad[strand], s.bdf2_ready[strand]) = (case.bad, case.ready);
         s.asleep[strand] = case.still == Still::Asleep;
         s.strained_steps[strand] = strand as u32 % 5;
-        let steps = stage.parameters.rest[strand].time / stage.parameters.step;
+        let steps = fixture.parameters.rest[strand].time / fixture.parameters.step;
         let rested = steps.ceil().max(f64::from(rods::STILL_STEPS)) as u32;
         s.still[strand] = match case.still {
             Still::No => 0,
@@ -237,20 +237,20 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Stage, Twin, Vec<DVec3>) {
             Still::Rested | Still::Asleep => rested,
         };
         let points = s.hair.points(strand);
-        let wakes = stage.parameters.rest[strand].acceleration * stage.parameters.step.powi(2) * DVec3::Y;
+        let wakes = fixture.parameters.rest[strand].acceleration * fixture.parameters.step.powi(2) * DVec3::Y;
         push[points.clone()].fill(case.breath * wakes);
         push[points.end - 1] += case.push * at_tip(points.len() - 1) * wakes;
     }
     let health: Vec<_> = (0..n).map(|strand| condition(&s, strand)).collect();
-    stage.set_health(&health);
-    stage.write_vectors(&state.correction, &push);
-    (stage, s, push)
+    fixture.set_health(&health);
+    fixture.write_vectors(&state.correction, &push);
+    (fixture, s, push)
 }
 
 /// Largest differences of each strand within a step: of moves and strains \[m\], and of frames and turns. What is placed is so on both.
-fn apart(stage: &Stage, s: &Twin, w: &Scratch) -> Vec<[f64; 2]> {
-    let p = &stage.parameters;
-    let (points, segments) = stage.rods();
+fn apart(fixture: &Fixture, s: &Reference, w: &Scratch) -> Vec<[f64; 2]> {
+    let p = &fixture.parameters;
+    let (points, segments) = fixture.rods();
     let step_of = |scheme: u32| match scheme {
         EULER => p.step,
         BDF2 => 2.0 / 3.0 * p.step,
@@ -295,42 +295,42 @@ fn strands_start_and_end_as_in_the_reference() {
             ("integrator = \"euler\"", 1.66e-2),
             ("solver = \"gauss-seidel\"", 1.38e-3),
         ] {
-            let (stage, mut s, push) = with_cases(n, keys, step);
-            let p = &stage.parameters;
-            let same_conditions = |s: &Twin| {
-                for (strand, found) in stage.found().into_iter().enumerate() {
+            let (fixture, mut s, push) = with_cases(n, keys, step);
+            let p = &fixture.parameters;
+            let same_conditions = |s: &Reference| {
+                for (strand, found) in fixture.found().into_iter().enumerate() {
                     let what = case_of(strand).what;
                     assert_eq!(found, condition(s, strand), "{n}, {keys}: strand {strand}, {what}");
                 }
             };
-            stage.run_only(&["rods/reset", "rods/roots"], step::drive::record);
-            let (state, mut rods) = (stage.engine.state(), stage.rod_strands());
+            fixture.run_only(&["forcing/reset", "forcing/roots"], step::forcing::record);
+            let (state, mut rods) = (fixture.engine.state(), fixture.rod_strands());
             rods.iter_mut().enumerate().for_each(|(strand, rod)| rod.woken = case_of(strand).woken.into());
-            stage.engine.write(&state.rod_strands, &rods).unwrap();
-            stage.run_only(&["rods/begin", "rods/predict"], step::rods::record);
-            drive::mend(&mut s);
-            let mut w = drive::run(&s, p);
+            fixture.engine.write(&state.rod_strands, &rods).unwrap();
+            fixture.run_only(&["rods/begin", "rods/predict"], step::rods::record);
+            forcing::mend(&mut s);
+            let mut w = forcing::run(&s, p);
             w.drives.iter_mut().enumerate().for_each(|(strand, drive)| drive.woken = case_of(strand).woken);
             w.correction = push;
             rods::begin(&s, &mut w, p);
             rods::predict_all(&mut s, &mut w, p);
-            assert_eq!(drives_apart(&stage, &w).2, 0, "{n}, {keys}: strands go another way");
+            assert_eq!(drives_apart(&fixture, &w).2, 0, "{n}, {keys}: strands go another way");
             same_conditions(&s);
             for strand in (0..n).filter(|strand| case_of(*strand).ends.0 != End::Free && p.sleep) {
                 assert_eq!(w.drives[strand].state, case_of(strand).goes, "{n}, {keys}: {}", case_of(strand).what);
             }
-            let starts = apart(&stage, &s, &w);
+            let starts = apart(&fixture, &s, &w);
 
             // Gauss-Seidel makes anything of rounding where strands start like this.
             let solver: &[&str] = if p.direct { &["rods/solve", "rods/update"] } else { &["rods/update"] };
-            stage.run_only(solver, step::rods::record);
+            fixture.run_only(solver, step::rods::record);
             if p.direct {
                 solve_all(&s, &mut w, p);
             }
-            let ends = apart(&stage, &s, &w);
+            let ends = apart(&fixture, &s, &w);
             rods::update_all(&mut s, &mut w, p);
             same_conditions(&s);
-            let speeds = stage.vectors(&stage.engine.state().new_velocity);
+            let speeds = fixture.vectors(&fixture.engine.state().new_velocity);
             let wanted = |i: usize| w.moving.points[i].velocity_after(p);
             let tips = (0..n).map(|strand| s.hair.points(strand).end - 1).filter(|tip| s.inverse_mass[*tip] == 0.0);
             // A strand that is reset puts its tip where it is held to rounding.
@@ -350,7 +350,7 @@ fn strands_start_and_end_as_in_the_reference() {
             // Measured 3.1e-7 m, of 3 m, and 9.7e-7 at the start, 3.2e-7 m and 3.9e-5 in the end; margin 4.
             let within = off.iter().zip([1.2e-6, 4e-6, 1.3e-6, 1.6e-4]).all(|(off, bound)| *off < bound);
             assert!(within, "{n}, {keys}, {step} s: {off:?}");
-            let counting = stage.engine.status().unwrap().counting;
+            let counting = fixture.engine.status().unwrap().counting;
             let counted = [EULER_STEP, ASLEEP_STEP, TELEPORT, UNSOLVED_STEP].map(|of| counting[of as usize] as usize);
             let wanted = [s.euler_steps, s.asleep_steps, s.teleports, s.unsolved_steps];
             let same = counted[..3] == wanted[..3] && counted[3].abs_diff(wanted[3]) <= astray;

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use windswept::internals::step;
-use windswept_reference::step::step as twin_step;
+use windswept_reference::step::step as reference_step;
 use windswept_scene::{InitialState, Keyframe, Motion, Shape};
 use windswept_shaders::common::{
     rod::SLEEPS,
@@ -10,8 +10,8 @@ use windswept_shaders::common::{
 };
 
 use crate::{
+    fixture::{Fixture, condition},
     hair::{scene_of, set_roots},
-    stage::{Stage, condition},
 };
 
 /// Strands that are not finite when the fifth step begins.
@@ -20,7 +20,7 @@ const LOST: [usize; 3] = [1, 17, 40];
 /// 26 steps of hair at rest without gravity: strands that are not finite are reset, most fall asleep, some are woken by their
 /// root or a jump of it, some by a body that flies by. In the end those that jumped and turned sleep again, where they were sent.
 #[test]
-fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
+fn strands_sleep_wake_and_are_reset_as_the_reference_s() {
     let mut scene = scene_of(65, "sleep = true");
     scene.gravity = [0.0; 3];
     scene.time.step = 8e-3;
@@ -34,11 +34,11 @@ fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
         friction: 0.4,
         motion: Motion { keyframes: vec![leave, left] },
     });
-    let stage = Stage::new(&scene, &initial);
-    let mut s = stage.twin.clone();
+    let fixture = Fixture::new(&scene, &initial);
+    let mut s = fixture.reference.clone();
     // Clamps as the engine rounds them, so that they rest on both.
     let mut rounded = s.clone();
-    stage.adopt(&mut rounded);
+    fixture.adopt(&mut rounded);
     (s.clamps, s.root_targets) = (rounded.clamps, rounded.root_targets);
     let (mut met, mut furthest, mut slept) = ([0; 5], [[0.0_f64; 4]; 2], Vec::new());
     for number in 1..=26_u32 {
@@ -47,23 +47,23 @@ fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
             for strand in LOST {
                 s.velocity[s.hair.points(strand).end - 1].x = f64::NAN;
             }
-            stage.write_vectors(&stage.engine.state().velocity, &s.velocity);
+            fixture.write_vectors(&fixture.engine.state().velocity, &s.velocity);
         }
         if number == 17 {
-            set_roots(&stage, &mut s, |strand, x, q| match strand % 8 {
+            set_roots(&fixture, &mut s, |strand, x, q| match strand % 8 {
                 0 => (x + 2e-4 * DVec3::X, DQuat::from_rotation_y(0.03) * q),
                 4 => (x + 0.5 * DVec3::Y, DQuat::from_rotation_z(0.7) * q),
                 _ => (x, q),
             });
         }
-        stage.run(step::record);
-        twin_step(&mut s, &stage.parameters).unwrap();
-        let status = stage.engine.status().unwrap();
+        fixture.run(step::record);
+        reference_step(&mut s, &fixture.parameters).unwrap();
+        let status = fixture.engine.status().unwrap();
         let counters = [STRAND_RESET, EULER_STEP, ASLEEP_STEP, TELEPORT, UNSOLVED_STEP];
         let counted = counters.map(|counter| status.counted[counter as usize] as usize);
         let wanted = [s.resets, s.euler_steps, s.asleep_steps, s.teleports, s.unsolved_steps];
         println!("step {number}: {wanted:?}");
-        let health = stage.health();
+        let health = fixture.health();
         for (strand, committed) in health.iter().enumerate() {
             let (mut got, mut wanted) = (*committed, condition(&s, strand));
             let anew = number >= 19 || number >= 17 && strand % 4 == 0 || number > 5 && LOST.contains(&strand);
@@ -86,9 +86,9 @@ fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
         }
         met[3] += s.teleports;
         met[4] += usize::from(number > 17 && asleep < 65);
-        let hair = stage.parameters.hair_points;
+        let hair = fixture.parameters.hair_points;
         let mut got = s.clone();
-        stage.adopt(&mut got);
+        fixture.adopt(&mut got);
         let most = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
         let lengths = most(&got.position[..hair], &s.position[..hair]).max(most(&got.travel, &s.travel));
         let speeds =
@@ -101,19 +101,19 @@ fn strands_sleep_wake_and_are_reset_as_the_twin_s() {
             *most = most.max(apart);
         }
     }
-    println!("{furthest:?} from the twin, before the body comes and from then on");
+    println!("{furthest:?} from the reference, before the body comes and from then on");
     // Measured 2.5e-7 m, 9.5e-6 m/s, 2.1e-6 and 4.0e-4 1/s, and, as strands are thrown round, 3.5e-7 m, 4.1e-5 m/s, 3.3e-5 and 5.5e-3 1/s;
     // margin 4.
     let bounds = [[1e-6, 4e-5, 8.5e-6, 1.6e-3], [1.4e-6, 1.7e-4, 1.4e-4, 2.2e-2]];
     let within = furthest.as_flattened().iter().zip(bounds.as_flattened()).all(|(apart, bound)| apart < bound);
     assert!(within, "{furthest:?}");
     for _ in 0..20 {
-        stage.run(step::record);
-        twin_step(&mut s, &stage.parameters).unwrap();
+        fixture.run(step::record);
+        reference_step(&mut s, &fixture.parameters).unwrap();
     }
     let sent = |strand: &usize| strand % 8 == 4 && slept[*strand];
     let sleeps = |strand: usize, still: u32| still == SLEEPS && s.asleep[strand];
-    let awake = stage.health().iter().enumerate().filter(|(s, h)| sent(s) && !sleeps(*s, h.still)).count();
+    let awake = fixture.health().iter().enumerate().filter(|(s, h)| sent(s) && !sleeps(*s, h.still)).count();
     assert_eq!(awake, 0, "strands that were teleported do not sleep");
     assert!(met.iter().all(|times| *times > 0), "{met:?}");
 }

@@ -5,8 +5,8 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::internals::{Plan, Recorder, status, step};
 use windswept_reference::{
-    Parameters, State as Twin, drive, fluid, neighbours, rods,
-    step::{Scratch, step as twin_step},
+    Parameters, State as Reference, fluid, forcing, neighbours, rods,
+    step::{Scratch, step as reference_step},
 };
 use windswept_scene::{End, InitialState, Solver};
 use windswept_shaders::common::{
@@ -15,9 +15,9 @@ use windswept_shaders::common::{
 };
 
 use crate::{
+    fixture::{Fixture, quaternion, xyz},
     hair::{ends, hold, motion, scene_with, strands},
     rods::solve_all,
-    stage::{Stage, quaternion, xyz},
     steps::{DRAG, GALE, NEWTON, small},
     walk::largest,
 };
@@ -35,13 +35,13 @@ const HELD: [f64; 3] = [8e-7, 9e-5, 6e-7];
 const ONCE: [f64; 3] = [8e-6, 5.2e-4, 5e-7];
 
 /// Largest differences of moves \[m\], frames and, of the direct solver, strains \[m\] of each strand.
-fn apart(stage: &Stage, s: &Twin, w: &Scratch) -> Vec<[f64; 3]> {
-    let (points, segments) = stage.rods();
+fn apart(fixture: &Fixture, s: &Reference, w: &Scratch) -> Vec<[f64; 3]> {
+    let (points, segments) = fixture.rods();
     let of_strand = |strand: usize| {
         let points = s.hair.points(strand).map(|i| (xyz(&points[i].travel) - w.moving.points[i].travel).length());
         let pairs = || s.hair.segments(strand).map(|k| (&segments[k], &w.moving.segments[k]));
         let frames = largest(pairs().map(|(a, b)| (quaternion(a.frame) - b.frame).length()));
-        let solved = pairs().filter(|_| stage.parameters.direct);
+        let solved = pairs().filter(|_| fixture.parameters.direct);
         [largest(points), frames, largest(solved.map(|(a, b)| (xyz(&a.strain) - b.strain).length()))]
     };
     (0..s.hair.len()).map(of_strand).collect()
@@ -68,24 +68,24 @@ fn rods_are_those_of_the_reference() {
                 ends(&mut initial.hair, tips);
             }
             motion(&mut initial.hair, speed, spin, n as u64);
-            let stage = Stage::new(&scene, &initial);
+            let fixture = Fixture::new(&scene, &initial);
             // What the second step starts from has a history.
-            stage.run(step::record);
-            let (mut s, p) = (stage.twin.clone(), &stage.parameters);
-            twin_step(&mut s, p).unwrap();
-            stage.adopt(&mut s);
-            stage.run(|r, plan| {
-                step::drive::record(r, plan);
+            fixture.run(step::record);
+            let (mut s, p) = (fixture.reference.clone(), &fixture.parameters);
+            reference_step(&mut s, p).unwrap();
+            fixture.adopt(&mut s);
+            fixture.run(|r, plan| {
+                step::forcing::record(r, plan);
                 step::rods::record(r, plan);
             });
             let before = (s.euler_steps, s.unsolved_steps);
-            let mut w = drive::run(&s, p);
+            let mut w = forcing::run(&s, p);
             w.correction = vec![DVec3::ZERO; w.predicted.len()];
             rods::run(&mut s, &mut w, p);
 
-            let apart = apart(&stage, &s, &w);
+            let apart = apart(&fixture, &s, &w);
             let off = [0, 1, 2].map(|part| largest(apart.iter().map(|of| of[part])));
-            let counting = stage.engine.status().unwrap().counting;
+            let counting = fixture.engine.status().unwrap().counting;
             let counted = [EULER_STEP, UNSOLVED_STEP].map(|counter| counting[counter as usize] as usize);
             let wanted = [s.euler_steps - before.0, s.unsolved_steps - before.1];
             println!("{n} strands, {keys:?}, {speed} m/s, tips {tips}: {off:?}, {counted:?}");
@@ -109,20 +109,20 @@ fn long_strands_are_solved_in_several_dispatches() {
         .enumerate()
         .for_each(|(s, root)| hold(&mut initial.hair, s, root, End::Free));
     motion(&mut initial.hair, 30.0, 300.0, 6);
-    let stage = Stage::new(&scene_with(3, "newton = 8", [2000; 4]), &initial);
-    let (mut s, dispatches) = (stage.twin.clone(), stage.plan.newton_dispatches);
-    stage.adopt(&mut s);
-    let p = stage.parameters.clone();
-    stage.run(|r, plan| {
-        step::drive::record(r, plan);
+    let fixture = Fixture::new(&scene_with(3, "newton = 8", [2000; 4]), &initial);
+    let (mut s, dispatches) = (fixture.reference.clone(), fixture.plan.newton_dispatches);
+    fixture.adopt(&mut s);
+    let p = fixture.parameters.clone();
+    fixture.run(|r, plan| {
+        step::forcing::record(r, plan);
         step::rods::record(r, plan);
     });
-    let mut w = drive::run(&s, &p);
+    let mut w = forcing::run(&s, &p);
     w.correction = vec![DVec3::ZERO; w.predicted.len()];
     rods::begin(&s, &mut w, &p);
     rods::predict_all(&mut s, &mut w, &p);
     solve_all(&s, &mut w, &p);
-    let apart = apart(&stage, &s, &w);
+    let apart = apart(&fixture, &s, &w);
     println!("{dispatches} dispatches: {apart:?}");
     assert!(dispatches > 1);
     // Measured 1.1e-7 m and 6.7e-5; margin 4.
@@ -135,14 +135,14 @@ fn rods_at_rest_stay_at_rest() {
     for keys in ["sleep = false", "solver = \"gauss-seidel\", integrator = \"euler\""] {
         let (mut scene, initial) = strands(65, keys);
         scene.gravity = [0.0; 3];
-        let stage = Stage::new(&scene, &initial);
+        let fixture = Fixture::new(&scene, &initial);
         for _ in 0..20 {
-            stage.run(step::record);
+            fixture.run(step::record);
         }
-        let moved = stage
-            .vectors(&stage.engine.state().position)
+        let moved = fixture
+            .vectors(&fixture.engine.state().position)
             .iter()
-            .zip(&stage.twin.position)
+            .zip(&fixture.reference.position)
             .map(|(a, b)| (*a - *b).length())
             .fold(0.0, f64::max);
         println!("{keys}: moved {moved:.1e} m in 20 steps");
@@ -159,9 +159,9 @@ fn loose_strands_keep_their_momentum() {
         (scene.gravity, scene.rods.damping) = ([0.0; 3], 0.0);
         (0..65).for_each(|s| hold(&mut initial.hair, s, End::Free, End::Free));
         motion(&mut initial.hair, speed, spin, 3);
-        let (stage, hair) = (Stage::new(&scene, &initial), &initial.hair);
-        (0..50).for_each(|_| stage.run(step::record));
-        let now = stage.vectors(&stage.engine.state().velocity);
+        let (fixture, hair) = (Fixture::new(&scene, &initial), &initial.hair);
+        (0..50).for_each(|_| fixture.run(step::record));
+        let now = fixture.vectors(&fixture.engine.state().velocity);
         let lost = |s: usize| {
             let all: f64 = hair.points(s).map(|i| 1.0 / hair.inverse_mass[i]).sum();
             let change = hair.points(s).map(|i| (now[i] - hair.velocities[i]) / hair.inverse_mass[i]);
@@ -181,14 +181,14 @@ fn the_potential_falls_in_each_step() {
         let scene = small(&[sets, &["rods.newton=8", "rods.sleep=false"]].concat());
         let initial = InitialState::new(&scene).unwrap();
         let p = Parameters::new(&scene, &initial);
-        let (mut state, mut solves) = (Twin::new(&initial, p.step), 0);
+        let (mut state, mut solves) = (Reference::new(&initial, p.step), 0);
         for step in 0..150 {
             let mut s = state.clone();
-            let mut w = drive::run(&s, &p);
+            let mut w = forcing::run(&s, &p);
             neighbours::run(&mut w, &p);
             fluid::run(&s, &mut w, &p);
             rods::begin(&s, &mut w, &p);
-            w.local = rods::feel(&s, &w, &p);
+            w.local = rods::sample_fields(&s, &w, &p);
             rods::FORCES.iter().for_each(|(_, force)| force(&mut s, &mut w, &p));
             rods::predict_all(&mut s, &mut w, &p);
             let potentials = |w: &Scratch| -> Vec<_> {
@@ -205,7 +205,7 @@ fn the_potential_falls_in_each_step() {
                 // To rounding, where a strand moves by nothing.
                 assert!(after <= before * (1.0 + 1e-12), "{sets:?}, step {step}, strand {strand}: {before} to {after}");
             }
-            twin_step(&mut state, &p).unwrap();
+            reference_step(&mut state, &p).unwrap();
         }
         println!("{sets:?}: {solves} solves, {} unsolved", state.unsolved_steps);
         assert!(solves > 500);
@@ -217,12 +217,12 @@ fn update_measures_stretch_and_finds_bad_strands() {
     // The victim's tip goes to where there is no number, or farther than a strand can reach; or its last frame is none.
     for (n, lost) in SIZES.into_iter().flat_map(|n| [(n, Some(f32::NAN)), (n, Some(1e4)), (n, None)]) {
         let (scene, initial) = strands(n, "");
-        let stage = Stage::new(&scene, &initial);
-        let (s, hair) = (stage.engine.state(), &stage.twin.hair);
-        stage.run(step::drive::record);
-        stage.run(step::rods::record);
+        let fixture = Fixture::new(&scene, &initial);
+        let (s, hair) = (fixture.engine.state(), &fixture.reference.hair);
+        fixture.run(step::forcing::record);
+        fixture.run(step::rods::record);
         let victim = n / 2;
-        let (mut points, mut segments) = stage.rods();
+        let (mut points, mut segments) = fixture.rods();
         let mut rng = Pcg64::seed_from_u64(21);
         for point in &mut points {
             point.travel = (1e-3 * (2.0 * DVec3::from_array(rng.random()) - 1.0)).as_vec3().to_array();
@@ -235,16 +235,16 @@ fn update_measures_stretch_and_finds_bad_strands() {
             r.run(&windswept_shaders::rods::UPDATE, "health", plan.sizes.strands);
         };
         let write = |status: Status| {
-            stage.engine.write(&s.rod_points, &points).unwrap();
-            stage.engine.write(&s.rod_segments, &segments).unwrap();
-            stage.engine.set_status(&status).unwrap();
+            fixture.engine.write(&s.rod_points, &points).unwrap();
+            fixture.engine.write(&s.rod_segments, &segments).unwrap();
+            fixture.engine.set_status(&status).unwrap();
         };
         // In a step that did not look at its strands the victim may have been lost before.
         write(status::start());
-        stage.replay(update);
-        assert_eq!(stage.engine.status().unwrap().causes, UNMENDED_STRAND);
+        fixture.replay(update);
+        assert_eq!(fixture.engine.status().unwrap().causes, UNMENDED_STRAND);
         write(Status { inspected: 1, ..status::start() });
-        stage.run(update);
+        fixture.run(update);
         let point = |p: &RodPoint| rods::Point { travel: xyz(&p.travel), ..Default::default() };
         let chords = (0..n).flat_map(|strand| hair.points(strand).skip(1));
         let place = |i: usize| xyz(&points[i].start) + xyz(&points[i].remainder);
@@ -260,7 +260,7 @@ fn update_measures_stretch_and_finds_bad_strands() {
         };
         let stretches: Vec<Option<f64>> = (0..n).map(|strand| rods::measure(hair, strand, &moving)).collect();
         let wanted = stretches.iter().flatten().copied().fold(0.0, f64::max);
-        let got = stage.engine.status().unwrap();
+        let got = fixture.engine.status().unwrap();
         assert_eq!(stretches.iter().filter(|stretch| stretch.is_none()).count(), 1);
         let stretch = f32::from_bits(got.stretch);
         let off = (f64::from(stretch) - wanted).abs();
@@ -271,10 +271,10 @@ fn update_measures_stretch_and_finds_bad_strands() {
         assert!(hair.points(victim).contains(&point) && pass == "rods/update", "{n}: point {point}, {pass}");
         assert_eq!((got.bad_strands, got.counting[STRAND_RESET as usize]), (1, 1));
         // Found in this step, not committed yet.
-        for (strand, (committed, found)) in stage.health().iter().zip(stage.found()).enumerate() {
+        for (strand, (committed, found)) in fixture.health().iter().zip(fixture.found()).enumerate() {
             assert_eq!((committed.bad, found.bad), (0, u32::from(strand == victim)), "{n}: strand {strand}");
         }
-        let held = &stage.rods().0[hair.points(victim)];
+        let held = &fixture.rods().0[hair.points(victim)];
         assert!(held.iter().all(|point| xyz(&point.travel) == DVec3::ZERO), "{n}: not held");
     }
 }

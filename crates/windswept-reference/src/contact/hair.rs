@@ -149,7 +149,7 @@ pub fn memories(m: &rods::Moving) -> Vec<Memory> {
 
 /// Finds how strands stand to the bodies as the step begins: what their contacts remember, whether they may meet a body, whether one that
 /// moves wakes them, how many points bodies let be, from a root on that is held inside, and whether others are deep in a body.
-pub fn begin(s: &State, w: &mut Scratch, p: &Parameters) {
+pub fn contacts(s: &State, w: &mut Scratch, p: &Parameters) {
     let (bodies, count) = (&w.moving.bodies, w.moving.bodies.len());
     let memory = |i: usize| s.contacts.get(i).copied().unwrap_or_default();
     w.moving.point_contacts = vec![Contact::default(); p.hair_points * count];

@@ -50,7 +50,14 @@ pub fn weight(p: &Parameters, local: &Local, position: DVec3, volume: f64) -> f6
 /// Air at every hair point, after the density constraint: θ_i = Σ_j V_j W, u_i = Σ_j w_ij v_j + (1 − Σ_j w_ij) U over air,
 /// G_i = Σ_k W/ρ0 over hair, itself included.
 #[must_use]
-pub fn sample(p: &Parameters, wind: DVec3, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &Neighbours) -> Vec<Local> {
+pub fn sample_air(
+    p: &Parameters,
+    wind: DVec3,
+    x: &[DVec3],
+    v: &[DVec3],
+    volume: &[f64],
+    near: &Neighbours,
+) -> Vec<Local> {
     let h = p.kernel_radius;
     let each = |i: usize| {
         let (air, hair): (Vec<_>, Vec<_>) = near.of(i).partition(|&j| p.is_air(j));

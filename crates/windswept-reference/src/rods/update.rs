@@ -7,7 +7,7 @@ use super::{
     Load, Moving, Point, STILL_STEPS, STILL_TURN, STRAINED, STRAINED_STEPS, State,
     predict::{put, put_frame},
 };
-use crate::{Parameters, drive::FAR, state, step::Scratch};
+use crate::{Parameters, forcing::FAR, state, step::Scratch};
 
 /// Finds how strand `strand` is after its solve. One that is lost is held where it was for this step, so that it spoils no neighbour.
 pub fn update(p: &Parameters, s: &mut state::State, strand: usize, w: &mut Scratch) {

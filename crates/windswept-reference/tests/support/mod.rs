@@ -70,7 +70,7 @@ impl Crowd {
     }
 
     pub fn neighbours(&self) -> neighbours::Neighbours {
-        neighbours::neighbours(&self.parameters, &self.positions)
+        neighbours::list(&self.parameters, &self.positions)
     }
 
     pub fn density(&self, near: &neighbours::Neighbours) -> (Vec<f64>, Vec<f64>) {
@@ -89,7 +89,7 @@ impl Crowd {
         let exchange = viscosity::limit(p, x, &self.volume, &near, &theta, &eddies);
         let largest = exchange.iter().copied().fold(0.0, f64::max);
         let mass = &self.inverse_mass;
-        let after = viscosity::viscosity(p, x, velocities, mass, &self.volume, &near, &theta, &eddies, &exchange);
+        let after = viscosity::xsph(p, x, velocities, mass, &self.volume, &near, &theta, &eddies, &exchange);
         (after, largest)
     }
 }

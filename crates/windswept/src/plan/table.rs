@@ -19,8 +19,8 @@ use crate::{
 /// A row of `windswept plan`: a pass of the step.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PlanRow {
-    /// The heading of the step.
-    pub heading: &'static str,
+    /// The stage of the step.
+    pub stage: &'static str,
     /// The pass, `folder/name`.
     pub pass: &'static str,
     /// What it does.
@@ -141,7 +141,7 @@ pub fn table(scene: &Scene) -> Result<Vec<PlanRow>, SceneError> {
         };
         let at = rows.iter().position(same).unwrap_or_else(|| {
             rows.push(PlanRow {
-                heading: command.heading,
+                stage: command.stage,
                 pass: command.pass.name,
                 label: command.label,
                 band: command.band,

@@ -157,7 +157,7 @@ impl Simulation {
             }
             let steps = time.steps as f64 / self.substeps() as f64;
             rows.push(PassReport {
-                heading: command.heading.to_owned(),
+                stage: command.stage.to_owned(),
                 name: label.to_owned(),
                 pass: pass.to_owned(),
                 band,

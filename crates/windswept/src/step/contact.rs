@@ -1,22 +1,22 @@
-//! 5. Air flows around bodies. What hair does there is solved with its rods, in heading 4.
+//! Air flows around bodies. What hair does there is solved with its rods, in stage `rods`.
 
 use windswept_shaders::{
     common::{by_body::CHUNKS, dispatch::WORKGROUP},
-    contact, sums,
+    contact, reduce,
 };
 
 use crate::{plan::Plan, recorder::Recorder};
 
-/// Records the passes of this heading.
+/// Records the passes of this stage.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
-    r.heading("5. contact");
+    r.stage("contact");
     r.when(&plan.bodies, |r| {
         r.when(&plan.air, |r| {
             let (n, s) = (&plan.sizes, r.state());
             r.run(&contact::AIR, "air flows around bodies", n.air());
-            r.run(&contact::IMPULSE, "what air gives each body", n.bodies * CHUNKS * WORKGROUP)
+            r.run(&contact::BODY_IMPULSE, "what air gives each body", n.bodies * CHUNKS * WORKGROUP)
                 .bind("partial_sum", &s.partial_by_body);
-            r.run(&sums::BY_BODY, "totals of each body", n.bodies)
+            r.run(&reduce::BY_BODY, "totals of each body", n.bodies)
                 .bind("partial_sum", &s.partial_by_body)
                 .bind("totals", &s.air_total);
         });

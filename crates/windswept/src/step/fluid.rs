@@ -1,13 +1,12 @@
-//! 3. Density constraints (eq. 1), of hair and air together or of each kind; or pressures that free air of divergence.
+//! Density constraints (eq. 1), of hair and air together or of each kind; or pressures that free air of divergence.
 
 use std::ops::Range;
 
 use windswept_shaders::{
-    coarse,
     common::{by_body::CHUNKS, dispatch::WORKGROUP, mesh::Mesh, reduce::TERMS},
     fluid,
     fluid::divergence::Iteration,
-    sums,
+    reduce,
 };
 
 use crate::{
@@ -20,10 +19,11 @@ use crate::{
 /// Rounds of the pressure before the first step.
 const START: u32 = 8;
 
-/// Records the passes of this heading.
+/// Records the passes of this stage.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
-    r.heading("3. fluid");
+    r.stage("fluid");
     let n = &plan.sizes;
+    record_walls(r, plan);
     r.when(&plan.fluid, |r| {
         r.repeat(plan.fluid_iterations, |r| {
             density(r, plan.constrained_clusters());
@@ -47,7 +47,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
 
 /// Records one evaluation of the density.
 pub fn record_density(r: &mut Recorder<'_>, plan: &Plan) {
-    r.heading("3. fluid");
+    r.stage("fluid");
     r.when(&plan.neighbours, |r| density(r, plan.sizes.clusters_of_all()));
     r.when(&plan.bodies.and(plan.air.clone()), |r| {
         r.run(&fluid::SOLID, "what bodies take of the kernel", plan.sizes.air());
@@ -86,7 +86,7 @@ pub fn record_walls(r: &mut Recorder<'_>, plan: &Plan) {
 
 /// Records how air that is where it starts gets a velocity without divergence before the first step: no time passes.
 pub fn record_start(r: &mut Recorder<'_>, plan: &Plan) {
-    r.heading("3. fluid");
+    r.stage("fluid");
     r.meet(&fluid::MOMENTS, "density, and gradients corrected", plan.flowing_clusters());
     for _ in 0..START {
         solve(r, plan);
@@ -114,8 +114,8 @@ fn on_coarse_grid(r: &mut Recorder<'_>, plan: &Plan) {
     let mesh = s.mesh.at(plan.coarse_axes[0]);
     let pairs: [[&AnyArray; 2]; 2] = [[&s.coarse, &s.coarse_waves], [&s.coarse_waves, &s.coarse]];
     divergence(r, plan, Index::new(0));
-    r.run(&coarse::SOURCE, "divergence that air brings", n.air()).bind("mesh", &mesh);
-    r.run(&coarse::DEPOSIT, "divergence onto the coarse grid", plan.coarse_blocks).bind("mesh", &mesh);
+    r.run(&fluid::COARSE_SOURCE, "divergence that air brings", n.air()).bind("mesh", &mesh);
+    r.run(&fluid::COARSE_DEPOSIT, "divergence onto the coarse grid", plan.coarse_blocks).bind("mesh", &mesh);
     let [x, y, _] = plan.coarse_axes;
     for (axis, pair) in [x, y].into_iter().zip(pairs) {
         wave(r, plan, "waves along an axis", axis, pair);
@@ -124,22 +124,27 @@ fn on_coarse_grid(r: &mut Recorder<'_>, plan: &Plan) {
     for (axis, pair) in plan.coarse_axes.into_iter().zip(pairs.iter().rev().cycle()) {
         wave(r, plan, "back along an axis", axis, *pair);
     }
-    r.run(&coarse::GATHER, "what the coarse pressure changes", n.air()).bind("mesh", &mesh).bind("nodes", &s.coarse);
-    r.run(&sums::CHANGES, "sums of what it changes", n.air().div_ceil(TERMS)).bind("changes", &s.coarse_change);
-    r.run(&sums::TOTAL, "totals of what it changes", ONE_WORKGROUP).bind("totals", &s.coarse_total);
+    r.run(&fluid::COARSE_GATHER, "what the coarse pressure changes", n.air())
+        .bind("mesh", &mesh)
+        .bind("nodes", &s.coarse);
+    r.run(&reduce::CHANGES, "sums of what it changes", n.air().div_ceil(TERMS)).bind("changes", &s.coarse_change);
+    r.run(&reduce::TOTAL, "totals of what it changes", ONE_WORKGROUP).bind("totals", &s.coarse_total);
     r.when(&plan.walls, |r| {
-        r.run(&coarse::SOLID, "what it would change bodies by", n.bodies * CHUNKS * WORKGROUP)
+        r.run(&fluid::COARSE_SOLID, "what it would change bodies by", n.bodies * CHUNKS * WORKGROUP)
             .bind("mesh", &mesh)
             .bind("nodes", &s.coarse)
             .bind("partial_sum", &s.partial_by_body);
-        r.run(&sums::BY_BODY, "totals of each body", n.bodies)
+        r.run(&reduce::BY_BODY, "totals of each body", n.bodies)
             .bind("partial_sum", &s.partial_by_body)
             .bind("totals", &s.solid_total);
     });
-    r.run(&coarse::PUSH, "the coarse pressure pushes", n.air().max(n.bodies));
+    r.run(&fluid::COARSE_PUSH, "the coarse pressure pushes", n.air().max(n.bodies));
 }
 
 fn wave(r: &mut Recorder<'_>, plan: &Plan, label: &'static str, axis: Index<Mesh>, [from, to]: [&AnyArray; 2]) {
     let mesh = r.state().mesh.at(axis);
-    r.run(&coarse::WAVE, label, plan.sizes.coarse_nodes).bind("mesh", &mesh).bind("nodes", from).bind("waves", to);
+    r.run(&fluid::COARSE_WAVE, label, plan.sizes.coarse_nodes)
+        .bind("mesh", &mesh)
+        .bind("nodes", from)
+        .bind("waves", to);
 }

@@ -1,29 +1,29 @@
-//! 4. Air drags strands, which keep their length and shape, and they slow the air.
+//! Air drags strands, which keep their length and shape, and they slow the air.
 
-use windswept_shaders::{contact, force, rods, wind};
+use windswept_shaders::rods;
 
 use crate::{plan::Plan, recorder::Recorder};
 
-/// Records the passes of this heading.
+/// Records the passes of this stage.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
-    r.heading("4. rods");
+    r.stage("rods");
     let n = &plan.sizes;
     r.when(&plan.hair, |r| {
         r.run(&rods::BEGIN, "what hair points start from", n.hair_points);
         r.when(&plan.exchange, |r| {
-            r.meet(&wind::SAMPLE, "the air at hair points", n.clusters_of_hair());
+            r.meet(&rods::SAMPLE_AIR, "the air at hair points", n.clusters_of_hair());
         });
         r.when(&plan.drag, |r| {
             r.when(&plan.fields, |r| {
-                r.run(&force::FEEL, "the wind of force fields at hair points", n.hair_points);
+                r.run(&rods::SAMPLE_FIELDS, "the wind of force fields at hair points", n.hair_points);
             });
-            r.run(&wind::DRAG, "air drags hair", n.strands);
+            r.run(&rods::DRAG, "air drags hair", n.strands);
         });
         r.when(&plan.pushes, |r| {
-            r.run(&force::PUSH_HAIR, "the force that was set pushes hair", n.hair_points);
+            r.run(&rods::PUSH_HAIR, "the force that was set pushes hair", n.hair_points);
         });
         r.when(&plan.bodies, |r| {
-            r.run(&contact::BEGIN, "how strands stand to bodies", n.strands);
+            r.run(&rods::CONTACTS, "how strands stand to bodies", n.strands);
         });
         r.run(&rods::PREDICT, "free moves, and where the solve starts", n.strands);
         r.when(&plan.direct, |r| {
@@ -38,12 +38,12 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
             });
         });
         r.run(&rods::UPDATE, "hair goes where its rods took it", n.strands);
-        r.run(&wind::IMPULSE, "what drag gave hair", n.hair_points);
+        r.run(&rods::DRAG_IMPULSE, "what drag gave hair", n.hair_points);
         r.when(&plan.pushes, |r| {
-            r.run(&force::KEEP, "the force that was set is no drag", n.hair_points);
+            r.run(&rods::EXCLUDE_PUSH, "the force that was set is no drag", n.hair_points);
         });
         r.when(&plan.exchange, |r| {
-            r.meet(&wind::REACT, "hair slows the air", n.clusters_of_air());
+            r.meet(&rods::REACT, "hair slows the air", n.clusters_of_air());
         });
     });
 }

@@ -1,6 +1,6 @@
-//! 7. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
+//! Strengthen the eddies of each band (eqs. 2, 4-6), air only.
 
-use windswept_shaders::{common::reduce::TERMS, sums, turbulence};
+use windswept_shaders::{common::reduce::TERMS, reduce, turbulence};
 
 use crate::{
     array::AnyArray,
@@ -9,9 +9,9 @@ use crate::{
     step::{ONE_WORKGROUP, neighbours},
 };
 
-/// Records the passes of this heading.
+/// Records the passes of this stage.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
-    r.heading("7. turbulence");
+    r.stage("turbulence");
     let n = &plan.sizes;
     let s = r.state();
     r.when(&plan.turbulence, |r| {
@@ -31,22 +31,22 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
                 });
             });
         }
-        r.run(&sums::CHANGES, "sums of the changes", n.air().div_ceil(TERMS)).bind("changes", &s.confinement);
-        r.run(&sums::TOTAL, "totals of the changes", ONE_WORKGROUP).bind("totals", &s.confinement_total);
+        r.run(&reduce::CHANGES, "sums of the changes", n.air().div_ceil(TERMS)).bind("changes", &s.confinement);
+        r.run(&reduce::TOTAL, "totals of the changes", ONE_WORKGROUP).bind("totals", &s.confinement_total);
         r.run(&turbulence::STRENGTHEN, "eddies are strengthened", n.air());
     });
 }
 
 /// Records the vorticity of the air's velocity, for pictures.
 pub fn record_vorticity(r: &mut Recorder<'_>, plan: &Plan) {
-    r.heading("7. turbulence");
+    r.stage("turbulence");
     let velocity = r.state().new_velocity;
     r.when(&plan.neighbours, |r| vorticity(r, plan, &velocity));
 }
 
 /// Records the velocity of the first band.
 pub fn record_band(r: &mut Recorder<'_>, plan: &Plan) {
-    r.heading("7. turbulence");
+    r.stage("turbulence");
     r.when(&plan.turbulence, |r| {
         r.when(&plan.direct_filter, |r| prepare_direct(r, plan));
         plan.bands.iter().take(1).for_each(|band| filter(r, plan, band));

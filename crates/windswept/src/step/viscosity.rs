@@ -1,17 +1,17 @@
-//! 8. Neighbours share velocity (eqs. 7, 8).
+//! Neighbours share velocity (eqs. 7, 8).
 
-use windswept_shaders::fluid;
+use windswept_shaders::viscosity;
 
 use crate::{plan::Plan, recorder::Recorder};
 
-/// Records the passes of this heading.
+/// Records the passes of this stage.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
-    r.heading("8. viscosity");
+    r.stage("viscosity");
     let n = &plan.sizes;
     r.when(&plan.limiter, |r| {
-        r.meet(&fluid::LIMIT, "what XSPH may exchange", plan.limited_clusters.clone());
+        r.meet(&viscosity::LIMIT, "what XSPH may exchange", plan.limited_clusters.clone());
     });
     r.when(&plan.viscosity, |r| {
-        r.meet(&fluid::VISCOSITY, "XSPH viscosity", n.clusters_of_all());
+        r.meet(&viscosity::XSPH, "XSPH viscosity", n.clusters_of_all());
     });
 }

@@ -41,7 +41,7 @@ pub(crate) fn fields(scene: &Scene, initial: &InitialState) -> Vec<Field> {
 
 /// Strength of a field after `steps` steps \[m/s\]: linear between keyframes, held before the first and after the last.
 #[must_use]
-pub fn course(p: &Parameters, field: &Field, steps: u64) -> f64 {
+pub fn field_strengths(p: &Parameters, field: &Field, steps: u64) -> f64 {
     let time = steps as f64 * p.step;
     let next = field.course.partition_point(|(at, _)| *at <= time);
     match (next.checked_sub(1).map(|last| field.course[last]), field.course.get(next)) {
@@ -86,14 +86,14 @@ fn blown(field: &Field, strength: f64, place: DVec3) -> (DVec3, f64) {
 /// which they draw air to both \[1/s\].
 #[must_use]
 pub fn gale(p: &Parameters, steps: u64, place: DVec3) -> (DVec3, f64) {
-    let all = p.fields.iter().map(|field| blown(field, course(p, field, steps + 1), place));
+    let all = p.fields.iter().map(|field| blown(field, field_strengths(p, field, steps + 1), place));
     all.fold((DVec3::ZERO, 0.0), |sum, (wind, rate)| (sum.0 + wind, sum.1 + rate))
 }
 
 /// Change of the velocity of air by the fields in step number `steps` \[m/s\], (1 − e^{−kΔt})(U + Σ u_f − v), k the rate; `velocity`
 /// has what the wind has added already.
 #[must_use]
-pub fn draw(p: &Parameters, steps: u64, position: DVec3, velocity: DVec3) -> DVec3 {
+pub fn drive_air(p: &Parameters, steps: u64, position: DVec3, velocity: DVec3) -> DVec3 {
     let (wind, rate) = gale(p, steps, position);
-    (1.0 - (-rate * p.step).exp()) * (super::blow(p, steps + 1) + wind - velocity)
+    (1.0 - (-rate * p.step).exp()) * (super::mean_wind(p, steps + 1) + wind - velocity)
 }

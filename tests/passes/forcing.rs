@@ -1,10 +1,10 @@
-//! Heading 1: the passes that move clamps, let the wind in and let air and hair drift.
+//! Stage `forcing`: the passes that move clamps, let the wind in and let air and hair drift.
 
 use glam::{DQuat, DVec3};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use windswept::internals::step;
-use windswept_reference::{State as Twin, drive, rods, step::Scratch};
+use windswept_reference::{State as Reference, forcing, rods, step::Scratch};
 use windswept_scene::{Force, ForceField, Gust, Inflow, InitialState, Keyframe, Motion, Scene, Strength};
 use windswept_shaders::{
     self as shaders,
@@ -15,102 +15,111 @@ use windswept_shaders::{
 };
 
 use crate::{
+    fixture::{Fixture, each, quaternion, relative, stirred, xyz},
     hair::{any, ends, motion, scene_of, set_roots, strands},
-    stage::{Stage, each, quaternion, relative, stirred, xyz},
     steps::{DIVERGENCE, FIELDS, Fault, LIGHT_HAIR, PARTICLES, PRESSED_HAIR, PUSHED},
     support,
     walk::{Walk, apart, differing, largest, numbers_apart},
 };
 
 impl Walk<'_> {
-    pub fn drive(&mut self, s: &mut Twin) -> Result<Scratch, String> {
-        let (stage, bounds, hair) = (self.stage, self.bounds, self.p().hair_points);
-        let state = stage.engine.state();
-        let spoilt = drive::mend(s);
-        let w = Scratch { spoilt, ..drive::run(s, self.p()) };
+    pub fn forcing(&mut self, s: &mut Reference) -> Result<Scratch, String> {
+        let (fixture, bounds, hair) = (self.fixture, self.bounds, self.p().hair_points);
+        let state = fixture.engine.state();
+        let spoilt = forcing::mend(s);
+        let w = Scratch { spoilt, ..forcing::run(s, self.p()) };
         let (p, air) = (self.p(), hair..s.position.len());
-        let fringe = |i: usize| drive::fringe(p, s.steps, w.lack, s.position[i], s.velocity[i]);
+        let fringe = |i: usize| forcing::fringe(p, s.steps, w.lack, s.position[i], s.velocity[i]);
         let by_wind: Vec<_> = air.clone().map(fringe).collect();
-        let drawn = |(i, wind): (usize, &DVec3)| *wind + drive::draw(p, s.steps, s.position[i], s.velocity[i] + *wind);
+        let drawn =
+            |(i, wind): (usize, &DVec3)| *wind + forcing::drive_air(p, s.steps, s.position[i], s.velocity[i] + *wind);
         let with_fields: Vec<_> = air.zip(&by_wind).map(drawn).collect();
-        let mut passes = stage.passes(step::drive::record);
-        if passes.through("wind/blow") {
-            let status = stage.engine.status().unwrap();
+        let mut passes = fixture.passes(step::forcing::record);
+        if passes.through("forcing/mean_wind") {
+            let status = fixture.engine.status().unwrap();
             let gap = |got: [f32; 3], wanted: DVec3| (DVec3::from_array(got.map(f64::from)) - wanted).length();
-            self.same("wind/blow", gap(status.wind, w.blowing), bounds.wind)?;
-            self.same("wind/blow", gap(status.wind_before, drive::blow(self.p(), s.steps)), bounds.wind)?;
+            self.same("forcing/mean_wind", gap(status.wind, w.blowing), bounds.wind)?;
+            self.same(
+                "forcing/mean_wind",
+                gap(status.wind_before, forcing::mean_wind(self.p(), s.steps)),
+                bounds.wind,
+            )?;
         }
-        if passes.through("force/course") {
+        if passes.through("forcing/field_strengths") {
             let wanted: Vec<_> =
-                self.p().fields.iter().map(|field| drive::course(self.p(), field, s.steps + 1)).collect();
-            let gap = numbers_apart(&stage.numbers(&state.field_strength), &wanted);
-            self.same("force/course", gap, bounds.wind)?;
+                self.p().fields.iter().map(|field| forcing::field_strengths(self.p(), field, s.steps + 1)).collect();
+            let gap = numbers_apart(&fixture.numbers(&state.field_strength), &wanted);
+            self.same("forcing/field_strengths", gap, bounds.wind)?;
         }
-        if passes.through("contact/place") {
+        if passes.through("forcing/bodies") {
             self.bodies(&w)?;
         }
-        if passes.through("rods/reset") {
-            let bad: Vec<_> = stage.health().iter().map(|health| health.bad != 0).collect();
-            self.same("rods/reset", differing(&bad, &s.bad), 0.0)?;
-            let count = stage.engine.status().unwrap().bad_strands as usize;
-            self.same("rods/reset", count.abs_diff(spoilt) as f64, 0.0)?;
-            let all = |array| stage.vectors(array)[..hair].to_vec();
-            self.same("rods/reset", apart(&all(&state.position), &s.position[..hair]), bounds.length)?;
-            self.same("rods/reset", apart(&all(&state.velocity), &s.velocity[..hair]), bounds.speed)?;
+        if passes.through("forcing/reset") {
+            let bad: Vec<_> = fixture.health().iter().map(|health| health.bad != 0).collect();
+            self.same("forcing/reset", differing(&bad, &s.bad), 0.0)?;
+            let count = fixture.engine.status().unwrap().bad_strands as usize;
+            self.same("forcing/reset", count.abs_diff(spoilt) as f64, 0.0)?;
+            let all = |array| fixture.vectors(array)[..hair].to_vec();
+            self.same("forcing/reset", apart(&all(&state.position), &s.position[..hair]), bounds.length)?;
+            self.same("forcing/reset", apart(&all(&state.velocity), &s.velocity[..hair]), bounds.speed)?;
         }
-        if passes.through("rods/roots") {
-            let got = stage.rod_strands();
+        if passes.through("forcing/roots") {
+            let got = fixture.rod_strands();
             let gap = |f: &dyn Fn(usize) -> f64| largest((0..got.len()).map(f));
             let travel = gap(&|k| (xyz(&got[k].root_travel) - w.drives[k].root_travel).length());
             let frame = gap(&|k| (quaternion(got[k].root_frame) - w.drives[k].root_frame).length());
             let turn = gap(&|k| (quaternion(got[k].root_turn) - w.drives[k].root_turn).length());
-            self.same("rods/roots", travel, bounds.length)?;
-            self.same("rods/roots", frame.max(turn), bounds.frame)?;
-            self.states("rods/roots", &w)?;
+            self.same("forcing/roots", travel, bounds.length)?;
+            self.same("forcing/roots", frame.max(turn), bounds.frame)?;
+            self.states("forcing/roots", &w)?;
         }
-        if passes.through("fluid/drift") {
-            let got = &stage.vectors(&state.predicted)[..hair];
-            self.same("fluid/drift", apart(got, &w.predicted[..hair]), bounds.length)?;
+        if passes.through("forcing/hair_drift") {
+            let got = &fixture.vectors(&state.predicted)[..hair];
+            self.same("forcing/hair_drift", apart(got, &w.predicted[..hair]), bounds.length)?;
         }
-        if passes.through("fluid/lead") {
-            let got = &stage.vectors(&state.new_velocity)[..hair];
-            self.same("fluid/lead", apart(got, &w.new_velocity[..hair]), bounds.speed)?;
+        if passes.through("forcing/extrapolate") {
+            let got = &fixture.vectors(&state.new_velocity)[..hair];
+            self.same("forcing/extrapolate", apart(got, &w.new_velocity[..hair]), bounds.speed)?;
         }
-        if passes.through("wind/miss") {
-            let all = stage.engine.read(&state.partial_sum).unwrap();
+        if passes.through("forcing/fringe_deficit") {
+            let all = fixture.engine.read(&state.partial_sum).unwrap();
             let sum = |axis: usize| all.iter().map(|part| f64::from(part[axis])).sum::<f64>();
             let missed = DVec3::from_array([0, 1, 2].map(sum)) / sum(3).max(f64::MIN_POSITIVE);
-            self.same("wind/miss", (missed - w.missed).length(), bounds.wind)?;
+            self.same("forcing/fringe_deficit", (missed - w.missed).length(), bounds.wind)?;
         }
-        if passes.through("sums/total") {
-            let total = stage.engine.read(&state.missed).unwrap()[0];
+        if passes.through("reduce/total") {
+            let total = fixture.engine.read(&state.missed).unwrap()[0];
             let missed = xyz(&total[..3]) / f64::from(total[3]).max(f64::MIN_POSITIVE);
-            self.same("sums/total", (missed - w.missed).length(), bounds.wind)?;
+            self.same("reduce/total", (missed - w.missed).length(), bounds.wind)?;
         }
-        if passes.through("wind/fringe") {
-            self.same("wind/fringe", apart(&self.vectors(&state.wind_change, hair), &by_wind), bounds.wind)?;
+        if passes.through("forcing/fringe") {
+            self.same("forcing/fringe", apart(&self.vectors(&state.wind_change, hair), &by_wind), bounds.wind)?;
         }
-        if passes.through("force/draw") {
+        if passes.through("forcing/drive_air") {
             // It takes a large part of the air's own velocity out, with what that is off by.
-            self.same("force/draw", apart(&self.vectors(&state.wind_change, hair), &with_fields), bounds.speed)?;
+            self.same("forcing/drive_air", apart(&self.vectors(&state.wind_change, hair), &with_fields), bounds.speed)?;
         }
-        if passes.through("force/push_air") {
-            self.same("force/push_air", apart(&self.vectors(&state.wind_change, hair), &w.wind_change), bounds.speed)?;
+        if passes.through("forcing/push_air") {
+            self.same(
+                "forcing/push_air",
+                apart(&self.vectors(&state.wind_change, hair), &w.wind_change),
+                bounds.speed,
+            )?;
         }
-        if passes.through("fluid/advance") {
+        if passes.through("forcing/advance") {
             let air = (hair..).zip(&w.wind_change);
             let advanced = |(i, change): (usize, &DVec3)| {
-                drive::advance(self.p(), s.position[i], s.velocity[i] + *change, s.pressed[i].change).0
+                forcing::advance(self.p(), s.position[i], s.velocity[i] + *change, s.pressed[i].change).0
             };
             let wanted: Vec<_> = air.map(advanced).collect();
             let gap = self.places(&self.vectors(&state.predicted, hair), &wanted, hair);
-            self.same("fluid/advance", gap, bounds.length)?;
+            self.same("forcing/advance", gap, bounds.length)?;
             let gap = apart(&self.vectors(&state.new_velocity, hair), &w.new_velocity[hair..]);
-            self.same("fluid/advance", gap, bounds.speed)?;
+            self.same("forcing/advance", gap, bounds.speed)?;
         }
-        if passes.through("fluid/predict") {
+        if passes.through("forcing/predict") {
             let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
-            self.same("fluid/predict", gap, bounds.length)?;
+            self.same("forcing/predict", gap, bounds.length)?;
         }
         if passes.through("fluid/wall") {
             self.walls("fluid/wall", &w)?;
@@ -120,28 +129,28 @@ impl Walk<'_> {
     }
 }
 
-/// Planted faults of the passes of this heading.
+/// Planted faults of the passes of this stage.
 pub const FAULTS: &[Fault] = &[
-    (&shaders::wind::BLOW, "status.wind[axis] = now", "status.wind[axis] = before", PARTICLES),
-    (&shaders::rods::RESET, "condition.bad != BAD", "condition.bad == BAD", PARTICLES),
-    (&shaders::rods::RESET, "!(in_reach(", "(in_reach(", PARTICLES),
-    (&shaders::rods::ROOTS, "left = 1u", "left = 2u", PARTICLES),
-    (&shaders::fluid::DRIFT, "points[p].weight * params.gravity", "params.gravity", LIGHT_HAIR),
-    (&shaders::wind::MISS, "- v - change", "- 0.9 * v - change", PARTICLES),
-    (&shaders::sums::TOTAL, "totals[0] = all[0]", "totals[0] = vec4f(0.9 * all[0].xyz, all[0].w)", PARTICLES),
-    (&shaders::wind::FRINGE, "along * wind", "0.9 * along * wind", PARTICLES),
-    (&shaders::wind::FRINGE, "sin(PI * depth", "sin(0.9 * PI * depth", PARTICLES),
-    (&shaders::force::COURSE, "f32(status.step + 1u)", "f32(status.step)", FIELDS),
-    (&shaders::force::DRAW, "1.0 - exp(", "1.1 - exp(", FIELDS),
-    (&shaders::force::PUSH_AIR, "params.step * pushed", "0.9 * params.step * pushed", PUSHED),
-    (&shaders::fluid::PREDICT, "params.step * v", "0.9 * params.step * v", PARTICLES),
-    (&shaders::fluid::ADVANCE, "v + before.change / 3.0, 0.0", "v + before.change / 2.0, 0.0", DIVERGENCE),
-    (&shaders::fluid::LEAD, "carries) / 3.0", "carries) / 2.0", PRESSED_HAIR),
+    (&shaders::forcing::MEAN_WIND, "status.wind[axis] = now", "status.wind[axis] = before", PARTICLES),
+    (&shaders::forcing::RESET, "condition.bad != BAD", "condition.bad == BAD", PARTICLES),
+    (&shaders::forcing::RESET, "!(in_reach(", "(in_reach(", PARTICLES),
+    (&shaders::forcing::ROOTS, "left = 1u", "left = 2u", PARTICLES),
+    (&shaders::forcing::HAIR_DRIFT, "points[p].weight * params.gravity", "params.gravity", LIGHT_HAIR),
+    (&shaders::forcing::FRINGE_DEFICIT, "- v - change", "- 0.9 * v - change", PARTICLES),
+    (&shaders::reduce::TOTAL, "totals[0] = all[0]", "totals[0] = vec4f(0.9 * all[0].xyz, all[0].w)", PARTICLES),
+    (&shaders::forcing::FRINGE, "along * wind", "0.9 * along * wind", PARTICLES),
+    (&shaders::forcing::FRINGE, "sin(PI * depth", "sin(0.9 * PI * depth", PARTICLES),
+    (&shaders::forcing::FIELD_STRENGTHS, "f32(status.step + 1u)", "f32(status.step)", FIELDS),
+    (&shaders::forcing::DRIVE_AIR, "1.0 - exp(", "1.1 - exp(", FIELDS),
+    (&shaders::forcing::PUSH_AIR, "params.step * pushed", "0.9 * params.step * pushed", PUSHED),
+    (&shaders::forcing::PREDICT, "params.step * v", "0.9 * params.step * v", PARTICLES),
+    (&shaders::forcing::ADVANCE, "v + before.change / 3.0, 0.0", "v + before.change / 2.0, 0.0", DIVERGENCE),
+    (&shaders::forcing::EXTRAPOLATE, "carries) / 3.0", "carries) / 2.0", PRESSED_HAIR),
 ];
 
 /// Largest differences of what clamps do: moves \[m\], frames; and how many strands go in another way.
-pub fn drives_apart(stage: &Stage, w: &Scratch) -> (f64, f64, usize) {
-    let got = stage.rod_strands();
+pub fn drives_apart(fixture: &Fixture, w: &Scratch) -> (f64, f64, usize) {
+    let got = fixture.rod_strands();
     assert_eq!(got.len(), w.drives.len());
     let most = |gap: &dyn Fn(usize) -> f64| (0..got.len()).map(gap).fold(0.0, f64::max);
     let moves = most(&|k| (xyz(&got[k].root_travel) - w.drives[k].root_travel).length());
@@ -154,31 +163,31 @@ pub fn drives_apart(stage: &Stage, w: &Scratch) -> (f64, f64, usize) {
 /// The host moves roots: some stay, some move and turn in this step or over three substeps, some only turn, some jump; free roots go
 /// where they will, and strands that are held at both ends do not jump.
 #[test]
-fn roots_are_those_of_the_twin() {
+fn roots_are_those_of_the_reference() {
     for n in support::SIZES {
         for (keys, substeps, steps) in [("", 1, 0), ("sleep = false", 1, 7), ("", 3, 0), ("", 3, 1), ("", 3, 3_000_002)]
         {
             let (mut scene, mut initial) = strands(n, keys);
             ends(&mut initial.hair, true);
             scene.time.substeps = substeps;
-            let stage = Stage::new(&scene, &initial);
-            let (p, mut s) = (&stage.parameters, stage.twin.clone());
-            stage.adopt(&mut s);
+            let fixture = Fixture::new(&scene, &initial);
+            let (p, mut s) = (&fixture.parameters, fixture.reference.clone());
+            fixture.adopt(&mut s);
             let mut rng = Pcg64::seed_from_u64(n as u64);
             let drawn: Vec<[DVec3; 2]> = (0..n).map(|_| [any(&mut rng, 1.0), any(&mut rng, 2.5)]).collect();
-            set_roots(&stage, &mut s, |strand, x, q| {
+            set_roots(&fixture, &mut s, |strand, x, q| {
                 // Strands are 0.1 m long.
                 let by = [0.0, 1e-6, 0.02, 0.0, 0.0999, 0.1001, 0.7][(strand + n) % 7];
                 let turn = if (strand + n) % 7 == 0 { DVec3::ZERO } else { drawn[strand][1] };
                 (x + by * drawn[strand][0].normalize(), DQuat::from_scaled_axis(turn) * q)
             });
-            let mut status = stage.engine.status().unwrap();
+            let mut status = fixture.engine.status().unwrap();
             status.step = steps;
-            stage.engine.set_status(&status).unwrap();
+            fixture.engine.set_status(&status).unwrap();
             s.steps = steps.into();
-            stage.run_only(&["rods/roots"], step::drive::record);
-            let w = drive::run(&s, p);
-            let (moves, frames, states) = drives_apart(&stage, &w);
+            fixture.run_only(&["forcing/roots"], step::forcing::record);
+            let w = forcing::run(&s, p);
+            let (moves, frames, states) = drives_apart(&fixture, &w);
             let count = |state| w.drives.iter().filter(|drive| drive.state == state).count();
             let counts = [rods::State::Free, rods::State::Asleep, rods::State::Teleported].map(count);
             println!("{n} strands, {keys:?}, substep {steps} of {substeps}: {moves:.1e} m, {frames:.1e}, {counts:?}");
@@ -194,18 +203,18 @@ fn roots_are_those_of_the_twin() {
 /// tip that is held stays, a root that nothing holds stays where it drifted to. The others keep their bits. What was bad before is
 /// counted already. A step that froze does the same again.
 #[test]
-fn reset_is_that_of_the_twin() {
+fn reset_is_that_of_the_reference() {
     for n in support::SIZES {
         let (scene, mut initial) = strands(n, "");
         ends(&mut initial.hair, true);
         motion(&mut initial.hair, 0.5, 20.0, 5);
-        let stage = Stage::new(&scene, &initial);
-        let (state, mut s) = (stage.engine.state(), stage.twin.clone());
-        stage.adopt(&mut s);
+        let fixture = Fixture::new(&scene, &initial);
+        let (state, mut s) = (fixture.engine.state(), fixture.reference.clone());
+        fixture.adopt(&mut s);
         let (mut position, mut velocity) =
-            (stage.engine.read(&state.position).unwrap(), stage.engine.read(&state.velocity).unwrap());
-        let (mut history, mut health) = (stage.engine.read(&state.point_history).unwrap(), stage.health());
-        let mut orientation = stage.engine.read(&state.orientation).unwrap();
+            (fixture.engine.read(&state.position).unwrap(), fixture.engine.read(&state.velocity).unwrap());
+        let (mut history, mut health) = (fixture.engine.read(&state.point_history).unwrap(), fixture.health());
+        let mut orientation = fixture.engine.read(&state.orientation).unwrap();
         let before = position.clone();
         let mut wanted = Vec::new();
         for strand in 0..n {
@@ -227,37 +236,37 @@ fn reset_is_that_of_the_twin() {
             wanted.push([SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, BAD, SPOILT, 0][strand / 3 % 10]);
             s.bad[strand] = wanted[strand] == BAD;
         }
-        stage.engine.write(&state.position, &position).unwrap();
-        stage.engine.write(&state.velocity, &velocity).unwrap();
-        stage.engine.write(&state.orientation, &orientation).unwrap();
-        stage.engine.write(&state.point_history, &history).unwrap();
-        stage.set_health(&health);
-        stage.adopt(&mut s);
-        let spoilt = drive::mend(&mut s);
+        fixture.engine.write(&state.position, &position).unwrap();
+        fixture.engine.write(&state.velocity, &velocity).unwrap();
+        fixture.engine.write(&state.orientation, &orientation).unwrap();
+        fixture.engine.write(&state.point_history, &history).unwrap();
+        fixture.set_health(&health);
+        fixture.adopt(&mut s);
+        let spoilt = forcing::mend(&mut s);
         let mut first = None;
         for _ in 0..2 {
-            stage.run_only(&["rods/reset"], step::drive::record);
-            let bad: Vec<_> = stage.health().iter().map(|health| health.bad).collect();
+            fixture.run_only(&["forcing/reset"], step::forcing::record);
+            let bad: Vec<_> = fixture.health().iter().map(|health| health.bad).collect();
             assert_eq!(bad, wanted, "{n}");
-            let mut status = stage.engine.status().unwrap();
+            let mut status = fixture.engine.status().unwrap();
             assert_eq!((status.bad_strands as usize, s.resets), (spoilt, spoilt), "{n}");
             assert_eq!(status.counting[STRAND_RESET as usize] as usize, spoilt, "{n}");
             // As the host does before it replays a step.
             (status.bad_strands, status.counting) = (0, Default::default());
-            stage.engine.set_status(&status).unwrap();
-            let now = stage.engine.read(&state.position).unwrap();
+            fixture.engine.set_status(&status).unwrap();
+            let now = fixture.engine.read(&state.position).unwrap();
             assert!(first.get_or_insert_with(|| now.clone()) == &now, "{n}: other bits in the replay");
             for strand in (0..n).filter(|strand| wanted[*strand] == 0) {
                 assert_eq!(now[s.hair.points(strand)], before[s.hair.points(strand)], "{n}: strand {strand}");
             }
         }
         let mut got = s.clone();
-        stage.adopt(&mut got);
+        fixture.adopt(&mut got);
         let gap = apart(&got.position, &s.position);
         println!("{n} strands, {spoilt} spoilt: {gap:.1e} m");
         // Measured 9.2e-8 m; margin 4.
         assert!(gap < 3.7e-7, "{n}: {gap} m");
-        let memories = |s: &Twin| {
+        let memories = |s: &Reference| {
             [s.velocity.clone(), s.travel.clone(), s.velocity_before.clone(), s.own.clone(), s.rest_drift.clone()]
         };
         assert_eq!(memories(&got), memories(&s), "{n}");
@@ -266,7 +275,7 @@ fn reset_is_that_of_the_twin() {
 
 /// Keyframes move roots: before, between and after them, hours into a run, and from far away.
 #[test]
-fn roots_by_keyframes_are_those_of_the_twin() {
+fn roots_by_keyframes_are_those_of_the_reference() {
     for n in support::SIZES {
         let mut scene = scene_of(n, "");
         for (group, hair) in scene.hair.iter_mut().enumerate() {
@@ -280,25 +289,25 @@ fn roots_by_keyframes_are_those_of_the_twin() {
             hair.motion = Motion { keyframes };
         }
         let initial = InitialState::new(&scene).unwrap();
-        let stage = Stage::new(&scene, &initial);
-        let mut s = stage.twin.clone();
-        stage.adopt(&mut s);
+        let fixture = Fixture::new(&scene, &initial);
+        let mut s = fixture.reference.clone();
+        fixture.adopt(&mut s);
         // Targets of the engine have the motion at the start taken out.
-        s.root_targets.clone_from(&stage.twin.root_targets);
+        s.root_targets.clone_from(&fixture.reference.root_targets);
         for steps in [1, 3, 5, 500, 2_000_000, 2_608_696, 2_609_500] {
-            let mut status = stage.engine.status().unwrap();
+            let mut status = fixture.engine.status().unwrap();
             status.step = steps;
-            stage.engine.set_status(&status).unwrap();
+            fixture.engine.set_status(&status).unwrap();
             s.steps = steps.into();
-            stage.run_only(&["rods/roots"], step::drive::record);
-            let (moves, frames, states) = drives_apart(&stage, &drive::run(&s, &stage.parameters));
+            fixture.run_only(&["forcing/roots"], step::forcing::record);
+            let (moves, frames, states) = drives_apart(&fixture, &forcing::run(&s, &fixture.parameters));
             println!("{n} strands, step {steps}: {moves:.1e} m, {frames:.1e}, {states}");
             // Measured 1.2e-7 m and 1.9e-7; margin 4.
             assert!(moves < 5e-7 && frames < 8e-7, "{n}, step {steps}: {moves} m, {frames}");
             // Where the motion has come to rest rounding says whether the clamp still moves.
             let rests = |drive: &rods::Drive| drive.root_travel.length() < 1e-6;
-            let w = drive::run(&s, &stage.parameters);
-            let got = stage.rod_strands();
+            let w = forcing::run(&s, &fixture.parameters);
+            let got = fixture.rod_strands();
             let strict = got.iter().zip(&w.drives).filter(|(_, drive)| !rests(drive));
             let (mut moving, mut other) = (0, 0);
             for (a, b) in strict {
@@ -318,11 +327,11 @@ fn drift_is_free_and_damped() {
         motion(&mut initial.hair, 40.0, 0.0, 3);
         let mut scene = support::scene();
         scene.rods.damping = 2.0;
-        let stage = Stage::new(&scene, &initial);
-        stage.run(step::drive::record);
-        let wanted = drive::run(&stage.twin, &stage.parameters);
-        let hair = stage.parameters.hair_points;
-        let got = stage.vectors(&stage.engine.state().predicted);
+        let fixture = Fixture::new(&scene, &initial);
+        fixture.run(step::forcing::record);
+        let wanted = forcing::run(&fixture.reference, &fixture.parameters);
+        let hair = fixture.parameters.hair_points;
+        let got = fixture.vectors(&fixture.engine.state().predicted);
         let error = relative(&got[..hair], &wanted.predicted[..hair], 1e-3);
         println!("{n} particles: drift {error:.1e}");
         // Measured at most 1.2e-7; margin 2.
@@ -333,7 +342,7 @@ fn drift_is_free_and_damped() {
 /// The table of the mean wind, and what the fringe makes of it: any direction, gusts that turn the wind round, turbulence
 /// that it brings in, at any step of a run.
 #[test]
-fn fringe_is_that_of_the_twin() {
+fn fringe_is_that_of_the_reference() {
     let turning = vec![
         Gust { time: 0.01, velocity: [0.0; 3] },
         Gust { time: 0.03, velocity: [4.0, -1.0, 0.0] },
@@ -355,25 +364,30 @@ fn fringe_is_that_of_the_twin() {
                 air.fringe = 0.02;
             }
             let initial = support::particles(n, n / 3, support::Layout::Random, 4);
-            let stage = Stage::new(&scene, &initial);
-            let (p, s) = (&stage.parameters, stage.engine.state());
-            let mut status = stage.engine.status().unwrap();
+            let fixture = Fixture::new(&scene, &initial);
+            let (p, s) = (&fixture.parameters, fixture.engine.state());
+            let mut status = fixture.engine.status().unwrap();
             status.step = steps;
             // Committed steps leave the way of the wind.
-            let ways = (0..steps.into()).map(|k| 0.5 * p.step * (drive::blow(p, k) + drive::blow(p, k + 1)));
+            let ways =
+                (0..steps.into()).map(|k| 0.5 * p.step * (forcing::mean_wind(p, k) + forcing::mean_wind(p, k + 1)));
             status.way = ways.sum::<DVec3>().rem_euclid(p.box_size).as_vec3().to_array();
-            stage.engine.set_status(&status).unwrap();
-            let v: Vec<DVec3> = stage.twin.position.iter().map(|x| (*x * 20.0).as_vec3().as_dvec3()).collect();
-            stage.write_vectors(&s.velocity, &v);
-            stage.run(step::drive::record);
-            let blown = DVec3::from_array(stage.engine.status().unwrap().wind.map(f64::from));
-            let air = p.hair_points..stage.twin.position.len();
+            fixture.engine.set_status(&status).unwrap();
+            let v: Vec<DVec3> = fixture.reference.position.iter().map(|x| (*x * 20.0).as_vec3().as_dvec3()).collect();
+            fixture.write_vectors(&s.velocity, &v);
+            fixture.run(step::forcing::record);
+            let blown = DVec3::from_array(fixture.engine.status().unwrap().wind.map(f64::from));
+            let air = p.hair_points..fixture.reference.position.len();
             let steps = u64::from(steps);
-            let lack = drive::hold(p, steps, drive::miss(p, steps, &stage.twin.position[air.clone()], &v[air.clone()]));
+            let lack = forcing::hold(
+                p,
+                steps,
+                forcing::fringe_deficit(p, steps, &fixture.reference.position[air.clone()], &v[air.clone()]),
+            );
             let wanted: Vec<DVec3> =
-                air.clone().map(|i| drive::fringe(p, steps, lack, stage.twin.position[i], v[i])).collect();
-            let error = relative(&stage.vectors(&s.wind_change)[air], &wanted, 1e-3);
-            let off = (blown - drive::blow(p, steps + 1)).length();
+                air.clone().map(|i| forcing::fringe(p, steps, lack, fixture.reference.position[i], v[i])).collect();
+            let error = relative(&fixture.vectors(&s.wind_change)[air], &wanted, 1e-3);
+            let off = (blown - forcing::mean_wind(p, steps + 1)).length();
             println!("wind {wind_speed:?}, step {steps}, {n} particles: {error:.1e}, mean wind {off:.1e} m/s off");
             // Measured at most 1e-6, and 5e-7 m/s; margin 4.
             assert!(error < 4e-6, "{wind_speed:?}: {error}");
@@ -409,22 +423,22 @@ pub fn fields() -> Vec<Force> {
 
 /// What force fields and an acceleration that was set add to air, at any step of a run.
 #[test]
-fn forces_on_air_are_those_of_the_twin() {
+fn forces_on_air_are_those_of_the_reference() {
     for n in support::SIZES {
         let scene = Scene { forces: fields(), ..support::scene() };
-        let mut stage = Stage::new(&scene, &support::particles(n, n / 3, support::Layout::Random, 6));
-        stage.push();
-        let (p, s) = (&stage.parameters, stage.engine.state());
-        let velocity = stirred(stage.twin.position.len());
-        stage.write_vectors(&s.velocity, &velocity);
+        let mut fixture = Fixture::new(&scene, &support::particles(n, n / 3, support::Layout::Random, 6));
+        fixture.push();
+        let (p, s) = (&fixture.parameters, fixture.engine.state());
+        let velocity = stirred(fixture.reference.position.len());
+        fixture.write_vectors(&s.velocity, &velocity);
         for steps in [0, 7, 500] {
-            let mut status = stage.engine.status().unwrap();
+            let mut status = fixture.engine.status().unwrap();
             status.step = steps;
-            stage.engine.set_status(&status).unwrap();
-            stage.run(step::drive::record);
-            let twin = Twin { steps: steps.into(), velocity: velocity.clone(), ..stage.twin.clone() };
-            let wanted = drive::run(&twin, p).wind_change;
-            let got = stage.vectors(&s.wind_change).split_off(p.hair_points);
+            fixture.engine.set_status(&status).unwrap();
+            fixture.run(step::forcing::record);
+            let reference = Reference { steps: steps.into(), velocity: velocity.clone(), ..fixture.reference.clone() };
+            let wanted = forcing::run(&reference, p).wind_change;
+            let got = fixture.vectors(&s.wind_change).split_off(p.hair_points);
             let error = relative(&got[..wanted.len()], &wanted, 1e-3);
             println!("{n} particles, step {steps}: {error:.1e}");
             // Measured at most 2.8e-7; margin 4.
@@ -435,17 +449,17 @@ fn forces_on_air_are_those_of_the_twin() {
 
 #[test]
 fn predict_moves_air_through_the_faces() {
-    each(&support::scene(), |what, stage| {
-        let v = stirred(stage.twin.position.len());
-        let s = stage.engine.state();
-        stage.write_vectors(&s.velocity, &v);
-        stage.run(|r, plan| {
-            r.run(&shaders::fluid::PREDICT, "air moves", plan.sizes.air());
+    each(&support::scene(), |what, fixture| {
+        let v = stirred(fixture.reference.position.len());
+        let s = fixture.engine.state();
+        fixture.write_vectors(&s.velocity, &v);
+        fixture.run(|r, plan| {
+            r.run(&shaders::forcing::PREDICT, "air moves", plan.sizes.air());
         });
-        let first = stage.parameters.hair_points;
-        let size = stage.parameters.box_size;
-        for (i, got) in stage.vectors(&s.predicted).into_iter().enumerate().skip(first) {
-            let wanted = drive::predict(&stage.parameters, stage.twin.position[i], v[i]);
+        let first = fixture.parameters.hair_points;
+        let size = fixture.parameters.box_size;
+        for (i, got) in fixture.vectors(&s.predicted).into_iter().enumerate().skip(first) {
+            let wanted = forcing::predict(&fixture.parameters, fixture.reference.position[i], v[i]);
             let gap = got - wanted;
             // A particle at a face may come out on either side of it.
             let gap = gap - size * (gap / size).round();

@@ -1,11 +1,11 @@
-//! Heading 9: what a step arrived at is committed, or the run freezes.
+//! Stage `commit`: what a step arrived at is committed, or the run freezes.
 
 use glam::DVec3;
 use windswept_scene::Model;
 
-use crate::{Parameters, State, contact, drive::wrap, fluid::Pressed, rods, step::Scratch};
+use crate::{Parameters, State, contact, fluid::Pressed, forcing::wrap, rods, step::Scratch};
 
-/// Runs the heading: the step is committed, or the run freezes. A strand that is not finite or too fast stands where it was at rest, and
+/// Runs the stage: the step is committed, or the run freezes. A strand that is not finite or too fast stands where it was at rest, and
 /// is bad.
 ///
 /// # Errors

@@ -6,7 +6,7 @@ const LARGEST_ERROR: f32 = 0.06;   // rms of theta - 1 within a kernel radius of
 const LONG: f32 = 0.02;            // s
 const FAR: f32 = 1.2;              // d, of the way in a step
 
-@group(0) @binding(2) var<storage, read>       air_total:           array<mat2x4f>;   // of each body (`contact/impulse`)
+@group(0) @binding(2) var<storage, read>       air_total:           array<mat2x4f>;   // of each body (`contact/body_impulse`)
 @group(0) @binding(3) var<storage, read>       coarse_impulse: array<vec4f>;     // by the coarse pressure, over the mass of an air particle [m/s]
 @group(0) @binding(4) var<storage, read_write> body_impulse:   array<vec4f>;     // of the run [kg m/s]
 

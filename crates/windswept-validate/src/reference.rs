@@ -1,18 +1,19 @@
-//! Single passes on the GPU in f32 beside the twin's in f64 (windswept_reference).
+//! Single passes on the GPU in f32 beside the reference's in f64 (windswept_reference).
 
 use glam::DVec3;
 use windswept::{Gpu, internals::step, ops::Filter};
-use windswept_reference::{self as twin, Parameters, fluid, neighbours, turbulence, viscosity};
+use windswept_reference::{self as reference, Parameters, fluid, neighbours, turbulence, viscosity};
 use windswept_scene::{Band, Fluid, InitialState, Scene};
 
 use crate::{
     Error, Row,
     air::{self, Cloud, MASS, REST_DENSITY, VOLUME, vectors},
-    stage::Stage,
+    runner::Runner,
 };
 
-const PASS: &str = "f64 twin, 3375 particles anywhere in a box; largest difference over largest value; margin 3 to 4";
-const RODS: &str = "f64 twin, 12 curled strands, thrown; what rods change velocities by in a step, largest difference over \
+const PASS: &str =
+    "f64 reference, 3375 particles anywhere in a box; largest difference over largest value; margin 3 to 4";
+const RODS: &str = "f64 reference, 12 curled strands, thrown; what rods change velocities by in a step, largest difference over \
     largest value; measured 2.1e-5, mostly what rounding an orientation stretches; margin 4";
 
 /// Reach of the direct filter, in scales: there nothing is left of the band's kernel. Of three million pairs about one is so near to the
@@ -33,7 +34,7 @@ pub(crate) fn passes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let single = |rows: &[DVec3]| rows.iter().map(|x| x.as_vec3().as_dvec3()).collect::<Vec<_>>();
     let (x, v) = (single(&initial.air.positions), single(&initial.air.velocities));
     let (volume, inverse_mass) = (vec![VOLUME; x.len()], vec![1.0 / MASS; x.len()]);
-    let near = neighbours::neighbours(&p, &x);
+    let near = neighbours::list(&p, &x);
     let (theta, lambda) = fluid::density(&p, &x, &inverse_mass, &volume, &near);
     let eddies = vec![0.0; x.len()];
     let exchange = viscosity::limit(&p, &x, &volume, &near, &theta, &eddies);
@@ -48,18 +49,18 @@ pub(crate) fn passes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let on_grid = vectors(&particles.band_velocity(gpu, band.scale, Filter::of(&scene.turbulence))?);
     let smooth = vectors(&particles.viscosity(gpu, scene.viscosity.air)?);
     let change = |after: &[DVec3]| after.iter().zip(&v).map(|(after, before)| *after - *before).collect::<Vec<_>>();
-    let twin_smooth = viscosity::viscosity(&p, &x, &v, &inverse_mass, &volume, &near, &theta, &eddies, &exchange);
-    let twin_grid = turbulence::band_velocity(&p, &band, DVec3::ZERO, &x, &v, &volume);
+    let reference_smooth = viscosity::xsph(&p, &x, &v, &inverse_mass, &volume, &near, &theta, &eddies, &exchange);
+    let reference_grid = turbulence::band_velocity(&p, &band, DVec3::ZERO, &x, &v, &volume);
     let row = |pass: &str, got: &[DVec3], wanted: &[DVec3], tolerance: f64| {
-        Row::new(format!("twin: {pass}"), 0.0, error(got, wanted), tolerance, PASS)
+        Row::new(format!("reference: {pass}"), 0.0, error(got, wanted), tolerance, PASS)
     };
     Ok(vec![
         row("fluid/density", &density, &theta_rows, 1.5e-6),
         row("fluid/correct", &shift, &fluid::correct(&p, &x, &inverse_mass, &volume, &near, &lambda), 6e-6),
-        row("fluid/viscosity", &change(&smooth), &change(&twin_smooth), 3e-6),
+        row("viscosity/xsph", &change(&smooth), &change(&reference_smooth), 3e-6),
         row("turbulence/vorticity", &omega, &turbulence::vorticity(&p, &x, &v, &volume, &near), 2e-6),
         row("turbulence/band", &summed, &turbulence::band(&p, &band, DVec3::ZERO, &x, &v, &volume), 4e-6),
-        row("turbulence/deposit, smooth, gather", &on_grid, &twin_grid, 2e-6),
+        row("turbulence/deposit, smooth, gather", &on_grid, &reference_grid, 2e-6),
     ])
 }
 
@@ -100,21 +101,21 @@ pub(crate) fn rods(gpu: &Gpu) -> Result<Vec<Row>, Error> {
             for (v, x) in hair.velocities.iter_mut().zip(&hair.positions) {
                 *v = THROWN * DVec3::new((40.0 * x.y).sin(), (50.0 * x.x).sin(), (30.0 * (x.x + x.z)).cos() - 1.0);
             }
-            let mut stage = Stage::new(gpu, &scene, &initial)?;
-            stage.take_bdf2()?;
-            stage.run(|r, plan| {
-                step::drive::record(r, plan);
+            let mut runner = Runner::new(gpu, &scene, &initial)?;
+            runner.take_bdf2()?;
+            runner.run(|r, plan| {
+                step::forcing::record(r, plan);
                 step::rods::record(r, plan);
             })?;
-            let (p, mut s) = (stage.p.clone(), stage.twin.clone());
-            let mut w = twin::drive::run(&s, &p);
-            twin::fluid::run(&s, &mut w, &p);
-            twin::rods::run(&mut s, &mut w, &p);
+            let (p, mut s) = (runner.p.clone(), runner.reference.clone());
+            let mut w = reference::forcing::run(&s, &p);
+            reference::fluid::run(&s, &mut w, &p);
+            reference::rods::run(&mut s, &mut w, &p);
             let free: Vec<_> = w.moving.points.iter().map(|point| point.velocity + p.step * p.gravity).collect();
-            twin::contact::run(&mut w, &p);
+            reference::contact::run(&mut w, &p);
             let change = |v: &[DVec3]| v.iter().zip(&free).map(|(v, free)| *v - *free).collect::<Vec<_>>();
-            let measured = error(&change(&stage.read(|s| &s.new_velocity)?), &change(&w.new_velocity));
-            rows.push(Row::new(format!("twin: {pass}, {integrator}"), 0.0, measured, 8.5e-5, RODS));
+            let measured = error(&change(&runner.read(|s| &s.new_velocity)?), &change(&w.new_velocity));
+            rows.push(Row::new(format!("reference: {pass}, {integrator}"), 0.0, measured, 8.5e-5, RODS));
         }
     }
     Ok(rows)

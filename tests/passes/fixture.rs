@@ -1,4 +1,4 @@
-//! An engine and its twin side by side: run a fragment of the step on one, the same headings on the other, compare.
+//! An engine and its reference side by side: run a fragment of the step on one, the same stages on the other, compare.
 
 use glam::{DQuat, DVec3};
 use rand::{Rng, SeedableRng};
@@ -8,7 +8,7 @@ use windswept::{
     internals::{Array, Command, Engine, Plan, Recorder, Recording, Setup, Slots},
 };
 use windswept_reference::{
-    Parameters, State as Twin,
+    Parameters, State as Reference,
     contact::Memory,
     neighbours::{self, Neighbours},
 };
@@ -21,11 +21,11 @@ use windswept_shaders::common::{
 
 use crate::support::{self, Layout};
 
-/// Engine with its state on the device, and the twin with the same numbers (rounded to f32 as the engine's are).
-pub struct Stage {
+/// Engine with its state on the device, and the reference with the same numbers (rounded to f32 as the engine's are).
+pub struct Fixture {
     pub engine: Engine,
     pub plan: Plan,
-    pub twin: Twin,
+    pub reference: Reference,
     pub parameters: Parameters,
 }
 
@@ -38,7 +38,7 @@ pub fn quaternion(q: [f32; 4]) -> DQuat {
     DQuat::from_array(q.map(f64::from))
 }
 
-impl Stage {
+impl Fixture {
     pub fn new(scene: &Scene, initial: &InitialState) -> Self {
         Self::on(&support::gpu(), scene, initial)
     }
@@ -52,11 +52,11 @@ impl Stage {
         let mut plan = Plan::new(&setup);
         plan.mend_strands();
         let parameters = Parameters::new(scene, initial);
-        let mut twin = Twin::new(initial, parameters.step);
-        for x in twin.position.iter_mut().chain(&mut twin.tip_targets) {
+        let mut reference = Reference::new(initial, parameters.step);
+        for x in reference.position.iter_mut().chain(&mut reference.tip_targets) {
             *x = x.as_vec3().as_dvec3();
         }
-        Self { engine, plan, twin, parameters }
+        Self { engine, plan, reference, parameters }
     }
 
     fn recorded(&self, record: impl FnOnce(&mut Recorder<'_>, &Plan)) -> Recording {
@@ -96,7 +96,7 @@ impl Stage {
     pub fn passes(&self, record: impl FnOnce(&mut Recorder<'_>, &Plan)) -> Passes<'_> {
         let mut commands = self.recorded(record).commands;
         commands.retain(|command| command.skipped.is_none());
-        Passes { stage: self, commands }
+        Passes { fixture: self, commands }
     }
 
     pub fn vectors(&self, array: &Array<[f32; 4]>) -> Vec<DVec3> {
@@ -139,16 +139,16 @@ impl Stage {
     /// Sets accelerations of up to 30 m/s² along each axis for hair and air, rounded to f32.
     pub fn push(&mut self) {
         let pushed: Vec<_> =
-            stirred(self.twin.position.len()).into_iter().map(|v| (10.0 * v).as_vec3().as_dvec3()).collect();
+            stirred(self.reference.position.len()).into_iter().map(|v| (10.0 * v).as_vec3().as_dvec3()).collect();
         let (hair, air) = pushed.split_at(self.parameters.hair_points);
         self.engine.make_room_for_force(true).unwrap();
         self.engine.write_force(hair, air).unwrap();
         self.plan.set_force(true);
-        self.twin.pushed = pushed;
+        self.reference.pushed = pushed;
     }
 
-    /// Makes the engine's hair the twin's, so that what rounding made of one step is not held against the next.
-    pub fn adopt(&self, s: &mut Twin) {
+    /// Makes the engine's hair the reference's, so that what rounding made of one step is not held against the next.
+    pub fn adopt(&self, s: &mut Reference) {
         let state = self.engine.state();
         let points = self.engine.read(&state.point_history).unwrap();
         let segments = self.engine.read(&state.segment_history).unwrap();
@@ -177,8 +177,8 @@ impl Stage {
         }
     }
 
-    /// Puts the twin's air into the engine's slots; it was in those of `before`.
-    pub fn follow(&self, s: &mut Twin, before: &Slots) {
+    /// Puts the reference's air into the engine's slots; it was in those of `before`.
+    pub fn follow(&self, s: &mut Reference, before: &Slots) {
         let slot_of = before.by_id(0..before.ids().len());
         let from = self.engine.slots().unwrap().by_slot(&slot_of);
         fn put<T: Copy>(air: &mut [T], from: &[usize]) {
@@ -203,11 +203,11 @@ impl Stage {
         self.engine.read(&self.engine.state().exchange).unwrap().iter().map(|all| f64::from(part(all))).collect()
     }
 
-    /// Lists neighbours, on the engine with positions where a step's predicted ones stand; returns the twin's.
+    /// Lists neighbours, on the engine with positions where a step's predicted ones stand; returns the reference's.
     pub fn meet(&self) -> Neighbours {
         self.engine.copy_state_to_scratch().unwrap();
         self.run(windswept::internals::step::neighbours::record);
-        neighbours::neighbours(&self.parameters, &self.twin.position)
+        neighbours::list(&self.parameters, &self.reference.position)
     }
 
     pub fn write_vectors(&self, array: &Array<[f32; 4]>, values: &[DVec3]) {
@@ -218,7 +218,7 @@ impl Stage {
 
 /// Passes of a fragment of the step, which run one after the other.
 pub struct Passes<'a> {
-    stage: &'a Stage,
+    fixture: &'a Fixture,
     commands: Vec<Command>,
 }
 
@@ -241,12 +241,12 @@ impl Passes<'_> {
 
     fn replay(&mut self, passes: usize) {
         let commands = self.commands.drain(..passes).collect();
-        self.stage.engine.replay(&Recording { commands }).unwrap();
+        self.fixture.engine.replay(&Recording { commands }).unwrap();
     }
 }
 
 /// Condition of a strand of the reference, in the engine's words.
-pub fn condition(s: &Twin, strand: usize) -> Condition {
+pub fn condition(s: &Reference, strand: usize) -> Condition {
     Condition {
         bad: s.bad[strand].into(),
         strained: s.strained_steps[strand].min(windswept_reference::rods::STRAINED_STEPS + 1),
@@ -278,9 +278,9 @@ pub fn stirred(n: usize) -> Vec<DVec3> {
 }
 
 /// Compares each of the [`crowds`] in a scene.
-pub fn each(scene: &Scene, mut compare: impl FnMut(&str, &Stage)) {
+pub fn each(scene: &Scene, mut compare: impl FnMut(&str, &Fixture)) {
     for (what, initial) in crowds() {
-        compare(&what, &Stage::new(scene, &initial));
+        compare(&what, &Fixture::new(scene, &initial));
     }
 }
 

@@ -1,6 +1,6 @@
-//! Heading 1: strands that are bad are reset; clamps and bodies move; the wind enters; air moves, and hair drifts among it.
+//! Stage `forcing`: strands that are bad are reset; clamps and bodies move; the wind enters; air moves, and hair drifts among it.
 
-mod gale;
+mod fields;
 mod reset;
 
 use std::f64::consts::PI;
@@ -8,8 +8,8 @@ use std::f64::consts::PI;
 use glam::{DQuat, DVec3};
 use windswept_scene::{FluidSolver, InflowWave, Model};
 
-pub(crate) use self::gale::fields;
-pub use self::gale::{Field, course, draw, gale};
+pub(crate) use self::fields::fields;
+pub use self::fields::{Field, drive_air, field_strengths, gale};
 pub(crate) use self::reset::FAR;
 pub use self::reset::{inspect, mend, reset};
 use crate::{
@@ -18,22 +18,22 @@ use crate::{
     step::Scratch,
 };
 
-/// Runs the heading: clamps and bodies move, the wind enters, air moves, and hair drifts among it as if nothing held it.
+/// Runs the stage: clamps and bodies move, the wind enters, air moves, and hair drifts among it as if nothing held it.
 #[must_use]
 pub fn run(s: &State, p: &Parameters) -> Scratch {
     let drives = (0..s.hair.len()).map(|strand| roots(p, s, strand)).collect();
-    let blowing = blow(p, s.steps + 1);
+    let blowing = mean_wind(p, s.steps + 1);
     let mut predicted = s.position.clone();
     let mut new_velocity = s.velocity.clone();
     for (i, place) in predicted[..p.hair_points].iter_mut().enumerate() {
-        *place = drift(p, s, i);
+        *place = hair_drift(p, s, i);
     }
     let air = p.hair_points..s.position.len();
-    let missed = miss(p, s.steps, &s.position[air.clone()], &s.velocity[air.clone()]);
+    let missed = fringe_deficit(p, s.steps, &s.position[air.clone()], &s.velocity[air.clone()]);
     let lack = hold(p, s.steps, missed);
     let added = |i: usize| {
         let wind = fringe(p, s.steps, lack, s.position[i], s.velocity[i]);
-        wind + draw(p, s.steps, s.position[i], s.velocity[i] + wind) + push_air(p, s, i)
+        wind + drive_air(p, s.steps, s.position[i], s.velocity[i] + wind) + push_air(p, s, i)
     };
     let wind_change: Vec<_> = air.clone().map(added).collect();
     for (i, change) in air.zip(&wind_change) {
@@ -44,7 +44,7 @@ pub fn run(s: &State, p: &Parameters) -> Scratch {
         };
     }
     if p.solver == FluidSolver::Divergence && p.model == Model::Particles {
-        new_velocity[..p.hair_points].iter_mut().enumerate().for_each(|(i, v)| *v = lead(p, s, i));
+        new_velocity[..p.hair_points].iter_mut().enumerate().for_each(|(i, v)| *v = extrapolate(p, s, i));
     }
     let moving = rods::Moving { bodies: contact::place(p, s.steps), ..rods::Moving::default() };
     let mut w =
@@ -114,7 +114,7 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
 /// Place of hair point `i` if no rod holds it: x + Δt (v + w g Δt)/(1 + c Δt), w the point's weight.
 /// A point of infinite mass goes on with its velocity.
 #[must_use]
-pub fn drift(p: &Parameters, s: &State, i: usize) -> DVec3 {
+pub fn hair_drift(p: &Parameters, s: &State, i: usize) -> DVec3 {
     if s.inverse_mass[i] == 0.0 {
         return s.position[i] + p.step * s.velocity[i];
     }
@@ -126,7 +126,7 @@ pub fn drift(p: &Parameters, s: &State, i: usize) -> DVec3 {
 /// v + ⅓(v − v_{n−1}) where BDF2 is to take the strand, else v. Gravity has no part in it: rods bear most of it, and hair that
 /// hangs at rest must not press on the air below it.
 #[must_use]
-pub fn lead(p: &Parameters, s: &State, i: usize) -> DVec3 {
+pub fn extrapolate(p: &Parameters, s: &State, i: usize) -> DVec3 {
     let strand = p.strand_of[i];
     let carries = p.bdf2 && !s.asleep[strand] && s.bdf2_ready[strand] && s.inverse_mass[i] > 0.0;
     let change = if carries { s.velocity[i] - s.velocity_before[i] } else { DVec3::ZERO };
@@ -166,7 +166,7 @@ pub fn risen(p: &Parameters, steps: u64) -> f64 {
 
 /// Mean wind after `steps` steps \[m/s\]: what has risen of U, and what gusts add, linear between their keyframes.
 #[must_use]
-pub fn blow(p: &Parameters, steps: u64) -> DVec3 {
+pub fn mean_wind(p: &Parameters, steps: u64) -> DVec3 {
     let time = steps as f64 * p.step;
     let gust = match p.gust.iter().position(|(at, _)| *at > time) {
         Some(0) => p.gust[0].1,
@@ -181,8 +181,8 @@ pub fn blow(p: &Parameters, steps: u64) -> DVec3 {
 
 /// Velocity that the wind brings in at `position` after `steps` steps \[m/s\]: the mean wind, and waves that it has carried along.
 fn brought(p: &Parameters, steps: u64, position: DVec3) -> DVec3 {
-    let wind = blow(p, steps + 1);
-    let ends = |step| 0.5 * p.step * (blow(p, step) + blow(p, step + 1));
+    let wind = mean_wind(p, steps + 1);
+    let ends = |step| 0.5 * p.step * (mean_wind(p, step) + mean_wind(p, step + 1));
     let way: DVec3 = if p.inflow.is_empty() { DVec3::ZERO } else { (0..steps).map(ends).sum() };
     let eddy = |wave: &InflowWave| wave.amplitude * (wave.number.dot(position - way) + wave.phase).sin();
     wind + wind.length() * p.inflow.iter().map(eddy).sum::<DVec3>()
@@ -198,7 +198,7 @@ pub fn depth(p: &Parameters, wind: DVec3, axis: usize, position: DVec3) -> f64 {
 /// 10 max(|U|, 0.3 m/s)/ℓ sin²(π x/ℓ) within the thickness ℓ of the face that U enters through; several faces count with the
 /// cosines of U.
 fn rate(p: &Parameters, steps: u64, position: DVec3) -> f64 {
-    let wind = blow(p, steps + 1);
+    let wind = mean_wind(p, steps + 1);
     let speed = wind.length();
     let face = |axis: usize| {
         let depth = depth(p, wind, axis, position);
@@ -211,8 +211,8 @@ fn rate(p: &Parameters, steps: u64, position: DVec3) -> f64 {
 /// What the air in the fringe misses of the wind \[m/s\]: the mean of U + u' less the air's velocity, weighted by the rates, once the
 /// mean wind's change in step number `steps` is added to all air.
 #[must_use]
-pub fn miss(p: &Parameters, steps: u64, positions: &[DVec3], velocities: &[DVec3]) -> DVec3 {
-    let change = blow(p, steps + 1) - blow(p, steps);
+pub fn fringe_deficit(p: &Parameters, steps: u64, positions: &[DVec3], velocities: &[DVec3]) -> DVec3 {
+    let change = mean_wind(p, steps + 1) - mean_wind(p, steps);
     let (mut sum, mut all) = (DVec3::ZERO, 0.0);
     for (x, v) in positions.iter().zip(velocities) {
         let rate = rate(p, steps, *x);
@@ -227,7 +227,7 @@ pub fn miss(p: &Parameters, steps: u64, positions: &[DVec3], velocities: &[DVec3
 /// What all air lacks of the wind of step number `steps` \[m/s\]: what the fringe misses, along the wind.
 #[must_use]
 pub fn hold(p: &Parameters, steps: u64, missed: DVec3) -> DVec3 {
-    let wind = blow(p, steps + 1);
+    let wind = mean_wind(p, steps + 1);
     if wind.length() > 0.0 { missed.project_onto(wind) } else { DVec3::ZERO }
 }
 
@@ -237,7 +237,7 @@ pub fn hold(p: &Parameters, steps: u64, missed: DVec3) -> DVec3 {
 /// brings in and σ the rate of the fringe.
 #[must_use]
 pub fn fringe(p: &Parameters, steps: u64, lack: DVec3, position: DVec3, velocity: DVec3) -> DVec3 {
-    let change = blow(p, steps + 1) - blow(p, steps) + lack;
+    let change = mean_wind(p, steps + 1) - mean_wind(p, steps) + lack;
     let left = (-rate(p, steps, position) * p.step).exp();
     if left < 1.0 { change + (1.0 - left) * (brought(p, steps, position) - velocity - change) } else { change }
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{State, guard::FAST};
+use crate::{State, commit::FAST};
 
 /// Distance from its root that no point of a strand has \[lengths of the strand\].
 pub(crate) const FAR: f64 = 1e3;

@@ -1,4 +1,4 @@
-//! Headings of a step on the engine and on its twin, from the same state.
+//! Stages of a step on the engine and on its reference, from the same state.
 
 use glam::DVec3;
 use windswept::{
@@ -10,34 +10,34 @@ use windswept_scene::{InitialState, Scene};
 
 use crate::Error;
 
-/// An engine, and its twin with the same numbers, rounded to f32 as the engine's are.
-pub(crate) struct Stage {
+/// An engine, and its reference with the same numbers, rounded to f32 as the engine's are.
+pub(crate) struct Runner {
     engine: Engine,
     plan: Plan,
     pub(crate) p: Parameters,
-    pub(crate) twin: State,
+    pub(crate) reference: State,
 }
 
-impl Stage {
+impl Runner {
     pub(crate) fn new(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Self, Error> {
         let setup = Setup::new(scene, initial);
         let (engine, mut plan) = (Engine::new(gpu, &setup)?, Plan::new(&setup));
         plan.mend_strands();
         let p = Parameters::new(scene, initial);
-        let mut twin = State::new(initial, p.step);
-        for row in twin.position.iter_mut().chain(&mut twin.velocity) {
+        let mut reference = State::new(initial, p.step);
+        for row in reference.position.iter_mut().chain(&mut reference.velocity) {
             *row = row.as_vec3().as_dvec3();
         }
-        Ok(Self { engine, plan, p, twin })
+        Ok(Self { engine, plan, p, reference })
     }
 
-    /// Runs headings on the engine, from the committed state.
+    /// Runs stages on the engine, from the committed state.
     pub(crate) fn run(&mut self, record: impl Fn(&mut Recorder<'_>, &Plan)) -> Result<(), Error> {
         self.engine.evaluate(|r| record(r, &self.plan))?;
         Ok(())
     }
 
-    /// Runs passes on the engine over what the headings left.
+    /// Runs passes on the engine over what the stages left.
     pub(crate) fn replay(&self, record: impl FnOnce(&mut Recorder<'_>, &Plan)) -> Result<(), Error> {
         Ok(self.engine.replay(&Recorder::record(self.engine.state(), |r| record(r, &self.plan)))?)
     }
@@ -53,11 +53,11 @@ impl Stage {
         let mut strands = self.engine.read(array)?;
         strands.iter_mut().for_each(|strand| strand.condition.bdf2_ready = 1);
         self.engine.write(array, &strands)?;
-        self.twin.bdf2_ready.fill(true);
+        self.reference.bdf2_ready.fill(true);
         Ok(())
     }
 
-    /// Vectors of an array that the headings left.
+    /// Vectors of an array that the stages left.
     pub(crate) fn read(&self, array: impl Fn(&internals::State) -> &Array<[f32; 4]>) -> Result<Vec<DVec3>, Error> {
         let rows = self.engine.read(array(self.engine.state()))?;
         Ok(rows.iter().map(|v| DVec3::new(v[0].into(), v[1].into(), v[2].into())).collect())

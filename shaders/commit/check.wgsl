@@ -1,6 +1,6 @@
 // Freezes the step when a particle of air or a point of hair is not finite or faster than anything can be, or when too many strands were
-// reset, and counts the hair points outside the box of air. Hair is lost here only where `guard/hold`, which holds such strands, did not run:
-// the step is taken again with it. Also keeps which particle is in each slot of air, since `guard/commit_air` writes that in a new order.
+// reset, and counts the hair points outside the box of air. Hair is lost here only where `commit/hold`, which holds such strands, did not run:
+// the step is taken again with it. Also keeps which particle is in each slot of air, since `commit/air` writes that in a new order.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, cell_of, in_box},
     sound::can_be,
