@@ -1,5 +1,5 @@
-//! The pages for people say what is there: links lead somewhere, files and passes that are named exist, no file is left out of
-//! the map, and each equation's row leads to its pass, twin function and test.
+//! The pages for people say what is there: links lead somewhere, files and passes that are named exist, and each equation's row leads
+//! to its pass, twin function and test.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use std::{
@@ -10,6 +10,8 @@ use std::{
 
 /// Folders of the repository that a page may name a file of.
 const FOLDERS: [&str; 8] = ["crates/", "shaders/", "tests/", "examples/", "benches/", "python/", "docs/", ".github/"];
+/// Laboratory books: in the words and file names of their dates.
+const LAB: &str = "docs/lab";
 /// Folders of `shaders/` whose files are passes.
 const PASSES: [&str; 10] =
     ["grid/", "fluid/", "coarse/", "turbulence/", "rods/", "wind/", "force/", "contact/", "sums/", "guard/"];
@@ -43,7 +45,7 @@ fn pages() -> Vec<String> {
     ]
     .map(str::to_owned)
     .to_vec();
-    for folder in ["docs", "docs/decisions"] {
+    for folder in ["docs", "docs/decisions", LAB] {
         pages.extend(files(folder, "md").iter().map(|name| format!("{folder}/{name}")));
     }
     pages
@@ -95,7 +97,7 @@ fn links_lead_somewhere() {
 #[test]
 fn files_and_passes_that_pages_name_exist() {
     let mut missing = Vec::new();
-    for page in pages() {
+    for page in pages().into_iter().filter(|page| !page.starts_with(LAB)) {
         for span in spans(&read(&page)) {
             let path = span.split([' ', ',', ':']).next().unwrap();
             let example = path.contains(['…', '*']) || path.chars().any(|c| c.is_ascii_uppercase());
@@ -113,25 +115,6 @@ fn files_and_passes_that_pages_name_exist() {
         }
     }
     assert!(missing.is_empty(), "{missing:#?}");
-}
-
-#[test]
-fn no_file_is_left_out_of_the_map() {
-    let map = read("ARCHITECTURE.md");
-    let map = map.split("## Files").nth(1).unwrap();
-    let words: BTreeSet<&str> = map.split([' ', ',', '\n', '(', ')', ';', ':']).collect();
-    for folder in [
-        "crates/windswept/src",
-        "crates/windswept-scene/src",
-        "crates/windswept-export/src",
-        "crates/windswept-cli/src",
-    ] {
-        let left_out: Vec<_> = files(folder, "rs")
-            .into_iter()
-            .filter(|name| !["lib.rs", "main.rs"].contains(&name.as_str()) && !words.contains(name.as_str()))
-            .collect();
-        assert!(left_out.is_empty(), "{folder}: {left_out:?}");
-    }
 }
 
 /// Source text of a module of the twin, with the files inside it.
@@ -167,30 +150,6 @@ fn a_heading_has_one_file_in_each_of_three_places() {
         }
     }
     assert!(missing.is_empty(), "{missing:#?}");
-}
-
-#[test]
-fn passes_without_a_twin_function_are_those_that_are_named() {
-    let page = read("ARCHITECTURE.md");
-    let paragraph = page.split("\n\n").find(|text| text.starts_with("Most passes have a twin function")).unwrap();
-    let claimed: BTreeSet<String> =
-        spans(paragraph).into_iter().filter(|span| PASSES.iter().any(|folder| span.starts_with(folder))).collect();
-    let headings: Vec<(String, String)> = headings()
-        .iter()
-        .map(|heading| (read(&format!("crates/windswept/src/step/{heading}.rs")), twin_of(heading)))
-        .collect();
-    let mut without = BTreeSet::new();
-    for folder in PASSES.map(|folder| folder.trim_end_matches('/')) {
-        for file in files(&format!("shaders/{folder}"), "wgsl") {
-            let name = file.trim_end_matches(".wgsl");
-            let runs = format!("&{folder}::{},", name.to_uppercase());
-            let function = format!("\npub fn {name}(");
-            if !headings.iter().any(|(step, twin)| step.contains(&runs) && twin.contains(&function)) {
-                without.insert(format!("{folder}/{name}"));
-            }
-        }
-    }
-    assert_eq!(claimed, without);
 }
 
 #[test]
