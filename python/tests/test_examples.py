@@ -29,9 +29,10 @@ def test_every_numbered_rust_example_has_its_reference():
     assert rust <= {path.stem for path in EXAMPLES}
 
 
-def test_the_readme_runs(tmp_path):
+def test_the_readme_and_the_guide_run(tmp_path):
     root = Path(__file__).parents[2]
-    blocks = (root / "README.md").read_text(encoding="utf-8").split("```python\n")[1:]
+    pages = "".join((root / page).read_text(encoding="utf-8") for page in ["README.md", "docs/guide.md"])
+    blocks = pages.split("```python\n")[1:]
     code = "".join(block.split("```")[0] for block in blocks)
     # Its folders, and less of it.
     for old, new in [

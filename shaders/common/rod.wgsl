@@ -6,7 +6,7 @@
 // The ghost frame stands at the root, where the clamp is; from there to the middle of segment 0 is half a segment. A
 // clamped tip has one of its own.
 //
-// Words (docs/glossary.md has them all):
+// Words:
 //   placed       put somewhere instead of moved: it arrives without a velocity and remembers nothing
 //   still        where it became still, within a little, in this step
 //   asleep       still for so long that it is not integrated until something wakes it
