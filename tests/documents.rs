@@ -13,8 +13,18 @@ const FOLDERS: [&str; 8] = ["crates/", "shaders/", "tests/", "examples/", "bench
 /// Laboratory books: in the words and file names of their dates.
 const LAB: &str = "docs/lab";
 /// Folders of `shaders/` whose files are passes.
-const PASSES: [&str; 10] =
-    ["forcing/", "neighbours/", "fluid/", "rods/", "contact/", "turbulence/", "viscosity/", "commit/", "sort/", "reduce/"];
+const PASSES: [&str; 10] = [
+    "forcing/",
+    "neighbours/",
+    "fluid/",
+    "rods/",
+    "contact/",
+    "turbulence/",
+    "viscosity/",
+    "commit/",
+    "sort/",
+    "reduce/",
+];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

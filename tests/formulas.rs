@@ -123,7 +123,7 @@ fn wrong_constants_of_strands_turn_rows_red() {
         (&rods::PREDICT, "params.step * (2.0 / 3.0)", "params.step * 0.667", "reference-rods"),
         (&rods::SOLVE, "mu * before.lag", "1.01 * mu * before.lag", "contact"),
         (&contact::AIR, "CLEARANCE: f32 = 0.4", "CLEARANCE: f32 = 0.401", "contact"),
-        (&fluid::WALL, "30.0 / params", "15.0 / params", "bodies-in-air"),
+        (&forcing::WALLS, "30.0 / params", "15.0 / params", "bodies-in-air"),
     ]);
 }
 

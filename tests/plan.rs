@@ -192,7 +192,7 @@ fn cases() -> [Case; 11] {
                 blow,
                 &["forcing/bodies"],
                 moves,
-                &["fluid/wall"],
+                &["forcing/walls"],
                 SORT,
                 LIST,
                 HAIR_ON_HAIR,

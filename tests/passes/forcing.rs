@@ -121,8 +121,8 @@ impl Walk<'_> {
             let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
             self.same("forcing/predict", gap, bounds.length)?;
         }
-        if passes.through("fluid/wall") {
-            self.walls("fluid/wall", &w)?;
+        if passes.through("forcing/walls") {
+            self.walls("forcing/walls", &w)?;
         }
         passes.finish();
         Ok(w)

@@ -363,7 +363,7 @@ fn balanced(gpu: &Gpu) -> Result<Row, Error> {
     let mut runner = Runner::new(gpu, &scene, &initial)?;
     runner.run(|r, plan| {
         step::forcing::record_bodies(r, plan);
-        step::fluid::record_walls(r, plan);
+        step::forcing::record_walls(r, plan);
         step::neighbours::record(r, plan);
         r.meet(&fluid::MOMENTS, "gradients corrected", plan.flowing_clusters());
     })?;

@@ -36,7 +36,7 @@ pub fn record_start(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.walls, |r| {
         forcing::record_wind(r, plan);
         forcing::record_bodies(r, plan);
-        fluid::record_walls(r, plan);
+        forcing::record_walls(r, plan);
         neighbours::record(r, plan);
         fluid::record_start(r, plan);
     });

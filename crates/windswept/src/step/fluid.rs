@@ -23,7 +23,6 @@ const START: u32 = 8;
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("fluid");
     let n = &plan.sizes;
-    record_walls(r, plan);
     r.when(&plan.fluid, |r| {
         r.repeat(plan.fluid_iterations, |r| {
             density(r, plan.constrained_clusters());
@@ -74,13 +73,6 @@ fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
     });
     r.when(&plan.pressed_hair, |r| {
         r.run(&fluid::IMPULSE, "what pressure gives hair", n.hair_points);
-    });
-}
-
-/// Records the walls that bodies are to the air.
-pub fn record_walls(r: &mut Recorder<'_>, plan: &Plan) {
-    r.when(&plan.walls, |r| {
-        r.run(&fluid::WALL, "walls that bodies are to air", plan.sizes.particles);
     });
 }
 

@@ -45,6 +45,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.divergence, |r| {
         r.run(&forcing::ADVANCE, "air moves on as pressure last changed it", n.air());
     });
+    record_walls(r, plan);
 }
 
 /// Records the mean wind of the next step, and the strengths of the force fields.
@@ -65,5 +66,13 @@ pub fn record_bodies(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("forcing");
     r.when(&plan.bodies, |r| {
         r.run(&forcing::BODIES, "bodies move", plan.sizes.bodies);
+    });
+}
+
+/// Records the walls that bodies are to the air.
+pub fn record_walls(r: &mut Recorder<'_>, plan: &Plan) {
+    r.stage("forcing");
+    r.when(&plan.walls, |r| {
+        r.run(&forcing::WALLS, "walls that bodies are to air", plan.sizes.particles);
     });
 }
